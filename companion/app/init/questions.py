@@ -15,57 +15,80 @@ Ask = Callable[[str, str], str]
 
 @dataclass(frozen=True)
 class Question:
-    """A question about a key. It is asked unless the part's driver, `unless`, is "none"."""
+    """A question about a key. driver: asked unless this part is "none"; only: asked for these drivers."""
 
     key: str
     text: str
-    unless: str = ""
+    driver: str = ""
+    only: tuple[str, ...] = ()
 
 
 PRESET_CELLS: Final = 3
 """Cells in series for which the presets' voltages hold."""
 
+_GNSS, _COMPASS, _SONAR = "parts.gnss.driver", "parts.compass.driver", "parts.sonar.driver"
+_BATTERY, _RC = "parts.battery.driver", "rc.driver"
+
 QUESTIONS: Final = (
     Question("identity.system_id", "MAVLink system id, unique on the network"),
-    Question("parts.gnss.driver", "GNSS receiver"),
-    Question("parts.gnss.port", "its port (/dev/serial0: the Pi's UART)", "parts.gnss.driver"),
-    Question("parts.gnss.baud", "its baud rate (ubx sets it, nmea reads at it)", "parts.gnss.driver"),
-    Question("parts.compass.driver", "heading sensor"),
-    Question("parts.battery.driver", "battery monitor"),
+    Question(_GNSS, "GNSS receiver"),
+    Question("parts.gnss.port", "port of the receiver (/dev/serial0: the Pi's UART)", _GNSS),
+    Question("parts.gnss.baud", "its baud rate (ubx sets it, nmea reads at it)", _GNSS, ("nmea", "ubx")),
+    Question(_COMPASS, "heading sensor"),
+    Question("parts.compass.port", "port of the compass", _COMPASS, ("nmea",)),
+    Question(_BATTERY, "battery monitor"),
+    Question("parts.battery.shunt_ohm", "its shunt, Ω", _BATTERY, ("ina219", "ina226", "ina228")),
     Question("battery.cells", "cells of the pack in series"),
     Question("battery.capacity_mah", "capacity of the pack, mAh"),
-    Question("parts.sonar.driver", "sonar or ranger"),
-    Question("parts.sonar.servo", "pin of its sweeping servo (-1: fixed ahead)", "parts.sonar.driver"),
-    Question("rc.driver", "receiver of an RC transmitter"),
-    Question("rc.port", "its port (/dev/ttyAMA4 after dtoverlay=uart4)", "rc.driver"),
+    Question(_SONAR, "sonar or ranger"),
+    Question("parts.sonar.port", "port of the ranger", _SONAR, ("a02yyuw", "tfmini")),
+    Question("parts.sonar.servo", "pin of its sweeping servo (-1: fixed ahead)", _SONAR),
+    Question(_RC, "receiver of an RC transmitter"),
+    Question("rc.port", "port of the RC receiver (/dev/ttyAMA4: GPIO 9 of a Pi 4)", _RC),
 )
+
+_SUGGESTED: Final[dict[tuple[str, Value], dict[str, Value]]] = {  # other values, where an answer is given
+    (_GNSS, "nmea"): {"parts.gnss.baud": 9600},
+    (_GNSS, "gpsd"): {"parts.gnss.port": "localhost:2947"},
+    (_GNSS, "none"): {"external.position": 2},  # over MAVLink
+    (_BATTERY, "ina219"): {"parts.battery.shunt_ohm": 0.1},
+    (_BATTERY, "ina226"): {"parts.battery.shunt_ohm": 0.002},  # 41 A
+    (_BATTERY, "ina228"): {"parts.battery.shunt_ohm": 0.002},  # 82 A
+}
 
 
 def ask_all(config: BoatConfig, ask: Ask, complain: Callable[[str], None]) -> dict[str, Value]:
     """Ask every question; the changed values by key. config: the defaults. complain: about a wrong answer."""
     changed: dict[str, Value] = {}
     for question in QUESTIONS:
-        if question.unless and value_at(config, question.unless) == "none":
+        driver = value_at(config, question.driver) if question.driver else ""
+        if driver == "none" or (question.only and driver not in question.only):
             continue
-        old = value_at(config, question.key)
-        while True:
-            default = f"{old:g}" if isinstance(old, float) else str(old)
-            answer = ask(question.text + _choices(config, question.key), default).strip()
-            try:
-                value = _read(answer, type(old))
-                config = with_value(config, question.key, value)
-                break
-            except ConfigError as error:
-                complain(str(error))
-        if value != old:
-            changed[question.key] = value
+        answer = _answer(config, question, ask, complain)
+        if answer == value_at(config, question.key):
+            continue
+        for key, value in {question.key: answer, **_SUGGESTED.get((question.key, answer), {})}.items():
+            config = with_value(config, key, value)
+            changed[key] = value
     if cells := changed.get("battery.cells"):
         share = float(cells) / PRESET_CELLS
         changed["arming.battery_min_v"] = round(share * config.arming.battery_min_v, 1)
         changed["failsafe.battery_low_v"] = round(share * config.failsafe.battery_low_v, 1)
-    if changed.get("parts.gnss.driver") == "none":
-        changed["external.position"] = 2  # over MAVLink
     return changed
+
+
+def _answer(config: BoatConfig, question: Question, ask: Ask, complain: Callable[[str], None]) -> Value:
+    """The first answer that the key takes."""
+    old = value_at(config, question.key)
+    default = f"{old:g}" if isinstance(old, float) else str(old)
+    while True:
+        try:
+            value = _read(ask(question.text + _choices(config, question.key), default).strip(), type(old))
+            with_value(config, question.key, value)
+        except ConfigError as error:
+            complain(str(error))
+        else:
+            return value
 
 
 def value_at(config: BoatConfig, key: str) -> Any:  # noqa: ANN401 (a field's own type)

@@ -3,7 +3,7 @@
 import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_type_hints
 
 import pytest
 
@@ -162,11 +162,42 @@ def test_voltages_follow_the_number_of_cells() -> None:
     assert changed == {"battery.cells": 4, "arming.battery_min_v": 14.0, "failsafe.battery_low_v": 13.6}
 
 
+def drivers_of(key: str) -> tuple[str, ...]:
+    if not key:
+        return ()
+    table, _, name = key.rpartition(".")
+    choices: tuple[str, ...] = get_args(get_type_hints(type(value_at(BoatConfig(), table)))[name])
+    return choices
+
+
+def test_a_driver_brings_the_values_that_it_needs_and_its_own_questions() -> None:
+    asked, ask = answers(
+        parts__gnss__driver="gpsd", parts__battery__driver="ina228", parts__sonar__driver="tfmini"
+    )
+    changed = ask_all(config_of(preset_text("lake")), ask, pytest.fail)
+    assert changed == {
+        "parts.gnss.driver": "gpsd",
+        "parts.gnss.port": "localhost:2947",
+        "parts.battery.driver": "ina228",
+        "parts.battery.shunt_ohm": 0.002,
+        "parts.sonar.driver": "tfmini",
+    }
+    assert "parts.sonar.port" in asked
+    assert "parts.gnss.baud" not in asked
+
+
+def test_a_suggested_value_may_be_changed() -> None:
+    _, ask = answers(parts__battery__driver="ina226", parts__battery__shunt_ohm="0.005")
+    changed = ask_all(config_of(preset_text("lake")), ask, pytest.fail)
+    assert changed == {"parts.battery.driver": "ina226", "parts.battery.shunt_ohm": 0.005}
+
+
 def test_every_question_is_about_a_key_of_the_configuration() -> None:
     for question in QUESTIONS:
         value_at(BoatConfig(), question.key)
-        if question.unless:
-            assert value_at(BoatConfig(), question.unless) == "none"
+        if question.driver:
+            assert value_at(BoatConfig(), question.driver) == "none"
+        assert set(question.only) <= set(drivers_of(question.driver))
 
 
 TEXT = """[a]
