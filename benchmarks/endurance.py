@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 from benchmarks.measure import Row, alone
 from companion.boat import TICK_S, Boat
+from companion.config.boat_config import with_value
 from companion.core.geo import Point
 from companion.core.units import deg_to_e7
 from companion.links.memory import MemoryPort, memory_pair
@@ -92,7 +93,8 @@ def _endure(hours: float, every_h: float) -> Iterator[Figures]:
         storage = FolderStorage(Path(room))
         ending.callback(storage.close)
         logbook = open_logbook(Path(room), quota_mb=_QUOTA_MB, min_free_mb=0.0, keeps_telemetry=True)
-        boat = Boat(scenario.vehicle, world.hardware, [port], storage, 0.0, logbook)
+        vehicle = with_value(scenario.vehicle, "log.quota_mb", _QUOTA_MB)
+        boat = Boat(vehicle, world.hardware, [port], storage, 0.0, logbook)
         ending.callback(boat.close)
         station = _Station(port, 0)
         target = 0
