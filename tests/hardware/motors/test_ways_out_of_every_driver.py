@@ -1,19 +1,13 @@
 """Every driver of motors in the whole boat: off within a tick at every way out, and never a forbidden pin.
 
-`tests/e2e/test_ways_out.py` has the signals of the real loop, which end in the same close.
+`tests/e2e/test_ways_out.py` and `test_esc_program.py` have signals and kills, of the real program.
 """
 
-import json
-import signal
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from driven_boat import DRIVERS, TIMEOUT_S, DrivenBoat
-from patience import JOB_S
-from twins.lines import eventually
 
 from companion.boat import TICK_S
 
@@ -80,29 +74,3 @@ def test_full_ahead_to_full_astern_again_and_again_is_safe(boat: DrivenBoat) -> 
     """The record is checked at the end of each test."""
     for forward in (1000, -1000, 1000, -700):
         boat.push(forward)
-
-
-ROOM = Path(__file__).parent
-
-
-@pytest.mark.realtime
-def test_a_killed_program_leaves_its_pulses_and_motors_off_ends_them(tmp_path: Path) -> None:
-    """The kernel's files outlive the process, as on a Pi."""
-    boat = tmp_path / "boat.toml"
-    boat.write_text('parts.motors = {driver = "esc", arming_s = 0.0}', encoding="utf-8")
-    program = [sys.executable, str(ROOM / "killed_program.py"), str(tmp_path)]
-    channels = [tmp_path / "class" / "pwm" / "pwmchip0" / f"pwm{number}" for number in (0, 1)]
-
-    def state(name: str) -> list[str]:
-        return [(channel / name).read_text(encoding="ascii").strip() for channel in channels]
-
-    with subprocess.Popen([*program, "drive"], stdout=subprocess.PIPE) as driving:
-        assert driving.stdout is not None
-        assert driving.stdout.readline() == b"driving\n"
-        driving.send_signal(signal.SIGKILL)
-    eventually(lambda: driving.returncode == -signal.SIGKILL)
-    assert (state("duty_cycle"), state("enable")) == (["1900000"] * 2, ["1"] * 2), "they run on"
-    done = subprocess.run([*program, "motors_off", str(boat)], capture_output=True, check=True, timeout=JOB_S)
-    assert (state("duty_cycle"), state("enable")) == (["0"] * 2, ["0"] * 2)
-    widths = [width_us for _, _, width_us in json.loads(done.stdout)]
-    assert widths == [1500.0, 1500.0, 0.0, 0.0]
