@@ -7,6 +7,7 @@ from typing import NamedTuple
 from companion.hal.payload.interfaces import PayloadOutput
 
 _REFRESH_S = 1.0  # a servo chip whose supply has dipped has lost its signals
+_SLACK_S = 1e-6  # rounding errors of the clock
 
 
 class TimedWrite(NamedTuple):
@@ -48,7 +49,7 @@ class Actuator:
         if now_s - self._on_s >= self._max_on_s:
             self._due_s = math.inf
             self._write(0.0, now_s)
-        if now_s >= self._due_s:
+        if now_s + _SLACK_S >= self._due_s:
             write = next(self._plan, None)
             if write is None:
                 self._due_s = math.inf

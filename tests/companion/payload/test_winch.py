@@ -120,3 +120,44 @@ def test_without_pulses_it_stops_and_says_so() -> None:
     assert rig.run(60.0) == pytest.approx(2.0, abs=0.05)
     assert rig.motor.values[-1] == 0.0
     assert rig.winch.stall_text == "no pulse for 2 s, stopped"
+
+
+def test_a_reversal_rests_first_and_the_rest_is_not_counted() -> None:
+    rig = Rig()
+    rig.move(WinchMotion.LENGTH, 5.0)
+    rig.run(1.0)
+    rig.move(WinchMotion.LENGTH, -1.0)
+    assert rig.motor.values == [1.0, 0.0]
+    rig.run(0.07)
+    assert rig.motor.values == [1.0, 0.0]
+    assert rig.run(60.0) == pytest.approx(2.0 + 0.02, abs=3 * TICK_S)
+    assert rig.motor.values == [1.0, 0.0, -1.0, 0.0]
+
+
+def test_the_speed_is_that_of_the_line_and_none_at_rest() -> None:
+    rig = Rig()
+    assert rig.winch.speed_m_s == 0.0
+    rig.move(WinchMotion.RATE, rate_m_s=-0.1)
+    assert rig.winch.speed_m_s == pytest.approx(-0.1)
+    rig.run(60.0)
+    assert rig.winch.speed_m_s == 0.0
+
+
+def test_a_slow_rate_ends_with_the_line_that_is_left() -> None:
+    rig = Rig()
+    rig.move(WinchMotion.RETRACT)
+    rig.run(60.0)
+    rig.move(WinchMotion.LENGTH, 4.0)
+    rig.run(60.0)
+    rig.move(WinchMotion.RATE, rate_m_s=0.25)
+    assert rig.run(60.0) == pytest.approx(4.0, abs=4 * TICK_S)
+    assert rig.winch.out_m == pytest.approx(5.0, abs=0.03)
+    rig.move(WinchMotion.RATE, rate_m_s=-0.25)
+    assert rig.run(60.0) == pytest.approx(20.0, abs=8 * TICK_S)
+
+
+def test_a_motion_of_no_length_does_not_start() -> None:
+    rig = Rig()
+    rig.move(WinchMotion.LENGTH, 0.0)
+    assert not rig.winch.is_moving
+    assert rig.motor.values == [0.0]

@@ -1,0 +1,90 @@
+"""Whether an action is possible on the boat's payload, and what is wrong with one that is not."""
+
+import pytest
+
+from companion.config.boat_config import decode_config
+from companion.payload.actions import (
+    ActionFault,
+    MoveGripper,
+    MoveWinch,
+    PayloadAction,
+    RepeatRelay,
+    RepeatServo,
+    RunCommand,
+    SetLights,
+    SetRelay,
+    SetServo,
+    StartCapture,
+    WinchMotion,
+)
+from companion.payload.fitted import CAMERA, FittedPayload
+
+CONFIG = decode_config(
+    {
+        "payload": [
+            {"kind": "servo", "number": 9, "name": "bait"},
+            {"kind": "servo", "number": 11},
+            {"kind": "horn", "number": 0, "pin": 17, "max_on_s": 2.0},
+            {"kind": "gripper", "number": 2},
+            {"kind": "winch", "number": 1, "line_m": 5.0, "speed_m_s": 0.5},
+            {"kind": "winch", "number": 2, "out_pin": 22, "in_pin": 27, "speed_m_s": 0.5},
+        ],
+        "camera": {"capture": ["/bin/true"]},
+    },
+    "test",
+)
+FITTED = FittedPayload(CONFIG.payload, CONFIG.camera)
+RATE, LENGTH = WinchMotion.RATE, WinchMotion.LENGTH
+
+
+@pytest.mark.parametrize(
+    "action",
+    [
+        SetServo(9, 1100),
+        SetServo(11, 1900),
+        RepeatServo(9, 1900, 3, 1.0),
+        SetRelay(0, True),
+        RepeatRelay(0, 3, 4.0),
+        MoveGripper(2, closes=True),
+        MoveGripper(0, closes=True),
+        MoveWinch(1, LENGTH, -5.0),
+        MoveWinch(1, RATE, 0.0, 0.1),
+        MoveWinch(2, RATE, 0.0, -0.503),
+        MoveWinch(2, RATE, 0.0, 0.0),
+        MoveWinch(2, LENGTH, 10.0),
+        StartCapture(),
+    ],
+)
+def test_an_action_within_its_limits_is_possible(action: PayloadAction) -> None:
+    assert FITTED.fault(action) is None
+
+
+@pytest.mark.parametrize(
+    ("action", "fault"),
+    [
+        (SetServo(9, 1099), ActionFault(2, "servo 9 (bait): 1099 us, expected 1100 to 1900")),
+        (SetServo(11, 1901), ActionFault(2, "servo 11: 1901 us, expected 1100 to 1900")),
+        (SetServo(10, 1500), ActionFault(1, "no servo 10, expected 9 (bait) or 11", is_absent=True)),
+        (SetRelay(9, True), ActionFault(1, "no relay 9, expected 0", is_absent=True)),
+        (RepeatRelay(0, 3, 4.1), ActionFault(3, "horn 0: period 4.1 s, expected at most 4")),
+        (MoveGripper(1, closes=True), ActionFault(1, "no gripper 1, expected 2", is_absent=True)),
+        (MoveWinch(3, RATE), ActionFault(1, "no winch 3, expected 1 or 2", is_absent=True)),
+        (MoveWinch(1, LENGTH, -5.01), ActionFault(3, "winch 1: -5.01 m, expected at most 5")),
+        (MoveWinch(1, RATE, 0.0, -0.51), ActionFault(4, "winch 1: -0.51 m/s, expected at most 0.5")),
+        (MoveWinch(2, RATE, 0.0, 0.25), ActionFault(4, "winch 2: 0.25 m/s, expected 0 or 0.5")),
+        (RunCommand(1), ActionFault(0, "this boat has no command", is_absent=True)),
+    ],
+)
+def test_an_impossible_action_says_which_parameter_and_what_was_expected(
+    action: PayloadAction, fault: ActionFault
+) -> None:
+    assert FITTED.fault(action) == fault
+
+
+def test_what_is_lacking_is_known_by_kind() -> None:
+    assert FITTED.lacks("light") == ActionFault(0, "this boat has no light", is_absent=True)
+    assert FITTED.lacks("relay") is None  # the horn
+    assert FITTED.lacks(CAMERA) is None
+    assert FittedPayload(CONFIG.payload).lacks(CAMERA) is not None
+    assert FittedPayload().lacks("servo") is not None
+    assert FITTED.fault(SetLights(True)) is None  # the caller asks `lacks` first
