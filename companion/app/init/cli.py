@@ -1,13 +1,16 @@
 """`boat-companion init`: write the boat's configuration from a preset and some answers."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from companion.app.composition import check_config
+from companion.app.init.board import board_values, read_model
 from companion.app.init.presets import PRESETS, STATIONS, preset_text, with_links
 from companion.app.init.questions import ask_all
+from companion.app.init.toml_edit import Value
 from companion.config.boat_config import BoatConfig, decode_config
 from companion.core.errors import ConfigError
 from companion.core.output_file import write_text
@@ -28,14 +31,15 @@ def init(
         raise ConfigError(f"{output} exists: choose another --output, or --force")
     if preset not in PRESETS and (preset or yes):
         raise ConfigError(f"--preset {preset or 'is missing'}: expected one of {', '.join(PRESETS)}")
-    text = preset_text(preset) if yes else _asked(preset)
+    board = board_values(read_model())
+    text = preset_text(preset, board) if yes else _asked(preset, board)
     check_config(_config(text, str(output)))
     write_text(output, text)
     typer.echo(f"{output} is written; next: boat-companion check --config {output}")
 
 
-def _asked(preset: str) -> str:
-    """The text after the questions."""
+def _asked(preset: str, board: Mapping[str, Value]) -> str:
+    """The text after the questions. board: values of this machine."""
     if not preset:
         for name, one in PRESETS.items():
             typer.echo(f"  {name:10} {one.title}")
@@ -45,9 +49,9 @@ def _asked(preset: str) -> str:
             preset = _ask("boat", "lake")
     stations = _ask("address that telemetry is sent to (broadcast address of the boat's network)", STATIONS)
     radio = _ask("port of a telemetry radio, such as /dev/ttyUSB0", "none")
-    config = _config(preset_text(preset), preset)
+    config = _config(preset_text(preset, board), preset)
     values = ask_all(config, _ask, lambda text: typer.echo(text, err=True))
-    return with_links(preset_text(preset, values), stations, radio)
+    return with_links(preset_text(preset, {**board, **values}), stations, radio)
 
 
 def _ask(question: str, default: str) -> str:

@@ -8,12 +8,14 @@ from typing import Any, get_args, get_type_hints
 import pytest
 
 from companion.app.cli import run_program
+from companion.app.init.board import board_values, read_model
 from companion.app.init.presets import PRESETS, STATIONS, preset_text, with_links
 from companion.app.init.questions import QUESTIONS, ask_all, value_at
 from companion.app.init.toml_edit import with_values
 from companion.config.boat_config import BoatConfig, decode_config, load_config
 
 ROOT = Path(__file__).parents[4]
+GUIDE = (ROOT / "docs" / "first-day.md").read_text(encoding="utf-8")
 EXAMPLE = ROOT / "examples" / "configs" / "boat.toml"
 presets = pytest.mark.parametrize("preset", PRESETS)
 
@@ -198,6 +200,30 @@ def test_every_question_is_about_a_key_of_the_configuration() -> None:
         if question.driver:
             assert value_at(BoatConfig(), question.driver) == "none"
         assert set(question.only) <= set(drivers_of(question.driver))
+
+
+@pytest.mark.parametrize(
+    ("model", "gnss_port", "rc_port"),
+    [
+        ("Raspberry Pi 5 Model B Rev 1.0", "/dev/ttyAMA0", "/dev/ttyAMA3"),
+        ("Raspberry Pi 4 Model B Rev 1.4", "/dev/serial0", "/dev/ttyAMA4"),
+        ("Raspberry Pi 3 Model B Plus Rev 1.3", "/dev/serial0", "/dev/ttyUSB0"),
+        ("Raspberry Pi Zero 2 W Rev 1.0", "/dev/serial0", "/dev/ttyUSB0"),
+        ("", "/dev/serial0", "/dev/ttyAMA4"),
+    ],
+)
+def test_the_ports_are_those_of_the_model(model: str, gnss_port: str, rc_port: str, tmp_path: Path) -> None:
+    path = tmp_path / "model"
+    path.write_text(f"{model}\0", encoding="utf-8")
+    assert read_model(path) == model
+    config = config_of(preset_text("lake", board_values(model)))
+    assert (config.parts.gnss.port, config.rc.port) == (gnss_port, rc_port)
+    assert f"`{gnss_port}`" in GUIDE
+    assert f"`{rc_port}`" in GUIDE or rc_port == "/dev/ttyUSB0"
+
+
+def test_a_machine_without_a_model_has_no_values_of_its_own(tmp_path: Path) -> None:
+    assert board_values(read_model(tmp_path / "none")) == {}
 
 
 TEXT = """[a]
