@@ -7,8 +7,8 @@ from companion.core.errors import HardwareError
 from companion.hal.ads1115 import Ads1115
 from companion.hal.battery.shunt_monitor import Measurement
 
-# A Hall sensor's output is 2.5 V or more than 0.39 V without a current and saturates some 0.2 V above ground:
-# an input below this is a broken wire, or a sensor without its supply
+# Without a current a Hall sensor gives half its supply, one for a single direction 0.12 of it: 0.39 V at
+# 3.3 V. An input below this is a broken wire, or a sensor without its supply
 _LEAST_HALL_V: Final = 0.1
 
 

@@ -18,12 +18,20 @@ from companion.app import parts
 from companion.app.clock import SystemClock
 from companion.app.doctor.findings import Verdict
 from companion.app.doctor.motors import nudge_motors
-from companion.app.doctor.parts import PARTS, LivePart, check_part, check_payload, part_findings
+from companion.app.doctor.parts import (
+    PARTS,
+    LivePart,
+    check_part,
+    check_payload,
+    check_probes,
+    part_findings,
+)
 from companion.app.doctor.readings import WORDS, in_words
 from companion.app.status_file import BoatStatus
 from companion.config.boat_config import BoatConfig
 from companion.config.drive import DriveSetting
 from companion.config.parts import HullPart, MotorsPart, Parts
+from companion.config.parts.probes import ProbePart
 from companion.config.payload import CommandPayload
 from companion.core.errors import HardwareError
 from companion.core.geo import LatLon
@@ -273,3 +281,15 @@ def test_a_program_of_the_owners_that_is_missing_is_named() -> None:
     assert (found.verdict, found.text) == (Verdict.FAILED, "no such programs: /opt/no/such/program")
     there = check_payload(BoatConfig(payload=(CommandPayload(number=1, run=("/bin/true",)),)))
     assert there.verdict is Verdict.FINE
+
+
+def test_each_probe_is_read_by_itself(tmp_path: Path) -> None:
+    thermometer = tmp_path / "temperature"
+    thermometer.write_text("23125\n", encoding="ascii")
+    probes = (
+        ProbePart(name="water_t", driver="file", path=str(thermometer), scale=0.001, unit="degC"),
+        ProbePart(name="line", driver="serial", port=str(tmp_path / "none")),
+    )
+    fine, missing = check_probes(BoatConfig(probe=probes), SystemClock())
+    assert (fine.name, fine.verdict, fine.text) == ("probe water_t", Verdict.FINE, "file: 23.125 degC")
+    assert (missing.name, missing.verdict) == ("probe line", Verdict.FAILED)
