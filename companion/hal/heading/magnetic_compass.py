@@ -3,16 +3,17 @@
 import logging
 import math
 from collections.abc import Callable
-from typing import Final
+from typing import Final, Generic, Protocol, TypeVar
 
 from companion.config import parts
 from companion.core.errors import HardwareError
+from companion.core.status_text import Severity
 from companion.core.units import wrap_pi
 from companion.core.vectors import Vector, times
 from companion.hal.background import BackgroundSensor
 from companion.hal.heading.inertial import Lsm6ds, Mpu6050
 from companion.hal.heading.magnetometers import Hmc5883l, Lis3mdl, Qmc5883l, Qmc5883p
-from companion.hal.heading.registers import InertialSensor, Magnetometer, board_to_body
+from companion.hal.heading.registers import InertialSensor, Magnetometer, Motion, board_to_body
 from companion.hal.raspberry_pi import I2cBus, open_i2c
 from companion.sensors.compass.attitude import AttitudeFilter, magnetic_heading
 from companion.sensors.compass.magnetic_field import FieldCorrector
@@ -20,10 +21,14 @@ from companion.sensors.readings import HeadingReading
 
 _log = logging.getLogger(__name__)
 
+Sample = TypeVar("Sample")
+Sample_co = TypeVar("Sample_co", covariant=True)
+
 PERIOD_S: Final = 0.02
 SILENT_S: Final = 0.5  # without a new sample a part is set up again: after a supply dip it does not measure
 STUCK: Final = 50  # equal samples, a second of them: a working part has a noise of more than one count
 LOST_S: Final = 2.0  # the gyro bridges a magnetometer without a field for this long
+RETRY_S: Final = 0.5  # after an error of one part; the other goes on meanwhile
 _LEVEL: Final = (0.0, 0.0, 1.0)
 _MAGNETOMETERS: Final[dict[str, Callable[[I2cBus, int], Magnetometer]]] = {
     "qmc5883l": Qmc5883l,
@@ -34,36 +39,73 @@ _MAGNETOMETERS: Final[dict[str, Callable[[I2cBus, int], Magnetometer]]] = {
 _INERTIAL: Final[dict[str, type[Mpu6050] | type[Lsm6ds]]] = {"mpu6050": Mpu6050, "lsm6ds": Lsm6ds}
 
 
-class _Supervisor:
-    """Sets a part up again when it has been silent or stuck."""
+class _Part(Protocol[Sample_co]):
+    """A magnetometer or an inertial sensor."""
 
-    def __init__(self, part: Magnetometer | InertialSensor) -> None:
+    name: str
+
+    def set_up(self) -> None: ...
+    def read(self) -> Sample_co | None: ...
+
+
+class _Watched(Generic[Sample]):
+    """Reads a part. It is set up again when it has been silent or stuck, and tried again after an error.
+
+    is_lost: it has given nothing for LOST_S. error: of the last attempt.
+    """
+
+    def __init__(
+        self, part: _Part[Sample], notify: Callable[[int, str], None], consequence: str, now_s: float
+    ) -> None:
+        self.is_lost = False
+        self.error: OSError | None = None
         self._part = part
-        self._heard_s = -math.inf
-        self._last: object = None
+        self._notify = notify
+        self._consequence = consequence
+        self._heard_s = self._asked_s = now_s
+        self._retry_s = -math.inf
+        self._last: Sample | None = None
         self._equal = 0
 
-    def is_fresh(self, sample: object, now_s: float) -> bool:
-        """Whether a sample may be used. Raises OSError."""
-        self._equal = self._equal + 1 if sample is not None and sample == self._last else 0
+    def read(self, now_s: float) -> Sample | None:
+        """A new sample that may be used."""
+        sample = self._sample(now_s)
         if sample is not None:
-            self._last = sample
-            if self._equal < STUCK:
-                self._heard_s = now_s
-        if now_s - self._heard_s > SILENT_S:
-            if math.isfinite(self._heard_s):
+            self._heard_s = self._asked_s = now_s
+            if self.is_lost:
+                self.is_lost = False
+                self._notify(Severity.NOTICE, f"Compass: {self._part.name} answers again")
+        elif now_s - self._heard_s > LOST_S and not self.is_lost:
+            self.is_lost = True
+            self._notify(Severity.WARNING, f"Compass: {self._part.name} is silent: {self._consequence}")
+        return sample
+
+    def _sample(self, now_s: float) -> Sample | None:
+        if now_s < self._retry_s:
+            return None
+        try:
+            sample = self._part.read()
+            is_equal = sample is not None and sample == self._last
+            self._equal = self._equal + 1 if is_equal else 0 if sample is not None else self._equal
+            self._last = sample or self._last
+            if now_s - self._asked_s > SILENT_S:
+                self._asked_s = now_s
                 _log.warning("%s: no new measurements; it is set up again", self._part.name)
-            self._heard_s = now_s
-            self._part.set_up()
-            return False
-        return sample is not None and self._equal < STUCK
+                self._part.set_up()
+        except OSError as error:
+            if self.error is None:
+                _log.warning("%s: %s; trying again", self._part.name, error)
+            self.error, self._retry_s = error, now_s + RETRY_S
+            return None
+        self.error = None
+        return sample if self._equal < STUCK else None
 
 
 class MagneticCompass(BackgroundSensor[HeadingReading]):
     """Satisfies `companion.hal.interfaces.Compass`.
 
-    Its north is magnetic. Without a gyro and accelerometer the boat is taken to be level, and no yaw rate is
-    reported. The readings contain the field before correction, for the calibration.
+    Its north is magnetic. Without a gyro and accelerometer, or while these are lost, the boat is taken to be
+    level, and no yaw rate is reported. The readings contain the field before correction, for the calibration.
     """
 
     def __init__(
@@ -77,9 +119,10 @@ class MagneticCompass(BackgroundSensor[HeadingReading]):
     ) -> None:
         """corrector: the live correction of the field."""
         super().__init__(self.step, "compass", now, release)
-        self._magnetometer, self._inertial = magnetometer, inertial
-        self._watched_field = _Supervisor(magnetometer)
-        self._watched_motion = None if inertial is None else _Supervisor(inertial)
+        self._field_part = _Watched(magnetometer, self.notify, "no heading", now())
+        self._motion_part: _Watched[Motion] | None = None
+        if inertial is not None:
+            self._motion_part = _Watched(inertial, self.notify, "level, no turn rate", now())
         self._field_axes = board_to_body(part.mounting)
         self._motion_axes = board_to_body(part.imu_mounting)
         self._correction_rad = part.correction_rad
@@ -93,52 +136,53 @@ class MagneticCompass(BackgroundSensor[HeadingReading]):
         began_s = self._now()
         has_moved = self._turn(began_s)
         has_field = self._point(began_s)
-        if has_moved or (has_field and self._inertial is None):
+        motion = self._motion_part
+        if has_moved:
             self._publish(began_s)
+        elif has_field and (motion is None or motion.is_lost):
+            self._publish_level(began_s)
+        if self._field_part.error is not None and (motion is None or motion.error is not None):
+            raise self._field_part.error  # the bus
         return max(0.0, PERIOD_S - (self._now() - began_s))
 
     def _turn(self, now_s: float) -> bool:
-        if self._inertial is None or self._watched_motion is None:
-            return False
-        motion = self._inertial.read()
-        if not self._watched_motion.is_fresh(motion, now_s) or motion is None:
+        motion = None if self._motion_part is None else self._motion_part.read(now_s)
+        if motion is None:
             return False
         axes = self._motion_axes
         self._filter.turn(times(axes, motion.rate), times(axes, motion.force), now_s)
         return True
 
     def _point(self, now_s: float) -> bool:
-        field = self._magnetometer.read()
-        if not self._watched_field.is_fresh(field, now_s) or field is None:
+        field = self._field_part.read(now_s)
+        if field is None:
             return False
         self._field, self._field_s = times(self._field_axes, field), now_s
-        if self._inertial is not None:
-            is_calibrated = self._corrector.correction.is_calibrated
-            self._filter.point(self._corrector.correct(self._field), now_s, is_calibrated=is_calibrated)
+        is_calibrated = self._corrector.correction.is_calibrated
+        self._filter.point(self._corrector.correct(self._field), now_s, is_calibrated=is_calibrated)
         return True
 
     def _publish(self, now_s: float) -> None:
-        if now_s - self._field_s > LOST_S:
+        attitude = self._filter.attitude
+        if attitude is None or now_s - self._field_s > LOST_S:
             return
-        if self._inertial is None:
-            heading_rad = magnetic_heading(self._corrector.correct(self._field), _LEVEL)
-            if heading_rad is not None:
-                self._latest = HeadingReading(
-                    now_s,
-                    wrap_pi(heading_rad + self._correction_rad),
-                    field_mg=self._field,
-                    is_magnetic=True,
-                )
-        elif (attitude := self._filter.attitude) is not None:
-            self._latest = HeadingReading(
-                now_s,
-                wrap_pi(attitude.heading_rad + self._correction_rad),
-                attitude.yaw_rate_rad_s,
-                attitude.roll_rad,
-                attitude.pitch_rad,
-                self._field,
-                is_magnetic=True,
-            )
+        self._latest = HeadingReading(
+            now_s,
+            wrap_pi(attitude.heading_rad + self._correction_rad),
+            attitude.yaw_rate_rad_s,
+            attitude.roll_rad,
+            attitude.pitch_rad,
+            self._field,
+            is_magnetic=True,
+        )
+
+    def _publish_level(self, now_s: float) -> None:
+        """Without a gyro and accelerometer, or while they are lost."""
+        heading_rad = magnetic_heading(self._corrector.correct(self._field), _LEVEL)
+        if heading_rad is None:
+            return
+        heading_rad = wrap_pi(heading_rad + self._correction_rad)
+        self._latest = HeadingReading(now_s, heading_rad, field_mg=self._field, is_magnetic=True)
 
 
 def open_magnetic_compass(

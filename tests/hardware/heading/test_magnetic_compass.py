@@ -248,20 +248,61 @@ def test_a_part_that_repeats_one_value_is_not_believed_and_set_up_again(
     setups = part.setups
     bench.run(8.0)
     assert part.setups > setups
-    assert bench.clock() - bench.reading.time_s > 1.0
+    if which == "field":
+        assert bench.clock() - bench.reading.time_s > 1.0
+    else:
+        assert bench.reading.yaw_rate_rad_s is None
     assert "no new measurements; it is set up again" in caplog.text
     part.is_stuck = False
     bench.run(2.0)
     assert bench.reading.time_s == bench.clock()
+    assert bench.reading.yaw_rate_rad_s is not None
 
 
-def test_a_part_that_does_not_answer_is_an_error_of_the_step_and_recovers(bench: Bench) -> None:
-    bench.run(1.0)
+def texts(bench: Bench) -> list[str]:
+    return [one.text for one in bench.compass.take_texts()]
+
+
+def test_a_magnetometer_that_does_not_answer_costs_the_heading_after_two_seconds(bench: Bench) -> None:
+    bench.run(12.0)
+    bench.scene.yaw_rate_deg_s = 10.0
     del bench.dev.parts[bench.field.address]
+    bench.run(1.5)
+    assert bench.reading.time_s == bench.clock()
+    assert abs(bench.error_deg) < 1.0  # by the gyro
+    bench.run(2.0)
+    assert bench.clock() - bench.reading.time_s > 1.0
+    assert texts(bench) == ["Compass: QMC5883L is silent: no heading"]
+    bench.dev.parts[bench.field.address] = bench.field
+    bench.run(2.0)
+    assert bench.reading.time_s == bench.clock()
+    assert abs(bench.error_deg) < 1.5
+    assert texts(bench) == ["Compass: QMC5883L answers again"]
+
+
+def test_an_inertial_sensor_that_does_not_answer_leaves_the_heading_of_a_level_boat(bench: Bench) -> None:
+    bench.run(12.0)
+    del bench.dev.parts[bench.motion.address]
+    bench.run(3.0)
+    assert bench.reading.time_s == bench.clock()
+    assert bench.reading.yaw_rate_rad_s is None
+    assert abs(bench.error_deg) < 2.0
+    assert texts(bench) == ["Compass: MPU-6050 is silent: level, no turn rate"]
+    bench.motion.power_up()
+    bench.dev.parts[bench.motion.address] = bench.motion
+    bench.run(12.0)
+    assert bench.reading.yaw_rate_rad_s == pytest.approx(0.0, abs=0.02)
+    assert texts(bench) == ["Compass: MPU-6050 answers again"]
+
+
+def test_a_bus_without_any_part_is_an_error_of_the_step_and_recovers(bench: Bench) -> None:
+    bench.run(1.0)
+    parts, bench.dev.parts = bench.dev.parts, {}
     bench.clock.advance(0.02)
     with pytest.raises(OSError, match="Remote I/O"):
         bench.compass.step()
-    bench.dev.parts[bench.field.address] = bench.field
+    bench.dev.parts = parts
+    bench.clock.advance(0.6)
     bench.run(1.0)
     assert bench.reading.time_s == bench.clock()
 
