@@ -68,6 +68,9 @@ the peer run alternately in one process. Figures are medians ± half the interqu
 median of the pairs. Times are CPU time, except wall-clock time for transfers and garbage. On a shared machine
 the ratios are more reliable than the times.
 
+Two runs take longer, and print memory and descriptors as they go: `python -m benchmarks.endurance 24` sails
+24 simulated hours, `python -m benchmarks.full_boat 1` runs the program with every part for an hour.
+
 Machine: {machine}. Measured on {day}.
 """
 

@@ -75,9 +75,8 @@ def open_motors(config: BoatConfig, now: Now) -> WatchedMotors:
         case "none":
             raise HardwareError("motors: no driver is configured")
         case "esc":
-            signals = (part.left, part.right) if has_right else (part.left,)
             motors = open_escs(
-                signals,
+                part.signals[: 1 + has_right],
                 part.dead_time_s,
                 part.arming_s,
                 now,

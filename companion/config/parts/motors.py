@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from msgspec import Meta
+from msgspec import Meta, structs
 
 from companion.config.parts.pulses import PulseOutputSetting
 from companion.config.section import NonNegative, Section
@@ -33,8 +33,20 @@ class MotorsPart(Section, frozen=True):
     right: PulseOutputSetting = PulseOutputSetting(pin=13)
     arming_s: NonNegative = 3.0  # neutral pulses before the first command; ESCs arm on them
 
+    @property
+    def signals(self) -> tuple[PulseOutputSetting, PulseOutputSetting]:
+        """The speed controllers' signals, left and right, with left_reversed and right_reversed in them."""
+        left = structs.replace(self.left, reversed=self.left.reversed != self.left_reversed)
+        return left, structs.replace(self.right, reversed=self.right.reversed != self.right_reversed)
+
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.driver == "esc":
+            for name, signal in zip(("left", "right"), self.signals, strict=True):
+                if signal.reversed and signal.trim_us == signal.min_us:
+                    raise ValueError(
+                        f"{name}: without reverse it cannot be reversed; swap two of the motor's wires"
+                    )
         if self.driver == "drv8833":
             for name in ("left_forward", "left_backward", "right_forward", "right_backward"):
                 if getattr(self, name) in PULLED_UP:

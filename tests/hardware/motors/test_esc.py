@@ -4,6 +4,7 @@ import itertools
 import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
@@ -12,8 +13,10 @@ from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from twins.lines import HandClock
 from twins.pulses import PI_4, KernelPwm, Signal, plug_in_pwm
 
+from companion.app.parts import open_motors
+from companion.config.boat_config import decode_config
 from companion.config.parts import PulseOutputSetting
-from companion.core.errors import HardwareError
+from companion.core.errors import ConfigError, HardwareError
 from companion.hal.motors.esc import Esc, EscMotors, open_escs
 from companion.hal.pulses.sysfs_pwm import open_sysfs_pulses
 
@@ -202,6 +205,24 @@ def test_a_second_signal_that_cannot_be_opened_releases_the_first(kernel: Kernel
     assert [signal.width_us for signal in kernel.history] == [1500.0, 1500.0]
     motors.close()
     assert [signal.width_us for signal in kernel.history] == [1500.0, 1500.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("lines", [{"left": {"pin": 12, "reversed": True}}, {"left_reversed": True}])
+def test_a_reversed_motor_gets_the_mirrored_pulse(kernel: KernelPwm, lines: dict[str, Any]) -> None:
+    config = decode_config({"parts": {"motors": {"driver": "esc", "arming_s": 0.0, **lines}}}, "test")
+    motors = open_motors(config, HandClock())
+    motors.write(1.0, 1.0)
+    motors.close()
+    pulses = [(signal.output[-1], signal.width_us) for signal in kernel.history]
+    assert pulses[2:4] == [("0", 1100.0), ("1", 1900.0)]
+
+
+def test_a_controller_without_reverse_cannot_be_reversed() -> None:
+    forward = {"min_us": 1000, "trim_us": 1000, "max_us": 2000}
+    with pytest.raises(ConfigError, match="left: without reverse it cannot be reversed; swap two"):
+        decode_config(
+            {"parts": {"motors": {"driver": "esc", "left_reversed": True, "left": forward}}}, "test"
+        )
 
 
 class Commands(RuleBasedStateMachine):
