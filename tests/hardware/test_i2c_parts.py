@@ -125,6 +125,9 @@ def test_a_part_whose_supply_dipped_is_set_up_again_and_must_find_north_again(
     steps(compass, 5)
     assert chip.mode == NDOF
     assert compass.read() is before
+    assert [one.text for one in compass.take_texts()] == [
+        "Compass: BNO055 was reset: it must find north again"
+    ]
     chip.magnet = 2
     steps(compass, 2)
     after = compass.read()

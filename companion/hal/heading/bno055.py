@@ -13,6 +13,7 @@ from typing import Final, NamedTuple
 
 from companion.config import parts
 from companion.core.errors import HardwareError
+from companion.core.status_text import Severity
 from companion.core.units import wrap_pi
 from companion.hal.background import BackgroundSensor
 from companion.hal.raspberry_pi import I2cBus, open_i2c_part
@@ -155,6 +156,8 @@ class Bno055Compass(BackgroundSensor[HeadingReading]):
             if self._is_saving:
                 self._save()
             else:  # a supply dip has reset the part to configuration mode
+                if self._knows_north:
+                    self.notify(Severity.WARNING, "Compass: BNO055 was reset: it must find north again")
                 self._knows_north, self._has_saved, self._good = False, self._file is None, 0
             self._part.set_up(self._profile)
             return _PERIOD_S

@@ -5,13 +5,13 @@ Not on I²C: the part stretches the clock, which the Pi's controller does not su
 magnetometer.
 """
 
-import logging
 import math
 import time
 from collections.abc import Callable, Iterable
 from typing import Final
 
 from companion.config.parts import CompassPart
+from companion.core.status_text import Severity
 from companion.core.units import wrap_pi
 from companion.core.vectors import Matrix, Vector, dot, times
 from companion.hal.heading.registers import board_to_body
@@ -22,12 +22,11 @@ from companion.sensors.compass.attitude import roll_pitch
 from companion.sensors.readings import HeadingReading
 from companion.sensors.sh2.session import Rotation, Sh2Session
 
-_log = logging.getLogger(__name__)
-
 BAUD: Final = 3_000_000
 # The part needs 100 µs from one byte to the next (data sheet 1000-3927, 1.2.3.1)
 BYTE_S: Final = 0.0002
 _REST_S: Final = 0.01
+_SILENT_S: Final = 2.0
 
 
 class Bno085Compass(PortSensor[HeadingReading]):
@@ -51,16 +50,28 @@ class Bno085Compass(PortSensor[HeadingReading]):
         self._session = Sh2Session(now())
         self._knows_north = False
         self._resets = 0
+        self._heard_s = now()
+        self._is_silent = False
 
     def step(self) -> None:
         """Process received bytes, and send what the part needs."""
         super().step()
-        self._session.tick(self._now())
+        now_s = self._now()
+        self._session.tick(now_s)
+        self._tell_silence(now_s)
         for frame in self._session.take_outbox():
             for link in self._links:
                 for at in range(len(frame)):
                     link.send(frame[at : at + 1])
                     self._pause(BYTE_S)
+
+    def _tell_silence(self, now_s: float) -> None:
+        is_silent = now_s - self._heard_s > _SILENT_S
+        if is_silent and not self._is_silent:
+            self.notify(Severity.WARNING, "Compass: BNO085 is silent")
+        elif self._is_silent and not is_silent:
+            self.notify(Severity.NOTICE, "Compass: BNO085 answers again")
+        self._is_silent = is_silent
 
     def _forget(self) -> None:
         self._session = Sh2Session(self._now())
@@ -70,8 +81,10 @@ class Bno085Compass(PortSensor[HeadingReading]):
         samples = self._session.feed(chunk, time_s)
         if self._session.resets != self._resets:
             if self._resets:
-                _log.warning("BNO085: it was reset; it is set up again")
+                self.notify(Severity.WARNING, "Compass: BNO085 was reset: it must find north again")
             self._resets, self._knows_north = self._session.resets, False
+        if samples:
+            self._heard_s = time_s
         for sample in samples:
             self._knows_north = self._knows_north or sample.status > 0
             if self._knows_north:
