@@ -12,7 +12,7 @@ PAYLOAD = """vehicle.payload=[
 {kind="servo", number=9, name="bait", signal={min_us=1000, max_us=2000}},
 {kind="gripper", number=1},
 {kind="winch", number=1, line_m=5.0, speed_m_s=0.5},
-{kind="command", number=7, name="sample", run=["/usr/local/bin/sample"]},
+{kind="command", number=7, name="sample", run=["/usr/local/bin/sample"], relay=15},
 ]""".replace("\n", " ")
 CAMERA = 'vehicle.camera={capture=["/usr/bin/rpicam-still"], rtsp="rtsp://10.0.0.2:8554/bow"}'
 PUMP, LIGHT, HORN, BAIT, GRIPPER, WINCH, SAMPLE = range(7)

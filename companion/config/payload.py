@@ -130,14 +130,16 @@ class WinchPayload(_Payload, frozen=True, kw_only=True, tag="winch"):
 
 
 class CommandPayload(_Payload, frozen=True, kw_only=True, tag="command"):
-    """A program of the owner's, started by DO_SEND_SCRIPT_MESSAGE. run: the program and its arguments,
-    without a shell.
+    """A program of the owner's, started by DO_SEND_SCRIPT_MESSAGE, or by switching `relay` on.
+
+    run: the program and its arguments, without a shell.
     """
 
     number: Annotated[int, Meta(ge=0, le=65535)]
     run: Annotated[tuple[str, ...], Meta(min_length=1)]
     timeout_s: Annotated[float, Meta(gt=0.0, le=86400.0)] = 60.0
     folder: str = ""  # its working directory; otherwise the boat's
+    relay: Annotated[int, Meta(ge=0, le=15)] | None = None  # for stations whose editor lacks the item
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -173,5 +175,9 @@ def check_payloads(payloads: Iterable[PayloadSetting]) -> None:
     for index, one in enumerate(payloads):
         key = f"payload[{index}]"
         group = "relay" if isinstance(one, RelayPayload) else one.kind
-        if (other := numbers.setdefault((group, one.number), key)) != key:
-            raise ValueError(f"{key}.number = {one.number}: expected another than {other}")
+        names = [(group, "number", one.number)]
+        if isinstance(one, CommandPayload) and one.relay is not None:
+            names.append(("relay", "relay", one.relay))
+        for kind, name, number in names:
+            if (other := numbers.setdefault((kind, number), key)) != key:
+                raise ValueError(f"{key}.{name} = {number}: expected another than {other}")

@@ -59,6 +59,14 @@ class FittedPayload:
         self.has_capture = camera is not None and bool(camera.capture)
         self.is_skipped = is_skipped
 
+    def resolve(self, action: PayloadAction) -> PayloadAction | ActionFault:
+        """The action to carry out, or why it is impossible. A relay may stand for an owner's command."""
+        if isinstance(action, SetRelay):
+            for one in self.of_kind(CommandPayload):
+                if one.relay == action.number:
+                    return RunCommand(one.number) if action.is_on else ActionFault(2, _only_on(one))
+        return self.fault(action) or action
+
     def fault(self, action: PayloadAction) -> ActionFault | None:
         """Why the action is impossible, None if it is not."""
         match action:
@@ -86,7 +94,10 @@ class FittedPayload:
     def lacks(self, noun: str) -> ActionFault | None:
         """A fault if there is no payload of a kind, by its noun in messages."""
         kind = _KINDS.get(noun)
-        if self.has_capture if kind is None else self.of_kind(kind):
+        is_fitted = self.has_capture if kind is None else bool(self.of_kind(kind))
+        if is_fitted or (
+            noun == "relay" and any(one.relay is not None for one in self.of_kind(CommandPayload))
+        ):
             return None
         return ActionFault(0, f"this boat has no {noun}", is_absent=True)
 
@@ -103,12 +114,17 @@ class FittedPayload:
         for one in fitted:
             if one.number == number or (zero_is_all and number == _ALL):
                 return one
-        return ActionFault(1, f"no {noun} {number}, expected {_list_of(fitted)}", is_absent=True)
+        expected = _list_of(fitted) if fitted else "that of a command"
+        return ActionFault(1, f"no {noun} {number}, expected {expected}", is_absent=True)
 
 
 def _list_of(fitted: Iterable[PayloadSetting]) -> str:
     named = [f"{one.number} ({one.name})" if one.name else f"{one.number}" for one in fitted]
     return named[0] if len(named) == 1 else f"{', '.join(named[:-1])} or {named[-1]}"
+
+
+def _only_on(command: CommandPayload) -> str:
+    return f"{command.title}: relay {command.relay} off, expected on, which starts it"
 
 
 def _width_fault(servo: ServoPayload, width_us: int) -> ActionFault | None:

@@ -54,7 +54,7 @@ def read_action(command: int, parameters: Parameters, fitted: FittedPayload) -> 
     if lack := fitted.lacks(row.payload):
         return lack
     action = row.read(parameters)
-    return action if isinstance(action, ActionFault) else fitted.fault(action) or action
+    return action if isinstance(action, ActionFault) else fitted.resolve(action)
 
 
 def _wrong(parameter: int, value: float, expected: str) -> ActionFault:

@@ -40,6 +40,7 @@ FAULTS = [
     ([{"kind": "gripper", "open_us": 2000}], "open_us = 2000: expected 1100 to 1900, as in signal"),
     ([{"kind": "horn", "number": 0, "pin": 17, "max_on_s": 0.0}], "max_on_s"),
     ([{"kind": "command", "number": 1, "run": []}], "length >= 1"),
+    ([RELAY, {"kind": "command", "number": 1, "run": ["/bin/true"], "relay": 0}], "[1].relay = 0: expected"),
     ([{"kind": "command", "number": 1, "run": ["date"]}], "run[0] = 'date': expected an absolute path"),
     ([{"kind": "relay", "number": 0, "pin": 17, "colour": "red"}], "colour"),
 ]  # fmt: skip

@@ -81,6 +81,22 @@ def test_an_impossible_action_says_which_parameter_and_what_was_expected(
     assert FITTED.fault(action) == fault
 
 
+def test_a_relay_of_a_command_stands_for_the_command() -> None:
+    settings = decode_config(
+        {"payload": [{"kind": "command", "number": 7, "run": ["/bin/true"], "relay": 4}]}, "test"
+    ).payload
+    fitted = FittedPayload(settings)
+    assert fitted.lacks("relay") is None
+    assert fitted.resolve(SetRelay(4, True)) == RunCommand(7)
+    assert fitted.resolve(SetRelay(4, False)) == ActionFault(
+        2, "command 7: relay 4 off, expected on, which starts it"
+    )
+    assert fitted.resolve(SetRelay(5, True)) == ActionFault(
+        1, "no relay 5, expected that of a command", is_absent=True
+    )
+    assert fitted.resolve(RunCommand(7)) == RunCommand(7)
+
+
 def test_what_is_lacking_is_known_by_kind() -> None:
     assert FITTED.lacks("light") == ActionFault(0, "this boat has no light", is_absent=True)
     assert FITTED.lacks("relay") is None  # the horn

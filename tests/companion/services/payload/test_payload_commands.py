@@ -38,6 +38,8 @@ ANSWERS = [
     (CMD.MAV_CMD_DO_SET_RELAY, (0, 1), OK, ""),
     (CMD.MAV_CMD_DO_SET_RELAY, (1, 0), OK, ""),
     (CMD.MAV_CMD_DO_SET_RELAY, (0, 2), DENIED, "parameter 2 is 2, expected 0 or 1"),
+    (CMD.MAV_CMD_DO_SET_RELAY, (15, 0), DENIED, "command 7 (sample): relay 15 off, expected on"),
+    (CMD.MAV_CMD_DO_REPEAT_RELAY, (15, 2, 1.0), DENIED, "no relay 15, expected 0 (pump), 1 or 2"),
     (CMD.MAV_CMD_DO_SET_RELAY, (5, 1), DENIED, "no relay 5, expected 0 (pump), 1 or 2"),
     (CMD.MAV_CMD_DO_SET_RELAY, (-1, 1), DENIED, "parameter 1 is -1, expected a relay, from 0"),
     (CMD.MAV_CMD_DO_REPEAT_RELAY, (0, 2, 1.0), OK, ""),
@@ -232,6 +234,15 @@ def test_an_owners_command_runs_once_at_a_time_and_its_end_is_told() -> None:
     assert "DO_SEND_SCRIPT_MESSAGE: command 7 (sample): still running" in rig.peer.texts
     assert "Command 7 (sample): exit code 3" in rig.peer.texts
     assert len(program.starts) == 1
+
+
+def test_an_owners_command_may_have_a_relay_that_starts_it() -> None:
+    rig = PayloadRig()
+    rig.step()
+    assert rig.ask(CMD.MAV_CMD_DO_SET_RELAY, 15, 1) == OK
+    rig.run(2.0)
+    assert len(rig.sim.programs[SAMPLE].starts) == 1
+    assert "Command 7 (sample): done" in rig.peer.texts
 
 
 def test_safe_states_are_entered_at_start_disarming_and_link_loss() -> None:
