@@ -150,11 +150,15 @@ def test_an_ina226_is_not_taken_for_an_ina228_nor_written_to(dev: I2cDev, clock:
         open_battery_monitor(parts.BatteryPart(driver="ina228"), clock)
 
 
-def test_every_revision_of_the_die_is_taken(dev: I2cDev, bus: I2cBus, clock: HandClock) -> None:
+def test_every_revision_of_the_die_is_taken_and_the_range_is_told(
+    dev: I2cDev, bus: I2cBus, clock: HandClock, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level("INFO")
     twin = Ina226Twin(clock)
     twin.die_id = 0x2261
     dev.parts = {0x40: twin}
-    ShuntMonitor(INA226, bus, 0x40, 0.1)
+    ShuntMonitor(INA226, bus, 0x40, 0.01)
+    assert "INA226: up to 8.19 A with a shunt of 0.01 ohm" in caplog.text
 
 
 # Divider and Hall sensor on an ADS1115
@@ -209,6 +213,16 @@ def test_each_value_is_of_its_own_channel(
     assert reading.current_a == pytest.approx((2.0 - 1.65) / 0.0264, abs=0.005)
     part = parts.BatteryPart(driver="ads1115", current_channel=-1)
     assert read(analog(part)).current_a is None
+
+
+def test_channel_zero_and_a_low_output_count(
+    converter: Ads1115Twin, analog: Callable[[parts.BatteryPart], BatterySensor]
+) -> None:
+    converter.inputs_v = [0.11, 1.0, 0.0, 0.0]
+    part = parts.BatteryPart(
+        driver="ads1115", voltage_channel=1, current_channel=0, zero_v=0.0, volt_per_a=0.01
+    )
+    assert read(analog(part)).current_a == pytest.approx(11.0, abs=0.02)
 
 
 @pytest.mark.parametrize("hall_v", [0.0, 0.09, 3.6])
