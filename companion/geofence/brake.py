@@ -18,6 +18,7 @@ _GENTLE_SHARE = 0.5  # of the room is planned for braking: near rest only the pr
 _CURRENT_S = 2.0  # time for which the current carries the boat on
 _UNDER_WAY_M_S = 0.1  # below it, the course over ground is mostly noise
 _BACK_PER_S = 0.4  # speed astern per metre too near
+_ASHORE_M = 1.2  # from a line, half the hull and the error of the position: the hull may touch the shore
 _STOPPED_S = 0.5  # time below steerage way after which the boat counts as stopped
 
 
@@ -123,8 +124,9 @@ class _Ahead:
             c, s = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
             room_m = drive.turn_radius_m * min(1.0 - math.cos(off_rad), 1.0)  # what the turn takes up ahead
             ahead = self._towards(c, s, room_m)
-            if ahead < speed:
-                astern = self._towards(-c, -s)
+            astern = self._towards(-c, -s)
+            # Against the line with no room either way it drives on: if the shore holds it, that shows
+            if ahead < speed and (astern > 0.0 or not self._fence.is_near(nav.point, _ASHORE_M)):
                 speed = max(ahead, -min(setting.min_speed_m_s, max(astern, 0.0)))
                 self.is_slow = speed <= 0.0 and astern <= setting.min_speed_m_s
         if speed == wanted:

@@ -14,6 +14,7 @@ from companion.control.speed import feed_forward
 from companion.core.geo import Point, distance_m
 from companion.core.intent import Drive, Stop
 from companion.core.state import Demand, NavState
+from companion.core.units import wrap_pi
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.scene import Scene
 
@@ -90,8 +91,16 @@ class SafeSpeed:
             ):
                 return crash_stop(nav, config)
             speed = max(min(steered.speed_m_s, limit), -self.astern_m_s)
+            if nav is not None and speed < steered.speed_m_s and self._turns_astern(steered, nav, config):
+                speed = -min(config.guidance.min_speed_m_s, self.astern_m_s)
             return steered if speed == steered.speed_m_s else replace(steered, speed_m_s=speed)
         if isinstance(steered, Drive) and nav is not None and steered.throttle > 0.0 and limit < math.inf:
             most = feed_forward(limit, config.speed) + config.speed.kp * (limit - nav.surge_m_s)
             return Drive(max(min(steered.throttle, most), -1.0), steered.steering)
         return steered
+
+    def _turns_astern(self, wanted: Demand, nav: NavState, config: BoatConfig) -> bool:
+        """Whether a boat that cannot turn on the spot turns away by going astern: it has no room ahead."""
+        off_rad = abs(wrap_pi(wanted.heading_rad - nav.heading_rad))
+        has_room = self.ahead_m_s >= config.guidance.min_speed_m_s
+        return not (config.drive.can_pivot or has_room) and off_rad > 0.5 * config.guidance.pivot_angle_rad

@@ -15,7 +15,7 @@ from companion.core.intent import Drive, FollowCircle, FollowLeg, HoldCourse, In
 from companion.core.state import Demand, NavState
 from companion.core.status_text import Severity, StatusText
 from companion.geofence.brake import FenceBrake
-from companion.geofence.fence import Fence, FenceCircle
+from companion.geofence.fence import Fence, FenceCircle, FencePolygon
 
 CONFIG = BoatConfig()
 NORTHWARD = Demand(0.0, 2.0, 0.3, 7.0, 0.01)
@@ -343,3 +343,15 @@ def test_with_a_line_astern_too_it_stops() -> None:
     assert speed_of(limited(ASTERN, nav_at(-1.5), config=RUDDER, fence=laid(square(3.0)))) == pytest.approx(
         0.0
     )
+
+
+def test_against_a_line_with_no_room_either_way_it_drives_on() -> None:
+    """The shore may hold it: a boat that tries shows that. The demanded course along the channel is free."""
+
+    def channel(half_m: float) -> Fence:
+        corners = [(-half_m, -90.0), (-half_m, 90.0), (half_m, 90.0), (half_m, -90.0)]
+        return laid(FencePolygon(globe(corners), is_inclusion=True))
+
+    along = Demand(0.5 * math.pi, 0.4)
+    assert limited(along, nav_at(0.0), config=RUDDER, fence=channel(1.1)) == along
+    assert speed_of(limited(along, nav_at(0.0), config=RUDDER, fence=channel(1.5))) == pytest.approx(0.0)

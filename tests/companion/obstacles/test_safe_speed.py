@@ -7,7 +7,7 @@ from boat_rig import nav_at
 from msgspec.structs import replace
 from test_scene import moving, scene_of
 
-from companion.config.boat_config import BoatConfig, with_value
+from companion.config.boat_config import BoatConfig, decode_config, with_value
 from companion.core.geo import Point
 from companion.core.intent import Drive, Stop
 from companion.core.state import Demand
@@ -108,3 +108,26 @@ def test_sight_limits_always_or_within_forty_metres_of_what_no_map_has() -> None
     safe.note_unmapped_obstacle(here)
     safe.forget()
     assert not safe.is_sight_limited(2, here)
+
+
+@pytest.mark.parametrize(
+    ("heading_rad", "obstacles", "speed_m_s"),
+    [
+        (2.0, (Point(0.8, 0.0),), -0.4),  # no room ahead for a turn: astern, the rudder turning it on
+        (-2.0, (Point(0.8, 0.0),), -0.4),
+        (2.0, (Point(0.8, 0.0), Point(-0.8, 0.0)), -stopping_m_s(0.2)),  # no room astern either
+        (0.5, (Point(0.8, 0.0),), stopping_m_s(0.2)),  # no turn: it stops
+        (2.0, (Point(4.0, 0.0),), 0.5),  # room enough to turn ahead
+    ],
+)
+def test_without_room_to_turn_ahead_a_rudder_boat_turns_astern(
+    heading_rad: float, obstacles: tuple[Point, ...], speed_m_s: float
+) -> None:
+    rudder = decode_config({"drive": {"layout": "rudder"}}, "test")
+    safe, demand = limited(*obstacles, speed_m_s=0.0), Demand(heading_rad, 0.5)
+    limit = safe.limit(demand, NAV, rudder)
+    assert isinstance(limit, Demand)
+    assert limit.speed_m_s == pytest.approx(speed_m_s)
+    on_the_spot = safe.limit(demand, NAV, CONFIG)
+    assert isinstance(on_the_spot, Demand)
+    assert on_the_spot.speed_m_s >= 0.0
