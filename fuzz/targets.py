@@ -27,11 +27,18 @@ from companion.rc.crsf import CrsfParser, crc8
 from companion.rc.ibus import IbusParser
 from companion.rc.rc_control import RcControl
 from companion.rc.sbus import SbusParser
+from companion.sensors.gnss_heading import GnssHeading
+from companion.sensors.gpsd import GpsdReader
 from companion.sensors.nmea import NmeaReader
 from companion.sensors.nmea_depth import DEPTH_SENTENCES, DepthAssembler
 from companion.sensors.nmea_fix import FixAssembler
 from companion.sensors.nmea_heading import HeadingAssembler
 from companion.sensors.probe_values import raw_number, value_of
+from companion.sensors.rtcm import RtcmReader, crc24q
+from companion.sensors.ubx.fix import UbxFixAssembler
+from companion.sensors.ubx.frames import NAV_RELPOSNED, UbxReader, encode
+from companion.sensors.ubx.messages import baseline
+from companion.sensors.ubx.setup import UbxSetup
 from companion.vehicle.vehicle import Vehicle
 from fuzz.frames import frame
 from fuzz.fuzzed_boat import hear
@@ -187,6 +194,55 @@ def _with_checksum(line: bytes) -> bytes:
     return b"$" + body + b"*%02X\r" % check
 
 
+def gnss(data: bytes) -> None:
+    """Bytes of a u-blox receiver, of gpsd, or of corrections: the first one says which, the second how long
+    the pieces are; UBX checksums are mended.
+    """
+    kind, piece, said = data[0] % 3 if data else 0, 1 + (data[1] if len(data) > 1 else 0), data[2:]
+    if kind == 0:
+        said = _with_ubx_checksums(said)
+    pieces = [said[at : at + piece] for at in range(0, len(said), piece)]
+    if kind == 1:
+        gpsd = GpsdReader(0.1)
+        for number, one in enumerate(pieces):
+            for fix in gpsd.feed(one, 0.1 * number):
+                assert abs(fix.position.lat_deg) <= 90.0
+    elif kind == 2:
+        rtcm = RtcmReader()
+        for one in pieces:
+            assert not any(crc24q(whole) for whole in rtcm.feed(one))
+    else:
+        _ubx(pieces)
+
+
+def _ubx(pieces: list[bytes]) -> None:
+    reader, assembler, setup = UbxReader(), UbxFixAssembler(0.1), UbxSetup(115_200, 5.0, wants_baseline=True)
+    heading, now_s = GnssHeading(baseline_m=1.0), 0.0
+    for one in pieces:
+        now_s += 0.3
+        for heard in reader.feed(one)[0]:
+            setup.on_frame(heard, now_s)
+            fix = assembler.feed(heard, now_s)
+            assert fix is None or abs(fix.position.lon_deg) <= 180.0
+            if heard.kind == NAV_RELPOSNED and (found := baseline(heard.payload)) is not None:
+                heading.on_baseline(found, now_s)
+        setup.tick(now_s)
+        heading.tick(now_s, lambda severity, text: None)
+        assert sum(map(len, setup.take_outbox())) < 400
+        assert all(len(text) < 100 for _, text in setup.take_texts())
+
+
+def _with_ubx_checksums(data: bytes) -> bytes:
+    mended, at = bytearray(data), 0
+    while (at := data.find(b"\xb5\x62", at)) >= 0:
+        end = at + 6 + int.from_bytes(data[at + 4 : at + 6], "little")
+        if len(data) >= end + 2:
+            kind = int.from_bytes(data[at + 2 : at + 4], "big")
+            mended[at : end + 2] = encode(kind, bytes(mended[at + 6 : end]))
+        at += 2
+    return bytes(mended)
+
+
 def radio(data: bytes) -> None:
     """An RC receiver's bytes and the pauses between them: the first two say which protocol, and how long the
     pieces are; CRSF's checksums are mended. What it says reaches a boat's sticks and switches.
@@ -249,6 +305,7 @@ TARGETS: dict[str, Callable[[bytes], None]] = {
         files,
         nmea,
         sounders,
+        gnss,
         radio,
         config,
         parameter_file,

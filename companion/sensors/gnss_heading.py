@@ -16,7 +16,7 @@ from companion.sensors.ubx.messages import Baseline
 # ambiguities differ by a carrier wavelength, 0.19 m on L1.
 LENGTH_TOLERANCE_M: Final = 0.1
 WORST_ACCURACY_RAD: Final = math.radians(5.0)  # a magnetic compass is as good
-FRESH_S: Final = 1.0
+FRESH_S: Final = 1.5  # as the estimator waits for a compass: headings once a second are not overdue
 _LOST_S: Final = 3.0  # without an accepted heading, before the operator is told;
 _FIRST_S: Final = 60.0  # of the first one: a cold start takes half a minute, the ambiguities as long
 _DAY_S: Final = 86_400.0

@@ -63,6 +63,7 @@ class _Other(msgspec.Struct):
     name: str = msgspec.field(name="class")
 
 
+_FAULTS: Final = (msgspec.MsgspecError, UnicodeDecodeError)
 _REPORTS: Final = msgspec.json.Decoder(_Tpv | _Sky)
 _OTHERS: Final = msgspec.json.Decoder(_Other)
 
@@ -96,7 +97,7 @@ class GpsdReader:
             return None
         try:
             report = _REPORTS.decode(line)
-        except msgspec.MsgspecError:
+        except _FAULTS:
             self._count_malformed(line)
             return None
         if isinstance(report, _Sky):
@@ -107,7 +108,7 @@ class GpsdReader:
     def _count_malformed(self, line: bytes) -> None:
         try:
             is_other = _OTHERS.decode(line).name not in ("TPV", "SKY")
-        except msgspec.MsgspecError:
+        except _FAULTS:
             is_other = False
         self.malformed += not is_other
 

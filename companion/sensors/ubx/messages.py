@@ -18,7 +18,7 @@ _PVT_LENGTHS: Final = (84, 92)  # 84 before protocol 15
 _DOP: Final = Struct("<I7H")
 _DOP_LENGTH: Final = 18
 _RELPOSNED: Final = Struct("<BxHI3iii4x4b5I4xI")
-_VALID_DATE, _VALID_TIME, _FULLY_RESOLVED = 0x01, 0x02, 0x04
+_DATED: Final = 0x07  # valid date, valid time, leap seconds known
 _FIX_OK, _DIFFERENTIAL, _INVALID_POSITION = 0x01, 0x02, 0x01
 # PVT's fixType: dead reckoning alone (1) and time only (5) are no fix.
 _FIX_TYPES: Final = {2: 2, 3: 3, 4: 3}
@@ -79,7 +79,7 @@ def solution(payload: bytes) -> Solution | None:
     fix_type = _FIX_TYPES.get(fix, 1) if is_valid else 1
     if fix_type == 3:
         fix_type = _RTK.get(flags >> 6, 4 if flags & _DIFFERENTIAL else 3)
-    is_dated = valid & 7 == _VALID_DATE | _VALID_TIME | _FULLY_RESOLVED and year > 1980 and 1 <= month <= 12
+    is_dated = valid & _DATED == _DATED and 1980 <= year < 2100 and 1 <= month <= 12
     age = flags3 >> 1 & 0x0F if has_flags3 and flags & _DIFFERENTIAL else 0
     if not (abs(lat_e7) <= 900_000_000 and abs(lon_e7) <= 1_800_000_000):
         return None

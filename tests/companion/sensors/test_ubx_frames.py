@@ -72,6 +72,15 @@ def test_a_solution_of_any_bytes_has_finite_numbers(payload: bytes) -> None:
     assert pvt is None or abs(pvt.position.lat_deg) <= 90.0
 
 
+@pytest.mark.parametrize(("at", "date"), [(4, b"\xe8\xb0"), (4, b"\x00\x00"), (6, b"\x00"), (6, b"\x0d")])
+def test_an_impossible_date_is_no_date(at: int, date: bytes) -> None:
+    raw = bytearray(PVT[6:-2])
+    raw[at : at + len(date)] = date
+    pvt = solution(bytes(raw))
+    assert pvt is not None
+    assert pvt.unix_time_s is None
+
+
 def test_a_solution_of_the_oldest_generation_is_shorter() -> None:
     pvt = solution(PVT[6:90])
     assert pvt is not None

@@ -140,6 +140,7 @@ def test_garbage_is_counted_and_the_next_line_is_read(garbage: bytes) -> None:
         b"[]",
         b"7",
         b"{}",
+        b'{"class":"TPV","mode":3,"time":"\xb2"}',
     ],
 )
 def test_truncated_and_mistyped_reports_are_dropped(wrong: bytes) -> None:
