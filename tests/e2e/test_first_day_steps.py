@@ -27,7 +27,7 @@ echo 'console=serial0,115200 console=tty1 root=PARTUUID=1' > $root/boot/firmware
 NOT_HERE = re.compile(r"^(nano|sudo reboot|sudo journalctl)|--motors")  # an editor, a wait, a question
 ASKING = "boat-companion init --output boat.toml"
 WITH_ANSWERS = "boat-companion init --preset lake --yes --output boat.toml"
-SET_UP = ["boat's user", "service", "configuration", "boot settings", "serial console"]
+SET_UP = ["boat's user", "configuration", "boot settings", "serial console"]
 
 
 def commands(heading: str) -> list[str]:
@@ -69,6 +69,7 @@ def test_the_steps_of_the_page_leave_a_boat_that_lacks_only_its_parts(visitor: V
         elif step != "systemctl start mavboat":  # the unit ends where there are no pins
             assert said.endswith("exit code 0\n"), f"{step}: {said}"
     assert preset_text("lake") in visitor.types("cat /etc/mavboat/boat.toml")
+    assert visitor.types("systemctl is-enabled mavboat").startswith("enabled\n")
     report = json.loads(visitor.types("boat-companion doctor --json").rpartition("exit code")[0])
     verdicts = {one["check"]: one["verdict"] for one in report["findings"]}
     assert [verdicts[check] for check in SET_UP] == ["fine"] * len(SET_UP)

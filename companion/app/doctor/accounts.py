@@ -12,7 +12,7 @@ from companion.app.install.service import UNIT, Enabled
 from companion.app.install.target import InstallError, Target
 from companion.app.status_file import RUNTIME_DIRECTORY
 
-_STATE_NAMES = ("ActiveState", "SubState", "NRestarts", "StatusText")
+_STATE_NAMES = ("ActiveState", "NRestarts", "Result", "StatusText")
 NEEDED = ("gpio", "i2c", "dialout")  # to run the boat, or its doctor, by hand
 
 
@@ -43,13 +43,19 @@ def check_own_groups(examined: Examined, user: str) -> Finding:
 
 def check_service(examined: Examined, state: Mapping[str, str]) -> Finding:
     """Whether the boat starts with the computer, and does not fail again and again. state: of the unit."""
-    if state.get("SubState") == "auto-restart" or state.get("ActiveState") == "failed":
-        text = f"fails, and was started again {state.get('NRestarts', '?')} times"
-        return Finding("service", Verdict.FAILED, text, "journalctl -u mavboat -n 30 tells why")
+    is_active, restarts, why = (
+        state.get("ActiveState"),
+        state.get("NRestarts", "0"),
+        "journalctl -u mavboat -n 30",
+    )
+    if is_active == "activating" and restarts != "0":  # between two starts, or in one
+        return Finding("service", Verdict.FAILED, f"fails, and was started again {restarts} times", why)
+    if is_active == "failed":
+        return Finding("service", Verdict.WARNING, f"has failed: {state.get('Result', '')}", why)
     if not Enabled(examined.target, is_wanted=True).is_done():
         text = "does not start with the computer"
         return Finding("service", Verdict.WARNING, text, "sudo boat-companion install")
-    now = f", runs now: {state.get('StatusText')}" if state.get("ActiveState") == "active" else ""
+    now = f", runs now: {state.get('StatusText')}" if is_active == "active" else ""
     return Finding("service", Verdict.FINE, f"starts with the computer{now}")
 
 

@@ -168,6 +168,11 @@ def test_whether_the_boat_starts_by_itself(tree: Tree) -> None:
         "StatusText": "HOLD, disarmed",
     }
     assert check_service(examined(root), running).text == "starts with the computer, runs now: HOLD, disarmed"
-    failing = {"ActiveState": "activating", "SubState": "auto-restart", "NRestarts": "12"}
+    assert (
+        check_service(examined(root), {"ActiveState": "activating", "NRestarts": "0"}).verdict is Verdict.FINE
+    )
+    stopped = check_service(examined(root), {"ActiveState": "failed", "Result": "exit-code"})
+    assert (stopped.verdict, stopped.text) == (Verdict.WARNING, "has failed: exit-code")
+    failing = {"ActiveState": "activating", "NRestarts": "12"}
     found = check_service(examined(root), failing)
     assert (found.verdict, found.text) == (Verdict.FAILED, "fails, and was started again 12 times")
