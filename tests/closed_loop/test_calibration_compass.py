@@ -10,6 +10,7 @@ import msgspec
 import pytest
 from boat_rig import BOAT, DENIED, FAILED, OK, Rig
 from log_rig import of_kind, read_log
+from twins.qgc_compass import QgcCompassPage
 
 from companion.core.requests import ManualControl
 from companion.core.units import wrap_pi
@@ -82,18 +83,35 @@ def circle(rig: Rig) -> list[int]:
 
 
 @pytest.fixture(scope="module")
-def calibrated() -> Rig:
+def page() -> QgcCompassPage:
+    """After a calibration from QGroundControl's page."""
     rig = fresh(storage=MemoryStorage())
+    page = QgcCompassPage(rig)
+    assert page.needs_setup
     assert rig.set_mode(MANUAL) == OK
     assert rig.arm() == OK
     before = rms(steer(rig, 0.2, 0.5, 15.0))
     assert before > 12.0
-    start(rig)
-    progress = circle(rig)
-    assert progress == sorted(progress)
-    assert progress[0] < 20
-    assert progress[-1] > 80
-    return rig
+    page.press_ok()
+    for _ in range(60):
+        steer(rig, 0.2, 0.5, 1.0)
+        page.listen()
+        if page.verdict:
+            break
+    return page
+
+
+@pytest.fixture(scope="module")
+def calibrated(page: QgcCompassPage) -> Rig:
+    return page.rig
+
+
+def test_the_page_ends_well_and_has_nothing_left_to_ask_for(page: QgcCompassPage) -> None:
+    assert page.verdict == "All compasses calibrated successfully", page.log
+    assert page.bar == sorted(page.bar)
+    assert page.bar[0] < 20.0
+    assert page.bar[-1] > 80.0
+    assert "Compass 0 calibration complete" in page.log
 
 
 def test_circles_by_hand_take_the_iron_out(calibrated: Rig) -> None:
@@ -134,6 +152,12 @@ def test_the_field_told_is_the_corrected_one_and_the_log_has_both(calibrated: Ri
     field = rig.boat.sensors.compass.field_mg if rig.boat.sensors.compass else None
     assert field is not None
     assert mag.MagX - mag.OfsX - mag.MOX == pytest.approx(field[0], abs=30.0)  # but for soft iron
+
+
+def test_the_page_has_no_red_dot_and_its_limit_back(page: QgcCompassPage) -> None:
+    assert not page.needs_setup
+    parameters = page.rig.boat.parameters
+    assert [parameters.value(row) for row in parameters.rows if row.name == "COMPASS_CAL_FIT"] == [16.0]
 
 
 def test_the_motors_leads_are_measured_and_taken_out(calibrated: Rig) -> None:
