@@ -206,6 +206,7 @@ class Ads1115Twin:
         if register == 0x01:
             (self.config,) = struct.unpack(">H", data)
             assert self.config & 0x0100, "single-shot: else OS means nothing"
+            assert self.config & 0x001F == 0x0003, "no comparator"
             if self.config & 0x8000:
                 self._ends_s = self._now() + self.slow / self.RATES[self.config >> 5 & 7]
 

@@ -78,6 +78,11 @@ def test_a_flipped_bit_costs_one_frame() -> None:
     assert parser.malformed == 1
 
 
+def test_a_stray_header_costs_no_frame() -> None:
+    good = a02yyuw_frame(1953)
+    assert FrameParser(A02YYUW).feed(b"\xff" + good + b"\xff\xff" + good) == [good, good]
+
+
 @pytest.fixture
 def line(tmp_path: Path) -> Iterator[PtyLine]:
     line = PtyLine(tmp_path / "ranger")
