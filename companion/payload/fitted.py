@@ -99,7 +99,8 @@ class FittedPayload:
             noun == "relay" and any(one.relay is not None for one in self.of_kind(CommandPayload))
         ):
             return None
-        return ActionFault(0, f"this boat has no {noun}", is_absent=True)
+        what = "camera with a capture command" if noun == CAMERA else noun
+        return ActionFault(0, f"this boat has no {what}", is_absent=True)
 
     def of_kind(self, kind: type[_Setting]) -> tuple[_Setting, ...]:
         """The settings of a kind."""
