@@ -13,7 +13,7 @@ from mavsdk.logging import log_subscribe
 from mavsdk.plugins.rtk import RtcmData
 from mavutil_station import OpenStation
 from patience import MOMENT_S
-from programs import Program, RunProgram, until
+from programs import Program, RunProgram
 from pyrtcm.rtcmhelpers import calc_crc24q
 from twins.lines import PtyLine
 from twins.ubx_receiver import ZED_F9P, UbxReceiver
@@ -95,9 +95,13 @@ def test_corrections_of_mavsdk_reach_the_receiver_whole(boat: Program, receiver:
             system = await mavsdk.first_autopilot(MOMENT_S)
             assert system is not None
             rtk = RtkAsync(system)
-            for frame in frames:
-                await rtk.send_rtcm_data(RtcmData(base64.b64encode(frame).decode()))
+            while not all(frame in receiver.rtcm for frame in frames):  # a receiver in its set-up gets none
+                for frame in frames:
+                    await rtk.send_rtcm_data(RtcmData(base64.b64encode(frame).decode()))
+                await asyncio.sleep(1.0)
 
     asyncio.run(asyncio.wait_for(send(), 2.0 * MOMENT_S))
-    until(lambda: len(receiver.rtcm) >= sum(map(len, frames)))
-    assert receiver.rtcm == b"".join(frames)
+    rest = receiver.rtcm
+    for frame in frames:
+        rest = rest.replace(frame, b"")
+    assert rest == b""  # nothing but whole frames

@@ -43,8 +43,9 @@ class AntennaCompass:
         return self._combined or latest
 
     def take_texts(self) -> list[StatusText]:
-        """Those of the compass in reserve; the receiver reports its own."""
-        return self._reserve.take_texts() if isinstance(self._reserve, ReportingPart) else []
+        """Those of the compass in reserve, and of the receiver if it is owned."""
+        parts: tuple[object, ...] = (self._reserve, self._receiver)
+        return [text for part in parts if isinstance(part, ReportingPart) for text in part.take_texts()]
 
     def close(self) -> None:
         """Release the compass in reserve, and the receiver if it is owned. May be called twice."""

@@ -133,6 +133,34 @@ def test_messages_and_the_end_of_the_compass_in_reserve_are_passed_on() -> None:
     assert bench.reserve.is_closed
 
 
+def test_a_receiver_of_its_own_reports_through_it() -> None:
+    bench = Bench()
+    alone = AntennaCompass(GnssHeading(), bench.reserve, bench.clock, bench.gnss)
+    bench.gnss.notify(Severity.WARNING, "GNSS receiver is silent")
+    assert [text for _, text in alone.take_texts()] == ["GNSS receiver is silent"]
+    alone.close()
+    assert bench.line.is_closed
+
+
+def test_the_heading_goes_with_the_fixes_while_it_is_recent() -> None:
+    bench = Bench()
+
+    def fix_after(seconds: float, *more: str) -> float | None:
+        bench.clock.advance(seconds)
+        clock = f"0927{bench.clock() % 60.0:05.2f}"
+        place = "5030.0,N,00112.0,W"
+        bench.hear(
+            *more, f"GNRMC,{clock},A,{place},2.0,90.0,280524,,,A", f"GNGGA,{clock},{place},1,9,0.8,9,M,,M,,"
+        )
+        fix = bench.gnss.read()
+        return None if fix is None else fix.heading_rad
+
+    fix_after(0.2, "GNHDT,90.0,T")
+    assert fix_after(0.2) == pytest.approx(math.radians(90.0))
+    assert fix_after(1.0) == pytest.approx(math.radians(90.0))
+    assert fix_after(0.4) is None
+
+
 def boat_with(device: str, **compass: object) -> BoatConfig:
     parts = {
         "gnss": {"driver": "nmea", "port": device, "antenna_bearing_rad": 0.5},
