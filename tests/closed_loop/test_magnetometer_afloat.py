@@ -9,7 +9,8 @@ from collections.abc import Iterator
 import pytest
 from boat_rig import HOME_ITEM, OK, Rig, waypoint
 from twins.i2c import Part, plug_in
-from twins.magnetics import Mpu6050Twin, Qmc5883lTwin, Scene
+from twins.inertial import Mpu6050Twin
+from twins.magnetics import Qmc5883lTwin, Scene
 
 from companion.config.parts import CompassPart
 from companion.core.requests import ManualControl

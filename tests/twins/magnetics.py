@@ -1,8 +1,7 @@
-"""Twins of magnetometers and inertial sensors, by their data sheets, in a common scene.
+"""Twins of magnetometers, by their data sheets, and the scene that they share with inertial sensors.
 
 QMC5883L: QST 13-52-04 revision 1.0. QMC5883P: QST 13-52-19 revision C. HMC5883L: Honeywell 900405 revision E.
-LIS3MDL: ST DocID024204 revision 6. MPU-6050: InvenSense PS- and RM-MPU-6000A-00. LSM6DSOX: ST DS12814
-revision 3.
+LIS3MDL: ST DocID024204 revision 6.
 """
 
 import math
@@ -76,7 +75,8 @@ def _board(body: Triple) -> Triple:
     return body[0], -body[1], -body[2]
 
 
-def _counts(values: Sequence[float], limit: int = 32767) -> list[int]:
+def whole_counts(values: Sequence[float], limit: int = 32767) -> list[int]:
+    """Rounded, and held at the limits of two bytes."""
     return [max(-limit - 1, min(limit, round(value))) for value in values]
 
 
@@ -151,7 +151,7 @@ class Qmc5883lTwin(MeasuringTwin):
         if register == 0x00 and self.has_new():
             assert self.map[0x0B] == 0x01, "9.2.6: the recommended period"
             (field,) = self.sample((self.scene.field_mg(),))
-            self.map[0:6] = struct.pack("<3h", *_counts([one * per_gauss / 1000.0 for one in field]))
+            self.map[0:6] = struct.pack("<3h", *whole_counts([one * per_gauss / 1000.0 for one in field]))
         return bytes(self.map[register : register + length])
 
     def put(self, register: int, data: bytes) -> None:
@@ -187,7 +187,7 @@ class Qmc5883pTwin(MeasuringTwin):
                 sign = 1.0 if self.map[0x29] == 0x06 else -1.0
                 counts = [sign * one * per_gauss / 1000.0 for one in field]
                 is_over = max(map(abs, counts)) > 32767
-                self.map[1:7] = struct.pack("<3h", *_counts(counts))
+                self.map[1:7] = struct.pack("<3h", *whole_counts(counts))
             return bytes([int(is_new) | int(is_over) << 1])
         return bytes(self.map[register : register + length])
 
@@ -251,7 +251,9 @@ class Lis3mdlTwin(MeasuringTwin):
         if first in (0x27, 0x28) and first + length > 0x28 and self.has_new():
             (field,) = self.sample((self.scene.field_mg(),))
             per_gauss = self.PER_GAUSS[self.map[0x21] >> 5 & 3]
-            self.map[0x28:0x2E] = struct.pack("<3h", *_counts([one * per_gauss / 1000.0 for one in field]))
+            self.map[0x28:0x2E] = struct.pack(
+                "<3h", *whole_counts([one * per_gauss / 1000.0 for one in field])
+            )
         return (
             bytes(self.map[first : first + length])
             if goes_on
@@ -263,73 +265,3 @@ class Lis3mdlTwin(MeasuringTwin):
         self.setups += first == 0x20
         for offset, value in enumerate(data):
             self.map[first + (offset if goes_on else 0)] = value
-
-
-class Mpu6050Twin(MeasuringTwin):
-    """It sleeps after power-up. Reading INT_STATUS clears it. A magnetometer on its auxiliary bus (`behind`)
-    answers only in bypass.
-    """
-
-    address = 0x68
-    chip_id = 0x68
-
-    def reset(self) -> None:
-        self.map[0x6B], self.map[0x75] = 0x40, self.chip_id
-
-    def rate_hz(self) -> float:
-        if self.map[0x6B] & 0x40 or not self.map[0x38] & 1:
-            return 0.0
-        clock_hz = 8000.0 if self.map[0x1A] & 7 in (0, 7) else 1000.0
-        return clock_hz / (1 + self.map[0x19])
-
-    @property
-    def is_bypassed(self) -> bool:
-        return bool(self.map[0x37] & 2) and not self.map[0x6A] & 0x20
-
-    def get(self, register: int, length: int) -> bytes:
-        if register == 0x3A:
-            is_new = self.has_new()
-            self.map[0x3A] = int(is_new)
-            if is_new:
-                rate, force = self.sample((self.scene.rate_deg_s(), self.scene.force_g()))
-                per_g = (16384, 8192, 4096, 2048)[self.map[0x1C] >> 3 & 3]
-                per_rate = (131.0, 65.5, 32.8, 16.4)[self.map[0x1B] >> 3 & 3]
-                heard = [a + b for a, b in zip(rate, self.scene.gyro_bias_deg_s, strict=True)]
-                self.map[0x3B:0x41] = struct.pack(">3h", *_counts([one * per_g for one in force]))
-                self.map[0x41:0x43] = struct.pack(">h", round((25.0 - 36.53) * 340.0))
-                self.map[0x43:0x49] = struct.pack(">3h", *_counts([one * per_rate for one in heard]))
-        return bytes(self.map[register : register + length])
-
-    def put(self, register: int, data: bytes) -> None:
-        self.setups += register == 0x6B
-        super().put(register, data)
-
-
-class Lsm6dsTwin(MeasuringTwin):
-    """Powered down until its control registers are written."""
-
-    address = 0x6A
-    chip_id = 0x6C
-
-    def reset(self) -> None:
-        self.map[0x0F], self.map[0x12] = self.chip_id, 0x04
-
-    def rate_hz(self) -> float:
-        gyro, force = self.map[0x11] >> 4, self.map[0x10] >> 4
-        return 13.0 * 2 ** (min(gyro, force) - 1) if gyro and force else 0.0
-
-    def get(self, register: int, length: int) -> bytes:
-        if register == 0x1E:
-            return bytes([0x03 if self.has_new() else 0x00])
-        if register == 0x22 and self.has_new():
-            rate, force = self.sample((self.scene.rate_deg_s(), self.scene.force_g()))
-            mg = (0.061, 0.488, 0.122, 0.244)[self.map[0x10] >> 2 & 3]
-            mdps = (8.75, 17.5, 35.0, 70.0)[self.map[0x11] >> 2 & 3]
-            heard = [a + b for a, b in zip(rate, self.scene.gyro_bias_deg_s, strict=True)]
-            self.map[0x22:0x28] = struct.pack("<3h", *_counts([one * 1000.0 / mdps for one in heard]))
-            self.map[0x28:0x2E] = struct.pack("<3h", *_counts([one * 1000.0 / mg for one in force]))
-        return bytes(self.map[register : register + length])
-
-    def put(self, register: int, data: bytes) -> None:
-        self.setups += register == 0x10
-        super().put(register, data)

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 from twins.i2c import plug_in
-from twins.magnetics import Lsm6dsTwin, Qmc5883lTwin, Scene
+from twins.inertial import Lsm6dsTwin
+from twins.magnetics import Qmc5883lTwin, Scene
 
 from companion.app import parts
 from companion.app.compass_calibration import calibrate_compass

@@ -1,82 +1,19 @@
 """Magnetometers with a gyro and accelerometer, by their registers, through the real smbus2."""
 
-import logging
 import math
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from twins.i2c import I2cDev, plug_in
+from twins.i2c import plug_in
+from twins.inertial import Mpu6050Twin
 from twins.lines import HandClock
-from twins.magnetics import (
-    Hmc5883lTwin,
-    Lis3mdlTwin,
-    Lsm6dsTwin,
-    MeasuringTwin,
-    Mpu6050Twin,
-    Qmc5883lTwin,
-    Qmc5883pTwin,
-    Scene,
-    Triple,
-)
+from twins.magnetic_bench import INERTIAL, MAGNETOMETERS, Bench
+from twins.magnetics import Qmc5883lTwin, Scene, Triple
 
 from companion.config.parts import CompassPart, Mounting
-from companion.core.errors import HardwareError
-from companion.core.units import wrap_pi
-from companion.hal.heading import magnetic_compass
-from companion.hal.heading.magnetic_compass import MagneticCompass, open_magnetic_compass
+from companion.hal.heading.magnetic_compass import open_magnetic_compass
 from companion.sensors.compass.magnetic_field import BY_CURRENT, FieldCorrector, MagneticCorrection, MotorLoad
-from companion.sensors.readings import HeadingReading
-
-MAGNETOMETERS: dict[str, type[MeasuringTwin]] = {
-    "qmc5883l": Qmc5883lTwin,
-    "qmc5883p": Qmc5883pTwin,
-    "hmc5883l": Hmc5883lTwin,
-    "lis3mdl": Lis3mdlTwin,
-}
-INERTIAL: dict[str, type[MeasuringTwin]] = {"mpu6050": Mpu6050Twin, "lsm6ds": Lsm6dsTwin}
-
-
-class Bench:
-    """A compass on its bus; its thread's steps are called by the test."""
-
-    def __init__(
-        self,
-        monkeypatch: pytest.MonkeyPatch,
-        tmp_path: Path,
-        part: CompassPart | None = None,
-        field_turned: Callable[[Triple], Triple] = lambda axes: axes,
-        motion_turned: Callable[[Triple], Triple] = lambda axes: axes,
-    ) -> None:
-        self.part = part or CompassPart(driver="qmc5883l", imu="mpu6050")
-        self.clock = HandClock()
-        self.scene = Scene(self.clock)
-        self.field = MAGNETOMETERS[self.part.driver](self.scene, field_turned)
-        self.motion = INERTIAL.get(self.part.imu, Mpu6050Twin)(self.scene, motion_turned)
-        self.dev: I2cDev = plug_in(monkeypatch, tmp_path, {self.field.address: self.field})
-        if self.part.imu != "none":
-            self.dev.parts[self.motion.address] = self.motion
-        self.corrector = FieldCorrector()
-        self.corrector.correction = MagneticCorrection(offset=(0.001, 0.0, 0.0))
-        monkeypatch.setattr(magnetic_compass.MagneticCompass, "start", lambda self: self)
-        self.compass: MagneticCompass = open_magnetic_compass(self.part, self.clock, self.corrector)
-
-    def run(self, seconds: float) -> None:
-        """Steps at the driver's period; the boat turns meanwhile."""
-        for _ in range(round(seconds / 0.02)):
-            self.scene.turn(0.02)
-            self.clock.advance(0.02)
-            assert 0.0 <= self.compass.step() <= 0.02
-
-    @property
-    def reading(self) -> HeadingReading:
-        reading = self.compass.read()
-        assert reading is not None
-        return reading
-
-    @property
-    def error_deg(self) -> float:
-        return math.degrees(wrap_pi(self.reading.heading_rad - math.radians(self.scene.heading_deg)))
 
 
 @pytest.fixture
@@ -206,124 +143,6 @@ def test_the_correction_is_added(monkeypatch: pytest.MonkeyPatch, tmp_path: Path
     bench = Bench(monkeypatch, tmp_path, part)
     bench.run(3.0)
     assert bench.error_deg == pytest.approx(-7.0, abs=1.0)
-
-
-def test_a_field_out_of_range_is_not_used_and_the_gyro_bridges_two_seconds(bench: Bench) -> None:
-    bench.run(12.0)
-    bench.scene.yaw_rate_deg_s = 10.0
-    bench.scene.iron_mg = (20000.0, 0.0, 0.0)
-    bench.run(1.9)
-    assert abs(bench.error_deg) < 1.0
-    last = bench.reading.time_s
-    bench.run(1.0)
-    assert bench.reading.time_s - last < 0.2  # no heading without a field
-    bench.scene.iron_mg = (0.0, 0.0, 0.0)
-    bench.run(1.0)
-    assert bench.reading.time_s == bench.clock()
-    assert abs(bench.error_deg) < 1.0
-
-
-@pytest.mark.parametrize("driver", MAGNETOMETERS)
-@pytest.mark.parametrize("imu", INERTIAL)
-def test_parts_whose_supply_dipped_are_set_up_again(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, driver: str, imu: str
-) -> None:
-    bench = Bench(monkeypatch, tmp_path, CompassPart(driver=driver, imu=imu))  # type: ignore[arg-type]
-    bench.run(12.0)
-    for part in (bench.field, bench.motion):
-        part.power_up()
-        bench.run(2.0)
-        assert bench.reading.time_s == pytest.approx(bench.clock(), abs=0.03)
-        assert abs(bench.error_deg) < 1.5
-
-
-@pytest.mark.parametrize("which", ["field", "motion"])
-def test_a_part_that_repeats_one_value_is_not_believed_and_set_up_again(
-    bench: Bench, caplog: pytest.LogCaptureFixture, which: str
-) -> None:
-    caplog.set_level(logging.WARNING)
-    bench.run(2.0)
-    part = bench.field if which == "field" else bench.motion
-    part.is_stuck = True
-    setups = part.setups
-    bench.run(8.0)
-    assert part.setups > setups
-    if which == "field":
-        assert bench.clock() - bench.reading.time_s > 1.0
-    else:
-        assert bench.reading.yaw_rate_rad_s is None
-    assert "no new measurements; it is set up again" in caplog.text
-    part.is_stuck = False
-    bench.run(2.0)
-    assert bench.reading.time_s == bench.clock()
-    assert bench.reading.yaw_rate_rad_s is not None
-
-
-def texts(bench: Bench) -> list[str]:
-    return [one.text for one in bench.compass.take_texts()]
-
-
-def test_a_magnetometer_that_does_not_answer_costs_the_heading_after_two_seconds(bench: Bench) -> None:
-    bench.run(12.0)
-    bench.scene.yaw_rate_deg_s = 10.0
-    del bench.dev.parts[bench.field.address]
-    bench.run(1.5)
-    assert bench.reading.time_s == bench.clock()
-    assert abs(bench.error_deg) < 1.0  # by the gyro
-    bench.run(2.0)
-    assert bench.clock() - bench.reading.time_s > 1.0
-    assert texts(bench) == ["Compass: QMC5883L is silent: no heading"]
-    bench.dev.parts[bench.field.address] = bench.field
-    bench.run(2.0)
-    assert bench.reading.time_s == bench.clock()
-    assert abs(bench.error_deg) < 1.5
-    assert texts(bench) == ["Compass: QMC5883L answers again"]
-
-
-def test_an_inertial_sensor_that_does_not_answer_leaves_the_heading_of_a_level_boat(bench: Bench) -> None:
-    bench.run(12.0)
-    del bench.dev.parts[bench.motion.address]
-    bench.run(3.0)
-    assert bench.reading.time_s == bench.clock()
-    assert bench.reading.yaw_rate_rad_s is None
-    assert abs(bench.error_deg) < 2.0
-    assert texts(bench) == ["Compass: MPU-6050 is silent: level, no turn rate"]
-    bench.motion.power_up()
-    bench.dev.parts[bench.motion.address] = bench.motion
-    bench.run(12.0)
-    assert bench.reading.yaw_rate_rad_s == pytest.approx(0.0, abs=0.02)
-    assert texts(bench) == ["Compass: MPU-6050 answers again"]
-
-
-def test_a_bus_without_any_part_is_an_error_of_the_step_and_recovers(bench: Bench) -> None:
-    bench.run(1.0)
-    parts, bench.dev.parts = bench.dev.parts, {}
-    bench.clock.advance(0.02)
-    with pytest.raises(OSError, match="Remote I/O"):
-        bench.compass.step()
-    bench.dev.parts = parts
-    bench.clock.advance(0.6)
-    bench.run(1.0)
-    assert bench.reading.time_s == bench.clock()
-
-
-def test_parts_that_are_missing_or_others_are_told_in_one_line(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    clock = HandClock()
-    scene = Scene(clock)
-    mpu = Mpu6050Twin(scene)
-    dev = plug_in(monkeypatch, tmp_path, {0x68: mpu})
-    part = CompassPart(driver="qmc5883l", imu="mpu6050")
-    with pytest.raises(HardwareError, match=r"QMC5883L: no answer at I²C address 0xd: .*121"):
-        open_magnetic_compass(part, clock, FieldCorrector())
-    dev.parts = {0x1C: Hmc5883lTwin(scene), 0x68: mpu}
-    lis = CompassPart(driver="lis3mdl")
-    with pytest.raises(HardwareError, match="LIS3MDL: the part at I²C address 0x1c says 0x0, not 0x3d"):
-        open_magnetic_compass(lis, clock, FieldCorrector())
-    mpu.map[0x75] = 0x12
-    with pytest.raises(HardwareError, match="MPU-6050: the part at I²C address 0x68 says 0x12, not 0x68"):
-        open_magnetic_compass(part, clock, FieldCorrector())
 
 
 def test_a_magnetometer_behind_the_mpu_is_connected_through(bench: Bench) -> None:
