@@ -20,6 +20,7 @@ def test_a_fix_has_the_receivers_velocity_accuracies_and_time() -> None:
         (1.5, 3.0, 0.25)
     )
     assert (fix.fix_type, fix.satellites, fix.hdop, fix.altitude_m) == pytest.approx((3, 14, 0.85, 12.5))
+    assert fix.time_of_day_s == pytest.approx(216_000.0 % 86_400.0 + fix.time_s, abs=0.15)  # of its week
     assert fix.unix_time_s is not None
     # 2024-05-28 09:00:00 UTC at second 0 of the receiver
     assert fix.unix_time_s - 1_716_886_800.0 == pytest.approx(fix.time_s, abs=0.15)
@@ -48,6 +49,29 @@ def test_fix_quality_follows_the_receivers_flags(changes: dict[str, int], fix_ty
     fix = bench.run(1.0).fixes[-1]
     assert fix.fix_type == fix_type
     assert (fix.north_m_s is None) == (fix_type == 1)
+
+
+def test_sentences_beside_solutions_are_not_fixes_of_their_own() -> None:
+    bench = Bench(ZED_F9P)
+    bench.receiver.refused.add(0x10740002)  # NMEA output stays on
+    bench.until_running()
+    assert bench.receiver.settings.nmea_out
+    bench.fixes.clear()
+    bench.run(5.0)
+    assert {fix.satellites for fix in bench.fixes} == {14}  # the sentences say 9
+    bench.receiver.settings.outputs["PVT"] = 0
+    bench.receiver.is_deaf = True  # or it would be set up again
+    bench.run(2.5)
+    assert bench.fixes[-1].satellites == 9
+
+
+def test_an_old_dilution_of_precision_gives_way_to_that_of_the_position() -> None:
+    bench = Bench(ZED_F9P)
+    bench.until_running()
+    bench.run(1.0)
+    bench.receiver.settings.outputs["DOP"] = 0
+    assert bench.run(1.8).fixes[-1].hdop == 0.85
+    assert bench.run(0.6).fixes[-1].hdop == 1.6
 
 
 @pytest.mark.parametrize("valid", [(0, 1, 1), (1, 0, 1), (1, 1, 0)])
