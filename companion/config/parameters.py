@@ -25,7 +25,7 @@ from companion.persistence.storage import Saving, Storage
 
 logger = logging.getLogger(__name__)
 
-_FILE = "params.parm"
+PARAMETER_FILE = "params.parm"
 _LONGEST_TOLD = 40  # characters quoted of an unreadable line
 _LARGEST = (2.0 - 2.0**-23) * 2.0**127  # largest 32-bit float
 
@@ -232,7 +232,7 @@ class Parameters:
             for row, default in zip(self.rows, self._defaults, strict=True)
             if self.value(row) != default
         ]
-        saving = self._storage.save(_FILE, ("\n".join(lines) + "\n").encode())
+        saving = self._storage.save(PARAMETER_FILE, ("\n".join(lines) + "\n").encode())
         if not self._savings or self._savings[-1][0] is not saving:  # otherwise one write covers both
             self._savings.append((saving, {}, Counter()))
         _, values, counts = self._savings[-1]
@@ -240,8 +240,8 @@ class Parameters:
         counts.update(names)
 
     def _load(self) -> None:
-        content = self._storage.load(_FILE)
-        self.loss = self._storage.damage(_FILE)
+        content = self._storage.load(PARAMETER_FILE)
+        self.loss = self._storage.damage(PARAMETER_FILE)
         refused: list[str] = []
         for number, line in enumerate(content.decode(errors="replace").splitlines(), 1):
             words = line.replace(",", " ").split()
@@ -252,11 +252,11 @@ class Parameters:
             except (IndexError, ValueError):
                 reason = f"{line[:_LONGEST_TOLD]!r} is not 'NAME VALUE'"
             if reason:
-                logger.warning("%s line %d ignored: %s", _FILE, number, reason)
+                logger.warning("%s line %d ignored: %s", PARAMETER_FILE, number, reason)
                 refused.append(reason)
         if refused and not self.loss:
             more = f", and {len(refused) - 1} more" if len(refused) > 1 else ""
-            self.loss = f"in {_FILE}, {refused[0]}{more}; the defaults are in use"
+            self.loss = f"in {PARAMETER_FILE}, {refused[0]}{more}; the defaults are in use"
 
 
 def _as_float32(value: float) -> float:

@@ -10,6 +10,7 @@ from msgspec.structs import replace
 
 from companion.app import parts
 from companion.app.clock import Clock
+from companion.app.doctor.compass import check_compass_calibration
 from companion.app.doctor.findings import Examined, Finding, Verdict
 from companion.app.doctor.readings import in_words
 from companion.app.status_file import RUNTIME_DIRECTORY, find_status, read_status
@@ -124,4 +125,5 @@ def part_findings(examined: Examined, clock: Clock) -> list[Finding]:
             Finding("parts", Verdict.SKIPPED, "the running boat uses them", "sudo systemctl stop mavboat")
         ]
     found = [check_part(name, open_part, examined.config, clock) for name, open_part in PARTS.items()]
+    found += check_compass_calibration(examined)
     return [*found, *check_probes(examined.config, clock), check_payload(examined.config)]
