@@ -94,6 +94,10 @@ def test_a_normalised_baseline_is_no_heading() -> None:
     assert found.length_m == pytest.approx(1.23)
     assert found.heading_rad is not None
     raw = bytearray(nav_relposned(0, Motion())[6:-2])
+    raw[35] = 50  # relPosHPLength, 0.1 mm
+    found = baseline(bytes(raw))
+    assert found is not None
+    assert found.length_m == pytest.approx(1.005)
     raw[61] |= 0x02
     found = baseline(bytes(raw))
     assert found is not None
