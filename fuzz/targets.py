@@ -29,10 +29,10 @@ from companion.rc.rc_control import RcControl
 from companion.rc.sbus import SbusParser
 from companion.sensors.gnss_heading import GnssHeading
 from companion.sensors.gpsd import GpsdReader
-from companion.sensors.nmea import NmeaReader
-from companion.sensors.nmea_depth import DEPTH_SENTENCES, DepthAssembler
-from companion.sensors.nmea_fix import FixAssembler
-from companion.sensors.nmea_heading import HeadingAssembler
+from companion.sensors.nmea.depth import DEPTH_SENTENCES, DepthAssembler
+from companion.sensors.nmea.fix import FixAssembler
+from companion.sensors.nmea.heading import HeadingAssembler
+from companion.sensors.nmea.sentences import NmeaReader
 from companion.sensors.probe_values import raw_number, value_of
 from companion.sensors.rtcm import RtcmReader, crc24q
 from companion.sensors.ubx.fix import UbxFixAssembler

@@ -11,11 +11,11 @@ from rich.console import Console
 from rich.table import Table
 
 from companion import __version__
+from companion.app.calibrate.compass import calibrate_compass as run_compass_calibration
+from companion.app.calibrate.escs import calibrate_escs as run_calibration
 from companion.app.clock import SystemClock
-from companion.app.compass_calibration import calibrate_compass as run_compass_calibration
 from companion.app.composition import check_config, open_storage, run_boat
 from companion.app.doctor.cli import doctor
-from companion.app.esc_calibration import calibrate_escs as run_calibration
 from companion.app.init.cli import init
 from companion.app.install.cli import install, uninstall
 from companion.app.links_view import watch

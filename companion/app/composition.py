@@ -15,7 +15,7 @@ from companion.app.service_notifier import ServiceNotifier, status_line
 from companion.app.status_file import StatusFile, status_path
 from companion.boat import TICK_S, Boat
 from companion.config.boat_config import BoatConfig, LinkConfig
-from companion.config.outputs_in_use import check_outputs, outputs_in_use
+from companion.config.parts.outputs_in_use import check_outputs, outputs_in_use
 from companion.config.rc import Rc
 from companion.core.errors import ConfigError
 from companion.hal.interfaces import Hardware, Port

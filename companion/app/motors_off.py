@@ -19,7 +19,7 @@ from time import sleep
 
 from companion.config.boat_config import BoatConfig, load_config
 from companion.config.parts import MotorsPart, Parts, Pca9685Part, PulseOutputSetting
-from companion.config.payload import PayloadSetting, RelayPayload, WinchPayload
+from companion.config.parts.payload import PayloadSetting, RelayPayload, WinchPayload
 from companion.core.errors import ConfigError, HardwareError
 
 _PINCTRL = "pinctrl"  # of Raspberry Pi OS; "op dl" is output, driven low

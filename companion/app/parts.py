@@ -10,7 +10,7 @@ from pathlib import Path
 from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig, with_value
-from companion.config.payload import CommandPayload, WinchPayload
+from companion.config.parts.payload import CommandPayload, WinchPayload
 from companion.core.errors import HardwareError
 from companion.hal.battery.battery_sensor import open_battery_monitor
 from companion.hal.gnss.gpsd import open_gpsd_gnss

@@ -14,15 +14,15 @@ import msgspec
 from msgspec import Meta
 
 from companion.config.avoidance import AvoidanceSetting
-from companion.config.camera import CameraSetting
 from companion.config.drive import DriveSetting
 from companion.config.estimation import Estimation
 from companion.config.failsafe import Failsafe
 from companion.config.fence import FenceSetting
 from companion.config.handling import Handling
 from companion.config.parts import Parts
+from companion.config.parts.camera import CameraSetting
+from companion.config.parts.payload import PayloadSetting, check_payloads
 from companion.config.parts.probes import ProbePart, check_probes
-from companion.config.payload import PayloadSetting, check_payloads
 from companion.config.rc import Rc
 from companion.config.section import NonNegative, Positive, Section, Share, SystemId, replaced
 from companion.config.thrusters import Thrusters

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from companion.hal.background import Reading
 from companion.hal.interfaces import Port
 from companion.hal.port_sensor import PortSensor
-from companion.sensors.nmea import NmeaReader, Sentence
+from companion.sensors.nmea.sentences import NmeaReader, Sentence
 
 
 class NmeaSensor(PortSensor[Reading]):

@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
-from companion.config.camera import CameraSetting
-from companion.config.payload import (
+from companion.config.parts.camera import CameraSetting
+from companion.config.parts.payload import (
     CommandPayload,
     GripperPayload,
     LightPayload,

@@ -2,7 +2,7 @@
 
 import math
 
-from companion.config.payload import WinchPayload
+from companion.config.parts.payload import WinchPayload
 from companion.hal.payload.interfaces import PayloadOutput, PulseCounter
 from companion.payload.actions import MoveWinch, WinchMotion
 from companion.payload.actuator import Actuator, TimedWrite

@@ -9,7 +9,7 @@ import pytest
 from gpiozero.pins.mock import MockFactory
 
 from companion.config.boat_config import BoatConfig, decode_config, load_config
-from companion.config.outputs_in_use import outputs_in_use
+from companion.config.parts.outputs_in_use import outputs_in_use
 from companion.links.port_url import parse_port_url
 from pictures.wiring_table import wiring_rows
 

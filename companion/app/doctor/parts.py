@@ -15,7 +15,7 @@ from companion.app.doctor.findings import Examined, Finding, Verdict
 from companion.app.doctor.readings import in_words
 from companion.app.status_file import RUNTIME_DIRECTORY, find_status, read_status
 from companion.config.boat_config import BoatConfig
-from companion.config.payload import CommandPayload
+from companion.config.parts.payload import CommandPayload
 from companion.core.errors import BoatError
 from companion.hal.interfaces import ReportingPart
 

@@ -7,9 +7,9 @@ from typing import Final
 from companion.hal.interfaces import Port
 from companion.hal.port_sensor import PortSensor
 from companion.sensors.gnss_heading import GnssHeading
-from companion.sensors.nmea import NmeaReader, Sentence
-from companion.sensors.nmea_fix import GNSS_SENTENCES, FixAssembler
-from companion.sensors.nmea_heading import TRUE_SENTENCES, HeadingAssembler
+from companion.sensors.nmea.fix import GNSS_SENTENCES, FixAssembler
+from companion.sensors.nmea.heading import TRUE_SENTENCES, HeadingAssembler
+from companion.sensors.nmea.sentences import NmeaReader, Sentence
 from companion.sensors.readings import GnssFix
 from companion.sensors.receiver_clock import ReceiverClock
 

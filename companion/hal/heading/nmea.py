@@ -6,8 +6,8 @@ from companion.config.parts import CompassPart
 from companion.hal.interfaces import Port
 from companion.hal.nmea_sensor import NmeaSensor
 from companion.links.port_url import open_line
-from companion.sensors.nmea import Sentence
-from companion.sensors.nmea_heading import HEADING_SENTENCES, HeadingAssembler
+from companion.sensors.nmea.heading import HEADING_SENTENCES, HeadingAssembler
+from companion.sensors.nmea.sentences import Sentence
 from companion.sensors.readings import HeadingReading
 
 

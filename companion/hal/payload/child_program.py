@@ -16,7 +16,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from companion.config.camera import CameraSetting
+from companion.config.parts.camera import CameraSetting
 
 logger = logging.getLogger(__name__)
 

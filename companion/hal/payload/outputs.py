@@ -6,7 +6,7 @@ from contextlib import ExitStack, closing, contextmanager
 from typing import Any
 
 from companion.config.parts import Pca9685Part, PulseOutputSetting
-from companion.config.payload import (
+from companion.config.parts.payload import (
     CommandPayload,
     GripperPayload,
     PayloadSetting,

@@ -7,8 +7,8 @@ from companion.hal.gnss.receiver import GnssReceiver
 from companion.hal.interfaces import Port
 from companion.hal.nmea_sensor import NmeaSensor
 from companion.links.port_url import open_line
-from companion.sensors.nmea import Sentence
-from companion.sensors.nmea_depth import DEPTH_SENTENCES, DepthAssembler
+from companion.sensors.nmea.depth import DEPTH_SENTENCES, DepthAssembler
+from companion.sensors.nmea.sentences import Sentence
 from companion.sensors.readings import DepthReading
 
 BAUD = 4800  # of NMEA 0183

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 
 from companion import __version__
-from companion.config.camera import CameraSetting
+from companion.config.parts.camera import CameraSetting
 from companion.core.units import deg_to_e7
 from companion.mavlink.dialect import Message, dialect
 from companion.payload.camera import Camera, Image

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from companion.config.boat_config import BoatConfig, decode_config
-from companion.config.outputs_in_use import check_outputs, outputs_in_use
+from companion.config.parts.outputs_in_use import check_outputs, outputs_in_use
 from companion.core.errors import ConfigError
 
 ESC = {"motors": {"driver": "esc"}}

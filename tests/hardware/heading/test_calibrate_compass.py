@@ -8,7 +8,7 @@ from twins.inertial import Lsm6dsTwin
 from twins.magnetics import Qmc5883lTwin, Scene
 
 from companion.app import parts
-from companion.app.compass_calibration import calibrate_compass
+from companion.app.calibrate.compass import calibrate_compass
 from companion.config.boat_config import BoatConfig, with_value
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
@@ -94,7 +94,7 @@ def test_what_cannot_be_calibrated_is_told(
 def test_a_running_boat_keeps_its_compass(
     hand: Hand, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("companion.app.compass_calibration._is_boat_running", lambda _: True)
+    monkeypatch.setattr("companion.app.calibrate.compass._is_boat_running", lambda _: True)
     with pytest.raises(HardwareError, match="sudo systemctl stop mavboat"):
         calibrate_compass(config(tmp_path), FolderStorage(tmp_path / "state"), hand, print)
 

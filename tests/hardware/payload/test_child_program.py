@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from patience import MOMENT_S
 
-from companion.config.camera import CameraSetting
+from companion.config.parts.camera import CameraSetting
 from companion.hal.payload.child_program import CaptureProgram, ChildProgram
 
 

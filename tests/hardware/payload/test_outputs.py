@@ -14,7 +14,13 @@ from twins.pulses import PI_4, Pca9685Twin, plug_in_pwm
 from companion.app.parts import open_payload
 from companion.config.boat_config import BoatConfig, decode_config
 from companion.config.parts import Pca9685Part, PulseOutputSetting
-from companion.config.payload import GripperPayload, HornPayload, RelayPayload, ServoPayload, WinchPayload
+from companion.config.parts.payload import (
+    GripperPayload,
+    HornPayload,
+    RelayPayload,
+    ServoPayload,
+    WinchPayload,
+)
 from companion.core.errors import HardwareError
 from companion.hal.payload.outputs import open_counter, open_output
 from companion.payload.actions import MoveWinch, WinchMotion

@@ -31,8 +31,8 @@ from companion.app.status_file import BoatStatus
 from companion.config.boat_config import BoatConfig
 from companion.config.drive import DriveSetting
 from companion.config.parts import HullPart, MotorsPart, Parts
+from companion.config.parts.payload import CommandPayload
 from companion.config.parts.probes import ProbePart
-from companion.config.payload import CommandPayload
 from companion.core.errors import HardwareError
 from companion.core.geo import LatLon
 from companion.core.status_text import Severity, StatusText

@@ -20,7 +20,7 @@ from companion.app.needs import I2C_DRIVERS, OTHER_DRIVERS, PORT_DRIVERS, needs_
 from companion.config.boat_config import BoatConfig
 from companion.config.parts import BatteryPart, CompassPart, GnssPart, MotorsPart, Parts, PulseOutputSetting
 from companion.config.parts import RudderPart as Rudder
-from companion.config.payload import GripperPayload, ServoPayload
+from companion.config.parts.payload import GripperPayload, ServoPayload
 from companion.config.rc import Rc
 
 pytest_plugins = ("doctor_fixtures",)

@@ -6,7 +6,7 @@ Field meanings: v4.11 (HDT, THS, HDG, HDM, ROT); HPR is common among receivers w
 import math
 
 from companion.core.units import wrap_pi
-from companion.sensors.nmea import Sentence
+from companion.sensors.nmea.sentences import Sentence
 from companion.sensors.readings import HeadingReading
 
 TRUE_SENTENCES = frozenset({"HDT", "THS", "HPR", "ROT"})

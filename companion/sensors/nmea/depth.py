@@ -3,7 +3,7 @@
 import math
 from typing import Final
 
-from companion.sensors.nmea import Sentence
+from companion.sensors.nmea.sentences import Sentence
 from companion.sensors.readings import DepthReading
 
 DEPTH_SENTENCES: Final = frozenset({"DPT", "DBT", "MTW"})
