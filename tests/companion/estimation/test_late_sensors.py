@@ -154,3 +154,13 @@ def test_a_compass_in_time_is_not_called_late() -> None:
     boat = Swinging()
     assert boat.sail(30.0) < math.radians(2.0)
     assert boat.model.faults() == 0
+
+
+def test_the_yaw_model_turns_by_the_rudder_as_by_the_motors() -> None:
+    by_motors, by_rudder = YawRateModel(), YawRateModel()
+    for tick in range(1, 100):
+        by_motors.advance(0.02 * tick, 0.6, -0.6)
+        by_rudder.advance(0.02 * tick, 0.5, 0.5, 0.36)  # the mean of 0.6 |0.6| on either side
+    # The motors' lag is before the square, the rudder's behind it
+    assert by_rudder.turned_rad == pytest.approx(by_motors.turned_rad, rel=0.15)
+    assert by_rudder.rate_rad_s == pytest.approx(by_motors.rate_rad_s, rel=0.1)
