@@ -100,7 +100,9 @@ def test_soundings_are_sent_downward_and_with_the_position() -> None:
     (down, *_) = [one for one in rig.peer.said("DISTANCE_SENSOR") if one.orientation == 25]
     assert (down.id, down.min_distance, down.max_distance) == (1, 30, 5000)
     assert down.current_distance == pytest.approx(495, abs=1)
+    assert down.time_boot_ms == pytest.approx(1e3 * (rig.now_s - 2.0), abs=700)
     water = rig.peer.said("WATER_DEPTH")[-1]
+    assert water.time_boot_ms == pytest.approx(1e3 * rig.now_s, abs=900)
     assert (water.healthy, water.temperature) == (1, 15.0)
     assert water.distance == pytest.approx(4.95, abs=0.01)
     here = rig.scenario.frame.to_global(Point(rig.world.truth.north_m, rig.world.truth.east_m))
