@@ -175,6 +175,44 @@ def test_a_signal_that_fails_leaves_the_other_neutral_and_both_arm_anew(way: str
     assert boat.widths == [1700.0, 1700.0]
 
 
+def test_a_signal_that_failed_once_arms_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As after a dip of the supply, which the controllers may have shared."""
+    boat = Boat().arm()
+    boat.motors.write(1.0, 1.0)
+    failures, write_us = iter([True]), boat.outputs[0].write_us
+
+    def fail_once(width_us: float) -> None:
+        if next(failures, False):
+            raise HardwareError("its supply dipped")
+        write_us(width_us)
+
+    monkeypatch.setattr(boat.outputs[0], "write_us", fail_once)
+    with pytest.raises(HardwareError, match="dipped"):
+        boat.motors.write(0.9, 0.9)
+    assert boat.widths == [1500.0, 1500.0]
+    boat.clock.advance(ARMING_S - FRAME_S)
+    boat.motors.write(0.9, 0.9)
+    assert boat.widths == [1500.0, 1500.0]
+
+
+def test_close_waits_for_the_slower_signal_and_tells_of_one_that_does_not_end(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    boat = Boat()
+    settings = (PulseOutputSetting(frequency_hz=400), PulseOutputSetting(frequency_hz=50))
+    escs = [Esc(*pair, DEAD_TIME_S, boat.clock) for pair in zip(boat.outputs, settings, strict=True)]
+    motors = EscMotors(tuple(escs), ARMING_S, boat.clock, boat.wait)
+
+    def fail() -> None:
+        raise HardwareError("its pulses could not be ended")
+
+    monkeypatch.setattr(boat.outputs[0], "close", fail)
+    with pytest.raises(HardwareError, match="could not be ended"):
+        motors.close()
+    assert boat.waits == [pytest.approx(3 * FRAME_S)]
+    assert boat.outputs[1].closes == 1
+
+
 def test_what_interrupts_a_write_leaves_both_neutral(monkeypatch: pytest.MonkeyPatch) -> None:
     boat = Boat().arm()
     boat.motors.write(1.0, 1.0)
