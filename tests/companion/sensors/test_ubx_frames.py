@@ -89,8 +89,9 @@ def test_a_solution_of_the_oldest_generation_is_shorter() -> None:
 
 
 def test_a_normalised_baseline_is_no_heading() -> None:
-    found = baseline(nav_relposned(0, Motion(length_m=1.23))[6:-2])
+    found = baseline(nav_relposned(216_000_250, Motion(length_m=1.23))[6:-2])
     assert found is not None
+    assert found.time_of_week_s == pytest.approx(216_000.25)
     assert found.length_m == pytest.approx(1.23)
     assert found.heading_rad is not None
     raw = bytearray(nav_relposned(0, Motion())[6:-2])
