@@ -60,6 +60,7 @@ def test_it_is_awake_with_every_output_off_and_at_the_frequency(bus: I2cBus, chi
     assert chip.width_us(0)
     Pca9685(bus, PART)
     assert chip.registers[0x00] == 0x20  # awake, no all-call
+    assert chip.registers[0x01] == 0x04  # driven both ways, and low while OE is high (table 6)
     assert chip.frequency_hz == pytest.approx(50.0, rel=0.005)
     assert not any(chip.width_us(channel) for channel in range(16))
 
@@ -74,6 +75,7 @@ def test_a_width_is_right_to_a_step_once_the_oscillator_is_known(
     part = Pca9685Part(frequency_hz=frequency_hz, oscillator_hz=oscillator_hz)
     pca = Pca9685(bus, part)
     pca.write(3, pca.steps(width_us))
+    assert bytes(chip.registers[0x12:0x14]) == bytes(2), "every pulse begins with the period"
     assert chip.width_us(3) == pytest.approx(width_us, abs=0.51e6 / (4096 * chip.frequency_hz))
 
 
