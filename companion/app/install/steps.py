@@ -54,4 +54,4 @@ def apply_steps(steps: Sequence[Step], say: Say) -> None:
 def describe_steps(steps: Sequence[Step], say: Say) -> None:
     """Say what `apply_steps` would do."""
     for step in steps:
-        say(f"  {'already ' if step.is_done() else 'would do'} {step.describe()}")
+        say(f"  {'already ' if step.is_done() else 'to do   '} {step.describe()}")

@@ -162,7 +162,7 @@ def test_a_dry_run_changes_nothing(root: Path, command: str, capsys: pytest.Capt
     assert run_program([command, "--root", str(root), "--dry-run"]) == 0
     assert snapshot(root) == before
     if command == "install":
-        assert "  would do make the group gpio\n  would do make the group i2c\n" in capsys.readouterr().out
+        assert "  to do    make the group gpio\n  to do    make the group i2c\n" in capsys.readouterr().out
 
 
 def test_a_folder_that_is_no_system_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -59,4 +59,4 @@ def test_a_dry_run_calls_nothing() -> None:
     said: list[str] = []
     describe_steps([Recorded(record, "a"), Recorded(record, "b", is_done=True)], said.append)
     assert record == []
-    assert said == ["  would do a", "  already  b"]
+    assert said == ["  to do    a", "  already  b"]
