@@ -88,10 +88,10 @@ def test_a_turn_ends_within_five_degrees_and_the_next_leg_begins_at_the_boat(
     turn: Turn, heading: float
 ) -> None:
     progress = begun(turn, A)
-    assert at(progress, 1.0, 2.0, 0.0, 0.5) == HoldHeading(heading, 0.0)
+    assert at(progress, 1.0, 2.0, 0.0, 0.5) == HoldHeading(heading, 0.0, math.radians(5.0))
     off_rad = math.radians(5.2)
-    assert at(progress, 1.0, 2.0, 29.0, heading - off_rad) == HoldHeading(heading, 0.0)
-    assert at(progress, 1.0, 2.0, 29.0, heading + off_rad) == HoldHeading(heading, 0.0)
+    assert at(progress, 1.0, 2.0, 29.0, heading - off_rad) == HoldHeading(heading, 0.0, math.radians(5.0))
+    assert at(progress, 1.0, 2.0, 29.0, heading + off_rad) == HoldHeading(heading, 0.0, math.radians(5.0))
     leg = at(progress, 2.0, 3.0, 29.5, heading - math.radians(4.8))
     assert isinstance(leg, FollowLeg)
     assert leg.start == (2.0, 3.0)
@@ -101,7 +101,7 @@ def test_a_turn_ends_within_five_degrees_and_the_next_leg_begins_at_the_boat(
 def test_a_turn_that_is_not_made_ends_after_half_a_minute() -> None:
     progress = begun(Turn(2.0), A)
     for now_s in (100.0, 129.9):
-        assert at(progress, 0.0, 0.0, now_s) == HoldHeading(2.0, 0.0)
+        assert at(progress, 0.0, 0.0, now_s) == HoldHeading(2.0, 0.0, math.radians(5.0))
     assert isinstance(at(progress, 0.0, 0.0, 130.1), FollowLeg)
 
 
