@@ -269,8 +269,9 @@ def full_boat() -> Iterator[FullBoat]:
 def _epoch(unix_s: float) -> bytes:
     clock = time.strftime("%H%M%S", time.gmtime(unix_s)) + f"{unix_s % 1.0:.2f}"[1:]
     date = time.strftime("%d%m%y", time.gmtime(unix_s))
-    return _sentence(f"GNRMC,{clock},A,5030.0000,N,00112.0000,W,0.1,90.0,{date},,,A") + _sentence(
-        f"GNGGA,{clock},5030.0000,N,00112.0000,W,1,12,0.85,12.5,M,47.0,M,,"
+    lat = f"5030.{int(1e3 * unix_s) % 5:04d}"  # a receiver's noise: a metre
+    return _sentence(f"GNRMC,{clock},A,{lat},N,00112.0000,W,0.1,90.0,{date},,,A") + _sentence(
+        f"GNGGA,{clock},{lat},N,00112.0000,W,1,12,0.85,12.5,M,47.0,M,,"
     )
 
 

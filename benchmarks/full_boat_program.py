@@ -60,9 +60,11 @@ def plug_in(folder: Path) -> None:
     from twins.i2c import Bno055Twin, I2cDev  # noqa: PLC0415
     from twins.pulses import LgpioTwin, Pca9685Twin  # noqa: PLC0415
 
+    compass = Bno055Twin()
+    compass.yaw_rate_deg_s = 0.0  # the boat lies still
     bus = I2cDev(
         {
-            0x28: Bno055Twin(),
+            0x28: compass,
             0x40: Ina226Twin(time.monotonic),
             0x41: _Unrecorded(Pca9685Twin()),
             0x48: Ads1115Twin(time.monotonic),
