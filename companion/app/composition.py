@@ -8,7 +8,7 @@ from pathlib import Path
 
 from companion.app import garbage_collection as garbage
 from companion.app.clock import SystemClock
-from companion.app.needs import needs_of
+from companion.app.needs import i2c_chips, needs_of
 from companion.app.parts import open_hardware
 from companion.app.runner import Runner
 from companion.app.service_notifier import ServiceNotifier, status_line
@@ -85,7 +85,7 @@ def check_config(config: BoatConfig) -> None:
 
 
 def check_ports(config: BoatConfig) -> None:
-    """No two parts or links on one device, and no part on the pins of a UART that is in use.
+    """No two parts or links on one device, no part on the pins of a UART in use, no two chips at one address.
 
     Raises:
         ConfigError: names both keys.
@@ -100,6 +100,12 @@ def check_ports(config: BoatConfig) -> None:
         for output in _UART_OUTPUTS if port in _UART_DEVICES else ():
             if output in outputs:
                 raise ConfigError(f"{outputs[output]}: {output} belongs to {key}, {port}; expected another")
+
+    chips: dict[int, tuple[str, str]] = {}
+    for key, chip, address in i2c_chips(config):
+        other, other_chip = chips.setdefault(address, (key, chip))
+        if chip != other_chip or (chip != "ads1115" and key != other):
+            raise ConfigError(f"{key}: {address:#x} on I²C belongs to {other}; expected another")
 
 
 def check_channels(setting: Rc) -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 from companion.config.boat_config import BoatConfig
 from companion.config.parts import PulseOutputSetting
@@ -9,21 +10,20 @@ from companion.config.section import Section
 from companion.links.port_url import parse_port_url
 
 # How a driver is connected. A test compares them with the configuration's: a new driver needs its row here.
-I2C_DRIVERS = frozenset(
-    {
-        "bno055",
-        "qmc5883l",
-        "qmc5883p",
-        "hmc5883l",
-        "lis3mdl",
-        "mpu6050",
-        "lsm6ds",
-        "ina219",
-        "ina226",
-        "ina228",
-        "ads1115",
-    }
-)
+I2C_ADDRESSES: Final = {  # where the configuration gives none
+    "bno055": 0x28,
+    "qmc5883l": 0x0D,
+    "qmc5883p": 0x2C,
+    "hmc5883l": 0x1E,
+    "lis3mdl": 0x1C,
+    "mpu6050": 0x68,
+    "lsm6ds": 0x6A,
+    "ina219": 0x40,
+    "ina226": 0x40,
+    "ina228": 0x40,
+    "ads1115": 0x48,
+}
+I2C_DRIVERS = frozenset(I2C_ADDRESSES)
 PORT_DRIVERS = frozenset(
     {"nmea", "bno085", "ubx", "gpsd", "a02yyuw", "tfmini", "ping1d", "serial", "crsf", "ibus", "sbus"}
 )
@@ -77,6 +77,19 @@ def needs_of(config: BoatConfig) -> Needs:
             ports[f"links[{number}]"] = url.place
     devices = {key: port for key, port in ports.items() if port.startswith("/dev/")}
     return Needs(devices, i2c, pwm, stretches_clock=config.parts.compass.driver == "bno055")
+
+
+def i2c_chips(config: BoatConfig) -> Iterator[tuple[str, str, int]]:
+    """Key, chip and address of each part on the bus. An ADS1115 may have several keys."""
+    compass = config.parts.compass
+    for key, section in _sections(config):
+        driver = getattr(section, "driver", "")
+        if driver in I2C_ADDRESSES:
+            yield f"{key}.address", driver, getattr(section, "address", 0) or I2C_ADDRESSES[driver]
+        elif isinstance(section, PulseOutputSetting) and section.output == "pca9685":
+            yield "parts.pca9685.address", "pca9685", config.parts.pca9685.address
+    if compass.is_magnetometer and compass.imu != "none":
+        yield "parts.compass.imu_address", compass.imu, compass.imu_address or I2C_ADDRESSES[compass.imu]
 
 
 def _sections(config: BoatConfig) -> Iterator[tuple[str, Section]]:

@@ -93,6 +93,18 @@ def after(ticks: int) -> Callable[[], bool]:
             },
             "parts.sonar.trigger: GPIO 14 belongs to parts.gnss.port, /dev/ttyAMA0",
         ),
+        (
+            {
+                "links": ["tcpin::5760"],
+                "parts": {
+                    **PARTS,
+                    "battery": {"driver": "ina226"},
+                    "motors": {"driver": "esc", "left": {"output": "pca9685"}},
+                    "pca9685": {"address": 0x40},
+                },
+            },
+            r"parts.battery.address: 0x40 on I²C belongs to parts.pca9685.address",
+        ),
     ],
 )
 def test_a_configuration_that_cannot_sail_is_refused_by_its_key(tree: dict[str, object], words: str) -> None:

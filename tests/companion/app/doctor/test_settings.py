@@ -16,12 +16,17 @@ from companion.app.doctor.settings import (
     check_motors_off,
 )
 from companion.app.install.steps import apply_steps
-from companion.app.needs import I2C_DRIVERS, OTHER_DRIVERS, PORT_DRIVERS, needs_of
+from companion.app.needs import I2C_ADDRESSES, I2C_DRIVERS, OTHER_DRIVERS, PORT_DRIVERS, i2c_chips, needs_of
 from companion.config.boat_config import BoatConfig
 from companion.config.parts import BatteryPart, CompassPart, GnssPart, MotorsPart, Parts, PulseOutputSetting
 from companion.config.parts import RudderPart as Rudder
 from companion.config.parts.payload import GripperPayload, ServoPayload
+from companion.config.parts.probes import ProbePart
 from companion.config.rc import Rc
+from companion.hal import ads1115
+from companion.hal.heading import bno055
+from companion.hal.heading.inertial import Lsm6ds, Mpu6050
+from companion.hal.heading.magnetometers import Hmc5883l, Lis3mdl, Qmc5883l, Qmc5883p
 
 pytest_plugins = ("doctor_fixtures",)
 
@@ -66,6 +71,22 @@ def test_every_driver_is_said_to_be_on_the_bus_on_a_port_or_elsewhere() -> None:
     assert driver_fields(BoatConfig, set()) == I2C_DRIVERS | PORT_DRIVERS | OTHER_DRIVERS
     assert I2C_DRIVERS.isdisjoint(PORT_DRIVERS | OTHER_DRIVERS)
     assert PORT_DRIVERS.isdisjoint(OTHER_DRIVERS)
+
+
+def test_the_addresses_on_the_bus_are_those_of_the_drivers() -> None:
+    chips = {
+        kind.__name__.lower(): kind.ADDRESS
+        for kind in (Qmc5883l, Qmc5883p, Hmc5883l, Lis3mdl, Mpu6050, Lsm6ds)
+    }
+    chips |= {"bno055": bno055.ADDRESS, "ads1115": ads1115.ADDRESS}
+    assert {name: I2C_ADDRESSES[name] for name in chips} == chips
+    assert {I2C_ADDRESSES[name] for name in I2C_DRIVERS - set(chips)} == {0x40}, "INA2xx, A0 and A1 to ground"
+
+
+def test_an_ads1115_may_be_shared() -> None:
+    parts = Parts(battery=BatteryPart(driver="ads1115"))
+    probe = ProbePart(name="turbidity", driver="ads1115", channel=2)
+    assert len({address for _, _, address in i2c_chips(BoatConfig(parts=parts, probe=(probe,)))}) == 1
 
 
 def test_what_a_configuration_needs() -> None:
