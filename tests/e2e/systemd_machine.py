@@ -98,6 +98,12 @@ def why_not() -> str:
     return "" if done.returncode == 0 else f"no namespaces here: {' '.join(done.stderr.split())}"
 
 
+def bound_folders() -> list[str]:
+    """The programs under test: the project, and the Python that runs the tests."""
+    folders = {PROJECT, Path(sys.prefix), Path(sys.base_prefix)}
+    return sorted(str(one) for one in folders if not folders & set(one.parents))
+
+
 class SystemdMachine:
     """The running system. prepare: shell lines run with $root before it boots."""
 
@@ -105,10 +111,7 @@ class SystemdMachine:
         self._place = place
         place.mkdir()
         root = place / "root"
-        folders = {PROJECT, Path(sys.prefix), Path(sys.base_prefix)}
-        outermost = [one for one in folders if not folders & set(one.parents)]
-        bound = " ".join(str(one) for one in outermost)
-        values = {"place": place, "root": root, "lower": HOST_ROOT, "bound": bound}
+        values = {"place": place, "root": root, "lower": HOST_ROOT, "bound": " ".join(bound_folders())}
         script = place.parent / "boot.sh"
         script.write_text(f"{_MOUNT}\nroot={root}\n{prepare}\n{_BOOT}".format(**values), encoding="utf-8")
         self.said = place.parent / "boot.txt"

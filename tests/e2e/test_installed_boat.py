@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from mavutil_station import MavutilStation
 from programs import until
-from systemd_machine import SystemdMachine, why_not
+from systemd_machine import SystemdMachine, bound_folders, why_not
 from twins.pin_files import PINCTRL, write_entry_point
 
 from companion.config.parts.motors import MotorsPart
@@ -37,6 +37,8 @@ DROP_IN = """
 [Service]
 Environment=GPIOZERO_PIN_FACTORY=mock GPIOZERO_MOCK_PIN_CLASS=filepin PIN_FILES=/run/pins PYTHONPATH=/opt/pins
 ReadWritePaths=/run/pins
+# a checkout below /tmp, whose /tmp the unit does not share
+BindReadOnlyPaths={bound}
 # the drivers' libraries load in the unit's sandbox, too
 ExecStartPre={python} -c "import lgpio, serial, smbus2"
 """
@@ -112,7 +114,9 @@ def prepared(tmp_path: Path) -> str:
     """Shell lines that put mock pins, a pinctrl and the boat's file into the system."""
     write_entry_point(tmp_path / "pins")
     (tmp_path / "boat.toml").write_text(BOAT, encoding="utf-8")
-    (tmp_path / "mock.conf").write_text(DROP_IN.format(python=sys.executable), encoding="utf-8")
+    (tmp_path / "mock.conf").write_text(
+        DROP_IN.format(python=sys.executable, bound=" ".join(bound_folders())), encoding="utf-8"
+    )
     (tmp_path / "pinctrl").write_text(PINCTRL.format(folder="/run/pins"), encoding="utf-8")
     (tmp_path / "pinctrl").chmod(0o755)
     return PREPARE.format(folder=tmp_path)

@@ -148,7 +148,7 @@ def test_loiter_without_a_position_holds_into_the_current() -> None:
 def test_loiter_without_a_position_in_still_water_holds_its_heading() -> None:
     mode = LoiterMode(Fence())
     mode.enter(mode_inputs())
-    assert mode.intent(mode_inputs(without_position(north_m_s=0.04))) == HoldHeading(1.0, 0.0)
+    assert mode.intent(mode_inputs(without_position(north_m_s=0.04))) == HoldHeading(1.0, 0.0, 0.8)
 
 
 def test_loiter_stays_where_its_position_comes_back() -> None:
