@@ -24,6 +24,8 @@ _MOST_LINES = 200  # of a run, in the log
 _LONGEST_LINE = 500
 _GRACE_S = 2.0  # from SIGTERM to SIGKILL
 _LOOK_S = 0.1  # how often the thread checks for the end
+_CHUNK = 4096  # bytes in a read
+_FULL_PIPE = 16  # reads that empty a pipe: 64 KiB, pipe(7)
 _PRIVATE = ("NOTIFY_SOCKET", "WATCHDOG_PID", "WATCHDOG_USEC")  # between systemd and the boat's program
 _FILE = "{file}"
 _MB = 1e6
@@ -117,15 +119,17 @@ class ChildProgram:
                 time.sleep(_LOOK_S)
             elif select.select([fileno], [], [], _LOOK_S)[0]:
                 rest, lines, is_open = self._log(fileno, rest, lines)
-        if is_open and select.select([fileno], [], [], 0.0)[0]:
-            rest, lines, _ = self._log(fileno, rest, lines)
-        if rest:
+        for _ in range(_FULL_PIPE):  # what a program of its own goes on to write is not waited for
+            if not is_open or not select.select([fileno], [], [], 0.0)[0]:
+                break
+            rest, lines, is_open = self._log(fileno, rest, lines)
+        if rest and lines < _MOST_LINES:
             self._log_line(rest)
         return ""
 
     def _log(self, fileno: int, rest: bytes, lines: int) -> tuple[bytes, int, bool]:
         """Log whole lines. Returns the rest of the last, the number of lines, and whether more can come."""
-        chunk = os.read(fileno, 4096)
+        chunk = os.read(fileno, _CHUNK)
         *whole, rest = (rest + chunk).split(b"\n")
         for line in whole:
             lines += 1

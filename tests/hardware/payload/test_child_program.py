@@ -154,3 +154,13 @@ def test_a_capture_command_that_leaves_no_image_has_failed(tmp_path: Path) -> No
     camera = CaptureProgram(CameraSetting(capture=(*python("pass"), "{file}"), folder=str(tmp_path)))
     path = camera.start()
     assert end_of(camera) == f"it left no file {path}"
+
+
+def test_the_last_lines_before_the_end_are_logged(caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.INFO)
+    text = "import os; os.write(1, b''.join(b'%d' % n + b'-' * 300 + b'\\n' for n in range(150)))"
+    program = ChildProgram("command 7", python(text), MOMENT_S)
+    program.start()
+    assert end_of(program) == ""
+    assert len(caplog.records) == 150, "45 KB wait in the pipe when the program ends"
+    assert caplog.records[-1].getMessage().startswith("command 7: 149-")
