@@ -19,19 +19,16 @@ _LITTLE: Final = struct.Struct("<3h")
 _BIG: Final = struct.Struct(">3h")
 
 
-class Qmc5883l:
-    """QMC5883L. Boards sold as HMC5883L mostly carry this part, at its own address."""
+class _Qst:
+    """What the two parts of QST share."""
 
-    name = "QMC5883L"
-    ADDRESS: Final = 0x0D
-    # Control 1 (9.2.4): oversampling 512, ±8 G, 50 Hz, continuous
-    CONTROL: Final = 0x00 | 0x10 | 0x04 | 0x01
-    MG: Final = 1000.0 / 3000.0  # table 2, ±8 G
-    _DATA_AT, _CONTROL_1_AT, _CONTROL_2_AT, _PERIOD_AT, _ID_AT = 0x00, 0x09, 0x0A, 0x0B, 0x0D
-    _ID: Final = 0xFF
-    _RESET: Final = 0x80
-    _STATUS_AT: Final = 0x06
-    _READY, _OVERFLOW = 0x01, 0x02  # 9.2.2; reading the data clears the first
+    ADDRESS: int
+    MG: float
+    _ID_AT: int
+    _ID: int
+    _DATA_AT: int
+    _STATUS_AT: int
+    _READY, _OVERFLOW = 0x01, 0x02  # reading clears the first: of the QMC5883L its data, of the P its status
 
     def __init__(self, bus: I2cBus, address: int = 0) -> None:
         self.address = address or self.ADDRESS
@@ -41,6 +38,30 @@ class Qmc5883l:
         """What answers instead."""
         (found,) = self._registers.read(self._ID_AT, 1)
         return "" if found == self._ID else f"{found:#x}, not {self._ID:#x}"
+
+    def read(self) -> Vector | None:
+        """A new field."""
+        (status,) = self._registers.read(self._STATUS_AT, 1)
+        if not status & self._READY:
+            return None
+        x, y, z = _LITTLE.unpack(self._registers.read(self._DATA_AT, _LITTLE.size))
+        if status & self._OVERFLOW:
+            return None
+        return x * self.MG, y * self.MG, z * self.MG
+
+
+class Qmc5883l(_Qst):
+    """QMC5883L. Boards sold as HMC5883L mostly carry this part, at its own address."""
+
+    name = "QMC5883L"
+    ADDRESS = 0x0D
+    # Control 1 (9.2.4): oversampling 512, ±8 G, 50 Hz, continuous
+    CONTROL: Final = 0x00 | 0x10 | 0x04 | 0x01
+    MG = 1000.0 / 3000.0  # table 2, ±8 G
+    _DATA_AT, _CONTROL_1_AT, _CONTROL_2_AT, _PERIOD_AT, _ID_AT = 0x00, 0x09, 0x0A, 0x0B, 0x0D
+    _ID = 0xFF
+    _RESET: Final = 0x80
+    _STATUS_AT = 0x06
 
     def set_up(self) -> None:
         """Start measuring."""
@@ -48,37 +69,17 @@ class Qmc5883l:
         self._registers.write(self._PERIOD_AT, 0x01)  # recommended (9.2.6)
         self._registers.write(self._CONTROL_1_AT, self.CONTROL)
 
-    def read(self) -> Vector | None:
-        """A new field."""
-        (status,) = self._registers.read(self._STATUS_AT, 1)
-        if not status & self._READY:
-            return None
-        x, y, z = _LITTLE.unpack(self._registers.read(self._DATA_AT, _LITTLE.size))
-        if status & self._OVERFLOW:
-            return None
-        return x * self.MG, y * self.MG, z * self.MG
 
-
-class Qmc5883p:
+class Qmc5883p(_Qst):
     """QMC5883P, the successor: another address and other registers, though boards may not say which it is."""
 
     name = "QMC5883P"
-    ADDRESS: Final = 0x2C
+    ADDRESS = 0x2C
     # Control 1 (9.2.4): oversampling 8 and 8, 50 Hz, normal mode; control 2: ±8 G, set and reset on
     CONTROL: Final = (0xC0 | 0x04 | 0x01, 0x08)
-    MG: Final = 1000.0 / 3750.0  # table 2, ±8 G
+    MG = 1000.0 / 3750.0  # table 2, ±8 G
     _ID_AT, _DATA_AT, _STATUS_AT, _CONTROL_1_AT, _CONTROL_2_AT, _SIGN_AT = 0x00, 0x01, 0x09, 0x0A, 0x0B, 0x29
-    _ID: Final = 0x80
-    _READY, _OVERFLOW = 0x01, 0x02  # reading the status clears the first
-
-    def __init__(self, bus: I2cBus, address: int = 0) -> None:
-        self.address = address or self.ADDRESS
-        self._registers = Registers(bus, self.address)
-
-    def identify(self) -> str:
-        """What answers instead."""
-        (found,) = self._registers.read(self._ID_AT, 1)
-        return "" if found == self._ID else f"{found:#x}, not {self._ID:#x}"
+    _ID = 0x80
 
     def set_up(self) -> None:
         """Start measuring. The signs of the axes come first, as in the data sheet's example (7.1)."""
@@ -86,16 +87,6 @@ class Qmc5883p:
         self._registers.write(self._SIGN_AT, 0x06)
         self._registers.write(self._CONTROL_2_AT, control_2)
         self._registers.write(self._CONTROL_1_AT, control_1)
-
-    def read(self) -> Vector | None:
-        """A new field."""
-        (status,) = self._registers.read(self._STATUS_AT, 1)
-        if not status & self._READY:
-            return None
-        x, y, z = _LITTLE.unpack(self._registers.read(self._DATA_AT, _LITTLE.size))
-        if status & self._OVERFLOW:
-            return None
-        return x * self.MG, y * self.MG, z * self.MG
 
 
 class Hmc5883l:
