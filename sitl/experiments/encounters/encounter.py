@@ -69,9 +69,9 @@ def encounter_trials(
 def run_encounter(trial: Trial) -> TrialResult:
     """Simulate one encounter. The figures, from ground truth:
 
-    touches: contacts of the hull; could_help: whether some simple manoeuvre, begun when the sonar could first
-    detect the mover, would have kept clear; moves_told and no_way_told: messages to the operator; alone_s:
-    the duration without an obstacle.
+    touches: contacts of the hull; inevitable: whether no manoeuvre after the mover's first possible echo
+    would have kept clear; moves_told and no_way_told: messages to the operator; alone_s: the duration
+    without an obstacle.
 
     Raises:
         RunError: the boat did not arm or start.
@@ -87,13 +87,14 @@ def run_encounter(trial: Trial) -> TrialResult:
     mission_run, result = _sail(scenario)
     touches = mission_run.lockstep.world.groundings
     texts = [event.text for event in mission_run.timeline.events if event.kind == "text"]
-    is_helpless = touches and encounter.speed_m_s and not could_evade(scenario, mission_run.recorder.rows)
+    is_mover = encounter.speed_m_s > 0.0
+    is_inevitable = touches > 0 and is_mover and not could_evade(scenario, mission_run.recorder.rows)
     return TrialResult(
         number=trial.number,
         ended="completed" if result.completed else "not completed",
         figures={
             "touches": touches,
-            "could_help": not is_helpless,
+            "inevitable": is_inevitable,
             "time_s": result.time_s,
             "alone_s": alone_s,
             "moves_told": texts.count(GIVING_WAY),

@@ -1,14 +1,18 @@
-"""Whether any simple manoeuvre keeps clear of a mover after the sonar could first detect it.
+"""Whether any manoeuvre keeps clear of a mover from REACTION_S after its first possible echo.
 
-From the moment at which the mover first comes within the ranger's range and field, each of a handful of
-manoeuvres is tried with the same hull and motors: both motors held at one pair of commands for a while, then
-at another. If none of them keeps clear, the touch counts as inevitable for a boat that came at that speed.
-Doubts go against the boat: no ping need have been sent that way yet, and pack and wind are at their best.
+The search is exhaustive over all pairs of sustained motor commands on a grid: each motor at one of COMMANDS
+until one of SWITCHES_S, then each motor at one of COMMANDS for the rest of WATCHED_S. Those are
+25 × 15 × 25 = 9,375 manoeuvres of the true hull and motors, from the boat's true motion at that moment. If
+none of them keeps clear, the touch is inevitable for a boat that arrives at this speed on this course.
+
+Doubts count against the boat: the first possible echo is the first moment at which a ping in the best
+direction would reach the mover's nearest point, whether or not one was sent; there is no noise; and the
+manoeuvre is chosen with the mover's future known.
 """
 
 import math
 from itertools import product
-from typing import Final
+from typing import Final, NamedTuple
 
 from companion.boat import TICK_S
 from companion.core.units import wrap_pi
@@ -21,78 +25,121 @@ from sitl.world.world import Truth
 
 Pair = tuple[float, float]
 
-_REACTION_S: Final = 0.3  # two pings on it, and a decision
-_FIRST: Final[tuple[Pair, ...]] = (
-    (1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 0.0), (0.0, 1.0), (1.0, 0.4), (0.4, 1.0),
-)  # fmt: skip
-_THEN: Final[tuple[Pair, ...]] = ((1.0, 1.0), (-1.0, -1.0))
-_SWITCHES_S: Final = (0.4, 0.8, 1.2, 1.8)
-_WATCHED_S: Final = 8.0
-_WARM_S: Final = 0.4  # until the motors turn as they did
+REACTION_S: Final = 0.3  # a second ping that confirms the echo, and a decision
+COMMANDS: Final = (1.0, -1.0, 0.0, 0.5, -0.5)  # of each motor; the likeliest to succeed first
+SWITCHES_S: Final = tuple(0.2 * step for step in range(1, 16))  # full astern stops the boat from 2 m/s in 2 s
+WATCHED_S: Final = 8.0  # a mover of 0.2 m/s takes 5 s past a metre
+_WARM_S: Final = 0.4  # two time constants of the motors: until they turn as in the run
+
+
+class _State(NamedTuple):
+    north_m: float
+    east_m: float
+    heading_rad: float
+    surge_m_s: float
+    sway_m_s: float
+    yaw_rate_rad_s: float
+    left_rad_s: float
+    right_rad_s: float
 
 
 def could_evade(scenario: Scenario, rows: Rows) -> bool:
-    """Whether some manoeuvre after the first possible echo keeps clear of the movers for _WATCHED_S.
+    """Whether some manoeuvre after the first possible echo keeps clear of the movers.
 
     rows: the truth of every tick of a run with a touch, up to it at least.
     """
     movers = Movers(scenario.movers)
     grounded = rows[:, Truth._fields.index("grounded")] > 0.0
     truths = [Truth(*row) for row in rows[: int(grounded.argmax())].tolist()]
-    heard_s = next((truth.time_s for truth in truths if _detects(scenario, movers, truth)), math.inf)
-    acts = next((truth for truth in truths if truth.time_s >= heard_s + _REACTION_S), None)
-    if acts is None:
-        return False
-    return any(
-        _keeps_clear(scenario, movers, acts, first, switch_s, then)
-        for first, switch_s, then in product(_FIRST, _SWITCHES_S, _THEN)
-    )
+    heard_s = next((truth.time_s for truth in truths if is_audible(scenario, movers, truth)), math.inf)
+    acts = next((truth for truth in truths if truth.time_s >= heard_s + REACTION_S), None)
+    return acts is not None and _Search(scenario, movers, acts).finds_clear_way()
 
 
-def _detects(scenario: Scenario, movers: Movers, truth: Truth) -> bool:
-    """Whether a ping straight at some mover would be answered."""
+def is_audible(scenario: Scenario, movers: Movers, truth: Truth) -> bool:
+    """Whether a ping in the best direction would be answered by some mover."""
     sonar = scenario.sensors.sonar
+    field_rad = 0.5 * math.radians(sonar.sweep_deg + sonar.cone_deg)
     for east_m, north_m, radius_m in movers.positions_m(truth.time_s):
         north, east = north_m - truth.north_m, east_m - truth.east_m
+        distance_m = math.hypot(north, east)
         off_bow = abs(wrap_pi(math.atan2(east, north) - truth.heading_rad))
-        is_in_range = math.hypot(north, east) - radius_m < sonar.max_range_m
-        if is_in_range and off_bow < math.radians(0.5 * sonar.sweep_deg):
+        if distance_m - radius_m < sonar.max_range_m and off_bow < field_rad:
             return True
     return False
 
 
-def _keeps_clear(
-    scenario: Scenario, movers: Movers, at: Truth, first: Pair, switch_s: float, then: Pair
-) -> bool:
-    hull, thrusters = (
-        Hull(scenario.hull, at.north_m, at.east_m, at.heading_rad),
-        Thrusters(scenario.thrusters),
-    )
-    hull.move(at.surge_m_s, at.sway_m_s, at.yaw_rate_rad_s)
-    for _ in range(round(_WARM_S / TICK_S)):
-        thrusters.step(
-            at.left_command, at.right_command, at.voltage_v, at.surge_m_s, at.yaw_rate_rad_s, TICK_S
-        )
-    outline = _outline(scenario.hull.length_m, scenario.hull.beam_m)
-    for tick in range(1, round(_WATCHED_S / TICK_S) + 1):
-        left, right = first if tick * TICK_S <= switch_s else then
-        surge_n, yaw_nm = thrusters.step(
-            left, right, at.voltage_v, hull.surge_m_s, hull.yaw_rate_rad_s, TICK_S
-        )
-        hull.step(surge_n, 0.0, yaw_nm, at.current_north_m_s, at.current_east_m_s, TICK_S)
-        time_s = at.time_s + tick * TICK_S
-        if movers.gap_m(hull.east_m, hull.north_m, time_s) > scenario.hull.length_m:
-            continue
-        for ahead_m, aside_m in outline:
-            east_m = hull.east_m + ahead_m * hull.sin + aside_m * hull.cos
-            north_m = hull.north_m + ahead_m * hull.cos - aside_m * hull.sin
-            if movers.gap_m(east_m, north_m, time_s) <= 0.0:
-                return False
-    return True
+class _Search:
+    """All manoeuvres from one moment."""
+
+    def __init__(self, scenario: Scenario, movers: Movers, at: Truth) -> None:
+        self._movers, self._at, self._radius_m = movers, at, scenario.hull.length_m
+        half, side = 0.5 * scenario.hull.length_m, 0.5 * scenario.hull.beam_m
+        transom = scenario.hull.transom_share * side
+        corners = ((half, 0.0), (0.0, side), (-half, transom), (-half, -transom), (0.0, -side))
+        self._sides = tuple(zip(corners, (*corners[1:], corners[0]), strict=True))
+        self._hull = Hull(scenario.hull)
+        self._thrusters = Thrusters(scenario.thrusters)
+        for _ in range(round(_WARM_S / TICK_S)):
+            self._thrusters.step(
+                at.left_command, at.right_command, at.voltage_v, at.surge_m_s, at.yaw_rate_rad_s, TICK_S
+            )
+
+    def finds_clear_way(self) -> bool:
+        """Whether some manoeuvre keeps clear."""
+        at, thrusters = self._at, self._thrusters
+        begin = _State(
+            at.north_m, at.east_m, at.heading_rad, at.surge_m_s, at.sway_m_s, at.yaw_rate_rad_s,
+            thrusters.left.speed_rad_s, thrusters.right.speed_rad_s,
+        )  # fmt: skip
+        pairs = tuple(product(COMMANDS, COMMANDS))
+        last = round(WATCHED_S / TICK_S)
+        switches = [round(switch_s / TICK_S) for switch_s in SWITCHES_S]
+        for first in pairs:
+            tick, state = 0, begin
+            for switch in switches:
+                reached = self._simulate(state, tick, switch, first)
+                if reached is None:
+                    break
+                tick, state = switch, reached
+                if any(self._simulate(state, tick, last, then) is not None for then in pairs):
+                    return True
+        return False
+
+    def _simulate(self, state: _State, tick: int, until: int, command: Pair) -> _State | None:
+        """The state after holding a command from one tick to another; None if the hull touches."""
+        at, hull, thrusters = self._at, self._hull, self._thrusters
+        hull.place(state.north_m, state.east_m, state.heading_rad)
+        hull.move(state.surge_m_s, state.sway_m_s, state.yaw_rate_rad_s)
+        thrusters.left.speed_rad_s, thrusters.right.speed_rad_s = state.left_rad_s, state.right_rad_s
+        for now in range(tick + 1, until + 1):
+            surge_n, yaw_nm = thrusters.step(
+                *command, at.voltage_v, hull.surge_m_s, hull.yaw_rate_rad_s, TICK_S
+            )
+            hull.step(surge_n, 0.0, yaw_nm, at.current_north_m_s, at.current_east_m_s, TICK_S)
+            if self._touches(at.time_s + now * TICK_S):
+                return None
+        return _State(
+            hull.north_m, hull.east_m, hull.heading_rad, hull.surge_m_s, hull.sway_m_s,
+            hull.yaw_rate_rad_s, thrusters.left.speed_rad_s, thrusters.right.speed_rad_s,
+        )  # fmt: skip
+
+    def _touches(self, time_s: float) -> bool:
+        """Whether a side of the hull comes into a mover's circle."""
+        hull = self._hull
+        for east_m, north_m, radius_m in self._movers.positions_m(time_s):
+            north, east = north_m - hull.north_m, east_m - hull.east_m
+            if math.hypot(north, east) > radius_m + self._radius_m:
+                continue
+            place = (north * hull.cos + east * hull.sin, east * hull.cos - north * hull.sin)
+            if any(_distance_m(place, start, end) <= radius_m for start, end in self._sides):
+                return True
+        return False
 
 
-def _outline(length_m: float, beam_m: float) -> tuple[Pair, ...]:
-    """Places along the hull's side, ahead of and to starboard of its middle."""
-    half, side = 0.5 * length_m, 0.5 * beam_m
-    sides = [(share * half, sign * side) for share in (-1.0, -0.5, 0.0, 0.4) for sign in (-1.0, 1.0)]
-    return ((half, 0.0), (-half, 0.0), *sides)
+def _distance_m(place: Pair, start: Pair, end: Pair) -> float:
+    """Distance of a place from a line segment."""
+    along, aside = end[0] - start[0], end[1] - start[1]
+    share = ((place[0] - start[0]) * along + (place[1] - start[1]) * aside) / (along * along + aside * aside)
+    share = min(max(share, 0.0), 1.0)
+    return math.hypot(place[0] - start[0] - share * along, place[1] - start[1] - share * aside)

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from statistics import fmean
-from typing import Final
+from typing import Any, Final
 
 from sitl.experiments.encounters.encounter import Encounter
 from sitl.experiments.trial import Trial, TrialResult
@@ -31,6 +31,46 @@ def markdown(trials: Sequence[Trial], results: Sequence[TrialResult]) -> str:
     return _HEAD + "".join(f"{_row(encounter, group)}\n" for encounter, group in groups.items())
 
 
+def summary(trials: Sequence[Trial], results: Sequence[TrialResult]) -> str:
+    """Touches of still obstacles and of movers, and the time lost in completed runs."""
+    still: list[TrialResult] = []
+    moving: list[TrialResult] = []
+    for trial, result in zip(trials, results, strict=True):
+        (moving if Encounter(**trial.factors).speed_m_s else still).append(result)
+    inevitable = sum(bool(result.figures["inevitable"]) for result in moving)
+    return (
+        f"still: {_touched(still)} touches of {len(still)}; "
+        f"movers: {_touched(moving)} of {len(moving)}, {inevitable} inevitable; "
+        f"time lost: still {_time_lost(still)}, movers {_time_lost(moving)}"
+    )
+
+
+def run_rows(trials: Sequence[Trial], results: Sequence[TrialResult]) -> list[dict[str, Any]]:
+    """Each run with its encounter, seed and figures, for JSON."""
+    return [
+        {
+            "encounter": Encounter(**trial.factors).name,
+            "seed": trial.seed,
+            "ended": result.ended,
+            **result.figures,
+        }
+        for trial, result in zip(trials, results, strict=True)
+    ]
+
+
+def _touched(results: Sequence[TrialResult]) -> int:
+    return sum(bool(result.figures["touches"]) for result in results)
+
+
+def _time_lost(results: Sequence[TrialResult]) -> str:
+    """Relative to the same runs without obstacles."""
+    completed = [result for result in results if result.ended == "completed"]
+    if not completed:
+        return "unknown"
+    with_s, alone_s = (sum(one.value(name) for one in completed) for name in ("time_s", "alone_s"))
+    return f"{100.0 * (with_s / alone_s - 1.0):.0f} %"
+
+
 def _row(encounter: Encounter, results: Sequence[TrialResult]) -> str:
     touched = [result for result in results if result.figures["touches"]]
     completed = [result for result in results if result.ended == "completed"]
@@ -38,7 +78,7 @@ def _row(encounter: Encounter, results: Sequence[TrialResult]) -> str:
         encounter.name,
         len(results),
         len(touched),
-        sum(not result.figures["could_help"] for result in touched) if encounter.speed_m_s else "",
+        sum(bool(result.figures["inevitable"]) for result in touched) if encounter.speed_m_s else "",
         len(completed),
         f"{fmean(one.value('time_s') / one.value('alone_s') for one in completed):.2f}" if completed else "",
         round(sum(result.value("moves_told") for result in results)),
