@@ -15,7 +15,7 @@ from companion.vehicle.mission.steps import Wait, Waypoint
 from companion.vehicle.vehicle import Vehicle
 from sitl.run.estimate_recorder import EstimateRecorder
 from sitl.run.lockstep import Lockstep
-from sitl.run.recorder import NO_LEG, Recorder
+from sitl.run.recorder import NO_LEG, Recorder, Rows
 from sitl.run.station_commands import BOOT_S, StationCommands
 from sitl.run.timeline import Timeline
 from sitl.scenarios.scenario import Scenario
@@ -164,6 +164,11 @@ class MissionRun:
             self._step()
         vehicle = lockstep.boat.vehicle
         return vehicle.progress.finished and not _is_under_way(vehicle)
+
+    @property
+    def sailed_rows(self) -> Rows:
+        """The truth of every tick of the mission, without what follows its end."""
+        return self.recorder.rows[: self._sailed]
 
     def ending(self) -> str:
         """How the run ended: position in the mission and the boat's last messages."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from companion.core.modes import Mode
 from companion.vehicle.mission.steps import Waypoint
+from sitl.experiments.campaign.calm_figures import calm_figures
 from sitl.experiments.campaign.fault_figures import fault_figures
 from sitl.experiments.campaign.motor_figures import motor_figures
 from sitl.experiments.campaign.unavoidable import unavoidable_cause
@@ -36,6 +37,7 @@ def figures_of(mission_run: MissionRun, result: Result) -> Figures:
         out.update(station_figures(mission_run.recorder, mission_run.planned[-1]))
     out.update(fault_figures(mission_run))
     out.update(motor_figures(mission_run))
+    out.update(calm_figures(mission_run))
     out["fault"] = ", ".join(f"{fault.what} {fault.kind}" for fault in mission_run.scenario.faults)
     out["touches"] = len(mission_run.timeline.touched)
     why = unavoidable_cause(mission_run) if mission_run.timeline.touched else ""
