@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import Final
 
 from companion.config.boat_config import BoatConfig
-from companion.config.parts import PulseOutputSetting
+from companion.config.parts import CompassPart
+from companion.config.parts.outputs_in_use import signals_in_use
 from companion.config.section import Section
 from companion.links.port_url import parse_port_url
 
@@ -60,14 +61,13 @@ def needs_of(config: BoatConfig) -> Needs:
     ports: dict[str, str] = {}
     i2c: list[str] = []
     pwm: dict[str, int] = {}
-    for key, section in _sections(config):
-        driver = getattr(section, "driver", "")
-        if isinstance(section, PulseOutputSetting):
-            if section.output == "pca9685":
-                i2c.append(key)
-            elif section.output == "hardware":
-                pwm[key] = section.pin
-        elif driver in I2C_DRIVERS:
+    for key, signal in signals_in_use(config):
+        if signal.output == "pca9685":
+            i2c.append(key)
+        elif signal.output == "hardware":
+            pwm[key] = signal.pin
+    for key, driver, section in _drivers(config):
+        if driver in I2C_DRIVERS:
             i2c.append(key)
         elif driver in PORT_DRIVERS:
             ports[f"{key}.port"] = getattr(section, "port", "")
@@ -76,42 +76,32 @@ def needs_of(config: BoatConfig) -> Needs:
         if url.kind == "serial":
             ports[f"links[{number}]"] = url.place
     devices = {key: port for key, port in ports.items() if port.startswith("/dev/")}
-    return Needs(devices, i2c, pwm, stretches_clock=config.parts.compass.driver == "bno055")
+    return Needs(devices, i2c, pwm, stretches_clock=config.parts.compass.part_driver == "bno055")
 
 
 def i2c_chips(config: BoatConfig) -> Iterator[tuple[str, str, int]]:
     """Key, chip and address of each part on the bus. An ADS1115 may have several keys."""
     compass = config.parts.compass
-    for key, section in _sections(config):
-        driver = getattr(section, "driver", "")
+    for _, signal in signals_in_use(config):
+        if signal.output == "pca9685":
+            yield "parts.pca9685.address", "pca9685", config.parts.pca9685.address
+    for key, driver, section in _drivers(config):
         if driver in I2C_ADDRESSES:
             yield f"{key}.address", driver, getattr(section, "address", 0) or I2C_ADDRESSES[driver]
-        elif isinstance(section, PulseOutputSetting) and section.output == "pca9685":
-            yield "parts.pca9685.address", "pca9685", config.parts.pca9685.address
     if compass.is_magnetometer and compass.imu != "none":
         yield "parts.compass.imu_address", compass.imu, compass.imu_address or I2C_ADDRESSES[compass.imu]
 
 
-def _sections(config: BoatConfig) -> Iterator[tuple[str, Section]]:
+def _drivers(config: BoatConfig) -> Iterator[tuple[str, str, Section]]:
+    """Key, driver and section of each part."""
     for name in config.parts.__struct_fields__:
         value = getattr(config.parts, name)
+        if isinstance(value, CompassPart):
+            yield "parts.compass", value.part_driver, value
+            continue
         for number, one in enumerate(value if isinstance(value, tuple) else (value,)):
-            yield from _used(f"parts.{name}[{number}]" if isinstance(value, tuple) else f"parts.{name}", one)
-    yield "rc", config.rc
+            key = f"parts.{name}[{number}]" if isinstance(value, tuple) else f"parts.{name}"
+            yield key, getattr(one, "driver", ""), one
+    yield "rc", config.rc.driver, config.rc
     for number, probe in enumerate(config.probe):
-        yield f"probe[{number}]", probe
-    for number, payload in enumerate(config.payload):
-        yield from _used(f"payload[{number}]", payload)
-
-
-def _used(key: str, section: Section) -> Iterator[tuple[str, Section]]:
-    """A section, and its signals as far as they are in use."""
-    driver = getattr(section, "driver", "")
-    yield key, section
-    has_pins = getattr(section, "pin", None) is not None or getattr(section, "out_pin", None) is not None
-    if driver not in ("", "esc", "servo") or has_pins:
-        return
-    for name in section.__struct_fields__:
-        value = getattr(section, name)
-        if isinstance(value, PulseOutputSetting):
-            yield f"{key}.{name}", value
+        yield f"probe[{number}]", probe.driver, probe

@@ -46,7 +46,11 @@ class CompassPart(Section, frozen=True):
     declination_rad: Annotated[float, Meta(ge=-math.pi, le=math.pi)] = 0.0  # east positive; without the model
 
     @property
+    def part_driver(self) -> str:
+        """The driver of the part on port or bus: with two antennas it is the fallback's."""
+        return self.fallback if self.driver == "gnss" else self.driver
+
+    @property
     def is_magnetometer(self) -> bool:
         """Whether the boat calibrates the part, which does not calibrate itself."""
-        driver = self.fallback if self.driver == "gnss" else self.driver
-        return driver in ("qmc5883l", "qmc5883p", "hmc5883l", "lis3mdl")
+        return self.part_driver in ("qmc5883l", "qmc5883p", "hmc5883l", "lis3mdl")

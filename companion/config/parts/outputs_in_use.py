@@ -26,9 +26,10 @@ def check_outputs(config: BoatConfig) -> None:
 def outputs_in_use(config: BoatConfig) -> Iterator[tuple[str, str]]:
     """Keys, and the pin or signal of each."""
     parts = config.parts
-    yield from _of_motors(parts.motors, has_right=config.drive.has_pair)
-    if parts.rudder.driver != "none":
-        yield _of_signal("parts.rudder.signal", parts.rudder.signal)
+    yield from _of_bridges(parts.motors, has_right=config.drive.has_pair)
+    for key, signal in signals_in_use(config):
+        is_chip = signal.output == "pca9685"
+        yield key, f"channel {signal.channel} of the PCA9685" if is_chip else f"GPIO {signal.pin}"
     if parts.sonar.driver in ("hcsr04", "jsnsr04t"):
         yield "parts.sonar.trigger", f"GPIO {parts.sonar.trigger}"
         yield "parts.sonar.echo", f"GPIO {parts.sonar.echo}"
@@ -42,21 +43,31 @@ def outputs_in_use(config: BoatConfig) -> Iterator[tuple[str, str]]:
         key = f"payload[{index}]"
         pins = [(f"{key}.{name}", getattr(payload, name, None)) for name in _PAYLOAD_PINS]
         yield from ((name, f"GPIO {pin}") for name, pin in pins if pin is not None)
+
+
+def signals_in_use(config: BoatConfig) -> Iterator[tuple[str, PulseOutputSetting]]:
+    """Keys and settings of the servo and ESC signals. A payload with pins of its own takes no signal."""
+    motors, rudder = config.parts.motors, config.parts.rudder
+    if motors.driver == "esc":
+        for side in _sides(config.drive.has_pair):
+            yield f"parts.motors.{side}", getattr(motors, side)
+    if rudder.driver != "none":
+        yield "parts.rudder.signal", rudder.signal
+    for index, payload in enumerate(config.payload):
         signal = getattr(payload, "signal", None)
-        if isinstance(signal, PulseOutputSetting) and all(pin is None for _, pin in pins[:3]):
-            yield _of_signal(f"{key}.signal", signal)
+        has_pins = any(getattr(payload, name, None) is not None for name in _PAYLOAD_PINS[:3])
+        if isinstance(signal, PulseOutputSetting) and not has_pins:
+            yield f"payload[{index}].signal", signal
 
 
-def _of_motors(part: MotorsPart, *, has_right: bool) -> Iterator[tuple[str, str]]:
+def _of_bridges(part: MotorsPart, *, has_right: bool) -> Iterator[tuple[str, str]]:
+    if part.driver in ("none", "esc"):
+        return
     names = ("forward", "backward") if part.driver == "drv8833" else ("forward", "backward", "enable")
-    for side in ("left", "right")[: 1 + has_right]:
-        if part.driver == "esc":
-            yield _of_signal(f"parts.motors.{side}", getattr(part, side))
-        elif part.driver != "none":
-            for name in names:
-                yield f"parts.motors.{side}_{name}", f"GPIO {getattr(part, f'{side}_{name}')}"
+    for side in _sides(has_right):
+        for name in names:
+            yield f"parts.motors.{side}_{name}", f"GPIO {getattr(part, f'{side}_{name}')}"
 
 
-def _of_signal(key: str, signal: PulseOutputSetting) -> tuple[str, str]:
-    is_chip = signal.output == "pca9685"
-    return key, f"channel {signal.channel} of the PCA9685" if is_chip else f"GPIO {signal.pin}"
+def _sides(has_right: bool) -> tuple[str, ...]:
+    return ("left", "right") if has_right else ("left",)

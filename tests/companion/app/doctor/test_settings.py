@@ -16,8 +16,17 @@ from companion.app.doctor.settings import (
     check_motors_off,
 )
 from companion.app.install.steps import apply_steps
-from companion.app.needs import I2C_ADDRESSES, I2C_DRIVERS, OTHER_DRIVERS, PORT_DRIVERS, i2c_chips, needs_of
+from companion.app.needs import (
+    I2C_ADDRESSES,
+    I2C_DRIVERS,
+    OTHER_DRIVERS,
+    PORT_DRIVERS,
+    Needs,
+    i2c_chips,
+    needs_of,
+)
 from companion.config.boat_config import BoatConfig
+from companion.config.drive import DriveSetting
 from companion.config.parts import BatteryPart, CompassPart, GnssPart, MotorsPart, Parts, PulseOutputSetting
 from companion.config.parts import RudderPart as Rudder
 from companion.config.parts.payload import GripperPayload, ServoPayload
@@ -106,6 +115,24 @@ def test_a_part_that_would_stretch_the_clock_may_be_on_a_port_instead() -> None:
     rvc = BoatConfig(parts=Parts(compass=CompassPart(driver="bno085", port="/dev/ttyAMA3")))
     assert needs_of(rvc).ports == {"parts.compass.port": "/dev/ttyAMA3"}
     assert not needs_of(rvc).i2c
+
+
+def test_the_part_behind_two_antennas_is_needed_too() -> None:
+    def of(fallback: str) -> Needs:
+        compass = CompassPart(driver="gnss", fallback=fallback, port="/dev/ttyAMA3")  # type: ignore[arg-type]
+        return needs_of(BoatConfig(parts=Parts(compass=compass)))
+
+    assert of("nmea").ports == {"parts.compass.port": "/dev/ttyAMA3"}
+    assert of("bno055").i2c == ["parts.compass"]
+    assert of("bno055").stretches_clock
+    assert not of("none").ports
+
+
+def test_a_boat_with_one_motor_needs_one_signal() -> None:
+    motors = MotorsPart(driver="esc", left=PulseOutputSetting(pin=12), right=PulseOutputSetting(pin=13))
+    for layout, pins in (("rudder", [12]), ("differential", [12, 13])):
+        config = BoatConfig(drive=DriveSetting(layout=layout), parts=Parts(motors=motors))  # type: ignore[arg-type]
+        assert list(needs_of(config).pwm.values()) == pins
 
 
 def test_conditions_of_config_txt_are_followed() -> None:
