@@ -16,6 +16,7 @@ from companion.vehicle.vehicle import Vehicle
 from sitl.run.estimate_recorder import EstimateRecorder
 from sitl.run.lockstep import Lockstep
 from sitl.run.recorder import NO_LEG, Recorder, Rows
+from sitl.run.sensor_recorder import SensorRecorder
 from sitl.run.station_commands import BOOT_S, StationCommands
 from sitl.run.timeline import Timeline
 from sitl.scenarios.scenario import Scenario
@@ -57,11 +58,15 @@ class MissionRun:
         items: Sequence[MissionItem],
         logbook: Logbook | None = None,
         fence: Sequence[MissionItem] = (),
+        sensors: SensorRecorder | None = None,
     ) -> None:
-        """logbook: where the boat is to write its log, if anywhere. fence: uploaded before the mission."""
+        """logbook: where the boat is to write its log, if anywhere. fence: uploaded before the mission.
+        sensors: records what the estimator is given.
+        """
         self.scenario = scenario
         self.items = tuple(items)
         self._fence = tuple(fence)
+        self._sensors = sensors
         self.recorder = Recorder()
         self.estimates = EstimateRecorder(scenario.frame)
         self.timeline = Timeline()
@@ -137,7 +142,10 @@ class MissionRun:
                 self.planned.append(locate(step.position, self.scenario.frame, self.planned[-1]))
 
     def _step(self) -> None:
-        self.lockstep.step()
+        if self._sensors is None:
+            self.lockstep.step()
+        else:
+            self._sensors.step(self.lockstep)
         self.timeline.tick(self.lockstep)
 
     def _sail(self, deadline_s: float, tell: Callable[[float, int], None] | None, linger_s: float) -> bool:

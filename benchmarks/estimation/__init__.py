@@ -1,0 +1,1 @@
+"""Estimators on recorded sensors: errors, noticing times, consistency."""

@@ -1,0 +1,42 @@
+"""python -m benchmarks.estimation: record sensors of runs, replay estimators on them.
+
+python -m benchmarks.estimation record FOLDER [SEED …]
+python -m benchmarks.estimation compare FOLDER-OR-FILE… [--of CHECKOUT …]
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+from benchmarks.estimation import compare
+from benchmarks.estimation.cases import courses, faults, record_all
+
+
+def main(arguments: list[str]) -> int:
+    """Entry point."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.estimation", description=__doc__)
+    commands = parser.add_subparsers(required=True, dest="command")
+    record = commands.add_parser("record", help="sail every case and keep what the estimator was given")
+    record.add_argument("folder", type=Path)
+    record.add_argument("seeds", type=int, nargs="*", default=[1])
+    comparing = commands.add_parser("compare", help="replay recordings and print a table of errors")
+    comparing.add_argument("recordings", type=Path, nargs="+", help="files, or folders of .npz files")
+    comparing.add_argument("--of", type=Path, nargs="+", default=[Path.cwd()], help="checkouts [this one]")
+    chosen = parser.parse_args(arguments)
+    if chosen.command == "record":
+        for seed in chosen.seeds:
+            record_all(courses(range(seed, seed + 1)), chosen.folder / "courses")
+            record_all(faults(range(seed, seed + 1)), chosen.folder / "faults")
+        return 0
+    paths = [
+        path for one in chosen.recordings for path in (sorted(one.rglob("*.npz")) if one.is_dir() else [one])
+    ]
+    checkouts = [one.resolve() for one in chosen.of]
+    for number, checkout in enumerate(checkouts):
+        print(f"{number}: {checkout}")  # noqa: T201
+    print(compare.table(compare.compare([path.resolve() for path in paths], checkouts)))  # noqa: T201
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,134 @@
+"""Feed recordings to the estimator of the checkout whose interpreter and PYTHONPATH run this file.
+
+    PYTHONPATH=CHECKOUT CHECKOUT/.venv/bin/python -P …/feed.py CHECKOUT OUT RECORDING.npz …
+
+It imports nothing but numpy and the checkout's own `companion`, so that it also runs on older checkouts.
+"""
+
+import json
+import math
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+import companion
+from companion.config.boat_config import Speed
+from companion.config.drive import DriveSetting
+from companion.config.estimation import Estimation
+from companion.core.geo import LatLon, LocalFrame
+from companion.core.state import MotorCommand, NavState
+from companion.estimation.estimator import Estimator
+from companion.sensors.readings import GnssFix, HeadingReading
+
+NAV = (
+    "time_s", "north_m", "east_m", "heading_rad", "yaw_rate_rad_s", "north_m_s", "east_m_s", "surge_m_s",
+    "sway_m_s", "position_age_s", "heading_age_s", "current_north_m_s", "current_east_m_s",
+    "position_sigma_m", "faults",
+)  # fmt: skip
+EVERY = 5  # ticks between two rows: as often as the truth
+
+Input = tuple[GnssFix | None, HeadingReading | None, float, MotorCommand]
+Numbers = NDArray[np.float64]
+S = TypeVar("S", bound=msgspec.Struct)
+
+
+def feed(recording: Path, out: Path) -> None:
+    """Write the estimates of a recording: an .npz with nav (rows like NAV, in the truth's frame), cpu_us per
+    tick, and the estimator's reports, if it makes any, as JSON.
+    """
+    with np.load(recording, allow_pickle=False) as arrays:
+        rest = json.loads(arrays["rest"].tobytes())
+        ticks = arrays["ticks"]
+    inputs = inputs_of(rest["fixes"], rest["headings"], ticks)
+    nav, reports = estimates(rest["settings"], inputs, rest["frame"])
+    estimator = _estimator(rest["settings"])
+    began_s = time.process_time()
+    for fix, heading, now_s, command in inputs:
+        estimator.update(fix, heading, now_s, command)
+    cpu_us = (time.process_time() - began_s) * 1e6 / len(inputs)
+    text = np.frombuffer(json.dumps(reports).encode(), dtype=np.uint8)
+    np.savez_compressed(out, nav=nav, cpu_us=cpu_us, reports=text)
+
+
+def inputs_of(
+    fixes: Sequence[dict[str, Any]], headings: Sequence[dict[str, Any]], ticks: Numbers
+) -> list[Input]:
+    """The arguments of every call of `Estimator.update`."""
+    # By keyword: structs of a compiled checkout have lost the types that msgspec.convert needs.
+    all_fixes = [GnssFix(**{**fix, "position": LatLon(**fix["position"])}) for fix in fixes]
+    all_headings = [HeadingReading(**reading) for reading in headings]
+    return [
+        (
+            all_fixes[int(fix)] if fix >= 0 else None,
+            all_headings[int(heading)] if heading >= 0 else None,
+            now_s,
+            MotorCommand(left, right, "", rudder),
+        )
+        for now_s, fix, heading, left, right, rudder in ticks.tolist()
+    ]
+
+
+def estimates(
+    settings: dict[str, Any], inputs: Sequence[Input], origin: Sequence[float], every: int = EVERY
+) -> tuple[Numbers, list[Any]]:
+    """Rows like NAV of every so many ticks, and the estimator's reports. origin: of the rows' frame."""
+    estimator, target = _estimator(settings), LocalFrame(LatLon(*origin))
+    frame, shift = None, target.to_local(target.origin)
+    rows, reports = [], []
+    for number, (fix, heading, now_s, command) in enumerate(inputs):
+        nav = estimator.update(fix, heading, now_s, command)
+        if number % every:
+            continue
+        if estimator.frame is not frame and estimator.frame is not None:
+            frame = estimator.frame
+            shift = target.to_local(frame.origin)
+        rows.append(_row(nav, *shift) if frame is not None else [math.nan] * len(NAV))
+        report = getattr(estimator, "report", None)
+        if report is not None:
+            reports.append(msgspec.to_builtins(report))
+    return np.array(rows, dtype=np.float64), reports
+
+
+def _row(nav: NavState | None, north_m: float, east_m: float) -> list[float]:
+    if nav is None:
+        return [math.nan] * len(NAV)
+    row = [float(getattr(nav, name)) for name in NAV]
+    row[1] += north_m
+    row[2] += east_m
+    return row
+
+
+def _estimator(settings: dict[str, Any]) -> Estimator:
+    return Estimator(
+        _section(settings["speed"], Speed),
+        _section(settings["estimation"], Estimation),
+        _section(settings["drive"], DriveSetting),
+    )
+
+
+def _section(tree: dict[str, Any], kind: type[S]) -> S:
+    """The settings that this checkout knows."""
+    known = {field.name for field in msgspec.structs.fields(kind)}
+    return msgspec.convert({name: value for name, value in tree.items() if name in known}, kind)
+
+
+def main(arguments: list[str]) -> int:
+    """Entry point."""
+    checkout, out, *recordings = arguments
+    loaded = Path(companion.__path__[0]).resolve().parent
+    if loaded != Path(checkout).resolve():
+        sys.stderr.write(f"companion is loaded from {loaded}, not from {checkout}\n")
+        return 2
+    for recording in recordings:
+        feed(Path(recording), Path(out) / Path(recording).name)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

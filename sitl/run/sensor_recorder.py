@@ -1,0 +1,149 @@
+"""What the boat's estimator is given in a run, with the truth: for replaying estimators on the same data."""
+
+import json
+from array import array
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self, TypeVar
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from companion.core.errors import ConfigError
+from companion.core.geo import LocalFrame
+from companion.core.output_file import output_file
+from companion.sensors.readings import GnssFix, HeadingReading
+from sitl.run.lockstep import Lockstep
+from sitl.world.world import Truth
+
+TICK_COLUMNS = ("now_s", "fix", "heading", "left", "right", "rudder")
+TRUTH_EVERY = 5  # ticks
+
+Numbers = NDArray[np.float64]
+R = TypeVar("R", GnssFix, HeadingReading)
+
+
+@dataclass(frozen=True, slots=True)
+class SensorRecording:
+    """ticks: a row per tick, TICK_COLUMNS; fix and heading are indices into the readings, −1 for none.
+
+    fixes, headings: the readings, by field. truth: every tenth of a second, fields of Truth, by the boat's
+    clock. frame: origin of the truth, latitude and longitude in degrees. settings: the boat's (speed,
+    estimation, drive) and the scenario's (faults and so on).
+    """
+
+    settings: dict[str, Any]
+    ticks: Numbers
+    fixes: list[dict[str, Any]]
+    headings: list[dict[str, Any]]
+    truth: Numbers
+    frame: tuple[float, float]
+
+    def save(self, path: Path) -> None:
+        """Write an .npz file.
+
+        Raises:
+            OutputError: it cannot be written.
+        """
+        rest = {
+            "settings": self.settings,
+            "frame": self.frame,
+            "fixes": self.fixes,
+            "headings": self.headings,
+            "truth": Truth._fields,
+        }
+        with output_file(path) as aside, aside.open("wb") as file:  # a file: numpy would add a suffix
+            np.savez_compressed(
+                file,
+                rest=np.frombuffer(json.dumps(rest).encode(), dtype=np.uint8),
+                ticks=self.ticks,
+                truth=self.truth,
+            )
+
+    @classmethod
+    def load(cls, path: Path) -> Self:
+        """Read one.
+
+        Raises:
+            ConfigError: it cannot be read, or is not a recording.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as arrays:
+                rest = json.loads(arrays["rest"].tobytes())
+                return cls(
+                    settings=rest["settings"],
+                    ticks=arrays["ticks"],
+                    fixes=rest["fixes"],
+                    headings=rest["headings"],
+                    truth=arrays["truth"],
+                    frame=tuple(rest["frame"]),
+                )
+        except (OSError, ValueError, KeyError, TypeError, EOFError) as error:
+            raise ConfigError(f"{path}: not a recording of sensors: {error}") from None
+
+
+class SensorRecorder:
+    """Keeps what the estimator is given, tick by tick. A boat that restarts begins a new recording."""
+
+    def __init__(self) -> None:
+        self._restart()
+
+    def _restart(self) -> None:
+        self._boots = -1
+        self._ticks = array("d")
+        self._truth = array("d")
+        self._fixes: list[GnssFix] = []
+        self._headings: list[HeadingReading] = []
+
+    def step(self, lockstep: Lockstep) -> None:
+        """Step the boat and its world by one tick, and record it."""
+        world, computer = lockstep.world, lockstep.world.electronics.computer
+        now_s, truth, command = world.clock_s, world.truth, lockstep.boat.command
+        lockstep.step()
+        if computer.boots != self._boots:
+            self._restart()
+            self._boots = computer.boots
+        sensors = lockstep.boat.sensors
+        if len(self._ticks) % (TRUTH_EVERY * len(TICK_COLUMNS)) == 0:
+            self._truth.extend(truth._replace(time_s=now_s))
+        self._ticks.extend(
+            (
+                now_s,
+                _index(self._fixes, sensors.fix),
+                _index(self._headings, sensors.heading),
+                command.left,
+                command.right,
+                command.rudder,
+            )
+        )
+
+    def recording(self, lockstep: Lockstep, name: str) -> SensorRecording:
+        """What was recorded so far."""
+        scenario = lockstep.world.scenario
+        vehicle, frame = scenario.vehicle, scenario.frame
+        kept = ("speed", "estimation", "drive")
+        settings = {one: msgspec.to_builtins(getattr(vehicle, one)) for one in kept}
+        for one in ("environment", "faults", "hull", "thrusters", "sensors"):
+            settings[one] = msgspec.json.decode(msgspec.json.encode(getattr(scenario, one)))
+        return SensorRecording(
+            settings={"name": name, "seed": scenario.seed, **settings},
+            ticks=np.array(self._ticks, dtype=np.float64).reshape(-1, len(TICK_COLUMNS)),
+            fixes=[msgspec.to_builtins(fix) for fix in self._fixes],
+            headings=[msgspec.to_builtins(reading) for reading in self._headings],
+            truth=np.array(self._truth, dtype=np.float64).reshape(-1, len(Truth._fields)),
+            frame=_origin(frame),
+        )
+
+
+def _index(kept: list[R], reading: R | None) -> int:
+    """Where a reading lies among those kept; a new one is appended."""
+    if reading is None:
+        return -1
+    if not kept or kept[-1] is not reading:
+        kept.append(reading)
+    return len(kept) - 1
+
+
+def _origin(frame: LocalFrame) -> tuple[float, float]:
+    return frame.origin.lat_deg, frame.origin.lon_deg
