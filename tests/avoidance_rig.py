@@ -17,7 +17,7 @@ from companion.core.status_text import StatusText
 from companion.geofence.fence import Fence
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.avoidance import Avoidance, Stage
-from companion.obstacles.planning.free_space import Bounds
+from companion.obstacles.planning.free_space import ChartedBounds
 
 CONFIG = BoatConfig()
 NORTH = HoldCourse(0.0, 2.0)
@@ -59,6 +59,9 @@ class Lines:
     def __init__(self, west_m: float, east_m: float) -> None:
         self.west_m, self.east_m = west_m, east_m
 
+    def is_charted(self, point: Point) -> bool:
+        return False
+
     def room_m(self, point: Point, course_rad: float, reach_m: float) -> float:
         east = math.sin(course_rad)
         line_m = self.east_m if east > 0.0 else self.west_m
@@ -89,7 +92,7 @@ class Voyage:
         self.texts: list[StatusText] = []
         self.avoidance = Avoidance(self.texts)
         self.chart, self.config = Chart(*solid), config
-        self.bounds: Bounds = Fence()
+        self.bounds: ChartedBounds = Fence()
         self.now_s = 0.0
 
     def at(
@@ -117,7 +120,7 @@ class Voyage:
         return self.avoidance.safe_speed.ahead_m_s
 
     def is_wary(self, east_m: float = 0.0) -> bool:
-        return self.avoidance.safe_speed.is_sight_limited(2, Point(0.0, east_m))
+        return self.chart.water.is_limited(Point(0.0, east_m), 2, self.bounds)
 
 
 def is_course(found: Intent, deg: float, speed_m_s: float) -> bool:

@@ -76,7 +76,7 @@ def _tuning() -> list[ParameterRow]:
         ParameterRow("FOLL_TIMEOUT", _REAL, "Silence of the followed vehicle that ends following", "follow.timeout_s", unit="s", low=0.5, high=60),
         ParameterRow("AVOID_ENABLE", _I8, "Obstacle sources", "avoidance.enable", low=0, high=7, bits=names.AVOIDED),
         ParameterRow("AVOID_MARGIN", _REAL, "Distance to keep from obstacles", "avoidance.margin_m", unit="m", low=0.01, high=50),
-        ParameterRow("AVOID_SIGHT", _I8, "When the speed is limited to what allows a stop within the sonar range", "avoidance.by_sight", low=0, high=2, values=names.SIGHT_LIMITS),
+        ParameterRow("AVOID_SIGHT", _I8, "Where the speed is limited to what allows a stop within the water looked at", "avoidance.by_sight", low=0, high=3, values=names.SIGHT_LIMITS),
         ParameterRow("AVOID_DETOUR", _REAL, "Longest detour", "avoidance.detour_m", unit="m", low=0, high=10000),
         ParameterRow("AVOID_RETRY", _REAL, "Time until the next attempt when blocked", "avoidance.retry_s", unit="s", low=1, high=3600),
         ParameterRow("OA_TYPE", _I8, "Action for an obstacle ahead", "avoidance.goes_round", low=0, high=1, values=names.OBSTACLE_ACTIONS),

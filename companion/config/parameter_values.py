@@ -59,6 +59,11 @@ MOTOR_SOURCES: Names = ((0, "Disabled"), (1, "Throttle"), (2, "Current"))
 MISSION_ENDS: Names = ((0, "HOLD"), (1, "LOITER"))
 OBSTACLE_ACTIONS: Names = ((0, "Stop before it"), (1, "Go around it"))
 OFFSET_AXES: Names = ((0, "North and east"), (1, "Ahead and to starboard"))
-SIGHT_LIMITS: Names = ((0, "Never"), (1, "Always"), (2, "For a while after an unexpected obstacle"))
+SIGHT_LIMITS: Names = (
+    (0, "Nowhere"),
+    (1, "Everywhere"),
+    (2, "Near unexpected obstacles"),
+    (3, "There and outside an inclusion fence"),
+)
 SIMPLE_DIRECTIONS: Names = ((0, "Heading at the start"), (1, "North"))
 TURN_DIRECTIONS: Names = ((0, "Clockwise"), (1, "Counter-clockwise"))

@@ -50,6 +50,7 @@ class Fence:
         self.areas: tuple[Area, ...] = ()
         self.is_active = False
         self.version = 0
+        self._is_chart = False  # some uploaded area is an inclusion
         self._uploaded: tuple[FenceArea, ...] = ()
         self._placed: tuple[FenceArea, ...] | None = None
         self._frame: LocalFrame | None = None
@@ -78,9 +79,11 @@ class Fence:
             return
         self._placed, self._frame, self._setting, self._home = self._uploaded, frame, setting, home
         areas: list[Area] = []
+        self._is_chart = False
         if frame is not None and setting.enabled:
             if setting.kinds & AREAS_KIND:
                 areas += [_to_lines(area, frame) for area in self._uploaded]
+                self._is_chart = any(area.is_inclusion for area in areas)
             if setting.kinds & CIRCLE_KIND and home is not None:
                 areas.append(Disc(frame.to_local(home), setting.radius_m, is_inclusion=True))
         self.areas = tuple(areas)
@@ -153,6 +156,10 @@ class Fence:
         if way_m < abs(self._anchor_m):
             return self._anchor_m < 0.0
         return not self.allows(point)
+
+    def is_charted(self, point: Point) -> bool:
+        """Whether a place is inside an uploaded inclusion area, whose owner knows the water."""
+        return self._is_chart and not self.is_outside(point)
 
     def is_near(self, point: Point, reach_m: float) -> bool:
         """Whether a line may be within reach_m. Never a false negative, seldom a false positive."""

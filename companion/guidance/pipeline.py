@@ -54,7 +54,7 @@ class GuidancePipeline:
         """Discard all state after a fault."""
         self._pilot, self.helm, self.gate = Pilot(), Helm(), Gate()
         self.avoidance.reset()
-        self.perception.occupancy.clear()
+        self.perception.clear()
         self.idle()
 
     def idle(self) -> None:

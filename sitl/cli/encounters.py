@@ -34,7 +34,7 @@ def encounters(
     """Run a leg with rocks, walls, shores and moving obstacles that the boat's plan does not know.
 
     Each run is first made without them, so that a mover can be aimed at the boat. Prints a table and a
-    summary. A touch of a mover is inevitable if none of 9,375 manoeuvres, begun 0.3 s after its first
+    summary. A touch of a mover is inevitable if none of 18,750 manoeuvres, begun 0.3 s after its first
     possible echo, keeps clear.
 
     Example:  boat-sitl encounters --seeds 5 --only crossing

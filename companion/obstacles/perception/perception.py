@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from companion.config.avoidance import AvoidanceSetting
 from companion.core.geo import Point
 from companion.core.state import NavState
+from companion.obstacles.perception.looked_at import LookedAtWater
 from companion.obstacles.perception.occupancy import SUSPECT, Beam, Occupancy
 from companion.obstacles.perception.sonar_noise import SonarNoiseMonitor
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector, choose_sector, is_unclassified
@@ -27,13 +28,14 @@ _MAX_TURNS_RAD = 20.0
 
 
 class ObstaclePerception:
-    """occupancy: static obstacles. tracks: moving ones. dropped: unusable pings. sector: where to point the
-    boat's own ranger.
+    """occupancy: static obstacles. tracks: moving ones. water: known to be free. dropped: unusable pings.
+    sector: where to point the boat's own ranger.
     """
 
     def __init__(self, setting: AvoidanceSetting) -> None:
         self.occupancy = Occupancy(setting.margin_m / CELLS_A_MARGIN, setting.memory_s)
         self.tracks = ObstacleTracks(setting.margin_m)
+        self.water = LookedAtWater()
         self.dropped = 0
         self._noise = SonarNoiseMonitor()
         self.reach_m = 0.0  # of the latest ping
@@ -54,6 +56,11 @@ class ObstaclePerception:
         """Whether nothing is known. Moving obstacles leave echoes in the grid, too."""
         return len(self.occupancy) == 0
 
+    def clear(self) -> None:
+        """Forget all: the local frame has moved."""
+        self.occupancy.clear()
+        self.water.clear()
+
     def is_near(self, at: Point) -> bool:
         """Whether anything is known within sight of a place."""
         return not self.is_empty and self.occupancy.is_near(at, self.reach_m + self._setting.margin_m)
@@ -69,11 +76,13 @@ class ObstaclePerception:
         if setting is not self._setting:
             self._change(setting)
         is_lost = nav is None or max(nav.position_age_s, nav.heading_age_s) > STALE_POSE_S
+        self.water.has_ranger = self.water.has_ranger or bool(pings)
         for ping, width_rad in pings:
             if width_rad is None and self._is_noise(ping):
                 self.dropped += 1
                 continue
-            if ping.range_m is None and self.is_empty and 0.0 <= now_s - ping.time_s <= MAX_AGE_S:
+            is_quiet = self.is_empty and not self.water.is_used
+            if ping.range_m is None and is_quiet and 0.0 <= now_s - ping.time_s <= MAX_AGE_S:
                 reach_m = min(
                     ping.max_range_m, setting.lookahead_m
                 )  # no echo over open water: the usual case
@@ -131,6 +140,8 @@ class ObstaclePerception:
         if beam is not None:
             self.occupancy.add(beam)
             self.tracks.add(beam, self.occupancy)
+            if self.water.is_used:
+                self.water.add(beam)
 
     def _is_noise(self, ping: SonarReading) -> bool:
         was_noisy = self._noise.is_noisy

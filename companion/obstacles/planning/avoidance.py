@@ -21,10 +21,11 @@ from companion.core.intent import (
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.core.units import wrap_pi
+from companion.obstacles.perception.looked_at import allowed_speed_m_s
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.detour import STARBOARD, Detour
 from companion.obstacles.planning.detour_history import Breadcrumbs, DetourHistory
-from companion.obstacles.planning.free_space import Bounds
+from companion.obstacles.planning.free_space import ChartedBounds
 from companion.obstacles.planning.moving_obstacles import EvasiveManeuver, choose_maneuver
 from companion.obstacles.planning.safe_speed import SafeSpeed, crash_stop
 from companion.obstacles.planning.scene import HULL, Scene
@@ -74,7 +75,7 @@ class Avoidance:
     def reset(self) -> None:
         """Forget the present detour."""
         self.stage = Stage.CLEAR
-        self.safe_speed.forget()
+        self.safe_speed.clear()
         self._detour = self._last_intent = self._override = self._maneuver = None
         self._history.forget()
 
@@ -84,18 +85,15 @@ class Avoidance:
         nav: NavState | None,
         config: BoatConfig,
         perception: ObstaclePerception,
-        bounds: Bounds,
+        bounds: ChartedBounds,
         *,
         is_by_hand: bool,
         now_s: float,
     ) -> Intent:
         """The intent to follow; usually the given one."""
         setting = config.avoidance
-        if (
-            perception.is_empty
-            and self.stage is Stage.CLEAR
-            and not self._is_sight_limited(setting.by_sight, nav)
-        ):
+        is_limited = nav is not None and perception.water.is_limited(nav.point, setting.by_sight, bounds)
+        if perception.is_empty and self.stage is Stage.CLEAR and not is_limited:
             self.safe_speed.clear()
             return intent
         is_off = not setting.avoids_obstacles or (is_by_hand and not setting.by_hand)
@@ -104,7 +102,7 @@ class Avoidance:
                 self.reset()
             return intent
         is_far = self.stage is Stage.CLEAR and not perception.is_near(nav.point)
-        if is_far and not self._is_sight_limited(setting.by_sight, nav):
+        if is_far and not is_limited:
             self.safe_speed.clear()
             return intent
         if now_s >= self._due_s or type(intent) is not type(self._last_intent):
@@ -119,9 +117,6 @@ class Avoidance:
                 None if is_by_hand else self._avoid_movers(scene, perception, self._decide(scene))
             )
         return intent if self._override is None else self._override
-
-    def _is_sight_limited(self, by_sight: int, nav: NavState | None) -> bool:
-        return by_sight > 0 and nav is not None and self.safe_speed.is_sight_limited(by_sight, nav.point)
 
     def _decide(self, scene: Scene) -> Intent | None:
         """The replacement intent for static obstacles; None: keep the intent."""
@@ -156,8 +151,10 @@ class Avoidance:
         """The replacement intent for moving obstacles."""
         if scene.movers:
             course, speed = scene.desired_course_and_speed(instead)
-            if self._is_sight_limited(scene.config.avoidance.by_sight, scene.nav):
-                speed = min(speed, scene.sight_limited_speed_m_s(perception))
+            speed = min(
+                speed,
+                allowed_speed_m_s(scene.nav, scene.config, perception.water, scene.bounds, scene.now_s),
+            )
             self._maneuver = choose_maneuver(scene, course, speed, self._maneuver)
         else:
             self._maneuver = None
@@ -169,7 +166,7 @@ class Avoidance:
             self.stage = Stage.PASSING
             self._has_notified = False
         if any(mover.is_mover for mover in scene.movers):  # a probable mover may be noise
-            self.safe_speed.note_unmapped_obstacle(scene.here)
+            scene.water_known.note_unmapped_obstacle(scene.here)
             if not self._has_notified:
                 self._has_notified = True
                 self._notify(Severity.INFO, GIVING_WAY)
@@ -199,7 +196,7 @@ class Avoidance:
         here, margin_m, setting = scene.here, scene.margin_m, scene.config.avoidance
         detour.advance(here, margin_m)
         if scene.solid and detour.length_m > margin_m:  # noise has decayed by then
-            self.safe_speed.note_unmapped_obstacle(here)
+            scene.water_known.note_unmapped_obstacle(here)
         free_m = scene.clear_path_m(scene.obstacles, _FREE, _MEMORIES)
         if free_m > _LEAVES * scene.sight_m and detour.has_progressed(here, free_m, margin_m):
             if scene.must_stop_to_turn(scene.desired_course_and_speed(None)[0]):
@@ -264,7 +261,7 @@ class Avoidance:
 
     def _stop_before(self, scene: Scene, free_m: float) -> Intent | None:
         """Detours are disabled: stop, and keep station until the path is free."""
-        self.safe_speed.note_unmapped_obstacle(scene.here)
+        scene.water_known.note_unmapped_obstacle(scene.here)
         self.safe_speed.reduce_to(scene.stopping_speed_m_s(free_m))
         if free_m > _HALTS * scene.margin_m:
             return None

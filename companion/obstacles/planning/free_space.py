@@ -12,6 +12,7 @@ from typing import Protocol
 
 from companion.core.geo import Point
 from companion.core.units import TAU, wrap_pi
+from companion.obstacles.perception.looked_at import ChartedWater
 
 SECTORS = 72
 SECTOR_RAD = TAU / SECTORS
@@ -28,6 +29,10 @@ class Bounds(Protocol):
 
     def room_m(self, point: Point, course_rad: float, reach_m: float) -> float:
         """Free distance along a course, at most reach_m."""
+
+
+class ChartedBounds(Bounds, ChartedWater, Protocol):
+    """Bounds that may contain known water."""
 
 
 class FreeSpace:

@@ -11,17 +11,15 @@ from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig
 from companion.control.speed import feed_forward
-from companion.core.geo import Point, distance_m
 from companion.core.intent import Drive, Stop
 from companion.core.state import Demand, NavState
 from companion.core.units import wrap_pi
+from companion.obstacles.perception.looked_at import allowed_speed_m_s
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.scene import Scene
 
-ALWAYS, AFTER_MEETING = 1, 2  # AVOID_SIGHT
 _SURPRISE: Final = 0.9  # of the slowest speed with steerage way: excess speed that triggers a crash stop
 _STEADIES, _LEAST_STEERING = 0.5, 0.2
-WARY_M: Final = 40.0  # from the unmapped obstacle
 
 
 def crash_stop(nav: NavState, config: BoatConfig) -> Drive:
@@ -35,27 +33,11 @@ class SafeSpeed:
 
     def __init__(self) -> None:
         self.ahead_m_s = self.astern_m_s = math.inf
-        self._unmapped_at: Point | None = None
         self._solid_m_s = math.inf  # limit from solid obstacles alone
 
     def clear(self) -> None:
         """Remove the limits."""
         self.ahead_m_s = self.astern_m_s = self._solid_m_s = math.inf
-
-    def forget(self) -> None:
-        """Remove the limits and forget unmapped obstacles."""
-        self.clear()
-        self._unmapped_at = None
-
-    def note_unmapped_obstacle(self, here: Point) -> None:
-        """Record an obstacle that is on no map."""
-        self._unmapped_at = here
-
-    def is_sight_limited(self, by_sight: int, here: Point) -> bool:
-        """Whether the speed is limited by sight."""
-        if by_sight == AFTER_MEETING and self._unmapped_at is not None:
-            return distance_m(here, self._unmapped_at) < WARY_M
-        return by_sight == ALWAYS
 
     def reduce_to(self, limit_m_s: float) -> None:
         """Lower the limit ahead."""
@@ -68,12 +50,10 @@ class SafeSpeed:
     def update(self, scene: Scene, perception: ObstaclePerception) -> None:
         """Compute the limits."""
         heading = scene.nav.heading_rad
-        is_by_sight = self.is_sight_limited(scene.config.avoidance.by_sight, scene.here)
+        sight_m_s = allowed_speed_m_s(scene.nav, scene.config, perception.water, scene.bounds, scene.now_s)
         room_m = min(scene.room_ahead_m(), scene.room_m(heading))
         self._solid_m_s = scene.stopping_speed_m_s(room_m) if room_m < math.inf else math.inf
-        self.ahead_m_s = min(
-            scene.sight_limited_speed_m_s(perception) if is_by_sight else math.inf, self._solid_m_s
-        )
+        self.ahead_m_s = min(sight_m_s, self._solid_m_s)
         astern_m = scene.room_m(heading + math.pi)
         self.astern_m_s = math.inf if astern_m == math.inf else scene.stopping_speed_m_s(astern_m)
 

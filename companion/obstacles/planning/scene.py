@@ -11,7 +11,7 @@ from companion.core.units import wrap_pi
 from companion.guidance.speed_profile import braking_speed_m_s
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.perception.track import Track
-from companion.obstacles.planning.free_space import Bounds, FreeSpace, clear_m
+from companion.obstacles.planning.free_space import ChartedBounds, FreeSpace, clear_m
 from companion.obstacles.planning.way_ahead import way_ahead
 
 WIDER = 1.2  # a detour keeps this times the margin, so that its end does not start another
@@ -19,9 +19,6 @@ HULL = 0.6  # of the margin: the boat stops for obstacles this near ahead
 _DRIFT_S = 0.8  # how long the current carries a turning boat
 _STILL_SHARE = 0.4  # of the slowest speed with steerage way: weaker currents are ignored
 _FAR_M = 1000.0  # end of a course
-_LOOK_S = 0.8  # period of the sweep
-_TURNS_S = 2.0  # duration of a sharp turn
-_HEARD_S = 2.0  # without pings for this long the boat sees nothing
 _SPREAD = 0.6  # of the margin: spread of a mover's echoes in the grid
 _IN_VIEW_S = 1.0  # a mover not observed for longer is known by its echoes only
 _CONE = 0.7  # cosine of 45°
@@ -40,7 +37,7 @@ class Scene:
         nav: NavState,
         config: BoatConfig,
         perception: ObstaclePerception,
-        bounds: Bounds,
+        bounds: ChartedBounds,
         now_s: float,
     ) -> None:
         setting = config.avoidance
@@ -56,7 +53,8 @@ class Scene:
         self.solid = self._still(perception.solid(now_s))
         self.obstacles = self._still(perception.suspects(now_s))
         self.has_unclassified = perception.has_unclassified(now_s)
-        self._bounds = bounds
+        self.bounds = bounds
+        self.water_known = perception.water
         self._water: FreeSpace | None = None
 
     def _still(self, obstacles: list[Point]) -> list[Point]:
@@ -76,7 +74,7 @@ class Scene:
         """The courses open to a detour."""
         if self._water is None:
             self._water = FreeSpace(self.here, self.obstacles, WIDER * self.margin_m, self.sight_m)
-            self._water.set_bounds(self._bounds, self.config.fence.margin_m)
+            self._water.set_bounds(self.bounds, self.config.fence.margin_m)
         return self._water
 
     def clear_path_m(self, obstacles: Sequence[Point], share: float = 1.0, reaches: float = 1.0) -> float:
@@ -179,18 +177,3 @@ class Scene:
         if isinstance(self.intent, FollowLeg | FollowCircle | HoldCourse | HoldHeading):
             return abs(self.intent.speed_m_s)
         return self.config.speed.cruise_m_s
-
-    def sight_limited_speed_m_s(self, perception: ObstaclePerception) -> float:
-        """The speed from which the boat stops within the observed water.
-
-        v² = 2 a (d − v t), with the time t of a sweep and of the throttle response; d is reduced by the drift
-        in a following current while the boat turns.
-        """
-        config, nav = self.config, self.nav
-        accel, least_m_s = config.guidance.accel_m_s2, config.guidance.min_speed_m_s
-        seen_m = perception.reach_m if self.now_s - perception.heard_s <= _HEARD_S else 0.0
-        ahead_n, ahead_e = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
-        along_m_s = nav.current_north_m_s * ahead_n + nav.current_east_m_s * ahead_e
-        room_m = max(seen_m - self.margin_m - _TURNS_S * max(along_m_s, 0.0), 0.0)
-        delayed = accel * (1.0 + _LOOK_S)
-        return max(math.sqrt(delayed * delayed + 2.0 * accel * room_m) - delayed, least_m_s)

@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 
 from companion.core.geo import Point, bearing_rad
+from companion.obstacles.perception.looked_at import UNCHARTED
 from companion.obstacles.planning.avoidance import GIVING_WAY, NO_WAY
 from mission_tools.mission.route import mission_along
 from sitl.experiments.encounters.evasion import could_evade
@@ -106,7 +107,8 @@ def run_encounter(trial: Trial) -> TrialResult:
 def _scenario(current_m_s: float, seed: int, settings: dict[str, Any], tree: Tree) -> Scenario:
     towards_deg = generator(seed, "encounter/current").uniform(0.0, 360.0)
     environment = {"current_m_s": current_m_s, "current_to_deg": towards_deg}
-    layer = Layer("encounter", {"seed": seed, "environment": environment, **tree})
+    vehicle = {"avoidance": {"by_sight": UNCHARTED}}  # no map has this water
+    layer = Layer("encounter", {"seed": seed, "environment": environment, "vehicle": vehicle, **tree})
     return load_scenario("open", over=[layer, Layer(COMMAND_LINE, settings)])
 
 

@@ -2,7 +2,7 @@
 
 The search is exhaustive over all pairs of sustained motor commands on a grid: each motor at one of COMMANDS
 until one of SWITCHES_S, then each motor at one of COMMANDS for the rest of WATCHED_S. Those are
-25 × 15 × 25 = 9,375 manoeuvres of the true hull and motors, from the boat's true motion at that moment. If
+25 × 30 × 25 = 18,750 manoeuvres of the true hull and motors, from the boat's true motion at that moment. If
 none of them keeps clear, the touch is inevitable for a boat that arrives at this speed on this course.
 
 Doubts count against the boat: the first possible echo is the first moment at which a ping in the best
@@ -27,7 +27,7 @@ Pair = tuple[float, float]
 
 REACTION_S: Final = 0.3  # a second ping that confirms the echo, and a decision
 COMMANDS: Final = (1.0, -1.0, 0.0, 0.5, -0.5)  # of each motor; the likeliest to succeed first
-SWITCHES_S: Final = tuple(0.2 * step for step in range(1, 16))  # full astern stops the boat from 2 m/s in 2 s
+SWITCHES_S: Final = tuple(0.1 * step for step in range(1, 31))  # full astern stops the boat from 2 m/s in 2 s
 WATCHED_S: Final = 8.0  # a mover of 0.2 m/s takes 5 s past a metre
 _WARM_S: Final = 0.4  # two time constants of the motors: until they turn as in the run
 

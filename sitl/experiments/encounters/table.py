@@ -32,16 +32,19 @@ def markdown(trials: Sequence[Trial], results: Sequence[TrialResult]) -> str:
 
 
 def summary(trials: Sequence[Trial], results: Sequence[TrialResult]) -> str:
-    """Touches of still obstacles and of movers, and the time lost in completed runs."""
+    """Touches of still obstacles, of movers and of the shore, and the time lost in completed runs."""
     still: list[TrialResult] = []
     moving: list[TrialResult] = []
+    shore: list[TrialResult] = []
     for trial, result in zip(trials, results, strict=True):
-        (moving if Encounter(**trial.factors).speed_m_s else still).append(result)
+        encounter = Encounter(**trial.factors)
+        (moving if encounter.speed_m_s else shore if encounter.kind == "shore" else still).append(result)
     inevitable = sum(bool(result.figures["inevitable"]) for result in moving)
     return (
         f"still: {_touched(still)} touches of {len(still)}; "
         f"movers: {_touched(moving)} of {len(moving)}, {inevitable} inevitable; "
-        f"time lost: still {_time_lost(still)}, movers {_time_lost(moving)}"
+        f"shore: {_touched(shore)} of {len(shore)}; "
+        f"time lost: still {_time_lost(still)}, movers {_time_lost(moving)}, shore {_time_lost(shore)}"
     )
 
 

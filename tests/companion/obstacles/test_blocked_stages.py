@@ -133,7 +133,6 @@ def test_another_goal_begins_another_detour(first: Intent, then: Intent, is_kept
 def test_avoidance_that_does_not_apply_forgets_its_detour(reason: str) -> None:
     voyage = Voyage(ROCK)
     voyage.at(1.0)
-    voyage.avoidance.safe_speed.note_unmapped_obstacle(Point(0.0, 0.0))
     intent: Intent = Stop() if reason == "stop" else NORTH
     if reason == "off":
         voyage.config = with_value(CONFIG, "avoidance.enable", 1)
@@ -145,7 +144,6 @@ def test_avoidance_that_does_not_apply_forgets_its_detour(reason: str) -> None:
     assert found is intent
     assert voyage.stage() is Stage.CLEAR
     assert voyage.limit_m_s == math.inf
-    assert not voyage.is_wary()
     voyage.config = CONFIG
     voyage.chart.rocks = [BEHIND]
     assert voyage.at(2.01) is NORTH, "nothing is left of the earlier decision"

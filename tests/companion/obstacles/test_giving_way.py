@@ -111,11 +111,11 @@ def test_a_probable_mover_is_avoided_without_a_word(monkeypatch: pytest.MonkeyPa
     meeting.maneuver = EvasiveManeuver(0.7, 1.2)
     assert meeting.at(1.0) == HoldCourse(0.7, 1.2)
     assert meeting.texts == []
-    assert not meeting.avoidance.safe_speed.is_sight_limited(2, Point(0.0, 0.0))
+    assert not meeting.perception.water.is_limited(Point(0.0, 0.0), 2, Fence())
     meeting.track.is_mover = True
     meeting.at(1.1)
     assert [one.text for one in meeting.texts] == ["Moving obstacle: giving way"]
-    assert meeting.avoidance.safe_speed.is_sight_limited(2, Point(0.0, 0.0))
+    assert meeting.perception.water.is_limited(Point(0.0, 0.0), 2, Fence())
 
 
 @pytest.mark.parametrize(("seen_ago_s", "is_avoided"), [(0.39, True), (0.41, False)])

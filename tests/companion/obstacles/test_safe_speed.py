@@ -98,18 +98,6 @@ def test_limits_are_lowered_raised_and_removed() -> None:
     assert (safe.ahead_m_s, safe.astern_m_s) == (math.inf, math.inf)
 
 
-def test_sight_limits_always_or_within_forty_metres_of_what_no_map_has() -> None:
-    safe, here = SafeSpeed(), Point(100.0, 0.0)
-    assert [safe.is_sight_limited(by_sight, here) for by_sight in (0, 1, 2)] == [False, True, False]
-    safe.note_unmapped_obstacle(Point(60.5, 0.0))
-    assert [safe.is_sight_limited(by_sight, here) for by_sight in (0, 1, 2)] == [False, True, True]
-    safe.note_unmapped_obstacle(Point(59.5, 0.0))
-    assert not safe.is_sight_limited(2, here)
-    safe.note_unmapped_obstacle(here)
-    safe.forget()
-    assert not safe.is_sight_limited(2, here)
-
-
 @pytest.mark.parametrize(
     ("heading_rad", "obstacles", "speed_m_s"),
     [

@@ -172,30 +172,6 @@ def test_the_goal_is_the_end_of_what_is_sailed() -> None:
     assert math.dist(scene_of(intent=circle).goal(), circle.centre) == pytest.approx(10.0)
 
 
-@pytest.mark.parametrize(
-    ("heard_s", "current_m_s", "seen_m"),
-    [(0.0, 0.0, 3.0), (-1.9, 0.0, 3.0), (0.0, 0.5, 1.6), (0.0, -0.5, 2.6)],
-)
-def test_the_boat_stops_within_the_water_that_it_has_seen(
-    heard_s: float, current_m_s: float, seen_m: float
-) -> None:
-    perception = ObstaclePerception(CONFIG.avoidance)
-    perception.reach_m, perception.heard_s = 4.0, heard_s
-    nav = moving(1.0, current_north_m_s=current_m_s)
-    scene = Scene(NORTH, nav, CONFIG, perception, Fence(), 0.0)
-    delayed = 0.4 * 1.8
-    expected = math.sqrt(delayed**2 + 2.0 * 0.4 * seen_m) - delayed
-    assert scene.sight_limited_speed_m_s(perception) == pytest.approx(max(expected, 0.4))
-
-
-def test_a_boat_that_hears_nothing_goes_as_slowly_as_it_steers() -> None:
-    perception = ObstaclePerception(CONFIG.avoidance)
-    perception.reach_m, perception.heard_s = 4.0, -2.1
-    assert (
-        Scene(NORTH, moving(1.0), CONFIG, perception, Fence(), 0.0).sight_limited_speed_m_s(perception) == 0.4
-    )
-
-
 # The way ahead
 
 

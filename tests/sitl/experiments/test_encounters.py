@@ -77,7 +77,8 @@ def test_the_summary_counts_touched_runs_by_kind_and_the_time_lost() -> None:
         TrialResult(number=4, ended="completed", figures={**figures, "touches": 1, "inevitable": False}),
     ]
     assert summary(trials, results) == (
-        "still: 1 touches of 2; movers: 2 of 2, 1 inevitable; time lost: still 10 %, movers 10 %"
+        "still: 1 touches of 2; movers: 2 of 2, 1 inevitable; shore: 0 of 0; "
+        "time lost: still 10 %, movers 10 %, shore unknown"
     )
     assert [(row["encounter"], row["seed"]) for row in run_rows(trials, results)] == [
         ("lone", 1), ("lone", 2), ("head on 0.5 m/s", 1), ("head on 0.5 m/s", 2),

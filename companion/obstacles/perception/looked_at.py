@@ -1,0 +1,127 @@
+"""Water that is known to be free, and the speed from which the boat can stop within it.
+
+Water is known inside an uploaded inclusion fence, and where two pings met nothing. A boat in other water may
+only go as fast as it can stop in what it knows ahead: with a margin d before the first unknown place, a
+reaction time t and the deceleration a, v² = 2 a (d − v t).
+"""
+
+import math
+from typing import Final, Protocol
+
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import Point, distance_m
+from companion.core.state import NavState
+from companion.guidance.speed_profile import braking_speed_m_s
+from companion.obstacles.perception.occupancy import Beam
+
+NEVER, ALWAYS, AFTER_MEETING, UNCHARTED = range(4)  # AVOID_SIGHT
+WARY_M: Final = 40.0  # ten sights of 4 m: what was drawn wrongly once is drawn wrongly beside it, too
+_LOOKS: Final = 2  # a single ping can miss: a smooth wall at an angle returns no echo
+_CELL_M: Final = 0.5
+_MAX_CELLS: Final = 20_000  # 5,000 m², and about 2 MB
+_SECTORS: Final = 24  # of 15°, a beam's width
+# The sonar scheduler points ahead every 0.25 s at cruise: two passes find and confirm an echo. The response
+# time of the speed is added (`speed_profile.REACTION_S`).
+_CONFIRM_S: Final = 0.5
+_FRESH_S: Final = 1.0  # a sector looked at longer ago is not in sight: a full sweep takes 1.4 s
+_TURNS_S: Final = (
+    2.0  # a current carries the boat on while it turns its bow into it: a sharp turn takes so long
+)
+_STILL_SHARE: Final = 0.25  # of the slowest speed with steerage way: slower, the course is noise
+
+
+class ChartedWater(Protocol):
+    """A fence that may contain the water."""
+
+    def is_charted(self, point: Point) -> bool:
+        """Whether the place is inside an uploaded inclusion fence."""
+
+
+class LookedAtWater:
+    """Cells of water that the rangers saw through, and the time of the last clear beam in each direction."""
+
+    def __init__(self) -> None:
+        self._looks: dict[tuple[int, int], int] = {}
+        self._clear: list[Beam | None] = [None] * _SECTORS
+        self._unmapped_at: Point | None = None
+        self.has_ranger = False  # some ranger was heard: a boat without one cannot look
+        self.is_used = False  # whether the speed was limited when it was last asked for
+
+    def clear(self) -> None:
+        """Forget all: the local frame has moved."""
+        self._looks.clear()
+        self._clear = [None] * _SECTORS
+        self._unmapped_at = None
+
+    def note_unmapped_obstacle(self, here: Point) -> None:
+        """The chart is wrong here: trust the rangers alone for WARY_M."""
+        self._unmapped_at = here
+
+    def is_limited(self, here: Point, by_sight: int, bounds: ChartedWater) -> bool:
+        """Whether the speed is limited to known water at a place."""
+        if by_sight < AFTER_MEETING:
+            self.is_used = by_sight == ALWAYS
+        else:
+            at = self._unmapped_at
+            is_wary = at is not None and distance_m(here, at) < WARY_M
+            is_unknown = by_sight == UNCHARTED and self.has_ranger and not bounds.is_charted(here)
+            self.is_used = is_wary or is_unknown
+        return self.is_used
+
+    def add(self, beam: Beam) -> None:
+        """Mark what a beam saw through."""
+        if not beam.is_echo:
+            sector = _sector(beam.bearing_rad)
+            last = self._clear[sector]
+            if last is None or beam.reach_m >= last.reach_m or beam.time_s - last.time_s > _FRESH_S:
+                self._clear[sector] = beam
+        looks, steps = self._looks, int(min(beam.range_m, beam.reach_m) / _CELL_M)
+        for side in (-0.25, 0.25):  # two rays leave no gap between beams at 4 m
+            bearing = beam.bearing_rad + side * beam.width_rad
+            step_n, step_e = _CELL_M * math.cos(bearing), _CELL_M * math.sin(bearing)
+            for step in range(steps):
+                north_m, east_m = beam.north_m + step * step_n, beam.east_m + step * step_e
+                cell = (math.floor(north_m / _CELL_M), math.floor(east_m / _CELL_M))
+                looks[cell] = looks.get(cell, 0) + 1
+        while len(looks) > _MAX_CELLS:
+            del looks[next(iter(looks))]
+
+    def is_known(self, point: Point) -> bool:
+        """Whether a place was looked at."""
+        cell = (math.floor(point.north_m / _CELL_M), math.floor(point.east_m / _CELL_M))
+        return self._looks.get(cell, 0) >= _LOOKS
+
+    def room_m(self, here: Point, course_rad: float, reach_m: float, now_s: float) -> float:
+        """Distance of known water along a course, at most reach_m."""
+        last, room_m = self._clear[_sector(course_rad)], 0.0
+        if last is not None and now_s - last.time_s <= _FRESH_S:
+            room_m = max(last.reach_m - distance_m(here, Point(last.north_m, last.east_m)), 0.0)
+        ahead_n, ahead_e = math.cos(course_rad), math.sin(course_rad)
+        while room_m < reach_m:
+            at_m = room_m + 0.5 * _CELL_M
+            if not self.is_known(Point(here.north_m + at_m * ahead_n, here.east_m + at_m * ahead_e)):
+                break
+            room_m += _CELL_M
+        return min(room_m, reach_m)
+
+
+def _sector(bearing_rad: float) -> int:
+    return round(bearing_rad * _SECTORS / math.tau) % _SECTORS
+
+
+def allowed_speed_m_s(
+    nav: NavState, config: BoatConfig, water: LookedAtWater, bounds: ChartedWater, now_s: float
+) -> float:
+    """The highest speed in this water; infinite where it is not limited, never below min_speed_m_s."""
+    if not water.is_limited(nav.point, config.avoidance.by_sight, bounds):
+        return math.inf
+    least_m_s = config.guidance.min_speed_m_s
+    is_still = math.hypot(nav.north_m_s, nav.east_m_s) < _STILL_SHARE * least_m_s
+    course_rad = nav.heading_rad if is_still else math.atan2(nav.east_m_s, nav.north_m_s)
+    reaction_s = config.handling.surge_time_s + _CONFIRM_S
+    most_m_s, margin_m = config.handling.top_speed_m_s, config.avoidance.margin_m
+    stops_m = most_m_s * (reaction_s + 0.5 * most_m_s / config.guidance.accel_m_s2)
+    set_m_s = nav.current_north_m_s * math.cos(course_rad) + nav.current_east_m_s * math.sin(course_rad)
+    margin_m += _TURNS_S * max(set_m_s, 0.0)
+    room_m = water.room_m(nav.point, course_rad, margin_m + stops_m, now_s) - margin_m
+    return max(braking_speed_m_s(room_m, 0.0, config.guidance, reaction_s), least_m_s)

@@ -1,0 +1,137 @@
+"""Water that is known to be free, and the speed that it allows."""
+
+import math
+
+import pytest
+from avoidance_rig import CONFIG, boat
+from msgspec.structs import replace
+
+from companion.config.boat_config import with_value
+from companion.config.fence import FenceSetting
+from companion.core.geo import LatLon, LocalFrame, Point
+from companion.geofence.fence import Fence, FenceCircle
+from companion.obstacles.perception.looked_at import LookedAtWater, allowed_speed_m_s
+from companion.obstacles.perception.occupancy import Beam
+
+HERE = Point(0.0, 0.0)
+FRAME = LocalFrame(LatLon(50.0, -1.2))
+BEAM_RAD = math.radians(15.0)
+A, MARGIN_M, REACTION_S = 0.4, 1.0, 1.5  # accel_m_s2, margin_m, surge_time_s and two passes of 0.25 s
+
+
+def fence(radius_m: float = 50.0, *, is_inclusion: bool = True) -> Fence:
+    made = Fence()
+    made.set_areas([FenceCircle(FRAME.origin, radius_m, is_inclusion)])
+    made.update(FRAME, None, FenceSetting(enabled=True))
+    return made
+
+
+def looked(*bearings_deg: float, time_s: float = 0.0, reach_m: float = 4.0, times: int = 2) -> LookedAtWater:
+    water = LookedAtWater()
+    water.has_ranger = True
+    for bearing_deg in bearings_deg * times:
+        water.add(Beam(time_s, HERE, math.radians(bearing_deg), BEAM_RAD, math.inf, reach_m))
+    return water
+
+
+def stopping_m_s(room_m: float) -> float:
+    return math.sqrt((A * REACTION_S) ** 2 + 2.0 * A * room_m) - A * REACTION_S
+
+
+@pytest.mark.parametrize(("by_sight", "is_limited"), [(0, False), (1, True), (2, False), (3, True)])
+def test_without_a_fence_the_default_and_always_limit_the_speed(by_sight: int, is_limited: bool) -> None:
+    assert looked().is_limited(HERE, by_sight, Fence()) is is_limited
+
+
+@pytest.mark.parametrize(
+    ("bounds", "is_limited"),
+    [
+        (fence(), False),
+        (fence(50.0, is_inclusion=False), True),  # the boat is outside, and it tells nothing of other water
+        (fence(5.0), True),  # the boat is outside
+    ],
+)
+def test_water_inside_an_inclusion_fence_is_known(bounds: Fence, is_limited: bool) -> None:
+    assert looked().is_limited(Point(20.0, 0.0), 3, bounds) is is_limited
+    assert looked().is_limited(Point(20.0, 0.0), 1, bounds)
+
+
+def test_the_circle_around_home_says_nothing_about_the_water() -> None:
+    home = Fence()
+    home.update(FRAME, FRAME.origin, FenceSetting(enabled=True, kinds=2, radius_m=100.0))
+    assert home.is_active
+    assert not home.is_charted(HERE)
+
+
+@pytest.mark.parametrize(("distance_m", "is_limited"), [(39.9, True), (40.1, False)])
+@pytest.mark.parametrize("by_sight", [2, 3])
+def test_within_forty_metres_of_what_no_map_has_the_chart_is_not_trusted(
+    by_sight: int, distance_m: float, is_limited: bool
+) -> None:
+    water = looked()
+    water.note_unmapped_obstacle(Point(-distance_m, 0.0))
+    assert water.is_limited(HERE, by_sight, fence()) is is_limited
+    assert not water.is_limited(HERE, 0, fence())
+
+
+def test_a_boat_without_a_ranger_is_not_limited_by_default() -> None:
+    assert not LookedAtWater().is_limited(HERE, 3, Fence())
+
+
+def test_the_room_is_the_sight_ahead_less_the_way_made_since() -> None:
+    water = looked(0.0)
+    assert water.room_m(HERE, 0.0, 10.0, 0.5) == pytest.approx(4.0, abs=0.5)
+    assert water.room_m(Point(1.0, 0.0), 0.0, 10.0, 0.5) == pytest.approx(3.0, abs=0.5)
+    assert water.room_m(HERE, math.pi, 10.0, 0.5) == 0.0
+    assert water.room_m(HERE, 0.0, 2.0, 0.5) == 2.0
+
+
+def test_water_seen_through_twice_stays_known_and_once_does_not() -> None:
+    assert looked(0.0).room_m(HERE, 0.0, 10.0, 60.0) == pytest.approx(4.0, abs=0.5)
+    assert looked(0.0, times=1).room_m(HERE, 0.0, 10.0, 60.0) < 1.0
+
+
+def test_what_lies_behind_an_echo_is_unknown() -> None:
+    water = LookedAtWater()
+    for _ in range(2):
+        water.add(Beam(0.0, HERE, 0.0, BEAM_RAD, 2.0, 4.0))
+    assert water.is_known(Point(1.4, 0.0))
+    assert not water.is_known(Point(2.1, 0.0))
+
+
+def test_a_longer_ranger_is_not_overruled_by_a_shorter_one() -> None:
+    water = looked(0.0, reach_m=12.0)
+    water.add(Beam(0.1, HERE, 0.0, BEAM_RAD, math.inf, 4.0))
+    assert water.room_m(HERE, 0.0, 20.0, 0.5) >= 12.0
+
+
+@pytest.mark.parametrize(
+    ("reach_m", "speed_m_s"), [(4.0, stopping_m_s(3.0)), (8.0, stopping_m_s(7.0)), (1.0, 0.4)]
+)
+def test_the_boat_can_stop_within_what_it_has_looked_at(reach_m: float, speed_m_s: float) -> None:
+    water = looked(0.0, reach_m=reach_m)
+    found = allowed_speed_m_s(boat(), CONFIG, water, Fence(), 0.0)
+    assert found == pytest.approx(speed_m_s, abs=0.1)
+
+
+def test_a_current_from_astern_leaves_less_room() -> None:
+    water = looked(0.0)
+    nav = replace(boat(), current_north_m_s=0.5)
+    assert allowed_speed_m_s(nav, CONFIG, water, Fence(), 0.0) == pytest.approx(stopping_m_s(2.0), abs=0.1)
+    nav = replace(boat(), current_north_m_s=-0.5)
+    assert allowed_speed_m_s(nav, CONFIG, water, Fence(), 0.0) == pytest.approx(stopping_m_s(3.0), abs=0.1)
+
+
+def test_known_water_sets_no_limit_and_costs_no_bookkeeping() -> None:
+    water = looked(0.0)
+    assert allowed_speed_m_s(boat(), CONFIG, water, fence(), 0.0) == math.inf
+    assert not water.is_used
+    uncharted = with_value(CONFIG, "avoidance.by_sight", 1)
+    assert allowed_speed_m_s(boat(), uncharted, water, fence(), 0.0) < 2.0
+    assert water.is_used
+
+
+def test_the_frame_moves_and_all_is_forgotten() -> None:
+    water = looked(0.0)
+    water.clear()
+    assert water.room_m(HERE, 0.0, 10.0, 0.0) == 0.0
