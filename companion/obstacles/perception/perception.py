@@ -40,6 +40,7 @@ class ObstaclePerception:
         self._noise = SonarNoiseMonitor()
         self.reach_m = 0.0  # of the latest ping
         self.heard_s = -math.inf
+        self.wished_course_rad: float | None = None  # about to be taken, set by the planner
         self.sector: Sector = ALL_ROUND
         self._silence: SonarReading | None = None  # the last ping, if its processing was deferred
         self._single: Beam | None = None  # the latest echo of the boat's own ranger
@@ -106,7 +107,15 @@ class ObstaclePerception:
         if nav is not None and setting.avoids_obstacles:
             is_open = self.is_empty or not self.occupancy.obstacles(now_s)
             unconfirmed = self._unconfirmed(now_s) if is_open else None
-            self.sector = choose_sector(nav, self.tracks, self.reach_m, now_s, unconfirmed, is_open=is_open)
+            self.sector = choose_sector(
+                nav,
+                self.tracks,
+                self.reach_m,
+                now_s,
+                unconfirmed,
+                self.wished_course_rad,
+                is_open=is_open,
+            )
         if nav is not None and now_s >= self._tidy_s and not self.is_empty:
             self._tidy_s = now_s + _TIDY_S
             self.occupancy.forget(nav.point, _REMEMBERED_REACHES * setting.lookahead_m, now_s)

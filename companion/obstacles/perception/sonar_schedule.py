@@ -1,8 +1,10 @@
-"""Selects the sonar sector: ahead at speed, and around obstacles that may move.
+"""Sector of the swept ranger: where the planner needs to know more.
 
-A full sweep takes a second and a half, in which boat and obstacle close by metres. A new, isolated echo is
-observed repeatedly until it is classified; moving obstacles are kept in view. What is abeam of a boat under
-way was ahead of it before.
+In open water a fast boat meets only what is nearly ahead. A mover of speed w on a collision course with a
+boat of speed v keeps a constant bearing, at most asin(w / v) off the bow: 30° at the lake boat's cruise,
+where the sweep hears ahead every 0.25 s, wider when the boat is slower, and all round below w. A course that
+the boat is about to take is looked at first. A new, isolated echo is observed until it is classified; movers
+are kept in view. Among fixed obstacles the boat looks all round.
 """
 
 import math
@@ -14,11 +16,10 @@ from companion.obstacles.perception.occupancy import Beam
 from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import ObstacleTracks
 
-_FAST_S: Final = 8.0  # a boat that covers its sight in less is fast
-# A boat that covers its sight in less looks again at a single echo, for which it brakes hard: at the cruise
-# speed of 2 m/s it takes 2 s, at the 1 m/s of AVOID_SIGHT 4 s.
-_HASTY_S: Final = 3.0
-_AHEAD_RAD: Final = 1.06  # sector ahead for a fast boat, to either side
+_HASTY_S: Final = 3.0  # a boat that covers its sight in less looks again at a single echo at once
+_CROSSING_M_S: Final = 1.0  # the fastest mover of the encounters experiment
+_AHEAD_RAD: Final = 0.53  # 30°, the narrowest sector ahead: five bearings of 15°, to and fro in 0.48 s
+_BESIDE_RAD: Final = 0.27  # a beam on either side of a course about to be taken
 _ABOUT_RAD: Final = 0.53  # to either side of a tracked obstacle, to observe the free water beside it
 _NEW_LOOKS: Final = 8  # observations after which a track is classified,
 _NEW_S: Final = 1.6  # or time
@@ -35,7 +36,6 @@ class Sector(NamedTuple):
 
 
 ALL_ROUND: Final = Sector(-math.pi, math.pi)
-_AHEAD: Final = Sector(-_AHEAD_RAD, _AHEAD_RAD)
 
 
 def choose_sector(
@@ -44,11 +44,12 @@ def choose_sector(
     reach_m: float,
     now_s: float,
     unconfirmed: Beam | None = None,
+    wished_course_rad: float | None = None,
     *,
     is_open: bool,
 ) -> Sector:
-    """The next sector. unconfirmed: an echo that a fast boat observes again at once. is_open: there is no
-    solid cell; otherwise the whole sweep is kept.
+    """The next sector. unconfirmed: an echo that a fast boat observes again at once. wished_course_rad: about
+    to be taken. is_open: there is no solid cell; otherwise the whole sweep is kept.
     """
     speed_m_s = math.sqrt(nav.north_m_s * nav.north_m_s + nav.east_m_s * nav.east_m_s)
     if unconfirmed is not None and speed_m_s * _HASTY_S > reach_m:
@@ -70,9 +71,11 @@ def choose_sector(
         if abs(off) < _ABEAM_RAD and distance_m < nearest_m:
             watched, nearest_m, bearing = track, distance_m, off
     if watched is None:
-        if not is_open:
+        if not is_open or speed_m_s <= _CROSSING_M_S:
             return ALL_ROUND
-        return _AHEAD if speed_m_s * _FAST_S > reach_m else ALL_ROUND
+        ahead = max(math.asin(_CROSSING_M_S / speed_m_s), _AHEAD_RAD)
+        turn = 0.0 if wished_course_rad is None else wrap_pi(wished_course_rad - nav.heading_rad)
+        return Sector(min(-ahead, turn - _BESIDE_RAD), max(ahead, turn + _BESIDE_RAD))
     half = _ABOUT_RAD + math.asin(watched.radius_m / max(nearest_m, 2.0 * watched.radius_m))
     about = Sector(bearing - half, bearing + half)
     if not watched.is_mover:

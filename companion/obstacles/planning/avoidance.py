@@ -113,6 +113,7 @@ class Avoidance:
             self._last_intent = intent
             scene = Scene(intent, nav, config, perception, bounds, now_s)
             self.safe_speed.update(scene, perception)
+            perception.wished_course_rad = scene.desired_course_and_speed(self._override)[0]
             self._override = (
                 None if is_by_hand else self._avoid_movers(scene, perception, self._decide(scene))
             )

@@ -1,6 +1,7 @@
 """Where the look-out has its ranger look."""
 
 import math
+from itertools import pairwise
 
 import msgspec
 import pytest
@@ -9,6 +10,7 @@ from boat_rig import nav_at
 from companion.core.geo import Point
 from companion.core.state import NavState
 from companion.obstacles.perception.occupancy import Beam
+from companion.obstacles.perception.servo_scan import ServoScan
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, choose_sector, is_unclassified
 from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import ObstacleTracks
@@ -32,11 +34,32 @@ def track(north_m: float, east_m: float, alone: int = 1, seen_s: float = 0.0) ->
     return out
 
 
-def test_a_slow_boat_looks_all_round_and_a_fast_one_ahead() -> None:
+def test_a_slow_boat_looks_all_round() -> None:
     assert choose_sector(under_way(0.2), ObstacleTracks(1.0), REACH_M, 0.0, is_open=True) == ALL_ROUND
-    ahead = choose_sector(under_way(2.0), ObstacleTracks(1.0), REACH_M, 0.0, is_open=True)
-    assert ahead.port_rad == -ahead.starboard_rad
-    assert math.radians(45.0) < ahead.starboard_rad < math.radians(90.0)
+
+
+@pytest.mark.parametrize(("speed_m_s", "half_deg"), [(3.0, 30.0), (2.0, 30.0), (1.2, 56.4), (0.99, 180.0)])
+def test_the_faster_the_boat_the_narrower_the_sector_in_which_it_can_meet_a_mover(
+    speed_m_s: float, half_deg: float
+) -> None:
+    sector = choose_sector(under_way(speed_m_s), ObstacleTracks(1.0), REACH_M, 0.0, is_open=True)
+    assert sector.port_rad == -sector.starboard_rad
+    assert math.degrees(sector.starboard_rad) == pytest.approx(half_deg, abs=0.5)
+
+
+def test_at_cruise_the_sweep_returns_to_the_bow_every_quarter_of_a_second() -> None:
+    scan = ServoScan([math.radians(15.0 * step) for step in range(-6, 7)])
+    scan.set_sector(*choose_sector(under_way(2.0), ObstacleTracks(1.0), REACH_M, 0.0, is_open=True))
+    ahead = [ping for ping in range(100) if abs(scan.turn()) < 0.01]
+    assert max(b - a for a, b in pairwise(ahead)) * 0.06 <= 0.25
+
+
+@pytest.mark.parametrize(("turn_deg", "sector_deg"), [(80.0, (-30.0, 95.0)), (-100.0, (-115.0, 30.0))])
+def test_a_course_about_to_be_taken_is_looked_at(turn_deg: float, sector_deg: tuple[float, float]) -> None:
+    nav = msgspec.structs.replace(under_way(2.0), heading_rad=0.5)
+    wished = 0.5 + math.radians(turn_deg)
+    sector = choose_sector(nav, ObstacleTracks(1.0), REACH_M, 0.0, None, wished, is_open=True)
+    assert [math.degrees(side) for side in sector] == pytest.approx(sector_deg, abs=1.0)
 
 
 def test_among_things_that_lie_still_it_looks_all_round() -> None:
