@@ -10,7 +10,13 @@ from rich.console import Console
 from companion.core.output_file import write_text
 from sitl.cli.arguments import Settings, Workers
 from sitl.cli.progress import progress_bar
-from sitl.experiments.encounters.encounter import encounter_trials, run_encounter
+from sitl.experiments.encounters.encounter import (
+    SONAR_M,
+    Ranger,
+    encounter_trials,
+    run_encounter,
+    second_ranger,
+)
 from sitl.experiments.encounters.table import ENCOUNTERS, markdown, run_rows, summary
 from sitl.experiments.runner import cores, local_pool, run_trials
 from sitl.scenarios.layers import parse_overrides
@@ -24,6 +30,10 @@ def encounters(
     only: Annotated[
         list[str] | None, typer.Option(metavar="WORD", help="encounters whose name contains this word [all]")
     ] = None,
+    sight_m: Annotated[
+        float, typer.Option("--sight", min=1.0, max=100.0, help="range of a second ranger; 4: none is fitted")
+    ] = SONAR_M,
+    ranger: Annotated[Ranger, typer.Option(help="the second ranger: a 2-D scan, or one beam ahead")] = "scan",
     settings: Settings = None,
     out: Annotated[Path | None, typer.Option("--out", "-o", help="write the table to this file, too")] = None,
     as_json: Annotated[
@@ -38,15 +48,17 @@ def encounters(
     possible echo, keeps clear.
 
     Example:  boat-sitl encounters --seeds 5 --only crossing
+    A lidar of 12 m:  boat-sitl encounters --seeds 5 --sight 12
     """
     console = Console(stderr=True, highlight=False)
     chosen = [one for one in ENCOUNTERS if not only or any(word in one.name for word in only)]
     if not chosen:
         known = ", ".join(one.name for one in ENCOUNTERS)
         raise typer.BadParameter(f"--only {', '.join(only or ())}: expected a part of one of {known}")
-    load_scenario("open", settings or ())  # a wrong setting is reported before the first run
+    overrides = [*(second_ranger(sight_m, ranger) if sight_m > SONAR_M else ()), *(settings or ())]
+    load_scenario("open", overrides)  # a wrong setting is reported before the first run
     trials = encounter_trials(
-        chosen, range(first_seed, first_seed + seeds), dict(parse_overrides(settings or ()).tree)
+        chosen, range(first_seed, first_seed + seeds), dict(parse_overrides(overrides).tree)
     )
     with (
         progress_bar(console, "encounters", len(trials)) as advance,

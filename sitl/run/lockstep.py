@@ -11,6 +11,7 @@ from companion.mavlink.address import Address
 from companion.persistence.storage import MemoryStorage, Storage
 from companion.router.policy import ConfiguredPort, Policy
 from sitl.radio.air import Air, AirPort
+from sitl.run.lidar import LidarComponent
 from sitl.run.program import Program
 from sitl.run.station import Station
 from sitl.scenarios.scenario import Scenario
@@ -34,6 +35,8 @@ class Lockstep:
         self._air = Air(scenario.link, scenario.seed, computer, lambda: self.world.time_s)
         near, far = memory_pair("station")
         self._near: MemoryLink | None = near
+        lidar, system_id = scenario.sensors.lidar, scenario.vehicle.identity.system_id
+        self._lidar = LidarComponent(lidar, scenario.seed, system_id) if lidar.fitted else None
         self.station = Station(far, Address(scenario.vehicle.identity.system_id, COMPONENT_ID))
         self._program = Program(self.world, self._build, _close_boat)
 
@@ -52,6 +55,8 @@ class Lockstep:
         now_s = self.world.time_s
         self._program.step()
         self.station.step(now_s)
+        if self._lidar is not None:
+            self._lidar.step(self.world)
         self.world.step(TICK_S)
 
     def _build(self) -> Boat:
@@ -60,9 +65,13 @@ class Lockstep:
             near, far = memory_pair("station")
             self.station.connect(far)
         policy = Policy(LinkConfig(url="memory", stream_hz=_STREAM_HZ))
-        port = ConfiguredPort(AirPort(MemoryPort(near), self._air), policy)
+        ports = [ConfiguredPort(AirPort(MemoryPort(near), self._air), policy)]
+        if self._lidar is not None:
+            near, far = memory_pair("lidar")
+            self._lidar.connect(far)
+            ports.append(ConfiguredPort(MemoryPort(near), Policy(LinkConfig(url="lidar", stream_hz=0.0))))
         return Boat(
-            self.world.scenario.vehicle, self.world.hardware, [port], self._storage, logbook=self._logbook
+            self.world.scenario.vehicle, self.world.hardware, ports, self._storage, logbook=self._logbook
         )
 
     def close(self) -> None:

@@ -75,7 +75,9 @@ class World:
         seed = scenario.seed
         self.scenario = scenario
         hull, weather, start = scenario.hull, scenario.environment, scenario.start
-        self.shore = Shore(scenario.chart, max(1.0, hull.length_m, scenario.sensors.sonar.max_range_m))
+        sensors = scenario.sensors
+        sight_m = max(sensors.sonar.max_range_m, sensors.lidar.max_range_m if sensors.lidar.fitted else 0.0)
+        self.shore = Shore(scenario.chart, max(1.0, hull.length_m, sight_m))
         self.tick = 0
         self._is_moored = False
         self.groundings = 0

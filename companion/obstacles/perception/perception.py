@@ -38,7 +38,8 @@ class ObstaclePerception:
         self.water = LookedAtWater()
         self.dropped = 0
         self._noise = SonarNoiseMonitor()
-        self.reach_m = 0.0  # of the latest ping
+        self.reach_m = 0.0  # of the farthest ranger that was heard lately
+        self._reach_s = -math.inf
         self.heard_s = -math.inf
         self.wished_course_rad: float | None = None  # about to be taken, set by the planner
         self.sector: Sector = ALL_ROUND
@@ -88,7 +89,7 @@ class ObstaclePerception:
                     ping.max_range_m, setting.lookahead_m
                 )  # no echo over open water: the usual case
                 if reach_m > 0.0 and not is_lost:
-                    self.reach_m, self.heard_s = reach_m, ping.time_s
+                    self._note_reach(reach_m, ping.time_s)
                     self._silence = ping if width_rad is None else None
                     continue
             beam = None
@@ -100,7 +101,7 @@ class ObstaclePerception:
             if beam is None:
                 self.dropped += 1
                 continue
-            self.reach_m, self.heard_s = beam.reach_m, beam.time_s
+            self._note_reach(beam.reach_m, beam.time_s)
             self._add(beam)
             if width_rad is None and beam.is_echo:
                 self._single = beam
@@ -144,6 +145,11 @@ class ObstaclePerception:
         if now_s - beam.time_s > LOOK_AGAIN_S or not self.occupancy.has_suspect_of(beam):
             self._single = None
         return self._single
+
+    def _note_reach(self, reach_m: float, time_s: float) -> None:
+        self.heard_s = time_s
+        if reach_m >= self.reach_m or time_s - self._reach_s > MAX_AGE_S:
+            self.reach_m, self._reach_s = reach_m, time_s
 
     def _add(self, beam: Beam | None) -> None:
         if beam is not None:

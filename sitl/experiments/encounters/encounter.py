@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from itertools import product
-from typing import Any
+from typing import Any, Literal
 
 import msgspec
 
@@ -31,6 +31,8 @@ from sitl.world.sensors.sampling import generator
 from sitl.world.world import Truth
 
 MOST_S = 400.0
+SONAR_M = 4.0  # sight without a second ranger
+Ranger = Literal["scan", "forward"]
 _COURSE_M = 2.0  # the boat's course at the meeting is measured over this distance
 
 
@@ -48,6 +50,17 @@ class Encounter:
         moves = f" {self.speed_m_s:g} m/s" if self.speed_m_s else ""
         current = f", current {self.current_m_s:g} m/s" if self.current_m_s else ""
         return f"{self.kind.replace('_', ' ')}{moves}{current}"
+
+
+def second_ranger(sight_m: float, ranger: Ranger) -> list[str]:
+    """Settings for a second ranger: a 2-D scan as OBSTACLE_DISTANCE, or one beam ahead as DISTANCE_SENSOR."""
+    return [
+        "sensors.lidar.fitted=true",
+        f"sensors.lidar.max_range_m={sight_m}",
+        f"sensors.lidar.field_deg={0 if ranger == 'forward' else 180}",
+        "vehicle.external.obstacles=true",
+        f"vehicle.avoidance.lookahead_m={sight_m}",
+    ]
 
 
 def encounter_trials(

@@ -58,13 +58,18 @@ def could_evade(scenario: Scenario, rows: Rows) -> bool:
 
 def is_audible(scenario: Scenario, movers: Movers, truth: Truth) -> bool:
     """Whether a ping in the best direction would be answered by some mover."""
-    sonar = scenario.sensors.sonar
-    field_rad = 0.5 * math.radians(sonar.sweep_deg + sonar.cone_deg)
+    sonar, lidar = scenario.sensors.sonar, scenario.sensors.lidar
+    sights = [(sonar.max_range_m, sonar.sweep_deg + sonar.cone_deg)]
+    if lidar.fitted:
+        sights.append((lidar.max_range_m, lidar.field_deg + lidar.beam_deg))
     for east_m, north_m, radius_m in movers.positions_m(truth.time_s):
         north, east = north_m - truth.north_m, east_m - truth.east_m
         distance_m = math.hypot(north, east)
         off_bow = abs(wrap_pi(math.atan2(east, north) - truth.heading_rad))
-        if distance_m - radius_m < sonar.max_range_m and off_bow < field_rad:
+        if any(
+            distance_m - radius_m < reach_m and off_bow < 0.5 * math.radians(field_deg)
+            for reach_m, field_deg in sights
+        ):
             return True
     return False
 

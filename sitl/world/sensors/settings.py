@@ -100,6 +100,24 @@ class SonarSettings(Section, frozen=True):
     servo_deg_s: Positive = 450.0
 
 
+class LidarSettings(Section, frozen=True):
+    """A second ranger on another MAVLink component: a 2-D scan as OBSTACLE_DISTANCE, or one beam ahead.
+
+    The scan has a ray every step_deg over field_deg about the bow. With field_deg 0 it is a fixed ranger of
+    beam_deg, such as a TFmini, that sends DISTANCE_SENSOR. lost_share of the rays return nothing.
+    """
+
+    fitted: bool = False
+    rate_hz: Annotated[float, Meta(gt=0.0, le=50.0)] = 10.0
+    field_deg: Annotated[float, Meta(ge=0.0, le=355.0)] = 180.0
+    step_deg: Annotated[float, Meta(ge=5.0, le=90.0)] = 5.0  # a message has 72 rays
+    beam_deg: Annotated[float, Meta(gt=0.0, le=90.0)] = 3.6
+    min_range_m: NonNegative = 0.2
+    max_range_m: Annotated[float, Meta(gt=0.0, le=100.0)] = 12.0
+    noise_m: NonNegative = 0.03
+    lost_share: Share = 0.02
+
+
 class BatteryMonitorSettings(Section, frozen=True):
     """White noise on each, and a gain of the current that the shunt is off by (1 is right).
 
@@ -174,6 +192,7 @@ class Sensors(Section, frozen=True):
     gnss: GnssSettings = GnssSettings()
     compass: CompassSettings = CompassSettings()
     sonar: SonarSettings = SonarSettings()
+    lidar: LidarSettings = LidarSettings()
     battery: BatteryMonitorSettings = BatteryMonitorSettings()
     rc: RcSettings = RcSettings()
     hull: HullSensorSettings = HullSensorSettings()

@@ -6,13 +6,17 @@ from functools import partial
 from pathlib import Path
 
 import pytest
+from boat_rig import nav_at
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 from twins.lines import HandClock, PtyLine, eventually
 from twins.rangers import a02yyuw_frame, tfmini_frame
 
 from companion.config import parts
+from companion.config.avoidance import AvoidanceSetting
 from companion.core.errors import HardwareError, LinkError
+from companion.core.geo import Point
 from companion.hal.ranging.mounted_ranger import MountedRanger, open_ranger
 from companion.hal.ranging.serial_frames import (
     A02YYUW,
@@ -22,7 +26,9 @@ from companion.hal.ranging.serial_frames import (
     tfmini_range_m,
 )
 from companion.hal.ranging.serial_ranger import SerialRanger
+from companion.links.memory import MemoryPort, memory_pair
 from companion.links.port_url import open_line
+from companion.obstacles.perception.perception import ObstaclePerception
 from companion.sensors.readings import SonarReading
 
 tfmini = partial(tfmini_range_m, min_strength=100)
@@ -177,3 +183,24 @@ def test_a_missing_device_is_told_and_leaves_no_pins_open(tmp_path: Path) -> Non
 def test_ranges_are_finite() -> None:
     for millimetres in (1, 4500, 65535):
         assert math.isfinite(a02yyuw_range_m(a02yyuw_frame(millimetres)) or 0.0)
+
+
+def test_a_tfmini_shows_the_boats_map_what_is_nine_metres_ahead() -> None:
+    """From the bytes on the line to a solid cell, and to water that counts as looked at."""
+    near, far = memory_pair("tfmini")
+    clock = HandClock()
+    ranger = MountedRanger(SerialRanger(MemoryPort(near), TFMINI, tfmini, 12.0), clock, range_m=(0.3, 12.0))
+    setting = AvoidanceSetting(lookahead_m=12.0, beam_rad=math.radians(3.6))
+    perception = ObstaclePerception(setting)
+    perception.water.is_used = True
+    for _ in range(3):
+        far.send(tfmini_frame(900))
+        ranger.step()
+        pings = [(reading, None) for reading in ranger.read()]
+        perception.ingest(pings, replace(nav_at(), time_s=clock.now_s), setting, clock.now_s)
+        clock.now_s += 0.1
+    assert perception.reach_m == 12.0
+    assert {round(cell.north_m) for cell in perception.solid(clock.now_s)} == {9}
+    assert perception.water.is_known(Point(8.5, 0.0))
+    assert not perception.water.is_known(Point(9.5, 0.0))
+    ranger.close()

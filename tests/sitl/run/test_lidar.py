@@ -1,0 +1,40 @@
+"""A second ranger over MAVLink, from the emulated component to the boat's map."""
+
+import math
+
+import pytest
+
+from companion.obstacles.perception.perception import ObstaclePerception
+from sitl.experiments.encounters.encounter import second_ranger
+from sitl.run.lockstep import Lockstep
+from sitl.scenarios.layers import Layer
+from sitl.scenarios.scenario import load_scenario
+
+ROCK = {"name": "Rock", "circle": {"centre": (0.0, 8.0), "radius_m": 1.0}}
+
+
+def perception_after(seconds: float, *settings: str) -> ObstaclePerception:
+    """A boat at rest, bow north, with a rock whose near side is 7 m ahead."""
+    scenario = load_scenario("open", settings, over=[Layer("test", {"map": {"obstacles": [ROCK]}})])
+    lockstep = Lockstep(scenario)
+    for _ in range(round(seconds / 0.02)):
+        lockstep.step()
+    perception = lockstep.boat.guidance.perception
+    lockstep.close()
+    return perception
+
+
+@pytest.mark.parametrize("ranger", ["scan", "forward"])
+@pytest.mark.parametrize(("sight_m", "is_seen"), [(6.0, False), (12.0, True)])
+def test_a_second_ranger_marks_what_the_sonar_cannot_see(ranger: str, sight_m: float, is_seen: bool) -> None:
+    settings = second_ranger(sight_m, "forward" if ranger == "forward" else "scan")
+    perception = perception_after(12.0, *settings)
+    solid = perception.solid(12.0)
+    assert bool(solid) is is_seen
+    assert perception.reach_m == sight_m
+    near = [math.hypot(cell.north_m, cell.east_m) for cell in solid]
+    assert not near or min(near) == pytest.approx(7.0, abs=0.8)
+
+
+def test_without_it_the_boat_sees_four_metres() -> None:
+    assert perception_after(12.0).reach_m == 4.0
