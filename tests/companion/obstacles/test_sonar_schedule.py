@@ -38,7 +38,7 @@ def test_a_slow_boat_looks_all_round() -> None:
     assert choose_sector(under_way(0.2), ObstacleTracks(1.0), REACH_M, 0.0, is_open=True) == ALL_ROUND
 
 
-@pytest.mark.parametrize(("speed_m_s", "half_deg"), [(3.0, 30.0), (2.0, 30.0), (1.2, 56.4), (0.99, 180.0)])
+@pytest.mark.parametrize(("speed_m_s", "half_deg"), [(3.0, 30.4), (2.0, 30.4), (1.06, 49.0), (0.79, 180.0)])
 def test_the_faster_the_boat_the_narrower_the_sector_in_which_it_can_meet_a_mover(
     speed_m_s: float, half_deg: float
 ) -> None:

@@ -201,6 +201,6 @@ def test_a_tfmini_shows_the_boats_map_what_is_nine_metres_ahead() -> None:
         clock.now_s += 0.1
     assert perception.reach_m == 12.0
     assert {round(cell.north_m) for cell in perception.solid(clock.now_s)} == {9}
-    assert perception.water.is_known(Point(8.5, 0.0))
+    assert perception.water.is_known(Point(8.2, 0.0))
     assert not perception.water.is_known(Point(9.5, 0.0))
     ranger.close()
