@@ -25,7 +25,14 @@ from companion.log.sink import Sink
 from companion.mavlink.items import MissionItem
 from companion.payload.control import PayloadControl
 from companion.router.channels import Channels
-from companion.sensors.readings import BatteryReading, DepthReading, GnssFix, RcReading, SonarReading
+from companion.sensors.readings import (
+    BatteryReading,
+    DepthReading,
+    GnssFix,
+    HeadingReading,
+    RcReading,
+    SonarReading,
+)
 from companion.services.telemetry.snapshot import Snapshot
 from companion.vehicle.mission.steps import Mission
 from companion.vehicle.vehicle import Vehicle
@@ -83,6 +90,7 @@ class OnboardLog:
         self._mission: Mission = ()
         self._linear: LinearFrame | None = None
         self._fix: GnssFix | None = None
+        self._heading: HeadingReading | None = None
         self._ping: SonarReading | None = None
         self._sounding: DepthReading | None = None
         self._probed_s: dict[str, float] = {}  # by name, when the latest logged value was measured
@@ -200,6 +208,9 @@ class OnboardLog:
         if now.sensors.fix is not None and (self._fix is None or now.sensors.fix.time_s != self._fix.time_s):
             self._fix = now.sensors.fix
             self._add(samples.gnss(now.sensors.fix))
+        if now.sensors.heading is not None and now.sensors.heading is not self._heading:
+            self._heading = now.sensors.heading
+            self._add((samples.heading(now.sensors.heading),))
         if now.sensors.sonar is not None and now.sensors.sonar is not self._ping:
             self._ping = now.sensors.sonar
             self._add(samples.sonar(now.sensors.sonar))

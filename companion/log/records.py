@@ -59,6 +59,7 @@ MAG: Final = RecordKind(
     29, "MAG", "QBhhhhhhhhhBI", "TimeUS,I,MagX,MagY,MagZ,OfsX,OfsY,OfsZ,MOX,MOY,MOZ,Health,S",
     "s#GGGGGGGGG-s", "F-CCCCCCCCC-F",
 )  # fmt: skip
+HDG: Final = RecordKind(45, "HDG", "Qff", "TimeUS,Hdg,GyrZ", "shk", "F00")
 RCIN: Final = RecordKind(25, "RCIN", "Q" + 14 * "H", _OUTPUTS, "s" + 14 * "Y", "F" + 14 * "-")
 RSSI: Final = RecordKind(26, "RSSI", "Qff", "TimeUS,RXRSSI,RXLQ", "s-%", "F--")
 
@@ -95,6 +96,6 @@ DSF: Final = RecordKind(42, "DSF", "QIHIIII", "TimeUS,Dp,Blk,Bytes,FMn,FMx,FAv",
 
 KINDS: Final = (
     ATT, POS, XKF1, BOAT, EST, AVD, PIDS, PIDA, NTUN, STER, THR, RCOU, GPS, GPA, RFND, SONR, DPTH, PROB, MAG,
-    BAT, RCIN, RSSI, MODE, MSG, EV, ERR, ARM, ORGN, CMD, MISE, PARM, VER, PAYL, CAM, PM, MAV, DSF,
+    HDG, BAT, RCIN, RSSI, MODE, MSG, EV, ERR, ARM, ORGN, CMD, MISE, PARM, VER, PAYL, CAM, PM, MAV, DSF,
 )  # fmt: skip
 HEADER: Final = file_header(KINDS)

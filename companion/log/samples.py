@@ -15,6 +15,7 @@ from companion.sensors.readings import (
     BatteryReading,
     DepthReading,
     GnssFix,
+    HeadingReading,
     ProbeReading,
     RcReading,
     SonarReading,
@@ -172,6 +173,14 @@ def gnss(fix: GnssFix) -> Iterator[bytes]:
 def _cents(value: float, most: int) -> int:
     """Hundredths, limited to the field; the maximum if not finite."""
     return round(clamp(value * 100.0, -most, most)) if math.isfinite(value) else most
+
+
+def heading(reading: HeadingReading) -> bytes:
+    """A heading reading as the estimator has it, at its own time."""
+    rate = reading.yaw_rate_rad_s
+    return r.HDG.pack(
+        time_us(reading.time_s), _degrees(reading.heading_rad), _NAN if rate is None else rate * _DEG
+    )
 
 
 def sonar(ping: SonarReading) -> Iterator[bytes]:
