@@ -8,7 +8,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from benchmarks.estimation import compare
+from benchmarks.estimation import compare, consistency
 from benchmarks.estimation.cases import courses, faults, record_all
 
 
@@ -22,11 +22,26 @@ def main(arguments: list[str]) -> int:
     comparing = commands.add_parser("compare", help="replay recordings and print a table of errors")
     comparing.add_argument("recordings", type=Path, nargs="+", help="files, or folders of .npz files")
     comparing.add_argument("--of", type=Path, nargs="+", default=[Path.cwd()], help="checkouts [this one]")
+    consistent = commands.add_parser("consistency", help="average NEES and NIS over random runs")
+    consistent.add_argument("--runs", type=int, default=200)
+    consistent.add_argument("--first-seed", type=int, default=1)
+    consistent.add_argument("--of", type=Path, default=Path.cwd(), help="checkout [this one]")
     chosen = parser.parse_args(arguments)
     if chosen.command == "record":
         for seed in chosen.seeds:
             record_all(courses(range(seed, seed + 1)), chosen.folder / "courses")
             record_all(faults(range(seed, seed + 1)), chosen.folder / "faults")
+        return 0
+    if chosen.command == "consistency":
+        seeds = range(chosen.first_seed, chosen.first_seed + chosen.runs)
+        found = {
+            f"{hull} hull, receiver {receiver}": consistency.campaign(
+                seeds, hull, receiver, chosen.of.resolve()
+            )
+            for receiver in ("stated", "standard")
+            for hull in ("known", "other")
+        }
+        print(consistency.table(found))  # noqa: T201
         return 0
     paths = [
         path for one in chosen.recordings for path in (sorted(one.rglob("*.npz")) if one.is_dir() else [one])

@@ -1,6 +1,6 @@
 """The recordings that estimators are compared on, and how they are sailed."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -131,10 +131,10 @@ def record(case: Case) -> tuple[SensorRecording, bool]:
     recorder = SensorRecorder()
     mission_run = MissionRun(scenario, wire_items(lay_out(case.course, scenario)), sensors=recorder)
     result = mission_run.run(case.timeout_s, linger_s=case.linger_s)
-    return recorder.recording(mission_run.lockstep, case.name), result.completed
+    return recorder.recording(scenario, case.name), result.completed
 
 
-def record_all(cases: Iterator[Case], folder: Path) -> None:
+def record_all(cases: Iterable[Case], folder: Path) -> None:
     """Record what the folder does not have yet."""
     folder.mkdir(parents=True, exist_ok=True)
     for case in cases:

@@ -20,11 +20,12 @@ from sitl.run.sensor_recorder import SensorRecording
 Figures = dict[str, float]
 
 
-def replay(checkout: Path, recordings: Sequence[Path], out: Path) -> None:
+def replay(checkout: Path, recordings: Sequence[Path], out: Path, *, is_timed: bool = True) -> None:
     """Feed recordings to the estimator of a checkout, by its own interpreter."""
     out.mkdir(parents=True, exist_ok=True)
     python = checkout / ".venv/bin/python"
-    command = [python if python.exists() else sys.executable, "-P", feed.__file__, checkout, out, *recordings]
+    command = [python if python.exists() else sys.executable, "-P", feed.__file__, checkout, out]
+    command += ["timed" if is_timed else "untimed", *recordings]
     environment = os.environ | {"PYTHONPATH": str(checkout)}
     subprocess.run([str(word) for word in command], check=True, cwd=out, env=environment)
 

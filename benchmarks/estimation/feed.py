@@ -1,6 +1,6 @@
 """Feed recordings to the estimator of the checkout whose interpreter and PYTHONPATH run this file.
 
-    PYTHONPATH=CHECKOUT CHECKOUT/.venv/bin/python -P …/feed.py CHECKOUT OUT RECORDING.npz …
+    PYTHONPATH=CHECKOUT CHECKOUT/.venv/bin/python -P …/feed.py CHECKOUT OUT timed|untimed RECORDING.npz …
 
 It imports nothing but numpy and the checkout's own `companion`, so that it also runs on older checkouts.
 """
@@ -31,6 +31,7 @@ NAV = (
     "sway_m_s", "position_age_s", "heading_age_s", "current_north_m_s", "current_east_m_s",
     "position_sigma_m", "faults",
 )  # fmt: skip
+SENSORS = ("position_north", "position_east", "velocity_north", "velocity_east", "compass", "gyro")
 EVERY = 5  # ticks between two rows: as often as the truth
 
 Input = tuple[GnssFix | None, HeadingReading | None, float, MotorCommand]
@@ -38,22 +39,48 @@ Numbers = NDArray[np.float64]
 S = TypeVar("S", bound=msgspec.Struct)
 
 
-def feed(recording: Path, out: Path) -> None:
+def feed(recording: Path, out: Path, *, is_timed: bool = True) -> None:
     """Write the estimates of a recording: an .npz with nav (rows like NAV, in the truth's frame), cpu_us per
-    tick, and the estimator's reports, if it makes any, as JSON.
+    tick, and what the estimator reports: state, covariance, and count and sum of each sensor's NIS.
     """
-    with np.load(recording, allow_pickle=False) as arrays:
-        rest = json.loads(arrays["rest"].tobytes())
-        ticks = arrays["ticks"]
+    with np.load(recording, allow_pickle=False) as stored:
+        rest = json.loads(stored["rest"].tobytes())
+        ticks = stored["ticks"]
     inputs = inputs_of(rest["fixes"], rest["headings"], ticks)
     nav, reports = estimates(rest["settings"], inputs, rest["frame"])
-    estimator = _estimator(rest["settings"])
+    cpu_us = _cpu_us(rest["settings"], inputs) if is_timed else math.nan
+    arrays: dict[str, Any] = {"nav": nav, "cpu_us": cpu_us, **inside(reports)}
+    np.savez(out, **arrays)
+
+
+def inside(reports: Sequence[Any]) -> dict[str, Numbers]:
+    """Reports as arrays, a row each; NaN before the first. Empty for an estimator that makes none."""
+    first = next((one for one in reports if one is not None), None)
+    if first is None:
+        return {}
+    states = len(first.state)
+    unknown = np.full((states, states), math.nan)
+    return {
+        "state": np.array([unknown[0] if one is None else one.state for one in reports]),
+        "covariance": np.array([unknown if one is None else one.covariance for one in reports]),
+        "nis": np.array(
+            [
+                [(0.0, 0.0)] * len(SENSORS)
+                if one is None
+                else [(getattr(one, name).count, getattr(one, name).nis_sum) for name in SENSORS]
+                for one in reports
+            ]
+        ),
+    }
+
+
+def _cpu_us(settings: dict[str, Any], inputs: Sequence[Input]) -> float:
+    """CPU time of a call of `Estimator.update`."""
+    estimator = _estimator(settings)
     began_s = time.process_time()
     for fix, heading, now_s, command in inputs:
         estimator.update(fix, heading, now_s, command)
-    cpu_us = (time.process_time() - began_s) * 1e6 / len(inputs)
-    text = np.frombuffer(json.dumps(reports).encode(), dtype=np.uint8)
-    np.savez_compressed(out, nav=nav, cpu_us=cpu_us, reports=text)
+    return (time.process_time() - began_s) * 1e6 / len(inputs)
 
 
 def inputs_of(
@@ -89,9 +116,7 @@ def estimates(
             frame = estimator.frame
             shift = target.to_local(frame.origin)
         rows.append(_row(nav, *shift) if frame is not None else [math.nan] * len(NAV))
-        report = getattr(estimator, "report", None)
-        if report is not None:
-            reports.append(msgspec.to_builtins(report))
+        reports.append(getattr(estimator, "report", None))
     return np.array(rows, dtype=np.float64), reports
 
 
@@ -120,13 +145,13 @@ def _section(tree: dict[str, Any], kind: type[S]) -> S:
 
 def main(arguments: list[str]) -> int:
     """Entry point."""
-    checkout, out, *recordings = arguments
+    checkout, out, timed, *recordings = arguments
     loaded = Path(companion.__path__[0]).resolve().parent
     if loaded != Path(checkout).resolve():
         sys.stderr.write(f"companion is loaded from {loaded}, not from {checkout}\n")
         return 2
     for recording in recordings:
-        feed(Path(recording), Path(out) / Path(recording).name)
+        feed(Path(recording), Path(out) / Path(recording).name, is_timed=timed == "timed")
     return 0
 
 

@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from companion.core.errors import ConfigError
-from companion.core.geo import LocalFrame
 from companion.core.output_file import output_file
+from companion.core.state import MotorCommand
 from companion.sensors.readings import GnssFix, HeadingReading
 from sitl.run.lockstep import Lockstep
+from sitl.scenarios.scenario import Scenario
 from sitl.world.world import Truth
 
 TICK_COLUMNS = ("now_s", "fix", "heading", "left", "right", "rudder")
@@ -105,25 +106,28 @@ class SensorRecorder:
             self._restart()
             self._boots = computer.boots
         sensors = lockstep.boat.sensors
+        self.record(now_s, truth, sensors.fix, sensors.heading, command)
+
+    def record(
+        self,
+        now_s: float,
+        truth: Truth,
+        fix: GnssFix | None,
+        heading: HeadingReading | None,
+        command: MotorCommand,
+    ) -> None:
+        """Record the arguments of one call of the estimator. command: since the last call."""
         if len(self._ticks) % (TRUTH_EVERY * len(TICK_COLUMNS)) == 0:
             self._truth.extend(truth._replace(time_s=now_s))
-        self._ticks.extend(
-            (
-                now_s,
-                _index(self._fixes, sensors.fix),
-                _index(self._headings, sensors.heading),
-                command.left,
-                command.right,
-                command.rudder,
-            )
-        )
+        fix_index, heading_index = _index(self._fixes, fix), _index(self._headings, heading)
+        self._ticks.extend((now_s, fix_index, heading_index, command.left, command.right, command.rudder))
 
-    def recording(self, lockstep: Lockstep, name: str) -> SensorRecording:
+    def recording(self, scenario: Scenario, name: str) -> SensorRecording:
         """What was recorded so far."""
-        scenario = lockstep.world.scenario
-        vehicle, frame = scenario.vehicle, scenario.frame
-        kept = ("speed", "estimation", "drive")
-        settings = {one: msgspec.to_builtins(getattr(vehicle, one)) for one in kept}
+        settings = {
+            one: msgspec.to_builtins(getattr(scenario.vehicle, one))
+            for one in ("speed", "estimation", "drive")
+        }
         for one in ("environment", "faults", "hull", "thrusters", "sensors"):
             settings[one] = msgspec.json.decode(msgspec.json.encode(getattr(scenario, one)))
         return SensorRecording(
@@ -132,7 +136,7 @@ class SensorRecorder:
             fixes=[msgspec.to_builtins(fix) for fix in self._fixes],
             headings=[msgspec.to_builtins(reading) for reading in self._headings],
             truth=np.array(self._truth, dtype=np.float64).reshape(-1, len(Truth._fields)),
-            frame=_origin(frame),
+            frame=(scenario.frame.origin.lat_deg, scenario.frame.origin.lon_deg),
         )
 
 
@@ -143,7 +147,3 @@ def _index(kept: list[R], reading: R | None) -> int:
     if not kept or kept[-1] is not reading:
         kept.append(reading)
     return len(kept) - 1
-
-
-def _origin(frame: LocalFrame) -> tuple[float, float]:
-    return frame.origin.lat_deg, frame.origin.lon_deg

@@ -29,7 +29,7 @@ def run() -> tuple[MissionRun, SensorRecording]:
     recorder = SensorRecorder()
     mission_run = MissionRun(scenario, wire_items(lay_out("straight", scenario)), sensors=recorder)
     mission_run.run(timeout_s=30.0)
-    return mission_run, recorder.recording(mission_run.lockstep, "straight")
+    return mission_run, recorder.recording(scenario, "straight")
 
 
 def _estimates(

@@ -1,0 +1,263 @@
+"""Is the filter as certain as it may be? NEES against the truth and NIS of its sensors over many random runs.
+
+The normalised estimation error squared (NEES) of n states, eᵀ P⁻¹ e, has the mean n if the covariance P is
+right; so has the normalised innovation squared (NIS) of n measurements. The average over N independent runs
+lies with 95 % probability between the 2.5 % and 97.5 % points of χ² with N n degrees of freedom, divided by N
+(Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation*, 2001,
+section 5.4). Above the bounds the filter is over-confident, below them too cautious.
+
+The runs draw what the filter cannot know from what its settings assume: the compass offset, the gyro's bias,
+the current, and with the receiver "stated" the receiver's error; "standard" is the emulator's own receiver,
+which is better than it states. The truth of the current is known in still air only: wind adds leeway. A helm
+that sees the truth sails each run, turning and changing speed: a run costs little and does not depend on the
+estimator.
+"""
+
+import math
+import random
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.estimation.compare import replay
+from benchmarks.estimation.errors import load_replayed
+from benchmarks.estimation.feed import NAV
+from benchmarks.estimation.feed import SENSORS as CHANNELS
+from companion.boat import TICK_S
+from companion.core.state import STOPPED, MotorCommand
+from companion.core.units import clamp, wrap_pi
+from sitl.run.sensor_recorder import SensorRecorder, SensorRecording
+from sitl.scenarios.layers import Layer
+from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.world.world import Truth, World
+
+GROUPS: Final = {"position": 2, "heading": 1, "velocity": 2, "current": 2}  # and their degrees of freedom
+SENSORS: Final = {"position": 2, "velocity": 2, "compass": 1, "gyro": 1}
+SETTLED_S: Final = 20.0  # after boot
+ROW_HZ: Final = 10.0  # of recorded truths
+LENGTH_S: Final = 100.0  # of a run
+REST_S: Final = 8.0  # at its start
+LEG_S: Final = 15.0
+_Z: Final = 1.959964  # 97.5 % point of the normal distribution
+# Per axis, of what the filter assumes for a receiver that states 1.1 m: 0.31 m, 0.8 of it coloured with 60 s
+_STATED: Final = {"noise_m": 0.187, "wander_m": 0.249, "wander_s": 60.0}
+_OFFSET_DEG: Final = 2.0  # compass_doubt_rad
+_BIAS_DEG_S: Final = 0.5  # of a MEMS gyro that was calibrated at rest
+
+Numbers = NDArray[np.float64]
+
+
+def draw(seed: int, hull: str, receiver: str) -> Scenario:
+    """A random run. hull: known, or other: its figures within ±30 %. Every second run is in still air."""
+    numbers = random.Random(f"{seed} {hull} {receiver}")
+    wind_m_s = 4.0 * (seed % 2)
+    settings: dict[str, Any] = {
+        "environment": {
+            "current_m_s": numbers.uniform(0.0, 0.7),
+            "current_to_deg": numbers.uniform(0.0, 360.0),
+            "wind_m_s": wind_m_s,
+            "gust_m_s": 1.7 * wind_m_s,
+            "wind_from_deg": numbers.uniform(0.0, 360.0),
+        },
+        "sensors": {
+            "compass": {
+                "bias_deg": numbers.gauss(0.0, _OFFSET_DEG),
+                "gyro_bias_deg_s": numbers.gauss(0.0, _BIAS_DEG_S),
+            },
+            "gnss": dict(_STATED) if receiver == "stated" else {},
+        },
+    }
+    if hull == "other":
+
+        def off(nominal: float) -> float:
+            return nominal * numbers.uniform(0.7, 1.3)
+
+        drag, power = off(1.0), off(1.0)
+        settings["hull"] = {
+            "mass_kg": off(8.0), "inertia_kg_m2": off(0.75), "skeg_lift_kg_m": off(9.0),
+            "surge_linear": 0.4 * drag, "surge_quadratic": 0.6 * drag,
+        }  # fmt: skip
+        settings["thrusters"] = {
+            "propeller": {"thrust_coefficient": 0.31 * power, "torque_coefficient": 0.06 * power},
+            "motor": {"no_load_a": off(0.3)},
+        }
+    return load_scenario("open", over=(Layer("consistency", {**settings, "seed": seed}),))
+
+
+def sail(scenario: Scenario, length_s: float = LENGTH_S) -> SensorRecording:
+    """Rest, then sail with a new course and throttle every LEG_S, steered by the truth."""
+    world, recorder, command = World(scenario), SensorRecorder(), STOPPED
+    hardware, numbers = world.hardware, random.Random(f"legs {scenario.seed}")
+    heading_rad, throttle, leg_ends_s = 0.0, 0.0, REST_S
+    for _ in range(round(length_s / TICK_S)):
+        truth, now_s = world.truth, world.time_s
+        recorder.record(now_s, truth, hardware.gnss.read(), hardware.compass.read(), command)
+        if now_s >= leg_ends_s:
+            leg_ends_s += LEG_S
+            heading_rad += numbers.uniform(-2.0, 2.0)
+            throttle = numbers.uniform(0.3, 0.8)
+        if now_s >= REST_S:
+            turn = 0.5 * wrap_pi(heading_rad - truth.heading_rad) - 0.3 * truth.yaw_rate_rad_s
+            turn = clamp(turn, -0.3, 0.3)
+            command = MotorCommand(min(throttle + turn, 1.0), min(throttle - turn, 1.0))
+        hardware.motors.write(command.left, command.right)
+        world.step(TICK_S)
+    return recorder.recording(scenario, str(scenario.seed))
+
+
+def nees(recording: SensorRecording, replayed: Mapping[str, Any]) -> dict[str, Numbers]:
+    """The NEES of each group, row by row (tenths of a second); NaN where it is not known.
+
+    From the estimator's reports; one that makes none has its position judged by its own standard deviation.
+    """
+    nav, truth = replayed["nav"], recording.truth
+    rows = min(len(nav), len(truth))
+    nav, truth = nav[:rows], truth[:rows]
+
+    def off(name: str) -> Numbers:
+        return np.asarray(nav[:, NAV.index(name)] - truth[:, Truth._fields.index(name)])
+
+    north, east = off("north_m"), off("east_m")
+    if "covariance" not in replayed:
+        variance = nav[:, NAV.index("position_sigma_m")] ** 2
+        return {"position": (north**2 + east**2) / np.where(variance > 0.0, variance, np.nan)}
+    covariance, state = replayed["covariance"][:rows], replayed["state"][:rows]
+    turn = (off("heading_rad") + math.pi) % (2.0 * math.pi) - math.pi
+    cos, sin = np.cos(state[:, 2]), np.sin(state[:, 2])
+    surge, sway = state[:, 3], state[:, 4]
+    jacobian = np.zeros((rows, 2, covariance.shape[1]))  # of the velocity over ground by the states
+    jacobian[:, 0, 2], jacobian[:, 1, 2] = -sin * surge - cos * sway, cos * surge - sin * sway
+    jacobian[:, 0, 3], jacobian[:, 0, 4], jacobian[:, 0, 5] = cos, -sin, 1.0
+    jacobian[:, 1, 3], jacobian[:, 1, 4], jacobian[:, 1, 6] = sin, cos, 1.0
+    of_velocity = jacobian @ covariance @ jacobian.transpose(0, 2, 1)
+    out = {
+        "position": _squared(north, east, covariance[:, :2, :2]),
+        "heading": np.asarray(turn**2 / covariance[:, 2, 2]),
+        "velocity": _squared(off("north_m_s"), off("east_m_s"), of_velocity),
+    }
+    if recording.settings["environment"]["wind_m_s"] == 0.0:
+        current = off("current_north_m_s"), off("current_east_m_s")
+        out["current"] = _squared(*current, covariance[:, 5:7, 5:7])
+    return out
+
+
+def _squared(north: Numbers, east: Numbers, covariance: Numbers) -> Numbers:
+    """eᵀ P⁻¹ e of two components, row by row."""
+    a, b, c = covariance[:, 0, 0], covariance[:, 0, 1], covariance[:, 1, 1]
+    return np.asarray((c * north**2 - 2.0 * b * north * east + a * east**2) / (a * c - b * b))
+
+
+def nis(replayed: Mapping[str, Any]) -> dict[str, tuple[float, int]]:
+    """The sum of the NIS of each sensor's measurements after SETTLED_S, and how many there were."""
+    if "nis" not in replayed:
+        return {}
+    first, last = replayed["nis"][round(SETTLED_S * ROW_HZ)], replayed["nis"][-1]
+    counts, sums = (last - first).T
+    out = {}
+    for sensor, freedom in SENSORS.items():
+        columns = [number for number, name in enumerate(CHANNELS) if name.startswith(sensor)]
+        out[sensor] = float(sums[columns].sum()), round(counts[columns].sum() / freedom)
+    return out
+
+
+def bounds(freedom: int, runs: int) -> tuple[float, float]:
+    """The 95 % bounds of an average over so many runs, by Wilson and Hilferty's approximation of χ²."""
+    n = freedom * runs
+    low, high = (
+        n * (1.0 - 2.0 / (9.0 * n) + sign * _Z * math.sqrt(2.0 / (9.0 * n))) ** 3 / runs
+        for sign in (-1.0, 1.0)
+    )
+    return low, high
+
+
+@dataclass(frozen=True)
+class Average:
+    """Of the NEES or NIS of a group over runs. mean: over runs and time; low, high: 95 % bounds at one time.
+
+    over_time: the average over the runs, every tenth of a second after SETTLED_S; empty for NIS.
+    """
+
+    runs: int
+    freedom: int
+    low: float
+    high: float
+    mean: float
+    over_time: Numbers
+
+    @property
+    def within_share(self) -> float:
+        """Share of the time within the bounds."""
+        return float(np.mean((self.over_time >= self.low) & (self.over_time <= self.high)))
+
+    @property
+    def above_share(self) -> float:
+        """Share of the time above the bounds: over-confident."""
+        return float(np.mean(self.over_time > self.high))
+
+
+def average_nees(runs: Sequence[Mapping[str, Numbers]]) -> dict[str, Average]:
+    """The average NEES of each group over the runs that know it."""
+    out = {}
+    for name, freedom in GROUPS.items():
+        columns = [run[name] for run in runs if name in run and not np.isnan(run[name][-1])]
+        if columns:
+            length = min(len(one) for one in columns)
+            over_time = np.mean([one[round(SETTLED_S * ROW_HZ) : length] for one in columns], axis=0)
+            low, high = bounds(freedom, len(columns))
+            out[name] = Average(len(columns), freedom, low, high, float(over_time.mean()), over_time)
+    return out
+
+
+def average_nis(runs: Sequence[Mapping[str, tuple[float, int]]]) -> dict[str, Average]:
+    """The average NIS of each sensor's measurements over all runs: their bounds are those of all of them."""
+    out = {}
+    for name, freedom in SENSORS.items():
+        count = sum(run[name][1] for run in runs if name in run)
+        if count:
+            low, high = bounds(freedom, count)
+            mean = sum(run[name][0] for run in runs if name in run) / count
+            out[name] = Average(len(runs), freedom, low, high, mean, np.empty(0))
+    return out
+
+
+def campaign(
+    seeds: range, hull: str, receiver: str, checkout: Path
+) -> tuple[dict[str, Average], dict[str, Average]]:
+    """Average NEES and NIS of the estimator of a checkout over random runs."""
+    nees_of: list[dict[str, Numbers]] = []
+    nis_of: list[dict[str, tuple[float, int]]] = []
+    with tempfile.TemporaryDirectory() as folder:
+        paths = [Path(folder) / f"{seed}.npz" for seed in seeds]
+        for seed, path in zip(seeds, paths, strict=True):
+            sail(draw(seed, hull, receiver)).save(path)
+        replay(checkout, paths, Path(folder) / "out", is_timed=False)
+        for path in paths:
+            replayed = load_replayed(Path(folder) / "out" / path.name)
+            nees_of.append(nees(SensorRecording.load(path), replayed))
+            nis_of.append(nis(replayed))
+    return average_nees(nees_of), average_nis(nis_of)
+
+
+def table(found: Mapping[str, tuple[Mapping[str, Average], Mapping[str, Average]]]) -> str:
+    """A row per campaign and group."""
+    lines = [
+        "| runs | of | | average ÷ expected | 95 % bounds | time within | above |",
+        "|---|---|---|---|---|---|---|",
+    ]
+    for title, pair in found.items():
+        for kind, averages in zip(("NEES", "NIS"), pair, strict=True):
+            for name, one in averages.items():
+                scaled = [f"{value / one.freedom:.2f}" for value in (one.mean, one.low, one.high)]
+                shares = (
+                    f"{100.0 * one.within_share:.0f} % | {100.0 * one.above_share:.0f} %"
+                    if len(one.over_time)
+                    else " | "
+                )
+                cells = (f"{title}, {one.runs}", kind, name, scaled[0], f"{scaled[1]} to {scaled[2]}", shares)
+                lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)

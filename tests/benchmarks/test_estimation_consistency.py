@@ -1,0 +1,130 @@
+"""NEES and NIS: the arithmetic, and that the boat's filter is not over-confident."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.estimation.consistency import (
+    average_nees,
+    average_nis,
+    bounds,
+    campaign,
+    draw,
+    nees,
+    nis,
+    sail,
+    table,
+)
+from benchmarks.estimation.feed import NAV
+from benchmarks.estimation.feed import SENSORS as CHANNELS
+from sitl.run.sensor_recorder import SensorRecording
+from sitl.world.world import Truth
+
+_CHECKOUT = Path(__file__).parents[2]
+
+
+@pytest.mark.parametrize(
+    ("freedom", "runs", "low", "high"),
+    [(2, 50, 74.22, 129.56), (1, 20, 9.591, 34.170), (2, 200, 346.48, 457.31)],  # tables of χ²
+)
+def test_bounds_are_those_of_tables(freedom: int, runs: int, low: float, high: float) -> None:
+    assert bounds(freedom, runs) == pytest.approx((low / runs, high / runs), rel=2e-3)
+
+
+def _recording(
+    rows: int, wind_m_s: float
+) -> tuple[SensorRecording, "np.ndarray[tuple[int, int], np.dtype[np.float64]]"]:
+    truth, nav = np.zeros((rows, len(Truth._fields))), np.zeros((rows, len(NAV)))
+    settings = {"environment": {"wind_m_s": wind_m_s}, "faults": []}
+    return SensorRecording(settings, truth, [], [], truth, (0.0, 0.0)), nav
+
+
+def test_nees_of_known_errors_is_as_calculated_by_hand() -> None:
+    recording, nav = _recording(1, 0.0)
+    nav[0, NAV.index("north_m")], nav[0, NAV.index("east_m")] = 0.2, 0.1
+    nav[0, NAV.index("heading_rad")] = math.tau - 0.3  # −0.3 rad
+    nav[0, NAV.index("north_m_s")] = 0.4
+    nav[0, NAV.index("current_east_m_s")] = 0.6
+    covariance = np.diag([0.04, 0.01, 0.09, 0.02, 0.03, 0.05, 0.12] + [1.0] * 6)
+    covariance[0, 1] = covariance[1, 0] = 0.01
+    state = np.zeros(13)
+    state[3] = 2.0  # surge, heading north
+    found = nees(recording, {"nav": nav, "covariance": covariance[None], "state": state[None]})
+    inverse = np.linalg.inv([[0.04, 0.01], [0.01, 0.01]])
+    assert found["position"][0] == pytest.approx(np.array([0.2, 0.1]) @ inverse @ np.array([0.2, 0.1]))
+    assert found["heading"][0] == pytest.approx(1.0)
+    assert found["velocity"][0] == pytest.approx(0.16 / (0.02 + 0.05))
+    assert found["current"][0] == pytest.approx(0.36 / 0.12)
+
+
+def test_heading_errors_count_in_the_variance_of_the_velocity_across() -> None:
+    recording, nav = _recording(1, 0.0)
+    nav[0, NAV.index("east_m_s")] = 0.3
+    covariance = np.diag([1.0, 1.0, 0.01, 0.02, 0.03, 0.05, 0.12] + [1.0] * 6)
+    state = np.zeros(13)
+    state[3] = 2.0
+    found = nees(recording, {"nav": nav, "covariance": covariance[None], "state": state[None]})
+    assert found["velocity"][0] == pytest.approx(0.09 / (0.03 + 0.12 + 4.0 * 0.01))
+
+
+def test_the_current_is_not_judged_in_wind() -> None:
+    recording, nav = _recording(1, 4.0)
+    found = nees(recording, {"nav": nav, "covariance": np.eye(13)[None], "state": np.zeros((1, 13))})
+    assert "current" not in found
+
+
+def test_an_estimator_without_reports_is_judged_by_its_own_deviation() -> None:
+    recording, nav = _recording(1, 0.0)
+    nav[0, NAV.index("north_m")], nav[0, NAV.index("position_sigma_m")] = 0.6, 0.3
+    assert nees(recording, {"nav": nav})["position"] == pytest.approx([4.0])
+
+
+def test_nis_counts_pairs_of_measurements_once() -> None:
+    sums = np.zeros((300, len(CHANNELS), 2))
+    for number, name in enumerate(CHANNELS):
+        sums[-1, number] = (10.0, 12.0 if name.startswith("position") else 5.0)
+    found = nis({"nis": sums})
+    assert found["position"] == (24.0, 10)
+    assert found["compass"] == (5.0, 10)
+    averages = average_nis([found, found])
+    assert averages["position"].mean == pytest.approx(2.4)
+
+
+def test_averages_are_over_runs_and_shares_of_the_time() -> None:
+    runs = [{"heading": np.full(400, value)} for value in (0.5, 1.5, 0.0, 2.0)]
+    runs[0]["heading"] = np.concatenate((np.full(300, 0.5), np.full(100, 30.0)))
+    one = average_nees(runs)["heading"]
+    assert one.over_time.tolist() == [1.0] * 100 + [8.375] * 100  # the first 20 s do not count
+    assert one.mean == pytest.approx(4.6875)
+    assert (one.within_share, one.above_share) == (0.5, 0.5)
+    assert "| known, 4 | NEES | heading | 4.69 | 0.11 to 2.78 | 50 % | 50 % |" in table(
+        {"known": ({"heading": one}, {})}
+    )
+
+
+@pytest.mark.parametrize("hull", ["known", "other"])
+def test_random_runs_differ_as_their_settings_say(hull: str) -> None:
+    first, second = draw(1, hull, "stated"), draw(2, hull, "stated")
+    assert first.environment.wind_m_s == 4.0
+    assert second.environment.wind_m_s == 0.0
+    assert (first.hull.mass_kg == second.hull.mass_kg == 8.0) is (hull == "known")
+    assert first.sensors.gnss.wander_s == 60.0
+    assert draw(1, hull, "standard").sensors.gnss.wander_s == 30.0
+
+
+def test_the_helm_sails_turns_at_several_speeds() -> None:
+    truth = sail(draw(1, "known", "stated"), 60.0).truth
+    surge = truth[:, Truth._fields.index("surge_m_s")]
+    heading = np.unwrap(truth[:, Truth._fields.index("heading_rad")])
+    assert np.ptp(heading) > 1.0
+    assert surge.max() > 1.0
+    assert abs(surge[:70]).max() < 0.3  # at rest at first
+
+
+@pytest.mark.parametrize("hull", ["known", "other"])
+def test_the_filter_is_not_over_confident(hull: str) -> None:
+    found, _ = campaign(range(1, 9), hull, "standard", _CHECKOUT)
+    for name, one in found.items():
+        assert one.mean / one.freedom < 1.5, name
