@@ -24,6 +24,13 @@ class Point(NamedTuple):
     north_m: float
     east_m: float
 
+    def moved(self, bearing_rad: float, distance_m: float) -> "Point":
+        """The place at a distance in a direction, clockwise from north."""
+        return Point(
+            self.north_m + distance_m * math.cos(bearing_rad),
+            self.east_m + distance_m * math.sin(bearing_rad),
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class LatLon:

@@ -80,7 +80,7 @@ class LookedAtWater:
             bearing = beam.bearing_rad + side * beam.width_rad
             step_n, step_e = _CELL_M * math.cos(bearing), _CELL_M * math.sin(bearing)
             for step in range(steps):
-                north_m, east_m = beam.north_m + step * step_n, beam.east_m + step * step_e
+                north_m, east_m = beam.at.north_m + step * step_n, beam.at.east_m + step * step_e
                 cell = (math.floor(north_m / _CELL_M), math.floor(east_m / _CELL_M))
                 looks[cell] = looks.get(cell, 0) + 1
         while len(looks) > _MAX_CELLS:
@@ -95,7 +95,7 @@ class LookedAtWater:
         """Distance of known water along a course, at most reach_m."""
         last, room_m = self._clear[_sector(course_rad)], 0.0
         if last is not None and now_s - last.time_s <= _FRESH_S:
-            room_m = max(last.reach_m - distance_m(here, Point(last.north_m, last.east_m)), 0.0)
+            room_m = max(last.reach_m - distance_m(here, last.at), 0.0)
         ahead_n, ahead_e = math.cos(course_rad), math.sin(course_rad)
         while room_m < reach_m:
             at_m = room_m + 0.5 * _CELL_M

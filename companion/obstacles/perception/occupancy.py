@@ -9,57 +9,33 @@ is not stored.
 """
 
 import math
+from typing import Final, NamedTuple
 
 from companion.core.geo import Point
 
-SOLID = 1.5  # evidence, after decay
-SUSPECT = 0.5
-_MAX_EVIDENCE = 4.0
-_DOUBTS = -1.0  # lowest evidence of a cell that was seen through
-_THROUGH = 1.0  # evidence that an echo from beyond removes,
-_SILENCE = 0.5  # and a beam without an echo: a smooth wall at an angle returns none
-_CORE = 0.7  # of the beam width: its edges are weak
-_SECOND_LOOK_S = 3.0  # a real obstacle is seen again in the next sweep or two
-MAX_CELLS = 600
+SOLID: Final = 1.5  # evidence, after decay: two echoes
+SUSPECT: Final = 0.5  # one echo
+_MAX_EVIDENCE: Final = 4.0  # two beams through a cell refute a moving obstacle that has left it
+# A beam through a cell removes 1, one without any echo half: a smooth wall at an angle returns none.
+_SILENCE: Final = 0.5
+_CORE: Final = 0.7  # of the beam width, at half power: beyond it an echo is weak
+_SECOND_LOOK_S: Final = 3.0  # two full sweeps: a real obstacle is seen again
+MAX_CELLS: Final = 1200  # 240 m of shore in cells of 0.2 m
 
 
-class Cell:
-    """A square of water. evidence: as of seen_s."""
-
-    __slots__ = ("east_m", "evidence", "north_m", "seen_s")
-
-    def __init__(self, north_m: float, east_m: float, looks: float, seen_s: float) -> None:
-        self.north_m = north_m
-        self.east_m = east_m
-        self.evidence = looks
-        self.seen_s = seen_s
-
-
-class Beam:
+class Beam(NamedTuple):
     """One ping: position, bearing from north, beam width and range.
 
     range_m: to the nearest echo, infinite without one within reach_m. blind_m: nothing closer is seen.
     """
 
-    __slots__ = ("bearing_rad", "blind_m", "east_m", "north_m", "range_m", "reach_m", "time_s", "width_rad")
-
-    def __init__(
-        self,
-        time_s: float,
-        at: Point,
-        bearing_rad: float,
-        width_rad: float,
-        range_m: float,
-        reach_m: float,
-        blind_m: float = 0.0,
-    ) -> None:
-        self.time_s = time_s
-        self.north_m, self.east_m = at
-        self.bearing_rad = bearing_rad
-        self.width_rad = width_rad
-        self.range_m = range_m
-        self.reach_m = reach_m
-        self.blind_m = blind_m
+    time_s: float
+    at: Point
+    bearing_rad: float
+    width_rad: float
+    range_m: float
+    reach_m: float
+    blind_m: float = 0.0
 
     @property
     def is_echo(self) -> bool:
@@ -69,19 +45,25 @@ class Beam:
     @property
     def echo(self) -> Point:
         """Where the echo comes from, if there is one."""
-        return Point(
-            self.north_m + self.range_m * math.cos(self.bearing_rad),
-            self.east_m + self.range_m * math.sin(self.bearing_rad),
-        )
+        return self.at.moved(self.bearing_rad, self.range_m)
+
+
+class Cell:
+    """A square of water. evidence: as of seen_s."""
+
+    __slots__ = ("at", "evidence", "seen_s")
+
+    def __init__(self, at: Point) -> None:
+        self.at = at
+        self.evidence, self.seen_s = 0.0, -math.inf
 
 
 class Occupancy:
-    """The cells with evidence, at most MAX_CELLS; `version` changes with them."""
+    """The cells with evidence, at most MAX_CELLS."""
 
     def __init__(self, cell_m: float, memory_s: float) -> None:
         """memory_s: how long a cell with full evidence stays solid out of sight."""
         self.cell_m = cell_m
-        self.version = 0
         self._fade_s = memory_s / (_MAX_EVIDENCE - SOLID)  # in which the evidence decays by 1
         self._cells: dict[tuple[int, int], Cell] = {}
 
@@ -92,29 +74,24 @@ class Occupancy:
     def clear(self) -> None:
         """Remove all cells."""
         self._cells.clear()
-        self.version += 1
 
     def add(self, beam: Beam) -> None:
         """Add a ping."""
         if self._cells:
             self._clear_beam(beam)
-        if beam.range_m <= beam.reach_m:
+        if beam.is_echo:
             self._mark(beam)
 
     def evidence_at(self, point: Point, now_s: float) -> float | None:
         """The evidence at a place, negative if it was seen through; None: never observed."""
-        cell = self._cells.get(
-            (math.floor(point.north_m / self.cell_m), math.floor(point.east_m / self.cell_m))
-        )
+        cell = self._cells.get(self._key(point))
         return None if cell is None else self._decayed(cell, now_s)
 
     def obstacles(self, now_s: float, least: float = SOLID) -> list[Point]:
         """The centres of the cells with at least this evidence."""
-        if not self._cells:
-            return []
         fade_s = self._fade_s
         return [
-            Point(cell.north_m, cell.east_m)
+            cell.at
             for cell in self._cells.values()
             if cell.evidence - (now_s - cell.seen_s) / fade_s >= least
         ]
@@ -127,29 +104,24 @@ class Occupancy:
 
     def is_near(self, at: Point, reach_m: float) -> bool:
         """Whether any cell is within reach_m, north-south and east-west, of a place."""
-        north_m, east_m = at
-        for cell in self._cells.values():
-            if abs(cell.north_m - north_m) < reach_m and abs(cell.east_m - east_m) < reach_m:
-                return True
-        return False
+        return any(_is_within(cell.at, at, reach_m) for cell in self._cells.values())
 
     def forget(self, at: Point, reach_m: float, now_s: float) -> None:
         """Remove decayed cells, and those farther than reach_m from a place."""
-        expired = [
-            key
+        self._cells = {
+            key: cell
             for key, cell in self._cells.items()
-            if abs(cell.north_m - at.north_m) > reach_m
-            or abs(cell.east_m - at.east_m) > reach_m
-            or abs(cell.evidence) <= (now_s - cell.seen_s) / self._fade_s
-            or (cell.evidence < SOLID and now_s - cell.seen_s > _SECOND_LOOK_S)
-        ]
-        for key in expired:
-            del self._cells[key]
-        self.version += bool(expired)
+            if _is_within(cell.at, at, reach_m)
+            and abs(cell.evidence) > (now_s - cell.seen_s) / self._fade_s
+            and (cell.evidence >= SOLID or now_s - cell.seen_s <= _SECOND_LOOK_S)
+        }
+
+    def _key(self, point: Point) -> tuple[int, int]:
+        return math.floor(point.north_m / self.cell_m), math.floor(point.east_m / self.cell_m)
 
     def _decayed(self, cell: Cell, now_s: float) -> float:
-        leaked = (now_s - cell.seen_s) / self._fade_s
-        return max(cell.evidence - leaked, 0.0) if cell.evidence > 0.0 else min(cell.evidence + leaked, 0.0)
+        kept = max(abs(cell.evidence) - (now_s - cell.seen_s) / self._fade_s, 0.0)
+        return math.copysign(kept, cell.evidence)
 
     def _clear_beam(self, beam: Beam) -> None:
         """Reduce the evidence of the cells in the core of the beam, well before the echo. What the ranger is
@@ -159,28 +131,22 @@ class Occupancy:
         that its arc touches, and a second look at the same place must clear them all. Beside solid cells it
         may be the edge of an obstacle.
         """
-        is_echo = beam.range_m <= beam.reach_m
-        clear_m = (beam.range_m if is_echo else beam.reach_m) - self.cell_m
-        if clear_m <= 0.0:
-            return
-        taken = _THROUGH if is_echo else _SILENCE
+        clear_m = min(beam.range_m, beam.reach_m) - self.cell_m
+        taken = 1.0 if beam.is_echo else _SILENCE
         ahead_n, ahead_e = math.cos(beam.bearing_rad), math.sin(beam.bearing_rad)
-        edge = math.cos(0.5 * _CORE * beam.width_rad)
         sine = math.sin(0.5 * _CORE * beam.width_rad)
-        beside_m = math.sqrt(0.5) * self.cell_m
         is_open = all(cell.evidence < SOLID for cell in self._cells.values())
+        slack_m = math.sqrt(0.5) * self.cell_m if is_open else 0.0
+        north_m, east_m = beam.at
         for cell in self._cells.values():
-            north, east = cell.north_m - beam.north_m, cell.east_m - beam.east_m
+            north, east = cell.at.north_m - north_m, cell.at.east_m - east_m
             along = north * ahead_n + east * ahead_e
             if 0.0 < along < clear_m:
                 distance = math.sqrt(north * north + east * east)
                 across = abs(north * ahead_e - east * ahead_n)
-                is_single = is_open and across < sine * distance + beside_m
-                is_through = is_single or along > edge * distance
-                if beam.blind_m <= distance < clear_m and is_through:
-                    cell.evidence = max(self._decayed(cell, beam.time_s) - taken, _DOUBTS)
+                if beam.blind_m <= distance < clear_m and across < sine * distance + slack_m:
+                    cell.evidence = max(self._decayed(cell, beam.time_s) - taken, -1.0)
                     cell.seen_s = beam.time_s
-                    self.version += 1
 
     def _mark(self, beam: Beam) -> None:
         """Add 1 to the evidence of each cell on the arc."""
@@ -189,27 +155,27 @@ class Occupancy:
         across = max(1, math.ceil(beam.range_m * width_rad / side))
         for step in range(across + 1):
             bearing = beam.bearing_rad + width_rad * (step / across - 0.5)
-            row = math.floor((beam.north_m + beam.range_m * math.cos(bearing)) / side)
-            column = math.floor((beam.east_m + beam.range_m * math.sin(bearing)) / side)
-            cell = cells.get((row, column))
-            if cell is not None and cell.seen_s == beam.time_s and cell.evidence > 0.0:
-                continue  # marked already
-            looks = min(self._earlier_evidence(row, column, beam.time_s) + 1.0, _MAX_EVIDENCE)
+            key = self._key(beam.at.moved(bearing, beam.range_m))
+            cell = cells.get(key)
             if cell is None:
                 if len(cells) >= MAX_CELLS:
                     del cells[next(iter(cells))]
-                centre_n, centre_e = (row + 0.5) * side, (column + 0.5) * side
-                cells[row, column] = Cell(centre_n, centre_e, looks, beam.time_s)
-            else:
-                cell.evidence, cell.seen_s = looks, beam.time_s
-        self.version += 1
+                cell = cells[key] = Cell(Point((key[0] + 0.5) * side, (key[1] + 0.5) * side))
+            elif cell.seen_s == beam.time_s and cell.evidence > 0.0:
+                continue  # marked already
+            evidence = self._earlier_evidence(key, beam.time_s) + 1.0
+            cell.evidence, cell.seen_s = min(evidence, _MAX_EVIDENCE), beam.time_s
 
-    def _earlier_evidence(self, row: int, column: int, now_s: float) -> float:
+    def _earlier_evidence(self, key: tuple[int, int], now_s: float) -> float:
         """Evidence of earlier pings for a cell or, as ranges and positions are noisy, a neighbour."""
-        best = 0.0
+        best, (row, column) = 0.0, key
         for near_row in (row - 1, row, row + 1):
             for near_column in (column - 1, column, column + 1):
                 cell = self._cells.get((near_row, near_column))
                 if cell is not None and cell.seen_s != now_s:
                     best = max(best, self._decayed(cell, now_s))
         return best
+
+
+def _is_within(at: Point, centre: Point, reach_m: float) -> bool:
+    return abs(at.north_m - centre.north_m) <= reach_m and abs(at.east_m - centre.east_m) <= reach_m

@@ -10,22 +10,18 @@ classified; movers are kept in view. Among fixed obstacles the boat looks all ro
 import math
 from typing import Final, NamedTuple
 
+from companion.core.geo import Point, bearing_rad
 from companion.core.state import NavState
 from companion.core.units import wrap_pi
 from companion.obstacles.perception.occupancy import Beam
-from companion.obstacles.perception.track import Track
-from companion.obstacles.perception.tracks import ObstacleTracks
+from companion.obstacles.perception.track import BRIEF_S, Track
+from companion.obstacles.perception.tracks import SAME_PASS_S, ObstacleTracks
 
 _HASTY_S: Final = 3.0  # a boat that covers its sight in less looks again at a single echo at once
 _CROSSING_M_S: Final = 0.8  # half a sweep hears ahead every 0.36 s at the speed of 4 m of sight, 1.06 m/s
-_AHEAD_RAD: Final = 0.53  # 30°, the narrowest sector ahead: five bearings of 15°, to and fro in 0.48 s
+_AHEAD_RAD: Final = 0.53  # two bearings of 15° to either side: ahead, or to see the water beside a track
 _BESIDE_RAD: Final = 0.27  # a beam on either side of a course about to be taken
-_ABOUT_RAD: Final = 0.53  # to either side of a tracked obstacle, to observe the free water beside it
-_NEW_LOOKS: Final = 8  # observations after which a track is classified,
-_NEW_S: Final = 1.6  # or time
-_AGAIN_S: Final = 0.4  # without an echo for this long, it was noise or has gone
-_WATCHED_S: Final = 1.2  # how long a mover is searched for
-_ABEAM_RAD: Final = 1.6
+_ABEAM_RAD: Final = 1.6  # the servo's reach, and what was ahead before is abaft it
 
 
 class Sector(NamedTuple):
@@ -51,43 +47,43 @@ def choose_sector(
     """The next sector. unconfirmed: an echo that a fast boat observes again at once. wished_course_rad: about
     to be taken. is_open: there is no solid cell; otherwise the whole sweep is kept.
     """
-    speed_m_s = math.sqrt(nav.north_m_s * nav.north_m_s + nav.east_m_s * nav.east_m_s)
+    speed_m_s = math.hypot(nav.north_m_s, nav.east_m_s)
     if unconfirmed is not None and speed_m_s * _HASTY_S > reach_m:
-        echo = unconfirmed.echo
-        off = wrap_pi(math.atan2(echo.east_m - nav.east_m, echo.north_m - nav.north_m) - nav.heading_rad)
+        off = _off_bow_rad(nav, unconfirmed.echo)
         return Sector(off, off)
-    watched: Track | None = None
-    nearest_m, bearing = math.inf, 0.0
-    for track in tracks.all:
-        unseen_s = now_s - track.seen_s
-        if track.is_mover:
-            if unseen_s > _WATCHED_S:
-                continue
-        elif not is_unclassified(track, now_s):
-            continue
-        distance_m = track.distance_m(nav.point, now_s)
-        at = track.point(now_s)
-        off = wrap_pi(math.atan2(at.east_m - nav.east_m, at.north_m - nav.north_m) - nav.heading_rad)
-        if abs(off) < _ABEAM_RAD and distance_m < nearest_m:
-            watched, nearest_m, bearing = track, distance_m, off
-    if watched is None:
-        if not is_open or speed_m_s <= _CROSSING_M_S:
-            return ALL_ROUND
-        ahead = max(math.asin(_CROSSING_M_S / speed_m_s), _AHEAD_RAD)
-        turn = 0.0 if wished_course_rad is None else wrap_pi(wished_course_rad - nav.heading_rad)
-        return Sector(min(-ahead, turn - _BESIDE_RAD), max(ahead, turn + _BESIDE_RAD))
-    half = _ABOUT_RAD + math.asin(watched.radius_m / max(nearest_m, 2.0 * watched.radius_m))
-    about = Sector(bearing - half, bearing + half)
-    if not watched.is_mover:
-        return about
-    return Sector(min(about.port_rad, -_ABOUT_RAD), max(about.starboard_rad, _ABOUT_RAD))
+    watched = [track for track in tracks.all if _is_watched(track, nav, now_s)]
+    if watched:
+        nearest = min(watched, key=lambda track: track.distance_m(nav.point, now_s))
+        return _about(nearest, nav, now_s)
+    if not is_open or speed_m_s <= _CROSSING_M_S:
+        return ALL_ROUND
+    ahead = max(math.asin(_CROSSING_M_S / speed_m_s), _AHEAD_RAD)
+    turn = 0.0 if wished_course_rad is None else wrap_pi(wished_course_rad - nav.heading_rad)
+    return Sector(min(-ahead, turn - _BESIDE_RAD), max(ahead, turn + _BESIDE_RAD))
 
 
 def is_unclassified(track: Track, now_s: float) -> bool:
     """Whether a track may turn out to move: it is new and isolated, as far as was observed."""
-    is_new = (
-        track.observations < _NEW_LOOKS
-        and now_s - track.created_s < _NEW_S
-        and now_s - track.seen_s < _AGAIN_S
-    )
+    is_new = now_s - track.created_s < BRIEF_S and now_s - track.seen_s < SAME_PASS_S
     return is_new and not track.is_mover and (track.isolated_count > 0 or track.is_cut_off)
+
+
+def _is_watched(track: Track, nav: NavState, now_s: float) -> bool:
+    is_moving = track.is_mover and now_s - track.seen_s <= BRIEF_S
+    if not (is_moving or is_unclassified(track, now_s)):
+        return False
+    return abs(_off_bow_rad(nav, track.point(now_s))) < _ABEAM_RAD
+
+
+def _about(track: Track, nav: NavState, now_s: float) -> Sector:
+    """The sector about a track; of a mover, the water ahead as well."""
+    bearing = _off_bow_rad(nav, track.point(now_s))
+    distance_m = max(track.distance_m(nav.point, now_s), 2.0 * track.radius_m)
+    half = _AHEAD_RAD + math.asin(track.radius_m / distance_m)
+    if not track.is_mover:
+        return Sector(bearing - half, bearing + half)
+    return Sector(min(bearing - half, -_AHEAD_RAD), max(bearing + half, _AHEAD_RAD))
+
+
+def _off_bow_rad(nav: NavState, place: Point) -> float:
+    return wrap_pi(bearing_rad(nav.point, place) - nav.heading_rad)

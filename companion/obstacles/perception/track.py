@@ -6,33 +6,26 @@ section 6.3.2), jointly in north and east, and each observation is two scalar me
 the beam.
 
 The paper's terms: dR0 (its equation 1) is `Track.distance_m`; an obstacle is static or dynamic (`is_mover`),
-and a dynamic one approaches or recedes (`closing_m_s`). A mover is declared at three standard deviations, and
-must either approach the boat, isolated in free water, or have been seen through where it was: the strongest
-echo of a shore moves along with the boat.
+and a dynamic one approaches or recedes (`closing_m_s`). The nearest point of a large obstacle slides along it
+as the boat passes, across the beam. So a mover is declared only if it is isolated in free water and either
+approaches along the beam, at three standard deviations, or is small and goes on steadily, at two.
 """
 
 import math
 from collections import deque
 from itertools import pairwise
+from typing import Final
 
 from companion.core.geo import Point
-from companion.obstacles.perception.occupancy import Occupancy
 
-SURE_SIGMAS = 3.0
-DOUBT_SIGMAS = 1.0  # a mover stays one until its speed is below this
-LIKELY_SIGMAS = 1.5  # enough to steer clear, too little to report
-LEAST_LOOKS = 2
-ALONE_LOOKS, ALONE_SIGMAS = 3, 2.0  # for isolated obstacles
-_SLIDES = 2.0  # of the least speed
-LEAST_GONE = 2  # places
-_LATELY_S = 1.0
-_AT_A_STRETCH_S = 1.5  # longest span of observations that gives a speed
-_STEADY_LOOKS, _STEADY_SHARE = 4, 0.4
-_YOUNG_S = 2.0  # an obstacle that has been static for longer does not start to move
-FASTEST = 12.0  # of the least speed: faster tracks are associations of different obstacles
-_TRAIL = 8
-_ANYWHERE_M2 = 100.0
-_ANY_PACE_M2_S2 = 0.5
+SURE_SIGMAS: Final = 3.0  # 1 in 700 of static obstacles, one-sided
+STEADY_SIGMAS: Final = 2.0  # with four places in a row: false alarms fall by the chance of an order of four
+LIKELY_SIGMAS: Final = 1.5  # enough to steer clear, too little to report
+FASTEST: Final = 12.0  # of the least speed: 1.4 m/s; faster tracks join two ghosts
+STEADY_LOOKS: Final = 4  # places in a row: a wrong association jumps once
+_STEADY_SHARE: Final = 0.4  # of the expected way between two of them, at least
+BRIEF_S: Final = 1.5  # a full sweep: the longest span of these places, and the age of a probable mover
+_SPREAD: Final = (100.0, 100.0, 0.5, 0.5)  # initial variances: anywhere within the sight, 0.7 m/s
 
 
 class Track:
@@ -50,14 +43,8 @@ class Track:
         self.is_likely_mover = False  # moves, or probably does
         self._beam_n = self._beam_e = 0.0
         self._state = [at.north_m, at.east_m, 0.0, 0.0]
-        place, pace = _ANYWHERE_M2, _ANY_PACE_M2_S2
-        self._covariance = [
-            [place, 0.0, 0.0, 0.0],
-            [0.0, place, 0.0, 0.0],
-            [0.0, 0.0, pace, 0.0],
-            [0.0, 0.0, 0.0, pace],
-        ]
-        self._trail: deque[tuple[float, Point]] = deque([(seen_s, at)], maxlen=_TRAIL)
+        self._covariance = [[_SPREAD[i] if i == j else 0.0 for j in range(4)] for i in range(4)]
+        self._trail: deque[tuple[float, Point]] = deque([(seen_s, at)], maxlen=2 * STEADY_LOOKS)
 
     @property
     def north_m_s(self) -> float:
@@ -77,11 +64,10 @@ class Track:
     @property
     def speed_sigma_m_s(self) -> float:
         """Standard deviation of the speed, along the velocity."""
-        north, east, p = self._state[2], self._state[3], self._covariance
-        speed = math.hypot(north, east)
+        speed = self.speed_m_s
         if speed < 1e-6:
-            return math.sqrt(max(p[2][2], p[3][3]))
-        return self.pace_sigma_m_s(north / speed, east / speed)
+            return math.sqrt(max(self._covariance[2][2], self._covariance[3][3]))
+        return self.pace_sigma_m_s(self._state[2] / speed, self._state[3] / speed)
 
     def pace_sigma_m_s(self, north: float, east: float) -> float:
         """Standard deviation of the velocity along a direction."""
@@ -92,13 +78,8 @@ class Track:
     def sigma_m(self, now_s: float) -> float:
         """Standard deviation of the present position, along the worse axis."""
         p, ahead_s = self._covariance, max(now_s - self._time_s, 0.0)
-        return math.sqrt(
-            max(
-                p[0][0] + ahead_s * (2.0 * p[0][2] + ahead_s * p[2][2]),
-                p[1][1] + ahead_s * (2.0 * p[1][3] + ahead_s * p[3][3]),
-                0.0,
-            )
-        )
+        axes = [p[i][i] + ahead_s * (2.0 * p[i][i + 2] + ahead_s * p[i + 2][i + 2]) for i in (0, 1)]
+        return math.sqrt(max(*axes, 0.0))
 
     def point(self, now_s: float) -> Point:
         """Position at a time; without known motion, the last one."""
@@ -119,10 +100,10 @@ class Track:
 
     def was_at(self, place: Point, within_m: float) -> bool:
         """Whether it was recently observed this near to a place."""
-        for _, at in self._trail:
-            if abs(at.north_m - place.north_m) < within_m and abs(at.east_m - place.east_m) < within_m:
-                return True
-        return False
+        return any(
+            abs(at.north_m - place.north_m) < within_m and abs(at.east_m - place.east_m) < within_m
+            for _, at in self._trail
+        )
 
     # Called by ObstacleTracks
 
@@ -132,15 +113,14 @@ class Track:
         if dt <= 0.0:
             return
         x, p = self._state, self._covariance
-        x[0] += dt * x[2]
-        x[1] += dt * x[3]
-        for j in range(4):
-            p[0][j] += dt * p[2][j]
-            p[1][j] += dt * p[3][j]
-        for i in range(4):
-            p[i][0] += dt * p[i][2]
-            p[i][1] += dt * p[i][3]
         q = (accel_m_s2 * dt) ** 2
+        for axis in (0, 1):
+            x[axis] += dt * x[axis + 2]
+            for j in range(4):
+                p[axis][j] += dt * p[axis + 2][j]
+        for axis in (0, 1):
+            for i in range(4):
+                p[i][axis] += dt * p[i][axis + 2]
         for axis in (0, 1):
             p[axis][axis] += 0.25 * q * dt * dt
             p[axis][axis + 2] += 0.5 * q * dt
@@ -180,43 +160,18 @@ class Track:
         self._beam_n, self._beam_e = beam_n, beam_e
         self._trail.append((self.seen_s, Point(self._state[0], self._state[1])))
 
-    def classify(
-        self, occupancy: Occupancy, least_m_s: float, now_s: float, *, is_small: bool = True
-    ) -> None:
+    def classify(self, least_m_s: float, now_s: float, *, is_small: bool = True) -> None:
         """Decide whether it moves. is_small: its near side is close to its centre."""
         speed, sigma = self.speed_m_s, self.speed_sigma_m_s
+        is_possible = self.isolated_count > 1 and speed < FASTEST * least_m_s
         if self.is_mover:
-            self.is_mover = speed > max(DOUBT_SIGMAS * sigma, 0.5 * least_m_s)
-        elif speed < FASTEST * least_m_s and self.isolated_count:
-            self.is_mover = self._is_moving(occupancy, speed, least_m_s, now_s, is_small=is_small)
-        is_fast = max(LIKELY_SIGMAS * sigma, _SLIDES * least_m_s) < speed < FASTEST * least_m_s
-        is_alone = is_small and self.isolated_count >= LEAST_LOOKS and now_s - self.created_s < _YOUNG_S
-        self.is_likely_mover = self.is_mover or (is_alone and is_fast)
-
-    def _is_moving(
-        self, occupancy: Occupancy, speed_m_s: float, least_m_s: float, now_s: float, *, is_small: bool
-    ) -> bool:
-        sigma = self.speed_sigma_m_s
-        if self.isolated_count >= LEAST_LOOKS and self._is_approaching(least_m_s):
-            return True
-        if is_small and self.isolated_count >= ALONE_LOOKS and self._moves_steadily(speed_m_s, now_s):
-            return speed_m_s > max(ALONE_SIGMAS * sigma, _SLIDES * least_m_s)
-        is_sure = self.observations > LEAST_LOOKS and speed_m_s > max(SURE_SIGMAS * sigma, least_m_s)
-        return is_sure and self._has_left(occupancy, now_s)
-
-    def _moves_steadily(self, speed_m_s: float, now_s: float) -> bool:
-        """Whether each of the last observations lies farther along its path; a wrong association jumps
-        once.
-        """
-        last = list(self._trail)[-_STEADY_LOOKS:]
-        if len(last) < _STEADY_LOOKS or now_s - last[0][0] > _AT_A_STRETCH_S or speed_m_s <= 0.0:
-            return False
-        ahead_n, ahead_e = self._state[2] / speed_m_s, self._state[3] / speed_m_s
-        for (from_s, start), (to_s, end) in pairwise(last):
-            on_m = (end.north_m - start.north_m) * ahead_n + (end.east_m - start.east_m) * ahead_e
-            if on_m < _STEADY_SHARE * speed_m_s * (to_s - from_s):
-                return False
-        return True
+            self.is_mover = speed > max(sigma, 0.5 * least_m_s)
+        elif is_possible:
+            is_steady = is_small and speed > max(STEADY_SIGMAS * sigma, 2.0 * least_m_s)
+            self.is_mover = self._is_approaching(least_m_s) or (is_steady and self._moves_steadily(now_s))
+        is_fast = is_small and speed > max(LIKELY_SIGMAS * sigma, 2.0 * least_m_s)
+        is_young = now_s - self.created_s < BRIEF_S
+        self.is_likely_mover = self.is_mover or (is_possible and is_fast and is_young)
 
     def _is_approaching(self, least_m_s: float) -> bool:
         """Whether it approaches the boat over ground."""
@@ -224,9 +179,16 @@ class Track:
         towards = -(self._state[2] * north + self._state[3] * east)
         return towards > max(SURE_SIGMAS * self.pace_sigma_m_s(north, east), least_m_s)
 
-    def _has_left(self, occupancy: Occupancy, now_s: float) -> bool:
-        """Whether most of its past places were seen through."""
-        places = [place for time_s, place in self._trail if now_s - time_s >= _LATELY_S]
-        looks = [occupancy.evidence_at(place, now_s) for place in places]
-        contradicted = sum(1 for left in looks if left is not None and left <= 0.0)
-        return contradicted >= LEAST_GONE and 2 * contradicted > len(places)
+    def _moves_steadily(self, now_s: float) -> bool:
+        """Whether each of the last observations lies farther along its path."""
+        last, speed_m_s = list(self._trail)[-STEADY_LOOKS:], self.speed_m_s
+        if len(last) < STEADY_LOOKS or self.isolated_count < STEADY_LOOKS - 1:
+            return False
+        if now_s - last[0][0] > BRIEF_S or speed_m_s <= 0.0:
+            return False
+        ahead_n, ahead_e = self._state[2] / speed_m_s, self._state[3] / speed_m_s
+        return all(
+            (end.north_m - start.north_m) * ahead_n + (end.east_m - start.east_m) * ahead_e
+            > _STEADY_SHARE * speed_m_s * (to_s - from_s)
+            for (from_s, start), (to_s, end) in pairwise(last)
+        )

@@ -147,19 +147,6 @@ def test_neighbours_lie_to_the_side_as_well(east_m: float, evidence: float) -> N
     assert seen.evidence_at(Point(3.1, east_m), 0.1) == pytest.approx(evidence)
 
 
-def test_the_version_changes_with_the_cells() -> None:
-    seen = grid()
-    versions = [seen.version]
-    for change in (look(3.1), look(3.1, 0.1), look(FREE, 0.2)):
-        seen.add(change)
-        versions.append(seen.version)
-    seen.forget(HERE, 1.0, 0.2)
-    versions.append(seen.version)
-    assert versions == sorted(set(versions))
-    seen.forget(HERE, 1.0, 0.2)
-    assert seen.version == versions[-1], "nothing was left"
-
-
 @pytest.mark.parametrize(
     ("at", "now_s", "is_kept"),
     [

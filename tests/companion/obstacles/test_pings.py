@@ -48,7 +48,7 @@ def beams_of(
 def test_a_beam_starts_where_the_boat_was_and_pointed_at_the_time_of_the_ping(age_s: float) -> None:
     nav = replace(nav_at(50.0, -20.0), north_m_s=2.0, east_m_s=-1.0, heading_rad=0.3, yaw_rate_rad_s=0.5)
     (beam,) = beams_of(SonarReading(NOW_S - age_s, 0.7, 3.0), nav=nav)
-    assert (beam.north_m, beam.east_m) == pytest.approx((50.0 - 2.0 * age_s, -20.0 + age_s))
+    assert beam.at == pytest.approx((50.0 - 2.0 * age_s, -20.0 + age_s))
     assert beam.bearing_rad == pytest.approx(0.3 - 0.5 * age_s + 0.7)
     assert (beam.range_m, beam.reach_m, beam.width_rad) == (3.0, 4.0, 0.3)
     assert beam.time_s == NOW_S - age_s
@@ -110,31 +110,6 @@ def test_with_an_old_pose_nothing_is_located(
 
 def silence(time_s: float = NOW_S, max_range_m: float = 4.0) -> SonarReading:
     return SonarReading(time_s, -0.25, None, 0.02, max_range_m)
-
-
-def test_silence_over_open_water_is_added_with_the_first_echo_after_it() -> None:
-    seen, beams = perception()
-    seen.ingest([(silence(), None)], NAV, SETTING, NOW_S)
-    assert (beams, seen.reach_m, seen.heard_s, seen.dropped) == ([], 4.0, NOW_S, 0)
-    echo = SonarReading(10.1, 0.0, 3.0, 0.02, 5.0)
-    seen.ingest([(echo, None)], NAV, SETTING, 10.1)
-    assert [(beam.time_s, beam.range_m) for beam in beams] == [(NOW_S, math.inf), (10.1, 3.0)]
-    assert beams[0].width_rad == math.radians(15.0)
-    assert (seen.reach_m, seen.heard_s) == (5.0, 10.1)
-    seen.ingest([(SonarReading(10.2, 0.25, 3.0), None)], NAV, SETTING, 10.2)
-    assert len(beams) == 3, "the silence is added once"
-
-
-def test_only_the_latest_silence_of_the_own_ranger_is_added() -> None:
-    seen, beams = perception()
-    echo = SonarReading(10.2, 0.0, 3.0)
-    for ping, width_rad in ((silence(), None), (silence(10.1), None), (echo, None)):
-        seen.ingest([(ping, width_rad)], NAV, SETTING, ping.time_s)
-    assert [beam.time_s for beam in beams] == [10.1, 10.2]
-    other, others = perception()
-    for ping, width_rad in ((silence(), None), (silence(10.1), 0.3), (echo, None)):
-        other.ingest([(ping, width_rad)], NAV, SETTING, ping.time_s)
-    assert [beam.time_s for beam in others] == [10.2]
 
 
 @pytest.mark.parametrize(

@@ -67,19 +67,18 @@ def test_what_is_abaft_the_beam_is_not_watched(off_rad: float, is_watched: bool)
     assert (found != ALL_ROUND) is is_watched
 
 
-@pytest.mark.parametrize(("unseen_s", "is_watched"), [(1.19, True), (1.21, False)])
+@pytest.mark.parametrize(("unseen_s", "is_watched"), [(1.49, True), (1.51, False)])
 def test_a_mover_is_searched_for_a_while(unseen_s: float, is_watched: bool) -> None:
     found = sector_of(track(2.0, 1.0, is_mover=True), now_s=10.0 + unseen_s)
     assert (found != ALL_ROUND) is is_watched
 
 
-def test_a_track_is_classified_after_eight_looks_or_after_its_time() -> None:
+def test_a_track_is_classified_after_its_time_or_when_it_is_lost() -> None:
     new = track(3.0)
     for observations, now_s, seen_s, is_new in (
-        (7, 10.1, 10.0, True),
-        (8, 10.1, 10.0, False),
-        (2, 11.59, 11.5, True),
-        (2, 11.61, 11.5, False),
+        (9, 10.1, 10.0, True),
+        (2, 11.49, 11.4, True),
+        (2, 11.51, 11.4, False),
         (2, 10.39, 10.0, True),
         (2, 10.41, 10.0, False),
     ):

@@ -72,8 +72,7 @@ def test_what_is_new_and_alone_is_looked_at_until_it_is_known() -> None:
     bearing = math.atan2(1.5, 3.0)
     assert sector.port_rad < bearing - 0.3 < bearing + 0.3 < sector.starboard_rad
     assert sector.starboard_rad - sector.port_rad < math.radians(90.0)
-    new.observations = 9
-    assert not is_unclassified(new, 0.1)
+    assert not is_unclassified(new, 1.6)
 
 
 def test_a_single_echo_is_looked_at_again_in_open_water() -> None:

@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.core.geo import Point
-from companion.obstacles.perception.occupancy import Occupancy
 from companion.obstacles.perception.track import Track
 
 ORIGIN = Point(0.0, 0.0)
@@ -156,7 +155,7 @@ def test_time_that_stands_still_changes_nothing() -> None:
 
 
 def judged(track: Track, *, now_s: float = 1.3, is_small: bool = True) -> Track:
-    track.classify(Occupancy(0.2, 30.0), 0.2, now_s, is_small=is_small)
+    track.classify(0.2, now_s, is_small=is_small)
     return track
 
 
@@ -222,7 +221,7 @@ def test_a_mover_stays_one_until_it_is_nearly_at_rest() -> None:
 def test_a_young_lone_and_fast_track_is_likely_to_move() -> None:
     track = moving(1.0, 0.0, looks=3)
     assert judged(track, now_s=0.7).is_likely_mover
-    assert not judged(track, now_s=2.1).is_likely_mover, "not young any more"
+    assert not judged(track, now_s=1.6).is_likely_mover, "not young any more"
     assert not judged(track, now_s=0.7, is_small=False).is_likely_mover
     track.isolated_count = 1
     assert not judged(track, now_s=0.7).is_likely_mover

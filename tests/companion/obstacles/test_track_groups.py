@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import pytest
 
 from companion.core.geo import Point
-from companion.obstacles.perception.occupancy import Beam, Occupancy
+from companion.obstacles.perception.occupancy import Beam
 from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import MAX_TRACKS, ObstacleTracks
 
@@ -20,13 +20,13 @@ class Sweep:
     """Beams of one ranger, each a width to starboard of the one before."""
 
     def __init__(self, bow_rad: float = 0.0, scale_m: float = 1.0) -> None:
-        self.tracks, self.occupancy = ObstacleTracks(scale_m), Occupancy(0.2, 25.0)
+        self.tracks = ObstacleTracks(scale_m)
         self.bow_rad, self.now_s = bow_rad, 0.0
 
     def look(self, bearing_rad: float, range_m: float, after_s: float = STEP_S, at: Point = HERE) -> None:
         self.now_s += after_s
         beam = Beam(self.now_s, at, self.bow_rad + bearing_rad, WIDTH_RAD, range_m, 10.0)
-        self.tracks.add(beam, self.occupancy)
+        self.tracks.add(beam)
 
     def over(self, ranges_m: Sequence[float], first_rad: float = -WIDTH_RAD) -> list[Track]:
         for number, range_m in enumerate(ranges_m):
@@ -73,7 +73,7 @@ def test_the_radius_is_between_three_tenths_of_the_scale_and_the_scale() -> None
     assert small.radius_m == pytest.approx(0.6)
     tracks = ObstacleTracks(1.0)
     for bearing_rad, range_m in ((-1.0, FREE), (0.0, 6.0), (1.0, FREE)):
-        tracks.add(Beam(0.06 * bearing_rad, HERE, bearing_rad, 1.0, range_m, 10.0), Occupancy(0.2, 25.0))
+        tracks.add(Beam(0.06 * bearing_rad, HERE, bearing_rad, 1.0, range_m, 10.0))
     assert tracks.all[0].radius_m == pytest.approx(1.0), "1.5 m by the width of the beam"
 
 
