@@ -24,7 +24,7 @@ from companion.hal.interfaces import Hardware, Port
 from companion.log.logbook import Logbook
 from companion.log.onboard import OnboardLog
 from companion.mavlink.address import Address
-from companion.obstacles.planning.avoidance import Stage
+from companion.obstacles.planning.planner import Stage
 from companion.payload.control import PayloadControl
 from companion.persistence.signing_store import SigningStore
 from companion.persistence.storage import Storage
@@ -297,7 +297,7 @@ class Boat:
                     now_s,
                     fix=self.sensors.fix,
                     command=self.command,
-                    is_slowed=guidance.avoidance.safe_speed.ahead_m_s < math.inf,
+                    is_slowed=guidance.avoidance.limit.ahead_m_s < math.inf,
                 )
             guidance.guide(intent, nav, vehicle.status, vehicle.fence, config, now_s)
         if self.motor_test.is_running:

@@ -2,15 +2,20 @@
 
 from pathlib import Path
 
+from pictures.rollouts import draw_encounter, draw_rollouts
 from pictures.wiring import draw_wiring
 from pictures.wiring_table import read_wiring
 
 GUIDE = Path("docs/hardware.md")
 WIRING = Path("docs/pictures/wiring.svg")
+ROLLOUTS = Path("docs/pictures/rollouts.svg")
+ENCOUNTER = Path("docs/pictures/encounter.svg")
 
 
 def main() -> None:
     """Draw them all."""
+    ROLLOUTS.write_text(draw_rollouts(), encoding="utf-8")
+    ENCOUNTER.write_text(draw_encounter(), encoding="utf-8")
     WIRING.write_text(draw_wiring(read_wiring(GUIDE.read_text(encoding="utf-8"))), encoding="utf-8")
 
 

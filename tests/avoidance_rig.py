@@ -2,7 +2,6 @@
 
 import math
 
-import pytest
 from boat_rig import nav_at
 from msgspec.structs import replace
 
@@ -16,8 +15,9 @@ from companion.core.state import NavState
 from companion.core.status_text import StatusText
 from companion.geofence.fence import Fence
 from companion.obstacles.perception.perception import ObstaclePerception
-from companion.obstacles.planning.avoidance import Avoidance, Stage
-from companion.obstacles.planning.free_space import ChartedBounds
+from companion.obstacles.perception.track import Track
+from companion.obstacles.planning.clearance import Bounds
+from companion.obstacles.planning.planner import LocalPlanner, Stage
 
 CONFIG = BoatConfig()
 NORTH = HoldCourse(0.0, 2.0)
@@ -32,7 +32,6 @@ class Chart(ObstaclePerception):
         self.rocks = list(solid)
         self.seen_once: list[Point] = []
         self.is_within_sight = True
-        self.has_new = False
 
     @property
     def is_empty(self) -> bool:
@@ -47,25 +46,47 @@ class Chart(ObstaclePerception):
     def suspects(self, now_s: float) -> list[Point]:
         return self.rocks + self.seen_once
 
-    def has_unclassified(self, now_s: float) -> bool:
-        return self.has_new
-
 
 class Lines:
     """Bounds to port and to starboard of a boat on its way north."""
 
     is_active = True
+    version = 1
 
     def __init__(self, west_m: float, east_m: float) -> None:
         self.west_m, self.east_m = west_m, east_m
-
-    def is_charted(self, point: Point) -> bool:
-        return False
 
     def room_m(self, point: Point, course_rad: float, reach_m: float) -> float:
         east = math.sin(course_rad)
         line_m = self.east_m if east > 0.0 else self.west_m
         return reach_m if abs(east) < 1e-9 else min((line_m - point.east_m) / east, reach_m)
+
+    def is_near(self, point: Point, reach_m: float) -> bool:
+        return self.margin_within_m(*point, reach_m) < reach_m
+
+    def margin_within_m(self, north_m: float, east_m: float, limit_m: float) -> float:
+        return min(east_m - self.west_m, self.east_m - east_m, limit_m)
+
+    def is_charted(self, point: Point) -> bool:
+        return False
+
+
+def mover(
+    north_m: float, east_m: float, north_m_s: float = 0.0, east_m_s: float = 0.0, now_s: float = 0.9
+) -> Track:
+    """At this place and velocity at now_s, known to a centimetre."""
+    start = Point(north_m - now_s * north_m_s, east_m - now_s * east_m_s)
+    track = Track(1, 0.0, start, 0.4)
+    for look in range(10):
+        time_s = now_s * look / 9.0
+        track.predict(time_s, 0.0)
+        at = Point(start.north_m + north_m_s * time_s, start.east_m + east_m_s * time_s)
+        for axis in ((1.0, 0.0), (0.0, 1.0)):
+            track.correct(at, *axis, 1e-3)
+        if look:
+            track.complete_observation(0.4, 1.0, 0.0)
+    track.is_mover = track.is_likely_mover = True
+    return track
 
 
 def ring(radius_m: float) -> list[Point]:
@@ -90,9 +111,9 @@ class Voyage:
 
     def __init__(self, *solid: Point, config: BoatConfig = CONFIG) -> None:
         self.texts: list[StatusText] = []
-        self.avoidance = Avoidance(self.texts)
+        self.planner = LocalPlanner(self.texts)
         self.chart, self.config = Chart(*solid), config
-        self.bounds: ChartedBounds = Fence()
+        self.bounds: Bounds = Fence()
         self.now_s = 0.0
 
     def at(
@@ -104,12 +125,12 @@ class Voyage:
         is_by_hand: bool = False,
     ) -> Intent:
         self.now_s = now_s
-        return self.avoidance.update(
+        return self.planner.update(
             intent, nav or boat(), self.config, self.chart, self.bounds, is_by_hand=is_by_hand, now_s=now_s
         )
 
     def stage(self) -> Stage:
-        return self.avoidance.stage
+        return self.planner.stage
 
     @property
     def said(self) -> list[str]:
@@ -117,13 +138,7 @@ class Voyage:
 
     @property
     def limit_m_s(self) -> float:
-        return self.avoidance.safe_speed.ahead_m_s
+        return self.planner.limit.ahead_m_s
 
     def is_wary(self, east_m: float = 0.0) -> bool:
         return self.chart.water.is_limited(Point(0.0, east_m), 2, self.bounds)
-
-
-def is_course(found: Intent, deg: float, speed_m_s: float) -> bool:
-    assert isinstance(found, HoldCourse)
-    off = math.remainder(found.course_rad - math.radians(deg), math.tau)
-    return abs(off) < 1e-9 and found.speed_m_s == pytest.approx(speed_m_s)

@@ -5,7 +5,7 @@ from companion.failsafe.conditions import fresh_water_m
 from companion.failsafe.guards import HELD_S
 from companion.failsafe.inputs import BoardReadings
 from companion.guidance.pipeline import GuidancePipeline
-from companion.obstacles.planning.avoidance import Stage
+from companion.obstacles.planning.planner import Stage
 from companion.sensors.suite import SensorSuite
 
 

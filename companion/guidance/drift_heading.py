@@ -5,12 +5,18 @@ from typing import Final, Protocol
 
 from companion.core.geo import Point
 from companion.core.state import Demand, NavState
-from companion.obstacles.planning.free_space import Bounds
 
 _COURSES: Final = 24
 _REACH_S: Final = 120.0  # lines farther off are ignored
 _AGAIN_S: Final = 2.0  # time between two choices
 _ROOM_M: Final = 8.0  # from a line: a boat that steers with one motor swings to and fro
+
+
+class Bounds(Protocol):
+    """A region that the boat must stay within."""
+
+    def room_m(self, point: Point, course_rad: float, reach_m: float) -> float:
+        """Free distance along a course, at most reach_m."""
 
 
 class Lines(Bounds, Protocol):

@@ -18,7 +18,7 @@ from companion.guidance.drift_heading import DriftHeading
 from companion.guidance.pilot import Pilot
 from companion.guidance.stall_detector import StallDetector
 from companion.obstacles.perception.perception import ObstaclePerception
-from companion.obstacles.planning.avoidance import Avoidance
+from companion.obstacles.planning.planner import LocalPlanner
 
 GUIDANCE_S = 0.1
 _AT_LINE_M = 1.2  # half the hull length plus the position error
@@ -37,7 +37,7 @@ class GuidancePipeline:
     def __init__(self, config: BoatConfig, status_texts: list[StatusText]) -> None:
         """status_texts: where messages to the operator are appended."""
         self.perception = ObstaclePerception(config.avoidance)
-        self.avoidance = Avoidance(status_texts)
+        self.avoidance = LocalPlanner(status_texts)
         self.helm = Helm()
         self.gate = Gate()
         self.headway = StallDetector()
@@ -110,7 +110,7 @@ class GuidancePipeline:
             intent, nav, config, self.perception, fence, is_by_hand=status.mode.is_by_hand, now_s=now_s
         )
         steered = self._pilot.update(self._fence_brake.hold(intent), nav, config, dt_s)
-        steered = self.avoidance.safe_speed.limit(steered, nav, config)
+        steered = self.avoidance.limit.apply(steered, nav, config)
         if status.is_checking_motors:  # its pulses say nothing unless they are driven as they are meant
             return steered
         return self._fence_brake.limit(steered, intent, nav, fence, config, dt_s)

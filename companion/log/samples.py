@@ -120,7 +120,7 @@ def _around(now: Snapshot, us: int, nav: NavState) -> Iterator[bytes]:
     if movers:
         mover = min(movers, key=lambda one: one.distance_m(here, now_s))
         closing = mover.closing_m_s(here, nav.north_m_s, nav.east_m_s, now_s)
-    limit = avoidance.safe_speed.ahead_m_s
+    limit = avoidance.limit.ahead_m_s
     yield r.AVD.pack(
         us, avoidance.stage, limit if math.isfinite(limit) else _NAN, nearest_m, len(movers), closing
     )

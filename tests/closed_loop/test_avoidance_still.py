@@ -10,7 +10,7 @@ from boat_rig import OK, Rig, waypoint
 
 from companion.core.geo import Point
 from companion.mavlink.items import MissionType
-from companion.obstacles.planning.avoidance import Stage
+from companion.obstacles.planning.planner import Stage
 
 BY_SIGHT: dict[str, object] = {"avoidance.by_sight": 1, "failsafe.gcs_enabled": False}
 HALF_BEAM_M = 0.175

@@ -11,7 +11,7 @@ from typing import Final
 
 from companion.core.geo import Point
 from companion.obstacles.perception.occupancy import Beam
-from companion.obstacles.perception.track import BRIEF_S, Track
+from companion.obstacles.perception.track import Track
 
 MAX_TRACKS: Final = 16
 LOST_S: Final = 4.0  # three full sweeps without an observation
@@ -55,7 +55,7 @@ class ObstacleTracks:
     def known(self, now_s: float) -> list[Track]:
         """Recent tracks with more than one observation."""
         if self.all:
-            self._forget(now_s)
+            self.all = [track for track in self.all if now_s - track.seen_s <= LOST_S]
         return [track for track in self.all if track.observations > 1]
 
     def movers(self, now_s: float) -> list[Track]:
@@ -68,16 +68,6 @@ class ObstacleTracks:
             track
             for track in self.known(now_s)
             if track.is_mover or (track.is_likely_mover and now_s - track.seen_s < SAME_PASS_S)
-        ]
-
-    def _forget(self, now_s: float) -> None:
-        """Remove lost tracks; one that a full sweep has not observed again was a ghost, which the next thing
-        seen must not be taken for.
-        """
-        self.all = [
-            track
-            for track in self.all
-            if now_s - track.seen_s <= (LOST_S if track.observations > 1 else BRIEF_S)
         ]
 
     def _is_of_group(self, beam: Beam) -> bool:
@@ -132,7 +122,6 @@ class ObstacleTracks:
         self, at: Point, time_s: float, north: float, east: float, along_m: float, across_m: float
     ) -> Track | None:
         """The most likely track within the gate, predicted to now, or None."""
-        self._forget(time_s)
         found, least = None, _GATE_SIGMAS
         for track in self.all:
             track.predict(time_s, _ACCEL * self._scale_m)

@@ -1,99 +1,106 @@
-"""Detour around an obstacle: follow its edge on one side until the direct path is free and nearer to the
-goal.
-
-This is the boundary following of the Bug algorithms with the leaving condition of I. Kamon and E. Rivlin,
-*Sensory-Based Motion Planning with Global Proofs*, IEEE Transactions on Robotics and Automation 13(6), 1997:
-the boat leaves the edge only for water nearer to the goal than it has been since it met the obstacle, so two
-detours cannot undo each other.
-"""
+"""The way around what blocks the path, kept as long as it is free and no other is much shorter."""
 
 import math
-from collections.abc import Sequence
+from itertools import pairwise
+from typing import Final
 
-from companion.core.geo import Point, bearing_rad, distance_m
-from companion.core.units import wrap_pi
-from companion.obstacles.planning.free_space import FreeSpace
+from companion.core.geo import Line, Point, distance_m
+from companion.obstacles.planning.clearance import ClearanceField
+from companion.obstacles.planning.route import find_route
+from companion.obstacles.planning.way_ahead import places_on
 
-STARBOARD, PORT = 1, -1
-_ALIKE_RAD = 0.35  # below this difference in turn, starboard is preferred
-_ABAFT_RAD, _AHEAD_RAD = 1.9, 0.7  # the followed edge lies between these angles, from the course to its side
-_NEEDS = (1.0, 0.5, 0.25)  # of the sight: required length of an open course, the longest first
+_SEARCH_S: Final = 0.5  # between two searches: the boat moves half a hull
+_BETTER: Final = 0.85  # of the present route's length: a new one this short replaces it
+_PROGRESS: Final = 2.0  # margins nearer to the goal than ever: the length counts from here
+_FAILED: Final = 3  # searches without a route: then there is none
 
 
 class Detour:
-    """Passes the obstacle on `side`. goal: the destination."""
+    """route: corners from the boat on, None without one; length_m: sailed since the last progress."""
 
-    def __init__(self, met: Point, goal: Point, side: int, course_rad: float) -> None:
-        self.met = met
-        self.goal = goal
-        self.side = side
-        self.course_rad = course_rad
-        self.best_m = distance_m(met, goal)  # least distance to the goal so far
+    def __init__(self) -> None:
+        self.route: list[Point] | None = None
         self.length_m = 0.0
-        self._last = met
-        self._has_left = False
+        self._searched_s = -math.inf
+        self._failed = 0
+        self._best_m = math.inf
+        self._last: Point | None = None
 
-    def advance(self, here: Point, scale_m: float) -> None:
-        """Update with the present place."""
-        self.length_m += distance_m(self._last, here)
+    def update(
+        self,
+        here: Point,
+        goal: Point,
+        field: ClearanceField,
+        margin_m: float,
+        hull_m: float,
+        now_s: float,
+        *,
+        is_certain: bool,
+    ) -> bool:
+        """Keep or find the route; False: there is none. is_certain: not only single echoes are in the way."""
+        if self._last is not None and is_certain:
+            self.length_m += distance_m(self._last, here)
         self._last = here
-        self.best_m = min(self.best_m, distance_m(here, self.goal))
-        self._has_left = self._has_left or distance_m(here, self.met) > 3.0 * scale_m
+        away_m = distance_m(here, goal)
+        if away_m < self._best_m - _PROGRESS * margin_m:
+            self._best_m, self.length_m = away_m, 0.0
+        route = self.route
+        if route is not None:
+            while len(route) > 1 and distance_m(here, route[1]) < margin_m:
+                del route[0]
+            route[0] = here
+            if len(route) < 2 or blocked_m(route, field, hull_m) < math.inf:
+                route = None
+        if route is not None and now_s < self._searched_s + _SEARCH_S:
+            return True
+        self._searched_s = now_s
+        found = find_route(field, here, goal, margin_m, hull_m + field.cell_m)
+        if found is None:
+            self.route = route
+            self._failed += is_certain
+            return self._failed < _FAILED
+        self._failed = 0
+        if route is None or _length_m(found, goal) < _BETTER * _length_m(route, goal):
+            self.route = found
+        return True
 
-    def has_progressed(self, here: Point, clear_m: float, gain_m: float) -> bool:
-        """Whether this much free water brings the boat nearer to the goal than ever before."""
-        return distance_m(here, self.goal) - clear_m < self.best_m - gain_m
+    def aside_m(self) -> float:
+        """The farthest that the route leaves the line to its end, positive to starboard; 0 without one."""
+        route = self.route
+        if route is None or len(route) < 2:
+            return 0.0
+        line = Line(route[0], route[-1])
+        return max((line.along_and_cross_track_m(at)[1] for at in route), key=abs)
 
-    def has_returned(self, here: Point, scale_m: float) -> bool:
-        """Whether the boat is back at the start: the goal cannot be reached."""
-        return self._has_left and distance_m(here, self.met) < scale_m
-
-    def steer(self, here: Point, obstacles: Sequence[Point], water: FreeSpace, sight_m: float) -> bool:
-        """Choose the course along the edge. False: there is none on this side."""
-        course = open_course_rad(water, self._edge_rad(here, obstacles), self.side, sight_m)
-        if course is not None:
-            self.course_rad = course
-        return course is not None
-
-    def reverse(self) -> None:
-        """Change to the other side."""
-        self.side = -self.side
-        self.course_rad = wrap_pi(self.course_rad + math.pi)
-
-    def _edge_rad(self, here: Point, obstacles: Sequence[Point]) -> float:
-        """Bearing of the nearest part of the edge, or of the goal."""
-        nearest, edge = math.inf, bearing_rad(here, self.goal)
-        for obstacle in obstacles:
-            distance = distance_m(here, obstacle)
-            if distance < nearest:
-                bearing = bearing_rad(here, obstacle)
-                ahead = self.side * wrap_pi(bearing - self.course_rad)
-                if -_ABAFT_RAD < ahead < _AHEAD_RAD:
-                    nearest, edge = distance, bearing
-        return edge
+    def target(self, here: Point, field: ClearanceField, reach_m: float, hull_m: float) -> Point | None:
+        """The farthest place on the route, within reach, to which the straight line is free."""
+        route = self.route
+        if route is None:
+            return None
+        step_m = 2.0 * field.cell_m
+        seen = route[min(1, len(route) - 1)]
+        for at in places_on(route, step_m, math.ceil(reach_m / step_m)):
+            if blocked_m([here, at], field, hull_m + field.cell_m) < math.inf:
+                break
+            seen = at
+        return seen
 
 
-def open_course_rad(water: FreeSpace, from_rad: float, side: int, sight_m: float) -> float | None:
-    """The first open course on one side, with as much room as possible."""
-    for share in _NEEDS:
-        course = water.first_open_rad(from_rad, side, share * sight_m)
-        if course is not None:
-            return course
-    return None
+def blocked_m(way: list[Point], field: ClearanceField, clear_m: float) -> float:
+    """Distance along a path to the first place nearer than clear_m to something; infinite for none.
+
+    What the boat is near already does not count, unless the path comes nearer.
+    """
+    step_m = 2.0 * field.cell_m
+    reach_m = min(_length_m(way, way[-1]), 1.5 * field.half * field.cell_m)
+    here_m = field.distance_m(*way[0])
+    clear_m = min(clear_m, here_m - 0.5 * field.cell_m)
+    for number, at in enumerate(places_on(way, step_m, math.ceil(reach_m / step_m))):
+        if field.distance_m(*at) < clear_m:
+            return number * step_m
+    return math.inf
 
 
-def choose_side(water: FreeSpace, course_rad: float, sight_m: float) -> tuple[int, float] | None:
-    """The side with the smaller turn and its course; starboard if they are similar. None: no side is open."""
-    turns: list[tuple[float, int, float]] = []
-    for share in _NEEDS:
-        for side in (STARBOARD, PORT):
-            open_rad = water.first_open_rad(course_rad, side, share * sight_m)
-            if open_rad is not None:
-                turn = (side * (open_rad - course_rad)) % math.tau
-                turns.append((turn - (_ALIKE_RAD if side == STARBOARD else 0.0), side, open_rad))
-        if turns:
-            break
-    if not turns:
-        return None
-    _, side, open_rad = min(turns)
-    return side, open_rad
+def _length_m(way: list[Point], goal: Point) -> float:
+    """Of a path, and from its end straight to the goal."""
+    return sum(distance_m(a, b) for a, b in pairwise(way)) + distance_m(way[-1], goal)

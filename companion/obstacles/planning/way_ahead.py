@@ -1,4 +1,4 @@
-"""The path of an intent as a list of corners."""
+"""The path of an intent as a list of corners, its speed, and places along it."""
 
 import math
 
@@ -14,6 +14,7 @@ from companion.core.intent import (
     KeepStation,
 )
 from companion.core.state import NavState
+from companion.guidance.speed_profile import braking_speed_m_s
 
 _STEP_RAD = 0.35  # between corners on a circle
 
@@ -70,3 +71,49 @@ def _arc(circle: FollowCircle, here: Point, reach_m: float) -> list[Point]:
 
 def _beyond(start: Point, course_rad: float, way_m: float) -> Point:
     return Point(start.north_m + way_m * math.cos(course_rad), start.east_m + way_m * math.sin(course_rad))
+
+
+def requested_m_s(intent: Intent, nav: NavState, config: BoatConfig) -> float:
+    """The speed of an intent, 0 or more."""
+    if isinstance(intent, FollowLeg | FollowCircle | HoldCourse | HoldHeading | HoldTurn):
+        return abs(intent.speed_m_s)
+    if isinstance(intent, KeepStation):
+        away_m = distance_m(nav.point, intent.point)
+        slow = config.guidance.min_speed_m_s
+        return max(min(config.speed.cruise_m_s, braking_speed_m_s(away_m, 0.0, config.guidance)), slow)
+    return config.speed.cruise_m_s
+
+
+def places_on(way: list[Point], step_m: float, most: int) -> list[Point]:
+    """Places on a path, one a step; its end once it is reached."""
+    found: list[Point] = []
+    leg, at_m = 0, 0.0
+    while len(found) < most and leg + 1 < len(way):
+        start, end = way[leg], way[leg + 1]
+        length_m = distance_m(start, end)
+        at_m += step_m
+        while at_m > length_m and leg + 2 < len(way):
+            at_m -= length_m
+            leg += 1
+            start, end = way[leg], way[leg + 1]
+            length_m = distance_m(start, end)
+        if at_m >= length_m:
+            break
+        share = at_m / length_m
+        found.append(
+            Point(
+                start.north_m + share * (end.north_m - start.north_m),
+                start.east_m + share * (end.east_m - start.east_m),
+            )
+        )
+    found += [way[-1]] * (most - len(found))
+    return found
+
+
+def is_same_goal(intent: Intent, last: Intent | None) -> bool:
+    """Whether the detour still applies."""
+    if isinstance(intent, FollowLeg) and isinstance(last, FollowLeg):
+        return intent.end == last.end
+    if isinstance(intent, KeepStation) and isinstance(last, KeepStation):
+        return distance_m(intent.point, last.point) < 1.0
+    return type(intent) is type(last)

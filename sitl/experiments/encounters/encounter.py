@@ -10,7 +10,7 @@ import msgspec
 
 from companion.core.geo import Point, bearing_rad
 from companion.obstacles.perception.looked_at import UNCHARTED
-from companion.obstacles.planning.avoidance import GIVING_WAY, NO_WAY
+from companion.obstacles.planning.planner import GIVING_WAY, NO_WAY
 from mission_tools.mission.route import mission_along
 from sitl.experiments.encounters.evasion import could_evade
 from sitl.experiments.encounters.obstacles import (

@@ -1,0 +1,101 @@
+"""Speed limits: what the boat can stop from before known cells, and within the water it has looked at."""
+
+import math
+from typing import Final
+
+from msgspec.structs import replace
+
+from companion.config.boat_config import BoatConfig
+from companion.control.speed import feed_forward
+from companion.core.geo import Point
+from companion.core.intent import Drive, Stop
+from companion.core.state import Demand, NavState
+from companion.guidance.speed_profile import braking_speed_m_s
+from companion.obstacles.perception.looked_at import allowed_speed_m_s
+from companion.obstacles.perception.perception import ObstaclePerception
+from companion.obstacles.planning.clearance import SOLID, Bounds, ClearanceField
+
+_STEADIES: Final = 0.5  # steering per yaw rate of a crash stop,
+_LEAST_STEERING: Final = 0.2  # and most of it: the thrust is for braking
+_GENTLE_SHARE: Final = (
+    0.5  # of the room is planned for braking: near rest only the propellers brake, and weakly
+)
+
+
+def crash_stop(nav: NavState, config: BoatConfig) -> Drive:
+    """Full reverse on both propellers, holding the heading."""
+    steering = min(max(-_STEADIES * nav.yaw_rate_rad_s, -_LEAST_STEERING), _LEAST_STEERING)
+    return Drive(-config.speed.max_throttle, steering)
+
+
+def coasting_m_s(surge_m_s: float, config: BoatConfig) -> float:
+    """The lowest speed demand that gives no thrust astern."""
+    setting = config.speed
+    feed = setting.cruise_throttle / setting.cruise_m_s  # throttle by speed
+    return max(surge_m_s * setting.kp / max(setting.kp + feed, 1e-6), 0.0)
+
+
+class SpeedLimit:
+    """ahead_m_s and astern_m_s: the limits, infinite for none; sight_m_s: by the water looked at."""
+
+    def __init__(self) -> None:
+        self.ahead_m_s = self.astern_m_s = self.sight_m_s = math.inf
+
+    def clear(self) -> None:
+        """Remove the limits."""
+        self.ahead_m_s = self.astern_m_s = self.sight_m_s = math.inf
+
+    def release(self) -> None:
+        """A rollout holds: it has looked ahead itself."""
+        self.ahead_m_s = self.astern_m_s = math.inf
+
+    def reduce_to(self, limit_m_s: float) -> None:
+        """Lower the limit ahead."""
+        self.ahead_m_s = min(self.ahead_m_s, limit_m_s)
+
+    def update(
+        self,
+        nav: NavState,
+        config: BoatConfig,
+        perception: ObstaclePerception,
+        field: ClearanceField,
+        bounds: Bounds,
+        now_s: float,
+    ) -> None:
+        """Compute the limits from the room ahead and astern."""
+        self.clear()
+        self.sight_m_s = allowed_speed_m_s(nav, config, perception.water, bounds, now_s)
+        c, s = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
+        ahead_m, astern_m = _room_m(field, nav.point, c, s), _room_m(field, nav.point, -c, -s)
+        self.ahead_m_s = self.sight_m_s
+        if ahead_m < math.inf:
+            self.reduce_to(braking_speed_m_s(_GENTLE_SHARE * ahead_m, 0.0, config.guidance))
+        if astern_m < math.inf:
+            self.astern_m_s = braking_speed_m_s(_GENTLE_SHARE * astern_m, 0.0, config.guidance)
+
+    def apply(
+        self, steered: Demand | Drive | Stop, nav: NavState | None, config: BoatConfig
+    ) -> Demand | Drive | Stop:
+        """Apply the limits."""
+        limit = self.ahead_m_s
+        if limit == math.inf and self.astern_m_s == math.inf:
+            return steered
+        if isinstance(steered, Demand):
+            speed = max(min(steered.speed_m_s, limit), -self.astern_m_s)
+            return steered if speed == steered.speed_m_s else replace(steered, speed_m_s=speed)
+        if isinstance(steered, Drive) and nav is not None and steered.throttle > 0.0 and limit < math.inf:
+            most = feed_forward(limit, config.speed) + config.speed.kp * (limit - nav.surge_m_s)
+            return Drive(max(min(steered.throttle, most), -1.0), steered.steering)
+        return steered
+
+
+def _room_m(field: ClearanceField, here: Point, north: float, east: float) -> float:
+    """Distance along a direction to where the hull would touch something certain; infinite for none."""
+    if field.at(*here) & SOLID:
+        return math.inf  # turning away, not slowing down, helps
+    step_m = field.cell_m
+    for step in range(1, int(field.half)):
+        away_m = step * step_m
+        if field.at(here.north_m + away_m * north, here.east_m + away_m * east) & SOLID:
+            return away_m
+    return math.inf

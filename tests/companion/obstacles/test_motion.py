@@ -1,0 +1,88 @@
+"""The motion model against the emulated hull, and the fan."""
+
+import math
+
+import pytest
+
+from companion.config.boat_config import BoatConfig, with_value
+from companion.obstacles.planning.motion import CRASH_STOP, STEP_S, STEPS, TURNS, Fan, roll
+
+CONFIG = BoatConfig()
+RUDDER = with_value(CONFIG, "drive.layout", "rudder")
+
+
+@pytest.mark.parametrize(
+    ("surge", "turn", "speed", "ahead", "right"),
+    [
+        (1.0, 0.0, 0.0, 2.37, 0.0),
+        (2.0, 0.0, 0.0, 5.46, 0.0),
+        (1.0, 0.5, 1.0, 4.70, 1.63),
+        (1.0, 1.0, 1.0, 3.85, 2.62),
+        (1.0, 1.57, 1.0, 2.81, 2.95),
+        (2.0, 0.5, 2.0, 9.11, 3.30),
+        (0.4, 0.7, 1.0, 3.35, 2.02),
+        (0.0, 0.0, 1.0, 4.02, 0.0),
+        (1.0, 0.0, 0.4, 3.01, 0.0),
+    ],
+)
+def test_after_five_seconds_the_boat_is_where_the_emulated_hull_is(
+    surge: float, turn: float, speed: float, ahead: float, right: float
+) -> None:
+    """Figures of the lake boat with its own control loops in still water, 22 November 2026."""
+    found = roll(surge, 0.0, turn, speed, CONFIG)
+    assert math.dist((found.ahead_m[-1], found.right_m[-1]), (ahead, right)) < 0.12 * surge + 0.5
+    assert found.bow_rad == pytest.approx(turn, abs=0.1)
+
+
+def test_a_rollout_has_a_place_for_each_step() -> None:
+    found = roll(1.0, 0.0, 0.0, 1.0, CONFIG)
+    assert len(found.ahead_m) == len(found.right_m) == STEPS
+    assert found.ahead_m[0] == pytest.approx(STEP_S, abs=0.01)
+
+
+def test_port_is_starboard_in_the_mirror() -> None:
+    right, left = roll(1.0, 0.2, 0.6, 1.0, CONFIG), roll(1.0, -0.2, -0.6, 1.0, CONFIG)
+    assert right.ahead_m == pytest.approx(left.ahead_m)
+    assert right.right_m == pytest.approx([-side for side in left.right_m])
+
+
+def test_a_turn_leaves_no_thrust_for_braking() -> None:
+    straight, turning = roll(1.5, 0.0, 0.0, 0.0, CONFIG), roll(1.5, 0.0, 1.0, 0.0, CONFIG)
+    way = [math.hypot(*at) for at in zip(turning.ahead_m, turning.right_m, strict=True)]
+    assert way[7] > straight.ahead_m[7] + 0.05
+
+
+def test_a_crash_stop_is_shorter_and_ends_at_rest() -> None:
+    gentle, crash = roll(1.5, 0.0, 0.0, 0.0, CONFIG), roll(1.5, 0.0, 0.0, CRASH_STOP, CONFIG)
+    assert crash.ahead_m[-1] < 0.8 * gentle.ahead_m[-1]
+    assert crash.ahead_m[-1] == pytest.approx(max(crash.ahead_m), abs=0.06)
+
+
+def test_astern_the_boat_goes_astern() -> None:
+    assert roll(0.0, 0.0, 0.0, -0.4, CONFIG).ahead_m[-1] < -1.0
+
+
+def test_a_rudder_boat_needs_its_circle() -> None:
+    found = roll(1.0, 0.0, math.pi / 2, 1.0, RUDDER)
+    pair = roll(1.0, 0.0, math.pi / 2, 1.0, CONFIG)
+    assert found.bow_rad < pair.bow_rad
+    assert found.ahead_m[-1] > pair.ahead_m[-1] + 0.3
+    assert roll(0.0, 0.0, 1.0, 0.0, RUDDER).bow_rad == pytest.approx(0.0, abs=0.05)
+
+
+def test_the_fan_is_computed_once_for_a_speed() -> None:
+    fan = Fan()
+    first = fan.rollouts(1.0, 0.0, 1.0, CONFIG)
+    assert len(first) == len(TURNS)
+    assert fan.rollouts(1.03, 0.02, 0.98, CONFIG) is first
+    assert fan.rollouts(1.3, 0.0, 1.0, CONFIG) is not first
+    assert fan.rollouts(1.0, 0.0, 1.0, RUDDER) is not first
+
+
+def test_a_rudder_boat_has_one_way_to_stop_and_three_astern() -> None:
+    fan = Fan()
+    assert len(fan.rollouts(0.4, 0.0, 0.0, RUDDER)) == 1
+    assert sorted(one.turn_rad for one in fan.rollouts(0.4, 0.0, -0.4, RUDDER)) == pytest.approx(
+        [-math.radians(30.0), 0.0, math.radians(30.0)]
+    )
+    assert len(fan.rollouts(0.4, 0.0, 0.0, CONFIG)) == len(TURNS)

@@ -1,0 +1,334 @@
+"""Decisions of the local planner, from a map that each test draws; whole voyages are in closed_loop."""
+
+import math
+import random
+
+import pytest
+from avoidance_rig import CONFIG, NORTH, Lines, Voyage, boat, mover, ring
+from msgspec.structs import replace
+
+from companion.config.boat_config import with_value
+from companion.core.geo import Point
+from companion.core.intent import (
+    Drive,
+    FollowCircle,
+    FollowLeg,
+    HoldCourse,
+    HoldHeading,
+    HoldTurn,
+    Intent,
+    KeepStation,
+    Stop,
+)
+from companion.obstacles.perception.perception import ObstaclePerception
+from companion.obstacles.planning.clearance import ClearanceField
+from companion.obstacles.planning.motion import roll
+from companion.obstacles.planning.planner import GIVING_WAY, NO_WAY, PERIOD_S, LocalPlanner, Stage
+
+LEG = FollowLeg(Point(0.0, 0.0), Point(50.0, 0.0), 1.0)
+NORTH_1 = HoldCourse(0.0, 1.0)
+ROCK = [Point(3.5 + n, e) for n, e in (*ring(0.3), Point(0.0, 0.0))]
+WALL = [Point(3.0, -9.0 + 0.2 * step) for step in range(91)]
+
+
+def heading_deg(found: Intent) -> float:
+    assert isinstance(found, HoldHeading)
+    return math.degrees(found.heading_rad)
+
+
+def test_in_open_water_every_intent_passes_unchanged() -> None:
+    planner = LocalPlanner([])
+    perception = ObstaclePerception(CONFIG.avoidance)
+    voyage = Voyage()
+    for intent in (LEG, Stop(), Drive(1.0, 0.0), KeepStation(Point(1.0, 1.0)), HoldCourse(1.0, 1.0)):
+        passed = planner.update(
+            intent, boat(), CONFIG, perception, voyage.bounds, is_by_hand=False, now_s=1.0
+        )
+        assert passed is intent
+    assert planner.limit.ahead_m_s == math.inf
+
+
+CIRCLE = FollowCircle(Point(0.0, 20.0), 20.0, True, 1.0)
+
+
+@pytest.mark.parametrize("intent", [LEG, NORTH_1, KeepStation(Point(9.0, 0.0)), CIRCLE])
+def test_a_rock_ahead_is_passed_to_starboard_whatever_leads_there(intent: Intent) -> None:
+    voyage = Voyage(*ROCK)
+    found = voyage.at(0.0, intent=intent)
+    assert 10.0 < heading_deg(found) < 80.0
+    assert voyage.stage() is Stage.ROUND
+    assert voyage.said == ["Obstacle: passing to starboard"]
+
+
+def test_a_held_heading_goes_round_a_rock_without_a_route() -> None:
+    voyage = Voyage(*ROCK)
+    assert abs(heading_deg(voyage.at(0.0, intent=HoldHeading(0.0, 1.0)))) > 10.0
+    assert (voyage.stage(), voyage.said) == (Stage.ROUND, [])
+
+
+def test_a_rock_beside_the_path_changes_nothing() -> None:
+    voyage = Voyage(Point(3.0, 1.8))
+    assert voyage.at(0.0, intent=LEG) is LEG
+    assert voyage.stage() is Stage.CLEAR
+
+
+def test_a_rock_to_starboard_is_passed_to_port() -> None:
+    voyage = Voyage(*(Point(3.0, 0.7 + 0.2 * step) for step in range(10)))
+    assert heading_deg(voyage.at(0.0, intent=LEG)) < -5.0
+    assert voyage.said == ["Obstacle: passing to port"]
+
+
+def test_the_fence_closes_a_side() -> None:
+    voyage = Voyage(*ROCK)
+    voyage.bounds = Lines(-12.0, 2.5)
+    assert heading_deg(voyage.at(0.0, intent=LEG)) < -5.0
+
+
+def test_the_first_echo_biases_without_thrust_astern_and_without_a_message() -> None:
+    voyage = Voyage()
+    voyage.chart.seen_once = [Point(3.5, 0.1)]
+    found = voyage.at(0.0, intent=LEG)
+    assert isinstance(found, HoldHeading)
+    assert found.heading_rad != 0.0
+    assert found.speed_m_s > 0.8
+    assert (voyage.stage(), voyage.said) == (Stage.CLEAR, [])
+
+
+def test_a_ghost_close_ahead_at_speed_is_no_reason_to_reverse() -> None:
+    voyage = Voyage()
+    voyage.chart.seen_once = [Point(1.5, 0.1), Point(1.5, -0.1), Point(1.5, 0.3), Point(1.5, -0.3)]
+    found = voyage.at(0.0, boat(speed_m_s=2.0), NORTH)
+    assert not isinstance(found, Drive)
+    assert not isinstance(found, HoldHeading) or found.speed_m_s > 1.6
+
+
+def test_something_certain_close_ahead_at_speed_is_a_crash_stop() -> None:
+    voyage = Voyage(*(Point(1.6, -4.0 + 0.2 * step) for step in range(41)))
+    found = voyage.at(0.0, boat(speed_m_s=1.5), NORTH)
+    assert isinstance(found, Drive)
+    assert found.throttle == -1.0
+
+
+def test_the_decision_holds_for_a_tenth_of_a_second() -> None:
+    voyage = Voyage(*ROCK)
+    first = voyage.at(0.0, intent=LEG)
+    voyage.chart.rocks = []
+    assert voyage.at(0.5 * PERIOD_S, intent=LEG) is first
+    assert voyage.at(1.1 * PERIOD_S, intent=LEG) is LEG
+
+
+def test_the_intent_is_taken_up_again_behind_the_rock() -> None:
+    voyage = Voyage(*ROCK)
+    voyage.at(0.0, intent=LEG)
+    assert voyage.at(0.2, boat(5.5, 0.5), LEG) is LEG
+    assert voyage.stage() is Stage.CLEAR
+
+
+def test_between_walls_the_boat_waits_tries_again_and_goes_on_when_they_are_gone() -> None:
+    voyage = Voyage(*ring(2.5))
+    slow = boat(speed_m_s=0.0)
+    for step in range(40):
+        found = voyage.at(0.1 * step, slow, LEG)
+    assert isinstance(found, KeepStation)
+    assert voyage.stage() is Stage.BLOCKED
+    assert voyage.said == [NO_WAY]
+    voyage.at(4.0 + CONFIG.avoidance.retry_s, slow, LEG)
+    assert voyage.said == [NO_WAY, "Obstacle: trying again"]
+    for step in range(40):
+        voyage.at(40.0 + 0.1 * step, slow, LEG)
+    assert voyage.stage() is Stage.BLOCKED
+    voyage.chart.rocks = []
+    assert voyage.at(45.0, slow, LEG) is LEG
+    assert voyage.said[-1] == "Obstacle: path is free"
+
+
+def test_the_station_is_where_there_was_room() -> None:
+    voyage = Voyage()
+    for step in range(6):
+        voyage.at(0.1 * step, boat(-3.0 + 0.6 * step, 0.0), LEG)
+    voyage.chart.rocks = [Point(1.4 + n, e) for n, e in ring(2.4)]
+    found = [voyage.at(1.0 + 0.1 * step, boat(speed_m_s=0.0), LEG) for step in range(40)]
+    stations = {one.point for one in found if isinstance(one, KeepStation)}
+    assert len(stations) == 1
+    assert -2.6 < stations.pop().north_m < -1.9
+
+
+def test_a_new_goal_is_a_new_attempt() -> None:
+    voyage = Voyage(*ring(2.5))
+    for step in range(40):
+        voyage.at(0.1 * step, boat(speed_m_s=0.0), LEG)
+    assert voyage.stage() is Stage.BLOCKED
+    voyage.at(5.0, boat(speed_m_s=0.0), FollowLeg(Point(0.0, 0.0), Point(0.0, 50.0), 1.0))
+    assert voyage.stage() is not Stage.BLOCKED
+
+
+def test_told_not_to_go_round_the_boat_stops_before() -> None:
+    config = with_value(CONFIG, "avoidance.goes_round", False)
+    far, near = Voyage(*WALL, config=config), Voyage(*WALL, config=config)
+    assert far.at(0.0, intent=LEG) is LEG
+    assert far.limit_m_s < 0.9
+    found = near.at(0.0, boat(2.1, 0.0, 0.2), LEG)
+    assert found == KeepStation(Point(2.1, 0.0))
+    assert near.said == ["Obstacle ahead: keeping station"]
+    near.chart.rocks = []
+    assert near.at(1.0, boat(2.1, 0.0, 0.0), LEG) is LEG
+
+
+def test_a_turn_by_hand_is_stopped_and_not_steered() -> None:
+    voyage = Voyage(*ROCK)
+    turn = HoldTurn(0.0, 1.0)
+    assert voyage.at(0.0, intent=turn) is turn
+    assert voyage.limit_m_s < 1.0
+
+
+def test_by_hand_nothing_is_replaced_and_the_throttle_is_limited_only_on_request() -> None:
+    free, held = Voyage(*ROCK), Voyage(*ROCK, config=with_value(CONFIG, "avoidance.by_hand", True))
+    drive = Drive(1.0, 0.0)
+    assert free.at(0.0, intent=drive, is_by_hand=True) is drive
+    assert free.limit_m_s == math.inf
+    assert held.at(0.0, intent=drive, is_by_hand=True) is drive
+    assert held.limit_m_s < 1.0
+
+
+@pytest.mark.parametrize("enable", [0, 1])
+def test_switched_off_nothing_happens(enable: int) -> None:
+    voyage = Voyage(*ROCK, config=with_value(CONFIG, "avoidance.enable", enable))
+    assert voyage.at(0.0, intent=LEG) is LEG
+    assert voyage.limit_m_s == math.inf
+
+
+def test_a_boat_on_its_station_stays_beside_a_rock() -> None:
+    voyage = Voyage(Point(0.8, 0.0))
+    station = KeepStation(Point(0.2, 0.0))
+    assert voyage.at(0.0, boat(speed_m_s=0.0), station) is station
+
+
+def test_too_near_and_bow_on_the_boat_backs_off() -> None:
+    rock = [Point(0.6, -1.5 + 0.2 * step) for step in range(16)]
+    voyage = Voyage(*rock)
+    found = voyage.at(0.0, boat(speed_m_s=0.0), LEG)
+    assert isinstance(found, HoldHeading)
+    assert found.speed_m_s < 0.0
+    assert voyage.stage() is Stage.BACK
+
+
+def test_against_the_current_the_boat_holds_its_place_before_a_wall() -> None:
+    pushed = replace(boat(1.0, 0.0, 0.0), current_north_m_s=0.4, north_m_s=0.4)
+    voyage = Voyage(*ring(3.0))
+    turned = 0
+    for step in range(20):
+        found = voyage.at(0.1 * step, pushed, LEG)
+        turned += isinstance(found, HoldHeading) and abs(heading_deg(found)) > 90.0
+    assert turned or voyage.stage() is Stage.BLOCKED
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_rollout_that_touches_is_never_chosen_while_one_is_free(seed: int) -> None:
+    chance = random.Random(f"planner {seed}")
+    rocks = [Point(chance.uniform(1.5, 6.0), chance.uniform(-4.0, 4.0)) for _ in range(6)]
+    voyage = Voyage(*rocks)
+    nav = boat(speed_m_s=0.8)
+    found = voyage.at(0.0, nav, LEG)
+    field = ClearanceField(nav.point, 0.2, 9.0)
+    field.fill(rocks, rocks, 0.35)
+    if isinstance(found, HoldHeading):
+        way = roll(0.8, 0.0, found.heading_rad, found.speed_m_s, CONFIG)
+        stop = roll(0.8, 0.0, 0.0, 0.0, CONFIG)
+        stops_m = stop.ahead_m[-1]
+        near_m = [math.dist(at, rock) for at in zip(way.ahead_m, way.right_m, strict=True) for rock in rocks]
+        first = [at for at in zip(way.ahead_m, way.right_m, strict=True) if math.hypot(*at) < stops_m]
+        assert min(math.dist(at, rock) for at in first for rock in rocks) > 0.3, min(near_m)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_is_steered_for_is_the_mirror_image_in_mirrored_water(seed: int) -> None:
+    """Up to the preference for starboard: rocks clearly to one side."""
+    chance = random.Random(f"mirror {seed}")
+    rocks = [Point(chance.uniform(2.5, 4.0), chance.uniform(0.3, 3.0)) for _ in range(4)]
+    there = Voyage(*rocks).at(0.0, intent=LEG)
+    back = Voyage(*(Point(n, -e) for n, e in rocks)).at(0.0, intent=LEG)
+    if there is LEG:
+        assert back is LEG
+    else:
+        assert heading_deg(there) < 0.0 < heading_deg(back)
+
+
+def crossing(*movers_at: tuple[float, float, float, float]) -> Voyage:
+    voyage = Voyage()
+    for number, each in enumerate(movers_at, 1):
+        track = mover(*each)
+        track.number = number
+        voyage.chart.tracks.all.append(track)
+    return voyage
+
+
+def test_a_mover_head_on_is_passed_to_starboard_and_reported_once() -> None:
+    voyage = crossing((4.0, 0.0, -0.4, 0.0))
+    assert heading_deg(voyage.at(0.9, intent=NORTH_1)) > 5.0
+    assert voyage.stage() is Stage.PASSING
+    voyage.at(1.0, intent=NORTH_1)
+    assert voyage.said == [GIVING_WAY]
+    assert voyage.is_wary()
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_crossing_traffic_is_not_passed_ahead(side: float) -> None:
+    voyage = crossing((3.5, -2.5 * side, 0.0, 0.6 * side))
+    found = voyage.at(0.9, intent=NORTH_1)
+    assert isinstance(found, HoldHeading)
+    way = roll(1.0, 0.0, found.heading_rad, found.speed_m_s, CONFIG)
+    for step, at in enumerate(zip(way.ahead_m, way.right_m, strict=True)):
+        there = (3.5, -2.5 * side + 0.6 * side * 0.25 * (step + 1))
+        assert math.dist(at, there) > 0.8
+        assert not (abs(at[0] - there[0]) < 0.8 and 0.0 < (at[1] - there[1]) * side < 1.5)
+
+
+def test_a_mover_that_goes_away_changes_nothing() -> None:
+    voyage = crossing((3.0, 3.5, 0.0, 0.6))
+    assert voyage.at(0.9, intent=NORTH_1) is NORTH_1
+    assert voyage.said == []
+
+
+def test_the_echoes_of_a_mover_are_no_rock() -> None:
+    voyage = crossing((3.0, 2.2, 0.0, 1.0))
+    voyage.chart.rocks = [Point(3.0, 1.9 - 0.1 * step) for step in range(13)]
+    voyage.chart.tracks.all[0].seen_s = 0.9
+    assert voyage.at(0.9, intent=NORTH_1) is NORTH_1
+    voyage.chart.tracks.all.clear()
+    assert voyage.at(1.9, intent=NORTH_1) is not NORTH_1
+
+
+def test_reset_forgets_the_detour_and_the_limits() -> None:
+    voyage = Voyage(*ROCK)
+    voyage.at(0.0, intent=LEG)
+    voyage.planner.reset()
+    assert voyage.stage() is Stage.CLEAR
+    assert voyage.limit_m_s == math.inf
+
+
+def test_without_a_position_nothing_is_decided() -> None:
+    voyage = Voyage(*ROCK)
+    voyage.at(0.0, intent=LEG)
+    passed = voyage.planner.update(
+        LEG, None, CONFIG, voyage.chart, voyage.bounds, is_by_hand=False, now_s=1.0
+    )
+    assert passed is LEG
+    assert voyage.stage() is Stage.CLEAR
+
+
+def test_the_sonar_is_told_the_course_that_is_held() -> None:
+    voyage = Voyage(*ROCK)
+    found = voyage.at(0.0, intent=LEG)
+    assert isinstance(found, HoldHeading)
+    assert voyage.chart.wished_course_rad == pytest.approx(found.heading_rad)
+    voyage.chart.rocks = []
+    voyage.at(1.0, intent=LEG)
+    assert voyage.chart.wished_course_rad is None
+
+
+def test_a_rudder_boat_goes_round_under_way() -> None:
+    voyage = Voyage(*ROCK, config=with_value(CONFIG, "drive.layout", "rudder"))
+    found = voyage.at(0.0, intent=LEG)
+    assert isinstance(found, HoldHeading)
+    assert abs(found.heading_rad) > 0.1
+    assert found.speed_m_s > 0.2
