@@ -223,7 +223,7 @@ def test_the_track_that_was_not_seen_for_longest_makes_room() -> None:
     for number in range(MAX_TRACKS + 1):
         at = Point(20.0 * number, 0.0)
         for bearing_rad, range_m in ((-0.25, FREE), (0.0, 3.0), (0.25, FREE)):
-            sweep.look(bearing_rad, range_m, at=at)
+            sweep.look(bearing_rad, range_m, 0.02, at=at)
     assert [track.number for track in sweep.tracks.all] == list(range(2, MAX_TRACKS + 2))
 
 
