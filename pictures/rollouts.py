@@ -9,22 +9,24 @@ from companion.core.state import NavState
 from companion.obstacles.perception.track import Track
 from companion.obstacles.planning.choice import choose
 from companion.obstacles.planning.clearance import ClearanceField
-from companion.obstacles.planning.cost import CostModel
+from companion.obstacles.planning.cost import TOUCH, CostModel
+from companion.obstacles.planning.detour import Detour
 from companion.obstacles.planning.motion import CRASH_STOP, STEP_S, Fan, Rollout, roll
-from companion.obstacles.planning.movers import predict_movers
+from companion.obstacles.planning.movers import HULL, predict_movers
 from pictures.svg import Drawing
 
 _CONFIG: Final = BoatConfig()
-_TOUCH_M: Final = 0.35
 _SCALE: Final = 60.0  # pixels a metre
 _GOOD, _BAD, _BEST = (46, 134, 71), (200, 60, 50), "#1f4fa3"
 
 
 def draw_rollouts() -> str:
     """The fan of a boat at 1 m/s, bow up, with a rock ahead."""
-    rock = [Point(3.2 + 0.2 * n, 0.3 + 0.2 * e) for n in range(4) for e in range(-3, 4)]
-    nav, fan = _nav(0.0, 0.0, 0.0, 1.0), Fan()
-    costs = _costs(nav, rock, [], Point(5.0, 0.0))
+    rock = [Point(3.0 + 0.2 * n, 0.3 + 0.2 * e) for n in range(4) for e in range(-3, 4)]
+    nav, fan, detour = _nav(0.0, 0.0, 0.0, 1.0), Fan(), Detour()
+    field = _field(nav, rock)
+    detour.update(nav.point, Point(50.0, 0.0), field, 1.0, HULL, 0.0, is_certain=True)
+    costs = _costs(nav, field, [], detour.target(nav.point, field, 5.0, HULL) or Point(5.0, 0.0))
     best = choose(
         nav, _CONFIG, costs, fan, None, 1.0, None, is_holding=False, is_certain=True, has_movers=False
     )
@@ -43,8 +45,12 @@ def draw_rollouts() -> str:
         drawing.box(x - 0.1 * _SCALE, y - 0.1 * _SCALE, 0.2 * _SCALE, 0.2 * _SCALE, "#777777")
     if best is not None:
         drawing.line(*_pixels(best), colour=_BEST, width=4.0)
+    if detour.route is not None:
+        drawing.line(*(_pixel(*at) for at in detour.route), colour="#999999", width=1.5)
     drawing.dot(*_pixel(0.0, 0.0), _BEST, 6.0)
-    drawing.write(20.0, 20.0, "green: cheap, red: expensive, blue: the one that is held, grey: the rock")
+    drawing.write(
+        20.0, 20.0, "green: cheap, red: expensive, blue: the one that is held, grey: rock and route"
+    )
     return drawing.text(640.0, 480.0, "Rollouts before a rock")
 
 
@@ -59,7 +65,7 @@ def draw_encounter() -> str:
         nav = _nav(north, east, heading, surge)
         track = _track(mover_n, mover_e, 0.0, 0.5, now_s)
         target = Point(north + 5.0, 0.0)
-        costs = _costs(nav, [], [track], target, now_s)
+        costs = _costs(nav, _field(nav, []), [track], target, now_s)
         way = [Point(north, east), target]
         best = choose(
             nav,
@@ -86,7 +92,7 @@ def draw_encounter() -> str:
         boat.append((north, east))
     drawing = Drawing()
     for places, colour in ((boat, _BEST), (traffic, "#c83c32")):
-        points = [_pixel(0.6 * n - 0.6, 0.6 * e) for n, e in places]
+        points = [_pixel(0.9 * n - 0.3, 1.2 * e) for n, e in places]
         drawing.line(*points, colour=colour, width=3.0)
         for number, (x, y) in enumerate(points[::4]):
             drawing.dot(x, y, colour, 5.0)
@@ -102,12 +108,16 @@ def _nav(north_m: float, east_m: float, heading_rad: float, surge_m_s: float) ->
     )
 
 
+def _field(nav: NavState, rock: list[Point]) -> ClearanceField:
+    field = ClearanceField(nav.point, 0.2, 9.0)
+    field.fill(rock, rock, TOUCH)
+    return field
+
+
 def _costs(
-    nav: NavState, rock: list[Point], movers: list[Track], target: Point, now_s: float = 0.0
+    nav: NavState, field: ClearanceField, movers: list[Track], target: Point, now_s: float = 0.0
 ) -> CostModel:
     margin_m = _CONFIG.avoidance.margin_m
-    field = ClearanceField(nav.point, 0.2, 9.0)
-    field.fill(rock, rock, _TOUCH_M)
     predicted = predict_movers(movers, nav, field, margin_m, now_s)
     return CostModel(nav, field, predicted, margin_m, 1.0, target, _CONFIG)
 
