@@ -7,24 +7,22 @@ the beam.
 
 The paper's terms: dR0 (its equation 1) is `Track.distance_m`; an obstacle is static or dynamic (`is_mover`),
 and a dynamic one approaches or recedes (`closing_m_s`). The nearest point of a large obstacle slides along it
-as the boat passes, across the beam. So a mover is declared only if it is isolated in free water and either
-approaches along the beam, at three standard deviations, or is small and goes on steadily, at two.
+as the boat passes, across the beam. So a mover is declared only if it is isolated in free water and
+approaches along the beam, at three standard deviations; what is small and moves in any direction, at one and
+a half, is a probable mover, which is avoided and not reported.
 """
 
 import math
 from collections import deque
-from itertools import pairwise
 from typing import Final
 
 from companion.core.geo import Point
 
 SURE_SIGMAS: Final = 3.0  # 1 in 700 of static obstacles, one-sided
-STEADY_SIGMAS: Final = 2.0  # with four places in a row: false alarms fall by the chance of an order of four
 LIKELY_SIGMAS: Final = 1.5  # enough to steer clear, too little to report
 FASTEST: Final = 12.0  # of the least speed: 1.4 m/s; faster tracks join two ghosts
-STEADY_LOOKS: Final = 4  # places in a row: a wrong association jumps once
-_STEADY_SHARE: Final = 0.4  # of the expected way between two of them, at least
-BRIEF_S: Final = 1.5  # a full sweep: the longest span of these places, and the age of a probable mover
+BRIEF_S: Final = 1.5  # a full sweep: what is real is seen again within it
+_TRAIL: Final = 8  # places that are remembered: two seconds of a mover that is kept in view
 _SPREAD: Final = (100.0, 100.0, 0.5, 0.5)  # initial variances: anywhere within the sight, 0.7 m/s
 
 
@@ -44,7 +42,7 @@ class Track:
         self._beam_n = self._beam_e = 0.0
         self._state = [at.north_m, at.east_m, 0.0, 0.0]
         self._covariance = [[_SPREAD[i] if i == j else 0.0 for j in range(4)] for i in range(4)]
-        self._trail: deque[tuple[float, Point]] = deque([(seen_s, at)], maxlen=2 * STEADY_LOOKS)
+        self._trail: deque[tuple[float, Point]] = deque([(seen_s, at)], maxlen=_TRAIL)
 
     @property
     def north_m_s(self) -> float:
@@ -160,35 +158,19 @@ class Track:
         self._beam_n, self._beam_e = beam_n, beam_e
         self._trail.append((self.seen_s, Point(self._state[0], self._state[1])))
 
-    def classify(self, least_m_s: float, now_s: float, *, is_small: bool = True) -> None:
+    def classify(self, least_m_s: float, *, is_small: bool = True) -> None:
         """Decide whether it moves. is_small: its near side is close to its centre."""
         speed, sigma = self.speed_m_s, self.speed_sigma_m_s
         is_possible = self.isolated_count > 1 and speed < FASTEST * least_m_s
         if self.is_mover:
             self.is_mover = speed > max(sigma, 0.5 * least_m_s)
         elif is_possible:
-            is_steady = is_small and speed > max(STEADY_SIGMAS * sigma, 2.0 * least_m_s)
-            self.is_mover = self._is_approaching(least_m_s) or (is_steady and self._moves_steadily(now_s))
+            self.is_mover = self._is_approaching(least_m_s)
         is_fast = is_small and speed > max(LIKELY_SIGMAS * sigma, 2.0 * least_m_s)
-        is_young = now_s - self.created_s < BRIEF_S
-        self.is_likely_mover = self.is_mover or (is_possible and is_fast and is_young)
+        self.is_likely_mover = self.is_mover or (is_possible and is_fast)
 
     def _is_approaching(self, least_m_s: float) -> bool:
         """Whether it approaches the boat over ground."""
         north, east = self._beam_n, self._beam_e
         towards = -(self._state[2] * north + self._state[3] * east)
         return towards > max(SURE_SIGMAS * self.pace_sigma_m_s(north, east), least_m_s)
-
-    def _moves_steadily(self, now_s: float) -> bool:
-        """Whether each of the last observations lies farther along its path."""
-        last, speed_m_s = list(self._trail)[-STEADY_LOOKS:], self.speed_m_s
-        if len(last) < STEADY_LOOKS or self.isolated_count < STEADY_LOOKS - 1:
-            return False
-        if now_s - last[0][0] > BRIEF_S or speed_m_s <= 0.0:
-            return False
-        ahead_n, ahead_e = self._state[2] / speed_m_s, self._state[3] / speed_m_s
-        return all(
-            (end.north_m - start.north_m) * ahead_n + (end.east_m - start.east_m) * ahead_e
-            > _STEADY_SHARE * speed_m_s * (to_s - from_s)
-            for (from_s, start), (to_s, end) in pairwise(last)
-        )

@@ -11,7 +11,7 @@ from typing import Final
 
 from companion.core.geo import Point
 from companion.obstacles.perception.occupancy import Beam
-from companion.obstacles.perception.track import Track
+from companion.obstacles.perception.track import BRIEF_S, Track
 
 MAX_TRACKS: Final = 16
 LOST_S: Final = 4.0  # three full sweeps without an observation
@@ -55,7 +55,7 @@ class ObstacleTracks:
     def known(self, now_s: float) -> list[Track]:
         """Recent tracks with more than one observation."""
         if self.all:
-            self.all = [track for track in self.all if now_s - track.seen_s <= LOST_S]
+            self._forget(now_s)
         return [track for track in self.all if track.observations > 1]
 
     def movers(self, now_s: float) -> list[Track]:
@@ -68,6 +68,16 @@ class ObstacleTracks:
             track
             for track in self.known(now_s)
             if track.is_mover or (track.is_likely_mover and now_s - track.seen_s < SAME_PASS_S)
+        ]
+
+    def _forget(self, now_s: float) -> None:
+        """Remove lost tracks; one that a full sweep has not observed again was a ghost, which the next thing
+        seen must not be taken for.
+        """
+        self.all = [
+            track
+            for track in self.all
+            if now_s - track.seen_s <= (LOST_S if track.observations > 1 else BRIEF_S)
         ]
 
     def _is_of_group(self, beam: Beam) -> bool:
@@ -116,12 +126,13 @@ class ObstacleTracks:
             return
         track.complete_observation(radius_m, north, east, is_alone=is_alone)
         is_small = track.radius_m < _SMALL * scale_m
-        track.classify(_LEAST_PACE * scale_m, nearest.time_s, is_small=is_small)
+        track.classify(_LEAST_PACE * scale_m, is_small=is_small)
 
     def _find(
         self, at: Point, time_s: float, north: float, east: float, along_m: float, across_m: float
     ) -> Track | None:
         """The most likely track within the gate, predicted to now, or None."""
+        self._forget(time_s)
         found, least = None, _GATE_SIGMAS
         for track in self.all:
             track.predict(time_s, _ACCEL * self._scale_m)

@@ -138,3 +138,16 @@ def test_tracks_know_no_origin(thing: Path, boat: Path, origin: tuple[float, flo
         assert (other.north_m_s, other.east_m_s) == pytest.approx((one.north_m_s, one.east_m_s), abs=1e-6)
         assert other.radius_m == pytest.approx(one.radius_m, abs=1e-6)
         assert (other.observations, other.isolated_count) == (one.observations, one.isolated_count)
+
+
+@pytest.mark.parametrize(("unseen_s", "is_another"), [(1.4, False), (1.6, True)])
+def test_a_single_echo_is_forgotten_after_a_sweep_and_gives_no_speed_to_the_next(
+    unseen_s: float, is_another: bool
+) -> None:
+    tracks = ObstacleTracks(1.0)
+    for start_s, range_m in ((0.0, 3.5), (unseen_s, 3.0)):
+        for number, heard_m in enumerate((math.inf, range_m, math.inf)):
+            time_s, bearing = start_s + 0.06 * number, (number - 1) * WIDTH_RAD
+            tracks.add(Beam(time_s, Point(0.0, 0.0), bearing, WIDTH_RAD, heard_m, 4.0))
+    assert len(tracks.all) == 1
+    assert (tracks.all[0].observations == 1) is is_another
