@@ -1,7 +1,7 @@
-"""The planning kernels, in C where there is a compiler; everything else is in pyproject.toml.
+"""The kernels of planning and estimation, in C where there is a compiler; the rest is in pyproject.toml.
 
 A kernel that cannot be built is skipped: its twin in Python takes its place (companion/planning/kernels.py).
-A new `companion/planning/_NAME.pyx` is built without being listed here.
+A new `_NAME.pyx` in their folders is built without being listed here.
 With MAVBOAT_PURE=1 nothing is compiled, and the wheel is for every machine (`make wheel`).
 """
 
@@ -11,10 +11,13 @@ from pathlib import Path
 from Cython.Build import cythonize
 from setuptools import Extension, setup
 
-PACKAGE = Path("companion/planning")
+PACKAGES = (Path("companion/planning"), Path("companion/estimation"))
 # A module with C types in a .pxd beside it is its own twin; a .pyx has a twin of another name.
-SOURCES = {path.stem: PACKAGE / f"{path.stem[1:]}.py" for path in sorted(PACKAGE.glob("_*.pxd"))}
-SOURCES |= {path.stem: path for path in sorted(PACKAGE.glob("_*.pyx"))}
+SOURCES = {
+    path.with_suffix(""): path if path.suffix == ".pyx" else path.with_name(f"{path.stem[1:]}.py")
+    for package in PACKAGES
+    for path in sorted(package.glob("_*.p[xy][dx]"))
+}
 # A fused multiply-add rounds once where Python rounds twice
 FLAGS = ["-O2", "-ffp-contract=off"]
 
@@ -31,7 +34,7 @@ kernels = cythonize(  # type: ignore[no-untyped-call, unused-ignore]
     []
     if os.environ.get("MAVBOAT_PURE")
     else [
-        Extension(f"companion.planning.{name}", [str(path)], extra_compile_args=FLAGS)
+        Extension(".".join(name.parts), [str(path)], extra_compile_args=FLAGS)
         for name, path in SOURCES.items()
     ],
     build_dir="build/cython",

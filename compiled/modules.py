@@ -11,7 +11,7 @@ ROOT: Final = Path(__file__).parents[1]
 READ_FROM_FILES: Final = frozenset({"companion/router/status.py", "companion/sensors/gpsd.py"})
 # mypyc drops the options of a msgspec struct's class line: without `frozen` and `kw_only` these do not import
 NEEDS_CLASS_OPTIONS: Final = frozenset({"companion/failsafe/inputs.py"})
-KERNELS: Final = "companion/planning"  # its libraries are built by pip and have twins (setup.py)
+KERNEL: Final = "_"  # first letter of libraries that are built by pip and have twins (setup.py)
 STAMP: Final = Path("build/compiled.json")  # sources and their digests, as they were compiled
 PATTERNS: Final = (
     "companion/boat.py",
@@ -76,7 +76,7 @@ def sources(root: Path = ROOT) -> list[str]:
 def libraries(root: Path = ROOT) -> list[Path]:
     """The compiled modules that Python takes before their sources, and the library that holds their code."""
     found = {*root.glob("*__mypyc*.so"), *root.glob("companion/**/*.so"), *root.glob("sitl/**/*.so")}
-    return sorted(path for path in found if path.parent != root / KERNELS)
+    return sorted(path for path in found if not path.name.startswith(KERNEL))
 
 
 def digests(root: Path = ROOT) -> dict[str, str]:

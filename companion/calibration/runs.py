@@ -13,7 +13,7 @@ from companion.calibration.routine import CalibrationError, RoutineInputs, Step,
 from companion.core.geo import Point
 from companion.core.intent import Drive, FollowLeg, HoldHeading
 from companion.core.units import wrap_pi
-from companion.estimation.water_speed import WaterSpeed
+from companion.estimation.hull_model import SurgeModel
 
 START_SHARE: Final = 0.6  # of the radius: start of a run
 END_SHARE: Final = 0.88  # of the radius: where the boat must have stopped
@@ -237,15 +237,15 @@ def _misfit(
     run: Run, current_m_s: float, throttle: float, cruise_m_s: float, cruise_throttle: float, time_s: float
 ) -> float:
     """The sum of squared errors between run and model. throttle: of the steady part."""
-    model, now_s, sum_ = WaterSpeed(), 0.0, 0.0
-    model.surge_m_s = run.samples[0][1] - current_m_s
+    model, now_s, sum_ = SurgeModel(cruise_m_s, cruise_throttle, time_s), 0.0, 0.0
+    surge_m_s = run.samples[0][1] - current_m_s
     scale = 2.0 * throttle / max(run.left + run.right, 1e-3)
     for t, speed, push in run.samples:
         share = scale * push
         while now_s + 0.5 * _MODEL_S < t - _LATENCY_S:
-            model.update(share, share, 0.0, cruise_m_s, cruise_throttle, time_s, _MODEL_S)
+            surge_m_s = model.advance(surge_m_s, 0.0, share, share, 1.0, _MODEL_S)
             now_s += _MODEL_S
-        sum_ += (model.surge_m_s + current_m_s - speed) ** 2
+        sum_ += (surge_m_s + current_m_s - speed) ** 2
     return sum_
 
 

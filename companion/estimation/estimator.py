@@ -1,10 +1,9 @@
 """Estimates position, velocity, heading and water current from all sensors.
 
-Every tick, the model (`model.py`) propagates the state by thrust, heading and current. A GNSS fix
-(`gnss_update.py`) corrects the state at the time of its measurement, and the correction is carried forward to
-now. A GNSS outage therefore only increases the uncertainty: the estimate is continuous dead reckoning with
-corrections (T. I. Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd ed. 2021, chapters
-13 and 14).
+The filter (`error_state.py`) is advanced every tick by gyro, thrust and steering. A GNSS fix
+(`position_update.py`) and a compass (`heading_update.py`) correct it at the time of their measurement. A GNSS
+outage therefore only increases the uncertainty: the estimate is continuous dead reckoning with corrections
+(T. I. Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd ed. 2021, chapters 13 and 14).
 
 Horizontal vectors are complex numbers, north + i east; multiplication by exp(iψ) rotates by ψ clockwise.
 
@@ -20,9 +19,11 @@ from companion.config.drive import DIFFERENTIAL, DriveSetting
 from companion.config.estimation import Estimation
 from companion.core.geo import LocalFrame, Point
 from companion.core.state import EstimateFault, MotorCommand, NavState
-from companion.core.units import wrap_pi
-from companion.estimation.gnss_update import GnssUpdate
-from companion.estimation.model import Model
+from companion.estimation.error_state import ErrorStateFilter
+from companion.estimation.heading_update import HeadingUpdate
+from companion.estimation.nominal_state import STRIDE_S
+from companion.estimation.position_update import PositionUpdate
+from companion.estimation.report import EstimatorReport, report_of
 from companion.sensors.readings import GnssFix, HeadingReading
 
 MIN_FIX_TYPE: Final = 3  # a 3-D fix
@@ -66,8 +67,9 @@ class Estimator:
         self.frame: LocalFrame | None = None
         # set before the first fix; None: the first good fix defines the frame
         self.preset_frame: LocalFrame | None = None
-        self.model = Model(speed or Speed(), setting, drive)
-        self.gnss = GnssUpdate(self.model, setting)
+        self.state = ErrorStateFilter(speed or Speed(), setting, drive)
+        self.heading = HeadingUpdate(self.state, setting)
+        self.position = PositionUpdate(self.state, self.heading, setting)
 
     def update(
         self,
@@ -81,17 +83,15 @@ class Estimator:
         command: the motor command since the last call; None if unknown, taken as zero. If only one of
         position and heading is known, the other is 0 with an infinite age.
         """
-        model, gnss = self.model, self.gnss
-        yaw = model.advance(heading, now_s, command)
-        if fix is not None and gnss.fix_s < fix.time_s <= now_s and fix.fix_type >= MIN_FIX_TYPE:
+        state, position = self.state, self.position
+        self.heading.advance(heading, now_s)
+        if now_s - state.time_s >= STRIDE_S:
+            state.move(now_s, command)
+        if fix is not None and position.fix_s < fix.time_s <= now_s and fix.fix_type >= MIN_FIX_TYPE:
             self._ingest_fix(fix, now_s)
-        position_age, heading_age = now_s - gnss.accepted_s, now_s - model.heading.time_s
+        position_age, heading_age = now_s - position.accepted_s, now_s - self.heading.time_s
         if position_age == math.inf and heading_age == math.inf:
             return None
-        yaw = wrap_pi(yaw + model.current.turn_rad)
-        here = velocity = 0j
-        if self.frame is not None:
-            here, velocity = gnss.here(now_s)
         if now_s >= self._health_due_s:
             self._health_due_s = now_s + _HEALTH_S
             self._check_health(now_s)
@@ -100,33 +100,46 @@ class Estimator:
             position_age = setting.gnss_timeout_s  # dead reckoning
         if setting.compass_timeout_s < heading_age < math.inf and not faults & _HEADING_LOST:
             heading_age = setting.compass_timeout_s  # the yaw model bridges short gaps
-        in_hull = velocity * complex(math.cos(yaw), -math.sin(yaw))
-        current_m_s = model.current.current_m_s
+        yaw, u, v = state.heading_rad, state.surge_m_s, state.sway_m_s
+        cos, sin = math.cos(yaw), math.sin(yaw)
+        current_north, current_east = state.current_north_m_s, state.current_east_m_s
+        north_m = east_m = north_m_s = east_m_s = 0.0
+        if self.frame is not None:
+            north_m_s, east_m_s = u * cos - v * sin + current_north, u * sin + v * cos + current_east
+            ahead_s = now_s - state.time_s
+            north_m, east_m = state.north_m + north_m_s * ahead_s, state.east_m + east_m_s * ahead_s
         return NavState(
             now_s,
-            here.real,
-            here.imag,
+            north_m,
+            east_m,
             yaw,
-            model.propagation.yaw_rate_rad_s,
-            velocity.real,
-            velocity.imag,
-            in_hull.real,
-            in_hull.imag,
+            state.yaw_rate_rad_s,
+            north_m_s,
+            east_m_s,
+            north_m_s * cos + east_m_s * sin,
+            east_m_s * cos - north_m_s * sin,
             position_age,
             heading_age,
-            current_m_s.real,
-            current_m_s.imag,
+            current_north,
+            current_east,
             self._sigma_m,
             faults,
         )
 
+    @property
+    def report(self) -> EstimatorReport | None:
+        """The filter's inside; None before the first fix."""
+        return None if self.frame is None else report_of(self.state, self.heading.bank.hypotheses())
+
     def _check_health(self, now_s: float) -> None:
         """Update the position uncertainty and the faults."""
-        self._faults = self.model.faults()
+        self.state.keep_covariance()
+        self.heading.add_expected(now_s)
+        self._faults = self.heading.faults(now_s)
         if self.frame is not None:
-            self.gnss.advance(now_s)
-            self._sigma_m = self.gnss.sigma_m
-            self._faults |= self.gnss.faults(now_s)
+            self.position.advance(now_s)
+            self._sigma_m = self.position.sigma_m
+            self._faults |= self.position.faults(now_s)
 
     def _ingest_fix(self, fix: GnssFix, now_s: float) -> None:
         if not now_s - fix.time_s <= MAX_FIX_AGE_S:
@@ -152,7 +165,7 @@ class Estimator:
             self._far_heard_s = -math.inf
             sigma_m = max(min(sigma_m, STATES_SCATTER_M), WITHIN_MINUTES * sigma_m, MIN_SIGMA_M)
             sigma_m /= math.sqrt(2.0)
-            self.gnss.update(
+            self.position.update(
                 fix.time_s, complex(*at), velocity, sigma_m, fix.reset_counter, fix.speed_accuracy_m_s
             )
         elif fix.time_s > self._far_heard_s:
@@ -168,10 +181,10 @@ class Estimator:
         """Drop the frame: the next good fix defines it and restarts the position. Heading and current are
         kept.
         """
-        resets = self.gnss.resets + 1
+        resets = self.position.resets + 1
         self.frame, self.far_m, self._far_heard_s = None, 0.0, -math.inf
-        self.gnss = GnssUpdate(self.model, self._setting)
-        self.gnss.resets = resets
+        self.position = PositionUpdate(self.state, self.heading, self._setting)
+        self.position.resets = resets
 
 
 def _is_near(at: Point) -> bool:

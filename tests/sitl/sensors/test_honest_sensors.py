@@ -9,7 +9,7 @@ from boat_rig import HOME_ITEM, waypoint
 from boat_rig import scenario as boat_scenario
 
 from companion.core.geo import LatLon, LocalFrame
-from companion.estimation import estimator, gnss_update, water_speed, yaw_model
+from companion.estimation import error_state, estimator, hull_model
 from companion.sensors.readings import GnssFix, HeadingReading
 from mission_tools.maps.chart import build_chart
 from sitl.run.mission_run import MissionRun
@@ -53,11 +53,11 @@ def test_what_the_boat_assumes_of_its_parts_is_not_what_the_emulator_does(boat: 
     assert compass.gyro_scale != 1.0
     off_deg = math.degrees(vehicle.parts.compass.correction_rad) - compass.declination_deg
     assert abs(off_deg) > 0.5
-    assert scenario.thrusters.propeller.astern_share != water_speed._ASTERN
+    assert scenario.thrusters.propeller.astern_share != hull_model._ASTERN
     lag_s = motor_lag_s(boat)
-    assert not 0.8 * yaw_model._MOTOR_S < lag_s < 1.25 * yaw_model._MOTOR_S
+    assert not 0.8 * hull_model._MOTOR_S < lag_s < 1.25 * hull_model._MOTOR_S
     if gnss.fix_type == 3:
-        assert gnss.velocity_noise_m_s > gnss_update.VELOCITY_SIGMA_M_S
+        assert gnss.velocity_noise_m_s > error_state.VELOCITY_M_S
         assert estimator.SIGMA_PER_HDOP_M * gnss.hdop != stated_accuracy_m(3, gnss.hdop)
 
 

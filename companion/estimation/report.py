@@ -1,0 +1,47 @@
+"""The filter's inside, for log, reports and consistency tests."""
+
+from typing import Final
+
+from msgspec import Struct
+
+from companion.estimation.error_state import ErrorStateFilter
+from companion.estimation.innovation import Innovation
+
+STATE_NAMES: Final = (
+    "north_m", "east_m", "heading_rad", "surge_m_s", "sway_m_s", "current_north_m_s", "current_east_m_s",
+    "bias_rad_s", "offset_rad", "gain", "gnss_north_m", "gnss_east_m", "delay_s",
+)  # fmt: skip
+
+
+class EstimatorReport(Struct, frozen=True):
+    """state: as in STATE_NAMES; covariance: of its error, row by row. hypotheses: name and probability."""
+
+    state: tuple[float, ...]
+    covariance: tuple[tuple[float, ...], ...]
+    position_north: Innovation
+    position_east: Innovation
+    velocity_north: Innovation
+    velocity_east: Innovation
+    compass: Innovation
+    gyro: Innovation
+    hypotheses: tuple[tuple[str, float], ...] = ()
+
+
+def report_of(state: ErrorStateFilter, hypotheses: tuple[tuple[str, float], ...] = ()) -> EstimatorReport:
+    """The present inside of a filter."""
+    yaw = state.yaw_model
+    return EstimatorReport(
+        (
+            state.north_m, state.east_m, state.heading_rad, state.surge_m_s, state.sway_m_s,
+            state.current_north_m_s, state.current_east_m_s, state.bias_rad_s, state.offset_rad, state.gain,
+            state.gnss_north_m, state.gnss_east_m, state.delay_s,
+        ),
+        tuple(tuple(row) for row in state.covariance.rows),
+        state.position_north,
+        state.position_east,
+        state.velocity_north,
+        state.velocity_east,
+        state.compass,
+        Innovation(state.turned_s, yaw.innovation_rad_s, yaw.variance, is_accepted=True),
+        hypotheses,
+    )  # fmt: skip

@@ -1,0 +1,290 @@
+"""The filter on a hull that is its model, with noise that is known exactly."""
+
+import cmath
+import math
+import random
+from dataclasses import dataclass, field
+
+import pytest
+
+from companion.config.boat_config import Speed
+from companion.config.estimation import Estimation
+from companion.core.state import MotorCommand
+from companion.core.units import wrap_pi
+from companion.estimation.covariance import COMPASS_OFFSET, CURRENT_NORTH, HEADING, NORTH
+from companion.estimation.error_state import VELOCITY_M_S, ErrorStateFilter
+from companion.estimation.hull_model import SurgeModel
+from companion.estimation.innovation import GATE_2
+
+TICK_S = 0.02
+SIGMA_M = 0.2  # of a position, 0.8 of it slow
+PRECISE_M = 0.01
+
+
+@dataclass
+class Voyage:
+    """A boat that sails a zigzag, its sensors and the filter.
+
+    late_s: age of a fix on arrival, as stamped; delay_s: more of it, which the driver does not know.
+    """
+
+    seed: int = 1
+    current_m_s: complex = 0.4 - 0.3j
+    gain: float = 1.0
+    bias_rad_s: float = 0.01
+    offset_rad: float = 0.03
+    sigma_m: float = SIGMA_M
+    doppler_m_s: float = VELOCITY_M_S
+    late_s: float = 0.0
+    delay_s: float = 0.0
+    has_gyro: bool = True
+    now_s: float = 0.0
+    heading_rad: float = 0.3
+    rate_rad_s: float = 0.0
+    surge_m_s: float = 0.0
+    at_m: complex = 0j
+    velocity_m_s: complex = 0j
+    nees: list[float] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.rng = random.Random(self.seed)
+        self.state = ErrorStateFilter(Speed(), Estimation())
+        self._surge = SurgeModel(2.0, 0.6, 3.0)
+        self._wander = 0.8 * self.sigma_m * complex(self.rng.gauss(0.0, 1.0), self.rng.gauss(0.0, 1.0))
+        self._fixes: list[tuple[float, float, complex, complex]] = []  # arrival, stamp, position, velocity
+        self._residuals: list[float] = []
+        self.is_turning, self.throttle = True, 0.6
+
+    def _pair(self, sigma: float) -> complex:
+        return complex(self.rng.gauss(0.0, sigma), self.rng.gauss(0.0, sigma))
+
+    def sail(self, seconds: float) -> None:
+        """Go on."""
+        for _ in range(round(seconds / TICK_S)):
+            self._tick(round(self.now_s / TICK_S) + 1)
+
+    def _tick(self, tick: int) -> None:
+        state, self.now_s = self.state, TICK_S * tick
+        phase = self.now_s % 24.0
+        wanted = (0.5 if phase < 3.0 else -0.5 if 12.0 <= phase < 15.0 else 0.0) if self.is_turning else 0.0
+        self.rate_rad_s += TICK_S / 0.5 * (wanted - self.rate_rad_s)
+        self.heading_rad += self.rate_rad_s * TICK_S
+        throttle = self.throttle
+        before = self.surge_m_s
+        self.surge_m_s = self._surge.advance(
+            before, self.rate_rad_s, throttle, throttle, self.gain, TICK_S
+        ) + self.rng.gauss(0.0, 0.004)
+        through = complex(self.surge_m_s, self._surge.sway_m_s) * cmath.rect(1.0, self.heading_rad)
+        self.velocity_m_s = through + self.current_m_s
+        self.at_m += self.velocity_m_s * TICK_S
+        gyro = self.rate_rad_s + self.bias_rad_s + self.rng.gauss(0.0, 0.005)
+        state.turn(self.now_s, gyro if self.has_gyro else None)
+        compass = self.heading_rad + self.offset_rad + self.rng.gauss(0.0, 0.014)
+        if not state.has_heading:
+            state.start_heading(compass)
+        self._residuals.append(wrap_pi(compass - state.offset_rad - state.heading_rad))
+        if tick % 2 == 0:
+            state.move(self.now_s, MotorCommand(throttle, throttle))
+        if tick % 10 == 0:
+            self._measure()
+        while self._fixes and self._fixes[0][0] <= self.now_s + 1e-9:
+            self._ingest(*self._fixes.pop(0)[1:])
+
+    def _measure(self) -> None:
+        keep = math.exp(-0.2 / 60.0)
+        slow, white = 0.8 * self.sigma_m, 0.6 * self.sigma_m
+        self._wander = keep * self._wander + self._pair(slow * math.sqrt(1.0 - keep * keep))
+        at = self.at_m + self._wander + self._pair(white)
+        stamp_s = self.now_s + self.delay_s
+        self._fixes.append(
+            (stamp_s + self.late_s, stamp_s, at, self.velocity_m_s + self._pair(self.doppler_m_s))
+        )
+        self.state.update_compass(sum(self._residuals) / len(self._residuals), len(self._residuals), math.inf)
+        self._residuals.clear()
+
+    def _ingest(self, stamp_s: float, at: complex, velocity: complex) -> None:
+        state = self.state
+        if self.now_s < 0.5:
+            state.start_position(at.real, at.imag, self.sigma_m)
+            return
+        pair = state.predict_velocity(stamp_s, velocity, VELOCITY_M_S**2)
+        state.adapt(pair)
+        state.apply(pair)
+        state.apply(state.predict_position(stamp_s, at, self.sigma_m))
+        state.commit()
+        state.learn_yaw(0.2, is_in_time=True)
+        off = complex(state.north_m, state.east_m) - self.at_m
+        self.nees.append(0.5 * abs(off) ** 2 / state.covariance.variance(NORTH))
+
+    @property
+    def error_m(self) -> float:
+        """Of the position now."""
+        return abs(complex(self.state.north_m, self.state.east_m) - self.at_m)
+
+
+def test_current_offset_and_bias_are_known_after_some_legs() -> None:
+    voyage = Voyage()
+    voyage.sail(150.0)
+    state = voyage.state
+    assert state.current_m_s == pytest.approx(voyage.current_m_s, abs=0.08)
+    assert state.bias_rad_s == pytest.approx(0.01, abs=0.003)
+    assert state.offset_rad == pytest.approx(0.03, abs=math.radians(1.5))
+    assert wrap_pi(state.heading_rad - voyage.heading_rad) == pytest.approx(0.0, abs=math.radians(1.5))
+    assert state.surge_m_s == pytest.approx(voyage.surge_m_s, abs=0.1)
+
+
+def test_weak_motors_are_told_from_a_current_ahead_once_there_are_two_courses() -> None:
+    voyage = Voyage(gain=0.75, current_m_s=0j)
+    voyage.sail(150.0)
+    assert voyage.state.gain == pytest.approx(0.75, abs=0.1)
+    assert abs(voyage.state.current_m_s) < 0.1
+
+
+def test_position_and_heading_errors_are_as_large_as_their_variances_say() -> None:
+    nees, headings = [], []
+    for seed in range(1, 16):
+        voyage = Voyage(seed, offset_rad=random.Random(seed).gauss(0.0, 0.035))
+        voyage.sail(60.0)
+        nees.append(sum(voyage.nees[50:]) / len(voyage.nees[50:]))
+        state = voyage.state
+        headings.append(
+            wrap_pi(state.heading_rad - voyage.heading_rad) ** 2 / state.covariance.variance(HEADING)
+        )
+    # 15 voyages, in each a wander of a minute: χ² of about 30 degrees of freedom, 99 % bounds
+    assert 0.45 < sum(nees) / len(nees) < 1.8
+    assert sum(headings) / len(headings) < 2.1
+
+
+def test_innovations_are_as_large_as_predicted() -> None:
+    voyage = Voyage(seed=3)
+    voyage.sail(120.0)
+    for channel in (voyage.state.velocity_north, voyage.state.velocity_east):
+        assert 0.8 < channel.nis_sum / channel.count < 1.25
+    for channel in (voyage.state.position_north, voyage.state.position_east):
+        assert 0.6 < channel.nis_sum / channel.count < 1.25
+
+
+@pytest.mark.parametrize("late_s", [0.2, 0.6])
+def test_fixes_that_arrive_late_say_what_they_would_have_said_in_time(late_s: float) -> None:
+    in_time, late = Voyage(seed=5), Voyage(seed=5, late_s=late_s)
+    in_time.sail(90.0)
+    late.sail(90.0)
+    assert abs(in_time.state.north_m - late.state.north_m) < 0.06 + 0.1 * late_s
+    assert abs(in_time.state.current_m_s - late.state.current_m_s) < 0.05
+    assert abs(wrap_pi(in_time.state.heading_rad - late.state.heading_rad)) < math.radians(1.0)
+
+
+def test_an_unknown_delay_is_learned_from_a_precise_receiver() -> None:
+    voyage = Voyage(sigma_m=PRECISE_M, delay_s=0.06)
+    voyage.sail(120.0)
+    assert voyage.state.delay_s == pytest.approx(0.06, abs=0.03)
+    assert voyage.error_m < 0.1
+
+
+def test_noise_of_the_velocity_is_learned_from_its_innovations() -> None:
+    voyage = Voyage(doppler_m_s=2.0 * VELOCITY_M_S)
+    voyage.sail(90.0)
+    assert voyage.state.velocity_noise == pytest.approx(4.0, rel=0.4)
+
+
+def test_a_position_beyond_the_gate_is_seen_and_changes_nothing_unless_it_is_applied() -> None:
+    voyage = Voyage()
+    voyage.sail(60.0)
+    state = voyage.state
+    before = state.north_m, state.covariance.rows
+    wrong = state.predict_position(voyage.now_s, voyage.at_m + 10.0, SIGMA_M)
+    assert wrong.nis > GATE_2
+    assert wrong.nis_with(100.0) < 2.0
+    state.commit()
+    assert (state.north_m, state.covariance.rows) == before
+    assert state.predict_position(voyage.now_s, voyage.at_m, SIGMA_M).nis < GATE_2
+
+
+def test_the_rate_follows_without_noise_or_lag() -> None:
+    voyage, steps, errors = Voyage(), [], []
+    voyage.sail(30.0)
+    before = voyage.state.yaw_rate_rad_s
+    for _ in range(1200):
+        voyage.sail(TICK_S)
+        steps.append(abs(voyage.state.yaw_rate_rad_s - before))
+        before = voyage.state.yaw_rate_rad_s
+        errors.append((before - voyage.rate_rad_s) ** 2)
+    assert math.sqrt(sum(errors) / len(errors)) < 0.02
+    assert sum(steps) / len(steps) < 0.0052, "less than the gyro's noise from one tick to the next"
+
+
+def test_without_a_gyro_compass_and_steering_give_the_rate() -> None:
+    voyage = Voyage(has_gyro=False)
+    voyage.sail(100.0)
+    assert wrap_pi(voyage.state.heading_rad - voyage.heading_rad) == pytest.approx(0.0, abs=0.05)
+    assert voyage.state.yaw_rate_rad_s == pytest.approx(voyage.rate_rad_s, abs=0.1)
+
+
+def test_a_gyro_that_comes_back_has_the_bias_that_it_had() -> None:
+    voyage = Voyage()
+    voyage.sail(100.0)
+    known = voyage.state.bias_rad_s
+    voyage.has_gyro = False
+    voyage.sail(5.0)
+    assert not voyage.state.has_gyro
+    voyage.has_gyro = True
+    voyage.sail(TICK_S)
+    assert voyage.state.bias_rad_s == pytest.approx(known, abs=1e-3)
+
+
+def test_uncertainty_grows_without_measurements_and_a_stall_adds_to_it() -> None:
+    voyage = Voyage()
+    voyage.sail(60.0)
+    state, now_s = voyage.state, voyage.now_s
+    before = state.covariance.variance(NORTH)
+    for tick in range(1, 501):
+        state.turn(now_s + 0.02 * tick, voyage.bias_rad_s)
+        state.keep_covariance()
+    drifted = state.covariance.variance(NORTH)
+    assert drifted > 4.0 * before
+    state.turn(now_s + 15.0, voyage.bias_rad_s)
+    state.move(now_s + 15.0, None)
+    state.keep_covariance()
+    assert state.covariance.variance(NORTH) > drifted + 4.0**2
+    assert abs(state.north_m - voyage.at_m.real) < 3.0, "the motion of a stalled loop is not made up"
+
+
+def test_at_rest_the_water_may_be_held_off_by_a_mooring() -> None:
+    voyage = Voyage(current_m_s=0j)
+    voyage.throttle = 0.0
+    voyage.sail(30.0)
+    assert voyage.state.covariance.variance(CURRENT_NORTH) > 0.08**2
+
+
+def test_near_rest_the_course_tells_nothing_of_the_heading() -> None:
+    voyage = Voyage(current_m_s=0j)
+    voyage.throttle = 0.0
+    voyage.sail(60.0)
+    assert voyage.state.covariance.variance(COMPASS_OFFSET) > 0.034**2
+
+
+def test_the_heading_turns_back_when_the_compass_was_wrong() -> None:
+    voyage = Voyage()
+    voyage.sail(60.0)
+    state = voyage.state
+    heading_rad, offset_rad = state.heading_rad, state.offset_rad
+    state.restore(0.5, 0.02, -0.01, 0.1 + 0.2j)
+    assert wrap_pi(state.heading_rad - heading_rad) == pytest.approx(0.5 + offset_rad - 0.02)
+    assert (state.offset_rad, state.bias_rad_s, state.current_m_s) == (0.02, -0.01, 0.1 + 0.2j)
+    state.rotate(0.3)
+    assert state.offset_rad == pytest.approx(0.02 - 0.3)
+    assert state.covariance.variance(COMPASS_OFFSET) == pytest.approx(0.04)
+
+
+def test_the_history_knows_where_the_boat_was_by_what_is_known_now() -> None:
+    voyage = Voyage(sigma_m=PRECISE_M)
+    voyage.is_turning = False
+    voyage.sail(40.0)
+    state = voyage.state
+    north_m, east_m, heading_rad, velocity = state.at(voyage.now_s - 0.5)
+    moved = complex(state.north_m - north_m, state.east_m - east_m)
+    assert moved == pytest.approx(0.5 * voyage.velocity_m_s, abs=0.03)
+    assert heading_rad == pytest.approx(state.heading_rad, abs=0.02)
+    assert velocity == pytest.approx(voyage.velocity_m_s, abs=0.1)
+    oldest = state.at(0.0)
+    assert abs(complex(oldest[0], oldest[1]) - complex(state.north_m, state.east_m)) < 6.0 * abs(velocity)

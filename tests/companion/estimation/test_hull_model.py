@@ -1,0 +1,133 @@
+"""How thrust and steering move the modelled hull."""
+
+import math
+import random
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.estimation.hull_model import SurgeModel, YawModel
+
+TICK_S = 0.04
+
+
+def sailed(
+    model: SurgeModel, ticks: int, throttle: float, rate: float = 0.0, surge_m_s: float = 0.0
+) -> float:
+    """The surge after so many ticks."""
+    for _ in range(ticks):
+        surge_m_s = model.advance(surge_m_s, rate, throttle, throttle, 1.0, TICK_S)
+    return surge_m_s
+
+
+def test_cruise_throttle_leads_to_cruise_speed_and_a_turn_slows_and_slides() -> None:
+    model = SurgeModel(2.0, 0.6, 3.0)
+    surge_m_s = sailed(model, 1500, 0.6)
+    assert surge_m_s == pytest.approx(2.0, abs=0.01)
+    assert model.sway_m_s == 0.0
+    assert sailed(model, 50, 0.6, 0.5, surge_m_s) < 1.9
+    assert -0.6 < model.sway_m_s < -0.1, "to starboard turned, to port slid"
+
+
+def test_its_time_constant_at_cruise_speed_is_the_configured_one() -> None:
+    model = SurgeModel(2.0, 0.6, 3.0)
+    slowed = sailed(model, round(3.0 / TICK_S), 0.6, surge_m_s=1.9)
+    assert (2.0 - slowed) / 0.1 == pytest.approx(math.exp(-1.0), rel=0.05)
+    assert model.slope == pytest.approx(-1.0 / 3.0, rel=0.02)
+
+
+def test_astern_gives_less_thrust_than_ahead() -> None:
+    ahead, astern = (sailed(SurgeModel(2.0, 0.6, 3.0), 1500, throttle) for throttle in (0.6, -0.6))
+    assert 0.6 * ahead < -astern < 0.85 * ahead
+
+
+def test_the_gain_scales_the_thrust() -> None:
+    weak, surge_m_s = SurgeModel(2.0, 0.6, 3.0), 0.0
+    for _ in range(3000):
+        surge_m_s = weak.advance(surge_m_s, 0.0, 0.6, 0.6, 0.7, TICK_S)
+    assert 1.4 < surge_m_s < 1.8
+    assert weak.accel_m_s2 == pytest.approx(0.0, abs=1e-6)
+    more = SurgeModel(2.0, 0.6, 3.0)
+    more.advance(surge_m_s, 0.0, 0.6, 0.6, 0.8, TICK_S)
+    assert more.accel_m_s2 == pytest.approx(0.1 * weak.per_gain, rel=1e-6)
+
+
+def test_without_a_throttle_for_cruise_there_is_no_model() -> None:
+    model = SurgeModel(2.0, 0.0, 3.0)
+    assert model.advance(0.0, 0.5, 1.0, 1.0, 1.0, TICK_S) == 0.0
+    assert model.advance(1.0, 0.5, 1.0, 1.0, 1.0, 3.0) == pytest.approx(math.exp(-1.0))
+
+
+@given(
+    st.lists(st.tuples(*[st.floats(-1.0, 1.0)] * 2, st.floats(-3.0, 3.0), st.floats(0.001, 5.0)), max_size=50)
+)
+def test_the_speed_stays_within_reason(steps: list[tuple[float, float, float, float]]) -> None:
+    model, surge_m_s = SurgeModel(2.0, 0.05, 0.1), 0.0
+    for left, right, rate, dt in steps:
+        surge_m_s = model.advance(surge_m_s, rate, left, right, 1.0, dt)
+        assert math.hypot(surge_m_s, model.sway_m_s) <= 12.0
+
+
+def turned(model: YawModel, seconds: float, gain_rad_s: float = 0.9, trim_rad_s: float = 0.1) -> None:
+    """Steer to and fro in a hull that turns as the model has it."""
+    for tick in range(round(seconds / TICK_S)):
+        side = 0.8 if (tick // 80) % 2 else -0.6
+        model.advance(side, -side, 0.0, TICK_S)
+        if tick % 5 == 0:
+            model.learn(gain_rad_s * model.turning + trim_rad_s, 0.2)
+
+
+def test_how_steering_turns_the_hull_is_learned() -> None:
+    model = YawModel()
+    turned(model, 30.0)
+    assert model.gain_rad_s == pytest.approx(0.9, abs=0.05)
+    assert model.trim_rad_s == pytest.approx(0.1, abs=0.03)
+
+
+def test_learning_leaves_the_rate_as_it_is() -> None:
+    model = YawModel()
+    for _ in range(20):
+        model.advance(0.6, -0.6, 0.0, TICK_S)
+    before = model.rate_rad_s
+    model.learn(0.8, 0.2)
+    model.advance(0.0, 0.0, 0.0, 1e-9)
+    assert model.rate_rad_s == pytest.approx(before, abs=1e-6)
+
+
+def test_a_gyro_is_smoothed_and_a_steady_turn_has_no_error() -> None:
+    model, rng, errors = YawModel(), random.Random(2), []
+    for tick in range(3000):
+        model.update(0.5 + rng.gauss(0.0, 0.006))
+        if tick % 2 == 0:
+            model.advance(0.0, 0.0, 0.0, TICK_S)
+        errors.append(model.rate_rad_s - 0.5)
+    late = errors[500:]
+    assert sum(late) / len(late) == pytest.approx(0.0, abs=1e-3)
+    assert math.sqrt(sum(error * error for error in late) / len(late)) < 0.5 * 0.006
+
+
+def test_a_rate_that_nothing_measures_fades_to_the_models() -> None:
+    model = YawModel()
+    for _ in range(50):
+        model.update(0.5)
+        model.advance(0.0, 0.0, 0.0, TICK_S)
+    for _ in range(round(1.0 / TICK_S)):
+        model.advance(0.0, 0.0, 0.0, TICK_S)
+    assert model.rate_rad_s == pytest.approx(0.5 * math.exp(-1.0), rel=0.1)
+
+
+def test_it_turns_by_the_rudder_as_by_the_motors() -> None:
+    by_motors, by_rudder = YawModel(), YawModel()
+    for _ in range(100):
+        by_motors.advance(0.6, -0.6, 0.0, 0.02)
+        by_rudder.advance(0.5, 0.5, 0.36, 0.02)  # the mean of 0.6 |0.6| on either side
+    # The motors' lag is before the square, the rudder's behind it
+    assert by_rudder.rate_rad_s == pytest.approx(by_motors.rate_rad_s, rel=0.1)
+
+
+def test_the_trim_has_limits_and_says_what_they_have_left() -> None:
+    model = YawModel()
+    assert model.add_trim(0.2) == pytest.approx(0.2)
+    assert model.add_trim(0.2) == pytest.approx(0.1)
+    assert model.add_trim(-1.0) == pytest.approx(-0.6)

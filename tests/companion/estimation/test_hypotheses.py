@@ -1,0 +1,173 @@
+"""Which sensor is wrong: evidence on synthetic sequences, detection times and false alarms."""
+
+import cmath
+import math
+import random
+
+import pytest
+
+from companion.estimation.hypotheses import GAP_RAD, THRESHOLDS, Sensor, SensorBank
+
+TICK_S = 0.2
+CURRENT_M_S = complex(0.4, -0.3)
+
+
+class Passage:
+    """A boat on a steady course: a filter that follows the compass within two seconds, and the bank."""
+
+    def __init__(self, speed_m_s: float = 2.0) -> None:
+        self.bank = SensorBank(60.0, 0.8)
+        self.verdict: Sensor | None = None
+        self.now_s = self.told_s = 0.0
+        self.error_rad = math.inf
+        self._speed_m_s, self._rng = speed_m_s, random.Random(4)
+        self._filter_rad = self._corrected_rad = 0.0
+
+    def sail(self, seconds: float, compass_rad_s: float = 0.0, gyro_rad_s: float = 0.0) -> Sensor | None:
+        """Go on until a verdict; compass and gyro drift by so much. The true heading is 0."""
+        bank, lie_rad = self.bank, 0.0
+        for _ in range(round(seconds / TICK_S)):
+            self.now_s += TICK_S
+            lie_rad += compass_rad_s * TICK_S
+            heard_rad = lie_rad + self._rng.gauss(0.0, 0.01)
+            self._filter_rad += gyro_rad_s * TICK_S
+            step = (TICK_S / 2.0) * (heard_rad - self._filter_rad)
+            self._filter_rad += step
+            self._corrected_rad += step
+            bank.turn(self._corrected_rad, 0.0, TICK_S)
+            bank.keep(CURRENT_M_S, 0.0, TICK_S)
+            noise = complex(self._rng.gauss(0.0, 0.08), self._rng.gauss(0.0, 0.08))
+            ground = CURRENT_M_S + self._speed_m_s + noise
+            through = cmath.rect(self._speed_m_s, self._filter_rad)
+            self.verdict = bank.weigh_velocity(ground, through, 0.0, 0.01, TICK_S)
+            if self.verdict is not None:
+                self.error_rad = abs(self._filter_rad + bank.gap_rad)
+                break
+        return self.verdict
+
+
+def test_while_compass_and_gyro_agree_nothing_is_judged() -> None:
+    passage = Passage()
+    assert passage.sail(600.0) is None
+    assert abs(passage.bank.gap_rad) < 0.25 * GAP_RAD
+    assert passage.bank.evidence.against == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("deg_s", [-4.0, -2.0, 1.0, 2.0])
+def test_a_compass_that_drifts_is_found_out_and_the_gyro_knows_the_heading(deg_s: float) -> None:
+    passage = Passage()
+    passage.sail(60.0)
+    assert passage.sail(30.0, compass_rad_s=math.radians(deg_s)) is Sensor.COMPASS
+    assert passage.now_s - 60.0 < 4.0 + 10.0 / abs(deg_s)
+    assert passage.error_rad < math.radians(3.0)
+
+
+def test_a_compass_that_drifts_soon_after_the_start_is_found_out_too() -> None:
+    passage = Passage()
+    passage.sail(8.0)
+    assert passage.sail(20.0, compass_rad_s=math.radians(3.0)) is Sensor.COMPASS
+
+
+@pytest.mark.parametrize("deg_s", [-5.0, 3.0, 5.0])
+def test_a_gyro_with_another_bias_is_not_taken_for_a_wrong_compass(deg_s: float) -> None:
+    passage = Passage()
+    passage.sail(60.0)
+    assert passage.sail(60.0, gyro_rad_s=math.radians(deg_s)) is Sensor.GYRO
+
+
+def test_without_way_the_gyro_is_taken_to_be_wrong_after_two_minutes() -> None:
+    passage = Passage(speed_m_s=0.02)
+    passage.sail(60.0)
+    assert passage.sail(100.0, compass_rad_s=math.radians(2.0)) is None
+    assert passage.sail(60.0, compass_rad_s=math.radians(2.0)) is Sensor.GYRO
+
+
+def test_a_wrong_compass_has_to_agree_for_twenty_seconds() -> None:
+    bank = SensorBank(60.0, 0.8)
+    bank.reject_compass()
+    assert bool(bank.is_compass_wrong) is True
+    assert bank.evidence.against[Sensor.COMPASS] == THRESHOLDS[Sensor.COMPASS]
+    assert not any(bank.acquit_compass(0.05, 1.0, is_idle=False) for _ in range(19))
+    assert not bank.acquit_compass(0.3, 1.0, is_idle=False), "one reading that is off, and it begins again"
+    assert not any(bank.acquit_compass(0.05, 1.0, is_idle=False) for _ in range(19))
+    assert bank.acquit_compass(0.05, 1.0, is_idle=False)
+    assert not bank.is_compass_wrong
+    assert bank.evidence.against[Sensor.COMPASS] == 0.0
+
+
+def test_at_rest_a_steady_compass_is_believed_again_however_far_it_is_off() -> None:
+    bank = SensorBank(60.0, 0.8)
+    bank.reject_compass()
+    assert not any(bank.acquit_compass(2.0, 1.0, is_idle=False) for _ in range(60))
+    assert not any(bank.acquit_compass(2.0, 1.0, is_idle=True) for _ in range(19))
+    assert bank.acquit_compass(2.0, 1.0, is_idle=True)
+
+
+def alarm_s(
+    seed: int,
+    seconds: float,
+    *,
+    drift_m_s: float = 0.0,
+    rate_hz: float = 5.0,
+    wander_m: float = 0.15,
+    noise_m: float = 0.1,
+    bias_m_s: float = 0.0,
+    jump_m: float = 0.0,
+) -> float:
+    """When positions are said to contradict their velocities; they drift or jump after 120 s."""
+    rng, bank = random.Random(seed), SensorBank(60.0, 0.8)
+    dt_s, wander, now_s = 1.0 / rate_hz, 0j, 0.0
+    keep = math.exp(-dt_s / 30.0)
+
+    def gauss(sigma: float) -> complex:
+        return complex(rng.gauss(0.0, sigma), rng.gauss(0.0, sigma))
+
+    while now_s < seconds:
+        now_s += dt_s
+        wander = keep * wander + gauss(wander_m * math.sqrt(1.0 - keep * keep))
+        late_s = max(now_s - 120.0, 0.0)
+        at = 20.0 * cmath.rect(1.0, 0.1 * now_s) + wander + gauss(noise_m)
+        at += drift_m_s * late_s + (jump_m if late_s > 0.0 else 0.0)
+        velocity = 2.0j * cmath.rect(1.0, 0.1 * now_s) + gauss(0.08) + bias_m_s
+        bank.weigh_position(now_s, at, velocity, 0.2, 0.05**2)
+        if bank.is_gnss_wrong:
+            return now_s - 120.0
+    return math.inf
+
+
+@pytest.mark.parametrize(("drift_m_s", "most_s"), [(1.0, 3.0), (0.5, 5.0), (0.1, 30.0)])
+@pytest.mark.parametrize("rate_hz", [1.0, 5.0])
+def test_positions_that_drift_from_their_velocities_are_found_out(
+    drift_m_s: float, most_s: float, rate_hz: float
+) -> None:
+    for seed in range(5):
+        assert 0.0 < alarm_s(seed, 200.0, drift_m_s=drift_m_s, rate_hz=rate_hz) < most_s
+
+
+@pytest.mark.parametrize(
+    ("rate_hz", "wander_m", "noise_m", "bias_m_s"),
+    [(5.0, 0.15, 0.1, 0.0), (1.0, 0.15, 0.1, 0.0), (5.0, 0.15, 0.1, 0.03), (5.0, 0.3, 0.3, 0.0)],
+)
+def test_a_good_receiver_raises_no_alarm(
+    rate_hz: float, wander_m: float, noise_m: float, bias_m_s: float
+) -> None:
+    for seed in range(5):
+        assert (
+            alarm_s(seed, 900.0, rate_hz=rate_hz, wander_m=wander_m, noise_m=noise_m, bias_m_s=bias_m_s)
+            == math.inf
+        )
+
+
+def test_a_jump_is_left_to_the_filters_gate() -> None:
+    assert alarm_s(1, 200.0, jump_m=10.0) == math.inf
+
+
+def test_the_drift_is_known_and_a_jump_back_ends_it() -> None:
+    bank, drift_m = SensorBank(60.0, 0.8), 0.0
+    for tick in range(1, 300):
+        at_m = 0.5 * max(0.2 * tick - 20.0, 0.0)
+        drift_m = max(drift_m, bank.weigh_position(0.2 * tick, at_m, 0j, 0.2, 0.0025))
+    assert bank.is_gnss_wrong
+    assert drift_m == pytest.approx(0.5 * 30.0, abs=1.5)
+    bank.weigh_position(60.0, 0.0, 0j, 0.2, 0.0025)
+    assert not bank.is_gnss_wrong

@@ -1,0 +1,147 @@
+"""Which fixes are accepted, and when the position is lost."""
+
+import math
+from unittest import mock
+
+import pytest
+
+from companion.config.boat_config import Speed
+from companion.config.estimation import Estimation
+from companion.core.state import EstimateFault, MotorCommand
+from companion.estimation.covariance import HEADING
+from companion.estimation.error_state import ErrorStateFilter
+from companion.estimation.heading_update import HeadingUpdate
+from companion.estimation.position_update import PositionUpdate
+from companion.sensors.readings import HeadingReading
+
+FIX_S = 0.2
+TICK_S = 0.02
+CRUISE_M_S = Speed().cruise_m_s
+
+
+class Boat:
+    """A filter with its updates; the boat goes north, and the receiver's velocities are right."""
+
+    def __init__(self, speed_m_s: float = 0.0, throttle: float = 0.0) -> None:
+        self.state = ErrorStateFilter(Speed(), Estimation())
+        self.state.surge_m_s = speed_m_s
+        self.heading = HeadingUpdate(self.state, Estimation())
+        self.fixing = PositionUpdate(self.state, self.heading, Estimation())
+        self.now_s, self.speed_m_s, self._throttle = 0.0, speed_m_s, throttle
+        self.state.surge_m_s = speed_m_s
+        self._ticks = 0
+
+    def sail(
+        self, seconds: float, off_m: complex | None = 0j, reset_counter: int = 0, late_s: float = 0.0
+    ) -> int:
+        """Go on; off_m: error of the positions, None for no fixes. Returns the faults at the end."""
+        for _ in range(round(seconds / TICK_S)):
+            self._ticks += 1
+            self.now_s = now_s = TICK_S * self._ticks
+            noise_rad = 0.001 * (self._ticks % 3)
+            self.heading.advance(HeadingReading(now_s, noise_rad, 0.0001 * (self._ticks % 2)), now_s)
+            self.state.move(now_s, MotorCommand(self._throttle, self._throttle))
+            if self._ticks % 10 == 0 and off_m is not None:
+                at = self.speed_m_s * (now_s - late_s) + off_m + 0.001 * (self._ticks % 20)
+                velocity = complex(self.speed_m_s, 0.0001 * (self._ticks % 20))
+                self.fixing.update(now_s, at, velocity, 0.2, reset_counter)
+            if self._ticks % 5 == 0:
+                self.fixing.advance(now_s)
+        return self.fixing.faults(self.now_s)
+
+    @property
+    def error_m(self) -> float:
+        """Distance of the estimate from the truth."""
+        return abs(complex(self.state.north_m - self.speed_m_s * self.now_s, self.state.east_m))
+
+
+def test_a_source_that_has_restarted_is_believed_at_once() -> None:
+    boat = Boat()
+    boat.sail(10.0)
+    boat.sail(0.2, off_m=40.0 + 0j)
+    assert boat.error_m < 0.1
+    boat.sail(0.2, off_m=40.0 + 0j, reset_counter=1)
+    assert boat.state.north_m == pytest.approx(40.0, abs=0.01)
+    assert boat.fixing.resets == 1
+
+
+def test_without_thrust_a_jump_is_accepted_after_ten_seconds() -> None:
+    boat = Boat()
+    boat.sail(10.0)
+    assert boat.sail(9.0, off_m=40.0 + 0j) & EstimateFault.GNSS_JUMPING
+    assert boat.error_m < 0.5
+    boat.sail(4.0, off_m=40.0 + 0j)
+    assert boat.state.north_m == pytest.approx(40.0, abs=0.2)
+
+
+@pytest.mark.parametrize(("jump_m", "least_s", "most_s"), [(3.0, 6.0, 16.0), (10.0, 30.0, 55.0)])
+def test_under_way_a_jump_that_lasts_is_accepted_the_later_the_farther_it_is(
+    jump_m: float, least_s: float, most_s: float
+) -> None:
+    boat = Boat(CRUISE_M_S, Speed().cruise_throttle)
+    boat.sail(40.0)
+    assert boat.sail(1.2, off_m=1j * jump_m) & EstimateFault.GNSS_JUMPING
+    waited_s = 1.2
+    while boat.error_m < 0.7 * jump_m and waited_s < most_s:
+        boat.sail(0.2, off_m=1j * jump_m)
+        waited_s += 0.2
+    assert least_s < waited_s < most_s
+
+
+def test_a_fix_that_repeats_bit_by_bit_under_way_is_frozen_after_a_second() -> None:
+    boat = Boat(CRUISE_M_S, Speed().cruise_throttle)
+    boat.sail(20.0)
+    at, velocity = complex(20.0 * CRUISE_M_S, 0.0), complex(CRUISE_M_S, 0.0)
+    frozen_s = math.inf
+    for tick in range(10):
+        now_s = 20.2 + FIX_S * tick
+        boat.fixing.update(now_s, at, velocity, 0.2, 0)
+        if boat.fixing.faults(now_s) & EstimateFault.GNSS_FROZEN:
+            frozen_s = min(frozen_s, FIX_S * tick)
+    assert frozen_s == pytest.approx(1.0, abs=0.21)
+
+
+def test_on_a_straight_line_a_receiver_that_comes_back_late_is_known_within_a_second() -> None:
+    boat = Boat(CRUISE_M_S, Speed().cruise_throttle)
+    boat.sail(60.0)
+    boat.sail(1.6, off_m=None)
+    assert not boat.fixing.faults(boat.now_s) & EstimateFault.GNSS_LATE
+    assert boat.sail(1.0, late_s=1.6) & EstimateFault.GNSS_LATE
+    assert boat.fixing.latency.delay_s == pytest.approx(1.6, abs=0.21)
+    assert boat.error_m < 0.6
+    boat.sail(20.0, late_s=1.6)
+    assert boat.error_m < 0.6
+
+
+def test_dead_reckoning_ends_after_a_minute_and_at_once_without_a_heading() -> None:
+    boat = Boat(CRUISE_M_S, Speed().cruise_throttle)
+    boat.sail(60.0)
+    assert boat.sail(2.0, off_m=None) == EstimateFault.GNSS_LOST
+    assert not boat.sail(56.0, off_m=None) & EstimateFault.POSITION_LOST
+    assert boat.sail(4.0, off_m=None) & EstimateFault.POSITION_LOST
+    other = Boat(CRUISE_M_S, Speed().cruise_throttle)
+    other.sail(60.0)
+    other.sail(2.0, off_m=None)
+    other.state.covariance.reset(HEADING, 0.6**2)
+    assert other.fixing.faults(other.now_s) & EstimateFault.POSITION_LOST
+
+
+@pytest.mark.parametrize(("stated_m_s", "sigma_m_s"), [(None, 0.05), (0.1, 0.05), (0.5, 0.1), (2.0, 0.4)])
+def test_a_velocity_weighs_less_the_worse_its_stated_accuracy_is(
+    stated_m_s: float | None, sigma_m_s: float
+) -> None:
+    boat = Boat()
+    boat.sail(1.0)
+    with mock.patch.object(boat.state, "predict_velocity", wraps=boat.state.predict_velocity) as predict:
+        boat.fixing.update(boat.now_s + 0.1, 0j, 0.3 + 0j, 0.2, 0, stated_m_s)
+    assert predict.call_args.args[2] == pytest.approx(sigma_m_s**2)
+
+
+def test_a_heading_is_lost_when_it_is_known_badly_and_found_when_it_is_known_well() -> None:
+    boat, lost = Boat(), []
+    boat.sail(1.0)
+    for sigma_rad in (0.1, 0.5, 0.69, 0.71, 0.5, 0.41, 0.39, 0.5, 0.69, 0.75):
+        boat.state.covariance.reset(HEADING, sigma_rad**2)
+        lost.append(bool(boat.heading.faults(boat.now_s) & EstimateFault.HEADING_LOST))
+        assert boat.heading.is_blind is (lost[-1] or sigma_rad > 0.45)
+    assert lost == [False, False, False, True, True, True, False, False, False, True]

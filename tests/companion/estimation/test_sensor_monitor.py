@@ -1,0 +1,80 @@
+"""Sensors that repeat a value, and sensors that jump."""
+
+import math
+import random
+
+import pytest
+
+from companion.estimation.monitor import STUCK_S, JumpMonitor, SensorMonitor
+
+
+def changing(seconds: float, every_s: float = 0.1, repeats: int = 0) -> tuple[SensorMonitor, float]:
+    """A sensor that has changed for a while, with so many repetitions of each value."""
+    monitor, now_s, value = SensorMonitor(), 0.0, 0.0
+    while now_s < seconds:
+        value += 0.1
+        for _ in range(1 + repeats):
+            assert monitor.update(value, now_s, 0.0)
+            now_s += every_s
+    return monitor, now_s - every_s
+
+
+def repeat(monitor: SensorMonitor, since_s: float, seconds: float, moved: float = 0.0) -> float:
+    """How long the last value is repeated until it is a fault; infinite if it is none."""
+    value, steps = monitor._value, round(seconds / 0.1)
+    for step in range(1, steps + 1):
+        if not monitor.update(value, since_s + 0.1 * step, moved):
+            return 0.1 * step
+    return math.inf
+
+
+def test_a_noisy_sensor_that_repeats_its_value_is_stuck_after_a_second() -> None:
+    monitor, now_s = changing(10.0)
+    assert repeat(monitor, now_s, 3.0) == pytest.approx(STUCK_S)
+    assert monitor.is_stuck
+    assert monitor.update(0.5, now_s + 4.0, 0.0), "and good as soon as it changes"
+
+
+def test_a_sensor_that_repeats_itself_as_a_rule_is_stuck_after_four_times_its_longest_run() -> None:
+    monitor, now_s = changing(20.0, repeats=4)  # runs of 0.4 s
+    assert repeat(monitor, now_s - 0.4, 3.0) == pytest.approx(1.7)
+
+
+def test_a_coarse_sensor_at_rest_is_not_stuck() -> None:
+    monitor = SensorMonitor()
+    monitor.update(1.0, 0.0, 0.0)
+    assert repeat(monitor, 0.0, 60.0) == math.inf
+
+
+def test_a_value_that_should_have_changed_is_stuck() -> None:
+    monitor = SensorMonitor()
+    monitor.update(1.0, 0.0, 0.0)
+    assert repeat(monitor, 0.0, 60.0, moved=0.06) == pytest.approx(1.7)
+
+
+def test_a_run_that_was_a_fault_teaches_no_habit() -> None:
+    monitor, now_s = changing(10.0)
+    repeat(monitor, now_s, 5.0)
+    for step in range(3):
+        monitor.update(10.0 + step, now_s + 6.0 + 0.1 * step, 0.0)
+    assert repeat(monitor, now_s + 6.2, 3.0) == pytest.approx(STUCK_S)
+
+
+def test_a_sensor_that_jumps_at_random_is_erratic_until_it_has_been_calm() -> None:
+    monitor, rng = JumpMonitor(0.2, 3.0), random.Random(3)
+    for tick in range(100):
+        monitor.update(rng.gauss(0.0, 0.01), 0.02 * tick)
+    assert bool(monitor.is_erratic) is False
+    for tick in range(100, 150):
+        monitor.update(rng.uniform(-3.0, 3.0), 0.02 * tick)
+    assert bool(monitor.is_erratic) is True
+    for tick in range(150, 250):
+        monitor.update(rng.gauss(0.0, 0.01), 0.02 * tick)
+    assert not monitor.is_erratic
+
+
+def test_a_turn_through_the_wrap_is_no_jump() -> None:
+    monitor = JumpMonitor(0.2, 3.0)
+    for tick in range(1000):
+        monitor.update(math.remainder(0.02 * tick, math.tau), 0.02 * tick)
+        assert not monitor.is_erratic
