@@ -116,9 +116,9 @@ class ObstaclePerception:
         """Tracks known to move."""
         return self.tracks.movers(now_s)
 
-    def has_unclassified(self, now_s: float) -> bool:
-        """Whether some track may turn out to move."""
-        return any(is_unclassified(track, now_s) for track in self.tracks.all)
+    def unclassified(self, now_s: float) -> list[Track]:
+        """Tracks that may turn out to move."""
+        return [track for track in self.tracks.all if is_unclassified(track, now_s)]
 
     def _unconfirmed(self, now_s: float) -> Beam | None:
         """The latest echo, until a second look confirms or refutes it."""

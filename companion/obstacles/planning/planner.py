@@ -28,7 +28,6 @@ from companion.core.status_text import Severity, StatusText
 from companion.core.units import wrap_pi
 from companion.guidance.speed_profile import braking_speed_m_s
 from companion.obstacles.perception.perception import ObstaclePerception
-from companion.obstacles.perception.sonar_schedule import is_unclassified
 from companion.obstacles.perception.track import Track
 from companion.obstacles.planning.choice import choose
 from companion.obstacles.planning.clearance import Bounds, ClearanceField
@@ -188,9 +187,8 @@ class LocalPlanner:
                 perception.water.note_unmapped_obstacle(here)
         length_m = max(speed * HORIZON_S, margin_m)
         target = self._detour.target(here, field, length_m, HULL * margin_m) or places_on(way, length_m, 1)[0]
-        new = [one for one in perception.tracks.all if is_unclassified(one, now_s)]
-        tracks = [*likely, *(one for one in new if not one.is_likely_mover)]
-        movers = predict_movers(tracks, nav, field, setting.margin_m, now_s)
+        new = [one for one in perception.unclassified(now_s) if not one.is_likely_mover]
+        movers = predict_movers([*likely, *new], nav, field, setting.margin_m, now_s)
         costs = CostModel(nav, field, movers, margin_m, speed, target, config)
         best = choose(
             nav, config, costs, self._fan, way if self._detour.route is None else None, speed,
