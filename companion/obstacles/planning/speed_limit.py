@@ -66,7 +66,9 @@ class SpeedLimit:
         self.clear()
         self.sight_m_s = allowed_speed_m_s(nav, config, perception.water, bounds, now_s)
         c, s = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
-        ahead_m, astern_m = _room_m(field, nav.point, c, s), _room_m(field, nav.point, -c, -s)
+        # Beyond its sight, a boat on a clear path will have turned
+        steps = math.ceil(perception.reach_m / field.cell_m)
+        ahead_m, astern_m = _room_m(field, nav.point, c, s, steps), _room_m(field, nav.point, -c, -s, steps)
         self.ahead_m_s = self.sight_m_s
         if ahead_m < math.inf:
             self.reduce_to(braking_speed_m_s(_GENTLE_SHARE * ahead_m, 0.0, config.guidance))
@@ -89,13 +91,12 @@ class SpeedLimit:
         return steered
 
 
-def _room_m(field: ClearanceField, here: Point, north: float, east: float) -> float:
+def _room_m(field: ClearanceField, here: Point, north: float, east: float, steps: int) -> float:
     """Distance along a direction to where the hull would touch something certain; infinite for none."""
     if field.at(*here) & SOLID:
         return math.inf  # turning away, not slowing down, helps
-    step_m = field.cell_m
-    for step in range(1, int(field.half)):
-        away_m = step * step_m
+    for step in range(1, steps + 1):
+        away_m = step * field.cell_m
         if field.at(here.north_m + away_m * north, here.east_m + away_m * east) & SOLID:
             return away_m
     return math.inf

@@ -32,13 +32,14 @@ def test_in_open_water_nothing_is_limited() -> None:
 
 
 def test_the_boat_can_stop_before_what_is_ahead_and_astern() -> None:
-    ahead, astern = limit_of(Point(4.1, 0.1)), limit_of(Point(-4.1, 0.1))
-    allowed = braking_speed_m_s(0.5 * 3.6, 0.0, CONFIG.guidance)
+    ahead, astern = limit_of(Point(3.7, 0.1)), limit_of(Point(-3.7, 0.1))
+    allowed = braking_speed_m_s(0.5 * 3.2, 0.0, CONFIG.guidance)
     assert ahead.ahead_m_s == pytest.approx(allowed, abs=0.1)
     assert ahead.astern_m_s == math.inf
+    assert limit_of(Point(5.1, 0.1)).ahead_m_s == math.inf
     assert astern.astern_m_s == pytest.approx(allowed, abs=0.1)
     assert astern.ahead_m_s == math.inf
-    assert limit_of(Point(0.1, 4.1), heading_rad=math.pi / 2).ahead_m_s == pytest.approx(allowed, abs=0.1)
+    assert limit_of(Point(0.1, 3.7), heading_rad=math.pi / 2).ahead_m_s == pytest.approx(allowed, abs=0.1)
 
 
 def test_demands_are_limited_both_ways() -> None:
