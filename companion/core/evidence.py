@@ -18,7 +18,7 @@ LEARNING: Final = 5.0  # with more evidence than this against what is learned fr
 
 
 class FaultEvidence:
-    """`against` has the evidence for each hypothesis, in nats."""
+    """`against` has the evidence for each hypothesis, in nats; it stays the same list."""
 
     __slots__ = ("against",)
 
@@ -27,7 +27,7 @@ class FaultEvidence:
 
     def add(self, at: int, gain: float, dt_s: float) -> bool:
         """Add a log likelihood ratio over dt_s. False if nothing is left: the fault has not begun."""
-        self.against[at] = total = max(self.against[at] + gain - FADE_S * dt_s, 0.0)
+        self.against[at] = total = max(self.against[at] + (gain - FADE_S * dt_s), 0.0)
         return total > 0.0
 
     def probabilities(self, thresholds: Sequence[float]) -> list[float]:

@@ -12,7 +12,8 @@ likelihood of the hypothesis, so that an uncertain size costs evidence once, and
 import math
 from typing import Final
 
-MOST_SQUARE: Final = 25.0  # five standard deviations: no hypothesis explains a larger residual
+from companion.core.evidence import MOST_SQUARE
+
 WEIGHT: Final = 0.5  # of a sample, whose error is like that of its neighbour
 _MOST: Final = 2.0  # θ stays within two standard deviations: a fault of any size would explain anything
 

@@ -2,12 +2,8 @@
 
 For every measurement of turn rate, speed and current, each hypothesis has a residual with a known variance.
 So have healthy motors in an unknown wind, which may push and turn the hull within its rate of change. The
-sum of the log likelihood ratios of a hypothesis against healthy motors, never below zero, is E. S. Page's
-CUSUM (*Continuous inspection schemes*, Biometrika 41, 1954; M. Basseville, I. V. Nikiforov, *Detection of
-Abrupt Changes*, 1993, chapter 2): it stays near zero while motors are healthy and climbs from the moment of
-the fault. How large a fault is, is learned meanwhile (`effect_size`). Three rules allow for wrong models: no
-single measurement counts for more than MOST_SQUARE, neighbouring samples, whose errors are alike, count for
-WEIGHT of independent ones, and evidence fades by DRIFT_S.
+log likelihood ratios are summed as `companion.core.evidence` does. How large a fault is, is learned meanwhile
+(`effect_size`). Neighbouring samples, whose errors are alike, count for WEIGHT of independent ones.
 
 A fix tells the speed of some time ago: the speed is predicted up to the time of the fix, and no further.
 """
@@ -17,17 +13,16 @@ from collections import deque
 from typing import Final, NamedTuple
 
 from companion.config.boat_config import BoatConfig
+from companion.core.evidence import LEARNING, MOST_SQUARE, FaultEvidence
 from companion.core.state import EstimateFault, NavState
 from companion.failsafe.motors.current import MotorCurrent
-from companion.failsafe.motors.effect_size import MOST_SQUARE, WEIGHT, EffectSize
+from companion.failsafe.motors.effect_size import WEIGHT, EffectSize
 from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault
 from companion.failsafe.motors.motion_filter import MotionFilter
 from companion.sensors.readings import BatteryReading, GnssFix
 
 # Tuned on sample seeds 21, 101 to 103, 301 and 302 of examples/campaigns/motors_*.toml
 VAGUE: Final = 0.5  # of a sample of the motion, for weed: in gusts a weak motor and a wind look alike
-DRIFT_S: Final = 0.5  # nats/s by which evidence fades, so that a short disturbance proves nothing
-_LEARNING: Final = 5.0  # with more evidence than this against the motors, no gain is learned
 
 _SHAFT_S: Final = 0.1  # lag of the thrust behind the command,
 _SPIN_S: Final = 0.2  # and of the shaft's speed, as the current shows it (sampled ten times a second)
@@ -88,7 +83,7 @@ class MotorEvidence:
 
     __slots__ = (
         "_advance_s_m", "_battery_s", "_changes_ahead", "_changes_turn", "_cruise_m_s", "_current",
-        "_current_a", "_duties", "_fix_s", "_pending", "_shafts", "_since_battery_s",
+        "_current_a", "_duties", "_evidence", "_fix_s", "_pending", "_shafts", "_since_battery_s",
         "_since_fix_s", "_sizes", "_speed", "_spins", "_turn", "_water_east_m_s",
         "_water_north_m_s", "against", "has_current",
     )  # fmt: skip
@@ -96,7 +91,8 @@ class MotorEvidence:
     def __init__(self, config: BoatConfig) -> None:
         speed, handling = config.speed, config.handling
         count = len(HYPOTHESES)
-        self.against = [0.0] * count
+        self._evidence = FaultEvidence(count)
+        self.against = self._evidence.against
         self.has_current = False
         self._cruise_m_s = cruise_m_s = speed.cruise_m_s
         self._advance_s_m = _ADVANCE * speed.cruise_throttle / cruise_m_s
@@ -167,7 +163,7 @@ class MotorEvidence:
         astern = min(_ASTERN * asymmetry * asymmetry, 1.0)
         turning = steered * (1.0 + astern)  # two motors at full steering: one ahead, one astern
         self._predict(water_m_s, astern, nav.heading_rad, nav.time_s, dt_s, turning)
-        is_learning = max(self.against) < _LEARNING
+        is_learning = max(self.against) < LEARNING
         gained = [0.0] * len(HYPOTHESES)
         if nav.faults & _NO_COMPASS:
             self._turn.restart()
@@ -175,10 +171,8 @@ class MotorEvidence:
             _weigh(self._turn, self._sizes[0], gained)
         self._take_fix(fix, nav, gained, is_learning, dt_s)
         self._take_current(battery, water_m_s, gained, is_learning, dt_s)
-        against = self.against
         for at, gain in enumerate(gained):
-            against[at] += WEIGHT * gain - DRIFT_S * dt_s
-            if not against[at] > 0.0:
+            if not self._evidence.add(at, WEIGHT * gain, dt_s):
                 self._forget(at)
 
     def _spin(self, left: float, right: float, dt_s: float) -> None:

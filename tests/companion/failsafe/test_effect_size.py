@@ -5,7 +5,8 @@ from random import Random
 
 import pytest
 
-from companion.failsafe.motors.effect_size import MOST_SQUARE, WEIGHT, EffectSize
+from companion.core.evidence import MOST_SQUARE
+from companion.failsafe.motors.effect_size import WEIGHT, EffectSize
 
 
 def test_an_unknown_size_costs_evidence_once() -> None:
