@@ -13,6 +13,7 @@ from companion.obstacles.planning.motion import CRASH_STOP, STEP_S, STEPS, Fan, 
 from companion.obstacles.planning.way_ahead import places_on
 
 _STAYS: Final = 0.1  # a rollout must be cheaper than the intent by this: about a turn by 5°
+_DIRE: Final = 1.5  # more than no progress and astern: only then a crash stop is considered
 _HURRIES: Final = 3.0  # times the slowest speed with steerage way: to get out of a mover's way
 _STILL: Final = 0.4  # of that speed: weaker currents are ignored, and a slower boat is stopped
 
@@ -61,8 +62,6 @@ def choose(
     candidates = [straight]
     for speed in sorted(speeds):
         candidates += fan.rollouts(surge, nav.yaw_rate_rad_s, speed, config)
-    if is_certain and surge > least:
-        candidates.append(roll(surge, nav.yaw_rate_rad_s, 0.0, CRASH_STOP, config))
     if current_m_s > _STILL * least and config.drive.can_pivot:  # the bow into the current holds the place
         upstream = math.atan2(-nav.current_east_m_s, -nav.current_north_m_s)
         candidates.append(
@@ -80,6 +79,11 @@ def choose(
                 late, latest_s = one, danger.hit_s
         elif plain + danger.risk < least_cost:
             best, least_cost = one, plain + danger.risk
+    if is_certain and surge > least and least_cost > _DIRE:
+        one = roll(surge, nav.yaw_rate_rad_s, 0.0, CRASH_STOP, config)
+        cost = costs.plain(one, last_heading_rad) + costs.danger(one).risk
+        if cost < least_cost:
+            best, least_cost = one, cost
     if keeps <= least_cost + (0.0 if is_holding else _STAYS):
         return None
     return late if best is None else best

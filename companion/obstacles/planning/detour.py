@@ -78,12 +78,10 @@ class Detour:
         if route is None:
             return None
         step_m = 2.0 * field.cell_m
-        seen = route[min(1, len(route) - 1)]
-        for at in places_on(route, step_m, math.ceil(reach_m / step_m)):
-            if blocked_m([here, at], field, hull_m + field.cell_m) < math.inf:
-                break
-            seen = at
-        return seen
+        for at in reversed(places_on(route, step_m, math.ceil(reach_m / step_m))):
+            if blocked_m([here, at], field, hull_m + field.cell_m) == math.inf:
+                return at
+        return route[min(1, len(route) - 1)]
 
 
 def blocked_m(way: list[Point], field: ClearanceField, clear_m: float) -> float:

@@ -189,17 +189,18 @@ class LocalPlanner:
         target = self._detour.target(here, field, length_m, HULL * margin_m) or places_on(way, length_m, 1)[0]
         new = [one for one in perception.unclassified(now_s) if not one.is_likely_mover]
         movers = predict_movers([*likely, *new], nav, field, setting.margin_m, now_s)
+        is_met = any(mover.is_mover for mover in likely)  # a probable mover may be noise
         costs = CostModel(nav, field, movers, margin_m, speed, target, config)
         best = choose(
             nav, config, costs, self._fan, way if self._detour.route is None else None, speed,
             self._heading_rad,
-            is_holding=self._override is not None, is_certain=bool(solid or likely), has_movers=bool(likely),
+            is_holding=self._override is not None, is_certain=bool(solid) or is_met, has_movers=bool(likely),
         )  # fmt: skip
         if best is None:
             return self._keep()
-        if any(mover.is_mover for mover in likely):  # a probable mover may be noise
+        if is_met:
             perception.water.note_unmapped_obstacle(here)
-        return self._hold(best, nav, config, has_solid=bool(solid), has_movers=bool(likely))
+        return self._hold(best, nav, config, has_solid=bool(solid), has_movers=bool(likely), is_met=is_met)
 
     def _hold(
         self,
@@ -209,19 +210,20 @@ class LocalPlanner:
         *,
         has_solid: bool,
         has_movers: bool,
+        is_met: bool,
     ) -> Intent:
         """Hold a rollout's heading and speed, and report it."""
         heading, speed = wrap_pi(nav.heading_rad + best.turn_rad), best.speed_m_s
         self._heading_rad = heading
         along_m_s = nav.current_along_m_s(nav.heading_rad)
-        if not has_solid and not has_movers:  # a single echo may be noise: no thrust astern
+        if not has_solid and not is_met:  # a single echo may be noise: no thrust astern
             speed = max(speed, coasting_m_s(nav.surge_m_s - along_m_s, config))
         if self.stage is not Stage.BLOCKED:
             if CRASH_STOP < speed < 0.0:
                 self.stage = Stage.BACK
             elif has_movers:
                 self.stage = Stage.PASSING
-                if not self._has_notified:
+                if is_met and not self._has_notified:
                     self._has_notified = True
                     self._notify(Severity.INFO, GIVING_WAY)
             elif has_solid:

@@ -271,6 +271,16 @@ def test_a_mover_head_on_is_passed_to_starboard_and_reported_once() -> None:
     assert voyage.is_wary()
 
 
+def test_a_probable_mover_is_avoided_without_a_message_or_thrust_astern() -> None:
+    voyage = crossing((2.0, 0.0, -0.8, 0.0))
+    voyage.chart.tracks.all[0].is_mover = False
+    found = voyage.at(0.9, boat(speed_m_s=2.0), NORTH)
+    assert isinstance(found, HoldHeading)
+    assert found.speed_m_s > 1.6
+    assert voyage.said == []
+    assert not voyage.is_wary()
+
+
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_crossing_traffic_is_not_passed_ahead(side: float) -> None:
     voyage = crossing((3.5, -2.5 * side, 0.0, 0.6 * side))
