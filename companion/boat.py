@@ -318,6 +318,7 @@ class Boat:
             self._wall_time.unix_s(self._now_s),
             self.parameters.config,
             self.vehicle,
+            self.estimator,
             self.sensors,
             self.guidance,
             self.command,

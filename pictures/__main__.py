@@ -1,7 +1,8 @@
-"""Draw the pictures that need no run of the emulator: python -m pictures."""
+"""Draw the pictures that need no run of the emulator, and write the notebook: python -m pictures."""
 
 from pathlib import Path
 
+from pictures.notebook import write_notebook
 from pictures.rollouts import draw_encounter, draw_rollouts
 from pictures.wiring import draw_wiring
 from pictures.wiring_table import read_wiring
@@ -17,6 +18,7 @@ def main() -> None:
     ROLLOUTS.write_text(draw_rollouts(), encoding="utf-8")
     ENCOUNTER.write_text(draw_encounter(), encoding="utf-8")
     WIRING.write_text(draw_wiring(read_wiring(GUIDE.read_text(encoding="utf-8"))), encoding="utf-8")
+    write_notebook()
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from benchmarks.estimation import compare, consistency
 from benchmarks.estimation.cases import courses, faults, record_all
+from benchmarks.estimation.picture import draw_nees
 
 
 def main(arguments: list[str]) -> int:
@@ -25,6 +26,9 @@ def main(arguments: list[str]) -> int:
     consistent = commands.add_parser("consistency", help="average NEES and NIS over random runs")
     consistent.add_argument("--runs", type=int, default=200)
     consistent.add_argument("--first-seed", type=int, default=1)
+    consistent.add_argument(
+        "--png", type=Path, help="draw the NEES over time with the receiver that errs as stated"
+    )
     consistent.add_argument("--of", type=Path, default=Path.cwd(), help="checkout [this one]")
     chosen = parser.parse_args(arguments)
     if chosen.command == "record":
@@ -42,6 +46,9 @@ def main(arguments: list[str]) -> int:
             for hull in ("known", "other")
         }
         print(consistency.table(found))  # noqa: T201
+        if chosen.png is not None:
+            stated = {title: nees for title, (nees, _) in found.items() if title.endswith("stated")}
+            draw_nees(stated, chosen.png)
         return 0
     paths = [
         path for one in chosen.recordings for path in (sorted(one.rglob("*.npz")) if one.is_dir() else [one])

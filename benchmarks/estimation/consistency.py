@@ -153,15 +153,22 @@ def _squared(north: Numbers, east: Numbers, covariance: Numbers) -> Numbers:
 
 
 def nis(replayed: Mapping[str, Any]) -> dict[str, tuple[float, int]]:
-    """The sum of the NIS of each sensor's measurements after SETTLED_S, and how many there were."""
-    if "nis" not in replayed:
+    """The sum of the NIS of each sensor's measurements after SETTLED_S, and how many there were.
+
+    Reports are made ten times a second: the gyro's are a sample, the others all that there were.
+    """
+    if "innovations" not in replayed:
         return {}
-    first, last = replayed["nis"][round(SETTLED_S * ROW_HZ)], replayed["nis"][-1]
-    counts, sums = (last - first).T
+    times, values, variances = replayed["innovations"][round(SETTLED_S * ROW_HZ) :].transpose(2, 1, 0)
     out = {}
     for sensor, freedom in SENSORS.items():
-        columns = [number for number, name in enumerate(CHANNELS) if name.startswith(sensor)]
-        out[sensor] = float(sums[columns].sum()), round(counts[columns].sum() / freedom)
+        total, count = 0.0, 0
+        for number, name in enumerate(CHANNELS):
+            if name.startswith(sensor):
+                is_new = np.diff(times[number], prepend=np.nan) > 0.0
+                total += float(np.sum((values[number] ** 2 / variances[number])[is_new]))
+                count += int(np.count_nonzero(is_new))
+        out[sensor] = total, count // freedom
     return out
 
 

@@ -41,7 +41,7 @@ S = TypeVar("S", bound=msgspec.Struct)
 
 def feed(recording: Path, out: Path, *, is_timed: bool = True) -> None:
     """Write the estimates of a recording: an .npz with nav (rows like NAV, in the truth's frame), cpu_us per
-    tick, and what the estimator reports: state, covariance, and count and sum of each sensor's NIS.
+    tick, and what the estimator reports: state, covariance, and time, value and variance of innovations.
     """
     with np.load(recording, allow_pickle=False) as stored:
         rest = json.loads(stored["rest"].tobytes())
@@ -63,15 +63,19 @@ def inside(reports: Sequence[Any]) -> dict[str, Numbers]:
     return {
         "state": np.array([unknown[0] if one is None else one.state for one in reports]),
         "covariance": np.array([unknown if one is None else one.covariance for one in reports]),
-        "nis": np.array(
+        "innovations": np.array(
             [
-                [(0.0, 0.0)] * len(SENSORS)
+                [(math.nan,) * 3] * len(SENSORS)
                 if one is None
-                else [(getattr(one, name).count, getattr(one, name).nis_sum) for name in SENSORS]
+                else [(each.time_s, each.value, each.variance) for each in _channels(one)]
                 for one in reports
             ]
         ),
     }
+
+
+def _channels(report: Any) -> list[Any]:  # noqa: ANN401 (of whatever checkout)
+    return [getattr(report, name) for name in SENSORS]
 
 
 def _cpu_us(settings: dict[str, Any], inputs: Sequence[Input]) -> float:

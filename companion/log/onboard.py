@@ -44,6 +44,7 @@ _FLUSH_S: Final = 1.0  # limit of the loss by a power cut, besides what the sink
 _BACKLOG_RECORDS: Final = 50  # parameters and items per motion sample
 _LINES_BEFORE: Final = 20  # status texts from before the log
 _SLACK_S: Final = 1e-6
+_REPORT_HZ: Final = 5.0  # of the estimator's inside: a usual receiver's rate
 _MB: Final = 1e6
 
 TakeSnapshot = Callable[[], Snapshot]
@@ -84,7 +85,7 @@ class OnboardLog:
     def _restart(self) -> None:
         self._watch = EventWatch()
         self._backlog: Iterator[bytes] = iter(())
-        self._due_s = self._motion_due_s = self._status_due_s = self._flush_due_s = -1.0
+        self._due_s = self._motion_due_s = self._report_due_s = self._status_due_s = self._flush_due_s = -1.0
         self._log_bytes = self._blocks = 0
         self._config: BoatConfig | None = None
         self._mission: Mission = ()
@@ -214,6 +215,9 @@ class OnboardLog:
         if now.sensors.sonar is not None and now.sensors.sonar is not self._ping:
             self._ping = now.sensors.sonar
             self._add(samples.sonar(now.sensors.sonar))
+        if now.now_s + _SLACK_S >= self._report_due_s and (report := now.estimator.report) is not None:
+            self._report_due_s = _next(self._report_due_s, now.now_s, _REPORT_HZ)
+            self._add(samples.estimator(self._now_us, report, now.config.estimation.compass_gate_rad))
         if now.vehicle.nav is not None and self._linear is not None:
             self._add(self._water(now, now.vehicle.nav, self._linear))
         heard = now.vehicle.manual_input.rc.latest

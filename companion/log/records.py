@@ -22,6 +22,19 @@ XKF1: Final = RecordKind(
 )  # fmt: skip
 BOAT: Final = RecordKind(4, "BOAT", "Qfffff", "TimeUS,Surge,Sway,YawRate,PosAge,HdgAge", "snnkss", "F00000")
 EST: Final = RecordKind(11, "EST", "QfffH", "TimeUS,CurN,CurE,PosSD,Flt", "snnm-", "F000-")
+XKF3: Final = RecordKind(
+    13, "XKF3", "QBcccccchhhccff", "TimeUS,C,IVN,IVE,IVD,IPN,IPE,IPD,IMX,IMY,IMZ,IYAW,IVT,RErr,ErSc",
+    "s#nnnmmmGGGd---", "F-BBBBBBCCCB-00",
+)  # fmt: skip
+XKF4: Final = RecordKind(
+    14, "XKF4", "QBcccccfffHBIHb", "TimeUS,C,SV,SP,SH,SM,SVT,errRP,OFN,OFE,FS,TS,SS,GPS,PI",
+    "s#------mm-----", "F-BBBBB000-----",
+)  # fmt: skip
+ESD: Final = RecordKind(
+    15, "ESD", "Qfffffffffff", "TimeUS,N,E,Hd,Su,CN,CE,GB,CO,G,RN,RE", "smmdnnnkd-mm", "F00000000000"
+)
+EBIA: Final = RecordKind(16, "EBIA", "Qffffff", "TimeUS,GB,CO,G,RN,RE,Dly", "skd-mms", "F000000")
+EHYP: Final = RecordKind(17, "EHYP", "Qfff", "TimeUS,Cmp,Gyr,Gns", "s---", "F000")
 AVD: Final = RecordKind(12, "AVD", "QBffBf", "TimeUS,Stg,Lim,dR0,Mov,Cls", "s-nm-n", "F-00-0")
 PIDS: Final = RecordKind(5, "PIDS", *_PID, "sddd-------", "F000-------")
 PIDA: Final = RecordKind(6, "PIDA", *_PID, "snnn-------", "F000-------")
@@ -95,7 +108,8 @@ MAV: Final = RecordKind(
 DSF: Final = RecordKind(42, "DSF", "QIHIIII", "TimeUS,Dp,Blk,Bytes,FMn,FMx,FAv", "s--bbbb", "F--0000")
 
 KINDS: Final = (
-    ATT, POS, XKF1, BOAT, EST, AVD, PIDS, PIDA, NTUN, STER, THR, RCOU, GPS, GPA, RFND, SONR, DPTH, PROB, MAG,
-    HDG, BAT, RCIN, RSSI, MODE, MSG, EV, ERR, ARM, ORGN, CMD, MISE, PARM, VER, PAYL, CAM, PM, MAV, DSF,
+    ATT, POS, XKF1, XKF3, XKF4, BOAT, EST, ESD, EBIA, EHYP, AVD, PIDS, PIDA, NTUN, STER, THR, RCOU, GPS, GPA,
+    RFND, SONR, DPTH, PROB, MAG, HDG, BAT, RCIN, RSSI, MODE, MSG, EV, ERR, ARM, ORGN, CMD, MISE, PARM, VER,
+    PAYL, CAM, PM, MAV, DSF,
 )  # fmt: skip
 HEADER: Final = file_header(KINDS)

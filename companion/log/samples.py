@@ -8,6 +8,8 @@ from companion.core.geo import bearing_rad, distance_m
 from companion.core.state import Demand, NavState
 from companion.core.units import clamp, deg_to_e7, wrap_pi, wrap_two_pi
 from companion.core.vectors import Vector
+from companion.estimation.innovation import GATE_2
+from companion.estimation.report import EstimatorReport
 from companion.log import records as r
 from companion.log.linear_frame import LinearFrame
 from companion.sensors.compass.magnetic_field import FieldCorrector
@@ -86,6 +88,41 @@ def _magnetometer(us: int, corrector: FieldCorrector, measured: Vector) -> bytes
         *(one * motor_load for one in correction.motor),
     )
     return r.MAG.pack(us, 0, *(round(clamp(one, -limit, limit)) for one in values), 1, us)
+
+
+def estimator(us: int, report: EstimatorReport, compass_gate_rad: float) -> Iterator[bytes]:
+    """The filter's inside: innovations and test ratios as ArduPilot's XKF3 and XKF4, where 1 is the gate;
+    standard deviations, sensor errors, and probabilities that a sensor is wrong.
+    """
+    velocity, compass = (report.velocity_north, report.velocity_east), report.compass
+    position = report.position_north, report.position_east
+    yield r.XKF3.pack(
+        us, 0, *(_int16(one.value * 100.0) for one in velocity), 0,
+        *(_int16(one.value * 100.0) for one in position), 0, 0, 0, 0, _int16(compass.value * _DEG * 100.0), 0,
+        0.0, 0.0,
+    )  # fmt: skip
+    ratios = (
+        math.sqrt(sum(one.nis for one in velocity) / GATE_2),
+        math.sqrt(sum(one.nis for one in position) / GATE_2),
+        0.0,
+        abs(compass.value) / compass_gate_rad,
+        0.0,
+    )
+    yield r.XKF4.pack(us, 0, *(_int16(one * 100.0) for one in ratios), 0.0, 0.0, 0.0, 0, 0, 0, 0, 0)
+    deviations = [math.sqrt(report.covariance[one][one]) for one in range(len(report.state))]
+    north, east, heading, surge, _, current_n, current_e, bias, offset, gain, gnss_n, gnss_e, _ = deviations
+    yield r.ESD.pack(
+        us, north, east, heading * _DEG, surge, current_n, current_e, bias * _DEG, offset * _DEG, gain,
+        gnss_n, gnss_e,
+    )  # fmt: skip
+    bias, offset, gain, gnss_n, gnss_e, delay = report.state[7:]
+    yield r.EBIA.pack(us, bias * _DEG, offset * _DEG, gain, gnss_n, gnss_e, delay)
+    if report.hypotheses:
+        yield r.EHYP.pack(us, *(probability for _, probability in report.hypotheses))
+
+
+def _int16(value: float) -> int:
+    return round(clamp(value, -32767.0, 32767.0))
 
 
 def payload(now: Snapshot) -> Iterator[bytes]:

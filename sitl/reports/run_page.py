@@ -3,6 +3,7 @@
 import json
 from typing import Any
 
+from sitl.reports.innovation_picture import draw_innovations
 from sitl.reports.labels import label
 from sitl.reports.page import Mark, Page
 from sitl.reports.run_pictures import draw_panels, draw_sonar_map, draw_track_chart
@@ -38,6 +39,14 @@ def run_page(record: RunRecord) -> str:
         "The truth, unless it says otherwise. Shaded: modes; grey lines: waypoints; red: from the begin of a "
         "fault to its end; orange triangles: the boat brakes, with both motors astern.",
     )
+    innovations = draw_innovations(record)
+    if innovations is not None:
+        page.heading("Estimator")
+        page.picture(
+            innovations,
+            "Innovations of the filter in their own standard deviations: 95 % should lie in the band. Red: "
+            "rejected by a gate. Below: the probability that a sensor is wrong.",
+        )
     sonar = draw_sonar_map(record)
     if sonar is not None:
         page.heading("Sonar")

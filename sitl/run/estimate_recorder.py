@@ -8,6 +8,7 @@ import numpy as np
 
 from companion.boat import Boat
 from companion.core.geo import LatLon, LocalFrame, Point
+from companion.estimation.report import EstimatorReport
 
 EVERY_S = 0.1
 MOST_ECHOES = 100_000
@@ -19,7 +20,8 @@ class Estimate(NamedTuple):
 
     north_m, east_m: in the scenario's frame; the boat's own frame starts where it boots.
     current_*: the estimated drift by current and wind. faults: bits of EstimateFault. left, right: the
-    motor commands, −1..1. mode: Rover's number.
+    motor commands, −1..1. mode: Rover's number. *_nu: the filter's latest innovation of a sensor in standard
+    deviations, rejected_*: whether its gate rejected it. wrong_*: probability that a sensor is wrong.
     """
 
     time_s: float
@@ -37,6 +39,17 @@ class Estimate(NamedTuple):
     right: float = 0.0
     mode: float = _NAN
     armed: float = 0.0
+    position_north_nu: float = _NAN
+    position_east_nu: float = _NAN
+    velocity_north_nu: float = _NAN
+    velocity_east_nu: float = _NAN
+    compass_nu: float = _NAN
+    rejected_position: float = 0.0
+    rejected_velocity: float = 0.0
+    rejected_compass: float = 0.0
+    wrong_compass: float = _NAN
+    wrong_gyro: float = _NAN
+    wrong_gnss: float = _NAN
 
 
 _FIELDS = len(Estimate._fields)
@@ -110,4 +123,22 @@ def _estimate(boat: Boat, shift: Point, now_s: float) -> Estimate:
         right=command.right,
         mode=float(vehicle.mode),
         armed=float(vehicle.armed),
+        **_inside(boat.estimator.report),
     )
+
+
+def _inside(report: EstimatorReport | None) -> dict[str, float]:
+    if report is None:
+        return {}
+    out = {
+        f"{name}_nu": one.value / math.sqrt(one.variance)
+        for name in ("position_north", "position_east", "velocity_north", "velocity_east", "compass")
+        if (one := getattr(report, name)).time_s >= 0.0
+    }
+    for name, one in (
+        ("position", report.position_north),
+        ("velocity", report.velocity_north),
+        ("compass", report.compass),
+    ):
+        out[f"rejected_{name}"] = float(one.time_s >= 0.0 and not one.is_accepted)
+    return out | {f"wrong_{name.split()[0]}": probability for name, probability in report.hypotheses}

@@ -81,15 +81,19 @@ def test_an_estimator_without_reports_is_judged_by_its_own_deviation() -> None:
     assert nees(recording, {"nav": nav})["position"] == pytest.approx([4.0])
 
 
-def test_nis_counts_pairs_of_measurements_once() -> None:
-    sums = np.zeros((300, len(CHANNELS), 2))
+def test_nis_counts_pairs_of_measurements_once_and_each_only_once() -> None:
+    rows = 205
+    innovations = np.zeros((rows, len(CHANNELS), 3))
+    innovations[:, :, 0] = 17.0  # measured before the runs are judged
+    innovations[:, :, 1:] = 1.0, 0.5
+    innovations[202:, :, 0] = 20.2
     for number, name in enumerate(CHANNELS):
-        sums[-1, number] = (10.0, 12.0 if name.startswith("position") else 5.0)
-    found = nis({"nis": sums})
-    assert found["position"] == (24.0, 10)
-    assert found["compass"] == (5.0, 10)
+        innovations[202:, number, 1] = 3.0 if name == "position_east" else 2.0
+    found = nis({"innovations": innovations})
+    assert found["position"] == (8.0 + 18.0, 1)
+    assert found["compass"] == (8.0, 1)
     averages = average_nis([found, found])
-    assert averages["position"].mean == pytest.approx(2.4)
+    assert averages["position"].mean == pytest.approx(26.0)
 
 
 def test_averages_are_over_runs_and_shares_of_the_time() -> None:

@@ -4,6 +4,7 @@ from msgspec import Struct
 
 from companion.config.boat_config import BoatConfig
 from companion.core.state import MotorCommand
+from companion.estimation.estimator import Estimator
 from companion.guidance.pipeline import GuidancePipeline
 from companion.payload.control import PayloadControl
 from companion.sensors.suite import SensorSuite
@@ -19,6 +20,7 @@ class Snapshot(Struct, frozen=True):
     unix_s: float
     config: BoatConfig
     vehicle: Vehicle
+    estimator: Estimator
     sensors: SensorSuite
     guidance: GuidancePipeline
     command: MotorCommand

@@ -18,6 +18,7 @@ from sitl.experiments.result_log import ResultLog
 from sitl.experiments.trial import Trial, TrialResult, attempt
 from sitl.reports.campaign_page import again, campaign_page
 from sitl.reports.campaign_pictures import draw_expectation
+from sitl.reports.innovation_picture import draw_innovations
 from sitl.reports.labels import label, labelled
 from sitl.reports.page import Page
 from sitl.reports.run_page import run_page
@@ -72,7 +73,7 @@ def test_what_is_no_record_is_told(tmp_path: Path, content: bytes | None, words:
 def test_the_page_of_a_run_needs_nothing_but_itself(record: RunRecord) -> None:
     page = run_page(record)
     assert page.startswith("<!doctype html>")
-    assert page.count("<img") == 3  # chart, panels, sonar
+    assert page.count("<img") == 4  # chart, panels, innovations, sonar
     assert "data:image/png;base64," in page
     assert "data:image/svg+xml;base64," in page
     assert not re.search(r"(src|href)=\"(?!data:)", page)
@@ -263,3 +264,20 @@ def test_a_bound_at_the_edge_of_a_picture_is_written_inside_it() -> None:
         box, whole = word.get_window_extent(), figure.bbox
         assert whole.x0 <= box.x0
         assert box.x1 <= whole.x1
+
+
+def test_the_picture_of_innovations_has_the_faults_and_what_the_gates_rejected(record: RunRecord) -> None:
+    compass = record.estimates["compass_nu"]
+    assert np.nanmean(np.abs(compass) < 1.96) > 0.8
+    wrong = np.column_stack([record.estimates[f"wrong_{name}"] for name in ("compass", "gyro", "gnss")])
+    assert ((wrong >= 0.0) & (wrong <= 1.0)).all()
+    figure = draw_innovations(record)
+    assert figure is not None
+    assert [axes.get_ylabel() for axes in figure.axes] == [
+        "position, σ", "velocity, σ", "compass, σ", "probability\nof being wrong",
+    ]  # fmt: skip
+
+
+def test_a_record_without_innovations_has_no_picture_of_them(record: RunRecord) -> None:
+    older = {name: values for name, values in record.estimates.items() if not name.endswith("_nu")}
+    assert draw_innovations(dataclasses.replace(record, estimates=older)) is None

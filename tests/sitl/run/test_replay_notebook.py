@@ -1,0 +1,49 @@
+"""The notebook that replays a log: its cells run on a log of the emulator, and are those of the script."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from companion.log.logbook import Logbook
+from companion.log.sink import SingleFile
+from companion.log.worker import InlineWorker
+from pictures.notebook import NOTEBOOK, SCRIPT, notebook
+from sitl.run.mission_run import MissionRun
+from sitl.scenarios.missions import lay_out, wire_items
+from sitl.scenarios.scenario import load_scenario
+
+_CHECKOUT = Path(__file__).parents[3]
+
+
+def test_the_notebook_is_the_script() -> None:
+    """`python -m pictures` writes it."""
+    assert (_CHECKOUT / NOTEBOOK).read_text() == notebook((_CHECKOUT / SCRIPT).read_text())
+
+
+def test_the_cells_of_the_notebook_run_on_a_log(tmp_path: Path) -> None:
+    scenario = load_scenario("open", ["vehicle.log.motion_hz=50"])
+    logbook = Logbook(SingleFile(tmp_path / "a.bin"), None, InlineWorker())
+    MissionRun(scenario, wire_items(lay_out("straight", scenario)), logbook).run(timeout_s=25.0)
+    cells = json.loads((_CHECKOUT / NOTEBOOK).read_text())["cells"]
+    code = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code")
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code, str(tmp_path / "a.bin")],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=_CHECKOUT,
+        env=os.environ | {"MPLBACKEND": "Agg"},
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "velocity_north: NIS" in done.stdout
+    assert (tmp_path / "a.png").stat().st_size > 10_000
+
+
+def test_cells_are_split_at_their_marks() -> None:
+    cells = json.loads(notebook("# %% [markdown]\n# # Title\n#\n# Text.\n\n# %%\nx = 1\nprint(x)\n"))["cells"]
+    assert [cell["cell_type"] for cell in cells] == ["markdown", "code"]
+    assert "".join(cells[0]["source"]) == "# Title\n\nText."
+    assert "".join(cells[1]["source"]) == "x = 1\nprint(x)"
