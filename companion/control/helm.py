@@ -67,9 +67,17 @@ class Helm:
             gain_schedule(nav.surge_m_s - current_along, config.speed.cruise_m_s, config.heading.slow_gain),
         )
         # Two motors that steer leave the rest to the speed loop; a rudder leaves all.
-        room = 1.0 if not config.drive.has_pair else 1.0 - abs(heading.total)
+        steering = abs(heading.total) if config.drive.has_pair else 0.0
+        least = -1.0 if demand.brakes else steering
         speed = speed_effort(
-            self._speed, demand.speed_m_s, nav.surge_m_s, config.speed, dt_s, room, current_along
+            self._speed,
+            demand.speed_m_s,
+            nav.surge_m_s,
+            config.speed,
+            dt_s,
+            1.0 - steering,
+            current_along,
+            least,
         )
         self.heading_pid, self.speed_pid = heading, speed
         return allocate(Effort(speed.total, heading.total, nav.surge_m_s - current_along), config)

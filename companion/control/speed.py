@@ -27,16 +27,17 @@ def speed_effort(
     dt_s: float,
     room: float = 1.0,
     current_m_s: float = 0.0,
+    least: float = -1.0,
 ) -> PidOutput:
     """Throttle share that holds a speed along the bow, over ground.
 
     Astern it is limited to ASTERN_SHARE of what is allowed ahead. room: the share that steering leaves to
     throttle, 0..1; the integral must not wind up on what the mixer takes away. current_m_s: the known current
-    along the bow; what is not known of it ends up in the integral.
+    along the bow; what is not known of it ends up in the integral. least: the lowest throttle share.
     """
     base = feed_forward(demand_m_s - current_m_s, setting)
     high = min(setting.max_throttle, room)
-    low = -min(setting.max_throttle * ASTERN_SHARE, room)
+    low = min(max(-min(setting.max_throttle * ASTERN_SHARE, room), least), high)
     # The PI works inside what the feed-forward leaves, whose span must contain 0.
     base = clamp(base, low, high)
     return pid.update(

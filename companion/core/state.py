@@ -66,6 +66,7 @@ class Demand(Struct, frozen=True, gc=False):
 
     cross_track_m: distance to the right of the line, for telemetry and metrics only. distance_m: to the end
     of the leg or the station. yaw_rate_rad_s: rate of heading_rad, clockwise positive, as feed-forward.
+    brakes: False: the boat slows down by less throttle only, no propeller turns astern.
     """
 
     heading_rad: float
@@ -73,6 +74,7 @@ class Demand(Struct, frozen=True, gc=False):
     cross_track_m: float = 0.0
     distance_m: float = 0.0
     yaw_rate_rad_s: float = 0.0
+    brakes: bool = True
 
 
 class PidOutput(Struct, frozen=True, gc=False):

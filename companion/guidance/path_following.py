@@ -54,15 +54,17 @@ class _Plan(NamedTuple):
 class PathFollowing:
     """Keeps the path of the present leg."""
 
-    __slots__ = ("_leg", "_plan")
+    __slots__ = ("_corrected_s", "_correction_rad", "_leg", "_plan")
 
     def __init__(self) -> None:
         self._leg: FollowLeg | None = None
         self._plan: _Plan | None = None
+        self._correction_rad: float | None = None
+        self._corrected_s = 0.0
 
     def forget(self) -> None:
         """Drop the path."""
-        self._leg = self._plan = None
+        self._leg = self._plan = self._correction_rad = None
 
     def update(self, leg: FollowLeg, nav: NavState, config: BoatConfig) -> Guide:
         """Course and speed for the present position."""
@@ -70,6 +72,8 @@ class PathFollowing:
         if plan is None or self._leg is None:
             plan = _planned(leg, None, {}, nav, config)
         elif leg is not self._leg:
+            if leg.start not in (self._leg.start, self._leg.end):
+                self._correction_rad = None
             plan = _next_plan(plan, self._leg, leg, nav, config)
         along, cross = _located(plan, here)
         if _is_outdated(plan, along, cross, leg, nav, config):
@@ -77,13 +81,32 @@ class PathFollowing:
             along, cross = _located(plan, here)
         self._leg, self._plan = leg, plan
         stops = plan.smooth.path.speed_m_s(plan.smooth.exits_m[plan.at + 1]) <= 0.0
-        return _guide(plan.smooth, along, cross, leg, nav, config, stops=stops)
+        correction = self._correct(plan.smooth.path.course_rad(along), cross, nav, config)
+        return _guide(plan.smooth, along, correction, leg, nav, config, stops=stops)
+
+    def _correct(self, tangent_rad: float, cross_m: float, nav: NavState, config: BoatConfig) -> float:
+        """Change of course towards the path, without the noise of the fixes.
+
+        It is smoothed with the time constant of the heading loop, which could not follow faster. Cross-track
+        errors are predicted for as much longer.
+        """
+        cross_m_s = nav.east_m_s * math.cos(tangent_rad) - nav.north_m_s * math.sin(tangent_rad)
+        ground = math.hypot(nav.north_m_s, nav.east_m_s)
+        ahead = lookahead_m(ground, config.speed.cruise_m_s, config.guidance)
+        smooth_s = config.handling.yaw_time_s
+        response_s = config.handling.yaw_time_s + smooth_s
+        wanted = desired_course_rad(0.0, cross_m, cross_m_s, ahead, response_s)
+        share = 1.0 - math.exp(-max(nav.time_s - self._corrected_s, 0.0) / smooth_s)
+        before = wanted if self._correction_rad is None else self._correction_rad
+        self._corrected_s = nav.time_s
+        self._correction_rad = before + share * (wanted - before)
+        return self._correction_rad
 
 
 def _guide(
     smoothed: SmoothPath,
     along_m: float,
-    cross_m: float,
+    correction_rad: float,
     leg: FollowLeg,
     nav: NavState,
     config: BoatConfig,
@@ -98,9 +121,6 @@ def _guide(
     path, handling, setting = smoothed.path, config.handling, config.guidance
     ground = math.hypot(nav.north_m_s, nav.east_m_s)
     tangent = path.course_rad(along_m)
-    cross_m_s = nav.east_m_s * math.cos(tangent) - nav.north_m_s * math.sin(tangent)
-    ahead = lookahead_m(ground, config.speed.cruise_m_s, setting)
-    correction = desired_course_rad(0.0, cross_m, cross_m_s, ahead, handling.yaw_time_s)
     turned = along_m + handling.slip_m + max(handling.yaw_time_s - MOTOR_S, 0.0) * ground
     fed = turned + MOTOR_S * ground
     slowed = along_m + handling.surge_time_s * ground
@@ -109,7 +129,7 @@ def _guide(
     now, later = (
         max(min(path.speed_m_s(along_m + off), path.speed_m_s(slowed + off)), least) for off in (0.0, step)
     )
-    course = path.course_rad(turned) + correction
+    course = path.course_rad(turned) + correction_rad
     later_course = course + path.course_rad(fed + step) - path.course_rad(fed)
     return Guide(tangent, course, now, later_course, later, stops)
 

@@ -29,6 +29,7 @@ _STOP = Stop()
 _LEAP = 2.0  # times the fastest turn: a faster change is a new heading, not a turn
 _MOST_OFF_RAD = 1.2  # from the path, to either side: beyond it the boat makes no way along it
 _LEAD_RAD = 0.5  # of a turn in a current: leaves thrust for the speed
+CURRENT_S = 2.0  # smooths the current that legs are steered for: GNSS noise is in it; gusts last 4 s
 MAX_LEAD_RAD = 1.0  # beyond the saturation of the heading loop
 
 
@@ -55,9 +56,10 @@ class Turning:
 class Pilot:
     """State of guidance: path, station, turn."""
 
-    __slots__ = ("_path", "_station", "_station_point", "_turning")
+    __slots__ = ("_current_m_s", "_path", "_station", "_station_point", "_turning")
 
     def __init__(self) -> None:
+        self._current_m_s: complex | None = None  # on legs, smoothed: north + i east
         self._path = PathFollowing()
         self._station = StationKeeping()
         self._station_point: Point | None = None
@@ -71,6 +73,7 @@ class Pilot:
             self._station_point = None
         if not isinstance(intent, FollowLeg):
             self._path.forget()
+            self._current_m_s = None
         if not isinstance(intent, HoldTurn):
             self._turning.reset()
         if isinstance(intent, Stop | Drive):
@@ -136,6 +139,13 @@ class Pilot:
         self._station_point = point
         return self._station.update(point, nav, config, dt_s)
 
+    def _smoothed(self, nav: NavState, dt_s: float) -> NavState:
+        """The state with a smoothed current."""
+        current = complex(nav.current_north_m_s, nav.current_east_m_s)
+        smooth = current if self._current_m_s is None else self._current_m_s
+        self._current_m_s = smooth = smooth + (1.0 - math.exp(-dt_s / CURRENT_S)) * (current - smooth)
+        return replace(nav, current_north_m_s=smooth.real, current_east_m_s=smooth.imag)
+
     def _follow(self, leg: FollowLeg, nav: NavState, config: BoatConfig, dt_s: float) -> Demand:
         line = leg.line if leg.line.length_m > 1e-6 else Line(nav.point, leg.end)
         along_line, cross_track = line.along_and_cross_track_m(nav.point)
@@ -155,7 +165,8 @@ class Pilot:
                 speed = min(speed, leg_speed_m_s(leg.speed_m_s, room, carried, config))
         later_speed = min(guide.later_speed_m_s, speed)
         away = math.hypot(to_go, cross_track)
-        return _along_path(guide, speed, later_speed, nav, config, cross_track, away)
+        smooth = self._smoothed(nav, dt_s)
+        return _along_path(guide, speed, later_speed, smooth, config, cross_track, away)
 
 
 def _along_path(

@@ -4,6 +4,8 @@ Guidance (avoidance, pilot, fence brake) is costly and changes slowly. It runs e
 after a new request; the loops behind it (heading, speed, gate) run every tick on its latest output.
 """
 
+from msgspec.structs import replace
+
 from companion.config.boat_config import BoatConfig
 from companion.control.gate import Gate
 from companion.control.helm import Helm
@@ -111,6 +113,8 @@ class GuidancePipeline:
         )
         steered = self._pilot.update(self._fence_brake.hold(intent), nav, config, dt_s)
         steered = self.avoidance.limit.apply(steered, nav, config)
+        if self.avoidance.eases and isinstance(steered, Demand):
+            steered = replace(steered, brakes=False)
         if status.is_checking_motors:  # its pulses say nothing unless they are driven as they are meant
             return steered
         return self._fence_brake.limit(steered, intent, nav, fence, config, dt_s)

@@ -112,6 +112,11 @@ class ObstaclePerception:
         """As `solid`, with cells seen only once."""
         return self.occupancy.obstacles(now_s, SUSPECT)
 
+    @property
+    def is_looking_again(self) -> bool:
+        """Whether the sonar is turned to a single echo, to confirm or refute it."""
+        return self.sector.port_rad == self.sector.starboard_rad
+
     def movers(self, now_s: float) -> list[Track]:
         """Tracks known to move."""
         return self.tracks.movers(now_s)

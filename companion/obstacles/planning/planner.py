@@ -35,7 +35,7 @@ from companion.obstacles.planning.cost import HORIZON_S, TOUCH, CostModel
 from companion.obstacles.planning.detour import Detour, blocked_m
 from companion.obstacles.planning.motion import CRASH_STOP, Fan, Rollout
 from companion.obstacles.planning.movers import HULL, predict_movers
-from companion.obstacles.planning.speed_limit import SpeedLimit, coasting_m_s, crash_stop
+from companion.obstacles.planning.speed_limit import SpeedLimit, crash_stop
 from companion.obstacles.planning.way_ahead import is_same_goal, places_on, requested_m_s, way_ahead
 
 PERIOD_S: Final = 0.09  # between decisions, at least
@@ -63,11 +63,14 @@ class Stage(IntEnum):
 
 
 class LocalPlanner:
-    """stage: present action; limit: the speed limits. Messages are appended to `status_texts`."""
+    """stage: present action; limit: the speed limits; eases: what it avoids may be noise, which no propeller
+    turns astern for. Messages are appended to `status_texts`.
+    """
 
     def __init__(self, status_texts: list[StatusText]) -> None:
         self.stage = Stage.CLEAR
         self.limit = SpeedLimit()
+        self.eases = False
         self._status_texts = status_texts
         self._fan = Fan()
         self._field: ClearanceField | None = None
@@ -83,6 +86,7 @@ class LocalPlanner:
         self._forget()
         self.limit.clear()
         self._intent = self._override = None
+        self.eases = False
 
     def _forget(self) -> None:
         self.stage = Stage.CLEAR
@@ -143,6 +147,7 @@ class LocalPlanner:
         now_s: float,
     ) -> Intent | None:
         """The replacement; None keeps the intent."""
+        self.eases = False
         here, setting = nav.point, config.avoidance
         sight_m = perception.reach_m or setting.lookahead_m
         margin_m = setting.margin_m + _DRIFT_S * math.hypot(nav.current_north_m_s, nav.current_east_m_s)
@@ -156,6 +161,8 @@ class LocalPlanner:
         self.limit.update(nav, config, perception, field, bounds, now_s)
         if is_by_hand:
             return None
+        if perception.is_looking_again and not solid and not likely and self.stage is Stage.CLEAR:
+            return self._keep()  # a tenth of a second tells whether the echo is real
         if not self._crumbs or distance_m(self._crumbs[-1], here) > 0.5 * margin_m:
             self._crumbs.append(here)
         way = way_ahead(intent, nav, config, _SIGHTS * sight_m)
@@ -216,8 +223,7 @@ class LocalPlanner:
         heading, speed = wrap_pi(nav.heading_rad + best.turn_rad), best.speed_m_s
         self._heading_rad = heading
         along_m_s = nav.current_along_m_s(nav.heading_rad)
-        if not has_solid and not is_met:  # a single echo may be noise: no thrust astern
-            speed = max(speed, coasting_m_s(nav.surge_m_s - along_m_s, config))
+        self.eases = not has_solid and not is_met  # a single echo may be noise
         if self.stage is not Stage.BLOCKED:
             if CRASH_STOP < speed < 0.0:
                 self.stage = Stage.BACK

@@ -28,13 +28,6 @@ def crash_stop(nav: NavState, config: BoatConfig) -> Drive:
     return Drive(-config.speed.max_throttle, steering)
 
 
-def coasting_m_s(surge_m_s: float, config: BoatConfig) -> float:
-    """The lowest speed demand that gives no thrust astern."""
-    setting = config.speed
-    feed = setting.cruise_throttle / setting.cruise_m_s  # throttle by speed
-    return max(surge_m_s * setting.kp / max(setting.kp + feed, 1e-6), 0.0)
-
-
 class SpeedLimit:
     """ahead_m_s and astern_m_s: the limits, infinite for none; sight_m_s: by the water looked at."""
 

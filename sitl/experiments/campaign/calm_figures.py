@@ -21,6 +21,7 @@ from sitl.world.world import Truth
 
 SAMPLE_S: Final = 0.1
 FAST_M_S: Final = 0.7
+ASTERN: Final = 0.01  # a smaller command turns no propeller
 CAUSE_S: Final = 1.0  # a cause counts for so long: the boat acts on what it has seen
 _FAN_RAD: Final = tuple(math.radians(15.0 * step) for step in range(-5, 6))  # about the course over ground
 _MEMORY: Final = round(CAUSE_S / SAMPLE_S)
@@ -37,7 +38,7 @@ def calm_figures(mission_run: MissionRun) -> dict[str, float | None]:
     if len(rows) < 2:
         return {"motor_travel_per_min": None, "astern_caused_s": None, "astern_false_s": None}
     travel = np.abs(np.diff(rows[:, (_LEFT, _RIGHT)], axis=0)).sum(axis=0)
-    astern = (rows[:, _SURGE] > FAST_M_S) & (rows[:, (_LEFT, _RIGHT)].min(axis=1) < 0.0)
+    astern = (rows[:, _SURGE] > FAST_M_S) & (rows[:, (_LEFT, _RIGHT)].min(axis=1) < -ASTERN)
     caused = sum(
         any(_has_cause(mission_run, Truth(*row)) for row in rows[max(at - _MEMORY, 0) : at + 1].tolist())
         for at in np.flatnonzero(astern).tolist()
@@ -61,9 +62,11 @@ def _has_cause(mission_run: MissionRun, truth: Truth) -> bool:
         return True
     if world.movers.range_m(east_m, north_m, fan, sonar.max_range_m, truth.time_s) < math.inf:
         return True
-    stops_m = moves_m_s * vehicle.handling.surge_time_s + moves_m_s**2 / (2.0 * vehicle.guidance.accel_m_s2)
+    guidance = vehicle.guidance
+    stops_m = moves_m_s * vehicle.handling.surge_time_s + moves_m_s**2 / (2.0 * guidance.accel_m_s2)
     here = Point(north_m, east_m)
-    if any(distance_m(here, corner) <= stops_m for corner in mission_run.planned[1:]):
+    near_m = stops_m + guidance.waypoint_radius_m
+    if any(distance_m(here, place) <= near_m for place in mission_run.planned[1:]):
         return True
     boat = mission_run.lockstep.boat
     own = boat.estimator.frame  # it starts where the boat boots

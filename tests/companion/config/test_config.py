@@ -67,7 +67,7 @@ def test_a_file_that_is_missing_or_no_toml_is_named(tmp_path: Path) -> None:
 def test_one_value_is_replaced_and_the_old_tree_stays_as_it_was() -> None:
     before = BoatConfig()
     after = with_value(before, "heading.kp", 3.25)
-    assert (before.heading.kp, after.heading.kp) == (4.0, 3.25)
+    assert (before.heading.kp, after.heading.kp) == (3.75, 3.25)
     assert after.heading.ki == before.heading.ki
     assert after.speed is before.speed
 

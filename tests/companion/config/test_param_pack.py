@@ -129,7 +129,7 @@ def test_the_boats_own_file_counts_right_and_is_small() -> None:
     assert struct.unpack_from("<HHH", file) == (0x671C, len(ROWS), len(ROWS))
     assert [name.decode() for name, _, _ in decoded.params] == [row.name for row in ROWS]
     assert (b"HDG_KP", 3.5, 4) in decoded.params
-    assert (b"HDG_KP", 4.0, 4) in decoded.defaults
+    assert (b"HDG_KP", 3.75, 4) in decoded.defaults
     assert len(file) < 20 * len(ROWS)
 
 

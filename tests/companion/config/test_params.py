@@ -157,7 +157,7 @@ def test_a_value_set_back_to_its_default_leaves_the_file() -> None:
     storage = MemoryStorage()
     parameters = fresh(storage)
     parameters.set("HDG_KP", 3.0)
-    parameters.set("HDG_KP", 4.0)
+    parameters.set("HDG_KP", 3.75)
     assert storage.content[FILE].split() == []
 
 
@@ -212,4 +212,4 @@ def test_many_are_set_with_one_save_and_the_refused_are_told() -> None:
     assert reasons == ["HDG_KI: 99 is outside 0..50"]
     assert storage.load("params.parm") == b"HDG_KP 3.5\nWP_RADIUS 4\n"
     row = next(row for row in ROWS if row.name == "HDG_KP")
-    assert (parameters.value(row), parameters.default(row)) == (3.5, 4.0)
+    assert (parameters.value(row), parameters.default(row)) == (3.5, 3.75)

@@ -116,3 +116,18 @@ def test_steering_comes_before_throttle() -> None:
     assert 0.1 < steering < 0.9
     assert helm.speed_pid.total == pytest.approx(1.0 - steering)
     assert (thrust.left, thrust.right) == pytest.approx((1.0, 1.0 - 2.0 * steering))
+
+
+@pytest.mark.parametrize("heading_rad", [-0.05, 0.0, 0.05])
+def test_without_braking_no_motor_turns_astern(heading_rad: float) -> None:
+    demand = Demand(heading_rad, 0.4)
+    braked = Helm().update(demand, CRUISING, CONFIG, 0.02)
+    assert min(braked.left, braked.right) < -0.2
+    eased = Helm().update(replace(demand, brakes=False), CRUISING, CONFIG, 0.02)
+    assert min(eased.left, eased.right) == pytest.approx(0.0, abs=1e-9)
+    assert eased.left - eased.right == pytest.approx(braked.left - braked.right)
+
+
+def test_without_braking_a_hard_turn_keeps_its_thrust() -> None:
+    eased = Helm().update(Demand(1.5, 0.4, brakes=False), CRUISING, CONFIG, 0.02)
+    assert (eased.left, eased.right) == (1.0, -1.0)

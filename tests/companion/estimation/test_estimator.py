@@ -195,6 +195,27 @@ def test_a_gyro_keeps_the_compass_noise_out() -> None:
     assert math.sqrt(sum(error * error for error in errors[200:]) / 1800) < 0.015
 
 
+def test_white_noise_of_a_gyro_is_filtered_out_of_the_yaw_rate() -> None:
+    estimator, rng, rates = Estimator(), random.Random(7), []
+    for tick in range(2000):
+        now = tick * DT
+        nav = estimator.update(None, HeadingReading(now, 0.4, rng.gauss(0.0, 0.005)), now)
+        assert nav is not None
+        rates.append(nav.yaw_rate_rad_s)
+    changes = [later - rate for rate, later in zip(rates[200::5], rates[205::5], strict=False)]
+    assert math.sqrt(sum(change * change for change in changes) / len(changes)) < 0.0025  # white: 0.0071
+
+
+def test_a_gyros_turn_is_in_the_yaw_rate_within_half_a_second() -> None:
+    estimator, began = Estimator(), 20.0
+    for tick in range(round((began + 0.5) / DT)):
+        now = tick * DT
+        rate = 0.5 if now >= began else 0.0
+        nav = estimator.update(None, HeadingReading(now, 0.5 * max(now - began, 0.0), rate), now)
+    assert nav is not None
+    assert nav.yaw_rate_rad_s == pytest.approx(0.5, rel=0.1)
+
+
 def test_a_gyros_bias_is_learned() -> None:
     estimator = Estimator()
     for tick in range(3000):

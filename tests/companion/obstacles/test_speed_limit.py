@@ -12,7 +12,7 @@ from companion.core.state import Demand
 from companion.geofence.fence import Fence
 from companion.guidance.speed_profile import braking_speed_m_s
 from companion.obstacles.planning.clearance import ClearanceField
-from companion.obstacles.planning.speed_limit import SpeedLimit, coasting_m_s, crash_stop
+from companion.obstacles.planning.speed_limit import SpeedLimit, crash_stop
 
 FAST = Demand(0.0, 2.0)
 
@@ -83,13 +83,3 @@ def test_reducing_only_lowers() -> None:
 
 def test_a_crash_stop_is_full_reverse_and_holds_the_heading() -> None:
     assert crash_stop(boat(), CONFIG) == Drive(-1.0, 0.0)
-
-
-def test_coasting_asks_for_no_thrust_astern() -> None:
-    speed = coasting_m_s(2.0, CONFIG)
-    assert (
-        CONFIG.speed.cruise_throttle * speed / CONFIG.speed.cruise_m_s + CONFIG.speed.kp * (speed - 2.0)
-        >= -1e-9
-    )
-    assert speed == pytest.approx(1.7, abs=0.05)
-    assert coasting_m_s(-1.0, CONFIG) == 0.0

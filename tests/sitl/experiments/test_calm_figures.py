@@ -89,7 +89,7 @@ def test_astern_at_speed_in_open_water_has_no_cause() -> None:
     ("planned", "settings"),
     [
         (FAR, "movers=[{start=[0.0, 4.4]}]"),  # its edge 3.9 m ahead
-        ([Point(0.0, 0.0), Point(6.9, 0.0)], "seed=1"),  # 2 m/s · 1 s + (2 m/s)² / 0.8 m/s² = 7 m
+        ([Point(0.0, 0.0), Point(8.9, 0.0)], "seed=1"),  # 2 m/s · 1 s + (2 m/s)² / 0.8 m/s² + 2 m = 9 m
     ],
     ids=["mover", "end"],
 )
@@ -106,7 +106,7 @@ def test_astern_at_speed_before_something_real_has_a_cause(planned: list[Point],
     [
         (FAR, "movers=[{start=[0.0, 4.6]}]"),  # out of the ranger's reach
         (FAR, "movers=[{start=[0.0, -2.0]}]"),  # astern
-        ([Point(0.0, 0.0), Point(7.1, 0.0)], "seed=1"),
+        ([Point(0.0, 0.0), Point(9.1, 0.0)], "seed=1"),
     ],
     ids=["far", "behind", "end"],
 )
