@@ -70,6 +70,8 @@ the ratios are more reliable than the times.
 
 Two runs take longer, and print memory and descriptors as they go: `python -m benchmarks.endurance 24` sails
 24 simulated hours, `python -m benchmarks.full_boat 1` runs the program with every part for an hour.
+`python -m benchmarks.estimation` compares estimators on recorded runs; its figures are in
+[estimation](estimation.md).
 
 Machine: {machine}. Measured on {day}.
 """
