@@ -89,7 +89,7 @@ class ObstaclePerception:
                 self._add(beam, is_own=is_own)
         if nav is None:
             return
-        if setting.avoids_obstacles:
+        if pings and setting.avoids_obstacles:
             is_open = self.is_empty or not self.occupancy.obstacles(now_s)
             self.sector = choose_sector(
                 nav,

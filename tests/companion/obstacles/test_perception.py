@@ -117,7 +117,8 @@ def sector_after(*pings: SonarReading, now_s: float) -> tuple[float, float]:
     perception = ObstaclePerception(SETTING)
     for one in pings:
         perception.ingest([(one, None)], nav_at(), SETTING, one.time_s)
-    perception.ingest([], at_speed(), SETTING, now_s)
+    astern = ping(now_s, 3.0, None)
+    perception.ingest([(astern, 0.3)], at_speed(), SETTING, now_s)
     return perception.sector
 
 
