@@ -156,13 +156,13 @@ class LocalPlanner:
             _without(cells, likely, setting.margin_m, now_s)
             for cells in (perception.solid(now_s), perception.suspects(now_s))
         )
+        if perception.is_looking_again and not solid and not likely and self.stage is Stage.CLEAR:
+            suspects = []  # a tenth of a second tells whether the echo is real
         field = self._map(nav, config, bounds, perception.occupancy.cell_m, _SIGHTS * sight_m)
         field.fill(solid, suspects, TOUCH * margin_m)
         self.limit.update(nav, config, perception, field, bounds, now_s)
         if is_by_hand:
             return None
-        if perception.is_looking_again and not solid and not likely and self.stage is Stage.CLEAR:
-            return self._keep()  # a tenth of a second tells whether the echo is real
         if not self._crumbs or distance_m(self._crumbs[-1], here) > 0.5 * margin_m:
             self._crumbs.append(here)
         way = way_ahead(intent, nav, config, _SIGHTS * sight_m)
@@ -194,7 +194,8 @@ class LocalPlanner:
                 perception.water.note_unmapped_obstacle(here)
         length_m = max(speed * HORIZON_S, margin_m)
         target = self._detour.target(here, field, length_m, HULL * margin_m) or places_on(way, length_m, 1)[0]
-        new = [one for one in perception.unclassified(now_s) if not one.is_likely_mover]
+        # Without an echo left, a new track was refuted
+        new = [one for one in perception.unclassified(now_s) if suspects and not one.is_likely_mover]
         movers = predict_movers([*likely, *new], nav, field, setting.margin_m, now_s)
         is_met = any(mover.is_mover for mover in likely)  # a probable mover may be noise
         costs = CostModel(nav, field, movers, margin_m, speed, target, config)
