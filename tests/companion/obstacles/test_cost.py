@@ -74,7 +74,7 @@ def test_leaving_the_last_heading_costs() -> None:
     costs = model()
     kept, left = costs.plain(to(30.0), math.radians(30.0)), costs.plain(to(30.0), math.radians(-60.0))
     assert kept == costs.plain(to(30.0), None)
-    assert left - kept == pytest.approx(0.5)
+    assert left - kept == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize(("aside_m", "least", "most"), [(3.0, 0.0, 0.0), (0.9, 0.01, 0.3), (0.7, 0.05, 0.8)])
@@ -166,6 +166,13 @@ def test_a_new_echo_may_come_or_cross() -> None:
     new = Track(1, NOW_S, Point(3.0, 1.2), 0.4)
     assert model(movers=(new,)).danger(to(0.0)).risk > 0.2
     assert model(movers=(new,)).danger(to(-60.0)).risk < model(movers=(new,)).danger(to(0.0)).risk
+
+
+def test_a_new_echo_right_ahead_is_not_taken_to_cross() -> None:
+    """Its side would be noise, and the boat would turn to and fro."""
+    ahead, aside = Track(1, NOW_S, Point(3.0, 0.3), 0.4), Track(1, NOW_S, Point(3.0, 1.2), 0.4)
+    assert [one.east[0] > one.east[-1] for one in model(movers=(ahead,)).movers] == [True]
+    assert len(model(movers=(aside,)).movers) == 2
 
 
 def test_an_echo_known_to_lie_still_is_left_to_the_grid() -> None:
