@@ -24,7 +24,7 @@ from companion.core.evidence import LEARNING, MOST_SQUARE, FaultEvidence
 
 # Of evidence, in nats, that proves a fault. With samples 1 s apart that count, one false alarm in exp(12) s =
 # 45 h of positions. Headings are judged only while they differ by GAP_RAD, which is rare: odds of 400 to 1.
-THRESHOLDS: Final = (6.0, 6.0, 15.0)
+THRESHOLDS: Final[list[float]] = [6.0, 6.0, 15.0]
 GAP_RAD: Final = 0.12  # three standard deviations of a compass that heels in turns and feels the motors
 _HEADING_S: Final = 20.0  # time constant of the gyro's heading towards the filter's,
 _BIAS_S: Final = 60.0  # and of its bias; both shorter in the first minute
