@@ -13,7 +13,7 @@ GUSTS = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize(("weather", "at_most"), [((), 18.0), (GUSTS, 24.0)], ids=["calm", "gusts"])
+@pytest.mark.parametrize(("weather", "at_most"), [((), 14.0), (GUSTS, 17.0)], ids=["calm", "gusts"])
 def test_the_motors_run_calmly_on_a_straight_line(weather: tuple[str, ...], at_most: float) -> None:
     world = scenario("open", *weather, "seed=3")
     mission_run = MissionRun(world, wire_items(lay_out("straight", world)))
