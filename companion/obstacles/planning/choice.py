@@ -13,7 +13,7 @@ from companion.obstacles.planning.motion import CRASH_STOP, STEP_S, STEPS, Fan, 
 from companion.obstacles.planning.way_ahead import places_on
 
 _STAYS: Final = 0.1  # a rollout must be cheaper than the intent by this: about a turn by 5°
-_DIRE: Final = 3.0  # the cost of a late touch: only then a crash stop is considered
+_DIRE: Final = 4.0  # the cost of a touch at low speed: only then a crash stop is considered
 _HURRIES: Final = 3.0  # times the slowest speed with steerage way: to get out of a mover's way
 _STILL: Final = 0.4  # of that speed: weaker currents are ignored, and a slower boat is stopped
 
