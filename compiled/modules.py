@@ -12,6 +12,7 @@ READ_FROM_FILES: Final = frozenset({"companion/router/status.py", "companion/sen
 # mypyc drops the options of a msgspec struct's class line: without `frozen` and `kw_only` these do not import
 NEEDS_CLASS_OPTIONS: Final = frozenset({"companion/failsafe/inputs.py"})
 KERNEL: Final = "_"  # first letter of libraries that are built by pip and have twins (setup.py)
+_MYPYC: Final = "__mypyc"  # in the name of the library with the code of all compiled modules
 STAMP: Final = Path("build/compiled.json")  # sources and their digests, as they were compiled
 PATTERNS: Final = (
     "companion/boat.py",
@@ -75,8 +76,8 @@ def sources(root: Path = ROOT) -> list[str]:
 
 def libraries(root: Path = ROOT) -> list[Path]:
     """The compiled modules that Python takes before their sources, and the library that holds their code."""
-    found = {*root.glob("*__mypyc*.so"), *root.glob("companion/**/*.so"), *root.glob("sitl/**/*.so")}
-    return sorted(path for path in found if not path.name.startswith(KERNEL))
+    found = {*root.glob(f"*{_MYPYC}*.so"), *root.glob("companion/**/*.so"), *root.glob("sitl/**/*.so")}
+    return sorted(path for path in found if _MYPYC in path.name or not path.name.startswith(KERNEL))
 
 
 def digests(root: Path = ROOT) -> dict[str, str]:

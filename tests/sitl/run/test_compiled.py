@@ -55,7 +55,7 @@ def house(tmp_path: Path) -> Path:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("HERE = 1\n")
     (tmp_path / "companion/core/geo.so").touch()
-    (tmp_path / "0123__mypyc.so").touch()
+    (tmp_path / "companion/_compiled__mypyc.so").touch()
     return tmp_path
 
 
@@ -86,9 +86,11 @@ def test_the_kernels_of_route_planning_are_left_alone(tmp_path: Path) -> None:
     kernel = house(tmp_path) / "companion/planning/_segments.so"
     kernel.parent.mkdir()
     kernel.touch()
+    assert len(libraries(tmp_path)) == 2
     remove(tmp_path)
     assert kernel.exists()
     assert libraries(tmp_path) == []
+    assert [path.name for path in tmp_path.rglob("*.so")] == [kernel.name]
 
 
 def test_what_was_just_compiled_is_not_stale(tmp_path: Path) -> None:
