@@ -18,6 +18,7 @@ from patience import JOB_S, MOMENT_S
 from programs import RunBoat, RunProgram, until
 from pymavlink.mavftp import MAVFTP, FtpError
 
+from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.world import World
@@ -48,7 +49,7 @@ def test_mavproxy_fetches_parameters_as_a_file_and_moves_files(
     (proxy.room / "there.bin").write_bytes(CONTENT)
     proxy.wait_for(rf"Received {SERVED} parameters \(ftp\)")
     proxy.say("param show HDG_KP")
-    assert float(proxy.wait_for(r"HDG_KP +([0-9.]+)")[1]) == 4.0
+    assert float(proxy.wait_for(r"HDG_KP +([0-9.]+)")[1]) == BoatConfig().heading.kp
     proxy.say("ftp list /")
     proxy.wait_for(r"^ *D files$")
     proxy.wait_for("Total size")

@@ -150,7 +150,7 @@ def test_without_position_fence_or_permission_everything_goes_through() -> None:
         assert (limited(NORTHWARD, near, config=config) != NORTHWARD) is brakes
 
 
-# By hand. Full throttle makes 3.33 m/s; the gain of the speed loop is 2 per m/s, the feed-forward 0.3
+# By hand. Full throttle makes 3.33 m/s; the feed-forward is 0.3 per m/s
 
 
 def throttle_of(steered: Demand | Drive | Stop) -> float:
@@ -158,10 +158,14 @@ def throttle_of(steered: Demand | Drive | Stop) -> float:
     return steered.throttle
 
 
+def throttle_for(speed_m_s: float, surge_m_s: float) -> float:
+    return 0.3 * speed_m_s + CONFIG.speed.kp * (speed_m_s - surge_m_s)
+
+
 def test_by_hand_the_throttle_is_what_holds_the_allowed_speed() -> None:
     allowed = allowed_m_s(10.0)
     braked = limited(Drive(1.0, 0.3), nav_at(38.0, 1.6))
-    assert throttle_of(braked) == pytest.approx(0.3 * allowed + 2.0 * (allowed - 1.6), abs=2e-3)
+    assert throttle_of(braked) == pytest.approx(throttle_for(allowed, 1.6), abs=2e-3)
     assert isinstance(braked, Drive)
     assert braked.steering == 0.3
 
@@ -169,7 +173,7 @@ def test_by_hand_the_throttle_is_what_holds_the_allowed_speed() -> None:
 def test_by_hand_a_boat_that_coasts_toward_the_line_is_braked_astern() -> None:
     allowed = allowed_m_s(4.0)
     braked = limited(Drive(0.0, 0.0), nav_at(44.0, 1.2))
-    assert throttle_of(braked) == pytest.approx(0.3 * allowed + 2.0 * (allowed - 1.2), abs=2e-3)
+    assert throttle_of(braked) == pytest.approx(throttle_for(allowed, 1.2), abs=2e-3)
     assert throttle_of(limited(Drive(1.0, 0.0), nav_at(44.0, 2.5))) == -1.0
 
 
@@ -182,7 +186,7 @@ def test_by_hand_less_throttle_than_allowed_goes_through() -> None:
 def test_by_hand_astern_the_throttle_is_held_back_the_other_way() -> None:
     allowed = allowed_m_s(4.0)
     braked = limited(Drive(-1.0, 0.0), nav_at(-44.0, -0.8))
-    assert throttle_of(braked) == pytest.approx(-0.3 * allowed - 2.0 * (allowed - 0.8), abs=2e-3)
+    assert throttle_of(braked) == pytest.approx(-throttle_for(allowed, 0.8), abs=2e-3)
 
 
 def test_by_hand_the_feed_forward_is_through_the_water() -> None:

@@ -4,6 +4,7 @@ import struct
 import pytest
 from boat_rig import BOAT, Rig
 
+from companion.config.boat_config import BoatConfig
 from companion.mavlink.dialect import Message, dialect
 
 # What QGroundControl's Rover pages insist on for a clean connect
@@ -95,7 +96,7 @@ def test_a_slow_line_gets_the_list_as_fast_as_it_carries_it(rig: Rig) -> None:
 
 def test_one_is_read_by_name_or_by_index(rig: Rig) -> None:
     (by_name,) = read(rig, "HDG_KP")
-    assert by_name.param_value == 4.0
+    assert by_name.param_value == BoatConfig().heading.kp
     (by_index,) = read(rig, index=by_name.param_index)
     assert by_index.param_id == "HDG_KP"
 
@@ -124,7 +125,7 @@ def test_a_change_is_told_to_every_station_and_takes_hold_at_once(rig: Rig) -> N
 def test_a_refused_change_is_answered_with_the_value_that_stays_and_the_reason(
     rig: Rig, value: float
 ) -> None:
-    assert write(rig, "HDG_KP", value).param_value == 4.0
+    assert write(rig, "HDG_KP", value).param_value == BoatConfig().heading.kp
     assert any("HDG_KP" in text for text in rig.peer.texts)
 
 

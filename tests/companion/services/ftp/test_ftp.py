@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.mavftp import MAVFTP
 
+from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
@@ -633,7 +634,7 @@ def test_a_file_of_parameters_sets_them_and_everyone_hears_of_it(served: Served)
     file = parameter_file((b"HDG_KP", 3.5), (b"NOT_THERE", 1.0), (b"HDG_KI", 99.0))
     session = served.ask(Opcode.CREATE_FILE, b"@PARAM/param.pck").session
     served.ask(Opcode.WRITE_FILE, file, session)
-    assert value(served, "HDG_KP") == 4.0
+    assert value(served, "HDG_KP") == BoatConfig().heading.kp
     served.service.handle(request_of(77, Opcode.TERMINATE_SESSION, session=session), STATION, 0.0)
     out = served.outbox.drain()
     said = [(o.channel, o.message.param_value) for o in out if o.message.get_type() == "PARAM_VALUE"]
@@ -645,7 +646,7 @@ def test_a_file_of_parameters_sets_them_and_everyone_hears_of_it(served: Served)
 
 def test_a_file_that_is_none_of_parameters_is_refused_at_its_end(served: Served) -> None:
     assert served.put(b"@PARAM/param.pck", parameter_file((b"HDG_KP", 3.5))[:-1]).code is Code.FAIL
-    assert value(served, "HDG_KP") == 4.0
+    assert value(served, "HDG_KP") == BoatConfig().heading.kp
     assert served.put(b"@PARAM/param.pck", bytes(70_000)).code is Code.FAIL_ERRNO
 
 
