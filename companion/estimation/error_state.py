@@ -108,6 +108,7 @@ class ErrorStateFilter(NominalState):
              0.0, 0.0, _DELAY_S)
         )  # fmt: skip
         self._is_pending = False
+        self._stalled_s, self._stalled_m2 = -math.inf, 0.0  # end of a stall, and its share of the variance
         self._changed_m_s = 0.0  # surge at its last considerable change
         self.velocity_noise = 1.0  # of the stated variance
         scale = 2.0 * cruise * cruise / UNMODELLED_S
@@ -137,8 +138,10 @@ class ErrorStateFilter(NominalState):
         self._covariance_s = self.turned_s
         covariance, heading, surge = self.covariance, self.heading_rad, self.surge_model
         if dt > STALL_S:
-            for state in (NORTH, EAST):
-                covariance.add(state, (_STALLED * self.cruise_m_s * dt) ** 2)
+            self._stalled_s = self.turned_s
+            self._stalled_m2 += (_STALLED * self.cruise_m_s * dt) ** 2
+            covariance.add(NORTH, self._stalled_m2)
+            covariance.add(EAST, self._stalled_m2)
             dt = STALL_S
         cos, sin, through = math.cos(heading), math.sin(heading), self.through_water(heading)
         covariance.carry(NORTH, -through.imag * dt, cos * dt, -sin * dt, CURRENT_NORTH, dt)
@@ -196,6 +199,9 @@ class ErrorStateFilter(NominalState):
         if self._is_pending:
             self._is_pending = False
             self._correct(self.covariance.commit())
+            if self._stalled_m2 > 0.0:  # nothing measured before its end tells how far the boat went
+                self.covariance.raise_to(NORTH, self._stalled_m2)
+                self.covariance.raise_to(EAST, self._stalled_m2)
 
     def start_heading(self, compass_rad: float) -> None:
         """Take the heading from the compass."""
@@ -294,6 +300,8 @@ class ErrorStateFilter(NominalState):
         self._propagate_covariance()
         self._wander_variance = (self._wander_share * sigma_m) ** 2
         covariance, time_s = self.covariance, time_s - self.delay_s
+        if time_s > self._stalled_s:
+            self._stalled_m2 = 0.0
         north_m, east_m, heading, velocity = self.at(time_s)
         cos, sin, through = math.cos(heading), math.sin(heading), self._telling(velocity)
         back_s = min(time_s - self.turned_s, 0.0)

@@ -203,17 +203,25 @@ class SensorBank:
         return not self.is_compass_wrong
 
     def weigh_position(
-        self, time_s: float, at: complex, velocity: complex | None, sigma_m: float, velocity_variance: float
+        self,
+        time_s: float,
+        at: complex,
+        velocity: complex,
+        sigma_m: float,
+        velocity_variance: float,
+        *,
+        is_measured: bool = True,
     ) -> float:
         """Whether positions drift from their own velocities; sets `is_gnss_wrong`.
 
+        velocity: if not is_measured, the filter's, by which jumps are detected but no drift is proved.
         sigma_m: of the position, per axis. velocity_variance: per axis. Returns by how much they have drifted
         apart, 0 while that is not proved.
         """
         dt_s, self._fix_s = time_s - self._fix_s, time_s
-        before, self._velocity = self._velocity, velocity or 0j
+        before, self._velocity = self._velocity, velocity
         evidence = 0.0
-        if velocity is None or not dt_s < _LEAST_S:
+        if not dt_s < _LEAST_S:
             self.drift.restart()
         else:
             self._way_m += 0.5 * dt_s * (before + velocity)
@@ -225,6 +233,8 @@ class SensorBank:
                 (1.0 - share) * sigma_m**2,
                 velocity_variance * dt_s,
             )
+        if not is_measured:
+            evidence = 0.0
         self.evidence.against[Sensor.GNSS] = evidence
         self.is_gnss_wrong = evidence > (LEARNING if self.is_gnss_wrong else THRESHOLDS[Sensor.GNSS])
         return self.drift.drift_m if self.is_gnss_wrong else 0.0

@@ -95,11 +95,19 @@ class PositionUpdate:
             self._start(time_s, stamp_s, at, velocity, sigma_m, variance)
             return
         dt, self._time_s = time_s - self._time_s, time_s
-        speed_m_s = max(abs(state.at(time_s)[3]), abs(velocity or 0j))
+        predicted = state.at(time_s)[3]
+        speed_m_s = max(abs(predicted), abs(velocity or 0j))
         if not self._monitor.update((at, velocity), stamp_s, speed_m_s * dt / (_AT_REST * state.cruise_m_s)):
             bank.drift.restart()
             return
-        drift_m = bank.weigh_position(stamp_s, at, velocity, sigma_m, variance)
+        drift_m = bank.weigh_position(
+            stamp_s,
+            at,
+            predicted if velocity is None else velocity,
+            sigma_m,
+            variance,
+            is_measured=velocity is not None,
+        )
         if velocity is not None:
             channels = state.velocity_north, state.velocity_east
             self._update_velocity(time_s, stamp_s, velocity, variance)

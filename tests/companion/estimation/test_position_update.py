@@ -29,7 +29,7 @@ class Boat:
         self.fixing = PositionUpdate(self.state, self.heading, Estimation())
         self.now_s, self.speed_m_s, self._throttle = 0.0, speed_m_s, throttle
         self.state.surge_m_s = speed_m_s
-        self._ticks = 0
+        self._ticks, self.has_velocity = 0, True
 
     def sail(
         self, seconds: float, off_m: complex | None = 0j, reset_counter: int = 0, late_s: float = 0.0
@@ -43,7 +43,7 @@ class Boat:
             self.state.move(now_s, MotorCommand(self._throttle, self._throttle))
             if self._ticks % 10 == 0 and off_m is not None:
                 at = self.speed_m_s * (now_s - late_s) + off_m + 0.001 * (self._ticks % 20)
-                velocity = complex(self.speed_m_s, 0.0001 * (self._ticks % 20))
+                velocity = complex(self.speed_m_s, 0.0001 * (self._ticks % 20)) if self.has_velocity else None
                 self.fixing.update(now_s, at, velocity, 0.2, reset_counter)
             if self._ticks % 5 == 0:
                 self.fixing.advance(now_s)
@@ -145,3 +145,26 @@ def test_a_heading_is_lost_when_it_is_known_badly_and_found_when_it_is_known_wel
         lost.append(bool(boat.heading.faults(boat.now_s) & EstimateFault.HEADING_LOST))
         assert boat.heading.is_blind is (lost[-1] or sigma_rad > 0.45)
     assert lost == [False, False, False, True, True, True, False, False, False, True]
+
+
+def test_another_place_without_velocities_is_accepted_once_an_idle_boat_has_seen_it_steadily() -> None:
+    boat = Boat()
+    boat.has_velocity = False
+    boat.sail(20.0)
+    boat.sail(9.0, 98.0 + 0j)
+    assert boat.error_m < 1.0
+    boat.sail(3.0, 98.0 + 0j)
+    assert boat.error_m == pytest.approx(98.0, abs=1.0)
+
+
+def test_no_fix_from_before_the_end_of_a_stall_tells_how_far_the_boat_went() -> None:
+    boat = Boat(CRUISE_M_S, 0.5)
+    boat.sail(20.0)
+    state, before_s = boat.state, boat.now_s
+    state.turn(before_s + 2.0, 0.0)
+    for late_s in (0.0, 0.2, 0.4):
+        boat.fixing.update(before_s + late_s, CRUISE_M_S * (before_s + late_s), CRUISE_M_S + 0j, 0.2, 0)
+        assert boat.fixing.sigma_m > 0.9 * CRUISE_M_S
+    boat.fixing.update(before_s + 2.2, CRUISE_M_S * before_s + 0j, CRUISE_M_S + 0j, 0.2, 0)
+    assert boat.fixing.accepted_s == before_s + 2.2
+    assert boat.fixing.sigma_m < 0.3
