@@ -110,6 +110,7 @@ class Boat:
         self.endpoint.outbox.room = self.channels.room_bytes
         figures = self.parameters.config
         self.estimator = Estimator(figures.speed, figures.estimation, figures.drive)
+        self._compass_correction = None if hardware.field is None else hardware.field.correction
         self._origin = OriginMonitor(self.estimator, self.sensors.external)
         self.guidance = GuidancePipeline(config, self.vehicle.status_texts)
         self.net = SafetyNet()
@@ -244,6 +245,10 @@ class Boat:
         for severity, text in sensors.notices:
             self.vehicle.notify(severity, text)
         self._origin.share_frame()
+        correction = None if sensors.field is None else sensors.field.correction
+        if correction is not self._compass_correction:
+            self._compass_correction = correction
+            estimator.heading.forget_offset()
         self.nav = estimator.update(sensors.fix, sensors.heading, now_s, self.command)
         if far_m := self._origin.check(self.vehicle.armed, self.vehicle.notify):
             self.vehicle.reset_position(far_m)

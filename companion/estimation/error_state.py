@@ -102,6 +102,7 @@ class ErrorStateFilter(NominalState):
             0.0,
         )
         self._gyro_bias_variance = GYRO_BIAS_RAD_S * GYRO_BIAS_RAD_S
+        self._doubt_variance = setting.compass_doubt_rad**2
         current = _CURRENT * cruise
         self.covariance: Any = _new_covariance(
             (0.0, 0.0, _WIDEST, 0.0, 0.0, current, current, _BLIND_RATE, setting.compass_doubt_rad, _GAIN,
@@ -249,6 +250,13 @@ class ErrorStateFilter(NominalState):
         self.offset_rad -= turn_rad
         self.covariance.add(HEADING, _TURN_RAD * _TURN_RAD)
         self.covariance.reset(COMPASS_OFFSET, _TURN_RAD * _TURN_RAD)
+
+    def forget_offset(self) -> None:
+        """Take the compass offset for zero, with its initial uncertainty."""
+        self.commit()
+        self._propagate_covariance()
+        self.offset_rad = 0.0
+        self.covariance.reset(COMPASS_OFFSET, self._doubt_variance)
 
     def restore(self, gap_rad: float, offset_rad: float, bias_rad_s: float, current_m_s: complex) -> None:
         """The compass was wrong: return to an earlier offset, bias and current, and turn by gap_rad."""

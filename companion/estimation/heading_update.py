@@ -137,6 +137,13 @@ class HeadingUpdate:
         self.bank.restart(state.heading_sum + state.offset_rad, state.bias_rad_s)
         self._accept(time_s)
 
+    def forget_offset(self) -> None:
+        """The compass has been calibrated anew: what was learned of its offset is not true any more."""
+        state = self._state
+        state.forget_offset()
+        self._sum_rad, self._count = 0.0, 0
+        self.bank.restart(state.heading_sum + state.offset_rad, state.bias_rad_s)
+
     def _accept(self, time_s: float) -> None:
         self.compass_s = self._block_s = time_s
         self._off_since_s = math.inf

@@ -168,3 +168,14 @@ def test_no_fix_from_before_the_end_of_a_stall_tells_how_far_the_boat_went() -> 
     boat.fixing.update(before_s + 2.2, CRUISE_M_S * before_s + 0j, CRUISE_M_S + 0j, 0.2, 0)
     assert boat.fixing.accepted_s == before_s + 2.2
     assert boat.fixing.sigma_m < 0.3
+
+
+def test_a_new_calibration_of_the_compass_takes_away_the_learned_offset() -> None:
+    boat = Boat()
+    boat.sail(20.0)
+    boat.state.rotate(0.1)
+    assert boat.state.offset_rad == pytest.approx(-0.1, abs=0.01)
+    boat.heading.forget_offset()
+    boat.sail(5.0)
+    assert boat.state.heading_rad == pytest.approx(0.0, abs=0.03)
+    assert boat.heading.faults(boat.now_s) == 0
