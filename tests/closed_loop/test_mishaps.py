@@ -65,16 +65,27 @@ def test_without_compass_and_gyro_the_boat_sails_on_by_its_course_and_keeps_stat
     assert abs(late[:, 2] - late[0, 2]).max() < 3.0
 
 
-def test_a_boat_that_loses_its_heading_in_a_corner_finds_it_again_and_stays() -> None:
-    mission_run, _ = sail("what='compass', at_s=15.0", linger_s=60.0)
+@pytest.mark.parametrize("outage", ["", "}, {what='gnss', at_s=20.0, for_s=3.0"])
+def test_without_compass_and_gyro_the_heading_is_kept_through_a_corner_and_the_boat_stays(
+    outage: str,
+) -> None:
+    mission_run, result = sail(f"what='compass', at_s=15.0{outage}", linger_s=60.0)
     texts = said(mission_run)
-    assert "Failsafe: Heading lost" in texts
-    assert "Failsafe over: heading known again" in texts
+    assert result.completed, texts
+    assert "Failsafe: Heading lost" not in texts
     assert mission_run.lockstep.boat.vehicle.mode.name == "LOITER"
     rows = mission_run.recorder.rows
     late = rows[rows[:, 0] > rows[-1, 0] - 40.0]
-    assert abs(late[:, 1] - late[0, 1]).max() < 6.0  # adrift it would be twenty
-    assert abs(late[:, 2] - late[0, 2]).max() < 6.0
+    assert abs(late[:, 1] - late[0, 1]).max() < 3.0  # adrift it would be twenty
+    assert abs(late[:, 2] - late[0, 2]).max() < 3.0
+
+
+def test_a_heading_that_is_lost_without_compass_and_fixes_is_found_again_by_the_course() -> None:
+    mission_run, _ = sail("what='compass', at_s=15.0}, {what='gnss', at_s=18.0, for_s=8.0", linger_s=20.0)
+    texts = said(mission_run)
+    lost = texts.index("Failsafe: Heading lost")
+    assert "Failsafe over: heading known again" in texts[lost:]
+    assert mission_run.lockstep.boat.vehicle.mode.name == "HOLD"  # the position was lost too
 
 
 def test_a_sonar_that_talks_nonsense_is_not_believed_and_ends_no_mission() -> None:
