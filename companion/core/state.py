@@ -32,7 +32,8 @@ class NavState(Struct, frozen=True, gc=False):
     ground. position_age_s and heading_age_s: age of the last accepted measurement, infinite before the first;
     during dead reckoning the position's age is limited to the receiver's time-out. current_north_m_s,
     current_east_m_s: current over ground, leeway included. position_sigma_m: standard deviation, per axis.
-    faults: bits of EstimateFault, as a plain integer for speed.
+    faults: bits of EstimateFault, as a plain integer for speed. gyro_rad_s: the gyro's latest rate less its
+    bias, with its white noise, which yaw_rate_rad_s is smoothed by the yaw model to be without; None without.
     """
 
     time_s: float
@@ -50,6 +51,7 @@ class NavState(Struct, frozen=True, gc=False):
     current_east_m_s: float = 0.0
     position_sigma_m: float = 0.0
     faults: int = 0
+    gyro_rad_s: float | None = None
 
     @property
     def point(self) -> Point:

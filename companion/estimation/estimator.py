@@ -124,6 +124,7 @@ class Estimator:
             current_east,
             self._sigma_m,
             faults,
+            state.measured_rate_rad_s,
         )
 
     @property

@@ -70,6 +70,11 @@ class NominalState:
         """The current, north + i east."""
         return complex(self.current_north_m_s, self.current_east_m_s)
 
+    @property
+    def measured_rate_rad_s(self) -> float | None:
+        """The gyro's latest rate less its bias; None without a gyro."""
+        return self._rate_rad_s if self.has_gyro else None
+
     def turn(self, now_s: float, gyro_rad_s: float | None) -> None:
         """Advance heading and yaw rate to now_s. gyro_rad_s: a new reading of it, if any."""
         dt, yaw = now_s - self.turned_s, self.yaw_model
