@@ -303,7 +303,6 @@ class Boat:
                     fix=self.sensors.fix,
                     command=self.command,
                     is_slowed=guidance.avoidance.limit.ahead_m_s < math.inf,
-                    gyro_rad_s=self.sensors.gyro_rad_s,
                 )
             guidance.guide(intent, nav, vehicle.status, vehicle.fence, config, now_s)
         if self.motor_test.is_running:

@@ -137,9 +137,7 @@ def _swing(
     while len(relay.periods_s) < wanted and has_room(inputs, heading_rad) and not inputs.is_slowed:
         relay.update(wrap_pi(inputs.nav.heading_rad - heading_rad), inputs.now_s)
         inputs = yield Drive(config.speed.cruise_throttle, relay.steering)
-        # Not the estimate where there is a gyro: it would be fitted to the estimator's own model of the yaw
-        rate = inputs.nav.yaw_rate_rad_s if inputs.gyro_rad_s is None else inputs.gyro_rad_s
-        stretch.add(_steered(inputs), rate)
+        stretch.add(_steered(inputs), inputs.nav.measured_yaw_rate_rad_s)
     return inputs
 
 

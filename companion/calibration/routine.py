@@ -25,7 +25,6 @@ class RoutineInputs(NamedTuple):
 
     fix: only a new one. command: of the last tick. The routine keeps within radius_m of the centre.
     is_fenced: there is a fence, which the boat brakes for. is_slowed: obstacle avoidance limits the speed.
-    gyro_rad_s: measured yaw rate; None without a gyro.
     """
 
     nav: NavState
@@ -37,7 +36,6 @@ class RoutineInputs(NamedTuple):
     radius_m: float
     is_fenced: bool = False
     is_slowed: bool = False
-    gyro_rad_s: float | None = None
 
     @property
     def off_m(self) -> float:

@@ -146,12 +146,10 @@ class CalibrationRunner:
         fix: GnssFix | None,
         command: MotorCommand,
         is_slowed: bool,
-        gyro_rad_s: float | None = None,
     ) -> Intent:
         """The calibration's intent in place of the vehicle's.
 
         command: of the last tick. is_slowed: obstacle avoidance limits the speed.
-        gyro_rad_s: measured yaw rate; None without a gyro.
         """
         if not self.is_running:
             return intent
@@ -164,7 +162,7 @@ class CalibrationRunner:
             self._fix_s = fix.time_s
         inputs = RoutineInputs(
             nav, fix if is_new else None, command, config, now_s, intent.point, self.radius_m,
-            fence.is_active, is_slowed, gyro_rad_s,
+            fence.is_active, is_slowed,
         )  # fmt: skip
         if inputs.off_m > self.radius_m:
             self.stop(f"the boat is {inputs.off_m:.1f} m from its station")

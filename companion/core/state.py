@@ -54,6 +54,11 @@ class NavState(Struct, frozen=True, gc=False):
     gyro_rad_s: float | None = None
 
     @property
+    def measured_yaw_rate_rad_s(self) -> float:
+        """That of the gyro, for whoever fits or judges a model of the yaw; without a gyro, the estimate."""
+        return self.yaw_rate_rad_s if self.gyro_rad_s is None else self.gyro_rad_s
+
+    @property
     def point(self) -> Point:
         """The position."""
         return Point(self.north_m, self.east_m)

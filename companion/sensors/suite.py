@@ -180,11 +180,6 @@ class SensorSuite:
             if reading is not None and now_s - reading.time_s <= part.timeout_s:
                 self.probes.append(reading)
 
-    @property
-    def gyro_rad_s(self) -> float | None:
-        """The latest measured yaw rate."""
-        return None if self.heading is None else self.heading.yaw_rate_rad_s
-
     def _tell(self, notice: StatusText | None) -> None:
         if notice is not None:
             self.notices.append(notice)

@@ -165,11 +165,9 @@ class MotorEvidence:
         self._predict(water_m_s, astern, nav.heading_rad, nav.time_s, dt_s, turning)
         is_learning = max(self.against) < LEARNING
         gained = [0.0] * len(HYPOTHESES)
-        # The estimate's rate leans on a model of healthy motors, and its error is not white
-        measured_rad_s = nav.yaw_rate_rad_s if nav.gyro_rad_s is None else nav.gyro_rad_s
         if nav.faults & _NO_COMPASS:
             self._turn.restart()
-        elif self._turn.correct(measured_rad_s, dt_s, is_learning=is_learning):
+        elif self._turn.correct(nav.measured_yaw_rate_rad_s, dt_s, is_learning=is_learning):
             _weigh(self._turn, self._sizes[0], gained)
         self._take_fix(fix, nav, gained, is_learning, dt_s)
         self._take_current(battery, water_m_s, gained, is_learning, dt_s)
