@@ -127,7 +127,7 @@ def test_disarming_stops_the_motor_and_centres_the_rudder() -> None:
         ("rudder", "off", "Failsafe: Steering lost: rudder or motor has no effect"),
         ("rudder", "stuck", "Failsafe: Steering lost: rudder or motor has no effect"),
         ("motor_left", "off", "Failsafe: Steering lost: rudder or motor has no effect"),
-        ("motor_left", "wrong", "Failsafe: Steering lost: rudder or motor has no effect"),
+        ("motor_left", "wrong", "Failsafe: Steering lost: motor reversed"),
     ],
 )
 def test_a_boat_that_cannot_steer_tries_to_come_free_then_drifts(what: str, kind: str, told: str) -> None:
