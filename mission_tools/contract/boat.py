@@ -8,10 +8,11 @@ from companion.config.boat_config import BoatConfig, decode_config, load_toml
 from mission_tools.costs.travel import BoatSpeed, Floats
 from mission_tools.errors import UsageError
 
-SLOW_EXPONENT, FAST_EXPONENT = 1.7, 2.5
+SLOW_EXPONENT, FAST_EXPONENT = 2.1, 2.7
 """Of the speed through the water, below and above cruise, for what the motors draw.
 
-Fitted to two emulated hulls with brushed motors behind a chopper, at 0.5, 0.75 and 1.25 times cruise speed.
+Fitted to two emulated hulls with brushed motors behind a chopper, at 0.5, 0.75 and 1.25 times cruise
+speed: 2.0 to 2.4 below, 2.7 and more above.
 (A propeller's power grows with the cube, but at low thrust losses that do not depend on it outweigh.)
 """
 STEERING = 1.08
