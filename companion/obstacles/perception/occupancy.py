@@ -18,7 +18,7 @@ SUSPECT: Final = 0.5  # one echo
 _MAX_EVIDENCE: Final = 4.0  # two beams through a cell refute a moving obstacle that has left it
 # A beam through a cell removes 1, one without any echo half: a smooth wall at an angle returns none.
 _SILENCE: Final = 0.5
-_CORE: Final = 0.7  # of the beam width, at half power: beyond it an echo is weak
+CORE: Final = 0.7  # of the beam width, at half power: beyond it an echo is weak
 _SECOND_LOOK_S: Final = 3.0  # two full sweeps: a real obstacle is seen again
 MAX_CELLS: Final = 1200  # 240 m of shore in cells of 0.2 m
 
@@ -134,7 +134,7 @@ class Occupancy:
         clear_m = min(beam.range_m, beam.reach_m) - self.cell_m
         taken = 1.0 if beam.is_echo else _SILENCE
         ahead_n, ahead_e = math.cos(beam.bearing_rad), math.sin(beam.bearing_rad)
-        sine = math.sin(0.5 * _CORE * beam.width_rad)
+        sine = math.sin(0.5 * CORE * beam.width_rad)
         is_open = all(cell.evidence < SOLID for cell in self._cells.values())
         slack_m = math.sqrt(0.5) * self.cell_m if is_open else 0.0
         north_m, east_m = beam.at
@@ -151,7 +151,7 @@ class Occupancy:
     def _mark(self, beam: Beam) -> None:
         """Add 1 to the evidence of each cell on the arc."""
         cells, side = self._cells, self.cell_m
-        width_rad = _CORE * beam.width_rad
+        width_rad = CORE * beam.width_rad
         across = max(1, math.ceil(beam.range_m * width_rad / side))
         for step in range(across + 1):
             bearing = beam.bearing_rad + width_rad * (step / across - 0.5)

@@ -36,6 +36,7 @@ class Track:
         self.radius_m = radius_m
         self.observations = 1
         self.isolated_count = 0  # observations with free water on either side
+        self.silent_looks = 0  # beams that met nothing where its only echo was
         self.is_cut_off = False  # the last observation did not cover both edges
         self.is_mover = False
         self.is_likely_mover = False  # moves, or probably does

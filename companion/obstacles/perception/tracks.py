@@ -10,7 +10,7 @@ import math
 from typing import Final
 
 from companion.core.geo import Point
-from companion.obstacles.perception.occupancy import Beam
+from companion.obstacles.perception.occupancy import CORE, Beam
 from companion.obstacles.perception.track import BRIEF_S, Track
 
 MAX_TRACKS: Final = 16
@@ -22,6 +22,7 @@ _SAME_THING: Final = 0.6  # scales: largest difference in range within a group
 _LONGEST: Final = 2.0  # scales: a longer group is shore
 _SMALL: Final = 0.75  # scales, radius: the nearest point of a larger one moves along with the boat
 _RANGE_SIGMA: Final = 0.05  # scales, per observation: the accuracy of the boat's own position
+_REFUTES: Final = 2  # silent looks at a single echo: they take the evidence of one from the grid, too
 _ACCEL: Final = 0.25  # scales, m/s²: a swimmer's, and a boat's that turns away
 _LEAST_PACE: Final = 0.12  # scales, m/s: slower motion is swinging at anchor
 # Of the beam width: an echo comes from anywhere within it, alike in one ping after another, so that
@@ -50,6 +51,8 @@ class ObstacleTracks:
             if not self._group:
                 self._before = None if has_turned_back else self._last
             self._group.append(beam)
+        elif self.all:
+            self._refute(beam)
         self._last = beam
 
     def known(self, now_s: float) -> list[Track]:
@@ -79,6 +82,13 @@ class ObstacleTracks:
             for track in self.all
             if now_s - track.seen_s <= (LOST_S if track.observations > 1 else BRIEF_S)
         ]
+
+    def _refute(self, beam: Beam) -> None:
+        """Remove tracks of a single echo where beams, as many as clear its cells in the grid, met nothing."""
+        for track in self.all:
+            if track.observations == 1 and _looks_through(beam, track.point(beam.time_s)):
+                track.silent_looks += 1
+        self.all = [track for track in self.all if track.silent_looks < _REFUTES]
 
     def _is_of_group(self, beam: Beam) -> bool:
         """Whether an echo continues the group: the next beam in the same direction, at a similar range."""
@@ -173,6 +183,14 @@ def _is_beside(first: Beam, then: Beam) -> bool:
     """Whether two beams are adjacent in bearing and time."""
     turned, width_rad = abs(_turned_rad(first, then)), then.width_rad
     return 0.1 * width_rad < turned < 1.5 * width_rad and abs(then.time_s - first.time_s) < SAME_PASS_S
+
+
+def _looks_through(beam: Beam, at: Point) -> bool:
+    """Whether a place is in the core of a beam."""
+    north, east = at.north_m - beam.at.north_m, at.east_m - beam.at.east_m
+    off_rad = math.remainder(math.atan2(east, north) - beam.bearing_rad, math.tau)
+    is_in_reach = beam.blind_m <= math.hypot(north, east) < beam.reach_m
+    return is_in_reach and abs(off_rad) < 0.5 * CORE * beam.width_rad
 
 
 def _last_seen_s(track: Track) -> float:

@@ -22,7 +22,6 @@ _BUMP: Final = 0.5  # m/s, added to the speed of a touch
 _AHEAD_S: Final = 1.5  # a mover's domain reaches so far ahead
 _NEW_M_S: Final = 0.5  # speed of a new echo that may move
 _STILL: Final = 0.4  # probability that a new, isolated echo lies still
-_AHEAD_RAD: Final = 0.26  # the width of the sonar's beam
 _UNLIKELY: Final = 0.05
 HULL: Final = 0.6  # of the margin: half the hull's length and half a cell
 
@@ -85,10 +84,9 @@ def _hypotheses(track: Track, nav: NavState, now_s: float) -> list[tuple[float, 
     across = (-side * to_e, side * to_n)
     along_2 = 2.0 * track.pace_sigma_m_s(to_n, to_e) ** 2 + 1e-6
     across_2 = 2.0 * track.pace_sigma_m_s(-to_e, to_n) ** 2 + 1e-6
-    coming = 1.0 - _STILL
-    crossing = 0.5 * coming if abs(off) > _AHEAD_RAD else 0.0  # ahead, the side is noise
+    moving = 0.5 - 0.5 * _STILL
     found, total = [], 0.0
-    for prior, (v_n, v_e) in ((_STILL, (0.0, 0.0)), (coming - crossing, towards), (crossing, across)):
+    for prior, (v_n, v_e) in ((_STILL, (0.0, 0.0)), (moving, towards), (moving, across)):
         d_n, d_e = v_n - track.north_m_s, v_e - track.east_m_s
         along, aside = d_n * to_n + d_e * to_e, d_e * to_n - d_n * to_e
         weight = prior * math.exp(-along * along / along_2 - aside * aside / across_2)

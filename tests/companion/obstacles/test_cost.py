@@ -60,7 +60,7 @@ def test_the_bow_towards_the_target_counts_where_the_place_is_the_same() -> None
 def test_port_costs_a_little_more_and_much_more_with_a_mover() -> None:
     alone, met = model(), model(movers=(mover(30.0, 0.0),))
     assert 0.03 < alone.plain(to(-30.0), None) - alone.plain(to(30.0), None) < 0.1
-    assert 0.2 < met.plain(to(-30.0), None) - met.plain(to(30.0), None) < 0.4
+    assert 0.5 < met.plain(to(-30.0), None) - met.plain(to(30.0), None) < 0.7
 
 
 def test_astern_and_a_crash_stop_cost_extra() -> None:
@@ -166,13 +166,6 @@ def test_a_new_echo_may_come_or_cross() -> None:
     new = Track(1, NOW_S, Point(3.0, 1.2), 0.4)
     assert model(movers=(new,)).danger(to(0.0)).risk > 0.2
     assert model(movers=(new,)).danger(to(-60.0)).risk < model(movers=(new,)).danger(to(0.0)).risk
-
-
-def test_a_new_echo_right_ahead_is_not_taken_to_cross() -> None:
-    """Its side would be noise, and the boat would turn to and fro."""
-    ahead, aside = Track(1, NOW_S, Point(3.0, 0.3), 0.4), Track(1, NOW_S, Point(3.0, 1.2), 0.4)
-    assert [one.east[0] > one.east[-1] for one in model(movers=(ahead,)).movers] == [True]
-    assert len(model(movers=(aside,)).movers) == 2
 
 
 def test_an_echo_known_to_lie_still_is_left_to_the_grid() -> None:

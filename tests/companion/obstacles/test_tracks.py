@@ -151,3 +151,14 @@ def test_a_single_echo_is_forgotten_after_a_sweep_and_gives_no_speed_to_the_next
             tracks.add(Beam(time_s, Point(0.0, 0.0), bearing, WIDTH_RAD, heard_m, 4.0))
     assert len(tracks.all) == 1
     assert (tracks.all[0].observations == 1) is is_another
+
+
+@pytest.mark.parametrize(("looks", "is_kept"), [(1, True), (2, False)])
+def test_a_single_echo_that_two_looks_refute_is_no_track(looks: int, is_kept: bool) -> None:
+    """The next false echo must not make a mover of it."""
+    tracks, here = ObstacleTracks(1.0), Point(0.0, 0.0)
+    tracks.add(Beam(0.0, here, 0.0, WIDTH_RAD, 2.0, 4.0))
+    tracks.add(Beam(0.06, here, 0.3, WIDTH_RAD, math.inf, 4.0))  # beside it: refutes nothing
+    for look in range(looks):
+        tracks.add(Beam(0.12 + 0.06 * look, here, 0.03, WIDTH_RAD, math.inf, 4.0))
+    assert bool(tracks.all) is is_kept

@@ -47,9 +47,9 @@ def test_without_avoidance_what_moves_is_touched_though_it_could_be_helped() -> 
 
 
 def test_a_boat_that_gives_way_is_counted_by_what_it_tells_its_operator() -> None:
-    """At the speed of AVOID_SIGHT 1 the ranger sees the mover in time."""
+    """At the speed of AVOID_SIGHT 1 the ranger sees it in time; head on, as only an approach is reported."""
     by_sight = {"vehicle": {"avoidance": {"by_sight": 1}}}
-    (trial,) = encounter_trials([Encounter("crossing", 0.5)], [1], by_sight)
+    (trial,) = encounter_trials([Encounter("head_on", 0.5)], [1], by_sight)
     assert run_encounter(trial).figures["moves_told"]
 
 
