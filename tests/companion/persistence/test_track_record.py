@@ -68,7 +68,7 @@ def sails_home_along_its_track(rig: Rig) -> bool:
         rig.run(0.1)
         farthest_m = max(farthest_m, off_the_track_m(rig))
         if rig.offset_m(0.0, 0.0) < 3.0:
-            return farthest_m < 4.0
+            return farthest_m < 4.5
     return False
 
 
