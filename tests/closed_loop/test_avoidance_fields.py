@@ -56,14 +56,14 @@ def mover_rig(mover: str, seed: int) -> Rig:
     ids=["head on", "slower ahead", "from starboard", "from port"],
 )
 def test_what_moves_is_rarely_touched_and_the_goal_reached(mover: str) -> None:
-    """In two of six seeds at most: late fixes and weak thrust astern leave less time than there was."""
+    """In half of the seeds at most: a crossing mover is known late, and at 1 m/s there is little time."""
     touched = 0
     for seed in range(1, 7):
         rig = mover_rig(mover, seed)
         rig.until(lambda rig=rig: rig.mode != "AUTO", 150.0)  # type: ignore[misc]
         assert rig.mode == "LOITER"
         touched += rig.world.groundings > 0
-    assert touched <= 2
+    assert touched <= 3
 
 
 @pytest.mark.parametrize("source", ["lake", "pool"])

@@ -22,7 +22,7 @@ from companion.obstacles.planning.movers import HULL, NEAR, Predicted, encounter
 HORIZON_S: Final = STEP_S * STEPS
 _BOW: Final = 0.3
 _PORT: Final = 0.05  # breaks ties,
-_PORT_MOVER: Final = 0.6  # at 0.3 a boat at cruise speed turned across the bow of one from starboard
+_PORT_MOVER: Final = 0.3  # with 0.6 a boat among rocks, one taken for a mover, turns to and fro
 _ASTERN: Final = 0.5  # an approaching obstacle catches up
 _HABIT: Final = 2.0  # of half a turn away from the last decision
 _BRAKES: Final = 0.7  # of accel_m_s2: the lake boat stops within 2.3 m from 1 m/s with half reverse
