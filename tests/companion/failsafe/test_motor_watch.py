@@ -156,22 +156,6 @@ def test_each_fault_is_named_with_its_side(side: int, fault: Fault, within_s: fl
     assert verdict.has_thrust is (fault not in (Fault.DEAD, Fault.BLOCKED))
 
 
-def test_the_turn_is_that_of_the_gyro_not_of_the_smoothed_estimate() -> None:
-    evidence = [MotorEvidence(CONFIG), MotorEvidence(CONFIG)]
-    random = Random(3)
-    for step in range(600):
-        steering = 0.5 * math.sin(0.05 * step)
-        rate = (0.2 if step < 580 else 0.1) * steering + random.gauss(0.0, 0.005)
-        plain = NavState(DT_S * step, 0.0, 0.0, 0.0, rate, 1.0, 0.0, 1.0, 0.0, 0.1, 0.1)
-        smoothed = NavState(
-            DT_S * step, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.1, 0.1, gyro_rad_s=rate
-        )  # fmt: skip
-        for one, nav in zip(evidence, (plain, smoothed), strict=True):
-            one.update(0.4 + steering, 0.4 - steering, nav, None, None, 0.65, DT_S)
-    assert max(evidence[0].against) > 0.0
-    assert evidence[1].against == evidence[0].against
-
-
 @SIDES
 @pytest.mark.parametrize("fault", [Fault.DEAD, Fault.BLOCKED])
 def test_without_a_measured_current_a_motor_without_thrust_is_named_or_tried(side: int, fault: Fault) -> None:
