@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from benchmarks.estimation.consistency import GROUPS, ROW_HZ, SETTLED_S, Average
 from mission_tools.drawing.legend import INK, PAPER
+from sitl.reports.panels import style_panel
 
 _COLOURS = ("#31688e", "#d08a2e", "#2a7f62", "#8a4f7d")
 
@@ -20,7 +21,6 @@ def draw_nees(found: Mapping[str, Mapping[str, Average]], path: Path) -> None:
     FigureCanvasAgg(figure)
     columns = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(columns, names, strict=True):
-        axes.set_facecolor("white")
         shown = [(title, averages[name]) for title, averages in found.items() if name in averages]
         first = shown[0][1]
         axes.axhspan(first.low / first.freedom, first.high / first.freedom, color="#dcebdc", linewidth=0)
@@ -39,10 +39,7 @@ def draw_nees(found: Mapping[str, Mapping[str, Average]], path: Path) -> None:
             )
         axes.set_ylim(0.0, max(2.0, *(1.1 * float(one.over_time.max()) / one.freedom for _, one in shown)))
         axes.set_ylabel(f"{name}\nNEES ÷ {first.freedom}", fontsize=9.5, color=INK)
-        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.99), fontsize=8, ncols=2, frameon=False)
-        axes.grid(color="#e4dfd2", linewidth=0.6)
-        for side in ("top", "right"):
-            axes.spines[side].set_visible(False)
+        style_panel(axes)
     columns[-1].set_xlabel("time since boot, s", fontsize=9.5)
     path.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(path)

@@ -6,6 +6,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from mission_tools.drawing.legend import INK, PAPER
+from sitl.reports.panels import style_panel
 from sitl.reports.run_series import fault_spans
 from sitl.run.run_record import Numbers, RunRecord
 
@@ -37,22 +38,9 @@ def draw_innovations(record: RunRecord) -> Figure | None:
     last.set_ylabel("probability\nof being wrong", fontsize=9.5, color=INK)
     last.set_xlabel("time since boot, s", fontsize=9.5)
     for axes in (*columns, last):
-        axes.set_facecolor("white")
-        axes.grid(color="#d8d2c4", linewidth=0.6)
-        axes.tick_params(labelsize=8.5)
         for begin_s, end_s, _ in fault_spans(record):
             axes.axvspan(begin_s, end_s, color=_REJECTED, alpha=0.09, linewidth=0)
-        if axes.get_legend_handles_labels()[0]:
-            axes.legend(
-                loc="lower right",
-                bbox_to_anchor=(1.0, 0.98),
-                fontsize=8,
-                ncols=4,
-                frameon=False,
-                markerscale=3.0,
-            )
-        for side in ("top", "right"):
-            axes.spines[side].set_visible(False)
+        style_panel(axes, marker_scale=3.0)
     return figure
 
 

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from mission_tools.drawing.draw import draw_chart, draw_picture
 from mission_tools.drawing.legend import HALO, INK, PAPER, PLANNED, SAILED
+from sitl.reports.panels import style_panel
 from sitl.reports.run_series import (
     at_estimates,
     brakes,
@@ -65,23 +66,10 @@ def draw_panels(record: RunRecord) -> Figure:
     FigureCanvasAgg(figure)
     columns = figure.subplots(len(panels), 1, sharex=True)
     for axes, (label, draw) in zip(columns, panels, strict=True):
-        axes.set_facecolor("white")
         draw(axes, record)
         _modes(axes, record)
         axes.set_ylabel(label, fontsize=9.5, color=INK)
-        axes.grid(color="#d8d2c4", linewidth=0.6)
-        axes.tick_params(labelsize=8.5)
-        if axes.get_legend_handles_labels()[0]:
-            axes.legend(
-                loc="lower right",
-                bbox_to_anchor=(1.0, 0.98),
-                fontsize=8,
-                ncols=4,
-                frameon=False,
-                borderpad=0.1,
-            )
-        for side in ("top", "right"):
-            axes.spines[side].set_visible(False)
+        style_panel(axes)
     _mark_brakes(columns[2], record)
     _mark_brakes(columns[3], record)
     _name_spans(columns[0], mode_spans(record), 1.0, INK)

@@ -1,7 +1,6 @@
 """A run on disk: one .npz file with the numbers of every tick, and the rest as JSON in it."""
 
 import dataclasses
-import json
 from pathlib import Path
 from typing import Any, Self
 
@@ -10,10 +9,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from companion.core.errors import ConfigError
 from companion.core.geo import LatLon, LocalFrame, Point
-from companion.core.output_file import output_file
 from mission_tools.maps.chart import Area, Chart, Feature, build_chart
+from sitl.run.arrays_file import load_arrays, save_arrays
 from sitl.run.estimate_recorder import Estimate
 from sitl.run.mission_run import MissionRun, Result
 from sitl.run.timeline import Event
@@ -91,15 +89,14 @@ class RunRecord:
             "truth": list(self.truth),
             "estimates": list(self.estimates),
         }
-        with output_file(path) as aside, aside.open("wb") as file:  # a file: numpy would add a suffix
-            np.savez_compressed(
-                file,
-                rest=np.frombuffer(json.dumps(rest).encode(), dtype=np.uint8),
-                truth=np.column_stack(list(self.truth.values())),
-                legs=self.legs,
-                estimates=np.column_stack(list(self.estimates.values())),
-                echoes=self.echoes,
-            )
+        save_arrays(
+            path,
+            rest,
+            truth=np.column_stack(list(self.truth.values())),
+            legs=self.legs,
+            estimates=np.column_stack(list(self.estimates.values())),
+            echoes=self.echoes,
+        )
 
 
 def load_record(path: Path) -> RunRecord:
@@ -108,27 +105,22 @@ def load_record(path: Path) -> RunRecord:
     Raises:
         ConfigError: it cannot be read, or is not the record of a run.
     """
-    try:
-        with np.load(path, allow_pickle=False) as arrays:
-            rest = json.loads(arrays["rest"].tobytes())
-            return RunRecord(
-                result=rest["result"],
-                settings=rest["settings"],
-                chart=_chart(rest["chart"]),
-                clearance_m=rest["clearance_m"],
-                planned=tuple(Point(*at) for at in rest["planned"]),
-                events=tuple(Event(*event) for event in rest["events"]),
-                truth=_columns(arrays["truth"], rest["truth"]),
-                legs=arrays["legs"],
-                estimates=_columns(arrays["estimates"], rest["estimates"]),
-                echoes=arrays["echoes"],
-            )
-    except FileNotFoundError:
-        raise ConfigError(
-            f"{path}: no such file: expected what boat-sitl sail --record has written"
-        ) from None
-    except (OSError, ValueError, KeyError, TypeError, EOFError) as error:
-        raise ConfigError(f"{path}: not the record of a run: {error}") from None
+    return load_arrays(path, "the record of a run, as boat-sitl sail --record writes it", _record)
+
+
+def _record(rest: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:
+    return RunRecord(
+        result=rest["result"],
+        settings=rest["settings"],
+        chart=_chart(rest["chart"]),
+        clearance_m=rest["clearance_m"],
+        planned=tuple(Point(*at) for at in rest["planned"]),
+        events=tuple(Event(*event) for event in rest["events"]),
+        truth=_columns(arrays["truth"], rest["truth"]),
+        legs=arrays["legs"],
+        estimates=_columns(arrays["estimates"], rest["estimates"]),
+        echoes=arrays["echoes"],
+    )
 
 
 def _columns(rows: Numbers, names: "tuple[str, ...] | list[str]") -> dict[str, Numbers]:

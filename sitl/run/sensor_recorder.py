@@ -1,6 +1,5 @@
 """What the boat's estimator is given in a run, with the truth: for replaying estimators on the same data."""
 
-import json
 from array import array
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,10 +9,9 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from companion.core.errors import ConfigError
-from companion.core.output_file import output_file
 from companion.core.state import MotorCommand
 from companion.sensors.readings import GnssFix, HeadingReading
+from sitl.run.arrays_file import load_arrays, save_arrays
 from sitl.run.lockstep import Lockstep
 from sitl.scenarios.scenario import Scenario
 from sitl.world.world import Truth
@@ -54,13 +52,7 @@ class SensorRecording:
             "headings": self.headings,
             "truth": Truth._fields,
         }
-        with output_file(path) as aside, aside.open("wb") as file:  # a file: numpy would add a suffix
-            np.savez_compressed(
-                file,
-                rest=np.frombuffer(json.dumps(rest).encode(), dtype=np.uint8),
-                ticks=self.ticks,
-                truth=self.truth,
-            )
+        save_arrays(path, rest, ticks=self.ticks, truth=self.truth)
 
     @classmethod
     def load(cls, path: Path) -> Self:
@@ -69,19 +61,18 @@ class SensorRecording:
         Raises:
             ConfigError: it cannot be read, or is not a recording.
         """
-        try:
-            with np.load(path, allow_pickle=False) as arrays:
-                rest = json.loads(arrays["rest"].tobytes())
-                return cls(
-                    settings=rest["settings"],
-                    ticks=arrays["ticks"],
-                    fixes=rest["fixes"],
-                    headings=rest["headings"],
-                    truth=arrays["truth"],
-                    frame=tuple(rest["frame"]),
-                )
-        except (OSError, ValueError, KeyError, TypeError, EOFError) as error:
-            raise ConfigError(f"{path}: not a recording of sensors: {error}") from None
+        return load_arrays(
+            path,
+            "a recording of sensors",
+            lambda rest, arrays: cls(
+                settings=rest["settings"],
+                ticks=arrays["ticks"],
+                fixes=rest["fixes"],
+                headings=rest["headings"],
+                truth=arrays["truth"],
+                frame=tuple(rest["frame"]),
+            ),
+        )
 
 
 class SensorRecorder:
