@@ -48,7 +48,7 @@ class Helm:
         if self.heading_pid is not None:
             self.reset()
         if isinstance(demand, Demand) and nav is not None:
-            surge, yaw = self._single.update(demand, nav, motors, config.speed.max_throttle)
+            surge, yaw = self._single.update(demand, nav, motors, config.speed.max_throttle, dt_s)
             return allocate(Effort(surge, yaw), config, motors)
         return by_hand(demand.throttle, demand.steering, config) if isinstance(demand, Drive) else _NO_THRUST
 

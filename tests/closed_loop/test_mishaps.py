@@ -49,8 +49,8 @@ def test_with_one_motor_dead_the_boat_keeps_away_from_where_a_slow_current_sets_
         adrift_m = 0.2 * float(late[-1, 0] - late[0, 0])
         assert adrift_m > 12.0
         shares.append(float(late[-1, 2] - late[0, 2]) / adrift_m)
-    assert max(shares) < 0.9  # one run depends on when the motor check ends, by a tenth
-    assert sum(shares) / len(shares) < 0.7
+    assert max(shares) < 0.55  # one run depends on when the motor check ends, by a tenth
+    assert sum(shares) / len(shares) < 0.4
 
 
 @pytest.mark.parametrize("seed", [1, 2])
