@@ -1,8 +1,5 @@
-"""python -m benchmarks.estimation: record sensors of runs, replay estimators on them.
-
-python -m benchmarks.estimation record FOLDER [SEED …]
-python -m benchmarks.estimation compare FOLDER-OR-FILE… [--of CHECKOUT …]
-"""
+"""Record what the estimator is given in runs, replay estimators of several checkouts on it, and judge one by
+NEES and NIS: record, compare, consistency."""
 
 import argparse
 import sys

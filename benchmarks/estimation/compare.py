@@ -1,8 +1,4 @@
-"""Estimators of two checkouts on the same recordings, as a table.
-
-python -m benchmarks.estimation record FOLDER [SEED …]
-python -m benchmarks.estimation compare FOLDER [CHECKOUT …]
-"""
+"""Estimators of several checkouts on the same recordings, as a table."""
 
 import math
 import os
