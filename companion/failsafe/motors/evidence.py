@@ -167,7 +167,7 @@ class MotorEvidence:
         gained = [0.0] * len(HYPOTHESES)
         if nav.faults & _NO_COMPASS:
             self._turn.restart()
-        elif self._turn.correct(nav.yaw_rate_rad_s, dt_s, is_learning=is_learning):
+        elif self._turn.correct(nav.measured_yaw_rate_rad_s, dt_s, is_learning=is_learning):
             _weigh(self._turn, self._sizes[0], gained)
         self._take_fix(fix, nav, gained, is_learning, dt_s)
         self._take_current(battery, water_m_s, gained, is_learning, dt_s)

@@ -61,7 +61,7 @@ class RudderWatch:
         blend = min(dt_s / _SMOOTH_S, 1.0)
         self._most += blend * (min(abs(effect), 1.0) - self._most)
         self._steered += blend * (min(max(rudder * effect, -1.0), 1.0) - self._steered)
-        self._turn_rad_s += blend * (nav.yaw_rate_rad_s - self._turn_rad_s)
+        self._turn_rad_s += blend * (nav.measured_yaw_rate_rad_s - self._turn_rad_s)
         is_steered = abs(self._steered) > max(_HARD * self._most, _STEERED)
         is_turning = self._turn_rad_s * math.copysign(1.0, self._steered) >= _TURNS_RAD_S
         is_astern = not config.drive.has_pair and throttle > _AHEAD and nav.surge_m_s < -_ASTERN_M_S

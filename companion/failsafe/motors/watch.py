@@ -10,6 +10,8 @@ from companion.failsafe.motors.evidence import MotorEvidence
 from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault, Hypothesis
 from companion.sensors.readings import BatteryReading, GnssFix
 
+# Evidence, in nats, that proves a fault: one false alarm in e^16 independent samples, three weeks of them
+PROVED: Final = 16.0
 MARGIN: Final = 4.0  # nats ahead of every other hypothesis that counts: odds of 50 to 1
 # and this share of its own evidence: what the models get wrong grows with it. While both motors are commanded
 # alike, a blocked one had 104 nats and the other, healthy one 99.
@@ -23,13 +25,9 @@ UNSURE: Final = 6.0
 # Evidence that proves it while the motors are compared, and soon after. In healthy runs it falls then.
 COMPARED: Final = 13.0
 _COMPARE_AGAIN_S: Final = 4.0  # after the start of the last one, which takes 2.4 s
-# A motor that runs the wrong way makes the heading loop steer hard, for nothing, within seconds. Wind does so
-# too; in 144 healthy runs the evidence for a reversal was 13 nats at most meanwhile, 5 in all but one.
-HELPLESS_REVERSAL: Final = 12.0
 _STEERED: Final = 0.5  # of one motor's thrust, between the two: with more, a hull without wind turns,
 _TURNS_RAD_S: Final = 0.05  # like this at least
-_HELPLESS_S: Final = 1.0
-_CHECK_S: Final = 6.0  # of the same, for boats without a measured current
+_CHECK_S: Final = 6.0  # of steering for nothing, for boats without a measured current
 _SMOOTH_S: Final = 1.0
 _WITHOUT_CURRENT: Final = (Fault.DEAD, Fault.REVERSED)
 
@@ -128,12 +126,12 @@ class MotorWatch:
         self.needs_comparison = self.verdict is None and not self._is_compared and self._seems_fouled()
         if self.verdict is not None:
             at = HYPOTHESES.index(self.verdict)
-            against[at] = min(against[at], self.verdict.threshold)
+            against[at] = min(against[at], PROVED)
             if against[at] <= 0.0:
                 self.verdict = None
                 evidence.acquit()
             return
-        self._watch_steering(left, right, nav.yaw_rate_rad_s, dt_s)
+        self._watch_steering(left, right, nav.measured_yaw_rate_rad_s, dt_s)
         suspect, before = self._decide(), self._suspect
         self._suspect = suspect
         self._proved_s = 0.0 if suspect is None or suspect is not before else self._proved_s + dt_s
@@ -155,7 +153,7 @@ class MotorWatch:
                 against = evidence.against[at]
                 if against > lead:
                     best, lead = hypothesis, against
-        if best is None or lead < self._threshold(best):
+        if best is None or lead < (COMPARED if self._is_compared and best.fault is Fault.FOULED else PROVED):
             return None
         margin = max(MARGIN, MARGIN_SHARE * lead)
         for at, hypothesis in enumerate(HYPOTHESES):
@@ -163,13 +161,6 @@ class MotorWatch:
             if hypothesis is not best and is_rival and lead - evidence.against[at] < margin:
                 return None
         return best
-
-    def _threshold(self, hypothesis: Hypothesis) -> float:
-        """Evidence that proves it."""
-        if hypothesis.fault is Fault.FOULED:
-            return COMPARED if self._is_compared else hypothesis.threshold
-        is_helpless = self._helpless_s >= _HELPLESS_S and hypothesis.fault is Fault.REVERSED
-        return HELPLESS_REVERSAL if is_helpless else hypothesis.threshold
 
     def _watch_steering(self, left: float, right: float, turn_rad_s: float, dt_s: float) -> None:
         """How long the boat has been steered hard without turning that way."""

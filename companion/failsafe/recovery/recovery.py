@@ -105,7 +105,7 @@ class RecoveryManeuvers:
             self.handle(Trigger.DONE, now_s)
             return RecoveryStep(_STOP)
         before = check.motors
-        intent = check.update(nav.yaw_rate_rad_s, left, right, now_s)
+        intent = check.update(nav.measured_yaw_rate_rad_s, left, right, now_s)
         if intent is not None:
             return RecoveryStep(intent)
         self.handle(Trigger.DONE, now_s)

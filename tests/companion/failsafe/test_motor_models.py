@@ -87,3 +87,24 @@ def test_a_filter_that_is_restarted_takes_its_next_measurement_as_the_first() ->
     assert not motion.correct(-2.0, DT_S, is_learning=False)
     assert motion.correct(-2.0, DT_S, is_learning=False)
     assert motion.residual == pytest.approx(0.0)
+
+
+def test_a_push_and_each_change_of_it_leave_the_motion_in_doubt() -> None:
+    """A fifth of its effect over a quarter of a second, and 0.07 s of delay."""
+    doubts = []
+    for pushes in ([0.0] * 5, [0.0, 1.0, 1.0, 1.0, 1.0], [1.0, 1.0, 1.0, 1.0, 1.0]):
+        motion = MotionFilter(0, 2.0, 100.0, 0.0, 0.01, math.inf)
+        motion.correct(0.0, DT_S, is_learning=False)
+        variances = []
+        for push in pushes:
+            before = motion._p00
+            motion._p01 = motion._p11 = 0.0
+            motion.predict(0.0, push, [], DT_S)
+            variances.append(motion._p00 - before)
+        doubts.append(variances)
+    none, changed = doubts[0][4], doubts[1]
+    assert none == pytest.approx(1e-4 * DT_S)
+    assert changed[4] - none == pytest.approx(0.2**2 * 0.25 * DT_S * 2.0**2)
+    assert changed[1] - changed[4] == pytest.approx((0.0707 * 2.0) ** 2, rel=0.01)
+    assert changed[0] == none
+    assert doubts[2][1] == changed[4]

