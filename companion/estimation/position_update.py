@@ -97,8 +97,7 @@ class PositionUpdate:
         dt, self._time_s = time_s - self._time_s, time_s
         predicted = state.at(time_s)[3]
         speed_m_s = max(abs(predicted), abs(velocity or 0j))
-        if not self._monitor.update((at, velocity), stamp_s, speed_m_s * dt / (_AT_REST * state.cruise_m_s)):
-            bank.drift.restart()
+        if self._is_repeated(stamp_s, at, velocity, speed_m_s * dt):
             return
         drift_m = bank.weigh_position(
             stamp_s,
@@ -138,6 +137,15 @@ class PositionUpdate:
             self.resets += 1
             self._start(time_s, stamp_s, at, velocity, sigma_m, variance)
         state.learn_yaw(dt, self._heading.is_in_time)
+
+    def _is_repeated(self, stamp_s: float, at: complex, velocity: complex | None, moved_m: float) -> bool:
+        """Whether a fix repeats the last one bit by bit: it tells nothing, and may be of a stuck receiver."""
+        monitor = self._monitor
+        if not monitor.update((at, velocity), stamp_s, moved_m / (_AT_REST * self._state.cruise_m_s)):
+            self._bank.drift.restart()
+        elif monitor.run_s > 0.0:
+            self.accepted_s = stamp_s
+        return monitor.run_s > 0.0
 
     def _is_otherwise_late(self, stamp_s: float, at: complex, position: PairUpdate, dt_s: float) -> bool:
         """Whether a position that does not fit is that of another time, which changes the delay."""

@@ -101,6 +101,26 @@ def test_a_fix_that_repeats_bit_by_bit_under_way_is_frozen_after_a_second() -> N
     assert frozen_s == pytest.approx(1.0, abs=0.21)
 
 
+def test_a_receiver_that_freezes_as_the_boat_starts_tells_nothing_of_its_thrust() -> None:
+    """Each repeat says that the boat is at rest, while both motors drive it ahead."""
+    boat = Boat()
+    boat.sail(20.0)
+    boat._throttle = Speed().cruise_throttle
+    for tick in range(50):
+        now_s = 20.0 + TICK_S * (tick + 1)
+        boat.heading.advance(HeadingReading(now_s, 0.001 * (tick % 3), 0.0001 * (tick % 2)), now_s)
+        boat.state.move(now_s, MotorCommand(boat._throttle, boat._throttle))
+        if tick % 10 == 9:
+            boat.fixing.update(now_s, 0.02 + 0j, complex(0.0, 0.002), 0.2, 0)
+    assert not boat.fixing.faults(now_s) & EstimateFault.GNSS_LOST
+    assert boat.state.gain > 0.97
+    expected = ErrorStateFilter(Speed(), Estimation())
+    expected.has_heading = True
+    for tick in range(50):
+        expected.move(TICK_S * (tick + 1), MotorCommand(boat._throttle, boat._throttle))
+    assert boat.state.surge_m_s == pytest.approx(expected.surge_m_s, abs=0.05)
+
+
 def test_on_a_straight_line_a_receiver_that_comes_back_late_is_known_within_a_second() -> None:
     boat = Boat(CRUISE_M_S, Speed().cruise_throttle)
     boat.sail(60.0)
