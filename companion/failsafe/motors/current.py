@@ -18,7 +18,6 @@ _SIGMA_SHARE: Final = 0.05
 _SIGMA_SLIP_A: Final = 0.6  # for shafts that lag behind the command by all of it, where the lag is guessed
 _SIGMA_ASTERN_A: Final = 0.4  # for propellers at full command against the water: not as ahead
 _NOISE_S: Final = 30.0  # over which the noise is learned, where it is larger than this
-_LEAST_SHARE: Final = 0.5  # of the expected noise: from here it is learned within a minute that there is more
 _MOST_SQUARE: Final = 9.0  # a residual beyond three deviations does not widen the noise further
 _ALIKE: Final = 4.0  # neighbouring samples, whose errors are alike, that count for one at first,
 _SETTLED: Final = 15.0  # and later on, so that a fault of some seconds is not learned as usual
@@ -46,7 +45,7 @@ class MotorCurrent:
         self._regressors = [0.0] * _SIZE
         self._learned_s = 0.0
         self._noise = _SIGMA_A * _SIGMA_A
-        self._noise_share = 1.0  # of the expected variance that residuals have
+        self._noise_share = 1.0  # of the expected variance that residuals have, at least 1
         self.drawn = [0.0, 0.0]
         self.stall_a = self.water_a = 0.0  # never negative
         self.residual_a, self.variance = 0.0, 1.0
@@ -76,7 +75,7 @@ class MotorCurrent:
         )
         self._noise = _SIGMA_A * _SIGMA_A + (_SIGMA_SHARE * total) ** 2 + (_SIGMA_SLIP_A * slip) ** 2
         self._noise += (_SIGMA_ASTERN_A * astern) ** 2
-        self._noise *= max(self._noise_share, 1.0)
+        self._noise *= self._noise_share
         self.variance = self._noise + max(unknown, 0.0)
 
     @property
@@ -88,10 +87,10 @@ class MotorCurrent:
         """Take the last comparison for that of healthy motors."""
         if is_driven:
             self._learned_s += dt_s
-        square = min(self.residual_a * self.residual_a / self.variance, _MOST_SQUARE)
         if self.is_learned:
+            square = min(self.residual_a * self.residual_a / self.variance, _MOST_SQUARE)
             share = self._noise_share * (1.0 + min(dt_s / _NOISE_S, 1.0) * (square - 1.0))
-            self._noise_share = max(share, _LEAST_SHARE)
+            self._noise_share = max(share, 1.0)
         alike = _SETTLED if self.is_learned else _ALIKE
         x, covariance = self._regressors, self._covariance
         for at in range(_SIZE):

@@ -32,9 +32,8 @@ _ASTERN: Final = 0.7  # of the thrust ahead (0.6 to 0.8 for fixed propellers)
 # Of the stall current, at full command: what weed adds. Its drag is a friction, independent of the speed
 WEED: Final = 0.1
 _DRIVEN: Final = 0.1  # of command: less says nothing about the current
-_RESTING_RATE_S: Final = 0.5  # decay of the turn rate of a hull at rest, 1/s (Nomoto: 0.8 to 2 s),
-_CRUISING_RATE_S: Final = 0.3  # and what cruise speed adds
-_RESTING_SPEED_S, _CRUISING_SPEED_S = 0.05, 0.2  # the same for the speed ahead
+_TURN_DECAY_S: Final = 0.8  # decay of the turn rate, 1/s (Nomoto: 0.8 to 2 s),
+_SPEED_DECAY_S: Final = 0.25  # and of the speed ahead
 # The estimator takes missing thrust for a current within seconds, so its current of some time ago counts
 _WATER_S: Final = 15.0
 # rad/s² per √s that wind adds to the turn: maximum likelihood over healthy runs in gusts of 7 to 12 m/s
@@ -48,8 +47,7 @@ _TURN_CORRELATION_S: Final = 6.0
 _SPEED_CORRELATION_S: Final = math.inf  # an error of the estimated current stays for minutes
 _MOST_PENDING: Final = 50  # cycles, 5 s: the receiver is taken for lost earlier
 _SLACK_S: Final = 1e-6
-_TURN_PRIOR: Final = 200.0  # samples that the configured gains are worth: seconds of steering,
-_SPEED_PRIOR: Final = 400.0  # and of speeding up, which late fixes and a wrong current make look slower
+_PRIOR: Final = 200.0  # samples that the configured gains are worth: seconds of steering or speeding up
 
 # Plain numbers: an IntFlag's arithmetic costs microseconds
 _NO_COMPASS: Final = int(
@@ -72,7 +70,6 @@ class _Push(NamedTuple):
 
     time_s: float
     heading_rad: float
-    decay_s: float
     push: float
     changes: tuple[float, ...]
     dt_s: float
@@ -82,7 +79,7 @@ class MotorEvidence:
     """`against` has the evidence for each of HYPOTHESES, in nats. has_current: whether a current tells."""
 
     __slots__ = (
-        "_advance_s_m", "_battery_s", "_changes_ahead", "_changes_turn", "_cruise_m_s", "_current",
+        "_advance_s_m", "_battery_s", "_changes_ahead", "_changes_turn", "_current",
         "_current_a", "_duties", "_evidence", "_fix_s", "_pending", "_shafts", "_since_battery_s",
         "_since_fix_s", "_sizes", "_speed", "_spins", "_turn", "_water_east_m_s",
         "_water_north_m_s", "against", "has_current",
@@ -94,15 +91,23 @@ class MotorEvidence:
         self._evidence = FaultEvidence(count)
         self.against = self._evidence.against
         self.has_current = False
-        self._cruise_m_s = cruise_m_s = speed.cruise_m_s
+        cruise_m_s = speed.cruise_m_s
         self._advance_s_m = _ADVANCE * speed.cruise_throttle / cruise_m_s
         # At cruise speed a drag ∝ u² decays with 2 drag / u; thrust and drag are equal there.
         push = 2.0 * (1.0 - _ADVANCE) * max(speed.cruise_throttle, _LEAST_THROTTLE) ** 2
         ahead = 0.5 * cruise_m_s / (config.estimation.surge_time_s * push)
-        turning = handling.turn_rate_rad_s * (_RESTING_RATE_S + _CRUISING_RATE_S) / (1.0 + _ASTERN)
-        self._turn = MotionFilter(count, turning, _TURN_PRIOR, _TURN_WANDER, _TURN_SIGMA, _TURN_CORRELATION_S)
+        turning = handling.turn_rate_rad_s * _TURN_DECAY_S / (1.0 + _ASTERN)
+        self._turn = MotionFilter(
+            count, turning, _PRIOR, _TURN_WANDER, _TURN_SIGMA, _TURN_CORRELATION_S, _TURN_DECAY_S
+        )
         self._speed = MotionFilter(
-            count, ahead, _SPEED_PRIOR, _SPEED_WANDER * cruise_m_s, _SPEED_SIGMA, _SPEED_CORRELATION_S
+            count,
+            ahead,
+            _PRIOR,
+            _SPEED_WANDER * cruise_m_s,
+            _SPEED_SIGMA,
+            _SPEED_CORRELATION_S,
+            _SPEED_DECAY_S,
         )
         self._current = MotorCurrent()
         self._sizes = EffectSize(count), EffectSize(count), EffectSize(count)  # of turn, speed and current
@@ -201,12 +206,9 @@ class MotorEvidence:
                 change = (hypothesis.thrust - 1.0) * pushes[side]
             self._changes_ahead[at] = change
             self._changes_turn[at] = change if hypothesis.is_left else -change
-        cruising = abs(water_m_s) / self._cruise_m_s
-        turn_s = _RESTING_RATE_S + _CRUISING_RATE_S * cruising
-        speed_s = _RESTING_SPEED_S + _CRUISING_SPEED_S * cruising
-        self._turn.predict(turn_s, pushes[0] - pushes[1] + turning, self._changes_turn, dt_s)
+        self._turn.predict(pushes[0] - pushes[1] + turning, self._changes_turn, dt_s)
         self._pending.append(
-            _Push(now_s, heading_rad, speed_s, pushes[0] + pushes[1], tuple(self._changes_ahead), dt_s)
+            _Push(now_s, heading_rad, pushes[0] + pushes[1], tuple(self._changes_ahead), dt_s)
         )
 
     def _take_fix(
@@ -224,7 +226,7 @@ class MotorEvidence:
         heading_rad = nav.heading_rad
         while self._pending and self._pending[0].time_s <= fix.time_s + _SLACK_S:
             heading_rad = (push := self._pending.popleft()).heading_rad
-            self._speed.predict(push.decay_s, push.push, push.changes, push.dt_s)
+            self._speed.predict(push.push, push.changes, push.dt_s)
         north_m_s, east_m_s = fix.north_m_s - self._water_north_m_s, fix.east_m_s - self._water_east_m_s
         ahead_m_s = north_m_s * math.cos(heading_rad) + east_m_s * math.sin(heading_rad)
         if self._speed.correct(ahead_m_s, self._since_fix_s, is_learning=is_learning):

@@ -15,10 +15,9 @@ systems*, IEEE Trans. Automatic Control 21(1), 1976). So all hypotheses share on
 from collections.abc import Sequence
 from typing import Final
 
-_MODEL_VAR_S: Final = 1e-4  # (unit)²/s: what the model gets wrong between two measurements without a push
-# What it gets wrong of a push, in shares of its effect: a fifth over a quarter of a second, since damping
-# grows with the rate; and the delay of the thrust is known to 0.07 s. Without these, healthy motors of the
-# catamaran reached 36 nats within half an hour, with them 12.
+# What the model gets wrong of a push, in shares of its effect: a fifth over a quarter of a second, since
+# damping grows with the rate; and the delay of the thrust is known to 0.07 s. Without these, healthy motors
+# of the catamaran reached 36 nats within half an hour, with them 12.
 _PUSH_VAR_S: Final = 0.01
 _DELAY_VAR_S2: Final = 0.005
 _FIRST_VAR: Final = 0.1  # of the unknown force, before anything is known of it
@@ -37,9 +36,9 @@ class MotionFilter:
     """
 
     __slots__ = (
-        "_correlation_s", "_gain_0", "_information", "_is_begun", "_measured_var", "_noise", "_p00", "_p01",
-        "_p11", "_prior", "_push", "_responses", "_unit", "_value", "_wander", "_wander_var_s", "_weighted",
-        "gain", "residual", "residuals", "variance",
+        "_correlation_s", "_decay_s", "_gain_0", "_information", "_is_begun", "_measured_var", "_noise",
+        "_p00", "_p01", "_p11", "_prior", "_push", "_responses", "_unit", "_value", "_wander",
+        "_wander_var_s", "_weighted", "gain", "residual", "residuals", "variance",
     )  # fmt: skip
 
     def __init__(
@@ -50,15 +49,16 @@ class MotionFilter:
         wander_per_s: float,
         sigma: float,
         correlation_s: float,
+        decay_s: float,
     ) -> None:
         """prior: how many informative samples the configured gain is worth. wander_per_s: of w per √s. sigma:
-        one standard deviation of a measurement. correlation_s: T.
+        one standard deviation of a measurement. correlation_s: T. decay_s: d, in 1/s.
         """
         self.gain = self._gain_0 = gain
         self._prior = prior
         self._weighted, self._information = prior * gain, prior
         self._wander_var_s, self._measured_var = wander_per_s * wander_per_s, sigma * sigma
-        self._correlation_s = correlation_s
+        self._correlation_s, self._decay_s = correlation_s, decay_s
         self._noise = 1.0  # share of the expected variance that residuals have
         self.residual, self.variance = 0.0, 1.0
         self.residuals = [0.0] * hypotheses
@@ -79,17 +79,17 @@ class MotionFilter:
         """The fault begins now at the earliest."""
         self._responses[hypothesis][0] = self._responses[hypothesis][1] = 0.0
 
-    def predict(self, decay_s: float, push: float, changes: Sequence[float], dt_s: float) -> None:
-        """Go on by dt_s. decay_s: d in 1/s. changes: by how much each hypothesis changes the push."""
+    def predict(self, push: float, changes: Sequence[float], dt_s: float) -> None:
+        """Go on by dt_s. changes: by how much each hypothesis changes the push."""
         if not self._is_begun:
             return
-        keep = 1.0 - decay_s * dt_s
+        keep = 1.0 - self._decay_s * dt_s
         kept = 1.0 - dt_s / self._correlation_s
         p01 = self._p01
         self._p00 = keep * keep * self._p00 + 2.0 * keep * dt_s * p01 + dt_s * dt_s * self._p11
         step, self._push = push - self._push, push
         doubt = _PUSH_VAR_S * dt_s * push * push + _DELAY_VAR_S2 * step * step
-        self._p00 += _MODEL_VAR_S * dt_s + self.gain * self.gain * doubt
+        self._p00 += self.gain * self.gain * doubt
         self._p01 = kept * (keep * p01 + dt_s * self._p11)
         self._p11 = kept * kept * self._p11 + self._wander_var_s * dt_s
         self._value = keep * self._value + dt_s * self._wander

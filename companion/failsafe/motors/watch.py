@@ -13,15 +13,12 @@ from companion.sensors.readings import BatteryReading, GnssFix
 # Evidence, in nats, that proves a fault: one false alarm in e^16 independent samples, three weeks of them
 PROVED: Final = 16.0
 MARGIN: Final = 4.0  # nats ahead of every other hypothesis that counts: odds of 50 to 1
-# and this share of its own evidence: what the models get wrong grows with it. While both motors are commanded
-# alike, a blocked one had 104 nats and the other, healthy one 99.
-MARGIN_SHARE: Final = 0.1
 CLEARED_S: Final = 180.0  # for which the result of a motor check that finds both healthy stands
-# Without a break: a shaft that is thrown into reverse draws as a blocked one does at first
+# Without a break: a shaft thrown into reverse draws as a blocked one does at first
 PROVED_S: Final = 0.8
-# Evidence for a fouled propeller that is worth a comparison: odds of 400 to 1. In 96 healthy runs of sample
-# seeds 301 and 302 three reached it.
-UNSURE: Final = 6.0
+# Evidence for a fouled propeller that is worth a comparison. Failing motors reached it 0.3 s after 6 nats,
+# which healthy ones reached once in four hours.
+UNSURE: Final = 10.0
 # Evidence that proves it while the motors are compared, and soon after. In healthy runs it falls then.
 COMPARED: Final = 13.0
 _COMPARE_AGAIN_S: Final = 4.0  # after the start of the last one, which takes 2.4 s
@@ -155,10 +152,9 @@ class MotorWatch:
                     best, lead = hypothesis, against
         if best is None or lead < (COMPARED if self._is_compared and best.fault is Fault.FOULED else PROVED):
             return None
-        margin = max(MARGIN, MARGIN_SHARE * lead)
         for at, hypothesis in enumerate(HYPOTHESES):
             is_rival = evidence.has_current or hypothesis.fault in _WITHOUT_CURRENT
-            if hypothesis is not best and is_rival and lead - evidence.against[at] < margin:
+            if hypothesis is not best and is_rival and lead - evidence.against[at] < MARGIN:
                 return None
         return best
 
