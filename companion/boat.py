@@ -109,7 +109,7 @@ class Boat:
         self.channels.wanted = self.endpoint.message_ids
         self.endpoint.outbox.room = self.channels.room_bytes
         figures = self.parameters.config
-        self.estimator = Estimator(figures.speed, figures.estimation, figures.drive)
+        self.estimator = Estimator(figures.speed, figures.estimation, figures.drive, figures.handling)
         self._compass_correction = None if hardware.field is None else hardware.field.correction
         self._origin = OriginMonitor(self.estimator, self.sensors.external)
         self.guidance = GuidancePipeline(config, self.vehicle.status_texts)

@@ -26,7 +26,7 @@ PICTURE = LOG.with_suffix(".png")
 # %%
 run = read_log(LOG)
 setting = msgspec.structs.replace(run.config.estimation)  # for example gnss_timeout_s=1.0
-estimator = Estimator(run.config.speed, setting, run.config.drive)
+estimator = Estimator(run.config.speed, setting, run.config.drive, run.config.handling)
 
 SENSORS = ("position_north", "position_east", "velocity_north", "velocity_east", "compass")
 estimates: list[tuple[float, float, float, float]] = []  # time, north, east, current

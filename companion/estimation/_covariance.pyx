@@ -2,22 +2,15 @@
 cdef enum:
     N = 13
     MOST = 5
-    HEADING = 2
-    SURGE = 3
-    SWAY = 4
-    CURRENT_NORTH = 5
-    OFFSET = 8
-    GNSS_NORTH = 10
-    DELAY = 12
 
 
 cdef class Covariance:
     cdef double p[N][N]
-    cdef double told[MOST + 2][N]
-    cdef double shares[MOST + 2]
-    cdef double innovations[MOST + 2]
-    cdef int states[8]
-    cdef double parts[8]
+    cdef double told[MOST][N]
+    cdef double parts[MOST]
+    cdef double innovations[MOST]
+    cdef int states[N]
+    cdef double shares[N]
     cdef int count, entries
 
     def __init__(self, deviations):
@@ -32,9 +25,6 @@ cdef class Covariance:
     @property
     def rows(self):
         return [[self.p[i][j] for j in range(N)] for i in range(N)]
-
-    cpdef double get(self, int state, int other):
-        return self.p[state][other]
 
     cpdef double variance(self, int state):
         return self.p[state][state]
@@ -53,118 +43,76 @@ cdef class Covariance:
             self.p[i][state] = 0.0
         self.p[state][state] = variance
 
-    cpdef scale(self, int state, double factor):
+    cpdef mix(self, int state, tuple shares):
         cdef int i
+        cdef double row[N]
+        self.read(shares)
+        self.sum(row)
+        row[state] = self.dot(row)
         for i in range(N):
-            self.p[state][i] = factor * self.p[state][i]
-        self.replace(state, factor * self.p[state][state])
+            self.p[state][i] = row[i]
+            self.p[i][state] = row[i]
 
-    cpdef combine(self, int state, double factor, int other, double share):
+    cdef read(self, tuple shares):
         cdef int i
-        for i in range(N):
-            self.p[state][i] = factor * self.p[state][i] + share * self.p[other][i]
-        self.replace(state, factor * self.p[state][state] + share * self.p[state][other])
+        self.entries = len(shares)
+        for i in range(self.entries):
+            state, share = <tuple>shares[i]
+            self.states[i] = state
+            self.shares[i] = share
 
-    cpdef carry(self, int state, double turn, double ahead, double aside, int current, double dt_s):
-        cdef int i
-        cdef double *row = self.p[state]
-        for i in range(N):
-            row[i] = (row[i] + turn * self.p[HEADING][i] + ahead * self.p[SURGE][i] + aside * self.p[SWAY][i]
-                      + dt_s * self.p[current][i])
-        self.replace(state, row[state] + turn * row[HEADING] + ahead * row[SURGE] + aside * row[SWAY]
-                     + dt_s * row[current])
-
-    cdef void replace(self, int state, double variance) noexcept:
-        cdef int i
-        self.p[state][state] = variance
-        for i in range(N):
-            self.p[i][state] = self.p[state][i]
-
-    cdef void part(self, int state, double share) noexcept:
-        self.states[self.entries] = state
-        self.parts[self.entries] = share
-        self.entries += 1
-
-    cpdef tell_heading(self, double innovation, double white):
-        cdef int i
-        for i in range(N):
-            self.told[self.count][i] = self.p[HEADING][i] + self.p[OFFSET][i]
-        self.entries = 0
-        self.part(HEADING, 1.0)
-        self.part(OFFSET, 1.0)
-        return self.tell(self.count, innovation, white)
-
-    cpdef tell_velocity(self, int slot, double turn, double ahead, double aside, int current, double innovation,
-                        double white):
-        slot += self.count
-        self.moved(slot, turn, ahead, aside, current)
-        self.entries = 0
-        self.part(HEADING, turn)
-        self.part(SURGE, ahead)
-        self.part(SWAY, aside)
-        self.part(current, 1.0)
-        return self.tell(slot, innovation, white)
-
-    cpdef tell_position(self, int slot, double back_s, double way_m_s, double turn, double ahead, double aside,
-                        int current, double innovation, double white):
-        cdef int i, here = current - CURRENT_NORTH, wander = current - CURRENT_NORTH + GNSS_NORTH
-        slot += self.count
-        self.moved(slot, turn, ahead, aside, current)
-        for i in range(N):
-            self.told[slot][i] = (self.p[here][i] + self.p[wander][i] - way_m_s * self.p[DELAY][i]
-                                  + back_s * self.told[slot][i])
-        self.entries = 0
-        self.part(here, 1.0)
-        self.part(wander, 1.0)
-        self.part(DELAY, -way_m_s)
-        self.part(HEADING, back_s * turn)
-        self.part(SURGE, back_s * ahead)
-        self.part(SWAY, back_s * aside)
-        self.part(current, back_s)
-        return self.tell(slot, innovation, white)
-
-    cdef void moved(self, int slot, double turn, double ahead, double aside, int current) noexcept:
-        cdef int i
-        for i in range(N):
-            self.told[slot][i] = (turn * self.p[HEADING][i] + ahead * self.p[SURGE][i] + aside * self.p[SWAY][i]
-                                  + self.p[current][i])
-
-    cdef tell(self, int slot, double innovation, double white):
+    cdef void sum(self, double *total) noexcept:
         cdef int i, k
-        cdef double alike, variance = white
-        if slot >= MOST + 2:
+        for i in range(N):
+            total[i] = 0.0
+        for k in range(self.entries):
+            for i in range(N):
+                total[i] += self.shares[k] * self.p[self.states[k]][i]
+
+    cdef double dot(self, double *row) noexcept:
+        cdef int k
+        cdef double total = 0.0
+        for k in range(self.entries):
+            total += self.shares[k] * row[self.states[k]]
+        return total
+
+    cpdef measure(self, tuple shares, double innovation, double white):
+        cdef int i, k
+        cdef double alike, variance
+        cdef double *told
+        if self.count >= MOST:
             raise IndexError("too many measurements before a commit")
-        for k in range(slot):
-            alike = 0.0
-            for i in range(self.entries):
-                alike += self.parts[i] * self.told[k][self.states[i]]
-            alike *= self.shares[k]
+        told = self.told[self.count]
+        self.read(shares)
+        self.sum(told)
+        for k in range(self.count):
+            alike = self.parts[k] * self.dot(self.told[k])
             innovation -= alike * self.innovations[k]
             for i in range(N):
-                self.told[slot][i] -= alike * self.told[k][i]
-        for i in range(self.entries):
-            variance += self.parts[i] * self.told[slot][self.states[i]]
-        self.shares[slot] = 1.0 / variance
-        self.innovations[slot] = innovation
+                told[i] -= alike * self.told[k][i]
+        variance = white + self.dot(told)
+        self.parts[self.count] = 1.0 / variance
+        self.innovations[self.count] = innovation
+        self.count += 1
         return innovation, variance
 
-    cpdef accept(self, int count):
-        self.count += count
+    cpdef withdraw(self, int count):
+        self.count -= count
 
     cpdef commit(self):
         cdef int i, j, k
         cdef double weight
         cdef double step[N]
-        cdef double gain[MOST + 2]
+        cdef double gain[MOST]
         for i in range(N):
             step[i] = 0.0
         for k in range(self.count):
-            weight = self.shares[k] * self.innovations[k]
+            weight = self.parts[k] * self.innovations[k]
             for i in range(N):
                 step[i] += weight * self.told[k][i]
         for i in range(N):
             for k in range(self.count):
-                gain[k] = self.shares[k] * self.told[k][i]
+                gain[k] = self.parts[k] * self.told[k][i]
             for j in range(N):
                 for k in range(self.count):
                     self.p[i][j] -= gain[k] * self.told[k][j]

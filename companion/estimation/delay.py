@@ -8,70 +8,57 @@ Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking 
 11.6). An unknown constant offset, such as the current, is estimated for each.
 """
 
+from collections import deque
 from typing import Final
 
-from companion.core.evidence import LEARNING, MOST_SQUARE, FaultEvidence
+from companion.core.evidence import MOST_SQUARE, FaultEvidence
 
 STEP_S: Final = 0.2  # at 2 m/s, 0.4 m: about a receiver's noise
 DELAYS: Final = 16  # 0 to 3 s
-PAUSE_S: Final = 0.4  # more than the usual period of any sensor
+PAUSE_S: Final = 0.4  # a shorter gap makes no delay that is told from the model's error
 THRESHOLD: Final = 12.0  # nats: one false alarm in 160,000 samples, nine hours of turning
-_LENGTH: Final = 24  # of the history: readings may be older than the tick
-_UNUSUAL: Final = 1.8  # times the usual gap
-_PAUSES: Final = 0.3  # weight of the latest gap in the mean
-_WATCH_S: Final = 120.0  # after a gap
-_NEWS_S: Final = 20.0  # within which most delays are found
-_OFFSET_S: Final = 8.0  # memory of the offset
-_LEAST_STEPS: Final = 2  # a smaller delay is within the model error
+_WATCH_S: Final = 120.0  # after a gap: some turns
+_OFFSET_S: Final = 8.0  # memory of the offset: longer than a turn
 _SCALE: Final = 0.4  # standard deviation of the prediction's scale: thrust and hull as configured
 _SLACK_S: Final = 1e-3
 
 
 class DelayEstimator:
-    """delay_s: subtract from the stamps. until_s: end of the period in which `compare` is needed."""
+    """delay_s: subtract from the stamps. is_watching: readings may be late."""
 
     def __init__(self, sigma: float) -> None:
         """sigma: standard deviation of the prediction's error while the boat turns."""
         self.delay_s = 0.0
-        self.until_s = -1.0
         self.evidence = FaultEvidence(DELAYS)  # for each delay, against the present one
         self._variance = sigma * sigma
         self._mean, self._swing = 0j, 0.0  # of the prediction: its mean and variance
-        self._delay = self._next = self._count = 0
-        self._expected = [0j] * _LENGTH
+        self._delay = self._count = 0
+        self._expected = deque([0j] * 2 * DELAYS, maxlen=2 * DELAYS)  # latest first; readings have an age
         self._offsets = [0j] * DELAYS
-        self._expected_s = self._compared_s = self._paused_s = self._usual_s = 0.0
-
-    def is_uncertain(self, time_s: float) -> bool:
-        """Whether readings may be late without a known delay."""
-        is_news = self._delay == 0 and time_s < self.until_s + (_NEWS_S - _WATCH_S)
-        return is_news or max(self.evidence.against) > LEARNING
+        self._expected_s = self._compared_s = self._paused_s = self._gap_s = 0.0
+        self._until_s = -1.0
 
     def is_watching(self, time_s: float) -> bool:
         """Whether readings may be late."""
-        return time_s <= self.until_s or self._delay > 0
-
-    def is_due(self, time_s: float) -> bool:
-        """Whether `add_expected` is due."""
-        return time_s - self._expected_s >= STEP_S - _SLACK_S
+        return time_s <= self._until_s or self._delay > 0
 
     def add_expected(self, time_s: float, value: complex) -> None:
-        """Add the prediction of a reading at time_s, up to a constant."""
-        self._expected_s = time_s
-        self._expected[self._next] = value
-        self._next = self._next + 1 if self._next + 1 < _LENGTH else 0
+        """Add the prediction of a reading at time_s, up to a constant. Call more often than STEP_S."""
+        if time_s - self._expected_s >= STEP_S - _SLACK_S:
+            self._expected_s = time_s
+            self._expected.appendleft(value)
 
     def note_gap(self, time_s: float, pause_s: float) -> None:
         """A reading arrived after a gap of PAUSE_S or more. Gaps usual for the sensor are ignored."""
-        is_usual = pause_s < _UNUSUAL * self._usual_s
-        self._usual_s += _PAUSES * (min(pause_s, DELAYS * STEP_S) - self._usual_s)
+        is_usual = pause_s < 2.0 * self._gap_s
+        self._gap_s = min(pause_s, DELAYS * STEP_S)
         if is_usual:
             return
-        if time_s > self.until_s:
+        if time_s > self._until_s:
             self._paused_s, self._count = self.delay_s, 0
             self.evidence = FaultEvidence(DELAYS)
         self._paused_s += pause_s
-        self.until_s = time_s + _WATCH_S
+        self._until_s = time_s + _WATCH_S
 
     def compare(self, time_s: float, value: complex) -> bool:
         """Process a reading with its stamp. Returns whether the delay has changed."""
@@ -80,30 +67,30 @@ class DelayEstimator:
             return False
         self._compared_s = time_s
         self._count += 1
-        share = max(min(dt, 1.0) / _OFFSET_S, 1.0 / self._count)
-        behind = min(max(round((self._expected_s - time_s) / STEP_S), 0), _LENGTH - DELAYS)
-        costs, offsets = [0.0] * DELAYS, self._offsets
-        swing = self._expected[self._next - 1 - behind - self._delay] - self._mean
+        share = max(min(dt / _OFFSET_S, 1.0), 1.0 / self._count)
+        behind = min(max(round((self._expected_s - time_s) / STEP_S), 0), DELAYS)
+        expected, offsets, costs = self._expected, self._offsets, []
+        swing = expected[behind + self._delay] - self._mean
         self._mean += share * swing
         self._swing += share * (_square(swing) - self._swing)
         weight = 0.5 / (self._variance + _SCALE * _SCALE * self._swing)
         for delay in range(DELAYS):
-            rest = value - self._expected[self._next - 1 - behind - delay] - offsets[delay]
+            rest = value - expected[behind + delay] - offsets[delay]
             offsets[delay] += share * rest
-            costs[delay] = min(weight * _square(rest), 0.5 * MOST_SQUARE)
+            costs.append(min(weight * _square(rest), 0.5 * MOST_SQUARE))
         return self.weigh(costs, dt)
 
-    def weigh(self, costs: list[float], dt_s: float) -> bool:
+    def weigh(self, costs: list[float], dt: float) -> bool:
         """Add the negative log likelihood of a reading by each delay. Whether the delay has changed."""
         evidence, now = self.evidence, costs[self._delay]
         for delay in range(DELAYS):
-            if delay * STEP_S <= self._paused_s + STEP_S and abs(delay - self._delay) >= _LEAST_STEPS:
-                evidence.add(delay, now - costs[delay], dt_s)
-        against = evidence.against
-        best = against.index(max(against))
-        if against[best] < THRESHOLD:
+            # a delay of one step, or one step more or less, is within the model's error
+            if delay * STEP_S <= self._paused_s + STEP_S and abs(delay - self._delay) > 1:
+                evidence.add(delay, now - costs[delay], dt)
+        best = evidence.against.index(max(evidence.against))
+        if evidence.against[best] < THRESHOLD:
             return False
-        self._delay = best if best >= _LEAST_STEPS else 0
+        self._delay = best if best > 1 else 0
         self.delay_s = self._delay * STEP_S
         self.evidence = FaultEvidence(DELAYS)
         return True

@@ -17,6 +17,7 @@ from typing import Final
 from companion.config.boat_config import Speed
 from companion.config.drive import DIFFERENTIAL, DriveSetting
 from companion.config.estimation import Estimation
+from companion.config.handling import Handling
 from companion.core.geo import LocalFrame, Point
 from companion.core.state import EstimateFault, MotorCommand, NavState
 from companion.estimation.error_state import ErrorStateFilter
@@ -28,7 +29,7 @@ from companion.sensors.readings import GnssFix, HeadingReading
 
 MIN_FIX_TYPE: Final = 3  # a 3-D fix
 SIGMA_PER_HDOP_M: Final = 0.8  # for receivers that state no accuracy
-MIN_SIGMA_M: Final = 0.001
+MAST_M: Final = 0.03  # an antenna half a metre up, rolling by 3°
 # Receivers state their accuracy over hours: u-blox receivers under open sky state 1 to 1.5 m and drift by
 # 0.2 to 0.4 m within minutes, which is what the filter needs. RTK receivers and cameras, which state a
 # decimetre or less, state their scatter.
@@ -39,7 +40,6 @@ MAX_SPEED_M_S: Final = 100.0
 MAX_FIX_AGE_S: Final = 10.0  # on arrival; an older fix is not used
 MAX_OFFSET_M: Final = 100_000.0  # from the frame's origin: the limit of its projection
 FAR_S: Final = 3.0  # all fixes must lie beyond the limit for this long: a single one may be wrong
-_FAR_GAP_S: Final = 10.0  # a longer gap restarts that time
 _HEALTH_S: Final = 0.0999  # period of the health check
 _POSITION_LOST: Final = int(EstimateFault.POSITION_LOST)
 _HEADING_LOST: Final = int(EstimateFault.HEADING_LOST)
@@ -57,8 +57,11 @@ class Estimator:
         speed: Speed | None = None,
         setting: Estimation | None = None,
         drive: DriveSetting = DIFFERENTIAL,
+        handling: Handling | None = None,
     ) -> None:
-        """speed: the boat's speed figures; setting: the estimator's settings; drive: motors and rudder."""
+        """speed: the boat's speed figures; setting: the estimator's settings; drive: motors and rudder;
+        handling: figures of the hull.
+        """
         self._setting = setting = setting or Estimation()
         self._health_due_s = 0.0
         self._sigma_m = self.far_m = 0.0
@@ -67,7 +70,7 @@ class Estimator:
         self.frame: LocalFrame | None = None
         # set before the first fix; None: the first good fix defines the frame
         self.preset_frame: LocalFrame | None = None
-        self.state = ErrorStateFilter(speed or Speed(), setting, drive)
+        self.state = ErrorStateFilter(speed or Speed(), setting, drive, handling)
         self.heading = HeadingUpdate(self.state, setting)
         self.position = PositionUpdate(self.state, self.heading, setting)
 
@@ -84,11 +87,14 @@ class Estimator:
         position and heading is known, the other is 0 with an infinite age.
         """
         state, position = self.state, self.position
-        self.heading.advance(heading, now_s)
+        has_fix = fix is not None and position.fix_s < fix.time_s <= now_s and fix.fix_type >= MIN_FIX_TYPE
+        self.heading.advance(heading, now_s, ends_block=has_fix)
         if now_s - state.time_s >= STRIDE_S:
             state.move(now_s, command)
-        if fix is not None and position.fix_s < fix.time_s <= now_s and fix.fix_type >= MIN_FIX_TYPE:
+        if fix is not None and has_fix:
             self._ingest_fix(fix, now_s)
+        if state.is_pending:
+            state.commit()
         position_age, heading_age = now_s - position.accepted_s, now_s - self.heading.time_s
         if position_age == math.inf and heading_age == math.inf:
             return None
@@ -138,7 +144,7 @@ class Estimator:
         self.heading.add_expected(now_s)
         self._faults = self.heading.faults(now_s)
         if self.frame is not None:
-            self.position.advance(now_s)
+            self.position.add_expected(now_s)
             self._sigma_m = self.position.sigma_m
             self._faults |= self.position.faults(now_s)
 
@@ -148,13 +154,11 @@ class Estimator:
         sigma_m = fix.horizontal_accuracy_m
         if sigma_m is None:
             sigma_m = SIGMA_PER_HDOP_M * fix.hdop
-        if not sigma_m <= MAX_SIGMA_M:
-            return
         velocity = None
         if fix.north_m_s is not None and fix.east_m_s is not None:
             velocity = complex(fix.north_m_s, fix.east_m_s)
-            if not abs(fix.north_m_s) + abs(fix.east_m_s) <= MAX_SPEED_M_S:
-                return
+        if not (sigma_m <= MAX_SIGMA_M and abs(velocity or 0j) <= MAX_SPEED_M_S):
+            return
         if self.frame is None:
             chosen = self.preset_frame
             if chosen is None or not _is_near(chosen.to_local(fix.position)):
@@ -164,8 +168,8 @@ class Estimator:
         if _is_near(at):
             self.far_m = 0.0
             self._far_heard_s = -math.inf
-            sigma_m = max(min(sigma_m, STATES_SCATTER_M), WITHIN_MINUTES * sigma_m, MIN_SIGMA_M)
-            sigma_m /= math.sqrt(2.0)
+            sigma_m = max(min(sigma_m, STATES_SCATTER_M), WITHIN_MINUTES * sigma_m) / math.sqrt(2.0)
+            sigma_m = math.hypot(sigma_m, MAST_M)
             self.position.update(
                 fix.time_s, complex(*at), velocity, sigma_m, fix.reset_counter, fix.speed_accuracy_m_s
             )
@@ -173,7 +177,7 @@ class Estimator:
             self._note_far_fix(fix.time_s, math.hypot(*at))
 
     def _note_far_fix(self, time_s: float, far_m: float) -> None:
-        if time_s - self._far_heard_s > _FAR_GAP_S:
+        if time_s - self._far_heard_s > MAX_FIX_AGE_S:
             self._far_since_s = time_s
         self._far_heard_s = time_s
         self.far_m = far_m if time_s - self._far_since_s >= FAR_S else 0.0

@@ -6,6 +6,7 @@ from msgspec import Struct
 
 # χ² gate of two degrees of freedom at 5 standard deviations: rejects one good measurement in 10⁶
 GATE_2: Final = 50.0
+DISAGREES_S: Final = 0.6  # for which the gate must reject a sensor until it is called wrong: three fixes
 
 
 class Innovation(Struct, gc=False):

@@ -12,9 +12,7 @@ from companion.core.units import wrap_pi
 STUCK_S: Final = 1.0  # shorter runs are no fault: slow parts repeat a value until the next one
 _PATIENCE: Final = 4.0  # times the longest run so far
 _ENOUGH: Final = 20  # changes before the longest run is known
-_LATELY_S: Final = 0.3
-_ERRATIC: Final = 0.5  # share of recent jumps that makes a sensor erratic,
-_CALM: Final = 0.1  # and good again
+ERRATIC_S: Final = 0.3  # two jumps within this: a sensor that is wrong once jumps there and back, at once
 
 
 class SensorMonitor:
@@ -36,40 +34,40 @@ class SensorMonitor:
         certain to show.
         """
         if value != self._value:
-            if not self.is_stuck:
-                self._longest_s = max(self._longest_s, self.run_s)
-                self._changes += 1
+            if self.run_s > self._longest_s and not self.is_stuck:
+                self._longest_s = self.run_s
+            self._changes += 1
             self._value, self._since_s = value, time_s
             self.run_s = self._moved = 0.0
             self.is_stuck = False
             return True
         self.run_s = time_s - self._since_s
         self._moved += moved
-        if self.run_s >= STUCK_S:
+        if self.run_s >= STUCK_S and not self.is_stuck:
             is_unusual = self._changes >= _ENOUGH and self.run_s > _PATIENCE * self._longest_s
-            self.is_stuck = self.is_stuck or is_unusual or abs(self._moved) > 1.0
+            self.is_stuck = is_unusual or self._moved > 1.0
         return not self.is_stuck
 
 
 class JumpMonitor:
-    """is_erratic: most of the recent values jump faster than the hull can turn."""
+    """is_erratic: the latest values jump faster than the hull can turn."""
 
-    __slots__ = ("_jump", "_jump_per_s", "_share", "_time_s", "_value", "is_erratic")
+    __slots__ = ("_jump", "_jump_per_s", "_jumped_s", "_time_s", "_until_s", "_value", "is_erratic")
 
     def __init__(self, jump: float, jump_per_s: float) -> None:
         """A change beyond jump + jump_per_s × dt is a jump."""
         self.is_erratic = False
-        self._jump, self._jump_per_s = jump, jump_per_s
-        self._share = self._value = 0.0
-        self._time_s = -math.inf
+        self._jump, self._jump_per_s, self._value = jump, jump_per_s, 0.0
+        self._time_s = self._jumped_s = self._until_s = -math.inf
 
-    def update(self, value: float, time_s: float) -> None:
-        """Process an angle in rad, or a rate in rad/s, which never jumps by more than π."""
-        dt, change = time_s - self._time_s, abs(wrap_pi(value - self._value))
+    def update(self, value: float, time_s: float) -> bool:
+        """Process an angle in rad, or a rate in rad/s; whether it jumped. None jumps by more than π."""
+        change, dt = value - self._value, time_s - self._time_s
+        has_jumped = abs(change) > self._jump and abs(wrap_pi(change)) > self._jump + self._jump_per_s * dt
+        if has_jumped:
+            if time_s - self._jumped_s < ERRATIC_S:
+                self._until_s = time_s + ERRATIC_S
+            self._jumped_s = time_s
         self._time_s, self._value = time_s, value
-        has_jumped = change > self._jump + self._jump_per_s * dt
-        if has_jumped or self._share > 0.0:
-            self._share += min(dt / _LATELY_S, 1.0) * ((1.0 if has_jumped else 0.0) - self._share)
-            self.is_erratic = self._share > (_CALM if self.is_erratic else _ERRATIC)
-            if self._share < 0.01 * _CALM:
-                self._share = 0.0
+        self.is_erratic = time_s < self._until_s
+        return has_jumped

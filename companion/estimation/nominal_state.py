@@ -6,41 +6,39 @@ is known today.
 """
 
 import math
+from collections import deque
 from typing import Final
 
 from companion.config.boat_config import Speed
 from companion.config.drive import DriveSetting
 from companion.config.estimation import Estimation
+from companion.config.handling import Handling
 from companion.control.allocation import rudder_effect
 from companion.core.state import MotorCommand
 from companion.core.units import wrap_pi
 from companion.estimation.hull_model import SurgeModel, YawModel
 
 STRIDE_S: Final = 0.039  # the hull is slow: every second tick is enough
-UNMODELLED_S: Final = 3.0  # time constant of gusts and waves
+UNMODELLED_S: Final = 3.0  # time constant of gusts and waves, that of the hull
 STALL_S: Final = 1.0  # after a longer stall of the loop the motion meanwhile is unknown
-_LENGTH: Final = 128  # strides of the history: five seconds
-_GYRO_GAP_S: Final = 0.1  # a gyro that is silent for longer leaves the turn to the yaw model
-_LEAN_S: Final = 4.0  # time constant with which the rate's error without a gyro moves to the yaw model's trim
-# Limits of the parameters, far outside what a healthy boat has
-_LEAST_GAIN, _MOST_GAIN = 0.3, 3.0
-_MOST_BIAS_RAD_S, _MOST_RATE_RAD_S = 0.2, 1.0  # of a gyro; error of the yaw model
-_LEAST_DELAY_S, _MOST_DELAY_S = -0.1, 0.3
+_HISTORY: Final = 128  # strides: five seconds, more than the longest delay
+_GYRO_GAP_S: Final = 0.1  # five readings: a gyro that is silent for longer leaves the turn to the yaw model
 
 
 class NominalState:
     """Position and speed at time_s; heading_rad and yaw_rate_rad_s at turned_s, the latest tick.
 
     side_m_s: sway that the model does not explain. heading_sum: all corrections of the heading. has_heading:
-    there has been one. is_late: the gyro's readings are. idle_since_s: last time with thrust.
+    there has been one. is_late: the gyro's readings are. bias_rad_s: of the gyro, or without one of the yaw
+    model. driven_s: last time with thrust.
     """
 
-    def __init__(self, speed: Speed, setting: Estimation, drive: DriveSetting) -> None:
+    def __init__(self, speed: Speed, setting: Estimation, drive: DriveSetting, handling: Handling) -> None:
         self.cruise_m_s = speed.cruise_m_s
         self._speed, self._drive = speed, drive
         self.surge_model = SurgeModel(speed.cruise_m_s, speed.cruise_throttle, setting.surge_time_s)
-        self.yaw_model = YawModel()
-        self.time_s = self.turned_s = self.idle_since_s = 0.0
+        self.yaw_model = YawModel(handling.turn_rate_rad_s)
+        self.time_s = self.turned_s = self.driven_s = 0.0
         self.north_m = self.east_m = self.heading_rad = self.surge_m_s = self.side_m_s = 0.0
         self.current_north_m_s = self.current_east_m_s = 0.0
         self.bias_rad_s = self.offset_rad = self.gnss_north_m = self.gnss_east_m = self.delay_s = 0.0
@@ -49,10 +47,8 @@ class NominalState:
         self.gyro_bias_rad_s = 0.0  # as it was when there was a gyro last
         self._rate_rad_s = self._gyro_rad_s = 0.0  # of the heading at the last tick; raw, latest
         self._gyro_s = -math.inf
-        self._turned_rad = 0.0  # since the last considerable turn
-        self._history = [(-1.0, 0.0, 0.0, 0.0, 0.0, 0.0)] * _LENGTH
-        self._next = 0
         self._north_sum = self._east_sum = self.heading_sum = self._surge_sum = self._side_sum = 0.0
+        self._history = deque([(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)], maxlen=_HISTORY)
 
     @property
     def sway_m_s(self) -> float:
@@ -61,9 +57,9 @@ class NominalState:
 
     def through_water(self, heading_rad: float) -> complex:
         """Velocity through the water, north + i east."""
-        return complex(self.surge_m_s, self.surge_model.sway_m_s + self.side_m_s) * complex(
-            math.cos(heading_rad), math.sin(heading_rad)
-        )
+        cos, sin = math.cos(heading_rad), math.sin(heading_rad)
+        surge, sway = self.surge_m_s, self.surge_model.sway_m_s + self.side_m_s
+        return complex(surge * cos - sway * sin, surge * sin + sway * cos)
 
     @property
     def current_m_s(self) -> complex:
@@ -87,16 +83,14 @@ class NominalState:
         elif self.has_gyro and now_s - self._gyro_s > _GYRO_GAP_S:
             self.use_gyro(has_gyro=False)
         rate = (self._gyro_rad_s if self.has_gyro else yaw.rate_rad_s) - self.bias_rad_s
-        turned = 0.5 * (rate + self._rate_rad_s) * min(dt, _GYRO_GAP_S)
+        turned = 0.5 * (rate + self._rate_rad_s) * (dt if dt < _GYRO_GAP_S else _GYRO_GAP_S)
         self._rate_rad_s = rate
-        self._turned_rad += turned
         self.heading_rad = wrap_pi(self.heading_rad + turned)
 
     def turn_late(self, time_s: float, dt_s: float, gyro_rad_s: float) -> None:
         """Replace the modelled turn over dt_s until time_s by that of a gyro that is late."""
         modelled = self.at(time_s)[2] - self.at(time_s - dt_s)[2]
-        step = (gyro_rad_s - self.gyro_bias_rad_s) * dt_s - modelled
-        self._turn_by(step)
+        self._turn_by((gyro_rad_s - self.gyro_bias_rad_s) * dt_s - modelled)
 
     def use_gyro(self, *, has_gyro: bool) -> None:
         """Begin or cease to turn by the gyro: the bias is that of another source then."""
@@ -113,60 +107,46 @@ class NominalState:
 
     def move(self, now_s: float, command: MotorCommand | None) -> None:
         """Advance position and speed to now_s."""
-        dt, yaw, surge = min(now_s - self.time_s, STALL_S), self.yaw_model, self.surge_model
+        dt, surge = min(now_s - self.time_s, STALL_S), self.surge_model
         heading, before = self.heading_rad, self.surge_m_s
         left = right = rudder = 0.0
-        if command is not None:
+        if command is not None and self.has_heading:  # without a heading, thrust has no direction
             left, right, rudder = command.left, command.right, command.rudder
             if left or right:
-                self.idle_since_s = now_s
+                self.driven_s = now_s
             if rudder:
                 rudder *= rudder_effect(0.5 * (left + right), before, self._drive, self._speed)
-        if not self.has_heading:
-            left = right = 0.0  # thrust has no direction
-        yaw.advance(left, right, rudder, dt)
-        if not self.has_gyro:
-            self.bias_rad_s += yaw.add_trim(-self.bias_rad_s * min(dt / _LEAN_S, 1.0))
+        self.yaw_model.advance(left, right, rudder, dt)
         self.surge_m_s = surge.advance(before, self.yaw_rate_rad_s, left, right, self.gain, dt)
-        self.side_m_s *= math.exp(-dt / UNMODELLED_S)
+        self.side_m_s -= self.side_m_s * dt / UNMODELLED_S
         moved = self.through_water(heading)
         self.north_m += (moved.real + self.current_north_m_s) * dt
         self.east_m += (moved.imag + self.current_east_m_s) * dt
         self.time_s = now_s
-        slot = self._next
-        self._history[slot] = (
+        self._history.append((
             now_s, self.north_m - self._north_sum, self.east_m - self._east_sum, heading - self.heading_sum,
             self.surge_m_s - self._surge_sum, surge.sway_m_s + self.side_m_s - self._side_sum,
-        )  # fmt: skip
-        self._next = slot + 1 if slot + 1 < _LENGTH else 0
+        ))  # fmt: skip
 
     def at(self, time_s: float) -> tuple[float, float, float, complex]:
         """Position, heading and velocity over ground at an earlier time, by what is known now."""
-        history, slot = self._history, self._next
-        entry = history[slot - 1]
-        for _ in range(_LENGTH):
-            slot = slot - 1 if slot else _LENGTH - 1
-            before = history[slot]
-            if before[0] < 0.0:
-                break
-            entry = before
-            if before[0] <= time_s:
+        entry = self._history[0]
+        for entry in reversed(self._history):
+            if entry[0] <= time_s:
                 break
         then_s, north, east, heading, surge, sway = entry
-        if then_s < 0.0:
-            then_s, surge, sway = time_s, self.surge_m_s - self._surge_sum, self.sway_m_s - self._side_sum
-            heading = self.heading_rad - self.heading_sum
-            north, east = self.north_m - self._north_sum, self.east_m - self._east_sum
         heading += self.heading_sum
-        velocity = self.current_m_s + complex(surge + self._surge_sum, sway + self._side_sum) * complex(
-            math.cos(heading), math.sin(heading)
-        )
-        later = min(max(time_s - then_s, 0.0), 1.0)
+        cos, sin = math.cos(heading), math.sin(heading)
+        surge += self._surge_sum
+        sway += self._side_sum
+        north_m_s = surge * cos - sway * sin + self.current_north_m_s
+        east_m_s = surge * sin + sway * cos + self.current_east_m_s
+        later = min(max(time_s - then_s, 0.0), STALL_S)
         return (
-            north + self._north_sum + velocity.real * later,
-            east + self._east_sum + velocity.imag * later,
+            north + self._north_sum + north_m_s * later,
+            east + self._east_sum + east_m_s * later,
             heading,
-            velocity,
+            complex(north_m_s, east_m_s),
         )
 
     def _turn_by(self, step_rad: float) -> None:
@@ -192,10 +172,9 @@ class NominalState:
         self._side_sum += side
         self.current_north_m_s += set_north
         self.current_east_m_s += set_east
-        most = _MOST_BIAS_RAD_S if self.has_gyro else _MOST_RATE_RAD_S
-        self.bias_rad_s = min(max(self.bias_rad_s + bias, -most), most)
+        self.bias_rad_s += bias
         self.offset_rad += offset
-        self.gain = min(max(self.gain + gain, _LEAST_GAIN), _MOST_GAIN)
+        self.gain += gain
         self.gnss_north_m += wander_n
         self.gnss_east_m += wander_e
-        self.delay_s = min(max(self.delay_s + delay, _LEAST_DELAY_S), _MOST_DELAY_S)
+        self.delay_s += delay

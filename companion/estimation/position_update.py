@@ -15,19 +15,17 @@ from companion.estimation.covariance import EAST, NORTH, SURGE, SWAY
 from companion.estimation.delay import DELAYS, PAUSE_S, STEP_S, DelayEstimator
 from companion.estimation.error_state import VELOCITY_M_S, ErrorStateFilter, PairUpdate
 from companion.estimation.heading_update import HeadingUpdate
-from companion.estimation.innovation import GATE_2
+from companion.estimation.innovation import DISAGREES_S, GATE_2
 from companion.estimation.monitor import SensorMonitor
 
 # Share of the stated speed accuracy. Receivers state it with a wide margin: the velocities of six u-blox
 # receivers at rest, which stated 0.19 to 4.5 m/s, were off by 0.03 to 0.13 of that.
 SPEED_ACCURACY_SHARE: Final = 0.2
 _AT_REST: Final = 0.1  # share of cruise speed
-_REJECTED: Final = 0.5  # share of fixes rejected in the last second that reports GNSS_JUMPING
-# Of cruise speed: how fast the gate opens for positions that are rejected but agree with their velocities:
+_IDLE_S: Final = 10.0  # without thrust, steady positions are accepted after this, however far
+# Cruise speeds: how fast the gate opens for positions that are rejected but agree with their velocities:
 # 3 m are accepted after some 10 s, as when a receiver returns to its true position, and 10 m after 40 s
 _OPENS: Final = 0.018
-_NEIGHBOUR: Final = 0.2  # weight of a position whose error is like that of the one before
-_IDLE_RESET_S: Final = 10.0  # without thrust, even a jump is accepted after this
 _SWINGING_M_S: Final = 0.3  # error in a turn of the velocity that thrust and steering let expect
 _LOST: Final = int(EstimateFault.GNSS_LOST)
 _FROZEN: Final = int(EstimateFault.GNSS_FROZEN)
@@ -45,7 +43,7 @@ class PositionUpdate:
         self._monitor = SensorMonitor()
         self.latency = DelayEstimator(_SWINGING_M_S)
         self.fix_s = self.accepted_s = self._velocity_s = self._time_s = -math.inf
-        self._rejected_share = 0.0
+        self._rejected_s = 0.0
         self._reset_counter = self.resets = 0
 
     @property
@@ -54,15 +52,10 @@ class PositionUpdate:
         covariance = self._state.covariance
         return math.sqrt(0.5 * (covariance.variance(NORTH) + covariance.variance(EAST)))
 
-    def advance(self, now_s: float) -> None:
-        """Tell the delay estimator what to expect. Call several times a second."""
+    def add_expected(self, now_s: float) -> None:
+        """Tell the delay estimator what velocity thrust and steering let expect."""
         state = self._state
-        if self.latency.is_due(now_s):
-            self.latency.add_expected(now_s, state.through_water(state.heading_rad))
-
-    def _inflate(self, variance_m2: float) -> None:
-        self._state.covariance.add(NORTH, variance_m2)
-        self._state.covariance.add(EAST, variance_m2)
+        self.latency.add_expected(now_s, state.through_water(state.heading_rad))
 
     def update(
         self,
@@ -84,125 +77,98 @@ class PositionUpdate:
             self.latency.note_gap(stamp_s, pause_s)
         is_otherwise_late = velocity is not None and self.latency.compare(stamp_s, velocity)
         time_s = stamp_s - self.latency.delay_s
-        if speed_accuracy_m_s is None:
-            # A camera pose is a hundred times more accurate than GNSS; so is its velocity.
-            variance = VELOCITY_M_S**2
-        else:
-            variance = max(VELOCITY_M_S, SPEED_ACCURACY_SHARE * speed_accuracy_m_s) ** 2
-        if self.accepted_s == -math.inf or reset_counter != self._reset_counter or is_otherwise_late:
-            self.resets += self.accepted_s > -math.inf
-            self._reset_counter = reset_counter
-            self._start(time_s, stamp_s, at, velocity, sigma_m, variance)
-            return
+        # Without a statement: a camera pose is a hundred times more accurate than GNSS; so is its velocity
+        stated = VELOCITY_M_S if speed_accuracy_m_s is None else SPEED_ACCURACY_SHARE * speed_accuracy_m_s
+        variance = max(VELOCITY_M_S, stated) ** 2
+        north_m, east_m, heading_rad, predicted = state.at(time_s - state.delay_s)
+        then = complex(north_m, east_m)
         dt, self._time_s = time_s - self._time_s, time_s
-        predicted = state.at(time_s)[3]
         speed_m_s = max(abs(predicted), abs(velocity or 0j))
-        if self._is_repeated(stamp_s, at, velocity, speed_m_s * dt):
-            return
-        drift_m = bank.weigh_position(
-            stamp_s,
-            at,
-            predicted if velocity is None else velocity,
-            sigma_m,
-            variance,
-            is_measured=velocity is not None,
+        is_good = self._monitor.update(
+            (at, velocity), stamp_s, speed_m_s * dt / (_AT_REST * state.cruise_m_s)
         )
-        if velocity is not None:
-            channels = state.velocity_north, state.velocity_east
-            self._update_velocity(time_s, stamp_s, velocity, variance)
-            self._heading.check_velocity(velocity, time_s, 0.5 * sum(one.variance for one in channels), dt)
-        position = state.predict_position(time_s, at, sigma_m)
-        rejected_s = min(stamp_s - self.accepted_s, bank.drift.steady_s)
-        is_good = position.nis <= GATE_2
-        if bank.is_gnss_wrong:
-            if is_good:  # the estimate may already have followed
-                self._raise(drift_m)
-            is_good = False
-        elif not is_good and self._is_otherwise_late(stamp_s, at, position, dt):
-            state.commit()
-            self._start(stamp_s - self.latency.delay_s, stamp_s, at, velocity, sigma_m, variance)
+        is_first = self.accepted_s == -math.inf
+        if is_first or reset_counter != self._reset_counter or is_otherwise_late or (
+            is_good and (self.has_expired(time_s) or self._is_idle)
+        ):  # fmt: skip
+            self.resets += not is_first
+            self._reset_counter = reset_counter
+            here = at + complex(state.north_m, state.east_m) - then
+            state.start_position(here.real, here.imag, sigma_m)
+            if velocity is not None:
+                state.predict_velocity(heading_rad, predicted, velocity, variance)
+                self._velocity_s = stamp_s
+            bank.drift.restart()
+            self.accepted_s, self._rejected_s = stamp_s, 0.0
             return
-        elif not is_good and rejected_s > 1.0:
-            open_m2 = (_OPENS * state.cruise_m_s * rejected_s) ** 2
-            is_good = position.nis_with(open_m2) <= GATE_2
+        if self._monitor.run_s > 0.0:  # it tells nothing, and may be of a stuck receiver
             if is_good:
-                self._inflate(open_m2)
-                position = state.predict_position(time_s, at, sigma_m)
-        self._rejected_share += min(dt, 1.0) * ((0.0 if is_good else 1.0) - self._rejected_share)
-        if is_good:
-            state.apply(position)
-            self.accepted_s = stamp_s
+                self.accepted_s = stamp_s
+            else:
+                bank.drift.restart()
+            return
+        scatter_m, doppler = (
+            sigma_m * math.sqrt(max(state.position_noise, 1.0)),
+            variance * state.velocity_noise,
+        )
+        bank.weigh_position(stamp_s, at, velocity, predicted, scatter_m, doppler)
+        if velocity is not None and self._has_updated_velocity(heading_rad, predicted, velocity, variance):
+            self._velocity_s = stamp_s
+            white = 0.5 * (state.velocity_north.variance + state.velocity_east.variance)
+            self._heading.check_velocity(velocity, heading_rad, predicted, white, dt)
+        state.end_stall(time_s)
+        position = state.predict_position(then, predicted, at, sigma_m)
+        if position.nis <= GATE_2 and not bank.is_gnss_wrong:
+            state.adapt_position(position)
+            self.accepted_s, self._rejected_s = stamp_s, 0.0
+            return
+        state.withdraw(position)
         state.commit()
-        if not is_good and self._may_restart(time_s):
-            self.resets += 1
-            self._start(time_s, stamp_s, at, velocity, sigma_m, variance)
-        state.learn_yaw(dt, self._heading.is_in_time)
+        if self.latency.is_watching(stamp_s) and self._fits_another_time(stamp_s, at, position, dt):
+            self._reset_counter = -1  # starts at the next fix
+        self._rejected_s += dt
+        self._doubt()
 
-    def _is_repeated(self, stamp_s: float, at: complex, velocity: complex | None, moved_m: float) -> bool:
-        """Whether a fix repeats the last one bit by bit: it tells nothing, and may be of a stuck receiver."""
-        monitor = self._monitor
-        if not monitor.update((at, velocity), stamp_s, moved_m / (_AT_REST * self._state.cruise_m_s)):
-            self._bank.drift.restart()
-        elif monitor.run_s > 0.0:
-            self.accepted_s = stamp_s
-        return monitor.run_s > 0.0
+    def _doubt(self) -> None:
+        """Doubt the position after a fix was rejected: the longer that lasts, the more."""
+        state, drift = self._state, self._bank.drift
+        waited_s = min(self._rejected_s, drift.steady_s)
+        if self._bank.is_gnss_wrong:  # the estimate may already have followed
+            state.raise_position(drift.drift_m**2)
+        elif waited_s > DISAGREES_S:
+            state.raise_position((_OPENS * state.cruise_m_s * waited_s) ** 2)
 
-    def _is_otherwise_late(self, stamp_s: float, at: complex, position: PairUpdate, dt_s: float) -> bool:
-        """Whether a position that does not fit is that of another time, which changes the delay."""
-        if not self.latency.is_watching(stamp_s):
-            return False
+    def _fits_another_time(self, stamp_s: float, at: complex, position: PairUpdate, dt: float) -> bool:
+        """Whether a position that does not fit is that of another time, which changes the delay.
+
+        Errors of positions last for about a second: one counts for as much as dt.
+        """
         state, costs = self._state, []
-        weight = 0.5 * _NEIGHBOUR * position.nis / abs(position.innovation) ** 2
+        weight = 0.5 * dt * position.nis / abs(position.innovation) ** 2
         for delay in range(DELAYS):
             north_m, east_m, _, _ = state.at(stamp_s - delay * STEP_S)
             off_m = abs(at - complex(north_m + state.gnss_north_m, east_m + state.gnss_east_m))
-            costs.append(min(weight * off_m * off_m, _NEIGHBOUR * MOST_SQUARE))
-        return self.latency.weigh(costs, dt_s)
+            costs.append(min(weight * off_m * off_m, dt * MOST_SQUARE))
+        return self.latency.weigh(costs, dt)
 
-    def _update_velocity(self, time_s: float, stamp_s: float, velocity: complex, variance: float) -> None:
+    @property
+    def _is_idle(self) -> bool:
+        waited_s = min(self._rejected_s, self._bank.drift.steady_s)
+        return min(waited_s, self._state.turned_s - self._state.driven_s) > _IDLE_S
+
+    def _has_updated_velocity(
+        self, heading_rad: float, predicted: complex, velocity: complex, variance: float
+    ) -> bool:
         state = self._state
-        pair = state.predict_velocity(time_s, velocity, variance)
+        pair = state.predict_velocity(heading_rad, predicted, velocity, variance)
         if pair.nis > GATE_2:
-            if self._bank.drift.steady_s == 0.0 or self.latency.is_uncertain(stamp_s):
-                return
-            more = 0.5 * abs(pair.innovation) ** 2  # the receiver is right, the model is not
-            state.covariance.add(SURGE, more)
-            state.covariance.add(SWAY, more)
-            pair = state.predict_velocity(time_s, velocity, variance)
-        state.adapt(pair)
-        state.apply(pair)
-        self._velocity_s = stamp_s
-
-    def _raise(self, sigma_m: float) -> None:
-        self._state.covariance.raise_to(NORTH, sigma_m * sigma_m)
-        self._state.covariance.raise_to(EAST, sigma_m * sigma_m)
-
-    def _may_restart(self, time_s: float) -> bool:
-        """Whether fixes that do not fit are better than the present estimate."""
-        is_idle = time_s - max(self._state.idle_since_s + 2.0, self.accepted_s) > _IDLE_RESET_S
-        return self.has_expired(time_s) or (is_idle and self._bank.drift.steady_s > 0.0)
-
-    def _start(
-        self,
-        time_s: float,
-        stamp_s: float,
-        at: complex,
-        velocity: complex | None,
-        sigma_m: float,
-        variance: float,
-    ) -> None:
-        """Start the position at a fix."""
-        state = self._state
-        north_m, east_m, _, _ = state.at(time_s)
-        moved = complex(state.north_m - north_m, state.east_m - east_m)
-        state.start_position(at.real + moved.real, at.imag + moved.imag, sigma_m)
-        if velocity is not None:
-            state.apply(state.predict_velocity(time_s, velocity, variance))
-            state.commit()
-            self._velocity_s = stamp_s
-        self._bank.drift.restart()
-        self.accepted_s, self._time_s = stamp_s, time_s
-        self._rejected_share = 0.0
+            state.withdraw(pair)
+            if self._bank.drift.steady_s > 0.0:  # the receiver is right, the model is not
+                state.covariance.add(SURGE, abs(pair.innovation) ** 2)
+                state.covariance.add(SWAY, abs(pair.innovation) ** 2)
+            return False
+        state.adapt_velocity(pair)
+        return True
 
     def has_expired(self, now_s: float) -> bool:
         """Whether dead reckoning has lasted too long; without a heading there is none."""
@@ -220,7 +186,7 @@ class PositionUpdate:
             faults = _LOST
         elif self._monitor.is_stuck:
             faults = _FROZEN
-        if self._rejected_share > _REJECTED or self._bank.is_gnss_wrong:
+        if self._rejected_s > DISAGREES_S or self._bank.is_gnss_wrong:
             faults |= _JUMPING
         if now_s - self.accepted_s > self._setting.gnss_timeout_s and self.has_expired(now_s):
             faults |= _POSITION_LOST

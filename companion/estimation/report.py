@@ -1,20 +1,15 @@
 """The filter's inside, for log, reports and consistency tests."""
 
-from typing import Final
-
 from msgspec import Struct
 
 from companion.estimation.error_state import ErrorStateFilter
 from companion.estimation.innovation import Innovation
 
-STATE_NAMES: Final = (
-    "north_m", "east_m", "heading_rad", "surge_m_s", "sway_m_s", "current_north_m_s", "current_east_m_s",
-    "bias_rad_s", "offset_rad", "gain", "gnss_north_m", "gnss_east_m", "delay_s",
-)  # fmt: skip
-
 
 class EstimatorReport(Struct, frozen=True):
-    """state: as in STATE_NAMES; covariance: of its error, row by row. hypotheses: name and probability."""
+    """state: as in `covariance.STATE_NAMES`; covariance: of its error, row by row. hypotheses: name and
+    probability.
+    """
 
     state: tuple[float, ...]
     covariance: tuple[tuple[float, ...], ...]

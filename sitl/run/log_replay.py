@@ -50,7 +50,7 @@ class LoggedRun:
 
     def estimator(self) -> Estimator:
         """A new estimator with the boat's settings."""
-        return Estimator(self.config.speed, self.config.estimation, self.config.drive)
+        return Estimator(self.config.speed, self.config.estimation, self.config.drive, self.config.handling)
 
     def estimates(self, estimator: Estimator) -> Iterator[tuple[LoggedTick, NavState | None]]:
         """Feed an estimator, tick by tick."""

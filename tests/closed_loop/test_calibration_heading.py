@@ -61,6 +61,8 @@ def response(model: str, gains: dict[str, object]) -> StepResponse:
 
     hold(0.0, 40)
     off = hold(STEP_RAD, 20)
+    rest = sum(off[-250:]) / 250  # what the compass is off by
+    off = [one - rest for one in off]
     unsettled = [tick for tick, one in enumerate(off) if abs(one) > 0.1]
     return StepResponse(max(off), sum(abs(one) for one in off) * 0.02, unsettled[-1] * 0.02)
 

@@ -7,8 +7,9 @@ import pytest
 from boat_rig import waypoint
 from log_rig import OpenRig, Record, of_kind, read_log
 
+from companion.estimation.covariance import STATE_NAMES
 from companion.estimation.innovation import GATE_2, Innovation
-from companion.estimation.report import STATE_NAMES, EstimatorReport
+from companion.estimation.report import EstimatorReport
 from companion.log import samples
 from companion.log.records import HEADER
 

@@ -48,7 +48,7 @@ def test_a_log_of_every_tick_replays_to_the_boats_own_estimates(tmp_path: Path) 
     assert run.config.estimation.surge_time_s == 2.5  # from the logged parameters
     most_m, most_rad = _largest_error(run)
     assert most_m < 0.02  # positions are logged to a centimetre
-    assert most_rad < 1e-3
+    assert most_rad < 4e-3  # readings are rounded
 
 
 def test_a_log_at_the_default_rate_replays_to_nearly_the_same(tmp_path: Path) -> None:
