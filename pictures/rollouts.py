@@ -7,12 +7,11 @@ from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.state import NavState
 from companion.obstacles.perception.track import Track
-from companion.obstacles.planning.choice import choose
 from companion.obstacles.planning.clearance import ClearanceField
-from companion.obstacles.planning.cost import TOUCH, CostModel
-from companion.obstacles.planning.detour import Detour
-from companion.obstacles.planning.motion import CRASH_STOP, STEP_S, Fan, Rollout, roll
-from companion.obstacles.planning.movers import HULL, predict_movers
+from companion.obstacles.planning.cost import HORIZON_S, HULL, TOUCH, CostModel
+from companion.obstacles.planning.cost_to_go import CostToGo
+from companion.obstacles.planning.motion import CRASH_STOP, STEP_S, STEPS, Fan, Rollout, roll
+from companion.obstacles.planning.movers import predict
 from pictures.svg import Drawing
 
 _CONFIG: Final = BoatConfig()
@@ -23,17 +22,13 @@ _GOOD, _BAD, _BEST = (46, 134, 71), (200, 60, 50), "#1f4fa3"
 def draw_rollouts() -> str:
     """The fan of a boat at 1 m/s, bow up, with a rock ahead."""
     rock = [Point(3.0 + 0.2 * n, 0.3 + 0.2 * e) for n in range(4) for e in range(-3, 4)]
-    nav, fan, detour = _nav(0.0, 0.0, 0.0, 1.0), Fan(), Detour()
-    field = _field(nav, rock)
-    detour.update(nav.point, Point(50.0, 0.0), field, 1.0, HULL, 0.0, is_certain=True)
-    costs = _costs(nav, field, [], detour.target(nav.point, field, 5.0, HULL) or Point(5.0, 0.0))
-    best = choose(
-        nav, _CONFIG, costs, fan, None, 1.0, None, is_holding=False, is_certain=True, has_movers=False
-    )
+    nav, fan = _nav(0.0, 0.0, 0.0, 1.0), Fan()
+    costs = _costs(nav, _field(nav, rock), [])
+    best = costs.choose(fan, 1.0, None, None, is_certain=True)
     rated = []
     for speed in (1.0, 0.6, 0.4):
         for one in fan.rollouts(1.0, 0.0, speed, _CONFIG):
-            rated.append((costs.plain(one, None) + costs.danger(one).risk, one))
+            rated.append((costs.plain(one, None) + costs.risk(one), one))
     least = min(cost for cost, _ in rated)
     drawing = Drawing()
     for cost, one in sorted(rated, key=lambda each: -each[0]):
@@ -45,12 +40,8 @@ def draw_rollouts() -> str:
         drawing.box(x - 0.1 * _SCALE, y - 0.1 * _SCALE, 0.2 * _SCALE, 0.2 * _SCALE, "#777777")
     if best is not None:
         drawing.line(*_pixels(best), colour=_BEST, width=4.0)
-    if detour.route is not None:
-        drawing.line(*(_pixel(*at) for at in detour.route), colour="#999999", width=1.5)
     drawing.dot(*_pixel(0.0, 0.0), _BEST, 6.0)
-    drawing.write(
-        20.0, 20.0, "green: cheap, red: expensive, blue: the one that is held, grey: rock and route"
-    )
+    drawing.write(20.0, 20.0, "green: cheap, red: expensive, blue: the one that is held, grey: rock")
     return drawing.text(640.0, 480.0, "Rollouts before a rock")
 
 
@@ -64,21 +55,10 @@ def draw_encounter() -> str:
         traffic.append((mover_n, mover_e))
         nav = _nav(north, east, heading, surge)
         track = _track(mover_n, mover_e, 0.0, 0.5, now_s)
-        target = Point(north + 5.0, 0.0)
-        costs = _costs(nav, _field(nav, []), [track], target, now_s)
-        way = [Point(north, east), target]
-        best = choose(
-            nav,
-            _CONFIG,
-            costs,
-            fan,
-            way,
-            1.0,
-            held,
-            is_holding=held is not None,
-            is_certain=True,
-            has_movers=True,
-        )
+        costs = _costs(nav, _field(nav, []), [track], now_s)
+        aheads = [STEP_S * (step + 1) for step in range(STEPS)]
+        path = aheads, [-east * ahead / HORIZON_S for ahead in aheads]
+        best = costs.choose(fan, 1.0, path, held, is_certain=True)
         wanted = math.atan2(-east, 5.0) - heading
         one = best or roll(surge, 0.0, wanted, 1.0, _CONFIG)
         held = None if best is None else heading + best.turn_rad
@@ -114,12 +94,11 @@ def _field(nav: NavState, rock: list[Point]) -> ClearanceField:
     return field
 
 
-def _costs(
-    nav: NavState, field: ClearanceField, movers: list[Track], target: Point, now_s: float = 0.0
-) -> CostModel:
+def _costs(nav: NavState, field: ClearanceField, movers: list[Track], now_s: float = 0.0) -> CostModel:
     margin_m = _CONFIG.avoidance.margin_m
-    predicted = predict_movers(movers, nav, field, margin_m, now_s)
-    return CostModel(nav, field, predicted, margin_m, 1.0, target, _CONFIG)
+    to_go = CostToGo(field, nav.point, Point(50.0, 0.0), margin_m, HULL * margin_m)
+    predicted = predict(movers, nav, (1.0, 0.0), field, margin_m, HULL * margin_m, now_s)
+    return CostModel(nav, field, to_go, predicted, margin_m, HORIZON_S, 0.0, _CONFIG)
 
 
 def _track(north_m: float, east_m: float, north_m_s: float, east_m_s: float, now_s: float) -> Track:
@@ -132,7 +111,7 @@ def _track(north_m: float, east_m: float, north_m_s: float, east_m_s: float, now
         track.correct(at, 1.0, 0.0, 0.05)
         track.correct(at, 0.0, 1.0, 0.05)
         track.complete_observation(0.5, 1.0, 0.0)
-    track.is_mover = track.is_likely_mover = True
+    track.is_mover = True
     return track
 
 

@@ -85,7 +85,7 @@ def mover(
             track.correct(at, *axis, 1e-3)
         if look:
             track.complete_observation(0.4, 1.0, 0.0)
-    track.is_mover = track.is_likely_mover = True
+    track.is_mover = True
     return track
 
 

@@ -109,9 +109,15 @@ class GuidancePipeline:
     ) -> Demand | Drive | Stop:
         """The pilot between avoidance and fence."""
         intent = self.avoidance.update(
-            intent, nav, config, self.perception, fence, is_by_hand=status.mode.is_by_hand, now_s=now_s
+            self._fence_brake.hold(intent),
+            nav,
+            config,
+            self.perception,
+            fence,
+            is_by_hand=status.mode.is_by_hand,
+            now_s=now_s,
         )
-        steered = self._pilot.update(self._fence_brake.hold(intent), nav, config, dt_s)
+        steered = self._pilot.update(intent, nav, config, dt_s)
         steered = self.avoidance.limit.apply(steered, nav, config)
         if self.avoidance.eases and isinstance(steered, Demand):
             steered = replace(steered, brakes=False)

@@ -14,7 +14,7 @@ from companion.core.state import NavState
 from companion.obstacles.perception.looked_at import LookedAtWater
 from companion.obstacles.perception.occupancy import SUSPECT, Beam, Occupancy
 from companion.obstacles.perception.sonar_noise import SonarNoiseMonitor
-from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector, choose_sector, is_unclassified
+from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector, choose_sector
 from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import ObstacleTracks
 from companion.sensors.readings import SonarReading
@@ -121,9 +121,9 @@ class ObstaclePerception:
         """Tracks known to move."""
         return self.tracks.movers(now_s)
 
-    def unclassified(self, now_s: float) -> list[Track]:
-        """Tracks that may turn out to move."""
-        return [track for track in self.tracks.all if is_unclassified(track, now_s)]
+    def possible_movers(self, now_s: float) -> list[Track]:
+        """Tracks lately seen in free water."""
+        return self.tracks.possible_movers(now_s)
 
     def _unconfirmed(self, now_s: float) -> Beam | None:
         """The latest echo, until a second look confirms or refutes it."""

@@ -62,17 +62,14 @@ def choose_sector(
     return Sector(min(-ahead, turn - _BESIDE_RAD), max(ahead, turn + _BESIDE_RAD))
 
 
-def is_unclassified(track: Track, now_s: float) -> bool:
-    """Whether a track may turn out to move: it is new and isolated, as far as was observed."""
-    is_new = now_s - track.created_s < BRIEF_S and now_s - track.seen_s < SAME_PASS_S
-    return is_new and not track.is_mover and (track.isolated_count > 0 or track.is_cut_off)
-
-
 def _is_watched(track: Track, nav: NavState, now_s: float) -> bool:
-    is_moving = track.is_mover and now_s - track.seen_s <= BRIEF_S
-    if not (is_moving or is_unclassified(track, now_s)):
+    """Movers, and what is new and seen at each pass, before the beam."""
+    if abs(_off_bow_rad(nav, track.point(now_s))) >= _ABEAM_RAD:
         return False
-    return abs(_off_bow_rad(nav, track.point(now_s))) < _ABEAM_RAD
+    if track.is_mover:
+        return now_s - track.seen_s <= BRIEF_S
+    is_new = now_s - track.created_s < BRIEF_S and now_s - track.seen_s < SAME_PASS_S
+    return is_new and track.may_move(now_s)
 
 
 def _about(track: Track, nav: NavState, now_s: float) -> Sector:

@@ -8,22 +8,19 @@ the beam.
 The paper's terms: dR0 (its equation 1) is `Track.distance_m`; an obstacle is static or dynamic (`is_mover`),
 and a dynamic one approaches or recedes (`closing_m_s`). The nearest point of a large obstacle slides along it
 as the boat passes, across the beam. So a mover is declared only if it is isolated in free water and
-approaches along the beam, at three standard deviations; what is small and moves in any direction, at one and
-a half, is a probable mover, which is avoided and not reported.
+approaches along the beam, at three standard deviations. What may move is avoided long before
+(`planning/movers.py`).
 """
 
 import math
-from collections import deque
 from typing import Final
 
 from companion.core.geo import Point
 
 SURE_SIGMAS: Final = 3.0  # 1 in 700 of static obstacles, one-sided
-LIKELY_SIGMAS: Final = 1.5  # enough to steer clear, too little to report
 FASTEST: Final = 12.0  # of the least speed: 1.4 m/s; faster tracks join two ghosts
 BRIEF_S: Final = 1.5  # a full sweep: what is real is seen again within it
-_TRAIL: Final = 8  # places that are remembered: two seconds of a mover that is kept in view
-_SPREAD: Final = (100.0, 100.0, 0.5, 0.5)  # initial variances: anywhere within the sight, 0.7 m/s
+_SPREAD: Final = (100.0, 100.0, 0.25, 0.25)  # initial variances: anywhere within the sight, 0.7 m/s
 
 
 class Track:
@@ -39,11 +36,9 @@ class Track:
         self.silent_looks = 0  # beams that met nothing where its only echo was
         self.is_cut_off = False  # the last observation did not cover both edges
         self.is_mover = False
-        self.is_likely_mover = False  # moves, or probably does
         self._beam_n = self._beam_e = 0.0
         self._state = [at.north_m, at.east_m, 0.0, 0.0]
         self._covariance = [[_SPREAD[i] if i == j else 0.0 for j in range(4)] for i in range(4)]
-        self._trail: deque[tuple[float, Point]] = deque([(seen_s, at)], maxlen=_TRAIL)
 
     @property
     def north_m_s(self) -> float:
@@ -74,15 +69,26 @@ class Track:
         variance = north * north * p[2][2] + 2.0 * north * east * p[2][3] + east * east * p[3][3]
         return math.sqrt(max(variance, 0.0))
 
-    def sigma_m(self, now_s: float) -> float:
-        """Standard deviation of the present position, along the worse axis."""
-        p, ahead_s = self._covariance, max(now_s - self._time_s, 0.0)
-        axes = [p[i][i] + ahead_s * (2.0 * p[i][i + 2] + ahead_s * p[i + 2][i + 2]) for i in (0, 1)]
-        return math.sqrt(max(*axes, 0.0))
+    def covariance(self, time_s: float) -> tuple[float, float, float]:
+        """Of its position at a time: north, north and east, east."""
+        p, ahead_s = self._covariance, max(time_s - self._time_s, 0.0)
+        nn, ne, ee = (
+            p[i][j] + ahead_s * (p[i][j + 2] + p[i + 2][j] + ahead_s * p[i + 2][j + 2])
+            for i, j in ((0, 0), (0, 1), (1, 1))
+        )
+        return nn, ne, ee
+
+    def rest_ratio(self) -> float:
+        """Density of its velocity at rest, of what it was before the first observation."""
+        (_, _, v_n, v_e), p = self._state, self._covariance
+        nn, ne, ee = p[2][2], p[2][3], p[3][3]
+        size = max(nn * ee - ne * ne, 1e-9)
+        away = (ee * v_n * v_n - 2.0 * ne * v_n * v_e + nn * v_e * v_e) / size
+        return math.sqrt(_SPREAD[2] * _SPREAD[3] / size) * math.exp(-0.5 * away)
 
     def point(self, now_s: float) -> Point:
         """Position at a time; without known motion, the last one."""
-        ahead_s, state = now_s - self._time_s if self.is_likely_mover else 0.0, self._state
+        ahead_s, state = now_s - self._time_s if self.is_mover else 0.0, self._state
         return Point(state[0] + state[2] * ahead_s, state[1] + state[3] * ahead_s)
 
     def distance_m(self, boat: Point, now_s: float) -> float:
@@ -97,12 +103,11 @@ class Track:
         distance = max(math.hypot(north, east), 1e-6)
         return ((north_m_s - self._state[2]) * north + (east_m_s - self._state[3]) * east) / distance
 
-    def was_at(self, place: Point, within_m: float) -> bool:
-        """Whether it was recently observed this near to a place."""
-        return any(
-            abs(at.north_m - place.north_m) < within_m and abs(at.east_m - place.east_m) < within_m
-            for _, at in self._trail
-        )
+    def may_move(self, now_s: float) -> bool:
+        """Whether it was seen lately and does not belong to something longer, as far as was observed."""
+        is_new = now_s - self.created_s < BRIEF_S
+        is_isolated = 2 * self.isolated_count >= self.observations or (self.is_cut_off and is_new)
+        return self.is_mover or (now_s - self.seen_s < BRIEF_S and is_isolated)
 
     # Called by ObstacleTracks
 
@@ -157,21 +162,12 @@ class Track:
         self.seen_s = self._time_s
         self.radius_m = max(radius_m, 0.8 * self.radius_m)
         self._beam_n, self._beam_e = beam_n, beam_e
-        self._trail.append((self.seen_s, Point(self._state[0], self._state[1])))
 
-    def classify(self, least_m_s: float, *, is_small: bool = True) -> None:
-        """Decide whether it moves. is_small: its near side is close to its centre."""
-        speed, sigma = self.speed_m_s, self.speed_sigma_m_s
-        is_possible = self.isolated_count > 1 and speed < FASTEST * least_m_s
+    def classify(self, least_m_s: float) -> None:
+        """Decide whether it moves: it approaches the boat over ground, and goes on doing so."""
         if self.is_mover:
-            self.is_mover = speed > max(sigma, 0.5 * least_m_s)
-        elif is_possible:
-            self.is_mover = self._is_approaching(least_m_s)
-        is_fast = is_small and speed > max(LIKELY_SIGMAS * sigma, 2.0 * least_m_s)
-        self.is_likely_mover = self.is_mover or (is_possible and is_fast)
-
-    def _is_approaching(self, least_m_s: float) -> bool:
-        """Whether it approaches the boat over ground."""
-        north, east = self._beam_n, self._beam_e
-        towards = -(self._state[2] * north + self._state[3] * east)
-        return towards > max(SURE_SIGMAS * self.pace_sigma_m_s(north, east), least_m_s)
+            self.is_mover = self.speed_m_s > max(self.speed_sigma_m_s, 0.5 * least_m_s)
+        elif self.isolated_count > 1 and self.speed_m_s < FASTEST * least_m_s:
+            north, east = self._beam_n, self._beam_e
+            towards = -(self._state[2] * north + self._state[3] * east)
+            self.is_mover = towards > max(SURE_SIGMAS * self.pace_sigma_m_s(north, east), least_m_s)

@@ -20,14 +20,13 @@ _GATE_SIGMAS: Final = 3.0
 _FREE_BESIDE: Final = 1.5  # scales: a neighbouring echo farther off belongs to something else
 _SAME_THING: Final = 0.6  # scales: largest difference in range within a group
 _LONGEST: Final = 2.0  # scales: a longer group is shore
-_SMALL: Final = 0.75  # scales, radius: the nearest point of a larger one moves along with the boat
 _RANGE_SIGMA: Final = 0.05  # scales, per observation: the accuracy of the boat's own position
 _REFUTES: Final = 2  # silent looks at a single echo: they take the evidence of one from the grid, too
 _ACCEL: Final = 0.25  # scales, m/s²: a swimmer's, and a boat's that turns away
 _LEAST_PACE: Final = 0.12  # scales, m/s: slower motion is swinging at anchor
 # Of the beam width: an echo comes from anywhere within it, alike in one ping after another, so that
 # averaging does not help: 1.5 times the deviation of an even distribution.
-_ACROSS: Final = 1.5 / math.sqrt(12.0)
+_ACROSS: Final = 2.0 / math.sqrt(12.0)
 
 
 class ObstacleTracks:
@@ -65,13 +64,10 @@ class ObstacleTracks:
         """Tracks known to move."""
         return [track for track in self.known(now_s) if track.is_mover]
 
-    def likely(self, now_s: float) -> list[Track]:
-        """Movers, and recent probable movers."""
-        return [
-            track
-            for track in self.known(now_s)
-            if track.is_mover or (track.is_likely_mover and now_s - track.seen_s < SAME_PASS_S)
-        ]
+    def possible_movers(self, now_s: float) -> list[Track]:
+        """Movers, and what may turn out to be one."""
+        self._forget(now_s)
+        return [track for track in self.all if track.may_move(now_s)]
 
     def _forget(self, now_s: float) -> None:
         """Remove lost tracks; one that a full sweep has not observed again was a ghost, which the next thing
@@ -135,8 +131,7 @@ class ObstacleTracks:
             track.isolated_count = int(is_alone)
             return
         track.complete_observation(radius_m, north, east, is_alone=is_alone)
-        is_small = track.radius_m < _SMALL * scale_m
-        track.classify(_LEAST_PACE * scale_m, is_small=is_small)
+        track.classify(_LEAST_PACE * scale_m)
 
     def _find(
         self, at: Point, time_s: float, north: float, east: float, along_m: float, across_m: float

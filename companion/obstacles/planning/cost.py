@@ -1,118 +1,103 @@
-"""The cost of a rollout: progress, clearance, movers, side and effort, one term each.
+"""The cost of a rollout, and the cheapest one.
 
-    J = progress + 0.3 bow + 8 mean((1 − d / margin)²) + hit + 8 mean(mover) + side + effort
+    J = way / (v T) + 8 mean(max(0, 1 − d / margin)²) + hit + 20 C + side + habit + effort
 
-progress: distance from the end of the rollout to the point that the path reaches in the same time, in shares
-of the way to it. bow: angle from the bow to that point at the end, in half turns. d: clearance at a step.
-hit: a rollout that touches costs the more, the sooner. With a mover near, a turn to port costs more than one
-to starboard (collision regulations, rules 14, 15 and 17); the movers themselves are in `movers.py`.
+way: what is left to the goal at the end of the rollout, a margin further along the bow (`cost_to_go.py`), in
+shares of what the boat covers within the horizon T at the wanted speed v, at least of its sight. d: clearance
+at a step. hit: the first touch, the more the sooner and the faster. C: expected number of collisions with
+what may move (`movers.py`). side: to port of the way wanted, where something may move (collision regulations,
+rules 14, 15 and 17). The weights were chosen on seeds 1 to 4 of `boat-sitl encounters`.
 """
 
 import math
-from typing import Final, NamedTuple
+from typing import Final
 
 from companion.config.boat_config import BoatConfig
-from companion.core.geo import Point
 from companion.core.state import NavState
 from companion.core.units import wrap_pi
-from companion.obstacles.planning.clearance import FENCE, LEVEL, LEVELS, SOLID, ClearanceField
-from companion.obstacles.planning.motion import CRASH_STOP, STEP_S, STEPS, Rollout
-from companion.obstacles.planning.movers import HULL, NEAR, Predicted, encounter_cost, hit_cost
+from companion.guidance.course_to_steer import course_to_steer
+from companion.obstacles.planning.clearance import FENCE, LEVEL, LEVELS, ClearanceField
+from companion.obstacles.planning.cost_to_go import CostToGo
+from companion.obstacles.planning.motion import CRASH_STOP, STEP_S, STEPS, Fan, Rollout, roll
+from companion.obstacles.planning.movers import Predicted, collision_risk
 
 HORIZON_S: Final = STEP_S * STEPS
-_BOW: Final = 0.3
-_PORT: Final = 0.05  # breaks ties,
-_PORT_MOVER: Final = 0.3  # with 0.6 a boat among rocks, one taken for a mover, turns to and fro
+_NEAR: Final = 8.0
+_HIT: Final = 10.0  # more than no progress and every other term,
+_COLLISION: Final = 20.0  # and more for what comes towards the boat
+_PORT: Final = 0.05  # breaks ties; with something that surely moves near, 1 more
 _ASTERN: Final = 0.5  # an approaching obstacle catches up
-_HABIT: Final = 2.0  # of half a turn away from the last decision
-_BRAKES: Final = 0.7  # of accel_m_s2: the lake boat stops within 2.3 m from 1 m/s with half reverse
-_REACTION_S: Final = 0.5
-TOUCH: Final = 0.35  # half its beam and a cell
-
-
-class Danger(NamedTuple):
-    """risk: cost of clearance and movers; hit_s: time of a touch of something certain, infinite for none."""
-
-    risk: float
-    hit_s: float
+_HABIT: Final = 1.0  # half a turn away from the last decision
+_STAYS: Final = 0.1  # a rollout must be cheaper than the intent by this: about a turn by 5°
+TOUCH: Final = 0.35  # margins: half its beam and a cell
+HULL: Final = 0.6  # margins: half the hull's length and half a cell
 
 
 class CostModel:
-    """The terms for one decision. reference_m_s: the speed that the path asks for; target: the point to make
-    for, as far ahead as the boat comes within the horizon.
-    """
+    """The terms for one decision. scale_m: v T; wanted_rad: course of the path."""
 
     def __init__(
         self,
         nav: NavState,
         field: ClearanceField,
+        to_go: CostToGo,
         movers: list[Predicted],
         margin_m: float,
-        reference_m_s: float,
-        target: Point,
+        scale_m: float,
+        wanted_rad: float,
         config: BoatConfig,
     ) -> None:
-        self._nav = nav
-        self._field = field
-        self._target = target
-        self._scale_m = max(reference_m_s * HORIZON_S, margin_m)
-        self._config = config
+        self._nav, self._field, self._to_go, self.movers = nav, field, to_go, movers
+        self._config, self._wanted_rad = config, wanted_rad
+        self._scale_m = scale_m
+        self._lead_m = margin_m
         self._cos, self._sin = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
-        cell_m = field.cell_m
-        self._near = [0.0] * (LEVEL + 1)
-        for level in range(1, LEVELS + 1):
-            clear_m = (LEVELS - level) * cell_m
-            self._near[level] = max(1.0 - clear_m / margin_m, 0.0) ** 2 + (clear_m < HULL * margin_m)
-        self._touch_level = LEVELS - round(TOUCH * margin_m / cell_m)
+        clear = [(LEVELS - level) * field.cell_m for level in range(LEVELS + 1)]
+        self._near = [
+            max(1.0 - clear_m / margin_m, 0.0) ** 2 + (clear_m < HULL * margin_m) for clear_m in clear
+        ]
+        self._near += [2.0] * (LEVEL - LEVELS)
+        self._touch_level = LEVELS - round(TOUCH * margin_m / field.cell_m)
         here = field.at(nav.north_m, nav.east_m)
         self._from_level = here & LEVEL
         self._fence_bit = 0 if here & FENCE else FENCE  # outside, any way may lead back
-        self.is_near = (LEVELS - self._from_level) * cell_m < margin_m
-        self.movers = movers
-        self.wanted_rad = math.atan2(target.east_m - nav.east_m, target.north_m - nav.north_m)
+        self._port = _PORT + max((one.weight for one in movers), default=0.0)
+        self.is_near = (LEVELS - self._from_level) * field.cell_m < margin_m
 
     def plain(self, rollout: Rollout, last_heading_rad: float | None) -> float:
         """The terms that need no look at the map: a lower bound."""
-        nav, target = self._nav, self._target
+        nav = self._nav
+        c, s = self._cos, self._sin
         ahead, right = rollout.ahead_m[-1], rollout.right_m[-1]
-        north = target.north_m - nav.north_m - ahead * self._cos + right * self._sin
-        east = target.east_m - nav.east_m - ahead * self._sin - right * self._cos
-        north -= HORIZON_S * nav.current_north_m_s
-        east -= HORIZON_S * nav.current_east_m_s
-        left_m = math.sqrt(north * north + east * east)
-        bow = abs(wrap_pi(math.atan2(east, north) - nav.heading_rad - rollout.bow_rad)) / math.pi
-        cost = left_m / self._scale_m + _BOW * bow * min(left_m / self._scale_m, 1.0)
+        if rollout.speed_m_s >= 0.0:
+            ahead += self._lead_m * math.cos(rollout.bow_rad)
+            right += self._lead_m * math.sin(rollout.bow_rad)
+        north_m = nav.north_m + ahead * c - right * s + HORIZON_S * nav.current_north_m_s
+        east_m = nav.east_m + ahead * s + right * c + HORIZON_S * nav.current_east_m_s
+        cost = self._to_go.at(north_m, east_m) / self._scale_m
         heading = nav.heading_rad + rollout.turn_rad
-        if wrap_pi(heading - self.wanted_rad) < -0.1:
-            cost += _PORT_MOVER if self.movers else _PORT
+        if wrap_pi(heading - self._wanted_rad) < -0.1:
+            cost += self._port
         if rollout.speed_m_s < 0.0:
-            cost += _ASTERN if rollout.speed_m_s > CRASH_STOP else 2.0 * _ASTERN
+            cost += _ASTERN
         if last_heading_rad is not None:
             cost += _HABIT * abs(wrap_pi(heading - last_heading_rad)) / math.pi
         return cost
 
-    def danger(self, rollout: Rollout, most: float = math.inf, steps: int = STEPS) -> Danger:
-        """Clearance and movers along a rollout; abandoned above `most`."""
+    def risk(self, rollout: Rollout, most: float = math.inf, steps: int = STEPS) -> float:
+        """Clearance, touches and movers along a rollout; abandoned above `most`."""
         nav = self._nav
         return self._along(
             rollout.ahead_m, rollout.right_m, self._cos, self._sin,
             nav.current_north_m_s, nav.current_east_m_s, most, steps,
         )  # fmt: skip
 
-    def danger_on(self, norths_m: list[float], easts_m: list[float]) -> Danger:
-        """The same along places relative to the boat, one a step."""
-        return self._along(norths_m, easts_m, 1.0, 0.0, 0.0, 0.0, math.inf)
-
-    def danger_of_intent(self, straight: Rollout, norths_m: list[float], easts_m: list[float]) -> Danger:
-        """Of the intent's path, and of the turn towards it: before the fence alone, the fence brake stops."""
+    def risk_on(self, norths_m: list[float], easts_m: list[float]) -> float:
+        """The same along places relative to the boat, one a step. Before the fence alone, its brake stops."""
         fence_bit, self._fence_bit = self._fence_bit, 0
-        ahead, first = self.danger_on(norths_m, easts_m), self.danger(straight, steps=STEPS // 2)
+        risk = self._along(norths_m, easts_m, 1.0, 0.0, 0.0, 0.0, math.inf, STEPS)
         self._fence_bit = fence_bit
-        return Danger(max(ahead.risk, first.risk), min(ahead.hit_s, first.hit_s))
-
-    def can_stop(self, hit_s: float, speed_m_s: float) -> bool:
-        """Whether the boat, at this speed from now on, can stop before a touch at hit_s."""
-        return hit_s > _REACTION_S + 0.5 * abs(speed_m_s) / (_BRAKES * self._config.guidance.accel_m_s2)
+        return risk
 
     def _along(
         self,
@@ -123,14 +108,16 @@ class CostModel:
         drift_n: float,
         drift_e: float,
         most: float,
-        steps: int = STEPS,
-    ) -> Danger:
-        field, near, fence_bit = self._field, self._near, self._fence_bit
+        steps: int,
+    ) -> float:
+        field, near, stops = self._field, self._near, self._fence_bit
         cells, width, per_m = field.cells, field.width, 1.0 / field.cell_m
         start_n, start_e = self._nav.north_m - field.south_m, self._nav.east_m - field.west_m
         drift_n, drift_e = drift_n * STEP_S, drift_e * STEP_S
+        least_level = max(self._from_level, self._touch_level)
         norths, easts = [], []
-        total, risk, hit_s = 0.0, 0.0, math.inf
+        risk = 0.0
+        share = _NEAR / STEPS
         for step in range(steps):
             ahead, right = aheads[step], rights[step]
             north = (start_n + ahead * c - right * s + drift_n * (step + 1)) * per_m
@@ -140,17 +127,65 @@ class CostModel:
             row, column = int(north), int(east)
             if 0 <= row < width and 0 <= column < width and (byte := cells[row * width + column]):
                 level = byte & LEVEL
-                total += near[level]
-                is_nearer = level > self._from_level and level > self._touch_level
-                if is_nearer or byte & fence_bit:
+                risk += share * near[level]
+                if level > least_level or byte & stops:
                     last_n, last_e = (norths[-2], easts[-2]) if step else (start_n * per_m, start_e * per_m)
-                    risk = hit_cost(step, math.hypot(north - last_n, east - last_e) * field.cell_m / STEP_S)
-                    if byte & (fence_bit | SOLID):
-                        hit_s = (step + 1) * STEP_S
+                    speed = math.hypot(north - last_n, east - last_e) * field.cell_m / STEP_S
+                    risk += _HIT * (1.0 - 0.5 * step / STEPS) * (0.5 + speed)
                     break
-        risk += NEAR * total / STEPS
+                if risk > most:
+                    return risk
         for mover in self.movers:
+            risk += _COLLISION * collision_risk(mover, norths, easts)
             if risk > most:
                 break
-            risk += mover.weight * encounter_cost(mover, norths, easts)
-        return Danger(risk, hit_s)
+        return risk
+
+    def choose(
+        self,
+        fan: Fan,
+        speed_m_s: float,
+        path: tuple[list[float], list[float]] | None,
+        last_heading_rad: float | None,
+        *,
+        is_certain: bool,
+    ) -> Rollout | None:
+        """The cheapest rollout; None: the intent is as cheap.
+
+        path: places on the intent's path, relative to the boat; None if it leads nowhere. is_certain: not
+        only single echoes are near; otherwise no propeller turns astern.
+        """
+        nav, config = self._nav, self._config
+        surge = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
+        least = config.guidance.min_speed_m_s
+        heading, water_m_s = course_to_steer(
+            self._wanted_rad, speed_m_s, nav.current_north_m_s, nav.current_east_m_s,
+            least, config.handling.top_speed_m_s,
+        )  # fmt: skip
+        straight = roll(surge, nav.yaw_rate_rad_s, wrap_pi(heading - nav.heading_rad), water_m_s, config)
+        keeps = math.inf
+        if path is not None:
+            keeps = max(self.risk_on(*path), self.risk(straight, steps=STEPS // 2))
+            if keeps == 0.0:
+                return None
+            left_m = self._to_go.at(nav.north_m + path[0][-1], nav.east_m + path[1][-1])
+            keeps += max(left_m - self._lead_m, 0.0) / self._scale_m
+        least += math.hypot(nav.current_north_m_s, nav.current_east_m_s)  # stems the current
+        speeds = {round(speed, 1) for speed in (water_m_s, 0.5 * (water_m_s + least), least, 0.0)}
+        if is_certain and (self.is_near or self.movers):
+            speeds.add(-least)
+        candidates = [straight]
+        for speed in sorted(speeds):
+            candidates += fan.rollouts(surge, nav.yaw_rate_rad_s, speed, config, brakes=is_certain)
+        if is_certain and surge > config.guidance.min_speed_m_s:
+            candidates.append(roll(surge, nav.yaw_rate_rad_s, 0.0, CRASH_STOP, config))
+        best, least_cost = straight, math.inf
+        for plain, number in sorted(
+            (self.plain(one, last_heading_rad), n) for n, one in enumerate(candidates)
+        ):
+            if plain >= least_cost:
+                break
+            cost = plain + self.risk(candidates[number], least_cost - plain)
+            if cost < least_cost:
+                best, least_cost = candidates[number], cost
+        return None if keeps <= least_cost + (_STAYS if last_heading_rad is None else 0.0) else best

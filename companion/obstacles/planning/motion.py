@@ -21,13 +21,11 @@ STEPS: Final = 20  # five seconds: what comes within sight at 1 m/s, and a turn 
 TURNS: Final = tuple(math.radians(15.0 * step) for step in range(-12, 12))
 CRASH_STOP: Final = -10.0  # speed of the rollout with both propellers full astern
 _DELAY_S: Final = 0.25  # decision, slew and motors: the lake boat's motors take 0.22 s
-_HALF_STEP_S: Final = 0.5 * STEP_S  # of the integration
 # Full thrust at rest over mass, of guidance's accel_m_s2: the lake boat's 8.0 N on 8.6 kg are 0.93 m/s², less
 # what the battery loses
 _THRUST: Final = 2.0
 _ASTERN: Final = 0.6  # propellers' thrust astern, of ahead: 0.55 to 0.65 (sitl/boats/lake.toml)
-_BIN_M_S: Final = 0.2  # of speeds in the fan
-_BIN_RAD_S: Final = 0.2
+_BIN: Final = 0.2  # m/s and rad/s: within it the rollouts of a fan end within half a hull
 _MOST_FANS: Final = 200
 
 
@@ -44,17 +42,24 @@ class Rollout(NamedTuple):
 
 
 def roll(
-    surge_m_s: float, yaw_rate_rad_s: float, turn_rad: float, speed_m_s: float, config: BoatConfig
+    surge_m_s: float,
+    yaw_rate_rad_s: float,
+    turn_rad: float,
+    speed_m_s: float,
+    config: BoatConfig,
+    *,
+    brakes: bool = True,
 ) -> Rollout:
-    """One rollout. surge_m_s, speed_m_s: through the water."""
+    """One rollout. surge_m_s, speed_m_s: through the water; brakes: whether with thrust astern."""
     handling, gains, setting = config.handling, config.heading, config.speed
     top, radius_m, has_pair = handling.top_speed_m_s, config.drive.least_radius_m, config.drive.has_pair
-    follows = 1.0 - math.exp(-_HALF_STEP_S / handling.yaw_time_s)
+    half_s = 0.5 * STEP_S  # of the integration
+    follows = 1.0 - math.exp(-half_s / handling.yaw_time_s)
     force = _THRUST * config.guidance.accel_m_s2
     surge, rate, bow, ahead, right = surge_m_s, yaw_rate_rad_s, 0.0, 0.0, 0.0
     aheads, rights = [], []
     for step in range(1, 2 * STEPS + 1):
-        if step * _HALF_STEP_S > _DELAY_S:
+        if step * half_s > _DELAY_S:
             error = turn_rad - bow
             effort = clamp(gains.kp * error - gains.kd * rate, -gains.max_steering, gains.max_steering)
             fastest = handling.turn_rate_rad_s
@@ -69,18 +74,18 @@ def roll(
             else:
                 throttle = clamp(
                     feed_forward(wanted, setting) + setting.kp * (wanted - surge),
-                    -min(ASTERN_SHARE * setting.max_throttle, room),
+                    -min(ASTERN_SHARE * setting.max_throttle, room) if brakes else 0.0,
                     min(setting.max_throttle, room),
                 )
             thrust = throttle if throttle > 0.0 else _ASTERN * throttle
-            surge += _HALF_STEP_S * force * (thrust - surge * abs(surge) / (top * top))
+            surge += half_s * force * (thrust - surge * abs(surge) / (top * top))
             if speed_m_s == CRASH_STOP:
                 surge = max(surge, 0.0)
-        bow += _HALF_STEP_S * rate
+        bow += half_s * rate
         c, s = math.cos(bow), math.sin(bow)
         slip = -handling.slip_m * rate * min(abs(surge), 1.0)  # outwards; none on the spot
-        ahead += _HALF_STEP_S * (surge * c - slip * s)
-        right += _HALF_STEP_S * (surge * s + slip * c)
+        ahead += half_s * (surge * c - slip * s)
+        right += half_s * (surge * s + slip * c)
         if step % 2 == 0:
             aheads.append(ahead)
             rights.append(right)
@@ -92,21 +97,27 @@ class Fan:
 
     def __init__(self) -> None:
         self._config: BoatConfig | None = None
-        self._fans: dict[tuple[int, int, int], list[Rollout]] = {}
+        self._fans: dict[tuple[int, int, int, bool], list[Rollout]] = {}
 
     def rollouts(
-        self, surge_m_s: float, yaw_rate_rad_s: float, speed_m_s: float, config: BoatConfig
+        self,
+        surge_m_s: float,
+        yaw_rate_rad_s: float,
+        speed_m_s: float,
+        config: BoatConfig,
+        *,
+        brakes: bool = True,
     ) -> list[Rollout]:
         """Every turn at one speed through the water; at rest and astern only those that make sense."""
         if config is not self._config or len(self._fans) > _MOST_FANS:
             self._fans.clear()
             self._config = config
-        key = (round(surge_m_s / _BIN_M_S), round(yaw_rate_rad_s / _BIN_RAD_S), round(speed_m_s / _BIN_M_S))
+        key = (round(surge_m_s / _BIN), round(yaw_rate_rad_s / _BIN), round(speed_m_s / _BIN), brakes)
         fan = self._fans.get(key)
         if fan is None:
             turns = TURNS
             if key[2] <= 0 and not (key[2] == 0 and config.drive.can_pivot):
                 turns = (0.0, -TURNS[14], TURNS[14]) if key[2] else (0.0,)
-            surge, rate, speed = key[0] * _BIN_M_S, key[1] * _BIN_RAD_S, key[2] * _BIN_M_S
-            fan = self._fans[key] = [roll(surge, rate, turn, speed, config) for turn in turns]
+            surge, rate, speed = key[0] * _BIN, key[1] * _BIN, key[2] * _BIN
+            fan = self._fans[key] = [roll(surge, rate, turn, speed, config, brakes=brakes) for turn in turns]
         return fan

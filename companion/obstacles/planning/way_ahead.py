@@ -15,6 +15,7 @@ from companion.core.intent import (
 )
 from companion.core.state import NavState
 from companion.guidance.speed_profile import braking_speed_m_s
+from companion.obstacles.planning.clearance import ClearanceField
 
 _STEP_RAD = 0.35  # between corners on a circle
 
@@ -108,6 +109,19 @@ def places_on(way: list[Point], step_m: float, most: int) -> list[Point]:
         )
     found += [way[-1]] * (most - len(found))
     return found
+
+
+def free_m(way: list[Point], field: ClearanceField, clear_m: float) -> float:
+    """Distance along a path to the first place nearer than clear_m to something; infinite for none.
+
+    What the boat is near already does not count, unless the path comes nearer.
+    """
+    step_m = 2.0 * field.cell_m
+    clear_m = min(clear_m, field.distance_m(*way[0]) - 0.5 * field.cell_m)
+    for number, at in enumerate(places_on(way, step_m, field.half)):
+        if field.distance_m(*at) < clear_m:
+            return number * step_m
+    return math.inf
 
 
 def is_same_goal(intent: Intent, last: Intent | None) -> bool:

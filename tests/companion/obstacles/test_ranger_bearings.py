@@ -10,7 +10,7 @@ from companion.core.geo import Point
 from companion.obstacles.perception.servo_scan import ServoScan
 from companion.obstacles.perception.sonar_noise import SonarNoiseMonitor
 from companion.obstacles.perception.sonar_scan import SonarScan
-from companion.obstacles.perception.sonar_schedule import ALL_ROUND, choose_sector, is_unclassified
+from companion.obstacles.perception.sonar_schedule import ALL_ROUND, choose_sector
 from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import ObstacleTracks
 from companion.sensors.readings import SonarReading
@@ -73,22 +73,22 @@ def test_a_mover_is_searched_for_a_while(unseen_s: float, is_watched: bool) -> N
     assert (found != ALL_ROUND) is is_watched
 
 
-def test_a_track_is_classified_after_its_time_or_when_it_is_lost() -> None:
+def test_a_new_track_is_watched_for_a_time_or_until_it_is_lost() -> None:
     new = track(3.0)
-    for observations, now_s, seen_s, is_new in (
-        (9, 10.1, 10.0, True),
+    for observations, now_s, seen_s, is_watched in (
+        (2, 10.1, 10.0, True),
         (2, 11.49, 11.4, True),
         (2, 11.51, 11.4, False),
         (2, 10.39, 10.0, True),
         (2, 10.41, 10.0, False),
+        (3, 10.1, 10.0, False),
     ):
         new.observations, new.seen_s = observations, seen_s
-        assert is_unclassified(new, now_s) is is_new
-    assert not is_unclassified(track(3.0, is_mover=True), 10.1)
+        assert (sector_of(new, now_s=now_s) != ALL_ROUND) is is_watched
     new.observations, new.isolated_count = 2, 0
-    assert not is_unclassified(new, 10.1)
+    assert sector_of(new, now_s=10.1) == ALL_ROUND
     new.is_cut_off = True
-    assert is_unclassified(new, 10.1)
+    assert sector_of(new, now_s=10.1) != ALL_ROUND
 
 
 @pytest.mark.parametrize(("leap_m", "is_noisy"), [(0.45, False), (0.55, True)])

@@ -11,7 +11,7 @@ from companion.core.geo import Point
 from companion.core.state import NavState
 from companion.obstacles.perception.occupancy import Beam
 from companion.obstacles.perception.servo_scan import ServoScan
-from companion.obstacles.perception.sonar_schedule import ALL_ROUND, choose_sector, is_unclassified
+from companion.obstacles.perception.sonar_schedule import ALL_ROUND, choose_sector
 from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import ObstacleTracks
 
@@ -72,7 +72,7 @@ def test_what_is_new_and_alone_is_looked_at_until_it_is_known() -> None:
     bearing = math.atan2(1.5, 3.0)
     assert sector.port_rad < bearing - 0.3 < bearing + 0.3 < sector.starboard_rad
     assert sector.starboard_rad - sector.port_rad < math.radians(90.0)
-    assert not is_unclassified(new, 1.6)
+    assert choose_sector(under_way(1.0), tracks_of(new), REACH_M, 1.6, is_open=False) == ALL_ROUND
 
 
 def test_a_single_echo_is_looked_at_again_in_open_water() -> None:
@@ -93,17 +93,19 @@ def test_a_boat_that_has_time_keeps_its_sweep_after_a_single_echo(
 
 
 def test_the_sonar_does_not_dwell_on_a_false_echo() -> None:
-    assert is_unclassified(track(3.0, 0.0), 0.2)
-    assert not is_unclassified(track(3.0, 0.0), 0.6)
+    ghost = tracks_of(track(3.0, 0.0))
+    assert choose_sector(under_way(0.2), ghost, REACH_M, 0.2, is_open=True) != ALL_ROUND
+    assert choose_sector(under_way(0.2), ghost, REACH_M, 0.6, is_open=True) == ALL_ROUND
 
 
 def test_the_end_of_a_shore_is_not_stared_at() -> None:
-    assert not is_unclassified(track(3.0, 0.0, alone=0), 0.1)
+    end = tracks_of(track(3.0, 0.0, alone=0))
+    assert choose_sector(under_way(0.2), end, REACH_M, 0.1, is_open=True) == ALL_ROUND
 
 
 def test_a_mover_is_kept_in_view_and_the_way_ahead_too() -> None:
     mover = track(2.0, -2.0)
-    mover.is_mover = mover.is_likely_mover = True
+    mover.is_mover = True
     sector = choose_sector(under_way(1.0), tracks_of(mover), REACH_M, 0.5, is_open=False)
     assert sector.port_rad < -math.pi / 4 - 0.3
     assert sector.starboard_rad > 0.4

@@ -28,7 +28,7 @@ BEAMS = st.lists(
 def filtered(looks: list[Beam]) -> tuple[Track, np.ndarray, np.ndarray]:
     """A track, and the same by textbook: x = F x, P = F P Fᵀ + Q; K = P Hᵀ / (H P Hᵀ + R)."""
     track = Track(1, 0.0, Point(10.0, -4.0), 0.3)
-    x, p = np.array([10.0, -4.0, 0.0, 0.0]), np.diag([100.0, 100.0, 0.5, 0.5])
+    x, p = np.array([10.0, -4.0, 0.0, 0.0]), np.diag([100.0, 100.0, 0.25, 0.25])
     now_s = 0.0
     for dt, bearing, north_m, east_m, sigma_m in looks:
         now_s += dt
@@ -48,7 +48,7 @@ def filtered(looks: list[Beam]) -> tuple[Track, np.ndarray, np.ndarray]:
         track.correct(at, *beam, sigma_m)
         gain = p @ h / variance
         x, p = x + gain * off, p - np.outer(gain, h @ p)
-    track.is_likely_mover = True
+    track.is_mover = True
     return track, x, p
 
 
@@ -67,8 +67,13 @@ def test_the_filter_is_the_textbooks(looks: list[Beam]) -> None:
     f = np.eye(4)
     f[0, 2] = f[1, 3] = 1.5
     later = f @ p @ f.T
-    assert track.sigma_m(now_s + 1.5) == pytest.approx(math.sqrt(max(later[0, 0], later[1, 1])), rel=1e-6)
-    assert track.sigma_m(now_s - 1.0) == pytest.approx(math.sqrt(max(p[0, 0], p[1, 1])), rel=1e-6)
+    ahead_m2, past_m2 = track.covariance(now_s + 1.5), track.covariance(now_s - 1.0)
+    assert ahead_m2 == pytest.approx((later[0, 0], later[0, 1], later[1, 1]), rel=1e-6, abs=1e-9)
+    assert past_m2 == pytest.approx((p[0, 0], p[0, 1], p[1, 1]), rel=1e-6, abs=1e-9)
+    prior, rest = 0.25, np.array([x[2], x[3]])
+    size = np.linalg.det(p[2:, 2:])
+    ratio = prior / math.sqrt(size) * math.exp(-0.5 * rest @ np.linalg.inv(p[2:, 2:]) @ rest)
+    assert track.rest_ratio() == pytest.approx(ratio, rel=1e-4, abs=1e-9)
     assert track.point(now_s + 2.0) == pytest.approx((x[0] + 2.0 * x[2], x[1] + 2.0 * x[3]), abs=1e-5)
 
 
@@ -77,9 +82,10 @@ def test_a_new_track_is_at_rest_and_stays_put() -> None:
     assert (track.number, track.created_s, track.seen_s, track.radius_m) == (7, 3.0, 3.0, 0.3)
     assert (track.north_m_s, track.east_m_s, track.speed_m_s) == (0.0, 0.0, 0.0)
     assert (track.observations, track.isolated_count) == (1, 0)
-    assert (track.is_cut_off, track.is_mover, track.is_likely_mover) == (False, False, False)
-    assert track.speed_sigma_m_s == pytest.approx(math.sqrt(0.5))
-    assert track.sigma_m(3.0) == pytest.approx(10.0)
+    assert (track.is_cut_off, track.is_mover) == (False, False)
+    assert track.speed_sigma_m_s == pytest.approx(0.5)
+    assert track.covariance(3.0) == pytest.approx((100.0, 0.0, 100.0))
+    assert track.rest_ratio() == pytest.approx(1.0)
     assert track.point(100.0) == Point(4.0, 5.0)
 
 
@@ -103,15 +109,15 @@ def moving(
 def test_the_speed_of_what_moves_is_found() -> None:
     track = moving(0.6, -0.8)
     assert (track.north_m_s, track.east_m_s) == pytest.approx((0.6, -0.8), abs=0.05)
-    track.is_likely_mover = True
+    track.is_mover = True
     assert track.point(2.2) == pytest.approx((0.6 * 2.2, -0.8 * 2.2), abs=0.1)
-    track.is_likely_mover = False
+    track.is_mover = False
     assert track.point(2.2) == pytest.approx((0.6 * 1.2, -0.8 * 1.2), abs=0.1), "where it was seen last"
 
 
 def test_distance_and_closing_are_those_of_the_two_velocities() -> None:
     track = moving(-1.0, 0.0, start=Point(20.0, 0.0))  # at 18.8 m north after 1.2 s
-    track.is_likely_mover = True
+    track.is_mover = True
     boat = Point(8.8, 0.0)
     assert track.distance_m(boat, 1.2) == pytest.approx(10.0, abs=0.1)
     assert track.distance_m(Point(18.8, 7.0), 1.2) == pytest.approx(7.0, abs=0.1)
@@ -122,15 +128,6 @@ def test_distance_and_closing_are_those_of_the_two_velocities() -> None:
     assert east.closing_m_s(Point(0.0, 9.0), 0.0, 0.5, 1.2) == pytest.approx(1.5, abs=0.1)
     diagonal = moving(0.0, 0.0, start=Point(3.0, 4.0))
     assert diagonal.closing_m_s(Point(0.0, 0.0), 1.0, 1.0, 1.2) == pytest.approx(1.4, abs=0.05)
-
-
-def test_the_trail_says_where_it_was() -> None:
-    track = moving(1.0, 0.0)
-    assert track.was_at(Point(0.6, 0.4), 0.5)
-    assert not track.was_at(Point(0.6, 0.6), 0.5)
-    assert not track.was_at(Point(2.0, 0.0), 0.5)
-    assert track.was_at(Point(1.5, -0.4), 0.5)
-    assert not track.was_at(Point(1.5, -0.6), 0.5)
 
 
 def test_an_observation_counts_and_its_size_shrinks_slowly() -> None:
@@ -145,39 +142,38 @@ def test_an_observation_counts_and_its_size_shrinks_slowly() -> None:
 
 def test_time_that_stands_still_changes_nothing() -> None:
     track = moving(1.0, 0.0)
-    sigma_m, speed_sigma = track.sigma_m(1.2), track.speed_sigma_m_s
+    covariance, speed_sigma = track.covariance(1.2), track.speed_sigma_m_s
     track.predict(1.2, 5.0)
     track.predict(0.2, 5.0)
-    assert (track.sigma_m(1.2), track.speed_sigma_m_s) == (sigma_m, speed_sigma)
+    assert (track.covariance(1.2), track.speed_sigma_m_s) == (covariance, speed_sigma)
 
 
 # Verdicts. The least speed that counts is 0.2 m/s
 
 
-def judged(track: Track, *, is_small: bool = True) -> Track:
-    track.classify(0.2, is_small=is_small)
+def judged(track: Track) -> Track:
+    track.classify(0.2)
     return track
 
 
 @pytest.mark.parametrize(("north_m_s", "is_mover"), [(-1.0, True), (1.0, False), (-0.1, False)])
 def test_what_approaches_along_the_beam_moves(north_m_s: float, is_mover: bool) -> None:
-    track = judged(moving(north_m_s, 0.0), is_small=False)
+    track = judged(moving(north_m_s, 0.0))
     assert track.is_mover is is_mover
 
 
 def test_one_look_in_free_water_is_too_few_for_a_verdict() -> None:
     track = moving(-1.0, 0.0, is_alone=False)
-    assert not judged(track, is_small=False).is_mover
+    assert not judged(track).is_mover
     track.isolated_count = 1
-    assert not judged(track, is_small=False).is_mover
+    assert not judged(track).is_mover
     track.isolated_count = 2
-    assert judged(track, is_small=False).is_mover
+    assert judged(track).is_mover
 
 
 def test_what_is_too_fast_to_be_one_thing_is_no_mover() -> None:
     assert judged(moving(-2.3, 0.0)).is_mover
     assert not judged(moving(-2.5, 0.0)).is_mover
-    assert not judged(moving(-2.5, 0.0)).is_likely_mover
 
 
 def test_a_mover_stays_one_until_it_is_nearly_at_rest() -> None:
@@ -191,10 +187,15 @@ def test_a_mover_stays_one_until_it_is_nearly_at_rest() -> None:
     assert not judged(slower).is_mover
 
 
-def test_a_lone_small_and_fast_track_is_likely_to_move() -> None:
-    track = moving(1.0, 0.0, looks=3)
-    assert judged(track).is_likely_mover
-    assert not judged(track, is_small=False).is_likely_mover
-    track.isolated_count = 1
-    assert not judged(track).is_likely_mover
-    assert not judged(moving(0.35, 0.0, looks=3)).is_likely_mover
+def test_a_track_may_move_while_it_is_seen_alone() -> None:
+    track = Track(1, 0.0, Point(0.0, 0.0), 0.4)
+    assert not track.may_move(0.1)
+    track.is_cut_off = True
+    assert track.may_move(0.1)
+    track.observations, track.seen_s = 3, 1.4
+    assert not track.may_move(1.6)
+    track.isolated_count = 2
+    assert track.may_move(1.6)
+    assert not track.may_move(3.0)
+    track.is_mover = True
+    assert track.may_move(3.0)

@@ -169,14 +169,14 @@ def sigmas_m(track: Track) -> tuple[float, float]:
 
 @pytest.mark.parametrize(("bow_rad", "is_east"), [(0.0, False), (0.5 * math.pi, True), (math.pi, False)])
 def test_an_obstacle_is_known_well_along_the_beam_and_poorly_across(bow_rad: float, is_east: bool) -> None:
-    across_m = 1.5 * 3.0 * WIDTH_RAD / math.sqrt(12.0)
+    across_m = 2.0 * 3.0 * WIDTH_RAD / math.sqrt(12.0)
     expected = (across_m, 0.05) if is_east else (0.05, across_m)
     sweep = Sweep(bow_rad)
     sweep.over([FREE, 3.0, FREE])
     assert sigmas_m(sweep.tracks.all[0]) == pytest.approx(expected, rel=2e-3)
     sweep.over([FREE, 3.0, FREE])
-    # Meanwhile 0.18 s passed, with a speed that is known to √0.5 m/s
-    both = [math.sqrt(1.0 / (1.0 / (one**2 + 0.5 * 0.18**2) + 1.0 / one**2)) for one in expected]
+    # Meanwhile 0.18 s passed, with a speed that is known to 0.5 m/s
+    both = [math.sqrt(1.0 / (1.0 / (one**2 + 0.25 * 0.18**2) + 1.0 / one**2)) for one in expected]
     assert sigmas_m(sweep.tracks.all[0]) == pytest.approx(both, rel=1e-2)
     assert sweep.tracks.all[0].isolated_count == 2
 
@@ -227,17 +227,18 @@ def test_the_track_that_was_not_seen_for_longest_makes_room() -> None:
     assert [track.number for track in sweep.tracks.all] == list(range(2, MAX_TRACKS + 2))
 
 
-def test_tracks_are_known_movers_or_likely_ones() -> None:
+def test_tracks_are_known_movers_or_may_be() -> None:
     tracks = ObstacleTracks(1.0)
     once, rock, probable, mover = (Track(number, 10.0, HERE, 0.3) for number in range(4))
     for track in (rock, probable, mover):
         track.observations = 2
-    probable.is_likely_mover = mover.is_likely_mover = mover.is_mover = True
+    mover.is_mover, probable.isolated_count = True, 1
     tracks.all = [once, rock, probable, mover]
     assert tracks.known(10.0) == [rock, probable, mover]
     assert tracks.movers(10.0) == [mover]
-    assert tracks.likely(10.39) == [probable, mover]
-    assert tracks.likely(10.41) == [mover]
+    assert tracks.possible_movers(11.4) == [probable, mover]
+    tracks.all.append(once)
+    assert tracks.possible_movers(11.6) == [mover]
     assert tracks.known(13.99) == [rock, probable, mover]
     rock.seen_s = 11.0
     assert tracks.known(14.01) == [rock]

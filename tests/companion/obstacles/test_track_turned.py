@@ -27,8 +27,8 @@ def observed(course_rad: float, speed_m_s: float, beam_rad: float, looks: int = 
     return track
 
 
-def judged(track: Track, *, is_small: bool) -> Track:
-    track.classify(0.2, is_small=is_small)
+def judged(track: Track) -> Track:
+    track.classify(0.2)
     return track
 
 
@@ -41,4 +41,4 @@ def test_what_approaches_moves_from_wherever_it_comes(
     beam_rad: float, off_rad: float, is_mover: bool
 ) -> None:
     track = observed(beam_rad + off_rad, 1.0, beam_rad)
-    assert judged(track, is_small=False).is_mover is is_mover
+    assert judged(track).is_mover is is_mover

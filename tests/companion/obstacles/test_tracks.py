@@ -111,7 +111,7 @@ def test_doubt_about_the_place_grows_with_time() -> None:
     track = Track(1, 0.0, Point(2.0, 0.0), 0.3)
     track.correct(Point(2.0, 0.0), 1.0, 0.0, 0.05)
     track.correct(Point(2.0, 0.0), 0.0, 1.0, 0.3)
-    assert track.sigma_m(0.0) < track.sigma_m(1.0) < track.sigma_m(3.0)
+    assert track.covariance(0.0)[0] < track.covariance(1.0)[0] < track.covariance(3.0)[0]
 
 
 @pytest.mark.parametrize(

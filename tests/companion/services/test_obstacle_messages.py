@@ -30,5 +30,5 @@ def test_what_is_remembered_is_told_though_no_beam_points_there_now() -> None:
     rig.peer.forget()
     rig.run(1.0)
     heard = rig.peer.said("OBSTACLE_DISTANCE")[-1]
-    astern = heard.distances[24:48]
+    astern = heard.distances[24:52]
     assert min(astern) < 500

@@ -1,0 +1,122 @@
+"""The way that is left from every place around the boat to the goal, around all known obstacles.
+
+A navigation function (O. Brock, O. Khatib, *High-speed navigation using the global dynamic window approach*,
+ICRA 1999): a wave from the goal over the free cells. Its only minimum is the goal, so a boat that follows it
+neither stays in a pocket nor changes its mind between two sides. The wave grows by a cell a step, squares and
+diamonds in turn (octagons, within 8 % of circles), as shifts of one large integer with a byte for each cell.
+It enters cells within the margin of an obstacle only at every second step, so that a narrow gap is taken only
+where the way around is long. Unknown water is free. For a goal beyond the grid waves begin on the edge, each
+as late as the goal is far from there.
+"""
+
+from typing import Final
+
+from companion.core.geo import Point, distance_m
+from companion.obstacles.planning.clearance import FENCE, LEVEL, LEVELS, SOLID, ClearanceField
+
+_STRIDE: Final = 2  # cells of the field: half a hull's width
+_MOST_STEPS: Final = 250  # a byte's worth: 100 m
+_TIGHT_EVERY: Final = 2
+_FARTHER: Final = 0.5  # of half the grid: where the boat leaves it, it may be farther from the goal by this
+_INSIDE: Final = 3  # steps of the last wave, over all cells: what lies within an obstacle's margin
+
+
+class CostToGo:
+    """Computed once for a map and a goal."""
+
+    __slots__ = ("_south_m", "_west_m", "_width", "cells", "is_open", "side_m", "steps")
+
+    def __init__(
+        self, field: ClearanceField, here: Point, goal: Point, margin_m: float, hull_m: float
+    ) -> None:
+        """hull_m: nearest distance of the boat's centre. is_open: whether a way leads to the goal."""
+        self._width = width = field.width // _STRIDE
+        self.side_m = _STRIDE * field.cell_m
+        self._south_m, self._west_m = field.south_m, field.west_m
+        free, wide = self._open(field, hull_m), self._open(field, margin_m)
+        row = 8 * width
+        reached = total = 0
+        late = self._seeds(here, goal, free, width)
+        near = 1 << 8 * self._cell(here)
+        for _ in range(_INSIDE):
+            near = _grown(near, row, 1)
+        steps, still = 0, 0
+        for steps in range(1, _MOST_STEPS + 1):
+            before = reached
+            passable = free if steps % _TIGHT_EVERY == 0 else wide
+            reached |= (_grown(reached, row, steps // _TIGHT_EVERY) & passable) | late.pop(steps, 0)
+            total += reached
+            still = 0 if reached != before else still + 1
+            if still > 2 * _TIGHT_EVERY and not late:
+                break
+        self.is_open = bool(reached & near)
+        everywhere = (1 << 8 * width * width) - 1
+        for step in range(_INSIDE):
+            reached |= _grown(reached, row, step) & everywhere
+            total += reached
+        self.steps = steps + _INSIDE
+        self.cells = total.to_bytes(width * width, "little")
+
+    def at(self, north_m: float, east_m: float) -> float:
+        """The way that is left, in m, interpolated; at the edge of the grid that of the nearest cell."""
+        most = self._width - 2
+        row = min(max((north_m - self._south_m) / self.side_m - 0.5, 0.0), most - 0.001)
+        column = min(max((east_m - self._west_m) / self.side_m - 0.5, 0.0), most - 1.001)
+        south, west = int(row), int(column)
+        up, right = row - south, column - west
+        first = south * self._width + west
+        cells = self.cells
+        low = cells[first] + right * (cells[first + 1] - cells[first])
+        first += self._width
+        high = cells[first] + right * (cells[first + 1] - cells[first])
+        return (self.steps - low - up * (high - low)) * self.side_m
+
+    def _cell(self, at: Point) -> int:
+        last = self._width - 2
+        row = min(max(int((at.north_m - self._south_m) / self.side_m), 0), last)
+        return row * self._width + min(max(int((at.east_m - self._west_m) / self.side_m), 0), last)
+
+    def _open(self, field: ClearanceField, clear_m: float) -> int:
+        """A 1 in each cell with this clearance; 0 in the last column, so that no wave enters the next row."""
+        table = bytearray(256)
+        for byte in range(256):
+            is_clear = (LEVELS - (byte & LEVEL)) * field.cell_m >= clear_m
+            table[byte] = is_clear and not byte & (SOLID | FENCE)
+        marks = bytearray()
+        for row in range(self._width):
+            cells = field.cells[_STRIDE * row * field.width :][: field.width : _STRIDE].translate(table)
+            marks += cells[:-1] + b"\0"
+        return int.from_bytes(marks, "little")
+
+    def _seeds(self, here: Point, goal: Point, free: int, width: int) -> dict[int, int]:
+        """Where waves begin, by step: at the goal, or on the edge where it is not much farther than here."""
+        half_m = 0.5 * width * self.side_m
+        north_m, east_m = goal.north_m - self._south_m - half_m, goal.east_m - self._west_m - half_m
+        if max(abs(north_m), abs(east_m)) < half_m - 2.0 * self.side_m:
+            return {1: 1 << 8 * self._cell(goal)}
+        last = width - 2
+        most_m = distance_m(here, goal) + _FARTHER * half_m
+        cells = free.to_bytes(width * width, "little")
+        edge = [(row, column) for row in range(last + 1) for column in (0, last)]
+        edge += [(row, column) for column in range(1, last) for row in (0, last)]
+        away = []
+        for row, column in edge:
+            if cells[row * width + column]:
+                at = Point(
+                    self._south_m + (row + 0.5) * self.side_m, self._west_m + (column + 0.5) * self.side_m
+                )
+                away_m = distance_m(at, goal)
+                if away_m < most_m:
+                    away.append((away_m, row * width + column))
+        late: dict[int, int] = {}
+        nearest_m = min(away, default=(0.0, 0))[0]
+        for at_m, cell in away:
+            step = 1 + round((at_m - nearest_m) / self.side_m)
+            late[step] = late.get(step, 0) | 1 << 8 * cell
+        return late
+
+
+def _grown(marks: int, row_bits: int, step: int) -> int:
+    beside = marks | marks << 8 | marks >> 8
+    upright = beside if step % 2 else marks
+    return beside | upright << row_bits | upright >> row_bits

@@ -1,0 +1,96 @@
+"""The risk of a collision with what may move."""
+
+import math
+import random
+
+import pytest
+from avoidance_rig import boat, mover
+
+from companion.core.geo import Point
+from companion.obstacles.perception.track import Track
+from companion.obstacles.planning.clearance import ClearanceField
+from companion.obstacles.planning.motion import STEP_S, STEPS
+from companion.obstacles.planning.movers import collision_risk, moves_probability, predict, worst_velocity
+
+NOW_S = 0.9
+NORTH = (1.0, 0.0)
+
+
+def new(north_m: float, east_m: float) -> Track:
+    track = Track(1, NOW_S, Point(north_m, east_m), 0.4)
+    for axis in ((1.0, 0.0), (0.0, 1.0)):
+        track.correct(Point(north_m, east_m), *axis, 0.1)
+    return track
+
+
+def risk(track: Track, north_m_s: float = 1.0, east_m_s: float = 0.0) -> float:
+    """Of a boat that sails on from the origin."""
+    field = ClearanceField(Point(0.0, 0.0), 0.2, 10.0)
+    found = predict([track], boat(), NORTH, field, 1.0, 0.6, NOW_S)
+    if not found:
+        return 0.0
+    times = [STEP_S * (step + 1) for step in range(STEPS)]
+    norths = [(north_m_s * time_s - field.south_m) / field.cell_m for time_s in times]
+    easts = [(east_m_s * time_s - field.west_m) / field.cell_m for time_s in times]
+    return collision_risk(found[0], norths, easts)
+
+
+def test_a_new_echo_moves_with_the_prior_probability() -> None:
+    assert moves_probability(new(4.0, 0.0)) == pytest.approx(0.5, abs=0.02)
+
+
+def test_what_was_seen_to_lie_still_does_not_move() -> None:
+    still = mover(4.0, 0.0)
+    still.is_mover = False
+    assert moves_probability(still) < 0.01
+    assert risk(still) == 0.0
+
+
+def test_what_was_seen_to_move_does() -> None:
+    track = mover(4.0, 0.0, -0.3, 0.0)
+    track.is_mover = False
+    assert moves_probability(track) > 0.99
+    track.is_mover = True
+    assert moves_probability(track) == 1.0
+
+
+def test_the_worst_velocity_is_within_a_standard_deviation_and_on_a_collision_course() -> None:
+    ahead = new(4.0, 0.0)
+    sigma = ahead.speed_sigma_m_s
+    assert worst_velocity(ahead, boat(), NORTH, NOW_S) == pytest.approx((-sigma, 0.0), abs=0.01)
+    abeam = worst_velocity(new(0.0, 4.0), boat(), (0.3, 0.0), NOW_S)
+    assert abeam == pytest.approx((0.3, -sigma), abs=0.01)
+    fast = worst_velocity(new(0.0, 4.0), boat(), (2.0, 0.0), NOW_S)
+    assert fast == pytest.approx((sigma, -sigma), abs=0.01)
+
+
+def test_a_known_velocity_is_kept() -> None:
+    track = mover(4.0, 1.0, -0.3, 0.2)
+    assert worst_velocity(track, boat(), NORTH, NOW_S) == pytest.approx((-0.3, 0.2), abs=0.02)
+
+
+def test_a_collision_counts_once_and_a_miss_not_at_all() -> None:
+    assert 0.5 < risk(mover(4.0, 0.0, -0.3, 0.0)) < 1.5
+    assert risk(mover(4.0, 3.5, -0.3, 0.0)) < 0.01
+    assert risk(mover(2.5, -2.5, 0.0, 1.0)) > 0.5
+    assert risk(mover(2.5, -2.5, 0.0, -1.0)) < 0.01
+
+
+def test_a_sooner_collision_counts_more() -> None:
+    assert risk(mover(2.5, 0.0, -0.3, 0.0)) > risk(mover(4.5, 0.0, -0.3, 0.0)) > 0.0
+
+
+def test_a_new_echo_may_come() -> None:
+    assert 0.1 < risk(new(4.0, 0.0)) < 0.6
+    assert risk(new(4.0, 0.0), 0.0, 1.0) < risk(new(4.0, 0.0))
+
+
+def test_the_expected_number_of_collisions_is_that_of_samples() -> None:
+    """Roughly: the disc is a Gaussian, and the spread is limited."""
+    chance, track, hits = random.Random(3), mover(4.0, 0.0, -0.4, 0.0), 0
+    track._covariance[2][2] = track._covariance[3][3] = 0.01
+    for _ in range(400):
+        v_n, v_e = -0.4 + 0.1 * chance.gauss(0.0, 1.0), 0.1 * chance.gauss(0.0, 1.0)
+        steps = (0.05 * step for step in range(100))
+        hits += any(math.hypot(4.4 + (v_n - 1.0) * time_s, v_e * time_s) < 1.0 for time_s in steps)
+    assert risk(track) == pytest.approx(hits / 400.0, abs=0.4)

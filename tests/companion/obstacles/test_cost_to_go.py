@@ -1,0 +1,111 @@
+"""The way that is left to the goal, around obstacles."""
+
+import math
+
+import pytest
+from avoidance_rig import Lines, ring
+
+from companion.core.geo import Point
+from companion.obstacles.planning.clearance import ClearanceField
+from companion.obstacles.planning.cost_to_go import CostToGo
+
+HERE, GOAL = Point(0.0, 0.0), Point(50.0, 0.0)
+
+
+def wall(west_m: float, east_m: float, north_m: float = 4.0) -> list[Point]:
+    return [Point(north_m, west_m + 0.2 * step) for step in range(round((east_m - west_m) / 0.2) + 1)]
+
+
+def to_go(
+    *solid: Point, goal: Point = GOAL, bounds: Lines | None = None, here: Point = HERE, reach_m: float = 10.0
+) -> CostToGo:
+    field = ClearanceField(here, 0.2, reach_m)
+    if bounds is not None:
+        field.fence(bounds, 1.0)
+    field.fill(list(solid), list(solid), 0.35)
+    return CostToGo(field, here, goal, 1.0, 0.6)
+
+
+def left_m(found: CostToGo, north_m: float, east_m: float) -> float:
+    """As compared with the way from the boat."""
+    return found.at(north_m, east_m) - found.at(0.0, 0.0)
+
+
+@pytest.mark.parametrize("deg", [0.0, 45.0, 90.0, 180.0, 250.0])
+def test_in_open_water_the_way_falls_by_what_is_sailed_towards_the_goal(deg: float) -> None:
+    course = math.radians(deg)
+    c, s = math.cos(course), math.sin(course)
+    found = to_go(goal=Point(50.0 * c, 50.0 * s))
+    assert left_m(found, 5.0 * c, 5.0 * s) == pytest.approx(-5.0, abs=0.7)
+    assert left_m(found, -5.0 * c, -5.0 * s) == pytest.approx(5.0, abs=0.7)
+    aside = left_m(found, -5.0 * s, 5.0 * c)
+    assert 0.0 <= aside < 1.5
+    assert left_m(found, 5.0 * s, -5.0 * c) == pytest.approx(aside, abs=0.5)
+    assert found.is_open
+
+
+def test_a_goal_within_the_grid_is_the_only_minimum() -> None:
+    found = to_go(goal=Point(6.0, 3.0))
+    at_goal = found.at(6.0, 3.0)
+    assert at_goal < 0.5 + min(found.at(6.0 + n, 3.0 + e) for n in (-1.0, 1.0) for e in (-1.0, 1.0))
+    assert found.at(0.0, 0.0) - at_goal == pytest.approx(math.hypot(6.0, 3.0), abs=0.8)
+
+
+def test_the_way_leads_around_a_wall_by_its_nearer_end() -> None:
+    found = to_go(*wall(-6.0, 2.0))
+    assert left_m(found, 0.0, 2.0) < -0.5 < 0.5 < left_m(found, 0.0, -2.0)
+    beyond = found.at(0.0, 0.0) - found.at(6.0, 0.0)
+    assert beyond > 6.5
+    assert found.is_open
+
+
+def test_a_pocket_is_left_backwards() -> None:
+    sides = [Point(n, e) for e in (-3.0, 3.0) for n in (at.east_m for at in wall(-2.0, 4.0))]
+    found = to_go(*wall(-3.0, 3.0), *sides)
+    assert found.is_open
+    assert left_m(found, -2.0, 0.0) < -1.0
+
+
+def test_a_narrow_gap_is_taken_only_where_the_way_around_is_long() -> None:
+    rows = [3.0 + 0.4 * row for row in range(6)]
+    short = to_go(*(at for row in rows for at in (*wall(-2.0, -0.95, row), *wall(0.95, 2.0, row))))
+    long = to_go(*(at for row in rows for at in (*wall(-9.0, -0.95, row), *wall(0.95, 9.0, row))))
+    assert left_m(long, 2.0, 0.0) < -1.0
+    assert left_m(short, 2.0, 2.0) < left_m(short, 2.0, 0.0) + 0.5
+
+
+def test_a_closed_ring_has_no_way_out() -> None:
+    assert not to_go(*ring(3.0)).is_open
+    assert to_go(*(at for at in ring(3.0) if at.north_m < 2.5 or at.east_m < 0.0), *ring(6.0)[:3]).is_open
+
+
+def test_a_goal_within_an_obstacle_has_no_way_to_it() -> None:
+    assert not to_go(*(Point(6.0 + n, e) for n, e in ring(1.5)), goal=Point(6.0, 0.0)).is_open
+
+
+def test_the_fence_closes_a_side_and_back_is_no_way() -> None:
+    found = to_go(*wall(-6.0, 2.0), bounds=Lines(-12.0, 3.0))
+    assert left_m(found, 0.0, -2.0) < -0.5
+    assert not to_go(*wall(-6.0, 6.0), bounds=Lines(-6.0, 6.0)).is_open
+
+
+def test_a_boat_too_near_to_something_still_finds_its_way() -> None:
+    assert to_go(Point(0.3, 0.0)).is_open
+    assert to_go(bounds=Lines(-9.0, 0.5)).is_open
+
+
+def test_places_near_something_lead_away_from_it() -> None:
+    found = to_go(Point(2.1, 0.1))
+    assert found.at(2.1, 0.1) > found.at(2.1, 1.0)
+
+
+def test_beyond_the_grid_the_nearest_cell_counts() -> None:
+    found = to_go()
+    assert found.at(40.0, 0.0) == pytest.approx(found.at(11.9, 0.0), abs=1.0)
+    assert found.at(0.0, -40.0) == pytest.approx(found.at(0.0, -11.9), abs=1.0)
+
+
+def test_long_ways_are_counted_up_to_the_limit_of_a_byte() -> None:
+    found = to_go(*ring(3.0), reach_m=30.0)
+    assert found.steps <= 255
+    assert max(found.cells) <= 255
