@@ -45,6 +45,7 @@ _SPEED_SIGMA: Final = 0.06  # m/s: of the receiver
 # than with a random walk; the shorter, the sooner a motor that turns the hull the wrong way is named.
 _TURN_CORRELATION_S: Final = 6.0
 _SPEED_CORRELATION_S: Final = math.inf  # an error of the estimated current stays for minutes
+_SILENT_S: Final = 2.0  # twenty readings of a common monitor
 _MOST_PENDING: Final = 50  # cycles, 5 s: the receiver is taken for lost earlier
 _SLACK_S: Final = 1e-6
 _PRIOR: Final = 200.0  # samples that the configured gains are worth: seconds of steering or speeding up
@@ -80,9 +81,9 @@ class MotorEvidence:
 
     __slots__ = (
         "_advance_s_m", "_battery_s", "_changes_ahead", "_changes_turn", "_current",
-        "_current_a", "_duties", "_evidence", "_fix_s", "_pending", "_shafts", "_since_battery_s",
-        "_since_fix_s", "_sizes", "_speed", "_spins", "_turn", "_water_east_m_s",
-        "_water_north_m_s", "against", "has_current",
+        "_current_a", "_duties", "_evidence", "_fix_s", "_heard_s", "_is_late", "_nav_faults", "_pending",
+        "_shafts", "_since_battery_s", "_since_fix_s", "_sizes", "_speed", "_spins", "_turn",
+        "_water_east_m_s", "_water_north_m_s", "against", "has_current",
     )  # fmt: skip
 
     def __init__(self, config: BoatConfig) -> None:
@@ -115,7 +116,9 @@ class MotorEvidence:
         self._changes_turn, self._changes_ahead = [0.0] * count, [0.0] * count
         self._duties = (0.0, 0.0)
         self._shafts, self._spins = [0.0, 0.0], [0.0, 0.0]
-        self._battery_s = self._fix_s = -math.inf
+        self._battery_s = self._heard_s = self._fix_s = -math.inf
+        self._is_late = False  # the current, until the boat is disarmed
+        self._nav_faults = 0
         self._current_a = math.nan
         self._water_north_m_s = self._water_east_m_s = 0.0
         self._since_battery_s = self._since_fix_s = 0.0
@@ -124,6 +127,10 @@ class MotorEvidence:
     def knows_current(self) -> bool:
         """Whether a current tells, and what is usual has been learned."""
         return self.has_current and self._current.is_learned
+
+    def rearm(self) -> None:
+        """Another voyage begins: the current counts again."""
+        self._is_late = False
 
     def restart(self) -> None:
         """Judge anew, as after something that is not modelled; what was learned of the boat stays."""
@@ -168,6 +175,9 @@ class MotorEvidence:
         astern = min(_ASTERN * asymmetry * asymmetry, 1.0)
         turning = steered * (1.0 + astern)  # two motors at full steering: one ahead, one astern
         self._predict(water_m_s, astern, nav.heading_rad, nav.time_s, dt_s, turning)
+        if nav.faults & ~self._nav_faults & (_NO_COMPASS | _NO_GNSS):
+            self.acquit()  # what that sensor has told was wrong before it was found out
+        self._nav_faults = nav.faults
         is_learning = max(self.against) < LEARNING
         gained = [0.0] * len(HYPOTHESES)
         if nav.faults & _NO_COMPASS:
@@ -241,13 +251,17 @@ class MotorEvidence:
         is_learning: bool,
         dt_s: float,
     ) -> None:
-        """A reading that repeats the one before is that of a monitor that hangs: it tells nothing."""
+        """A reading that repeats the one before is that of a monitor that hangs: it tells nothing. A monitor
+        that was silent may be late from then on.
+        """
         self._since_battery_s += dt_s
         if battery is None or battery.current_a is None or not math.isfinite(battery.current_a):
             self.has_current = False
             return
-        if battery.time_s == self._battery_s or battery.current_a == self._current_a:
-            self.has_current = self.has_current and self._since_battery_s < 2.0
+        self._is_late |= _SILENT_S < battery.time_s - self._heard_s < math.inf
+        self._heard_s = battery.time_s
+        if battery.time_s == self._battery_s or battery.current_a == self._current_a or self._is_late:
+            self.has_current = self.has_current and self._since_battery_s < _SILENT_S and not self._is_late
             return
         self._battery_s, self._current_a = battery.time_s, battery.current_a
         elapsed_s, self._since_battery_s = self._since_battery_s, 0.0

@@ -70,6 +70,7 @@ class MotorWatch:
     def rearm(self) -> None:
         """The boat is disarmed: the next voyage begins without a verdict or the result of a motor check."""
         self.reset()
+        self._evidence.rearm()
         self._cleared_until_s = self._compare_from_s = -math.inf
 
     def pause(self) -> None:

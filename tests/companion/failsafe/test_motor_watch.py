@@ -400,6 +400,31 @@ def test_a_turn_rate_that_is_in_doubt_counts_for_nothing() -> None:
     assert max(found[1:]) < 2.0
 
 
+def test_a_current_monitor_that_was_silent_may_be_late_until_the_next_voyage() -> None:
+    """Late readings do not fit the commands, and healthy motors were reported as fouled."""
+    for silent_s, tells in ((1.5, True), (2.5, False)):
+        hull = Hull()
+        hull.sail(20.0)
+        hull.has_current = False
+        hull.sail(silent_s)
+        hull.has_current = True
+        hull.sail(5.0)
+        assert hull.watch._evidence.has_current is tells
+        hull.watch.rearm()
+        hull.sail(5.0)
+        assert hull.watch._evidence.has_current
+
+
+@pytest.mark.parametrize("fault", [EstimateFault.COMPASS_LATE, EstimateFault.GNSS_JUMPING])
+def test_what_a_sensor_told_before_it_was_found_out_is_no_evidence(fault: EstimateFault) -> None:
+    evidence = MotorEvidence(CONFIG)
+    for faults, expected in ((0, True), (int(fault), False), (int(fault), True)):
+        evidence.against[3] = 15.0
+        nav = NavState(1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.1, 0.1, faults=faults)
+        evidence.update(0.5, 0.5, nav, None, None, 1.0, DT_S)
+        assert (evidence.against[3] > 10.0) is expected
+
+
 @pytest.fixture
 def proven(monkeypatch: pytest.MonkeyPatch) -> Callable[[float, float, float], float]:
     """How long the watch takes for its verdict with evidence that stands still, and these commands."""
