@@ -152,7 +152,7 @@ def _around(now: Snapshot, us: int, nav: NavState) -> Iterator[bytes]:
         return
     here, now_s = nav.point, now.now_s
     nearest_m = min((distance_m(here, thing) for thing in perception.solid(now_s)), default=_NAN)
-    movers = perception.movers(now_s)
+    movers = perception.tracks.movers(now_s)
     closing = _NAN
     if movers:
         mover = min(movers, key=lambda one: one.distance_m(here, now_s))

@@ -27,7 +27,7 @@ _FRESH_S: Final = 1.0  # a sector looked at longer ago is not in sight: a full s
 _TURNS_S: Final = (
     2.0  # a current carries the boat on while it turns its bow into it: a sharp turn takes so long
 )
-_STILL_SHARE: Final = 0.25  # of the slowest speed with steerage way: slower, the course is noise
+STILL_SHARE: Final = 0.25  # of the slowest speed with steerage way: slower, the course is noise
 
 
 class ChartedWater(Protocol):
@@ -116,7 +116,7 @@ def allowed_speed_m_s(
     if not water.is_limited(nav.point, config.avoidance.by_sight, bounds):
         return math.inf
     least_m_s = config.guidance.min_speed_m_s
-    is_still = math.hypot(nav.north_m_s, nav.east_m_s) < _STILL_SHARE * least_m_s
+    is_still = math.hypot(nav.north_m_s, nav.east_m_s) < STILL_SHARE * least_m_s
     course_rad = nav.heading_rad if is_still else math.atan2(nav.east_m_s, nav.north_m_s)
     reaction_s = config.handling.surge_time_s + _CONFIRM_S
     most_m_s, margin_m = config.handling.top_speed_m_s, config.avoidance.margin_m

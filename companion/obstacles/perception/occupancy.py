@@ -19,7 +19,7 @@ _MAX_EVIDENCE: Final = 4.0  # two beams through a cell refute a moving obstacle 
 # A beam through a cell removes 1, one without any echo half: a smooth wall at an angle returns none.
 _SILENCE: Final = 0.5
 CORE: Final = 0.7  # of the beam width, at half power: beyond it an echo is weak
-_SECOND_LOOK_S: Final = 3.0  # two full sweeps: a real obstacle is seen again
+SWEEP_S: Final = 1.5  # a full sweep of 24 pings takes 1.4 s: what is real is seen again within it
 MAX_CELLS: Final = 1200  # 240 m of shore in cells of 0.2 m
 
 
@@ -113,7 +113,7 @@ class Occupancy:
             for key, cell in self._cells.items()
             if _is_within(cell.at, at, reach_m)
             and abs(cell.evidence) > (now_s - cell.seen_s) / self._fade_s
-            and (cell.evidence >= SOLID or now_s - cell.seen_s <= _SECOND_LOOK_S)
+            and (cell.evidence >= SOLID or now_s - cell.seen_s <= 2.0 * SWEEP_S)
         }
 
     def _key(self, point: Point) -> tuple[int, int]:

@@ -15,7 +15,6 @@ from companion.obstacles.perception.looked_at import LookedAtWater
 from companion.obstacles.perception.occupancy import SUSPECT, Beam, Occupancy
 from companion.obstacles.perception.sonar_noise import SonarNoiseMonitor
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector, choose_sector
-from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import ObstacleTracks
 from companion.sensors.readings import SonarReading
 
@@ -24,7 +23,6 @@ _STALE_S: Final = 1.0  # a full sweep: an older ping was before the present one
 _STALE_POSE_S: Final = 2.0  # at cruise an echo would be located 4 m off, the whole sight
 _LOOK_AGAIN_S: Final = 0.3  # five pings, in which a servo turns back to an echo
 _REMEMBERED_REACHES: Final = 3.0  # a detour of several sights comes back to what began it
-_MAX_TURNS_RAD: Final = 20.0  # three turns: a bearing beyond is no direction
 
 
 class ObstaclePerception:
@@ -117,14 +115,6 @@ class ObstaclePerception:
         """Whether the sonar is turned to a single echo, to confirm or refute it."""
         return self.sector.port_rad == self.sector.starboard_rad
 
-    def movers(self, now_s: float) -> list[Track]:
-        """Tracks known to move."""
-        return self.tracks.movers(now_s)
-
-    def possible_movers(self, now_s: float) -> list[Track]:
-        """Tracks lately seen in free water."""
-        return self.tracks.possible_movers(now_s)
-
     def _unconfirmed(self, now_s: float) -> Beam | None:
         """The latest echo, until a second look confirms or refutes it."""
         beam = self._single
@@ -163,7 +153,7 @@ def _beam(
     age_s = now_s - ping.time_s
     reach_m = min(ping.max_range_m, setting.lookahead_m)
     range_m = math.inf if ping.range_m is None else ping.range_m
-    is_sane = -0.1 <= age_s <= _STALE_S and abs(ping.bearing_rad) <= _MAX_TURNS_RAD
+    is_sane = -0.1 <= age_s <= _STALE_S and abs(ping.bearing_rad) <= math.tau
     if not (is_sane and reach_m > 0.0 and 0.0 < width_rad <= math.tau and range_m > 0.0):
         return None
     at = Point(nav.north_m - nav.north_m_s * age_s, nav.east_m - nav.east_m_s * age_s)

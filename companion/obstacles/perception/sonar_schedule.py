@@ -13,8 +13,8 @@ from typing import Final, NamedTuple
 from companion.core.geo import Point, bearing_rad
 from companion.core.state import NavState
 from companion.core.units import wrap_pi
-from companion.obstacles.perception.occupancy import Beam
-from companion.obstacles.perception.track import BRIEF_S, Track
+from companion.obstacles.perception.occupancy import SWEEP_S, Beam
+from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import SAME_PASS_S, ObstacleTracks
 
 _HASTY_S: Final = 3.0  # a boat that covers its sight in less looks again at a single echo at once
@@ -67,8 +67,8 @@ def _is_watched(track: Track, nav: NavState, now_s: float) -> bool:
     if abs(_off_bow_rad(nav, track.point(now_s))) >= _ABEAM_RAD:
         return False
     if track.is_mover:
-        return now_s - track.seen_s <= BRIEF_S
-    is_new = now_s - track.created_s < BRIEF_S and now_s - track.seen_s < SAME_PASS_S
+        return now_s - track.seen_s <= SWEEP_S
+    is_new = now_s - track.created_s < SWEEP_S and now_s - track.seen_s < SAME_PASS_S
     return is_new and track.may_move(now_s)
 
 

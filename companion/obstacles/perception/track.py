@@ -16,11 +16,11 @@ import math
 from typing import Final
 
 from companion.core.geo import Point
+from companion.obstacles.perception.occupancy import SWEEP_S
 
 SURE_SIGMAS: Final = 3.0  # 1 in 700 of static obstacles, one-sided
 FASTEST: Final = 12.0  # of the least speed: 1.4 m/s; faster tracks join two ghosts
-BRIEF_S: Final = 1.5  # a full sweep: what is real is seen again within it
-_SPREAD: Final = (100.0, 100.0, 0.25, 0.25)  # initial variances: anywhere within the sight, 0.7 m/s
+_SPREAD: Final = (100.0, 100.0, 0.25, 0.25)  # initial variances: anywhere within the sight, 0.5 m/s
 
 
 class Track:
@@ -105,9 +105,9 @@ class Track:
 
     def may_move(self, now_s: float) -> bool:
         """Whether it was seen lately and does not belong to something longer, as far as was observed."""
-        is_new = now_s - self.created_s < BRIEF_S
+        is_new = now_s - self.created_s < SWEEP_S
         is_isolated = 2 * self.isolated_count >= self.observations or (self.is_cut_off and is_new)
-        return self.is_mover or (now_s - self.seen_s < BRIEF_S and is_isolated)
+        return self.is_mover or (now_s - self.seen_s < SWEEP_S and is_isolated)
 
     # Called by ObstacleTracks
 

@@ -10,12 +10,11 @@ import math
 from typing import Final
 
 from companion.core.geo import Point
-from companion.obstacles.perception.occupancy import CORE, Beam
-from companion.obstacles.perception.track import BRIEF_S, Track
+from companion.obstacles.perception.occupancy import CORE, SWEEP_S, Beam
+from companion.obstacles.perception.track import Track
 
 MAX_TRACKS: Final = 16
-LOST_S: Final = 4.0  # three full sweeps without an observation
-SAME_PASS_S: Final = 0.4  # between neighbouring beams; also how long a probable mover counts unseen
+SAME_PASS_S: Final = 0.4  # between neighbouring beams
 _GATE_SIGMAS: Final = 3.0
 _FREE_BESIDE: Final = 1.5  # scales: a neighbouring echo farther off belongs to something else
 _SAME_THING: Final = 0.6  # scales: largest difference in range within a group
@@ -76,7 +75,7 @@ class ObstacleTracks:
         self.all = [
             track
             for track in self.all
-            if now_s - track.seen_s <= (LOST_S if track.observations > 1 else BRIEF_S)
+            if now_s - track.seen_s <= (3.0 if track.observations > 1 else 1.0) * SWEEP_S
         ]
 
     def _refute(self, beam: Beam) -> None:

@@ -16,7 +16,7 @@ LEVELS: Final = 10  # discs, a cell apart: two margins
 LEVEL: Final = 31  # bits of a byte: discs that reach the cell, 0 far from everything,
 SOLID: Final = 32  # the hull would touch something certain,
 FENCE: Final = 64  # too near the fence, or outside
-_COARSE: Final = 2  # cells of a fence cell and of the route's grid
+COARSE: Final = 2  # cells of a fence cell and of the wave's grid: half a hull's width
 
 
 class Bounds(Protocol):
@@ -50,8 +50,8 @@ class ClearanceField:
 
     def __init__(self, at: Point, cell_m: float, reach_m: float) -> None:
         self.cell_m = cell_m
-        side_m = _COARSE * cell_m
-        self.half = _COARSE * math.ceil(reach_m / side_m) + LEVELS
+        side_m = COARSE * cell_m
+        self.half = COARSE * math.ceil(reach_m / side_m) + LEVELS
         self.width = 2 * self.half
         self.south_m = side_m * round(at.north_m / side_m) - self.half * cell_m
         self.west_m = side_m * round(at.east_m / side_m) - self.half * cell_m
@@ -98,24 +98,24 @@ class ClearanceField:
         the others are divided (a quadtree).
         """
         rows = bytearray(self.width * self.width)
-        side = self.width // _COARSE
+        side = self.width // COARSE
         todo = [(0, 0, 1 << max(side - 1, 1).bit_length())]
         while todo:
             row, column, size = todo.pop()
             if row >= side or column >= side:
                 continue
-            half_m = 0.5 * size * _COARSE * self.cell_m
-            north_m = self.south_m + row * _COARSE * self.cell_m + half_m
-            east_m = self.west_m + column * _COARSE * self.cell_m + half_m
+            half_m = 0.5 * size * COARSE * self.cell_m
+            north_m = self.south_m + row * COARSE * self.cell_m + half_m
+            east_m = self.west_m + column * COARSE * self.cell_m + half_m
             reach_m = math.sqrt(2.0) * half_m
             room_m = bounds.margin_within_m(north_m, east_m, margin_m + reach_m + 1.0) - margin_m
             if size > 1 and abs(room_m) < reach_m:
                 half = size // 2
                 todo += [(row + r, column + c, half) for r in (0, half) for c in (0, half)]
             elif room_m < 0.0:
-                first, last = column * _COARSE, min((column + size) * _COARSE, self.width)
+                first, last = column * COARSE, min((column + size) * COARSE, self.width)
                 mark = bytes((FENCE,)) * (last - first)
-                for at in range(row * _COARSE, min((row + size) * _COARSE, self.width)):
+                for at in range(row * COARSE, min((row + size) * COARSE, self.width)):
                     rows[at * self.width + first : at * self.width + last] = mark
         self._fenced = int.from_bytes(rows, "little")
 

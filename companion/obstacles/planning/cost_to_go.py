@@ -12,11 +12,10 @@ as late as the goal is far from there.
 from typing import Final
 
 from companion.core.geo import Point, distance_m
-from companion.obstacles.planning.clearance import FENCE, LEVEL, LEVELS, SOLID, ClearanceField
+from companion.obstacles.planning.clearance import COARSE, FENCE, LEVEL, LEVELS, SOLID, ClearanceField
 
-_STRIDE: Final = 2  # cells of the field: half a hull's width
-_MOST_STEPS: Final = 250  # a byte's worth: 100 m
-_TIGHT_EVERY: Final = 2
+_MOST_STEPS: Final = 250  # with _INSIDE a byte's worth: 100 m
+_TIGHT_EVERY: Final = 2  # steps: cells within the margin cost twice as much
 _FARTHER: Final = 0.5  # of half the grid: where the boat leaves it, it may be farther from the goal by this
 _INSIDE: Final = 3  # steps of the last wave, over all cells: what lies within an obstacle's margin
 
@@ -30,8 +29,8 @@ class CostToGo:
         self, field: ClearanceField, here: Point, goal: Point, margin_m: float, hull_m: float
     ) -> None:
         """hull_m: nearest distance of the boat's centre. is_open: whether a way leads to the goal."""
-        self._width = width = field.width // _STRIDE
-        self.side_m = _STRIDE * field.cell_m
+        self._width = width = field.width // COARSE
+        self.side_m = COARSE * field.cell_m
         self._south_m, self._west_m = field.south_m, field.west_m
         free, wide = self._open(field, hull_m), self._open(field, margin_m)
         row = 8 * width
@@ -84,7 +83,7 @@ class CostToGo:
             table[byte] = is_clear and not byte & (SOLID | FENCE)
         marks = bytearray()
         for row in range(self._width):
-            cells = field.cells[_STRIDE * row * field.width :][: field.width : _STRIDE].translate(table)
+            cells = field.cells[COARSE * row * field.width :][: field.width : COARSE].translate(table)
             marks += cells[:-1] + b"\0"
         return int.from_bytes(marks, "little")
 

@@ -18,6 +18,8 @@ from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.core.units import wrap_pi
 from companion.guidance.speed_profile import braking_speed_m_s
+from companion.obstacles.perception.looked_at import STILL_SHARE
+from companion.obstacles.perception.occupancy import SWEEP_S
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.clearance import Bounds, ClearanceField
 from companion.obstacles.planning.cost import HORIZON_S, HULL, TOUCH, CostModel
@@ -35,9 +37,7 @@ _MOVES: Final = 0.2  # of the map: the boat's way off the centre after which it 
 _DRIFT_S: Final = 0.8  # a current carries the boat on for so long before it answers: more margin
 _FENCE_STEP_M: Final = 0.5  # of the margin that is left
 _SEARCH_S: Final = 0.5  # between two computations of the way to go: the boat moves half a hull
-_SHUT_S: Final = 1.5  # noise has decayed by then
 _TURNS_RAD: Final = math.radians(10.0)  # what the operator is told of
-_AT_REST: Final = 0.25
 _LEADS_ON: Final = 0.5  # of its length: a path that brings the boat nearer to the goal by less is not kept
 
 
@@ -139,7 +139,7 @@ class LocalPlanner:
         here, setting = nav.point, config.avoidance
         reach_m = (perception.reach_m or setting.lookahead_m) + _BEYOND_M
         margin_m = setting.margin_m + _DRIFT_S * math.hypot(nav.current_north_m_s, nav.current_east_m_s)
-        tracks = perception.possible_movers(now_s)
+        tracks = perception.tracks.possible_movers(now_s)
         is_met = any(track.is_mover for track in tracks)
         solid = perception.solid(now_s)
         suspects = perception.suspects(now_s)
@@ -167,7 +167,7 @@ class LocalPlanner:
         goal = intent.end if isinstance(intent, FollowLeg) and to_end_m > ahead_m else way[-1]
         to_go = self._search(field, here, goal, setting.margin_m, now_s, is_certain=bool(solid))
         self._log(here, goal, margin_m, is_certain=bool(solid))
-        is_shut = now_s > self._open_s + _SHUT_S or self._sailed_m > setting.detour_m
+        is_shut = now_s > self._open_s + SWEEP_S or self._sailed_m > setting.detour_m
         if is_shut and self.stage is not Stage.BLOCKED:
             self._retry_s = now_s + setting.retry_s
             return self._stay(self._roomy or here, NO_WAY)
@@ -293,7 +293,7 @@ class LocalPlanner:
         if self.stage is Stage.BLOCKED:
             return self._station
         self.limit.reduce_to(braking_speed_m_s(0.5 * room_m, 0.0, config.guidance))
-        if nav.surge_m_s > _AT_REST * config.guidance.min_speed_m_s:
+        if nav.surge_m_s > STILL_SHARE * config.guidance.min_speed_m_s:
             return None
         return self._stay(nav.point, "Obstacle ahead: keeping station")
 

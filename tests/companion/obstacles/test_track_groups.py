@@ -239,9 +239,9 @@ def test_tracks_are_known_movers_or_may_be() -> None:
     assert tracks.possible_movers(11.4) == [probable, mover]
     tracks.all.append(once)
     assert tracks.possible_movers(11.6) == [mover]
-    assert tracks.known(13.99) == [rock, probable, mover]
+    assert tracks.known(14.49) == [rock, probable, mover]
     rock.seen_s = 11.0
-    assert tracks.known(14.01) == [rock]
+    assert tracks.known(14.51) == [rock]
     assert tracks.all == [rock]
 
 

@@ -8,7 +8,7 @@ import pytest
 from companion.core.geo import Point
 from companion.obstacles.perception.occupancy import Beam
 from companion.obstacles.perception.track import Track
-from companion.obstacles.perception.tracks import LOST_S, MAX_TRACKS, ObstacleTracks
+from companion.obstacles.perception.tracks import MAX_TRACKS, ObstacleTracks
 from sitl.world.sensors.sampling import generator
 
 WIDTH_RAD = math.radians(15.0)
@@ -94,7 +94,7 @@ def test_a_long_shore_is_not_followed() -> None:
 def test_what_is_out_of_sight_for_long_is_forgotten() -> None:
     tracks, _ = follow(moving(4.4, 0.0, -0.5, 0.0), still(0.0, 0.0), 4.0)
     assert tracks.movers(4.0)
-    assert tracks.movers(4.0 + 2.0 * LOST_S) == []
+    assert tracks.movers(12.0) == []
     assert tracks.all == []
 
 
