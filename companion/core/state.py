@@ -33,7 +33,7 @@ class NavState(Struct, frozen=True, gc=False):
     during dead reckoning the position's age is limited to the receiver's time-out. current_north_m_s,
     current_east_m_s: current over ground, leeway included. position_sigma_m: standard deviation, per axis.
     faults: bits of EstimateFault, as a plain integer for speed. gyro_rad_s: the gyro's latest rate less its
-    bias, with its white noise, which yaw_rate_rad_s is smoothed by the yaw model to be without; None without.
+    bias, not smoothed; None without a gyro. yaw_rate_rad_s: the same rate, smoothed by the yaw model.
     """
 
     time_s: float
@@ -55,7 +55,7 @@ class NavState(Struct, frozen=True, gc=False):
 
     @property
     def measured_yaw_rate_rad_s(self) -> float:
-        """That of the gyro, for whoever fits or judges a model of the yaw; without a gyro, the estimate."""
+        """The gyro's rate, independent of the yaw model; without a gyro, the estimate."""
         return self.yaw_rate_rad_s if self.gyro_rad_s is None else self.gyro_rad_s
 
     @property

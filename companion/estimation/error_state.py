@@ -58,13 +58,11 @@ _GAIN: Final = 0.2  # of the initial thrust gain
 _GAIN_WALK: Final = 0.005  # per √s: battery voltage falls, and thrust is not the model's at every speed
 _BIAS_RAD_S: Final = 0.03  # of a gyro's initial bias: a BNO055's data sheet allows 3°/s, typical 1
 _BIAS_WALK: Final = 2e-4  # rad/s per √s
-_BLIND_RAD_S: Final = 0.25  # of the yaw model's rate without a gyro, and its time constant
-_BLIND_S: Final = 1.5
+_BLIND_RAD_S: Final = 0.25  # of the yaw model's rate without a gyro
 _LATE_RAD_S: Final = 0.005  # the same with a gyro that is late
 _COMPASS_RAD: Final = 0.02  # of one reading, initially (BNO055: 2.5° in all, most of it deviation)
 _DEVIATION: Final = 0.015  # of gyro scale and compass deviation, between two headings one rad apart
 _DELAY_S: Final = 0.03  # of the receiver's delay beyond the configured one
-_CREEPING: Final = 0.15  # cruise speeds: the course of a slower boat is noise
 _UNKNOWN_RAD: Final = 1.0  # a larger deviation of the heading has no meaning
 _ADAPTS: Final = 0.05  # weight of one innovation in the noise: a memory of four seconds at 5 Hz
 _CLIP: Final = 4.0  # largest normalised square in it: an outlier is no noise
@@ -93,7 +91,7 @@ class ErrorStateFilter(NominalState):
         )  # fmt: skip
         self._stalled_s, self._stalled_m2 = -math.inf, 0.0  # end of a stall, and the variance that it adds
         self.velocity_noise = self.compass_noise = self.position_noise = 1.0
-        self._position_off = 0j  # latest innovation
+        self._velocity_off = self._position_off = 0j  # latest innovations
         self.is_pending = False
         self._q = 2.0 * (_UNMODELLED * speed.cruise_m_s) ** 2 / UNMODELLED_S
         self.compass = self.position_north = self.position_east = NO_INNOVATION
@@ -159,7 +157,7 @@ class ErrorStateFilter(NominalState):
         if self.has_gyro:
             covariance.add(RATE_BIAS, _BIAS_WALK**2 * dt)
         else:
-            keep = math.exp(-dt / _BLIND_S)
+            keep = math.exp(-dt / UNMODELLED_S)
             covariance.mix(RATE_BIAS, ((RATE_BIAS, keep),))
             covariance.add(RATE_BIAS, self._blind_variance * (1.0 - keep * keep))
         if covariance.variance(HEADING) > _UNKNOWN_RAD**2:
@@ -260,8 +258,6 @@ class ErrorStateFilter(NominalState):
         self.is_pending = True
         cos, sin, measure = math.cos(heading_rad), math.sin(heading_rad), self.covariance.measure
         through = before_m_s - self.current_m_s
-        if abs(through) < _CREEPING * self.cruise_m_s:
-            through = 0j
         off, white = velocity_m_s - before_m_s, variance * self.velocity_noise
         north = ((HEADING, -through.imag), (SURGE, cos), (SWAY, -sin), (CURRENT_NORTH, 1.0))
         east = ((HEADING, through.real), (SURGE, sin), (SWAY, cos), (CURRENT_EAST, 1.0))
@@ -290,14 +286,14 @@ class ErrorStateFilter(NominalState):
         pair.north.is_accepted = pair.east.is_accepted = False
 
     def adapt_velocity(self, pair: "PairUpdate") -> None:
-        """Adapt the noise of velocities to an innovation."""
-        self.velocity_noise = _adapted(self.velocity_noise, pair.own_share, 0.5 * pair.nis)
+        """Adapt the noise of velocities to what changes from one to the next: a lag is no noise."""
+        step, self._velocity_off = pair.innovation - self._velocity_off, pair.innovation
+        self.velocity_noise = _adapted(self.velocity_noise, 1.0, pair.square_of(step))
 
     def adapt_position(self, pair: "PairUpdate") -> None:
-        """Adapt the noise of positions to what changes from one to the next: a drift is no noise."""
+        """The same for positions: a drift is no noise."""
         step, self._position_off = pair.innovation - self._position_off, pair.innovation
-        square = 0.25 * (step.real * step.real + step.imag * step.imag) / pair.white
-        self.position_noise = _adapted(self.position_noise, 1.0, square)
+        self.position_noise = _adapted(self.position_noise, 1.0, pair.square_of(step))
 
 
 def _adapted(noise: float, share: float, square: float) -> float:
@@ -314,7 +310,7 @@ class PairUpdate:
         north.is_accepted = east.is_accepted = True
         self.nis = north.nis + east.nis
 
-    @property
-    def own_share(self) -> float:
-        """The share of the measurement's own noise in the innovation's variance."""
-        return 0.5 * self.white * (1.0 / self.north.variance + 1.0 / self.east.variance)
+    def square_of(self, step: complex) -> float:
+        """The normalised square of a change of the innovation since the last one, 1 on average."""
+        share = 1.0 / self.north.variance + 1.0 / self.east.variance
+        return 0.125 * share * (step.real * step.real + step.imag * step.imag)

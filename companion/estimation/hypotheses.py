@@ -28,12 +28,9 @@ from companion.core.evidence import LEARNING, MOST_SQUARE, FaultEvidence
 # 45 h of positions. Headings are judged only while they differ by GAP_RAD, which is rare: odds of 400 to 1.
 THRESHOLDS: Final[list[float]] = [6.0, 6.0, 15.0]
 GAP_RAD: Final = 0.12  # three standard deviations of a compass that heels in turns and feels the motors
-_HEADING_S: Final = (
-    20.0  # time constant of the shadow, but for the bias: a few turns; a wrong compass is trusted after it,
-)
-_BIAS_S: Final = 60.0  # and of the bias; both shorter in the first minute
+# Time constant of the shadow: a few turns; shorter at first. A wrong compass has to agree for as long.
+_SHADOW_S: Final = 20.0
 _UNDECIDED_S: Final = 120.0  # without a decision, the gyro is doubted: it is seldom in use
-_MODEL_S: Final = 1.0  # correlation time of the modelled velocity's error
 _ONSETS: Final = 15  # of a drift that are considered,
 _ONSET_S: Final = 2.0  # so far apart: half a minute
 _UNDERSTATED: Final = 1.5  # a receiver under trees errs by more than it states
@@ -130,11 +127,11 @@ class SensorBank:
             self._parted_s += dt_s
             return
         self._age_s += dt_s
-        share = dt_s / min(self._age_s, _HEADING_S)
+        share = dt_s / min(self._age_s, _SHADOW_S)
         self.gap_rad -= share * self.gap_rad
         self.current_m_s += share * (current_m_s - self.current_m_s)
         self.offset_rad += share * (offset_rad - self.offset_rad)
-        self.bias_rad_s += dt_s / min(self._age_s, _BIAS_S) * (bias_rad_s - self.bias_rad_s)
+        self.bias_rad_s += share * (bias_rad_s - self.bias_rad_s)
 
     def weigh_velocity(
         self, over_ground: complex, through: complex, offset_rad: float, variance: float, dt_s: float
@@ -151,7 +148,7 @@ class SensorBank:
         by_gyro = by_compass * cmath.rect(1.0, self.gap_rad)
         most = 2.0 * MOST_SQUARE
         gain = min(_square(off - by_compass) / variance, most) - min(_square(off - by_gyro) / variance, most)
-        gain *= 0.5 * min(dt_s / _MODEL_S, 1.0)
+        gain *= 0.5 * min(dt_s, 1.0)  # the modelled velocity's error lasts for about a second
         for sensor, ratio in ((Sensor.COMPASS, gain), (Sensor.GYRO, -gain)):
             self.evidence.add(sensor, ratio, dt_s)
             if self.evidence.against[sensor] > THRESHOLDS[sensor]:
@@ -166,7 +163,7 @@ class SensorBank:
     def acquit_compass(self, *, agrees: bool, dt_s: float) -> bool:
         """Whether a compass that was wrong has agreed with the filter for long enough."""
         self._agrees_s = self._agrees_s + dt_s if agrees else 0.0
-        left = max(1.0 - self._agrees_s / _HEADING_S, 0.0)
+        left = max(1.0 - self._agrees_s / _SHADOW_S, 0.0)
         self.is_compass_wrong = left > 0.0
         self.evidence.against[Sensor.COMPASS] = left * THRESHOLDS[Sensor.COMPASS]
         return not self.is_compass_wrong

@@ -21,6 +21,7 @@ from companion.estimation.hull_model import SurgeModel, YawModel
 STRIDE_S: Final = 0.039  # the hull is slow: every second tick is enough
 UNMODELLED_S: Final = 3.0  # time constant of gusts and waves, that of the hull
 STALL_S: Final = 1.0  # after a longer stall of the loop the motion meanwhile is unknown
+_LEAST_GAIN: Final = 0.3  # below, a boat that is held aground would forget its motors
 _HISTORY: Final = 128  # strides: five seconds, more than the longest delay
 _GYRO_GAP_S: Final = 0.1  # five readings: a gyro that is silent for longer leaves the turn to the yaw model
 
@@ -174,7 +175,7 @@ class NominalState:
         self.current_east_m_s += set_east
         self.bias_rad_s += bias
         self.offset_rad += offset
-        self.gain += gain
+        self.gain = max(self.gain + gain, _LEAST_GAIN)
         self.gnss_north_m += wander_n
         self.gnss_east_m += wander_e
         self.delay_s += delay

@@ -138,7 +138,7 @@ def test_a_boat_that_cannot_steer_tries_to_come_free_then_drifts(what: str, kind
     rig.until(lambda: rig.mode == "HOLD", 200.0)
     texts = rig.peer.texts
     assert texts[:2] == [told, "Clearing the propellers"]
-    assert texts.count("Clearing the propellers") == 2
+    assert 2 <= texts.count("Clearing the propellers") <= 3, "one more if the drifting boat turns by chance"
     rig.run(1.0)
     assert rig.boat.command.left == rig.boat.command.rudder == 0.0
 

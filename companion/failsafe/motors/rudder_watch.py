@@ -70,6 +70,8 @@ class RudderWatch:
             self.fault = "Steering lost: motor reversed"
         elif is_steered and is_turning and not is_astern:
             self.fault, self._helpless_s = "", 0.0
+        elif is_astern:  # a rudder works the other way
+            self._helpless_s = 0.0
         elif is_steered:
             self._helpless_s += abs(self._steered) * dt_s
             if self._helpless_s >= _HELPLESS_S:
