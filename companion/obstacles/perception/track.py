@@ -20,7 +20,7 @@ from companion.obstacles.perception.occupancy import SWEEP_S
 
 SURE_SIGMAS: Final = 3.0  # 1 in 700 of static obstacles, one-sided
 FASTEST: Final = 12.0  # of the least speed: 1.4 m/s; faster tracks join two ghosts
-_SPREAD: Final = (100.0, 100.0, 0.25, 0.25)  # initial variances: anywhere within the sight, 0.5 m/s
+_SPREAD: Final[list[float]] = [100.0, 100.0, 0.25, 0.25]  # initial variances: anywhere in sight, 0.5 m/s
 
 
 class Track:
