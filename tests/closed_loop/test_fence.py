@@ -114,7 +114,7 @@ def test_a_boat_beyond_the_fence_comes_back(water: tuple[str, ...], action: int)
     go_to(rig, 30.0, 0.0)
     rig.until(lambda: rig.offset_m(30.0, 0.0) < 3.0, 60.0)
     fenced(rig, *polygon(box(-25.0, -20.0, 20.0, 20.0)))
-    rig.run(2.0)
+    rig.run(3.0)  # FENCE_STATUS comes every two seconds
     assert rig.mode == ("RTL" if action == 1 else "LOITER")
     assert any(text.startswith("Failsafe: Outside the fence by ") for text in rig.peer.texts)
     assert rig.peer.said("FENCE_STATUS")[-1].breach_status == 1
