@@ -101,7 +101,7 @@ class PositionUpdate:
             bank.drift.restart()
             self.accepted_s, self._rejected_s = stamp_s, 0.0
             return
-        # A repeat tells nothing, and may be of a stuck receiver; one that the gate rejects goes on disagreeing
+        # A repeat tells nothing, and may be of a stuck receiver; a rejected one goes on disagreeing
         if self._monitor.run_s > 0.0 and not (is_good and self._rejected_s > 0.0):
             if is_good:
                 self.accepted_s = stamp_s
