@@ -1,6 +1,8 @@
 """One .npz file with arrays by name and everything else as JSON in it: how runs and recordings are kept."""
 
 import json
+import zipfile
+import zlib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
@@ -39,10 +41,10 @@ def load_arrays(
         ConfigError: it cannot be read, or is no such file.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
         return build(json.loads(arrays.pop("rest").tobytes()), arrays)
     except FileNotFoundError:
         raise ConfigError(f"{path}: no such file: expected {expected}") from None
-    except (OSError, ValueError, KeyError, TypeError, EOFError) as error:
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
         raise ConfigError(f"{path}: not {expected}: {error}") from None

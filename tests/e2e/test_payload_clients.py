@@ -9,6 +9,7 @@ import pytest
 from mavsdk.asyncio import ComponentType, Configuration, Mavsdk
 from mavsdk.asyncio.plugins.camera import CameraAsync
 from mavsdk.asyncio.plugins.gripper import GripperAsync
+from mavsdk.asyncio.plugins.telemetry import TelemetryAsync
 from mavsdk.logging import log_subscribe
 from mavsdk.plugins.camera import CaptureInfo, VideoStreamUpdate
 from patience import JOB_S, MOMENT_S
@@ -39,6 +40,12 @@ def test_mavsdk_finds_the_camera_takes_a_photo_and_moves_the_gripper(boat: Runni
             assert system is not None
             camera = CameraAsync(system)
 
+            async def position() -> None:
+                async for health in TelemetryAsync(system).subscribe_health():
+                    if health.is_global_position_ok:
+                        return
+                raise AssertionError("the boat has no position")
+
             async def stream() -> VideoStreamUpdate:
                 async for update in camera.subscribe_video_stream_info():
                     if update.video_stream_info.settings.uri:
@@ -50,6 +57,7 @@ def test_mavsdk_finds_the_camera_takes_a_photo_and_moves_the_gripper(boat: Runni
                     return taken
                 raise AssertionError("no photo came")
 
+            await asyncio.wait_for(position(), MOMENT_S)  # the photo carries it
             seen = await asyncio.wait_for(stream(), MOMENT_S)
             assert seen.component_id == 100
             assert seen.video_stream_info.settings.uri == "rtsp://10.0.0.2:8554/bow"
