@@ -1,9 +1,10 @@
-"""Draw the pictures that need no run of the emulator, and write the notebook: python -m pictures."""
+"""Draw the pictures of the docs that no experiment draws, and write the notebook: python -m pictures."""
 
 from pathlib import Path
 
+from pictures.encounter import draw_encounter
 from pictures.notebook import write_notebook
-from pictures.rollouts import draw_encounter, draw_rollouts
+from pictures.rollouts import draw_rollouts
 from pictures.wiring import draw_wiring
 from pictures.wiring_table import read_wiring
 

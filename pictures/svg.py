@@ -30,10 +30,10 @@ class Drawing:
         """A junction of wires."""
         self._elements.append(f'<circle cx="{x:g}" cy="{y:g}" r="{radius:g}" fill="{colour}"/>')
 
-    def ring(self, x: float, y: float, radius: float) -> None:
+    def ring(self, x: float, y: float, radius: float, fill: str = "#f7f7f7", colour: str = FRAME) -> None:
         """A circle."""
         self._elements.append(
-            f'<circle cx="{x:g}" cy="{y:g}" r="{radius:g}" fill="#f7f7f7" stroke="{FRAME}" '
+            f'<circle cx="{x:g}" cy="{y:g}" r="{radius:g}" fill="{fill}" stroke="{colour}" '
             'stroke-width="1.5"/>'
         )
 
@@ -60,6 +60,11 @@ class Drawing:
         self.line((x, y), (x, y + 6))
         for number, half in enumerate((8, 5, 2)):
             self.line((x - half, y + 6 + 3 * number), (x + half, y + 6 + 3 * number), width=1.5)
+
+    def scale_bar(self, x: float, y: float, pixels_a_metre: float) -> None:
+        """One metre, to the right of a point."""
+        self.line((x, y - 4), (x, y), (x + pixels_a_metre, y), (x + pixels_a_metre, y - 4))
+        self.write(x + 0.5 * pixels_a_metre, y - 12, "1 m", "middle", 11)
 
     def text(self, width: float, height: float, title: str) -> str:
         """The file."""

@@ -90,19 +90,13 @@ def run_encounter(trial: Trial) -> TrialResult:
     Raises:
         RunError: the boat did not arm or start.
     """
-    encounter = Encounter(**trial.factors)
-    alone_s, track = _alone(encounter.current_m_s, trial.seed, msgspec.json.encode(trial.settings))
-    if encounter.speed_m_s:
-        meeting = _meeting(track, meets_at_m(encounter.kind, trial.seed))
-        tree: Tree = {"movers": [mover(encounter.kind, trial.seed, encounter.speed_m_s, meeting)]}
-    else:
-        tree = still_obstacles(encounter.kind, trial.seed)
-    scenario = _scenario(encounter.current_m_s, trial.seed, trial.settings, tree)
+    alone_s, scenario = encounter_scenario(trial)
     mission_run, result = _sail(scenario)
     touches = mission_run.lockstep.world.groundings
     texts = [event.text for event in mission_run.timeline.events if event.kind == "text"]
-    is_mover = encounter.speed_m_s > 0.0
-    is_inevitable = touches > 0 and is_mover and not could_evade(scenario, mission_run.recorder.rows)
+    is_inevitable = (
+        touches > 0 and bool(scenario.movers) and not could_evade(scenario, mission_run.recorder.rows)
+    )
     return TrialResult(
         number=trial.number,
         ended="completed" if result.completed else "not completed",
@@ -115,6 +109,27 @@ def run_encounter(trial: Trial) -> TrialResult:
             "no_way_told": texts.count(NO_WAY),
         },
     )
+
+
+def sail_encounter(trial: Trial) -> MissionRun:
+    """One encounter, sailed.
+
+    Raises:
+        RunError: the boat did not arm or start.
+    """
+    return _sail(encounter_scenario(trial)[1])[0]
+
+
+def encounter_scenario(trial: Trial) -> tuple[float, Scenario]:
+    """The duration without an obstacle, and the scenario with it."""
+    encounter = Encounter(**trial.factors)
+    alone_s, track = _alone(encounter.current_m_s, trial.seed, msgspec.json.encode(trial.settings))
+    if encounter.speed_m_s:
+        meeting = _meeting(track, meets_at_m(encounter.kind, trial.seed))
+        tree: Tree = {"movers": [mover(encounter.kind, trial.seed, encounter.speed_m_s, meeting)]}
+    else:
+        tree = still_obstacles(encounter.kind, trial.seed)
+    return alone_s, _scenario(encounter.current_m_s, trial.seed, trial.settings, tree)
 
 
 def _scenario(current_m_s: float, seed: int, settings: dict[str, Any], tree: Tree) -> Scenario:
