@@ -36,7 +36,8 @@ from mutants import Mutant, compiled, mutants_of
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = (
-    "control", "guidance", "failsafe", "geofence", "obstacles", "vehicle/mission", "vehicle/modes",
+    "control", "estimation", "guidance", "failsafe", "geofence", "obstacles", "vehicle/mission",
+    "vehicle/modes",
     "planning",
 )  # fmt: skip
 PLANNER = ("mission_tools/tasks", "mission_tools/costs", "mission_tools/watch")  # only where they are named
