@@ -137,7 +137,7 @@ def test_with_the_fence_on_one_side_the_boat_takes_the_other() -> None:
     assert min(east for _, east in voyage.track) < -3.5
 
 
-@pytest.mark.parametrize("seed", [2, 3])
+@pytest.mark.parametrize("seed", [3, 5, 8])
 def test_between_the_fence_and_a_wall_the_boat_waits_and_says_so(seed: int) -> None:
     rig = rig_among(block(30.0, 31.0, -8.0, 8.0), seed=seed).ready()
     corners = [(-20.0, -6.0), (80.0, -6.0), (80.0, 6.0), (-20.0, 6.0)]

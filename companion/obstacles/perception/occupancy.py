@@ -11,7 +11,7 @@ is not stored.
 import math
 from typing import Final, NamedTuple
 
-from companion.core.geo import Point
+from companion.core.geo import Point, distance_m
 
 SOLID: Final = 1.5  # evidence, after decay: two echoes
 SUSPECT: Final = 0.5  # one echo
@@ -89,11 +89,28 @@ class Occupancy:
 
     def obstacles(self, now_s: float, least: float = SOLID) -> list[Point]:
         """The centres of the cells with at least this evidence."""
-        fade_s = self._fade_s
+        return [cell.at for cell in self._known(now_s, least)]
+
+    def likely(self, now_s: float, apart_m: float) -> list[Point]:
+        """Where something is solid, the centres of all cells with an echo; in open water those that have
+        another echo within apart_m.
+
+        False echoes are independent. With one in 200 pings and five pings until an echo is confirmed or
+        refuted, one in 50 has another near; two echoes of one thing nearly always come together.
+        """
+        known = self._known(now_s, SUSPECT)
+        if any(cell.evidence >= SOLID for cell in known):
+            return [cell.at for cell in known]
         return [
             cell.at
-            for cell in self._cells.values()
-            if cell.evidence - (now_s - cell.seen_s) / fade_s >= least
+            for cell in known
+            if any(one.seen_s != cell.seen_s and distance_m(one.at, cell.at) < apart_m for one in known)
+        ]
+
+    def _known(self, now_s: float, least: float) -> list[Cell]:
+        fade_s = self._fade_s
+        return [
+            cell for cell in self._cells.values() if cell.evidence - (now_s - cell.seen_s) / fade_s >= least
         ]
 
     def has_suspect_of(self, beam: Beam) -> bool:

@@ -12,10 +12,10 @@ from companion.config.avoidance import AvoidanceSetting
 from companion.core.geo import Point
 from companion.core.state import NavState
 from companion.obstacles.perception.looked_at import LookedAtWater
-from companion.obstacles.perception.occupancy import SUSPECT, Beam, Occupancy
+from companion.obstacles.perception.occupancy import Beam, Occupancy
 from companion.obstacles.perception.sonar_noise import SonarNoiseMonitor
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector, choose_sector
-from companion.obstacles.perception.tracks import ObstacleTracks
+from companion.obstacles.perception.tracks import FREE_BESIDE, ObstacleTracks
 from companion.sensors.readings import SonarReading
 
 _CELLS_A_MARGIN: Final = 5.0  # the resolution follows the distance to keep
@@ -107,13 +107,8 @@ class ObstaclePerception:
         return self.occupancy.obstacles(now_s)
 
     def suspects(self, now_s: float) -> list[Point]:
-        """As `solid`, with cells seen only once."""
-        return self.occupancy.obstacles(now_s, SUSPECT)
-
-    @property
-    def is_looking_again(self) -> bool:
-        """Whether the sonar is turned to a single echo, to confirm or refute it."""
-        return self.sector.port_rad == self.sector.starboard_rad
+        """As `solid`, with cells seen only once, but not for a lone echo in open water."""
+        return self.occupancy.likely(now_s, FREE_BESIDE * self._setting.margin_m)
 
     def _unconfirmed(self, now_s: float) -> Beam | None:
         """The latest echo, until a second look confirms or refutes it."""

@@ -16,7 +16,7 @@ from companion.obstacles.perception.track import Track
 MAX_TRACKS: Final = 16
 SAME_PASS_S: Final = 0.4  # between neighbouring beams
 _GATE_SIGMAS: Final = 3.0
-_FREE_BESIDE: Final = 1.5  # scales: a neighbouring echo farther off belongs to something else
+FREE_BESIDE: Final = 1.5  # scales: a neighbouring echo farther off belongs to something else
 _SAME_THING: Final = 0.6  # scales: largest difference in range within a group
 _LONGEST: Final = 2.0  # scales: a longer group is shore
 _RANGE_SIGMA: Final = 0.05  # scales, per observation: the accuracy of the boat's own position
@@ -65,8 +65,7 @@ class ObstacleTracks:
 
     def possible_movers(self, now_s: float) -> list[Track]:
         """Movers, and what may turn out to be one."""
-        self._forget(now_s)
-        return [track for track in self.all if track.may_move(now_s)]
+        return [track for track in self.known(now_s) if track.may_move(now_s)]
 
     def _forget(self, now_s: float) -> None:
         """Remove lost tracks; one that a full sweep has not observed again was a ghost, which the next thing
@@ -99,7 +98,7 @@ class ObstacleTracks:
             return True
         a, b = edge.range_m, beside.range_m
         apart_m = math.sqrt(max(a * a + b * b - 2.0 * a * b * math.cos(_turned_rad(edge, beside)), 0.0))
-        return b > a and apart_m > _FREE_BESIDE * self._scale_m
+        return b > a and apart_m > FREE_BESIDE * self._scale_m
 
     def _end_group(self, after: Beam | None) -> None:
         """The sweep has passed an obstacle; after: the beam beyond it, None if the sweep has turned back."""

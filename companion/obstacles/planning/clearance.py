@@ -72,10 +72,10 @@ class ClearanceField:
         marks, certain = marks >> skipped * row_bits, certain >> skipped * row_bits
         total, disc, hull_cells = marks, marks, round(hull_m / self.cell_m)
         for step in range(1, LEVELS):
-            disc = _grown(disc, row_bits, step)
+            disc = grown(disc, row_bits, step)
             total += disc
         for step in range(1, hull_cells + 1 if certain else 0):
-            certain = _grown(certain, row_bits, step)
+            certain = grown(certain, row_bits, step)
         total = (total + certain * SOLID) << skipped * row_bits | self._fenced
         self.cells = total.to_bytes(size, "little")
 
@@ -130,7 +130,7 @@ class ClearanceField:
         return int.from_bytes(marks, "little")
 
 
-def _grown(marks: int, row_bits: int, step: int) -> int:
+def grown(marks: int, row_bits: int, step: int) -> int:
     """One cell more on every side. Squares and diamonds in turn make octagons, within 8 % of a disc."""
     beside = marks | marks << 8 | marks >> 8
     upright = beside if step % 2 else marks

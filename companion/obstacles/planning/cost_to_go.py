@@ -12,7 +12,7 @@ as late as the goal is far from there.
 from typing import Final
 
 from companion.core.geo import Point, distance_m
-from companion.obstacles.planning.clearance import COARSE, FENCE, LEVEL, LEVELS, SOLID, ClearanceField
+from companion.obstacles.planning.clearance import COARSE, FENCE, LEVEL, LEVELS, SOLID, ClearanceField, grown
 
 _MOST_STEPS: Final = 250  # with _INSIDE a byte's worth: 100 m
 _TIGHT_EVERY: Final = 2  # steps: cells within the margin cost twice as much
@@ -38,12 +38,12 @@ class CostToGo:
         late = self._seeds(here, goal, free, width)
         near = 1 << 8 * self._cell(here)
         for _ in range(_INSIDE):
-            near = _grown(near, row, 1)
+            near = grown(near, row, 1)
         steps, still = 0, 0
         for steps in range(1, _MOST_STEPS + 1):
             before = reached
             passable = free if steps % _TIGHT_EVERY == 0 else wide
-            reached |= (_grown(reached, row, steps // _TIGHT_EVERY) & passable) | late.pop(steps, 0)
+            reached |= (grown(reached, row, steps // _TIGHT_EVERY) & passable) | late.pop(steps, 0)
             total += reached
             still = 0 if reached != before else still + 1
             if still > 2 * _TIGHT_EVERY and not late:
@@ -51,7 +51,7 @@ class CostToGo:
         self.is_open = bool(reached & near)
         everywhere = (1 << 8 * width * width) - 1
         for step in range(_INSIDE):
-            reached |= _grown(reached, row, step) & everywhere
+            reached |= grown(reached, row, step) & everywhere
             total += reached
         self.steps = steps + _INSIDE
         self.cells = total.to_bytes(width * width, "little")
@@ -113,9 +113,3 @@ class CostToGo:
             step = 1 + round((at_m - nearest_m) / self.side_m)
             late[step] = late.get(step, 0) | 1 << 8 * cell
         return late
-
-
-def _grown(marks: int, row_bits: int, step: int) -> int:
-    beside = marks | marks << 8 | marks >> 8
-    upright = beside if step % 2 else marks
-    return beside | upright << row_bits | upright >> row_bits

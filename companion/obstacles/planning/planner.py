@@ -140,11 +140,9 @@ class LocalPlanner:
         reach_m = (perception.reach_m or setting.lookahead_m) + _BEYOND_M
         margin_m = setting.margin_m + _DRIFT_S * math.hypot(nav.current_north_m_s, nav.current_east_m_s)
         tracks = perception.tracks.possible_movers(now_s)
-        is_met = any(track.is_mover for track in tracks)
+        meets_mover = any(track.is_mover for track in tracks)
         solid = perception.solid(now_s)
         suspects = perception.suspects(now_s)
-        if perception.is_looking_again and not solid and not is_met and self.stage is Stage.CLEAR:
-            suspects, tracks = [], []  # a tenth of a second tells whether the echo is real
         field = self._map(nav, config, bounds, perception.occupancy.cell_m, reach_m)
         field.fill(solid, suspects, TOUCH * margin_m)
         self.limit.update(nav, config, perception, field, bounds, now_s)
@@ -166,7 +164,7 @@ class LocalPlanner:
         to_end_m = distance_m(here, intent.end) if isinstance(intent, FollowLeg) else 0.0
         goal = intent.end if isinstance(intent, FollowLeg) and to_end_m > ahead_m else way[-1]
         to_go = self._search(field, here, goal, setting.margin_m, now_s, is_certain=bool(solid))
-        self._log(here, goal, margin_m, is_certain=bool(solid))
+        self._note_progress(here, goal, margin_m, is_certain=bool(solid))
         is_shut = now_s > self._open_s + SWEEP_S or self._sailed_m > setting.detour_m
         if is_shut and self.stage is not Stage.BLOCKED:
             self._retry_s = now_s + setting.retry_s
@@ -184,13 +182,13 @@ class LocalPlanner:
         costs = CostModel(nav, field, to_go, movers, margin_m, ahead_m, wanted_rad, config)
         best = costs.choose(
             self._fan, speed, (norths_m, easts_m) if leads_on else None, self._heading_rad,
-            is_certain=bool(solid) or is_met,
+            is_certain=bool(solid) or meets_mover,
         )  # fmt: skip
         if best is None:
             return self._keep()
-        if is_met or (bool(solid) and not leads_on):
+        if meets_mover or (bool(solid) and not leads_on):
             perception.water.note_unmapped_obstacle(here)
-        return self._hold(best, nav, config, has_solid=bool(solid), is_met=is_met)
+        return self._hold(best, nav, config, has_solid=bool(solid), meets_mover=meets_mover)
 
     def _search(
         self,
@@ -211,7 +209,7 @@ class LocalPlanner:
                 self._open_s = now_s
         return to_go
 
-    def _log(self, here: Point, goal: Point, margin_m: float, *, is_certain: bool) -> None:
+    def _note_progress(self, here: Point, goal: Point, margin_m: float, *, is_certain: bool) -> None:
         """Add up what was sailed since the boat was last nearer to the goal."""
         if self._last is not None and is_certain:
             self._sailed_m += distance_m(self._last, here)
@@ -221,17 +219,17 @@ class LocalPlanner:
             self._best_m, self._sailed_m = away_m, 0.0
 
     def _hold(
-        self, best: Rollout, nav: NavState, config: BoatConfig, *, has_solid: bool, is_met: bool
+        self, best: Rollout, nav: NavState, config: BoatConfig, *, has_solid: bool, meets_mover: bool
     ) -> Intent:
         """Hold a rollout's heading and speed, and report it."""
         heading, speed = wrap_pi(nav.heading_rad + best.turn_rad), best.speed_m_s
         self._heading_rad = heading
         along_m_s = nav.current_along_m_s(nav.heading_rad)
-        self.eases = not has_solid and not is_met  # a single echo may be noise
+        self.eases = not has_solid and not meets_mover  # a single echo may be noise
         if self.stage is not Stage.BLOCKED:
             if CRASH_STOP < speed < 0.0:
                 self.stage = Stage.BACK
-            elif is_met:
+            elif meets_mover:
                 self.stage = Stage.PASSING
                 if not self._has_notified:
                     self._has_notified = True

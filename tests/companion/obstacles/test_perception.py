@@ -30,14 +30,31 @@ def seen_from(
 
 def test_an_echo_is_put_where_the_boat_was_and_pointed() -> None:
     nav = msgspec.structs.replace(nav_at(10.0, 5.0), heading_rad=math.pi / 2)
-    (thing, *_) = seen_from(nav, ping(bearing_rad=math.pi / 2)).suspects(0.0)
+    (thing, *_) = seen_from(nav, ping(bearing_rad=math.pi / 2)).occupancy.obstacles(0.0, SUSPECT)
     assert distance_m(thing, Point(7.0, 5.0)) < 0.5
 
 
 def test_a_ping_is_taken_back_to_the_time_it_was_sent() -> None:
     nav = msgspec.structs.replace(nav_at(10.0), north_m_s=2.0, surge_m_s=2.0)
-    things = seen_from(nav, ping(time_s=0.0, range_m=3.0), now_s=0.5).suspects(0.5)
+    seen = seen_from(nav, ping(time_s=0.0, range_m=3.0), now_s=0.5)
+    things = seen.occupancy.obstacles(0.5, SUSPECT)
     assert max(abs(thing.north_m - 12.0) for thing in things) < 0.3
+
+
+@pytest.mark.parametrize(("range_m", "counts"), [(3.0, True), (1.8, True), (1.4, False)])
+def test_in_open_water_an_echo_counts_with_another_one_within_a_margin_and_a_half(
+    range_m: float, *, counts: bool
+) -> None:
+    first = ping(0.0, 0.0, 3.0)
+    assert seen_from(nav_at(), first).suspects(0.0) == []
+    assert bool(seen_from(nav_at(), first, ping(0.06, 0.26, range_m)).suspects(0.06)) is counts
+
+
+def test_beside_something_solid_a_single_echo_counts() -> None:
+    rock = [ping(0.06 * number, 0.0, 3.0) for number in range(2)]
+    seen = seen_from(nav_at(), *rock, ping(0.12, 1.3, 2.0), now_s=0.18)
+    assert seen.solid(0.18)
+    assert min(distance_m(thing, Point(0.53, 1.93)) for thing in seen.suspects(0.18)) < 0.2
 
 
 @pytest.mark.parametrize(

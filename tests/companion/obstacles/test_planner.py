@@ -21,7 +21,6 @@ from companion.core.intent import (
     Stop,
 )
 from companion.obstacles.perception.perception import ObstaclePerception
-from companion.obstacles.perception.sonar_schedule import Sector
 from companion.obstacles.planning.clearance import ClearanceField
 from companion.obstacles.planning.motion import roll
 from companion.obstacles.planning.planner import GIVING_WAY, NO_WAY, PERIOD_S, LocalPlanner, Stage
@@ -85,7 +84,7 @@ def test_the_fence_closes_a_side() -> None:
     assert heading_deg(voyage.at(0.0, intent=LEG)) < -5.0
 
 
-def test_the_first_echo_biases_without_thrust_astern_and_without_a_message() -> None:
+def test_likely_echoes_are_avoided_without_thrust_astern_and_without_a_message() -> None:
     voyage = Voyage()
     voyage.chart.seen_once = [Point(3.5, 0.1)]
     found = voyage.at(0.0, intent=LEG)
@@ -334,19 +333,3 @@ def test_a_rudder_boat_goes_round_under_way() -> None:
     assert isinstance(found, HoldHeading)
     assert abs(found.heading_rad) > 0.1
     assert found.speed_m_s > 0.2
-
-
-def test_a_single_echo_is_looked_at_again_before_the_boat_reacts() -> None:
-    voyage = Voyage()
-    voyage.chart.seen_once = [Point(1.5, 0.1), Point(1.5, -0.1), Point(1.5, 0.3), Point(1.5, -0.3)]
-    voyage.chart.sector = Sector(0.1, 0.1)  # at the echo
-    assert voyage.chart.is_looking_again
-    assert voyage.at(0.0, boat(speed_m_s=2.0), NORTH) is NORTH
-    voyage.chart.sector = Sector(-1.0, 1.0)  # it was heard again
-    assert voyage.at(0.3, boat(speed_m_s=2.0), NORTH) is not NORTH
-
-
-def test_something_certain_is_avoided_while_an_echo_is_looked_at_again() -> None:
-    voyage = Voyage(*(Point(1.6, -4.0 + 0.2 * step) for step in range(41)))
-    voyage.chart.sector = Sector(0.1, 0.1)
-    assert isinstance(voyage.at(0.0, boat(speed_m_s=1.5), NORTH), Drive)
