@@ -1,0 +1,128 @@
+"""The path of each intent, and places along it."""
+
+import math
+
+import pytest
+from avoidance_rig import CONFIG, boat
+
+from companion.core.geo import Point, distance_m
+from companion.core.intent import (
+    Drive,
+    FollowCircle,
+    FollowLeg,
+    HoldCourse,
+    HoldHeading,
+    HoldTurn,
+    Intent,
+    KeepStation,
+)
+from companion.obstacles.planning.clearance import ClearanceField
+from companion.obstacles.planning.way_ahead import free_m, is_same_goal, places_on, requested_m_s, way_ahead
+
+REACH_M = 10.0
+LEG = FollowLeg(Point(0.0, 0.0), Point(50.0, 0.0), 1.2)
+STATION = KeepStation(Point(6.0, 8.0))
+
+
+@pytest.mark.parametrize(
+    ("intent", "ahead"),
+    [
+        (HoldCourse(0.5, 1.0), 0.5),
+        (HoldHeading(0.5, 1.0), 0.5),
+        (HoldHeading(0.5, -1.0), 0.5 + math.pi),
+        (HoldTurn(0.3, 1.0), 2.0),
+        (HoldTurn(0.3, -1.0), 2.0 + math.pi),
+    ],
+)
+def test_a_course_a_heading_and_a_turn_lead_straight_on_or_straight_back(
+    intent: Intent, ahead: float
+) -> None:
+    here, end = way_ahead(intent, boat(3.0, -4.0, heading_rad=2.0), CONFIG, REACH_M)
+    assert here == Point(3.0, -4.0)
+    assert end == pytest.approx(Point(3.0, -4.0).moved(ahead, REACH_M))
+
+
+@pytest.mark.parametrize(
+    "intent", [HoldHeading(0.5, 0.0), HoldTurn(0.3, 0.0), Drive(1.0, 0.0), KeepStation(Point(3.0, -4.0))]
+)
+def test_an_intent_without_a_destination_has_no_way(intent: Intent) -> None:
+    assert way_ahead(intent, boat(3.0, -4.0), CONFIG, REACH_M) == [Point(3.0, -4.0)]
+
+
+def test_a_station_is_approached_directly() -> None:
+    assert way_ahead(STATION, boat(), CONFIG, REACH_M) == [Point(0.0, 0.0), Point(6.0, 8.0)]
+
+
+@pytest.mark.parametrize("cross_m", [-1.0, 1.0])
+def test_a_boat_beside_its_leg_comes_back_to_it_ahead_of_itself(cross_m: float) -> None:
+    here, joins, end = way_ahead(LEG, boat(20.0, cross_m), CONFIG, REACH_M)
+    assert here == Point(20.0, cross_m)
+    assert joins == pytest.approx((22.0, 0.0))
+    assert end == LEG.end
+    far = way_ahead(LEG, boat(20.0, 20.0 * cross_m), CONFIG, REACH_M)
+    assert far[1] == pytest.approx((20.0 + CONFIG.guidance.lookahead_m, 0.0))
+
+
+def test_near_the_end_of_a_leg_the_way_goes_on_to_the_next_one() -> None:
+    leg = FollowLeg(Point(0.0, 0.0), Point(50.0, 0.0), 1.0, next_end=Point(50.0, 30.0))
+    assert way_ahead(leg, boat(49.5, 1.0), CONFIG, REACH_M)[1:] == [leg.end, leg.next_end]
+    point = FollowLeg(Point(9.0, 0.0), Point(9.0, 0.0), 1.0)
+    assert way_ahead(point, boat(), CONFIG, REACH_M)[1:] == [point.end]
+
+
+@pytest.mark.parametrize(("is_clockwise", "side"), [(True, 1.0), (False, -1.0)])
+@pytest.mark.parametrize(("radius_m", "turned"), [(20.0, 0.5), (1.0, math.tau)])
+def test_a_circle_is_followed_for_the_reach_or_once_around(
+    is_clockwise: bool, side: float, radius_m: float, turned: float
+) -> None:
+    centre = Point(5.0, -7.0)
+    circle = FollowCircle(centre, radius_m, is_clockwise, 1.0)
+    here = centre.moved(1.0, radius_m + 2.0)
+    way = way_ahead(circle, boat(here.north_m, here.east_m), CONFIG, REACH_M)[1:]
+    bearings = [math.atan2(at.east_m - centre.east_m, at.north_m - centre.north_m) - 1.0 for at in way]
+    assert [distance_m(at, centre) for at in way] == pytest.approx([radius_m] * len(way))
+    steps = [
+        side * (later - before) % math.tau
+        for before, later in zip([0.0, *bearings[:-1]], bearings, strict=True)
+    ]
+    assert max(steps) < 0.5
+    assert turned <= sum(steps) < turned + 0.5
+
+
+def test_the_speed_is_that_of_the_intent_and_to_a_station_one_that_stops_there() -> None:
+    assert requested_m_s(LEG, boat(), CONFIG) == 1.2
+    assert requested_m_s(HoldHeading(0.0, -0.4), boat(), CONFIG) == 0.4
+    far, near, there = (requested_m_s(KeepStation(Point(at, 0.0)), boat(), CONFIG) for at in (90.0, 2.0, 0.0))
+    assert far == CONFIG.speed.cruise_m_s
+    assert CONFIG.guidance.min_speed_m_s == there < near < far
+    assert requested_m_s(Drive(1.0, 0.0), boat(), CONFIG) == CONFIG.speed.cruise_m_s
+
+
+def test_places_lie_a_step_apart_around_corners_and_stay_at_the_end() -> None:
+    way = [Point(0.0, 0.0), Point(2.5, 0.0), Point(2.5, 1.0), Point(2.5, 2.0)]
+    found = [(1.0, 0.0), (2.0, 0.0), (2.5, 0.5), (2.5, 1.5), (2.5, 2.0), (2.5, 2.0), (2.5, 2.0)]
+    assert places_on(way, 1.0, 7) == found
+    assert places_on(way, 1.0, 2) == found[:2]
+    assert places_on(way[:1], 1.0, 2) == [way[0]] * 2
+
+
+def test_a_path_is_free_as_far_as_it_keeps_its_distance() -> None:
+    field = ClearanceField(Point(0.0, 0.0), 0.2, REACH_M)
+    field.fill([Point(6.1, 0.1)], [Point(6.1, 0.1)], 0.35)
+    north, east = [Point(0.1, 0.1), Point(9.0, 0.1)], [Point(0.1, 0.1), Point(0.1, 9.0)]
+    assert free_m(north, field, 1.0) == pytest.approx(5.0, abs=0.5)
+    assert free_m(east, field, 1.0) == math.inf
+    away = [Point(5.5, 0.1), Point(0.0, 0.1)]
+    assert free_m(away, field, 1.0) == math.inf, "it leaves what it is near"
+    assert free_m([Point(5.5, 0.1), Point(7.0, 0.1)], field, 1.0) < 0.5
+
+
+def test_a_detour_goes_on_while_the_goal_is_the_same() -> None:
+    again = FollowLeg(Point(9.0, 9.0), LEG.end, 0.5)
+    assert is_same_goal(LEG, again)
+    assert not is_same_goal(LEG, FollowLeg(LEG.start, Point(50.0, 1.0), 1.2))
+    assert is_same_goal(STATION, KeepStation(Point(6.5, 8.0)))
+    assert not is_same_goal(STATION, KeepStation(Point(7.5, 8.0)))
+    assert is_same_goal(HoldCourse(0.0, 1.0), HoldCourse(1.0, 1.0))
+    assert not is_same_goal(LEG, STATION)
+    assert not is_same_goal(LEG, None)
