@@ -250,6 +250,53 @@ def test_uncertainty_grows_without_measurements_and_a_stall_adds_to_it() -> None
     assert abs(state.north_m - voyage.at_m.real) < 3.0, "the motion of a stalled loop is not made up"
 
 
+def test_without_compass_and_gyro_the_heading_becomes_unknown_and_no_more_than_that() -> None:
+    voyage = Voyage()
+    voyage.sail(20.0)
+    state, spreads = voyage.state, []
+    for tick in range(1, 6000):
+        state.turn(voyage.now_s + 0.1 * tick, None)
+        state.keep_covariance()
+        spreads.append(state.covariance.variance(HEADING))
+    assert spreads[0] < 0.01
+    assert max(spreads) == pytest.approx(1.0), "a deviation beyond a radian has no meaning"
+
+
+def test_only_what_was_measured_and_applied_is_reported_as_accepted() -> None:
+    voyage = Voyage()
+    channels = ("compass", "position_north", "position_east", "velocity_north", "velocity_east")
+    assert not any(getattr(voyage.state, name).is_accepted for name in channels)
+    voyage.sail(2.0)
+    assert all(getattr(voyage.state, name).is_accepted for name in channels)
+
+
+def test_the_mean_of_four_compass_readings_is_known_twice_as_well() -> None:
+    state = ErrorStateFilter(Speed(), Estimation())
+    assert state.compass_variance(4) == pytest.approx(0.25 * state.compass_variance(1))
+
+
+def test_a_sideways_motion_that_the_model_does_not_know_is_estimated_and_fades() -> None:
+    voyage = Voyage(current_m_s=0j)
+    voyage.is_turning = False
+    voyage.sail(60.0)
+    state, aside = voyage.state, cmath.rect(0.3, voyage.heading_rad + 0.5 * math.pi)
+    before = state.sway_m_s
+    for _ in range(3):
+        here = complex(state.north_m, state.east_m)
+        _, _, heading_rad, way = state.at(voyage.now_s)
+        state.predict_velocity(heading_rad, way, voyage.velocity_m_s + aside, VELOCITY_M_S**2)
+        state.commit()
+    assert here == pytest.approx(complex(state.north_m, state.east_m), abs=0.3)
+    gust = state.sway_m_s - before
+    assert gust > 0.03
+    assert state.at(voyage.now_s)[3] == pytest.approx(
+        state.through_water(state.heading_rad) + state.current_m_s
+    )
+    for tick in range(1, 100):
+        state.move(voyage.now_s + 0.06 * tick, MotorCommand(0.6, 0.6))
+    assert abs(state.side_m_s) < 0.3 * gust
+
+
 def test_near_rest_the_course_tells_nothing_of_the_heading() -> None:
     voyage = Voyage(current_m_s=0j)
     voyage.throttle = 0.0

@@ -74,6 +74,14 @@ def test_the_speed_stays_within_reason(steps: list[tuple[float, float, float, fl
         )
 
 
+def test_a_boat_at_rest_without_a_command_does_not_turn() -> None:
+    model = YawModel(0.6)
+    model.update(0.0)
+    assert model.innovation_rad_s == 0.0
+    model.advance(0.0, 0.0, 0.0, TICK_S)
+    assert (model.rate_rad_s, model.turning) == (0.0, 0.0)
+
+
 def test_a_gyro_is_smoothed_and_a_steady_turn_has_no_error() -> None:
     model, rng, errors = YawModel(0.6), random.Random(2), []
     for tick in range(3000):

@@ -23,10 +23,10 @@ def new(north_m: float, east_m: float) -> Track:
     return track
 
 
-def risk(track: Track, north_m_s: float = 1.0, east_m_s: float = 0.0) -> float:
-    """Of a boat that sails on from the origin."""
+def risk(track: Track, north_m_s: float = 1.0, east_m_s: float = 0.0, clear_m: float = 0.6) -> float:
+    """Of a boat that sails on from the origin. clear_m: half its hull."""
     field = ClearanceField(Point(0.0, 0.0), 0.2, 10.0)
-    found = predict([track], boat(), NORTH, field, 1.0, 0.6, NOW_S)
+    found = predict([track], boat(), NORTH, field, 1.0, clear_m, NOW_S)
     if not found:
         return 0.0
     times = [STEP_S * (step + 1) for step in range(STEPS)]
@@ -74,6 +74,29 @@ def test_a_collision_counts_once_and_a_miss_not_at_all() -> None:
     assert risk(mover(4.0, 3.5, -0.3, 0.0)) < 0.01
     assert risk(mover(2.5, -2.5, 0.0, 1.0)) > 0.5
     assert risk(mover(2.5, -2.5, 0.0, -1.0)) < 0.01
+
+
+def test_the_size_of_the_hull_matters_for_what_passes_and_not_for_what_is_met() -> None:
+    met, passing = mover(3.0, 0.0, -0.3, 0.0), mover(3.0, 1.2, -0.3, 0.0)
+    assert risk(met, clear_m=0.2) == pytest.approx(risk(met, clear_m=1.2), rel=0.5)
+    assert risk(passing, clear_m=0.2) < 0.3 * risk(passing, clear_m=1.2)
+
+
+def test_what_keeps_its_distance_may_still_come_if_its_speed_is_uncertain() -> None:
+    """Boat and echo go the same way at the same speed: only the uncertainty brings them together."""
+    known, unknown = mover(1.0, 0.0, 1.0, 0.0), mover(1.0, 0.0, 1.0, 0.0)
+    unknown._covariance[2][2] = unknown._covariance[3][3] = 0.25
+    assert risk(known) < 0.1
+    assert risk(unknown) > 5.0 * risk(known)
+
+
+@pytest.mark.parametrize("here", [Point(0.0, 0.0), Point(30.0, -50.0)])
+def test_the_middle_of_a_mover_lies_beyond_its_echo(here: Point) -> None:
+    track = mover(here.north_m + 3.0, here.east_m + 4.0)
+    field = ClearanceField(here, 0.2, 10.0)
+    found = predict([track], boat(*here), NORTH, field, 1.0, 0.6, NOW_S)[0]
+    middle = found.north[0] * 0.2 + field.south_m, found.east[0] * 0.2 + field.west_m
+    assert middle == pytest.approx((here.north_m + 3.0 + 0.6 * 0.4, here.east_m + 4.0 + 0.8 * 0.4), abs=0.02)
 
 
 def test_a_sooner_collision_counts_more() -> None:

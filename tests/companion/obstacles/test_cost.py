@@ -111,6 +111,17 @@ def test_the_bow_and_the_current_move_the_rollout() -> None:
     assert model(Point(2.1, 1.1)).risk(to(0.0)) < 0.1
 
 
+@pytest.mark.parametrize("heading_deg", [30.0, 115.0, 200.0, -50.0])
+def test_a_turn_ahead_leads_to_the_same_place_whichever_way_the_bow_points(heading_deg: float) -> None:
+    heading_rad, turned = math.radians(heading_deg), to(60.0)
+    bearing_rad = heading_rad + math.atan2(turned.right_m[-1], turned.ahead_m[-1])
+    end = Point(0.1, 0.1).moved(bearing_rad, math.hypot(turned.right_m[-1], turned.ahead_m[-1]))
+    goal, nav = Point(0.0, 0.0).moved(heading_rad, 50.0), boat(0.1, 0.1, heading_rad=heading_rad)
+    costs = model(end, nav=nav, goal=goal)
+    assert costs.risk(turned) > 5.0
+    assert costs.risk(to(-60.0)) == 0.0
+
+
 def test_leaving_something_too_near_is_no_touch() -> None:
     costs = model(Point(-0.1, 0.1))
     assert costs.risk(to(0.0)) < 5.0
@@ -173,6 +184,13 @@ def test_nothing_is_braked_for_a_single_echo() -> None:
     assert sure is not None
     assert sure.speed_m_s == CRASH_STOP
     assert unsure is None or unsure.speed_m_s >= 0.0
+    close = boat(1.4, speed_m_s=0.0)
+    back = model(*wall, nav=close).choose(Fan(), 1.0, None, None, is_certain=True)
+    stay = model(suspects=wall, nav=close).choose(Fan(), 1.0, None, None, is_certain=False)
+    assert back is not None
+    assert back.speed_m_s < 0.0
+    assert stay is not None
+    assert stay.speed_m_s >= 0.0
 
 
 def test_steps_are_a_quarter_of_a_second() -> None:

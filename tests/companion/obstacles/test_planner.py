@@ -2,6 +2,7 @@
 
 import math
 import random
+from itertools import pairwise
 
 import pytest
 from avoidance_rig import CONFIG, NORTH, Lines, Voyage, boat, mover, ring
@@ -109,6 +110,50 @@ def test_something_certain_close_ahead_at_speed_is_a_crash_stop() -> None:
     assert found.throttle == -1.0
 
 
+def test_what_is_avoided_for_certain_is_no_reason_to_be_gentle() -> None:
+    ghost, rock, met = Voyage(), Voyage(*ROCK), Voyage()
+    ghost.chart.seen_once = [Point(3.5, 0.1)]
+    met.chart.tracks.all.append(mover(4.0, 0.0, -0.4, 0.0))
+    for voyage, eases in ((ghost, True), (rock, False), (met, False)):
+        assert isinstance(voyage.at(0.9, intent=LEG), HoldHeading)
+        assert voyage.planner.eases is eases
+    voyage = Voyage(*ROCK)
+    voyage.at(0.0, intent=LEG)
+    voyage.chart.rocks = []
+    voyage.at(0.2, intent=LEG)
+    assert not voyage.planner.eases
+
+
+def test_the_way_to_go_is_computed_twice_a_second() -> None:
+    voyage, found = Voyage(*ROCK), []
+    for tick in range(21):
+        voyage.at(0.1 * tick, intent=LEG)
+        found.append(id(voyage.planner._to_go))
+    changes = sum(one != other for one, other in pairwise(found))
+    assert 3 <= changes <= 4
+
+
+@pytest.mark.parametrize("moved", [Point(40.0, -60.0), Point(-128.0, 64.0)])
+def test_the_origin_makes_no_difference(moved: Point) -> None:
+    """A rock, traffic and a current, on a leg to the north-east."""
+
+    def found(at: Point) -> Intent:
+        def place(north_m: float, east_m: float) -> Point:
+            return Point(at.north_m + north_m, at.east_m + east_m)
+
+        voyage = Voyage(*(place(3.5 + n, e) for n, e in ring(0.3)))
+        voyage.chart.tracks.all.append(mover(at.north_m + 2.0, at.east_m + 4.0, 0.0, -0.6))
+        nav = boat(at.north_m, at.east_m, heading_rad=0.4)
+        nav = replace(nav, current_north_m_s=0.1, current_east_m_s=-0.2)
+        return voyage.at(0.9, nav, FollowLeg(place(-1.0, 0.0), place(40.0, 20.0), 1.0))
+
+    here, there = found(Point(0.0, 0.0)), found(moved)
+    assert isinstance(here, HoldHeading)
+    assert isinstance(there, HoldHeading)
+    assert there.heading_rad == pytest.approx(here.heading_rad)
+    assert there.speed_m_s == pytest.approx(here.speed_m_s)
+
+
 def test_the_decision_holds_for_a_tenth_of_a_second() -> None:
     voyage = Voyage(*ROCK)
     first = voyage.at(0.0, intent=LEG)
@@ -171,6 +216,7 @@ def test_told_not_to_go_round_the_boat_stops_before() -> None:
     assert near.said == ["Obstacle ahead: keeping station"]
     near.chart.rocks = []
     assert near.at(1.0, boat(2.1, 0.0, 0.0), LEG) is LEG
+    assert near.stage() is Stage.CLEAR
 
 
 def test_a_turn_by_hand_is_stopped_and_not_steered() -> None:
