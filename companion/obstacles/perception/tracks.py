@@ -20,7 +20,7 @@ FREE_BESIDE: Final = 1.5  # scales: a neighbouring echo farther off belongs to s
 _SAME_THING: Final = 0.6  # scales: largest difference in range within a group
 _LONGEST: Final = 2.0  # scales: a longer group is shore
 _RANGE_SIGMA: Final = 0.05  # scales, per observation: the accuracy of the boat's own position
-_REFUTES: Final = 2  # silent looks at a single echo: they take the evidence of one from the grid, too
+_REFUTES: Final = 2  # silent looks for each echo: they take the evidence of one from the grid, too
 _ACCEL: Final = 0.25  # scales, m/s²: a swimmer's, and a boat's that turns away
 _LEAST_PACE: Final = 0.12  # scales, m/s: slower motion is swinging at anchor
 # Of the beam width: an echo comes from anywhere within it, alike in one ping after another, so that
@@ -78,11 +78,11 @@ class ObstacleTracks:
         ]
 
     def _refute(self, beam: Beam) -> None:
-        """Remove tracks of a single echo where beams, as many as clear its cells in the grid, met nothing."""
+        """Remove tracks where beams, as many as clear their echoes from the grid, met nothing."""
         for track in self.all:
-            if track.observations == 1 and _looks_through(beam, track.point(beam.time_s)):
+            if _looks_through(beam, track.point(beam.time_s)):
                 track.silent_looks += 1
-        self.all = [track for track in self.all if track.silent_looks < _REFUTES]
+        self.all = [track for track in self.all if track.silent_looks < _REFUTES * track.observations]
 
     def _is_of_group(self, beam: Beam) -> bool:
         """Whether an echo continues the group: the next beam in the same direction, at a similar range."""

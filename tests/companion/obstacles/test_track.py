@@ -162,12 +162,12 @@ def test_what_approaches_along_the_beam_moves(north_m_s: float, is_mover: bool) 
     assert track.is_mover is is_mover
 
 
-def test_one_look_in_free_water_is_too_few_for_a_verdict() -> None:
+def test_two_looks_in_free_water_may_be_two_false_echoes() -> None:
     track = moving(-1.0, 0.0, is_alone=False)
     assert not judged(track).is_mover
-    track.isolated_count = 1
-    assert not judged(track).is_mover
     track.isolated_count = 2
+    assert not judged(track).is_mover
+    track.isolated_count = 3
     assert judged(track).is_mover
 
 
