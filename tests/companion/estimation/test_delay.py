@@ -75,5 +75,13 @@ def test_a_sensor_that_is_slow_as_a_rule_is_not_doubted_for_it() -> None:
     assert late.is_watching(203.5)
 
 
+def test_after_a_very_long_gap_a_long_one_is_still_watched() -> None:
+    """Two minutes of silence do not make ten seconds usual: no delay is longer than three."""
+    late = DelayEstimator(0.2)
+    late.note_gap(120.0, 120.0)
+    late.note_gap(400.0, 10.0)
+    assert late.is_watching(401.0)
+
+
 def test_no_delay_is_longer_than_the_gap() -> None:
     assert watched(2.8, 1.0)[0].delay_s < 1.0 + 1.5 * STEP_S

@@ -7,7 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from companion.config.boat_config import Speed
+from companion.config.drive import DriveSetting
+from companion.config.estimation import Estimation
+from companion.config.handling import Handling
+from companion.core.state import MotorCommand
 from companion.estimation.hull_model import SurgeModel, YawModel
+from companion.estimation.nominal_state import NominalState
 
 TICK_S = 0.04
 
@@ -102,6 +108,18 @@ def test_a_rate_that_nothing_measures_fades_to_the_models() -> None:
     for _ in range(round(1.0 / TICK_S)):
         model.advance(0.0, 0.0, 0.0, TICK_S)
     assert model.rate_rad_s == pytest.approx(0.5 * math.exp(-1.0 / 0.8), rel=0.15)
+
+
+def test_a_rudder_turns_a_boat_under_way_and_not_one_at_rest() -> None:
+    rates = []
+    for speed_m_s in (0.0, 2.0):
+        state = NominalState(Speed(), Estimation(), DriveSetting(wash=0.0), Handling())
+        state.has_heading, state.surge_m_s = True, speed_m_s
+        for tick in range(1, 20):
+            state.move(TICK_S * tick, MotorCommand(0.0, 0.0, rudder=0.5))
+        rates.append(state.yaw_rate_rad_s)
+    assert abs(rates[0]) < 1e-6
+    assert rates[1] > 0.05
 
 
 def test_it_turns_by_the_rudder_as_by_the_motors() -> None:

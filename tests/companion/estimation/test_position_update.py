@@ -11,6 +11,7 @@ from companion.core.state import EstimateFault, MotorCommand
 from companion.estimation.covariance import HEADING
 from companion.estimation.error_state import ErrorStateFilter
 from companion.estimation.heading_update import HeadingUpdate
+from companion.estimation.innovation import DISAGREES_S
 from companion.estimation.position_update import PositionUpdate
 from companion.sensors.readings import HeadingReading
 
@@ -161,6 +162,24 @@ def test_a_velocity_weighs_less_the_worse_its_stated_accuracy_is(
     with mock.patch.object(boat.state, "predict_velocity", wraps=boat.state.predict_velocity) as predict:
         boat.fixing.update(boat.now_s + 0.1, 0j, 0.3 + 0j, 0.2, 0, stated_m_s)
     assert predict.call_args.args[3] == pytest.approx(sigma_m_s**2)
+
+
+def test_a_compass_that_disagreed_is_believed_after_it_has_agreed_for_a_while() -> None:
+    """One good reading between bad ones is chance."""
+    boat, heard = Boat(), []
+    boat.sail(20.0)
+    for tick in range(1, 300):
+        now_s = boat.now_s + TICK_S * tick
+        lie_rad = 0.6 if tick < 100 else 0.0
+        reading = HeadingReading(now_s, lie_rad + 0.001 * (tick % 3), 0.0001 * (tick % 2))
+        boat.heading.advance(reading, now_s, ends_block=False)
+        boat.state.move(now_s, MotorCommand(0.0, 0.0))
+        boat.state.commit()
+        heard.append(boat.heading.is_off)
+    assert heard[98]
+    assert abs(boat.state.heading_rad) < 0.02, "the gyro holds the heading"
+    again = heard.index(False, 98) - 98
+    assert DISAGREES_S - 0.3 < TICK_S * again < DISAGREES_S + 0.6
 
 
 def test_a_heading_is_lost_when_it_is_known_badly_and_found_when_it_is_known_well() -> None:

@@ -44,6 +44,20 @@ def test_in_open_water_the_way_falls_by_what_is_sailed_towards_the_goal(deg: flo
     assert found.is_open
 
 
+@pytest.mark.parametrize("goal", [Point(50.0, 0.0), Point(0.0, 50.0), Point(-50.0, 0.0), Point(0.0, -50.0)])
+def test_towards_a_far_goal_every_straight_way_is_the_same_on_either_side(goal: Point) -> None:
+    found = to_go(goal=goal)
+    ahead, right = (goal.north_m / 50.0, goal.east_m / 50.0), (-goal.east_m / 50.0, goal.north_m / 50.0)
+    for along_m, aside_m in ((4.0, 3.0), (0.0, 6.0), (-5.0, 2.0)):
+        places = [
+            [along_m * a + side * aside_m * r for a, r in zip(ahead, right, strict=True)] for side in (-1, 1)
+        ]
+        one, other = (left_m(found, *at) for at in places)
+        assert one == pytest.approx(other, abs=0.5)
+        expected = math.hypot(50.0 - along_m, aside_m) - 50.0
+        assert one == pytest.approx(expected, abs=1.0)
+
+
 def test_a_goal_within_the_grid_is_the_only_minimum() -> None:
     found = to_go(goal=Point(6.0, 3.0))
     at_goal = found.at(6.0, 3.0)

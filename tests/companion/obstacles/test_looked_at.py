@@ -83,6 +83,8 @@ def test_the_room_is_the_sight_ahead_less_the_way_made_since() -> None:
     assert water.room_m(HERE, 0.0, 10.0, 0.5) == pytest.approx(4.0, abs=0.5)
     assert water.room_m(Point(1.0, 0.0), 0.0, 10.0, 0.5) == pytest.approx(3.0, abs=0.5)
     assert water.room_m(HERE, math.pi, 10.0, 0.5) == 0.0
+    assert water.room_m(Point(6.0, 0.0), 0.0, 10.0, 0.5) == 0.0, "past the end of what was seen"
+    assert water.room_m(Point(0.0, 6.0), 0.0, 10.0, 2.0) == 0.0, "looked at too long ago, from elsewhere"
     assert water.room_m(HERE, 0.0, 2.0, 0.5) == 2.0
 
 
@@ -133,5 +135,7 @@ def test_known_water_sets_no_limit_and_costs_no_bookkeeping() -> None:
 
 def test_the_frame_moves_and_all_is_forgotten() -> None:
     water = looked(0.0)
+    water.note_unmapped_obstacle(HERE)
     water.clear()
     assert water.room_m(HERE, 0.0, 10.0, 0.0) == 0.0
+    assert not water.is_limited(HERE, 2, Fence())

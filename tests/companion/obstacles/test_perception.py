@@ -34,6 +34,14 @@ def test_an_echo_is_put_where_the_boat_was_and_pointed() -> None:
     assert distance_m(thing, Point(7.0, 5.0)) < 0.5
 
 
+def test_the_sight_is_that_of_the_longest_ranger_until_that_is_silent_for_a_sweep() -> None:
+    perception = ObstaclePerception(SETTING)
+    for time_s, reach_m, expected_m in ((9.0, 4.0, 4.0), (9.5, 2.0, 4.0), (10.2, 2.0, 2.0), (10.3, 4.0, 4.0)):
+        one = SonarReading(time_s, 0.0, None, max_range_m=reach_m)
+        perception.ingest([(one, None)], nav_at(), SETTING, time_s)
+        assert perception.reach_m == expected_m
+
+
 def test_a_ping_is_taken_back_to_the_time_it_was_sent() -> None:
     nav = msgspec.structs.replace(nav_at(10.0), north_m_s=2.0, surge_m_s=2.0)
     seen = seen_from(nav, ping(time_s=0.0, range_m=3.0), now_s=0.5)
