@@ -15,9 +15,9 @@ from companion.core.geo import Point, distance_m
 
 SOLID: Final = 1.5  # evidence, after decay: two echoes
 SUSPECT: Final = 0.5  # one echo
-_MAX_EVIDENCE: Final = 4.0  # two beams through a cell refute a moving obstacle that has left it
+MAX_EVIDENCE: Final = 4.0  # two beams through a cell refute a moving obstacle that has left it
 # A beam through a cell removes 1, one without any echo half: a smooth wall at an angle returns none.
-_SILENCE: Final = 0.5
+SILENCE: Final = 0.5
 CORE: Final = 0.7  # of the beam width, at half power: beyond it an echo is weak
 SWEEP_S: Final = 1.5  # a full sweep of 24 pings takes 1.4 s: what is real is seen again within it
 MAX_CELLS: Final = 1200  # 240 m of shore in cells of 0.2 m
@@ -64,7 +64,7 @@ class Occupancy:
     def __init__(self, cell_m: float, memory_s: float) -> None:
         """memory_s: how long a cell with full evidence stays solid out of sight."""
         self.cell_m = cell_m
-        self._fade_s = memory_s / (_MAX_EVIDENCE - SOLID)  # in which the evidence decays by 1
+        self._fade_s = memory_s / (MAX_EVIDENCE - SOLID)  # in which the evidence decays by 1
         self._cells: dict[tuple[int, int], Cell] = {}
 
     def __len__(self) -> int:
@@ -149,7 +149,7 @@ class Occupancy:
         may be the edge of an obstacle.
         """
         clear_m = min(beam.range_m, beam.reach_m) - self.cell_m
-        taken = 1.0 if beam.is_echo else _SILENCE
+        taken = 1.0 if beam.is_echo else SILENCE
         ahead_n, ahead_e = math.cos(beam.bearing_rad), math.sin(beam.bearing_rad)
         sine = math.sin(0.5 * CORE * beam.width_rad)
         is_open = all(cell.evidence < SOLID for cell in self._cells.values())
@@ -181,7 +181,7 @@ class Occupancy:
             elif cell.seen_s == beam.time_s and cell.evidence > 0.0:
                 continue  # marked already
             evidence = self._earlier_evidence(key, beam.time_s) + 1.0
-            cell.evidence, cell.seen_s = min(evidence, _MAX_EVIDENCE), beam.time_s
+            cell.evidence, cell.seen_s = min(evidence, MAX_EVIDENCE), beam.time_s
 
     def _earlier_evidence(self, key: tuple[int, int], now_s: float) -> float:
         """Evidence of earlier pings for a cell or, as ranges and positions are noisy, a neighbour."""

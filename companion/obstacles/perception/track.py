@@ -16,7 +16,7 @@ import math
 from typing import Final
 
 from companion.core.geo import Point
-from companion.obstacles.perception.occupancy import SWEEP_S
+from companion.obstacles.perception.occupancy import MAX_EVIDENCE, SWEEP_S
 
 # Isolated observations before a track is called a mover. A false echo (one in 200 pings) has another one in
 # its gate, 0.6 m of 4 m in five pings, once in 130, and a quarter of these pairs approach: 14 in 24 h. A
@@ -37,7 +37,7 @@ class Track:
         self.radius_m = radius_m
         self.observations = 1
         self.isolated_count = 0  # observations with free water on either side
-        self.silent_looks = 0  # beams that met nothing at its place
+        self.evidence = 1.0  # as of a cell in the grid
         self.is_cut_off = False  # the last observation did not cover both edges
         self.is_mover = False
         self._beam_n = self._beam_e = 0.0
@@ -162,6 +162,7 @@ class Track:
         saw free water.
         """
         self.observations += 1
+        self.evidence = min(self.evidence + 1.0, MAX_EVIDENCE)
         self.isolated_count += is_alone
         self.seen_s = self._time_s
         self.radius_m = max(radius_m, 0.8 * self.radius_m)

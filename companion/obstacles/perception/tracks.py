@@ -10,7 +10,7 @@ import math
 from typing import Final
 
 from companion.core.geo import Point
-from companion.obstacles.perception.occupancy import CORE, SWEEP_S, Beam
+from companion.obstacles.perception.occupancy import CORE, SILENCE, SOLID, SWEEP_S, Beam
 from companion.obstacles.perception.track import Track
 
 MAX_TRACKS: Final = 16
@@ -20,7 +20,6 @@ FREE_BESIDE: Final = 1.5  # scales: a neighbouring echo farther off belongs to s
 _SAME_THING: Final = 0.6  # scales: largest difference in range within a group
 _LONGEST: Final = 2.0  # scales: a longer group is shore
 _RANGE_SIGMA: Final = 0.05  # scales, per observation: the accuracy of the boat's own position
-_REFUTES: Final = 2  # silent looks for each echo: they take the evidence of one from the grid, too
 _ACCEL: Final = 0.25  # scales, m/s²: a swimmer's, and a boat's that turns away
 _LEAST_PACE: Final = 0.12  # scales, m/s: slower motion is swinging at anchor
 # Of the beam width: an echo comes from anywhere within it, alike in one ping after another, so that
@@ -64,8 +63,9 @@ class ObstacleTracks:
         return [track for track in self.known(now_s) if track.is_mover]
 
     def possible_movers(self, now_s: float) -> list[Track]:
-        """Movers, and what may turn out to be one."""
-        return [track for track in self.known(now_s) if track.may_move(now_s)]
+        """Movers, and what may turn out to be one, with as much evidence as makes a cell solid."""
+        self._forget(now_s)
+        return [track for track in self.all if track.evidence >= SOLID and track.may_move(now_s)]
 
     def _forget(self, now_s: float) -> None:
         """Remove lost tracks; one that a full sweep has not observed again was a ghost, which the next thing
@@ -78,11 +78,11 @@ class ObstacleTracks:
         ]
 
     def _refute(self, beam: Beam) -> None:
-        """Remove tracks where beams, as many as clear their echoes from the grid, met nothing."""
+        """Take the evidence of tracks where a beam met nothing, and remove those without any left."""
         for track in self.all:
             if _looks_through(beam, track.point(beam.time_s)):
-                track.silent_looks += 1
-        self.all = [track for track in self.all if track.silent_looks < _REFUTES * track.observations]
+                track.evidence -= SILENCE
+        self.all = [track for track in self.all if track.evidence > 0.0]
 
     def _is_of_group(self, beam: Beam) -> bool:
         """Whether an echo continues the group: the next beam in the same direction, at a similar range."""

@@ -231,13 +231,15 @@ def test_tracks_are_known_movers_or_may_be() -> None:
     tracks = ObstacleTracks(1.0)
     once, rock, probable, mover = (Track(number, 10.0, HERE, 0.3) for number in range(4))
     for track in (rock, probable, mover):
-        track.observations = 2
+        track.observations, track.evidence = 2, 2.0
     mover.is_mover, probable.isolated_count = True, 1
     tracks.all = [once, rock, probable, mover]
     assert tracks.known(10.0) == [rock, probable, mover]
     assert tracks.movers(10.0) == [mover]
     once.isolated_count = 1
     assert tracks.possible_movers(11.4) == [probable, mover], "a single echo may be false"
+    probable.evidence = 1.0
+    assert tracks.possible_movers(11.4) == [mover], "two beams met nothing there"
     tracks.all.append(once)
     assert tracks.possible_movers(11.6) == [mover]
     assert tracks.known(14.49) == [rock, probable, mover]
