@@ -6,8 +6,8 @@ cdef enum:
 
 cdef class Covariance:
     cdef double p[N][N]
-    cdef double told[MOST][N]
-    cdef double parts[MOST]
+    cdef double cross[MOST][N]
+    cdef double precisions[MOST]
     cdef double innovations[MOST]
     cdef int states[N]
     cdef double shares[N]
@@ -78,20 +78,20 @@ cdef class Covariance:
 
     cpdef measure(self, tuple shares, double innovation, double white):
         cdef int i, k
-        cdef double alike, variance
-        cdef double *told
+        cdef double weight, variance
+        cdef double *cross
         if self.count >= MOST:
             raise IndexError("too many measurements before a commit")
-        told = self.told[self.count]
+        cross = self.cross[self.count]
         self.read(shares)
-        self.sum(told)
+        self.sum(cross)
         for k in range(self.count):
-            alike = self.parts[k] * self.dot(self.told[k])
-            innovation -= alike * self.innovations[k]
+            weight = self.precisions[k] * self.dot(self.cross[k])
+            innovation -= weight * self.innovations[k]
             for i in range(N):
-                told[i] -= alike * self.told[k][i]
-        variance = white + self.dot(told)
-        self.parts[self.count] = 1.0 / variance
+                cross[i] -= weight * self.cross[k][i]
+        variance = white + self.dot(cross)
+        self.precisions[self.count] = 1.0 / variance
         self.innovations[self.count] = innovation
         self.count += 1
         return innovation, variance
@@ -107,15 +107,15 @@ cdef class Covariance:
         for i in range(N):
             step[i] = 0.0
         for k in range(self.count):
-            weight = self.parts[k] * self.innovations[k]
+            weight = self.precisions[k] * self.innovations[k]
             for i in range(N):
-                step[i] += weight * self.told[k][i]
+                step[i] += weight * self.cross[k][i]
         for i in range(N):
             for k in range(self.count):
-                gain[k] = self.parts[k] * self.told[k][i]
+                gain[k] = self.precisions[k] * self.cross[k][i]
             for j in range(N):
                 for k in range(self.count):
-                    self.p[i][j] -= gain[k] * self.told[k][j]
+                    self.p[i][j] -= gain[k] * self.cross[k][j]
         for i in range(N):
             if self.p[i][i] < 1e-12:
                 self.p[i][i] = 1e-12

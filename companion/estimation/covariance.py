@@ -82,13 +82,13 @@ class Covariance:
 
         Returns innovation and variance S, given the measurements that are pending; this one joins them.
         """
-        told = self._sum(shares)
-        for earlier, part, its_innovation in self._pending:
-            alike = part * sum([share * earlier[state] for state, share in shares])
-            innovation -= alike * its_innovation
-            told = [a - alike * b for a, b in zip(told, earlier, strict=True)]
-        variance = white + sum([share * told[state] for state, share in shares])
-        self._pending.append((told, 1.0 / variance, innovation))
+        cross = self._sum(shares)
+        for earlier, precision, its_innovation in self._pending:
+            weight = precision * sum([share * earlier[state] for state, share in shares])
+            innovation -= weight * its_innovation
+            cross = [a - weight * b for a, b in zip(cross, earlier, strict=True)]
+        variance = white + sum([share * cross[state] for state, share in shares])
+        self._pending.append((cross, 1.0 / variance, innovation))
         return innovation, variance
 
     def withdraw(self, count: int) -> None:
@@ -99,12 +99,12 @@ class Covariance:
         """Subtract Σ p pᵀ / S of all pending measurements from P; returns the correction of the state."""
         pending = self._pending
         step = [0.0] * STATES
-        for told, part, innovation in pending:
-            weight = part * innovation
-            step = [x + weight * a for x, a in zip(step, told, strict=True)]
+        for cross, precision, innovation in pending:
+            weight = precision * innovation
+            step = [x + weight * a for x, a in zip(step, cross, strict=True)]
         none = [0.0] * STATES
-        a, b, c, d, e = [told for told, _, _ in pending] + (MOST - len(pending)) * [none]
-        s, t, u, v, w = [part for _, part, _ in pending] + (MOST - len(pending)) * [0.0]
+        a, b, c, d, e = [cross for cross, _, _ in pending] + (MOST - len(pending)) * [none]
+        s, t, u, v, w = [precision for _, precision, _ in pending] + (MOST - len(pending)) * [0.0]
         for state, row in enumerate(self._rows):
             i, j, k, m, n = s * a[state], t * b[state], u * c[state], v * d[state], w * e[state]
             less = [

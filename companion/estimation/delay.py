@@ -12,6 +12,7 @@ from collections import deque
 from typing import Final
 
 from companion.core.evidence import MOST_SQUARE, FaultEvidence
+from companion.estimation.innovation import square
 
 STEP_S: Final = 0.2  # at 2 m/s, 0.4 m: about a receiver's noise
 DELAYS: Final = 16  # 0 to 3 s
@@ -72,12 +73,12 @@ class DelayEstimator:
         expected, offsets, costs = self._expected, self._offsets, []
         swing = expected[behind + self._delay] - self._mean
         self._mean += share * swing
-        self._swing += share * (_square(swing) - self._swing)
+        self._swing += share * (square(swing) - self._swing)
         weight = 0.5 / (self._variance + _SCALE * _SCALE * self._swing)
         for delay in range(DELAYS):
             rest = value - expected[behind + delay] - offsets[delay]
             offsets[delay] += share * rest
-            costs.append(min(weight * _square(rest), 0.5 * MOST_SQUARE))
+            costs.append(min(weight * square(rest), 0.5 * MOST_SQUARE))
         return self.weigh(costs, dt)
 
     def weigh(self, costs: list[float], dt: float) -> bool:
@@ -94,7 +95,3 @@ class DelayEstimator:
         self.delay_s = self._delay * STEP_S
         self.evidence = FaultEvidence(DELAYS)
         return True
-
-
-def _square(vector: complex) -> float:
-    return vector.real * vector.real + vector.imag * vector.imag

@@ -43,7 +43,8 @@ from companion.estimation.covariance import (
     SWAY,
     THRUST_GAIN,
 )  # fmt: skip
-from companion.estimation.innovation import NO_INNOVATION, Innovation
+from companion.estimation.hull_model import GAIN, GAIN_WALK
+from companion.estimation.innovation import NO_INNOVATION, Innovation, square
 from companion.estimation.nominal_state import STALL_S, UNMODELLED_S, NominalState
 from companion.planning.kernels import load
 
@@ -54,8 +55,6 @@ _UNMODELLED: Final = 0.02  # of the speed, in cruise speeds,
 _ACCELERATION: Final = 0.3  # and of the model's accelerations
 _CURRENT: Final = 0.5  # of the initial current, in cruise speeds; also what a stall of the loop adds a second
 _CURRENT_WALK: Final = 0.004  # in cruise speeds per √s: tides, and leeway in gusts
-_GAIN: Final = 0.2  # of the initial thrust gain
-_GAIN_WALK: Final = 0.005  # per √s: battery voltage falls, and thrust is not the model's at every speed
 _BIAS_RAD_S: Final = 0.03  # of a gyro's initial bias: a BNO055's data sheet allows 3°/s, typical 1
 _BIAS_WALK: Final = 2e-4  # rad/s per √s
 _BLIND_RAD_S: Final = 0.25  # of the yaw model's rate without a gyro
@@ -87,7 +86,7 @@ class ErrorStateFilter(NominalState):
         current = _CURRENT * speed.cruise_m_s
         self.covariance: Any = _new_covariance(
             (0.0, 0.0, _UNKNOWN_RAD, _UNMODELLED * speed.cruise_m_s, 0.0, current, current, _BLIND_RAD_S,
-             setting.compass_doubt_rad, _GAIN, 0.0, 0.0, _DELAY_S)
+             setting.compass_doubt_rad, GAIN, 0.0, 0.0, _DELAY_S)
         )  # fmt: skip
         self._stalled_s, self._stalled_m2 = -math.inf, 0.0  # end of a stall, and the variance that it adds
         self.velocity_noise = self.compass_noise = self.position_noise = 1.0
@@ -117,12 +116,8 @@ class ErrorStateFilter(NominalState):
         if not dt > 0.0:
             return
         self._covariance_s = self.turned_s
-        covariance, heading, surge, cruise = (
-            self.covariance,
-            self.heading_rad,
-            self.surge_model,
-            self.cruise_m_s,
-        )
+        covariance, surge, cruise = self.covariance, self.surge_model, self.cruise_m_s
+        heading = self.heading_rad
         if dt > STALL_S:
             self._stalled_s = self.turned_s
             self._stalled_m2 += (_CURRENT * cruise * dt) ** 2
@@ -153,7 +148,7 @@ class ErrorStateFilter(NominalState):
         deviation = _DEVIATION**2 * abs(self.yaw_rate_rad_s) * dt
         covariance.add(HEADING, deviation)
         covariance.add(COMPASS_OFFSET, deviation)
-        covariance.add(THRUST_GAIN, _GAIN_WALK**2 * dt)
+        covariance.add(THRUST_GAIN, GAIN_WALK**2 * dt)
         if self.has_gyro:
             covariance.add(RATE_BIAS, _BIAS_WALK**2 * dt)
         else:
@@ -263,7 +258,7 @@ class ErrorStateFilter(NominalState):
         east = ((HEADING, through.real), (SURGE, sin), (SWAY, cos), (CURRENT_EAST, 1.0))
         self.velocity_north = self.velocity_north.next(self.turned_s, *measure(north, off.real, white))
         self.velocity_east = self.velocity_east.next(self.turned_s, *measure(east, off.imag, white))
-        return PairUpdate(self.velocity_north, self.velocity_east, off, white)
+        return PairUpdate(self.velocity_north, self.velocity_east, off)
 
     def predict_position(
         self, then: complex, velocity_m_s: complex, at: complex, sigma_m: float
@@ -278,7 +273,7 @@ class ErrorStateFilter(NominalState):
         east = ((EAST, 1.0), (GNSS_EAST, 1.0), (GNSS_DELAY, -velocity_m_s.imag))
         self.position_north = self.position_north.next(self.turned_s, *measure(north, off.real, white))
         self.position_east = self.position_east.next(self.turned_s, *measure(east, off.imag, white))
-        return PairUpdate(self.position_north, self.position_east, off, white)
+        return PairUpdate(self.position_north, self.position_east, off)
 
     def withdraw(self, pair: "PairUpdate") -> None:
         """Withdraw a measurement, the one predicted last."""
@@ -304,13 +299,13 @@ def _adapted(noise: float, share: float, square: float) -> float:
 class PairUpdate:
     """North and east of one measurement, and its joint NIS, of two degrees of freedom."""
 
-    def __init__(self, north: Innovation, east: Innovation, innovation: complex, white: float) -> None:
-        """north: its innovation; east: the same given north. innovation: without that. white: own noise."""
-        self.north, self.east, self.innovation, self.white = north, east, innovation, white
+    def __init__(self, north: Innovation, east: Innovation, innovation: complex) -> None:
+        """north: its innovation; east: the same given north. innovation: without that."""
+        self.north, self.east, self.innovation = north, east, innovation
         north.is_accepted = east.is_accepted = True
         self.nis = north.nis + east.nis
 
     def square_of(self, step: complex) -> float:
         """The normalised square of a change of the innovation since the last one, 1 on average."""
         share = 1.0 / self.north.variance + 1.0 / self.east.variance
-        return 0.125 * share * (step.real * step.real + step.imag * step.imag)
+        return 0.125 * share * square(step)

@@ -21,7 +21,7 @@ MAX_READING: Final = 100.0  # rad, or rad/s; a MEMS gyro measures at most 35: a 
 # distance.
 LOST_RAD: Final = 0.7
 BLIND_RAD: Final = 0.45
-_BLOCK_S: Final = 0.24  # readings are averaged over this: the period of common receivers and a bit,
+_BLOCK_S: Final = 0.24  # readings are averaged over this: a bit more than the period of common receivers
 # A change between two readings that no hull makes, of the heading or of its rate, and its growth per second
 _JUMP: Final = 0.2
 _JUMP_PER_S: Final = 3.0
@@ -168,9 +168,9 @@ class HeadingUpdate:
             return
         # What compass and course leave unexplained is taken for sway: it would hide a wrong compass
         through = predicted - state.current_m_s - 1j * state.side_m_s * cmath.rect(1.0, heading_rad)
-        lies_rad = state.offset_rad + state.compass.value
-        bank.follow(state.heading_sum + lies_rad, state.bias_rad_s, state.current_m_s, lies_rad, dt_s)
-        wrong = bank.weigh_velocity(velocity, through, lies_rad, variance, dt_s)
+        error_rad = state.offset_rad + state.compass.value
+        bank.follow(state.heading_sum + error_rad, state.bias_rad_s, state.current_m_s, error_rad, dt_s)
+        wrong = bank.weigh_velocity(velocity, through, error_rad, variance, dt_s)
         if wrong is None:
             return
         if wrong is Sensor.COMPASS:

@@ -16,9 +16,9 @@ command:
 
     T_r ω̇ + ω = ½ (s_left |s_left| − s_right |s_right|) + m        r = K ω + ρ
 
-m is the rudder's moment, in shares of full steering; K is `handling.turn_rate_rad_s`. ρ, the rest of the
-rate, is a random walk that the gyro corrects every tick. The rate therefore follows a steering command at
-once by the model, and the gyro's noise is filtered.
+m is the rudder's moment, in shares of full steering. ρ, the rest of the rate, and K, initially
+`handling.turn_rate_rad_s`, are random walks: a Kalman filter corrects both by every reading of the gyro. The
+rate therefore follows a steering command at once by the model, and the gyro's noise is filtered.
 """
 
 import math
@@ -30,6 +30,8 @@ _SWAY_SHARE: Final = 0.2  # T_v / T: drag across is that of a bluff body
 _ASTERN: Final = 0.65  # of the thrust ahead: propellers are less efficient astern
 _MOTOR_S: Final = 0.15  # lag of the lake boat's motors,
 _HULL_S: Final = 0.8  # and T_r of its hull, as in the defaults of the heading loop
+GAIN: Final = 0.2  # initial deviation of the gains g and K, as a share,
+GAIN_WALK: Final = 0.005  # and their walk per √s: battery voltage falls, and thrust is not the model's
 _REST_WALK: Final = 0.01  # of ρ, rad/s per √s: smooths the gyro over 0.2 s
 _GYRO_RAD_S: Final = 0.006  # white noise of a MEMS gyro (BNO055 data sheet: 0.3°/s in 50 Hz)
 
@@ -76,14 +78,18 @@ class SurgeModel:
 
 
 class YawModel:
-    """rate_rad_s is r, turning is ω, rest_rad_s is ρ. innovation_rad_s, variance: of the gyro."""
+    """rate_rad_s is r, turning is ω, rest_rad_s is ρ, gain_rad_s is K.
+
+    innovation_rad_s, variance: of the gyro.
+    """
 
     def __init__(self, gain_rad_s: float) -> None:
-        """gain_rad_s: K above."""
+        """gain_rad_s: initial K."""
+        self._gain_variance, self._gain_walk = (GAIN * gain_rad_s) ** 2, (GAIN_WALK * gain_rad_s) ** 2
         self.gain_rad_s = gain_rad_s
         self.rate_rad_s = self.turning = self.rest_rad_s = 0.0
         self.innovation_rad_s, self.variance = 0.0, 1.0
-        self._effort = self._rest_variance = 0.0
+        self._effort = self._rest_variance = self._rest_gain = 0.0  # the last: covariance of ρ and K
         self._is_measured = False  # since the last step
 
     def advance(self, left: float, right: float, rudder: float, dt_s: float) -> None:
@@ -97,14 +103,20 @@ class YawModel:
             self.rest_rad_s -= share * self.rest_rad_s
         self._is_measured = False
         self._rest_variance += _REST_WALK * _REST_WALK * dt_s
+        self._gain_variance += self._gain_walk * dt_s
         self.rate_rad_s = self.gain_rad_s * self.turning + self.rest_rad_s
 
     def update(self, rate_rad_s: float) -> None:
         """Correct the rate by a gyro's, its bias subtracted."""
         self._is_measured = True
         innovation = self.innovation_rad_s = rate_rad_s - self.rate_rad_s
-        variance = self.variance = self._rest_variance + _GYRO_RAD_S * _GYRO_RAD_S
-        gain = self._rest_variance / variance
-        self.rest_rad_s += gain * innovation
-        self.rate_rad_s += gain * innovation
-        self._rest_variance *= 1.0 - gain
+        turning = self.turning
+        rest = self._rest_variance + turning * self._rest_gain
+        gain = self._rest_gain + turning * self._gain_variance
+        variance = self.variance = rest + turning * gain + _GYRO_RAD_S * _GYRO_RAD_S
+        self._rest_variance -= rest * rest / variance
+        self._rest_gain -= rest * gain / variance
+        self._gain_variance -= gain * gain / variance
+        self.rest_rad_s += rest * innovation / variance
+        self.gain_rad_s += gain * innovation / variance
+        self.rate_rad_s = self.gain_rad_s * turning + self.rest_rad_s

@@ -23,9 +23,11 @@ from typing import Final
 
 from companion.config.estimation import Estimation
 from companion.core.evidence import LEARNING, MOST_SQUARE, FaultEvidence
+from companion.estimation.innovation import square
 
-# Of evidence, in nats, that proves a fault. With samples 1 s apart that count, one false alarm in exp(12) s =
-# 45 h of positions. Headings are judged only while they differ by GAP_RAD, which is rare: odds of 400 to 1.
+# Of evidence, in nats, that proves a fault. With samples 1 s apart that count and 15 onsets to choose from,
+# one false alarm in exp(15) / 15 s = 60 h of positions. Headings are judged only while they differ by
+# GAP_RAD, which is rare: odds of 400 to 1. A list: a compiled module may use a tuple before it is set.
 THRESHOLDS: Final[list[float]] = [6.0, 6.0, 15.0]
 GAP_RAD: Final = 0.12  # three standard deviations of a compass that heels in turns and feels the motors
 # Time constant of the shadow: a few turns; shorter at first. A wrong compass has to agree for as long.
@@ -74,7 +76,7 @@ class DriftTest:
         white, wander, walk = (1.0 - self._share) * scatter_m2, self._share * scatter_m2, variance * dt_s
         if self._past:
             usual = white + (wander / self._wander_s + 0.5 * walk) * dt_s
-            if 0.25 * _square(rest_m - before_m) > MOST_SQUARE * usual:  # a jump: the filter's gate decides
+            if 0.25 * square(rest_m - before_m) > MOST_SQUARE * usual:  # a jump: the filter's gate decides
                 self.restart()
             else:
                 self.steady_s += dt_s
@@ -82,7 +84,7 @@ class DriftTest:
         for then_s, then_m in self._past:
             for_s = time_s - then_s
             spread = white + wander * (1.0 - math.exp(-for_s / self._wander_s)) + 0.5 * walk * for_s
-            nats = 0.25 * _square(rest_m - then_m) / spread
+            nats = 0.25 * square(rest_m - then_m) / spread
             if nats > most:
                 most, self.drift_m = nats, abs(rest_m - then_m)
         if not self._past or time_s - self._past[-1][0] >= _ONSET_S:
@@ -147,7 +149,7 @@ class SensorBank:
         by_compass = through * cmath.rect(1.0, offset_rad - self.offset_rad)
         by_gyro = by_compass * cmath.rect(1.0, self.gap_rad)
         most = 2.0 * MOST_SQUARE
-        gain = min(_square(off - by_compass) / variance, most) - min(_square(off - by_gyro) / variance, most)
+        gain = min(square(off - by_compass) / variance, most) - min(square(off - by_gyro) / variance, most)
         gain *= 0.5 * min(dt_s, 1.0)  # the modelled velocity's error lasts for about a second
         for sensor, ratio in ((Sensor.COMPASS, gain), (Sensor.GYRO, -gain)):
             self.evidence.add(sensor, ratio, dt_s)
@@ -183,7 +185,3 @@ class SensorBank:
             evidence = 0.0
         self.evidence.against[Sensor.GNSS] = evidence
         self.is_gnss_wrong = evidence > (LEARNING if self.is_gnss_wrong else THRESHOLDS[Sensor.GNSS])
-
-
-def _square(vector: complex) -> float:
-    return vector.real * vector.real + vector.imag * vector.imag

@@ -33,4 +33,9 @@ class Innovation(Struct, gc=False):
         return Innovation(time_s, value, variance, count=self.count + 1, nis_sum=nis_sum)
 
 
+def square(vector: complex) -> float:
+    """Squared length of a vector, north + i east."""
+    return vector.real * vector.real + vector.imag * vector.imag
+
+
 NO_INNOVATION: Final = Innovation(-1.0, 0.0, 1.0)

@@ -108,11 +108,9 @@ class PositionUpdate:
             else:
                 bank.drift.restart()
             return
-        scatter_m, doppler = (
-            sigma_m * math.sqrt(max(state.position_noise, 1.0)),
-            variance * state.velocity_noise,
-        )
-        bank.weigh_position(stamp_s, at, velocity, predicted, scatter_m, doppler)
+        scatter_m = sigma_m * math.sqrt(max(state.position_noise, 1.0))
+        doppler_variance = variance * state.velocity_noise
+        bank.weigh_position(stamp_s, at, velocity, predicted, scatter_m, doppler_variance)
         if velocity is not None and self._has_updated_velocity(heading_rad, predicted, velocity, variance):
             self._velocity_s = stamp_s
             white = 0.5 * (state.velocity_north.variance + state.velocity_east.variance)

@@ -2,6 +2,7 @@
 
 from msgspec import Struct
 
+from companion.estimation.covariance import STATE_NAMES
 from companion.estimation.error_state import ErrorStateFilter
 from companion.estimation.innovation import Innovation
 
@@ -26,11 +27,7 @@ def report_of(state: ErrorStateFilter, hypotheses: tuple[tuple[str, float], ...]
     """The present inside of a filter."""
     yaw = state.yaw_model
     return EstimatorReport(
-        (
-            state.north_m, state.east_m, state.heading_rad, state.surge_m_s, state.sway_m_s,
-            state.current_north_m_s, state.current_east_m_s, state.bias_rad_s, state.offset_rad, state.gain,
-            state.gnss_north_m, state.gnss_east_m, state.delay_s,
-        ),
+        tuple(getattr(state, name) for name in STATE_NAMES),
         tuple(tuple(row) for row in state.covariance.rows),
         state.position_north,
         state.position_east,
@@ -39,4 +36,4 @@ def report_of(state: ErrorStateFilter, hypotheses: tuple[tuple[str, float], ...]
         state.compass,
         Innovation(state.turned_s, yaw.innovation_rad_s, yaw.variance, is_accepted=True),
         hypotheses,
-    )  # fmt: skip
+    )

@@ -122,6 +122,18 @@ def test_a_rudder_turns_a_boat_under_way_and_not_one_at_rest() -> None:
     assert rates[1] > 0.05
 
 
+def test_the_gyro_teaches_what_turn_steering_gives() -> None:
+    """The hull turns at 0.4 rad/s at full steering, in a wind that turns it by 0.05 rad/s."""
+    hull, model, rng = YawModel(0.4), YawModel(0.6), random.Random(3)
+    for tick in range(3000):
+        steering = 0.5 if tick % 200 < 100 else -0.5
+        for of in (hull, model):
+            of.advance(steering, -steering, 0.0, 0.02)
+        model.update(hull.rate_rad_s + 0.05 + rng.gauss(0.0, 0.006))
+    assert model.gain_rad_s == pytest.approx(0.4, rel=0.1)
+    assert model.rest_rad_s == pytest.approx(0.05, abs=0.02)
+
+
 def test_it_turns_by_the_rudder_as_by_the_motors() -> None:
     by_motors, by_rudder = YawModel(0.6), YawModel(0.6)
     for _ in range(100):
