@@ -147,9 +147,12 @@ class HeadingUpdate:
         self.is_off = False
 
     def add_expected(self, now_s: float) -> None:
-        """Tell the latency estimator what rate the steering lets expect."""
+        """Tell the latency estimator what rate the steering lets expect.
+
+        By the configured gain: late readings teach one that explains their delay.
+        """
         yaw = self._state.yaw_model
-        self.latency.add_expected(now_s, complex(yaw.gain_rad_s * yaw.turning, 0.0))
+        self.latency.add_expected(now_s, complex(yaw.nominal_rad_s * yaw.turning, 0.0))
 
     @property
     def _sigma_rad(self) -> float:

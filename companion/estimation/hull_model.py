@@ -80,13 +80,13 @@ class SurgeModel:
 class YawModel:
     """rate_rad_s is r, turning is ω, rest_rad_s is ρ, gain_rad_s is K.
 
-    innovation_rad_s, variance: of the gyro.
+    nominal_rad_s: initial K. innovation_rad_s, variance: of the gyro.
     """
 
     def __init__(self, gain_rad_s: float) -> None:
         """gain_rad_s: initial K."""
         self._gain_variance, self._gain_walk = (GAIN * gain_rad_s) ** 2, (GAIN_WALK * gain_rad_s) ** 2
-        self.gain_rad_s = gain_rad_s
+        self.gain_rad_s = self.nominal_rad_s = gain_rad_s
         self.rate_rad_s = self.turning = self.rest_rad_s = 0.0
         self.innovation_rad_s, self.variance = 0.0, 1.0
         self._effort = self._rest_variance = self._rest_gain = 0.0  # the last: covariance of ρ and K
