@@ -37,9 +37,9 @@ class Track:
         self.created_s = self.seen_s = self._time_s = seen_s
         self.radius_m = radius_m
         self.observations = 1
-        self.isolated_count = 0  # observations with free water on either side
+        self.isolated_count = 0  # observations with free water on either side,
+        self.whole_count = 0  # of those that covered both edges
         self.evidence = 1.0  # as of a cell in the grid
-        self.is_cut_off = False  # the last observation did not cover both edges
         self.is_mover = False
         self._beam_n = self._beam_e = 0.0
         self._state = [at.north_m, at.east_m, 0.0, 0.0]
@@ -111,7 +111,7 @@ class Track:
     def may_move(self, now_s: float) -> bool:
         """Whether it was seen lately and does not belong to something longer, as far as was observed."""
         is_new = now_s - self.created_s < SWEEP_S
-        is_isolated = 2 * self.isolated_count >= self.observations or (self.is_cut_off and is_new)
+        is_isolated = 2 * self.isolated_count >= self.whole_count if self.whole_count else is_new
         return self.is_mover or (now_s - self.seen_s < SWEEP_S and is_isolated)
 
     # Called by ObstacleTracks

@@ -10,7 +10,7 @@ import math
 from typing import Final
 
 from companion.core.geo import Point
-from companion.obstacles.perception.occupancy import CORE, SILENCE, SOLID, SWEEP_S, Beam
+from companion.obstacles.perception.occupancy import CORE, SILENCE, SOLID, SUSPECT, SWEEP_S, Beam
 from companion.obstacles.perception.track import Track
 
 MAX_TRACKS: Final = 16
@@ -62,10 +62,11 @@ class ObstacleTracks:
         """Tracks known to move."""
         return [track for track in self.known(now_s) if track.is_mover]
 
-    def possible_movers(self, now_s: float) -> list[Track]:
-        """Movers, and what may turn out to be one, with as much evidence as makes a cell solid."""
+    def possible_movers(self, now_s: float, *, in_open_water: bool) -> list[Track]:
+        """Movers, and what may turn out to be one, in open water with as much evidence as makes a cell solid."""
         self._forget(now_s)
-        return [track for track in self.all if track.evidence >= SOLID and track.may_move(now_s)]
+        least = SOLID if in_open_water else SUSPECT
+        return [track for track in self.all if track.evidence >= least and track.may_move(now_s)]
 
     def _forget(self, now_s: float) -> None:
         """Remove lost tracks; one that a full sweep has not observed again was a ghost, which the next thing
@@ -124,7 +125,7 @@ class ObstacleTracks:
         track.correct(at, north, east, along_m)
         if is_new or is_whole:  # the centre of a partly seen obstacle is unknown
             track.correct(at, -east, north, across_m)
-        track.is_cut_off = not is_whole
+        track.whole_count += is_whole
         if is_new:
             track.isolated_count = int(is_alone)
             return

@@ -18,7 +18,7 @@ from companion.core.units import wrap_pi
 from companion.guidance.course_to_steer import course_to_steer
 from companion.obstacles.planning.clearance import FENCE, LEVEL, LEVELS, ClearanceField
 from companion.obstacles.planning.cost_to_go import CostToGo
-from companion.obstacles.planning.motion import CRASH_STOP, STEP_S, STEPS, Fan, Rollout, roll
+from companion.obstacles.planning.motion import CRASH_STOP, FULL_ASTERN, STEP_S, STEPS, Fan, Rollout, roll
 from companion.obstacles.planning.movers import Predicted, collision_risk
 
 HORIZON_S: Final = STEP_S * STEPS
@@ -179,6 +179,8 @@ class CostModel:
             candidates += fan.rollouts(surge, nav.yaw_rate_rad_s, speed, config, brakes=is_certain)
         if is_certain and surge > config.guidance.min_speed_m_s:
             candidates.append(roll(surge, nav.yaw_rate_rad_s, 0.0, CRASH_STOP, config))
+        if is_certain and self.movers:  # a boat at rest is run into
+            candidates.append(roll(surge, nav.yaw_rate_rad_s, 0.0, FULL_ASTERN, config))
         best, least_cost = straight, math.inf
         for plain, number in sorted(
             (self.plain(one, last_heading_rad), n) for n, one in enumerate(candidates)

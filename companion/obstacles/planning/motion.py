@@ -19,7 +19,8 @@ from companion.guidance.speed_profile import steered_speed_m_s
 STEP_S: Final = 0.25  # half a hull's length at cruise
 STEPS: Final = 20  # five seconds: what comes within sight at 1 m/s, and a turn around
 TURNS: Final = tuple(math.radians(15.0 * step) for step in range(-12, 12))
-CRASH_STOP: Final = -10.0  # speed of the rollout with both propellers full astern
+CRASH_STOP: Final = -10.0  # speed of the rollout with both propellers full astern until the boat is at rest,
+FULL_ASTERN: Final = -20.0  # and of the one that keeps them so
 _DELAY_S: Final = 0.25  # decision, slew and motors: the lake boat's motors take 0.22 s
 # Full thrust at rest over mass, of guidance's accel_m_s2: the lake boat's 8.0 N on 8.6 kg are 0.93 m/s², less
 # what the battery loses
@@ -69,8 +70,8 @@ def roll(
             rate += follows * (clamp(follows_rad_s, -fastest, fastest) - rate)
             wanted = steered_speed_m_s(speed_m_s, error, config) if speed_m_s > 0.0 else speed_m_s
             room = 1.0 - abs(effort) if has_pair else 1.0
-            if speed_m_s == CRASH_STOP:
-                throttle = -setting.max_throttle if surge > 0.0 else 0.0
+            if speed_m_s <= CRASH_STOP:
+                throttle = -setting.max_throttle if surge > 0.0 or speed_m_s == FULL_ASTERN else 0.0
             else:
                 throttle = clamp(
                     feed_forward(wanted, setting) + setting.kp * (wanted - surge),

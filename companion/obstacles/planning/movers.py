@@ -1,7 +1,7 @@
 """The risk of a collision with what may move.
 
-A track has a velocity v with a covariance; for planning, v is moved by up to one standard deviation towards a
-collision course. Its place t from now has the distribution N(p + v t, Σ(t)), and the probability that it is
+A track has a velocity v with a covariance; for planning, v is moved by up to two standard deviations towards
+a collision course. Its place t from now has the distribution N(p + v t, Σ(t)), and the probability that it is
 then within R of the boat is, with a Gaussian in place of the disc,
 
     P = π R² / (2 π √|S|) exp(−½ dᵀ S⁻¹ d),   S = Σ(t) + R² / 4
@@ -26,6 +26,7 @@ from companion.obstacles.planning.motion import STEP_S, STEPS
 _MOVES: Final = 0.5  # probability that a new echo moves, before it is observed
 _SPREAD: Final = 0.25  # of margin², most of Σ: by then the boat has seen more
 _UNLIKELY: Final = 0.05
+_SIGMAS: Final = 2.0  # 95 %; a new echo may come at 1 m/s
 _FAR: Final = 8.0  # four standard deviations
 
 
@@ -70,17 +71,17 @@ def collision_risk(mover: Predicted, norths: list[float], easts: list[float]) ->
 def worst_velocity(
     track: Track, nav: NavState, wanted_m_s: tuple[float, float], now_s: float
 ) -> tuple[float, float]:
-    """The velocity nearest to a collision course with the one that the boat wants, within one standard
-    deviation, along the line of sight and across it.
+    """The velocity nearest to a collision course with the one that the boat wants, within two standard
+    deviations, along the line of sight and across it.
     """
     at = track.point(now_s)
     north, east = nav.north_m - at.north_m, nav.east_m - at.east_m
     away_m = max(math.hypot(north, east), 1e-6)
     to_n, to_e = north / away_m, east / away_m
-    along = track.north_m_s * to_n + track.east_m_s * to_e + track.pace_sigma_m_s(to_n, to_e)
+    along = track.north_m_s * to_n + track.east_m_s * to_e + _SIGMAS * track.pace_sigma_m_s(to_n, to_e)
     across = track.east_m_s * to_n - track.north_m_s * to_e
-    sigma_m_s = track.pace_sigma_m_s(-to_e, to_n)
-    across += clamp(wanted_m_s[1] * to_n - wanted_m_s[0] * to_e - across, -sigma_m_s, sigma_m_s)
+    most_m_s = _SIGMAS * track.pace_sigma_m_s(-to_e, to_n)
+    across += clamp(wanted_m_s[1] * to_n - wanted_m_s[0] * to_e - across, -most_m_s, most_m_s)
     return along * to_n - across * to_e, along * to_e + across * to_n
 
 

@@ -139,9 +139,9 @@ class LocalPlanner:
         here, setting = nav.point, config.avoidance
         reach_m = (perception.reach_m or setting.lookahead_m) + _BEYOND_M
         margin_m = setting.margin_m + _DRIFT_S * math.hypot(nav.current_north_m_s, nav.current_east_m_s)
-        tracks = perception.tracks.possible_movers(now_s)
-        meets_mover = any(track.is_mover for track in tracks)
         solid = perception.solid(now_s)
+        tracks = perception.tracks.possible_movers(now_s, in_open_water=not solid)
+        meets_mover = any(track.is_mover for track in tracks)
         suspects = perception.suspects(now_s)
         field = self._map(nav, config, bounds, perception.occupancy.cell_m, reach_m)
         field.fill(solid, suspects, TOUCH * margin_m)
@@ -238,7 +238,7 @@ class LocalPlanner:
                 self.stage = Stage.ROUND
                 self._report_side(best)
         self.limit.release()
-        return crash_stop(nav, config) if speed == CRASH_STOP else HoldHeading(heading, speed + along_m_s)
+        return crash_stop(nav, config) if speed <= CRASH_STOP else HoldHeading(heading, speed + along_m_s)
 
     def _report_side(self, best: Rollout) -> None:
         side = (best.turn_rad > _TURNS_RAD) - (best.turn_rad < -_TURNS_RAD)

@@ -85,9 +85,9 @@ def test_a_new_track_is_watched_for_a_time_or_until_it_is_lost() -> None:
     ):
         new.observations, new.seen_s = observations, seen_s
         assert (sector_of(new, now_s=now_s) != ALL_ROUND) is is_watched
-    new.observations, new.isolated_count = 2, 0
+    new.observations, new.isolated_count, new.whole_count = 2, 0, 1
     assert sector_of(new, now_s=10.1) == ALL_ROUND
-    new.is_cut_off = True
+    new.whole_count = 0
     assert sector_of(new, now_s=10.1) != ALL_ROUND
 
 

@@ -82,7 +82,7 @@ def test_a_new_track_is_at_rest_and_stays_put() -> None:
     assert (track.number, track.created_s, track.seen_s, track.radius_m) == (7, 3.0, 3.0, 0.3)
     assert (track.north_m_s, track.east_m_s, track.speed_m_s) == (0.0, 0.0, 0.0)
     assert (track.observations, track.isolated_count) == (1, 0)
-    assert (track.is_cut_off, track.is_mover) == (False, False)
+    assert (track.whole_count, track.is_mover) == (0, False)
     assert track.speed_sigma_m_s == pytest.approx(0.5)
     assert track.covariance(3.0) == pytest.approx((100.0, 0.0, 100.0))
     assert track.rest_ratio() == pytest.approx(1.0)

@@ -59,7 +59,7 @@ def test_an_obstacle_lies_at_the_nearest_range_in_the_middle_of_its_echoes(
     assert track.radius_m == pytest.approx(radius_m)
     assert track.seen_s == pytest.approx(STEP_S * (1 + seen))
     assert (track.number, track.observations) == (1, 1)
-    assert (track.isolated_count, track.is_cut_off) == (1, False)
+    assert (track.isolated_count, track.whole_count) == (1, 1)
 
 
 @pytest.mark.parametrize("scale_m", [1.0, 2.0])
@@ -103,7 +103,7 @@ def test_the_nearest_echo_places_the_obstacle_from_where_the_boat_was() -> None:
 def test_an_isolated_obstacle_has_free_water_on_either_side(ranges_m: list[float], counts: list[int]) -> None:
     found = Sweep().over(ranges_m)
     assert [track.isolated_count for track in found] == counts
-    assert [track.is_cut_off for track in found] == [False, False]
+    assert [track.whole_count for track in found] == [1, 1]
     assert [track.number for track in found] == [1, 2]
 
 
@@ -136,7 +136,7 @@ def test_a_neighbour_is_within_one_and_a_half_widths_and_two_fifths_of_a_second(
     sweep.look(before_rad, FREE)
     sweep.look(0.0, 3.0, after_s=after_s)
     sweep.look(0.25, FREE)
-    assert not sweep.tracks.all[0].is_cut_off
+    assert sweep.tracks.all[0].whole_count == 1
 
 
 @pytest.mark.parametrize(("after_rad", "after_s"), [(0.38, STEP_S), (0.25, 0.41), (0.02, STEP_S)])
@@ -145,7 +145,7 @@ def test_without_a_neighbour_behind_it_nothing_is_isolated(after_rad: float, aft
     sweep.look(-0.25, FREE)
     sweep.look(0.0, 3.0)
     sweep.look(after_rad, FREE, after_s=after_s)
-    assert (sweep.tracks.all[0].isolated_count, sweep.tracks.all[0].is_cut_off) == (0, False)
+    assert (sweep.tracks.all[0].isolated_count, sweep.tracks.all[0].whole_count) == (0, 1)
 
 
 def test_the_echo_after_the_turn_of_the_sweep_belongs_to_another_look_at_the_same() -> None:
@@ -253,4 +253,4 @@ def test_a_sweep_that_stands_still_has_not_turned_back() -> None:
     for bearing_rad, range_m in ((-0.25, FREE), (0.0, 3.0), (0.25, 3.0), (0.25, FREE)):
         sweep.look(bearing_rad, range_m)
     (track,) = sweep.tracks.all
-    assert (track.is_cut_off, track.isolated_count) == (False, 0)
+    assert (track.whole_count, track.isolated_count) == (track.observations, 0)
