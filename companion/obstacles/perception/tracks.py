@@ -63,7 +63,7 @@ class ObstacleTracks:
         return [track for track in self.known(now_s) if track.is_mover]
 
     def possible_movers(self, now_s: float, *, in_open_water: bool) -> list[Track]:
-        """Movers, and what may turn out to be one, in open water with as much evidence as makes a cell solid."""
+        """Movers, and what may turn out to be one; in open water with the evidence of a solid cell."""
         self._forget(now_s)
         least = SOLID if in_open_water else SUSPECT
         return [track for track in self.all if track.evidence >= least and track.may_move(now_s)]

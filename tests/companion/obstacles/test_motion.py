@@ -5,7 +5,7 @@ import math
 import pytest
 
 from companion.config.boat_config import BoatConfig, with_value
-from companion.obstacles.planning.motion import CRASH_STOP, STEP_S, STEPS, TURNS, Fan, roll
+from companion.obstacles.planning.motion import CRASH_STOP, FULL_ASTERN, STEP_S, STEPS, TURNS, Fan, roll
 
 CONFIG = BoatConfig()
 RUDDER = with_value(CONFIG, "drive.layout", "rudder")
@@ -56,6 +56,12 @@ def test_a_crash_stop_is_shorter_and_ends_at_rest() -> None:
     gentle, crash = roll(1.5, 0.0, 0.0, 0.0, CONFIG), roll(1.5, 0.0, 0.0, CRASH_STOP, CONFIG)
     assert crash.ahead_m[-1] < 0.8 * gentle.ahead_m[-1]
     assert crash.ahead_m[-1] == pytest.approx(max(crash.ahead_m), abs=0.06)
+
+
+def test_propellers_kept_full_astern_stop_the_boat_alike_and_take_it_back() -> None:
+    crash, back = roll(1.0, 0.0, 0.0, CRASH_STOP, CONFIG), roll(1.0, 0.0, 0.0, FULL_ASTERN, CONFIG)
+    assert back.ahead_m[4] == pytest.approx(crash.ahead_m[4])
+    assert back.ahead_m[-1] < crash.ahead_m[-1] - 1.5
 
 
 def test_astern_the_boat_goes_astern() -> None:

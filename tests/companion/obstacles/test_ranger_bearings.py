@@ -29,7 +29,7 @@ def test_a_sector_without_a_bearing_is_watched_by_the_nearest_one(
 
 def track(north_m: float, east_m: float = 0.0, *, is_mover: bool = False) -> Track:
     found = Track(1, 10.0, Point(100.0 + north_m, 50.0 + east_m), 0.4)
-    found.isolated_count, found.is_mover = 1, is_mover
+    found.isolated_count, found.whole_count, found.is_mover = 1, 1, is_mover
     return found
 
 
@@ -83,7 +83,7 @@ def test_a_new_track_is_watched_for_a_time_or_until_it_is_lost() -> None:
         (2, 10.41, 10.0, False),
         (3, 10.1, 10.0, False),
     ):
-        new.observations, new.seen_s = observations, seen_s
+        new.observations, new.whole_count, new.seen_s = observations, observations, seen_s
         assert (sector_of(new, now_s=now_s) != ALL_ROUND) is is_watched
     new.observations, new.isolated_count, new.whole_count = 2, 0, 1
     assert sector_of(new, now_s=10.1) == ALL_ROUND

@@ -30,7 +30,7 @@ def tracks_of(*tracks: Track) -> ObstacleTracks:
 
 def track(north_m: float, east_m: float, alone: int = 1, seen_s: float = 0.0) -> Track:
     out = Track(1, seen_s, Point(north_m, east_m), 0.4)
-    out.isolated_count = alone
+    out.isolated_count, out.whole_count = alone, 1
     return out
 
 

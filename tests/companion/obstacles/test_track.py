@@ -189,10 +189,14 @@ def test_a_mover_stays_one_until_it_is_nearly_at_rest() -> None:
 
 def test_a_track_may_move_while_it_is_seen_alone() -> None:
     track = Track(1, 0.0, Point(0.0, 0.0), 0.4)
-    assert not track.may_move(0.1)
-    track.is_cut_off = True
-    assert track.may_move(0.1)
+    assert track.may_move(0.1), "its edges were not seen yet"
     track.observations, track.seen_s = 3, 1.4
+    assert not track.may_move(1.6)
+    track.whole_count = 1
+    assert not track.may_move(1.6)
+    track.isolated_count = 1
+    assert track.may_move(1.6), "two looks that did not cover it say nothing"
+    track.whole_count = 3
     assert not track.may_move(1.6)
     track.isolated_count = 2
     assert track.may_move(1.6)

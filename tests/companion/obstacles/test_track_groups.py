@@ -125,7 +125,7 @@ def test_an_obstacle_at_the_end_of_a_sweep_is_cut_off(end: str) -> None:
         sweep.look(0.0, 3.0)
     sweep.look(0.25, FREE)
     (track,) = sweep.tracks.all
-    assert (track.is_cut_off, track.isolated_count) == (True, 0)
+    assert (track.whole_count, track.isolated_count) == (0, 0)
 
 
 @pytest.mark.parametrize(("before_rad", "after_s"), [(-0.37, STEP_S), (-0.25, 0.39), (-0.03, STEP_S)])
@@ -154,7 +154,7 @@ def test_the_echo_after_the_turn_of_the_sweep_belongs_to_another_look_at_the_sam
         sweep.look(bearing_rad, range_m)
     (track,) = sweep.tracks.all
     assert track.observations == 2
-    assert (track.is_cut_off, track.isolated_count) == (True, 0)
+    assert (track.whole_count, track.isolated_count) == (0, 0)
 
 
 def sigmas_m(track: Track) -> tuple[float, float]:
@@ -189,7 +189,7 @@ def test_an_obstacle_that_is_cut_off_is_located_along_the_beam_only() -> None:
     sweep.look(0.25, FREE)
     (track,) = sweep.tracks.all
     north_m, east_m = sigmas_m(track)
-    assert (track.observations, track.is_cut_off) == (2, True)
+    assert (track.observations, track.whole_count) == (2, 1)
     assert east_m > first_m
     assert north_m < 0.051
 
@@ -231,17 +231,19 @@ def test_tracks_are_known_movers_or_may_be() -> None:
     tracks = ObstacleTracks(1.0)
     once, rock, probable, mover = (Track(number, 10.0, HERE, 0.3) for number in range(4))
     for track in (rock, probable, mover):
-        track.observations, track.evidence = 2, 2.0
+        track.observations = track.whole_count = 2
+        track.evidence = 2.0
     mover.is_mover, probable.isolated_count = True, 1
     tracks.all = [once, rock, probable, mover]
     assert tracks.known(10.0) == [rock, probable, mover]
     assert tracks.movers(10.0) == [mover]
     once.isolated_count = 1
-    assert tracks.possible_movers(11.4) == [probable, mover], "a single echo may be false"
+    assert tracks.possible_movers(11.4, in_open_water=True) == [probable, mover], "a single echo may be false"
+    assert tracks.possible_movers(11.4, in_open_water=False) == [once, probable, mover]
     probable.evidence = 1.0
-    assert tracks.possible_movers(11.4) == [mover], "two beams met nothing there"
+    assert tracks.possible_movers(11.4, in_open_water=True) == [mover], "two beams met nothing there"
     tracks.all.append(once)
-    assert tracks.possible_movers(11.6) == [mover]
+    assert tracks.possible_movers(11.6, in_open_water=True) == [mover]
     assert tracks.known(14.49) == [rock, probable, mover]
     rock.seen_s = 11.0
     assert tracks.known(14.51) == [rock]
