@@ -12,7 +12,7 @@ from companion.obstacles.perception.track import Track
 from companion.obstacles.planning.clearance import ClearanceField
 from companion.obstacles.planning.cost import CostModel
 from companion.obstacles.planning.cost_to_go import CostToGo
-from companion.obstacles.planning.motion import CRASH_STOP, STEP_S, Fan, Rollout, roll
+from companion.obstacles.planning.motion import CRASH_STOP, FULL_ASTERN, STEP_S, Fan, Rollout, roll
 from companion.obstacles.planning.movers import predict
 
 NOW_S = 0.9
@@ -195,3 +195,14 @@ def test_nothing_is_braked_for_a_single_echo() -> None:
 
 def test_steps_are_a_quarter_of_a_second() -> None:
     assert STEP_S == 0.25
+
+
+def test_a_boat_at_rest_backs_away_from_what_comes_straight_at_it() -> None:
+    nav = replace(boat(), north_m_s=0.0, surge_m_s=0.0)
+    costs = model(nav=nav, movers=(mover(2.5, 0.0, -0.8, 0.0),))
+    best = costs.choose(Fan(), 1.0, None, None, is_certain=True)
+    assert best is not None
+    assert best.speed_m_s == FULL_ASTERN
+    unsure = costs.choose(Fan(), 1.0, None, None, is_certain=False)
+    assert unsure is not None
+    assert unsure.speed_m_s >= 0.0
