@@ -60,6 +60,16 @@ def test_the_bow_towards_the_goal_counts_where_the_place_is_the_same() -> None:
     assert costs.plain(still._replace(bow_rad=math.pi / 2), None) < costs.plain(still, None) - 0.1
 
 
+@pytest.mark.parametrize("goal", [Point(0.0, 50.0), Point(50.0, 0.0), Point(0.0, -50.0)])
+def test_a_current_towards_the_goal_leaves_less_way(goal: Point) -> None:
+    north, east = goal.north_m / 100.0, goal.east_m / 100.0
+    left = []
+    for sign in (-1.0, 0.0, 1.0):
+        nav = replace(boat(), current_north_m_s=sign * north, current_east_m_s=sign * east)
+        left.append(model(nav=nav, goal=goal).plain(to(0.0), None))
+    assert left[0] > left[1] + 0.2 > left[2] + 0.4
+
+
 def test_port_costs_a_little_more_and_much_more_with_a_mover() -> None:
     alone, met = model(), model(movers=(mover(30.0, 0.0),))
     assert 0.03 < alone.plain(to(-30.0), None) - alone.plain(to(30.0), None) < 0.1

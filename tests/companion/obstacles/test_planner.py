@@ -122,6 +122,8 @@ def test_what_is_avoided_for_certain_is_no_reason_to_be_gentle() -> None:
     voyage.chart.rocks = []
     voyage.at(0.2, intent=LEG)
     assert not voyage.planner.eases
+    ghost.planner.reset()
+    assert not ghost.planner.eases
 
 
 def test_the_way_to_go_is_computed_twice_a_second() -> None:
