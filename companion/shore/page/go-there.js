@@ -1,0 +1,54 @@
+// Go to a tapped place by the water: the server plans the way, the page shows it, and it is sailed when confirmed.
+import { setText } from "./now.js";
+
+export function makeGoThere(page, words, live, go, showWay) {
+  let wanted = null; // what Sail there asks: {what, with}
+  let taps = 0;
+
+  const close = () => {
+    wanted = null;
+    taps += 1;
+    page.box.hidden = true;
+    showWay(null);
+  };
+  const offer = (text, what, withThese) => {
+    setText(page.text, text);
+    wanted = { what, with: withThese };
+    page.box.hidden = false;
+  };
+
+  page.sail.addEventListener("click", async () => {
+    if (wanted === null) return;
+    const asked = wanted;
+    wanted = null;
+    page.box.hidden = true;
+    const answer = await go.ask(asked.what, asked.with, words.say("there.sail"));
+    if (answer.ok !== true && page.box.hidden) showWay(null);
+  });
+  page.cancel.addEventListener("click", () => {
+    close();
+    go.tell(words.say("there.cancelled"));
+  });
+  page.box.addEventListener("keydown", (event) => event.key === "Escape" && close());
+
+  return async (lat, lon) => {
+    if (!live.isSkipper) return go.tell(words.say("there.viewer"));
+    if (!live.isConnected) return go.tell(words.say("go.lost"), false);
+    close();
+    const tap = taps;
+    go.tell(words.say("there.planning"));
+    const answer = await live.ask("route", { lat, lon });
+    if (tap !== taps) return; // another place was tapped meanwhile
+    if (answer.ok !== true) {
+      go.tell(answer.text || words.say("there.no_way"), false);
+      if (!answer.lost) offer(words.say("there.direct"), "go", { lat, lon });
+      return;
+    }
+    const { points, length_m, time_s } = answer.result;
+    showWay(points);
+    const values = { length: words.distance(length_m), time: time_s == null ? "" : words.duration(time_s) };
+    offer(words.say(time_s == null ? "there.way" : "there.way_time", values), "sail", { points });
+    go.tell(answer.text || words.say("there.planned"), true);
+    page.sail.focus({ preventScroll: true });
+  };
+}

@@ -1,0 +1,159 @@
+// The WebSocket to the server: reconnects with back-off, merges patches, and asks without doing anything twice.
+import { merged } from "./patch.js";
+
+const FIRST_WAIT_MS = 500;
+const LONGEST_WAIT_MS = 8_000;
+const SILENCE_MS = 6_000; // a lost Wi-Fi does not close a socket; a boat that is heard changes heard_s every second
+const REQUEST_MS = 20_000; // the server answers within 10 s; a request is not repeated later than this
+
+// crypto.randomUUID exists on https and localhost only; the boat is on plain http.
+export function requestId(random = globalThis.crypto) {
+  if (random.randomUUID) return random.randomUUID();
+  const bytes = random.getRandomValues(new Uint8Array(16));
+  bytes[6] = (bytes[6] & 0x0f) | 0x40;
+  bytes[8] = (bytes[8] & 0x3f) | 0x80;
+  const hex = Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
+  return [hex.slice(0, 8), hex.slice(8, 12), hex.slice(12, 16), hex.slice(16, 20), hex.slice(20)].join("-");
+}
+
+export function liveAddress(place, boat) {
+  const scheme = place.protocol === "https:" ? "wss:" : "ws:";
+  return `${scheme}//${place.host}/live${boat === null ? "" : `?boat=${boat}`}`;
+}
+
+export class Live {
+  // listeners: hello(message), state(snapshot, patch), link(), called when something changed.
+  constructor(listeners, { open, now = () => performance.now(), boat = null } = {}) {
+    this.listeners = listeners;
+    this.open = open ?? ((chosen) => new WebSocket(liveAddress(location, chosen)));
+    this.now = now;
+    this.boat = boat;
+    this.snapshot = null;
+    this.hello = null;
+    this.heardMs = null; // when the server was last heard
+    this.waiting = new Map(); // requests without an answer, by id
+    this.socket = null;
+    this.isGreeted = false;
+    this.isWhole = false; // the first state of a socket is whole
+    this.waitMs = FIRST_WAIT_MS;
+    this.retryMs = 0;
+  }
+
+  get isConnected() {
+    return this.socket !== null && this.socket.readyState === 1 && this.isGreeted;
+  }
+
+  get isSkipper() {
+    return this.hello?.role === "skipper";
+  }
+
+  connect() {
+    this.#drop();
+    const socket = this.open(this.boat);
+    this.socket = socket;
+    this.isGreeted = false;
+    this.isWhole = false;
+    this.openedMs = this.now();
+    socket.onmessage = (event) => socket === this.socket && this.#handle(event.data);
+    socket.onclose = () => socket === this.socket && this.#lost();
+    this.listeners.link();
+  }
+
+  choose(boat) {
+    this.boat = boat;
+    this.snapshot = null;
+    this.#giveUp((request) => request.boat !== boat);
+    this.connect();
+  }
+
+  // Resolves to {ok, text, result}, once. ok is null where it is not known whether the request was done.
+  ask(what, withThese = {}) {
+    return new Promise((resolve) => {
+      if (!this.isConnected) {
+        resolve({ ok: false, text: "", lost: true });
+        return;
+      }
+      const request = { type: "do", id: requestId(), boat: this.boat, what, with: withThese };
+      this.waiting.set(request.id, { request, resolve, boat: this.boat, untilMs: this.now() + REQUEST_MS });
+      this.socket.send(JSON.stringify(request));
+    });
+  }
+
+  // Called a few times a second.
+  tick() {
+    const now = this.now();
+    this.#giveUp((request) => now > request.untilMs);
+    if (this.socket === null) {
+      if (now >= this.retryMs) this.connect();
+    } else if (now - Math.max(this.heardMs ?? 0, this.openedMs) > SILENCE_MS) {
+      this.#lost();
+    }
+    this.listeners.link();
+  }
+
+  // The network is back, or the page is looked at again: no need to wait.
+  hurry() {
+    this.waitMs = FIRST_WAIT_MS;
+    if (this.socket === null) this.connect();
+  }
+
+  #handle(text) {
+    let message;
+    try {
+      message = JSON.parse(text);
+    } catch {
+      return;
+    }
+    this.heardMs = this.now();
+    if (message.type === "hello") this.#greet(message);
+    else if (message.type === "state") this.#state(message);
+    else if (message.type === "answer") this.#answer(message);
+  }
+
+  #greet(message) {
+    this.hello = message;
+    this.isGreeted = true;
+    this.waitMs = FIRST_WAIT_MS;
+    if (this.boat === null && message.boats.length > 0) this.boat = message.boats[0].id;
+    for (const { request } of this.waiting.values()) this.socket.send(JSON.stringify(request));
+    this.listeners.hello(message);
+  }
+
+  #state(message) {
+    if (this.boat === null) this.boat = message.boat;
+    if (message.boat !== this.boat) return;
+    this.snapshot = merged(this.isWhole ? this.snapshot : {}, message.patch);
+    this.isWhole = true;
+    this.listeners.state(this.snapshot, message.patch);
+  }
+
+  #answer(message) {
+    const request = this.waiting.get(message.id);
+    if (request === undefined) return;
+    this.waiting.delete(message.id);
+    request.resolve({ ok: message.ok, text: message.text, result: message.result ?? null });
+  }
+
+  #giveUp(isOver) {
+    for (const [id, request] of this.waiting) {
+      if (!isOver(request)) continue;
+      this.waiting.delete(id);
+      request.resolve({ ok: null, text: "", result: null });
+    }
+  }
+
+  #lost() {
+    this.#drop();
+    this.retryMs = this.now() + this.waitMs * (0.75 + Math.random() / 2); // not all pages at once
+    this.waitMs = Math.min(this.waitMs * 2, LONGEST_WAIT_MS);
+    this.listeners.link();
+  }
+
+  #drop() {
+    const socket = this.socket;
+    this.socket = null;
+    if (socket === null) return;
+    socket.onmessage = socket.onclose = null;
+    socket.close();
+  }
+}

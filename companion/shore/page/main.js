@@ -1,0 +1,132 @@
+// Wires the page: words, socket, and a module for each part.
+import { ChartData } from "./chart-data.js";
+import { makeGoThere } from "./go-there.js";
+import { makeGo } from "./go.js";
+import { BoatClock } from "./heard.js";
+import { Live } from "./live.js";
+import { makeMessages } from "./messages.js";
+import { makeNow, setText } from "./now.js";
+import { wirePin } from "./pin.js";
+import { wireTheme } from "./theme.js";
+import { makeWhy } from "./why.js";
+import { Words } from "./words.js";
+
+const TICK_MS = 500;
+const SILENT_S = 4; // of the boat: its heartbeat comes every second
+const at = (id) => document.getElementById(id);
+const now_s = () => Date.now() / 1000;
+
+async function loadWords() {
+  for (;;) {
+    try {
+      const answer = await fetch("words.en.json");
+      if (answer.ok) return new Words(await answer.json());
+    } catch {
+      // asked again
+    }
+    await new Promise((resolve) => setTimeout(resolve, 2000));
+  }
+}
+
+async function loadChart(words) {
+  try {
+    const { makeChart } = await import("./chart.js");
+    return makeChart(at("chart"), words);
+  } catch (error) {
+    console.warn(error);
+    at("chart").hidden = true;
+    return null;
+  }
+}
+
+async function start() {
+  wireTheme(at("theme"));
+  const words = await loadWords();
+  document.documentElement.lang = words.language;
+  document.title = words.say("page.title");
+  words.fill(document);
+
+  const clock = new BoatClock();
+  const showNow = makeNow({ cells: at("cells"), more: at("now-more"), mode: at("mode"), armed: at("armed"), alarm: at("alarm") }, words);
+  const showWhy = makeWhy({ box: at("why"), title: at("why-title"), first: at("why-first"), count: at("why-count"), list: at("why-list") }, words);
+  const showMessages = makeMessages({ latest: at("latest"), list: at("lines") }, words, clock);
+  at("messages-box").open = matchMedia("(min-width: 44rem)").matches; // there is room: as in style.css
+  let data = null;
+
+  const live = new Live({
+    hello: (message) => {
+      showBoats(message.boats);
+      showLink();
+      if (live.boat !== null) data?.connected(live.boat);
+    },
+    state: (state) => {
+      clock.note(state.heard_s, now_s());
+      showNow(state);
+      showWhy(state);
+      showMessages(state);
+      go.showState(state);
+      data?.showState(state, now_s());
+      if (data !== null && data.boat === null) data.connected(live.boat);
+    },
+    link: () => showLink(),
+  });
+
+  const go = makeGo(
+    {
+      box: at("go"), buttons: at("buttons"), answer: at("answer"), hold: at("hold"), return: at("return"), stop: at("stop"),
+      start: at("start"), pause: at("pause"), continue: at("continue"), arm: at("arm"), armText: at("arm-text"),
+      slower: at("slower"), faster: at("faster"), speed: at("speed"), speedText: at("speed-text"),
+      modes: at("modes"), setMode: at("set-mode"), more: at("go-more"),
+    },
+    words,
+    live,
+  );
+  const showPin = wirePin({ form: at("pin-form"), field: at("pin"), submit: at("unlock"), lock: at("lock") }, words, live, go.tell);
+
+  let linkShown = "";
+  function showLink() {
+    const heard_s = live.snapshot?.heard_s;
+    const age_s = heard_s === undefined ? null : clock.age_s(heard_s, now_s());
+    const last = age_s === null ? words.say("link.never") : words.say("link.last", { age: words.duration(age_s) });
+    const isSilent = live.isConnected && (age_s === null || age_s > SILENT_S);
+    const level = !live.isConnected ? "bad" : isSilent ? "warn" : "good";
+    setText(at("link"), words.say(level === "good" ? "link.good" : level === "warn" ? "link.silent" : "link.lost"));
+    setText(at("heard"), level === "good" ? "" : last);
+    at("link-box").dataset.level = level;
+    document.body.classList.toggle("old", level !== "good");
+    if (level !== linkShown) {
+      linkShown = level;
+      setText(at("link-news"), words.say(level === "good" ? "link.good" : level === "warn" ? "link.silent" : "link.lost"));
+    }
+    go.showLink();
+    showPin();
+  }
+
+  function showBoats(boats) {
+    const known = boats.map((boat) => new Option(boat.name || words.say("boat.number", { n: boat.id }), boat.id, false, boat.id === live.boat));
+    at("boats").replaceChildren(...known);
+    at("boats").hidden = boats.length < 2;
+    at("boat-name").hidden = boats.length > 1;
+    setText(at("boat-name"), known[0]?.text ?? words.say("page.title"));
+  }
+  at("boats").addEventListener("change", () => live.choose(Number(at("boats").value)));
+  addEventListener("online", () => live.hurry());
+  document.addEventListener("visibilitychange", () => document.hidden || live.hurry());
+
+  live.connect();
+  setInterval(() => live.tick(), TICK_MS);
+
+  const chart = await loadChart(words);
+  if (chart !== null) {
+    data = new ChartData(chart);
+    const goThere = makeGoThere(
+      { box: at("there"), text: at("there-text"), sail: at("sail"), cancel: at("cancel") },
+      words, live, go, (points) => chart.showWay(points),
+    );
+    chart.onTap(goThere);
+    if (live.boat !== null) data.connected(live.boat);
+    if (live.snapshot !== null) data.showState(live.snapshot, now_s());
+  }
+}
+
+start();

@@ -1,0 +1,30 @@
+// Why not: why the boat does not arm, or which failsafe acts, and what to do next.
+import { setText } from "./now.js";
+
+export function makeWhy(page, words) {
+  let shown = "";
+  return (state) => {
+    const reasons = [...(state.reasons ?? [])].sort((a, b) => a.severity - b.severity); // 0 is the gravest
+    const key = JSON.stringify([reasons, state.armed]);
+    if (key === shown) return;
+    shown = key;
+    page.box.hidden = reasons.length === 0;
+    if (reasons.length === 0) return;
+    setText(page.title, words.say(state.armed ? "why.armed" : "why.disarmed"));
+    setText(page.first, reasons[0].why || reasons[0].text);
+    setText(page.count, reasons.length > 1 ? words.say("why.more", { n: reasons.length - 1 }) : words.say("why.how"));
+    page.list.replaceChildren(...reasons.map(entry));
+  };
+}
+
+function entry(reason) {
+  const item = document.createElement("li");
+  for (const [name, text] of [["why", reason.why || reason.text], ["next", reason.next], ["wire", reason.why ? reason.text : ""]]) {
+    if (!text) continue;
+    const line = document.createElement("p");
+    line.className = name;
+    line.textContent = text;
+    item.append(line);
+  }
+  return item;
+}
