@@ -66,8 +66,17 @@ def imported_packages(folder: Path) -> Iterator[tuple[Path, str]]:
 
 def test_the_companion_imports_exactly_the_base() -> None:
     """gpiozero, lgpio and smbus2 are loaded by name where a part needs them (`import_optional`)."""
-    found = {name for _, name in imported_packages(ROOT / "companion")}
+    found = {
+        name
+        for path, name in imported_packages(ROOT / "companion")
+        if ROOT / "companion" / "shore" not in path.parents
+    }
     assert found - set(sys.stdlib_module_names) - {"companion"} == BASE
+
+
+def test_the_page_imports_of_others_only_its_extra_and_the_base() -> None:
+    found = {name for _, name in imported_packages(ROOT / "companion" / "shore")}
+    assert found - set(sys.stdlib_module_names) - {"companion"} - BASE == packages(EXTRAS["web"])
 
 
 def test_all_contains_every_extra_that_is_not_for_development() -> None:
@@ -78,6 +87,7 @@ def test_all_contains_every_extra_that_is_not_for_development() -> None:
         "cluster",
         "maps",
         "parquet",
+        "web",
     }
     assert EXTRAS["all"] == [
         f"mavboat[{','.join(sorted(set(EXTRAS) - {'dev', 'bench', 'fuzz', 'peers', 'all'}))}]"

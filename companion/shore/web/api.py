@@ -1,0 +1,146 @@
+"""The HTTP interface as a table: method, path, handler, and whether it needs the PIN."""
+
+import asyncio
+import hashlib
+from collections.abc import Awaitable, Callable
+from typing import Any, Final, NamedTuple
+
+import msgspec
+from aiohttp import web
+
+from companion.shore.web.guard import cookie_name, cookie_of, error, peer_of
+from companion.shore.web.hub import Hub
+from companion.shore.web.interfaces import ItemKind
+from companion.shore.web.session import LIFE_S, Refused
+from companion.shore.web.static_files import StaticFile, make_file, respond
+
+_BODY_S: Final = 10.0  # for a body to arrive
+_GEOJSON: Final = "application/geo+json"
+
+Handler = Callable[[Hub, web.Request], Awaitable[web.StreamResponse]]
+
+
+class Row(NamedTuple):
+    """A line of the table."""
+
+    method: str
+    path: str
+    handler: Handler
+    needs_pin: bool
+
+
+class _Pin(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    pin: str
+
+
+async def read_body(request: web.Request) -> bytes:
+    """The whole body, within a time and `client_max_size`."""
+    try:
+        async with asyncio.timeout(_BODY_S):
+            return await request.read()
+    except TimeoutError:
+        raise web.HTTPRequestTimeout from None
+
+
+async def _session(hub: Hub, request: web.Request) -> web.StreamResponse:
+    role = hub.sessions.role(cookie_of(request), hub.clock.now_s())
+    text = "" if role == "skipper" else hub.sessions.refusal()
+    return web.json_response({"role": role, "has_pin": hub.sessions.has_pin, "text": text})
+
+
+async def _log_in(hub: Hub, request: web.Request) -> web.StreamResponse:
+    try:
+        pin = msgspec.json.decode(await read_body(request), type=_Pin).pin
+    except (msgspec.DecodeError, RecursionError, UnicodeError):
+        return error(400, "Expected a PIN.", '{"pin": "…"}')
+    opened = await hub.sessions.open(pin, peer_of(request), hub.clock.now_s())
+    if isinstance(opened, Refused):
+        if opened.wait_s is None:
+            return error(409, opened.text, "")
+        wait = {"Retry-After": str(int(opened.wait_s) + 1)} if opened.wait_s > 0.0 else None
+        return error(403 if wait is None or not opened.is_held_up else 429, opened.text, "", wait)
+    response = web.json_response({"role": "skipper", "has_pin": True, "text": ""})
+    response.set_cookie(
+        cookie_name(request), opened.token, max_age=int(LIFE_S), path="/", httponly=True, samesite="Strict"
+    )
+    return response
+
+
+async def _log_out(hub: Hub, request: web.Request) -> web.StreamResponse:
+    hub.sessions.close(cookie_of(request))
+    response = web.json_response({"role": "viewer", "has_pin": hub.sessions.has_pin, "text": ""})
+    response.del_cookie(cookie_name(request), path="/", httponly=True, samesite="Strict")
+    return response
+
+
+async def _boats(hub: Hub, _request: web.Request) -> web.StreamResponse:
+    return _json(msgspec.json.encode(hub.boats.names()))
+
+
+def _chart() -> Handler:
+    packed: dict[bytes, StaticFile] = {}  # of the one chart, by its hash
+
+    async def handle(hub: Hub, request: web.Request) -> web.StreamResponse:
+        content = await asyncio.to_thread(hub.chart.geojson)
+        key = hashlib.sha256(content).digest()
+        if key not in packed:
+            file = await asyncio.to_thread(make_file, _GEOJSON, content)
+            packed.clear()
+            packed[key] = file
+        return respond(request, packed[key])
+
+    return handle
+
+
+def _items(kind: ItemKind) -> Handler:
+    async def handle(hub: Hub, request: web.Request) -> web.StreamResponse:
+        items = hub.boats.items(_boat(request), kind)
+        if items is None:
+            return error(503, f"The boat's {kind} is not downloaded yet.", "", {"Retry-After": "1"})
+        return _json(msgspec.json.encode(items), _GEOJSON)
+
+    return handle
+
+
+async def _track(hub: Hub, request: web.Request) -> web.StreamResponse:
+    line: dict[str, Any] = {"type": "LineString", "coordinates": hub.boats.track(_boat(request))}
+    return _json(msgspec.json.encode({"type": "Feature", "properties": {}, "geometry": line}), _GEOJSON)
+
+
+def _boat(request: web.Request) -> int:
+    return int(request.match_info["boat"])
+
+
+def _json(content: bytes, kind: str = "application/json") -> web.Response:
+    response = web.Response(body=content, content_type=kind)
+    response.enable_compression()
+    return response
+
+
+_BOAT: Final = "/api/boats/{boat:[0-9]{1,3}}"
+TABLE: Final = (
+    Row("GET", "/api/session", _session, needs_pin=False),
+    Row("POST", "/api/session", _log_in, needs_pin=False),
+    Row("DELETE", "/api/session", _log_out, needs_pin=False),
+    Row("GET", "/api/chart", _chart(), needs_pin=False),
+    Row("GET", "/api/boats", _boats, needs_pin=False),
+    Row("GET", f"{_BOAT}/mission", _items("mission"), needs_pin=False),
+    Row("GET", f"{_BOAT}/fence", _items("fence"), needs_pin=False),
+    Row("GET", f"{_BOAT}/rally", _items("rally"), needs_pin=False),
+    Row("GET", f"{_BOAT}/track", _track, needs_pin=False),
+)
+
+
+def add_routes(app: web.Application, hub: Hub) -> None:
+    """Add the table's routes."""
+    for row in TABLE:
+        app.router.add_route(row.method, row.path, _bound(hub, row))
+
+
+def _bound(hub: Hub, row: Row) -> Callable[[web.Request], Awaitable[web.StreamResponse]]:
+    async def handle(request: web.Request) -> web.StreamResponse:
+        if row.needs_pin and hub.sessions.role(cookie_of(request), hub.clock.now_s()) != "skipper":
+            return error(403, hub.sessions.refusal(), "a session: POST /api/session")
+        return await row.handler(hub, request)
+
+    return handle

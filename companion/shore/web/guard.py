@@ -1,0 +1,107 @@
+"""The checks of every request (the Host it names, the Origin it comes from) and the headers of responses."""
+
+import ipaddress
+import re
+from collections.abc import Awaitable, Callable, Collection
+from typing import Final
+
+from aiohttp import web
+from aiohttp.typedefs import Middleware
+
+_HOST: Final = re.compile(r"(\[[0-9A-Fa-f:.]{2,45}\]|[A-Za-z0-9._-]{1,253})(?::[0-9]{1,5})?")
+_COOKIE: Final = "mavboat-shore"
+_HEADERS: Final = {
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Referrer-Policy": "no-referrer",
+    "Server": "boat-shore",
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+}
+_POLICY: Final = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; manifest-src 'self'; "
+    "connect-src 'self' ws://{host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+)  # ws: Safari before 15.4 does not count a WebSocket to the same host as 'self'
+
+Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
+
+
+def error(status: int, text: str, expected: str, headers: dict[str, str] | None = None) -> web.Response:
+    """An error in words."""
+    return web.json_response({"error": text, "expected": expected}, status=status, headers=headers)
+
+
+def peer_of(request: web.Request) -> str:
+    """The other end's address; what a proxy claims is not read."""
+    return request.remote or ""
+
+
+def cookie_name(request: web.Request) -> str:
+    """By port: cookies of two pages on one computer are not told apart by it."""
+    return f"{_COOKIE}-{request.url.port}"
+
+
+def cookie_of(request: web.Request) -> str | None:
+    """The session's token."""
+    return request.cookies.get(cookie_name(request))
+
+
+def is_own_host(host: str, names: Collection[str]) -> bool:
+    """Whether a Host header names this server: a literal address, localhost, NAME.local or one of `names`.
+
+    Any other name may belong to a page elsewhere, whose owner lets it point here (DNS rebinding).
+    """
+    match = _HOST.fullmatch(host)
+    if match is None:
+        return False
+    name = match[1].lower()
+    try:
+        ipaddress.ip_address(name.strip("[]"))
+    except ValueError:
+        return name == "localhost" or name.endswith((".localhost", ".local")) or name in names
+    return True
+
+
+def is_own_origin(request: web.Request) -> bool:
+    """Whether a page of this server asks."""
+    return (
+        request.headers.getall("Origin", []) == [f"{request.scheme}://{request.host}"]
+        and request.headers.get("Sec-Fetch-Site", "same-origin") == "same-origin"
+    )
+
+
+async def add_headers(request: web.Request, response: web.StreamResponse) -> None:
+    """To every response."""
+    response.headers.update(_HEADERS)
+    response.headers.setdefault("Cache-Control", "no-store")
+    host = request.host if _HOST.fullmatch(request.host) else ""
+    response.headers["Content-Security-Policy"] = _POLICY.format(host=host).replace(" ws://;", ";")
+
+
+def make_guard(names: Collection[str]) -> Middleware:
+    """The middleware. names: of this server, besides those that `is_own_host` knows."""
+    own = frozenset(name.lower() for name in names)
+
+    @web.middleware
+    async def guard(request: web.Request, handler: Handler) -> web.StreamResponse:
+        if len(request.headers.getall("Host", [])) != 1 or not is_own_host(request.host, own):
+            return error(
+                421,
+                "This server is not known by that name.",
+                "its address, NAME.local, or a name given with --host",
+            )
+        is_write = request.method not in ("GET", "HEAD")
+        if (is_write or "Upgrade" in request.headers) and not is_own_origin(request):
+            return error(403, "The request comes from another page.", "an Origin header of this server")
+        try:
+            return await handler(request)
+        except web.HTTPRequestEntityTooLarge:
+            return error(413, "The request is too large.", f"at most {request.client_max_size} bytes")
+        except web.HTTPException as refused:
+            return error(refused.status, f"{refused.reason}.", "", _kept(refused))
+
+    return guard
+
+
+def _kept(refused: web.HTTPException) -> dict[str, str]:
+    return {name: refused.headers[name] for name in ("Allow",) if name in refused.headers}

@@ -1,0 +1,136 @@
+"""The boats, their viewers and their requests: everything behind the sockets, with time handed in."""
+
+import asyncio
+from typing import Final
+
+import msgspec
+
+from companion import __version__
+from companion.shore.messages import Answer, BoatName, Hello, Request, Role
+from companion.shore.web.feed import Feed, Viewer
+from companion.shore.web.interfaces import Boats, Chart, Clock
+from companion.shore.web.ledger import Ledger, Reply
+from companion.shore.web.session import Sessions
+from companion.shore.web.ways import Ways
+
+STATE_PERIOD_S: Final = 0.2
+_MOST_ID: Final = 64
+_MOST_WHAT: Final = 32
+
+
+class _Id(msgspec.Struct):
+    id: str = ""
+
+
+class Watch:
+    """An open socket: who reads there, and which boat. wake: something may have to be sent."""
+
+    def __init__(self, viewer: Viewer, boat: int | None, token: str | None) -> None:
+        self.viewer = viewer
+        self.boat = boat
+        self.token = token
+        self.wake = asyncio.Event()
+
+    def reply(self, answer: Answer) -> None:
+        """To the page."""
+        self.viewer.reply(answer)
+        self.wake.set()
+
+
+class Hub:
+    """Polls the boats, hands their states to the viewers, and requests to the boats."""
+
+    def __init__(self, boats: Boats, chart: Chart, sessions: Sessions, clock: Clock) -> None:
+        self.boats = boats
+        self.chart = chart
+        self.sessions = sessions
+        self.clock = clock
+        self.watches: list[Watch] = []
+        self._feeds: dict[int, Feed] = {}
+        self._ledger = Ledger()
+        self._ways = Ways(boats, chart)
+        self._next_s = float("-inf")
+
+    def tick(self) -> None:
+        """Call every 50 ms."""
+        now_s = self.clock.now_s()
+        self.boats.poll(now_s, self.clock.unix_s())
+        if now_s >= self._next_s:
+            self._next_s = max(self._next_s + STATE_PERIOD_S, now_s)
+            self._update(now_s)
+
+    def _update(self, now_s: float) -> None:
+        names = self.boats.names()
+        watched = {watch.boat for watch in self.watches}
+        self._feeds = {boat: feed for boat, feed in self._feeds.items() if boat in watched}
+        for watch in self.watches:
+            self._attach(watch, names)
+        for feed in self._feeds.values():
+            feed.update(self.boats.snapshot(feed.boat))
+        for watch in self.watches:
+            watch.viewer.greet(self._hello(watch, names, now_s))
+            watch.wake.set()
+
+    def _attach(self, watch: Watch, names: list[BoatName]) -> None:
+        """To the boat asked for, or the first."""
+        if watch.boat is None and names:
+            watch.boat = min(boat.id for boat in names)
+        if watch.boat is not None:
+            watch.viewer.feed = self._feeds.setdefault(watch.boat, Feed(watch.boat))
+
+    def _hello(self, watch: Watch, names: list[BoatName], now_s: float) -> Hello:
+        return Hello(role=self.sessions.role(watch.token, now_s), boats=names, version=__version__)
+
+    def open(self, boat: int | None, token: str | None) -> Watch:
+        """A new socket."""
+        now_s = self.clock.now_s()
+        watch = Watch(Viewer(None, now_s), boat, token)
+        self.watches.append(watch)
+        names = self.boats.names()
+        self._attach(watch, names)
+        feed = watch.viewer.feed
+        if feed is not None and feed.tree is None:
+            feed.update(self.boats.snapshot(feed.boat))
+        watch.viewer.greet(self._hello(watch, names, now_s))
+        watch.wake.set()
+        return watch
+
+    def close(self, watch: Watch) -> None:
+        """A socket is closed."""
+        if watch in self.watches:
+            self.watches.remove(watch)
+        self._ledger.leave(watch.reply)
+
+    def role(self, watch: Watch) -> Role:
+        """Of the page behind a socket."""
+        return self.sessions.role(watch.token, self.clock.now_s())
+
+    def on_text(self, watch: Watch, text: str) -> None:
+        """A message of a page."""
+        try:
+            request = msgspec.json.decode(text, type=Request)
+        except (msgspec.DecodeError, RecursionError, UnicodeError):
+            watch.reply(Answer(id=_id_of(text), ok=False, text="The page asked for something malformed."))
+            return
+        if not 0 < len(request.id) <= _MOST_ID or len(request.what) > _MOST_WHAT:
+            watch.reply(
+                Answer(id=request.id[:_MOST_ID], ok=False, text="The page asked for something malformed.")
+            )
+        elif self.role(watch) != "skipper":
+            watch.reply(Answer(id=request.id, ok=False, text=self.sessions.refusal()))
+        else:
+            self._ledger.submit(request, watch.reply, self._do, self.clock.now_s())
+
+    def _do(self, request: Request, reply: Reply) -> None:
+        if request.what == "route":
+            self._ways.ask(request, reply)
+        else:
+            self.boats.ask(request, reply)
+
+
+def _id_of(text: str) -> str:
+    """Of a message that is no request, so that its page hears of it."""
+    try:
+        return msgspec.json.decode(text, type=_Id).id[:_MOST_ID]
+    except (msgspec.DecodeError, RecursionError, UnicodeError):
+        return ""

@@ -1,0 +1,57 @@
+"""What the server asks of the rest of the shore page."""
+
+from collections.abc import Callable
+from typing import Any, Literal, Protocol
+
+from companion.shore.messages import Answer, BoatName, Place, Request, Snapshot
+
+ItemKind = Literal["mission", "fence", "rally"]
+
+
+class Clock(Protocol):
+    """The one source of time; handed in."""
+
+    def now_s(self) -> float:
+        """Monotonic seconds."""
+
+    def unix_s(self) -> float:
+        """Seconds since 1970."""
+
+
+class Boats(Protocol):
+    """The station: the boats that it hears. Never blocks."""
+
+    def poll(self, now_s: float, unix_s: float) -> None:
+        """Read and send what is due."""
+
+    def names(self) -> list[BoatName]:
+        """Every boat heard so far."""
+
+    def snapshot(self, boat: int) -> Snapshot | None:
+        """A boat's values; None before its first heartbeat."""
+
+    def items(self, boat: int, kind: ItemKind) -> dict[str, Any] | None:
+        """A GeoJSON FeatureCollection; None while it is not downloaded."""
+
+    def track(self, boat: int) -> list[tuple[float, float]]:
+        """Longitude and latitude, oldest first."""
+
+    def ask(self, request: Request, answer: Callable[[Answer], None]) -> None:
+        """Do a request; `answer` is called once, now or from a later poll."""
+
+
+class Found(Protocol):
+    """A named tuple: (points, length_m, …), or (reason, nearest) where there is no way."""
+
+    def _asdict(self) -> dict[str, Any]:
+        """By name."""
+
+
+class Chart(Protocol):
+    """The map on board."""
+
+    def geojson(self) -> bytes:
+        """A FeatureCollection of bounded size."""
+
+    def way(self, start: Place, goal: Place) -> Found:
+        """The shortest way. It may take seconds; called in a thread."""

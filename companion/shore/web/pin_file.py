@@ -1,0 +1,108 @@
+"""The PIN's hash in a file that only its owner reads."""
+
+import contextlib
+import hashlib
+import hmac
+import os
+import secrets
+from pathlib import Path
+from typing import Final
+
+from companion.core.errors import ConfigError, OutputError, StorageError
+
+LEAST_CHARACTERS: Final = 6
+MOST_CHARACTERS: Final = 64
+_COST: Final = 2**14  # with 8 blocks: 16 MB and about 0.05 s on a laptop, 0.3 s on a Pi Zero 2
+_BLOCKS: Final = 8
+_HEAD: Final = f"scrypt {_COST} {_BLOCKS} 1"
+
+
+def check_pin(pin: str) -> None:
+    """Refuse what is too short or of one character.
+
+    Raises:
+        ConfigError: says what is expected.
+    """
+    if not LEAST_CHARACTERS <= len(pin) <= MOST_CHARACTERS or not pin.isprintable():
+        raise ConfigError(f"expected a PIN of {LEAST_CHARACTERS} to {MOST_CHARACTERS} digits or letters")
+    if len(set(pin)) == 1:
+        raise ConfigError("expected a PIN of more than one digit or letter")
+
+
+def hashed(pin: str, salt: bytes | None = None) -> str:
+    """The line of the file."""
+    salt = secrets.token_bytes(16) if salt is None else salt
+    key = hashlib.scrypt(pin.encode(), salt=salt, n=_COST, r=_BLOCKS, p=1, maxmem=2**26, dklen=32)
+    return f"{_HEAD} {salt.hex()} {key.hex()}"
+
+
+def is_pin(pin: str, line: str) -> bool:
+    """Whether a PIN is that of a line; takes as long for a wrong one."""
+    salt = bytes.fromhex(line.split()[4])
+    return hmac.compare_digest(hashed(pin, salt), line)
+
+
+class PinFile:
+    """Read again when it changes, so that `boat-shore pin` takes effect at once."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._stamp: tuple[int, int, int] | None = None
+        self._line: str | None = None
+
+    def line(self) -> str | None:
+        """The hash; None while no PIN is set.
+
+        Raises:
+            StorageError: the file is unreadable, damaged, or readable by others.
+        """
+        try:
+            stat = self.path.stat()
+        except FileNotFoundError:
+            self._stamp = self._line = None
+            return None
+        except OSError as error:
+            raise StorageError(f"{self.path}: cannot be read: {error.strerror}") from None
+        stamp = (stat.st_ino, stat.st_mtime_ns, stat.st_mode)
+        if stamp != self._stamp:
+            self._line = self._read(stat.st_mode)
+            self._stamp = stamp
+        return self._line
+
+    def _read(self, mode: int) -> str:
+        if mode & 0o077:
+            raise StorageError(f"{self.path}: others may read it: chmod 600 {self.path}")
+        try:
+            line = self.path.read_text(encoding="ascii").strip()
+        except (OSError, ValueError):
+            raise StorageError(f"{self.path}: cannot be read: set the PIN again: boat-shore pin") from None
+        words = line.split()
+        is_whole = (
+            len(words) == 6 and " ".join(words[:4]) == _HEAD and len(words[4]) == 32 and len(words[5]) == 64
+        )
+        if not is_whole or set(words[4] + words[5]) - set("0123456789abcdef"):
+            raise StorageError(f"{self.path}: is damaged: set the PIN again: boat-shore pin")
+        return line
+
+    def write(self, pin: str) -> None:
+        """Set the PIN. Sessions of another one end.
+
+        Raises:
+            ConfigError: the PIN is too simple.
+            OutputError: the file cannot be written.
+        """
+        check_pin(pin)
+        aside = self.path.with_name(f".{self.path.name}.new")
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+            aside.unlink(missing_ok=True)
+            descriptor = os.open(aside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+            with os.fdopen(descriptor, "w", encoding="ascii") as file:
+                file.write(hashed(pin) + "\n")
+                file.flush()
+                os.fsync(file.fileno())
+            aside.replace(self.path)
+        except OSError as error:
+            with contextlib.suppress(OSError):
+                aside.unlink(missing_ok=True)
+            raise OutputError.of(self.path, error) from None

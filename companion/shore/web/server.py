@@ -1,0 +1,79 @@
+"""The web server of the shore page: its routes and limits, and one task that polls the boats."""
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Collection
+from pathlib import Path
+from typing import Final
+
+from aiohttp import web
+
+from companion.shore.web.api import add_routes
+from companion.shore.web.guard import add_headers, make_guard
+from companion.shore.web.hub import Hub
+from companion.shore.web.interfaces import Boats, Chart, Clock
+from companion.shore.web.session import Sessions
+from companion.shore.web.sockets import Sockets
+from companion.shore.web.static_files import read_files, respond
+
+POLL_S: Final = 0.05
+MOST_BODY_BYTES: Final = 64_000
+HUB: Final = web.AppKey("hub", Hub)
+SOCKETS: Final = web.AppKey("sockets", Sockets)
+POLLING: Final = web.AppKey("polling", asyncio.Task[None])
+
+
+def make_app(
+    boats: Boats,
+    chart: Chart,
+    sessions: Sessions,
+    page_dir: Path,
+    clock: Clock,
+    *,
+    hosts: Collection[str] = (),
+    is_polling: bool = True,
+) -> web.Application:
+    """The application. hosts: further names of this server; is_polling: False where a test calls `Hub.tick`.
+
+    Raises:
+        ConfigError: the page's folder is not as expected.
+    """
+    app = web.Application(middlewares=[make_guard(hosts)], client_max_size=MOST_BODY_BYTES)
+    hub = app[HUB] = Hub(boats, chart, sessions, clock)
+    sockets = app[SOCKETS] = Sockets(hub)
+    files = read_files(page_dir)
+
+    async def static(request: web.Request) -> web.StreamResponse:
+        file = files.get(request.match_info.get("name", ""))
+        if file is None:
+            raise web.HTTPNotFound
+        return respond(request, file)
+
+    add_routes(app, hub)
+    app.router.add_get("/live", sockets.handle)
+    app.router.add_get("/", static)
+    app.router.add_get("/{name}", static)
+    app.on_response_prepare.append(add_headers)
+
+    async def on_shutdown(_app: web.Application) -> None:
+        await sockets.close()
+
+    app.on_shutdown.append(on_shutdown)
+    if is_polling:
+        app.cleanup_ctx.append(_polling)
+    return app
+
+
+async def _polling(app: web.Application) -> AsyncIterator[None]:
+    task = app[POLLING] = asyncio.create_task(_poll(app[HUB], app[SOCKETS]))
+    yield
+    task.cancel()
+    with contextlib.suppress(asyncio.CancelledError):
+        await task
+
+
+async def _poll(hub: Hub, sockets: Sockets) -> None:
+    while True:
+        hub.tick()
+        sockets.drop_lost(hub.clock.now_s())
+        await asyncio.sleep(POLL_S)

@@ -1,0 +1,58 @@
+"""The request `route`: a way by the water, found in a thread and answered by the server itself."""
+
+import asyncio
+from typing import Any, Final
+
+from msgspec import ValidationError, convert
+
+from companion.shore.messages import Answer, Home, Place, Request
+from companion.shore.web.interfaces import Boats, Chart
+from companion.shore.web.ledger import Reply
+
+_MOST_WAITING: Final = 4
+_BUSY: Final = "Still looking for the ways asked before. Try again in a moment."
+
+
+class Ways:
+    """One search at a time."""
+
+    def __init__(self, boats: Boats, chart: Chart) -> None:
+        self._boats = boats
+        self._chart = chart
+        self._one = asyncio.Lock()
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def ask(self, request: Request, reply: Reply) -> None:
+        """Start a search; `reply` is called once."""
+        snapshot = self._boats.snapshot(request.boat)
+        try:
+            goal = convert(request.arguments, Place)
+        except ValidationError:
+            goal = None
+        if goal is None or not (abs(goal.lat) <= 90.0 and abs(goal.lon) <= 180.0):
+            reply(Answer(id=request.id, ok=False, text="Expected a goal: latitude and longitude in degrees."))
+        elif snapshot is None or snapshot.place is None:
+            reply(Answer(id=request.id, ok=False, text="The boat's place is not known yet."))
+        elif len(self._tasks) >= _MOST_WAITING:
+            reply(Answer(id=request.id, ok=False, text=_BUSY))
+        else:
+            task = asyncio.create_task(self._search(request.id, snapshot.place, goal, snapshot.home, reply))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+
+    async def _search(self, ident: str, start: Place, goal: Place, home: Home | None, reply: Reply) -> None:
+        async with self._one:
+            found = await asyncio.to_thread(self._chart.way, start, goal)
+        result: dict[str, Any] = found._asdict()
+        if "points" not in result:
+            reply(Answer(id=ident, ok=False, text=result["reason"], result=result))
+            return
+        result["time_s"] = _time_s(result["length_m"], home)
+        reply(Answer(id=ident, ok=True, text="", result=result))
+
+
+def _time_s(length_m: float, home: Home | None) -> float | None:
+    """At the speed that the boat itself expects on its way home."""
+    if home is None or not home.distance_m or not home.time_s:
+        return None
+    return length_m * home.time_s / home.distance_m
