@@ -128,11 +128,6 @@ class Server:
         return await self.client.ws_connect(path, **({"headers": self.own} | options))
 
 
-def client_of(server: TestServer) -> TestClient[web.Request, web.Application]:
-    """A browser: its cookies are its own."""
-    return TestClient(server)
-
-
 @asynccontextmanager
 async def serving(*, has_pin: bool = True, hosts: tuple[str, ...] = ()) -> AsyncIterator[Server]:
     with tempfile.TemporaryDirectory() as folder:
@@ -146,7 +141,7 @@ async def serving(*, has_pin: bool = True, hosts: tuple[str, ...] = ()) -> Async
         app = make_app(
             FakeBoats(), FakeChart(), Sessions(pin), page, FakeClock(), hosts=hosts, is_polling=False
         )
-        async with TestServer(app) as server, client_of(server) as client:
+        async with TestClient(TestServer(app)) as client:
             yield Server(client, app, pin)
 
 
