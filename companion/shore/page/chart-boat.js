@@ -1,0 +1,152 @@
+// The boat, what its sonar hears, the obstacles it knows of; scale bar, north and current. In pixels.
+import { text } from "./chart-map.js";
+
+const HULL_M = 1.2;
+const HULL_PX = 34; // at least
+const ECHO_PX = 46; // a sweep without an echo is drawn so long, or as far as 10 m
+const radians = (degrees) => (degrees * Math.PI) / 180;
+
+export function drawSenses(pen, state, at, view, colour) {
+  const heading = state.heading_deg;
+  if (heading === null || heading === undefined) return;
+  const { sonar, obstacles } = state;
+  if (obstacles) {
+    const { start_deg, step_deg, ranges_m } = obstacles;
+    ranges_m.forEach((range_m, n) => {
+      if (range_m === null || range_m <= 0) return;
+      const middle = heading + start_deg + n * step_deg;
+      const [from, to] = [turned(middle - step_deg / 2), turned(middle + step_deg / 2)];
+      pen.beginPath();
+      pen.arc(...at, range_m * view.scale, Math.min(from, to), Math.max(from, to));
+      pen.lineWidth = 5;
+      pen.lineCap = "butt";
+      pen.strokeStyle = colour.obstacle;
+      pen.stroke();
+    });
+  }
+  if (sonar) {
+    const middle = heading + sonar.bearing_deg;
+    const half = Math.max(sonar.beam_deg / 2, 1);
+    const hasEcho = sonar.range_m !== null && sonar.range_m !== undefined;
+    const reach = hasEcho ? sonar.range_m * view.scale : Math.max(10 * view.scale, ECHO_PX);
+    pen.beginPath();
+    pen.moveTo(...at);
+    pen.arc(...at, reach, turned(middle - half), turned(middle + half));
+    pen.closePath();
+    pen.globalAlpha = hasEcho ? 1 : 0.5;
+    pen.fillStyle = colour.echo;
+    pen.fill();
+    pen.globalAlpha = 1;
+    if (hasEcho) {
+      pen.beginPath();
+      pen.arc(...at, reach, turned(middle - half), turned(middle + half));
+      pen.lineWidth = 3;
+      pen.strokeStyle = colour.echoEdge;
+      pen.stroke();
+    }
+  }
+}
+
+export function drawBoat(pen, state, at, view, colour) {
+  const { heading_deg, course_deg, speed_m_s } = state;
+  if (course_deg !== null && course_deg !== undefined && speed_m_s > 0.15) {
+    const long = Math.max(speed_m_s * 10 * view.scale, HULL_PX); // where it is in 10 s
+    const [dx, dy] = [Math.sin(radians(course_deg)), -Math.cos(radians(course_deg))];
+    for (const [width, ink] of [[4, colour.halo], [2, colour.hullEdge]]) {
+      pen.beginPath();
+      pen.moveTo(...at);
+      pen.lineTo(at[0] + long * dx, at[1] + long * dy);
+      pen.lineWidth = width;
+      pen.strokeStyle = ink;
+      pen.stroke();
+    }
+  }
+  pen.save();
+  pen.translate(...at);
+  pen.beginPath();
+  if (heading_deg === null || heading_deg === undefined) pen.arc(0, 0, 9, 0, 2 * Math.PI);
+  else {
+    pen.rotate(radians(heading_deg));
+    const half = Math.max(HULL_M * view.scale, HULL_PX) / 2;
+    const beam = 0.42 * half;
+    pen.moveTo(0, -half);
+    pen.bezierCurveTo(beam, -0.45 * half, beam, 0, 0.85 * beam, half);
+    pen.lineTo(-0.85 * beam, half);
+    pen.bezierCurveTo(-beam, 0, -beam, -0.45 * half, 0, -half);
+    pen.closePath();
+  }
+  pen.lineJoin = "round";
+  pen.lineWidth = 6;
+  pen.strokeStyle = colour.halo;
+  pen.stroke();
+  pen.fillStyle = state.armed ? colour.route : colour.hull;
+  pen.fill();
+  pen.lineWidth = 2.5;
+  pen.strokeStyle = colour.hullEdge;
+  pen.stroke();
+  pen.restore();
+}
+
+// The largest round length of at most so many pixels.
+export function roundLength(pixels, scale) {
+  const most = pixels / scale;
+  const power = 10 ** Math.floor(Math.log10(most));
+  return [5, 2, 1].map((n) => n * power).find((n) => n <= most) ?? power;
+}
+
+export function drawScale(pen, view, colour, words) {
+  const length_m = roundLength(Math.min(110, view.width / 3), view.scale);
+  const long = length_m * view.scale;
+  const [x, y] = [14, view.height - 16];
+  for (const [width, ink] of [[6, colour.halo], [2.5, colour.ink]]) {
+    pen.beginPath();
+    pen.moveTo(x, y - 7);
+    pen.lineTo(x, y);
+    pen.lineTo(x + long, y);
+    pen.lineTo(x + long, y - 7);
+    pen.lineWidth = width;
+    pen.strokeStyle = ink;
+    pen.stroke();
+  }
+  pen.font = "600 13px system-ui, sans-serif";
+  text(pen, words.distance(length_m), x + long / 2, y - 14, colour.ink, colour.halo);
+}
+
+export function drawNorth(pen, colour, words) {
+  arrow(pen, [24, 34], 0, colour.ink, colour.halo, 13);
+  pen.font = "700 14px system-ui, sans-serif";
+  text(pen, words.say("chart.north"), 24, 12, colour.ink, colour.halo);
+}
+
+// The arrow flies with the water.
+export function drawCurrent(pen, current, colour, words) {
+  if (!current) return;
+  arrow(pen, [24, 76], current.towards_deg, colour.track, colour.halo, 15);
+  pen.font = "600 13px system-ui, sans-serif";
+  const said = words.say("chart.current", { speed: words.speed(current.speed_m_s) });
+  text(pen, said, 44 + pen.measureText(said).width / 2, 76, colour.ink, colour.halo);
+}
+
+function arrow(pen, at, towards_deg, ink, halo, half) {
+  pen.save();
+  pen.translate(...at);
+  pen.rotate(radians(towards_deg));
+  pen.beginPath();
+  pen.moveTo(0, -half);
+  pen.lineTo(half * 0.62, -half * 0.1);
+  pen.lineTo(half * 0.22, -half * 0.1);
+  pen.lineTo(half * 0.22, half);
+  pen.lineTo(-half * 0.22, half);
+  pen.lineTo(-half * 0.22, -half * 0.1);
+  pen.lineTo(-half * 0.62, -half * 0.1);
+  pen.closePath();
+  pen.lineJoin = "round";
+  pen.lineWidth = 4;
+  pen.strokeStyle = halo;
+  pen.stroke();
+  pen.fillStyle = ink;
+  pen.fill();
+  pen.restore();
+}
+
+const turned = (bearing_deg) => radians(bearing_deg - 90); // clockwise from the canvas' x axis

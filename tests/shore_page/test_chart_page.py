@@ -1,0 +1,381 @@
+"""The chart of the page in real Chromium: it draws, pans, zooms, follows, and tells a tapped place."""
+
+import asyncio
+import json
+import math
+import os
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from aiohttp import web
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from companion.core.geo import LatLon, LocalFrame, Point, distance_m
+from companion.shore.chart import Chart, Way
+from companion.shore.messages import Place
+
+CHROMIUM = Path("/usr/bin/chromium")
+SWITCHES = [
+    *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
+    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
+]
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+PAGE = ROOT / "companion" / "shore" / "page"
+MAPS = ROOT / "examples" / "maps"
+POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'"
+PHONE = {"width": 390, "height": 844}
+DESKTOP = {"width": 1280, "height": 800}
+PATIENCE_MS = 60_000
+FRAME = LocalFrame(LatLon(50.0, -1.2))
+BOAT = FRAME.to_global(Point(-100.0, -100.0))
+
+pytestmark = [
+    pytest.mark.realtime,
+    pytest.mark.skipif(not CHROMIUM.exists(), reason=f"{CHROMIUM} is missing"),
+]
+
+
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
+    """A server of the page's files and the rig's, with the page's content security policy."""
+
+    @web.middleware
+    async def with_policy(request: web.Request, handler: Any) -> web.StreamResponse:  # noqa: ANN401
+        answer: web.StreamResponse = await handler(request)
+        answer.headers["Content-Security-Policy"] = POLICY
+        return answer
+
+    async def chart(_: web.Request) -> web.Response:
+        return web.Response(body=Chart(MAPS / "mill_pond.geojson").geojson(), content_type="application/json")
+
+    app = web.Application(middlewares=[with_policy])
+    app.router.add_get("/api/chart", chart)
+    app.router.add_static("/page", PAGE)
+    app.router.add_static("/rig", HERE)
+    loop = asyncio.new_event_loop()
+    runner = web.AppRunner(app)
+
+    async def start() -> int:
+        await runner.setup()
+        site = web.TCPSite(runner, "127.0.0.1", 0)
+        await site.start()
+        return int(runner.addresses[0][1])
+
+    thread = threading.Thread(target=loop.run_forever)  # playwright has a loop of its own in this one
+    thread.start()
+    port = asyncio.run_coroutine_threadsafe(start(), loop).result(60)
+    yield f"http://127.0.0.1:{port}"
+    asyncio.run_coroutine_threadsafe(runner.cleanup(), loop).result(60)
+    loop.call_soon_threadsafe(loop.stop)
+    thread.join()
+    loop.close()
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=str(CHROMIUM), args=SWITCHES)
+        yield opened
+        opened.close()
+
+
+@pytest.fixture(params=["phone", "desktop"])
+def page(request: pytest.FixtureRequest, browser: Browser, address: str) -> Iterator[Page]:
+    """The chart with the boat on it and no map yet, at phone or desktop size."""
+    is_phone = request.param == "phone"
+    context = browser.new_context(
+        viewport=PHONE if is_phone else DESKTOP,  # type: ignore[arg-type]
+        device_scale_factor=3 if is_phone else 1,
+        has_touch=is_phone,
+    )
+    context.set_default_timeout(PATIENCE_MS)
+    opened = context.new_page()
+    faults: list[str] = []
+    opened.on("pageerror", lambda error: faults.append(str(error)))
+    opened.on("console", lambda line: faults.append(line.text) if line.type == "error" else None)
+    opened.goto(f"{address}/rig/chart_rig.html")
+    opened.wait_for_function("window.chart !== undefined && window.draws > 0")
+    yield opened
+    context.close()
+    faults = [fault for fault in faults if "favicon" not in fault and "404" not in fault]
+    assert faults == []
+
+
+def state(at: LatLon = BOAT, heading_deg: float | None = 40.0, **more: Any) -> dict[str, Any]:  # noqa: ANN401
+    return {"boat": 1, "place": {"lat": at.lat_deg, "lon": at.lon_deg}, "heading_deg": heading_deg, **more}
+
+
+def show(page: Page, what: str, *values: object) -> None:
+    """Call the chart, and wait until it has drawn what it was given."""
+    page.evaluate(
+        "async ([what, values]) => { window.chart[what](...values);"
+        " await new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done))); }",
+        [what, list(values)],
+    )
+
+
+def show_pond(page: Page) -> None:
+    tree = json.loads(Chart(MAPS / "mill_pond.geojson").geojson())
+    show(page, "showChart", tree)
+
+
+def middle(page: Page) -> tuple[float, float]:
+    box = page.locator("#chart").bounding_box()
+    assert box is not None
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def tapped(page: Page, x: float, y: float) -> Point:
+    """The place that a tap at these pixels tells, in metres of FRAME."""
+    page.evaluate("window.taps.length = 0")
+    page.mouse.click(x, y)
+    page.wait_for_function("window.taps.length === 1")
+    lat, lon = page.evaluate("window.taps[0]")
+    return FRAME.to_local(LatLon(lat, lon))
+
+
+def scale(page: Page) -> float:
+    """Pixels a metre, as two taps tell."""
+    x, y = middle(page)
+    return 100.0 / distance_m(tapped(page, x - 50, y + 90), tapped(page, x + 50, y + 90))
+
+
+def colour(page: Page, x: float, y: float) -> tuple[int, int, int]:
+    red, green, blue = page.evaluate(
+        "([x, y]) => { const canvas = document.getElementById('chart'), "
+        " k = canvas.width / canvas.clientWidth;"
+        " return [...canvas.getContext('2d').getImageData(x * k, y * k, 1, 1).data].slice(0, 3); }",
+        [x, y],
+    )
+    return red, green, blue
+
+
+def test_a_tap_tells_its_place_within_a_tenth_of_a_metre(page: Page) -> None:
+    show_pond(page)
+    show(page, "showState", state())
+    x, y = middle(page)
+    boat = FRAME.to_local(BOAT)
+    assert distance_m(tapped(page, x, y), boat) < 0.1
+    pixels_a_metre = scale(page)
+    for dx, dy in ((120, 0), (-90, 150), (40, -200)):
+        there = Point(boat.north_m - dy / pixels_a_metre, boat.east_m + dx / pixels_a_metre)
+        assert distance_m(tapped(page, x + dx, y + dy), there) < 0.1
+
+
+def test_what_is_drawn_at_a_place_is_where_a_tap_finds_it(page: Page) -> None:
+    show_pond(page)
+    show(page, "showState", state())
+    water = Chart(MAPS / "mill_pond.geojson")
+    x, y = middle(page)
+    for dx, dy in ((-150, -140), (150, -140), (-150, 200), (150, 200), (0, 100)):
+        at = FRAME.to_global(tapped(page, x + dx, y + dy))
+        place = Place(lat=at.lat_deg, lon=at.lon_deg)
+        is_water = isinstance(water.way(Place(lat=BOAT.lat_deg, lon=BOAT.lon_deg), place), Way)
+        page.evaluate("document.activeElement.blur()")
+        shown = colour(page, x + dx, y + dy)
+        assert (shown == (0xB7, 0xDA, 0xEB)) == is_water, (dx, dy, shown, is_water)
+
+
+def test_dragging_moves_the_chart_and_the_button_follows_the_boat_again(page: Page) -> None:
+    show_pond(page)
+    show(page, "showState", state())
+    x, y = middle(page)
+    boat = FRAME.to_local(BOAT)
+    pixels_a_metre = scale(page)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 60, y - 30, steps=6)
+    page.mouse.up()
+    assert page.evaluate("window.taps.length") == 1  # the one of `scale`: a drag is none
+    follow = page.get_by_role("button", name="chart.follow")
+    assert follow.get_attribute("aria-pressed") == "false"
+    moved = tapped(page, x, y)
+    assert moved.east_m - boat.east_m == pytest.approx(-60 / pixels_a_metre, abs=0.1)
+    assert moved.north_m - boat.north_m == pytest.approx(-30 / pixels_a_metre, abs=0.1)
+    away = FRAME.to_global(Point(-60.0, -40.0))
+    show(page, "showState", state(away))
+    assert distance_m(tapped(page, x, y), moved) < 0.1  # it stays while it is not asked to follow
+    follow.click()
+    assert follow.get_attribute("aria-pressed") == "true"
+    assert distance_m(tapped(page, x, y), Point(-60.0, -40.0)) < 0.1
+
+
+def test_the_chart_follows_the_boat(page: Page) -> None:
+    x, y = middle(page)
+    for north_m in (0.0, 5.0, 40.0):
+        show(page, "showState", state(FRAME.to_global(Point(north_m, 3.0))))
+        assert distance_m(tapped(page, x, y), Point(north_m, 3.0)) < 0.2
+
+
+def test_the_wheel_zooms_about_its_place(page: Page) -> None:
+    show_pond(page)
+    show(page, "showState", state())
+    x, y = middle(page)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x - 30, y, steps=4)
+    page.mouse.up()
+    before, scale_before = tapped(page, x + 80, y + 60), scale(page)
+    page.mouse.move(x + 80, y + 60)
+    draws = page.evaluate("window.draws")
+    page.mouse.wheel(0, -300)
+    page.wait_for_function(f"window.draws > {draws}")
+    assert distance_m(tapped(page, x + 80, y + 60), before) < 0.1
+    assert scale(page) == pytest.approx(scale_before * math.exp(0.45), rel=0.01)
+
+
+def test_buttons_and_keys_zoom_and_pan(page: Page) -> None:
+    show(page, "showState", state())
+    x, y = middle(page)
+    before = scale(page)
+    page.get_by_role("button", name="chart.in").click()
+    assert scale(page) == pytest.approx(1.6 * before, rel=0.01)
+    page.get_by_role("button", name="chart.out").click()
+    assert scale(page) == pytest.approx(before, rel=0.01)
+    canvas = page.locator("#chart")
+    canvas.press("+")
+    assert scale(page) == pytest.approx(1.4 * before, rel=0.01)
+    canvas.press("-")
+    canvas.press("ArrowRight")
+    boat = FRAME.to_local(BOAT)
+    assert tapped(page, x, y).east_m - boat.east_m == pytest.approx(60 / before, abs=0.1)
+    canvas.press("0")
+    page.evaluate("window.taps.length = 0")
+    canvas.press("Enter")
+    (tap,) = page.evaluate("window.taps")
+    assert distance_m(FRAME.to_local(LatLon(*tap)), boat) < 0.1
+    for name in ("chart.follow", "chart.in", "chart.out"):
+        box = page.get_by_role("button", name=name).bounding_box()
+        assert box is not None
+        assert min(box["width"], box["height"]) >= 48
+
+
+def test_two_fingers_zoom_and_are_no_tap(page: Page) -> None:
+    show(page, "showState", state())
+    before = scale(page)
+    page.evaluate("window.taps.length = 0")
+    x, y = middle(page)
+    page.evaluate(
+        """([x, y]) => {
+          const canvas = document.getElementById("chart");
+          canvas.setPointerCapture = () => {};
+          const say = (type, id, px, py) => canvas.dispatchEvent(new PointerEvent(type,
+            { pointerId: id, pointerType: "touch", clientX: px, clientY: py, bubbles: true }));
+          say("pointerdown", 1, x - 40, y);
+          say("pointerdown", 2, x + 40, y);
+          for (let n = 1; n <= 8; n += 1) {
+            say("pointermove", 1, x - 40 - 5 * n, y);
+            say("pointermove", 2, x + 40 + 5 * n, y);
+          }
+          say("pointerup", 1, x - 80, y);
+          say("pointerup", 2, x + 80, y);
+        }""",
+        [x, y],
+    )
+    assert page.evaluate("window.taps.length") == 0
+    assert scale(page) == pytest.approx(2.0 * before, rel=0.01)
+    assert distance_m(tapped(page, x, y), FRAME.to_local(BOAT)) < 0.1  # still followed
+
+
+def test_it_draws_only_when_something_changed(page: Page) -> None:
+    show_pond(page)
+    show(page, "showState", state())
+    before = page.evaluate("window.draws")
+    for heard_s in range(20):
+        show(page, "showState", state(heard_s=heard_s, temperature_c=30.0 + heard_s))
+    assert page.evaluate("window.draws") == before
+    show(page, "showState", state(heading_deg=41.0))
+    assert page.evaluate("window.draws") == before + 1
+
+
+def test_the_canvas_has_the_pixels_of_the_screen(page: Page) -> None:
+    sizes = page.evaluate(
+        "[chart => 0, document.getElementById('chart').width, document.getElementById('chart').clientWidth,"
+        " devicePixelRatio].slice(1)"
+    )
+    assert sizes[0] == sizes[1] * sizes[2]
+
+
+def test_night_is_darker_than_day(page: Page) -> None:
+    show_pond(page)
+    show(page, "showState", state())
+    x, y = middle(page)
+    day = colour(page, x + 70, y + 60)
+    page.evaluate("document.documentElement.dataset.theme = 'dark'")
+    page.evaluate(
+        "async () => { await new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done))); }"
+    )
+    assert sum(colour(page, x + 70, y + 60)) < 0.6 * sum(day)
+
+
+def test_everything_at_once_is_drawn_without_a_fault(page: Page) -> None:
+    """With MAVBOAT_PICTURES=DIR the pictures are kept there, for people to look at."""
+    show_pond(page)
+    show_all(page)
+    x, y = middle(page)
+    assert colour(page, x, y) != (0xB7, 0xDA, 0xEB)  # the boat
+    folder = os.environ.get("MAVBOAT_PICTURES")
+    if folder:
+        size = "phone" if x < 300 else "desktop"
+        for theme in ("light", "dark"):
+            page.evaluate(f"document.documentElement.dataset.theme = '{theme}'")
+            show(page, "showWay", None)
+            show(page, "showWay", planned())
+            page.screenshot(path=f"{folder}/chart_{size}_{theme}.png")
+        page.get_by_role("button", name="chart.out").click()
+        page.get_by_role("button", name="chart.out").click()
+        page.screenshot(path=f"{folder}/chart_{size}_far.png")
+
+
+def planned() -> list[tuple[float, float]]:
+    at = FRAME.to_global(Point(20.0, 60.0))
+    start = Place(lat=BOAT.lat_deg, lon=BOAT.lon_deg)
+    way = Chart(MAPS / "mill_pond.geojson").way(start, Place(lat=at.lat_deg, lon=at.lon_deg))
+    assert isinstance(way, Way), way
+    return way.points
+
+
+def show_all(page: Page) -> None:
+    def lon_lat(east_m: float, north_m: float) -> list[float]:
+        at = FRAME.to_global(Point(north_m, east_m))
+        return [at.lon_deg, at.lat_deg]
+
+    def item(seq: int, command: int, east_m: float, north_m: float, **more: float) -> dict[str, Any]:
+        return {
+            "type": "Feature",
+            "geometry": {"type": "Point", "coordinates": lon_lat(east_m, north_m)},
+            "properties": {"seq": seq, "command": command, "name": "", **more},
+        }
+
+    mission = [
+        item(0, 16, -194, -150), item(1, 16, -150, -120), item(2, 16, -60, -90), item(3, 16, 30, -70),
+        item(4, 18, 110, 30, radius_m=12.0), item(5, 16, 190, 160),
+        {"type": "Feature", "geometry": None, "properties": {"seq": 6, "command": 177, "name": "jump"}},
+    ]  # fmt: skip
+    fence = json.loads((MAPS / "mill_pond_fence.geojson").read_text())["features"]
+    commands = {"inclusion": 5001, "exclusion": 5004, "rally": 5100}
+    for seq, feature in enumerate(fence):
+        feature["properties"] |= {"seq": seq, "command": commands[feature["properties"]["kind"]]}
+    show(page, "showItems", "mission", {"type": "FeatureCollection", "features": mission})
+    show(page, "showItems", "fence", {"type": "FeatureCollection", "features": fence[:2]})
+    show(page, "showItems", "rally", {"type": "FeatureCollection", "features": fence[2:]})
+    show(page, "showTrack", [lon_lat(-190 + n, -148 + 0.5 * n + 2 * math.sin(n / 9)) for n in range(91)])
+    show(page, "showWay", planned())
+    home = FRAME.to_global(Point(-150.0, -194.0))
+    show(
+        page, "showState",
+        state(
+            course_deg=55.0, speed_m_s=1.2, armed=True, progress={"current": 3, "state": "active"},
+            home={"place": {"lat": home.lat_deg, "lon": home.lon_deg}},
+            current={"speed_m_s": 0.3, "towards_deg": 110.0},
+            sonar={"bearing_deg": -20.0, "range_m": 14.0, "beam_deg": 20.0},
+            obstacles={
+                "start_deg": -45.0, "step_deg": 5.0,
+                "ranges_m": [None] * 4 + [14.2, 14.0, 14.1, None, None, 22.0, 21.0, 20.5] + [None] * 6,
+            },
+        ),
+    )  # fmt: skip
