@@ -56,11 +56,14 @@ def mover_rig(mover: str, seed: int) -> Rig:
     ids=["head on", "slower ahead", "from starboard", "from port"],
 )
 def test_what_moves_is_rarely_touched_and_the_goal_reached(mover: str) -> None:
-    """In half of the seeds at most: a crossing mover is known late, and at 1 m/s there is little time."""
+    """In half of the seeds at most: a crossing mover is known late, and at 1 m/s there is little time.
+
+    The boat backs away from what comes along its leg, for half a minute at times.
+    """
     touched = 0
     for seed in range(1, 7):
         rig = mover_rig(mover, seed)
-        rig.until(lambda rig=rig: rig.mode != "AUTO", 150.0)  # type: ignore[misc]
+        rig.until(lambda rig=rig: rig.mode != "AUTO", 200.0)  # type: ignore[misc]
         assert rig.mode == "LOITER"
         touched += rig.world.groundings > 0
     assert touched <= 3

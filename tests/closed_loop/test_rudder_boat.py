@@ -138,7 +138,8 @@ def test_a_boat_that_cannot_steer_tries_to_come_free_then_drifts(what: str, kind
     rig.until(lambda: rig.mode == "HOLD", 200.0)
     texts = rig.peer.texts
     assert texts[:2] == [told, "Clearing the propellers"]
-    assert 2 <= texts.count("Clearing the propellers") <= 3, "one more if the drifting boat turns by chance"
+    # one more if the drifting boat turns by chance, two more if another failsafe is named after the first
+    assert 2 <= texts.count("Clearing the propellers") <= 4
     rig.run(1.0)
     assert rig.boat.command.left == rig.boat.command.rudder == 0.0
 

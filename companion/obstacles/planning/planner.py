@@ -293,7 +293,7 @@ class LocalPlanner:
         self.limit.reduce_to(braking_speed_m_s(0.5 * room_m, 0.0, config.guidance))
         if nav.surge_m_s > STILL_SHARE * config.guidance.min_speed_m_s:
             return None
-        return self._stay(nav.point, "Obstacle ahead: keeping station")
+        return self._stay(self._roomy or nav.point, "Obstacle ahead: keeping station")
 
     def _stay(self, place: Point, text: str) -> KeepStation:
         self.stage, self._to_go = Stage.BLOCKED, None
