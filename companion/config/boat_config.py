@@ -86,15 +86,14 @@ class Heading(Section, frozen=True):
 class Speed(Section, frozen=True):
     """Speed loop: feed-forward throttle at cruise speed, then PI on the speed error.
 
-    The default of kp closes the loop at (1 + 3.3 kp) / 3 s = 1.2 rad/s, with the lake boat's time constant of
-    3 s: that follows the speed that guidance demands `handling.surge_time_s` = 1 s ahead. With 1.2, half as
-    much noise again of GNSS velocities is passed to the motors and corners are no better (campaign
-    calm_hands); with 0.5, the boat makes 0.2 m/s 10 s after the stick is released.
+    The default of kp closes the loop at (1 + 3.3 kp) / 3 s = 1.7 rad/s, with the lake boat's time constant of
+    3 s. With 0.8, the motors' commands travel a tenth less (campaign calm_hands), but the boat turns round
+    nearer to a shore that it finds late; with 2.0, the noise of GNSS velocities is passed to the motors.
     """
 
     cruise_m_s: Positive = 2.0
     cruise_throttle: Share = 0.6
-    kp: NonNegative = 0.8  # share of full throttle per m/s
+    kp: NonNegative = 1.2  # share of full throttle per m/s
     ki: NonNegative = 0.2
     max_throttle: Share = 1.0
 

@@ -172,9 +172,9 @@ def test_by_hand_the_throttle_is_what_holds_the_allowed_speed() -> None:
 
 def test_by_hand_a_boat_that_coasts_toward_the_line_is_braked_astern() -> None:
     allowed = allowed_m_s(4.0)
-    braked = limited(Drive(0.0, 0.0), nav_at(44.0, 1.6))
-    assert throttle_of(braked) == pytest.approx(throttle_for(allowed, 1.6), abs=2e-3)
-    assert throttle_of(limited(Drive(1.0, 0.0), nav_at(44.0, 3.0))) == -1.0
+    braked = limited(Drive(0.0, 0.0), nav_at(44.0, 1.2))
+    assert throttle_of(braked) == pytest.approx(throttle_for(allowed, 1.2), abs=2e-3)
+    assert throttle_of(limited(Drive(1.0, 0.0), nav_at(44.0, 2.5))) == -1.0
 
 
 def test_by_hand_less_throttle_than_allowed_goes_through() -> None:
