@@ -1,0 +1,81 @@
+"""The computer of the boat, when this program runs on it.
+
+Links and load come from the boat's status file, temperature and disk from the system.
+"""
+
+import os
+from pathlib import Path
+from typing import Any, Final
+
+import msgspec
+from msgspec import Struct
+
+from companion.shore.messages import LinkLoss
+
+_PERIOD_S: Final = 1.0
+_THERMAL: Final = Path("/sys/class/thermal/thermal_zone0/temp")
+_ROOT: Final = Path("/")
+
+
+class _Link(Struct):
+    """What is used of `companion.router.status.LinkStatus`."""
+
+    name: str
+    frames_in: int
+    lost: int
+    heard: list[str]
+
+
+class _Links(Struct):
+    links: list[_Link]
+
+
+class _Status(Struct):
+    """What is used of `companion.app.status_file.BoatStatus`, whose module would load the whole boat."""
+
+    load: float
+    links: _Links
+
+
+class Board:
+    """Read once a second. A file that is missing or broken means: not known."""
+
+    def __init__(self, status_file: Path, thermal: Path = _THERMAL, disk: Path = _ROOT) -> None:
+        self._status_file = status_file
+        self._thermal = thermal
+        self._disk = disk
+        self._due_s = float("-inf")
+        self._fields: dict[str, Any] = {}
+
+    def fields(self) -> dict[str, Any]:
+        """The fields of a snapshot that are known."""
+        return self._fields
+
+    def poll(self, now_s: float) -> None:
+        """Read if due."""
+        if now_s < self._due_s:
+            return
+        self._due_s = now_s + _PERIOD_S
+        self._fields = {**self._status(), **self._system()}
+
+    def _status(self) -> dict[str, Any]:
+        try:
+            status = msgspec.json.decode(self._status_file.read_bytes(), type=_Status)
+        except (OSError, msgspec.MsgspecError):
+            return {}
+        return {"load": status.load, "links": [_loss(link) for link in status.links.links]}
+
+    def _system(self) -> dict[str, Any]:
+        fields: dict[str, Any] = {}
+        try:
+            disk = os.statvfs(self._disk)
+            fields["disk_free_mb"] = disk.f_bavail * disk.f_frsize / 1e6
+            fields["temperature_c"] = int(self._thermal.read_text("ascii")) / 1e3
+        except (OSError, ValueError):
+            pass
+        return fields
+
+
+def _loss(link: _Link) -> LinkLoss:
+    sent = link.frames_in + link.lost
+    return LinkLoss(name=link.name, heard=link.heard, loss=link.lost / sent if sent > 0 else 0.0)

@@ -1,0 +1,153 @@
+"""One boat as this station knows it: its view, its texts, and what is under way to it."""
+
+from collections.abc import Callable
+from typing import Final
+
+from companion.mavlink.address import Address
+from companion.mavlink.dialect import Message, dialect
+from companion.shore.messages import Answer, Request, Snapshot
+from companion.shore.station.commands import Commands
+from companion.shore.station.items import ItemLists
+from companion.shore.station.reasons import Reasons
+from companion.shore.station.requests import BadRequestError, build_command, way_points
+from companion.shore.station.sailing import Sailing
+from companion.shore.station.streams import Streams
+from companion.shore.station.texts import Texts
+from companion.shore.station.view import HANDLERS, View
+from companion.shore.station.wire import command_long
+
+SILENT_S: Final = 5.0  # without a heartbeat: nothing is asked of the boat meanwhile
+_DEPARTURES: Final = frozenset({"continue", "go", "return", "sail", "start"})
+_ARM_FIRST: Final = " as soon as it is armed"
+_MISSION_MESSAGES: Final = frozenset(
+    {
+        dialect.MAVLINK_MSG_ID_MISSION_ACK,
+        dialect.MAVLINK_MSG_ID_MISSION_COUNT,
+        dialect.MAVLINK_MSG_ID_MISSION_ITEM_INT,
+        dialect.MAVLINK_MSG_ID_MISSION_REQUEST,
+        dialect.MAVLINK_MSG_ID_MISSION_REQUEST_INT,
+    }
+)
+WANTED: Final = _MISSION_MESSAGES | HANDLERS.keys() | {
+    dialect.MAVLINK_MSG_ID_COMMAND_ACK, dialect.MAVLINK_MSG_ID_STATUSTEXT,
+}  # fmt: skip
+
+
+class ShoreBoat:
+    """A boat. send: a message on the link on which the boat was last heard."""
+
+    def __init__(self, address: Address, own: Address, send: Callable[[Message], None]) -> None:
+        self.address = address
+        self.heard_s: float | None = None  # Unix time of the latest heartbeat
+        self.view = View()
+        self.lists = ItemLists(address, own, send)
+        self.texts = Texts()
+        self.reasons = Reasons()
+        self._send = send
+        self._commands = Commands(address, own, send)
+        self._sailing = Sailing(address, own, send, self._commands.ask, self._on_upload)
+        self._streams = Streams(address, send)
+        self._heartbeat_s = float("-inf")
+        self._total: int | None = None
+
+    def _on_upload(self, now_s: float) -> None:
+        self.lists.may_have_changed("mission", now_s)
+
+    def relink(self) -> None:
+        """The boat is heard on another link, which has none of the streams asked for."""
+        self._streams.restart()
+
+    def handle(self, message: Message, now_s: float, unix_s: float) -> None:
+        """A message of this boat's autopilot, one of WANTED."""
+        number = message.get_msgId()
+        self._streams.on_message(number)
+        if (handler := HANDLERS.get(number)) is not None:
+            handler(self.view, message)
+        if number == dialect.MAVLINK_MSG_ID_HEARTBEAT:
+            self.heard_s, self._heartbeat_s = unix_s, now_s
+        elif number == dialect.MAVLINK_MSG_ID_MISSION_CURRENT and self.view.mission_total != self._total:
+            self._total = self.view.mission_total
+            self.lists.may_have_changed("mission", now_s)
+        elif number == dialect.MAVLINK_MSG_ID_COMMAND_ACK:
+            self._commands.on_ack(message, now_s)
+        elif number == dialect.MAVLINK_MSG_ID_STATUSTEXT:
+            for text in self.texts.ingest(message, now_s, unix_s):
+                self._commands.on_text(text)
+                self.reasons.on_text(text, now_s)
+        elif number in _MISSION_MESSAGES:
+            self.lists.handle(message, now_s)
+            self._sailing.handle(message, now_s)
+
+    def poll(self, now_s: float, unix_s: float) -> None:
+        """Repeat, give up, and ask for what is missing."""
+        view = self.view
+        for text in self.texts.poll(now_s, unix_s):
+            self._commands.on_text(text)
+            self.reasons.on_text(text, now_s)
+        self._commands.poll(now_s)
+        self._sailing.poll(now_s)
+        is_heard = now_s - self._heartbeat_s < SILENT_S
+        if not self._sailing.is_uploading:
+            self.lists.poll(now_s, is_heard)
+        if not is_heard:
+            return
+        has_modes = view.mode_count is not None and len(view.mode_names) >= view.mode_count
+        self._streams.poll(now_s, has_modes=has_modes, has_cruise=view.cruise_m_s is not None)
+        if self.reasons.poll(view, now_s):
+            self._send(command_long(self.address, dialect.MAV_CMD_RUN_PREARM_CHECKS))
+
+    def ask(self, request: Request, answer: Callable[[Answer], None], now_s: float) -> None:
+        """Do what the page asks; exactly one answer."""
+
+        def answered(ok: bool, text: str) -> None:
+            if ok and request.what in _DEPARTURES and self.view.armed is False:
+                text = f"{text}{_ARM_FIRST}"
+            answer(Answer(id=request.id, ok=ok, text=text))
+
+        try:
+            if request.what == "sail":
+                way = way_points(request.arguments)
+                self._commands.replace_steering()
+                self.lists.pause(now_s)
+                self._sailing.ask(way, answered, now_s)
+                return
+            command = build_command(request.what, request.arguments, self._mode_numbers())
+        except BadRequestError as error:
+            answered(False, str(error))
+            return
+        if command.steers:
+            self._sailing.cancel(now_s)
+        self._commands.ask(command, answered, now_s)
+
+    def snapshot(self) -> Snapshot:
+        """The boat as the page shows it; without links, temperature and disk."""
+        view = self.view
+        return Snapshot(
+            boat=self.address.system,
+            heard_s=self.heard_s,
+            mode=view.mode,
+            modes=list(self._mode_numbers()),
+            armed=view.armed,
+            state=view.state,
+            battery=view.battery,
+            fix=view.fix,
+            compass=view.compass(),
+            speed_m_s=view.speed_m_s,
+            heading_deg=view.heading_deg,
+            course_deg=view.course_deg,
+            place=view.place,
+            home=view.way_home(),
+            mission=self.lists.summary("mission"),
+            progress=view.progress,
+            fence=self.lists.summary("fence"),
+            rally=self.lists.summary("rally"),
+            current=view.current,
+            sonar=view.sonar,
+            obstacles=view.obstacles,
+            load=view.load,
+            reasons=self.reasons.now(),
+            lines=list(self.texts.lines),
+        )
+
+    def _mode_numbers(self) -> dict[str, int]:
+        return {name: number for number, name in self.view.mode_names.items()}

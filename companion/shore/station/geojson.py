@@ -1,0 +1,109 @@
+"""Mission items as GeoJSON for the page's chart.
+
+Features are in the order of the list. Properties: seq (of its first item), command, name, and radius_m where
+there is one. A feature without a place (a command, or a place in a local frame) has a null geometry.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any, Final
+
+from companion.core.geo import LatLon, position_from_e7
+from companion.mavlink.dialect import dialect
+from companion.mavlink.items import GLOBAL_FRAMES, MissionItem
+
+_INCLUSION: Final = 5001
+_EXCLUSION: Final = 5002
+_CIRCLE_IN: Final = 5003
+_CIRCLE_OUT: Final = 5004
+_LEAST_CORNERS: Final = 3
+_WIDEST_M: Final = 1e6
+_NAMES: Final = {
+    16: "waypoint", 17: "stay", 18: "circle", 19: "stay for a time", 20: "return", 93: "wait", 112: "delay",
+    113: "distance", 115: "turn", 177: "jump", 178: "speed", 179: "home", 5000: "return point",
+    _INCLUSION: "inclusion", _EXCLUSION: "exclusion", _CIRCLE_IN: "inclusion", _CIRCLE_OUT: "exclusion",
+    5100: "rally point",
+}  # fmt: skip
+
+
+def command_name(number: int) -> str:
+    """In plain words, or MAVLink's name in lower case."""
+    if number in _NAMES:
+        return _NAMES[number]
+    entry = dialect.enums["MAV_CMD"].get(number)
+    if entry is None:
+        return f"command {number}"
+    name = str(entry.name).removeprefix("MAV_CMD_")
+    return name.lower().replace("_", " ")
+
+
+def mission_geojson(items: Sequence[MissionItem]) -> dict[str, Any]:
+    """A point for each item; item 0 is home."""
+    features = []
+    for seq, item in enumerate(items):
+        radius_m = item.param2 if item.command == dialect.MAV_CMD_NAV_WAYPOINT else item.param3
+        name = "home" if seq == 0 else command_name(item.command)
+        features.append(_point(seq, item, name, radius_m))
+    return _collection(features)
+
+
+def rally_geojson(items: Sequence[MissionItem]) -> dict[str, Any]:
+    """A point for each."""
+    return _collection([_point(seq, item, command_name(item.command)) for seq, item in enumerate(items)])
+
+
+def fence_geojson(items: Sequence[MissionItem]) -> dict[str, Any]:
+    """Polygons of consecutive corners, circles as points with a radius."""
+    features: list[dict[str, Any]] = []
+    at = 0
+    while at < len(items):
+        item = items[at]
+        name = command_name(item.command)
+        if item.command not in (_INCLUSION, _EXCLUSION):
+            is_circle = item.command in (_CIRCLE_IN, _CIRCLE_OUT)
+            features.append(_point(at, item, name, item.param1 if is_circle else 0.0))
+            at += 1
+            continue
+        count = _corner_count(item)
+        corners = [
+            corner
+            for one in items[at : at + count]
+            if one.command == item.command and (corner := _lon_lat(one))
+        ]
+        geometry = None
+        if len(corners) >= _LEAST_CORNERS:
+            geometry = {"type": "Polygon", "coordinates": [[*corners, corners[0]]]}
+        features.append(_feature(geometry, at, item.command, name))
+        at += count
+    return _collection(features)
+
+
+def _corner_count(item: MissionItem) -> int:
+    """param1 of a corner: how many the polygon has; at least this one."""
+    return int(item.param1) if math.isfinite(item.param1) and item.param1 >= 1.0 else 1
+
+
+def _lon_lat(item: MissionItem) -> list[float] | None:
+    if item.frame not in GLOBAL_FRAMES:
+        return None
+    place: LatLon | None = position_from_e7(item.x, item.y)
+    return None if place is None else [place.lon_deg, place.lat_deg]
+
+
+def _point(seq: int, item: MissionItem, name: str, radius_m: float = 0.0) -> dict[str, Any]:
+    at = _lon_lat(item)
+    geometry = None if at is None else {"type": "Point", "coordinates": at}
+    return _feature(geometry, seq, item.command, name, radius_m)
+
+
+def _feature(
+    geometry: dict[str, Any] | None, seq: int, command: int, name: str, radius_m: float = 0.0
+) -> dict[str, Any]:
+    properties: dict[str, Any] = {"seq": seq, "command": command, "name": name}
+    if math.isfinite(radius_m) and 0.0 < abs(radius_m) <= _WIDEST_M:
+        properties["radius_m"] = abs(radius_m)
+    return {"type": "Feature", "geometry": geometry, "properties": properties}
+
+
+def _collection(features: list[dict[str, Any]]) -> dict[str, Any]:
+    return {"type": "FeatureCollection", "features": features}

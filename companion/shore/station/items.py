@@ -1,0 +1,124 @@
+"""Mission, fence and rally list of one boat, downloaded by the mission protocol.
+
+The boat does not say when another station has changed a list, so a list is read again from time to time, and
+at once when something hints at a change.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final, Literal
+
+from companion.mavlink.address import Address
+from companion.mavlink.dialect import Message
+from companion.mavlink.items import MissionItem, MissionType
+from companion.mavlink.receiver import Receiver
+from companion.mavlink.transfer import Completed, Failed
+from companion.shore.messages import ItemList
+from companion.shore.station.geojson import fence_geojson, mission_geojson, rally_geojson
+
+Kind = Literal["mission", "fence", "rally"]
+KINDS: Final[dict[Kind, MissionType]] = {
+    "mission": MissionType.MISSION, "fence": MissionType.FENCE, "rally": MissionType.RALLY,
+}  # fmt: skip
+AGAIN_S: Final = 30.0  # between readings of a list
+AGAIN_PER_ITEM_S: Final = 0.5  # and longer for long lists, which cost more
+AFTER_FAILURE_S: Final = 10.0
+_MOST_ITEMS: Final = 5000
+_RETRY_S, _RETRIES = 1.0, 5
+
+
+@dataclass(slots=True)
+class _List:
+    items: tuple[MissionItem, ...] | None = None
+    version: int = 0
+    due_s: float = float("-inf")
+    geojson: dict[str, Any] | None = None
+
+
+class ItemLists:
+    """The three lists. send: to this boat."""
+
+    def __init__(self, boat: Address, own: Address, send: Callable[[Message], None]) -> None:
+        self._boat = boat
+        self._own = own
+        self._send = send
+        self._lists: dict[Kind, _List] = {kind: _List() for kind in KINDS}
+        self._reading: Kind | None = None
+        self._receiver = Receiver(own, MissionType.MISSION)
+
+    def summary(self, kind: Kind) -> ItemList | None:
+        """Count and version; home is not counted. None until downloaded."""
+        one = self._lists[kind]
+        if one.items is None:
+            return None
+        count = max(len(one.items) - 1, 0) if kind == "mission" else len(one.items)
+        return ItemList(count=count, version=one.version)
+
+    def geojson(self, kind: Kind) -> dict[str, Any] | None:
+        """The list as a FeatureCollection; None until downloaded."""
+        one = self._lists[kind]
+        if one.items is None:
+            return None
+        if one.geojson is None:
+            build = {"mission": mission_geojson, "fence": fence_geojson, "rally": rally_geojson}[kind]
+            one.geojson = build(one.items)
+        return one.geojson
+
+    def may_have_changed(self, kind: Kind, now_s: float) -> None:
+        """Read this list again soon."""
+        self._lists[kind].due_s = min(self._lists[kind].due_s, now_s)
+
+    def pause(self, now_s: float) -> None:
+        """Give up the download under way: an upload needs the line. It is due again."""
+        if self._reading is not None:
+            self._lists[self._reading].due_s = now_s
+            self._reading = None
+            self._receiver.cancel(now_s)
+            self._post()
+
+    def handle(self, message: Message, now_s: float) -> None:
+        """A message of the mission protocol from the boat."""
+        if self._reading is not None:
+            self._receiver.handle(message, self._boat, now_s)
+            self._after(now_s)
+
+    def poll(self, now_s: float, is_heard: bool) -> None:
+        """Start the download that is due, and repeat what was lost."""
+        if self._reading is not None:
+            self._receiver.tick(now_s)
+            self._after(now_s)
+            return
+        if not is_heard:
+            return
+        for kind, one in self._lists.items():
+            if now_s >= one.due_s:
+                self._reading = kind
+                self._receiver = Receiver(self._own, KINDS[kind], _RETRY_S, _RETRIES, _MOST_ITEMS)
+                self._receiver.request_list(self._boat, now_s)
+                self._post()
+                return
+
+    def _after(self, now_s: float) -> None:
+        for event in self._receiver.take_events():
+            if self._reading is None:
+                break
+            one = self._lists[self._reading]
+            if isinstance(event, Completed):
+                self._receiver.confirm(now_s)
+                self._keep(self._reading, event.items)
+                one.due_s = now_s + AGAIN_S + AGAIN_PER_ITEM_S * len(event.items)
+                self._reading = None
+            elif isinstance(event, Failed):
+                one.due_s = now_s + AFTER_FAILURE_S
+                self._reading = None
+        self._post()
+
+    def _keep(self, kind: Kind, items: tuple[MissionItem, ...]) -> None:
+        """Home, item 0 of a mission, follows the boat before it is armed: that is no new version."""
+        one, first = self._lists[kind], 1 if kind == "mission" else 0
+        one.version += one.items is None or items[first:] != one.items[first:]
+        one.items, one.geojson = items, None
+
+    def _post(self) -> None:
+        for message in self._receiver.take_outbox():
+            self._send(message)

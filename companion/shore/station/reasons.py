@@ -1,0 +1,102 @@
+"""Why a boat does not arm, and which failsafes act: its own texts, with why and what to do next.
+
+The boat tells its PreArm reasons when they appear and then rarely; a failsafe when it fires and when it is
+over. The words for people are in `reasons.toml`, found by the beginning of the boat's text.
+"""
+
+import tomllib
+from functools import cache
+from importlib.resources import files
+from typing import Final, NamedTuple
+
+from companion.shore.messages import Reason
+from companion.shore.station.texts import Text
+from companion.shore.station.view import View
+
+_PRE_ARM: Final = "PreArm: "
+_FAILSAFE: Final = "Failsafe: "
+_OVER: Final = "Failsafe over: "
+_BURST_S: Final = 1.0  # texts of one report come together
+_MOST: Final = 20
+ASK_S: Final = 5.0  # after a change of the verdict or the mode: how soon the boat is asked again
+AGAIN_S: Final = 30.0  # else: each answer shows on every station, too
+
+
+class Words(NamedTuple):
+    """For people. over: how the boat says that this failsafe has ended."""
+
+    why: str
+    next: str
+    over: str = ""
+
+
+@cache
+def words() -> dict[str, Words]:
+    """By the beginning of the boat's text."""
+    table = tomllib.loads(files(__package__).joinpath("reasons.toml").read_text("utf-8"))
+    return {begin: Words(**entry) for begin, entry in table.items()}
+
+
+def words_for(text: str) -> Words | None:
+    """The entry with the longest beginning of this text."""
+    begins = [begin for begin in words() if text.startswith(begin)]
+    return words()[max(begins, key=len)] if begins else None
+
+
+class Reasons:
+    """The reasons of one boat."""
+
+    def __init__(self) -> None:
+        self._pre_arm: dict[str, Reason] = {}
+        self._failsafes: dict[str, tuple[Reason, str]] = {}
+        self._told_s = float("-inf")
+        self._asked_s = float("-inf")
+        self._asked_in: str | None = None  # the mode: what a boat lacks depends on it
+
+    def now(self) -> list[Reason]:
+        """Failsafes first."""
+        return [reason for reason, _ in self._failsafes.values()] + list(self._pre_arm.values())
+
+    def on_text(self, text: Text, now_s: float) -> None:
+        """A text of the boat."""
+        if text.text.startswith(_PRE_ARM):
+            if now_s - self._told_s > _BURST_S:
+                self._pre_arm.clear()
+            self._told_s = now_s
+            said = text.text.removeprefix(_PRE_ARM)
+            if len(self._pre_arm) < _MOST:
+                self._pre_arm[said] = _reason(text.severity, said)
+        elif text.text.startswith(_OVER):
+            self._end(text.text.removeprefix(_OVER))
+        elif text.text.startswith(_FAILSAFE):
+            said = text.text.removeprefix(_FAILSAFE).removesuffix(" (persists)")
+            found = words_for(said)
+            key = found.why if found is not None else said
+            if key in self._failsafes or len(self._failsafes) < _MOST:
+                self._failsafes[key] = _reason(text.severity, said), found.over if found is not None else ""
+
+    def poll(self, view: View, now_s: float) -> bool:
+        """Forget what no longer holds. True: run the boat's pre-arm checks now, for their texts."""
+        if view.battery_is_well:
+            for key in [key for key, (one, _) in self._failsafes.items() if one.text.startswith("Battery")]:
+                del self._failsafes[key]
+        if view.may_arm is not False or view.armed is not False:
+            self._pre_arm.clear()
+            self._asked_in = None
+            return False
+        is_new = view.mode != self._asked_in or not self._pre_arm
+        if now_s - max(self._asked_s, self._told_s) < (ASK_S if is_new else AGAIN_S):
+            return False
+        self._asked_s, self._asked_in = now_s, view.mode
+        return True
+
+    def _end(self, over: str) -> None:
+        for key in [key for key, (_, end) in self._failsafes.items() if end == over]:
+            del self._failsafes[key]
+
+
+def _reason(severity: int, said: str) -> Reason:
+    found = words_for(said)
+    return Reason(
+        severity=severity, text=said, why=found.why if found else "", next=found.next if found else ""
+    )

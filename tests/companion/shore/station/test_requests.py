@@ -1,0 +1,217 @@
+"""Each request of the page, and what it changes on the boat."""
+
+from collections.abc import Callable
+
+import pytest
+from boat_rig import HOME_ITEM, Rig, waypoint
+from shore_rig import Shore
+
+from companion.core.geo import Point
+
+
+def shore_with(*parts: str) -> tuple[Rig, Shore]:
+    """A boat with a mission, armed if asked for, and its station."""
+    rig = Rig().ready()
+    rig.upload([HOME_ITEM, waypoint(60.0, 0.0), waypoint(60.0, 60.0)])
+    shore = Shore(rig).ready()
+    if "armed" in parts:
+        assert shore.ask("arm").ok
+    return rig, shore
+
+
+def place(rig: Rig, north_m: float, east_m: float) -> dict[str, float]:
+    """A place of the scenario as the page sends it."""
+    start = rig.scenario.start
+    at = rig.scenario.frame.to_global(Point(start.north_m + north_m, start.east_m + east_m))
+    return {"lat": at.lat_deg, "lon": at.lon_deg}
+
+
+def test_arm_and_disarm() -> None:
+    rig, shore = shore_with()
+    answer = shore.ask("arm")
+    assert (answer.ok, answer.text) == (True, "Armed: the propellers may turn")
+    assert rig.boat.vehicle.armed
+    shore.run(1.5)
+    assert shore.snapshot().armed
+    assert shore.ask("disarm").ok
+    assert not rig.boat.vehicle.armed
+
+
+@pytest.mark.parametrize(
+    ("what", "mode"),
+    [("hold", "HOLD"), ("return", "RTL"), ("start", "AUTO"), ("pause", "LOITER")],
+)
+def test_a_button_changes_the_mode(what: str, mode: str) -> None:
+    rig, shore = shore_with("armed")
+    assert shore.ask("set_mode", {"mode": "GUIDED"}).ok
+    assert shore.ask(what).ok
+    assert rig.mode == mode
+    shore.run(0.5)
+    assert shore.snapshot().mode == mode
+
+
+def test_pause_then_continue_goes_on_with_the_mission() -> None:
+    rig, shore = shore_with("armed")
+    assert shore.ask("start").ok
+    shore.run(5.0)
+    assert shore.ask("pause").ok
+    assert rig.mode == "LOITER"
+    shore.run(1.5)
+    assert shore.ask("continue").ok
+    assert rig.mode == "AUTO"
+
+
+def test_go_takes_the_boat_there() -> None:
+    rig, shore = shore_with("armed")
+    assert shore.ask("go", place(rig, 15.0, 10.0)).ok
+    assert rig.mode == "GUIDED"
+    start = rig.scenario.start
+    shore.until(lambda: rig.offset_m(start.north_m + 15.0, start.east_m + 10.0) < 3.0, 60.0)
+    track = shore.boats.track(1)
+    assert len(track) > 5
+
+
+def test_speed_is_set_on_the_boat() -> None:
+    rig, shore = shore_with("armed")
+    assert shore.ask("speed", {"m_s": 0.7}).ok
+    assert rig.boat.vehicle.speed_m_s == pytest.approx(0.7)
+
+
+def test_stop_switches_the_motors_off_at_once() -> None:
+    rig, shore = shore_with("armed")
+    assert shore.ask("start").ok
+    shore.run(3.0)
+    assert shore.ask("stop").ok
+    assert not rig.boat.vehicle.armed
+    assert "Disarmed by emergency stop" in [line.text for line in shore.snapshot().lines]
+
+
+def test_sail_uploads_the_way_and_starts_it() -> None:
+    rig, shore = shore_with("armed")
+    points = [[at["lon"], at["lat"]] for at in (place(rig, 20.0, 0.0), place(rig, 20.0, 20.0))]
+    answer = shore.ask("sail", {"points": points})
+    assert (answer.ok, answer.text) == (True, "The boat sails the way")
+    assert rig.mode == "AUTO"
+    assert [(one.x, one.y) for one in rig.items()[1:]] == [
+        (round(lat * 1e7), round(lon * 1e7)) for lon, lat in points
+    ]
+    start = rig.scenario.start
+    shore.until(lambda: rig.offset_m(start.north_m + 20.0, start.east_m + 20.0) < 4.0, 90.0)
+    mission = shore.boats.items(1, "mission")
+    assert mission is not None
+    assert [one["geometry"]["coordinates"] for one in mission["features"][1:]] == [
+        pytest.approx(point, abs=1e-6) for point in points
+    ]
+
+
+def test_a_disarmed_boat_is_said_to_go_only_when_armed() -> None:
+    _, shore = shore_with()
+    assert shore.ask("start").text == "The boat sails the mission as soon as it is armed"
+
+
+def test_a_refusal_is_answered_in_the_words_of_the_boat() -> None:
+    rig = Rig().ready()
+    shore = Shore(rig).ready()
+    answer = shore.ask("start")
+    assert (answer.ok, answer.text) == (False, "AUTO: no mission")
+    assert rig.mode == "HOLD"
+
+
+@pytest.mark.parametrize(
+    ("what", "arguments"),
+    [
+        ("nonsense", {}),
+        ("go", {}),
+        ("go", {"lat": float("nan"), "lon": 1.0}),
+        ("go", {"lat": "1", "lon": True}),
+        ("go", {"lat": 91.0, "lon": 0.0}),
+        ("go", {"lat": 0, "lon": 0}),
+        ("speed", {"m_s": -1}),
+        ("speed", {"m_s": 1e9}),
+        ("set_mode", {"mode": ["HOLD"]}),
+        ("set_mode", {"mode": "FLY"}),
+        ("sail", {"points": []}),
+        ("sail", {"points": "north"}),
+        ("sail", {"points": [[1.0, 2.0, 3.0]]}),
+        ("sail", {"points": [[1.0, float("inf")]]}),
+        ("sail", {"points": [[1.0, 2.0]] * 1001}),
+    ],
+)
+def test_a_bad_request_is_answered_and_not_sent(what: str, arguments: dict[str, object]) -> None:
+    rig, shore = shore_with()
+    before = rig.fingerprint()
+    answer = shore.ask(what, arguments)
+    assert not answer.ok
+    assert answer.text
+    shore.run(0.5)
+    assert rig.fingerprint() == before
+
+
+def test_a_boat_that_was_never_heard_is_said_to_be_so() -> None:
+    shore = Shore(Rig())
+    answer = shore.ask("hold", boat=9)
+    assert (answer.ok, answer.text) == (False, "Boat 9 was never heard")
+
+
+@pytest.mark.parametrize("what", ["hold", "stop", "start", "sail"])
+def test_a_silent_boat_is_answered_for_within_ten_seconds(what: str) -> None:
+    _, shore = shore_with("armed")
+    shore.ends[0].loss = 1.0
+    answer = shore.ask(what, {"points": [[1.0, 50.0]]})
+    assert not answer.ok
+    assert "No answer" in answer.text
+    shore.run(12.0)
+    assert len([one for one in shore.answers if one.id == answer.id]) == 1
+
+
+def lossy(seed: int) -> tuple[Rig, Shore]:
+    """A boat behind a link that loses a third of the frames each way."""
+    rig, shore = shore_with("armed")
+    shore.ends[0].reseed(seed, 0.33)
+    return rig, shore
+
+
+ACTS: list[tuple[str, Callable[[Rig], bool]]] = [
+    ("hold", lambda rig: rig.mode == "HOLD"),
+    ("return", lambda rig: rig.mode == "RTL"),
+    ("disarm", lambda rig: not rig.boat.vehicle.armed),
+]
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(("what", "is_done"), ACTS)
+def test_lost_frames_are_repeated(what: str, is_done: Callable[[Rig], bool], seed: int) -> None:
+    rig, shore = lossy(seed)
+    answer = shore.ask(what)
+    assert answer.ok
+    assert is_done(rig)
+
+
+def test_a_way_is_uploaded_over_a_lossy_link() -> None:
+    rig, shore = lossy(7)
+    shore.ends[0].loss = 0.1
+    points = [[at["lon"], at["lat"]] for at in (place(rig, 20.0, 0.0), place(rig, 20.0, 20.0))]
+    assert shore.ask("sail", {"points": points}).ok
+    assert len(rig.items()) == 3
+
+
+def test_a_repetition_of_go_does_not_undo_hold() -> None:
+    rig, shore = shore_with("armed")
+    shore.ends[0].deafen()  # the boat hears, its answers are lost
+    shore.send("go", place(rig, 30.0, 0.0))
+    shore.run(0.2)
+    assert rig.mode == "GUIDED"
+    shore.send("hold")
+    shore.run(9.0)
+    assert rig.mode == "HOLD"
+    assert shore.answers[-2].text == "Replaced by a newer request"
+
+
+def test_hold_ends_an_upload_that_would_start_the_mission() -> None:
+    rig, shore = shore_with("armed")
+    points = [[at["lon"], at["lat"]] for at in (place(rig, 20.0, 0.0), place(rig, 20.0, 20.0))]
+    shore.send("sail", {"points": points})
+    shore.send("hold")
+    shore.run(10.0)
+    assert rig.mode == "HOLD"
+    assert [one.ok for one in shore.answers[-2:]] == [False, True]
