@@ -20,7 +20,9 @@ export function makeGo(page, words, live) {
   let speed_m_s = 1;
   let armed = false;
 
+  let hasTold = false;
   const tell = (text, isGood = null) => {
+    hasTold = true;
     setText(page.answer, `${isGood === true ? "✓ " : isGood === false ? "✕ " : ""}${text}`);
     page.answer.dataset.level = isGood === true ? "good" : isGood === false ? "bad" : "";
   };
@@ -69,6 +71,7 @@ export function makeGo(page, words, live) {
     }
   };
   const showLink = () => {
+    if (!hasTold) setText(page.answer, words.say(live.isSkipper ? "go.ready" : "go.viewer"));
     page.buttons.disabled = !(live.isConnected && live.isSkipper && live.snapshot !== null);
   };
   return { ask, tell, showState, showLink };
