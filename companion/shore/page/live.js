@@ -2,7 +2,7 @@
 import { merged } from "./patch.js";
 
 const FIRST_WAIT_MS = 500;
-const LONGEST_WAIT_MS = 8_000;
+const LONGEST_WAIT_MS = 4_000;
 const SILENCE_MS = 6_000; // a lost Wi-Fi does not close a socket; a boat that is heard changes heard_s every second
 const REQUEST_MS = 20_000; // the server answers within 10 s; a request is not repeated later than this
 

@@ -14,7 +14,6 @@ export function wireTheme(button) {
     } catch {
       // a private window keeps nothing
     }
-    dispatchEvent(new Event("themechange"));
   });
 }
 
