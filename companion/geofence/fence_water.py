@@ -38,8 +38,8 @@ class FenceWater:
     """The allowed water of an active fence, and what parts it."""
 
     def __init__(self, fence: Fence) -> None:
-        held = [_corners(area) for area in fence.areas if area.is_inclusion]
-        barred = [_corners(area) for area in fence.areas if not area.is_inclusion]
+        held = [corners_of(area) for area in fence.areas if area.is_inclusion]
+        barred = [corners_of(area) for area in fence.areas if not area.is_inclusion]
         frame = (
             min(area.south_m for area in fence.areas) - _FRAME_M,
             min(area.west_m for area in fence.areas) - _FRAME_M,
@@ -47,7 +47,7 @@ class FenceWater:
             max(area.east_m for area in fence.areas) + _FRAME_M,
         )
         water = Water([Shore(corners) for corners in held[:1]], is_open=not held)
-        outsides = [_outside(corners, frame) for corners in held[1:]]
+        outsides = [outside_of(corners, frame) for corners in held[1:]]
         self.water = water.with_shores([*outsides, *(Shore(corners) for corners in barred)])
         self._rings = [*held, *barred]
         self._separations: dict[float, Separation] = {}
@@ -141,7 +141,8 @@ def _with_clearance(
     return None
 
 
-def _corners(area: Area) -> tuple[Point, ...]:
+def corners_of(area: Area) -> tuple[Point, ...]:
+    """Those of a polygon, or of one that keeps a circle."""
     if not isinstance(area, Disc):
         return area.vertices
     least, most = _CIRCLE_SIDES
@@ -157,7 +158,7 @@ def _corners(area: Area) -> tuple[Point, ...]:
     )
 
 
-def _outside(corners: Sequence[Point], frame: tuple[float, float, float, float]) -> Shore:
+def outside_of(corners: Sequence[Point], frame: tuple[float, float, float, float]) -> Shore:
     """A frame without the inside of a ring, as one ring: a slit joins it to the ring's northmost corner."""
     south_m, west_m, north_m, east_m = frame
     first = max(range(len(corners)), key=lambda number: corners[number].north_m)

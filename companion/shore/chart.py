@@ -5,8 +5,9 @@ joined: where two of them lie over each other a way does not lead.
 """
 
 import threading
+from collections.abc import Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import msgspec
 
@@ -15,6 +16,7 @@ from companion.core.geo import LatLon, LocalFrame, Point, distance_m, path_lengt
 from companion.planning.visibility import NoWay, Routes
 from companion.planning.water import Shore, Water
 from companion.shore.chart_file import KEPT_OUT, SOLID, MapFile, read_map
+from companion.shore.fence_shores import allows, fence_shores
 from companion.shore.messages import Place
 from companion.shore.thinning import thinned
 
@@ -55,6 +57,10 @@ class Chart:
         self._bytes = _EMPTY
         self._lock = threading.Lock()
         self._frame: LocalFrame | None = None
+        self._water = Water([], is_open=True)
+        self._error_m = 0.0
+        self._fenced: tuple[object, Water] = (None, self._water)
+        self._edge: list[Point] = []  # south-west and north-east of the map
         if path is None:
             return
         name, frame, shapes = read_map(path)
@@ -71,55 +77,71 @@ class Chart:
         areas = [Shore(rings[0]) for shape in land for rings in shape.polygons]
         lines = [Shore((*line, *line[-2:0:-1])) for shape in land for line in shape.lines]
         self._water = Water(water).with_shores([*areas, *lines])
+        corners = [corner for shore in water for corner in shore.corners]
+        north, east = [at.north_m for at in corners], [at.east_m for at in corners]
+        self._edge = [Point(min(north), min(east)), Point(max(north), max(east))]
 
     def geojson(self) -> bytes:
         """A FeatureCollection, at most MOST_CHART_BYTES; properties: kind and name."""
         return self._bytes
 
-    def way(self, start: Place, goal: Place) -> Way | Blocked:
-        """The shortest way by the water. It may take a second on a large map: call it from a thread."""
-        if self._frame is None:
-            frame = LocalFrame(LatLon(start.lat, start.lon))
-            at, end = Point(0.0, 0.0), frame.to_local(LatLon(goal.lat, goal.lon))
-            return _way(frame, [at, end], None)
-        at = self._frame.to_local(LatLon(start.lat, start.lon))
-        end = self._frame.to_local(LatLon(goal.lat, goal.lon))
-        with self._lock:
-            return self._planned(self._frame, at, end)
+    def way(self, start: Place, goal: Place, fence: Mapping[str, Any] | None = None) -> Way | Blocked:
+        """The shortest way by the water inside a boat's fence, which is a FeatureCollection from the station.
 
-    def _planned(self, frame: LocalFrame, start: Point, goal: Point) -> Way | Blocked:
+        It may take a second on a large map: call it from a thread.
+        """
+        frame = self._frame or LocalFrame(LatLon(start.lat, start.lon))
+        at = frame.to_local(LatLon(start.lat, start.lon))
+        end = frame.to_local(LatLon(goal.lat, goal.lon))
+        shores, areas = fence_shores(fence or {}, frame, [at, end, *self._edge])
+        if not allows(areas, end):
+            return Blocked("That place is outside the fence.")
+        with self._lock:
+            return self._planned(frame, self._with_fence(shores), at, end)
+
+    def _with_fence(self, shores: list[Shore]) -> Water:
+        """The water inside the fence; kept, with what its routes have found out, while that is the same."""
+        if not shores:
+            return self._water
+        if self._fenced[0] != shores:
+            self._fenced = (shores, self._water.with_shores(shores))
+        return self._fenced[1]
+
+    def _planned(self, frame: LocalFrame, water: Water, start: Point, goal: Point) -> Way | Blocked:
         least_m = CLEARANCES_M[-1] + self._error_m
-        least = self._water.routes(least_m)
+        least = water.routes(least_m)
         if not least.is_free(goal):
             near = next(least.exits(goal, is_afloat=False), None)
             nearest = None if near is None else _place(frame, near)
-            if not self._water.is_water(goal):
+            if not water.is_water(goal):
                 return Blocked("That place is not on the map's water.", nearest)
-            return Blocked(f"That place is less than {least_m:.0f} m from the shore.", nearest)
-        if not self._water.is_water(start):
+            return Blocked(f"That place is less than {least_m:.0f} m from the shore or the fence.", nearest)
+        if not water.is_water(start):
             afloat = next(least.exits(start, is_afloat=False), None)
             if afloat is None or distance_m(start, afloat) > ASHORE_M + least_m:
-                return Blocked("The boat is not on the map's water.")
+                return Blocked("The boat is not on the map's water, or outside the fence.")
         for clearance_m in CLEARANCES_M:
-            routes = self._water.routes(clearance_m + self._error_m)
-            points = self._points(routes, start, goal)
+            points = _points(water, clearance_m + self._error_m, start, goal)
             if points is not None:
-                return _way(frame, points, clearance_m)
+                is_open = self._frame is None and water is self._water  # nothing is known to be clear of
+                return _way(frame, points, None if is_open else clearance_m)
         return Blocked("No way by the water leads there.")
 
-    def _points(self, routes: Routes, start: Point, goal: Point) -> list[Point] | None:
-        """A way with one clearance; a straight leg joins a start or goal that has less."""
-        first = _with_clearance(routes, start, is_afloat=self._water.is_water(start))
-        last = _with_clearance(routes, goal, is_afloat=True)
-        if first is None or last is None:
-            return None
-        try:
-            route = routes.route(first, last)
-        except NoWay:
-            return None
-        before = [] if first == start else [start]
-        after = [] if last == goal else [goal]
-        return [*before, *route.points, *after]
+
+def _points(water: Water, clearance_m: float, start: Point, goal: Point) -> list[Point] | None:
+    """A way with one clearance; a straight leg joins a start or goal that has less."""
+    routes = water.routes(clearance_m)
+    first = _with_clearance(routes, start, is_afloat=water.is_water(start))
+    last = _with_clearance(routes, goal, is_afloat=True)
+    if first is None or last is None:
+        return None
+    try:
+        route = routes.route(first, last)
+    except NoWay:
+        return None
+    before = [] if first == start else [start]
+    after = [] if last == goal else [goal]
+    return [*before, *route.points, *after]
 
 
 def _with_clearance(routes: Routes, at: Point, *, is_afloat: bool) -> Point | None:

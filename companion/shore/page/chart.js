@@ -200,12 +200,13 @@ function makeTools(canvas, words, on) {
   const box = document.createElement("div");
   box.className = "chart-tools";
   const tools = {};
+  const labels = { follow: words.say("chart.follow"), in: words.say("chart.in"), out: words.say("chart.out") };
   for (const [name, sign] of [["follow", "\u25CE"], ["in", "+"], ["out", "\u2212"]]) {
     const button = document.createElement("button");
     button.type = "button";
     button.textContent = sign;
-    button.title = words.say(`chart.${name}`);
-    button.setAttribute("aria-label", words.say(`chart.${name}`));
+    button.title = labels[name];
+    button.setAttribute("aria-label", labels[name]);
     button.addEventListener("click", on[name]);
     box.append(button);
     tools[name] = button;

@@ -53,5 +53,5 @@ class Chart(Protocol):
     def geojson(self) -> bytes:
         """A FeatureCollection of bounded size."""
 
-    def way(self, start: Place, goal: Place) -> Found:
-        """The shortest way. It may take seconds; called in a thread."""
+    def way(self, start: Place, goal: Place, fence: dict[str, Any] | None) -> Found:
+        """The shortest way inside a boat's fence. It may take seconds; called in a thread."""

@@ -36,13 +36,16 @@ class Ways:
         elif len(self._tasks) >= _MOST_WAITING:
             reply(Answer(id=request.id, ok=False, text=_BUSY))
         else:
-            task = asyncio.create_task(self._search(request.id, snapshot.place, goal, snapshot.home, reply))
+            task = asyncio.create_task(self._search(request, snapshot.place, goal, snapshot.home, reply))
             self._tasks.add(task)
             task.add_done_callback(self._tasks.discard)
 
-    async def _search(self, ident: str, start: Place, goal: Place, home: Home | None, reply: Reply) -> None:
+    async def _search(
+        self, request: Request, start: Place, goal: Place, home: Home | None, reply: Reply
+    ) -> None:
+        fence, ident = self._boats.items(request.boat, "fence"), request.id
         async with self._one:
-            found = await asyncio.to_thread(self._chart.way, start, goal)
+            found = await asyncio.to_thread(self._chart.way, start, goal, fence)
         result: dict[str, Any] = found._asdict()
         if "points" not in result:
             reply(Answer(id=ident, ok=False, text=result["reason"], result=result))

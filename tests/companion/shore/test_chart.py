@@ -62,6 +62,18 @@ def way(chart: Chart, start: tuple[float, float], goal: tuple[float, float]) -> 
     return found
 
 
+def fence(*features: dict[str, Any]) -> dict[str, Any]:
+    return {"type": "FeatureCollection", "features": list(features)}
+
+
+def circle(east_m: float, north_m: float, radius_m: float, command: int) -> dict[str, Any]:
+    return {
+        "type": "Feature",
+        "properties": {"seq": 0, "command": command, "name": "", "radius_m": radius_m},
+        "geometry": {"type": "Point", "coordinates": lon_lat(east_m, north_m)},
+    }
+
+
 def blocked(chart: Chart, start: tuple[float, float], goal: tuple[float, float]) -> Blocked:
     found = chart.way(place(*start), place(*goal))
     assert isinstance(found, Blocked), found
@@ -147,7 +159,7 @@ def test_a_goal_ashore_is_answered_with_the_nearest_water(tmp_path: Path) -> Non
 
 def test_a_goal_too_near_to_the_shore_says_so(tmp_path: Path) -> None:
     found = blocked(chart_of(tmp_path, polygon(LAKE)), (20, 50), (100, 99.5))
-    assert found.reason == "That place is less than 1 m from the shore."
+    assert found.reason == "That place is less than 1 m from the shore or the fence."
 
 
 def test_a_boat_at_a_pier_or_a_little_ashore_sails_off_and_one_far_ashore_does_not(tmp_path: Path) -> None:
@@ -156,7 +168,10 @@ def test_a_boat_at_a_pier_or_a_little_ashore_sails_off_and_one_far_ashore_does_n
         found = way(chart, (100, north_m), (100, 50))
         assert local(found.points)[0] == pytest.approx((north_m, 100.0), abs=0.05)
         assert local(found.points)[1] == pytest.approx((96.0, 100.0), abs=0.1)
-    assert blocked(chart, (100, 115), (100, 50)).reason == "The boat is not on the map's water."
+    assert (
+        blocked(chart, (100, 115), (100, 50)).reason
+        == "The boat is not on the map's water, or outside the fence."
+    )
 
 
 def test_a_goal_near_the_shore_is_reached_from_water_with_the_full_clearance(tmp_path: Path) -> None:
@@ -178,6 +193,45 @@ def test_without_a_map_the_way_is_straight_and_says_that_nothing_is_known() -> N
     found = way(chart, (0, 0), (30, 40))
     assert found.length_m == pytest.approx(50.0, abs=0.01)
     assert found.clearance_m is None
+
+
+def test_a_way_keeps_out_of_the_fences_exclusion_areas(tmp_path: Path) -> None:
+    chart = chart_of(tmp_path, polygon(LAKE))
+    for area in (polygon(box(90, 30, 110, 99), command=5002), circle(100, 65, 35, 5004)):
+        found = chart.way(place(20, 50), place(180, 50), fence(area))
+        assert isinstance(found, Way)
+        assert min(point.north_m for point in local(found.points)) == pytest.approx(26.0, abs=1.0)
+    assert len(way(chart, (20, 50), (180, 50)).points) == 2  # without the fence: as if it had never been
+
+
+def test_a_way_stays_inside_every_inclusion_area_of_the_fence(tmp_path: Path) -> None:
+    angle: Ring = [(0, 0), (200, 0), (200, 100), (160, 100), (160, 40), (40, 40), (40, 100), (0, 100)]
+    inside = polygon(angle, command=5001)
+    for chart in (Chart(None), chart_of(tmp_path, polygon(box(-50, -50, 250, 150)))):
+        found = chart.way(place(20, 80), place(180, 80), fence(inside))
+        assert isinstance(found, Way)
+        assert found.clearance_m == CLEARANCES_M[0]
+        assert min(point.north_m for point in local(found.points)) == pytest.approx(36.0, abs=1.0)
+        both = fence(inside, circle(20, 80, 50, 5003))
+        outside = chart.way(place(20, 80), place(180, 80), both)
+        assert outside == Blocked("That place is outside the fence.")
+        assert isinstance(chart.way(place(20, 80), place(20, 50), both), Way)
+
+
+def test_a_goal_outside_the_fence_is_refused_as_the_boat_would(tmp_path: Path) -> None:
+    chart = chart_of(tmp_path, polygon(LAKE))
+    for area in (polygon(box(0, 0, 100, 100), command=5001), circle(180, 50, 10, 5004)):
+        refusal = chart.way(place(20, 50), place(180, 50), fence(area))
+        assert refusal == Blocked("That place is outside the fence.")
+
+
+def test_a_fence_that_encloses_nothing_changes_nothing(tmp_path: Path) -> None:
+    chart = chart_of(tmp_path, polygon(LAKE))
+    nothing = {"type": "Feature", "properties": {"command": 5001}, "geometry": None}
+    back = circle(100, 50, 0.0, 5000)
+    found = chart.way(place(20, 50), place(180, 50), fence(nothing, back))
+    assert isinstance(found, Way)
+    assert len(found.points) == 2
 
 
 def test_a_lake_on_the_antimeridian_is_one_lake(tmp_path: Path) -> None:

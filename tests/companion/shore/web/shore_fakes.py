@@ -89,7 +89,7 @@ class FakeChart:
     def geojson(self) -> bytes:
         return self.content
 
-    def way(self, start: Place, goal: Place) -> FakeWay:
+    def way(self, start: Place, goal: Place, fence: dict[str, Any] | None) -> FakeWay:
         return FakeWay([(start.lon, start.lat), (goal.lon, goal.lat)], 100.0)
 
 
