@@ -32,7 +32,7 @@ _MOTOR_S: Final = 0.15  # lag of the lake boat's motors,
 _HULL_S: Final = 0.8  # and T_r of its hull, as in the defaults of the heading loop
 GAIN: Final = 0.2  # initial deviation of the gains g and K, as a share,
 GAIN_WALK: Final = 0.005  # and their walk per √s: battery voltage falls, and thrust is not the model's
-_REST_WALK: Final = 0.008  # of ρ, rad/s per √s: NIS of the gyro is 0.9 in gusts of 8 m/s, 0.7 in calm
+_REST_WALK: Final = 0.008  # of ρ, rad/s per √s: NIS of the gyro: 0.98 in gusts of 8 m/s, 0.84 in calm
 _GYRO_RAD_S: Final = 0.006  # white noise of a MEMS gyro (BNO055 data sheet: 0.3°/s in 50 Hz)
 
 
