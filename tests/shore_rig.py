@@ -10,6 +10,7 @@ from companion.boat import TICK_S
 from companion.links.memory import MemoryLink, memory_pair
 from companion.shore.messages import Answer, Request, Snapshot
 from companion.shore.station.boats import Boats
+from companion.shore.station.wire import Link
 
 UNIX_S = 1_800_000_000.0
 
@@ -33,6 +34,10 @@ class LossyEnd:
         """From now on nothing arrives here; what is sent does."""
         self._is_deaf = True
 
+    def hang_up(self) -> None:
+        """The connection ends."""
+        self._link.close()
+
     @property
     def is_closed(self) -> bool:
         """As the link's."""
@@ -52,9 +57,9 @@ class ShorePort:
     """A port whose links the test adds."""
 
     def __init__(self) -> None:
-        self.fresh: list[LossyEnd] = []
+        self.fresh: list[Link] = []
 
-    def accept(self) -> list[LossyEnd]:
+    def accept(self) -> list[Link]:
         """Links since the last call."""
         fresh, self.fresh = self.fresh, []
         return fresh

@@ -69,8 +69,8 @@ class Board:
         fields: dict[str, Any] = {}
         try:
             disk = os.statvfs(self._disk)
-            fields["disk_free_mb"] = disk.f_bavail * disk.f_frsize / 1e6
-            fields["temperature_c"] = int(self._thermal.read_text("ascii")) / 1e3
+            fields["disk_free_mb"] = round(disk.f_bavail * disk.f_frsize / 1e6)
+            fields["temperature_c"] = round(int(self._thermal.read_text("ascii")) / 1e3, 1)
         except (OSError, ValueError):
             pass
         return fields
