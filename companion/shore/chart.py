@@ -20,9 +20,10 @@ from companion.shore.fence_shores import allows, fence_shores
 from companion.shore.messages import Place
 from companion.shore.thinning import thinned
 
-CLEARANCES_M = (4.0, 2.0, 1.0)
+CLEARANCES_M: tuple[float, ...] = (4.0, 2.0, 1.0)
 """Kept from every shore, the largest that lets a way through: where there is room, acceptance radius of a
 waypoint and margin of the fence (2 m each); the last is half a boat's length and its position's error."""
+WIDE_M = 50.0  # a basin less wide than this is for a model: the clearances are smaller in proportion
 MOST_CORNERS = 5_000  # about 125 kB of GeoJSON
 MOST_CHART_BYTES = 150_000
 MOST_THINNING_M = 25.0
@@ -59,6 +60,7 @@ class Chart:
         self._frame: LocalFrame | None = None
         self._water = Water([], is_open=True)
         self._error_m = 0.0
+        self._clearances_m = CLEARANCES_M
         self._fenced: tuple[object, Water] = (None, self._water)
         self._edge: list[Point] = []  # south-west and north-east of the map
         if path is None:
@@ -76,10 +78,13 @@ class Chart:
         land = [s for s in shapes if s.kind in SOLID or s.kind in KEPT_OUT]
         areas = [Shore(rings[0]) for shape in land for rings in shape.polygons]
         lines = [Shore((*line, *line[-2:0:-1])) for shape in land for line in shape.lines]
-        self._water = Water(water).with_shores([*areas, *lines])
-        corners = [corner for shore in water for corner in shore.corners]
+        self._water = Water(water, is_open=not water).with_shores([*areas, *lines])
+        corners = [corner for shore in (*water, *areas, *lines) for corner in shore.corners]
         north, east = [at.north_m for at in corners], [at.east_m for at in corners]
         self._edge = [Point(min(north), min(east)), Point(max(north), max(east))]
+        if water:
+            room = min(max(north) - min(north), max(east) - min(east)) / WIDE_M
+            self._clearances_m = tuple(clearance_m * min(room, 1.0) for clearance_m in CLEARANCES_M)
 
     def geojson(self) -> bytes:
         """A FeatureCollection, at most MOST_CHART_BYTES; properties: kind and name."""
@@ -108,19 +113,19 @@ class Chart:
         return self._fenced[1]
 
     def _planned(self, frame: LocalFrame, water: Water, start: Point, goal: Point) -> Way | Blocked:
-        least_m = CLEARANCES_M[-1] + self._error_m
+        least_m = self._clearances_m[-1] + self._error_m
         least = water.routes(least_m)
         if not least.is_free(goal):
             near = next(least.exits(goal, is_afloat=False), None)
             nearest = None if near is None else _place(frame, near)
             if not water.is_water(goal):
                 return Blocked("That place is not on the map's water.", nearest)
-            return Blocked(f"That place is less than {least_m:.0f} m from the shore or the fence.", nearest)
+            return Blocked(f"That place is less than {least_m:.1g} m from the shore or the fence.", nearest)
         if not water.is_water(start):
             afloat = next(least.exits(start, is_afloat=False), None)
             if afloat is None or distance_m(start, afloat) > ASHORE_M + least_m:
                 return Blocked("The boat is not on the map's water, or outside the fence.")
-        for clearance_m in CLEARANCES_M:
+        for clearance_m in self._clearances_m:
             points = _points(water, clearance_m + self._error_m, start, goal)
             if points is not None:
                 is_open = self._frame is None and water is self._water  # nothing is known to be clear of

@@ -82,10 +82,8 @@ def read_map(path: Path) -> MapFile:
         if count > MOST_POSITIONS:
             raise ConfigError(f"{path}: more than {MOST_POSITIONS} positions: cut out what matters")
         raws.append(raw)
-    if not any(raw.kind == "water" and raw.polygons for raw in raws):
-        raise ConfigError(
-            f"{path}: no water in it: expected a polygon with the property kind = water, or none"
-        )
+    if not any(raw.polygons for raw in raws if raw.kind != "landmark"):
+        raise ConfigError(f"{path}: no water and no land in it: expected polygons with the property kind")
     frame = LocalFrame(_middle(raws))
     shapes = tuple(_local(raw, frame, path) for raw in raws)
     title = _clean(tree.get("name"))
@@ -214,8 +212,9 @@ def _position(value: object, where: str) -> LatLon:
 
 
 def _middle(raws: Sequence[_Raw]) -> LatLon:
-    """Of the water, as its first corner sees it: right across the antimeridian too."""
-    corners = [c for raw in raws if raw.kind == "water" for rings in raw.polygons for c in rings[0]]
+    """Of the water, or of the rest in open water, as a first corner sees it: also across the antimeridian."""
+    areas = [raw for raw in raws if raw.kind == "water" and raw.polygons] or raws
+    corners = [corner for raw in areas for rings in raw.polygons for corner in rings[0]]
     frame = LocalFrame(corners[0])
     points = [frame.to_local(corner) for corner in corners]
     north = [point.north_m for point in points]

@@ -3,7 +3,7 @@
 const A_M = 6378137;
 const E2 = 0.00669437999014;
 const LEAST_SCALE = 0.002; // pixels a metre
-const MOST_SCALE = 200;
+const MOST_SCALE = 1000;
 
 // Metres east and north of an origin. Its scale is that of the origin's latitude: shapes stay true to 1 % within 60 km.
 export class Plane {
@@ -64,6 +64,6 @@ export class View {
   fit([west, south, east, north]) {
     this.middle = [(west + east) / 2, (south + north) / 2];
     const fits = Math.min(this.width / Math.max(east - west, 1), this.height / Math.max(north - south, 1));
-    this.scale = Math.min(Math.max(0.94 * fits, LEAST_SCALE), 20);
+    this.scale = Math.min(Math.max(0.94 * fits, LEAST_SCALE), MOST_SCALE);
   }
 }

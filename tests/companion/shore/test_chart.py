@@ -195,6 +195,20 @@ def test_without_a_map_the_way_is_straight_and_says_that_nothing_is_known() -> N
     assert found.clearance_m is None
 
 
+def test_a_map_of_obstacles_alone_is_open_water(tmp_path: Path) -> None:
+    chart = chart_of(tmp_path, polygon(box(90, 40, 110, 60), kind="obstacle"))
+    found = way(chart, (20, 50), (180, 50))
+    assert len(found.points) > 2
+    assert found.clearance_m == CLEARANCES_M[0]
+    assert len(way(chart, (-3_000, 50), (20, 50)).points) == 2
+
+
+def test_in_a_models_basin_the_clearances_are_smaller_in_proportion(tmp_path: Path) -> None:
+    chart = chart_of(tmp_path, polygon(box(0, 0, 10, 5)), polygon(box(4, 1, 5, 5), kind="obstacle"))
+    found = way(chart, (1, 4), (9, 4))
+    assert found.clearance_m == pytest.approx(0.1 * CLEARANCES_M[0], rel=1e-3)
+
+
 def test_a_way_keeps_out_of_the_fences_exclusion_areas(tmp_path: Path) -> None:
     chart = chart_of(tmp_path, polygon(LAKE))
     for area in (polygon(box(90, 30, 110, 99), command=5002), circle(100, 65, 35, 5004)):
