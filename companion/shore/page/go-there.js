@@ -4,12 +4,14 @@ import { setText } from "./now.js";
 export function makeGoThere(page, words, live, go, showWay) {
   let wanted = null; // what Sail there asks: {what, with}
   let taps = 0;
+  let sailed = null; // the way under way: shown until the boat leaves the mode in which it sails it
+  let wasGuided = false;
 
   const close = () => {
     wanted = null;
     taps += 1;
     page.box.hidden = true;
-    showWay(null);
+    showWay(sailed);
   };
   const offer = (text, what, withThese) => {
     setText(page.text, text);
@@ -23,7 +25,8 @@ export function makeGoThere(page, words, live, go, showWay) {
     wanted = null;
     page.box.hidden = true;
     const answer = await go.ask(asked.what, asked.with, words.say("there.sail"));
-    if (answer.ok !== true && page.box.hidden) showWay(null);
+    if (answer.ok === true) [sailed, wasGuided] = [asked.with.points ?? null, false];
+    if (page.box.hidden) showWay(sailed);
   });
   page.cancel.addEventListener("click", () => {
     close();
@@ -31,14 +34,14 @@ export function makeGoThere(page, words, live, go, showWay) {
   });
   page.box.addEventListener("keydown", (event) => event.key === "Escape" && close());
 
-  return async (lat, lon) => {
+  const tap = async (lat, lon) => {
     if (!live.isSkipper) return go.tell(words.say("there.viewer"));
     if (!live.isConnected) return go.tell(words.say("go.lost"), false);
     close();
-    const tap = taps;
+    const number = taps;
     go.tell(words.say("there.planning"));
     const answer = await live.ask("route", { lat, lon });
-    if (tap !== taps) return; // another place was tapped meanwhile
+    if (number !== taps) return; // another place was tapped meanwhile
     if (answer.ok !== true) {
       go.tell(answer.text || words.say("there.no_way"), false);
       if (!answer.lost) offer(words.say("there.direct"), "go", { lat, lon });
@@ -51,4 +54,14 @@ export function makeGoThere(page, words, live, go, showWay) {
     go.tell(answer.text || words.say("there.planned"), true);
     page.sail.focus({ preventScroll: true });
   };
+
+  const showState = ({ mode }) => {
+    if (sailed === null) return;
+    if (wasGuided && mode !== "GUIDED") {
+      sailed = null;
+      if (page.box.hidden) showWay(null);
+    }
+    wasGuided = mode === "GUIDED";
+  };
+  return { tap, showState };
 }

@@ -52,6 +52,7 @@ async function start() {
   const showMessages = makeMessages({ latest: at("latest"), list: at("lines") }, words, clock);
   at("messages-box").open = matchMedia("(min-width: 44rem)").matches; // there is room: as in style.css
   let data = null;
+  let there = null;
 
   const live = new Live({
     hello: (message) => {
@@ -65,6 +66,7 @@ async function start() {
       showWhy(state);
       showMessages(state);
       go.showState(state);
+      there?.showState(state);
       data?.showState(state, now_s());
       if (data !== null && data.boat === null) data.connected(live.boat);
     },
@@ -87,16 +89,17 @@ async function start() {
   function showLink() {
     const heard_s = live.snapshot?.heard_s;
     const age_s = heard_s === undefined ? null : clock.age_s(heard_s, now_s());
-    const last = age_s === null ? words.say("link.never") : words.say("link.last", { age: words.duration(age_s) });
     const isSilent = live.isConnected && (age_s === null || age_s > SILENT_S);
     const level = !live.isConnected ? "bad" : isSilent ? "warn" : "good";
-    setText(at("link"), words.say(level === "good" ? "link.good" : level === "warn" ? "link.silent" : "link.lost"));
-    setText(at("heard"), level === "good" ? "" : last);
+    const silent = age_s === null ? "link.never" : "link.silent";
+    const link = words.say(level === "good" ? "link.good" : level === "warn" ? silent : "link.lost");
+    setText(at("link"), link);
+    setText(at("heard"), level === "good" || age_s === null ? "" : words.say("link.last", { age: words.duration(age_s) }));
     at("link-box").dataset.level = level;
     document.body.classList.toggle("old", level !== "good");
     if (level !== linkShown) {
       linkShown = level;
-      setText(at("link-news"), words.say(level === "good" ? "link.good" : level === "warn" ? "link.silent" : "link.lost"));
+      setText(at("link-news"), link);
     }
     go.showLink();
     showPin();
@@ -119,11 +122,11 @@ async function start() {
   const chart = await loadChart(words);
   if (chart !== null) {
     data = new ChartData(chart);
-    const goThere = makeGoThere(
+    there = makeGoThere(
       { box: at("there"), text: at("there-text"), sail: at("sail"), cancel: at("cancel") },
       words, live, go, (points) => chart.showWay(points),
     );
-    chart.onTap(goThere);
+    chart.onTap(there.tap);
     if (live.boat !== null) data.connected(live.boat);
     if (live.snapshot !== null) data.showState(live.snapshot, now_s());
   }
