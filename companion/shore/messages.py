@@ -123,6 +123,7 @@ class Snapshot(Struct, frozen=True, kw_only=True):
     fix: Fix | None = None
     compass: Verdict | None = None
     speed_m_s: float | None = None  # over ground
+    cruise_m_s: float | None = None  # the speed that the boat takes by itself
     heading_deg: float | None = None
     course_deg: float | None = None
     place: Place | None = None
