@@ -133,6 +133,7 @@ class ShoreBoat:
             fix=view.fix,
             compass=view.compass(),
             speed_m_s=view.speed_m_s,
+            cruise_m_s=view.cruise_m_s,
             heading_deg=view.heading_deg,
             course_deg=view.course_deg,
             place=view.place,

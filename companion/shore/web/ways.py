@@ -5,7 +5,7 @@ from typing import Any, Final
 
 from msgspec import ValidationError, convert
 
-from companion.shore.messages import Answer, Home, Place, Request
+from companion.shore.messages import Answer, Place, Request
 from companion.shore.web.interfaces import Boats, Chart
 from companion.shore.web.ledger import Reply
 
@@ -36,12 +36,14 @@ class Ways:
         elif len(self._tasks) >= _MOST_WAITING:
             reply(Answer(id=request.id, ok=False, text=_BUSY))
         else:
-            task = asyncio.create_task(self._search(request, snapshot.place, goal, snapshot.home, reply))
+            task = asyncio.create_task(
+                self._search(request, snapshot.place, goal, snapshot.cruise_m_s, reply)
+            )
             self._tasks.add(task)
             task.add_done_callback(self._tasks.discard)
 
     async def _search(
-        self, request: Request, start: Place, goal: Place, home: Home | None, reply: Reply
+        self, request: Request, start: Place, goal: Place, cruise_m_s: float | None, reply: Reply
     ) -> None:
         fence, ident = self._boats.items(request.boat, "fence"), request.id
         async with self._one:
@@ -50,12 +52,5 @@ class Ways:
         if "points" not in result:
             reply(Answer(id=ident, ok=False, text=result["reason"], result=result))
             return
-        result["time_s"] = _time_s(result["length_m"], home)
+        result["time_s"] = result["length_m"] / cruise_m_s if cruise_m_s else None
         reply(Answer(id=ident, ok=True, text="", result=result))
-
-
-def _time_s(length_m: float, home: Home | None) -> float | None:
-    """At the speed that the boat itself expects on its way home."""
-    if home is None or not home.distance_m or not home.time_s:
-        return None
-    return length_m * home.time_s / home.distance_m

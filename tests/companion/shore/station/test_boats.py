@@ -36,6 +36,7 @@ def test_the_main_values_of_a_boat() -> None:
     assert abs(seen.place.lon - at.lon_deg) < 1e-4
     assert seen.home is not None
     assert seen.home.distance_m is not None
+    assert seen.cruise_m_s == scenario().vehicle.speed.cruise_m_s
     assert seen.current is not None
     assert seen.sonar is not None
     assert seen.obstacles is not None
