@@ -284,6 +284,51 @@ def test_two_fingers_zoom_and_are_no_tap(page: Page) -> None:
     assert distance_m(tapped(page, x, y), FRAME.to_local(BOAT)) < 0.1  # still followed
 
 
+def test_real_fingers_pan_pinch_and_tap(page: Page) -> None:
+    """By the browser's own touch events."""
+    if page.evaluate("navigator.maxTouchPoints") == 0:
+        pytest.skip("the desktop has no touch screen")
+    show_pond(page)
+    show(page, "showState", state())
+    x, y = middle(page)
+    before, boat = scale(page), FRAME.to_local(BOAT)
+    screen = page.context.new_cdp_session(page)
+
+    def touch(kind: str, *fingers: tuple[float, float]) -> None:
+        points = [{"x": px, "y": py, "id": number} for number, (px, py) in enumerate(fingers)]
+        screen.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    page.evaluate("window.taps.length = 0")
+    touch("touchStart", (x - 40, y), (x + 40, y))
+    for n in range(1, 9):
+        touch("touchMove", (x - 40 - 5 * n, y), (x + 40 + 5 * n, y))
+    touch("touchEnd")
+    assert page.evaluate("window.taps.length") == 0
+    assert scale(page) == pytest.approx(2.0 * before, rel=0.02)
+    page.evaluate("window.taps.length = 0")
+    touch("touchStart", (x, y))
+    for n in range(1, 7):
+        touch("touchMove", (x + 10 * n, y))
+    touch("touchEnd")
+    assert page.evaluate("window.taps.length") == 0
+    touch("touchStart", (x, y))
+    touch("touchEnd")
+    page.wait_for_function("window.taps.length === 1")
+    at = FRAME.to_local(LatLon(*page.evaluate("window.taps[0]")))
+    assert at.east_m - boat.east_m == pytest.approx(-30 / before, abs=0.2)
+
+
+def test_the_whole_map_is_never_zoomed_out_of_sight(page: Page) -> None:
+    show_pond(page)
+    show(page, "showState", state())
+    canvas = page.locator("#chart")
+    for _ in range(30):
+        canvas.press("-")
+    box = canvas.bounding_box()
+    assert box is not None
+    assert scale(page) * 600.0 > 0.25 * min(box["width"], box["height"])  # the pond is 600 m wide
+
+
 def test_it_draws_only_when_something_changed(page: Page) -> None:
     show_pond(page)
     show(page, "showState", state())

@@ -37,7 +37,7 @@ export function drawMap(pen, map, view, colour, px) {
     if (shape.kind !== "water") continue;
     pen.fillStyle = colour.water;
     pen.fill(shape.path, "evenodd");
-    stroke(pen, shape.path, colour.shore, 1.4 * px);
+    stroke(pen, shape.path, colour.shore, (view.scale < 0.1 ? 0.7 : 1.4) * px); // far off it would hide narrow water
   }
   for (const shape of shown) {
     if (!KEPT_OUT.includes(shape.kind)) continue;

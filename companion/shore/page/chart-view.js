@@ -3,6 +3,7 @@
 const A_M = 6378137;
 const E2 = 0.00669437999014;
 const LEAST_SCALE = 0.002; // pixels a metre
+const WHOLE = 0.3; // of the canvas that the whole map takes at least
 const MOST_SCALE = 1000;
 
 // Metres east and north of an origin. Its scale is that of the origin's latitude: shapes stay true to 1 % within 60 km.
@@ -31,6 +32,7 @@ export class View {
   constructor() {
     this.middle = [0, 0]; // metres
     this.scale = 2; // pixels a metre
+    this.leastScale = LEAST_SCALE;
     this.width = 1;
     this.height = 1;
   }
@@ -56,14 +58,23 @@ export class View {
   // The place under the pixel stays where it is.
   zoom(factor, at) {
     const [east, north] = this.toMetres(at);
-    this.scale = Math.min(Math.max(this.scale * factor, LEAST_SCALE), MOST_SCALE);
+    this.scale = Math.min(Math.max(this.scale * factor, this.leastScale), MOST_SCALE);
     const [x, y] = this.toPixel([east, north]);
     this.pan(at[0] - x, at[1] - y);
   }
 
-  fit([west, south, east, north]) {
+  // From the farthest zoom on, the whole map keeps its share of the canvas.
+  limit(bounds) {
+    this.leastScale = Math.max(WHOLE * this.#fitting(bounds), LEAST_SCALE);
+  }
+
+  fit(bounds) {
+    const [west, south, east, north] = bounds;
     this.middle = [(west + east) / 2, (south + north) / 2];
-    const fits = Math.min(this.width / Math.max(east - west, 1), this.height / Math.max(north - south, 1));
-    this.scale = Math.min(Math.max(0.94 * fits, LEAST_SCALE), MOST_SCALE);
+    this.scale = Math.min(Math.max(0.94 * this.#fitting(bounds), LEAST_SCALE), MOST_SCALE);
+  }
+
+  #fitting([west, south, east, north]) {
+    return Math.min(this.width / Math.max(east - west, 0.1), this.height / Math.max(north - south, 0.1));
   }
 }

@@ -91,6 +91,7 @@ export function makeChart(canvas, words) {
   new ResizeObserver(() => {
     const isFirst = view.width === 1;
     [view.width, view.height] = [Math.max(canvas.clientWidth, 1), Math.max(canvas.clientHeight, 1)];
+    if (map?.bounds) view.limit(map.bounds);
     if (isFirst && map?.bounds && !hasBoat) view.fit(map.bounds);
     changed();
   }).observe(canvas);
@@ -174,6 +175,7 @@ export function makeChart(canvas, words) {
       const first = (geojson.features ?? []).find((one) => one.geometry?.type === "Polygon");
       if (plane === null && first) usePlane(first.geometry.coordinates[0][0]);
       else if (plane !== null) map = prepare(geojson, plane);
+      if (map?.bounds) view.limit(map.bounds);
       if (map?.bounds && !hasBoat) view.fit(map.bounds);
       changed();
     },
