@@ -13,6 +13,7 @@ from msgspec import Struct
 from companion.shore.messages import LinkLoss
 
 _PERIOD_S: Final = 1.0
+_STALE_S: Final = 5.0  # the boat writes once a second
 _THERMAL: Final = Path("/sys/class/thermal/thermal_zone0/temp")
 _ROOT: Final = Path("/")
 
@@ -38,13 +39,15 @@ class _Status(Struct):
 
 
 class Board:
-    """Read once a second. A file that is missing or broken means: not known."""
+    """Read once a second. A file that is missing, broken or no longer written means: not known."""
 
     def __init__(self, status_file: Path, thermal: Path = _THERMAL, disk: Path = _ROOT) -> None:
         self._status_file = status_file
         self._thermal = thermal
         self._disk = disk
         self._due_s = float("-inf")
+        self._written = 0  # when the file was last written, by its file system
+        self._written_s = float("-inf")  # when that was seen
         self._fields: dict[str, Any] = {}
 
     def fields(self) -> dict[str, Any]:
@@ -56,10 +59,15 @@ class Board:
         if now_s < self._due_s:
             return
         self._due_s = now_s + _PERIOD_S
-        self._fields = {**self._status(), **self._system()}
+        self._fields = {**self._status(now_s), **self._system()}
 
-    def _status(self) -> dict[str, Any]:
+    def _status(self, now_s: float) -> dict[str, Any]:
         try:
+            written = self._status_file.stat().st_mtime_ns
+            if written != self._written:
+                self._written, self._written_s = written, now_s
+            elif now_s - self._written_s > _STALE_S:  # the boat's program has been killed
+                return {}
             status = msgspec.json.decode(self._status_file.read_bytes(), type=_Status)
         except (OSError, msgspec.MsgspecError):
             return {}

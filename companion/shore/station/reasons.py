@@ -18,16 +18,22 @@ _FAILSAFE: Final = "Failsafe: "
 _OVER: Final = "Failsafe over: "
 _BURST_S: Final = 1.0  # texts of one report come together
 _MOST: Final = 20
+_WARNING: Final = 4
 ASK_S: Final = 5.0  # after a change of the verdict or the mode: how soon the boat is asked again
+STANDS_S: Final = 40.0  # since the boat last repeated it
 AGAIN_S: Final = 30.0  # else: each answer shows on every station, too
 
 
 class Words(NamedTuple):
-    """For people. over: how the boat says that this failsafe has ended."""
+    """For people.
+
+    over: how the boat says that this failsafe has ended. stands: the boat repeats it while it holds.
+    """
 
     why: str
     next: str
     over: str = ""
+    stands: bool = False
 
 
 @cache
@@ -49,13 +55,18 @@ class Reasons:
     def __init__(self) -> None:
         self._pre_arm: dict[str, Reason] = {}
         self._failsafes: dict[str, tuple[Reason, str]] = {}
+        self._standing: dict[str, tuple[Reason, float]] = {}
+        self._seen: list[Reason] = []  # by the boat's own verdicts: it may have told them before it was heard
         self._told_s = float("-inf")
         self._asked_s = float("-inf")
         self._asked_in: str | None = None  # the mode: what a boat lacks depends on it
 
     def now(self) -> list[Reason]:
         """Failsafes first."""
-        return [reason for reason, _ in self._failsafes.values()] + list(self._pre_arm.values())
+        told = [reason for reason, _ in (*self._failsafes.values(), *self._standing.values())]
+        known = {reason.text.split()[0] for reason in told if reason.text}
+        seen = [one for one in self._seen if one.text.split()[0] not in known]
+        return [*told, *seen, *self._pre_arm.values()]
 
     def on_text(self, text: Text, now_s: float) -> None:
         """A text of the boat."""
@@ -74,12 +85,17 @@ class Reasons:
             key = found.why if found is not None else said
             if key in self._failsafes or len(self._failsafes) < _MOST:
                 self._failsafes[key] = _reason(text.severity, said), found.over if found is not None else ""
+        elif (found := words_for(text.text)) is not None and found.stands:
+            self._standing[found.why] = _reason(text.severity, text.text), now_s
 
     def poll(self, view: View, now_s: float) -> bool:
         """Forget what no longer holds. True: run the boat's pre-arm checks now, for their texts."""
         if view.battery_is_well:
             for key in [key for key, (one, _) in self._failsafes.items() if one.text.startswith("Battery")]:
                 del self._failsafes[key]
+        for key in [key for key, (_, told_s) in self._standing.items() if now_s - told_s > STANDS_S]:
+            del self._standing[key]
+        self._seen = [_reason(_WARNING, text) for text in _verdicts(view)]
         if view.may_arm is not False or view.armed is not False:
             self._pre_arm.clear()
             self._asked_in = None
@@ -93,6 +109,15 @@ class Reasons:
     def _end(self, over: str) -> None:
         for key in [key for key, (_, end) in self._failsafes.items() if end == over]:
             del self._failsafes[key]
+
+
+def _verdicts(view: View) -> list[str]:
+    """What the boat's status says, in the words of its failsafes. A disarmed boat's are arming faults."""
+    if not view.armed:
+        return []
+    is_measured = view.battery is not None and view.battery.voltage_v is not None
+    is_low = is_measured and view.battery_is_well is False
+    return ["Outside the fence"] * bool(view.is_outside) + ["Battery low"] * is_low
 
 
 def _reason(severity: int, said: str) -> Reason:

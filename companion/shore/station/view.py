@@ -138,7 +138,8 @@ def on_sys_status(view: View, message: Message) -> None:
     health, enabled = message.onboard_control_sensors_health, message.onboard_control_sensors_enabled
     view.has_heading = bool(health & dialect.MAV_SYS_STATUS_SENSOR_YAW_POSITION)
     view.may_arm = bool(health & dialect.MAV_SYS_STATUS_PREARM_CHECK)
-    view.battery_is_well = bool(health & dialect.MAV_SYS_STATUS_SENSOR_BATTERY)
+    has_battery = enabled & dialect.MAV_SYS_STATUS_SENSOR_BATTERY
+    view.battery_is_well = bool(health & dialect.MAV_SYS_STATUS_SENSOR_BATTERY) if has_battery else None
     view.is_outside = bool(enabled & _FENCE_BIT) and not health & _FENCE_BIT
 
 

@@ -1,5 +1,6 @@
 """The boat's computer: links and load from its status file, temperature and disk from the system."""
 
+import os
 from pathlib import Path
 
 import msgspec
@@ -36,6 +37,20 @@ def test_links_load_temperature_and_disk(tmp_path: Path) -> None:
     assert fields["load"] == 0.25
     assert fields["temperature_c"] == 48.3
     assert fields["disk_free_mb"] > 0
+
+
+def test_a_file_that_is_no_longer_written_is_not_known(tmp_path: Path) -> None:
+    file = tmp_path / "status.json"
+    file.write_bytes(status())
+    board = Board(file, tmp_path / "none", tmp_path)
+    for second in range(6):
+        board.poll(float(second))
+    assert "load" in board.fields()
+    board.poll(6.0)
+    assert board.fields().keys() == {"disk_free_mb"}
+    os.utime(file, ns=(1, 1))
+    board.poll(7.0)
+    assert "load" in board.fields()
 
 
 def test_it_is_read_once_a_second(tmp_path: Path) -> None:

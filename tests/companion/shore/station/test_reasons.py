@@ -4,7 +4,7 @@ import inspect
 import re
 
 import pytest
-from boat_rig import FakeBattery, Rig, Silent
+from boat_rig import FakeBattery, Rig, Silent, waypoint
 from shore_rig import Shore
 
 import companion.vehicle.arming
@@ -13,6 +13,9 @@ from companion.failsafe import conditions
 from companion.failsafe.motors import rudder_watch
 from companion.failsafe.motors.hypotheses import HYPOTHESES
 from companion.failsafe.table import ROWS
+from companion.mavlink.items import MissionItem, MissionType
+from companion.persistence.data_losses import DataLosses
+from companion.shore.messages import Battery
 from companion.shore.station.reasons import Reasons, words, words_for
 from companion.shore.station.texts import Text
 from companion.shore.station.view import View
@@ -106,6 +109,57 @@ def test_a_low_battery_is_a_reason_until_the_boat_has_another() -> None:
     view.battery_is_well = True
     reasons.poll(view, 3.0)
     assert reasons.now() == []
+
+
+@pytest.mark.parametrize("name", ["mission", "fence", "rally", "parameters", "voyage record",
+                                  "track of SMART_RTL", "signing key", "signing timestamps"])  # fmt: skip
+def test_every_lost_list_has_words(name: str) -> None:
+    losses = DataLosses()
+    losses.add(name, "it is damaged", "Do something")
+    found = words_for(losses.text(name))
+    assert found is not None
+    assert found.stands
+
+
+def test_a_text_that_the_boat_repeats_is_a_reason_while_it_does() -> None:
+    reasons, view = Reasons(), View()
+    for at_s in (0.0, 30.0):
+        reasons.on_text(Text(4, "Power lost at item 3, 41 m along: arm and MISSION_START to resume"), at_s)
+        reasons.poll(view, at_s + 29.0)
+        assert [one.next for one in reasons.now()] == ["Arm it and start the mission to go on."]
+    reasons.poll(view, 71.0)
+    assert reasons.now() == []
+
+
+def test_a_failsafe_that_fired_before_the_boat_was_heard_shows_in_its_status() -> None:
+    reasons, view = Reasons(), View()
+    view.armed, view.is_outside, view.battery_is_well = True, True, False
+    view.battery = Battery(voltage_v=9.9)
+    reasons.poll(view, 1.0)
+    assert [one.text for one in reasons.now()] == ["Outside the fence", "Battery low"]
+    reasons.on_text(Text(2, "Failsafe: Battery critical: 9.5 V"), 2.0)
+    assert [one.text for one in reasons.now()] == ["Battery critical: 9.5 V", "Outside the fence"]
+    view.battery = Battery(voltage_v=None)  # a silent monitor says nothing about the pack
+    assert [one.text for one in reasons.now()] == ["Battery critical: 9.5 V", "Outside the fence"]
+    view.armed = False
+    reasons.poll(view, 3.0)
+    assert [one.text for one in reasons.now()] == ["Battery critical: 9.5 V"]
+
+
+def test_a_boat_outside_its_fence_says_so_to_a_page_that_comes_late() -> None:
+    rig = Rig().ready()
+    assert rig.arm() == 0
+    rig.upload(AWAY, mission_type=MissionType.FENCE)
+    rig.run(3.0)
+    shore = Shore(rig)
+    shore.run(3.0)
+    assert shore.snapshot().reasons[0].text.startswith("Outside the fence")
+
+
+AWAY = [
+    MissionItem(frame=3, command=5001, param1=3.0, x=waypoint(n, e).x, y=waypoint(n, e).y)
+    for n, e in ((50.0, 50.0), (50.0, 90.0), (90.0, 90.0))
+]
 
 
 def test_an_unknown_reason_is_shown_as_the_boat_says_it() -> None:
