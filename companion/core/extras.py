@@ -3,7 +3,7 @@
 from typing import Final
 
 _OURS: Final = ("companion", "mission_tools", "sitl")
-_OF_PROGRAM: Final = {"boat-sitl": "sitl"} | {
+_OF_PROGRAM: Final = {"boat-shore": "web", "boat-sitl": "sitl"} | {
     f"mission-{name}": "planner" for name in ("check", "download", "plan", "trace", "upload")
 }
 

@@ -60,6 +60,7 @@ class Hub:
             self._update(now_s)
 
     def _update(self, now_s: float) -> None:
+        self.boats.is_operator = any(self.role(watch) == "skipper" for watch in self.watches)
         names = self.boats.names()
         watched = {watch.boat for watch in self.watches}
         self._feeds = {boat: feed for boat, feed in self._feeds.items() if boat in watched}

@@ -19,7 +19,12 @@ class Clock(Protocol):
 
 
 class Boats(Protocol):
-    """The station: the boats that it hears. Never blocks."""
+    """The station: the boats that it hears. Never blocks.
+
+    is_operator: whether somebody steers from a page; the boats then miss this station when it goes silent.
+    """
+
+    is_operator: bool
 
     def poll(self, now_s: float, unix_s: float) -> None:
         """Read and send what is due."""

@@ -1,7 +1,6 @@
 """The web server of the shore page: its routes and limits, and one task that polls the boats."""
 
 import asyncio
-import contextlib
 from collections.abc import AsyncIterator, Collection
 from pathlib import Path
 from typing import Final
@@ -68,8 +67,7 @@ async def _polling(app: web.Application) -> AsyncIterator[None]:
     task = app[POLLING] = asyncio.create_task(_poll(app[HUB], app[SOCKETS]))
     yield
     task.cancel()
-    with contextlib.suppress(asyncio.CancelledError):
-        await task
+    await asyncio.gather(task, return_exceptions=True)  # `serve` has raised what ended it
 
 
 async def _poll(hub: Hub, sockets: Sockets) -> None:

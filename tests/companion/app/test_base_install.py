@@ -111,6 +111,7 @@ def test_the_companion_checks_a_configuration_without_the_extras() -> None:
 @pytest.mark.parametrize(
     ("module", "extra", "arguments"),
     [
+        ("companion.shore.__main__", "web", ("boat-shore",)),
         ("sitl.__main__", "sitl", ("boat-sitl", "sail", "pool")),
         ("mission_tools.cli.plan", "planner", ("mission-plan", "lake")),
         ("mission_tools.cli.upload", "planner", ("mission-upload", "lake", "--dry-run")),

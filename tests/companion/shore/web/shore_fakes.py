@@ -50,6 +50,7 @@ class FakeBoats:
         self.lists: dict[ItemKind, dict[str, Any]] = {}
         self.asked: list[tuple[Request, Callable[[Answer], None]]] = []
         self.polls = 0
+        self.is_operator = False
 
     def poll(self, now_s: float, unix_s: float) -> None:
         self.polls += 1
