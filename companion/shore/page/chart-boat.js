@@ -4,6 +4,7 @@ import { text } from "./chart-map.js";
 const HULL_M = 1.2;
 const HULL_PX = 34; // at least
 const ECHO_PX = 46; // a sweep without an echo is drawn so long, or as far as 10 m
+const LEAST_CURRENT_M_S = 0.05; // less is shown as 0.0, and its direction is noise
 const radians = (degrees) => (degrees * Math.PI) / 180;
 
 export function drawSenses(pen, state, at, view, colour) {
@@ -120,7 +121,7 @@ export function drawNorth(pen, colour, words) {
 
 // The arrow flies with the water.
 export function drawCurrent(pen, current, colour, words) {
-  if (!current) return;
+  if (!current || current.speed_m_s < LEAST_CURRENT_M_S) return;
   arrow(pen, [24, 76], current.towards_deg, colour.track, colour.halo, 15);
   pen.font = "600 13px system-ui, sans-serif";
   const said = words.say("chart.current", { speed: words.speed(current.speed_m_s) });

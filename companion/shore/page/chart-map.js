@@ -81,11 +81,12 @@ export function drawNames(pen, map, view, colour, taken) {
     const half = pen.measureText(shape.name).width / 2 + 3;
     const isStructure = ["pier", "raft", "obstacle"].includes(shape.kind);
     const down = isLandmark || isStructure ? 15 : 0;
-    const own = [x - half, y + down - 8, x + half, y + down + 8];
+    const middle = Math.min(Math.max(x, half), view.width - half); // whole where its thing is at the edge
+    const own = [middle - half, y + down - 8, middle + half, y + down + 8];
     if (taken.some((other) => overlaps(own, other))) continue;
     taken.push(own);
     const isKept = KEPT_OUT.includes(shape.kind);
-    text(pen, shape.name, x, y + down, isKept ? colour.keep : colour.ink, colour.halo);
+    text(pen, shape.name, middle, y + down, isKept ? colour.keep : colour.ink, colour.halo);
   }
 }
 

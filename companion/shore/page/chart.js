@@ -113,7 +113,7 @@ export function makeChart(canvas, words) {
     pen.setTransform(density, 0, 0, density, 0, 0);
     pen.fillStyle = isCharted ? colour.land : colour.water;
     pen.fillRect(0, 0, view.width, view.height);
-    const taken = [[0, 0, 48, 48]];
+    const taken = [[0, 0, 48, 96], [view.width - 62, 0, view.width, 180], [0, view.height - 40, 140, view.height]];
     if (isCharted) {
       const scale = density * view.scale;
       const [x, y] = view.toPixel([0, 0]);
