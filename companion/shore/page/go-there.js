@@ -1,11 +1,13 @@
 // Go to a tapped place by the water: the server plans the way, the page shows it, and it is sailed when confirmed.
 import { setText } from "./now.js";
 
+const SAILING = ["AUTO", "GUIDED"];
+
 export function makeGoThere(page, words, live, go, showWay) {
   let wanted = null; // what Sail there asks: {what, with}
   let taps = 0;
   let sailed = null; // the way under way: shown until the boat leaves the mode in which it sails it
-  let wasGuided = false;
+  let sailsIn = null; // that mode
 
   const close = () => {
     wanted = null;
@@ -25,7 +27,7 @@ export function makeGoThere(page, words, live, go, showWay) {
     wanted = null;
     page.box.hidden = true;
     const answer = await go.ask(asked.what, asked.with, words.say("there.sail"));
-    if (answer.ok === true) [sailed, wasGuided] = [asked.with.points ?? null, false];
+    if (answer.ok === true) [sailed, sailsIn] = [asked.with.points ?? null, null];
     if (page.box.hidden) showWay(sailed);
   });
   page.cancel.addEventListener("click", () => {
@@ -57,11 +59,10 @@ export function makeGoThere(page, words, live, go, showWay) {
 
   const showState = ({ mode }) => {
     if (sailed === null) return;
-    if (wasGuided && mode !== "GUIDED") {
-      sailed = null;
-      if (page.box.hidden) showWay(null);
-    }
-    wasGuided = mode === "GUIDED";
+    if (SAILING.includes(mode)) sailsIn = sailsIn ?? mode;
+    if (sailsIn === null || mode === sailsIn) return;
+    sailed = null;
+    if (page.box.hidden) showWay(null);
   };
   return { tap, showState };
 }

@@ -31,7 +31,8 @@ export function makeGo(page, words, live) {
     tell(words.say("go.asked", { name }));
     const answer = await live.ask(what, withThese);
     const otherwise = words.say(answer.lost ? "go.lost" : answer.ok ? "go.done" : answer.ok === null ? "go.unknown" : "go.refused");
-    tell(words.say("go.answer", { name, text: answer.text || otherwise }), answer.ok === true);
+    const text = answer.text || otherwise;
+    tell(text.startsWith(`${name}:`) ? text : words.say("go.answer", { name, text }), answer.ok === true);
     return answer;
   };
 
