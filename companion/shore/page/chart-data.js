@@ -17,6 +17,7 @@ export class ChartData {
 
   // On each connection: the chart may have missed some.
   async connected(boat) {
+    if (boat !== this.boat) this.#clear();
     this.boat = boat;
     this.versions = {};
     this.retryAt_s = {};
@@ -42,6 +43,13 @@ export class ChartData {
       this.retryAt_s[kind] = now_s + RETRY_S;
       this.#fetchItems(kind, version);
     }
+  }
+
+  #clear() {
+    for (const kind of KINDS) this.chart.showItems(kind, null);
+    this.points = [];
+    this.chart.showTrack(this.points);
+    this.chart.showWay(null);
   }
 
   async #fetchItems(kind, version) {

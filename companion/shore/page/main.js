@@ -50,7 +50,10 @@ async function start() {
   const showNow = makeNow({ cells: at("cells"), more: at("now-more"), mode: at("mode"), armed: at("armed"), alarm: at("alarm") }, words);
   const showWhy = makeWhy({ box: at("why"), title: at("why-title"), first: at("why-first"), count: at("why-count"), list: at("why-list") }, words);
   const showMessages = makeMessages({ latest: at("latest"), list: at("lines") }, words, clock);
-  at("messages-box").open = matchMedia("(min-width: 44rem)").matches; // there is room: as in style.css
+  const isWide = matchMedia("(min-width: 44rem)"); // as in style.css: there is room for all messages
+  const openMessages = () => (at("messages-box").open = isWide.matches);
+  isWide.addEventListener("change", openMessages);
+  openMessages();
   let data = null;
   let there = null;
 

@@ -115,6 +115,12 @@ def test_modules_import_files_that_exist_and_find_elements_that_exist() -> None:
             assert f'id="{name}"' in html, (path.name, name)
 
 
+def test_every_module_is_loaded_ahead_and_not_one_after_the_other() -> None:
+    html = (PAGE / "index.html").read_text("utf-8")
+    ahead = re.findall(r'<link rel="modulepreload" href="([^"]+)">', html)
+    assert sorted([*ahead, "main.js"]) == [path.name for path in MODULES]
+
+
 def test_the_first_view_is_small() -> None:
     contents = [path.read_bytes() for path in PAGE.iterdir() if path.is_file()]
     packed = sum(len(gzip.compress(content, 9)) for content in contents)
