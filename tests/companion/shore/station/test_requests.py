@@ -215,3 +215,15 @@ def test_hold_ends_an_upload_that_would_start_the_mission() -> None:
     shore.run(10.0)
     assert rig.mode == "HOLD"
     assert [one.ok for one in shore.answers[-2:]] == [False, True]
+
+
+def test_a_boat_that_goes_silent_after_the_upload_is_answered_for_in_time() -> None:
+    rig, shore = shore_with("armed")
+    points = [[at["lon"], at["lat"]] for at in (place(rig, 20.0, 0.0), place(rig, 20.0, 20.0))]
+    shore.ends[0].loss = 0.25  # so that the upload takes its time
+    shore.send("sail", {"points": points})
+    began_s = shore.now_s
+    shore.until(lambda: len(rig.items()) == len(points) + 1, 6.0)
+    shore.ends[0].loss = 1.0
+    shore.until(lambda: len(shore.answers) == 2, began_s + 10.0 - shore.now_s)
+    assert not shore.answers[-1].ok
