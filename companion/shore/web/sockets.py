@@ -1,6 +1,7 @@
 """WebSocket `/live?boat=1`."""
 
 import asyncio
+import contextlib
 import socket
 from collections import Counter
 from typing import Final
@@ -79,8 +80,9 @@ class Sockets:
         one = _Open(ws, network, self._hub.open(int(boat) if boat else None, token))
         self._open.append(one)
         try:
-            await ws.prepare(request)
-            await self._serve(request, one)
+            with contextlib.suppress(ConnectionResetError):  # the page has left before it was answered
+                await ws.prepare(request)
+                await self._serve(request, one)
         finally:
             self._open.remove(one)
             self._hub.close(one.watch)
