@@ -1,10 +1,15 @@
-"""Draw the pictures of the docs that no experiment draws, and write the notebook: python -m pictures."""
+"""Draw the pictures of the docs that no experiment draws, and write the notebook: python -m pictures.
 
+`python -m pictures shore` makes only those of the shore page, which takes Chromium.
+"""
+
+import sys
 from pathlib import Path
 
 from pictures.encounter import draw_encounter
 from pictures.notebook import write_notebook
 from pictures.rollouts import draw_rollouts
+from pictures.shore import draw_shore
 from pictures.wiring import draw_wiring
 from pictures.wiring_table import read_wiring
 
@@ -15,7 +20,10 @@ ENCOUNTER = Path("docs/pictures/encounter.svg")
 
 
 def main() -> None:
-    """Draw them all."""
+    """Draw them all, or those of the page."""
+    if sys.argv[1:] == ["shore"]:
+        draw_shore()
+        return
     ROLLOUTS.write_text(draw_rollouts(), encoding="utf-8")
     ENCOUNTER.write_text(draw_encounter(), encoding="utf-8")
     WIRING.write_text(draw_wiring(read_wiring(GUIDE.read_text(encoding="utf-8"))), encoding="utf-8")

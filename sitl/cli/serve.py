@@ -2,6 +2,7 @@
 
 import logging
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
@@ -18,7 +19,8 @@ from companion.mavlink.signing import SigningPolicy
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
 from sitl.run.fleet import PORT_STEP, fleet, start_fleet
 from sitl.run.serve import RECORD_EVERY, Server
-from sitl.run.simulated_boat import BoatOptions
+from sitl.run.shore import LISTEN, ShorePage
+from sitl.run.simulated_boat import BoatOptions, SimulatedBoat
 from sitl.run.state_folder import NONE, default_folder, lock_folder
 
 
@@ -64,6 +66,12 @@ def serve(
     status: Annotated[
         Path | None, typer.Option(metavar="FILE", help="write links and ticks in numbers here, as JSON")
     ] = None,
+    shore: Annotated[
+        bool, typer.Option("--shore", help="serve the shore page too, a ground station for the browser")
+    ] = False,
+    shore_at: Annotated[
+        str, typer.Option(metavar="HOST:PORT", help="address of the shore page; port 0: the system's choice")
+    ] = LISTEN,
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="log links coming and going")] = False,
 ) -> None:
     """Run the boat in real time until Ctrl-C, for QGroundControl, MAVProxy, MAVSDK and any other station.
@@ -77,7 +85,10 @@ def serve(
     With --count each boat has a TCP port of its own, 10 apart, and all of them talk to the one UDP station.
     Boats of a fleet neither see nor touch each other.
 
-    Example:  boat-sitl serve lake --speedup 5
+    With --shore a browser is all the ground station that you need: the page's address and its PIN are said at
+    the start, and the page opens if there is a desktop.
+
+    Example:  boat-sitl serve lake --speedup 5 --shore
     """
     logging.basicConfig(
         level=logging.INFO if verbose else logging.WARNING, format="%(levelname)s %(message)s"
@@ -97,30 +108,37 @@ def serve(
     shutdown = Shutdown()
     shutdown.install()
     folder, remark = _held_folder(state, default_folder(source, scenario.seed, None if no_tcp else tcp))
-    boat_options = [
-        BoatOptions(
-            state_folder=""
-            if folder is None
-            else str(folder if count == 1 else folder / f"boat{number + 1}"),
-            record=csv is not None,
-            status_path=status if number == 0 else None,
-            unix_offset_s=0.0 if policy == "off" else clock.unix_offset_s(),
-        )
-        for number in range(count)
-    ]
-    with busy_port_explained("choose another port with --tcp (5770, or 0 for any free one)"):
-        boats = start_fleet(scenarios, links, clock, boat_options, speedup)
-    server = Server(boats, clock, speedup, _report)
-    names = ", ".join(boats[0].port_names) or "no link"
-    typer.echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, {speedup:g} × real time, on {names}")
-    for boat, sailed in zip(boats[1:], scenarios[1:], strict=True):
-        names = ", ".join(boat.port_names) or "the first boat's links"
-        typer.echo(f"boat-sitl: system {sailed.vehicle.identity.system_id} on {names}")
-    typer.echo(f"boat-sitl: {remark}")
-    typer.echo("boat-sitl: ready; Ctrl-C ends")
-    sys.stdout.flush()
-    garbage.settle()
-    server.run(shutdown)
+    with ShorePage(scenario.chart, shore_at, _report) if shore else nullcontext() as page:
+        if page is not None:
+            for own in links[: 1 if one_port else count]:
+                own.append(LinkConfig(url=page.boat_link))
+            status = status or page.status
+        boat_options = [
+            BoatOptions(
+                state_folder=""
+                if folder is None
+                else str(folder if count == 1 else folder / f"boat{number + 1}"),
+                record=csv is not None,
+                status_path=status if number == 0 else None,
+                unix_offset_s=0.0 if policy == "off" else clock.unix_offset_s(),
+            )
+            for number in range(count)
+        ]
+        with busy_port_explained("choose another port with --tcp (5770, or 0 for any free one)"):
+            boats = start_fleet(scenarios, links, clock, boat_options, speedup)
+        if page is not None and status is not None:
+            page.start(status)
+        server = Server(boats, clock, speedup, _report)
+        names = _names(boats[0], page) or "no link"
+        typer.echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, {speedup:g} × real time, on {names}")
+        for boat, sailed in zip(boats[1:], scenarios[1:], strict=True):
+            names = _names(boat, page) or "the first boat's links"
+            typer.echo(f"boat-sitl: system {sailed.vehicle.identity.system_id} on {names}")
+        typer.echo(f"boat-sitl: {remark}")
+        typer.echo("boat-sitl: ready; Ctrl-C ends")
+        sys.stdout.flush()
+        garbage.settle()
+        server.run(shutdown)
     if csv is not None:
         for boat, sailed in zip(boats, scenarios, strict=True):
             path = csv if count == 1 else csv.with_stem(f"{csv.stem}_{sailed.vehicle.identity.system_id}")
@@ -152,6 +170,11 @@ def _held_folder(asked: str | None, usual: Path | None) -> tuple[Path | None, st
 def _report(line: str) -> None:
     typer.echo(f"boat-sitl: {line}")
     sys.stdout.flush()
+
+
+def _names(boat: SimulatedBoat, page: ShorePage | None) -> str:
+    """The links of a boat, without the page's own."""
+    return ", ".join(name for name in boat.port_names if page is None or name != page.boat_link)
 
 
 def _urls(

@@ -1,0 +1,76 @@
+"""The pictures of docs/shore.md: the page beside an emulated boat that sails a planned mission.
+
+python -m pictures shore
+"""
+
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import NamedTuple
+
+from playwright.sync_api import Browser
+
+from pictures.browser import Light, open_browser, open_context
+
+FOLDER = Path("docs/pictures")
+FENCE = Path("examples/maps/mill_pond_fence.geojson")
+_SPEEDUP = "8"
+_SETTLED_MS = 5_000.0  # for the chart, the mission and some metres of track
+_WAIT_MS = 60_000.0
+_SCRIPTS = Path(sys.executable).parent
+
+
+class Emulator(NamedTuple):
+    """A boat with its page. port: for stations."""
+
+    page: str
+    pin: str
+    port: int
+
+
+@contextmanager
+def emulator(*options: str) -> Iterator[Emulator]:
+    """`boat-sitl serve lake --shore` on ports that the system chooses."""
+    command = [str(_SCRIPTS / "boat-sitl"), "serve", "lake", "--shore", "--shore-at", "127.0.0.1:0"]
+    command += ["--tcp", "0", "--no-udp", "--state", "none", *options]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:  # noqa: S603
+        try:
+            assert program.stdout is not None  # noqa: S101
+            said, found = "", None
+            while found is None or "ready" not in said:
+                line = program.stdout.readline()
+                if not line:
+                    raise RuntimeError(f"boat-sitl ended: {said}")
+                said += line
+                found = re.search(r"page is at (\S+) with PIN (\d+)", said)
+            port = re.search(r"tcpin:127\.0\.0\.1:(\d+)", said)
+            assert port is not None  # noqa: S101
+            yield Emulator(found[1], found[2], int(port[1]))
+        finally:
+            program.terminate()
+
+
+def draw_shore() -> None:
+    """Make them all. The boat sails a planned mission meanwhile."""
+    with emulator("--speedup", _SPEEDUP) as boat, open_browser() as browser:
+        upload = [str(_SCRIPTS / "mission-upload"), "lake", "--connect", f"tcp:127.0.0.1:{boat.port}"]
+        subprocess.run([*upload, "--fence", str(FENCE), "--start"], check=True, stdout=subprocess.DEVNULL)  # noqa: S603
+        _draw(browser, boat, "shore_desktop", "desktop")
+        _draw(browser, boat, "shore_phone", "phone")
+        _draw(browser, boat, "shore_phone_night", "phone", "dark")
+
+
+def _draw(browser: Browser, boat: Emulator, name: str, size: str, light: Light = "light") -> None:
+    context = open_context(browser, size, light)
+    context.set_default_timeout(_WAIT_MS)
+    page = context.new_page()
+    page.goto(boat.page)
+    page.get_by_label("PIN").fill(boat.pin)
+    page.get_by_role("button", name="Unlock").click()
+    page.locator("fieldset:enabled").wait_for()
+    page.wait_for_timeout(_SETTLED_MS)
+    page.screenshot(path=FOLDER / f"{name}.png")
+    context.close()

@@ -1,0 +1,173 @@
+"""The shore page beside the emulator: `boat-shore` as a child process with a link of its own.
+
+The child knows the boats only by MAVLink. It ends with this process, however this one ends; if it ends
+first, the boats do not notice.
+"""
+
+import ctypes
+import json
+import os
+import re
+import secrets
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import webbrowser
+from collections.abc import Callable
+from pathlib import Path
+from threading import Thread
+from types import TracebackType
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from companion.core.geo import Point
+from mission_tools.maps.chart import Chart, Feature
+
+PIN_DIGITS = 6
+LISTEN = "127.0.0.1:8080"
+_LOOPBACK = "127.0.0.1"
+_PROGRAM = (sys.executable, "-m", "companion.shore")
+_END_S = 5.0  # the child has this long to close its sockets
+_ENDED_AS_ASKED = (0, 130)  # also by Ctrl-C, which a terminal sends to both programs
+_PR_SET_PDEATHSIG = 1  # prctl(2)
+_libc = ctypes.CDLL(None)  # before the fork: the child may not load anything
+
+
+class ShorePage:
+    """The child process and the folder with its map, its PIN and the boat's status. A context manager."""
+
+    def __init__(self, chart: Chart, listen: str, report: Callable[[str], None]) -> None:
+        """listen: HOST:PORT of the page. report: called with one line at a time."""
+        self._chart = chart
+        self._listen = listen
+        self._report = report
+        self._number = _free_udp_port()
+        self._folder = tempfile.TemporaryDirectory(prefix="boat-sitl-shore-")
+        self._child: subprocess.Popen[str] | None = None
+        self._reader: Thread | None = None
+        self._pin = "".join(secrets.SystemRandom().sample("0123456789", PIN_DIGITS))
+
+    @property
+    def boat_link(self) -> str:
+        """The link that each boat needs for the page."""
+        return f"udpout:{_LOOPBACK}:{self._number}"
+
+    @property
+    def status(self) -> Path:
+        """Where the first boat may write its status file."""
+        return Path(self._folder.name) / "status.json"
+
+    def __enter__(self) -> "ShorePage":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def start(self, status: Path) -> None:
+        """Start the child; the address and the PIN are reported as soon as it listens.
+
+        status: the first boat's status file.
+        """
+        pin_file = Path(self._folder.name) / "pin"
+        if not self._set_pin(pin_file):
+            self._report("there is no page; the boat does not need it")
+            return
+        options = ["--connect", f"udpin:{_LOOPBACK}:{self._number}", "--listen", self._listen]
+        options += ["--pin-file", str(pin_file), "--status", str(status)]
+        if self._chart.features or not self._chart.is_open:
+            map_file = Path(self._folder.name) / "map.geojson"
+            map_file.write_text(map_of(self._chart), encoding="utf-8")
+            options += ["--map", str(map_file)]
+        self._child = subprocess.Popen(  # noqa: S603
+            [*_PROGRAM, *options],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            text=True,
+            preexec_fn=_end_with_parent,  # noqa: PLW1509 (one system call, of a library that is loaded)
+        )
+        self._reader = Thread(target=self._follow, args=(self._child,), name="shore page", daemon=True)
+        self._reader.start()
+
+    def close(self) -> None:
+        """End the child and remove the folder. May be called twice."""
+        child, self._child = self._child, None
+        if child is not None:
+            child.terminate()
+            try:
+                child.wait(_END_S)
+            except subprocess.TimeoutExpired:
+                child.kill()
+                child.wait()
+        if self._reader is not None:
+            self._reader.join(_END_S)
+        self._folder.cleanup()
+
+    def _set_pin(self, file: Path) -> bool:
+        """Whether the child's program could do it; if not, it has said why."""
+        command = [*_PROGRAM, "pin", "--pin-file", str(file)]
+        done = subprocess.run(  # noqa: S603
+            command, input=f"{self._pin}\n", text=True, check=False, stdout=subprocess.DEVNULL
+        )
+        return done.returncode == 0
+
+    def _follow(self, child: "subprocess.Popen[str]") -> None:
+        """Say where the page is, and if it ends before it should."""
+        assert child.stdout is not None  # noqa: S101
+        with child.stdout:
+            for line in child.stdout:
+                address = re.search(r"https?://\S+", line)
+                if address is not None:
+                    self._report(f"the page is at {address[0]} with PIN {self._pin}")
+                    if is_on_a_desktop():
+                        webbrowser.open(address[0])
+        code = child.wait()
+        if self._child is not None and code not in _ENDED_AS_ASKED:
+            self._report(f"the page's program ended with {code}; the boat does not need it")
+
+
+def is_on_a_desktop() -> bool:
+    """Whether a browser may be opened: there is a person at a terminal, and a screen."""
+    return sys.stdout.isatty() and bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def map_of(chart: Chart) -> str:
+    """A chart as a GeoJSON map of the kinds that `docs/maps.md` lists. Islands are cut out of the water."""
+    water = [] if chart.is_open else [Feature(chart.name, "water", chart.water)]
+    others = [feature for feature in chart.features if feature.kind != "water"]
+    features = [
+        {
+            "type": "Feature",
+            "properties": {**feature.properties, "name": feature.name, "kind": feature.kind},
+            "geometry": _geometry(chart, feature),
+        }
+        for feature in (*water, *others)
+    ]
+    tree = {"type": "FeatureCollection", "name": chart.name, "features": features}
+    return json.dumps(tree, ensure_ascii=False, separators=(",", ":"))
+
+
+def _geometry(chart: Chart, feature: Feature) -> object:
+    """In WGS 84, [longitude, latitude], rounded to 1 cm."""
+
+    def placed(points: NDArray[np.float64]) -> NDArray[np.float64]:
+        places = [chart.frame.to_global(Point(north_m=north, east_m=east)) for east, north in points.tolist()]
+        return np.array([[round(place.lon_deg, 7), round(place.lat_deg, 7)] for place in places])
+
+    return json.loads(shapely.to_geojson(shapely.transform(feature.shape, placed)))
+
+
+def _free_udp_port() -> int:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind((_LOOPBACK, 0))
+        return int(probe.getsockname()[1])
+
+
+def _end_with_parent() -> None:
+    """In the child: have the kernel end it with the parent, also when that is killed."""
+    _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)

@@ -1,0 +1,39 @@
+"""A finger on the glass, or a mouse where there is no glass."""
+
+from playwright.sync_api import Locator, Page, Position, expect
+
+from pictures.browser import SIZES
+
+
+def has_touch(page: Page) -> bool:
+    """Whether this visitor has a finger."""
+    size = page.viewport_size
+    assert size is not None
+    return any(known.has_touch and known.width == size["width"] for known in SIZES.values())
+
+
+def press(page: Page, button: Locator, at: Position | None = None) -> None:
+    """Press and let go."""
+    if has_touch(page):
+        button.tap(position=at)
+    else:
+        button.click(position=at)
+
+
+def hold(page: Page, button: Locator, acted: Locator) -> None:
+    """Press until `acted` is seen."""
+    button.scroll_into_view_if_needed()
+    box = button.bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0
+    if has_touch(page):
+        wire = page.context.new_cdp_session(page)
+        wire.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x, "y": y}]})
+        expect(acted).to_be_visible()
+        wire.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+        wire.detach()
+    else:
+        page.mouse.move(x, y)
+        page.mouse.down()
+        expect(acted).to_be_visible()
+        page.mouse.up()

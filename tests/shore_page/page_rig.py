@@ -1,0 +1,100 @@
+"""`boat-sitl serve lake --shore` and visitors in headless Chromium. A plugin like
+`program_fixtures`.
+"""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+from finger import press
+from mavutil_station import MavutilStation
+from patience import MOMENT_S
+from playwright.sync_api import Locator, Page, expect
+from programs import Program, processes_of
+from pymavlink.dialects.v20 import all as dialect
+
+from companion.core.modes import Mode
+from pictures.browser import CHROMIUM
+
+ARMED = dialect.MAV_MODE_FLAG_SAFETY_ARMED
+WAIT_MS = MOMENT_S * 1000.0
+_PAGE = re.compile(r"^boat-sitl: the page is at (http://\S+) with PIN (\d{6})$", re.MULTILINE)
+
+Visit = Callable[..., Page]  # size, light
+
+needs_chromium = pytest.mark.skipif(not CHROMIUM.exists(), reason=f"no {CHROMIUM}")
+
+
+class ShoreBoat(NamedTuple):
+    """A boat with its page. tcp: the port for stations; child: the process of `boat-shore`."""
+
+    program: Program
+    tcp: int
+    address: str
+    pin: str
+
+    @property
+    def child(self) -> int:
+        """The process of the page's program."""
+        (pid,) = set(processes_of(self.program.pid)) - {self.program.pid}
+        return pid
+
+    def options(self) -> list[str]:
+        """What the page's program was started with."""
+        words = Path(f"/proc/{self.child}/cmdline").read_text(encoding="utf-8").split("\0")
+        return words[words.index("companion.shore") + 1 : -1]
+
+
+def start_shore(room: Path, *options: str) -> ShoreBoat:
+    """Waited for until boat and page are there."""
+    arguments = ["serve", "lake", "--shore", "--shore-at", "127.0.0.1:0", "--tcp", "0", "--no-udp"]
+    program = Program(room, ["boat-sitl", *arguments, "--state", "none", *options])
+    try:
+        port = int(program.wait_for(r"on tcpin:127\.0\.0\.1:(\d+)$")[1])
+        program.wait_for(r"^boat-sitl: ready; Ctrl-C ends$")
+        page = program.wait_for(_PAGE.pattern)
+    except BaseException:
+        program.kill()
+        raise
+    return ShoreBoat(program, port, page[1], page[2])
+
+
+def button(page: Page, name: str) -> Locator:
+    return page.get_by_role("button", name=name, exact=True)
+
+
+def show_all_buttons(page: Page) -> None:
+    """A phone shows some of them only when asked."""
+    more = button(page, "Arm and modes")
+    if more.is_visible():
+        press(page, more)
+
+
+def told(page: Page, text: str | re.Pattern[str]) -> Locator:
+    """What the page says that the boat answered."""
+    return page.get_by_role("status").filter(has_text=text)
+
+
+def unlock(page: Page, pin: str) -> None:
+    page.get_by_label("PIN").fill(pin)
+    press(page, button(page, "Unlock"))
+
+
+def skipper(visit: Visit, shore: ShoreBoat, size: str = "phone") -> Page:
+    page = visit(size)
+    unlock(page, shore.pin)
+    expect(button(page, "Hold")).to_be_enabled()
+    return page
+
+
+def until_mode(station: MavutilStation, mode: Mode, armed: bool | None = None) -> None:
+    station.drain()
+    station.wait_for(
+        "HEARTBEAT",
+        lambda beat: (
+            (beat.get_srcSystem(), beat.get_srcComponent(), beat.custom_mode) == (1, 1, mode)
+            and armed in (None, bool(beat.base_mode & ARMED))
+        ),
+    )

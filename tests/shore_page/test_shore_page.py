@@ -1,0 +1,197 @@
+"""The page in Chromium beside an emulated boat: what is pressed, and what a station then sees the boat do."""
+
+import json
+import math
+import re
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from finger import hold, press
+from mavutil_station import MavutilStation, Message, Place
+from page_rig import (
+    ARMED,
+    ShoreBoat,
+    Visit,
+    button,
+    needs_chromium,
+    show_all_buttons,
+    skipper,
+    told,
+    unlock,
+    until_mode,
+)
+from playwright.sync_api import Page, Position, expect
+from pymavlink.dialects.v20 import all as dialect
+
+from companion.core.modes import Mode
+
+pytest_plugins = ("page_fixtures",)
+pytestmark = [pytest.mark.realtime, needs_chromium]
+
+FIRST_VIEW_BYTES = 300_000
+LEAST_BUTTON_PX = 48.0
+WAYPOINT, FRAME = dialect.MAV_CMD_NAV_WAYPOINT, dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT
+ON_WATER = [  # the first is home
+    Place(WAYPOINT, FRAME, 499987600, -12029200),
+    Place(WAYPOINT, FRAME, 499990000, -12010000),
+    Place(WAYPOINT, FRAME, 499994000, -11990000),
+]
+FAIL_COMPASS = (dialect.FAILURE_UNIT_SENSOR_MAG, dialect.FAILURE_TYPE_OFF)
+MEND_COMPASS = (dialect.FAILURE_UNIT_SENSOR_MAG, dialect.FAILURE_TYPE_OK)
+
+
+def axe_faults(page: Page) -> list[str]:
+    """Serious and critical faults that axe-core finds, a line each."""
+    violations = Axe().run(page).response["violations"]
+    return [
+        f"{fault['id']}: {node['html']}"
+        for fault in violations
+        if fault["impact"] in {"serious", "critical"}
+        for node in fault["nodes"]
+    ]
+
+
+@pytest.mark.parametrize("size", ["phone", "tablet", "desktop"])
+def test_the_page_is_small_and_shows_the_boat_to_everybody(
+    size: str, visit: Visit, shore: ShoreBoat, record_property: Callable[[str, object], None]
+) -> None:
+    page = visit(size)
+    expect(page.get_by_text("Hold", exact=True).first).to_be_visible()
+    expect(page.get_by_role("term").filter(has_text="Battery")).to_be_visible()
+    expect(page.locator("dl")).to_contain_text(re.compile(r"Battery\D*\d"))
+    expect(page.get_by_text("Connected").first).to_be_visible()
+    seen: dict[str, Any] = page.evaluate(
+        """() => ({
+            bytes: ["navigation", "resource"].flatMap((kind) => performance.getEntriesByType(kind))
+                .reduce((sum, entry) => sum + entry.transferSize, 0),
+            others: performance.getEntriesByType("resource").map((entry) => new URL(entry.name).host)
+                .filter((host) => host !== location.host),
+            painted_ms: performance.getEntriesByName("first-contentful-paint")[0]?.startTime,
+            wide: document.documentElement.scrollWidth - innerWidth,
+        })"""
+    )
+    record_property("bytes", seen["bytes"])
+    record_property("painted_ms", seen["painted_ms"])
+    assert 0 < seen["bytes"] <= FIRST_VIEW_BYTES
+    assert seen["others"] == []
+    assert seen["wide"] <= 0
+    assert axe_faults(page) == []
+    unlock(page, shore.pin)
+    expect(button(page, "Hold")).to_be_enabled()
+    show_all_buttons(page)
+    assert axe_faults(page) == []
+    boxes = [(one.inner_text(), one.bounding_box()) for one in page.get_by_role("button").all()]
+    assert len(boxes) > 10
+    assert [(text, box) for text, box in boxes if box is not None and box["height"] < LEAST_BUTTON_PX] == []
+    press(page, button(page, "Day or night"))
+    assert axe_faults(page) == []
+
+
+def test_nothing_acts_before_the_pin(visit: Visit, shore: ShoreBoat, station: MavutilStation) -> None:
+    page = visit("phone")
+    for name in ("Hold", "Return", "Motors off", "Start", "Pause", "Continue"):
+        expect(button(page, name)).to_be_disabled()
+    refused = page.evaluate(
+        """() => new Promise((resolve) => {
+            const socket = new WebSocket(`ws://${location.host}/live?boat=1`);
+            const request = {type: "do", id: crypto.randomUUID(), boat: 1, what: "return", with: {}};
+            socket.onopen = () => socket.send(JSON.stringify(request));
+            socket.onmessage = ({data}) => {
+                const message = JSON.parse(data);
+                if (message.type === "answer") resolve(message);
+            };
+        })"""
+    )
+    assert not refused["ok"]
+    unlock(page, "135790" if shore.pin != "135790" else "246801")
+    expect(told(page, "That is not the PIN")).to_be_visible()
+    expect(button(page, "Hold")).to_be_disabled()
+    unlock(page, shore.pin)
+    expect(button(page, "Hold")).to_be_enabled()
+    press(page, button(page, "Lock"))
+    expect(button(page, "Hold")).to_be_disabled()
+    assert station.mode() == Mode.HOLD
+
+
+@pytest.mark.parametrize("size", ["phone", "tablet", "desktop"])
+def test_each_button_does_on_the_boat_what_it_says(
+    size: str, visit: Visit, shore: ShoreBoat, station: MavutilStation
+) -> None:
+    assert station.upload(ON_WATER) == dialect.MAV_MISSION_ACCEPTED
+    page = skipper(visit, shore, size)
+    show_all_buttons(page)
+    hold(page, button(page, "Arm"), told(page, "Armed"))
+    until_mode(station, Mode.HOLD, armed=True)
+    press(page, button(page, "Start"))
+    until_mode(station, Mode.AUTO, armed=True)
+    press(page, button(page, "Pause"))
+    expect(told(page, re.compile("Pause: Paused"))).to_be_visible()
+    press(page, button(page, "Continue"))
+    expect(told(page, re.compile("Continue: The boat goes on"))).to_be_visible()
+    until_mode(station, Mode.AUTO, armed=True)
+    hold(page, button(page, "Return"), told(page, "Return: The boat returns home"))
+    until_mode(station, Mode.RTL, armed=True)
+    hold(page, button(page, "Hold"), told(page, "Hold: "))
+    until_mode(station, Mode.HOLD, armed=True)
+    sail_to_a_tapped_place(page, station)
+    hold(page, button(page, "Motors off"), told(page, "Motors off: "))
+    station.drain()
+    station.wait_for("HEARTBEAT", lambda beat: beat.get_srcSystem() == 1 and not beat.base_mode & ARMED)
+    page.get_by_label("Mode", exact=True).select_option("HOLD")
+    press(page, button(page, "Set mode"))
+    until_mode(station, Mode.HOLD, armed=False)
+
+
+def sail_to_a_tapped_place(page: Page, station: MavutilStation) -> None:
+    """By the way that the page shows; the boat then makes for the place that was tapped."""
+    asked: list[dict[str, Any]] = []
+    page.expose_function("noteRequest", lambda text: asked.append(json.loads(text)))
+    page.evaluate(
+        """() => {
+            const send = WebSocket.prototype.send;
+            WebSocket.prototype.send = function (text) { noteRequest(text); return send.call(this, text); };
+        }"""
+    )
+    tap_open_water(page)
+    press(page, button(page, "Sail there"))
+    until_mode(station, Mode.AUTO, armed=True)
+    place = [one["with"] for one in asked if one["what"] == "route"][-1]
+    goal = Place(WAYPOINT, FRAME, round(place["lat"] * 1e7), round(place["lon"] * 1e7))
+    begun_m = station.metres_from(goal)
+    station.wait_for("GLOBAL_POSITION_INT", lambda at: metres(at, goal) < 0.7 * begun_m)
+
+
+def tap_open_water(page: Page) -> None:
+    """Tap about the middle of the chart until the page has a way."""
+    chart = page.locator("canvas")
+    box = chart.bounding_box()
+    assert box is not None
+    told_way = page.get_by_text(re.compile("Way by the water: "))
+    for east, north in ((60.0, 40.0), (100.0, 40.0), (60.0, 90.0), (140.0, 0.0), (60.0, -60.0)):
+        at: Position = {"x": 0.5 * box["width"] + east, "y": 0.5 * box["height"] - north}
+        press(page, chart, at)
+        expect(told_way.or_(page.get_by_text("Go there without a planned way?"))).to_be_visible()
+        if told_way.is_visible():
+            return
+    raise AssertionError("no water was tapped")
+
+
+def metres(at: Message, place: Place) -> float:
+    north, east = at.lat - place.lat_e7, (at.lon - place.lon_e7) * math.cos(math.radians(at.lat / 1e7))
+    return math.hypot(north, east) * 0.0111319
+
+
+def test_the_page_says_why_the_boat_does_not_arm_and_what_to_do(
+    visit: Visit, shore: ShoreBoat, station: MavutilStation
+) -> None:
+    page = skipper(visit, shore)
+    assert station.enter(Mode.LOITER) == dialect.MAV_RESULT_ACCEPTED
+    assert station.command(dialect.MAV_CMD_INJECT_FAILURE, *FAIL_COMPASS) == dialect.MAV_RESULT_ACCEPTED
+    reasons = page.get_by_role("region", name="Why not")
+    expect(reasons).to_contain_text("Cannot arm")
+    press(page, reasons.locator("summary"))
+    expect(reasons.get_by_role("listitem").filter(has_text="Compass: no heading")).to_be_visible()
+    assert station.command(dialect.MAV_CMD_INJECT_FAILURE, *MEND_COMPASS) == dialect.MAV_RESULT_ACCEPTED
+    expect(reasons).to_be_hidden()
