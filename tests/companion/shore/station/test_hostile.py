@@ -28,9 +28,9 @@ class Stranger:
 
     def __init__(self) -> None:
         self.link, far = memory_pair("stranger", queue_frames=1 << 20)
-        port = ShorePort()
-        port.fresh.append(far)
-        self.boats = Boats(port)
+        self.port = ShorePort()
+        self.port.fresh.append(far)
+        self.boats = Boats(self.port)
         self.now_s = 0.0
         self.heard: list[Message] = []
         self._decoder = Decoder(datagram=True)
@@ -275,3 +275,48 @@ def test_links_beyond_a_bound_replace_the_oldest() -> None:
     boats = Boats(port)
     boats.poll(1.0, UNIX_S)
     assert [bool(end.receive()) for end in ends] == [False] * 36 + [True] * 64
+
+
+def test_the_reason_may_come_after_the_refusal() -> None:
+    stranger, answers = Stranger(), list[Answer]()
+    stranger.heartbeat()
+    stranger.run(0.1)
+    stranger.boats.ask(Request(id="1", boat=1, what="arm"), answers.append)
+    stranger.say(dialect.MAVLink_command_ack_message(400, 4, 0, 0, 250, 190))
+    stranger.run(0.15)
+    stranger.say(dialect.MAVLink_statustext_message(2, b"Arm: Kraken: near"))
+    stranger.run(0.5)
+    assert [one.text for one in answers] == ["Arm: Kraken: near"]
+
+
+@pytest.mark.parametrize("accepts_at_s", [5.5, None])
+def test_a_way_is_answered_for_within_ten_seconds_however_slow_the_boat(accepts_at_s: float | None) -> None:
+    stranger, answers = Stranger(), list[Answer]()
+    stranger.heartbeat()
+    stranger.run(0.1)
+    way = {"points": [[1.0, 50.0], [1.1, 50.0]]}
+    stranger.boats.ask(Request(id="1", boat=1, what="sail", arguments=way), answers.append)
+    began_s, seq = stranger.now_s, 0
+    while not answers and stranger.now_s - began_s < 10.0:
+        if accepts_at_s is None or stranger.now_s - began_s < accepts_at_s:
+            stranger.say(dialect.MAVLink_mission_request_int_message(250, 190, seq % 3, 0))
+            seq += 1
+        elif seq:
+            stranger.say(dialect.MAVLink_mission_ack_message(250, 190, 0, 0))
+            seq = 0
+        stranger.run(0.25)
+    assert [one.ok for one in answers] == [False]
+
+
+def test_a_new_link_is_asked_for_its_streams_at_once() -> None:
+    stranger = Stranger()
+    stranger.heartbeat()
+    stranger.run(1.0)
+    near, far = memory_pair("second")
+    stranger.port.fresh.append(far)
+    stranger.run(0.1)
+    near.send(Encoder(BOAT).encode(dialect.MAVLink_heartbeat_message(11, 3, 1, 4, 3, 3)))
+    stranger.run(0.2)
+    decoder = Decoder(datagram=True)
+    asked = [one.message for chunk in near.receive() for one in decoder.feed(chunk)]
+    assert sum(one.get_type() == "COMMAND_LONG" and one.command == 511 for one in asked) > 5

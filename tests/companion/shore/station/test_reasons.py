@@ -205,3 +205,12 @@ def test_other_stations_are_not_flooded_with_reasons() -> None:
     shore.run(120.0)
     told = [text for text in rig.peer.texts if text == "PreArm: Compass: no heading"]
     assert 3 <= len(told) <= 10
+
+
+def test_a_new_report_replaces_the_one_before() -> None:
+    reasons = Reasons()
+    reasons.on_text(Text(2, "PreArm: GPS: no 3-D fix"), 0.0)
+    reasons.on_text(Text(2, "PreArm: Compass: no heading"), 0.1)
+    assert len(reasons.now()) == 2
+    reasons.on_text(Text(2, "PreArm: Compass: no heading"), 30.0)
+    assert [one.text for one in reasons.now()] == ["Compass: no heading"]
