@@ -24,6 +24,7 @@ from benchmarks import (
     memory,
     radio,
     router,
+    shore_page,
     transfer,
 )
 from benchmarks.measure import Row
@@ -53,6 +54,7 @@ BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "endurance": endurance.rows,
     "garbage": garbage.rows,
     "install": install.rows,
+    "shore_page": shore_page.rows,
 }
 
 _PICTURES = {"grids": "pictures/grid_scale.png"}
@@ -70,6 +72,7 @@ the ratios are more reliable than the times.
 
 Two runs take longer, and print memory and descriptors as they go: `python -m benchmarks.endurance 24` sails
 24 simulated hours, `python -m benchmarks.full_boat 1` runs the program with every part for an hour.
+`python -m benchmarks.shore_page 60` shows what the page costs beside the boat.
 `python -m benchmarks.estimation` compares estimators on recorded runs; its figures are in
 [estimation](estimation.md).
 

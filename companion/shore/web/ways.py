@@ -1,6 +1,7 @@
 """The request `route`: a way by the water, found in a thread and answered by the server itself."""
 
 import asyncio
+import logging
 from typing import Any, Final
 
 from msgspec import ValidationError, convert
@@ -9,6 +10,7 @@ from companion.shore.messages import Answer, Place, Request
 from companion.shore.web.interfaces import Boats, Chart
 from companion.shore.web.ledger import Reply
 
+_log: Final = logging.getLogger(__name__)
 _MOST_WAITING: Final = 4
 _BUSY: Final = "Still looking for the ways asked before. Try again in a moment."
 
@@ -46,8 +48,13 @@ class Ways:
         self, request: Request, start: Place, goal: Place, cruise_m_s: float | None, reply: Reply
     ) -> None:
         fence, ident = self._boats.items(request.boat, "fence"), request.id
-        async with self._one:
-            found = await asyncio.to_thread(self._chart.way, start, goal, fence)
+        try:
+            async with self._one:
+                found = await asyncio.to_thread(self._chart.way, start, goal, fence)
+        except Exception:
+            _log.exception("the search for a way has failed")
+            reply(Answer(id=ident, ok=False, text="The search for a way has failed."))
+            return
         result: dict[str, Any] = found._asdict()
         if "points" not in result:
             reply(Answer(id=ident, ok=False, text=result["reason"], result=result))

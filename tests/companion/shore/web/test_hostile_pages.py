@@ -353,6 +353,24 @@ def test_a_cached_file_is_not_sent_again() -> None:
     run(test())
 
 
+def test_a_search_that_fails_is_answered(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: object) -> None:
+        raise ValueError("a broken map")
+
+    async def test() -> None:
+        async with serving() as server:
+            monkeypatch.setattr(server.hub.chart, "way", fail)
+            await server.log_in()
+            ws = await server.live()
+            await ws.send_json(
+                {"type": "do", "id": "a", "boat": 1, "what": "route", "with": {"lat": 1, "lon": 2}}
+            )
+            told = await answer(ws)
+            assert (told["ok"], told["text"]) == (False, "The search for a way has failed.")
+
+    run(test())
+
+
 def test_asyncio_is_left_clean() -> None:
     """A server that ends closes its sockets."""
 
