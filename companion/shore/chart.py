@@ -116,7 +116,8 @@ class Chart:
         least_m = self._clearances_m[-1] + self._error_m
         least = water.routes(least_m)
         if not least.is_free(goal):
-            near = next(least.exits(goal, is_afloat=False), None)
+            wider = water.routes(self._clearances_m[1] + self._error_m)  # a place that is no brink itself
+            near = next(wider.exits(goal, is_afloat=False), None)
             nearest = None if near is None else _place(frame, near)
             if not water.is_water(goal):
                 return Blocked("That place is not on the map's water.", nearest)

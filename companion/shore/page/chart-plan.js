@@ -6,12 +6,11 @@ const RETURN_POINT = 5000;
 const NOT_SAILED = [179, 195, 196, 197, 201]; // items with a place that is not sailed to: home, regions of interest
 const SOME_PX = 22; // numbers nearer than this to another are dots
 
-// What the lists hold, in metres of the plane.
-export const sailed = (features) =>
+const sailed = (features) =>
   features.filter((one) => one.geometry?.type === "Point" && one.properties.seq > 0 && !NOT_SAILED.includes(one.properties.command));
 
 export function drawTrack(pen, points, colour) {
-  line(pen, points, colour.halo, 4, 0.6);
+  line(pen, points, colour.halo, 3.5, 0.6);
   line(pen, points, colour.track, 2);
 }
 
@@ -44,11 +43,17 @@ export function drawFence(pen, features, plane, view, colour) {
   }
 }
 
-export function drawMission(pen, features, current, plane, view, colour, taken) {
-  const items = sailed(features).map((one) => ({ ...one.properties, at: view.toPixel(plane.to(one.geometry.coordinates)) }));
+// The items that are sailed to, with their pixels.
+export const placed = (features, plane, view) =>
+  sailed(features).map((one) => ({ ...one.properties, at: view.toPixel(plane.to(one.geometry.coordinates)) }));
+
+export function drawMissionLine(pen, items, colour) {
   const points = items.map((item) => item.at);
   line(pen, points, colour.halo, 6, 0.75);
   line(pen, points, colour.route, 3);
+}
+
+export function drawMissionItems(pen, items, current, view, colour, taken) {
   for (const item of items) {
     if (item.command === 18 && item.radius_m) {
       pen.beginPath();

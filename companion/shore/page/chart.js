@@ -3,7 +3,7 @@ import { drawBoat, drawCurrent, drawNorth, drawScale, drawSenses, roundLength } 
 import { colours } from "./chart-colours.js";
 import { listen } from "./chart-input.js";
 import { drawGrid, drawMap, drawNames, prepare, text } from "./chart-map.js";
-import { drawCross, drawFence, drawMark, drawMission, drawTrack, drawWay } from "./chart-plan.js";
+import { drawCross, drawFence, drawMark, drawMissionItems, drawMissionLine, drawTrack, drawWay, placed } from "./chart-plan.js";
 import { Plane, View } from "./chart-view.js";
 
 const MOST_DENSITY = 3; // of pixels: beyond it the canvas costs more than it shows
@@ -128,8 +128,11 @@ export function makeChart(canvas, words) {
     }
     const pixel = ([lon, lat]) => view.toPixel(plane.to([lon, lat]));
     drawFence(pen, items.fence, plane, view, colour);
+    if (way !== null && way.length > 1) drawWay(pen, way.map(pixel), colour);
+    const mission = placed(items.mission, plane, view);
+    drawMissionLine(pen, mission, colour);
     drawTrack(pen, track.map((at) => view.toPixel(at)), colour);
-    drawMission(pen, items.mission, state.progress?.current, plane, view, colour, taken);
+    drawMissionItems(pen, mission, state.progress?.current, view, colour, taken);
     for (const { geometry } of items.rally)
       if (geometry?.type === "Point") drawMark(pen, pixel(geometry.coordinates), words.say("chart.rally"), colour, false);
     if (state.home?.place) {
@@ -138,7 +141,6 @@ export function makeChart(canvas, words) {
       taken.push([at[0] - 12, at[1] - 12, at[0] + 12, at[1] + 12]);
     }
     if (isCharted) drawNames(pen, map, view, colour, taken);
-    if (way !== null && way.length > 1) drawWay(pen, way.map(pixel), colour);
     if (state.place) {
       const at = pixel([state.place.lon, state.place.lat]);
       drawSenses(pen, state, at, view, colour);

@@ -46,7 +46,8 @@ export function makeGoThere(page, words, live, go, showWay) {
     if (number !== taps) return; // another place was tapped meanwhile
     if (answer.ok !== true) {
       go.tell(answer.text || words.say("there.no_way"), false);
-      if (!answer.lost) offer(words.say("there.direct"), "go", { lat, lon });
+      const isAshore = Boolean(answer.result?.nearest); // the map says so: a straight way would end on land
+      if (!answer.lost && !isAshore) offer(words.say("there.direct"), "go", { lat, lon });
       return;
     }
     const { points, length_m, time_s } = answer.result;

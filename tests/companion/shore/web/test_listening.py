@@ -1,0 +1,87 @@
+"""The port, its connections, and the program's own words."""
+
+import asyncio
+import io
+import socket
+from pathlib import Path
+
+import pytest
+from shore_fakes import PAGE, PIN, FakeBoats, FakeChart, FakeClock, run
+
+from companion.core.errors import ConfigError, LinkError
+from companion.shore.program import run_program
+from companion.shore.web.listening import MOST_OF_ADDRESS, Listening, parse_listen
+from companion.shore.web.pin_file import PinFile
+from companion.shore.web.server import make_app
+from companion.shore.web.session import Sessions
+
+
+def listening(folder: Path) -> Listening:
+    for name, text in PAGE.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    sessions = Sessions(PinFile(folder / "none"))
+    return Listening(make_app(FakeBoats(), FakeChart(), sessions, folder, FakeClock(), is_polling=False))
+
+
+@pytest.mark.parametrize("text", ["", "8080", ":8080", "host:", "host:http", "host:65536", "[::1]"])
+def test_a_wrong_address_is_refused(text: str) -> None:
+    with pytest.raises(ConfigError, match="expected HOST:PORT"):
+        parse_listen(text)
+
+
+def test_addresses_of_both_kinds_are_read() -> None:
+    assert parse_listen("127.0.0.1:0") == ("127.0.0.1", 0)
+    assert parse_listen("[::1]:8080") == ("::1", 8080)
+
+
+def test_connections_too_many_are_closed_and_the_others_served(tmp_path: Path) -> None:
+    async def ends(reader: asyncio.StreamReader) -> bytes:
+        try:
+            return await reader.read()
+        except ConnectionError:
+            return b""
+
+    async def test() -> None:
+        server = listening(tmp_path)
+        port = await server.open("127.0.0.1", 0)
+        pairs = [await asyncio.open_connection("127.0.0.1", port) for _ in range(MOST_OF_ADDRESS + 30)]
+        for reader, writer in pairs[MOST_OF_ADDRESS:]:
+            assert await ends(reader) == b""
+            writer.close()
+        reader, writer = pairs[0]
+        writer.write(f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode())
+        assert (await reader.readline()).startswith(b"HTTP/1.1 200 ")
+        for _, one in pairs[:MOST_OF_ADDRESS]:
+            one.close()
+        await server.close()
+
+    run(test())
+
+
+def test_a_port_in_use_is_named(tmp_path: Path) -> None:
+    async def test(port: int) -> None:
+        with pytest.raises(LinkError, match=f"127.0.0.1:{port}: Address already in use"):
+            await listening(tmp_path).open("127.0.0.1", port)
+
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        run(test(taken.getsockname()[1]))
+
+
+def test_the_program_sets_a_pin_from_standard_input(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.stdin", io.StringIO(f"{PIN}\n"))
+    assert run_program(["pin", "--pin-file", str(tmp_path / "pin")]) == 0
+    assert PinFile(tmp_path / "pin").line() is not None
+    assert PIN not in capsys.readouterr().out
+    monkeypatch.setattr("sys.stdin", io.StringIO("123\n"))
+    assert run_program(["pin", "--pin-file", str(tmp_path / "pin")]) == 2
+
+
+def test_wrong_usage_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_program(["--listen", "nonsense"]) == 2
+    assert run_program(["--map", str(tmp_path / "none.geojson"), "--listen", "127.0.0.1:0"]) == 2
+    assert run_program(["--connect", "nonsense", "--listen", "127.0.0.1:0"]) == 2
+    assert capsys.readouterr().err.count("\n") == 3
