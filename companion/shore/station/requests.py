@@ -58,7 +58,7 @@ def _set_mode(number: int, done: str) -> Command:
 
 
 def _hold(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
-    return _set_mode(Mode.HOLD, "Hold: the motors are off, the boat drifts")
+    return _set_mode(Mode.LOITER, "The boat keeps its place")  # in HOLD it would drift
 
 
 def _return(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001

@@ -39,7 +39,7 @@ def test_arm_and_disarm() -> None:
 
 @pytest.mark.parametrize(
     ("what", "mode"),
-    [("hold", "HOLD"), ("return", "RTL"), ("start", "AUTO"), ("pause", "LOITER")],
+    [("hold", "LOITER"), ("return", "RTL"), ("start", "AUTO"), ("pause", "LOITER")],
 )
 def test_a_button_changes_the_mode(what: str, mode: str) -> None:
     rig, shore = shore_with("armed")
@@ -172,7 +172,7 @@ def lossy(seed: int) -> tuple[Rig, Shore]:
 
 
 ACTS: list[tuple[str, Callable[[Rig], bool]]] = [
-    ("hold", lambda rig: rig.mode == "HOLD"),
+    ("hold", lambda rig: rig.mode == "LOITER"),
     ("return", lambda rig: rig.mode == "RTL"),
     ("disarm", lambda rig: not rig.boat.vehicle.armed),
 ]
@@ -203,7 +203,7 @@ def test_a_repetition_of_go_does_not_undo_hold() -> None:
     assert rig.mode == "GUIDED"
     shore.send("hold")
     shore.run(9.0)
-    assert rig.mode == "HOLD"
+    assert rig.mode == "LOITER"
     assert shore.answers[-2].text == "Replaced by a newer request"
 
 
@@ -213,7 +213,7 @@ def test_hold_ends_an_upload_that_would_start_the_mission() -> None:
     shore.send("sail", {"points": points})
     shore.send("hold")
     shore.run(10.0)
-    assert rig.mode == "HOLD"
+    assert rig.mode == "LOITER"
     assert [one.ok for one in shore.answers[-2:]] == [False, True]
 
 
