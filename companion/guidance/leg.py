@@ -49,8 +49,8 @@ class Leg:
     def has_ended(self, nav: NavState, own_radius_m: float) -> bool:
         """Whether the boat has been within the radius of the end, or has passed it within twice that.
 
-        A corner ends at its bisector, unless the boat leaves the radius before. A boat carried past farther
-        off starts a new line to the end.
+        A corner ends at its bisector, unless the boat leaves the radius before. A boat carried farther off,
+        past the end or abeam of it, starts a new line to the end.
         """
         radius_m = self.radius_m or own_radius_m
         along_m, cross_m = self._line.along_and_cross_track_m(nav.point)
@@ -66,9 +66,10 @@ class Leg:
             inside_m = radius_m if turn_rad > SHARP_RAD else PASSED_RADII * radius_m
             is_over = to_go_m <= inside_m and beyond_m >= to_go_m - _LEVEL_M
             return is_over or (self._was_near and away_m > _LEFT_RADII * radius_m)
-        if to_go_m > 0.0:
+        is_off = abs(cross_m) > PASSED_RADII * radius_m
+        if to_go_m > (PASSED_RADII * radius_m if is_off else 0.0):
             return False
-        if abs(cross_m) <= PASSED_RADII * radius_m:
+        if not is_off:
             return True
         self.begin_at(nav.point)
         return False

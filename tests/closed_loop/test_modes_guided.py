@@ -172,7 +172,7 @@ def test_smart_rtl_sails_back_the_way_it_came() -> None:
         corners = [corners[0] or rig.offset_m(40.0, 40.0) < 4, corners[1] or rig.offset_m(40.0, 0.0) < 4]
         assert rig.now_s < 300.0
     assert corners == [True, True]
-    assert furthest_m < 2.5
+    assert furthest_m < 5.0  # comparing its motors carries the boat off the way
     assert rig.offset_m(home.north_m, home.east_m) < 3.0
     rig.run(20.0)
     assert rig.offset_m(home.north_m, home.east_m) < 3.0

@@ -74,6 +74,15 @@ def test_a_boat_carried_far_past_the_end_begins_another_line_to_it() -> None:
     assert leg.end == END
 
 
+def test_a_boat_carried_off_abeam_of_the_end_begins_another_line_to_it() -> None:
+    leg = Leg(START, END, EAST)
+    assert not leg.has_ended(nav_at(97.0, -30.0), 2.0)
+    assert leg.start == Point(97.0, -30.0)
+    leg = Leg(START, END, EAST)
+    assert not leg.has_ended(nav_at(95.0, -30.0), 2.0)
+    assert leg.start == START, "farther ahead the line leads to the end"
+
+
 def test_the_intent_is_made_once_for_a_speed_and_knows_what_follows() -> None:
     onward = (Point(90.0, 90.0),)
     leg = Leg(START, END, EAST, 3.0, onward)
