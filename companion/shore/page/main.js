@@ -8,6 +8,7 @@ import { makeMessages } from "./messages.js";
 import { makeNow, setText } from "./now.js";
 import { wirePin } from "./pin.js";
 import { wireTheme } from "./theme.js";
+import { wireViews } from "./views.js";
 import { makeWhy } from "./why.js";
 import { Words } from "./words.js";
 
@@ -55,7 +56,7 @@ async function start() {
   isWide.addEventListener("change", openMessages);
   openMessages();
   let data = null;
-  let there = null;
+  let views = null;
 
   const live = new Live({
     hello: (message) => {
@@ -69,7 +70,7 @@ async function start() {
       showWhy(state);
       showMessages(state);
       go.showState(state);
-      there?.showState(state);
+      views?.showState(state);
       data?.showState(state, now_s());
       if (data !== null && data.boat === null) data.connected(live.boat);
     },
@@ -119,17 +120,20 @@ async function start() {
   addEventListener("online", () => live.hurry());
   document.addEventListener("visibilitychange", () => document.hidden || live.hurry());
 
+  let chart = null;
+  const there = makeGoThere(
+    { box: at("there"), text: at("there-text"), sail: at("sail"), cancel: at("cancel") },
+    words, live, go, (points) => chart?.showWay(points),
+  );
+  const page = { words, live, go, get chart() { return chart; }, get data() { return data; } };
+  views = wireViews({ nav: at("views"), main: document.querySelector("main") }, page, there);
   live.connect();
   setInterval(() => live.tick(), TICK_MS);
 
-  const chart = await loadChart(words);
+  chart = await loadChart(words);
   if (chart !== null) {
     data = new ChartData(chart);
-    there = makeGoThere(
-      { box: at("there"), text: at("there-text"), sail: at("sail"), cancel: at("cancel") },
-      words, live, go, (points) => chart.showWay(points),
-    );
-    chart.onTap(there.tap);
+    chart.onTap(views.tap);
     if (live.boat !== null) data.connected(live.boat);
     if (live.snapshot !== null) data.showState(live.snapshot, now_s());
   }

@@ -1,9 +1,9 @@
-"""The HTTP interface as a table: method, path, handler, and whether it needs the PIN."""
+"""The HTTP interface as a table: method, path, handler, and what it needs."""
 
 import asyncio
 import hashlib
 from collections.abc import Awaitable, Callable
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import msgspec
 from aiohttp import web
@@ -11,35 +11,15 @@ from aiohttp import web
 from companion.shore.web.guard import cookie_name, cookie_of, error, peer_of
 from companion.shore.web.hub import Hub
 from companion.shore.web.interfaces import ItemKind
+from companion.shore.web.rows import BOAT, Handler, Row, boat_of, json_answer, read_body
 from companion.shore.web.session import LIFE_S, Refused
 from companion.shore.web.static_files import StaticFile, make_file, respond
 
-_BODY_S: Final = 10.0  # for a body to arrive
 _GEOJSON: Final = "application/geo+json"
-
-Handler = Callable[[Hub, web.Request], Awaitable[web.StreamResponse]]
-
-
-class Row(NamedTuple):
-    """A line of the table."""
-
-    method: str
-    path: str
-    handler: Handler
-    needs_pin: bool
 
 
 class _Pin(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     pin: str
-
-
-async def read_body(request: web.Request) -> bytes:
-    """The whole body, within a time and `client_max_size`."""
-    try:
-        async with asyncio.timeout(_BODY_S):
-            return await request.read()
-    except TimeoutError:
-        raise web.HTTPRequestTimeout from None
 
 
 async def _session(hub: Hub, request: web.Request) -> web.StreamResponse:
@@ -74,7 +54,7 @@ async def _log_out(hub: Hub, request: web.Request) -> web.StreamResponse:
 
 
 async def _boats(hub: Hub, _request: web.Request) -> web.StreamResponse:
-    return _json(msgspec.json.encode(hub.boats.names()))
+    return json_answer(msgspec.json.encode(hub.boats.names()))
 
 
 def _chart() -> Handler:
@@ -94,40 +74,29 @@ def _chart() -> Handler:
 
 def _items(kind: ItemKind) -> Handler:
     async def handle(hub: Hub, request: web.Request) -> web.StreamResponse:
-        items = hub.boats.items(_boat(request), kind)
+        items = hub.boats.items(boat_of(request), kind)
         if items is None:
             return error(503, f"The boat's {kind} is not downloaded yet.", "", {"Retry-After": "1"})
-        return _json(msgspec.json.encode(items), _GEOJSON)
+        return json_answer(msgspec.json.encode(items), _GEOJSON)
 
     return handle
 
 
 async def _track(hub: Hub, request: web.Request) -> web.StreamResponse:
-    line: dict[str, Any] = {"type": "LineString", "coordinates": hub.boats.track(_boat(request))}
-    return _json(msgspec.json.encode({"type": "Feature", "properties": {}, "geometry": line}), _GEOJSON)
+    line: dict[str, Any] = {"type": "LineString", "coordinates": hub.boats.track(boat_of(request))}
+    return json_answer(msgspec.json.encode({"type": "Feature", "properties": {}, "geometry": line}), _GEOJSON)
 
 
-def _boat(request: web.Request) -> int:
-    return int(request.match_info["boat"])
-
-
-def _json(content: bytes, kind: str = "application/json") -> web.Response:
-    response = web.Response(body=content, content_type=kind)
-    response.enable_compression()
-    return response
-
-
-_BOAT: Final = "/api/boats/{boat:[0-9]{1,3}}"
 TABLE: Final = (
-    Row("GET", "/api/session", _session, needs_pin=False),
-    Row("POST", "/api/session", _log_in, needs_pin=False),
-    Row("DELETE", "/api/session", _log_out, needs_pin=False),
-    Row("GET", "/api/chart", _chart(), needs_pin=False),
-    Row("GET", "/api/boats", _boats, needs_pin=False),
-    Row("GET", f"{_BOAT}/mission", _items("mission"), needs_pin=False),
-    Row("GET", f"{_BOAT}/fence", _items("fence"), needs_pin=False),
-    Row("GET", f"{_BOAT}/rally", _items("rally"), needs_pin=False),
-    Row("GET", f"{_BOAT}/track", _track, needs_pin=False),
+    Row("GET", "/api/session", _session),
+    Row("POST", "/api/session", _log_in),
+    Row("DELETE", "/api/session", _log_out),
+    Row("GET", "/api/chart", _chart()),
+    Row("GET", "/api/boats", _boats),
+    Row("GET", f"{BOAT}/mission", _items("mission")),
+    Row("GET", f"{BOAT}/fence", _items("fence")),
+    Row("GET", f"{BOAT}/rally", _items("rally")),
+    Row("GET", f"{BOAT}/track", _track),
 )
 
 
@@ -139,8 +108,11 @@ def add_routes(app: web.Application, hub: Hub) -> None:
 
 def _bound(hub: Hub, row: Row) -> Callable[[web.Request], Awaitable[web.StreamResponse]]:
     async def handle(request: web.Request) -> web.StreamResponse:
-        if row.needs_pin and hub.sessions.role(cookie_of(request), hub.clock.now_s()) != "skipper":
+        is_skipper = hub.sessions.role(cookie_of(request), hub.clock.now_s()) == "skipper"
+        if row.needs != "nothing" and not is_skipper:
             return error(403, hub.sessions.refusal(), "a session: POST /api/session")
+        if row.needs == "disarmed" and hub.is_armed():
+            return error(409, "A boat is armed: disarm it first.", "every boat heard disarmed")
         return await row.handler(hub, request)
 
     return handle

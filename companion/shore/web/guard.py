@@ -94,8 +94,8 @@ def make_guard(names: Collection[str]) -> Middleware:
             return error(403, "The request comes from another page.", "an Origin header of this server")
         try:
             return await handler(request)
-        except web.HTTPRequestEntityTooLarge:
-            return error(413, "The request is too large.", f"at most {request.client_max_size} bytes")
+        except web.HTTPRequestEntityTooLarge as refused:
+            return error(413, "The request is too large.", refused.text or "")
         except web.HTTPException as refused:
             return error(refused.status, f"{refused.reason}.", "", _kept(refused))
 

@@ -8,7 +8,7 @@ import msgspec
 from companion import __version__
 from companion.shore.messages import Answer, BoatName, Hello, Request, Role
 from companion.shore.web.feed import Feed, Viewer
-from companion.shore.web.interfaces import Boats, Chart, Clock
+from companion.shore.web.interfaces import Boats, Chart, Clock, Service
 from companion.shore.web.ledger import Ledger, Reply
 from companion.shore.web.session import Sessions
 from companion.shore.web.ways import Ways
@@ -48,7 +48,7 @@ class Hub:
         self.watches: list[Watch] = []
         self._feeds: dict[int, Feed] = {}
         self._ledger = Ledger()
-        self._ways = Ways(boats, chart)
+        self._services: dict[str, Service] = {"route": Ways(boats, chart)}
         self._next_s = float("-inf")
 
     def tick(self) -> None:
@@ -102,6 +102,11 @@ class Hub:
             self.watches.remove(watch)
         self._ledger.leave(watch.reply)
 
+    def is_armed(self) -> bool:
+        """Whether any boat is armed, or may be: what is set up then could stop it."""
+        snapshots = [self.boats.snapshot(boat.id) for boat in self.boats.names()]
+        return any(one is not None and one.armed is not False for one in snapshots)
+
     def role(self, watch: Watch) -> Role:
         """Of the page behind a socket."""
         return self.sessions.role(watch.token, self.clock.now_s())
@@ -123,10 +128,7 @@ class Hub:
             self._ledger.submit(request, watch.reply, self._do, self.clock.now_s())
 
     def _do(self, request: Request, reply: Reply) -> None:
-        if request.what == "route":
-            self._ways.ask(request, reply)
-        else:
-            self.boats.ask(request, reply)
+        self._services.get(request.what, self.boats).ask(request, reply)
 
 
 def _id_of(text: str) -> str:

@@ -18,7 +18,14 @@ class Clock(Protocol):
         """Seconds since 1970."""
 
 
-class Boats(Protocol):
+class Service(Protocol):
+    """Whoever does requests of a kind."""
+
+    def ask(self, request: Request, reply: Callable[[Answer], None], /) -> None:
+        """Do a request; `reply` is called once, now or later."""
+
+
+class Boats(Service, Protocol):
     """The station: the boats that it hears. Never blocks.
 
     is_operator: whether somebody steers from a page; the boats then miss this station when it goes silent.

@@ -11,12 +11,12 @@ from companion.shore.web.api import add_routes
 from companion.shore.web.guard import add_headers, make_guard
 from companion.shore.web.hub import Hub
 from companion.shore.web.interfaces import Boats, Chart, Clock
+from companion.shore.web.rows import MOST_BODY_BYTES
 from companion.shore.web.session import Sessions
 from companion.shore.web.sockets import Sockets
 from companion.shore.web.static_files import read_files, respond
 
 POLL_S: Final = 0.05
-MOST_BODY_BYTES: Final = 64_000
 HUB: Final = web.AppKey("hub", Hub)
 SOCKETS: Final = web.AppKey("sockets", Sockets)
 POLLING: Final = web.AppKey("polling", asyncio.Task[None])

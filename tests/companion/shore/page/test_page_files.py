@@ -14,7 +14,14 @@ import pytest
 PAGE = Path(__file__).parents[4] / "companion" / "shore" / "page"
 MODULES = sorted(PAGE.glob("*.js"))
 WORDS: dict[str, str] = json.loads((PAGE / "words.en.json").read_text("utf-8"))
-BY_DATA = ("mode.", "fix.", "stage.", "state.", "chart.")  # looked up by a name that is not in the source
+BY_DATA = (
+    "mode.",
+    "fix.",
+    "stage.",
+    "state.",
+    "chart.",
+    "views.",
+)  # looked up by a name that is not in the source
 KEY = re.compile(r"""["'`]([a-z]+(?:\.[a-z_0-9]+)+)["'`]""")
 SMALL_BYTES = 300_000  # the first view, not packed
 
@@ -115,14 +122,37 @@ def test_modules_import_files_that_exist_and_find_elements_that_exist() -> None:
             assert f'id="{name}"' in html, (path.name, name)
 
 
-def test_every_module_is_loaded_ahead_and_not_one_after_the_other() -> None:
+def imported(module: str) -> set[str]:
+    """A module and all that it imports at once."""
+    code = (PAGE / module).read_text("utf-8")
+    names = re.findall(r'^import .*?from "\./([\w.-]+)"', code, re.MULTILINE)
+    return {module}.union(*map(imported, names))
+
+
+def first_modules() -> set[str]:
+    """Of the first view; the other views are fetched when they are opened."""
+    return imported("main.js") | imported("chart.js")
+
+
+def test_every_module_of_the_first_view_is_loaded_ahead_and_not_one_after_the_other() -> None:
     html = (PAGE / "index.html").read_text("utf-8")
     ahead = re.findall(r'<link rel="modulepreload" href="([^"]+)">', html)
-    assert sorted([*ahead, "main.js"]) == [path.name for path in MODULES]
+    assert sorted([*ahead, "main.js"]) == sorted(first_modules())
+
+
+def test_each_view_has_a_module_a_style_and_a_name() -> None:
+    views = re.search(r"^const VIEWS = \[(.*)\];$", (PAGE / "views.js").read_text("utf-8"), re.MULTILINE)
+    assert views is not None
+    for name in ["sail", *re.findall(r'"(\w+)"', views[1])]:
+        assert f"views.{name}" in WORDS
+        if name != "sail":
+            assert "export function makeView(" in (PAGE / f"{name}.js").read_text("utf-8")
+            assert (PAGE / f"{name}.css").is_file()
 
 
 def test_the_first_view_is_small() -> None:
-    contents = [path.read_bytes() for path in PAGE.iterdir() if path.is_file()]
+    names = [*first_modules(), "index.html", "style.css", "chart.css", "icon.svg", "words.en.json"]
+    contents = [(PAGE / name).read_bytes() for name in names]
     packed = sum(len(gzip.compress(content, 9)) for content in contents)
     assert sum(map(len, contents)) <= SMALL_BYTES
     assert packed <= 60_000
