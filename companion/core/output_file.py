@@ -9,6 +9,11 @@ from pathlib import Path
 from companion.core.errors import OutputError
 
 
+def state_home() -> Path:
+    """The folder for what the user's programs keep between starts (XDG Base Directory Specification)."""
+    return Path(os.environ.get("XDG_STATE_HOME") or Path("~/.local/state").expanduser()) / "mavboat"
+
+
 @contextmanager
 def output_file(path: Path) -> Iterator[Path]:
     """Yield a temporary path that becomes the file when the block succeeds. Missing folders are created.

@@ -18,3 +18,8 @@ class StatusText(NamedTuple):
 
     severity: int
     text: str
+
+
+def one_line(text: str) -> str:
+    """The text with a space for each character that is not printable, line ends among them."""
+    return "".join(one if one.isprintable() else " " for one in text)

@@ -13,6 +13,7 @@ import msgspec
 
 from companion.core.errors import ConfigError
 from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.status_text import one_line
 
 MOST_BYTES = 4_000_000
 MOST_FEATURES = 2_000
@@ -246,6 +247,4 @@ def _local(raw: _Raw, frame: LocalFrame, path: Path) -> Shape:
 def _clean(name: object) -> str:
     """A name that can be shown."""
     text = name if isinstance(name, str) else ""
-    return "".join(letter if letter.isprintable() else " " for letter in text[: 4 * MOST_NAME]).strip()[
-        :MOST_NAME
-    ]
+    return one_line(text[: 4 * MOST_NAME]).strip()[:MOST_NAME]

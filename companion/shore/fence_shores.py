@@ -6,10 +6,15 @@ from typing import Any, Final
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.geofence.fence_lines import Area, Disc, Ring
 from companion.geofence.fence_water import corners_of, outside_of
+from companion.mavlink.dialect import dialect
 from companion.planning.water import Shore
 
-_INCLUSIONS: Final = (5001, 5003)  # MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION, …_CIRCLE_INCLUSION
-_EXCLUSIONS: Final = (5002, 5004)
+_INCLUSIONS: Final = (
+    dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION, dialect.MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION,
+)  # fmt: skip
+_EXCLUSIONS: Final = (
+    dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION, dialect.MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION,
+)  # fmt: skip
 _AROUND_M: Final = 1_000.0  # what is outside an inclusion area reaches so far beyond every place in use
 
 

@@ -3,7 +3,6 @@
 import asyncio
 import contextlib
 import logging
-import os
 import sys
 import time
 from pathlib import Path
@@ -13,6 +12,7 @@ import typer
 
 from companion.core.command_line import HELP_NAMES, Version, busy_port_explained, run_app
 from companion.core.errors import BoatError, ConfigError
+from companion.core.output_file import state_home
 from companion.shore.chart import Chart
 from companion.shore.station.boats import Boats
 from companion.shore.web.listening import parse_listen, serve
@@ -42,8 +42,7 @@ class _SystemClock:
 
 def default_pin_file() -> Path:
     """Of the user who runs the program."""
-    home = Path(os.environ.get("XDG_STATE_HOME") or Path("~/.local/state").expanduser())
-    return home / "mavboat" / "shore-pin"
+    return state_home() / "shore-pin"
 
 
 PinOption = Annotated[

@@ -1,8 +1,10 @@
 """Fewer corners for a map of much detail: Douglas and Peucker's method (1973) on pieces of each ring."""
 
+import math
 from collections.abc import Iterable, Sequence
 
-from companion.core.geo import Point, distance_m
+from companion.core.geo import Point
+from companion.planning.segments import point_distance2
 from companion.shore.chart_file import Shape
 
 _PIECE = 256  # corners: bounds the time, which is quadratic in the worst case
@@ -66,10 +68,4 @@ def _piece(corners: Sequence[Point], error_m: float) -> list[Point]:
 
 def _away_m(at: Point, a: Point, b: Point) -> float:
     """Distance of a point from a straight leg."""
-    north, east = b.north_m - a.north_m, b.east_m - a.east_m
-    square = north * north + east * east
-    if square == 0.0:
-        return distance_m(at, a)
-    share = ((at.north_m - a.north_m) * north + (at.east_m - a.east_m) * east) / square
-    share = min(max(share, 0.0), 1.0)
-    return distance_m(at, Point(a.north_m + share * north, a.east_m + share * east))
+    return math.sqrt(point_distance2(at.north_m, at.east_m, a.north_m, a.east_m, b.north_m, b.east_m))

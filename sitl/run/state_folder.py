@@ -9,6 +9,7 @@ import os
 from pathlib import Path
 
 from companion.core.errors import BoatError, StorageError
+from companion.core.output_file import state_home
 
 NONE = "none"  # instead of a folder: nothing is stored
 
@@ -33,8 +34,7 @@ def default_folder(source: str, seed: int, port: int | None) -> Path | None:
         name += "-" + hashlib.sha256(str(path.resolve()).encode()).hexdigest()[:8]
     if source == "random":
         name += f"-{seed}"
-    home = Path(os.environ.get("XDG_STATE_HOME") or Path("~/.local/state").expanduser())
-    return home / "mavboat" / f"{name}-{'udp' if port is None else port}"
+    return state_home() / f"{name}-{'udp' if port is None else port}"
 
 
 def lock_folder(folder: Path) -> int:

@@ -17,6 +17,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from companion.config.parts.camera import CameraSetting
+from companion.core.status_text import one_line
 
 logger = logging.getLogger(__name__)
 
@@ -141,7 +142,7 @@ class ChildProgram:
 
     def _log_line(self, line: bytes) -> None:
         text = line[:_LONGEST_LINE].decode("utf-8", "replace")
-        logger.info("%s: %s", self._title, "".join(one if one.isprintable() else " " for one in text))
+        logger.info("%s: %s", self._title, one_line(text))
 
 
 def _end_group(process: subprocess.Popen[bytes]) -> None:

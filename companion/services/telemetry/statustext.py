@@ -5,7 +5,7 @@ logged.
 import logging
 from collections.abc import Callable, Iterable, Iterator
 
-from companion.core.status_text import Severity, StatusText
+from companion.core.status_text import Severity, StatusText, one_line
 from companion.mavlink.dialect import Message, dialect
 from companion.services.outbox import Outbox
 
@@ -60,7 +60,7 @@ class StatusTextService:
 
     def _log(self, notice: StatusText) -> None:
         if self.logs_texts:
-            text = "".join(one if one.isprintable() else " " for one in notice.text)  # keep it one line
+            text = one_line(notice.text)
             logger.log(_LEVELS.get(notice.severity, logging.ERROR), "%s", text)
 
     def _chunks(self, notice: StatusText) -> Iterator[Message]:

@@ -12,10 +12,10 @@ from companion.core.geo import LatLon, position_from_e7
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import GLOBAL_FRAMES, MissionItem
 
-_INCLUSION: Final = 5001
-_EXCLUSION: Final = 5002
-_CIRCLE_IN: Final = 5003
-_CIRCLE_OUT: Final = 5004
+_INCLUSION: Final = dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION
+_EXCLUSION: Final = dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION
+_CIRCLE_IN: Final = dialect.MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION
+_CIRCLE_OUT: Final = dialect.MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION
 _LEAST_CORNERS: Final = 3
 _WIDEST_M: Final = 1e6
 _NAMES: Final = {

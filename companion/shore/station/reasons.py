@@ -115,9 +115,13 @@ def _verdicts(view: View) -> list[str]:
     """What the boat's status says, in the words of its failsafes. A disarmed boat's are arming faults."""
     if not view.armed:
         return []
+    verdicts = []
+    if view.is_outside:
+        verdicts.append("Outside the fence")
     is_measured = view.battery is not None and view.battery.voltage_v is not None
-    is_low = is_measured and view.battery_is_well is False
-    return ["Outside the fence"] * bool(view.is_outside) + ["Battery low"] * is_low
+    if is_measured and view.battery_is_well is False:
+        verdicts.append("Battery low")
+    return verdicts
 
 
 def _reason(severity: int, said: str) -> Reason:

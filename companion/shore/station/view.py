@@ -8,7 +8,8 @@ from collections.abc import Callable
 from typing import Final
 
 from companion.core.geo import LatLon, LocalFrame, position_from_e7, yaw_of_quaternion
-from companion.core.modes import Mode
+from companion.core.modes import mode_from_number
+from companion.core.status_text import one_line
 from companion.mavlink.dialect import Message, dialect
 from companion.shore.messages import (
     Battery,
@@ -110,9 +111,8 @@ def _place(lat_e7: int, lon_e7: int) -> Place | None:
 def on_heartbeat(view: View, message: Message) -> None:
     """Mode, armed, state."""
     number = message.custom_mode
-    known = number in Mode._value2member_map_
-    name = view.mode_names.get(number) or (Mode(number).name if known else f"mode {number}")
-    view.mode = name
+    mode = mode_from_number(number)
+    view.mode = view.mode_names.get(number) or (f"mode {number}" if mode is None else mode.name)
     view.armed = bool(message.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED)
     view.state = _STATES.get(message.system_status)
 
@@ -245,7 +245,7 @@ def on_parameter(view: View, message: Message) -> None:
 def clean(text: object) -> str:
     """Text from the wire: up to its first zero byte, in one line, without control characters."""
     line = str(text).split("\0", 1)[0]
-    return "".join(one if one.isprintable() else " " for one in line).strip()
+    return one_line(line).strip()
 
 
 HANDLERS: Final[dict[int, Callable[[View, Message], None]]] = {
