@@ -20,7 +20,8 @@ from companion.core.state import MotorCommand, NavState
 from companion.core.status_text import Severity
 from companion.estimation.estimator import Estimator
 from companion.guidance.pipeline import GuidancePipeline
-from companion.hal.interfaces import Hardware, Port
+from companion.hal.interfaces import Hardware
+from companion.hal.link_interfaces import Port
 from companion.log.logbook import Logbook
 from companion.log.onboard import OnboardLog
 from companion.mavlink.address import Address

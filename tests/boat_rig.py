@@ -10,7 +10,8 @@ from companion.config.boat_config import BoatConfig, with_value
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.state import NavState
 from companion.core.units import deg_to_e7
-from companion.hal.interfaces import Hardware, Link
+from companion.hal.interfaces import Hardware
+from companion.hal.link_interfaces import Link
 from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder

@@ -4,7 +4,7 @@ from boat_rig import QGC, Peer, Rig
 
 from companion.boat import Boat
 from companion.config.boat_config import LinkConfig
-from companion.hal.interfaces import Link
+from companion.hal.link_interfaces import Link
 from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Received

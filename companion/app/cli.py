@@ -27,7 +27,8 @@ from companion.config.parameter_page import parameter_page
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
 from companion.config.parts import PulseOutputSetting
-from companion.core.command_line import busy_port_explained, program_app, run_app
+from companion.core.busy_port import busy_port_explained
+from companion.core.command_line import program_app, run_app
 from companion.core.errors import BoatError
 from companion.hal.interfaces import PulseOutput
 from companion.hal.pulses.opening import open_pulse_output

@@ -18,7 +18,8 @@ from companion.config.boat_config import BoatConfig, LinkConfig
 from companion.config.parts.outputs_in_use import check_outputs, outputs_in_use
 from companion.config.rc import Rc
 from companion.core.errors import ConfigError
-from companion.hal.interfaces import Hardware, Port
+from companion.hal.interfaces import Hardware
+from companion.hal.link_interfaces import Port
 from companion.links.port_url import open_port, parse_port_url
 from companion.log.logbook import Logbook, open_logbook
 from companion.mavlink.framing import begins_with_frame

@@ -1,16 +1,12 @@
 """Command-line programs built on typer: they end as `program_end` says."""
 
-import errno
-import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from typing import Annotated
 
 import typer
 
 from companion import __version__
-from companion.core.errors import BoatError, LinkError
 from companion.core.program_end import INTERRUPTED, end, end_with
 
 HELP_NAMES = {"help_option_names": ["-h", "--help"]}
@@ -46,30 +42,6 @@ def program_app(text: str) -> typer.Typer:
     )
     app.callback()(_options)
     return app
-
-
-class PortInUseError(BoatError):
-    """Another program uses the port."""
-
-    exit_code = 2
-
-
-@contextmanager
-def busy_port_explained(advice: str) -> Iterator[None]:
-    """Explain what to do about a port in use. advice: how to choose another port.
-
-    Raises:
-        PortInUseError: in place of the LinkError.
-    """
-    try:
-        yield
-    except LinkError as error:
-        if os.strerror(errno.EADDRINUSE) not in str(error):
-            raise
-        raise PortInUseError(
-            f"{error}: another program has this port, perhaps an earlier start of this one (ss -tulpn lists "
-            f"them): end it, or {advice}"
-        ) from None
 
 
 def run_app(

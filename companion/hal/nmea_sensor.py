@@ -4,7 +4,7 @@ from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator
 
 from companion.hal.background import Reading
-from companion.hal.interfaces import Port
+from companion.hal.link_interfaces import Port
 from companion.hal.port_sensor import PortSensor
 from companion.sensors.nmea.sentences import NmeaReader, Sentence
 

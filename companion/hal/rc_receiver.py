@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from companion.config.rc import Rc
 from companion.core.errors import ConfigError
-from companion.hal.interfaces import Port
+from companion.hal.link_interfaces import Port
 from companion.hal.port_sensor import PortSensor
 from companion.links.port_url import open_port
 from companion.links.serial_port import LINE_8E2, LINE_8N1, LineFormat, SerialPort

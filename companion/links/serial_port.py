@@ -10,7 +10,7 @@ from typing import NamedTuple
 import serial
 
 from companion.core.errors import LinkError
-from companion.hal.interfaces import Link
+from companion.hal.link_interfaces import Link
 from companion.links.backoff import Backoff
 from companion.links.stream import StreamLink
 

@@ -5,7 +5,7 @@ from ipaddress import IPv4Address, IPv4Network, IPv6Address, IPv6Network, ip_add
 
 from companion.config.boat_config import LinkConfig
 from companion.core.errors import ConfigError
-from companion.hal.interfaces import Link, Port
+from companion.hal.link_interfaces import Link, Port
 from companion.mavlink.dialect import dialect
 from companion.mavlink.layout import LAYOUTS
 

@@ -7,7 +7,7 @@ loses whole chunks, as a serial radio does.
 
 from collections.abc import Callable
 
-from companion.hal.interfaces import Link, Port
+from companion.hal.link_interfaces import Link, Port
 from sitl.radio.channel import WHOLE, Channel, Quality
 from sitl.radio.link import LinkSettings
 from sitl.world.computer import Computer

@@ -13,7 +13,7 @@ from companion.app.runner import Runner
 from companion.app.status_file import StatusFile
 from companion.boat import TICK_S, Boat
 from companion.config.boat_config import LinkConfig
-from companion.hal.interfaces import Port
+from companion.hal.link_interfaces import Port
 from companion.log.logbook import Logbook
 from companion.mavlink.signing import timestamp_at
 from companion.persistence import voyage_record as resume

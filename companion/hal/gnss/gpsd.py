@@ -5,7 +5,7 @@ from typing import Final
 
 from companion.config.parts import GnssPart
 from companion.core.errors import ConfigError
-from companion.hal.interfaces import Port
+from companion.hal.link_interfaces import Port
 from companion.hal.port_sensor import PortSensor
 from companion.links.port_url import open_port, parse_port_url
 from companion.sensors.gpsd import WATCH, GpsdReader

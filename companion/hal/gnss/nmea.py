@@ -6,7 +6,7 @@ from typing import Final
 from companion.config.parts import GnssPart
 from companion.core.status_text import Severity
 from companion.hal.gnss.receiver import GnssReceiver
-from companion.hal.interfaces import Port
+from companion.hal.link_interfaces import Port
 from companion.links.port_url import open_line
 from companion.links.serial_port import SerialPort
 from companion.sensors.gnss_heading import GnssHeading

@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Final
 
-from companion.hal.interfaces import Port
+from companion.hal.link_interfaces import Port
 from companion.hal.port_sensor import PortSensor
 from companion.sensors.gnss_heading import GnssHeading
 from companion.sensors.nmea.fix import GNSS_SENTENCES, FixAssembler

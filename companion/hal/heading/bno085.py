@@ -15,7 +15,7 @@ from companion.core.status_text import Severity
 from companion.core.units import wrap_pi
 from companion.core.vectors import Matrix, Vector, dot, times
 from companion.hal.heading.registers import board_to_body
-from companion.hal.interfaces import Port
+from companion.hal.link_interfaces import Port
 from companion.hal.port_sensor import PortSensor
 from companion.links.port_url import open_line
 from companion.sensors.compass.attitude import roll_pitch

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable
 
 from companion.config.parts import CompassPart
-from companion.hal.interfaces import Port
+from companion.hal.link_interfaces import Port
 from companion.hal.nmea_sensor import NmeaSensor
 from companion.links.port_url import open_line
 from companion.sensors.nmea.heading import HEADING_SENTENCES, HeadingAssembler

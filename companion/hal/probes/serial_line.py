@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
 from companion.config.parts.probes import ProbePart
-from companion.hal.interfaces import Port
+from companion.hal.link_interfaces import Port
 from companion.hal.port_sensor import PortSensor
 from companion.links.port_url import open_line
 from companion.sensors.probe_values import raw_number, value_of

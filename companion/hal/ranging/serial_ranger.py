@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import Final
 
 from companion.core.errors import HardwareError
-from companion.hal.interfaces import Link, Port
+from companion.hal.link_interfaces import Link, Port
 from companion.hal.ranging.serial_frames import Decoder, FrameKind, FrameParser
 
 _PATIENCE_S: Final = 0.5  # more than the period of the slowest part, and of a servo's step

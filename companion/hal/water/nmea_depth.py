@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 
 from companion.config.parts.depth import DepthPart
 from companion.hal.gnss.receiver import GnssReceiver
-from companion.hal.interfaces import Port
+from companion.hal.link_interfaces import Port
 from companion.hal.nmea_sensor import NmeaSensor
 from companion.links.port_url import open_line
 from companion.sensors.nmea.depth import DEPTH_SENTENCES, DepthAssembler

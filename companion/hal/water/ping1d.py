@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from typing import Final
 
 from companion.config.parts.depth import DepthPart
-from companion.hal.interfaces import Port
+from companion.hal.link_interfaces import Port
 from companion.hal.port_sensor import PortSensor
 from companion.hal.water import ping_frames as ping
 from companion.links.port_url import open_line

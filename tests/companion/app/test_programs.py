@@ -7,7 +7,7 @@ import socket
 import pytest
 
 from companion import __version__
-from companion.core.command_line import PortInUseError, busy_port_explained
+from companion.core.busy_port import PortInUseError, busy_port_explained
 from companion.core.errors import LinkError
 from companion.core.interrupts import Run
 

@@ -3,6 +3,8 @@
 import asyncio
 import io
 import socket
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -78,6 +80,51 @@ def test_the_program_sets_a_pin_from_standard_input(
     assert PIN not in capsys.readouterr().out
     monkeypatch.setattr("sys.stdin", io.StringIO("123\n"))
     assert run_program(["pin", "--pin-file", str(tmp_path / "pin")]) == 2
+
+
+def test_a_person_tells_the_pin_twice(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    told = iter((PIN, "482914", PIN, PIN))
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True)
+    monkeypatch.setattr("getpass.getpass", lambda _: next(told))
+    pin = PinFile(tmp_path / "pin")
+    assert run_program(["pin", "--pin-file", str(pin.path)]) == 2
+    assert "the same PIN twice" in capsys.readouterr().err
+    assert pin.line() is None
+    assert run_program(["pin", "--pin-file", str(pin.path)]) == 0
+    assert pin.line() is not None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (["--foo"], "No such option: --foo"),
+        (["foo"], "No such command: foo"),
+        (["pin", "foo"], "No such command: foo"),
+        (["pin", "--listen", "127.0.0.1:0"], "No such option: --listen"),
+        (["--system-id", "255"], "'255' is not in 1..254"),
+        (["--system-id", "0"], "'0' is not in 1..254"),
+        (["--map"], "--map: expected one argument"),
+    ],
+)
+def test_a_mistake_in_the_command_line_is_named(
+    arguments: list[str], named: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_program(arguments) == 2
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert named in told.err
+    assert told.err.endswith("--help)\n")
+    assert told.err.count("\n") == 1
+
+
+def test_the_server_keeps_nothing_in_memory_that_it_does_not_use() -> None:
+    """Of 60 MB with three viewers; a new import that costs much shows here first."""
+    ask = "import companion.shore.program, sys; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", ask], capture_output=True, text=True, check=True)
+    heavy = {"companion.boat", "companion.config.boat_config", "lxml", "numpy", "pydantic", "rich", "typer"}
+    assert set(done.stdout.split()).isdisjoint(heavy), set(done.stdout.split()) & heavy
 
 
 def test_wrong_usage_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
