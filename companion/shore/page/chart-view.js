@@ -68,10 +68,10 @@ export class View {
     this.leastScale = Math.max(WHOLE * this.#fitting(bounds), LEAST_SCALE);
   }
 
-  fit(bounds) {
+  fit(bounds, share = 0.94) {
     const [west, south, east, north] = bounds;
     this.middle = [(west + east) / 2, (south + north) / 2];
-    this.scale = Math.min(Math.max(0.94 * this.#fitting(bounds), LEAST_SCALE), MOST_SCALE);
+    this.scale = Math.min(Math.max(share * this.#fitting(bounds), LEAST_SCALE), MOST_SCALE);
   }
 
   #fitting([west, south, east, north]) {

@@ -1,6 +1,7 @@
 // The chart: map, boat, track, plan, on a canvas. It draws only when something changed.
 import { drawBoat, drawCurrent, drawNorth, drawScale, drawSenses, roundLength } from "./chart-boat.js";
 import { colours } from "./chart-colours.js";
+import { drawDraft } from "./chart-draft.js";
 import { listen } from "./chart-input.js";
 import { drawGrid, drawMap, drawNames, prepare, text } from "./chart-map.js";
 import { drawCross, drawFence, drawMark, drawMissionItems, drawMissionLine, drawTrack, drawWay, placed } from "./chart-plan.js";
@@ -11,6 +12,7 @@ const FOLLOW_SCALE = 2; // pixels a metre when the boat is first seen
 const STILL_PX = 0.3; // the boat has moved when it is so far from where it was drawn
 const MOST_AWAY_M = 60_000; // from the plane's origin
 const BUTTON_ZOOM = 1.6;
+const LOOK_SHARE = 0.8; // of the canvas
 const SHOWN = ["place", "heading_deg", "course_deg", "speed_m_s", "armed", "home", "progress", "current", "sonar", "obstacles"];
 const NONE = { type: "FeatureCollection", features: [] };
 
@@ -26,6 +28,7 @@ export function makeChart(canvas, words) {
   let track = [];
   let trackPlaces = [];
   let way = null;
+  let draft = null; // of the Plan view: shown in the place of the way
   let tapped = () => {};
   let isFollowing = true;
   let hasBoat = false;
@@ -128,7 +131,7 @@ export function makeChart(canvas, words) {
     }
     const pixel = ([lon, lat]) => view.toPixel(plane.to([lon, lat]));
     drawFence(pen, items.fence, plane, view, colour);
-    if (way !== null && way.length > 1) drawWay(pen, way.map(pixel), colour);
+    if (draft === null && way !== null && way.length > 1) drawWay(pen, way.map(pixel), colour);
     const mission = placed(items.mission, plane, view);
     drawMissionLine(pen, mission, colour);
     drawTrack(pen, track.map((at) => view.toPixel(at)), colour);
@@ -141,6 +144,7 @@ export function makeChart(canvas, words) {
       taken.push([at[0] - 12, at[1] - 12, at[0] + 12, at[1] + 12]);
     }
     if (isCharted) drawNames(pen, map, view, colour, taken);
+    if (draft !== null) drawDraft(pen, draft, pixel, colour);
     if (state.place) {
       const at = pixel([state.place.lon, state.place.lat]);
       drawSenses(pen, state, at, view, colour);
@@ -192,6 +196,22 @@ export function makeChart(canvas, words) {
     },
     showWay(points) {
       way = points;
+      changed();
+    },
+    // draft: {places, isArea, line} of [lon, lat], or null
+    showDraft(next) {
+      draft = next;
+      changed();
+    },
+    // Moves and zooms the chart only where some of the points are outside of it.
+    lookAt(points) {
+      if (plane === null || points.length === 0) return;
+      const metres = points.map((point) => plane.to(point));
+      const isIn = ([x, y]) => x > 0 && y > 0 && x < view.width && y < view.height;
+      if (metres.every((at) => isIn(view.toPixel(at)))) return;
+      follow(false);
+      const [easts, norths] = [metres.map(([east]) => east), metres.map(([, north]) => north)];
+      view.fit([Math.min(...easts), Math.min(...norths), Math.max(...easts), Math.max(...norths)], LOOK_SHARE);
       changed();
     },
     onTap(callback) {

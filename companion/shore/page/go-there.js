@@ -1,4 +1,5 @@
 // Go to a tapped place by the water: the server plans the way, the page shows it, and it is sailed when confirmed.
+import { replaces } from "./mission-words.js";
 import { setText } from "./now.js";
 
 const SAILING = ["AUTO", "GUIDED"];
@@ -53,7 +54,8 @@ export function makeGoThere(page, words, live, go, showWay) {
     const { points, length_m, time_s } = answer.result;
     showWay(points);
     const values = { length: words.distance(length_m), time: time_s == null ? "" : words.duration(time_s) };
-    offer(words.say(time_s == null ? "there.way" : "there.way_time", values), "sail", { points });
+    const said = words.say(time_s == null ? "there.way" : "there.way_time", values);
+    offer([said, replaces(words, live.snapshot)].filter(Boolean).join(" "), "sail", { points });
     go.tell(answer.text || words.say("there.planned"), true);
     page.sail.focus({ preventScroll: true });
   };

@@ -40,7 +40,8 @@ export function wirePin(page, words, live, tell) {
   };
 }
 
-async function refusal(answer) {
+// What the server says against it, or null.
+export async function refusal(answer) {
   try {
     const { error, expected } = await answer.json();
     return [error, expected].filter(Boolean).join(": ") || null;

@@ -1,0 +1,103 @@
+// The plan that the server found: its figures and warnings, upload, start, and files of it.
+import { button, element, heldButton } from "./elements.js";
+import { holdButton } from "./hold-button.js";
+import { replaces } from "./mission-words.js";
+import { setText } from "./now.js";
+
+export const FORMATS = [["plan", ".plan"], ["waypoints", ".waypoints"], ["kml", "KML"], ["gpx", "GPX"], ["geojson", "GeoJSON"]];
+
+export function figures({ length_m, time_s, charge_percent, clearance_m, items }, words) {
+  return [
+    ["plan.length", words.distance(length_m)],
+    ["plan.time", time_s == null ? null : words.duration(time_s)],
+    ["plan.charge", charge_percent == null ? null : words.percent(charge_percent / 100)],
+    ["plan.clearance", clearance_m == null ? null : words.distance(clearance_m)],
+    ["plan.items", words.number(items)],
+  ].filter(([, value]) => value !== null);
+}
+
+// One sentence for the bar at the bottom, which screen readers read.
+export function summary(plan, words) {
+  const said = figures(plan, words).slice(0, 2).map(([, value]) => value);
+  const count = plan.warnings.length;
+  const warned = [plan.fits === false ? "plan.no_charge" : "", count === 1 ? "plan.warned_one" : count > 1 ? "plan.warned" : ""];
+  return [words.say("plan.found", { figures: said.join(", ") }), ...warned.filter(Boolean).map((key) => words.say(key, { count }))].join(" ");
+}
+
+export const files = (address, label, words) =>
+  element(
+    "div",
+    { className: "files", role: "group", "aria-label": label },
+    element("span", { text: label }),
+    ...FORMATS.map(([ending, text]) =>
+      element("a", { href: `${address}.${ending}`, download: "", text, "aria-label": words.say("plan.save", { what: label, format: text }) }),
+    ),
+  );
+
+// may(): whether a request can be sent now; says why not.
+export function makeResult(box, draft, page, may) {
+  const { words, go } = page;
+  const old = element("p", { className: "old-plan", text: words.say("plan.old") });
+  const replaced = element("p", { className: "replaced" });
+  const told = element("div", {});
+  const watch = element("div", { className: "watch" }, element("span", {}), element("a", { className: "strong", href: "#sail", text: words.say("plan.watch") }));
+  let shown = null;
+  let isSending = false;
+
+  const send = async (start, name) => {
+    const plan = draft.result;
+    if (isSending || plan === null || !may()) return;
+    isSending = true;
+    show();
+    const answer = await go.ask("upload_plan", { plan: plan.id, start, with_areas: areas.checked && plan.has_areas === true }, name);
+    isSending = false;
+    const isDisarmed = page.live.snapshot?.armed === false;
+    if (draft.result === plan && (answer.ok === true || (start && isDisarmed))) {
+      plan.sent = answer.ok !== true || !start ? "plan.then_start" : "plan.sails";
+      draft.save();
+    }
+    show();
+    if (answer.ok === true) watch.lastChild.focus();
+  };
+  const upload = button(words.say("plan.upload"), () => send(false, words.say("plan.upload")));
+  const start = heldButton("i-sail", words.say("plan.start"), { className: "strong" });
+  const startName = words.say("plan.start");
+  holdButton(start, () => send(true, startName), (isByReader) => go.tell(words.say(isByReader ? "go.again" : "go.longer", { name: startName })));
+  const buttons = element("div", { className: "row" }, upload, start);
+  const areas = element("input", { type: "checkbox" }); // fence and rally points, which an imported .plan may hold
+  areas.checked = true;
+  const withAreas = element("label", { className: "switch" }, areas, element("span", { text: words.say("plan.with_areas") }));
+
+  const tell = (plan) => {
+    const list = figures(plan, words).map(([label, value]) => element("div", {}, element("dt", { text: words.say(label) }), element("dd", { text: value })));
+    const warnings = plan.warnings.map((text) => element("li", { text }));
+    told.replaceChildren(
+      element("h2", { text: plan.asked === null ? words.say("plan.imported", { name: plan.name }) : words.say("plan.planned") }),
+      element("dl", {}, ...list),
+      plan.fits === false ? element("p", { className: "no-charge", text: words.say("plan.no_charge") }) : "",
+      warnings.length > 0 ? element("ul", { className: "warnings" }, ...warnings) : "",
+    );
+    links.replaceChildren(files(`/api/plans/${encodeURIComponent(plan.id)}`, words.say("plan.save_plan"), words));
+  };
+  const links = element("div", {});
+  box.append(told, old, withAreas, replaced, buttons, watch, links);
+
+  const show = () => {
+    const plan = draft.result;
+    box.hidden = plan === null;
+    if (plan === null) return;
+    if (plan !== shown) {
+      shown = plan;
+      tell(plan);
+    }
+    const isCurrent = draft.isCurrent(page.live.boat);
+    old.hidden = isCurrent;
+    withAreas.hidden = plan.has_areas !== true;
+    setText(replaced, plan.sent ? "" : replaces(words, page.live.snapshot));
+    replaced.hidden = !isCurrent || replaced.textContent === "";
+    upload.disabled = start.disabled = !isCurrent || isSending;
+    watch.hidden = !plan.sent;
+    if (plan.sent) setText(watch.firstChild, words.say(plan.sent));
+  };
+  return show;
+}
