@@ -11,10 +11,10 @@ from collections.abc import Container
 from companion.config.parameters import Parameters
 from companion.core.status_text import Severity
 from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.ftp_frames import Code, Opcode, Refusal, nak, parse_request
 from companion.mavlink.items import MissionResult
 from companion.services.camera.component import QUESTIONS as CAMERA_QUESTIONS
 from companion.services.commands.command import DENIED
-from companion.services.ftp.frames import Code, Opcode, Refusal, nak, parse_request
 from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
 from companion.services.telemetry.statustext import StatusTextService

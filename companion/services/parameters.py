@@ -6,8 +6,8 @@ from companion.config.parameter_pack import PackError, unpack_upload
 from companion.config.parameters import Parameters
 from companion.core.status_text import Severity, StatusText
 from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.ftp_frames import Code, Refusal
 from companion.persistence.data_losses import DataLosses
-from companion.services.ftp.frames import Code, Refusal
 from companion.services.outbox import Origin, Outbox
 from companion.services.telemetry.statustext import StatusTextService
 

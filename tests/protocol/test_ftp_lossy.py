@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from ftp_client import ACK, NAK, STATION, Reply, Served, reply_of, request_of
 
-from companion.services.ftp.frames import Code, Opcode
+from companion.mavlink.ftp_frames import Code, Opcode
 from sitl.radio.channel import Channel, Quality
 
 TICK_S = 0.02

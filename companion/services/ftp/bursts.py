@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from concurrent.futures import Executor
 
-from companion.services.ftp.frames import DATA_BYTES, Code, Refusal, Request, ack, nak
+from companion.mavlink.ftp_frames import DATA_BYTES, Code, Refusal, Request, ack, nak
 from companion.services.ftp.sessions import Burst, FtpStation, Session, Stations
 from companion.services.ftp.tree import refusal_of
 

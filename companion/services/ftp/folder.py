@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from companion.services.ftp.frames import Code, Refusal
+from companion.mavlink.ftp_frames import Code, Refusal
 from companion.services.ftp.quota import Quota, size_of
 from companion.services.ftp.tree import MAX_DEPTH, DirectoryEntry, Names
 

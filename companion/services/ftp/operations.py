@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from companion.services.ftp.frames import DATA_BYTES, Code, Opcode, Refusal, Request, ack
+from companion.mavlink.ftp_frames import DATA_BYTES, Code, Opcode, Refusal, Request, ack
 from companion.services.ftp.sessions import MAX_UPLOADS_BYTES, FtpStation, Session, Stations, Upload
 from companion.services.ftp.tree import FileTree, Place, Reading, checksum, page_of
 

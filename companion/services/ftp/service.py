@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 
 from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.ftp_frames import SESSION_AT, Code, Opcode, Refusal, Request, nak, parse_request
 from companion.services.ftp.bursts import Bursts
-from companion.services.ftp.frames import SESSION_AT, Code, Opcode, Refusal, Request, nak, parse_request
 from companion.services.ftp.operations import Operations, Reply
 from companion.services.ftp.sessions import FtpStation, Session, Stations
 from companion.services.ftp.tree import FileTree, refusal_of

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 
-from companion.services.ftp.frames import SESSION_AT, Code, Refusal, Request
+from companion.mavlink.ftp_frames import SESSION_AT, Code, Refusal, Request
 from companion.services.ftp.tree import Place, Reading
 from companion.services.outbox import Origin
 

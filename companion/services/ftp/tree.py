@@ -9,7 +9,7 @@ import zlib
 from collections.abc import Mapping
 from typing import NamedTuple, Protocol
 
-from companion.services.ftp.frames import DATA_BYTES, Code, Refusal
+from companion.mavlink.ftp_frames import DATA_BYTES, Code, Refusal
 
 Names = tuple[str, ...]
 MAX_DEPTH = 16  # names in a path, including the mount

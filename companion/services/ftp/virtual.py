@@ -4,7 +4,7 @@ import errno
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-from companion.services.ftp.frames import Code, Refusal
+from companion.mavlink.ftp_frames import Code, Refusal
 from companion.services.ftp.tree import DirectoryEntry, Names
 
 _MAX_UPLOAD_BYTES = 64 * 1024

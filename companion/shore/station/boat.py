@@ -7,6 +7,7 @@ from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.shore.messages import Answer, Request, Snapshot
 from companion.shore.station.commands import Commands
+from companion.shore.station.ftp.client import FtpClient
 from companion.shore.station.items import ItemLists
 from companion.shore.station.reasons import Reasons
 from companion.shore.station.requests import BadRequestError, build_command, way_points
@@ -29,7 +30,8 @@ _MISSION_MESSAGES: Final = frozenset(
     }
 )
 WANTED: Final = _MISSION_MESSAGES | HANDLERS.keys() | {
-    dialect.MAVLINK_MSG_ID_COMMAND_ACK, dialect.MAVLINK_MSG_ID_STATUSTEXT,
+    dialect.MAVLINK_MSG_ID_COMMAND_ACK, dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL,
+    dialect.MAVLINK_MSG_ID_STATUSTEXT,
 }  # fmt: skip
 
 
@@ -41,6 +43,7 @@ class ShoreBoat:
         self.heard_s: float | None = None  # Unix time of the latest heartbeat
         self.view = View()
         self.lists = ItemLists(address, own, send)
+        self.files = FtpClient(address, own, send)
         self.texts = Texts()
         self.reasons = Reasons()
         self._send = send
@@ -70,6 +73,8 @@ class ShoreBoat:
             self.lists.may_have_changed("mission", now_s)
         elif number == dialect.MAVLINK_MSG_ID_COMMAND_ACK:
             self._commands.on_ack(message, now_s)
+        elif number == dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL:
+            self.files.handle(message, now_s)
         elif number == dialect.MAVLINK_MSG_ID_STATUSTEXT:
             for text in self.texts.ingest(message, now_s, unix_s):
                 self._commands.on_text(text)
@@ -85,6 +90,7 @@ class ShoreBoat:
             self._commands.on_text(text)
             self.reasons.on_text(text, now_s)
         self._commands.poll(now_s)
+        self.files.poll(now_s)
         self._sailing.poll(now_s)
         is_heard = now_s - self._heartbeat_s < SILENT_S
         if not self._sailing.is_uploading:

@@ -17,6 +17,7 @@ from companion.mavlink.finder import FrameFinder
 from companion.shore.messages import Answer, BoatName, Request, Snapshot
 from companion.shore.station.board import Board
 from companion.shore.station.boat import WANTED, ShoreBoat
+from companion.shore.station.ftp.client import FtpClient
 from companion.shore.station.items import Kind
 from companion.shore.station.wire import AUTOPILOT, OWN_COMPONENT, Link, Port, heartbeat
 
@@ -113,6 +114,11 @@ class Boats:
         """Where the boat was, longitude and latitude, oldest first."""
         one = self._boats.get(boat)
         return [] if one is None else list(one.view.track.points)
+
+    def files(self, boat: int) -> FtpClient | None:
+        """The boat's files; None if it was never heard."""
+        one = self._boats.get(boat)
+        return None if one is None else one.files
 
     def ask(self, request: Request, answer: Callable[[Answer], None]) -> None:
         """Do what the page asks. answer is called exactly once, within 10 s if polled."""

@@ -8,8 +8,8 @@ from companion.config.boat_config import LinkConfig
 from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.ftp_frames import Opcode
 from companion.router.policy import ConfiguredPort, Policy
-from companion.services.ftp.frames import Opcode
 
 LINE_BYTES_S = 5760.0
 SAVED_S = 0.2  # what a line that was idle takes at once, as the time it stands for

@@ -10,7 +10,7 @@ from ftp_client import Served
 from pymavlink.dialects.v20 import all as dialect
 
 from companion.config.parameter_table import ROWS
-from companion.services.ftp.frames import Opcode
+from companion.mavlink.ftp_frames import Opcode
 
 TYPES = {"Uint8", "Int8", "Uint16", "Int16", "Uint32", "Int32", "Float"}
 KEYS = {

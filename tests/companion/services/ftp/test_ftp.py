@@ -17,8 +17,8 @@ from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
+from companion.mavlink.ftp_frames import Code, Opcode
 from companion.services.ftp.bursts import BLOCKS_PER_TICK
-from companion.services.ftp.frames import Code, Opcode
 from companion.services.ftp.service import REQUESTS_PER_TICK
 from companion.services.ftp.sessions import IDLE_S, MAX_SESSIONS, MAX_STATIONS, MAX_UPLOAD_BYTES, Session
 from companion.services.outbox import Origin

@@ -8,8 +8,8 @@ from ftp_client import ACK, Served
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from companion.mavlink.ftp_frames import Opcode, Refusal
 from companion.services.ftp.folder import FolderMount
-from companion.services.ftp.frames import Opcode, Refusal
 from companion.services.ftp.tree import DirectoryEntry, page_of, split_path
 
 SECRET = b"what nobody may have"

@@ -10,8 +10,8 @@ from ftp_client import ACK, Served
 from hypothesis import given
 from hypothesis import strategies as st
 
+from companion.mavlink.ftp_frames import Code, Opcode, Refusal
 from companion.services.ftp.folder import FolderMount
-from companion.services.ftp.frames import Code, Opcode, Refusal
 from companion.services.ftp.quota import MOST_ENTRIES, Quota
 from companion.services.ftp.tree import MAX_DEPTH, Names
 

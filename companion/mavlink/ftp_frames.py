@@ -85,6 +85,38 @@ def parse_request(payload: bytes) -> Request | None:
     return Request(sequence, session, opcode, size, offset, payload[_HEADER.size : end], payload[:end])
 
 
+class Reply(NamedTuple):
+    """An answer to a request. code: of a NAK; 0 with an ACK."""
+
+    sequence: int
+    session: int
+    opcode: int  # of the request
+    code: int
+    is_burst_over: bool
+    offset: int
+    data: bytes
+
+
+def make_request(sequence: int, session: int, opcode: int, offset: int, size: int, data: bytes) -> bytes:
+    """Payload of a request. size: bytes asked for, or the length of data."""
+    header = _HEADER.pack(sequence & 0xFFFF, session, opcode, size, 0, 0, 0, offset)
+    return header + data.ljust(DATA_BYTES, b"\x00")
+
+
+def parse_reply(payload: bytes) -> Reply | None:
+    """Parse a payload. None for a request, or for one that is short or claims more than it holds."""
+    if len(payload) < _HEADER.size:
+        return None
+    sequence, session, opcode, size, answered, is_over, _, offset = _HEADER.unpack_from(payload)
+    data = payload[_HEADER.size : _HEADER.size + size]
+    if opcode not in (_ACK, _NAK) or size > DATA_BYTES:
+        return None
+    code = 0
+    if opcode == _NAK:
+        code = data[0] if data and data[0] else Code.FAIL
+    return Reply(sequence, session, answered, code, bool(is_over), offset, data)
+
+
 def ack(
     request: Request,
     data: bytes = b"",
