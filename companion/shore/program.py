@@ -14,6 +14,7 @@ from typing import Final
 from companion.core.busy_port import busy_port_explained
 from companion.core.errors import BoatError, ConfigError
 from companion.core.program_end import end_with
+from companion.shore import memory_use
 from companion.shore.chart import Chart
 from companion.shore.command_line import PROGRAM, SHOW, read_arguments
 from companion.shore.station.boats import Boats
@@ -46,6 +47,7 @@ def default_pin_file() -> Path:
 def _show(given: Namespace) -> None:
     """Serve the page."""
     logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(levelname)s %(message)s")
+    memory_use.settle()
     host, port = parse_listen(given.listen)
     sessions = Sessions(PinFile(given.pin_file or default_pin_file()))
     water = Chart(given.chart)

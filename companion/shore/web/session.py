@@ -43,7 +43,7 @@ class Sessions:
         self._pin = pin
         self._throttle = Throttle()
         self._open: OrderedDict[bytes, _Session] = OrderedDict()
-        self._check = asyncio.Lock()  # one hash at a time: each takes 16 MB
+        self._check = asyncio.Lock()  # one hash at a time: each takes 8 MB
 
     def refusal(self) -> str:
         """Why a viewer's request is refused."""

@@ -127,6 +127,28 @@ def test_the_server_keeps_nothing_in_memory_that_it_does_not_use() -> None:
     assert set(done.stdout.split()).isdisjoint(heavy), set(done.stdout.split()) & heavy
 
 
+def test_what_pin_checks_in_several_threads_need_is_given_back() -> None:
+    code = """
+import asyncio, re, pathlib
+from companion.shore import memory_use
+from companion.shore.web.pin_file import hashed
+
+def resident_kb():
+    return int(re.search(r"VmRSS:\\s+(\\d+)", pathlib.Path("/proc/self/status").read_text())[1])
+
+async def check():
+    for _ in range(2):
+        await asyncio.gather(*(asyncio.to_thread(hashed, "482913") for _ in range(4)))
+
+memory_use.settle()
+before_kb = resident_kb()
+asyncio.run(check())
+print(resident_kb() - before_kb)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert int(done.stdout) < 4_000  # four checks took 33,000 and kept them
+
+
 def test_wrong_usage_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run_program(["--listen", "nonsense"]) == 2
     assert run_program(["--map", str(tmp_path / "none.geojson"), "--listen", "127.0.0.1:0"]) == 2
