@@ -110,6 +110,20 @@ class Line(Struct, frozen=True, kw_only=True):
     text: str
 
 
+class Sensor(Struct, frozen=True, kw_only=True):
+    """A part of the boat. verdict: fine, warning, failed or skipped (not fitted, or nothing heard).
+
+    age_s: since it measured something new; values: numbers by name with their unit, as far as told.
+    """
+
+    name: str
+    verdict: str
+    text: str
+    cure: str = ""
+    age_s: float | None = None
+    values: dict[str, Any] = field(default_factory=dict)
+
+
 class Snapshot(Struct, frozen=True, kw_only=True):
     """A boat as the page shows it. heard_s: Unix time of the latest heartbeat."""
 

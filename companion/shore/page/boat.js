@@ -1,46 +1,49 @@
 // Boat: setting up, in panels that open one at a time. A panel is a module that exports makePanel(box, page) and
 // `title`, a key of the words; it returns what it wants to hear, as a view does.
+import { element } from "./elements.js";
+import * as sensors from "./boat-sensors.js";
 
-const PANELS = [];
+const PANELS = [sensors];
 
 export function makeView(box, page) {
-  const panels = PANELS.map(({ title, makePanel }) => {
-    const details = document.createElement("details");
+  const panels = PANELS.map(({ title, makePanel }, index) => {
+    const inside = element("div");
+    const summary = element("summary", {}, element("h2", { text: page.words.say(title) }));
+    const details = element("details", {}, summary, inside);
     details.name = "boat-panel"; // the browser closes the others
-    const summary = document.createElement("summary");
-    const inside = document.createElement("div");
-    summary.textContent = page.words.say(title);
-    details.append(summary, inside);
+    details.open = index === 0;
     box.append(details);
-    return { details, inside, makePanel, heard: null };
+    return { details, inside, makePanel, heard: null, isEntered: false };
   });
   let isOpen = false;
   let shown = null;
 
-  const enter = (panel) => {
-    panel.heard = panel.heard ?? panel.makePanel(panel.inside, page);
+  // Each panel hears of its opening and closing once, whether the view or the panel itself is opened or closed.
+  const follow = (panel) => {
+    const isSeen = isOpen && panel.details.open;
+    if (isSeen === panel.isEntered) return;
+    panel.isEntered = isSeen;
+    if (!isSeen) {
+      panel.heard.closed?.();
+      return;
+    }
+    panel.heard = panel.heard ?? panel.makePanel(panel.inside, page) ?? {};
     panel.heard.opened?.();
     if (shown !== null) panel.heard.showState?.(shown);
   };
-  for (const panel of panels)
-    panel.details.addEventListener("toggle", () => {
-      if (!isOpen) return;
-      if (panel.details.open) enter(panel);
-      else panel.heard?.closed?.();
-    });
-  const open = () => panels.filter((panel) => panel.details.open);
+  for (const panel of panels) panel.details.addEventListener("toggle", () => follow(panel));
   return {
     opened() {
       isOpen = true;
-      open().forEach(enter);
+      panels.forEach(follow);
     },
     closed() {
       isOpen = false;
-      for (const panel of open()) panel.heard?.closed?.();
+      panels.forEach(follow);
     },
     showState(snapshot) {
       shown = snapshot;
-      for (const panel of open()) panel.heard?.showState?.(snapshot);
+      for (const panel of panels) if (panel.isEntered) panel.heard.showState?.(snapshot);
     },
   };
 }

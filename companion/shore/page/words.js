@@ -25,6 +25,10 @@ export class Words {
 
   percent = (share) => this.say("unit.percent", { n: this.number(share * 100) });
 
+  // Date and time of this browser's place, of seconds since 1970.
+  date = (seconds) =>
+    new Date(seconds * 1000).toLocaleString(this.language, { dateStyle: "medium", timeStyle: "short" });
+
   // Two units at most: 45 s, 12 min, 2 h 5 min, 3 d 4 h.
   duration = (seconds) => {
     const s = Math.max(0, seconds);

@@ -5,13 +5,17 @@ from typing import Final
 
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
-from companion.shore.messages import Answer, Request, Snapshot
+from companion.shore.messages import Answer, Request, Sensor, Snapshot
 from companion.shore.station.commands import Commands
 from companion.shore.station.ftp.client import FtpClient
 from companion.shore.station.items import ItemLists
 from companion.shore.station.reasons import Reasons
 from companion.shore.station.requests import BadRequestError, build_command, way_points
 from companion.shore.station.sailing import Sailing
+from companion.shore.station.setup.examined import Board, Look
+from companion.shore.station.setup.heard import MESSAGES as PARTS
+from companion.shore.station.setup.heard import Heard
+from companion.shore.station.setup.sensors import sensors
 from companion.shore.station.streams import Streams
 from companion.shore.station.texts import Texts
 from companion.shore.station.view import HANDLERS, View
@@ -29,7 +33,7 @@ _MISSION_MESSAGES: Final = frozenset(
         dialect.MAVLINK_MSG_ID_MISSION_REQUEST_INT,
     }
 )
-WANTED: Final = _MISSION_MESSAGES | HANDLERS.keys() | {
+WANTED: Final = _MISSION_MESSAGES | PARTS | HANDLERS.keys() | {
     dialect.MAVLINK_MSG_ID_COMMAND_ACK, dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL,
     dialect.MAVLINK_MSG_ID_STATUSTEXT,
 }  # fmt: skip
@@ -52,6 +56,7 @@ class ShoreBoat:
         self._streams = Streams(address, send)
         self._heartbeat_s = float("-inf")
         self._total: int | None = None
+        self._parts = Heard()
 
     def _on_upload(self, now_s: float) -> None:
         self.lists.may_have_changed("mission", now_s)
@@ -66,6 +71,8 @@ class ShoreBoat:
         self._streams.on_message(number)
         if (handler := HANDLERS.get(number)) is not None:
             handler(self.view, message)
+        if number in PARTS:
+            self._parts.on_message(message, now_s)
         if number == dialect.MAVLINK_MSG_ID_HEARTBEAT:
             self.heard_s, self._heartbeat_s = unix_s, now_s
         elif number == dialect.MAVLINK_MSG_ID_MISSION_CURRENT and self.view.mission_total != self._total:
@@ -124,6 +131,15 @@ class ShoreBoat:
         if command.steers:
             self._sailing.cancel(now_s)
         self._commands.ask(command, answered, now_s)
+
+    def sensors(self, board: Board, now_s: float) -> list[Sensor]:
+        """The parts with their values and verdicts; asks the boat for them for the next WANTED_S.
+
+        board: fields of the server's own computer, if the boat runs there.
+        """
+        self._streams.want_sensors(now_s)
+        is_heard = now_s - self._heartbeat_s < SILENT_S
+        return sensors(Look(self._parts, self.view, self.reasons.now(), now_s, is_heard, board))
 
     def snapshot(self) -> Snapshot:
         """The boat as the page shows it; without links, temperature and disk."""

@@ -14,7 +14,7 @@ from companion.mavlink.address import Address, concerns
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.finder import FrameFinder
-from companion.shore.messages import Answer, BoatName, Request, Snapshot
+from companion.shore.messages import Answer, BoatName, Request, Sensor, Snapshot
 from companion.shore.station.board import Board
 from companion.shore.station.boat import WANTED, ShoreBoat
 from companion.shore.station.ftp.client import FtpClient
@@ -109,6 +109,14 @@ class Boats:
         """A list as GeoJSON; None while it is not downloaded."""
         one = self._boats.get(boat)
         return None if one is None else one.lists.geojson(kind)
+
+    def sensors(self, boat: int) -> list[Sensor] | None:
+        """The parts of a boat, asked for until 3 s from now; None if it was never heard."""
+        if (one := self._boats.get(boat)) is None:
+            return None
+        is_here = self._board is not None and boat == min(self._boats)
+        board = self._board.fields() if self._board is not None and is_here else {}
+        return one.sensors(board, self._now_s)
 
     def track(self, boat: int) -> list[tuple[float, float]]:
         """Where the boat was, longitude and latitude, oldest first."""

@@ -13,6 +13,7 @@ from companion.shore.web.hub import Hub
 from companion.shore.web.interfaces import ItemKind
 from companion.shore.web.rows import BOAT, Handler, Row, boat_of, json_answer, read_body
 from companion.shore.web.session import LIFE_S, Refused
+from companion.shore.web.setup_api import ROWS as SETUP
 from companion.shore.web.static_files import StaticFile, make_file, respond
 
 _GEOJSON: Final = "application/geo+json"
@@ -97,6 +98,7 @@ TABLE: Final = (
     Row("GET", f"{BOAT}/fence", _items("fence")),
     Row("GET", f"{BOAT}/rally", _items("rally")),
     Row("GET", f"{BOAT}/track", _track),
+    *SETUP,
 )
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any, Literal, Protocol
 
-from companion.shore.messages import Answer, BoatName, Place, Request, Snapshot
+from companion.shore.messages import Answer, BoatName, Place, Request, Sensor, Snapshot
 
 ItemKind = Literal["mission", "fence", "rally"]
 
@@ -44,6 +44,9 @@ class Boats(Service, Protocol):
 
     def items(self, boat: int, kind: ItemKind) -> dict[str, Any] | None:
         """A GeoJSON FeatureCollection; None while it is not downloaded."""
+
+    def sensors(self, boat: int) -> list[Sensor] | None:
+        """A boat's parts with verdicts, kept live for some seconds; None before its first heartbeat."""
 
     def track(self, boat: int) -> list[tuple[float, float]]:
         """Longitude and latitude, oldest first."""

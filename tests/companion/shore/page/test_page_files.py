@@ -20,6 +20,7 @@ BY_DATA = (
     "stage.",
     "state.",
     "chart.",
+    "sensor.",
     "views.",
 )  # looked up by a name that is not in the source
 KEY = re.compile(r"""["'`]([a-z]+(?:\.[a-z_0-9]+)+)["'`]""")

@@ -11,7 +11,7 @@ import msgspec
 from aiohttp import ClientWebSocketResponse, web
 from aiohttp.test_utils import TestClient, TestServer
 
-from companion.shore.messages import Answer, BoatName, Place, Request, Snapshot
+from companion.shore.messages import Answer, BoatName, Place, Request, Sensor, Snapshot
 from companion.shore.web.hub import Hub
 from companion.shore.web.interfaces import ItemKind
 from companion.shore.web.pin_file import PinFile
@@ -63,6 +63,11 @@ class FakeBoats:
 
     def items(self, boat: int, kind: ItemKind) -> dict[str, Any] | None:
         return self.lists.get(kind)
+
+    def sensors(self, boat: int) -> list[Sensor] | None:
+        if boat not in self.now:
+            return None
+        return [Sensor(name="gnss", verdict="fine", text="good", values={"satellites": 12})]
 
     def track(self, boat: int) -> list[tuple[float, float]]:
         return [(12.5, 48.0), (12.6, 48.0)]
