@@ -19,6 +19,7 @@ from companion.shore.chart_file import KEPT_OUT, SOLID, MapFile, read_map
 from companion.shore.fence_shores import allows, fence_shores
 from companion.shore.messages import Place
 from companion.shore.thinning import thinned
+from companion.shore.words import say
 
 CLEARANCES_M: tuple[float, ...] = (4.0, 2.0, 1.0)
 """Kept from every shore, the largest that lets a way through: where there is room, acceptance radius of a
@@ -100,7 +101,7 @@ class Chart:
         end = frame.to_local(LatLon(goal.lat, goal.lon))
         shores, areas = fence_shores(fence or {}, frame, [at, end, *self._edge])
         if not allows(areas, end):
-            return Blocked("That place is outside the fence.")
+            return Blocked(say("way.outside"))
         with self._lock:
             return self._planned(frame, self._with_fence(shores), at, end)
 
@@ -120,18 +121,18 @@ class Chart:
             near = next(wider.exits(goal, is_afloat=False), None)
             nearest = None if near is None else _place(frame, near)
             if not water.is_water(goal):
-                return Blocked("That place is not on the map's water.", nearest)
-            return Blocked(f"That place is less than {least_m:.1g} m from the shore or the fence.", nearest)
+                return Blocked(say("way.ashore"), nearest)
+            return Blocked(say("way.too_near", n=float(f"{least_m:.1g}")), nearest)
         if not water.is_water(start):
             afloat = next(least.exits(start, is_afloat=False), None)
             if afloat is None or distance_m(start, afloat) > ASHORE_M + least_m:
-                return Blocked("The boat is not on the map's water, or outside the fence.")
+                return Blocked(say("way.boat_ashore"))
         for clearance_m in self._clearances_m:
             points = _points(water, clearance_m + self._error_m, start, goal)
             if points is not None:
                 is_open = self._frame is None and water is self._water  # nothing is known to be clear of
                 return _way(frame, points, None if is_open else clearance_m)
-        return Blocked("No way by the water leads there.")
+        return Blocked(say("way.none"))
 
 
 def _points(water: Water, clearance_m: float, start: Point, goal: Point) -> list[Point] | None:

@@ -5,7 +5,10 @@ SI units; angles in degrees, as the page draws them. A field that was never hear
 
 from typing import Any, Literal
 
+import msgspec
 from msgspec import Struct, field
+
+from companion.shore.words import Said
 
 
 class Place(Struct, frozen=True, kw_only=True):
@@ -32,11 +35,23 @@ class Fix(Struct, frozen=True, kw_only=True):
     error_m: float | None = None
 
 
-class Verdict(Struct, frozen=True, kw_only=True):
+class _Told(Struct, frozen=True, kw_only=True):
+    """text: for people, in English. key, values: for a page in another language, of a text that is `Said`."""
+
+    text: str = ""
+    key: str = ""
+    values: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if isinstance(self.text, Said):
+            for name, value in self.text.to_page().items():
+                msgspec.structs.force_setattr(self, name, value)
+
+
+class Verdict(_Told, frozen=True, kw_only=True):
     """Of a sensor."""
 
     ok: bool
-    text: str = ""
 
 
 class Home(Struct, frozen=True, kw_only=True):
@@ -93,10 +108,14 @@ class LinkLoss(Struct, frozen=True, kw_only=True):
 
 
 class Reason(Struct, frozen=True, kw_only=True):
-    """Why the boat does not arm, or which failsafe acts. text: as on the wire; why, next: for people."""
+    """Why the boat does not arm, or which failsafe acts. text: as on the wire; why, next: for people.
+
+    key: of the words `reason.KEY.why` and `reason.KEY.next`.
+    """
 
     severity: int
     text: str
+    key: str = ""
     why: str = ""
     next: str = ""
 
@@ -183,12 +202,11 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     patch: dict[str, Any]
 
 
-class Answer(Struct, frozen=True, kw_only=True, tag_field="type", tag="answer"):
+class Answer(_Told, frozen=True, kw_only=True, tag_field="type", tag="answer"):
     """To a request, once. text: for people, what the boat answered."""
 
     id: str
     ok: bool
-    text: str
     result: Any = None
 
 

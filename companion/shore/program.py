@@ -26,7 +26,7 @@ from companion.shore.web.session import Sessions
 _PAGE: Final = Path(__file__).with_name("page")
 
 
-class _SystemClock:
+class SystemClock:
     """The computer's."""
 
     def now_s(self) -> float:
@@ -52,7 +52,7 @@ def _show(given: Namespace) -> None:
     sessions = Sessions(PinFile(given.pin_file or default_pin_file()))
     water = Chart(given.chart)
     with contextlib.closing(Boats(given.connect, given.system_id, status_file=given.status)) as boats:
-        web_app = make_app(boats, water, sessions, _PAGE, _SystemClock(), hosts=given.hosts)
+        web_app = make_app(boats, water, sessions, _PAGE, SystemClock(), hosts=given.hosts)
 
         def on_open(number: int) -> None:
             name = f"[{host}]" if ":" in host else "127.0.0.1" if host == "0.0.0.0" else host  # noqa: S104

@@ -22,7 +22,7 @@ export function liveAddress(place, boat) {
 }
 
 export class Live {
-  // listeners: hello(message), state(snapshot, patch), link(), called when something changed.
+  // listeners: hello(message), state(snapshot, patch), link(), called when something changed; told(answer): its text.
   constructor(listeners, { open, now = () => performance.now(), boat = null } = {}) {
     this.listeners = listeners;
     this.open = open ?? ((chosen) => new WebSocket(liveAddress(location, chosen)));
@@ -131,7 +131,8 @@ export class Live {
     const request = this.waiting.get(message.id);
     if (request === undefined) return;
     this.waiting.delete(message.id);
-    request.resolve({ ok: message.ok, text: message.text, result: message.result ?? null });
+    const text = this.listeners.told?.(message) ?? message.text;
+    request.resolve({ ok: message.ok, text, result: message.result ?? null });
   }
 
   #giveUp(isOver) {

@@ -10,7 +10,7 @@ import { wirePin } from "./pin.js";
 import { wireTheme } from "./theme.js";
 import { wireViews } from "./views.js";
 import { makeWhy } from "./why.js";
-import { Words } from "./words.js";
+import { languageOf, Words } from "./words.js";
 
 const TICK_MS = 500;
 const SILENT_S = 4; // of the boat: its heartbeat comes every second
@@ -18,9 +18,10 @@ const at = (id) => document.getElementById(id);
 const now_s = () => Date.now() / 1000;
 
 async function loadWords() {
+  const language = languageOf(navigator.languages, (document.documentElement.dataset.languages ?? "en").split(" "));
   for (;;) {
     try {
-      const answer = await fetch("words.en.json");
+      const answer = await fetch(`words.${language}.json`);
       if (answer.ok) return new Words(await answer.json());
     } catch {
       // asked again
@@ -75,6 +76,7 @@ async function start() {
       if (data !== null && data.boat === null) data.connected(live.boat);
     },
     link: () => showLink(),
+    told: words.told,
   });
 
   const go = makeGo(

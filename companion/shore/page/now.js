@@ -40,10 +40,10 @@ const home = (state, words) => {
 const compass = (state, words) => {
   if (!state.compass) return null;
   const heading = state.heading_deg;
-  const { ok, text } = state.compass;
+  const { ok } = state.compass;
   const direction = heading === undefined ? "" : words.say("unit.degrees", { n: words.number(heading) });
   const verdict = words.say(ok ? "now.compass.good" : "now.compass.bad");
-  return { value: direction || verdict, note: text || (direction ? verdict : ""), level: ok ? "good" : "bad" };
+  return { value: direction || verdict, note: words.told(state.compass) || (direction ? verdict : ""), level: ok ? "good" : "bad" };
 };
 
 const links = (state, words) => {

@@ -18,7 +18,7 @@ export function wirePin(page, words, live, tell) {
         tell(words.say("pin.good"), true);
         live.connect();
       } else {
-        tell((await refusal(answer)) ?? words.say("pin.bad"), false);
+        tell((await refusal(answer, words)) ?? words.say("pin.bad"), false);
       }
     } catch {
       tell(words.say("pin.lost"), false);
@@ -41,10 +41,9 @@ export function wirePin(page, words, live, tell) {
 }
 
 // What the server says against it, or null.
-export async function refusal(answer) {
+export async function refusal(answer, words) {
   try {
-    const { error, expected } = await answer.json();
-    return [error, expected].filter(Boolean).join(": ") || null;
+    return words.refusal(await answer.json()) || null;
   } catch {
     return null;
   }

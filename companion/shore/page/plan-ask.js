@@ -5,8 +5,9 @@ const MOST_MS = 120_000;
 
 // show(seconds): called each second, and with null at the end.
 export class Planner {
-  constructor(show) {
+  constructor(show, words) {
     this.show = show;
+    this.words = words;
     this.stop = null;
   }
 
@@ -28,7 +29,7 @@ export class Planner {
     this.show(0);
     try {
       const answer = await fetch(address, { method: "POST", headers: { "Content-Type": type }, body, signal: stop.signal });
-      if (!answer.ok) return { why: "refused", text: await refusal(answer) };
+      if (!answer.ok) return { why: "refused", text: await refusal(answer, this.words) };
       return { plan: await answer.json() };
     } catch {
       return { why: stop.signal.aborted ? stop.signal.reason : "lost" };

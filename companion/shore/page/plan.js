@@ -20,7 +20,7 @@ export function makeView(box, page) {
     progress.hidden = seconds === null;
     plan.disabled = seconds !== null;
     if (seconds !== null) setText(progress.firstChild, words.say("plan.planning", { seconds: words.number(seconds) }));
-  });
+  }, words);
 
   const tasks = makeTasks(draft, page, changed);
   const hint = element("p", { className: "hint", role: "status" });

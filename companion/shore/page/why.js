@@ -11,15 +11,18 @@ export function makeWhy(page, words) {
     page.box.hidden = reasons.length === 0;
     if (reasons.length === 0) return;
     setText(page.title, words.say(state.armed ? "why.armed" : "why.disarmed"));
-    setText(page.first, reasons[0].why || reasons[0].text);
+    setText(page.first, why(reasons[0], words) || reasons[0].text);
     setText(page.count, reasons.length > 1 ? words.say("why.more", { n: reasons.length - 1 }) : words.say("why.how"));
-    page.list.replaceChildren(...reasons.map(entry));
+    page.list.replaceChildren(...reasons.map((reason) => entry(reason, words)));
   };
 }
 
-function entry(reason) {
+const why = (reason, words) => words.sayOr(`reason.${reason.key}.why`, reason.why);
+
+function entry(reason, words) {
+  const [meaning, next] = [why(reason, words), words.sayOr(`reason.${reason.key}.next`, reason.next)];
   const item = document.createElement("li");
-  for (const [name, text] of [["why", reason.why || reason.text], ["next", reason.next], ["wire", reason.why ? reason.text : ""]]) {
+  for (const [name, text] of [["why", meaning || reason.text], ["next", next], ["wire", meaning ? reason.text : ""]]) {
     if (!text) continue;
     const line = document.createElement("p");
     line.className = name;

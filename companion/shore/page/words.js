@@ -1,4 +1,11 @@
-// All texts of the page, from words.en.json, and numbers as people read them.
+// All texts of the page, from words.LANGUAGE.json, and numbers as people read them.
+
+// The first of the browser's languages that the server has; else English.
+export function languageOf(wanted, known) {
+  for (const language of wanted)
+    for (const one of [language, language.split("-")[0]]) if (known.includes(one)) return one;
+  return "en";
+}
 
 export class Words {
   constructor(texts) {
@@ -6,9 +13,23 @@ export class Words {
     this.language = texts["language"] ?? "en";
   }
 
-  // The text of a key, with {names} replaced.
-  say = (key, values = {}) =>
-    (this.texts[key] ?? key).replace(/\{(\w+)\}/g, (whole, name) => String(values[name] ?? whole));
+  // The text of a key, with {names} replaced. A value is a text, a number, or what the server says.
+  say = (key, values = {}) => (this.texts[key] ?? key).replace(/\{(\w+)\}/g, (whole, name) => this.#value(values[name] ?? whole));
+
+  #value = (value) => {
+    if (typeof value === "number") return value.toLocaleString(this.language, { maximumFractionDigits: 2 });
+    return typeof value === "object" ? this.told(value) : String(value);
+  };
+
+  // What the server says, in this page's language: {text, key, values}; the text where it is not one of ours.
+  told = ({ text, key, values }) => (key && key in this.texts ? this.say(key, values) : (text ?? ""));
+
+  // An error of the server's HTTP interface.
+  refusal = ({ error, key, values, expected, expects }) => {
+    const said = this.told({ text: error, key, values });
+    const wanted = this.told({ text: expected, ...expects });
+    return said && wanted ? this.say("error.with", { error: said, expected: wanted }) : said || wanted;
+  };
 
   // The text of a key that depends on data, or `otherwise` where there is none.
   sayOr = (key, otherwise) => this.texts[key] ?? otherwise;

@@ -20,10 +20,10 @@ from companion.shore.station.streams import Streams
 from companion.shore.station.texts import Texts
 from companion.shore.station.view import HANDLERS, View
 from companion.shore.station.wire import command_long
+from companion.shore.words import say
 
 SILENT_S: Final = 5.0  # without a heartbeat: nothing is asked of the boat meanwhile
 _DEPARTURES: Final = frozenset({"continue", "go", "return", "sail", "start"})
-_ARM_FIRST: Final = " as soon as it is armed"
 _MISSION_MESSAGES: Final = frozenset(
     {
         dialect.MAVLINK_MSG_ID_MISSION_ACK,
@@ -114,7 +114,7 @@ class ShoreBoat:
 
         def answered(ok: bool, text: str) -> None:
             if ok and request.what in _DEPARTURES and self.view.armed is False:
-                text = f"{text}{_ARM_FIRST}"
+                text = say("answer.when_armed", what=text)
             answer(Answer(id=request.id, ok=ok, text=text))
 
         try:
@@ -126,7 +126,7 @@ class ShoreBoat:
                 return
             command = build_command(request.what, request.arguments, self._mode_numbers())
         except BadRequestError as error:
-            answered(False, str(error))
+            answered(False, error.args[0])
             return
         if command.steers:
             self._sailing.cancel(now_s)

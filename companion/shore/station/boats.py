@@ -20,6 +20,7 @@ from companion.shore.station.boat import WANTED, ShoreBoat
 from companion.shore.station.ftp.client import FtpClient
 from companion.shore.station.items import Kind
 from companion.shore.station.wire import AUTOPILOT, OWN_COMPONENT, Link, Port, heartbeat
+from companion.shore.words import say
 
 SYSTEM_ID: Final = 250
 MOST_BOATS: Final = 32
@@ -131,7 +132,7 @@ class Boats:
     def ask(self, request: Request, answer: Callable[[Answer], None]) -> None:
         """Do what the page asks. answer is called exactly once, within 10 s if polled."""
         if (one := self._boats.get(request.boat)) is None:
-            answer(Answer(id=request.id, ok=False, text=f"Boat {request.boat} was never heard"))
+            answer(Answer(id=request.id, ok=False, text=say("answer.never_heard", n=request.boat)))
             return
         one.ask(request, answer, self._now_s)
 

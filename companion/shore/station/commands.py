@@ -19,6 +19,7 @@ from companion.mavlink.dialect import Message, dialect
 from companion.shore.station.requests import Command
 from companion.shore.station.texts import Text
 from companion.shore.station.wire import command_long
+from companion.shore.words import say
 
 REPEAT_S: Final = 1.0
 TRIES: Final = 5
@@ -29,14 +30,14 @@ SETTLE_S: Final = 0.3
 _WORST_TOLD: Final = 4  # severities up to WARNING tell reasons
 
 _REFUSALS: Final = {
-    dialect.MAV_RESULT_TEMPORARILY_REJECTED: "The boat refuses this for now",
-    dialect.MAV_RESULT_DENIED: "The boat refuses this",
-    dialect.MAV_RESULT_UNSUPPORTED: "The boat cannot do this",
-    dialect.MAV_RESULT_FAILED: "The boat could not do this",
-    6: "The boat gave this up",  # MAV_RESULT_CANCELLED, newer than the dialect
+    dialect.MAV_RESULT_TEMPORARILY_REJECTED: say("answer.not_now"),
+    dialect.MAV_RESULT_DENIED: say("answer.refused"),
+    dialect.MAV_RESULT_UNSUPPORTED: say("answer.unable"),
+    dialect.MAV_RESULT_FAILED: say("answer.failed"),
+    6: say("answer.given_up"),  # MAV_RESULT_CANCELLED, newer than the dialect
 }
-REPLACED: Final = "Replaced by a newer request"
-NO_ANSWER: Final = "No answer from the boat. Whether it heard this is not known: look at its mode"
+REPLACED: Final = say("answer.replaced")
+NO_ANSWER: Final = say("answer.none")
 
 Answered = Callable[[bool, str], None]
 
@@ -103,7 +104,7 @@ class Commands:
         for one in list(self._under_way.values()):
             if one.result is not None:
                 if now_s >= one.settled_s:
-                    plain = _REFUSALS.get(one.result, f"The boat answers with result {one.result}")
+                    plain = _REFUSALS.get(one.result, say("answer.result", n=one.result))
                     self._end(one, False, ". ".join(one.texts) or plain)
             elif now_s >= one.ends_s:
                 self._end(one, False, NO_ANSWER)

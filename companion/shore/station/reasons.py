@@ -1,7 +1,7 @@
 """Why a boat does not arm, and which failsafes act: its own texts, with why and what to do next.
 
 The boat tells its PreArm reasons when they appear and then rarely; a failsafe when it fires and when it is
-over. The words for people are in `reasons.toml`, found by the beginning of the boat's text.
+over. `reasons.toml` tells, by the beginning of the boat's text, which words for people say it.
 """
 
 import tomllib
@@ -12,6 +12,7 @@ from typing import Final, NamedTuple
 from companion.shore.messages import Reason
 from companion.shore.station.texts import Text
 from companion.shore.station.view import View
+from companion.shore.words import texts
 
 _PRE_ARM: Final = "PreArm: "
 _FAILSAFE: Final = "Failsafe: "
@@ -25,22 +26,31 @@ AGAIN_S: Final = 30.0  # else: each answer shows on every station, too
 
 
 class Words(NamedTuple):
-    """For people.
+    """For people. key: the texts are `reason.KEY.why` and `reason.KEY.next`.
 
     over: how the boat says that this failsafe has ended. stands: the boat repeats it while it holds.
     """
 
-    why: str
-    next: str
+    key: str
     over: str = ""
     stands: bool = False
+
+    @property
+    def why(self) -> str:
+        """What it means."""
+        return texts()[f"reason.{self.key}.why"]
+
+    @property
+    def next(self) -> str:
+        """What to do."""
+        return texts()[f"reason.{self.key}.next"]
 
 
 @cache
 def words() -> dict[str, Words]:
     """By the beginning of the boat's text."""
     table = tomllib.loads(files(__package__).joinpath("reasons.toml").read_text("utf-8"))
-    return {begin: Words(**entry) for begin, entry in table.items()}
+    return {begin: Words(entry.pop("words"), **entry) for begin, entry in table.items()}
 
 
 def words_for(text: str) -> Words | None:
@@ -82,11 +92,11 @@ class Reasons:
         elif text.text.startswith(_FAILSAFE):
             said = text.text.removeprefix(_FAILSAFE).removesuffix(" (persists)")
             found = words_for(said)
-            key = found.why if found is not None else said
+            key = found.key if found is not None else said
             if key in self._failsafes or len(self._failsafes) < _MOST:
                 self._failsafes[key] = _reason(text.severity, said), found.over if found is not None else ""
         elif (found := words_for(text.text)) is not None and found.stands:
-            self._standing[found.why] = _reason(text.severity, text.text), now_s
+            self._standing[found.key] = _reason(text.severity, text.text), now_s
 
     def poll(self, view: View, now_s: float) -> bool:
         """Forget what no longer holds. True: run the boat's pre-arm checks now, for their texts."""
@@ -125,7 +135,6 @@ def _verdicts(view: View) -> list[str]:
 
 
 def _reason(severity: int, said: str) -> Reason:
-    found = words_for(said)
-    return Reason(
-        severity=severity, text=said, why=found.why if found else "", next=found.next if found else ""
-    )
+    if (found := words_for(said)) is None:
+        return Reason(severity=severity, text=said)
+    return Reason(severity=severity, text=said, key=found.key, why=found.why, next=found.next)

@@ -7,6 +7,7 @@ from typing import Any, Final, NamedTuple
 from companion.core.modes import Mode
 from companion.core.units import deg_to_e7
 from companion.mavlink.dialect import dialect
+from companion.shore.words import say
 
 _DISARM_NOW: Final = 21196.0  # param2 of COMPONENT_ARM_DISARM: without any check, the emergency stop
 _CHANGE_MODE: Final = 1.0  # param2 of DO_REPOSITION
@@ -14,11 +15,10 @@ _CUSTOM_MODE: Final = 1.0  # param1 of DO_SET_MODE
 _GROUND_SPEED: Final = 1.0
 _FASTEST_M_S: Final = 50.0
 _MOST_POINTS: Final = 1000
-_PLAINLY: Final = "{} is missing or is no number"
 
 
 class BadRequestError(Exception):
-    """A request that cannot be sent. Its text is for people."""
+    """A request that cannot be sent. Its one argument is the text for people."""
 
 
 class Command(NamedTuple):
@@ -43,13 +43,13 @@ ModeNumbers = Mapping[str, int]
 def _number(arguments: Arguments, name: str) -> float:
     value = arguments.get(name)
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise BadRequestError(_PLAINLY.format(name))
+        raise BadRequestError(say("answer.no_number", name=name))
     return float(value)
 
 
 def _position(lat: float, lon: float) -> tuple[int, int]:
     if not (-90.0 <= lat <= 90.0 and -180.0 <= lon <= 180.0) or (lat == 0.0 and lon == 0.0):
-        raise BadRequestError(f"{lat}, {lon} is no place on the globe")
+        raise BadRequestError(say("answer.no_place", lat=str(lat), lon=str(lon)))
     return deg_to_e7(lat), deg_to_e7(lon)
 
 
@@ -58,65 +58,61 @@ def _set_mode(number: int, done: str) -> Command:
 
 
 def _hold(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
-    return _set_mode(Mode.LOITER, "The boat keeps its place")  # in HOLD it would drift
+    return _set_mode(Mode.LOITER, say("answer.hold"))  # in HOLD it would drift
 
 
 def _return(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
-    return _set_mode(Mode.RTL, "The boat returns home")
+    return _set_mode(Mode.RTL, say("answer.return"))
 
 
 def _start(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
-    return Command(dialect.MAV_CMD_MISSION_START, (), "The boat sails the mission", once=True)
+    return Command(dialect.MAV_CMD_MISSION_START, (), say("answer.start"), once=True)
 
 
 def _pause(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
-    return Command(dialect.MAV_CMD_DO_PAUSE_CONTINUE, (0.0,), "Paused: the boat keeps its place", once=True)
+    return Command(dialect.MAV_CMD_DO_PAUSE_CONTINUE, (0.0,), say("answer.pause"), once=True)
 
 
 def _continue(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
-    return Command(dialect.MAV_CMD_DO_PAUSE_CONTINUE, (1.0,), "The boat goes on", once=True)
+    return Command(dialect.MAV_CMD_DO_PAUSE_CONTINUE, (1.0,), say("answer.continue"), once=True)
 
 
 def _go(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
     place = _position(_number(arguments, "lat"), _number(arguments, "lon"))
     params = (-1.0, _CHANGE_MODE, 0.0, math.nan)
-    return Command(dialect.MAV_CMD_DO_REPOSITION, params, "The boat goes there", place)
+    return Command(dialect.MAV_CMD_DO_REPOSITION, params, say("answer.go"), place)
 
 
 def _speed(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
     speed_m_s = _number(arguments, "m_s")
     if not 0.0 < speed_m_s <= _FASTEST_M_S:
-        raise BadRequestError(f"{speed_m_s:g} m/s is no speed of a boat; expected more than 0")
+        raise BadRequestError(say("answer.no_speed", n=speed_m_s))
     params = (_GROUND_SPEED, speed_m_s, -1.0)
-    return Command(
-        dialect.MAV_CMD_DO_CHANGE_SPEED, params, f"The speed is now {speed_m_s:g} m/s", steers=False
-    )
+    return Command(dialect.MAV_CMD_DO_CHANGE_SPEED, params, say("answer.speed", n=speed_m_s), steers=False)
 
 
 def _stop(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
     params = (0.0, _DISARM_NOW)
-    return Command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, params, "Stopped: motors off, disarmed")
+    return Command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, params, say("answer.stop"))
 
 
 def _arm(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
-    return Command(
-        dialect.MAV_CMD_COMPONENT_ARM_DISARM, (1.0, 0.0), "Armed: the propellers may turn", steers=False
-    )
+    return Command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, (1.0, 0.0), say("answer.arm"), steers=False)
 
 
 def _disarm(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
-    return Command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, (0.0, 0.0), "Disarmed")
+    return Command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, (0.0, 0.0), say("answer.disarm"))
 
 
 def _mode(arguments: Arguments, modes: ModeNumbers) -> Command:
     name = arguments.get("mode")
     if not isinstance(name, str) or name not in modes:
-        raise BadRequestError("The boat has no such mode; expected one of " + ", ".join(modes))
-    return _set_mode(modes[name], f"Mode {name}")
+        raise BadRequestError(say("answer.no_mode", modes=", ".join(modes)))
+    return _set_mode(modes[name], say("answer.mode", mode=name))
 
 
 def _check(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
-    return Command(dialect.MAV_CMD_RUN_PREARM_CHECKS, (), "The boat has checked itself", steers=False)
+    return Command(dialect.MAV_CMD_RUN_PREARM_CHECKS, (), say("answer.check"), steers=False)
 
 
 COMMANDS: Final[dict[str, Callable[[Arguments, ModeNumbers], Command]]] = {
@@ -143,7 +139,7 @@ def build_command(what: str, arguments: Arguments, modes: ModeNumbers) -> Comman
     """
     build = COMMANDS.get(what)
     if build is None:
-        raise BadRequestError(f"Unknown request {what!r}; expected one of sail, " + ", ".join(COMMANDS))
+        raise BadRequestError(say("answer.unknown", what=repr(what), known=", ".join(["sail", *COMMANDS])))
     return build(arguments, modes)
 
 
@@ -155,11 +151,11 @@ def way_points(arguments: Arguments) -> list[tuple[int, int]]:
     """
     points = arguments.get("points")
     if not isinstance(points, list) or not 1 <= len(points) <= _MOST_POINTS:
-        raise BadRequestError(f"points: expected 1 to {_MOST_POINTS} of [longitude, latitude]")
+        raise BadRequestError(say("answer.no_way_points", most=_MOST_POINTS))
     way = []
     for point in points:
         if not isinstance(point, list | tuple) or len(point) != 2:
-            raise BadRequestError("points: expected [longitude, latitude]")
+            raise BadRequestError(say("answer.no_way_point"))
         lon, lat = (_number({"a coordinate": value}, "a coordinate") for value in point)
         way.append(_position(lat, lon))
     return way

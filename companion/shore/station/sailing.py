@@ -10,12 +10,13 @@ from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Failed
 from companion.shore.station.commands import NO_ANSWER, REPLACED, Answered
 from companion.shore.station.requests import Command
+from companion.shore.words import say
 
 UPLOAD_S: Final = 6.0  # leaves time for the start within the ten seconds of a request
 START_TIMEOUT_S: Final = 3.5
-_TOO_SLOW: Final = "The way did not reach the boat in time: nothing has changed"
+_TOO_SLOW: Final = say("answer.way_late")
 _FIRST: Final = 1.0  # the item after home
-_START: Final = Command(dialect.MAV_CMD_MISSION_START, (_FIRST,), "The boat sails the way", once=True)
+_START: Final = Command(dialect.MAV_CMD_MISSION_START, (_FIRST,), say("answer.sail"), once=True)
 _RETRY_S, _RETRIES = 0.5, 4
 
 
@@ -94,7 +95,7 @@ class Sailing:
                     self._start(_START, answered, now_s, START_TIMEOUT_S)
             elif isinstance(event, Failed):
                 silent = event.text.startswith(("no answer", "the partner"))
-                self._end(NO_ANSWER if silent else f"The boat refuses the way: {event.text}")
+                self._end(NO_ANSWER if silent else say("answer.way_refused", why=event.text))
 
     def _end(self, text: str) -> None:
         answered, self._answered = self._answered, None

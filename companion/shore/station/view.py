@@ -23,6 +23,7 @@ from companion.shore.messages import (
     Verdict,
 )
 from companion.shore.station.track import Track
+from companion.shore.words import say
 
 _STATES: Final = {0: "starting", 1: "starting", 2: "calibrating", 3: "standby", 4: "active",
                   5: "critical", 6: "emergency", 7: "off"}  # fmt: skip
@@ -74,10 +75,10 @@ class View:
         if self.has_heading is None:
             return None
         if not self.has_heading or (self.heading_share or 0.0) >= 1.0:
-            return Verdict(ok=False, text="no heading")
+            return Verdict(ok=False, text=say("compass.none"))
         if (self.heading_share or 0.0) >= _SUBSTITUTE:
-            return Verdict(ok=False, text="the heading comes from gyro and course")
-        return Verdict(ok=True, text="good")
+            return Verdict(ok=False, text=say("compass.substitute"))
+        return Verdict(ok=True, text=say("compass.good"))
 
     def way_home(self) -> Home | None:
         """Home with distance and time, straight, at cruise speed."""

@@ -15,6 +15,7 @@ from companion.shore.web.rows import BOAT, Handler, Row, boat_of, json_answer, r
 from companion.shore.web.session import LIFE_S, Refused
 from companion.shore.web.setup_api import ROWS as SETUP
 from companion.shore.web.static_files import StaticFile, make_file, respond
+from companion.shore.words import say
 
 _GEOJSON: Final = "application/geo+json"
 
@@ -33,7 +34,7 @@ async def _log_in(hub: Hub, request: web.Request) -> web.StreamResponse:
     try:
         pin = msgspec.json.decode(await read_body(request), type=_Pin).pin
     except (msgspec.DecodeError, RecursionError, UnicodeError):
-        return error(400, "Expected a PIN.", '{"pin": "…"}')
+        return error(400, say("pin.expected"), '{"pin": "…"}')
     opened = await hub.sessions.open(pin, peer_of(request), hub.clock.now_s())
     if isinstance(opened, Refused):
         if opened.wait_s is None:
@@ -77,7 +78,7 @@ def _items(kind: ItemKind) -> Handler:
     async def handle(hub: Hub, request: web.Request) -> web.StreamResponse:
         items = hub.boats.items(boat_of(request), kind)
         if items is None:
-            return error(503, f"The boat's {kind} is not downloaded yet.", "", {"Retry-After": "1"})
+            return error(503, say("error.no_list", kind=kind), "", {"Retry-After": "1"})
         return json_answer(msgspec.json.encode(items), _GEOJSON)
 
     return handle
@@ -112,9 +113,9 @@ def _bound(hub: Hub, row: Row) -> Callable[[web.Request], Awaitable[web.StreamRe
     async def handle(request: web.Request) -> web.StreamResponse:
         is_skipper = hub.sessions.role(cookie_of(request), hub.clock.now_s()) == "skipper"
         if row.needs != "nothing" and not is_skipper:
-            return error(403, hub.sessions.refusal(), "a session: POST /api/session")
+            return error(403, hub.sessions.refusal(), "")
         if row.needs == "disarmed" and hub.is_armed():
-            return error(409, "A boat is armed: disarm it first.", "every boat heard disarmed")
+            return error(409, say("error.armed"), "")
         return await row.handler(hub, request)
 
     return handle

@@ -11,6 +11,7 @@ import msgspec
 
 from companion.shore.messages import Answer, Hello, Snapshot, State, ToPage
 from companion.shore.web.patch import Tree, difference, tree_of
+from companion.shore.words import Said
 
 UNACKNOWLEDGED: Final = 3
 QUIET_S: Final = 2.0  # something is sent at least this often, so that the page knows of a broken link
@@ -20,7 +21,13 @@ MOST_ANSWERS: Final = 64
 
 def encode(message: ToPage) -> str:
     """As the page reads it."""
-    return msgspec.json.encode(message).decode()
+    return msgspec.json.encode(message, enc_hook=_as_json).decode()
+
+
+def _as_json(value: object) -> object:
+    if isinstance(value, Said):
+        return value.to_page()
+    raise TypeError(f"no JSON of {type(value).__name__}")
 
 
 class Feed:

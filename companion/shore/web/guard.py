@@ -8,6 +8,8 @@ from typing import Final
 from aiohttp import web
 from aiohttp.typedefs import Middleware
 
+from companion.shore.words import Said, say
+
 _HOST: Final = re.compile(r"(\[[0-9A-Fa-f:.]{2,45}\]|[A-Za-z0-9._-]{1,253})(?::[0-9]{1,5})?")
 _COOKIE: Final = "mavboat-shore"
 _HEADERS: Final = {
@@ -26,8 +28,13 @@ Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
 def error(status: int, text: str, expected: str, headers: dict[str, str] | None = None) -> web.Response:
-    """An error in words."""
-    return web.json_response({"error": text, "expected": expected}, status=status, headers=headers)
+    """An error in words. What is `Said` the page can say in its own language, by its key."""
+    body: dict[str, object] = {"error": text, "expected": expected}
+    if isinstance(text, Said):
+        body |= {"key": text.key, "values": text.values}
+    if isinstance(expected, Said):
+        body["expects"] = expected.to_page()
+    return web.json_response(body, status=status, headers=headers)
 
 
 def peer_of(request: web.Request) -> str:
@@ -86,18 +93,20 @@ def make_guard(names: Collection[str]) -> Middleware:
         if len(request.headers.getall("Host", [])) != 1 or not is_own_host(request.host, own):
             return error(
                 421,
-                "This server is not known by that name.",
-                "its address, NAME.local, or a name given with --host",
+                say("error.name"),
+                say("error.name.expected"),
             )
         is_write = request.method not in ("GET", "HEAD")
         if (is_write or "Upgrade" in request.headers) and not is_own_origin(request):
-            return error(403, "The request comes from another page.", "an Origin header of this server")
+            return error(403, say("error.origin"), say("error.origin.expected"))
         try:
             return await handler(request)
         except web.HTTPRequestEntityTooLarge as refused:
-            return error(413, "The request is too large.", refused.text or "")
+            return error(413, say("error.large"), refused.text or "")
         except web.HTTPException as refused:
-            return error(refused.status, f"{refused.reason}.", "", _kept(refused))
+            return error(
+                refused.status, say("error.http", n=refused.status, reason=refused.reason), "", _kept(refused)
+            )
 
     return guard
 

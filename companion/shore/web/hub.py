@@ -12,6 +12,7 @@ from companion.shore.web.interfaces import Boats, Chart, Clock, Service
 from companion.shore.web.ledger import Ledger, Reply
 from companion.shore.web.session import Sessions
 from companion.shore.web.ways import Ways
+from companion.shore.words import say
 
 STATE_PERIOD_S: Final = 0.2
 _MOST_ID: Final = 64
@@ -116,12 +117,10 @@ class Hub:
         try:
             request = msgspec.json.decode(text, type=Request)
         except (msgspec.DecodeError, RecursionError, UnicodeError):
-            watch.reply(Answer(id=_id_of(text), ok=False, text="The page asked for something malformed."))
+            watch.reply(Answer(id=_id_of(text), ok=False, text=say("answer.malformed")))
             return
         if not 0 < len(request.id) <= _MOST_ID or len(request.what) > _MOST_WHAT:
-            watch.reply(
-                Answer(id=request.id[:_MOST_ID], ok=False, text="The page asked for something malformed.")
-            )
+            watch.reply(Answer(id=request.id[:_MOST_ID], ok=False, text=say("answer.malformed")))
         elif self.role(watch) != "skipper":
             watch.reply(Answer(id=request.id, ok=False, text=self.sessions.refusal()))
         else:

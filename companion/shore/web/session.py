@@ -10,11 +10,12 @@ from companion.core.errors import StorageError
 from companion.shore.messages import Role
 from companion.shore.web.pin_file import MOST_CHARACTERS, PinFile, is_pin
 from companion.shore.web.throttle import Throttle
+from companion.shore.words import say
 
 LIFE_S: Final = 12 * 3600.0  # a day at the water
 _MOST_SESSIONS: Final = 32
-READ_ONLY: Final = "No PIN is set, so this page only shows. To set one, run on the boat: boat-shore pin"
-VIEWER: Final = "Enter the PIN first; until then this page only shows."
+READ_ONLY: Final = say("pin.unset")
+VIEWER: Final = say("pin.first")
 
 
 class Opened(NamedTuple):
@@ -69,12 +70,12 @@ class Sessions:
             return Refused(why)
         wait_s = self._throttle.wait_s(address, now_s)
         if wait_s > 0.0:
-            return Refused(f"Too many wrong PINs. Try again in {wait_s:.0f} s.", wait_s, is_held_up=True)
+            return Refused(say("pin.wait", n=round(wait_s)), wait_s, is_held_up=True)
         self._throttle.begin(address, now_s)
         async with self._check:
             is_right = len(pin) <= MOST_CHARACTERS and await asyncio.to_thread(is_pin, pin, line)
         if not is_right:
-            return Refused("That is not the PIN.", self._throttle.wait_s(address, now_s))
+            return Refused(say("pin.wrong"), self._throttle.wait_s(address, now_s))
         self._throttle.succeed(address)
         token = secrets.token_urlsafe(16)
         self._open[_key(token)] = _Session(line, now_s + LIFE_S)

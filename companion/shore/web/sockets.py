@@ -11,6 +11,7 @@ from aiohttp import WSCloseCode, WSMsgType, web
 from companion.shore.web.guard import cookie_of, error, peer_of
 from companion.shore.web.hub import Hub, Watch
 from companion.shore.web.throttle import network_of
+from companion.shore.words import say
 
 MOST_SOCKETS: Final = 32
 MOST_OF_ADDRESS: Final = 8
@@ -64,18 +65,20 @@ class Sockets:
         """Serve one socket until it closes."""
         boat = request.query.get("boat", "")
         if boat and not (boat.isascii() and boat.isdigit() and 1 <= int(boat[:4]) <= 255):
-            return error(400, "No such boat.", "boat=1 to 255")
+            return error(400, say("error.no_boat"), "boat=1 to 255")
         ws = web.WebSocketResponse(
             max_msg_size=MOST_BYTES, compress=False, autoping=False, timeout=_CLOSE_S, autoclose=True
         )
         if not ws.can_prepare(request).ok:
-            return error(426, "Expected a WebSocket.", "")
+            return error(426, say("error.no_socket"), "")
         token = cookie_of(request)
         network = network_of(peer_of(request))
         is_skipper = self._hub.sessions.role(token, self._hub.clock.now_s()) == "skipper"
         if not self._make_room(network, is_skipper=is_skipper):
             return error(
-                503, "Too many pages are open.", f"at most {MOST_SOCKETS}, {MOST_OF_ADDRESS} a device"
+                503,
+                say("error.too_many"),
+                say("error.too_many.expected", all=MOST_SOCKETS, own=MOST_OF_ADDRESS),
             )
         one = _Open(ws, network, self._hub.open(int(boat) if boat else None, token))
         self._open.append(one)

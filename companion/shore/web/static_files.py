@@ -2,6 +2,7 @@
 
 import gzip
 import hashlib
+import re
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -18,6 +19,10 @@ _TYPES: Final = {
     ".svg": "image/svg+xml",
     ".webmanifest": "application/manifest+json",
 }
+
+
+_LANGUAGE: Final = re.compile(r"words\.([a-z]{2,3}(?:-[A-Za-z0-9]{1,8})*)\.json")
+_LANGUAGES: Final = b'data-languages="en"'  # in index.html: the page then need not ask for them
 
 
 class StaticFile(NamedTuple):
@@ -37,7 +42,7 @@ def make_file(kind: str, plain: bytes) -> StaticFile:
 
 
 def read_files(folder: Path) -> dict[str, StaticFile]:
-    """The files of a flat folder by name; index.html also as the empty name.
+    """The files of a flat folder by name; index.html also as the empty name, and with the page's languages.
 
     Raises:
         ConfigError: there is no page, or a file of another type.
@@ -53,7 +58,9 @@ def read_files(folder: Path) -> dict[str, StaticFile]:
         files[path.name] = make_file(kind, path.read_bytes())
     if "index.html" not in files:
         raise ConfigError(f"{folder}: expected a page with index.html")
-    files[""] = files["index.html"]
+    languages = " ".join(match[1] for name in files if (match := _LANGUAGE.fullmatch(name)))
+    plain = files["index.html"].plain.replace(_LANGUAGES, f'data-languages="{languages}"'.encode())
+    files[""] = files["index.html"] = make_file(_TYPES[".html"], plain)
     return files
 
 

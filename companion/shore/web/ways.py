@@ -9,10 +9,11 @@ from msgspec import ValidationError, convert
 from companion.shore.messages import Answer, Place, Request
 from companion.shore.web.interfaces import Boats, Chart
 from companion.shore.web.ledger import Reply
+from companion.shore.words import say
 
 _log: Final = logging.getLogger(__name__)
 _MOST_WAITING: Final = 4
-_BUSY: Final = "Still looking for the ways asked before. Try again in a moment."
+_BUSY: Final = say("answer.ways_busy")
 
 
 class Ways:
@@ -32,9 +33,9 @@ class Ways:
         except ValidationError:
             goal = None
         if goal is None or not (abs(goal.lat) <= 90.0 and abs(goal.lon) <= 180.0):
-            reply(Answer(id=request.id, ok=False, text="Expected a goal: latitude and longitude in degrees."))
+            reply(Answer(id=request.id, ok=False, text=say("answer.no_goal")))
         elif snapshot is None or snapshot.place is None:
-            reply(Answer(id=request.id, ok=False, text="The boat's place is not known yet."))
+            reply(Answer(id=request.id, ok=False, text=say("answer.no_position")))
         elif len(self._tasks) >= _MOST_WAITING:
             reply(Answer(id=request.id, ok=False, text=_BUSY))
         else:
@@ -53,11 +54,11 @@ class Ways:
                 found = await asyncio.to_thread(self._chart.way, start, goal, fence)
         except Exception:
             _log.exception("the search for a way has failed")
-            reply(Answer(id=ident, ok=False, text="The search for a way has failed."))
+            reply(Answer(id=ident, ok=False, text=say("answer.search_failed")))
             return
         result: dict[str, Any] = found._asdict()
         if "points" not in result:
-            reply(Answer(id=ident, ok=False, text=result["reason"], result=result))
+            reply(Answer(id=ident, ok=False, text=result.pop("reason"), result=result))
             return
         result["time_s"] = result["length_m"] / cruise_m_s if cruise_m_s else None
         reply(Answer(id=ident, ok=True, text="", result=result))

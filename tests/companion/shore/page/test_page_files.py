@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 PAGE = Path(__file__).parents[4] / "companion" / "shore" / "page"
+SERVER = sorted(PAGE.parent.rglob("*.py"))
 MODULES = sorted(PAGE.glob("*.js"))
 WORDS: dict[str, str] = json.loads((PAGE / "words.en.json").read_text("utf-8"))
 BY_DATA = (
@@ -22,16 +23,20 @@ BY_DATA = (
     "chart.",
     "sensor.",
     "views.",
+    "reason.",
 )  # looked up by a name that is not in the source
+SAID = re.compile(r"""\bsay\(\s*"([^"]+)\"""")
 KEY = re.compile(r"""["'`]([a-z]+(?:\.[a-z_0-9]+)+)["'`]""")
 SMALL_BYTES = 300_000  # the first view, not packed
 
 
 def keys_used() -> dict[str, str]:
-    """Key by the file that uses it."""
+    """Key by the file of page or server that uses it."""
     groups = {key.split(".")[0] for key in WORDS if "." in key}
     html = (PAGE / "index.html").read_text("utf-8")
     used = dict.fromkeys(re.findall(r'data-word(?:-label)?="([^"]+)"', html), "index.html")
+    for path in SERVER:
+        used |= dict.fromkeys(SAID.findall(path.read_text("utf-8")), path.name)
     for path in MODULES:
         used |= {
             key: path.name for key in KEY.findall(path.read_text("utf-8")) if key.split(".")[0] in groups
