@@ -64,6 +64,7 @@ export function makeGo(page, words, live) {
   let modesShown = "";
   const showState = (state) => {
     armed = state.armed === true;
+    page.box.classList.toggle("armed", armed); // the other views then show Hold, Return and Motors off
     setText(page.armText, armName());
     const modes = state.modes ?? [];
     if (modes.join() !== modesShown) {
