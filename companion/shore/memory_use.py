@@ -1,7 +1,7 @@
 """Give memory back to the system that was needed for a moment only.
 
-glibc keeps what a thread has freed for that thread's next need: after PIN checks in several threads, or a start
-that compiled Python's caches, the program stayed at 130 to 150 MB.
+glibc keeps what a thread has freed for that thread's next need: after PIN checks in several threads, or a
+start that compiled Python's caches, the program stayed at 130 to 150 MB.
 """
 
 import ctypes

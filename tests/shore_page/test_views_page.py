@@ -1,4 +1,4 @@
-"""The views of the page: each has its address, and while the boat is armed it can be held and stopped from all."""
+"""The views of the page: each has its address, and an armed boat is held and stopped from all of them."""
 
 import pytest
 from finger import hold, press
