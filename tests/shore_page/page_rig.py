@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from axe_playwright_python.sync_playwright import Axe
 from finger import press
 from mavutil_station import MavutilStation
 from patience import MOMENT_S
@@ -75,6 +76,17 @@ def show_all_buttons(page: Page) -> None:
 def told(page: Page, text: str | re.Pattern[str]) -> Locator:
     """What the page says that the boat answered."""
     return page.get_by_role("status").filter(has_text=text)
+
+
+def axe_faults(page: Page) -> list[str]:
+    """Serious and critical faults that axe-core finds, a line each."""
+    violations = Axe().run(page).response["violations"]
+    return [
+        f"{fault['id']}: {node['html']}"
+        for fault in violations
+        if fault["impact"] in {"serious", "critical"}
+        for node in fault["nodes"]
+    ]
 
 
 def unlock(page: Page, pin: str) -> None:

@@ -318,6 +318,28 @@ def test_real_fingers_pan_pinch_and_tap(page: Page) -> None:
     assert at.east_m - boat.east_m == pytest.approx(-30 / before, abs=0.2)
 
 
+def test_what_is_planned_is_drawn_at_its_places_and_looked_at_where_it_is_out_of_sight(page: Page) -> None:
+    show(page, "showState", state())
+    x, y = middle(page)
+    ink, goal_px = (0x12, 0x39, 0x5B), 16
+    east = FRAME.to_global(Point(-100.0, -60.0))
+    place = [east.lon_deg, east.lat_deg]
+    draft = {"places": [place], "isArea": False, "line": []}
+    show(page, "showDraft", draft)
+    page.evaluate("document.activeElement.blur()")
+    at = x + 40.0 * scale(page)
+    assert colour(page, at - 9, y - goal_px) == ink  # beside the number, above the tip
+    show(page, "showDraft", draft | {"isArea": True})
+    assert colour(page, at - 9, y - 9) == ink
+    show(page, "showDraft", None)
+    assert colour(page, at - 9, y - 9) != ink
+    show(page, "lookAt", [place])
+    assert distance_m(tapped(page, x, y), FRAME.to_local(BOAT)) < 0.1  # in sight: nothing moves
+    far = FRAME.to_global(Point(-100.0, 2900.0))
+    show(page, "lookAt", [place, [far.lon_deg, far.lat_deg]])
+    assert distance_m(tapped(page, x, y), Point(-100.0, 1420.0)) < 5.0
+
+
 def test_the_whole_map_is_never_zoomed_out_of_sight(page: Page) -> None:
     show_pond(page)
     show(page, "showState", state())

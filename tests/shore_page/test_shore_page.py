@@ -7,13 +7,13 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
 from finger import hold, press
 from mavutil_station import MavutilStation, Message, Place
 from page_rig import (
     ARMED,
     ShoreBoat,
     Visit,
+    axe_faults,
     button,
     needs_chromium,
     show_all_buttons,
@@ -40,17 +40,6 @@ ON_WATER = [  # the first is home
 ]
 FAIL_COMPASS = (dialect.FAILURE_UNIT_SENSOR_MAG, dialect.FAILURE_TYPE_OFF)
 MEND_COMPASS = (dialect.FAILURE_UNIT_SENSOR_MAG, dialect.FAILURE_TYPE_OK)
-
-
-def axe_faults(page: Page) -> list[str]:
-    """Serious and critical faults that axe-core finds, a line each."""
-    violations = Axe().run(page).response["violations"]
-    return [
-        f"{fault['id']}: {node['html']}"
-        for fault in violations
-        if fault["impact"] in {"serious", "critical"}
-        for node in fault["nodes"]
-    ]
 
 
 @pytest.mark.parametrize("size", ["phone", "tablet", "desktop"])
@@ -155,6 +144,7 @@ def sail_to_a_tapped_place(page: Page, station: MavutilStation) -> None:
         }"""
     )
     tap_open_water(page)
+    expect(page.get_by_text(f"Replaces the mission on board: {len(ON_WATER) - 1} items.")).to_be_visible()
     press(page, button(page, "Sail there"))
     until_mode(station, Mode.AUTO, armed=True)
     place = [one["with"] for one in asked if one["what"] == "route"][-1]

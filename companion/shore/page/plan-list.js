@@ -5,7 +5,7 @@ import { legs } from "./plan-draft.js";
 // changed(): the draft's places are others now.
 export function makeList(box, draft, page, changed) {
   const { words } = page;
-  const list = element("ol", { className: "places" });
+  const list = element("ol", { className: "places", role: "list", "aria-label": words.say("plan.places") });
   box.append(list);
   let shown = "";
 
