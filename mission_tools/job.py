@@ -43,6 +43,7 @@ class Request:
     fence: str | None = None  # a file, or "none" to clear
     rally: str | None = None
     one_way: bool = False  # it need not come home
+    beyond_range: bool = False  # plan it even if the charge does not suffice
     fence_from_map: bool = False
     rally_from_map: bool = False
     diff: bool = False  # say what an upload changes aboard
@@ -141,7 +142,8 @@ def take_planned(planned: PlannedMission, request: Request, report: Report, say:
         report.budget = planned_budget(planned, request.options.boat, request.options.current)
         for line in report.budget.lines():
             say(line)
-        report.budget.check(one_way=request.one_way)
+        if not request.beyond_range:
+            report.budget.check(one_way=request.one_way)
     if request.save is not None:
         save(planned.mission, request.save, planned)
         report.saved = request.save

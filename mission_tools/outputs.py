@@ -47,7 +47,8 @@ def save(mission: Mission, path: Path, planned: "PlannedMission | None" = None) 
     if path.suffix.lower() not in PICTURE_SUFFIXES:
         from mission_tools.files.formats import save_route  # noqa: PLC0415 - for files alone
 
-        save_route(mission, path, planned.name if planned is not None else "")
+        is_file = planned is None or (planned.plan is None and planned.task is None)
+        save_route(mission, path, "" if is_file or planned is None else planned.name)
     elif planned is None:
         raise UsageError(f"{path}: a picture needs a map to draw: name a .plan file or another format")
     else:

@@ -100,6 +100,8 @@ def _show_parser() -> _Parser:
     add("--listen", metavar="HOST:PORT", default="127.0.0.1:8080",
         help="address of the page; 0.0.0.0:80 opens it to the boat's network [%(default)s]")  # fmt: skip
     add("--map", metavar="FILE", type=Path, dest="chart", help="GeoJSON map of the water")
+    add("--boat", metavar="FILE",
+        help="the boat's TOML, for time and charge of plans (also an emulated boat: lake, kit)")  # fmt: skip
     add("--status", metavar="FILE", type=Path, help="status file of the boat on this computer")
     add("--host", metavar="NAME", action="append", default=[], dest="hosts",
         help="further name of this computer in the page's address; repeatable")  # fmt: skip

@@ -17,6 +17,7 @@ from companion.core.program_end import end_with
 from companion.shore import memory_use
 from companion.shore.chart import Chart
 from companion.shore.command_line import PROGRAM, SHOW, read_arguments
+from companion.shore.plans.desk import Sources
 from companion.shore.station.boats import Boats
 from companion.shore.web.listening import parse_listen, serve
 from companion.shore.web.pin_file import LEAST_CHARACTERS, PinFile
@@ -52,7 +53,8 @@ def _show(given: Namespace) -> None:
     sessions = Sessions(PinFile(given.pin_file or default_pin_file()))
     water = Chart(given.chart)
     with contextlib.closing(Boats(given.connect, given.system_id, status_file=given.status)) as boats:
-        web_app = make_app(boats, water, sessions, _PAGE, SystemClock(), hosts=given.hosts)
+        sources = Sources(given.chart, given.boat)
+        web_app = make_app(boats, water, sessions, _PAGE, SystemClock(), sources=sources, hosts=given.hosts)
 
         def on_open(number: int) -> None:
             name = f"[{host}]" if ":" in host else "127.0.0.1" if host == "0.0.0.0" else host  # noqa: S104

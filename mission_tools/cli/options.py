@@ -22,6 +22,12 @@ def add_route(parser: Parser) -> None:
     group.add_argument("--speed", type=number, metavar="M/S", help="speed over ground [the boat's]")
     group.add_argument("--cell", type=number, metavar="M", help="plan on a grid with cells of this side")
     group.add_argument("--heuristic", metavar="NAME", help="of the grid: octile, euclidean or manhattan")
+    group.add_argument(
+        "--as-route", action="store_true", help="SOURCE (.gpx .kml .geojson) is a route to sail, not a map"
+    )
+    group.add_argument(
+        "--check-on", metavar="MAP", help="of a finished mission: say what is odd in it there (none: no map)"
+    )
     group.add_argument("--smooth", action=BooleanOptionalAction, help="pull the grid's path taut")
 
 
@@ -91,6 +97,9 @@ def add_costs(parser: Parser) -> None:
         "--boat", metavar="BOAT.toml", help="time and charge out and home for this boat (also: lake, kit)"
     )
     group.add_argument("--one-way", action="store_true", help="the boat need not come home")
+    group.add_argument(
+        "--beyond-range", action="store_true", help="plan it even if the charge does not suffice"
+    )
     group.add_argument(
         "--current", metavar="M/S,DEG", help="speed and direction it flows to, or a .csv, .npz, .toml file"
     )
@@ -165,6 +174,8 @@ def plan_options(given: Namespace) -> PlanOptions:
         least=given.least,
         open_water_m=given.open_water,
         draught_m=given.draught,
+        is_route_file=given.as_route,
+        check_on=given.check_on,
         via=tuple(map(_via, given.via)),
         any_order=given.any_order,
         is_return=given.is_return,

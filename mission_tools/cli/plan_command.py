@@ -29,6 +29,8 @@ Examples:
 
     {PROGRAM} pond.geojson --start 29.4102,-82.1712 --goal 29.4105,-82.1702 --clearance 3 --out pond.plan
 
+    {PROGRAM} drawn.gpx --as-route --check-on pond.geojson --out drawn.plan
+
 Exit codes: 0 done, 1 no route, 2 wrong usage or input.
 """
 
@@ -40,6 +42,7 @@ def _parser() -> Parser:
     add_areas(parser)
     add_costs(parser)
     add_outputs(parser)
+    parser.add_argument("--items", action="store_true", help="with --json: also every item, as on the wire")
     parser.add_common()
     return parser
 
@@ -61,13 +64,16 @@ def _plan(given: Namespace) -> None:
         fence=given.fence,
         rally=given.rally,
         one_way=given.one_way,
+        beyond_range=given.beyond_range,
         fence_from_map=given.fence_from_map or given.contract,
         rally_from_map=given.rally_from_map or given.contract,
     )
     report = Report()
     run(request, report, Printer(sys.stderr if given.as_json else sys.stdout))
     if given.as_json:
-        sys.stdout.write(json.dumps(as_json(report), indent=2) + "\n")
+        sys.stdout.write(
+            json.dumps(as_json(report, with_items=given.items), indent=None if given.items else 2) + "\n"
+        )
 
 
 def run_program(arguments: list[str]) -> int:

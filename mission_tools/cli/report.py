@@ -1,9 +1,12 @@
 """A finished upload as plain values for JSON. Lengths in metres, times in seconds, null where not known."""
 
 import math
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from companion.core.geo import distance_m
 from mission_tools.job import Report
+from mission_tools.mission.mission import MissionItem
 from mission_tools.mission.planned_mission import PlannedMission
 from mission_tools.planning.planner import Plan
 
@@ -12,11 +15,11 @@ if TYPE_CHECKING:
     from mission_tools.vehicle.mission_monitor import MissionMonitor
 
 
-def as_json(report: Report) -> dict[str, Any]:
-    """The report as a tree of plain values."""
+def as_json(report: Report, *, with_items: bool = False) -> dict[str, Any]:
+    """The report as a tree of plain values. with_items: also each item as MISSION_ITEM_INT has it."""
     planned = report.planned
     mission = planned.mission if planned else None
-    return {
+    tree = {
         "ok": True,
         "exit_code": 0,
         "source": planned.name if planned else None,
@@ -24,6 +27,7 @@ def as_json(report: Report) -> dict[str, Any]:
         "home": [mission.home.lat_deg, mission.home.lon_deg] if mission and mission.home else None,
         "plan": _plan(planned.plan) if planned and planned.plan else None,
         "task": _task(planned) if planned and planned.task else None,
+        "file": _file(planned) if planned and not planned.plan and not planned.task else None,
         "budget": _budget(report.budget) if report.budget else None,
         "upload": None if report.vehicle_id is None else _upload(report),
         "notes": list(planned.notes if planned else report.area_notes),
@@ -32,6 +36,16 @@ def as_json(report: Report) -> dict[str, Any]:
         "saved": str(report.saved) if report.saved else None,
         "preview": str(report.preview) if report.preview else None,
     }
+    if with_items and mission is not None:
+        lists = mission.wire_lists(home_first=True)
+        tree["items"] = {kind.name.lower(): [*map(_item, items)] for kind, items in lists.items()}
+    return tree
+
+
+def _item(item: MissionItem) -> list[Any]:
+    """Frame, command, autocontinue, four parameters, x, y, z; null stands for NaN."""
+    numbers = [*map(_finite, item.params), item.x, item.y, _finite(item.z)]
+    return [int(item.frame), int(item.command), int(item.autocontinue), *numbers]
 
 
 def _plan(plan: Plan) -> dict[str, Any]:
@@ -62,9 +76,20 @@ def _task(planned: PlannedMission) -> dict[str, Any]:
     }
 
 
+def _file(planned: PlannedMission) -> dict[str, Any]:
+    legs = [*pairwise(planned.points)]
+    nearest_m = min((planned.chart.leg_clearance_m(*leg) for leg in legs), default=math.inf)
+    return {
+        "length_m": sum(distance_m(*leg) for leg in legs),
+        "hold_s": sum(item.hold_s for item in planned.mission.items),
+        "min_clearance_m": _finite(nearest_m),
+    }
+
+
 def _budget(budget: "Budget") -> dict[str, Any]:
     tree = {name: getattr(budget, name) for name in budget.__slots__}
-    return {name: _finite(value) if isinstance(value, float) else value for name, value in tree.items()}
+    plain = {name: _finite(value) if isinstance(value, float) else value for name, value in tree.items()}
+    return plain | {"suffices": budget.suffices}
 
 
 def _upload(report: Report) -> dict[str, Any]:

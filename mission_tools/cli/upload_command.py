@@ -75,6 +75,7 @@ def _upload(given: Namespace) -> None:
         fence=given.fence,
         rally=given.rally,
         one_way=given.one_way,
+        beyond_range=given.beyond_range,
         fence_from_map=given.fence_from_map or given.contract,
         rally_from_map=given.rally_from_map or given.contract,
         diff=given.diff,

@@ -52,6 +52,14 @@ class Budget:
     margin: float
     no_return_m: float | None = None
     reached_m: float | None = None
+    capacity_mah: float = math.nan
+
+    @property
+    def suffices(self) -> bool | None:
+        """Whether the boat comes to the end and home; None where its file does not say what it draws."""
+        if math.isnan(self.charge_mah):
+            return None
+        return self.reached_m is None and self.no_return_m is None
 
     @property
     def left_mah(self) -> float:
@@ -152,6 +160,7 @@ def budget_of(
         margin=boat.margin,
         no_return_m=float(along_m[max(short[0] - 1, 0)]) if len(short) else None,
         reached_m=float(along_m[max(empty[0] - 1, 0)]) if len(empty) else None,
+        capacity_mah=boat.capacity_mah,
     )
 
 

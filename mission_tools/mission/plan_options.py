@@ -6,7 +6,12 @@ from dataclasses import dataclass, fields
 from companion.core.geo import LatLon
 from mission_tools.errors import UsageError
 
-_FLAGS = {"is_return": "--return", "shore_pass": "--no-shore-pass", "follow_shore_at": "--follow-shore"}
+_FLAGS = {
+    "is_return": "--return",
+    "shore_pass": "--no-shore-pass",
+    "follow_shore_at": "--follow-shore",
+    "is_route_file": "--as-route",
+}
 _UNITS = ("_m_s", "_m", "_s", "_deg")
 
 
@@ -26,7 +31,8 @@ class PlanOptions:
     goal. is_return: back to the start at the end. survey: a file with the area, or "all" for the whole water.
     follow_shore_at: near the shore to follow. first, last: the ends of a stretch of it. boat: its TOML, or an
     emulated boat's name. least: time or charge. open_water_m: how far from the shore a metre is dearer.
-    draught_m: water that is charted less deep is an obstacle.
+    draught_m: water that is charted less deep is an obstacle. is_route_file: SOURCE is a route, not a map.
+    check_on: the map on which a finished mission is checked, or "none".
     """
 
     start_at: LatLon | None = None
@@ -59,6 +65,8 @@ class PlanOptions:
     least: str | None = None
     open_water_m: float | None = None
     draught_m: float | None = None
+    is_route_file: bool = False
+    check_on: str | None = None
 
     def given(self) -> list[str]:
         """The fields that were given."""

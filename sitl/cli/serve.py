@@ -108,7 +108,7 @@ def serve(
     shutdown = Shutdown()
     shutdown.install()
     folder, remark = _held_folder(state, default_folder(source, scenario.seed, None if no_tcp else tcp))
-    with ShorePage(scenario.chart, shore_at, _report) if shore else nullcontext() as page:
+    with ShorePage(scenario.chart, shore_at, _report, scenario.boat_file) if shore else nullcontext() as page:
         if page is not None:
             for own in links[: 1 if one_port else count]:
                 own.append(LinkConfig(url=page.boat_link))

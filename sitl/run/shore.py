@@ -40,8 +40,11 @@ _libc = ctypes.CDLL(None)  # before the fork: the child may not load anything
 class ShorePage:
     """The child process and the folder with its map, its PIN and the boat's status. A context manager."""
 
-    def __init__(self, chart: Chart, listen: str, report: Callable[[str], None]) -> None:
-        """listen: HOST:PORT of the page. report: called with one line at a time."""
+    def __init__(
+        self, chart: Chart, listen: str, report: Callable[[str], None], boat: Path | None = None
+    ) -> None:
+        """listen: HOST:PORT of the page. report: called with a line at a time. boat: its TOML, for plans."""
+        self._boat = boat
         self._chart = chart
         self._listen = listen
         self._report = report
@@ -80,6 +83,8 @@ class ShorePage:
             return
         options = ["--connect", f"udpin:{_LOOPBACK}:{self._number}", "--listen", self._listen]
         options += ["--pin-file", str(pin_file), "--status", str(status)]
+        if self._boat is not None:
+            options += ["--boat", str(self._boat)]
         if self._chart.features or not self._chart.is_open:
             map_file = Path(self._folder.name) / "map.geojson"
             map_file.write_text(map_of(self._chart), encoding="utf-8")

@@ -93,7 +93,7 @@ class Scenario:
     """A scenario with everything looked up, ready for `World`.
 
     start and the route's points are in the chart's frame; heading_rad is clockwise from north; vehicle is
-    what the boat's own program is configured with.
+    what the boat's own program is configured with. boat_file: the boat's TOML as it is.
     """
 
     title: str
@@ -111,6 +111,7 @@ class Scenario:
     link: LinkSettings
     movers: tuple[MoverSettings, ...]
     faults: tuple[FaultSetting, ...]
+    boat_file: Path | None = None
 
     @property
     def frame(self) -> LocalFrame:
@@ -157,6 +158,7 @@ def load_scenario(
         link=tree.link,
         movers=tree.movers,
         faults=tree.faults,
+        boat_file=_boat_file(tree.boat.model, path.parent),
     )
 
 
@@ -178,6 +180,11 @@ def _find(source: str) -> tuple[Path, Layer]:
                 f"{source}: no such scenario: expected one of {known}, or a .toml or .geojson file"
             )
     return path, Layer(str(path) if path.parent != SCENARIOS else path.name, load_toml(path))
+
+
+def _boat_file(model: str, folder: Path) -> Path:
+    """Of a model that `_boat_layer` has read."""
+    return folder / model if model.endswith(".toml") else BOATS / f"{model}.toml"
 
 
 def _boat_layer(layers: Sequence[Layer], folder: Path) -> Layer:

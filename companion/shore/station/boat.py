@@ -6,7 +6,7 @@ from typing import Final
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.shore.messages import Answer, Request, Sensor, Snapshot
-from companion.shore.station.commands import Commands
+from companion.shore.station.commands import Answered, Commands
 from companion.shore.station.ftp.client import FtpClient
 from companion.shore.station.items import ItemLists
 from companion.shore.station.reasons import Reasons
@@ -18,6 +18,7 @@ from companion.shore.station.setup.heard import Heard
 from companion.shore.station.setup.sensors import sensors
 from companion.shore.station.streams import Streams
 from companion.shore.station.texts import Texts
+from companion.shore.station.uploads import Upload, way_upload
 from companion.shore.station.view import HANDLERS, View
 from companion.shore.station.wire import command_long
 from companion.shore.words import say
@@ -52,14 +53,11 @@ class ShoreBoat:
         self.reasons = Reasons()
         self._send = send
         self._commands = Commands(address, own, send)
-        self._sailing = Sailing(address, own, send, self._commands.ask, self._on_upload)
+        self._sailing = Sailing(address, own, send, self._commands.ask, self.lists)
         self._streams = Streams(address, send)
         self._heartbeat_s = float("-inf")
         self._total: int | None = None
         self._parts = Heard()
-
-    def _on_upload(self, now_s: float) -> None:
-        self.lists.may_have_changed("mission", now_s)
 
     def relink(self) -> None:
         """The boat is heard on another link, which has none of the streams asked for."""
@@ -119,10 +117,7 @@ class ShoreBoat:
 
         try:
             if request.what == "sail":
-                way = way_points(request.arguments)
-                self._commands.replace_steering()
-                self.lists.pause(now_s)
-                self._sailing.ask(way, answered, now_s)
+                self.upload(way_upload(way_points(request.arguments)), answered, now_s)
                 return
             command = build_command(request.what, request.arguments, self._mode_numbers())
         except BadRequestError as error:
@@ -140,6 +135,13 @@ class ShoreBoat:
         self._streams.want_sensors(now_s)
         is_heard = now_s - self._heartbeat_s < SILENT_S
         return sensors(Look(self._parts, self.view, self.reasons.now(), now_s, is_heard, board))
+
+    def upload(self, upload: Upload, answered: Answered, now_s: float) -> None:
+        """Give the boat lists of items; one answer, within the upload's limit and a start."""
+        if upload.start is not None:
+            self._commands.replace_steering()
+        self.lists.pause(now_s)
+        self._sailing.ask(upload, answered, now_s)
 
     def snapshot(self) -> Snapshot:
         """The boat as the page shows it; without links, temperature and disk."""

@@ -14,11 +14,14 @@ from companion.mavlink.address import Address, concerns
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.finder import FrameFinder
+from companion.mavlink.items import MissionItem
 from companion.shore.messages import Answer, BoatName, Request, Sensor, Snapshot
 from companion.shore.station.board import Board
 from companion.shore.station.boat import WANTED, ShoreBoat
+from companion.shore.station.commands import Answered
 from companion.shore.station.ftp.client import FtpClient
 from companion.shore.station.items import Kind
+from companion.shore.station.uploads import Upload
 from companion.shore.station.wire import AUTOPILOT, OWN_COMPONENT, Link, Port, heartbeat
 from companion.shore.words import say
 
@@ -128,6 +131,18 @@ class Boats:
         """The boat's files; None if it was never heard."""
         one = self._boats.get(boat)
         return None if one is None else one.files
+
+    def mission(self, boat: int) -> tuple[MissionItem, ...] | None:
+        """The mission on board, home first; None while it is not downloaded."""
+        one = self._boats.get(boat)
+        return None if one is None else one.lists.items("mission")
+
+    def upload(self, boat: int, upload: Upload, answered: Answered) -> None:
+        """Give a boat a mission. answered is called exactly once, soon after the upload's limit at last."""
+        if (one := self._boats.get(boat)) is None:
+            answered(False, f"Boat {boat} was never heard")
+            return
+        one.upload(upload, answered, self._now_s)
 
     def ask(self, request: Request, answer: Callable[[Answer], None]) -> None:
         """Do what the page asks. answer is called exactly once, within 10 s if polled."""

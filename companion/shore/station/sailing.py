@@ -1,37 +1,33 @@
-"""Sail a planned way: upload it as the mission, then start it. One request, one answer."""
+"""Upload a way or a plan as the mission, read it back, then start it. One request, one answer.
+
+Theory of operation
+-------------------
+The lists of an upload are sent one after the other. Once the boat has the last one, they are read back into
+its item lists, where that is asked for, and compared. Only a mission that is as it was sent is started.
+"""
 
 from collections.abc import Callable
 from typing import Final
 
 from companion.mavlink.address import Address
-from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.items import MissionItem, MissionType
+from companion.mavlink.dialect import Message
+from companion.mavlink.items import MissionType
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Failed
 from companion.shore.station.commands import NO_ANSWER, REPLACED, Answered
+from companion.shore.station.items import ItemLists
 from companion.shore.station.requests import Command
-from companion.shore.words import say
+from companion.shore.station.uploads import Part, Upload, first_difference
+from companion.shore.words import Said, say
 
-UPLOAD_S: Final = 6.0  # leaves time for the start within the ten seconds of a request
 START_TIMEOUT_S: Final = 3.5
-_TOO_SLOW: Final = say("answer.way_late")
-_FIRST: Final = 1.0  # the item after home
-_START: Final = Command(dialect.MAV_CMD_MISSION_START, (_FIRST,), say("answer.sail"), once=True)
-_RETRY_S, _RETRIES = 0.5, 4
-
-
-def way_items(way: list[tuple[int, int]]) -> list[MissionItem]:
-    """Home (which the boat replaces by its own) and a waypoint for each point."""
-    frame = dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT
-    points = [way[0], *way]
-    return [MissionItem(frame=frame, command=dialect.MAV_CMD_NAV_WAYPOINT, x=x, y=y) for x, y in points]
+_RETRY_S: Final = 0.5
 
 
 class Sailing:
-    """At most one way under way to a boat.
+    """At most one upload under way to a boat.
 
-    send: to this boat; start: sends a command and reports its answer; uploaded: the boat has a new
-    mission.
+    send: to this boat; start: sends a command and reports its answer; lists: what the boat holds.
     """
 
     def __init__(
@@ -40,34 +36,43 @@ class Sailing:
         own: Address,
         send: Callable[[Message], None],
         start: Callable[[Command, Answered, float, float], None],
-        uploaded: Callable[[float], None],
+        lists: ItemLists,
     ) -> None:
         self._boat = boat
-        self._sender = Sender(own, MissionType.MISSION, _RETRY_S, _RETRIES)
+        self._own = own
+        self._sender = Sender(own, MissionType.MISSION)
         self._send = send
         self._start = start
-        self._uploaded = uploaded
+        self._lists = lists
         self._answered: Answered | None = None
+        self._upload: Upload | None = None
+        self._waiting: list[Part] = []  # to be sent, the first is under way
+        self._sent_s: dict[str, float] = {}  # when the boat had a list, by kind
         self._deadline_s = 0.0
 
     @property
     def is_uploading(self) -> bool:
         """Whether messages of the mission protocol belong to the upload."""
-        return self._answered is not None
+        return self._answered is not None and bool(self._waiting)
 
-    def ask(self, way: list[tuple[int, int]], answered: Answered, now_s: float) -> None:
-        """Upload and start. Replaces a way whose upload is under way."""
+    def ask(self, upload: Upload, answered: Answered, now_s: float) -> None:
+        """Upload, read back and start. Replaces an upload that is under way."""
         self.cancel(now_s)
-        self._answered, self._deadline_s = answered, now_s + UPLOAD_S
-        self._sender.offer(way_items(way), self._boat, now_s)
+        self._answered, self._deadline_s = answered, now_s + upload.limit_s
+        self._upload, self._waiting, self._sent_s = upload, list(upload.parts), {}
+        self._offer(upload, now_s)
+
+    def _offer(self, upload: Upload, now_s: float) -> None:
+        part = self._waiting[0]
+        self._sender = Sender(self._own, part.number, _RETRY_S, upload.retries)
+        self._sender.offer(part.items, self._boat, now_s)
         self._post()
 
     def cancel(self, now_s: float) -> None:
         """A newer request steers the boat."""
         if self._answered is not None:
-            self._sender.cancel(now_s)
-            self._post()
-            self._end(REPLACED)
+            self._stop(now_s)
+            self._end(False, REPLACED)
 
     def handle(self, message: Message, now_s: float) -> None:
         """A message of the mission protocol from the boat."""
@@ -75,33 +80,78 @@ class Sailing:
         self._after(now_s)
 
     def poll(self, now_s: float) -> None:
-        """Repeat what was lost, give up in time."""
+        """Repeat what was lost, see what was read back, give up in time."""
         if not self._sender.is_idle:
             self._sender.tick(now_s)
             self._after(now_s)
-        if self._answered is not None and now_s >= self._deadline_s:
-            self._sender.cancel(now_s)
-            self._post()
-            self._end(_TOO_SLOW)
+        if self._upload is not None and not self._waiting:
+            self._compare(self._upload, now_s)
+        if self._upload is not None and now_s >= self._deadline_s:
+            text = self._lateness(self._upload)
+            self._stop(now_s)
+            self._end(False, text)
+
+    def _lateness(self, upload: Upload) -> Said:
+        if not self._waiting:
+            return say("answer.plan_unread")
+        if self._sent_s:
+            return say("answer.plan_partly", lists=", ".join(self._sent_s))
+        return say("answer.plan_late") if upload.is_read_back else say("answer.way_late")
 
     def _after(self, now_s: float) -> None:
         self._post()
         for event in self._sender.take_events():
-            answered = self._answered
+            upload = self._upload
+            if upload is None or not self._waiting:
+                continue
             if isinstance(event, Completed):
-                self._uploaded(now_s)
-                self._answered = None
-                if answered is not None:
-                    self._start(_START, answered, now_s, START_TIMEOUT_S)
+                part = self._waiting.pop(0)
+                self._sent_s[part.kind] = now_s
+                self._lists.may_have_changed(part.kind, now_s)
+                if self._waiting:
+                    self._offer(upload, now_s)
+                elif not upload.is_read_back:
+                    self._finish(upload, now_s)
             elif isinstance(event, Failed):
-                silent = event.text.startswith(("no answer", "the partner"))
-                self._end(NO_ANSWER if silent else say("answer.way_refused", why=event.text))
+                is_silent = event.text.startswith(("no answer", "the partner"))
+                self._waiting.clear()
+                self._end(False, NO_ANSWER if is_silent else _refusal(upload, event.text))
 
-    def _end(self, text: str) -> None:
-        answered, self._answered = self._answered, None
+    def _compare(self, upload: Upload, now_s: float) -> None:
+        """As soon as all lists were read again."""
+        if any(self._lists.read_s(part.kind) < self._sent_s[part.kind] for part in upload.parts):
+            return
+        for part in upload.parts:
+            other = first_difference(part, self._lists.items(part.kind) or ())
+            if other is not None:
+                self._end(False, say("answer.plan_differs", n=other, list=part.kind))
+                return
+        self._finish(upload, now_s)
+
+    def _finish(self, upload: Upload, now_s: float) -> None:
+        if upload.start is None:
+            self._end(True, say("answer.plan_on_board"))
+            return
+        answered, self._answered, self._upload = self._answered, None, None
         if answered is not None:
-            answered(False, text)
+            self._start(upload.start, answered, now_s, START_TIMEOUT_S)
+
+    def _stop(self, now_s: float) -> None:
+        if self._waiting:
+            self._waiting.clear()
+            self._sender.cancel(now_s)
+            self._post()
+
+    def _end(self, ok: bool, text: str) -> None:
+        answered, self._answered, self._upload = self._answered, None, None
+        if answered is not None:
+            answered(ok, text)
 
     def _post(self) -> None:
         for message in self._sender.take_outbox():
             self._send(message)
+
+
+def _refusal(upload: Upload, why: str) -> Said:
+    is_plan = upload.is_read_back
+    return say("answer.plan_refused", why=why) if is_plan else say("answer.way_refused", why=why)

@@ -7,6 +7,8 @@ import msgspec
 
 from companion import __version__
 from companion.shore.messages import Answer, BoatName, Hello, Request, Role
+from companion.shore.plans.desk import Desk, Sources
+from companion.shore.plans.uploading import PlanUploads
 from companion.shore.web.feed import Feed, Viewer
 from companion.shore.web.interfaces import Boats, Chart, Clock, Service
 from companion.shore.web.ledger import Ledger, Reply
@@ -17,6 +19,7 @@ from companion.shore.words import say
 STATE_PERIOD_S: Final = 0.2
 _MOST_ID: Final = 64
 _MOST_WHAT: Final = 32
+_NO_SOURCES: Final = Sources()
 
 
 class _Id(msgspec.Struct):
@@ -41,15 +44,21 @@ class Watch:
 class Hub:
     """Polls the boats, hands their states to the viewers, and requests to the boats."""
 
-    def __init__(self, boats: Boats, chart: Chart, sessions: Sessions, clock: Clock) -> None:
+    def __init__(
+        self, boats: Boats, chart: Chart, sessions: Sessions, clock: Clock, sources: Sources = _NO_SOURCES
+    ) -> None:
         self.boats = boats
+        self.plans = Desk(boats, sources)
         self.chart = chart
         self.sessions = sessions
         self.clock = clock
         self.watches: list[Watch] = []
         self._feeds: dict[int, Feed] = {}
         self._ledger = Ledger()
-        self._services: dict[str, Service] = {"route": Ways(boats, chart)}
+        self._services: dict[str, Service] = {
+            "route": Ways(boats, chart),
+            "upload_plan": PlanUploads(boats, self.plans),
+        }
         self._next_s = float("-inf")
 
     def tick(self) -> None:

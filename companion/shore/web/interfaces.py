@@ -1,9 +1,11 @@
 """What the server asks of the rest of the shore page."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Literal, Protocol
 
+from companion.mavlink.items import MissionItem
 from companion.shore.messages import Answer, BoatName, Place, Request, Sensor, Snapshot
+from companion.shore.station.uploads import Upload
 
 ItemKind = Literal["mission", "fence", "rally"]
 
@@ -50,6 +52,12 @@ class Boats(Service, Protocol):
 
     def track(self, boat: int) -> list[tuple[float, float]]:
         """Longitude and latitude, oldest first."""
+
+    def mission(self, boat: int) -> Sequence[MissionItem] | None:
+        """The mission on board, home first; None while it is not downloaded."""
+
+    def upload(self, boat: int, upload: Upload, answered: Callable[[bool, str], None]) -> None:
+        """Give a boat a mission; `answered` is called once, with whether it is on board, and a text."""
 
     def ask(self, request: Request, answer: Callable[[Answer], None]) -> None:
         """Do a request; `answer` is called once, now or from a later poll."""

@@ -7,6 +7,7 @@ from typing import Final
 
 from aiohttp import web
 
+from companion.shore.plans.desk import Sources
 from companion.shore.web.api import add_routes
 from companion.shore.web.guard import add_headers, make_guard
 from companion.shore.web.hub import Hub
@@ -17,6 +18,7 @@ from companion.shore.web.sockets import Sockets
 from companion.shore.web.static_files import read_files, respond
 
 POLL_S: Final = 0.05
+_NO_SOURCES: Final = Sources()
 HUB: Final = web.AppKey("hub", Hub)
 SOCKETS: Final = web.AppKey("sockets", Sockets)
 POLLING: Final = web.AppKey("polling", asyncio.Task[None])
@@ -29,16 +31,19 @@ def make_app(
     page_dir: Path,
     clock: Clock,
     *,
+    sources: Sources = _NO_SOURCES,
     hosts: Collection[str] = (),
     is_polling: bool = True,
 ) -> web.Application:
-    """The application. hosts: further names of this server; is_polling: False where a test calls `Hub.tick`.
+    """The application.
+
+    sources: of plans. hosts: further names of this server. is_polling: False where a test calls `Hub.tick`.
 
     Raises:
         ConfigError: the page's folder is not as expected.
     """
     app = web.Application(middlewares=[make_guard(hosts)], client_max_size=MOST_BODY_BYTES)
-    hub = app[HUB] = Hub(boats, chart, sessions, clock)
+    hub = app[HUB] = Hub(boats, chart, sessions, clock, sources)
     sockets = app[SOCKETS] = Sockets(hub)
     files = read_files(page_dir)
 
@@ -55,6 +60,7 @@ def make_app(
     app.on_response_prepare.append(add_headers)
 
     async def on_shutdown(_app: web.Application) -> None:
+        hub.plans.close()
         await sockets.close()
 
     app.on_shutdown.append(on_shutdown)

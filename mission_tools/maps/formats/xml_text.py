@@ -21,7 +21,7 @@ def parse_xml(data: bytes, source: str) -> Element:
     depth = 0
 
     def refuse(*_: object) -> None:
-        raise MapError(f"{source}: has a document type (<!DOCTYPE): remove it; maps need none")
+        raise MapError(f"{source}: has a document type (<!DOCTYPE): remove it; it is not needed")
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         nonlocal depth

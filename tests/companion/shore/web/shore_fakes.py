@@ -11,7 +11,10 @@ import msgspec
 from aiohttp import ClientWebSocketResponse, web
 from aiohttp.test_utils import TestClient, TestServer
 
+from companion.mavlink.items import MissionItem
 from companion.shore.messages import Answer, BoatName, Place, Request, Sensor, Snapshot
+from companion.shore.plans.desk import Sources
+from companion.shore.station.uploads import Upload
 from companion.shore.web.hub import Hub
 from companion.shore.web.interfaces import ItemKind
 from companion.shore.web.pin_file import PinFile
@@ -19,6 +22,7 @@ from companion.shore.web.server import HUB, make_app
 from companion.shore.web.session import Sessions
 
 PIN = "482913"
+NO_SOURCES = Sources()
 PAGE = {
     "index.html": "<!doctype html><title>boat</title>" + "<p>water</p>" * 100,
     "main.js": "export const one = 1;\n" * 100,
@@ -49,6 +53,8 @@ class FakeBoats:
         }
         self.lists: dict[ItemKind, dict[str, Any]] = {}
         self.asked: list[tuple[Request, Callable[[Answer], None]]] = []
+        self.items_on_board: tuple[MissionItem, ...] | None = None
+        self.uploads: list[tuple[Upload, Callable[[bool, str], None]]] = []
         self.polls = 0
         self.is_operator = False
 
@@ -71,6 +77,12 @@ class FakeBoats:
 
     def track(self, boat: int) -> list[tuple[float, float]]:
         return [(12.5, 48.0), (12.6, 48.0)]
+
+    def mission(self, boat: int) -> tuple[MissionItem, ...] | None:
+        return self.items_on_board
+
+    def upload(self, boat: int, upload: Upload, answered: Callable[[bool, str], None]) -> None:
+        self.uploads.append((upload, answered))
 
     def ask(self, request: Request, answer: Callable[[Answer], None]) -> None:
         self.asked.append((request, answer))
@@ -135,7 +147,9 @@ class Server:
 
 
 @asynccontextmanager
-async def serving(*, has_pin: bool = True, hosts: tuple[str, ...] = ()) -> AsyncIterator[Server]:
+async def serving(
+    *, has_pin: bool = True, hosts: tuple[str, ...] = (), sources: Sources = NO_SOURCES
+) -> AsyncIterator[Server]:
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "page"
         page.mkdir()
@@ -145,7 +159,14 @@ async def serving(*, has_pin: bool = True, hosts: tuple[str, ...] = ()) -> Async
         if has_pin:
             pin.write(PIN)
         app = make_app(
-            FakeBoats(), FakeChart(), Sessions(pin), page, FakeClock(), hosts=hosts, is_polling=False
+            FakeBoats(),
+            FakeChart(),
+            Sessions(pin),
+            page,
+            FakeClock(),
+            sources=sources,
+            hosts=hosts,
+            is_polling=False,
         )
         async with TestClient(TestServer(app)) as client:
             yield Server(client, app, pin)

@@ -1,0 +1,49 @@
+"""The request `upload_plan`: a plan of the desk becomes the boat's mission, as it is."""
+
+from collections.abc import Callable
+
+from msgspec import Struct, ValidationError, convert
+
+from companion.shore.messages import Answer, Request
+from companion.shore.plans.desk import Desk
+from companion.shore.station.uploads import plan_upload
+from companion.shore.web.interfaces import Boats
+from companion.shore.words import say
+
+
+class _Asked(Struct, frozen=True, forbid_unknown_fields=True):
+    """with_areas: also the fence and the rally points of an imported plan."""
+
+    plan: str
+    start: bool = False
+    with_areas: bool = False
+
+
+class PlanUploads:
+    """Uploads plans."""
+
+    def __init__(self, boats: Boats, plans: Desk) -> None:
+        self._boats = boats
+        self._plans = plans
+
+    def ask(self, request: Request, reply: Callable[[Answer], None]) -> None:
+        """Upload, read back and start if asked; `reply` is called once, minutes later for a long plan."""
+        try:
+            asked = convert(request.arguments, _Asked)
+        except ValidationError:
+            reply(Answer(id=request.id, ok=False, text=say("answer.plan_expected")))
+            return
+        kept = self._plans.shelf.find(asked.plan)
+        if kept is None:
+            reply(Answer(id=request.id, ok=False, text=say("answer.plan_gone")))
+            return
+        mission, fence, rally = kept.lists
+        areas = (fence, rally) if asked.with_areas else ((), ())
+
+        def answered(ok: bool, text: str) -> None:
+            snapshot = self._boats.snapshot(request.boat)
+            if ok and asked.start and snapshot is not None and snapshot.armed is False:
+                text = say("answer.when_armed", what=text)
+            reply(Answer(id=request.id, ok=ok, text=text, result={"items": kept.plan.items} if ok else None))
+
+        self._boats.upload(request.boat, plan_upload(mission, *areas, is_started=asked.start), answered)
