@@ -19,6 +19,7 @@ _M_PER_DEGREE = 111_320.0
 
 def open_plan(page: Page) -> Locator:
     """The view's own part of the page."""
+    expect(page.get_by_text("Connected", exact=True).first).to_be_visible()
     press(page, page.get_by_role("link", name="Plan", exact=True))
     view = page.get_by_role("region", name="Plan", exact=True)
     expect(view.get_by_role("button", name="Plan", exact=True)).to_be_visible()

@@ -49,8 +49,10 @@ def test_tapped_places_are_numbered_moved_removed_and_taken_back(
     page = visit("phone")
     view = open_plan(page)
     expect(button(page, "Undo")).to_be_disabled()
+    chart = page.locator("canvas").bounding_box()
     tap_places(page, station, GOALS)
     expect(rows(view)).to_have_count(3)
+    assert page.locator("canvas").bounding_box() == chart, "the chart moves under the finger"
     expect(view).to_contain_text("3 places. Tap the next one, or press Plan.")
     for goal, kept_goal in zip(GOALS, kept(page)["places"]["route"], strict=True):
         assert kept_goal == pytest.approx(goal, abs=3e-5)
@@ -181,6 +183,8 @@ def test_options_are_sent_and_a_plan_of_other_places_is_not_uploaded(
     expect(button(page, "Upload")).to_be_enabled()
     page.get_by_label("Survey", exact=True).check()
     tap_places(page, station, CORNERS)
+    press(page, button(page, "Plan"))
+    expect(told(page, "Width of a track, m: a survey needs it")).to_be_visible()
     page.get_by_label("Width of a track, m").fill("4")
     page.get_by_label("Overlap of tracks, %").fill("20")
     page.get_by_label("Course of the tracks, °").fill("90")

@@ -10,7 +10,7 @@ export const MOST_PLACES = 100; // as the server takes
 export const FIELDS = [
   { name: "clearance_m", label: "plan.clearance_m", least: 0, most: 100, tasks: ["route", "survey"] },
   { name: "speed_m_s", label: "plan.speed_m_s", least: 0.1, most: 10, tasks: ["route", "survey"] },
-  { name: "footprint_m", label: "plan.footprint_m", least: 0.1, most: 1000, tasks: ["survey"] },
+  { name: "footprint_m", label: "plan.footprint_m", least: 0.1, most: 1000, tasks: ["survey"], isNeeded: true },
   { name: "overlap", label: "plan.overlap", least: 0, most: 90, share: 100, tasks: ["survey"] },
   { name: "angle_deg", label: "plan.angle_deg", least: 0, most: 360, tasks: ["survey"] },
 ];
@@ -74,6 +74,7 @@ export class Draft {
       if (!field.tasks.includes(this.task)) continue;
       const text = String(this.options[field.name] ?? "").trim();
       const value = Number(text);
+      if (text === "" && field.isNeeded) return { key: "plan.needed", field };
       if (text === "" || (value >= field.least && value <= field.most)) continue;
       return { key: "plan.bad_number", values: { text, least: field.least, most: field.most }, field };
     }

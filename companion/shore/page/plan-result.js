@@ -51,9 +51,9 @@ export function makeResult(box, draft, page, may) {
     show();
     const answer = await go.ask("upload_plan", { plan: plan.id, start, with_areas: areas.checked && plan.has_areas === true }, name);
     isSending = false;
-    const isDisarmed = page.live.snapshot?.armed === false;
-    if (draft.result === plan && (answer.ok === true || (start && isDisarmed))) {
-      plan.sent = answer.ok !== true || !start ? "plan.then_start" : "plan.sails";
+    if (draft.result === plan && answer.ok === true) {
+      const isDisarmed = page.live.snapshot?.armed === false;
+      plan.sent = start ? (isDisarmed ? "plan.then_arm" : "plan.sails") : isDisarmed ? "plan.then_arm_start" : "plan.then_start";
       draft.save();
     }
     show();
