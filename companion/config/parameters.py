@@ -10,7 +10,6 @@ MAVProxy and Mission Planner read as a parameter file.
 
 import logging
 import math
-import struct
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -21,13 +20,13 @@ from typing import NamedTuple
 from companion.config.boat_config import BoatConfig, with_value
 from companion.config.parameter_values import Names
 from companion.core.errors import ConfigError
+from companion.core.float32 import LARGEST, as_float32, shortest
 from companion.persistence.storage import Saving, Storage
 
 logger = logging.getLogger(__name__)
 
 PARAMETER_FILE = "params.parm"
 _LONGEST_TOLD = 40  # characters quoted of an unreadable line
-_LARGEST = (2.0 - 2.0**-23) * 2.0**127  # largest 32-bit float
 
 
 class ParameterType(IntEnum):
@@ -134,12 +133,12 @@ class Parameters:
     def value(self, row: ParameterRow) -> float:
         """The value as stations see it: a whole number or a 32-bit float."""
         if not row.path:
-            return _as_float32(self._kept[row.name])
+            return as_float32(self._kept[row.name])
         if row.choice is not None:
             is_chosen = attrgetter(row.path)(self.config) == row.choice.setting
             return float(row.choice.value) if is_chosen else 0.0
         value = float(attrgetter(row.path)(self.config)) * row.scale
-        return _as_float32(value if row.kind is ParameterType.REAL32 else round(value))
+        return as_float32(value if row.kind is ParameterType.REAL32 else round(value))
 
     def default(self, row: ParameterRow) -> float:
         """The value of the configuration file."""
@@ -194,7 +193,7 @@ class Parameters:
         row = self.rows[index]
         if row.read_only:
             return "" if value == self.value(row) else f"{name} is fixed at {self.value(row):g}"
-        if not abs(value) <= _LARGEST:
+        if not abs(value) <= LARGEST:
             return f"{name}: not a number that fits 32 bits"
         if not row.low <= value <= row.high:
             return f"{name}: {value:g} is outside {row.low:g}..{row.high:g}"
@@ -257,18 +256,3 @@ class Parameters:
         if refused and not self.loss:
             more = f", and {len(refused) - 1} more" if len(refused) > 1 else ""
             self.loss = f"in {PARAMETER_FILE}, {refused[0]}{more}; the defaults are in use"
-
-
-def _as_float32(value: float) -> float:
-    value = max(-_LARGEST, min(value, _LARGEST))  # a scale may exceed the range
-    result: float = struct.unpack("<f", struct.pack("<f", value))[0]
-    return result
-
-
-def shortest(value: float) -> str:
-    """The shortest decimal with the same 32-bit float."""
-    for digits in range(1, 10):
-        short = float(f"{value:.{digits}g}")
-        if _as_float32(short) == _as_float32(value):
-            return repr(short).removesuffix(".0")
-    return repr(value)

@@ -14,7 +14,8 @@ from typing import Any
 from companion import __version__
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
-from companion.config.parameters import ParameterRow, Parameters, ParameterType, shortest
+from companion.config.parameters import ParameterRow, Parameters, ParameterType
+from companion.core.float32 import shortest
 from companion.mavlink.dialect import Message
 from companion.mavlink.metadata_messages import ComponentInformation, ComponentMetadata
 from companion.persistence.storage import MemoryStorage

@@ -1,11 +1,13 @@
 """One boat as this station knows it: its view, its texts, and what is under way to it."""
 
 from collections.abc import Callable
-from typing import Final
+from typing import Any, Final
 
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.shore.messages import Answer, Request, Sensor, Snapshot
+from companion.shore.parameters.book import WANTED as PARAMETER_MESSAGES
+from companion.shore.parameters.book import Book
 from companion.shore.station.commands import Answered, Commands
 from companion.shore.station.ftp.client import FtpClient
 from companion.shore.station.items import ItemLists
@@ -17,7 +19,7 @@ from companion.shore.station.setup.heard import MESSAGES as PARTS
 from companion.shore.station.setup.heard import Heard
 from companion.shore.station.setup.sensors import sensors
 from companion.shore.station.streams import Streams
-from companion.shore.station.texts import Texts
+from companion.shore.station.texts import Text, Texts
 from companion.shore.station.uploads import Upload, way_upload
 from companion.shore.station.view import HANDLERS, View
 from companion.shore.station.wire import command_long
@@ -34,7 +36,8 @@ _MISSION_MESSAGES: Final = frozenset(
         dialect.MAVLINK_MSG_ID_MISSION_REQUEST_INT,
     }
 )
-WANTED: Final = _MISSION_MESSAGES | PARTS | HANDLERS.keys() | {
+_RESTARTED_MS: Final = 5_000  # the boat's clock goes back by more than messages overtake each other
+WANTED: Final = _MISSION_MESSAGES | PARTS | PARAMETER_MESSAGES | HANDLERS.keys() | {
     dialect.MAVLINK_MSG_ID_COMMAND_ACK, dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL,
     dialect.MAVLINK_MSG_ID_STATUSTEXT,
 }  # fmt: skip
@@ -55,9 +58,11 @@ class ShoreBoat:
         self._commands = Commands(address, own, send)
         self._sailing = Sailing(address, own, send, self._commands.ask, self.lists)
         self._streams = Streams(address, send)
+        self.parameters = Book(address, own, send, self.files.read_whole)
         self._heartbeat_s = float("-inf")
         self._total: int | None = None
         self._parts = Heard()
+        self._boot_ms = 0
 
     def relink(self) -> None:
         """The boat is heard on another link, which has none of the streams asked for."""
@@ -73,6 +78,9 @@ class ShoreBoat:
             self._parts.on_message(message, now_s)
         if number == dialect.MAVLINK_MSG_ID_HEARTBEAT:
             self.heard_s, self._heartbeat_s = unix_s, now_s
+            self.parameters.on_autopilot(message.autopilot)
+        elif number == dialect.MAVLINK_MSG_ID_GLOBAL_POSITION_INT:
+            self._note_boot(message.time_boot_ms)
         elif number == dialect.MAVLINK_MSG_ID_MISSION_CURRENT and self.view.mission_total != self._total:
             self._total = self.view.mission_total
             self.lists.may_have_changed("mission", now_s)
@@ -82,22 +90,33 @@ class ShoreBoat:
             self.files.handle(message, now_s)
         elif number == dialect.MAVLINK_MSG_ID_STATUSTEXT:
             for text in self.texts.ingest(message, now_s, unix_s):
-                self._commands.on_text(text)
-                self.reasons.on_text(text, now_s)
+                self._on_text(text, now_s)
+        elif number in PARAMETER_MESSAGES:
+            self.parameters.handle(message, now_s)
         elif number in _MISSION_MESSAGES:
             self.lists.handle(message, now_s)
             self._sailing.handle(message, now_s)
+
+    def _on_text(self, text: Text, now_s: float) -> None:
+        self._commands.on_text(text)
+        self.parameters.on_text(text.text, now_s)
+        self.reasons.on_text(text, now_s)
+
+    def _note_boot(self, boot_ms: int) -> None:
+        if boot_ms + _RESTARTED_MS < self._boot_ms:
+            self.parameters.restart()
+        self._boot_ms = boot_ms
 
     def poll(self, now_s: float, unix_s: float) -> None:
         """Repeat, give up, and ask for what is missing."""
         view = self.view
         for text in self.texts.poll(now_s, unix_s):
-            self._commands.on_text(text)
-            self.reasons.on_text(text, now_s)
+            self._on_text(text, now_s)
         self._commands.poll(now_s)
         self.files.poll(now_s)
         self._sailing.poll(now_s)
         is_heard = now_s - self._heartbeat_s < SILENT_S
+        self.parameters.poll(now_s, is_heard)
         if not self._sailing.is_uploading:
             self.lists.poll(now_s, is_heard)
         if not is_heard:
@@ -115,6 +134,13 @@ class ShoreBoat:
                 text = say("answer.when_armed", what=text)
             answer(Answer(id=request.id, ok=ok, text=text))
 
+        if request.what == "set_parameter":
+
+            def replied(ok: bool, text: str, result: dict[str, Any] | None) -> None:
+                answer(Answer(id=request.id, ok=ok, text=text, result=result))
+
+            self.parameters.set(request.arguments, self.view.armed, replied, now_s)
+            return
         try:
             if request.what == "sail":
                 self.upload(way_upload(way_points(request.arguments)), answered, now_s)

@@ -16,6 +16,7 @@ from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.finder import FrameFinder
 from companion.mavlink.items import MissionItem
 from companion.shore.messages import Answer, BoatName, Request, Sensor, Snapshot
+from companion.shore.parameters.book import Book
 from companion.shore.station.board import Board
 from companion.shore.station.boat import WANTED, ShoreBoat
 from companion.shore.station.commands import Answered
@@ -143,6 +144,11 @@ class Boats:
             answered(False, f"Boat {boat} was never heard")
             return
         one.upload(upload, answered, self._now_s)
+
+    def parameters(self, boat: int) -> Book | None:
+        """A boat's parameters; None if it was never heard."""
+        one = self._boats.get(boat)
+        return None if one is None else one.parameters
 
     def ask(self, request: Request, answer: Callable[[Answer], None]) -> None:
         """Do what the page asks. answer is called exactly once, within 10 s if polled."""

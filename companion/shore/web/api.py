@@ -11,6 +11,7 @@ from aiohttp import web
 from companion.shore.web.guard import cookie_name, cookie_of, error, peer_of
 from companion.shore.web.hub import Hub
 from companion.shore.web.interfaces import ItemKind
+from companion.shore.web.parameters_api import ROWS as PARAMETERS
 from companion.shore.web.plan_api import ROWS as PLAN_ROWS
 from companion.shore.web.rows import BOAT, Handler, Row, boat_of, json_answer, read_body
 from companion.shore.web.session import LIFE_S, Refused
@@ -102,6 +103,7 @@ TABLE: Final = (
     Row("GET", f"{BOAT}/track", _track),
     *SETUP,
     *PLAN_ROWS,
+    *PARAMETERS,
 )
 
 

@@ -5,6 +5,7 @@ from typing import Any, Literal, Protocol
 
 from companion.mavlink.items import MissionItem
 from companion.shore.messages import Answer, BoatName, Place, Request, Sensor, Snapshot
+from companion.shore.parameters.book import Book
 from companion.shore.station.uploads import Upload
 
 ItemKind = Literal["mission", "fence", "rally"]
@@ -58,6 +59,9 @@ class Boats(Service, Protocol):
 
     def upload(self, boat: int, upload: Upload, answered: Callable[[bool, str], None]) -> None:
         """Give a boat a mission; `answered` is called once, with whether it is on board, and a text."""
+
+    def parameters(self, boat: int) -> Book | None:
+        """A boat's parameters; None before its first heartbeat."""
 
     def ask(self, request: Request, answer: Callable[[Answer], None]) -> None:
         """Do a request; `answer` is called once, now or from a later poll."""

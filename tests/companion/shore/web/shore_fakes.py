@@ -13,6 +13,7 @@ from aiohttp.test_utils import TestClient, TestServer
 
 from companion.mavlink.items import MissionItem
 from companion.shore.messages import Answer, BoatName, Place, Request, Sensor, Snapshot
+from companion.shore.parameters.book import Book
 from companion.shore.plans.desk import Sources
 from companion.shore.station.uploads import Upload
 from companion.shore.web.hub import Hub
@@ -55,6 +56,7 @@ class FakeBoats:
         self.asked: list[tuple[Request, Callable[[Answer], None]]] = []
         self.items_on_board: tuple[MissionItem, ...] | None = None
         self.uploads: list[tuple[Upload, Callable[[bool, str], None]]] = []
+        self.books: dict[int, Book] = {}
         self.polls = 0
         self.is_operator = False
 
@@ -83,6 +85,9 @@ class FakeBoats:
 
     def upload(self, boat: int, upload: Upload, answered: Callable[[bool, str], None]) -> None:
         self.uploads.append((upload, answered))
+
+    def parameters(self, boat: int) -> Book | None:
+        return self.books.get(boat)
 
     def ask(self, request: Request, answer: Callable[[Answer], None]) -> None:
         self.asked.append((request, answer))

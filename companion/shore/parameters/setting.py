@@ -1,0 +1,134 @@
+"""One parameter set on a boat: one request, one answer, which is what the boat then has.
+
+Theory of operation
+-------------------
+PARAM_SET is sent, and again every REPEAT_S without an answer; setting the same value twice does no harm. The
+answer is the PARAM_VALUE of that name. The value asked: done. Another one may have been under way in a list
+before the boat heard the request, so it counts once the boat has said why (STATUSTEXT with the name, or
+PARAM_ERROR), or has said it again after a repetition. SETTLE_S are left for a reason that comes after it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+from companion.mavlink.address import Address
+from companion.mavlink.dialect import Message, dialect
+from companion.shore.parameters.values import Value, encode, float_or_int, is_same, name_of, write
+
+REPEAT_S: Final = 1.0
+TRIES: Final = 6
+TIMEOUT_S: Final = 8.0  # the page hears within ten
+SETTLE_S: Final = 0.4
+MOST: Final = 64  # under way at once
+NO_ANSWER: Final = "No answer from the boat. Whether {} has changed is not known: look at it again"
+_ENOUGH: Final = 2  # other values after as many requests
+_ERRORS: Final = {
+    1: "the boat has no such parameter",
+    2: "the boat does not accept this value",
+    3: "the boat does not permit this",
+    5: "the boat cannot change this parameter",
+    6: "the boat does not know this type",
+    7: "the boat's parameter is of another type",
+}  # MAV_PARAM_ERROR, which begins at 1
+
+Answered = Callable[[bool, str, Value | None], None]
+
+
+@dataclass(slots=True)
+class _UnderWay:
+    name: str
+    value: float
+    kind: int
+    is_bytewise: bool
+    answered: Answered
+    ends_s: float
+    repeat_s: float
+    sent: int = 1
+    others: int = 0  # other values after different requests
+    other_at: int = 0  # requests sent when the latest of them came
+    kept: Value | None = None
+    reason: str = ""
+    settled_s: float | None = None
+
+
+class Settings:
+    """The parameters being set on one boat. send: to this boat."""
+
+    def __init__(self, boat: Address, own: Address, send: Callable[[Message], None]) -> None:
+        self._boat = boat
+        self._own = own
+        self._send = send
+        self._under_way: dict[str, _UnderWay] = {}
+
+    def ask(
+        self, name: str, value: float, kind: int, is_bytewise: bool, answered: Answered, now_s: float
+    ) -> None:
+        """Set a parameter. answered(is as asked, text, value on board) is called once, within TIMEOUT_S."""
+        if (older := self._under_way.pop(name, None)) is not None:
+            older.answered(False, "Replaced by a newer request", older.kept)
+        if len(self._under_way) >= MOST:
+            answered(False, "Too many parameters at once. Try again in a moment", None)
+            return
+        one = _UnderWay(name, value, kind, is_bytewise, answered, now_s + TIMEOUT_S, now_s + REPEAT_S)
+        self._under_way[name] = one
+        self._post(one)
+
+    def on_value(self, name: str, value: Value, now_s: float) -> None:
+        """PARAM_VALUE of the boat."""
+        if (one := self._under_way.get(name)) is None:
+            return
+        one.kept = value
+        if value.value is not None and is_same(value.value, one.value):
+            self._end(one, True, f"{name} is now {write(float_or_int(one.value, value.is_whole))}")
+            return
+        if one.other_at < one.sent:
+            one.other_at = one.sent
+            one.others += 1
+        if one.reason or one.others >= _ENOUGH:
+            one.settled_s = one.settled_s or now_s + SETTLE_S
+
+    def on_error(self, message: Message, now_s: float) -> None:
+        """PARAM_ERROR of the boat."""
+        one = self._under_way.get(name_of(message) or "")
+        to_other = message.target_system not in (0, self._own.system)
+        if one is None or to_other or not message.error:
+            return
+        one.reason = one.reason or f"{one.name}: {_ERRORS.get(message.error, f'error {message.error}')}"
+        one.settled_s = one.settled_s or now_s + SETTLE_S
+
+    def on_text(self, text: str, now_s: float) -> None:
+        """A STATUSTEXT of the boat: a reason if it begins with the name."""
+        for one in self._under_way.values():
+            if text.startswith(one.name) and not text[len(one.name) :][:1].isalnum():
+                one.reason = text
+                one.settled_s = one.settled_s or now_s + SETTLE_S
+
+    def poll(self, now_s: float) -> None:
+        """Repeat, settle, give up."""
+        for one in list(self._under_way.values()):
+            if one.settled_s is not None and now_s >= one.settled_s:
+                self._end(one, False, _refusal(one))
+            elif now_s >= one.ends_s:
+                text = NO_ANSWER.format(one.name) if one.kept is None else _refusal(one)
+                self._end(one, False, text)
+            elif one.settled_s is None and now_s >= one.repeat_s and one.sent < TRIES:
+                one.sent += 1
+                one.repeat_s = now_s + REPEAT_S
+                self._post(one)
+
+    def _post(self, one: _UnderWay) -> None:
+        raw = encode(one.value, one.kind, one.is_bytewise)
+        self._send(dialect.MAVLink_param_set_message(*self._boat, one.name.encode("ascii"), raw, one.kind))
+
+    def _end(self, one: _UnderWay, is_done: bool, text: str) -> None:
+        del self._under_way[one.name]
+        one.answered(is_done, text, one.kept)
+
+
+def _refusal(one: _UnderWay) -> str:
+    """What the boat has, and why."""
+    if one.kept is None:
+        return one.reason
+    kept = f"The boat keeps {one.name} at {one.kept.text()}"
+    return f"{one.reason}. {kept}" if one.reason else kept
