@@ -106,6 +106,7 @@ def _show_parser() -> _Parser:
     add("--host", metavar="NAME", action="append", default=[], dest="hosts",
         help="further name of this computer in the page's address; repeatable")  # fmt: skip
     _add_pin_file(parser)
+    add("--config", metavar="FILE", type=Path, help="the boat's TOML file here, for the page to edit")
     add(
         "--system-id",
         metavar="N",

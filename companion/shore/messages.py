@@ -151,6 +151,7 @@ class Snapshot(Struct, frozen=True, kw_only=True):
     mode: str | None = None
     modes: list[str] = field(default_factory=list)
     armed: bool | None = None
+    starts: int = 0  # of the boat's program, seen since this station began
     state: str | None = None  # standby, active, critical, emergency, off
     battery: Battery | None = None
     fix: Fix | None = None

@@ -1,6 +1,7 @@
 """`boat-sitl serve`: the boat in real time behind TCP and UDP."""
 
 import logging
+import shlex
 import sys
 from contextlib import nullcontext
 from pathlib import Path
@@ -14,7 +15,7 @@ from companion.app.restart import restart_program
 from companion.app.shutdown import Shutdown
 from companion.config.boat_config import LinkConfig
 from companion.core.busy_port import busy_port_explained
-from companion.core.errors import BoatError
+from companion.core.errors import BoatError, ConfigError
 from companion.mavlink.signing import SigningPolicy
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
 from sitl.run.fleet import PORT_STEP, fleet, start_fleet
@@ -72,6 +73,9 @@ def serve(
     shore_at: Annotated[
         str, typer.Option(metavar="HOST:PORT", help="address of the shore page; port 0: the system's choice")
     ] = LISTEN,
+    shore_options: Annotated[
+        str, typer.Option(metavar="TEXT", help="further options of boat-shore, as '--config boat.toml'")
+    ] = "",
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="log links coming and going")] = False,
 ) -> None:
     """Run the boat in real time until Ctrl-C, for QGroundControl, MAVProxy, MAVSDK and any other station.
@@ -108,7 +112,8 @@ def serve(
     shutdown = Shutdown()
     shutdown.install()
     folder, remark = _held_folder(state, default_folder(source, scenario.seed, None if no_tcp else tcp))
-    with ShorePage(scenario.chart, shore_at, _report, scenario.boat_file) if shore else nullcontext() as page:
+    extra, boat_file = _words(shore_options), scenario.boat_file
+    with ShorePage(scenario.chart, shore_at, _report, boat_file, extra) if shore else nullcontext() as page:
         if page is not None:
             for own in links[: 1 if one_port else count]:
                 own.append(LinkConfig(url=page.boat_link))
@@ -139,6 +144,8 @@ def serve(
         sys.stdout.flush()
         garbage.settle()
         server.run(shutdown)
+        if page is not None and server.wants_restart and not shutdown():
+            page.stay()
     if csv is not None:
         for boat, sailed in zip(boats, scenarios, strict=True):
             path = csv if count == 1 else csv.with_stem(f"{csv.stem}_{sailed.vehicle.identity.system_id}")
@@ -165,6 +172,18 @@ def _held_folder(asked: str | None, usual: Path | None) -> tuple[Path | None, st
             raise
         return None, f"{nothing}: {error}"
     return folder, f"missions, parameters and logs are kept in {folder} (--state none forgets them)"
+
+
+def _words(options: str) -> list[str]:
+    """As a shell divides them.
+
+    Raises:
+        ConfigError: a quote is not closed.
+    """
+    try:
+        return shlex.split(options)
+    except ValueError as error:
+        raise ConfigError(f"--shore-options: {error}") from None
 
 
 def _report(line: str) -> None:

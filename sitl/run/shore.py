@@ -9,16 +9,18 @@ import json
 import os
 import re
 import secrets
+import shutil
 import signal
 import socket
 import subprocess
 import sys
 import tempfile
 import webbrowser
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from threading import Thread
 from types import TracebackType
+from typing import IO
 
 import numpy as np
 import shapely
@@ -26,6 +28,7 @@ from numpy.typing import NDArray
 
 from companion.core.geo import Point
 from mission_tools.maps.chart import Chart, Feature
+from sitl.run.kept_child import KeptChild, KeptPage, hand_over, take_over
 
 PIN_DIGITS = 6
 LISTEN = "127.0.0.1:8080"
@@ -41,18 +44,34 @@ class ShorePage:
     """The child process and the folder with its map, its PIN and the boat's status. A context manager."""
 
     def __init__(
-        self, chart: Chart, listen: str, report: Callable[[str], None], boat: Path | None = None
+        self,
+        chart: Chart,
+        listen: str,
+        report: Callable[[str], None],
+        boat: Path | None = None,
+        options: Sequence[str] = (),
     ) -> None:
-        """listen: HOST:PORT of the page. report: called with a line at a time. boat: its TOML, for plans."""
+        """listen: HOST:PORT of the page. report: called with a line at a time. boat: its TOML, for plans.
+
+        options: further ones of the page's program.
+        """
         self._boat = boat
         self._chart = chart
         self._listen = listen
         self._report = report
-        self._number = _free_udp_port()
-        self._folder = tempfile.TemporaryDirectory(prefix="boat-sitl-shore-")
-        self._child: subprocess.Popen[str] | None = None
+        self._options = options
+        self._address = ""
+        self._is_staying = False
+        self._child: subprocess.Popen[str] | KeptChild | None = None
         self._reader: Thread | None = None
-        self._pin = "".join(secrets.SystemRandom().sample("0123456789", PIN_DIGITS))
+        if (kept := take_over()) is None:
+            self._number = _free_udp_port()
+            self._folder = Path(tempfile.mkdtemp(prefix="boat-sitl-shore-"))
+            self._pin = "".join(secrets.SystemRandom().sample("0123456789", PIN_DIGITS))
+        else:
+            self._child = KeptChild(kept.process)
+            self._number, self._folder = kept.number, kept.folder
+            self._pin, self._address = kept.pin, kept.address
 
     @property
     def boat_link(self) -> str:
@@ -62,7 +81,7 @@ class ShorePage:
     @property
     def status(self) -> Path:
         """Where the first boat may write its status file."""
-        return Path(self._folder.name) / "status.json"
+        return self._folder / "status.json"
 
     def __enter__(self) -> "ShorePage":
         return self
@@ -73,11 +92,15 @@ class ShorePage:
         self.close()
 
     def start(self, status: Path) -> None:
-        """Start the child; the address and the PIN are reported as soon as it listens.
+        """Start the child, unless it has stayed; address and PIN are reported as soon as it listens.
 
         status: the first boat's status file.
         """
-        pin_file = Path(self._folder.name) / "pin"
+        if self._child is not None:
+            self._report(f"the page is still at {self._address} with PIN {self._pin}")
+            self._watch(self._child)
+            return
+        pin_file = self._folder / "pin"
         if not self._set_pin(pin_file):
             self._report("there is no page; the boat does not need it")
             return
@@ -86,9 +109,10 @@ class ShorePage:
         if self._boat is not None:
             options += ["--boat", str(self._boat)]
         if self._chart.features or not self._chart.is_open:
-            map_file = Path(self._folder.name) / "map.geojson"
+            map_file = self._folder / "map.geojson"
             map_file.write_text(map_of(self._chart), encoding="utf-8")
             options += ["--map", str(map_file)]
+        options += self._options
         self._child = subprocess.Popen(  # noqa: S603
             [*_PROGRAM, *options],
             stdin=subprocess.DEVNULL,
@@ -96,11 +120,25 @@ class ShorePage:
             text=True,
             preexec_fn=_end_with_parent,  # noqa: PLW1509 (one system call, of a library that is loaded)
         )
-        self._reader = Thread(target=self._follow, args=(self._child,), name="shore page", daemon=True)
+        self._watch(self._child)
+
+    def stay(self) -> None:
+        """The program begins anew, in this same process: the next start takes the child over."""
+        child, self._child = self._child, None
+        if child is not None and self._address:
+            hand_over(KeptPage(child.pid, self._folder, self._number, self._pin, self._address))
+            self._is_staying = True
+        else:
+            self._child = child
+
+    def _watch(self, child: "subprocess.Popen[str] | KeptChild") -> None:
+        self._reader = Thread(target=self._follow, args=(child,), name="shore page", daemon=True)
         self._reader.start()
 
     def close(self) -> None:
-        """End the child and remove the folder. May be called twice."""
+        """End the child and remove the folder, unless it stays. May be called twice."""
+        if self._is_staying:
+            return
         child, self._child = self._child, None
         if child is not None:
             child.terminate()
@@ -111,7 +149,7 @@ class ShorePage:
                 child.wait()
         if self._reader is not None:
             self._reader.join(_END_S)
-        self._folder.cleanup()
+        shutil.rmtree(self._folder, ignore_errors=True)
 
     def _set_pin(self, file: Path) -> bool:
         """Whether the child's program could do it; if not, it has said why."""
@@ -121,19 +159,23 @@ class ShorePage:
         )
         return done.returncode == 0
 
-    def _follow(self, child: "subprocess.Popen[str]") -> None:
+    def _follow(self, child: "subprocess.Popen[str] | KeptChild") -> None:
         """Say where the page is, and if it ends before it should."""
-        assert child.stdout is not None  # noqa: S101
-        with child.stdout:
-            for line in child.stdout:
-                address = re.search(r"https?://\S+", line)
-                if address is not None:
-                    self._report(f"the page is at {address[0]} with PIN {self._pin}")
-                    if is_on_a_desktop():
-                        webbrowser.open(address[0])
+        if child.stdout is not None:
+            self._read(child.stdout)
         code = child.wait()
         if self._child is not None and code not in _ENDED_AS_ASKED:
             self._report(f"the page's program ended with {code}; the boat does not need it")
+
+    def _read(self, said: IO[str]) -> None:
+        with said:
+            for line in said:
+                address = re.search(r"https?://\S+", line)
+                if address is not None:
+                    self._address = address[0]
+                    self._report(f"the page is at {address[0]} with PIN {self._pin}")
+                    if is_on_a_desktop():
+                        webbrowser.open(address[0])
 
 
 def is_on_a_desktop() -> bool:

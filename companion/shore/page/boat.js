@@ -1,9 +1,10 @@
 // Boat: setting up, in panels that open one at a time. A panel is a module that exports makePanel(box, page) and
 // `title`, a key of the words; it returns what it wants to hear, as a view does.
 import { element } from "./elements.js";
+import * as board from "./boat-board.js";
 import * as sensors from "./boat-sensors.js";
 
-const PANELS = [sensors];
+const PANELS = [sensors, board];
 
 export function makeView(box, page) {
   const panels = PANELS.map(({ title, makePanel }, index) => {

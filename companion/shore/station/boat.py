@@ -73,7 +73,10 @@ class ShoreBoat:
         number = message.get_msgId()
         self._streams.on_message(number)
         if (handler := HANDLERS.get(number)) is not None:
+            starts = self.view.starts
             handler(self.view, message)
+            if self.view.starts > starts:  # the new program has none of the streams asked for
+                self._streams.restart()
         if number in PARTS:
             self._parts.on_message(message, now_s)
         if number == dialect.MAVLINK_MSG_ID_HEARTBEAT:
@@ -149,6 +152,9 @@ class ShoreBoat:
         except BadRequestError as error:
             answered(False, error.args[0])
             return
+        if command.disarmed and self.view.armed is not False:
+            answered(False, say("error.armed"))
+            return
         if command.steers:
             self._sailing.cancel(now_s)
         self._commands.ask(command, answered, now_s)
@@ -195,6 +201,7 @@ class ShoreBoat:
             current=view.current,
             sonar=view.sonar,
             obstacles=view.obstacles,
+            starts=view.starts,
             load=view.load,
             reasons=self.reasons.now(),
             lines=list(self.texts.lines),

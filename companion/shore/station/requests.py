@@ -25,7 +25,8 @@ class Command(NamedTuple):
     """A COMMAND_LONG, or with a place (1e-7 degrees) a COMMAND_INT.
 
     done: what the page says when the boat accepts. once: not to be repeated late, as the boat may carry it
-    out again. steers: says where the boat is to go, and so replaces older requests that do.
+    out again. steers: says where the boat is to go, and so replaces older requests that do. disarmed: only
+    then.
     """
 
     number: int
@@ -34,6 +35,7 @@ class Command(NamedTuple):
     place: tuple[int, int] | None = None
     once: bool = False
     steers: bool = True
+    disarmed: bool = False
 
 
 Arguments = Mapping[str, Any]
@@ -115,6 +117,11 @@ def _check(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
     return Command(dialect.MAV_CMD_RUN_PREARM_CHECKS, (), say("answer.check"), steers=False)
 
 
+def _restart(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
+    number = dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN
+    return Command(number, (1.0,), say("answer.restart"), once=True, steers=False, disarmed=True)
+
+
 COMMANDS: Final[dict[str, Callable[[Arguments, ModeNumbers], Command]]] = {
     "arm": _arm,
     "check": _check,
@@ -123,6 +130,7 @@ COMMANDS: Final[dict[str, Callable[[Arguments, ModeNumbers], Command]]] = {
     "go": _go,
     "hold": _hold,
     "pause": _pause,
+    "restart": _restart,
     "return": _return,
     "set_mode": _mode,
     "speed": _speed,

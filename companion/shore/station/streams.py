@@ -22,6 +22,7 @@ INTERVALS_S: Final[dict[int, float]] = {
     dialect.MAVLINK_MSG_ID_GPS_RAW_INT: 1.0,
     dialect.MAVLINK_MSG_ID_MISSION_CURRENT: 1.0,
     dialect.MAVLINK_MSG_ID_EKF_STATUS_REPORT: 1.0,
+    dialect.MAVLINK_MSG_ID_SYSTEM_TIME: 1.0,
     dialect.MAVLINK_MSG_ID_DEBUG_VECT: 2.0,
     dialect.MAVLINK_MSG_ID_BATTERY_STATUS: 2.0,
     dialect.MAVLINK_MSG_ID_HOME_POSITION: 2.0,

@@ -34,6 +34,7 @@ _COURSE_FROM_M_S: Final = 0.2  # below, the direction of the velocity is noise
 _SUBSTITUTE: Final = 0.8  # EKF_STATUS_REPORT: from here on another source replaces the sensor
 _DOWN: Final = 25  # MAV_SENSOR_ROTATION_PITCH_270
 _CUSTOM: Final = 100  # MAV_SENSOR_ROTATION_CUSTOM
+_REORDERED_MS: Final = 500  # a restart takes longer, and begins at 0
 _MOST_MODES: Final = 64
 _FARTHEST_HOME_M: Final = 1e6
 _FENCE_BIT: Final = dialect.MAV_SYS_STATUS_GEOFENCE
@@ -69,6 +70,8 @@ class View:
         self.battery_is_well: bool | None = None
         self.is_outside: bool | None = None
         self.track = Track()
+        self.boot_ms = 0  # the boat's clock
+        self.starts = 0  # how often that went back: the program began anew
 
     def compass(self) -> Verdict | None:
         """Whether the heading is good, from SYS_STATUS and EKF_STATUS_REPORT."""
@@ -161,6 +164,7 @@ def on_gps_raw(view: View, message: Message) -> None:
 
 def on_position(view: View, message: Message) -> None:
     """Place, speed and course over ground, heading."""
+    on_clock(view, message)
     place = _place(message.lat, message.lon)
     if place is None:
         return
@@ -172,6 +176,15 @@ def on_position(view: View, message: Message) -> None:
     view.course_deg = _direction_deg(north, east) if is_under_way else None
     if message.hdg < 36000:
         view.heading_deg = message.hdg / 100.0
+
+
+def on_clock(view: View, message: Message) -> None:
+    """The time since the boat's program began; links may change the order of two messages."""
+    if message.time_boot_ms < view.boot_ms - _REORDERED_MS:
+        view.starts += 1
+    elif message.time_boot_ms < view.boot_ms:
+        return
+    view.boot_ms = message.time_boot_ms
 
 
 def on_vfr_hud(view: View, message: Message) -> None:
@@ -262,6 +275,7 @@ HANDLERS: Final[dict[int, Callable[[View, Message], None]]] = {
     dialect.MAVLINK_MSG_ID_MISSION_CURRENT: on_mission_current,
     dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE: on_obstacles,
     dialect.MAVLINK_MSG_ID_PARAM_VALUE: on_parameter,
+    dialect.MAVLINK_MSG_ID_SYSTEM_TIME: on_clock,
     dialect.MAVLINK_MSG_ID_SYS_STATUS: on_sys_status,
     dialect.MAVLINK_MSG_ID_VFR_HUD: on_vfr_hud,
 }

@@ -8,6 +8,7 @@ from typing import Any, Final
 import msgspec
 from aiohttp import web
 
+from companion.shore.web.board_api import ROWS as BOARD_ROWS
 from companion.shore.web.guard import cookie_name, cookie_of, error, peer_of
 from companion.shore.web.hub import Hub
 from companion.shore.web.interfaces import ItemKind
@@ -104,6 +105,7 @@ TABLE: Final = (
     *SETUP,
     *PLAN_ROWS,
     *PARAMETERS,
+    *BOARD_ROWS,
 )
 
 

@@ -7,8 +7,10 @@ from typing import Final
 
 from aiohttp import web
 
+from companion.shore.board.tools import BoardTools
 from companion.shore.plans.desk import Sources
 from companion.shore.web.api import add_routes
+from companion.shore.web.board_api import BOARD
 from companion.shore.web.guard import add_headers, make_guard
 from companion.shore.web.hub import Hub
 from companion.shore.web.interfaces import Boats, Chart, Clock
@@ -33,11 +35,13 @@ def make_app(
     *,
     sources: Sources = _NO_SOURCES,
     hosts: Collection[str] = (),
+    board: BoardTools | None = None,
     is_polling: bool = True,
 ) -> web.Application:
     """The application.
 
-    sources: of plans. hosts: further names of this server. is_polling: False where a test calls `Hub.tick`.
+    sources: of plans. hosts: further names of this server. board: what may be done here.
+    is_polling: False where a test calls `Hub.tick`.
 
     Raises:
         ConfigError: the page's folder is not as expected.
@@ -45,6 +49,7 @@ def make_app(
     app = web.Application(middlewares=[make_guard(hosts)], client_max_size=MOST_BODY_BYTES)
     hub = app[HUB] = Hub(boats, chart, sessions, clock, sources)
     sockets = app[SOCKETS] = Sockets(hub)
+    app[BOARD] = board or BoardTools()
     files = read_files(page_dir)
 
     async def static(request: web.Request) -> web.StreamResponse:

@@ -227,3 +227,22 @@ def test_a_boat_that_goes_silent_after_the_upload_is_answered_for_in_time() -> N
     shore.ends[0].loss = 1.0
     shore.until(lambda: len(shore.answers) == 2, began_s + 10.0 - shore.now_s)
     assert not shore.answers[-1].ok
+
+
+def test_restart_begins_the_boats_program_anew_and_is_noticed() -> None:
+    rig, shore = shore_with()
+    answer = shore.ask("restart")
+    assert (answer.ok, answer.text) == (True, "The boat's program begins anew")
+    assert shore.snapshot().starts == 0
+    shore.until(lambda: rig.boat.wants_restart, 5.0)
+
+
+@pytest.mark.parametrize("armed", [True, None])
+def test_an_armed_boat_is_not_asked_to_restart(armed: bool | None) -> None:
+    rig, shore = shore_with("armed")
+    shore.run(1.5)
+    shore.boats._boats[1].view.armed = armed
+    answer = shore.ask("restart")
+    assert (answer.ok, answer.text) == (False, "A boat is armed: disarm it first.")
+    shore.run(3.0)
+    assert not rig.boat.wants_restart

@@ -1,0 +1,17 @@
+"""What the page may do on this computer, by the options of the program."""
+
+import asyncio
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from companion.shore.board.config_check import PROGRAM
+from companion.shore.board.config_file import ConfigFile
+
+
+@dataclass(frozen=True)
+class BoardTools:
+    """None: this program does not run on the boat, or has no option for it. busy: one thing at a time."""
+
+    config: ConfigFile | None = None
+    check: Sequence[str] = PROGRAM
+    busy: asyncio.Lock = field(default_factory=asyncio.Lock)

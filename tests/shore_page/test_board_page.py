@@ -1,0 +1,120 @@
+"""The board's panel in Chromium: what is set up there, and what becomes of it on the boat."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from finger import hold, press
+from mavutil_station import MavutilStation
+from page_rig import ShoreBoat, Visit, axe_faults, button, needs_chromium, skipper, start_shore, told
+from playwright.sync_api import Page, expect
+
+pytest_plugins = ("page_fixtures",)
+pytestmark = [pytest.mark.realtime, needs_chromium]
+
+BOAT = """\
+# the lake boat
+links = ["tcpin:127.0.0.1:0"]
+parts.motors.driver = "l298n"
+external = { position = 2, heading = 2 }
+
+[heading]
+kp = 1.5
+"""
+
+
+@pytest.fixture(scope="module")
+def config(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("etc") / "boat.toml"
+
+
+@pytest.fixture(scope="module")
+def shore(tmp_path_factory: pytest.TempPathFactory, config: Path) -> Iterator[ShoreBoat]:
+    """A boat whose page has a configuration."""
+    config.write_text(BOAT, encoding="utf-8")
+    room = tmp_path_factory.mktemp("shore") / "room"
+    boat = start_shore(room, "--speedup", "5", "--shore-options", f"--config {config}")
+    yield boat
+    boat.program.close()
+    assert boat.program.wait(0.0)[::2] == (0, ""), "the boat ended badly"
+
+
+def board(visit: Visit, shore: ShoreBoat, size: str = "phone") -> Page:
+    """The panel, opened by somebody who knows the PIN."""
+    page = skipper(visit, shore, size)
+    press(page, page.get_by_role("link", name="Boat"))
+    page.get_by_text("Configuration, restart, Wi-Fi, update").click()
+    return page
+
+
+def test_a_wrong_configuration_is_shown_with_its_line_and_a_right_one_is_saved(
+    visit: Visit, shore: ShoreBoat, config: Path
+) -> None:
+    page = board(visit, shore)
+    text = page.get_by_label("The boat's TOML file")
+    expect(text).to_have_value(BOAT)
+    text.fill(BOAT.replace("1.5", "'much'"))
+    press(page, button(page, "Save"))
+    wrong = page.get_by_role("list", name="What is wrong")
+    expect(wrong).to_contain_text("Line 7: Expected `float`, got `str`")
+    expect(told(page, "nothing was saved")).to_be_visible()
+    press(page, button(page, "Go to line 7"))
+    assert text.evaluate("area => area.value.slice(area.selectionStart, area.selectionEnd)") == "kp = 'much'"
+    expect(page.get_by_text("Line 7. Changed, not saved.")).to_be_visible()
+    assert axe_faults(page) == []
+    assert config.read_text("utf-8") == BOAT
+
+    right = BOAT.replace("1.5", "2.5")
+    text.fill(right)
+    press(page, button(page, "Check"))
+    expect(told(page, "takes this configuration")).to_be_visible()
+    assert config.read_text("utf-8") == BOAT
+    press(page, button(page, "Save"))
+    expect(told(page, "Saved.")).to_be_visible()
+    assert config.read_text("utf-8") == right
+    assert config.with_name("boat.toml.1").read_text("utf-8") == BOAT
+
+    press(page, button(page, "Show"))
+    expect(text).to_have_value(BOAT)
+    press(page, button(page, "Save"))
+    expect(told(page, "Saved.")).to_be_visible()
+    assert config.read_text("utf-8") == BOAT
+
+
+def test_an_armed_boat_is_not_set_up(visit: Visit, shore: ShoreBoat, station: MavutilStation) -> None:
+    page = board(visit, shore, "tablet")
+    expect(button(page, "Save")).to_be_enabled()
+    station.arm()
+    expect(page.get_by_text("The boat is armed: disarm it to change anything here.")).to_be_visible()
+    for name in ("Check", "Save", "Restart"):
+        expect(button(page, name)).to_be_disabled()
+
+
+def test_a_viewer_is_asked_for_the_pin(visit: Visit, shore: ShoreBoat) -> None:
+    page = visit("desktop")
+    page.get_by_role("link", name="Boat").click()
+    page.get_by_text("Configuration, restart, Wi-Fi, update").click()
+    expect(page.get_by_text("Enter the PIN to set up the boat's computer.")).to_be_visible()
+    expect(page.get_by_label("The boat's TOML file")).to_have_count(0)
+
+
+def test_a_restarted_boat_comes_back_to_the_same_page(
+    visit: Visit, shore: ShoreBoat, station: MavutilStation
+) -> None:
+    page = board(visit, shore)
+    said, child = len(shore.program.out), shore.child
+    restart = button(page, "Restart")
+    expect(restart).to_be_enabled()
+    hold(page, restart, page.get_by_text(re.compile("Waiting for the boat|The boat is back")))
+    again = shore.program.wait_for(r"on tcpin:127\.0\.0\.1:(\d+)$", after=said)
+    shore.program.wait_for(
+        re.escape(f"the page is still at {shore.address} with PIN {shore.pin}"), after=said
+    )
+    expect(page.get_by_text("The boat is back, after")).to_be_visible()
+    fresh = MavutilStation(int(again[1]), 254)
+    try:
+        assert fresh.wait_for("SYSTEM_TIME").time_boot_ms < 60_000
+    finally:
+        fresh.close()
+    assert shore.child == child
