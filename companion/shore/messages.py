@@ -132,15 +132,34 @@ class Line(Struct, frozen=True, kw_only=True):
 class Sensor(Struct, frozen=True, kw_only=True):
     """A part of the boat. verdict: fine, warning, failed or skipped (not fitted, or nothing heard).
 
-    age_s: since it measured something new; values: numbers by name with their unit, as far as told.
+    text, cure: in English; text_key, cure_key: of the words. age_s: since it measured something new; values:
+    numbers by name with their unit, as far as told.
     """
 
     name: str
     verdict: str
     text: str
     cure: str = ""
+    text_key: str = ""
+    cure_key: str = ""
     age_s: float | None = None
     values: dict[str, Any] = field(default_factory=dict)
+
+
+class Calibration(_Told, frozen=True, kw_only=True):
+    """The latest calibration of a boat, by this station.
+
+    kind: compass, gyro, motor_field, thrusters, heading. state: asked, running, silent (running, as far as
+    known), waiting (for the result to be kept), done, failed, cancelled, unknown. text: of the boat, mostly.
+    lines: what it changed. error_mg: left over of the earth's field; offset_mg: of the compass.
+    """
+
+    kind: str
+    state: str
+    percent: int | None = None
+    lines: list[str] = field(default_factory=list)
+    error_mg: float | None = None
+    offset_mg: list[float] | None = None
 
 
 class Snapshot(Struct, frozen=True, kw_only=True):
@@ -172,6 +191,7 @@ class Snapshot(Struct, frozen=True, kw_only=True):
     links: list[LinkLoss] = field(default_factory=list)
     temperature_c: float | None = None
     disk_free_mb: float | None = None
+    calibration: Calibration | None = None
     load: float | None = None  # of the boat's tick, 0 to 1
     reasons: list[Reason] = field(default_factory=list)
     lines: list[Line] = field(default_factory=list)  # the latest 30

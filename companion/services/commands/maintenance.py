@@ -65,6 +65,7 @@ class MaintenanceCommands:
         self._compass = compass
         self._tester: Origin | None = None  # the station that requested the motor test
         self._tester_seen_s = -math.inf
+        self._test_told = ""
         self.table: dict[int, Callable[[Command], int]] = {
             dialect.MAV_CMD_DO_CANCEL_MAG_CAL: lambda _: ACCEPTED,
             dialect.MAV_CMD_DO_START_MAG_CAL: self._calibrate_compass,
@@ -138,14 +139,18 @@ class MaintenanceCommands:
         if share == 0.0 or duration_s == 0.0:
             self._motor_test.stop()
             return ACCEPTED
-        vehicle = self._vehicle
+        vehicle, was_running = self._vehicle, self._motor_test.is_running
         if reason := self._motor_test.start(
             TestedMotor(motor), share, duration_s, vehicle.status, command.now_s, vehicle.config.drive
         ):
             return self._report(FAILED, f"Motor test: {reason}")
         self._tester, self._tester_seen_s = command.origin, command.now_s
         name = TestedMotor(motor).name.lower()
-        return self._report(ACCEPTED, f"Motor test: {name} {100.0 * share:.0f} %", Severity.NOTICE)
+        told, before = f"Motor test: {name} {100.0 * share:.0f} %", self._test_told
+        self._test_told = told
+        if was_running and told == before:
+            return ACCEPTED  # a station prolongs it, several times a second
+        return self._report(ACCEPTED, told, Severity.NOTICE)
 
     def _calibrate(self, command: Command) -> int:
         """Calibrate the gyro, or allow a station's RC calibration. All zero cancels."""

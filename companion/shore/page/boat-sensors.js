@@ -104,8 +104,8 @@ function makeCard(name, words) {
     const word = words.sayOr(`sensor.verdict.${sensor.verdict}`, sensor.verdict);
     const sign = SIGNS[sensor.verdict] ?? "";
     setText(verdict, sign === word ? sign : `${sign} ${word}`);
-    setText(text, sensor.text);
-    setText(cure, sensor.cure);
+    setText(text, words.sayOr(sensor.text_key, sensor.text));
+    setText(cure, sensor.cure && words.sayOr(sensor.cure_key, sensor.cure));
     setText(age, sensor.age_s === null || sensor.age_s < 3 ? "" : words.say("sensor.age", { age: words.duration(sensor.age_s) }));
     for (const [key, value] of Object.entries(sensor.values)) {
       if (FORMATS[key] === undefined) continue;

@@ -17,6 +17,9 @@ from companion.shore.station.sailing import Sailing
 from companion.shore.station.setup.examined import Board, Look
 from companion.shore.station.setup.heard import MESSAGES as PARTS
 from companion.shore.station.setup.heard import Heard
+from companion.shore.station.setup.requests import MESSAGES as SETTING_UP
+from companion.shore.station.setup.requests import REQUESTS as SETUP
+from companion.shore.station.setup.requests import Setup
 from companion.shore.station.setup.sensors import sensors
 from companion.shore.station.streams import Streams
 from companion.shore.station.texts import Text, Texts
@@ -37,7 +40,7 @@ _MISSION_MESSAGES: Final = frozenset(
     }
 )
 _RESTARTED_MS: Final = 5_000  # the boat's clock goes back by more than messages overtake each other
-WANTED: Final = _MISSION_MESSAGES | PARTS | PARAMETER_MESSAGES | HANDLERS.keys() | {
+WANTED: Final = _MISSION_MESSAGES | PARTS | PARAMETER_MESSAGES | SETTING_UP | HANDLERS.keys() | {
     dialect.MAVLINK_MSG_ID_COMMAND_ACK, dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL,
     dialect.MAVLINK_MSG_ID_STATUSTEXT,
 }  # fmt: skip
@@ -63,6 +66,7 @@ class ShoreBoat:
         self._total: int | None = None
         self._parts = Heard()
         self._boot_ms = 0
+        self._setup = Setup(address, own, send)
 
     def relink(self) -> None:
         """The boat is heard on another link, which has none of the streams asked for."""
@@ -79,6 +83,8 @@ class ShoreBoat:
                 self._streams.restart()
         if number in PARTS:
             self._parts.on_message(message, now_s)
+        if number in SETTING_UP:
+            self._setup.handle(message, now_s)
         if number == dialect.MAVLINK_MSG_ID_HEARTBEAT:
             self.heard_s, self._heartbeat_s = unix_s, now_s
             self.parameters.on_autopilot(message.autopilot)
@@ -102,6 +108,7 @@ class ShoreBoat:
 
     def _on_text(self, text: Text, now_s: float) -> None:
         self._commands.on_text(text)
+        self._setup.on_text(text, now_s)
         self.parameters.on_text(text.text, now_s)
         self.reasons.on_text(text, now_s)
 
@@ -116,6 +123,7 @@ class ShoreBoat:
         for text in self.texts.poll(now_s, unix_s):
             self._on_text(text, now_s)
         self._commands.poll(now_s)
+        self._setup.poll(now_s, view.armed)
         self.files.poll(now_s)
         self._sailing.poll(now_s)
         is_heard = now_s - self._heartbeat_s < SILENT_S
@@ -145,6 +153,10 @@ class ShoreBoat:
             self.parameters.set(request.arguments, self.view.armed, replied, now_s)
             return
         try:
+            if request.what in SETUP:
+                self._setup.ask(request.what, request.arguments, answered, self.view.armed, now_s)
+                return
+            self._setup.motors.end_press()
             if request.what == "sail":
                 self.upload(way_upload(way_points(request.arguments)), answered, now_s)
                 return

@@ -42,7 +42,12 @@ Arguments = Mapping[str, Any]
 ModeNumbers = Mapping[str, int]
 
 
-def _number(arguments: Arguments, name: str) -> float:
+def number_of(arguments: Arguments, name: str) -> float:
+    """A number of a request.
+
+    Raises:
+        BadRequestError: there is none.
+    """
     value = arguments.get(name)
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         raise BadRequestError(say("answer.no_number", name=name))
@@ -80,13 +85,13 @@ def _continue(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG
 
 
 def _go(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
-    place = _position(_number(arguments, "lat"), _number(arguments, "lon"))
+    place = _position(number_of(arguments, "lat"), number_of(arguments, "lon"))
     params = (-1.0, _CHANGE_MODE, 0.0, math.nan)
     return Command(dialect.MAV_CMD_DO_REPOSITION, params, say("answer.go"), place)
 
 
 def _speed(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
-    speed_m_s = _number(arguments, "m_s")
+    speed_m_s = number_of(arguments, "m_s")
     if not 0.0 < speed_m_s <= _FASTEST_M_S:
         raise BadRequestError(say("answer.no_speed", n=speed_m_s))
     params = (_GROUND_SPEED, speed_m_s, -1.0)
@@ -164,6 +169,6 @@ def way_points(arguments: Arguments) -> list[tuple[int, int]]:
     for point in points:
         if not isinstance(point, list | tuple) or len(point) != 2:
             raise BadRequestError(say("answer.no_way_point"))
-        lon, lat = (_number({"a coordinate": value}, "a coordinate") for value in point)
+        lon, lat = (number_of({"a coordinate": value}, "a coordinate") for value in point)
         way.append(_position(lat, lon))
     return way

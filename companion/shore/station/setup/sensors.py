@@ -1,7 +1,7 @@
 """The sensors of a boat with their values and a verdict each, as a table.
 
-The words are in `sensors.toml`, by the part and what is so. A pre-arm reason or a failsafe of the boat that
-concerns a part comes before a verdict of ours that is no worse.
+The verdicts are in `sensors.toml`, by the part and what is so. A pre-arm reason or a failsafe of the boat
+that concerns a part comes before a verdict of ours that is no worse.
 """
 
 import math
@@ -12,30 +12,46 @@ from importlib.resources import files
 from typing import Final, NamedTuple
 
 from companion.mavlink.dialect import dialect
-from companion.shore.messages import Sensor
+from companion.shore.messages import Reason, Sensor
 from companion.shore.station.setup import examined
 from companion.shore.station.setup.examined import Found, Look, Values
 from companion.shore.station.setup.heard import RANGER, SOUNDER
+from companion.shore.words import texts
 
 _SLOW_STALE_S: Final = 10.0  # what may come every 5 s, over a radio that loses some
 _MOST_TEXT: Final = 60
 
 
-class Entry(NamedTuple):
-    """Of sensors.toml."""
+@cache
+def verdicts() -> dict[str, dict[str, str]]:
+    """By part and what is so."""
+    return tomllib.loads(files(__package__).joinpath("sensors.toml").read_text("utf-8"))
+
+
+class _Told(NamedTuple):
+    """A verdict with the keys of its words, and the words themselves."""
 
     verdict: str
     text: str
-    cure: str = ""
+    cure: str
+    text_key: str
+    cure_key: str
 
 
-@cache
-def entries() -> dict[str, dict[str, Entry]]:
-    """By sensor and what is so."""
-    table = tomllib.loads(files(__package__).joinpath("sensors.toml").read_text("utf-8"))
-    return {
-        sensor: {state: Entry(**entry) for state, entry in states.items()} for sensor, states in table.items()
-    }
+def _entry(part: str, state: str) -> _Told:
+    key = f"sensor.{part}.{state}"
+    return _Told(
+        verdicts()[part][state],
+        texts()[f"{key}.text"],
+        texts().get(f"{key}.cure", ""),
+        f"{key}.text",
+        f"{key}.cure",
+    )
+
+
+def _of(reason: Reason) -> _Told:
+    key = f"reason.{reason.key}"
+    return _Told("warning", reason.why or reason.text, reason.next, f"{key}.why", f"{key}.next")
 
 
 class _Row(NamedTuple):
@@ -78,7 +94,7 @@ ROWS: Final = (
 
 def sensors(look: Look) -> list[Sensor]:
     """The sensors, then the probes."""
-    found = [_told(look, row.name, row.name, *row.examine(look), row.key, row.begins) for row in ROWS]
+    found = [_sensor(look, row.name, row.name, *row.examine(look), row.key, row.begins) for row in ROWS]
     return [*found, *(_probe(look, name) for name in look.heard.probes)]
 
 
@@ -88,24 +104,22 @@ def _probe(look: Look, name: str) -> Sensor:
     is_number = message is not None and math.isfinite(message.value)
     values: Values = {"value": float(f"{message.value:.6g}")} if message is not None and is_number else {}
     state = "good" if values and not look.is_older(key, _SLOW_STALE_S) else "silent"
-    return _told(look, key[:_MOST_TEXT], "probe", state, values, key, ())
+    return _sensor(look, key[:_MOST_TEXT], "probe", state, values, key, ())
 
 
-def _told(
+def _sensor(
     look: Look, name: str, kind: str, state: str, values: Values, key: int | str, begins: tuple[str, ...]
 ) -> Sensor:
-    entry = entries()[kind][state]
+    entry = _entry(kind, state)
     reason = next((one for one in look.reasons if begins and one.text.startswith(begins)), None)
     if not look.is_heard:
-        entry = entries()["boat"]["silent"]
+        entry = _entry("boat", "silent")
     elif reason is not None and entry.verdict in ("fine", "warning"):
-        entry = Entry("warning", reason.why or reason.text, reason.next)
+        entry = _of(reason)
     age_s = look.heard.age_s(key, look.now_s)
     return Sensor(
         name=name,
-        verdict=entry.verdict,
-        text=entry.text,
-        cure=entry.cure,
+        **entry._asdict(),
         age_s=None if age_s is None else round(age_s, 1),
         values=values,
     )

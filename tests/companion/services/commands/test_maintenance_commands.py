@@ -126,6 +126,15 @@ def test_anything_else_that_is_asked_ends_a_motor_test(
     assert motors(rig) == (0.0, 0.0)
 
 
+def test_a_motor_test_that_is_prolonged_is_announced_once(rig: Rig) -> None:
+    told = []
+    for percent, duration_s, pause_s in ((30, 1.0, 0.5), (30, 0.9, 0.5), (20, 1.0, 2.0), (20, 1.0, 0.5)):
+        assert rig.ask(CMD.MAV_CMD_DO_MOTOR_TEST, LEFT, PERCENT, percent, duration_s) == OK
+        rig.run(pause_s)
+        told += [text for text in rig.peer.texts if text.startswith("Motor test")]
+    assert told == ["Motor test: left 30 %", "Motor test: left 20 %", "Motor test: left 20 %"]
+
+
 def test_a_question_does_not_end_a_motor_test(rig: Rig) -> None:
     rig.ask(CMD.MAV_CMD_DO_MOTOR_TEST, BOTH, PERCENT, 50.0, 20.0)
     rig.run(1.0)

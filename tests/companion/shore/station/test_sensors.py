@@ -12,9 +12,10 @@ from companion.mavlink.dialect import dialect
 from companion.shore.messages import Sensor
 from companion.shore.station.setup.examined import Look
 from companion.shore.station.setup.heard import Heard
-from companion.shore.station.setup.sensors import ROWS, entries, sensors
+from companion.shore.station.setup.sensors import ROWS, sensors, verdicts
 from companion.shore.station.streams import INTERVALS_S, SENSORS_S, WANTED_S
 from companion.shore.station.view import View
+from companion.shore.words import texts
 
 OFF, STUCK = dialect.FAILURE_TYPE_OFF, dialect.FAILURE_TYPE_STUCK
 GNSS, COMPASS = dialect.FAILURE_UNIT_SENSOR_GPS, dialect.FAILURE_UNIT_SENSOR_MAG
@@ -151,11 +152,13 @@ def test_the_messages_are_asked_for_while_somebody_looks_and_then_given_back(los
     assert {number: streams.interval_s(number) for number in SENSORS_S} == usual
 
 
-def test_every_state_has_words_and_every_verdict_is_one_of_doctors() -> None:
-    for sensor, states in entries().items():
-        for state, entry in states.items():
-            assert entry.verdict in ("fine", "warning", "failed", "skipped"), (sensor, state)
-            assert bool(entry.cure) == (entry.verdict in ("warning", "failed")), (sensor, state)
+def test_every_state_has_words_and_each_warning_and_failure_a_cure() -> None:
+    for part, states in verdicts().items():
+        for state, verdict in states.items():
+            assert verdict in ("fine", "warning", "failed", "skipped"), (part, state)
+            assert texts()[f"sensor.{part}.{state}.text"]
+            has_cure = f"sensor.{part}.{state}.cure" in texts()
+            assert has_cure == (verdict in ("warning", "failed")), (part, state)
 
 
 def test_a_boat_of_which_nothing_was_heard_has_no_verdicts() -> None:
