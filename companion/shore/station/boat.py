@@ -214,6 +214,7 @@ class ShoreBoat:
             sonar=view.sonar,
             obstacles=view.obstacles,
             starts=view.starts,
+            calibration=self._setup.calibrations.latest,
             load=view.load,
             reasons=self.reasons.now(),
             lines=list(self.texts.lines),

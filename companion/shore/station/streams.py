@@ -44,7 +44,7 @@ WANTED_S: Final = 3.0  # after each look at the sensors
 _FIRST_CHECK_S: Final = 5.0
 _RAREST_S: Final = 80.0
 _ENOUGH: Final = 0.4  # of the messages expected: radios lose some
-_TOO_MANY: Final = 2.5  # DISTANCE_SENSOR has two parts
+_TOO_MANY: Final = 1.3  # a give-back was lost; a boat whose messages come faster is asked ever more rarely
 _RETURNS: Final = 3  # a give-back may be lost
 _RETURN_S: Final = 1.0
 

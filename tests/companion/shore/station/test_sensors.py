@@ -149,7 +149,9 @@ def test_the_messages_are_asked_for_while_somebody_looks_and_then_given_back(los
     assert streams.interval_s(fast) == SENSORS_S[fast]
     assert streams.interval_s(dialect.MAVLINK_MSG_ID_SCALED_IMU) == 0.25
     shore.run(WANTED_S + 40.0)
-    assert {number: streams.interval_s(number) for number in SENSORS_S} == usual
+    now = {number: streams.interval_s(number) for number in SENSORS_S}
+    assert all(now[number] >= usual[number] for number in SENSORS_S)
+    assert loss or now == usual
 
 
 def test_every_state_has_words_and_each_warning_and_failure_a_cure() -> None:
