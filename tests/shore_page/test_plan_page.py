@@ -1,0 +1,179 @@
+"""Plan in Chromium beside an emulated boat: what is planned, and the mission that a station then reads."""
+
+import json
+import math
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from finger import hold, press
+from mavutil_station import MavutilStation, Place
+from page_rig import ShoreBoat, Visit, axe_faults, button, needs_chromium, skipper, told, until_mode
+from plan_rig import CORNERS, GOALS, open_plan, tap_places
+from playwright.sync_api import Locator, Page, expect
+from pymavlink.dialects.v20 import all as dialect
+
+from companion.core.modes import Mode
+
+pytest_plugins = ("page_fixtures",)
+pytestmark = [pytest.mark.realtime, needs_chromium]
+
+WAYPOINT, FRAME = dialect.MAV_CMD_NAV_WAYPOINT, dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT
+CLOSE_M = 3.0  # a tap is a pixel or two off, and the boat drifts between its position and the tap
+_KML = "{http://www.opengis.net/kml/2.2}"
+
+
+def metres(a: tuple[float, float], b: tuple[float, float]) -> float:
+    """Between two places: longitude, latitude."""
+    east = (a[0] - b[0]) * math.cos(math.radians(a[1]))
+    return math.hypot(east, a[1] - b[1]) * 111_320.0
+
+
+def sailed(mission: list[Place]) -> list[tuple[float, float]]:
+    """The places that a mission sails to, home left out."""
+    return [(item.lon_e7 / 1e7, item.lat_e7 / 1e7) for item in mission[1:] if item.command == WAYPOINT]
+
+
+def planned(page: Page, view: Locator) -> Locator:
+    """Press Plan and wait for the voyage."""
+    press(page, button(page, "Plan"))
+    expect(told(page, re.compile(r"Planned: \d"))).to_be_visible()
+    voyage = view.get_by_role("region", name="Planned voyage")
+    expect(voyage).to_be_visible()
+    return voyage
+
+
+@pytest.mark.parametrize("size", ["phone", "tablet", "desktop"])
+def test_a_route_of_tapped_places_becomes_the_mission_on_board(
+    size: str, visit: Visit, shore: ShoreBoat, station: MavutilStation
+) -> None:
+    old = [Place(WAYPOINT, FRAME, 499987600 + 20 * n, -12029200) for n in range(4)]
+    assert station.upload(old) == dialect.MAV_MISSION_ACCEPTED
+    page = skipper(visit, shore, size)
+    view = open_plan(page)
+    assert axe_faults(page) == []
+    tap_places(page, station, GOALS)
+    voyage = planned(page, view)
+    straight_m = metres(GOALS[0], GOALS[1]) + metres(GOALS[1], GOALS[2])
+    length = re.search(r"Length(\d+)\sm", voyage.text_content() or "")
+    assert length is not None, voyage.text_content()
+    assert straight_m < float(length[1]) < 4.0 * straight_m
+    expect(voyage).to_contain_text(re.compile(r"Time\d+\s(s|min)"))
+    expect(voyage).to_contain_text(re.compile(r"Clearance[\d.]+\sm"))
+    expect(voyage).to_contain_text("Replaces the mission on board: 3 items.")
+    press(page, button(page, "Upload"))
+    expect(told(page, re.compile("Upload: .*on board"))).to_be_visible()
+    way = sailed(station.download())
+    assert way != sailed(old)
+    nearest = [min(range(len(way)), key=lambda n, goal=goal: metres(way[n], goal)) for goal in GOALS]  # type: ignore[misc]
+    assert [metres(way[n], goal) < CLOSE_M for n, goal in zip(nearest, GOALS, strict=True)] == [True] * 3
+    assert nearest == sorted(nearest)
+    assert nearest[-1] == len(way) - 1
+    expect(voyage).to_contain_text("Arm the boat in Sail, then press Start.")
+    assert axe_faults(page) == []
+
+
+def test_a_voyage_is_uploaded_and_started_and_watched(
+    visit: Visit, shore: ShoreBoat, station: MavutilStation
+) -> None:
+    page = skipper(visit, shore)
+    view = open_plan(page)
+    tap_places(page, station, GOALS[1:])
+    voyage = planned(page, view)
+    assert station.arm() == dialect.MAV_RESULT_ACCEPTED
+    until_mode(station, Mode.HOLD, armed=True)
+    expect(page.locator("#go.armed")).to_be_attached()
+    start = button(page, "Upload and start")
+    press(page, start)
+    expect(told(page, "Upload and start: press longer.")).to_be_visible()
+    hold(page, start, told(page, "Upload and start: asked"))
+    until_mode(station, Mode.AUTO, armed=True)
+    begun = station.metres_from(Place(WAYPOINT, FRAME, round(GOALS[1][1] * 1e7), round(GOALS[1][0] * 1e7)))
+    expect(voyage).to_contain_text("The boat sails it.")
+    press(page, page.get_by_role("link", name="Go to Sail"))
+    expect(page.locator("#mode")).to_have_text("Auto")
+    station.wait_for(
+        "GLOBAL_POSITION_INT",
+        lambda at: metres((at.lon / 1e7, at.lat / 1e7), GOALS[1]) < 0.7 * begun,
+    )
+
+
+def test_an_upload_with_start_to_a_disarmed_boat_says_that_it_has_to_be_armed(
+    visit: Visit, shore: ShoreBoat, station: MavutilStation
+) -> None:
+    page = skipper(visit, shore, "desktop")
+    view = open_plan(page)
+    tap_places(page, station, GOALS[:1])
+    planned(page, view)
+    hold(page, button(page, "Upload and start"), told(page, "Upload and start: asked"))
+    expect(told(page, re.compile("Upload and start: .*arm", re.IGNORECASE))).to_be_visible()
+    assert metres(sailed(station.download())[-1], GOALS[0]) < CLOSE_M
+
+
+def test_a_survey_stays_in_the_area_that_was_outlined(
+    visit: Visit, shore: ShoreBoat, station: MavutilStation
+) -> None:
+    page = skipper(visit, shore, "desktop")
+    view = open_plan(page)
+    page.get_by_label("Survey", exact=True).check()
+    tap_places(page, station, CORNERS)
+    page.get_by_label("Width of a track, m").fill("5")
+    page.get_by_label("Course of the tracks, °").fill("90")
+    planned(page, view)
+    press(page, button(page, "Upload"))
+    expect(told(page, re.compile("Upload: .*on board"))).to_be_visible()
+    way = sailed(station.download())
+    (west, south), (east, north) = CORNERS[0], CORNERS[2]
+    inside = [
+        one for one in way if west - 5e-5 < one[0] < east + 5e-5 and south - 3e-5 < one[1] < north + 3e-5
+    ]
+    assert len(inside) >= 6  # the area is 22 m high: tracks 5 m apart
+    assert max(lon for lon, _ in inside) - min(lon for lon, _ in inside) > 0.7 * (east - west)
+    assert max(lat for _, lat in inside) - min(lat for _, lat in inside) > 0.6 * (north - south)
+
+
+def test_files_are_imported_and_exported(
+    visit: Visit, shore: ShoreBoat, station: MavutilStation, tmp_path: Path
+) -> None:
+    page = skipper(visit, shore, "tablet")
+    view = open_plan(page)
+    tap_places(page, station, GOALS[1:])
+    voyage = planned(page, view)
+    plan = saved(page, voyage.get_by_role("link", name="Save the plan as: .plan"), tmp_path)
+    tree = json.loads(plan.read_text("utf-8"))
+    assert tree["fileType"] == "Plan"
+    items = [item["params"][5:3:-1] for item in tree["mission"]["items"] if item["command"] == WAYPOINT]
+    assert metres((items[-1][0], items[-1][1]), GOALS[-1]) < CLOSE_M
+    kml = saved(page, voyage.get_by_role("link", name="Save the plan as: KML"), tmp_path)
+    lines = ElementTree.parse(kml).iter(f"{_KML}coordinates")  # noqa: S314 (our own file)
+    corners = [corner.split(",") for line in lines for corner in (line.text or "").split()]
+    assert min(metres((float(lon), float(lat)), GOALS[-1]) for lon, lat, *_ in corners) < CLOSE_M
+    other = tmp_path / "harbour round.plan"
+    other.write_bytes(plan.read_bytes())
+    press(page, view.get_by_text("Files", exact=True))
+    with page.expect_file_chooser() as chooser:
+        press(page, button(page, "Import a file"))
+    chooser.value.set_files(other)
+    expect(voyage).to_contain_text("From harbour round")
+    expect(view).to_contain_text("Tap the places to sail to")  # the places of another plan are gone
+    press(page, button(page, "Upload"))
+    expect(told(page, re.compile("Upload: .*on board"))).to_be_visible()
+    assert metres(sailed(station.download())[-1], GOALS[-1]) < CLOSE_M
+    board = saved(page, page.get_by_role("link", name=re.compile(r"mission on board .*: GeoJSON")), tmp_path)
+    assert json.loads(board.read_text("utf-8"))["type"] == "FeatureCollection"
+    broken = tmp_path / "broken.gpx"
+    broken.write_text("<gpx><wpt", "utf-8")
+    with page.expect_file_chooser() as chooser:
+        press(page, button(page, "Import a file"))
+    chooser.value.set_files(broken)
+    expect(told(page, re.compile("✕ .*broken.gpx"))).to_be_visible()
+
+
+def saved(page: Page, link: Locator, folder: Path) -> Path:
+    """The file that a link gives."""
+    with page.expect_download() as download:
+        press(page, link)
+    path = folder / download.value.suggested_filename
+    download.value.save_as(path)
+    return path
