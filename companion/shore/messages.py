@@ -201,11 +201,19 @@ Role = Literal["viewer", "skipper"]  # skipper: has told the PIN
 
 
 class BoatName(Struct, frozen=True, kw_only=True):
-    """A boat of the fleet."""
+    """A boat of the fleet in short. name: empty if it has none; age_s: since it was heard, as of now."""
 
     id: int
-    name: str
+    name: str = ""
     heard_s: float | None = None
+    age_s: float | None = None
+    mode: str | None = None
+    armed: bool | None = None
+    state: str | None = None
+    percent: int | None = None
+    left_s: float | None = None
+    place: Place | None = None
+    heading_deg: float | None = None
 
 
 class Hello(Struct, frozen=True, kw_only=True, tag_field="type", tag="hello"):

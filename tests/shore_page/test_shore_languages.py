@@ -98,7 +98,7 @@ def page(browser: Browser, foreign_page: str) -> Iterator[Page]:
 def english(page: Page) -> list[str]:
     """What the page shows or names in Latin letters, but for what the boat or the map says."""
     said: list[str] = page.evaluate(
-        """() => ["#latest", "#lines span", ".wire", "#boats option", "#boat-name"]
+        """() => ["#latest", "#lines span", ".wire"]
             .flatMap((name) => [...document.querySelectorAll(name)].map((one) => one.textContent.trim()))"""
     )
     return [text for text in page.evaluate(SHOWN) if ENGLISH.search(text) and text not in said]

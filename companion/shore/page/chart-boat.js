@@ -48,9 +48,10 @@ export function drawSenses(pen, state, at, view, colour) {
   }
 }
 
-export function drawBoat(pen, state, at, view, colour) {
+// isHeard: one that is not is grey and dashed, and shows no course.
+export function drawBoat(pen, state, at, view, colour, isHeard) {
   const { heading_deg, course_deg, speed_m_s } = state;
-  if (course_deg !== null && course_deg !== undefined && speed_m_s > 0.15) {
+  if (isHeard && course_deg !== null && course_deg !== undefined && speed_m_s > 0.15) {
     const long = Math.max(speed_m_s * 10 * view.scale, HULL_PX); // where it is in 10 s
     const [dx, dy] = [Math.sin(radians(course_deg)), -Math.cos(radians(course_deg))];
     for (const [width, ink] of [[4, colour.halo], [2, colour.hullEdge]]) {
@@ -62,6 +63,17 @@ export function drawBoat(pen, state, at, view, colour) {
       pen.stroke();
     }
   }
+  drawHull(pen, heading_deg, at, view, colour, !isHeard ? colour.unheard : state.armed ? colour.route : colour.hull, !isHeard);
+}
+
+// Another boat: grey, with its name.
+export function drawOther(pen, { name, heading_deg }, at, view, colour) {
+  drawHull(pen, heading_deg, at, view, colour, colour.unheard, false);
+  pen.font = "600 13px system-ui, sans-serif";
+  text(pen, name, at[0], at[1] + HULL_PX / 2 + 12, colour.ink, colour.halo);
+}
+
+function drawHull(pen, heading_deg, at, view, colour, fill, isDashed) {
   pen.save();
   pen.translate(...at);
   pen.beginPath();
@@ -80,10 +92,11 @@ export function drawBoat(pen, state, at, view, colour) {
   pen.lineWidth = 6;
   pen.strokeStyle = colour.halo;
   pen.stroke();
-  pen.fillStyle = state.armed ? colour.route : colour.hull;
+  pen.fillStyle = fill;
   pen.fill();
   pen.lineWidth = 2.5;
   pen.strokeStyle = colour.hullEdge;
+  if (isDashed) pen.setLineDash([5, 4]);
   pen.stroke();
   pen.restore();
 }

@@ -1,5 +1,5 @@
 // The chart: map, boat, track, plan, on a canvas. It draws only when something changed.
-import { drawBoat, drawCurrent, drawNorth, drawScale, drawSenses, roundLength } from "./chart-boat.js";
+import { drawBoat, drawCurrent, drawNorth, drawOther, drawScale, drawSenses, roundLength } from "./chart-boat.js";
 import { colours } from "./chart-colours.js";
 import { drawDraft } from "./chart-draft.js";
 import { listen } from "./chart-input.js";
@@ -11,6 +11,7 @@ const MOST_DENSITY = 3; // of pixels: beyond it the canvas costs more than it sh
 const FOLLOW_SCALE = 2; // pixels a metre when the boat is first seen
 const STILL_PX = 0.3; // the boat has moved when it is so far from where it was drawn
 const MOST_AWAY_M = 60_000; // from the plane's origin
+const OTHER_PX = 26; // a tap so near to another boat means it
 const BUTTON_ZOOM = 1.6;
 const LOOK_SHARE = 0.8; // of the canvas
 const SHOWN = ["place", "heading_deg", "course_deg", "speed_m_s", "armed", "home", "progress", "current", "sonar", "obstacles"];
@@ -28,6 +29,8 @@ export function makeChart(canvas, words) {
   let track = [];
   let trackPlaces = [];
   let way = null;
+  let others = []; // boats besides the one that is watched: {id, name, place, heading_deg}
+  let isHeard = true;
   let draft = null; // of the Plan view: shown in the place of the way
   let tapped = () => {};
   let isFollowing = true;
@@ -145,10 +148,11 @@ export function makeChart(canvas, words) {
     }
     if (isCharted) drawNames(pen, map, view, colour, taken);
     if (draft !== null) drawDraft(pen, draft, pixel, colour);
+    for (const one of others) drawOther(pen, one, pixel(one.place), view, colour);
     if (state.place) {
       const at = pixel([state.place.lon, state.place.lat]);
       drawSenses(pen, state, at, view, colour);
-      drawBoat(pen, state, at, view, colour);
+      drawBoat(pen, state, at, view, colour, isHeard);
     }
     drawScale(pen, view, colour, words);
     drawNorth(pen, colour, words);
@@ -197,6 +201,27 @@ export function makeChart(canvas, words) {
     showWay(points) {
       way = points;
       changed();
+    },
+    showOthers(next) {
+      if (JSON.stringify(next) === JSON.stringify(others)) return;
+      others = next;
+      changed();
+    },
+    showHeard(isOn) {
+      if (isOn === isHeard) return;
+      isHeard = isOn;
+      changed();
+    },
+    follow: () => follow(true),
+    // The boat drawn near a place, or null.
+    otherAt(lat, lon) {
+      if (plane === null) return null;
+      const away = (place) => {
+        const [at, from] = [place, [lon, lat]].map((one) => view.toPixel(plane.to(one)));
+        return Math.hypot(at[0] - from[0], at[1] - from[1]);
+      };
+      const near = others.filter((one) => away(one.place) <= OTHER_PX).sort((a, b) => away(a.place) - away(b.place));
+      return near[0] ?? null;
     },
     // draft: {places, isArea, line} of [lon, lat], or null
     showDraft(next) {

@@ -9,6 +9,7 @@ export function makeGoThere(page, words, live, go, showWay) {
   let taps = 0;
   let sailed = null; // the way under way: shown until the boat leaves the mode in which it sails it
   let sailsIn = null; // that mode
+  let boat = null; // whose way it is
 
   const close = () => {
     wanted = null;
@@ -23,7 +24,7 @@ export function makeGoThere(page, words, live, go, showWay) {
   };
 
   page.sail.addEventListener("click", async () => {
-    if (wanted === null) return;
+    if (wanted === null || boat !== live.boat) return close();
     const asked = wanted;
     wanted = null;
     page.box.hidden = true;
@@ -41,6 +42,7 @@ export function makeGoThere(page, words, live, go, showWay) {
     if (!live.isSkipper) return go.tell(words.say("there.viewer"));
     if (!live.isConnected) return go.tell(words.say("go.lost"), false);
     close();
+    boat = live.boat;
     const number = taps;
     go.tell(words.say("there.planning"));
     const answer = await live.ask("route", { lat, lon });
@@ -61,6 +63,10 @@ export function makeGoThere(page, words, live, go, showWay) {
   };
 
   const showState = ({ mode }) => {
+    if (boat !== null && boat !== live.boat) {
+      [boat, sailed] = [null, null];
+      close();
+    }
     if (sailed === null) return;
     if (SAILING.includes(mode)) sailsIn = sailsIn ?? mode;
     if (sailsIn === null || mode === sailsIn) return;

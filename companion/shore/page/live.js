@@ -65,6 +65,7 @@ export class Live {
     this.snapshot = null;
     this.#giveUp((request) => request.boat !== boat);
     this.connect();
+    this.listeners.state({}, {}); // nothing of the boat before stays
   }
 
   // Resolves to {ok, text, result}, once. ok is null where it is not known whether the request was done.

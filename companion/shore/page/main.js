@@ -1,5 +1,6 @@
 // Wires the page: words, socket, and a module for each part.
 import { ChartData } from "./chart-data.js";
+import { chosenBoat, makeFleet, SILENT_S } from "./fleet.js";
 import { makeGoThere } from "./go-there.js";
 import { makeGo } from "./go.js";
 import { BoatClock } from "./heard.js";
@@ -13,7 +14,6 @@ import { makeWhy } from "./why.js";
 import { languageOf, Words } from "./words.js";
 
 const TICK_MS = 500;
-const SILENT_S = 4; // of the boat: its heartbeat comes every second
 const at = (id) => document.getElementById(id);
 const now_s = () => Date.now() / 1000;
 
@@ -61,7 +61,7 @@ async function start() {
 
   const live = new Live({
     hello: (message) => {
-      showBoats(message.boats);
+      fleet.showBoats(message.boats);
       showLink();
       if (live.boat !== null) data?.connected(live.boat);
     },
@@ -77,7 +77,7 @@ async function start() {
     },
     link: () => showLink(),
     told: words.told,
-  });
+  }, { boat: chosenBoat(location) });
 
   const go = makeGo(
     {
@@ -107,22 +107,22 @@ async function start() {
       linkShown = level;
       setText(at("link-news"), link);
     }
+    chart?.showHeard(level === "good");
     go.showLink();
     showPin();
   }
 
-  function showBoats(boats) {
-    const known = boats.map((boat) => new Option(boat.name || words.say("boat.number", { n: boat.id }), boat.id, false, boat.id === live.boat));
-    at("boats").replaceChildren(...known);
-    at("boats").hidden = boats.length < 2;
-    at("boat-name").hidden = boats.length > 1;
-    setText(at("boat-name"), known[0]?.text ?? words.say("page.title"));
-  }
-  at("boats").addEventListener("change", () => live.choose(Number(at("boats").value)));
+  let chart = null;
+  const fleet = makeFleet(
+    {
+      toggle: at("boats"), name: at("boats-name"), sign: at("boats-sign"), title: at("boat-name"), box: at("fleet"), list: at("fleet-list"),
+      other: at("other"), otherText: at("other-text"), choose: at("other-choose"), cancel: at("other-cancel"),
+    },
+    words, live, go, () => chart,
+  );
   addEventListener("online", () => live.hurry());
   document.addEventListener("visibilitychange", () => document.hidden || live.hurry());
 
-  let chart = null;
   const there = makeGoThere(
     { box: at("there"), text: at("there-text"), sail: at("sail"), cancel: at("cancel") },
     words, live, go, (points) => chart?.showWay(points),
@@ -135,7 +135,8 @@ async function start() {
   chart = await loadChart(words);
   if (chart !== null) {
     data = new ChartData(chart);
-    chart.onTap(views.tap);
+    const main = document.querySelector("main");
+    chart.onTap((lat, lon) => (main.dataset.view === "sail" && fleet.tap(lat, lon)) || views.tap(lat, lon));
     if (live.boat !== null) data.connected(live.boat);
     if (live.snapshot !== null) data.showState(live.snapshot, now_s());
   }

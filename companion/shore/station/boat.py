@@ -5,7 +5,7 @@ from typing import Any, Final
 
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
-from companion.shore.messages import Answer, Request, Sensor, Snapshot
+from companion.shore.messages import Answer, BoatName, Request, Sensor, Snapshot
 from companion.shore.parameters.book import WANTED as PARAMETER_MESSAGES
 from companion.shore.parameters.book import Book
 from companion.shore.station.commands import Answered, Commands
@@ -186,6 +186,24 @@ class ShoreBoat:
             self._commands.replace_steering()
         self.lists.pause(now_s)
         self._sailing.ask(upload, answered, now_s)
+
+    def in_short(self, name: str, unix_s: float) -> BoatName:
+        """The boat's line in the list of boats."""
+        view = self.view
+        battery = view.battery
+        return BoatName(
+            id=self.address.system,
+            name=name,
+            heard_s=self.heard_s,
+            age_s=None if self.heard_s is None else round(max(unix_s - self.heard_s, 0.0), 1),
+            mode=view.mode,
+            armed=view.armed,
+            state=view.state,
+            percent=None if battery is None else battery.percent,
+            left_s=None if battery is None else battery.left_s,
+            place=view.place,
+            heading_deg=view.heading_deg,
+        )
 
     def snapshot(self) -> Snapshot:
         """The boat as the page shows it; without links, temperature and disk."""

@@ -97,7 +97,7 @@ class Boats:
     def names(self) -> list[BoatName]:
         """The boats, by system id."""
         return [
-            BoatName(id=number, name=self._names.get(number, f"Boat {number}"), heard_s=boat.heard_s)
+            boat.in_short(self._names.get(number, ""), self._unix_s)
             for number, boat in sorted(self._boats.items())
         ]
 

@@ -57,12 +57,32 @@ def test_two_boats_are_told_apart() -> None:
     other = Rig(config={"identity.system_id": 2})
     rig = Rig()
     shore = Shore(rig, other).ready()
-    assert [(one.id, one.name) for one in shore.boats.names()] == [(1, "Boat 1"), (2, "Boat 2")]
+    assert [(one.id, one.name) for one in shore.boats.names()] == [(1, ""), (2, "")]
     assert shore.ask("arm", boat=2).ok
     assert shore.ask("set_mode", {"mode": "LOITER"}, boat=2).ok
     assert (rig.boat.vehicle.armed, other.boat.vehicle.armed) == (False, True)
     shore.run(1.5)
     assert (shore.snapshot(1).mode, shore.snapshot(2).mode) == ("HOLD", "LOITER")
+    first, second = shore.boats.names()
+    assert (first.mode, first.armed, second.mode, second.armed) == ("HOLD", False, "LOITER", True)
+    for one in (first, second):
+        seen = shore.snapshot(one.id)
+        assert seen.battery is not None
+        assert (one.place, one.heading_deg, one.percent) == (
+            seen.place,
+            seen.heading_deg,
+            seen.battery.percent,
+        )
+        assert one.percent is not None
+        assert one.age_s is not None
+        assert one.age_s < 1.1
+    shore.ends[1].loss = 1.0
+    shore.run(5.0)
+    first, second = shore.boats.names()
+    assert first.age_s is not None
+    assert first.age_s < 1.1
+    assert second.age_s is not None
+    assert 4.9 < second.age_s < 6.5
 
 
 def test_a_silent_boat_keeps_its_last_values_and_their_age() -> None:

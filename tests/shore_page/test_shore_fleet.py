@@ -1,0 +1,127 @@
+"""Several boats in one page: the list, and that only the chosen one does what is pressed."""
+
+import re
+import socket
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import pytest
+from finger import hold, press
+from mavutil_station import MavutilStation
+from page_rig import WAIT_MS, ShoreBoat, Visit, button, needs_chromium, start_shore, told, unlock
+from playwright.sync_api import Page, expect
+from pymavlink.dialects.v20 import all as dialect
+
+from companion.core.modes import Mode
+
+pytest_plugins = ("page_fixtures",)
+pytestmark = [pytest.mark.realtime, needs_chromium]
+
+FOLLOW_SCALE = 2.0  # of chart.js: pixels a metre at first
+GONE = 77
+
+
+class Seen(NamedTuple):
+    """Stations that see a boat each."""
+
+    first: MavutilStation
+    second: MavutilStation
+
+
+@pytest.fixture(scope="module")
+def shore(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ShoreBoat]:
+    """Three boats."""
+    boats = start_shore(tmp_path_factory.mktemp("fleet") / "room", "--count", "3", "--speedup", "2")
+    yield boats
+    boats.program.close()
+
+
+@pytest.fixture
+def seen(shore: ShoreBoat) -> Iterator[Seen]:
+    second = int(shore.program.wait_for(r"system 2 on tcpin:127\.0\.0\.1:(\d+)$")[1])
+    stations = Seen(MavutilStation(shore.tcp, 255), MavutilStation(second, 254))
+    yield stations
+    for station in stations:
+        station.close()
+
+
+def modes(station: MavutilStation, boat: int, boat_s: float) -> set[int]:
+    """Of a boat from now on, for a time of its own."""
+    heard = [one for one in station.listen(boat_s) if one.get_type() == "HEARTBEAT"]
+    return {one.custom_mode for one in heard if (one.get_srcSystem(), one.get_srcComponent()) == (boat, 1)}
+
+
+def boats_button(page: Page, name: str) -> None:
+    expect(page.get_by_role("button", name=re.compile(f"^{name}"), expanded=False)).to_be_visible()
+
+
+def test_only_the_boat_that_is_chosen_does_what_is_pressed(
+    visit: Visit, shore: ShoreBoat, seen: Seen
+) -> None:
+    page = visit("phone")
+    unlock(page, shore.pin)
+    expect(button(page, "Hold")).to_be_enabled()
+    press(page, page.get_by_role("button", name=re.compile("^Boat 1"), expanded=False))
+    rows = page.get_by_role("region", name="Boats").get_by_role("button")
+    expect(rows).to_have_count(3)
+    for row in rows.all():
+        expect(row).to_contain_text(re.compile(r"Boat \d.*Disarmed.*Battery.*heard\s\d+\ss\sago"))
+    expect(rows.nth(0)).to_have_attribute("aria-current", "true")
+    press(page, rows.nth(1))
+    expect(told(page, "Boat 2 is chosen")).to_be_visible()
+    boats_button(page, "Boat 2")
+    page.reload()
+    boats_button(page, "Boat 2")
+    expect(button(page, "Hold")).to_be_enabled()
+    before = modes(seen.first, 1, 2.0)
+    hold(page, button(page, "Hold"), told(page, "Hold: The boat keeps its place"))
+    seen.second.wait_for(
+        "HEARTBEAT",
+        lambda beat: (beat.get_srcSystem(), beat.get_srcComponent(), beat.custom_mode) == (2, 1, Mode.LOITER),
+    )
+    assert modes(seen.first, 1, 4.0) == before
+    assert Mode.LOITER not in before
+    press(page, page.get_by_role("button", name=re.compile("^Boat 2"), expanded=False))
+    expect(rows.nth(1)).to_contain_text("Keeps its place")
+    expect(rows.nth(0)).not_to_contain_text("Keeps its place")
+    page.keyboard.press("Escape")
+    expect(rows.first).to_be_hidden()
+
+
+def test_a_tap_near_another_boat_offers_to_choose_it(visit: Visit, shore: ShoreBoat) -> None:
+    page = visit("phone")
+    boats_button(page, "Boat 1")
+    chart = page.locator("#chart")
+    box = chart.bounding_box()
+    assert box is not None
+    east_px, north_px = page.evaluate(
+        """async (scale) => {
+            const [own, other] = (await (await fetch("/api/boats")).json()).map((boat) => boat.place);
+            const { Plane } = await import("/chart-view.js");
+            return new Plane(own.lon, own.lat).to([other.lon, other.lat]).map((metres) => metres * scale);
+        }""",
+        FOLLOW_SCALE,
+    )
+    press(page, chart, {"x": box["width"] / 2.0 + east_px, "y": box["height"] / 2.0 - north_px})
+    expect(page.get_by_text("Boat 2 is here. Choose it?")).to_be_visible()
+    press(page, button(page, "Choose Boat 2"))
+    boats_button(page, "Boat 2")
+    assert "boat=2" in page.url
+    expect(page.get_by_text("Boat 2 is here. Choose it?")).to_be_hidden()
+
+
+def test_a_boat_that_falls_silent_is_marked(visit: Visit, shore: ShoreBoat) -> None:
+    page = visit("desktop")
+    boats_button(page, "Boat 1")
+    options = shore.options()
+    port = int(options[options.index("--connect") + 1].rpartition(":")[2])
+    beat = dialect.MAVLink_heartbeat_message(dialect.MAV_TYPE_SURFACE_BOAT, 3, 1, 0, 3, 3)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:
+        wire.sendto(beat.pack(dialect.MAVLink(None, GONE, 1)), ("127.0.0.1", port))
+        expect(page.get_by_role("button", name=re.compile("a boat is not heard"))).to_be_visible()
+    press(page, page.get_by_role("button", name=re.compile("^Boat 1"), expanded=False))
+    row = page.get_by_role("button", name=re.compile(f"^Boat {GONE}"))
+    expect(row).to_contain_text(re.compile(r"not heard for \d+\ss"))
+    press(page, row)
+    expect(page.locator("#now-battery .value")).to_have_text("–")
+    expect(page.get_by_text("Boat not heard.").first).to_be_visible(timeout=WAIT_MS)
