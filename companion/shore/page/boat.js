@@ -2,9 +2,10 @@
 // `title`, a key of the words; it returns what it wants to hear, as a view does.
 import { element } from "./elements.js";
 import * as board from "./boat-board.js";
+import * as parameters from "./boat-parameters.js";
 import * as sensors from "./boat-sensors.js";
 
-const PANELS = [sensors, board];
+const PANELS = [sensors, parameters, board];
 
 export function makeView(box, page) {
   const panels = PANELS.map(({ title, makePanel }, index) => {
