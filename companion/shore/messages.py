@@ -162,6 +162,14 @@ class Calibration(_Told, frozen=True, kw_only=True):
     offset_mg: list[float] | None = None
 
 
+class LogFile(Struct, frozen=True, kw_only=True):
+    """A log on the boat. at_s: Unix time of its end; None if it is not known."""
+
+    name: str
+    bytes: int
+    at_s: float | None = None
+
+
 class Snapshot(Struct, frozen=True, kw_only=True):
     """A boat as the page shows it. heard_s: Unix time of the latest heartbeat."""
 

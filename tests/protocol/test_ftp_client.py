@@ -18,6 +18,7 @@ from companion.shore.station.ftp.blocks import WINDOW_BYTES
 from companion.shore.station.ftp.client import MOST_WAITING, FtpClient
 from companion.shore.station.ftp.jobs import Entry, FtpFailure
 from companion.shore.station.ftp.reading import Reading
+from companion.shore.words import say
 from sitl.radio.channel import Channel, Quality
 
 TICK_S = 0.02
@@ -158,7 +159,7 @@ def test_a_log_that_is_another_one_after_a_restart_is_refused(tmp_path: Path) ->
     put_log(tmp_path, 300_000, seed=4)
     line.reboot()
     line.until_ended()
-    assert line.ended == [FtpFailure("The file on the boat is another one than before")]
+    assert line.ended == [FtpFailure(say("file.other"))]
 
 
 def test_a_file_that_may_change_begins_anew_after_a_restart(tmp_path: Path) -> None:
@@ -209,7 +210,7 @@ def test_one_who_waits_can_be_cancelled_and_the_line_has_an_end(tmp_path: Path) 
     line = Line(tmp_path, bad(0.0), 5)
     sinks = [Bin() for _ in range(MOST_WAITING + 2)]
     jobs = [line.read(sink) for sink in sinks]
-    assert line.ended == [FtpFailure("Too many files of the boat are asked for at once")]
+    assert line.ended == [FtpFailure(say("file.busy"))]
     line.client.cancel(jobs[3])
     line.until_ended(MOST_WAITING + 1)
     assert [len(sink.content) for sink in sinks] == [1000] * 3 + [0] + [1000] * (MOST_WAITING - 3) + [0]
@@ -220,7 +221,7 @@ def test_a_file_beyond_the_limit_is_refused_before_it_is_read(tmp_path: Path) ->
     line, sink = Line(tmp_path, bad(0.0), 5), Bin()
     line.client.read(PATH, sink, line.ended.append, most_bytes=49_999)
     line.until_ended()
-    assert line.ended == [FtpFailure("The file has 50 kB; at most 49 kB are read")]
+    assert line.ended == [FtpFailure(say("file.too_large", n=50, most=49))]
     assert sink.sizes == []
 
 
@@ -228,11 +229,11 @@ def test_a_missing_file_and_a_silent_boat_are_told(tmp_path: Path) -> None:
     line = Line(tmp_path, bad(0.0), 5)
     line.read(Bin(), "logs/99999.bin")
     line.until_ended()
-    assert line.ended == [FtpFailure("The boat has no such file or folder", Code.FILE_NOT_FOUND)]
+    assert line.ended == [FtpFailure(say("file.not_found"), Code.FILE_NOT_FOUND)]
     line.down.quality = Quality(loss=1.0)
     line.client.list_folder("logs", line.ended.append)
     line.until_ended(2, limit_s=30.0)
-    assert line.ended[1] == FtpFailure("The boat does not answer")
+    assert line.ended[1] == FtpFailure(say("file.no_answer"))
 
 
 @pytest.mark.parametrize("loss", [0.0, 0.2, 0.4])
@@ -358,3 +359,22 @@ def test_whatever_a_boat_answers_the_transfer_ends_and_a_success_has_its_bytes(
     if not lies and announced is None:
         assert ended == [None]
     assert len(sink.content) <= 100_000
+
+
+def test_long_logs_take_turns_and_a_slow_reader_holds_up_nobody(tmp_path: Path) -> None:
+    content = put_log(tmp_path, 500_000)
+    other = put_log(tmp_path, 4_000_000, seed=8, name="00002.bin")
+    line = Line(tmp_path, bad(0.0), 5)
+    slow, quick = Bin(0), Bin()
+    line.read(slow)
+    line.read(quick, "logs/00002.bin")
+    small: list[float] = []
+    line.client.read_whole("@PARAM/param.pck", lambda _: small.append(line.now_s))
+    line.until_ended(limit_s=60.0)
+    assert quick.content == other
+    assert small[0] < 6.0, "a small file waited for a large one"
+    assert slow.content == b""
+    slow.rooms = len(content)
+    line.until_ended(2, limit_s=60.0)
+    assert (line.ended, slow.content) == ([None, None], content)
+    assert (slow.sizes, quick.sizes) == ([len(content)], [len(other)])

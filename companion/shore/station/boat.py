@@ -11,6 +11,7 @@ from companion.shore.parameters.book import Book
 from companion.shore.station.commands import Answered, Commands
 from companion.shore.station.ftp.client import FtpClient
 from companion.shore.station.items import ItemLists
+from companion.shore.station.logs import LogList
 from companion.shore.station.reasons import Reasons
 from companion.shore.station.requests import BadRequestError, build_command, way_points
 from companion.shore.station.sailing import Sailing
@@ -42,7 +43,7 @@ _MISSION_MESSAGES: Final = frozenset(
 _RESTARTED_MS: Final = 5_000  # the boat's clock goes back by more than messages overtake each other
 WANTED: Final = _MISSION_MESSAGES | PARTS | PARAMETER_MESSAGES | SETTING_UP | HANDLERS.keys() | {
     dialect.MAVLINK_MSG_ID_COMMAND_ACK, dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL,
-    dialect.MAVLINK_MSG_ID_STATUSTEXT,
+    dialect.MAVLINK_MSG_ID_LOG_ENTRY, dialect.MAVLINK_MSG_ID_STATUSTEXT,
 }  # fmt: skip
 
 
@@ -55,6 +56,7 @@ class ShoreBoat:
         self.view = View()
         self.lists = ItemLists(address, own, send)
         self.files = FtpClient(address, own, send)
+        self.logs = LogList(address, send, self.files)
         self.texts = Texts()
         self.reasons = Reasons()
         self._send = send
@@ -97,6 +99,8 @@ class ShoreBoat:
             self._commands.on_ack(message, now_s)
         elif number == dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL:
             self.files.handle(message, now_s)
+        elif number == dialect.MAVLINK_MSG_ID_LOG_ENTRY:
+            self.logs.handle(message)
         elif number == dialect.MAVLINK_MSG_ID_STATUSTEXT:
             for text in self.texts.ingest(message, now_s, unix_s):
                 self._on_text(text, now_s)
@@ -125,6 +129,7 @@ class ShoreBoat:
         self._commands.poll(now_s)
         self._setup.poll(now_s, view.armed)
         self.files.poll(now_s)
+        self.logs.poll(now_s)
         self._sailing.poll(now_s)
         is_heard = now_s - self._heartbeat_s < SILENT_S
         self.parameters.poll(now_s, is_heard)

@@ -22,6 +22,7 @@ from companion.shore.station.boat import WANTED, ShoreBoat
 from companion.shore.station.commands import Answered
 from companion.shore.station.ftp.client import FtpClient
 from companion.shore.station.items import Kind
+from companion.shore.station.logs import LogList
 from companion.shore.station.uploads import Upload
 from companion.shore.station.wire import AUTOPILOT, OWN_COMPONENT, Link, Port, heartbeat
 from companion.shore.words import say
@@ -149,6 +150,11 @@ class Boats:
         """A boat's parameters; None if it was never heard."""
         one = self._boats.get(boat)
         return None if one is None else one.parameters
+
+    def logs(self, boat: int) -> LogList | None:
+        """The boat's logs; None if it was never heard."""
+        one = self._boats.get(boat)
+        return None if one is None else one.logs
 
     def ask(self, request: Request, answer: Callable[[Answer], None]) -> None:
         """Do what the page asks. answer is called exactly once, within 10 s if polled."""

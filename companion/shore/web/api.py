@@ -12,6 +12,7 @@ from companion.shore.web.board_api import ROWS as BOARD_ROWS
 from companion.shore.web.guard import cookie_name, cookie_of, error, peer_of
 from companion.shore.web.hub import Hub
 from companion.shore.web.interfaces import ItemKind
+from companion.shore.web.logs.api import ROWS as LOGS
 from companion.shore.web.parameters_api import ROWS as PARAMETERS
 from companion.shore.web.plan_api import ROWS as PLAN_ROWS
 from companion.shore.web.rows import BOAT, Handler, Row, boat_of, json_answer, read_body
@@ -102,6 +103,7 @@ TABLE: Final = (
     Row("GET", f"{BOAT}/fence", _items("fence")),
     Row("GET", f"{BOAT}/rally", _items("rally")),
     Row("GET", f"{BOAT}/track", _track),
+    *LOGS,
     *SETUP,
     *PLAN_ROWS,
     *PARAMETERS,

@@ -12,6 +12,7 @@ from companion.shore.plans.uploading import PlanUploads
 from companion.shore.web.feed import Feed, Viewer
 from companion.shore.web.interfaces import Boats, Chart, Clock, Service
 from companion.shore.web.ledger import Ledger, Reply
+from companion.shore.web.logs.desk import Logs
 from companion.shore.web.session import Sessions
 from companion.shore.web.ways import Ways
 from companion.shore.words import say
@@ -52,6 +53,7 @@ class Hub:
         self.chart = chart
         self.sessions = sessions
         self.clock = clock
+        self.logs = Logs(boats, clock)
         self.watches: list[Watch] = []
         self._feeds: dict[int, Feed] = {}
         self._ledger = Ledger()

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Literal, Protocol
 
 from companion.mavlink.items import MissionItem
-from companion.shore.messages import Answer, BoatName, Place, Request, Sensor, Snapshot
+from companion.shore.messages import Answer, BoatName, LogFile, Place, Request, Sensor, Snapshot
 from companion.shore.parameters.book import Book
 from companion.shore.station.uploads import Upload
 
@@ -26,6 +26,63 @@ class Service(Protocol):
 
     def ask(self, request: Request, reply: Callable[[Answer], None], /) -> None:
         """Do a request; `reply` is called once, now or later."""
+
+
+class FileSink(Protocol):
+    """Where a file goes as it comes."""
+
+    def begin(self, size: int) -> None:
+        """A file begins, or begins anew. size: in bytes."""
+
+    def write(self, data: bytes) -> None:
+        """What follows on the bytes so far."""
+
+    def room(self) -> int:
+        """Bytes that it takes now."""
+
+
+class Failure(Protocol):
+    """Why a transfer has failed."""
+
+    @property
+    def text(self) -> str:
+        """For people."""
+
+
+class Files(Protocol):
+    """Files of a boat. A callback is called once, never after `cancel`."""
+
+    def read(
+        self,
+        path: str,
+        sink: FileSink,
+        done: Callable[[Failure | None], None],
+        *,
+        most_bytes: int,
+        grows: bool = False,
+    ) -> Any:  # noqa: ANN401 (only for cancel)
+        """A file into a sink; returns the transfer."""
+
+    def cancel(self, job: Any, /) -> None:  # noqa: ANN401
+        """End a transfer."""
+
+
+class LogList(Protocol):
+    """The logs of a boat, newest first; None with a failure, or while they are fetched."""
+
+    @property
+    def logs(self) -> list[LogFile] | None:
+        """Newest first."""
+
+    @property
+    def failure(self) -> str | None:
+        """Why there is none."""
+
+    def request(self) -> None:
+        """Read the list again if it is old."""
+
+    def path(self, name: str) -> str | None:
+        """Where a listed log is; None for another name."""
 
 
 class Boats(Service, Protocol):
@@ -62,6 +119,12 @@ class Boats(Service, Protocol):
 
     def parameters(self, boat: int) -> Book | None:
         """A boat's parameters; None before its first heartbeat."""
+
+    def files(self, boat: int) -> Files | None:
+        """A boat's files; None before its first heartbeat."""
+
+    def logs(self, boat: int) -> LogList | None:
+        """A boat's logs; None before its first heartbeat."""
 
     def ask(self, request: Request, answer: Callable[[Answer], None]) -> None:
         """Do a request; `answer` is called once, now or from a later poll."""

@@ -66,6 +66,7 @@ def make_app(
 
     async def on_shutdown(_app: web.Application) -> None:
         hub.plans.close()
+        hub.logs.voyages.close()
         await sockets.close()
 
     app.on_shutdown.append(on_shutdown)

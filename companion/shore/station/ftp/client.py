@@ -1,7 +1,8 @@
 """Files of one boat by MAVLink FTP, as a station reads them. No I/O: handle, poll, and callbacks.
 
-One transfer is under way at a time; others wait in line. `list_folder`, `read` and `read_whole` return the
-job, which `cancel` ends. A callback is called once, never after `cancel`, and may ask for more.
+One transfer is under way at a time; others wait in line, and logs take turns with them. `list_folder`, `read`
+and `read_whole` return the job, which `cancel` ends. A callback is called once, never after `cancel`, and may
+ask for more.
 """
 
 from collections import deque
@@ -15,8 +16,11 @@ from companion.shore.station.ftp.asking import Asking
 from companion.shore.station.ftp.blocks import WINDOW_BYTES
 from companion.shore.station.ftp.jobs import Entry, FtpFailure, Job, Listing, Sink
 from companion.shore.station.ftp.reading import Reading
+from companion.shore.words import say
 
 MOST_WAITING: Final = 16
+TURN_S: Final = 3.0  # of a long file while others wait
+PAUSED_TURN_S: Final = 0.5  # of one whose reader is slow
 MOST_WHOLE_BYTES: Final = 2_000_000
 
 
@@ -44,7 +48,7 @@ class FtpClient:
         self._asking = Asking(boat, send)
         self._jobs: deque[Job] = deque()  # the first one is under way
         self._is_started = False
-        self._now_s = 0.0
+        self._began_s = self._now_s = 0.0
 
     @property
     def is_busy(self) -> bool:
@@ -118,16 +122,25 @@ class FtpClient:
 
     def _add(self, job: Job) -> None:
         if len(self._jobs) > MOST_WAITING:
-            job.refuse(FtpFailure("Too many files of the boat are asked for at once"))
+            job.refuse(FtpFailure(say("file.busy")))
         else:
             self._jobs.append(job)
 
     def _next(self) -> None:
-        """Begin the next transfer once the one before is over."""
+        """Begin the next transfer once the one before is over, or gives way."""
         if self._is_started and self._jobs[0].is_over:
             self._asking.drop()
-            self._jobs.popleft()
+            job = self._jobs.popleft()
+            if job.is_yielded:
+                self._jobs.append(job)
             self._is_started = False
-        if self._jobs and not self._is_started:
+        if not self._jobs:
+            return
+        job = self._jobs[0]
+        if not self._is_started:
             self._is_started = True
-            self._jobs[0].start(self._now_s)
+            self._began_s = self._now_s
+            job.start(self._now_s)
+        elif len(self._jobs) > 1:
+            turn_s = PAUSED_TURN_S if job.is_paused else TURN_S
+            job.shall_yield |= self._now_s - self._began_s >= turn_s

@@ -5,15 +5,15 @@ from typing import Final, NamedTuple, Protocol
 
 from companion.mavlink.ftp_frames import Code, Opcode, Reply
 from companion.shore.station.ftp.asking import Asking
+from companion.shore.words import Said, say
 
 MOST_ENTRIES: Final = 4000
-NO_ANSWER: Final = "The boat does not answer"
-_REASONS: Final[dict[int, str]] = {
-    Code.INVALID_SESSION: "The boat has closed the file",
-    Code.NO_SESSIONS_AVAILABLE: "The boat has too many files open",
-    Code.UNKNOWN_COMMAND: "The boat offers no files",
-    Code.FILE_PROTECTED: "The boat does not give this file away",
-    Code.FILE_NOT_FOUND: "The boat has no such file or folder",
+_REASONS: Final[dict[int, Said]] = {
+    Code.INVALID_SESSION: say("file.closed"),
+    Code.NO_SESSIONS_AVAILABLE: say("file.too_many_open"),
+    Code.UNKNOWN_COMMAND: say("file.none"),
+    Code.FILE_PROTECTED: say("file.protected"),
+    Code.FILE_NOT_FOUND: say("file.not_found"),
 }
 
 
@@ -32,9 +32,16 @@ class Entry(NamedTuple):
 
 
 class Job(Protocol):
-    """A transfer, once it is the one under way."""
+    """A transfer, once it is the one under way.
+
+    is_over: the next one may begin. is_yielded: it goes on later. is_paused: it waits for its reader.
+    shall_yield: set while others wait.
+    """
 
     is_over: bool
+    is_yielded: bool
+    is_paused: bool
+    shall_yield: bool
 
     def start(self, now_s: float) -> None:
         """Begin."""
@@ -68,16 +75,15 @@ class Sink(Protocol):
 def failure_of(reply: Reply | None) -> FtpFailure:
     """For people."""
     if reply is None:
-        return FtpFailure(NO_ANSWER)
-    text = _REASONS.get(reply.code) or f"The boat cannot read this (FTP error {reply.code})"
-    return FtpFailure(text, reply.code)
+        return FtpFailure(say("file.no_answer"))
+    return FtpFailure(_REASONS.get(reply.code) or say("file.error", n=reply.code), reply.code)
 
 
 class Listing:
     """A folder's entries. done: called once with them, or with why there are none."""
 
     def __init__(self, asking: Asking, path: str, done: Callable[[list[Entry] | FtpFailure], None]) -> None:
-        self.is_over = False
+        self.is_over = self.is_yielded = self.is_paused = self.shall_yield = False
         self._asking = asking
         self._path = path.encode()
         self._done = done

@@ -19,6 +19,7 @@ Theory of operation
 - A session that the boat does not know any more (it has restarted, or closed the file) is opened again,
   REOPEN times at most. A file that grows goes on where it was, if it is not shorter and the last block is
   the same; another begins anew, as its content may have changed.
+- `shall_yield` makes a file that grows close before its next burst; it goes on when it has its next turn.
 - While the sink has no room, a byte is read from time to time, so that the boat keeps the session.
 """
 
@@ -28,7 +29,8 @@ from typing import Final
 from companion.mavlink.ftp_frames import DATA_BYTES, Code, Opcode, Reply
 from companion.shore.station.ftp.asking import Asking, is_of_burst
 from companion.shore.station.ftp.blocks import WINDOW_BYTES, Blocks
-from companion.shore.station.ftp.jobs import NO_ANSWER, FtpFailure, Sink, failure_of
+from companion.shore.station.ftp.jobs import FtpFailure, Sink, failure_of
+from companion.shore.words import say
 
 QUIET_S: Final = 0.7  # after which a burst is over: its rest, or its request, is lost
 IN_FLIGHT: Final = 24  # READ_FILE requests; the boat queues 32 of a station while it waits for its disk
@@ -54,6 +56,9 @@ class Reading:
         grows: bool,
     ) -> None:
         self.is_over = False
+        self.is_paused = False  # the sink has no room
+        self.is_yielded = False  # over for this turn only
+        self.shall_yield = False
         self.size: int | None = None  # as the boat named it
         self._asking = asking
         self._path = path.encode()
@@ -78,7 +83,8 @@ class Reading:
         return self._blocks.done
 
     def start(self, now_s: float) -> None:
-        """Open the file."""
+        """Open the file, for the first time or again."""
+        self.is_over = self.is_yielded = self.shall_yield = self.is_paused = False
         self._polled_s = self._polled_s or now_s
         self._asking.drop()
         self._asked.clear()
@@ -112,7 +118,7 @@ class Reading:
         if self._done is None:
             return
         if self._spent_s > _GRACE_S + self._blocks.end / LEAST_BYTES_S:
-            self._finish(FtpFailure("The boat sends the file too slowly"), now_s)
+            self._finish(FtpFailure(say("file.slow")), now_s)
             return
         if self._is_bursting and now_s - self._quiet_s > QUIET_S:
             self._end_burst()
@@ -120,6 +126,7 @@ class Reading:
 
     def cancel(self, now_s: float) -> None:
         """End: close the file on the boat."""
+        self.is_yielded = False
         if self._done is None:
             return
         self._done = None
@@ -155,14 +162,14 @@ class Reading:
         self._kept_s = now_s
         if size > self._most_bytes:
             kb, most_kb = size // 1000, self._most_bytes // 1000
-            self._finish(FtpFailure(f"The file has {kb} kB; at most {most_kb} kB are read"), now_s)
+            self._finish(FtpFailure(say("file.too_large", n=kb, most=most_kb)), now_s)
         elif self.size is None or not self._grows:
             self.size = size
             self._blocks = Blocks(size)
             self._sink.begin(size)
             self._step(now_s)
         elif size < self.size:
-            self._finish(FtpFailure("The file on the boat is shorter than it was"), now_s)
+            self._finish(FtpFailure(say("file.shorter")), now_s)
         else:
             self._blocks = Blocks(self.size, self._blocks.done)
             self._check_tail(now_s)
@@ -178,9 +185,9 @@ class Reading:
         def answered(reply: Reply | None, at_s: float) -> None:
             self._asked.discard(at)
             if reply is None:
-                self._finish(FtpFailure(NO_ANSWER), at_s)
+                self._finish(failure_of(None), at_s)
             elif reply.data != self._tail:
-                self._finish(FtpFailure("The file on the boat is another one than before"), at_s)
+                self._finish(FtpFailure(say("file.other")), at_s)
             else:
                 self._step(at_s)
 
@@ -199,14 +206,20 @@ class Reading:
             return
         if blocks.done >= blocks.end:
             is_short = self._grows and self.size is not None and blocks.end < self.size
-            self._finish(FtpFailure("The file on the boat ends too early") if is_short else None, now_s)
+            self._finish(FtpFailure(say("file.short")) if is_short else None, now_s)
             return
         if len(self._asked) >= IN_FLIGHT:
             return
         if blocks.done < blocks.high or self._asked:
             self._read_gaps(now_s)
             return
-        if self._sink.room() < min(WINDOW_BYTES, blocks.end - blocks.done):
+        if self.shall_yield and self._grows:
+            self.is_yielded = True
+            self._opened -= 1
+            self._close(now_s)
+            return
+        self.is_paused = self._sink.room() < min(WINDOW_BYTES, blocks.end - blocks.done)
+        if self.is_paused:
             self._keep(now_s)
             return
         blocks.open()
@@ -239,7 +252,7 @@ class Reading:
         def answered(reply: Reply | None, at_s: float) -> None:
             self._asked.discard(at)
             if reply is None and at_s - self._new_s > SILENT_S:
-                self._finish(FtpFailure(NO_ANSWER), at_s)
+                self._finish(failure_of(None), at_s)
             elif reply is None:  # lost each time, while others come through
                 self._step(at_s)
             elif reply.code == Code.END_OF_FILE or not (reply.code or reply.data):
@@ -271,7 +284,7 @@ class Reading:
 
         def answered(reply: Reply | None, at_s: float) -> None:
             if reply is None:
-                self._finish(FtpFailure(NO_ANSWER), at_s)
+                self._finish(failure_of(None), at_s)
             elif reply.code:
                 self._reopen(reply, at_s)
 
@@ -296,6 +309,7 @@ class Reading:
         if self._session is None:
             self.is_over = True
             return
+        self._asked.clear()
 
         def answered(reply: Reply | None, at_s: float) -> None:  # noqa: ARG001
             self.is_over = True

@@ -24,6 +24,7 @@ BY_DATA = (
     "sensor.",
     "views.",
     "reason.",
+    "logs.event.",
 )  # looked up by a name that is not in the source
 SAID = re.compile(r"""\bsay\(\s*"([^"]+)\"""")
 KEY = re.compile(r"""["'`]([a-z]+(?:\.[a-z_0-9]+)+)["'`]""")

@@ -18,7 +18,7 @@ from companion.shore.parameters.book import Book
 from companion.shore.plans.desk import Sources
 from companion.shore.station.uploads import Upload
 from companion.shore.web.hub import Hub
-from companion.shore.web.interfaces import ItemKind
+from companion.shore.web.interfaces import Files, ItemKind, LogList
 from companion.shore.web.pin_file import PinFile
 from companion.shore.web.server import HUB, make_app
 from companion.shore.web.session import Sessions
@@ -60,6 +60,8 @@ class FakeBoats:
         self.books: dict[int, Book] = {}
         self.polls = 0
         self.is_operator = False
+        self.own_files: Files | None = None
+        self.own_logs: LogList | None = None
 
     def poll(self, now_s: float, unix_s: float) -> None:
         self.polls += 1
@@ -89,6 +91,12 @@ class FakeBoats:
 
     def parameters(self, boat: int) -> Book | None:
         return self.books.get(boat)
+
+    def files(self, boat: int) -> Files | None:
+        return self.own_files
+
+    def logs(self, boat: int) -> LogList | None:
+        return self.own_logs
 
     def ask(self, request: Request, answer: Callable[[Answer], None]) -> None:
         self.asked.append((request, answer))
