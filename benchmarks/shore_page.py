@@ -63,11 +63,11 @@ async def _measure(port: int, seconds: float) -> Cost:
             origin = (await process.stdout.readline()).decode().split()[-1].rstrip("/")
             async with ClientSession(headers={"Origin": origin}) as session:
                 await _read(session, origin, 5.0)  # until the boat's lists and parameters are there
-                before_s, start_s = _processor_s(process.pid), time.monotonic()
+                before_s, start_s = processor_s(process.pid), time.monotonic()
                 told = await asyncio.gather(*(_read(session, origin, seconds) for _ in range(VIEWERS)))
                 took_s = time.monotonic() - start_s
-                share = (_processor_s(process.pid) - before_s) / took_s
-                resident_mb, peak_mb = (_status_mb(process.pid, name) for name in ("VmRSS", "VmHWM"))
+                share = (processor_s(process.pid) - before_s) / took_s
+                resident_mb, peak_mb = (status_mb(process.pid, name) for name in ("VmRSS", "VmHWM"))
         finally:
             process.terminate()
             await process.wait()
@@ -87,12 +87,12 @@ async def _read(session: ClientSession, origin: str, seconds: float) -> tuple[in
     return states, size
 
 
-def _processor_s(process: int) -> float:
+def processor_s(process: int) -> float:
     fields = Path(f"/proc/{process}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / _TICKS_PER_S
 
 
-def _status_mb(process: int, name: str) -> float:
+def status_mb(process: int, name: str) -> float:
     lines = Path(f"/proc/{process}/status").read_text(encoding="ascii").splitlines()
     (line,) = [one for one in lines if one.startswith(f"{name}:")]
     return int(line.split()[1]) * 1024 / 1e6

@@ -35,6 +35,7 @@ LISTEN = "127.0.0.1:8080"
 _LOOPBACK = "127.0.0.1"
 _PROGRAM = (sys.executable, "-m", "companion.shore")
 _END_S = 5.0  # the child has this long to close its sockets
+_NICE = 5  # as in the unit of docs/shore.md
 _ENDED_AS_ASKED = (0, 130)  # also by Ctrl-C, which a terminal sends to both programs
 _PR_SET_PDEATHSIG = 1  # prctl(2)
 _libc = ctypes.CDLL(None)  # before the fork: the child may not load anything
@@ -118,7 +119,7 @@ class ShorePage:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             text=True,
-            preexec_fn=_end_with_parent,  # noqa: PLW1509 (one system call, of a library that is loaded)
+            preexec_fn=_behind_the_boat,  # noqa: PLW1509 (two system calls, of a library that is loaded)
         )
         self._watch(self._child)
 
@@ -215,6 +216,7 @@ def _free_udp_port() -> int:
         return int(probe.getsockname()[1])
 
 
-def _end_with_parent() -> None:
-    """In the child: have the kernel end it with the parent, also when that is killed."""
+def _behind_the_boat() -> None:
+    """In the child: give way to the boat, as its unit does, and end with it, also when that is killed."""
+    os.nice(_NICE)
     _libc.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)

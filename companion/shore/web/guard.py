@@ -84,12 +84,20 @@ async def add_headers(request: web.Request, response: web.StreamResponse) -> Non
     response.headers["Content-Security-Policy"] = _POLICY.format(host=host).replace(" ws://;", ";")
 
 
-def make_guard(names: Collection[str]) -> Middleware:
-    """The middleware. names: of this server, besides those that `is_own_host` knows."""
+def make_guard(names: Collection[str], is_allowed: Callable[[web.Request], bool]) -> Middleware:
+    """The middleware.
+
+    names: of this server, besides those that `is_own_host` knows. is_allowed: False if its address asks too
+    often.
+    """
     own = frozenset(name.lower() for name in names)
 
     @web.middleware
     async def guard(request: web.Request, handler: Handler) -> web.StreamResponse:
+        if not is_allowed(request):
+            refusal = error(429, "Too many requests.", "a pause of a second", {"Retry-After": "1"})
+            refusal.force_close()
+            return refusal
         if len(request.headers.getall("Host", [])) != 1 or not is_own_host(request.host, own):
             return error(
                 421,

@@ -3,17 +3,16 @@
 import asyncio
 import signal
 from collections.abc import Callable
-from typing import Any, Final
+from typing import Final
 
 from aiohttp import web
 
 from companion.core.errors import ConfigError, LinkError
-from companion.shore.web.server import POLLING
-from companion.shore.web.throttle import network_of
+from companion.shore.web.door import Door
+from companion.shore.web.server import HUB, POLLING
 
-MOST_CONNECTIONS: Final = 256
-MOST_OF_ADDRESS: Final = 64  # eight pages with six files each at the same time
 IDLE_S: Final = 15.0  # without a whole request
+_LINGERING_S: Final = 1.0  # for the rest of a body that was refused
 _GRACE_S: Final = 2.0  # for responses under way when the server ends
 _MOST_LINE: Final = 4096
 _SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
@@ -32,32 +31,6 @@ def parse_listen(text: str) -> tuple[str, int]:
     return host, int(port)
 
 
-class _Door(asyncio.Protocol):
-    """A new connection: passed on to the server if it has room, else closed."""
-
-    def __init__(self, server: Any) -> None:  # noqa: ANN401 (aiohttp.web.Server in some versions is generic)
-        self._server = server
-
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        assert isinstance(transport, asyncio.Transport)  # noqa: S101 (of a stream)
-        others = [one.transport for one in self._server.connections]
-        network = _network(transport)
-        if (
-            len(others) >= MOST_CONNECTIONS
-            or sum(network == _network(one) for one in others) >= MOST_OF_ADDRESS
-        ):
-            transport.abort()
-            return
-        handler = self._server()
-        transport.set_protocol(handler)
-        handler.connection_made(transport)
-
-
-def _network(transport: asyncio.BaseTransport | None) -> str:
-    peer = None if transport is None else transport.get_extra_info("peername")
-    return network_of(str(peer[0])) if peer else ""
-
-
 class Listening:
     """An application on a port."""
 
@@ -67,6 +40,7 @@ class Listening:
             app,
             access_log=None,
             keepalive_timeout=IDLE_S,
+            lingering_time=_LINGERING_S,
             shutdown_timeout=_GRACE_S,
             max_line_size=_MOST_LINE,
             max_field_size=_MOST_LINE,
@@ -80,10 +54,11 @@ class Listening:
             LinkError: the port cannot be opened.
         """
         await self._runner.setup()
-        server = self._runner.server
+        hub = self._app[HUB]
+        door = Door(self._runner.server, hub.sessions.is_known, hub.clock.now_s)
         loop = asyncio.get_running_loop()
         try:
-            self._server = await loop.create_server(lambda: _Door(server), host, port, backlog=64)
+            self._server = await loop.create_server(door.open, host, port, backlog=64)
         except OSError as error:
             await self._runner.cleanup()
             why = error.strerror or str(error)

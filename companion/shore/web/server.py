@@ -11,16 +11,21 @@ from companion.shore.board.tools import BoardTools
 from companion.shore.plans.desk import Sources
 from companion.shore.web.api import add_routes
 from companion.shore.web.board_api import BOARD
-from companion.shore.web.guard import add_headers, make_guard
+from companion.shore.web.guard import add_headers, make_guard, peer_of
 from companion.shore.web.hub import Hub
 from companion.shore.web.interfaces import Boats, Chart, Clock
+from companion.shore.web.rates import Rate, Rates
 from companion.shore.web.rows import MOST_BODY_BYTES
 from companion.shore.web.session import Sessions
 from companion.shore.web.sockets import Sockets
 from companion.shore.web.static_files import read_files, respond
+from companion.shore.web.throttle import network_of
 
 POLL_S: Final = 0.05
 _NO_SOURCES: Final = Sources()
+# Requests: a page's first view has some fifty files. All strangers together cost 3 % of a core of a laptop
+_OFTEN: Final = Rate(burst=400, per_s=50.0)
+_STRANGERS: Final = Rate(burst=600, per_s=100.0)
 HUB: Final = web.AppKey("hub", Hub)
 SOCKETS: Final = web.AppKey("sockets", Sockets)
 POLLING: Final = web.AppKey("polling", asyncio.Task[None])
@@ -46,7 +51,13 @@ def make_app(
     Raises:
         ConfigError: the page's folder is not as expected.
     """
-    app = web.Application(middlewares=[make_guard(hosts)], client_max_size=MOST_BODY_BYTES)
+    rates = Rates(_OFTEN, _STRANGERS)
+
+    def is_allowed(request: web.Request) -> bool:
+        address = peer_of(request)
+        return rates.allows(network_of(address), clock.now_s(), is_known=sessions.is_known(address))
+
+    app = web.Application(middlewares=[make_guard(hosts, is_allowed)], client_max_size=MOST_BODY_BYTES)
     hub = app[HUB] = Hub(boats, chart, sessions, clock, sources)
     sockets = app[SOCKETS] = Sockets(hub)
     app[BOARD] = board or BoardTools()

@@ -83,6 +83,10 @@ class Sessions:
             self._open.popitem(last=False)
         return Opened(token)
 
+    def is_known(self, address: str) -> bool:
+        """Whether an address has told the PIN since the program began."""
+        return self._throttle.is_known(address)
+
     def role(self, token: str | None, now_s: float) -> Role:
         """Of the owner of a cookie."""
         session = self._open.get(_key(token)) if token else None

@@ -10,6 +10,7 @@ from aiohttp import WSCloseCode, WSMsgType, web
 
 from companion.shore.web.guard import cookie_of, error, peer_of
 from companion.shore.web.hub import Hub, Watch
+from companion.shore.web.rates import Bucket, Rate
 from companion.shore.web.throttle import network_of
 from companion.shore.words import say
 
@@ -17,26 +18,8 @@ MOST_SOCKETS: Final = 32
 MOST_OF_ADDRESS: Final = 8
 MOST_BYTES: Final = 16_384
 _SEND_BUFFER_BYTES: Final = 32_768  # the kernel's own would hold minutes of states
-_BURST: Final = 30
-_PER_S: Final = 10.0
+_OFTEN: Final = Rate(burst=30, per_s=10.0)  # messages of a socket, and pongs
 _CLOSE_S: Final = 2.0
-
-
-class _Rate:
-    """A bucket of messages."""
-
-    def __init__(self, now_s: float) -> None:
-        self._left = float(_BURST)
-        self._at_s = now_s
-
-    def allows(self, now_s: float) -> bool:
-        """Count one message."""
-        self._left = min(self._left + (now_s - self._at_s) * _PER_S, float(_BURST))
-        self._at_s = now_s
-        if self._left < 1.0:
-            return False
-        self._left -= 1.0
-        return True
 
 
 class _Open:
@@ -74,7 +57,7 @@ class Sockets:
         token = cookie_of(request)
         network = network_of(peer_of(request))
         is_skipper = self._hub.sessions.role(token, self._hub.clock.now_s()) == "skipper"
-        if not self._make_room(network, is_skipper=is_skipper):
+        if not self._make_room(network, token if is_skipper else None):
             return error(
                 503,
                 say("error.too_many"),
@@ -91,21 +74,25 @@ class Sockets:
             self._hub.close(one.watch)
         return ws
 
-    def _make_room(self, network: str, *, is_skipper: bool) -> bool:
-        """Whether there is room; for a skipper a viewer's socket is closed."""
+    def _make_room(self, network: str, session: str | None) -> bool:
+        """Whether there is room.
+
+        For a skipper a viewer's socket is closed, or else the oldest of the same session: a phone that loses
+        its link again and again leaves some behind. session: a skipper's token.
+        """
         live = [one for one in self._open if one.transport is None or not one.transport.is_closing()]
         is_full = len(live) >= MOST_SOCKETS
         if not is_full and Counter(one.network for one in live)[network] < MOST_OF_ADDRESS:
             return True
-        viewers = [
-            one
-            for one in live
-            if self._hub.role(one.watch) == "viewer" and (is_full or one.network == network)
-        ]
-        if not is_skipper or not viewers:
+        if session is None:
             return False
-        viewers[0].abort()
-        return True
+        near = [one for one in live if is_full or one.network == network]
+        viewers = [one for one in near if self._hub.role(one.watch) == "viewer"]
+        own = [one for one in near if one.watch.token == session]
+        for one in (*viewers, *own):
+            one.abort()
+            return True
+        return False
 
     async def _serve(self, request: web.Request, one: _Open) -> None:
         transport = request.transport
@@ -126,8 +113,8 @@ class Sockets:
     async def _receive(self, one: _Open) -> None:
         clock = self._hub.clock
         viewer = one.watch.viewer
-        rate = _Rate(clock.now_s())
-        pongs = _Rate(clock.now_s())
+        rate = Bucket(_OFTEN, clock.now_s())
+        pongs = Bucket(_OFTEN, clock.now_s())
         async for message in one.ws:
             now_s = clock.now_s()
             if message.type is WSMsgType.PONG:

@@ -50,6 +50,10 @@ class Throttle:
             return own
         return max(own, self._total.wait_s(_FREE_IN_TOTAL, _MOST_WAIT_IN_TOTAL_S, now_s))
 
+    def is_known(self, address: str) -> bool:
+        """Whether an address has told the PIN before."""
+        return network_of(address) in self._known
+
     def begin(self, address: str, now_s: float) -> None:
         """Count a try as a failure, before its PIN is checked: tries at the same moment count each other."""
         network = network_of(address)

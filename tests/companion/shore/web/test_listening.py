@@ -12,7 +12,8 @@ from shore_fakes import PAGE, PIN, FakeBoats, FakeChart, FakeClock, run
 
 from companion.core.errors import ConfigError, LinkError
 from companion.shore.program import run_program
-from companion.shore.web.listening import MOST_OF_ADDRESS, Listening, parse_listen
+from companion.shore.web.door import MOST_OF_ADDRESS
+from companion.shore.web.listening import Listening, parse_listen
 from companion.shore.web.pin_file import PinFile
 from companion.shore.web.server import make_app
 from companion.shore.web.session import Sessions
