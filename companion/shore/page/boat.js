@@ -2,10 +2,12 @@
 // `title`, a key of the words; it returns what it wants to hear, as a view does.
 import { element } from "./elements.js";
 import * as board from "./boat-board.js";
+import * as calibration from "./boat-calibration.js";
+import * as motors from "./boat-motors.js";
 import * as parameters from "./boat-parameters.js";
 import * as sensors from "./boat-sensors.js";
 
-const PANELS = [sensors, parameters, board];
+const PANELS = [sensors, calibration, motors, parameters, board];
 
 export function makeView(box, page) {
   const panels = PANELS.map(({ title, makePanel }, index) => {

@@ -50,6 +50,7 @@ export class Live {
 
   connect() {
     this.#drop();
+    this.#giveUp((request) => request.isFleeting);
     const socket = this.open(this.boat);
     this.socket = socket;
     this.isGreeted = false;
@@ -69,7 +70,8 @@ export class Live {
   }
 
   // Resolves to {ok, text, result}, once. ok is null where it is not known whether the request was done.
-  ask(what, withThese = {}) {
+  // isFleeting: not sent again on a new connection, as it is of this moment only.
+  ask(what, withThese = {}, { isFleeting = false } = {}) {
     return new Promise((resolve) => {
       if (!this.isConnected) {
         resolve({ ok: false, text: "", lost: true });
@@ -147,6 +149,7 @@ export class Live {
 
   #lost() {
     this.#drop();
+    this.#giveUp((request) => request.isFleeting);
     this.retryMs = this.now() + this.waitMs * (0.75 + Math.random() / 2); // not all pages at once
     this.waitMs = Math.min(this.waitMs * 2, LONGEST_WAIT_MS);
     this.listeners.link();
