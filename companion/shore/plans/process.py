@@ -18,6 +18,19 @@ _LAUNCHER: Final = "companion.shore.plans.launcher"
 _MOST_REPORT_BYTES: Final = 8_000_000  # of 5000 items 1 MB
 _NEEDS_EXTRA: Final = "needs the extra"
 _PROGRAM: Final = "mission-plan: "
+_PLAINLY: Final = {
+    "--start-at": "the start",
+    "--goal": "the goal",
+    "--via": "a place",
+    "--survey": "the survey",
+    "--clearance": "the clearance",
+    "--speed": "the speed",
+    "--footprint": "the footprint",
+    "--overlap": "the overlap",
+    "--angle": "the angle",
+    "--boat": "the boat",
+}
+"""The planner's options, which nobody has seen who reads its sentences on the page."""
 _ONE_THREAD: Final = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 """Each further thread of a numeric library reserves address space, and takes a core from the boat."""
 TOO_LONG: Final = say("planner.slow", n=LIMIT_S)
@@ -115,6 +128,8 @@ def _report(code: int, folder: Path) -> dict[str, Any]:
     said = report.get("error")
     text = said if isinstance(said, str) and said else _last_line(folder / "errors.txt")
     text = text.removeprefix(_PROGRAM).replace(f"{folder}{os.sep}", "")
+    for option, plainly in _PLAINLY.items():
+        text = text.replace(option, plainly)
     if _NEEDS_EXTRA in text:
         raise PlannerMissingError(say("planner.missing", why=text))
     if code in (-signal.SIGXCPU, -signal.SIGKILL):
