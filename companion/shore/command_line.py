@@ -107,6 +107,7 @@ def _show_parser() -> _Parser:
         help="further name of this computer in the page's address; repeatable")  # fmt: skip
     _add_pin_file(parser)
     add("--config", metavar="FILE", type=Path, help="the boat's TOML file here, for the page to edit")
+    add("--wifi", action="store_true", help="let the page change this computer's Wi-Fi, by nmcli")
     add(
         "--system-id",
         metavar="N",

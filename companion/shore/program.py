@@ -17,6 +17,7 @@ from companion.core.program_end import end_with
 from companion.shore import memory_use
 from companion.shore.board.config_file import ConfigFile
 from companion.shore.board.tools import BoardTools
+from companion.shore.board.wifi import Wifi
 from companion.shore.chart import Chart
 from companion.shore.command_line import PROGRAM, SHOW, read_arguments
 from companion.shore.plans.desk import Sources
@@ -54,7 +55,9 @@ def _show(given: Namespace) -> None:
     host, port = parse_listen(given.listen)
     sessions = Sessions(PinFile(given.pin_file or default_pin_file()))
     water = Chart(given.chart)
-    board = BoardTools(config=None if given.config is None else ConfigFile(given.config))
+    board = BoardTools(
+        config=None if given.config is None else ConfigFile(given.config), wifi=Wifi() if given.wifi else None
+    )
     with contextlib.closing(Boats(given.connect, given.system_id, status_file=given.status)) as boats:
         sources = Sources(given.chart, given.boat or given.config)
         web_app = make_app(

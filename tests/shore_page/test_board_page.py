@@ -1,5 +1,6 @@
 """The board's panel in Chromium: what is set up there, and what becomes of it on the boat."""
 
+import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,10 +10,12 @@ from finger import hold, press
 from mavutil_station import MavutilStation
 from page_rig import ShoreBoat, Visit, axe_faults, button, needs_chromium, skipper, start_shore, told
 from playwright.sync_api import Page, expect
+from twins.wifi_air import Air
 
 pytest_plugins = ("page_fixtures",)
 pytestmark = [pytest.mark.realtime, needs_chromium]
 
+PASSWORD = "a pass word"  # noqa: S105
 BOAT = """\
 # the lake boat
 links = ["tcpin:127.0.0.1:0"]
@@ -30,11 +33,24 @@ def config(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def shore(tmp_path_factory: pytest.TempPathFactory, config: Path) -> Iterator[ShoreBoat]:
-    """A boat whose page has a configuration."""
+def air(tmp_path_factory: pytest.TempPathFactory) -> Air:
+    """Networks in reach."""
+    air = Air(tmp_path_factory.mktemp("wifi") / "air")
+    air.add("home", signal=40)
+    air.add("<b>harbour</b>", PASSWORD, signal=70)
+    air.add("work", PASSWORD, security="WPA2 802.1X", signal=30)
+    air.know("home", is_active=True)
+    return air
+
+
+@pytest.fixture(scope="module")
+def shore(tmp_path_factory: pytest.TempPathFactory, config: Path, air: Air) -> Iterator[ShoreBoat]:
+    """A boat whose page has a configuration and Wi-Fi."""
     config.write_text(BOAT, encoding="utf-8")
     room = tmp_path_factory.mktemp("shore") / "room"
-    boat = start_shore(room, "--speedup", "5", "--shore-options", f"--config {config}")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PATH", f"{air.nmcli.parent}:{os.environ['PATH']}")
+        boat = start_shore(room, "--speedup", "5", "--shore-options", f"--config {config} --wifi")
     yield boat
     boat.program.close()
     assert boat.program.wait(0.0)[::2] == (0, ""), "the boat ended badly"
@@ -97,6 +113,46 @@ def test_a_viewer_is_asked_for_the_pin(visit: Visit, shore: ShoreBoat) -> None:
     page.get_by_text("Configuration, restart, Wi-Fi, update").click()
     expect(page.get_by_text("Enter the PIN to set up the boat's computer.")).to_be_visible()
     expect(page.get_by_label("The boat's TOML file")).to_have_count(0)
+
+
+def test_the_boat_joins_a_network_and_stays_once_the_page_is_heard(
+    visit: Visit, shore: ShoreBoat, air: Air, station: MavutilStation
+) -> None:
+    page = board(visit, shore)
+    networks = page.get_by_role("list", name="Networks in reach")
+    expect(networks.get_by_role("listitem")).to_have_count(3)
+    expect(networks).to_contain_text("work, signal 30 %, asks for more than a password")
+    press(page, button(page, "Join <b>harbour</b>"))
+    page.get_by_label("Password of <b>harbour</b>").fill("not the password")
+    press(page, button(page, "Join"))
+    news = page.get_by_text(re.compile("the boat went back: .*Secrets were required"))
+    expect(news).to_be_visible()
+    assert air.active() == ["home"]
+    assert axe_faults(page) == []
+
+    press(page, button(page, "Join <b>harbour</b>"))
+    page.get_by_label("Password of <b>harbour</b>").fill(PASSWORD)
+    press(page, button(page, "Join"))
+    expect(page.get_by_text("The boat is in <b>harbour</b> and stays there.")).to_be_visible()
+    assert air.active() == ["<b>harbour</b>"]
+    press(page, button(page, "Forget home"))
+    expect(button(page, "Forget home")).to_have_count(0)
+    assert [one["ssid"] for one in air.known()] == ["<b>harbour</b>"]
+
+
+def test_the_boat_offers_its_own_network(
+    visit: Visit, shore: ShoreBoat, air: Air, station: MavutilStation
+) -> None:
+    page = board(visit, shore, "desktop")
+    expect(button(page, "Switch off")).to_be_disabled()
+    page.get_by_label("Its password").fill(PASSWORD)
+    press(page, button(page, "Switch on"))
+    expect(
+        page.get_by_text("The boat offers its own network, mavboat. Its address is 192.168.4.1.")
+    ).to_be_visible()
+    expect(page.get_by_text("The boat is in mavboat and stays there.")).to_be_visible()
+    assert air.active() == ["mavboat"]
+    expect(button(page, "Switch off")).to_be_enabled()
 
 
 def test_a_restarted_boat_comes_back_to_the_same_page(

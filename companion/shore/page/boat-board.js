@@ -2,6 +2,7 @@
 import { askBoard } from "./boat-board-ask.js";
 import { makeConfig } from "./boat-board-config.js";
 import { makeRestart } from "./boat-board-restart.js";
+import { makeWifi } from "./boat-board-wifi.js";
 import { element } from "./elements.js";
 
 export const title = "board.title";
@@ -10,6 +11,7 @@ export const title = "board.title";
 const PARTS = [
   ["config", makeConfig],
   [null, makeRestart],
+  ["wifi", makeWifi],
 ];
 
 export function makePanel(inside, page) {

@@ -10,13 +10,12 @@ from companion import __version__
 from companion.core.errors import BoatError, ConfigError
 from companion.shore.board.config_check import check_text
 from companion.shore.board.config_file import ChangedError, encode
-from companion.shore.board.tools import BoardTools
+from companion.shore.web.board_tools import BOARD
 from companion.shore.web.guard import error
 from companion.shore.web.hub import Hub
 from companion.shore.web.rows import Row, json_answer, read_body
+from companion.shore.web.wifi_api import ROWS as WIFI_ROWS
 from companion.shore.words import say
-
-BOARD: Final = web.AppKey("board", BoardTools)
 
 _MOST_REQUEST_BYTES: Final = 400_000  # 64 kB of text, with every character escaped
 _NO_CONFIG: Final = say("board.no_config")
@@ -32,7 +31,8 @@ class _Text(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 async def _board(_hub: Hub, request: web.Request) -> web.StreamResponse:
     """What can be done here."""
     tools = request.app[BOARD]
-    return web.json_response({"config": tools.config is not None, "version": __version__})
+    works = {"config": tools.config is not None, "wifi": tools.wifi is not None}
+    return web.json_response(works | {"version": __version__})
 
 
 async def _config(_hub: Hub, request: web.Request) -> web.StreamResponse:
@@ -90,4 +90,5 @@ ROWS: Final = (
     Row("GET", "/api/board/config/{number:[1-5]}", _config, needs="pin"),
     Row("POST", "/api/board/config/check", _check, needs="disarmed"),
     Row("POST", "/api/board/config", _save, needs="disarmed"),
+    *WIFI_ROWS,
 )

@@ -10,7 +10,7 @@ from aiohttp import web
 from companion.shore.board.tools import BoardTools
 from companion.shore.plans.desk import Sources
 from companion.shore.web.api import add_routes
-from companion.shore.web.board_api import BOARD
+from companion.shore.web.board_tools import BOARD
 from companion.shore.web.guard import add_headers, make_guard, peer_of
 from companion.shore.web.hub import Hub
 from companion.shore.web.interfaces import Boats, Chart, Clock
@@ -81,6 +81,12 @@ def make_app(
         await sockets.close()
 
     app.on_shutdown.append(on_shutdown)
+
+    async def on_cleanup(_app: web.Application) -> None:
+        if (wifi := app[BOARD].wifi) is not None:
+            await wifi.close()
+
+    app.on_cleanup.append(on_cleanup)
     if is_polling:
         app.cleanup_ctx.append(_polling)
     return app
