@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
-from playwright.sync_api import Browser
+from playwright.sync_api import Browser, Page
 
 from pictures.browser import Light, open_browser, open_context
 
@@ -63,14 +63,20 @@ def draw_shore() -> None:
         _draw(browser, boat, "shore_phone_night", "phone", "dark")
 
 
-def _draw(browser: Browser, boat: Emulator, name: str, size: str, light: Light = "light") -> None:
+def open_page(browser: Browser, boat: Emulator, size: str, light: Light = "light") -> Page:
+    """The page of a visitor who has entered the PIN."""
     context = open_context(browser, size, light)
     context.set_default_timeout(_WAIT_MS)
     page = context.new_page()
     page.goto(boat.page)
     page.get_by_label("PIN").fill(boat.pin)
     page.get_by_role("button", name="Unlock").click()
-    page.locator("fieldset:enabled").wait_for()
+    page.locator("fieldset:enabled").first.wait_for(state="attached")
+    return page
+
+
+def _draw(browser: Browser, boat: Emulator, name: str, size: str, light: Light = "light") -> None:
+    page = open_page(browser, boat, size, light)
     page.wait_for_timeout(_SETTLED_MS)
     page.screenshot(path=FOLDER / f"{name}.png")
-    context.close()
+    page.context.close()

@@ -338,6 +338,13 @@ def test_what_is_planned_is_drawn_at_its_places_and_looked_at_where_it_is_out_of
     far = FRAME.to_global(Point(-100.0, 2900.0))
     show(page, "lookAt", [place, [far.lon_deg, far.lat_deg]])
     assert distance_m(tapped(page, x, y), Point(-100.0, 1420.0)) < 5.0
+    show(page, "lookBack")
+    assert distance_m(tapped(page, x, y), FRAME.to_local(BOAT)) < 5.0
+    show(page, "lookAt", [place, [far.lon_deg, far.lat_deg]])
+    page.locator("#chart").press("ArrowLeft")
+    moved = tapped(page, x, y)
+    show(page, "lookBack")
+    assert distance_m(tapped(page, x, y), moved) < 0.1  # it was moved by hand
 
 
 def test_the_whole_map_is_never_zoomed_out_of_sight(page: Page) -> None:

@@ -99,7 +99,7 @@ def test_a_voyage_is_uploaded_and_started_and_watched(
     )
 
 
-def test_an_upload_with_start_to_a_disarmed_boat_says_that_it_has_to_be_armed(
+def test_a_voyage_that_is_started_disarmed_begins_when_the_boat_is_armed(
     visit: Visit, shore: ShoreBoat, station: MavutilStation
 ) -> None:
     page = skipper(visit, shore, "desktop")
@@ -107,8 +107,12 @@ def test_an_upload_with_start_to_a_disarmed_boat_says_that_it_has_to_be_armed(
     tap_places(page, station, GOALS[:1])
     planned(page, view)
     hold(page, button(page, "Upload and start"), told(page, "Upload and start: asked"))
-    expect(told(page, re.compile("Upload and start: .*arm", re.IGNORECASE))).to_be_visible()
+    expect(told(page, "Upload and start: The boat sails the plan as soon as it is armed")).to_be_visible()
     assert metres(sailed(station.download())[-1], GOALS[0]) < CLOSE_M
+    until_mode(station, Mode.AUTO, armed=False)
+    press(page, page.get_by_role("link", name="Go to Sail"))
+    hold(page, button(page, "Arm"), told(page, "Arm: Armed"))
+    until_mode(station, Mode.AUTO, armed=True)
 
 
 def test_a_survey_stays_in_the_area_that_was_outlined(

@@ -4,12 +4,13 @@ import { drawWay } from "./chart-plan.js";
 const TIP_PX = 16; // from a goal's tip to the middle of its head
 const HEAD_PX = 13;
 const CORNER_PX = 11;
+const MANY = 40; // points of a line: the tracks of a survey
 
 // draft: {places, isArea, line}, all as [lon, lat]; pixel: of a place.
 export function drawDraft(pen, draft, pixel, colour) {
   const places = draft.places.map(pixel);
   if (draft.isArea) outline(pen, places, colour);
-  if (draft.line.length > 1) drawWay(pen, draft.line.map(pixel), colour);
+  if (draft.line.length > 1) drawWay(pen, draft.line.map(pixel), colour, draft.line.length > MANY);
   places.forEach((at, n) => {
     if (draft.isArea) corner(pen, at, colour);
     else goal(pen, at, colour);
@@ -21,6 +22,10 @@ export function drawDraft(pen, draft, pixel, colour) {
     pen.fillText(String(n + 1), x, y + 0.5);
   });
 }
+
+// Where no name is written.
+export const draftRoom = (draft, pixel) =>
+  draft.places.map(pixel).map(([x, y]) => [x - HEAD_PX, y - TIP_PX - HEAD_PX, x + HEAD_PX, y + CORNER_PX]);
 
 // The tip is on the place.
 function goal(pen, [x, y], colour) {

@@ -92,11 +92,11 @@ export function drawMark(pen, [x, y], letter, colour, isSquare) {
   letters(pen, letter, x, y, colour.ink);
 }
 
-// A way that is offered: dashes and a ring at its end, none of the other lines has them.
-export function drawWay(pen, points, colour) {
-  line(pen, points, colour.halo, 7, 0.9);
-  pen.setLineDash([10, 7]);
-  line(pen, points, colour.ink, 3.5);
+// A way that is offered: dashes and a ring at its end, none of the other lines has them. Finer where its legs are close.
+export function drawWay(pen, points, colour, isFine = false) {
+  line(pen, points, colour.halo, isFine ? 4.5 : 7, 0.9);
+  pen.setLineDash(isFine ? [7, 3] : [10, 7]);
+  line(pen, points, colour.ink, isFine ? 2 : 3.5);
   pen.setLineDash([]);
   const [x, y] = points[points.length - 1];
   for (const [width, ink] of [[7, colour.halo], [3, colour.ink]]) {

@@ -1,7 +1,7 @@
 // The chart: map, boat, track, plan, on a canvas. It draws only when something changed.
 import { drawBoat, drawCurrent, drawNorth, drawOther, drawScale, drawSenses, roundLength } from "./chart-boat.js";
 import { colours } from "./chart-colours.js";
-import { drawDraft } from "./chart-draft.js";
+import { draftRoom, drawDraft } from "./chart-draft.js";
 import { listen } from "./chart-input.js";
 import { drawGrid, drawMap, drawNames, prepare, text } from "./chart-map.js";
 import { drawCross, drawFence, drawMark, drawMissionItems, drawMissionLine, drawTrack, drawWay, placed } from "./chart-plan.js";
@@ -34,6 +34,7 @@ export function makeChart(canvas, words) {
   let draft = null; // of the Plan view: shown in the place of the way
   let tapped = () => {};
   let isFollowing = true;
+  let hasLookedAway = false; // from the boat that it followed
   let hasBoat = false;
   let frame = 0;
 
@@ -53,6 +54,7 @@ export function makeChart(canvas, words) {
   };
   const follow = (isOn) => {
     isFollowing = isOn;
+    hasLookedAway = false;
     tools.follow.setAttribute("aria-pressed", String(isOn));
     if (isOn) centre();
     changed();
@@ -146,6 +148,7 @@ export function makeChart(canvas, words) {
       drawMark(pen, at, words.say("chart.home"), colour, true);
       taken.push([at[0] - 12, at[1] - 12, at[0] + 12, at[1] + 12]);
     }
+    if (draft !== null) taken.push(...draftRoom(draft, pixel));
     if (isCharted) drawNames(pen, map, view, colour, taken);
     if (draft !== null) drawDraft(pen, draft, pixel, colour);
     for (const one of others) drawOther(pen, one, pixel(one.place), view, colour);
@@ -234,10 +237,16 @@ export function makeChart(canvas, words) {
       const metres = points.map((point) => plane.to(point));
       const isIn = ([x, y]) => x > 0 && y > 0 && x < view.width && y < view.height;
       if (metres.every((at) => isIn(view.toPixel(at)))) return;
+      const away = isFollowing || hasLookedAway;
       follow(false);
+      hasLookedAway = away;
       const [easts, norths] = [metres.map(([east]) => east), metres.map(([, north]) => north)];
       view.fit([Math.min(...easts), Math.min(...norths), Math.max(...easts), Math.max(...norths)], LOOK_SHARE);
       changed();
+    },
+    // Follows the boat again, unless the chart was moved by hand meanwhile.
+    lookBack() {
+      if (hasLookedAway) follow(true);
     },
     onTap(callback) {
       tapped = callback;

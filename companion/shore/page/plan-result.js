@@ -20,8 +20,8 @@ export function figures({ length_m, time_s, charge_percent, clearance_m, items }
 export function summary(plan, words) {
   const said = figures(plan, words).slice(0, 2).map(([, value]) => value);
   const count = plan.warnings.length;
-  const warned = [plan.fits === false ? "plan.no_charge" : "", count === 1 ? "plan.warned_one" : count > 1 ? "plan.warned" : ""];
-  return [words.say("plan.found", { figures: said.join(", ") }), ...warned.filter(Boolean).map((key) => words.say(key, { count }))].join(" ");
+  const more = [plan.fits === false ? "plan.no_charge" : "", count === 1 ? "plan.noted_one" : count > 1 ? "plan.noted" : ""];
+  return [words.say("plan.found", { figures: said.join(", ") }), ...more.filter(Boolean).map((key) => words.say(key, { count }))].join(" ");
 }
 
 export const files = (address, label, words) =>
@@ -70,12 +70,12 @@ export function makeResult(box, draft, page, may) {
 
   const tell = (plan) => {
     const list = figures(plan, words).map(([label, value]) => element("div", {}, element("dt", { text: words.say(label) }), element("dd", { text: value })));
-    const warnings = plan.warnings.map((text) => element("li", { text }));
+    const notes = plan.warnings.map((text) => element("li", { text }));
     told.replaceChildren(
       element("h2", { text: plan.asked === null ? words.say("plan.imported", { name: plan.name }) : words.say("plan.planned") }),
       element("dl", {}, ...list),
       plan.fits === false ? element("p", { className: "no-charge", text: words.say("plan.no_charge") }) : "",
-      warnings.length > 0 ? element("ul", { className: "warnings" }, ...warnings) : "",
+      notes.length > 0 ? element("ul", { className: "notes" }, ...notes) : "",
     );
     links.replaceChildren(files(`/api/plans/${encodeURIComponent(plan.id)}`, words.say("plan.save_plan"), words));
   };

@@ -156,6 +156,7 @@ export function makeView(box, page) {
     },
     closed() {
       page.chart?.showDraft(null);
+      page.chart?.lookBack();
       drawnOn = null;
     },
     showState() {
