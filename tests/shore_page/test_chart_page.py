@@ -463,3 +463,24 @@ def show_all(page: Page) -> None:
             },
         ),
     )  # fmt: skip
+
+
+def test_a_boat_that_is_not_heard_is_grey_and_so_is_another_boat(page: Page) -> None:
+    other = FRAME.to_global(Point(-100.0, -60.0))
+    show(page, "showState", state(armed=True))
+    x, y = middle(page)
+    is_armed = colour(page, x, y)
+    show(page, "showHeard", False)
+    unheard = colour(page, x, y)
+    assert unheard != is_armed
+    assert max(unheard) - min(unheard) < 30
+    show(page, "showHeard", True)
+    assert colour(page, x, y) == is_armed
+    beside = {"id": 2, "name": "Daisy", "place": [other.lon_deg, other.lat_deg], "heading_deg": 40.0}
+    show(page, "showOthers", [beside])
+    pixels_a_metre = scale(page)
+    assert colour(page, x + 40.0 * pixels_a_metre, y) == unheard
+    near = "([lat, lon]) => window.chart.otherAt(lat, lon)?.name ?? null"
+    away = FRAME.to_global(Point(-60.0, -60.0))
+    assert page.evaluate(near, [other.lat_deg, other.lon_deg]) == "Daisy"
+    assert page.evaluate(near, [away.lat_deg, away.lon_deg]) is None

@@ -136,7 +136,7 @@ export function makeChart(canvas, words) {
     }
     const pixel = ([lon, lat]) => view.toPixel(plane.to([lon, lat]));
     drawFence(pen, items.fence, plane, view, colour);
-    if (draft === null && way !== null && way.length > 1) drawWay(pen, way.map(pixel), colour);
+    if (draft === null && way !== null && way.length > 0) drawWay(pen, way.map(pixel), colour);
     const mission = placed(items.mission, plane, view);
     drawMissionLine(pen, mission, colour);
     drawTrack(pen, track.map((at) => view.toPixel(at)), colour);

@@ -1,11 +1,12 @@
 // Go to a tapped place by the water: the server plans the way, the page shows it, and it is sailed when confirmed.
 import { replaces } from "./mission-words.js";
 import { setText } from "./now.js";
+import { Plane } from "./chart-view.js";
 
 const SAILING = ["AUTO", "GUIDED"];
 
 export function makeGoThere(page, words, live, go, showWay) {
-  let wanted = null; // what Sail there asks: {what, with}
+  let wanted = null; // what the button does: {what, with} asks that of the boat, {nearest} plans a way to that place
   let taps = 0;
   let sailed = null; // the way under way: shown until the boat leaves the mode in which it sails it
   let sailsIn = null; // that mode
@@ -17,15 +18,17 @@ export function makeGoThere(page, words, live, go, showWay) {
     page.box.hidden = true;
     showWay(sailed);
   };
-  const offer = (text, what, withThese) => {
+  const offer = (text, what) => {
     setText(page.text, text);
-    wanted = { what, with: withThese };
+    setText(page.sail, words.say(what.nearest ? "there.to_nearest" : "there.sail"));
+    wanted = what;
     page.box.hidden = false;
   };
 
   page.sail.addEventListener("click", async () => {
     if (wanted === null || boat !== live.boat) return close();
     const asked = wanted;
+    if (asked.nearest) return tap(asked.nearest.lat, asked.nearest.lon);
     wanted = null;
     page.box.hidden = true;
     const answer = await go.ask(asked.what, asked.with, words.say("there.sail"));
@@ -49,15 +52,19 @@ export function makeGoThere(page, words, live, go, showWay) {
     if (number !== taps) return; // another place was tapped meanwhile
     if (answer.ok !== true) {
       go.tell(answer.text || words.say("there.no_way"), false);
-      const isAshore = Boolean(answer.result?.nearest); // the map says so: a straight way would end on land
-      if (!answer.lost && !isAshore) offer(words.say("there.direct"), "go", { lat, lon });
+      const nearest = answer.result?.nearest; // the map says so: a straight way would end on land
+      if (nearest) {
+        const away_m = Math.hypot(...new Plane(lon, lat).to([nearest.lon, nearest.lat]));
+        showWay([[nearest.lon, nearest.lat]]);
+        offer(words.say("there.nearest", { length: words.distance(away_m) }), { nearest });
+      } else if (!answer.lost) offer(words.say("there.direct"), { what: "go", with: { lat, lon } });
       return;
     }
     const { points, length_m, time_s } = answer.result;
     showWay(points);
     const values = { length: words.distance(length_m), time: time_s == null ? "" : words.duration(time_s) };
     const said = words.say(time_s == null ? "there.way" : "there.way_time", values);
-    offer([said, replaces(words, live.snapshot)].filter(Boolean).join(" "), "sail", { points });
+    offer([said, replaces(words, live.snapshot)].filter(Boolean).join(" "), { what: "sail", with: { points } });
     go.tell(answer.text || words.say("there.planned"), true);
     page.sail.focus({ preventScroll: true });
   };

@@ -57,6 +57,7 @@ async function start() {
   isWide.addEventListener("change", openMessages);
   openMessages();
   let data = null;
+  let hasValues = false;
   let views = null;
 
   const live = new Live({
@@ -68,6 +69,10 @@ async function start() {
     state: (state) => {
       clock.note(state.heard_s, now_s());
       showNow(state);
+      if (!hasValues && state.mode !== undefined) {
+        hasValues = true;
+        performance.mark("values"); // how soon a visitor sees the boat
+      }
       showWhy(state);
       showMessages(state);
       go.showState(state);

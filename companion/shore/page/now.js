@@ -1,4 +1,5 @@
 // Now: the mode, and a cell for each value. A level is told by a sign and a word, never by colour alone.
+import { linkName } from "./link-name.js";
 
 const SIGNS = { good: "✓", warn: "▲", bad: "✕" };
 const FIX_LEVEL = { none: "bad", "2D": "warn" };
@@ -49,7 +50,7 @@ const compass = (state, words) => {
 const links = (state, words) => {
   if (!state.links?.length) return null;
   const worst = Math.max(...state.links.map((link) => link.loss));
-  const each = state.links.map((link) => words.say("now.link", { name: link.name, loss: words.percent(link.loss) }));
+  const each = state.links.map((link) => words.say("now.link", { name: linkName(link, words), loss: words.percent(link.loss) }));
   return {
     value: words.say("now.links.loss", { loss: words.percent(worst) }),
     note: each.join(" · "),
