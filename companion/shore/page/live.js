@@ -5,7 +5,7 @@ const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 4_000;
 const SILENCE_MS = 6_000; // a lost Wi-Fi does not close a socket; a boat that is heard changes heard_s every second
 const REQUEST_MS = 20_000; // the server answers within 10 s; a request is not repeated later than this
-const LONGER_MS = { upload_plan: 200_000 }; // a long plan over a bad link takes up to 3 minutes
+const LONGER_MS = { upload_plan: 300_000 }; // a long plan over a bad link takes minutes
 
 // crypto.randomUUID exists on https and localhost only; the boat is on plain http.
 export function requestId(random = globalThis.crypto) {

@@ -1,13 +1,14 @@
 """From what the page asks to a plan: the planner's arguments, its report, and the files of a plan."""
 
 import asyncio
+import contextlib
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 from companion.shore.messages import Place
-from companion.shore.plans import files
+from companion.shore.plans import figures, files
 from companion.shore.plans.process import Planner, PlannerError
 from companion.shore.plans.shelf import Kept, Shelf, file_name
 from companion.shore.plans.wish import Plan, Task, Wish, WishError, lists_of
@@ -74,7 +75,7 @@ class Desk:
             report = await self._planner.run([*arguments, "--out", "new.plan"], folder)
             warnings = [] if self._boats.items(boat, "fence") is not None else [str(say("planner.no_fence"))]
             length_m = float(report[key := "plan" if report["plan"] else "task"]["length_m"])
-            name = f"{wish.task.capitalize()} {_distance(length_m)}"
+            name = f"{wish.task.capitalize()} {figures.distance(length_m)}"
             return await self._keep(folder, wish.task, name, report, report[key], speed_m_s, warnings)
         except BaseException:
             shutil.rmtree(folder, ignore_errors=True)
@@ -96,12 +97,16 @@ class Desk:
         try:
             source = f"{file_name(stem)}.{suffix}"
             (folder / source).write_bytes(body)
-            arguments = [source, "--check-on", self._water or "none", "--out", "new.plan"]
+            arguments = [source, "--check-on", self._water or "none"]
             if suffix in _ROUTES:
                 arguments.append("--as-route")
             if suffix != "plan":  # which may have a fence of its own
                 arguments += self._fence(boat, folder)
-            report = await self._read(arguments, here, folder)
+            report = await self._read([*arguments, "--out", "new.plan"], here, folder)
+            if suffix == "plan" and not report["items"].get("fence"):
+                fence = self._fence(boat, folder)
+                if fence:  # only to say where the plan leaves it
+                    report["notes"] = (await self._read([*arguments, *fence], here, folder))["notes"]
             speed_m_s = snapshot.cruise_m_s if snapshot is not None else None
             title = stem.strip()[:60] or "Plan"
             has_areas = suffix == "plan"
@@ -117,12 +122,9 @@ class Desk:
         if here is not None:
             arguments = [*arguments, f"--start-at={_place(here.lon, here.lat)}"]
             if self._boat is not None:
-                try:
-                    return await self._planner.run(
-                        [*arguments, "--boat", self._boat, "--beyond-range"], folder
-                    )
-                except PlannerError:  # perhaps only of its budget, such as a route that ends on land
-                    (folder / "new.plan").unlink(missing_ok=True)
+                budget = ("--boat", self._boat, "--beyond-range")
+                with contextlib.suppress(PlannerError):  # perhaps of its budget: a route may end on land
+                    return await self._planner.run([*arguments, *budget], folder)
         return await self._planner.run(arguments, folder)
 
     async def _keep(
@@ -151,10 +153,10 @@ class Desk:
             name=name,
             task=task,
             items=max(len(lists.mission) - 1, 0),
-            points=_line(report),
+            points=figures.line(report),
             length_m=route["length_m"],
-            time_s=_time_s(report, route, speed_m_s),
-            charge_percent=_charge_percent(report),
+            time_s=figures.time_s(report, route, speed_m_s),
+            charge_percent=figures.charge_percent(report),
             fits=report["budget"]["suffices"] if report["budget"] else None,
             clearance_m=route["min_clearance_m"],
             has_areas=bool(lists.fence or lists.rally),
@@ -262,33 +264,6 @@ def _wished(wish: Wish, folder: Path) -> list[str]:
 
 def _place(lon: float, lat: float) -> str:
     return f"{lat:.7f},{lon:.7f}"
-
-
-def _line(report: Mapping[str, Any]) -> list[tuple[float, float]]:
-    home = report["home"]
-    places = [home, *report["waypoints"]] if home and any(home) else report["waypoints"]
-    return [(round(lon, 7), round(lat, 7)) for lat, lon in places]
-
-
-def _time_s(report: Mapping[str, Any], route: Mapping[str, Any], speed_m_s: float | None) -> float | None:
-    if report["budget"]:
-        time_s: float = report["budget"]["time_s"]
-        return time_s
-    if not speed_m_s:
-        return None
-    return float(route["length_m"] / speed_m_s + route.get("hold_s", 0.0))
-
-
-def _charge_percent(report: Mapping[str, Any]) -> float | None:
-    budget = report["budget"]
-    if not budget or budget["charge_mah"] is None or not budget["capacity_mah"]:
-        return None
-    home_mah = budget["home_mah"]
-    return None if home_mah is None else 100.0 * (budget["charge_mah"] + home_mah) / budget["capacity_mah"]
-
-
-def _distance(length_m: float) -> str:
-    return f"{length_m:.0f} m" if length_m < 10_000.0 else f"{length_m / 1000.0:.1f} km"
 
 
 def _absolute(boat: str | None) -> str | None:

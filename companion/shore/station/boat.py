@@ -185,6 +185,11 @@ class ShoreBoat:
         is_heard = now_s - self._heartbeat_s < SILENT_S
         return sensors(Look(self._parts, self.view, self.reasons.now(), now_s, is_heard, board))
 
+    @property
+    def is_uploading(self) -> bool:
+        """Whether an upload is under way, until it is read back."""
+        return self._sailing.is_active
+
     def upload(self, upload: Upload, answered: Answered, now_s: float) -> None:
         """Give the boat lists of items; one answer, within the upload's limit and a start."""
         if upload.start is not None:

@@ -134,6 +134,11 @@ class Boats:
         one = self._boats.get(boat)
         return None if one is None else one.files
 
+    @property
+    def is_uploading(self) -> bool:
+        """Whether a mission is on its way to a boat, or back."""
+        return any(boat.is_uploading for boat in self._boats.values())
+
     def mission(self, boat: int) -> tuple[MissionItem, ...] | None:
         """The mission on board, home first; None while it is not downloaded."""
         one = self._boats.get(boat)

@@ -55,6 +55,11 @@ class Sailing:
         """Whether messages of the mission protocol belong to the upload."""
         return self._answered is not None and bool(self._waiting)
 
+    @property
+    def is_active(self) -> bool:
+        """Whether an upload is under way, until it is read back."""
+        return self._upload is not None
+
     def ask(self, upload: Upload, answered: Answered, now_s: float) -> None:
         """Upload, read back and start. Replaces an upload that is under way."""
         self.cancel(now_s)

@@ -13,7 +13,7 @@ from companion.shore.words import say
 WAY_S: Final = 6.0  # leaves time for the start within the ten seconds of a request
 PLAN_S: Final = 20.0
 PLAN_PER_ITEM_S: Final = 1.5  # upload and reading back, where a fifth of the frames is lost both ways
-LONGEST_S: Final = 170.0  # the page waits for 200 s
+LONGEST_S: Final = 280.0  # the page waits for 300 s
 _FIRST: Final = 1.0  # the item after home
 _SAIL: Final = Command(dialect.MAV_CMD_MISSION_START, (_FIRST,), say("answer.sail"), once=True)
 _START: Final = Command(dialect.MAV_CMD_MISSION_START, (_FIRST,), say("answer.plan"), once=True)

@@ -93,6 +93,10 @@ class Boats(Service, Protocol):
 
     is_operator: bool
 
+    @property
+    def is_uploading(self) -> bool:
+        """Whether an upload waits for each poll."""
+
     def poll(self, now_s: float, unix_s: float) -> None:
         """Read and send what is due."""
 

@@ -311,6 +311,27 @@ def test_an_imported_route_over_land_is_warned_of() -> None:
     run(test())
 
 
+@pytest.mark.parametrize("kind", ["gpx", "plan"])
+def test_an_imported_route_that_leaves_the_boats_fence_is_warned_of(kind: str) -> None:
+    ring = [[-1.2040, 49.9980], [-1.2020, 49.9980], [-1.2020, 49.9990], [-1.2040, 49.9980]]
+    geometry = {"type": "Polygon", "coordinates": [ring]}
+    fence = {"type": "Feature", "properties": {"seq": 0, "command": 5001}, "geometry": geometry}
+
+    async def test() -> None:
+        async with serving() as server:
+            await server.log_in()
+            boats = prepare(server)
+            _, route = await plan(server, {"task": "route", "goals": [GOAL]})
+            _, body, _ = await get(server, f"/api/plans/{route['id']}.{kind}")
+            boats.lists["fence"] = {"type": "FeatureCollection", "features": [fence]}
+            status, again = await read(server, f"x.{kind}", body)
+            assert status == 200
+            assert again["warnings"]
+            assert not again["has_areas"]
+
+    run(test())
+
+
 @pytest.mark.parametrize(
     ("name", "body", "said"),
     [

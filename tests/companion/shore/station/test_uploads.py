@@ -53,10 +53,15 @@ class Told:
 def send(shore: Shore, upload: Upload, limit_s: float = 60.0) -> tuple[bool, str]:
     """Upload, and wait for the one answer."""
     told = Told()
+    assert not shore.boats.is_uploading
     shore.boats.upload(1, upload, told)
-    shore.until(lambda: bool(told.answers), limit_s)
+    while not told.answers:
+        assert shore.boats.is_uploading or upload.start is not None
+        shore.until(lambda: bool(told.answers) or not shore.boats.is_uploading, limit_s)
+        shore.run(0.04)
     shore.run(1.0)
     assert len(told.answers) == 1
+    assert not shore.boats.is_uploading
     return told.answers[0]
 
 

@@ -60,6 +60,7 @@ class FakeBoats:
         self.books: dict[int, Book] = {}
         self.polls = 0
         self.is_operator = False
+        self.is_uploading = False
         self.own_files: Files | None = None
         self.own_logs: LogList | None = None
 
