@@ -19,7 +19,9 @@ FOLDER = Path("docs/pictures")
 FENCE = Path("examples/maps/mill_pond_fence.geojson")
 _SPEEDUP = "8"
 _SETTLED_MS = 5_000.0  # for the chart, the mission and some metres of track
+_TURNED_MS = 1_500.0  # for the outputs and the current to be told
 _WAIT_MS = 60_000.0
+_MAGNETOMETER = ("--set", "sensors.compass.magnetometer_mg=203")
 _SCRIPTS = Path(sys.executable).parent
 
 
@@ -61,6 +63,27 @@ def draw_shore() -> None:
         _draw(browser, boat, "shore_desktop", "desktop")
         _draw(browser, boat, "shore_phone", "phone")
         _draw(browser, boat, "shore_phone_night", "phone", "dark")
+    with emulator(*_MAGNETOMETER) as boat, open_browser() as browser:
+        _draw_boat_view(browser, boat)
+
+
+def _draw_boat_view(browser: Browser, boat: Emulator) -> None:
+    """The sensors of a disarmed boat, and a motor turned by a held button."""
+    page = open_page(browser, boat, "desktop")
+    page.get_by_role("link", name="Boat").click()
+    page.wait_for_timeout(_SETTLED_MS)
+    page.screenshot(path=FOLDER / "shore_boat.png")
+    page.context.close()
+    page = open_page(browser, boat, "phone")
+    page.get_by_role("link", name="Boat").click()
+    page.get_by_role("heading", name="Motors", exact=True).click()
+    page.locator("#boat .motor-safe input:visible").check()
+    page.get_by_role("button", name="Left ahead").focus()
+    page.keyboard.down(" ")
+    page.wait_for_timeout(_TURNED_MS)
+    page.screenshot(path=FOLDER / "shore_boat_phone.png")
+    page.keyboard.up(" ")
+    page.context.close()
 
 
 def open_page(browser: Browser, boat: Emulator, size: str, light: Light = "light") -> Page:

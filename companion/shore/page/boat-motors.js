@@ -86,8 +86,8 @@ export function makePanel(inside, page) {
   const mayTurn = () => safe.isTicked && isReady();
 
   function show() {
-    const key = !live.isSkipper ? "motor.viewer" : !isReady() ? "motor.armed" : safe.isTicked ? "motor.ready" : "motor.tick";
-    setText(why, words.say(key));
+    setText(why, words.say(!live.isSkipper ? "motor.viewer" : isReady() ? "motor.tick" : "motor.armed"));
+    why.hidden = mayTurn();
     buttons.disabled = !mayTurn();
   }
 

@@ -35,7 +35,12 @@ export function makeView(box, page) {
     panel.heard.opened?.();
     if (shown !== null) panel.heard.showState?.(shown);
   };
-  for (const panel of panels) panel.details.addEventListener("toggle", () => follow(panel));
+  for (const panel of panels)
+    panel.details.addEventListener("toggle", () => {
+      const wasEntered = panel.isEntered;
+      follow(panel);
+      if (panel.isEntered && !wasEntered) panel.details.scrollIntoView({ block: "start" });
+    });
   return {
     opened() {
       isOpen = true;

@@ -31,7 +31,7 @@ export function holdMotor(button, live, words, { asked, told }) {
     press = { name: requestId(), beganMs: performance.now(), timer: null };
     downMs = press.beganMs;
     button.classList.add("turning");
-    told(words.say("motor.turning", { name: button.getAttribute("aria-label") ?? button.textContent }), null);
+    told(words.say("motor.turning"), null);
     turn(press);
   };
 

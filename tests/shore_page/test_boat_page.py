@@ -1,0 +1,252 @@
+"""Sensors, calibration and motors of the Boat view in Chromium: what is pressed, and what a station sees."""
+
+import re
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+from finger import has_touch, press
+from mavutil_station import MavutilStation
+from page_rig import (
+    ShoreBoat,
+    Visit,
+    axe_faults,
+    button,
+    needs_chromium,
+    skipper,
+    start_shore,
+    told,
+    until_mode,
+)
+from patience import MOMENT_S
+from playwright.sync_api import Locator, Page, expect
+from pymavlink.dialects.v20 import all as dialect
+
+from companion.core.modes import Mode
+
+pytest_plugins = ("page_fixtures",)
+pytestmark = [pytest.mark.realtime, needs_chromium]
+
+MAGNETOMETER = ("--set", "sensors.compass.magnetometer_mg=203", "--set", "sensors.compass.hard_iron_deg=25")
+ACCEPTED, REST_US = dialect.MAV_RESULT_ACCEPTED, 1500
+GNSS = dialect.FAILURE_UNIT_SENSOR_GPS
+CLEAR = "The propellers are clear of hands, hair and lines"
+
+
+@pytest.fixture(scope="module")
+def shore(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ShoreBoat]:
+    """A boat with a bare magnetometer, at its own pace: motor tests are counted by its clock."""
+    boat = start_shore(tmp_path_factory.mktemp("shore") / "room", *MAGNETOMETER)
+    yield boat
+    boat.program.close()
+    assert boat.program.wait(0.0)[::2] == (0, ""), "the boat ended badly"
+
+
+def boat_view(page: Page, panel: str | None = None) -> Page:
+    press(page, page.get_by_role("link", name="Boat"))
+    if panel is not None:
+        press(page, page.get_by_role("heading", name=panel, exact=True, level=2))
+    return page
+
+
+def sensor(page: Page, name: str) -> Locator:
+    return page.locator(f'.sensor[data-sensor="{name}"]')
+
+
+def clear(page: Page) -> None:
+    """Tick the box of the motors' panel."""
+    page.locator("#boat .motor-safe input:visible").check()
+
+
+@contextmanager
+def holding(page: Page, held: Locator) -> Iterator[None]:
+    """A finger, or the mouse, on a button."""
+    held.scroll_into_view_if_needed()
+    box = held.bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0
+    if not has_touch(page):
+        page.mouse.move(x, y)
+        page.mouse.down()
+        yield
+        page.mouse.up()
+        return
+    wire = page.context.new_cdp_session(page)
+    wire.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x, "y": y}]})
+    yield
+    wire.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    wire.detach()
+
+
+def outputs(station: MavutilStation, left: bool, right: bool) -> None:
+    """Until the boat's outputs are so."""
+    station.wait_for(
+        "SERVO_OUTPUT_RAW",
+        lambda one: (one.servo1_raw != REST_US, one.servo3_raw != REST_US) == (left, right),
+    )
+
+
+@pytest.fixture
+def watching(station: MavutilStation) -> MavutilStation:
+    """A second station that gets the outputs ten times a second."""
+    number = dialect.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW
+    assert station.command(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, number, 100_000) == ACCEPTED
+    return station
+
+
+@pytest.mark.parametrize("size", ["phone", "desktop"])
+def test_everybody_sees_the_sensors_and_a_fault_changes_a_verdict(
+    size: str, visit: Visit, station: MavutilStation
+) -> None:
+    page = boat_view(visit(size))
+    expect(sensor(page, "gnss")).to_have_attribute("data-verdict", "fine")
+    expect(sensor(page, "gnss")).to_contain_text(re.compile(r"Fix\s*3-D\s*Satellites\s*\d+"))
+    expect(sensor(page, "battery")).to_contain_text(re.compile(r"Voltage\s*1\d\.\d\d\sV"))
+    expect(sensor(page, "rc")).to_contain_text("Not fitted", ignore_case=True)
+    assert axe_faults(page) == []
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert station.command(dialect.MAV_CMD_INJECT_FAILURE, GNSS, dialect.FAILURE_TYPE_OFF) == ACCEPTED
+    expect(sensor(page, "gnss")).to_have_attribute("data-verdict", "failed")
+    expect(sensor(page, "gnss")).to_contain_text("Check its supply")
+    expect(page.get_by_role("status").filter(has_text="1 failed")).to_be_visible()
+    assert station.command(dialect.MAV_CMD_INJECT_FAILURE, GNSS, dialect.FAILURE_TYPE_OK) == ACCEPTED
+    expect(sensor(page, "gnss")).not_to_have_attribute("data-verdict", "failed")
+
+
+def test_a_closed_list_of_sensors_asks_for_nothing(visit: Visit) -> None:
+    page = boat_view(visit("desktop"))
+    expect(sensor(page, "gnss")).to_be_visible()
+    asked: list[str] = []
+    page.on(
+        "request", lambda request: asked.append(request.url) if request.url.endswith("/sensors") else None
+    )
+    page.wait_for_timeout(1_000)
+    assert asked
+    press(page, page.get_by_role("link", name="Sail"))
+    page.wait_for_timeout(500)
+    asked.clear()
+    page.wait_for_timeout(1_500)
+    assert asked == []
+
+
+@pytest.mark.parametrize("size", ["phone", "desktop"])
+def test_a_motor_turns_while_its_button_is_held_and_stops_when_it_is_let_go(
+    size: str, visit: Visit, shore: ShoreBoat, watching: MavutilStation
+) -> None:
+    page = boat_view(skipper(visit, shore, size), "Motors")
+    ahead = button(page, "Left ahead")
+    expect(ahead).to_be_disabled()
+    clear(page)
+    expect(ahead).to_be_enabled()
+    assert axe_faults(page) == []
+    with holding(page, ahead):
+        outputs(watching, left=True, right=False)
+        expect(page.locator("[data-output=left]")).to_contain_text("15 %")
+        page.wait_for_timeout(2_000)  # longer than one test
+        watching.drain()
+        outputs(watching, left=True, right=False)
+    outputs(watching, left=False, right=False)
+    expect(told(page, "Left ahead: The motors are at rest")).to_be_visible()
+
+
+def test_a_key_turns_both_motors_astern_with_the_power_chosen(
+    visit: Visit, shore: ShoreBoat, watching: MavutilStation
+) -> None:
+    page = boat_view(skipper(visit, shore, "desktop"), "Motors")
+    clear(page)
+    page.get_by_label("30 %").check()
+    button(page, "Both astern").focus()
+    page.keyboard.down(" ")
+    watching.wait_for("SERVO_OUTPUT_RAW", lambda one: one.servo1_raw == one.servo3_raw == 1350)
+    page.keyboard.up(" ")
+    outputs(watching, left=False, right=False)
+
+
+def test_the_motor_stops_by_itself_when_nothing_more_comes_from_the_page(
+    visit: Visit, shore: ShoreBoat, watching: MavutilStation
+) -> None:
+    page = boat_view(skipper(visit, shore, "desktop"), "Motors")
+    clear(page)
+    with holding(page, button(page, "Right ahead")):
+        outputs(watching, left=False, right=True)
+        page.evaluate("() => (WebSocket.prototype.send = () => {})")  # no stop leaves the page either
+        outputs(watching, left=False, right=False)
+
+
+def test_the_box_is_unticked_at_each_opening_and_after_a_minute(visit: Visit, shore: ShoreBoat) -> None:
+    page = skipper(visit, shore, "desktop")
+    page.clock.install()
+    boat_view(page, "Motors")
+    box = page.locator("#boat .motor-safe input:visible")
+    box.check()
+    press(page, page.get_by_role("heading", name="Sensors", exact=True, level=2))
+    press(page, page.get_by_role("heading", name="Motors", exact=True, level=2))
+    expect(box).not_to_be_checked()
+    box.check()
+    expect(button(page, "Left ahead")).to_be_enabled()
+    page.clock.run_for(61_000)
+    expect(box).not_to_be_checked()
+    expect(button(page, "Left ahead")).to_be_disabled()
+
+
+def test_an_armed_boat_turns_no_motor_and_calibrates_nothing(
+    visit: Visit, shore: ShoreBoat, station: MavutilStation
+) -> None:
+    page = boat_view(skipper(visit, shore, "desktop"), "Motors")
+    assert station.command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, 2989.0) == ACCEPTED
+    until_mode(station, Mode.HOLD, armed=True)
+    expect(page.get_by_text("Only on a disarmed boat that is heard.")).to_be_visible()
+    clear(page)
+    expect(button(page, "Left ahead")).to_be_disabled()
+    press(page, page.get_by_role("heading", name="Calibration", exact=True, level=2))
+    expect(button(page, "Start: Compass")).to_be_disabled()
+    expect(button(page, "Start: Gyro")).to_be_disabled()
+    answer = page.evaluate("""() => new Promise((done) => {
+        const socket = new WebSocket(`ws://${location.host}/live?boat=1`);
+        const request = { type: "do", id: "x1", boat: 1, what: "calibrate_gyro", with: {} };
+        socket.onmessage = ({ data }) => {
+            const message = JSON.parse(data);
+            if (message.type === "hello" && request) socket.send(JSON.stringify(request));
+            if (message.type === "answer") done(message);
+        };
+    })""")
+    assert (answer["ok"], answer["text"]) == (False, "A boat is armed: disarm it first.")
+
+
+def test_the_compass_calibration_shows_its_progress_and_is_cancelled(
+    visit: Visit, shore: ShoreBoat, station: MavutilStation
+) -> None:
+    page = boat_view(skipper(visit, shore, "phone"), "Calibration")
+    assert axe_faults(page) == []
+    press(page, button(page, "Start: Compass"))
+    bar = page.get_by_role("progressbar", name="Progress: Compass")
+    expect(bar).to_be_visible()
+    expect(told(page, "Turn the boat slowly through a full circle")).to_be_visible()
+    assert station.enter(Mode.MANUAL) == ACCEPTED
+    assert station.command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, 2989.0) == ACCEPTED
+    give_up_s = time.monotonic() + MOMENT_S
+    while page.evaluate("document.querySelector('.calibration[data-kind=compass] progress').value") < 0.15:
+        assert time.monotonic() < give_up_s
+        station.mav.manual_control_send(1, 0, 600, 500, 0, 0)
+        page.wait_for_timeout(100)
+    assert axe_faults(page) == []
+    press(page, button(page, "Cancel"))  # while armed, too
+    expect(told(page, "Cancelled: nothing has changed.")).to_be_visible()
+    expect(bar).to_be_hidden()
+
+
+def test_the_gyro_is_calibrated_to_its_end(visit: Visit, shore: ShoreBoat, station: MavutilStation) -> None:
+    page = boat_view(skipper(visit, shore, "desktop"), "Calibration")
+    station.drain()
+    press(page, button(page, "Start: Gyro"))
+    expect(told(page, re.compile("Done. Gyro calibrated|Failed. Gyro: the boat moved"))).to_be_visible()
+
+
+def test_a_calibration_that_sails_says_what_it_needs(visit: Visit, shore: ShoreBoat) -> None:
+    page = boat_view(skipper(visit, shore, "desktop"), "Calibration")
+    thrusters = page.get_by_role("region", name="Thrusters", exact=True)
+    expect(thrusters).to_contain_text("✕ armed")
+    expect(thrusters).to_contain_text("The boat sails by itself")
+    expect(button(page, "Start: Thrusters")).to_be_disabled()
+    assert axe_faults(page) == []
