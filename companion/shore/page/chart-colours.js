@@ -13,8 +13,9 @@ const NIGHT = {
   hull: "#15181b", unheard: "#6f767c", hullEdge: "#9fd0ff", echo: "rgba(159, 208, 255, 0.2)", echoEdge: "#9fd0ff", obstacle: "#ff8fc4",
 };
 
-export function colours() {
+export function isNight() {
   const theme = document.documentElement.dataset.theme;
-  const isDark = theme ? theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
-  return isDark ? NIGHT : DAY;
+  return theme ? theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
 }
+
+export const colours = () => (isNight() ? NIGHT : DAY);

@@ -3,7 +3,7 @@
 // A module NAME.js exports makeView(box, page) and has its style in NAME.css. It returns what it wants to hear:
 // {showState(snapshot), opened(), closed(), tap(lat, lon)}, all optional. Only the open view is called.
 
-const VIEWS = ["plan", "boat"];
+const VIEWS = ["plan", "logs", "boat"];
 
 // sail: what the first view wants to hear. page: {words, live, go, data, chart}; chart and data are null until loaded.
 export function wireViews(place, page, sail) {
