@@ -6,6 +6,7 @@ python -m pictures shore
 import re
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,6 +21,7 @@ FENCE = Path("examples/maps/mill_pond_fence.geojson")
 _SPEEDUP = "8"
 _SETTLED_MS = 5_000.0  # for the chart, the mission and some metres of track
 _TURNED_MS = 1_500.0  # for the outputs and the current to be told
+_DRAWN_MS = 500.0
 _WAIT_MS = 60_000.0
 _MAGNETOMETER = ("--set", "sensors.compass.magnetometer_mg=203")
 _SCRIPTS = Path(sys.executable).parent
@@ -65,6 +67,7 @@ def draw_shore() -> None:
         _draw(browser, boat, "shore_phone_night", "phone", "dark")
     with emulator(*_MAGNETOMETER) as boat, open_browser() as browser:
         _draw_boat_view(browser, boat)
+    draw_voyage()
 
 
 def _draw_boat_view(browser: Browser, boat: Emulator) -> None:
@@ -83,6 +86,33 @@ def _draw_boat_view(browser: Browser, boat: Emulator) -> None:
     page.wait_for_timeout(_TURNED_MS)
     page.screenshot(path=FOLDER / "shore_boat_phone.png")
     page.keyboard.up(" ")
+    page.context.close()
+
+
+def draw_voyage() -> None:
+    """A voyage of the Logs view: the mission of the lake, sailed in lockstep."""
+    with tempfile.TemporaryDirectory() as state:
+        logs = Path(state) / "logs"
+        logs.mkdir()
+        sail = [str(_SCRIPTS / "boat-sitl"), "sail", "lake", "--log", str(logs / "00001.bin")]
+        subprocess.run(sail, check=True, stdout=subprocess.DEVNULL)  # noqa: S603
+        with emulator("--state", state) as boat, open_browser() as browser:
+            _draw_voyage(browser, boat, "shore_voyage", "desktop")
+            _draw_voyage(browser, boat, "shore_voyage_phone", "phone")
+
+
+def _draw_voyage(browser: Browser, boat: Emulator, name: str, size: str) -> None:
+    page = open_page(browser, boat, size)
+    page.goto(f"{boat.page}#logs")
+    page.get_by_role("button", name="Show the voyage of 00001.bin").click()
+    speed = page.get_by_role("slider").first
+    box = speed.bounding_box()
+    assert box is not None  # noqa: S101
+    speed.click(position={"x": 0.5 * box["width"], "y": 0.5 * box["height"]})
+    page.get_by_role("heading", name="Voyage").scroll_into_view_if_needed()
+    page.locator("#logs").evaluate("view => { view.scrollTop = 0; }")
+    page.wait_for_timeout(_DRAWN_MS)
+    page.screenshot(path=FOLDER / f"{name}.png")
     page.context.close()
 
 
