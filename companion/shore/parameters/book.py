@@ -12,9 +12,9 @@ from companion.shore.parameters.fetching import INFORMATION, METADATA, Fetching,
 from companion.shore.parameters.metadata import Descriptions
 from companion.shore.parameters.setting import Settings
 from companion.shore.parameters.values import NAME, Value
+from companion.shore.words import say
 
 WANTED_S: Final = 3.0  # after each look
-ARMED: Final = "The boat is armed: disarm it first"
 WANTED: Final = frozenset(
     {dialect.MAVLINK_MSG_ID_PARAM_VALUE, dialect.MAVLINK_MSG_ID_PARAM_ERROR, METADATA, INFORMATION}
 )
@@ -121,17 +121,17 @@ class Book:
         """The request `set_parameter` with name and value. reply: as asked, text, {name, value} on board."""
         name, value = arguments.get("name"), arguments.get("value")
         if armed is not False:
-            reply(False, ARMED, None)
+            reply(False, say("answer.param_armed"), None)
             return
         if not isinstance(name, str) or not NAME.fullmatch(name):
-            reply(False, "name: expected the name of a parameter", None)
+            reply(False, say("answer.param_name"), None)
             return
         if isinstance(value, bool) or not isinstance(value, int | float):
-            reply(False, f"{name}: value is missing or is no number", None)
+            reply(False, say("answer.param_no_value", name=name), None)
             return
         known = self._download.values.get(name)
         if known is None:
-            reply(False, f"The boat has no parameter {name}", None)
+            reply(False, say("answer.param_unknown", name=name), None)
             return
         is_bytewise = self._download.is_bytewise
         if flaw := refusal_of(name, value, known.kind, is_bytewise, self._descriptions.of(name)):

@@ -4,6 +4,7 @@ import math
 
 from companion.shore.parameters.metadata import Description
 from companion.shore.parameters.values import flaw_of, float_or_int, is_same, write
+from companion.shore.words import say
 
 
 def refusal_of(name: str, value: float, kind: int, is_bytewise: bool, described: Description) -> str:
@@ -12,13 +13,13 @@ def refusal_of(name: str, value: float, kind: int, is_bytewise: bool, described:
     A listed value fits whatever the range. A description without a range allows the listed values only.
     """
     if described.read_only:
-        return f"{name} cannot be changed: the boat has it fixed"
+        return say("answer.param_fixed", name=name)
     try:
         number = float(value)
     except OverflowError:  # a whole number beyond every float
         number = math.inf
     if flaw := flaw_of(number, kind, is_bytewise):
-        return f"{name}: {_written(number)} {flaw}"
+        return say("answer.param_flaw", name=name, value=_written(number), flaw=flaw)
     if any(is_same(number, listed) for listed, _ in described.values):
         return ""
     low, high = described.low, described.high
@@ -28,10 +29,12 @@ def refusal_of(name: str, value: float, kind: int, is_bytewise: bool, described:
     if below or above:
         least = "−∞" if low is None else _written(low)
         most = "∞" if high is None else _written(high)
-        return f"{name}: {_written(number)}{unit} is outside {least} to {most}{unit}"
+        return say(
+            "answer.param_outside", name=name, value=_written(number) + unit, least=least, most=most + unit
+        )
     if described.values and not described.bits and low is None and high is None:
         listed = ", ".join(_written(one) for one, _ in described.values[:20])
-        return f"{name}: {_written(number)} is not one of {listed}"
+        return say("answer.param_not_listed", name=name, value=_written(number), listed=listed)
     return ""
 
 

@@ -12,17 +12,21 @@ from typing import Any, Final
 from companion.core.status_text import one_line
 from companion.shore.parameters.metadata import Descriptions
 from companion.shore.parameters.values import Value, float_or_int, is_same, write
+from companion.shore.words import Said, say
 
 MOST_BYTES: Final = 500_000  # 10,000 lines
 _MOST_LINES: Final = 12_000
 _MOST_TOLD: Final = 40  # characters of a line
 _NAME: Final = re.compile(r"[!-\"$-+\--~]{1,16}")  # without comma and #, which mean something else in a file
 _NEAR: Final = 1e-6  # as pymavlink's MAVParmDict: files have six decimals
-_EXPECTED: Final = "expected NAME,VALUE"
 
 
 class ParamFileError(ValueError):
-    """A file that is no parameter file. The text names the line."""
+    """A file that is no parameter file. text: names the line."""
+
+    def __init__(self, text: Said) -> None:
+        super().__init__(text)
+        self.text = text
 
 
 def write_file(values: Iterable[tuple[str, Value]], title: str) -> bytes:
@@ -44,10 +48,10 @@ def read_file(content: bytes) -> dict[str, float]:
     try:
         text = content.removeprefix(b"\xef\xbb\xbf").decode("utf-8")
     except UnicodeDecodeError:
-        raise ParamFileError("This is no text file. Expected a .param file") from None
+        raise ParamFileError(say("error.param_file.no_text")) from None
     lines = text.splitlines()
     if len(lines) > _MOST_LINES:
-        raise ParamFileError(f"The file has {len(lines)} lines. Expected at most {_MOST_LINES}")
+        raise ParamFileError(say("error.param_file.long", n=len(lines), most=_MOST_LINES))
     values: dict[str, float] = {}
     for number, line in enumerate(lines, 1):
         words = line.split("#")[0].replace(",", " ").split()
@@ -58,10 +62,12 @@ def read_file(content: bytes) -> dict[str, float]:
             words = words[2:4]
         value = _number(words[1]) if len(words) == 2 and _NAME.fullmatch(words[0]) else None
         if value is None:
-            raise ParamFileError(f"Line {number}: {one_line(line)[:_MOST_TOLD]!r}: {_EXPECTED}")
+            raise ParamFileError(
+                say("error.param_file.line", n=number, line=one_line(line).strip()[:_MOST_TOLD])
+            )
         values[words[0]] = value
     if not values:
-        raise ParamFileError(f"The file has no parameter in it: {_EXPECTED} lines")
+        raise ParamFileError(say("error.param_file.empty"))
     return values
 
 

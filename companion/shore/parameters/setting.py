@@ -15,21 +15,21 @@ from typing import Final
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.shore.parameters.values import Value, encode, float_or_int, is_same, name_of, write
+from companion.shore.words import say
 
 REPEAT_S: Final = 1.0
 TRIES: Final = 6
 TIMEOUT_S: Final = 8.0  # the page hears within ten
 SETTLE_S: Final = 0.4
 MOST: Final = 64  # under way at once
-NO_ANSWER: Final = "No answer from the boat. Whether {} has changed is not known: look at it again"
 _ENOUGH: Final = 2  # other values after as many requests
 _ERRORS: Final = {
-    1: "the boat has no such parameter",
-    2: "the boat does not accept this value",
-    3: "the boat does not permit this",
-    5: "the boat cannot change this parameter",
-    6: "the boat does not know this type",
-    7: "the boat's parameter is of another type",
+    1: say("answer.param_error.unknown"),
+    2: say("answer.param_error.value"),
+    3: say("answer.param_error.permission"),
+    5: say("answer.param_error.read_only"),
+    6: say("answer.param_error.no_type"),
+    7: say("answer.param_error.type"),
 }  # MAV_PARAM_ERROR, which begins at 1
 
 Answered = Callable[[bool, str, Value | None], None]
@@ -66,9 +66,9 @@ class Settings:
     ) -> None:
         """Set a parameter. answered(is as asked, text, value on board) is called once, within TIMEOUT_S."""
         if (older := self._under_way.pop(name, None)) is not None:
-            older.answered(False, "Replaced by a newer request", older.kept)
+            older.answered(False, say("answer.replaced"), older.kept)
         if len(self._under_way) >= MOST:
-            answered(False, "Too many parameters at once. Try again in a moment", None)
+            answered(False, say("answer.param_busy"), None)
             return
         one = _UnderWay(name, value, kind, is_bytewise, answered, now_s + TIMEOUT_S, now_s + REPEAT_S)
         self._under_way[name] = one
@@ -80,7 +80,11 @@ class Settings:
             return
         one.kept = value
         if value.value is not None and is_same(value.value, one.value):
-            self._end(one, True, f"{name} is now {write(float_or_int(one.value, value.is_whole))}")
+            self._end(
+                one,
+                True,
+                say("answer.param_set", name=name, value=write(float_or_int(one.value, value.is_whole))),
+            )
             return
         if one.other_at < one.sent:
             one.other_at = one.sent
@@ -94,7 +98,11 @@ class Settings:
         to_other = message.target_system not in (0, self._own.system)
         if one is None or to_other or not message.error:
             return
-        one.reason = one.reason or f"{one.name}: {_ERRORS.get(message.error, f'error {message.error}')}"
+        one.reason = one.reason or say(
+            "answer.param_error",
+            name=one.name,
+            why=_ERRORS.get(message.error) or say("answer.param_error.other", n=message.error),
+        )
         one.settled_s = one.settled_s or now_s + SETTLE_S
 
     def on_text(self, text: str, now_s: float) -> None:
@@ -110,7 +118,7 @@ class Settings:
             if one.settled_s is not None and now_s >= one.settled_s:
                 self._end(one, False, _refusal(one))
             elif now_s >= one.ends_s:
-                text = NO_ANSWER.format(one.name) if one.kept is None else _refusal(one)
+                text = say("answer.param_silent", name=one.name) if one.kept is None else _refusal(one)
                 self._end(one, False, text)
             elif one.settled_s is None and now_s >= one.repeat_s and one.sent < TRIES:
                 one.sent += 1
@@ -130,5 +138,6 @@ def _refusal(one: _UnderWay) -> str:
     """What the boat has, and why."""
     if one.kept is None:
         return one.reason
-    kept = f"The boat keeps {one.name} at {one.kept.text()}"
-    return f"{one.reason}. {kept}" if one.reason else kept
+    if one.reason:
+        return say("answer.param_kept_as", why=one.reason, name=one.name, value=one.kept.text())
+    return say("answer.param_kept", name=one.name, value=one.kept.text())

@@ -11,6 +11,7 @@ from typing import Final, NamedTuple
 
 from companion.core.float32 import as_float32, shortest
 from companion.mavlink.dialect import Message
+from companion.shore.words import say
 
 REAL32: Final = 9  # MAV_PARAM_TYPE_REAL32
 NAME: Final = re.compile(r"[!-~]{1,16}")  # what can be shown and sent back
@@ -60,7 +61,7 @@ class Value(NamedTuple):
     def text(self) -> str:
         """As people write it, for a sentence or a file."""
         number = self.number()
-        return "no number" if number is None else write(number)
+        return say("param.no_number") if number is None else write(number)
 
 
 def float_or_int(value: float, is_whole: bool) -> float | int:
@@ -104,15 +105,15 @@ def flaw_of(value: float, kind: int, is_bytewise: bool) -> str:
     """Why a value cannot be one of this type, in words; empty if it can."""
     whole = _KINDS.get(kind)
     if not math.isfinite(value) or (whole is None and as_float32(value) != struct_float32(value)):
-        return "is no number that fits 32 bits"
+        return say("answer.param_flaw.number")
     if whole is None:
         return ""
     if value != round(value):
-        return "is no whole number"
+        return say("answer.param_flaw.whole")
     if not whole.least <= value <= whole.most:
-        return f"is outside {whole.least} to {whole.most}"
+        return say("answer.param_flaw.outside", least=str(whole.least), most=str(whole.most))
     if not is_bytewise and abs(value) > _MOST_EXACT and as_float32(value) != value:
-        return "cannot be sent exactly: a whole number of at most 24 bits can"
+        return say("answer.param_flaw.exact")
     return ""
 
 

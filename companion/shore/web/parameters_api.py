@@ -16,10 +16,10 @@ from companion.shore.web.guard import error
 from companion.shore.web.hub import Hub
 from companion.shore.web.rows import BOAT, Handler, Row, boat_of, json_answer, read_body
 from companion.shore.web.static_files import StaticFile, make_file, respond
+from companion.shore.words import say
 
 _JSON: Final = "application/json"
 _MOST_KEPT: Final = 4  # packed documents: some 10 kB each
-_NOT_YET: Final = "The boat's parameters are not downloaded yet."
 
 
 class _Documents:
@@ -66,7 +66,7 @@ def _book(hub: Hub, request: web.Request) -> Book | web.Response:
     boat = boat_of(request)
     book = hub.boats.parameters(boat)
     if book is None:
-        return error(404, f"Boat {boat} was never heard.", "the number of a boat")
+        return error(404, say("error.no_boat"), "")
     look = book.look()
     if look.state != "here":
         progress = {"got": look.got, "count": look.count}
@@ -89,7 +89,7 @@ def _list() -> Handler:
 async def _save(hub: Hub, request: web.Request) -> web.StreamResponse:
     book = _book(hub, request)
     if isinstance(book, web.Response):
-        return error(503, _NOT_YET, "", {"Retry-After": "1"})
+        return error(503, say("error.no_parameters"), "", {"Retry-After": "1"})
     boat, values = boat_of(request), list(book.look().values.items())
     content = await asyncio.to_thread(write_file, values, f"Parameters of boat {boat}")
     headers = {"Content-Disposition": f'attachment; filename="boat-{boat}.param"'}
@@ -100,13 +100,13 @@ async def _compare(hub: Hub, request: web.Request) -> web.StreamResponse:
     content = await read_body(request, MOST_BYTES)
     book = _book(hub, request)
     if isinstance(book, web.Response):
-        return error(503, _NOT_YET, "", {"Retry-After": "1"})
+        return error(503, say("error.no_parameters"), "", {"Retry-After": "1"})
     look = await _described(book)
     values = dict(look.values)
     try:
         file = await asyncio.to_thread(read_file, content)
     except ParamFileError as refused:
-        return error(400, f"{refused}.", "")
+        return error(400, refused.text, "")
     found = await asyncio.to_thread(compare, file, values, look.descriptions)
     return json_answer(msgspec.json.encode(found))
 

@@ -149,7 +149,9 @@ def test_a_silent_boat_is_asked_some_times_and_then_given_up() -> None:
     script.ask(1.0)
     script.run(20.0)
     assert len(script.sent) == setting.TRIES
-    assert script.answers == [(False, setting.NO_ANSWER.format("A"), None)]
+    assert script.answers == [
+        (False, "No answer from the boat. Whether A has changed is not known: look at it again", None)
+    ]
 
 
 def test_the_old_value_of_a_list_under_way_is_no_answer() -> None:
