@@ -58,7 +58,7 @@ export function makeVoyage(name, voyage, geojson, words, back) {
   const list = (events) =>
     element("ol", {}, ...events.map((event) => {
       const row = button("", () => choose(event.place), { data: { kind: event.kind } });
-      row.append(element("span", { className: "at", text: clock(event.at_s) }), element("span", { text: eventText(event, words) }));
+      row.append(element("span", { className: "at", text: clock(event.at_s) }), " ", element("span", { text: eventText(event, words) }));
       rows.push({ row, event });
       return element("li", {}, row);
     }));

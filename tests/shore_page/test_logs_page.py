@@ -1,0 +1,137 @@
+"""The Logs view: what the boat has logged is listed, downloaded byte by byte, and shown as a voyage."""
+
+import math
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from finger import press
+from page_rig import ShoreBoat, Visit, axe_faults, button, needs_chromium, skipper, start_shore
+from playwright.sync_api import Page, expect
+from pymavlink import DFReader
+
+pytest_plugins = ("page_fixtures",)
+pytestmark = [pytest.mark.realtime, needs_chromium]
+
+NAME = "00001.bin"
+BROKEN = "00002.bin"
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Of a boat that sailed the mission of the lake, in the folder of logs of the boat to come."""
+    folder = tmp_path_factory.mktemp("state") / "logs"
+    folder.mkdir()
+    sail = [sys.executable, "-m", "sitl", "sail", "lake", "--log", str(folder / NAME)]
+    subprocess.run(sail, check=True, stdout=subprocess.DEVNULL)
+    (folder / BROKEN).write_bytes(b"no log at all" * 100)
+    return folder / NAME
+
+
+@pytest.fixture(scope="module")
+def shore(log: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ShoreBoat]:
+    """A boat that keeps logs."""
+    boat = start_shore(tmp_path_factory.mktemp("shore") / "room", "--state", str(log.parent.parent))
+    yield boat
+    boat.program.close()
+
+
+def sailed_m(log: Path) -> float:
+    """The way by pymavlink's reader, through a position a second."""
+    reader = DFReader.DFReader_binary(str(log))
+    places = []
+    while (record := reader.recv_match(type="POS")) is not None:
+        places.append((math.radians(record.Lat), math.radians(record.Lng)))
+    reader.filehandle.close()
+    way_m = 0.0
+    for (lat_a, lon_a), (lat_b, lon_b) in pairwise(places[::10]):
+        h = math.sin((lat_b - lat_a) / 2) ** 2
+        h += math.cos(lat_a) * math.cos(lat_b) * math.sin((lon_b - lon_a) / 2) ** 2
+        way_m += 2 * 6_371_008.8 * math.asin(math.sqrt(h))
+    return way_m
+
+
+def open_logs(page: Page) -> None:
+    press(page, page.get_by_role("link", name="Logs"))
+    expect(page.get_by_text("2 logs, the newest first")).to_be_visible()
+
+
+def open_voyage(page: Page) -> None:
+    open_logs(page)
+    press(page, button(page, f"Show the voyage of {NAME}"))
+    expect(page.get_by_role("article", name="Voyage")).to_be_visible()
+
+
+def test_without_the_pin_logs_are_only_listed(visit: Visit) -> None:
+    page = visit("phone")
+    open_logs(page)
+    expect(page.get_by_text("Enter the PIN below")).to_be_visible()
+    expect(button(page, f"Show the voyage of {NAME}")).to_be_disabled()
+    expect(page.get_by_role("link", name=f"Download {NAME}")).not_to_have_attribute("href", re.compile("."))
+
+
+def test_a_download_has_the_bytes_of_the_file_on_the_boat(visit: Visit, shore: ShoreBoat, log: Path) -> None:
+    page = skipper(visit, shore, "desktop")
+    open_logs(page)
+    with page.expect_download() as started:
+        press(page, page.get_by_role("link", name=f"Download {NAME}"))
+    assert started.value.suggested_filename == f"boat1-{NAME}"
+    assert Path(started.value.path()).read_bytes() == log.read_bytes()
+
+
+@pytest.mark.parametrize("size", ["phone", "desktop"])
+def test_a_voyage_is_as_long_as_pymavlink_says_and_a_moment_is_shown_everywhere(
+    visit: Visit, shore: ShoreBoat, log: Path, size: str
+) -> None:
+    page = skipper(visit, shore, size)
+    open_voyage(page)
+    shown = page.locator("#logs dl div").filter(has_text="Distance").locator("dd").inner_text()
+    number, unit = shown.split()
+    assert unit == "m"
+    assert float(number) == pytest.approx(sailed_m(log), rel=0.03)
+    graphs = page.get_by_role("slider")
+    expect(graphs).to_have_count(3)
+    graphs.first.focus()
+    page.keyboard.press("End")
+    told = graphs.first.get_attribute("aria-valuetext")
+    assert told is not None
+    expect(page.locator("#logs .moment")).to_have_text(told)
+    for n in range(3):
+        expect(graphs.nth(n)).to_have_attribute("aria-valuetext", told)
+    page.keyboard.press("Home")
+    expect(page.locator("#logs .moment")).to_have_text(re.compile("^0:0"))
+    press(page, page.get_by_role("button", name=re.compile("^4:53.*Mode Keeps its place$")))
+    expect(graphs.last).to_have_attribute("aria-valuetext", re.compile("^4:53, Keeps its place"))
+    track = page.get_by_role("application", name="Track of the voyage")
+    box = track.bounding_box()
+    assert box is not None
+    press(page, track, {"x": 0.53 * box["width"], "y": 0.59 * box["height"]})  # half-way
+    expect(graphs.first).to_have_attribute("aria-valuetext", re.compile("^[123]:.*Auto"))
+    assert axe_faults(page) == []
+    overflow = "document.getElementById('logs').scrollWidth - document.getElementById('logs').clientWidth"
+    assert page.evaluate(overflow) == 0
+
+
+def test_a_voyage_is_saved_as_a_picture(visit: Visit, shore: ShoreBoat) -> None:
+    page = skipper(visit, shore, "desktop")
+    open_voyage(page)
+    with page.expect_download() as started:
+        press(page, button(page, "Save as picture"))
+    assert started.value.suggested_filename == "00001.png"
+    content = Path(started.value.path()).read_bytes()
+    assert content[:8] == b"\x89PNG\r\n\x1a\n"
+    assert len(content) > 50_000
+    press(page, button(page, "Back to the list"))
+    expect(button(page, f"Show the voyage of {NAME}")).to_be_focused()
+
+
+def test_what_is_no_log_is_told_and_the_list_stays(visit: Visit, shore: ShoreBoat) -> None:
+    page = skipper(visit, shore)
+    open_logs(page)
+    press(page, button(page, f"Show the voyage of {BROKEN}"))
+    expect(page.get_by_text("This is no log in ArduPilot's DataFlash format")).to_be_visible()
+    expect(button(page, f"Show the voyage of {NAME}")).to_be_enabled()
