@@ -250,3 +250,26 @@ def test_a_calibration_that_sails_says_what_it_needs(visit: Visit, shore: ShoreB
     expect(thrusters).to_contain_text("The boat sails by itself")
     expect(button(page, "Start: Thrusters")).to_be_disabled()
     assert axe_faults(page) == []
+
+
+def test_a_request_of_the_moment_is_not_sent_again_on_a_new_connection(
+    visit: Visit, shore: ShoreBoat
+) -> None:
+    page = boat_view(skipper(visit, shore, "desktop"), "Motors")
+    clear(page)
+    page.evaluate("""() => {
+        const send = WebSocket.prototype.send;
+        window.sent = [];
+        WebSocket.prototype.send = function (text) {
+            window.sent.push(JSON.parse(text).what);
+            window.socket = this;
+            if (window.sent.at(-1) !== "motor") send.call(this, text);  // it has no answer
+        };
+    }""")
+    with holding(page, button(page, "Left ahead")):
+        page.wait_for_function("window.sent.includes('motor')")
+        page.evaluate("() => { window.before = window.sent.splice(0); window.socket.close(); }")
+        expect(told(page, "Left ahead: Not connected: nothing was sent.")).to_be_visible()
+    expect(button(page, "Left ahead")).to_be_enabled()  # connected again
+    page.wait_for_timeout(500)
+    assert "motor" not in page.evaluate("window.sent")

@@ -78,7 +78,7 @@ export class Live {
         return;
       }
       const request = { type: "do", id: requestId(), boat: this.boat, what, with: withThese };
-      this.waiting.set(request.id, { request, resolve, boat: this.boat, untilMs: this.now() + (LONGER_MS[what] ?? REQUEST_MS) });
+      this.waiting.set(request.id, { request, resolve, boat: this.boat, isFleeting, untilMs: this.now() + (LONGER_MS[what] ?? REQUEST_MS) });
       this.socket.send(JSON.stringify(request));
     });
   }

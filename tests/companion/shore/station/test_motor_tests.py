@@ -7,9 +7,10 @@ from shore_rig import Shore
 from companion.core.requests import ManualControl
 from companion.mavlink.dialect import dialect
 from companion.shore.messages import Answer
-from companion.shore.station.setup.motor_tests import ENDED, HELD_UP, NO_ANSWER, STOPPED, TEST_S
+from companion.shore.station.setup.motor_tests import ENDED, HELD_UP, NO_ANSWER, STOPPED
 from companion.shore.station.setup.requests import ARMED
 
+LONGEST_S = 1.1  # a second, and what passes until the boat is polled
 EVERY_S = 0.3  # how often the page repeats while a button is held
 
 
@@ -96,7 +97,7 @@ def test_the_motor_stops_within_a_second_of_the_page_falling_silent(loss: float)
     shore = Shore(rig, loss=loss, seed=3).ready()
     hold(shore, 3.0)
     shore.until(lambda: turning(rig)[0] or shore.now_s > 1e3, 20.0)
-    assert until_rest(rig, shore) <= TEST_S + 0.1
+    assert until_rest(rig, shore) <= LONGEST_S
     shore.run(5.0)
     assert turning(rig) == (False, False)
 
@@ -108,7 +109,7 @@ def test_the_motor_stops_within_a_second_of_the_link_breaking(shore: Shore) -> N
     assert turning(rig)[0]
     began_s = shore.now_s
     while turning(rig)[0]:  # the button is still held
-        assert shore.now_s - began_s <= TEST_S + 0.1
+        assert shore.now_s - began_s <= LONGEST_S
         press(shore, 1.5 + shore.now_s - began_s)
         shore.run(0.1)
 
