@@ -59,7 +59,7 @@ def _show(given: Namespace) -> None:
         config=None if given.config is None else ConfigFile(given.config), wifi=Wifi() if given.wifi else None
     )
     with contextlib.closing(Boats(given.connect, given.system_id, status_file=given.status)) as boats:
-        sources = Sources(given.chart, given.boat or given.config)
+        sources = Sources(given.chart, given.boat or (str(given.config) if given.config else None))
         web_app = make_app(
             boats, water, sessions, _PAGE, SystemClock(), sources=sources, hosts=given.hosts, board=board
         )

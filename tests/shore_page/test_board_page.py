@@ -60,7 +60,7 @@ def board(visit: Visit, shore: ShoreBoat, size: str = "phone") -> Page:
     """The panel, opened by somebody who knows the PIN."""
     page = skipper(visit, shore, size)
     press(page, page.get_by_role("link", name="Boat"))
-    page.get_by_text("Configuration, restart, Wi-Fi, update").click()
+    page.get_by_text("Configuration, restart, Wi-Fi").click()
     return page
 
 
@@ -110,7 +110,7 @@ def test_an_armed_boat_is_not_set_up(visit: Visit, shore: ShoreBoat, station: Ma
 def test_a_viewer_is_asked_for_the_pin(visit: Visit, shore: ShoreBoat) -> None:
     page = visit("desktop")
     page.get_by_role("link", name="Boat").click()
-    page.get_by_text("Configuration, restart, Wi-Fi, update").click()
+    page.get_by_text("Configuration, restart, Wi-Fi").click()
     expect(page.get_by_text("Enter the PIN to set up the boat's computer.")).to_be_visible()
     expect(page.get_by_label("The boat's TOML file")).to_have_count(0)
 

@@ -6,11 +6,13 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from companion.app.doctor.findings import Examined, Finding, Verdict
-from companion.app.install.accounts import Member, User
-from companion.app.install.plan import GROUPS, STATE, USER
+from companion.app.install.accounts import USER, Member, User
+from companion.app.install.page import PAGE_PORT, PIN_FILE, SHORE_UNIT_FILE, page_enabled
+from companion.app.install.plan import GROUPS, STATE
 from companion.app.install.service import UNIT, Enabled
 from companion.app.install.target import InstallError, Target
 from companion.app.status_file import RUNTIME_DIRECTORY
+from companion.links.port_url import parse_port_url
 
 _STATE_NAMES = ("ActiveState", "NRestarts", "Result", "StatusText")
 NEEDED = ("gpio", "i2c", "dialout")  # to run the boat, or its doctor, by hand
@@ -59,6 +61,26 @@ def check_service(examined: Examined, state: Mapping[str, str]) -> Finding:
     return Finding("service", Verdict.FINE, f"starts with the computer{now}")
 
 
+def check_page(examined: Examined) -> list[Finding]:
+    """Whether the shore page, if it is installed, starts, has a PIN and reaches the boat."""
+    target = examined.target
+    if not target.path(SHORE_UNIT_FILE).exists():
+        return []
+    if not page_enabled(target, is_wanted=True).is_done():
+        text, cure = "does not start with the computer", "sudo boat-companion install --page"
+        return [Finding("page", Verdict.WARNING, text, cure)]
+    if not any(
+        url.kind == "tcpin" and url.number == PAGE_PORT
+        for url in (parse_port_url(link.url) for link in examined.config.link_settings)
+    ):
+        text = f"the boat has no link for it at TCP port {PAGE_PORT}"
+        return [Finding("page", Verdict.FAILED, text, f'add "tcpin:127.0.0.1:{PAGE_PORT}" to links')]
+    if not target.path(PIN_FILE).exists():
+        cure = f"sudo -u {USER} boat-shore pin --pin-file {PIN_FILE}"
+        return [Finding("page", Verdict.WARNING, "no PIN is set: it only shows", cure)]
+    return [Finding("page", Verdict.FINE, "starts with the computer, and has a PIN")]
+
+
 def unit_state(target: Target) -> dict[str, str]:
     """The unit's state in the running systemd; empty where there is none."""
     if not target.is_this_machine:
@@ -95,4 +117,5 @@ def account_findings(examined: Examined, user: str = "") -> list[Finding]:
         check_own_groups(examined, user or os.environ.get("SUDO_USER") or getpass.getuser()),
         check_service(examined, unit_state(examined.target)),
         check_folders(examined),
+        *check_page(examined),
     ]

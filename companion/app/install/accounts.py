@@ -5,6 +5,7 @@ from pathlib import Path
 
 from companion.app.install.target import Target
 
+USER = "mavboat"
 _NO_LOGIN = "/usr/sbin/nologin"
 
 

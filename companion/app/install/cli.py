@@ -9,6 +9,8 @@ import typer
 
 from companion.app.composition import check_config
 from companion.app.init.presets import preset_text
+from companion.app.install.accounts import USER
+from companion.app.install.page import PIN_FILE, SHORE_UNIT, PageOptions, page_of
 from companion.app.install.plan import USB_FILE, install_steps, uninstall_steps
 from companion.app.install.service import UNIT
 from companion.app.install.steps import apply_steps, describe_steps
@@ -30,6 +32,11 @@ def install(
     usb: Annotated[
         list[str] | None, typer.Option(help="NAME=DEVICE: call this USB adapter /dev/mavboat-NAME.")
     ] = None,
+    page: Annotated[bool, typer.Option("--page", help="Also the shore page, on port 80.")] = False,
+    page_map: Annotated[
+        Path | None, typer.Option("--page-map", help="GeoJSON map of the water for the page.")
+    ] = None,
+    page_wifi: Annotated[bool, typer.Option("--page-wifi", help="Let the page change the Wi-Fi.")] = False,
     dry_run: DryRun = False,
 ) -> None:
     """Install the boat as a service: user, folders, configuration, udev names, unit. Changes nothing twice.
@@ -44,7 +51,10 @@ def install(
     if config is not None:
         check_config(load_config(config))
     text = config.read_text(encoding="utf-8") if config else preset_text("lake")
-    steps = install_steps(target, programs, text, _usb_text(target, usb or []))
+    wanted = page_of(target, _page_options(page_map, has_wifi=page_wifi) if page else None)
+    if wanted is None and (page_wifi or page_map is not None):
+        raise typer.BadParameter("--page-wifi and --page-map need --page")
+    steps = install_steps(target, programs, text, _usb_text(target, usb or []), wanted)
     program = programs / "boat-companion"
     if dry_run:
         describe_steps(steps, typer.echo)
@@ -57,7 +67,14 @@ def install(
     if not target.path(program).exists():
         typer.echo(f"{program} is missing in {target.root}: install mavboat there before the first start")
     if target.is_this_machine:
-        typer.echo(f"Edit {CONFIG}, run `boat-companion doctor`, then: sudo systemctl restart {UNIT}")
+        units = UNIT if wanted is None else f"{UNIT} {SHORE_UNIT}"
+        typer.echo(f"Edit {CONFIG}, run `boat-companion doctor`, then: sudo systemctl restart {units}")
+    if wanted is not None and not target.path(PIN_FILE).exists():
+        typer.echo(f"Set the page's PIN: sudo -u {USER} {programs}/boat-shore pin --pin-file {PIN_FILE}")
+
+
+def _page_options(page_map: Path | None, *, has_wifi: bool) -> PageOptions:
+    return PageOptions(has_wifi, None if page_map is None else page_map.read_text(encoding="utf-8"))
 
 
 def uninstall(

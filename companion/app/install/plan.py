@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from companion.app.install.accounts import Group, NoUser, User
+from companion.app.install.accounts import USER, Group, NoUser, User
 from companion.app.install.files import FileText, Folder, NoFolder
+from companion.app.install.page import PageOptions, no_page_steps, page_enabled, page_steps
 from companion.app.install.service import UNIT, Compiled, Enabled, Reloaded
 from companion.app.install.steps import Step
 from companion.app.install.target import Target
 from companion.app.install.unit import CONFIG, FILES, unit_text
 
-USER = "mavboat"
 GROUPS = ("gpio", "i2c", "dialout", "video")
 STATE = Path("/var/lib/mavboat")
 
@@ -28,15 +28,18 @@ _FILES = {
 }
 
 
-def install_steps(target: Target, programs: Path, config_text: str, usb_text: str = "") -> list[Step]:
+def install_steps(
+    target: Target, programs: Path, config_text: str, usb_text: str = "", page: PageOptions | None = None
+) -> list[Step]:
     """The steps of an installation, in their order.
 
-    programs: the folder of boat-companion on the target. usb_text: rules that name USB parts, if any.
+    programs: the folder of boat-companion on the target. usb_text: rules that name USB parts, if any. page:
+    the shore page, if wanted.
     """
     steps: list[Step] = [Group(target, name) for name in GROUPS]
     steps += [
         User(target, USER, GROUPS, STATE),
-        Folder(target, CONFIG.parent),
+        Folder(target, CONFIG.parent, "root" if page is None else USER),
         Folder(target, STATE, USER),
         FileText(target, CONFIG, config_text, "the boat's configuration", keeps=True),
     ]
@@ -46,14 +49,18 @@ def install_steps(target: Target, programs: Path, config_text: str, usb_text: st
     if usb_text:
         steps.append(FileText(target, USB_FILE, usb_text, "names of the boat's USB parts"))
     steps += [FileText(target, _UNIT_FILE, unit_text(programs), "the unit")]
+    if page is not None:
+        steps += page_steps(target, programs, page)
     if target.is_this_machine:
         steps += [Compiled(target, programs), Reloaded(target)]
-    return [*steps, Enabled(target, is_wanted=True)]
+    steps.append(Enabled(target, is_wanted=True))
+    return steps if page is None else [*steps, page_enabled(target, is_wanted=True)]
 
 
 def uninstall_steps(target: Target, *, purge: bool) -> list[Step]:
     """The steps that remove it again. purge: also configuration, missions, logs and their user."""
-    steps: list[Step] = [Enabled(target, is_wanted=False), FileText(target, _UNIT_FILE, None, "the unit")]
+    steps = no_page_steps(target)
+    steps += [Enabled(target, is_wanted=False), FileText(target, _UNIT_FILE, None, "the unit")]
     for path, what in ((USB_FILE, "names of the boat's USB parts"), *reversed(_FILES.values())):
         steps.append(FileText(target, path, None, what))
     if target.is_this_machine:

@@ -22,17 +22,19 @@ _WANTS = Path("/etc/systemd/system/multi-user.target.wants")
 class Enabled:
     """The unit starts with the machine, or does not."""
 
-    def __init__(self, target: Target, *, is_wanted: bool) -> None:
+    def __init__(self, target: Target, *, is_wanted: bool, unit: str = UNIT) -> None:
         self._target = target
+        self._unit = unit
         self._is_wanted = is_wanted
 
     def describe(self) -> str:
         """What it does."""
-        return f"start {UNIT} with the machine" if self._is_wanted else f"stop {UNIT}, and start it no more"
+        unit = self._unit
+        return f"start {unit} with the machine" if self._is_wanted else f"stop {unit}, and start it no more"
 
     def is_done(self) -> bool:
         """Whether the link that enables it is there, or gone."""
-        return self._target.path(_WANTS / UNIT).is_symlink() == self._is_wanted
+        return self._target.path(_WANTS / self._unit).is_symlink() == self._is_wanted
 
     def apply(self) -> None:
         """Enable or disable it."""
@@ -46,7 +48,7 @@ class Enabled:
         target = self._target
         root = [] if target.is_this_machine else ["--root", str(target.root)]
         now = ["--now"] if target.is_this_machine and not is_wanted else []
-        target.run("systemctl", *root, "enable" if is_wanted else "disable", *now, UNIT)
+        target.run("systemctl", *root, "enable" if is_wanted else "disable", *now, self._unit)
 
 
 class Compiled:

@@ -1,1 +1,1 @@
-"""The boat's own computer, where this program runs on it: configuration, Wi-Fi, update."""
+"""The boat's own computer, where this program runs on it: configuration and Wi-Fi."""

@@ -4,11 +4,13 @@ import os
 import shutil
 import stat
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from companion.app.cli import run_program
 from companion.app.init.presets import preset_text
+from companion.app.install.page import PageOptions
 from companion.app.install.plan import GROUPS, install_steps, uninstall_steps
 from companion.app.install.steps import Step
 from companion.app.install.target import InstallError, Target, is_readable_by_others
@@ -22,6 +24,7 @@ needs_passwd = pytest.mark.skipif(
 )
 ROOT_LINE = "root:x:0:0:root:/root:/bin/bash\n"
 GROUP = "root:x:0:\ndialout:x:20:\nvideo:x:44:skipper\n"
+ALL_STEPS = install_steps(Target(Path("/image")), PROGRAMS, "", page=PageOptions(has_wifi=True))
 FILES_MADE = {
     "etc/mavboat/boat.toml",
     "etc/udev/rules.d/60-mavboat.rules",
@@ -102,9 +105,9 @@ def test_a_configuration_is_checked_and_copied_but_never_over_the_owners(root: P
 
 
 @needs_passwd
-@pytest.mark.parametrize("number", range(len(install_steps(Target(Path("/image")), PROGRAMS, ""))))
+@pytest.mark.parametrize("number", range(len(ALL_STEPS)))
 def test_whatever_step_fails_the_system_is_as_before(
-    root: Path, monkeypatch: pytest.MonkeyPatch, number: int
+    root: Path, monkeypatch: pytest.MonkeyPatch, number: int, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (root / "etc/subuid").touch()
     (root / "etc/subgid").touch()
@@ -113,14 +116,15 @@ def test_whatever_step_fails_the_system_is_as_before(
     def fail(step: Step) -> None:
         raise InstallError("no space left")
 
-    def patched(target: Target, programs: Path, text: str) -> list[Step]:
-        made = install_steps(target, programs, text)
+    def patched(*arguments: Any) -> list[Step]:  # noqa: ANN401
+        made = install_steps(*arguments)
         monkeypatch.setattr(made[number], "apply", lambda: fail(made[number]))
         monkeypatch.setattr(made[number], "is_done", lambda: False)
         return made
 
     monkeypatch.setattr("companion.app.install.cli.install_steps", patched)
-    assert run_program(["install", "--root", str(root)]) == 1
+    assert run_program(["install", "--root", str(root), "--page", "--page-wifi"]) == 1
+    assert "no space left" in capsys.readouterr().err
     assert snapshot(root) == before
 
 
