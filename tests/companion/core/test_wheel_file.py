@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from wheels import make_wheel, record_line
 
 from companion.core import wheel_file
 from companion.core.errors import ConfigError
 from companion.core.requirement import satisfies, unmet_requirement
 from companion.core.wheel_file import WheelInfo, inspect_wheel
-from wheels import make_wheel, record_line
 
 INFO = "mavboat-0.2.0.dist-info"
 
