@@ -10,6 +10,7 @@ from pictures.encounter import draw_encounter
 from pictures.notebook import write_notebook
 from pictures.rollouts import draw_rollouts
 from pictures.shore import draw_shore
+from pictures.shore_parameters import draw_parameters
 from pictures.shore_plan import draw_plan
 from pictures.wiring import draw_wiring
 from pictures.wiring_table import read_wiring
@@ -25,6 +26,7 @@ def main() -> None:
     if sys.argv[1:] == ["shore"]:
         draw_shore()
         draw_plan()
+        draw_parameters()
         return
     ROLLOUTS.write_text(draw_rollouts(), encoding="utf-8")
     ENCOUNTER.write_text(draw_encounter(), encoding="utf-8")
