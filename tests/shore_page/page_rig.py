@@ -39,13 +39,21 @@ class ShoreBoat(NamedTuple):
     @property
     def child(self) -> int:
         """The process of the page's program."""
-        (pid,) = set(processes_of(self.program.pid)) - {self.program.pid}
-        return pid
+        (pid,) = [pid for pid in processes_of(self.program.pid) if "companion.shore" in _words(pid)]
+        return pid  # it may have children: the planner, a check of the configuration
 
     def options(self) -> list[str]:
         """What the page's program was started with."""
-        words = Path(f"/proc/{self.child}/cmdline").read_text(encoding="utf-8").split("\0")
+        words = _words(self.child)
         return words[words.index("companion.shore") + 1 : -1]
+
+
+def _words(process: int) -> list[str]:
+    """Of its command; none if it has just ended."""
+    try:
+        return Path(f"/proc/{process}/cmdline").read_text(encoding="utf-8").split("\0")
+    except FileNotFoundError:
+        return []
 
 
 def start_shore(room: Path, *options: str) -> ShoreBoat:

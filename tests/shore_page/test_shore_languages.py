@@ -97,11 +97,12 @@ def page(browser: Browser, foreign_page: str) -> Iterator[Page]:
 
 def english(page: Page) -> list[str]:
     """What the page shows or names in Latin letters, but for what the boat or the map says."""
+    shown = page.evaluate(SHOWN)  # before what is said, which only grows
     said: list[str] = page.evaluate(
         """() => ["#latest", "#lines span", ".wire"]
             .flatMap((name) => [...document.querySelectorAll(name)].map((one) => one.textContent.trim()))"""
     )
-    return [text for text in page.evaluate(SHOWN) if ENGLISH.search(text) and text not in said]
+    return [text for text in shown if ENGLISH.search(text) and text not in said]
 
 
 def test_in_another_language_no_english_of_ours_is_left(page: Page, station: MavutilStation) -> None:
