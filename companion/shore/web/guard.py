@@ -95,7 +95,7 @@ def make_guard(names: Collection[str], is_allowed: Callable[[web.Request], bool]
     @web.middleware
     async def guard(request: web.Request, handler: Handler) -> web.StreamResponse:
         if not is_allowed(request):
-            refusal = error(429, "Too many requests.", "a pause of a second", {"Retry-After": "1"})
+            refusal = error(429, say("error.too_fast"), say("error.too_fast.expected"), {"Retry-After": "1"})
             refusal.force_close()
             return refusal
         if len(request.headers.getall("Host", [])) != 1 or not is_own_host(request.host, own):
