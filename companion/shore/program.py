@@ -17,6 +17,7 @@ from companion.core.program_end import end_with
 from companion.shore import memory_use
 from companion.shore.board.config_file import ConfigFile
 from companion.shore.board.tools import BoardTools
+from companion.shore.board.update_file import UpdateFolder
 from companion.shore.board.wifi import Wifi
 from companion.shore.chart import Chart
 from companion.shore.command_line import PROGRAM, SHOW, read_arguments
@@ -56,7 +57,9 @@ def _show(given: Namespace) -> None:
     sessions = Sessions(PinFile(given.pin_file or default_pin_file()))
     water = Chart(given.chart)
     board = BoardTools(
-        config=None if given.config is None else ConfigFile(given.config), wifi=Wifi() if given.wifi else None
+        config=None if given.config is None else ConfigFile(given.config),
+        wifi=Wifi() if given.wifi else None,
+        update=None if given.updates is None else UpdateFolder(given.updates, given.update_result),
     )
     with contextlib.closing(Boats(given.connect, given.system_id, status_file=given.status)) as boats:
         sources = Sources(given.chart, given.boat or (str(given.config) if given.config else None))

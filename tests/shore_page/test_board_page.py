@@ -1,5 +1,6 @@
 """The board's panel in Chromium: what is set up there, and what becomes of it on the boat."""
 
+import json
 import os
 import re
 from collections.abc import Iterator
@@ -11,6 +12,9 @@ from mavutil_station import MavutilStation
 from page_rig import ShoreBoat, Visit, axe_faults, button, needs_chromium, skipper, start_shore, told
 from playwright.sync_api import Page, expect
 from twins.wifi_air import Air
+from wheels import make_wheel
+
+from companion import __version__
 
 pytest_plugins = ("page_fixtures",)
 pytestmark = [pytest.mark.realtime, needs_chromium]
@@ -44,13 +48,24 @@ def air(tmp_path_factory: pytest.TempPathFactory) -> Air:
 
 
 @pytest.fixture(scope="module")
-def shore(tmp_path_factory: pytest.TempPathFactory, config: Path, air: Air) -> Iterator[ShoreBoat]:
+def updates(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder for updates, and beside it the installer's result."""
+    folder = tmp_path_factory.mktemp("spool") / "update"
+    folder.mkdir()
+    return folder
+
+
+@pytest.fixture(scope="module")
+def shore(
+    tmp_path_factory: pytest.TempPathFactory, config: Path, air: Air, updates: Path
+) -> Iterator[ShoreBoat]:
     """A boat whose page has a configuration and Wi-Fi."""
     config.write_text(BOAT, encoding="utf-8")
     room = tmp_path_factory.mktemp("shore") / "room"
+    options = f"--config {config} --wifi --updates {updates} --update-result {updates.parent}/result.json"
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("PATH", f"{air.nmcli.parent}:{os.environ['PATH']}")
-        boat = start_shore(room, "--speedup", "5", "--shore-options", f"--config {config} --wifi")
+        boat = start_shore(room, "--speedup", "5", "--shore-options", options)
     yield boat
     boat.program.close()
     assert boat.program.wait(0.0)[::2] == (0, ""), "the boat ended badly"
@@ -60,7 +75,7 @@ def board(visit: Visit, shore: ShoreBoat, size: str = "phone") -> Page:
     """The panel, opened by somebody who knows the PIN."""
     page = skipper(visit, shore, size)
     press(page, page.get_by_role("link", name="Boat"))
-    page.get_by_text("Configuration, restart, Wi-Fi").click()
+    page.get_by_text("Configuration, restart, update, Wi-Fi").click()
     return page
 
 
@@ -110,7 +125,7 @@ def test_an_armed_boat_is_not_set_up(visit: Visit, shore: ShoreBoat, station: Ma
 def test_a_viewer_is_asked_for_the_pin(visit: Visit, shore: ShoreBoat) -> None:
     page = visit("desktop")
     page.get_by_role("link", name="Boat").click()
-    page.get_by_text("Configuration, restart, Wi-Fi").click()
+    page.get_by_text("Configuration, restart, update, Wi-Fi").click()
     expect(page.get_by_text("Enter the PIN to set up the boat's computer.")).to_be_visible()
     expect(page.get_by_label("The boat's TOML file")).to_have_count(0)
 
@@ -174,3 +189,33 @@ def test_a_restarted_boat_comes_back_to_the_same_page(
     finally:
         fresh.close()
     assert shore.child == child
+
+
+def test_a_wheel_is_installed_and_the_result_is_shown(
+    visit: Visit, shore: ShoreBoat, updates: Path, station: MavutilStation, tmp_path: Path
+) -> None:
+    page = board(visit, shore)
+    wheel = make_wheel(tmp_path)
+    expect(page.get_by_text(f"mavboat {__version__} is installed.")).to_be_visible()
+    expect(button(page, "Install")).to_be_hidden()
+    page.get_by_label("Wheel file of mavboat").set_input_files(wheel)
+    waits = page.get_by_text(f"Version 0.2.0 replaces {__version__}.").first
+    expect(waits).to_be_visible()
+    assert (updates / "new" / wheel.name).read_bytes() == wheel.read_bytes()
+    assert not (updates / "start").exists()
+    assert axe_faults(page) == []
+
+    hold(page, button(page, "Install"), page.get_by_text("Installing 0.2.0. Leave the boat switched on."))
+    assert (updates / "start").exists()
+    text = "the boat's program did not start"
+    told = {"state": "went back", "version": "0.2.0", "before": __version__, "text": text, "at_s": 1.8e9}
+    aside = updates.parent / "aside"
+    aside.write_text(json.dumps(told), encoding="utf-8")
+    aside.replace(updates.parent / "result.json")
+    (updates / "start").unlink()
+    expect(
+        page.get_by_text(f"Version 0.2.0 did not work, so the boat went back to {__version__}: {text}")
+    ).to_be_visible()
+    press(page, button(page, "Discard"))
+    expect(button(page, "Install")).to_be_hidden()
+    assert list((updates / "new").iterdir()) == []

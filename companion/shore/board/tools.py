@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from companion.shore.board.config_check import PROGRAM
 from companion.shore.board.config_file import ConfigFile
+from companion.shore.board.update_file import UpdateFolder
 from companion.shore.board.wifi import Wifi
 
 
@@ -15,5 +16,6 @@ class BoardTools:
 
     config: ConfigFile | None = None
     wifi: Wifi | None = None
+    update: UpdateFolder | None = None
     check: Sequence[str] = PROGRAM
     busy: asyncio.Lock = field(default_factory=asyncio.Lock)

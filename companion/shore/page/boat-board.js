@@ -2,6 +2,7 @@
 import { askBoard } from "./boat-board-ask.js";
 import { makeConfig } from "./boat-board-config.js";
 import { makeRestart } from "./boat-board-restart.js";
+import { makeUpdate } from "./boat-board-update.js";
 import { makeWifi } from "./boat-board-wifi.js";
 import { element } from "./elements.js";
 
@@ -11,6 +12,7 @@ export const title = "board.title";
 const PARTS = [
   ["config", makeConfig],
   [null, makeRestart],
+  [null, makeUpdate],
   ["wifi", makeWifi],
 ];
 

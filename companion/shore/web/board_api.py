@@ -14,6 +14,7 @@ from companion.shore.web.board_tools import BOARD
 from companion.shore.web.guard import error
 from companion.shore.web.hub import Hub
 from companion.shore.web.rows import Row, json_answer, read_body
+from companion.shore.web.update_api import ROWS as UPDATE_ROWS
 from companion.shore.web.wifi_api import ROWS as WIFI_ROWS
 from companion.shore.words import say
 
@@ -31,7 +32,11 @@ class _Text(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 async def _board(_hub: Hub, request: web.Request) -> web.StreamResponse:
     """What can be done here."""
     tools = request.app[BOARD]
-    works = {"config": tools.config is not None, "wifi": tools.wifi is not None}
+    works = {
+        "config": tools.config is not None,
+        "wifi": tools.wifi is not None,
+        "update": tools.update is not None,
+    }
     return web.json_response(works | {"version": __version__})
 
 
@@ -91,4 +96,5 @@ ROWS: Final = (
     Row("POST", "/api/board/config/check", _check, needs="disarmed"),
     Row("POST", "/api/board/config", _save, needs="disarmed"),
     *WIFI_ROWS,
+    *UPDATE_ROWS,
 )
