@@ -1,6 +1,7 @@
 """The checks of every request (the Host it names, the Origin it comes from) and the headers of responses."""
 
 import ipaddress
+import logging
 import re
 from collections.abc import Awaitable, Callable, Collection
 from typing import Final
@@ -10,6 +11,7 @@ from aiohttp.typedefs import Middleware
 
 from companion.shore.words import Said, say
 
+_log: Final = logging.getLogger(__name__)
 _HOST: Final = re.compile(r"(\[[0-9A-Fa-f:.]{2,45}\]|[A-Za-z0-9._-]{1,253})(?::[0-9]{1,5})?")
 _COOKIE: Final = "mavboat-shore"
 _HEADERS: Final = {
@@ -115,6 +117,11 @@ def make_guard(names: Collection[str], is_allowed: Callable[[web.Request], bool]
             return error(
                 refused.status, say("error.http", n=refused.status, reason=refused.reason), "", _kept(refused)
             )
+        except ConnectionError:  # the page has left
+            raise
+        except Exception:
+            _log.exception("%s %.100r has failed", request.method, request.path)
+            return error(500, say("error.server"), "")
 
     return guard
 

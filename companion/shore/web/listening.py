@@ -1,6 +1,7 @@
 """The server on its port, until a signal ends it."""
 
 import asyncio
+import logging
 import signal
 from collections.abc import Callable
 from typing import Final
@@ -15,6 +16,9 @@ IDLE_S: Final = 15.0  # without a whole request
 _LINGERING_S: Final = 1.0  # for the rest of a body that was refused
 _GRACE_S: Final = 2.0  # for responses under way when the server ends
 _MOST_LINE: Final = 4096
+_LOG: Final = logging.getLogger("boat-shore.http")
+_LOG.propagate = False  # aiohttp logs each broken request with a traceback and its bytes; `guard` logs faults
+_LOG.addHandler(logging.NullHandler())
 _SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
@@ -39,6 +43,7 @@ class Listening:
         self._runner = web.AppRunner(
             app,
             access_log=None,
+            logger=_LOG,
             keepalive_timeout=IDLE_S,
             lingering_time=_LINGERING_S,
             shutdown_timeout=_GRACE_S,

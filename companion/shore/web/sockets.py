@@ -72,7 +72,7 @@ class Sockets:
         finally:
             self._open.remove(one)
             self._hub.close(one.watch)
-        return ws
+        return ws if ws.prepared else error(400, say("error.left"), "")
 
     def _make_room(self, network: str, session: str | None) -> bool:
         """Whether there is room.

@@ -3,13 +3,18 @@
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from pathlib import Path
 
 import pytest
 from aiohttp import ClientSession, ClientWebSocketResponse, TCPConnector, WSMsgType, WSServerHandshakeError
-from shore_fakes import Server, run, serving, until
+from shore_fakes import PAGE, FakeBoats, FakeChart, FakeClock, Server, run, serving, until
 
 from companion.shore.web.door import MOST_CONNECTIONS, MOST_OF_ADDRESS, Door
+from companion.shore.web.listening import Listening
+from companion.shore.web.pin_file import PinFile
 from companion.shore.web.rates import Bucket, Rate, Rates
+from companion.shore.web.server import make_app
+from companion.shore.web.session import Sessions
 from companion.shore.web.sockets import MOST_OF_ADDRESS as MOST_SOCKETS_OF_ADDRESS
 from companion.shore.web.sockets import MOST_SOCKETS
 
@@ -216,3 +221,60 @@ def test_a_refused_request_ends_its_connection() -> None:
                 assert told.headers["Retry-After"] == "1"
 
     run(test())
+
+
+def test_a_page_that_leaves_before_its_socket_is_open_is_no_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def leave(*_: object) -> None:
+        raise ConnectionResetError
+
+    async def test() -> None:
+        async with serving() as server:
+            monkeypatch.setattr("aiohttp.web.WebSocketResponse.prepare", leave)
+            with pytest.raises(WSServerHandshakeError) as refused:
+                await server.live()
+            assert refused.value.status == 400
+            assert server.hub.watches == []
+
+    run(test())
+
+
+def test_a_handler_that_fails_is_logged_once_and_answered(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def fail() -> None:
+        raise ValueError("a broken boat")
+
+    async def test() -> None:
+        async with serving() as server:
+            monkeypatch.setattr(server.boats, "names", fail)
+            async with server.client.get("/api/boats") as told:
+                assert told.status == 500
+                assert "broken" not in await told.text()
+
+    run(test())
+    assert [record.getMessage() for record in caplog.records] == ["GET '/api/boats' has failed"]
+
+
+def test_bytes_that_are_no_http_are_not_logged(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    for name, text in PAGE.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    app = make_app(
+        FakeBoats(),
+        FakeChart(),
+        Sessions(PinFile(tmp_path / "none")),
+        tmp_path,
+        FakeClock(),
+        is_polling=False,
+    )
+
+    async def test() -> None:
+        server = Listening(app)
+        port = await server.open("127.0.0.1", 0)
+        reader, writer = await asyncio.open_connection("127.0.0.1", port)
+        writer.write(b"\x1b]0;evil\x07 /\r\nFAULT: motors off\r\n\r\n")
+        assert b" 400 " in await reader.readline()
+        writer.close()
+        await server.close()
+
+    run(test())
+    assert caplog.records == []
