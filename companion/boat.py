@@ -147,11 +147,14 @@ class Boat:
             self._links.drop_closed(now_s)
         return self.channels.taken - taken
 
+    def may_drive(self) -> bool:
+        """Whether the motors may turn: armed, or in a motor test."""
+        return self.vehicle.armed or self.motor_test.is_running
+
     def _act_on_news(self) -> None:
         """Apply and announce at once what stations have changed."""
         self.vehicle.config = self.parameters.config
-        may_drive = self.vehicle.armed or self.motor_test.is_running
-        if not may_drive and (self.command.left or self.command.right):
+        if not self.may_drive() and (self.command.left or self.command.right):
             self.motors.stop()  # a disarmed boat does not wait for its next tick
         self.guidance.request_update()
         self.endpoint.announce_changes()

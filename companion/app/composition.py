@@ -209,7 +209,9 @@ def run_boat(
         boat.endpoint.texts.logs_texts = True
         path = status_path(config)
         status = (
-            StatusFile(path, boat.channels, boat.endpoint.corrections.status) if path is not None else None
+            StatusFile(path, boat.channels, boat.endpoint.corrections.status, boat.may_drive)
+            if path is not None
+            else None
         )
         if status is not None:
             undo.callback(status.close)

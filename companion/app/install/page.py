@@ -11,6 +11,7 @@ from companion.app.install.service import Enabled
 from companion.app.install.steps import Step
 from companion.app.install.target import Target
 from companion.app.install.unit import CONFIG, FILES
+from companion.app.install.updates import SPOOL, has_updates, no_update_steps, update_steps
 
 SHORE_UNIT: Final = "mavboat-shore.service"
 SHORE_UNIT_FILE: Final = Path("/etc/systemd/system") / SHORE_UNIT
@@ -25,10 +26,13 @@ _RULE_TEXT: Final = "leave of NetworkManager for the page"
 
 @dataclass(frozen=True, slots=True)
 class PageOptions:
-    """has_wifi: the page may change the Wi-Fi. map_text: GeoJSON to be copied, if any."""
+    """has_wifi: the page may change the Wi-Fi. map_text: GeoJSON to be copied, if any. has_updates: it may
+    install another version of mavboat.
+    """
 
     has_wifi: bool = False
     map_text: str | None = None
+    has_updates: bool = False
 
 
 def page_of(target: Target, asked: PageOptions | None) -> PageOptions | None:
@@ -36,13 +40,18 @@ def page_of(target: Target, asked: PageOptions | None) -> PageOptions | None:
     if asked is None and not target.path(SHORE_UNIT_FILE).exists():
         return None
     asked = asked or PageOptions()
-    return PageOptions(asked.has_wifi or target.path(WIFI_RULE_FILE).exists(), asked.map_text)
+    return PageOptions(
+        asked.has_wifi or target.path(WIFI_RULE_FILE).exists(),
+        asked.map_text,
+        asked.has_updates or has_updates(target),
+    )
 
 
 def shore_unit_text(programs: Path, options: PageOptions, *, has_map: bool) -> str:
     """The unit of the page's program."""
     more = f" --map {MAP_FILE}" if has_map else ""
     more += " --wifi" if options.has_wifi else ""
+    more += f" --updates {SPOOL}" if options.has_updates else ""
     template = Template((FILES / SHORE_UNIT).read_text(encoding="utf-8"))
     return template.substitute(bin=programs, config=CONFIG, port=PAGE_PORT, options=more)
 
@@ -58,6 +67,8 @@ def page_steps(target: Target, programs: Path, options: PageOptions) -> list[Ste
             Folder(target, WIFI_RULE_FILE.parent, mode=None),
             FileText(target, WIFI_RULE_FILE, rule, _RULE_TEXT),
         ]
+    if options.has_updates:
+        steps += update_steps(target, programs)
     has_map = options.map_text is not None or target.path(MAP_FILE).exists()
     text = shore_unit_text(programs, options, has_map=has_map)
     return [*steps, FileText(target, SHORE_UNIT_FILE, text, _UNIT_TEXT)]
@@ -71,6 +82,7 @@ def page_enabled(target: Target, *, is_wanted: bool) -> Step:
 def no_page_steps(target: Target) -> list[Step]:
     """The steps that remove it again."""
     return [
+        *no_update_steps(target),
         page_enabled(target, is_wanted=False),
         FileText(target, SHORE_UNIT_FILE, None, _UNIT_TEXT),
         FileText(target, WIFI_RULE_FILE, None, _RULE_TEXT),

@@ -9,6 +9,7 @@ from companion.app.install.service import UNIT, Compiled, Enabled, Reloaded
 from companion.app.install.steps import Step
 from companion.app.install.target import Target
 from companion.app.install.unit import CONFIG, FILES, unit_text
+from companion.app.install.updates import updates_enabled
 
 GROUPS = ("gpio", "i2c", "dialout", "video")
 STATE = Path("/var/lib/mavboat")
@@ -54,7 +55,11 @@ def install_steps(
     if target.is_this_machine:
         steps += [Compiled(target, programs), Reloaded(target)]
     steps.append(Enabled(target, is_wanted=True))
-    return steps if page is None else [*steps, page_enabled(target, is_wanted=True)]
+    if page is None:
+        return steps
+    if page.has_updates:
+        steps.append(updates_enabled(target, is_wanted=True))
+    return [*steps, page_enabled(target, is_wanted=True)]
 
 
 def uninstall_steps(target: Target, *, purge: bool) -> list[Step]:

@@ -66,7 +66,32 @@ def test_the_wifi_rule_and_the_map_are_options(root: Path, tmp_path: Path) -> No
     assert WIFI not in files(root)
 
 
-@pytest.mark.parametrize("option", [["--page-wifi"], ["--page-map", "pond.geojson"]])
+@needs_passwd
+def test_updates_are_an_option_and_are_removed_with_the_page(root: Path) -> None:
+    before = files(root)
+    assert install(root, "--page") == 0
+    without = files(root)
+    assert install(root, "--page", "--page-updates") == 0
+    assert files(root) - without == {
+        "etc/systemd/system/mavboat-update.path",
+        "etc/systemd/system/mavboat-update.service",
+        "etc/systemd/system/multi-user.target.wants/mavboat-update.path",
+    }
+    spool = (root / "var/lib/mavboat/update").stat()
+    assert (spool.st_uid, spool.st_mode & 0o777) == (Target(root).ids("mavboat")[0], 0o700)
+    unit = (root / "etc/systemd/system/mavboat-shore.service").read_text("utf-8")
+    assert " --updates /var/lib/mavboat/update\n" in unit
+    service = (root / "etc/systemd/system/mavboat-update.service").read_text("utf-8")
+    assert "-m companion update --spool /var/lib/mavboat/update\n" in service
+    assert "$" not in service
+    after = snapshot(root)
+    assert install(root, "--page") == 0
+    assert snapshot(root) == after
+    assert run_program(["uninstall", "--root", str(root)]) == 0
+    assert not {one for one in files(root) - before if "update" in one}
+
+
+@pytest.mark.parametrize("option", [["--page-wifi"], ["--page-updates"], ["--page-map", "pond.geojson"]])
 def test_options_of_the_page_need_the_page(
     root: Path, option: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
