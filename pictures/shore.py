@@ -63,6 +63,7 @@ def draw_shore() -> None:
         upload = [str(_SCRIPTS / "mission-upload"), "lake", "--connect", f"tcp:127.0.0.1:{boat.port}"]
         subprocess.run([*upload, "--fence", str(FENCE), "--start"], check=True, stdout=subprocess.DEVNULL)  # noqa: S603
         _draw(browser, boat, "shore_desktop", "desktop")
+        _draw(browser, boat, "shore_tablet", "tablet")
         _draw(browser, boat, "shore_phone", "phone")
         _draw(browser, boat, "shore_phone_night", "phone", "dark")
     with emulator(*_MAGNETOMETER) as boat, open_browser() as browser:
