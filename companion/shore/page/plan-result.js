@@ -16,6 +16,8 @@ export function figures({ length_m, time_s, charge_percent, clearance_m, items }
   ].filter(([, value]) => value !== null);
 }
 
+const CLICK_MS = 100; // a browser sends the click of a finger so long after it was lifted, at most
+
 // One sentence for the bar at the bottom, which screen readers read.
 export function summary(plan, words) {
   const said = figures(plan, words).slice(0, 2).map(([, value]) => value);
@@ -50,6 +52,7 @@ export function makeResult(box, draft, page, may) {
     isSending = true;
     show();
     const answer = await go.ask("upload_plan", { plan: plan.id, start, with_areas: areas.checked && plan.has_areas === true }, name);
+    await letGo(); // else what appears under the finger is pressed by it
     isSending = false;
     if (draft.result === plan && answer.ok === true) {
       const isDisarmed = page.live.snapshot?.armed === false;
@@ -62,6 +65,7 @@ export function makeResult(box, draft, page, may) {
   const upload = button(words.say("plan.upload"), () => send(false, words.say("plan.upload")));
   const start = heldButton("i-sail", words.say("plan.start"), { className: "strong" });
   const startName = words.say("plan.start");
+  const letGo = released(start);
   holdButton(start, () => send(true, startName), (isByReader) => go.tell(words.say(isByReader ? "go.again" : "go.longer", { name: startName })));
   const buttons = element("div", { className: "row" }, upload, start);
   const areas = element("input", { type: "checkbox" }); // fence and rally points, which an imported .plan may hold
@@ -100,4 +104,17 @@ export function makeResult(box, draft, page, may) {
     if (plan.sent) setText(watch.firstChild, words.say(plan.sent));
   };
   return show;
+}
+
+// A function that resolves when no finger is on the button, and its click is over.
+function released(button) {
+  let isDown = false;
+  let resolve = () => {};
+  button.addEventListener("pointerdown", () => (isDown = true));
+  for (const name of ["pointerup", "pointercancel"])
+    addEventListener(name, () => {
+      isDown = false;
+      setTimeout(() => resolve(), CLICK_MS);
+    });
+  return () => (isDown ? new Promise((done) => (resolve = done)) : Promise.resolve());
 }
