@@ -60,6 +60,7 @@ def emulator(*options: str) -> Iterator[Emulator]:
 def draw_shore() -> None:
     """Make them all. The boat sails a planned mission meanwhile."""
     with emulator("--speedup", _SPEEDUP) as boat, open_browser() as browser:
+        open_page(browser, boat, "phone")  # an operator all the while: the boat's failsafe would stop it
         upload = [str(_SCRIPTS / "mission-upload"), "lake", "--connect", f"tcp:127.0.0.1:{boat.port}"]
         subprocess.run([*upload, "--fence", str(FENCE), "--start"], check=True, stdout=subprocess.DEVNULL)  # noqa: S603
         _draw(browser, boat, "shore_desktop", "desktop")
