@@ -21,6 +21,7 @@ from pictures.browser import CHROMIUM
 
 ARMED = dialect.MAV_MODE_FLAG_SAFETY_ARMED
 WAIT_MS = MOMENT_S * 1000.0
+_TCP = re.compile(r"on tcpin:127\.0\.0\.1:(\d+)$", re.MULTILINE)
 _PAGE = re.compile(r"^boat-sitl: the page is at (http://\S+) with PIN (\d{6})$", re.MULTILINE)
 
 Visit = Callable[..., Page]  # size, light
@@ -29,12 +30,16 @@ needs_chromium = pytest.mark.skipif(not CHROMIUM.exists(), reason=f"no {CHROMIUM
 
 
 class ShoreBoat(NamedTuple):
-    """A boat with its page. tcp: the port for stations; child: the process of `boat-shore`."""
+    """A boat with its page. child: the process of `boat-shore`."""
 
     program: Program
-    tcp: int
     address: str
     pin: str
+
+    @property
+    def tcp(self) -> int:
+        """The port for stations: another one after a restart."""
+        return int(_TCP.findall(self.program.out)[-1])
 
     @property
     def child(self) -> int:
@@ -61,13 +66,13 @@ def start_shore(room: Path, *options: str) -> ShoreBoat:
     arguments = ["serve", "lake", "--shore", "--shore-at", "127.0.0.1:0", "--tcp", "0", "--no-udp"]
     program = Program(room, ["boat-sitl", *arguments, "--state", "none", *options])
     try:
-        port = int(program.wait_for(r"on tcpin:127\.0\.0\.1:(\d+)$")[1])
+        program.wait_for(_TCP.pattern)
         program.wait_for(r"^boat-sitl: ready; Ctrl-C ends$")
         page = program.wait_for(_PAGE.pattern)
     except BaseException:
         program.kill()
         raise
-    return ShoreBoat(program, port, page[1], page[2])
+    return ShoreBoat(program, page[1], page[2])
 
 
 def button(page: Page, name: str) -> Locator:
