@@ -56,10 +56,10 @@ def test_heading_and_rate_are_clockwise_and_corrected(bus: I2cBus, clock: HandCl
     reading = compass.read()
     assert reading is not None
     assert reading.time_s == clock()
-    assert math.degrees(reading.heading_rad) == pytest.approx(87.0)
-    assert reading.yaw_rate_rad_s == pytest.approx(math.radians(-10.0))  # z up: counter-clockwise is positive
-    assert reading.roll_rad == pytest.approx(math.radians(1.0))
-    assert reading.pitch_rad == pytest.approx(math.radians(-2.0))
+    assert math.degrees(reading.heading_rad) == pytest.approx(87.0, abs=0.02)
+    assert reading.yaw_rate_rad_s == pytest.approx(math.radians(10.0), abs=1e-3)
+    assert reading.roll_rad == pytest.approx(math.radians(1.0), abs=2e-4)
+    assert reading.pitch_rad == pytest.approx(math.radians(-2.0), abs=2e-4)
 
 
 def test_a_part_that_has_just_been_switched_on_is_set_up(bus: I2cBus, chip: Bno055Twin) -> None:
@@ -81,8 +81,7 @@ def test_a_part_in_another_programs_mode_and_units_is_set_up_through_configurati
     part.set_up()
     sample = part.read()
     assert sample is not None
-    assert sample.heading_deg == pytest.approx(90.0)
-    assert sample.yaw_rate_rad_s == pytest.approx(math.radians(10.0), abs=1e-3)
+    assert sample.rate[2] == pytest.approx(math.radians(-10.0), abs=1e-3)
 
 
 def test_radians_of_another_program_are_not_taken_for_degrees(bus: I2cBus, chip: Bno055Twin) -> None:
@@ -110,7 +109,7 @@ def test_no_heading_counts_before_the_magnetometer_is_calibrated(bus: I2cBus, ch
     steps(compass, 1)
     reading = compass.read()
     assert reading is not None
-    assert abs(reading.heading_rad) == pytest.approx(math.pi)
+    assert abs(reading.heading_rad) == pytest.approx(math.pi, abs=2e-4)
 
 
 def test_a_part_whose_supply_dipped_is_set_up_again_and_must_find_north_again(
@@ -135,12 +134,14 @@ def test_a_part_whose_supply_dipped_is_set_up_again_and_must_find_north_again(
     assert after.time_s == clock()
 
 
-def test_a_heading_off_the_scale_is_ignored(bus: I2cBus, chip: Bno055Twin) -> None:
+def test_an_orientation_with_a_wrong_bit_is_ignored(bus: I2cBus, chip: Bno055Twin) -> None:
+    chip.heading_deg = 40.0
     compass = Bno055Compass(Bno055(bus), HandClock())
     steps(compass, 3)
     before = compass.read()
-    chip.heading_deg = 2047.0
-    steps(compass, 1)
+    for bit in range(5, 8):  # the upper ones of QUA_Data_w
+        chip.flips = bytes(one == 0x21 and 1 << bit for one in range(0x80))
+        steps(compass, 1)
     assert compass.read() is before
 
 

@@ -5,6 +5,7 @@ smbus2 itself is real: only the system call below it is answered here.
 
 import ctypes
 import errno
+import math
 import struct
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -24,17 +25,31 @@ class Part(Protocol):
     def put(self, register: int, data: bytes) -> None: ...
 
 
+_WAYS = {  # of a boat: ahead, to starboard, down
+    "bow": (1.0, 0.0, 0.0),
+    "stern": (-1.0, 0.0, 0.0),
+    "starboard": (0.0, 1.0, 0.0),
+    "port": (0.0, -1.0, 0.0),
+    "down": (0.0, 0.0, 1.0),
+    "up": (0.0, 0.0, -1.0),
+}
+
+
 class Bno055Twin:
     """Bosch BST-BNO055-DS000-14: as after power-up, until it is written to.
 
-    It measures in NDOF mode only (angles read as zero otherwise), and takes units in CONFIG mode only.
+    It measures in NDOF mode only (angles read as zero otherwise); units and axes change in CONFIG mode only.
+    heading_deg, roll_deg, pitch_deg: how the boat lies: its bow from north, starboard side down, bow up.
+    mounted: where on the boat the arrows x, y and z on the part (figure in 3.4) point.
     """
 
-    def __init__(self, chip_id: int = 0xA0) -> None:
+    def __init__(self, chip_id: int = 0xA0, mounted: tuple[str, str, str] = ("bow", "port", "up")) -> None:
         self.chip_id = chip_id
+        self.mounted = mounted
         self.heading_deg, self.roll_deg, self.pitch_deg = 90.0, 1.0, -2.0
-        self.yaw_rate_deg_s = 10.0
+        self.yaw_rate_deg_s = 10.0  # of the boat about the vertical, to starboard
         self.magnet = 3
+        self.flips = bytes(0x80)  # bits that the bus gets wrong
         self.resets = -1
         self.power_up()
 
@@ -42,25 +57,75 @@ class Bno055Twin:
         """As its supply comes on, or after a dip."""
         self.resets += 1
         self.mode, self.units, self.page, self.power = CONFIG, 0x80, 0, 0
+        self.axes = bytearray((0x24, 0x00))
         self.profile = bytes(22)
+
+    def in_the_world(self) -> list[tuple[float, float, float]]:
+        """East, north and up of the axes x, y and z that the part works with."""
+        heading, roll, pitch = (
+            math.radians(angle) for angle in (self.heading_deg, self.roll_deg, self.pitch_deg)
+        )
+        arrows = []
+        for way in self.mounted:
+            x, y, z = _WAYS[way]
+            y, z = y * math.cos(roll) - z * math.sin(roll), y * math.sin(roll) + z * math.cos(roll)
+            x, z = x * math.cos(pitch) + z * math.sin(pitch), z * math.cos(pitch) - x * math.sin(pitch)
+            north, east = (
+                x * math.cos(heading) - y * math.sin(heading),
+                x * math.sin(heading) + y * math.cos(heading),
+            )
+            arrows.append((east, north, -z))
+        axes = []
+        for number in range(3):  # AXIS_MAP_CONFIG: two bits an axis; AXIS_MAP_SIGN: x is bit 2
+            east, north, up = arrows[self.axes[0] >> 2 * number & 3]
+            sign = -1.0 if self.axes[1] >> (2 - number) & 1 else 1.0
+            axes.append((sign * east, sign * north, sign * up))
+        return axes
+
+    def _angles_deg(self) -> tuple[float, float, float]:
+        """Heading, roll and pitch in Android's way (data sheet BMM150, 9.1): the heading is of the y axis,
+        roll is positive when x moves towards z, pitch when z moves towards y.
+        """
+        x, y, z = self.in_the_world()
+        heading = math.degrees(math.atan2(y[0], y[1])) % 360.0
+        return heading, math.degrees(math.asin(x[2])), math.degrees(math.atan2(-y[2], z[2]))
+
+    def _quaternion(self) -> tuple[float, float, float, float]:
+        """w, x, y, z: 1, 0, 0, 0 with x to the east, y to the north, z up. Shepperd's method."""
+        (a, d, g), (b, e, h), (c, f, i) = self.in_the_world()
+        squares = (a + e + i, a, e, i)
+        match squares.index(max(squares)):
+            case 0:
+                q = (1.0 + a + e + i, h - f, c - g, d - b)
+            case 1:
+                q = (h - f, 1.0 + a - e - i, b + d, c + g)
+            case 2:
+                q = (c - g, b + d, 1.0 - a + e - i, f + h)
+            case _:
+                q = (d - b, c + g, f + h, 1.0 - a - e + i)
+        length = math.hypot(*q)
+        return (q[0] / length, q[1] / length, q[2] / length, q[3] / length)
 
     def get(self, register: int, length: int) -> bytes:
         map_ = bytearray(0x80)
         map_[0x00:0x04] = bytes([self.chip_id, 0xFB, 0x32, 0x0F])
         map_[0x07] = self.page
         if self.mode == NDOF:
-            per_degree = 900 * 3.141592653589793 / 180 if self.units & 0x04 else 16
-            per_rate = 900 * 3.141592653589793 / 180 if self.units & 0x02 else 16
+            per_degree = 900 * math.pi / 180 if self.units & 0x04 else 16
+            per_rate = 900 * math.pi / 180 if self.units & 0x02 else 16
             values = (
-                *(0, 0, round(self.yaw_rate_deg_s * per_rate)),
-                *(round(angle * per_degree) for angle in (self.heading_deg, self.roll_deg, self.pitch_deg)),
+                *(round(-self.yaw_rate_deg_s * axis[2] * per_rate) for axis in self.in_the_world()),
+                *(round(angle * per_degree) for angle in self._angles_deg()),
+                *(round(one * 2**14) for one in self._quaternion()),
             )
-            map_[0x14:0x20] = struct.pack("<6h", *values)
+            map_[0x14:0x28] = struct.pack("<10h", *values)
             map_[0x35] = 0xFC | self.magnet
         if self.mode == CONFIG:  # 3.11.4
             map_[0x55:0x6B] = self.profile
         map_[0x3B], map_[0x3D], map_[0x3E] = self.units, self.mode, self.power
-        return bytes(map_[register : register + length])
+        map_[0x41:0x43] = self.axes
+        read = bytes(one ^ flip for one, flip in zip(map_, self.flips, strict=True))
+        return read[register : register + length]
 
     def put(self, register: int, data: bytes) -> None:
         for offset, value in enumerate(data):
@@ -78,6 +143,8 @@ class Bno055Twin:
                 self.mode = value & 0x0F
             case 0x3E if self.mode == CONFIG:
                 self.power = value
+            case 0x41 | 0x42 if self.mode == CONFIG:
+                self.axes[register - 0x41] = value
 
 
 class I2cDev:

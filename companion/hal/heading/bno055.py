@@ -3,6 +3,10 @@
 The part fuses accelerometer, magnetometer and gyroscope in NDOF mode and calibrates itself. It loses its
 calibration with its supply. So the boat reads the profile (3.11.4) once it is good, keeps it in a file, and
 writes it back. The part is not reset at program start.
+
+The attitude comes from the quaternion, which turns the part's axes into east, north, up. The Euler angles are
+of the part's y axis, in Android's signs (data sheet BMM150, 9.1), and are distorted above 20° of tilt in
+firmware 0x0311.
 """
 
 import logging
@@ -14,8 +18,10 @@ from typing import Final, NamedTuple
 from companion.config import parts
 from companion.core.errors import HardwareError
 from companion.core.status_text import Severity
-from companion.core.units import wrap_pi
+from companion.core.vectors import Vector
 from companion.hal.background import BackgroundSensor
+from companion.hal.heading.orientation import Quaternion, heading_reading
+from companion.hal.heading.registers import board_to_body
 from companion.hal.raspberry_pi import I2cBus, open_i2c_part
 from companion.persistence.profile import ProfileFile
 from companion.sensors.readings import HeadingReading
@@ -24,30 +30,33 @@ ADDRESS: Final = 0x28  # 0x29 where its COM3 pin is high
 CHIP_ID: Final = 0xA0
 CONFIG_MODE, NDOF_MODE = 0x00, 0x0C  # table 3-5
 UNITS: Final = 0x80  # table 3-11: degrees, degrees per second, Android's signs; the reset default
-_CHIP_ID_AT, _PAGE_AT, _DATA_AT, _STATUS_AT = 0x00, 0x07, 0x18, 0x35
-_UNITS_AT, _MODE_AT, _POWER_AT = 0x3B, 0x3D, 0x3E
-_DATA: Final = struct.Struct("<4h")  # GYR_DATA_Z, EUL_Heading, EUL_Roll, EUL_Pitch
+AXES: Final = bytes((0x24, 0x00))  # 3.4: the part's own axes (P1), map and signs; the reset default
+_CHIP_ID_AT, _PAGE_AT, _DATA_AT, _STATUS_AT = 0x00, 0x07, 0x14, 0x35
+_UNITS_AT, _MODE_AT, _POWER_AT, _AXES_AT = 0x3B, 0x3D, 0x3E, 0x41
+_DATA: Final = struct.Struct("<3h6x4h")  # GYR_DATA; the Euler angles; QUA_Data w, x, y, z
 _PROFILE_AT, PROFILE_BYTES = 0x55, 22  # offsets and radii; legible in CONFIG mode only
-_STATUS_BYTES: Final = _MODE_AT + 1 - _STATUS_AT  # CALIB_STAT to OPR_MODE
-_PER_DEGREE: Final = 16.0  # tables 3-22 and 3-29: of angles and of rates
+_STATUS_BYTES: Final = _AXES_AT + len(AXES) - _STATUS_AT  # CALIB_STAT to AXIS_MAP_SIGN
+_RATE: Final = math.radians(1.0 / 16.0)  # table 3-22
+_ONE: Final = 2.0**14  # of a quaternion (table 3-31)
+_UNIT: Final = 0.01  # error of its length in a sound transfer: a hundred times its resolution
 _MODE_BITS: Final = 0x0F
 _PERIOD_S: Final = 0.04
 _CALIBRATED: Final = 3
 _GOOD_SAMPLES: Final = 250  # ten seconds
+_USUAL: Final = parts.Mounting()
 
 _log = logging.getLogger(__name__)
 
 
 class Bno055Sample(NamedTuple):
-    """One reading in the part's axes, x ahead, z up.
+    """One reading.
 
+    quaternion: x, y, z, w; turns the part's axes into east, north, up. rate: rad/s in the part's axes.
     magnet, gyro: their calibration status, 0..3.
     """
 
-    heading_deg: float
-    roll_deg: float
-    pitch_deg: float
-    yaw_rate_rad_s: float
+    quaternion: Quaternion
+    rate: Vector
     magnet: int
     gyro: int
 
@@ -73,22 +82,24 @@ class Bno055:
         Raises:
             OSError: it does not answer.
         """
-        yaw_rate, heading, roll, pitch = _DATA.unpack(self._read(_DATA_AT, _DATA.size))
+        p, q, r, w, x, y, z = _DATA.unpack(self._read(_DATA_AT, _DATA.size))
         status = self._read(_STATUS_AT, _STATUS_BYTES)  # read after the data
         is_set_up = status[_MODE_AT - _STATUS_AT] & _MODE_BITS == NDOF_MODE
-        if not is_set_up or status[_UNITS_AT - _STATUS_AT] != UNITS:
+        if (
+            not is_set_up
+            or status[_UNITS_AT - _STATUS_AT] != UNITS
+            or status[_AXES_AT - _STATUS_AT :] != AXES
+        ):
             return None
         return Bno055Sample(
-            heading / _PER_DEGREE,
-            roll / _PER_DEGREE,
-            pitch / _PER_DEGREE,
-            math.radians(yaw_rate / _PER_DEGREE),
+            (x / _ONE, y / _ONE, z / _ONE, w / _ONE),
+            (p * _RATE, q * _RATE, r * _RATE),
             status[0] & 0x03,
             status[0] >> 4 & 0x03,
         )
 
     def set_up(self, profile: bytes = b"") -> None:
-        """Start measuring, with a calibration profile. From another mode it takes two calls: units and
+        """Start measuring, with a calibration profile. From another mode it takes two calls: units, axes and
         profile can only change in CONFIG mode.
 
         Raises:
@@ -103,6 +114,7 @@ class Bno055:
             self.bus.write_i2c_block_data(self._address, _PROFILE_AT, profile)
         self._write(_POWER_AT, 0)  # normal power
         self._write(_UNITS_AT, UNITS)
+        self._write(_AXES_AT, *AXES)
         self._write(_MODE_AT, NDOF_MODE)  # it takes 7 ms
 
     def stop(self) -> None:
@@ -116,17 +128,16 @@ class Bno055:
     def _read(self, register: int, length: int) -> bytes:
         return bytes(self.bus.read_i2c_block_data(self._address, register, length))
 
-    def _write(self, register: int, value: int) -> None:
-        self.bus.write_i2c_block_data(self._address, register, [value])
+    def _write(self, register: int, *values: int) -> None:
+        self.bus.write_i2c_block_data(self._address, register, values)
 
 
 class Bno055Compass(BackgroundSensor[HeadingReading]):
     """Satisfies `companion.hal.interfaces.Compass`.
 
-    The part lies flat with z up: its heading grows clockwise and its z rate is positive counter-clockwise
-    (Bosch data sheet BST-BNO055-DS000), so the rate changes sign. Its north is magnetic; correction_rad
-    includes variation and mounting angle. Headings are used only after the magnetometer has been calibrated
-    since power-up: before, they start at zero in any direction.
+    mounting: of the board, from flat with its x arrow to the bow. Its north is magnetic; correction_rad is
+    added. Headings are used only after the magnetometer has been calibrated since power-up: before, they
+    start at zero in any direction.
 
     may_pause: reading and saving the profile may cost three readings now; the boat sets it.
     """
@@ -137,11 +148,13 @@ class Bno055Compass(BackgroundSensor[HeadingReading]):
         now: Callable[[], float],
         correction_rad: float = 0.0,
         profile: ProfileFile | None = None,
+        mounting: parts.Mounting = _USUAL,
     ) -> None:
         super().__init__(self.step, "BNO055", now, part.bus.close)
         self.may_pause = False
         self._part = part
         self._correction_rad = correction_rad
+        self._axes = board_to_body(mounting)
         self._knows_north = False
         self._file = profile
         self._profile = b"" if profile is None else profile.load()
@@ -151,6 +164,7 @@ class Bno055Compass(BackgroundSensor[HeadingReading]):
 
     def step(self) -> float:
         """Read the part once; returns the seconds to wait before the next reading."""
+        time_s = self._now()  # a transfer takes 30 ms at 10 kHz
         sample = self._part.read()
         if sample is None:
             if self._is_saving:
@@ -167,12 +181,9 @@ class Bno055Compass(BackgroundSensor[HeadingReading]):
             self._part.stop()
         if not self._knows_north:
             self._knows_north = sample.magnet > 0
-        elif 0.0 <= sample.heading_deg <= 360.0:  # reject corrupted transfers
-            heading_rad = wrap_pi(math.radians(sample.heading_deg) + self._correction_rad)
-            roll_rad, pitch_rad = math.radians(sample.roll_deg), math.radians(sample.pitch_deg)
-            rate_rad_s = -sample.yaw_rate_rad_s
-            self._latest = HeadingReading(
-                self._now(), heading_rad, rate_rad_s, roll_rad, pitch_rad, is_magnetic=True
+        elif abs(math.hypot(*sample.quaternion) - 1.0) < _UNIT:  # reject corrupted transfers
+            self._latest = heading_reading(
+                sample.quaternion, sample.rate, self._axes, self._correction_rad, time_s
             )
         return _PERIOD_S
 
@@ -194,6 +205,8 @@ def open_bno055(
         HardwareError: smbus2 is missing, there is no bus, or the part does not answer.
     """
     address = part.address or ADDRESS
-    return open_i2c_part(
-        "BNO055", address, lambda bus: Bno055Compass(Bno055(bus, address), now, part.correction_rad, profile)
-    ).start()
+
+    def create(bus: I2cBus) -> Bno055Compass:
+        return Bno055Compass(Bno055(bus, address), now, part.correction_rad, profile, part.mounting)
+
+    return open_i2c_part("BNO055", address, create).start()

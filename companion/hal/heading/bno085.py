@@ -5,22 +5,19 @@ Not on I²C: the part stretches the clock, which the Pi's controller does not su
 magnetometer.
 """
 
-import math
 import time
 from collections.abc import Callable, Iterable
 from typing import Final
 
 from companion.config.parts import CompassPart
 from companion.core.status_text import Severity
-from companion.core.units import wrap_pi
-from companion.core.vectors import Matrix, Vector, dot, times
+from companion.hal.heading.orientation import heading_reading
 from companion.hal.heading.registers import board_to_body
 from companion.hal.link_interfaces import Port
 from companion.hal.port_sensor import PortSensor
 from companion.links.port_url import open_line
-from companion.sensors.compass.attitude import roll_pitch
 from companion.sensors.readings import HeadingReading
-from companion.sensors.sh2.session import Rotation, Sh2Session
+from companion.sensors.sh2.session import Sh2Session
 
 BAUD: Final = 3_000_000
 # The part needs 100 µs from one byte to the next (data sheet 1000-3927, 1.2.3.1)
@@ -88,27 +85,9 @@ class Bno085Compass(PortSensor[HeadingReading]):
         for sample in samples:
             self._knows_north = self._knows_north or sample.status > 0
             if self._knows_north:
-                yield heading_reading(sample, self._axes, self._correction_rad, time_s)
-
-
-def heading_reading(sample: Rotation, axes: Matrix, correction_rad: float, time_s: float) -> HeadingReading:
-    """The reading of a board that is mounted so. axes: board to body."""
-    ahead = _turned(sample.quaternion, axes[0])  # a row: the body's axis in board axes
-    heading_rad = wrap_pi(math.atan2(ahead[0], ahead[1]) + correction_rad)
-    x, y, z, w = sample.quaternion
-    up = _turned((-x, -y, -z, w), (0.0, 0.0, 1.0))  # in board axes
-    down = times(axes, (-up[0], -up[1], -up[2]))
-    roll_rad, pitch_rad = roll_pitch(down)
-    rate_rad_s = None if sample.rate is None else dot(times(axes, sample.rate), down)
-    return HeadingReading(time_s, heading_rad, rate_rad_s, roll_rad, pitch_rad, is_magnetic=True)
-
-
-def _turned(quaternion: tuple[float, float, float, float], vector: Vector) -> Vector:
-    """A vector turned by a unit quaternion (x, y, z, w)."""
-    x, y, z, w = quaternion
-    a, b, c = vector
-    s, t, u = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
-    return (a + w * s + y * u - z * t, b + w * t + z * s - x * u, c + w * u + x * t - y * s)
+                yield heading_reading(
+                    sample.quaternion, sample.rate, self._axes, self._correction_rad, time_s
+                )
 
 
 def open_bno085(part: CompassPart, now: Callable[[], float]) -> Bno085Compass:

@@ -1,0 +1,90 @@
+"""A BNO055 turned with the boat: heading, roll and pitch are the boat's, however the part is mounted."""
+
+import math
+from pathlib import Path
+
+import pytest
+from twins.i2c import NDOF, Bno055Twin, I2cDev, plug_in
+from twins.lines import HandClock, eventually
+
+from companion.config.parts import CompassPart, Mounting
+from companion.config.parts.heading import QuarterTurn
+from companion.hal.heading.bno055 import Bno055, Bno055Compass, open_bno055
+from companion.hal.raspberry_pi import open_i2c
+
+
+@pytest.fixture
+def dev(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> I2cDev:
+    return plug_in(monkeypatch, tmp_path, {})
+
+
+@pytest.fixture
+def clock() -> HandClock:
+    return HandClock()
+
+
+def heading_roll_pitch(compass: Bno055Compass) -> tuple[float, float, float]:
+    reading = compass.read()
+    assert reading is not None
+    assert reading.roll_rad is not None
+    assert reading.pitch_rad is not None
+    heading = math.degrees(reading.heading_rad) % 360.0
+    return heading, math.degrees(reading.roll_rad), math.degrees(reading.pitch_rad)
+
+
+@pytest.mark.parametrize(
+    ("mounted", "mounting"),
+    [
+        (("bow", "port", "up"), {}),
+        (("starboard", "bow", "up"), {"yaw_deg": 90}),
+        (("stern", "starboard", "up"), {"yaw_deg": 180}),
+        (("bow", "starboard", "down"), {"roll_deg": 180}),
+        (("bow", "up", "starboard"), {"roll_deg": 90}),
+        (("up", "port", "stern"), {"pitch_deg": 90}),
+    ],
+)
+@pytest.mark.parametrize(
+    ("heading_deg", "roll_deg", "pitch_deg"),
+    [
+        (0.5, 0.0, 0.0),  # the bow to the north
+        (90.0, 0.0, 0.0),
+        (200.0, 0.0, 15.0),  # the bow up
+        (300.0, 25.0, 0.0),  # the starboard side down
+        (45.0, -30.0, -20.0),
+    ],
+)
+def test_the_bow_is_where_the_arrow_or_the_mounting_says(
+    dev: I2cDev,
+    clock: HandClock,
+    mounted: tuple[str, str, str],
+    mounting: dict[str, QuarterTurn],
+    heading_deg: float,
+    roll_deg: float,
+    pitch_deg: float,
+) -> None:
+    chip = Bno055Twin(mounted=mounted)
+    dev.parts[0x28] = chip
+    chip.heading_deg, chip.roll_deg, chip.pitch_deg = heading_deg, roll_deg, pitch_deg
+    chip.yaw_rate_deg_s = 20.0
+    compass = open_bno055(CompassPart(driver="bno055", mounting=Mounting(**mounting)), clock)
+    try:
+        eventually(lambda: compass.read() is not None)
+        assert heading_roll_pitch(compass) == pytest.approx((heading_deg, roll_deg, pitch_deg), abs=0.02)
+        reading = compass.read()
+        assert reading is not None
+        assert reading.yaw_rate_rad_s == pytest.approx(math.radians(20.0), abs=0.002)
+    finally:
+        compass.close()
+
+
+def test_axes_of_another_program_are_replaced(dev: I2cDev, clock: HandClock) -> None:
+    chip = Bno055Twin()
+    dev.parts[0x28] = chip
+    chip.mode, chip.axes = NDOF, bytearray((0x21, 0x04))
+    bus = open_i2c("test")
+    compass = Bno055Compass(Bno055(bus), clock)
+    for _ in range(4):
+        compass.step()
+    bus.close()
+    assert heading_roll_pitch(compass) == pytest.approx((90.0, 1.0, -2.0), abs=0.02)
+    assert chip.axes == bytes((0x24, 0x00))
