@@ -3,6 +3,8 @@
 Numbers are ArduPilot Rover's where the parameter has its name.
 """
 
+from companion.core.modes import Mode
+
 Names = tuple[tuple[int, str], ...]
 """Each value, or the number of each bit, with its name."""
 
@@ -24,20 +26,7 @@ GROUND_ACTIONS: Names = (*MOTOR_ACTIONS, (9, "Get off the shore by turning"))
 RC_FAILSAFES: Names = ((0, "Disabled"), (1, "Enabled"), (2, "Enabled, but a mission continues"))
 RESUMPTIONS: Names = ((0, "Forget it"), (1, "MISSION_START resumes it"), (2, "Resume automatically"))
 
-MODES: Names = (
-    (0, "Manual"),
-    (1, "Acro"),
-    (3, "Steering"),
-    (4, "Hold"),
-    (5, "Loiter"),
-    (6, "Follow"),
-    (7, "Simple"),
-    (9, "Circle"),
-    (10, "Auto"),
-    (11, "RTL"),
-    (12, "Smart RTL"),
-    (15, "Guided"),
-)
+MODES: Names = tuple((mode.value, mode.rules.title) for mode in Mode)
 ARM_DISARM = 153
 SWITCHES: Names = ((0, "Do nothing"), (ARM_DISARM, "Arm or disarm"))
 

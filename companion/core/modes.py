@@ -7,12 +7,14 @@ from typing import Final, NamedTuple
 class ModeRules(NamedTuple):
     """What a mode needs and may do. What else it lacks now (a mission, a home …) its controller says.
 
+    title: as QGroundControl's Rover plug-in spells it, whose buttons find a mode by these letters.
     needs_position: a position and a heading, to be entered and to be armed in. is_by_hand: the operator's
     sticks steer. comes_inside: it may be armed outside the fence, because it first leads back inside.
     returns_home: it ends where the boat was armed, at home or at a rally point. keeps_station: calibration
     may run in it. is_resumable: it is continued after a power loss.
     """
 
+    title: str
     needs_position: bool = True
     is_by_hand: bool = False
     comes_inside: bool = False
@@ -54,18 +56,18 @@ class Mode(IntEnum):
 
 
 RULES: Final[dict[Mode, ModeRules]] = {
-    Mode.MANUAL: ModeRules(needs_position=False, is_by_hand=True),
-    Mode.ACRO: ModeRules(is_by_hand=True),
-    Mode.STEERING: ModeRules(is_by_hand=True),
-    Mode.HOLD: ModeRules(needs_position=False),
-    Mode.LOITER: ModeRules(comes_inside=True, keeps_station=True),
-    Mode.FOLLOW: ModeRules(),
-    Mode.SIMPLE: ModeRules(is_by_hand=True),
-    Mode.CIRCLE: ModeRules(),
-    Mode.AUTO: ModeRules(is_resumable=True),
-    Mode.RTL: ModeRules(comes_inside=True, returns_home=True, is_resumable=True),
-    Mode.SMART_RTL: ModeRules(returns_home=True, is_resumable=True),
-    Mode.GUIDED: ModeRules(keeps_station=True),
+    Mode.MANUAL: ModeRules("Manual", needs_position=False, is_by_hand=True),
+    Mode.ACRO: ModeRules("Acro", is_by_hand=True),
+    Mode.STEERING: ModeRules("Steering", is_by_hand=True),
+    Mode.HOLD: ModeRules("Hold", needs_position=False),
+    Mode.LOITER: ModeRules("Loiter", comes_inside=True, keeps_station=True),
+    Mode.FOLLOW: ModeRules("Follow"),
+    Mode.SIMPLE: ModeRules("Simple", is_by_hand=True),
+    Mode.CIRCLE: ModeRules("Circle"),
+    Mode.AUTO: ModeRules("Auto", is_resumable=True),
+    Mode.RTL: ModeRules("RTL", comes_inside=True, returns_home=True, is_resumable=True),
+    Mode.SMART_RTL: ModeRules("Smart RTL", returns_home=True, is_resumable=True),
+    Mode.GUIDED: ModeRules("Guided", keeps_station=True),
 }
 
 

@@ -24,7 +24,7 @@ def available_mode(index: int) -> Message | None:
         standard_mode=_STANDARD,
         custom_mode=int(mode),
         properties=dialect.MAV_MODE_PROPERTY_ADVANCED if mode in _ADVANCED else 0,
-        mode_name=mode.name.encode("ascii"),
+        mode_name=mode.rules.title.encode("ascii"),
     )
 
 

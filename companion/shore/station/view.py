@@ -122,8 +122,8 @@ def on_heartbeat(view: View, message: Message) -> None:
 
 
 def on_available_mode(view: View, message: Message) -> None:
-    """A name of a mode; the boat sends one message a mode."""
-    name = clean(message.mode_name)
+    """A name of a mode, spelled as `Mode` spells it; the boat sends one message a mode."""
+    name = clean(message.mode_name).upper().replace(" ", "_")
     view.mode_count = min(message.number_modes, _MOST_MODES)
     if name and (message.custom_mode in view.mode_names or len(view.mode_names) < _MOST_MODES):
         view.mode_names[message.custom_mode] = name

@@ -1,10 +1,27 @@
 import pytest
 from boat_rig import FAILED, OK, Rig
 
+from companion.config.parameter_values import MODES
 from companion.core.modes import Mode
 from companion.mavlink.dialect import Message, dialect
 
 REQUEST, AVAILABLE, CURRENT, MONITOR = 512, 435, 436, 437
+
+# Letter for letter those of QGroundControl's Rover plug-in: it starts, pauses and returns by these names
+QGROUNDCONTROLS = {
+    "Manual": 0,
+    "Acro": 1,
+    "Steering": 3,
+    "Hold": 4,
+    "Loiter": 5,
+    "Follow": 6,
+    "Simple": 7,
+    "Circle": 9,
+    "Auto": 10,
+    "RTL": 11,
+    "Smart RTL": 12,
+    "Guided": 15,
+}
 
 
 def modes(rig: Rig) -> list[Message]:
@@ -23,7 +40,11 @@ def test_the_modes_are_asked_for_one_by_one_until_the_last() -> None:
         found[one.mode_name.rstrip("\0")] = one.custom_mode
         if one.mode_index >= one.number_modes:
             break
-    assert found == {mode.name: mode.value for mode in Mode}
+    assert found == QGROUNDCONTROLS
+
+
+def test_the_menu_of_the_switch_positions_has_the_same_names() -> None:
+    assert {name: number for number, name in MODES} == QGROUNDCONTROLS
 
 
 def test_index_zero_asks_for_all_of_them() -> None:
