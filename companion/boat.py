@@ -175,6 +175,7 @@ class Boat:
             self.net.passed()
 
     def _step(self, now_s: float) -> None:
+        self.vehicle.config = self.parameters.config  # a mission or a calibration may have changed it
         if text := self.motors.trip_text(self.parameters.config.motors.command_timeout_s):
             self.vehicle.notify(Severity.CRITICAL, text)
         self._sense(now_s)

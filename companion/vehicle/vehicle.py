@@ -156,12 +156,16 @@ class Vehicle:
 
     def set_fence(self, areas: Sequence[FenceArea]) -> None:
         """Replace the fence, with immediate effect."""
+        if self.fence.uploaded and not areas:
+            self.notify(Severity.NOTICE, "Fence removed")
         self.fence.set_areas(areas)
         self.fence.update(self.frame, self.home, self.config.fence)
         self._warn_of_rally_points()
 
     def set_rally(self, places: Sequence[LatLon]) -> None:
         """Replace the rally points. RTL leads to the nearest of them and home."""
+        if self.route.rally and not places:
+            self.notify(Severity.NOTICE, "Rally points removed")
         self.route.rally = tuple(places)
         self._warn_of_rally_points()
 

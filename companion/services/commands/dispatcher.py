@@ -83,6 +83,7 @@ class CommandService:
             vehicle, motor_test, parameters, texts, self._send_later, self._compass
         )
         self._calibration = CalibrationCommands(vehicle, calibration, parameters, texts)
+        self._vehicle_commands = VehicleCommands(vehicle, parameters, texts)
         self._questions = MessageCommands(telemetry, self._send_later).table
         self._table: dict[int, Callable[[Command], int]] = {
             **self._questions,
@@ -90,7 +91,7 @@ class CommandService:
             **self._compass.table,
             dialect.MAV_CMD_BATTERY_RESET: lambda one: reset_battery(one, vehicle, sensors.gauge, texts),
             **self._calibration.table,
-            **VehicleCommands(vehicle, parameters, texts).table,
+            **self._vehicle_commands.table,
             **payload_commands(payload, texts),
             dialect.MAV_CMD_DO_SET_GLOBAL_ORIGIN: lambda command: _set_origin(pose, command),
         }
@@ -161,6 +162,7 @@ class CommandService:
     def tick(self, heading: HeadingReading | None, now_s: float) -> None:
         """Continue calibrations and trials. heading: as measured."""
         self._refusals.tick(now_s)
+        self._vehicle_commands.tick()
         result = self._upkeep.tick(heading, now_s)
         if result is None:
             result = self._calibration.tick()

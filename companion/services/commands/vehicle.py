@@ -18,7 +18,14 @@ from companion.core.requests import (
 )
 from companion.core.status_text import Severity, StatusText
 from companion.mavlink.dialect import dialect
-from companion.services.commands.command import ACCEPTED, DENIED, FAILED, REJECTED_FOR_NOW, Command
+from companion.services.commands.command import (
+    ACCEPTED,
+    DENIED,
+    FAILED,
+    REJECTED_FOR_NOW,
+    UNSUPPORTED,
+    Command,
+)
 from companion.services.parameters import ParameterService
 from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
@@ -26,6 +33,13 @@ from companion.vehicle.vehicle import Vehicle
 _DISARM_MAGIC = 21196
 _ARM_MAGIC = (2989, 21196)  # ArduPilot's, and that of MAVLink's common set, which forces both ways
 _AIRSPEED_OR_GROUND = (0.0, 1.0)
+REGIONS_OF_INTEREST = (
+    dialect.MAV_CMD_DO_SET_ROI,
+    dialect.MAV_CMD_DO_SET_ROI_LOCATION,
+    dialect.MAV_CMD_DO_SET_ROI_NONE,
+    dialect.MAV_CMD_DO_SET_ROI_SYSID,
+    dialect.MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET,
+)
 _NO_CHANGE, _BACK_TO_DEFAULT = -1.0, -2.0  # of DO_CHANGE_SPEED
 
 
@@ -51,6 +65,7 @@ class VehicleCommands:
             dialect.MAV_CMD_NAV_LOITER_UNLIM: lambda _: self._ask(ChangeMode(Mode.LOITER)),
             dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: lambda _: self._ask(ChangeMode(Mode.RTL)),
             dialect.MAV_CMD_RUN_PREARM_CHECKS: self._check,
+            **dict.fromkeys(REGIONS_OF_INTEREST, self._refuse_region),
         }
 
     def _ask(self, request: Request) -> int:
@@ -133,12 +148,26 @@ class VehicleCommands:
         position = command.position()
         return DENIED if position is None else self._ask(SetHome(position))
 
+    def _refuse_region(self, command: Command) -> int:  # noqa: ARG002
+        self._texts.notify(Severity.ERROR, "ROI: this boat has no camera mount that turns")
+        return UNSUPPORTED
+
     def _fence_enable(self, command: Command) -> int:
         """As parameter FENCE_ENABLE; param1 = 2 (disable the floor) has no effect."""
         wanted = command.whole(0)
         if wanted not in (0, 1):
             return ACCEPTED if wanted == 2 else DENIED
-        if wanted and not self._vehicle.fence.uploaded and not self._vehicle.config.fence.kinds & CIRCLE_KIND:
+        return self._switch_fence(is_on=wanted == 1)
+
+    def _switch_fence(self, *, is_on: bool) -> int:
+        if is_on and not self._vehicle.fence.uploaded and not self._vehicle.config.fence.kinds & CIRCLE_KIND:
             self._texts.notify(Severity.ERROR, "Fence: none uploaded")
             return FAILED
-        return FAILED if self._parameters.set("FENCE_ENABLE", float(wanted)) else ACCEPTED
+        return FAILED if self._parameters.set("FENCE_ENABLE", float(is_on)) else ACCEPTED
+
+    def tick(self) -> None:
+        """Switch the fence as the mission asks."""
+        for is_on in self._vehicle.progress.take_fence_switches():
+            if self._switch_fence(is_on=is_on) == ACCEPTED:
+                done = "enabled" if is_on else "disabled"
+                self._texts.notify(Severity.NOTICE, f"Fence {done} by the mission")

@@ -14,6 +14,7 @@ from companion.vehicle.mission.places import Offset, Place
 from companion.vehicle.mission.steps import (
     Act,
     AfterDelay,
+    EnableFence,
     GoRound,
     HandOver,
     Home,
@@ -34,9 +35,11 @@ HIGHEST_M = 83_000.0  # ArduPilot's limit: 24 bits of centimetres
 _NONE = FittedPayload()
 _LOCAL_SCALE = 1e-4  # x and y of a local frame are in tenths of a millimetre
 
-# Mount and markers are skipped, with a report to the operator; so are cameras on a boat without one
+# Mount and markers are skipped, with a report to the operator; so are cameras on a boat without one. Takeoff:
+# QGroundControl's templates begin with it for a boat too
 IGNORED = frozenset(
     {
+        dialect.MAV_CMD_NAV_TAKEOFF,
         dialect.MAV_CMD_DO_LAND_START,
         dialect.MAV_CMD_DO_SET_ROI_LOCATION,
         dialect.MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET,
@@ -53,6 +56,9 @@ IGNORED = frozenset(
         dialect.MAV_CMD_VIDEO_STOP_CAPTURE,
     }
 )
+
+SAILED_STRAIGHT = frozenset({dialect.MAV_CMD_NAV_SPLINE_WAYPOINT})
+"""Waypoints without their curve, with a report to the operator."""
 
 # Refused explicitly, as the operator may rely on them
 _REFUSED = {dialect.MAV_CMD_DO_SET_REVERSE: "this boat does not sail its legs astern"}
@@ -218,6 +224,16 @@ def _within(item: MissionItem) -> Step | ItemFault:
     return WithinDistance(item.param1)
 
 
+def _enable_fence(item: MissionItem) -> Step | ItemFault:
+    match item.param1:
+        case 0.0 | 1.0:
+            return EnableFence(item.param1 == 1.0)
+        case 2.0:  # only the floor, which a boat does not have
+            return Skip()
+        case value:
+            return ItemFault(MissionResult.INVALID_PARAM1, f"{value:g} is neither 0 nor 1")
+
+
 def _jump(item: MissionItem) -> Step | ItemFault:
     for result, value in (
         (MissionResult.INVALID_PARAM1, item.param1),
@@ -236,6 +252,7 @@ def _not_negative(seconds: float, name: str, step: Step) -> Step | ItemFault:
 
 _TABLE: dict[int, Callable[[MissionItem], Step | ItemFault]] = {
     dialect.MAV_CMD_NAV_WAYPOINT: _waypoint,
+    **dict.fromkeys(SAILED_STRAIGHT, _waypoint),
     dialect.MAV_CMD_NAV_LOITER_UNLIM: _loiter_for_ever,
     dialect.MAV_CMD_NAV_LOITER_TURNS: _loiter_turns,
     dialect.MAV_CMD_NAV_LOITER_TIME: _loiter_for_a_time,
@@ -249,6 +266,7 @@ _TABLE: dict[int, Callable[[MissionItem], Step | ItemFault]] = {
     dialect.MAV_CMD_CONDITION_YAW: _turn,
     dialect.MAV_CMD_DO_JUMP: _jump,
     dialect.MAV_CMD_DO_CHANGE_SPEED: _speed,
+    dialect.MAV_CMD_DO_FENCE_ENABLE: _enable_fence,
     dialect.MAV_CMD_DO_SET_HOME: _set_home,
     dialect.MAV_CMD_DO_GUIDED_LIMITS: _limits,
 }

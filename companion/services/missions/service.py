@@ -19,7 +19,7 @@ from companion.payload.fitted import FittedPayload
 from companion.persistence.storage import Saving, Storage
 from companion.services.guided import on_guided_item
 from companion.services.missions.area_items import fence_areas, rally_points
-from companion.services.missions.items import command_name
+from companion.services.missions.items import SAILED_STRAIGHT, command_name
 from companion.services.missions.list import MissionList, Part
 from companion.services.outbox import Origin, Outbox
 from companion.services.telemetry.status_messages import mission_current
@@ -222,11 +222,16 @@ class MissionService:
             self._vehicle.set_rally(rally_points(one.items))
             return
         self._vehicle.set_mission(one.steps)
-        skipped = [seq for seq, step in enumerate(one.steps) if type(step) is Skip]
-        if skipped:
-            what = command_name(one.entries[skipped[0]].item.command)
-            more = f", and {len(skipped) - 1} more" if len(skipped) > 1 else ""
-            self._texts.notify(Severity.WARNING, f"Mission: item {skipped[0]}, {what}, is ignored{more}")
+        self._warn_of(one, [seq for seq, step in enumerate(one.steps) if type(step) is Skip], "is ignored")
+        curved = [seq for seq, item in enumerate(one.items) if seq and item.command in SAILED_STRAIGHT]
+        self._warn_of(one, curved, "is sailed without its curve")
+
+    def _warn_of(self, one: MissionList, seqs: list[int], what: str) -> None:
+        """One text for all items that are not sailed as drawn."""
+        if seqs:
+            command = command_name(one.entries[seqs[0]].item.command)
+            more = f", and {len(seqs) - 1} more" if len(seqs) > 1 else ""
+            self._texts.notify(Severity.WARNING, f"Mission: item {seqs[0]}, {command}, {what}{more}")
 
     def _clear_all(self, origin: Origin) -> None:
         if self._clearing is not None or any(one.receiver.partner for one in self._lists.values()):

@@ -20,6 +20,7 @@ from companion.vehicle.mission.steps import (
     Act,
     AfterDelay,
     Done,
+    EnableFence,
     GoRound,
     HandOver,
     Home,
@@ -53,6 +54,7 @@ class MissionProgress:
         self.speed_m_s: float | None = None  # None: cruise speed
         self.homes: list[LatLon | None] = []  # asked for since the owner last took them; None is here
         self.actions: list[PayloadAction] = []  # asked for since the owner last took them
+        self.fence_switches: list[bool] = []  # asked for since the owner last took them: on or off
         self.jumps: dict[int, int] = {}  # how often each was made
         self._leg_start: Point | None = None
         self._cut_leg_start: LatLon | None = None  # of a voyage that is taken up again
@@ -161,6 +163,11 @@ class MissionProgress:
         actions, self.actions = self.actions, []
         return actions
 
+    def take_fence_switches(self) -> list[bool]:
+        """Whether the fence is to be on or off, as asked for since the last call."""
+        switches, self.fence_switches = self.fence_switches, []
+        return switches
+
     def update(self, nav: NavState, frame: LocalFrame, config: BoatConfig, now_s: float) -> Intent:
         """Advance, and return the intent. After the last item, keep station there."""
         self.has_started = True
@@ -264,6 +271,8 @@ class MissionProgress:
                 self.speed_m_s = speed_m_s or None
             case MoveHome(position):
                 self.homes.append(position)
+            case EnableFence(is_on):
+                self.fence_switches.append(is_on)
             case LimitHandOver():
                 self._stationary.limit = step
             case Act(action):

@@ -79,6 +79,13 @@ class MoveHome:
 
 
 @dataclass(frozen=True, slots=True)
+class EnableFence:
+    """Enable the fence, or disable it."""
+
+    is_on: bool
+
+
+@dataclass(frozen=True, slots=True)
 class LimitHandOver:
     """Limits of the next `HandOver`: a time, and a distance from its start. 0 is no limit."""
 
@@ -121,7 +128,7 @@ class Jump:
 
 
 Sailed = Waypoint | GoRound | Wait | Turn | HandOver | ReturnHome
-Done = SetSpeed | MoveHome | LimitHandOver | Act | Skip
+Done = SetSpeed | MoveHome | EnableFence | LimitHandOver | Act | Skip
 Condition = AfterDelay | WithinDistance
 Step = Home | Sailed | Done | Condition | Jump
 Mission = tuple[Step, ...]

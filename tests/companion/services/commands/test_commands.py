@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from companion.mavlink.dialect import dialect
 from companion.services.commands.dispatcher import CommandService
+from companion.services.commands.vehicle import REGIONS_OF_INTEREST
 from companion.services.payload.rows import ROWS as PAYLOAD_ROWS
 
 CMD = dialect
@@ -168,6 +169,7 @@ def test_every_command_of_the_table_has_a_row_here_that_is_accepted(rig: Rig) ->
         *PAYLOAD_ROWS,  # without payload; with one, see test_payload_commands.py
         CMD.MAV_CMD_DO_SET_GLOBAL_ORIGIN,
         CMD.MAV_CMD_DO_START_MAG_CAL,
+        *REGIONS_OF_INTEREST,  # see test_qgc_plans.py
     }
     assert set(table) - refused_plainly == {number for number, _, result in ROWS if result == OK}
 

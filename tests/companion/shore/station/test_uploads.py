@@ -122,7 +122,7 @@ def test_what_the_boat_refuses_leaves_the_old_mission_and_says_why() -> None:
     rig.upload([HOME_ITEM, waypoint(60.0, 0.0)])
     shore = Shore(rig).ready()
     before = rig.items()
-    takeoff = MissionItem(frame=3, command=dialect.MAV_CMD_NAV_TAKEOFF, x=PLAN[2].x, y=PLAN[2].y)
+    takeoff = MissionItem(frame=3, command=dialect.MAV_CMD_NAV_VTOL_TAKEOFF, x=PLAN[2].x, y=PLAN[2].y)
     ok, text = send(shore, plan_upload((HOME_ITEM, takeoff), is_started=True))
     assert not ok
     assert text.startswith("The boat refuses the plan: ")
