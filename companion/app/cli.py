@@ -22,7 +22,6 @@ from companion.app.links_view import watch
 from companion.app.restart import restart_program
 from companion.app.shutdown import Shutdown
 from companion.app.status_file import find_status, read_status
-from companion.app.update.cli import update
 from companion.config.boat_config import BoatConfig, load_config
 from companion.config.parameter_page import parameter_page
 from companion.config.parameter_table import ROWS
@@ -41,7 +40,6 @@ app = program_app("The vehicle: drives the boat and speaks MAVLink to every grou
 app.command()(doctor)
 app.command()(install)
 app.command()(uninstall)
-app.command()(update)
 
 ConfigFile = Annotated[Path, typer.Option("--config", "-c", help="The boat's TOML file.")]
 

@@ -13,7 +13,6 @@ from typing import Any, Final, NoReturn
 
 from companion import __version__
 from companion.core.errors import BoatError
-from companion.shore.board.update_file import RESULT
 
 PROGRAM: Final = "boat-shore"
 SHOW: Final = "show"  # the command without a name: serve the page
@@ -107,16 +106,6 @@ def _show_parser() -> _Parser:
     add("--host", metavar="NAME", action="append", default=[], dest="hosts",
         help="further name of this computer in the page's address; repeatable")  # fmt: skip
     _add_pin_file(parser)
-    add("--config", metavar="FILE", type=Path, help="the boat's TOML file here, for the page to edit")
-    add("--wifi", action="store_true", help="let the page change this computer's Wi-Fi, by nmcli")
-    add(
-        "--updates",
-        metavar="FOLDER",
-        type=Path,
-        help="where the page puts an update for the boat's installer",
-    )
-    add("--update-result", metavar="FILE", type=Path, default=RESULT,
-        help="where the installer says what became of it [%(default)s]")  # fmt: skip
     add(
         "--system-id",
         metavar="N",

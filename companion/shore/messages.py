@@ -229,7 +229,6 @@ class Hello(Struct, frozen=True, kw_only=True, tag_field="type", tag="hello"):
 
     role: Role
     boats: list[BoatName]
-    version: str
 
 
 class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):

@@ -15,10 +15,6 @@ from companion.core.busy_port import busy_port_explained
 from companion.core.errors import BoatError, ConfigError
 from companion.core.program_end import end_with
 from companion.shore import memory_use
-from companion.shore.board.config_file import ConfigFile
-from companion.shore.board.tools import BoardTools
-from companion.shore.board.update_file import UpdateFolder
-from companion.shore.board.wifi import Wifi
 from companion.shore.chart import Chart
 from companion.shore.command_line import PROGRAM, SHOW, read_arguments
 from companion.shore.plans.desk import Sources
@@ -56,16 +52,9 @@ def _show(given: Namespace) -> None:
     host, port = parse_listen(given.listen)
     sessions = Sessions(PinFile(given.pin_file or default_pin_file()))
     water = Chart(given.chart)
-    board = BoardTools(
-        config=None if given.config is None else ConfigFile(given.config),
-        wifi=Wifi() if given.wifi else None,
-        update=None if given.updates is None else UpdateFolder(given.updates, given.update_result),
-    )
     with contextlib.closing(Boats(given.connect, given.system_id, status_file=given.status)) as boats:
-        sources = Sources(given.chart, given.boat or (str(given.config) if given.config else None))
-        web_app = make_app(
-            boats, water, sessions, _PAGE, SystemClock(), sources=sources, hosts=given.hosts, board=board
-        )
+        sources = Sources(given.chart, given.boat)
+        web_app = make_app(boats, water, sessions, _PAGE, SystemClock(), sources=sources, hosts=given.hosts)
 
         def on_open(number: int) -> None:
             name = f"[{host}]" if ":" in host else "127.0.0.1" if host == "0.0.0.0" else host  # noqa: S104

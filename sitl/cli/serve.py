@@ -74,7 +74,7 @@ def serve(
         str, typer.Option(metavar="HOST:PORT", help="address of the shore page; port 0: the system's choice")
     ] = LISTEN,
     shore_options: Annotated[
-        str, typer.Option(metavar="TEXT", help="further options of boat-shore, as '--config boat.toml'")
+        str, typer.Option(metavar="TEXT", help="further options of boat-shore, as '--host pond.lan'")
     ] = "",
     verbose: Annotated[bool, typer.Option("--verbose", "-v", help="log links coming and going")] = False,
 ) -> None:

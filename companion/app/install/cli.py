@@ -36,10 +36,6 @@ def install(
     page_map: Annotated[
         Path | None, typer.Option("--page-map", help="GeoJSON map of the water for the page.")
     ] = None,
-    page_wifi: Annotated[bool, typer.Option("--page-wifi", help="Let the page change the Wi-Fi.")] = False,
-    page_updates: Annotated[
-        bool, typer.Option("--page-updates", help="Let the page install another version of mavboat.")
-    ] = False,
     dry_run: DryRun = False,
 ) -> None:
     """Install the boat as a service: user, folders, configuration, udev names, unit. Changes nothing twice.
@@ -54,11 +50,9 @@ def install(
     if config is not None:
         check_config(load_config(config))
     text = config.read_text(encoding="utf-8") if config else preset_text("lake")
-    wanted = page_of(
-        target, _page_options(page_map, has_wifi=page_wifi, has_updates=page_updates) if page else None
-    )
-    if wanted is None and (page_wifi or page_updates or page_map is not None):
-        raise typer.BadParameter("--page-wifi, --page-updates and --page-map need --page")
+    wanted = page_of(target, _page_options(page_map) if page else None)
+    if wanted is None and page_map is not None:
+        raise typer.BadParameter("--page-map needs --page")
     steps = install_steps(target, programs, text, _usb_text(target, usb or []), wanted)
     program = programs / "boat-companion"
     if dry_run:
@@ -78,9 +72,8 @@ def install(
         typer.echo(f"Set the page's PIN: sudo -u {USER} {programs}/boat-shore pin --pin-file {PIN_FILE}")
 
 
-def _page_options(page_map: Path | None, *, has_wifi: bool, has_updates: bool) -> PageOptions:
-    text = None if page_map is None else page_map.read_text(encoding="utf-8")
-    return PageOptions(has_wifi, text, has_updates)
+def _page_options(page_map: Path | None) -> PageOptions:
+    return PageOptions(None if page_map is None else page_map.read_text(encoding="utf-8"))
 
 
 def uninstall(

@@ -129,42 +129,6 @@ class Folder:
             self._made.pop()
 
 
-class Owned:
-    """A file belongs to a user."""
-
-    def __init__(self, target: Target, path: Path, user: str) -> None:
-        self._target = target
-        self._path = path
-        self._user = user
-        self._before = (0, 0)
-
-    def describe(self) -> str:
-        """What it does."""
-        return f"let {self._user} write {self._path}"
-
-    def is_done(self) -> bool:
-        """Whether it is so; a test tree belongs to whoever makes it."""
-        return os.geteuid() != 0 or self._owner() == self._target.ids(self._user)
-
-    def apply(self) -> None:
-        """Change the owner."""
-        self._before = self._owner()
-        os.chown(self._target.path(self._path), *self._target.ids(self._user), follow_symlinks=False)
-
-    def undo(self) -> None:
-        """The owner as it was."""
-        path = self._target.path(self._path)
-        if path.exists():
-            os.chown(path, *self._before, follow_symlinks=False)
-
-    def _owner(self) -> tuple[int, int]:
-        try:
-            status = self._target.path(self._path).lstat()
-        except FileNotFoundError:
-            return -1, -1
-        return status.st_uid, status.st_gid
-
-
 class NoFolder:
     """A folder is removed with all that it holds. This cannot be undone: it is a last step."""
 

@@ -9,7 +9,6 @@ from companion.app.install.service import UNIT, Compiled, Enabled, Reloaded
 from companion.app.install.steps import Step
 from companion.app.install.target import Target
 from companion.app.install.unit import CONFIG, FILES, unit_text
-from companion.app.install.updates import updates_enabled
 
 GROUPS = ("gpio", "i2c", "dialout", "video")
 STATE = Path("/var/lib/mavboat")
@@ -40,7 +39,7 @@ def install_steps(
     steps: list[Step] = [Group(target, name) for name in GROUPS]
     steps += [
         User(target, USER, GROUPS, STATE),
-        Folder(target, CONFIG.parent, "root" if page is None else USER),
+        Folder(target, CONFIG.parent, "root"),
         Folder(target, STATE, USER),
         FileText(target, CONFIG, config_text, "the boat's configuration", keeps=True),
     ]
@@ -55,11 +54,7 @@ def install_steps(
     if target.is_this_machine:
         steps += [Compiled(target, programs), Reloaded(target)]
     steps.append(Enabled(target, is_wanted=True))
-    if page is None:
-        return steps
-    if page.has_updates:
-        steps.append(updates_enabled(target, is_wanted=True))
-    return [*steps, page_enabled(target, is_wanted=True)]
+    return steps if page is None else [*steps, page_enabled(target, is_wanted=True)]
 
 
 def uninstall_steps(target: Target, *, purge: bool) -> list[Step]:

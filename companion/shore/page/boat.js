@@ -1,13 +1,13 @@
 // Boat: setting up, in panels that open one at a time. A panel is a module that exports makePanel(box, page) and
 // `title`, a key of the words; it returns what it wants to hear, as a view does.
 import { element } from "./elements.js";
-import * as board from "./boat-board.js";
 import * as calibration from "./boat-calibration.js";
 import * as motors from "./boat-motors.js";
 import * as parameters from "./boat-parameters.js";
+import * as restart from "./boat-restart.js";
 import * as sensors from "./boat-sensors.js";
 
-const PANELS = [sensors, calibration, motors, parameters, board];
+const PANELS = [sensors, calibration, motors, parameters, restart];
 
 export function makeView(box, page) {
   const panels = PANELS.map(({ title, makePanel }, index) => {

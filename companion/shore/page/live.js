@@ -31,7 +31,6 @@ export class Live {
     this.boat = boat;
     this.snapshot = null;
     this.hello = null;
-    this.version = null; // of the server that this page came from
     this.heardMs = null; // when the server was last heard
     this.waiting = new Map(); // requests without an answer, by id
     this.socket = null;
@@ -117,7 +116,6 @@ export class Live {
 
   #greet(message) {
     this.hello = message;
-    this.version ??= message.version;
     this.waitMs = FIRST_WAIT_MS;
     if (this.boat === null && message.boats.length > 0) this.boat = Math.min(...message.boats.map(({ id }) => id));
     if (!this.isGreeted) for (const { request } of this.waiting.values()) this.socket.send(JSON.stringify(request));

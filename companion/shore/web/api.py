@@ -8,7 +8,6 @@ from typing import Any, Final
 import msgspec
 from aiohttp import web
 
-from companion.shore.web.board_api import ROWS as BOARD_ROWS
 from companion.shore.web.guard import cookie_name, cookie_of, error, peer_of
 from companion.shore.web.hub import Hub
 from companion.shore.web.interfaces import ItemKind
@@ -107,7 +106,6 @@ TABLE: Final = (
     *SETUP,
     *PLAN_ROWS,
     *PARAMETERS,
-    *BOARD_ROWS,
 )
 
 
@@ -122,8 +120,6 @@ def _bound(hub: Hub, row: Row) -> Callable[[web.Request], Awaitable[web.StreamRe
         is_skipper = hub.sessions.role(cookie_of(request), hub.clock.now_s()) == "skipper"
         if row.needs != "nothing" and not is_skipper:
             return error(403, hub.sessions.refusal(), "")
-        if row.needs == "disarmed" and hub.is_armed():
-            return error(409, say("error.armed"), "")
         return await row.handler(hub, request)
 
     return handle

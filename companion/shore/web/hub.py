@@ -5,7 +5,6 @@ from typing import Final
 
 import msgspec
 
-from companion import __version__
 from companion.shore.messages import Answer, BoatName, Hello, Request, Role
 from companion.shore.plans.desk import Desk, Sources
 from companion.shore.plans.uploading import PlanUploads
@@ -92,7 +91,7 @@ class Hub:
             watch.viewer.feed = self._feeds.setdefault(watch.boat, Feed(watch.boat))
 
     def _hello(self, watch: Watch, names: list[BoatName], now_s: float) -> Hello:
-        return Hello(role=self.sessions.role(watch.token, now_s), boats=names, version=__version__)
+        return Hello(role=self.sessions.role(watch.token, now_s), boats=names)
 
     def open(self, boat: int | None, token: str | None) -> Watch:
         """A new socket."""
@@ -113,11 +112,6 @@ class Hub:
         if watch in self.watches:
             self.watches.remove(watch)
         self._ledger.leave(watch.reply)
-
-    def is_armed(self) -> bool:
-        """Whether any boat is armed, or may be: what is set up then could stop it."""
-        snapshots = [self.boats.snapshot(boat.id) for boat in self.boats.names()]
-        return any(one is not None and one.armed is not False for one in snapshots)
 
     def role(self, watch: Watch) -> Role:
         """Of the page behind a socket."""

@@ -13,11 +13,11 @@ MOST_BODY_BYTES: Final = 64_000
 _BODY_S: Final = 10.0  # for a body to arrive
 
 Handler = Callable[[Hub, web.Request], Awaitable[web.StreamResponse]]
-Needs = Literal["nothing", "pin", "disarmed"]
+Needs = Literal["nothing", "pin"]
 
 
 class Row(NamedTuple):
-    """A line of the table. needs: the PIN; disarmed: the PIN, and no boat armed."""
+    """A line of the table."""
 
     method: str
     path: str

@@ -7,10 +7,8 @@ from typing import Final
 
 from aiohttp import web
 
-from companion.shore.board.tools import BoardTools
 from companion.shore.plans.desk import Sources
 from companion.shore.web.api import add_routes
-from companion.shore.web.board_tools import BOARD
 from companion.shore.web.guard import add_headers, make_guard, peer_of
 from companion.shore.web.hub import Hub
 from companion.shore.web.interfaces import Boats, Chart, Clock
@@ -41,13 +39,11 @@ def make_app(
     *,
     sources: Sources = _NO_SOURCES,
     hosts: Collection[str] = (),
-    board: BoardTools | None = None,
     is_polling: bool = True,
 ) -> web.Application:
     """The application.
 
-    sources: of plans. hosts: further names of this server. board: what may be done here.
-    is_polling: False where a test calls `Hub.tick`.
+    sources: of plans. hosts: further names of this server. is_polling: False where a test calls `Hub.tick`.
 
     Raises:
         ConfigError: the page's folder is not as expected.
@@ -61,7 +57,6 @@ def make_app(
     app = web.Application(middlewares=[make_guard(hosts, is_allowed)], client_max_size=MOST_BODY_BYTES)
     hub = app[HUB] = Hub(boats, chart, sessions, clock, sources)
     sockets = app[SOCKETS] = Sockets(hub)
-    app[BOARD] = board or BoardTools()
     files = read_files(page_dir)
 
     async def static(request: web.Request) -> web.StreamResponse:
@@ -82,12 +77,6 @@ def make_app(
         await sockets.close()
 
     app.on_shutdown.append(on_shutdown)
-
-    async def on_cleanup(_app: web.Application) -> None:
-        if (wifi := app[BOARD].wifi) is not None:
-            await wifi.close()
-
-    app.on_cleanup.append(on_cleanup)
     if is_polling:
         app.cleanup_ctx.append(_polling)
     return app

@@ -24,7 +24,7 @@ needs_passwd = pytest.mark.skipif(
 )
 ROOT_LINE = "root:x:0:0:root:/root:/bin/bash\n"
 GROUP = "root:x:0:\ndialout:x:20:\nvideo:x:44:skipper\n"
-ALL_STEPS = install_steps(Target(Path("/image")), PROGRAMS, "", page=PageOptions(has_wifi=True))
+ALL_STEPS = install_steps(Target(Path("/image")), PROGRAMS, "", page=PageOptions())
 FILES_MADE = {
     "etc/mavboat/boat.toml",
     "etc/udev/rules.d/60-mavboat.rules",
@@ -123,7 +123,7 @@ def test_whatever_step_fails_the_system_is_as_before(
         return made
 
     monkeypatch.setattr("companion.app.install.cli.install_steps", patched)
-    assert run_program(["install", "--root", str(root), "--page", "--page-wifi"]) == 1
+    assert run_program(["install", "--root", str(root), "--page"]) == 1
     assert "no space left" in capsys.readouterr().err
     assert snapshot(root) == before
 

@@ -12,7 +12,6 @@ from aiohttp import ClientWebSocketResponse, web
 from aiohttp.test_utils import TestClient, TestServer
 
 from companion.mavlink.items import MissionItem
-from companion.shore.board.tools import BoardTools
 from companion.shore.messages import Answer, BoatName, Place, Request, Sensor, Snapshot
 from companion.shore.parameters.book import Book
 from companion.shore.plans.desk import Sources
@@ -167,7 +166,6 @@ async def serving(
     has_pin: bool = True,
     hosts: tuple[str, ...] = (),
     sources: Sources = NO_SOURCES,
-    board: BoardTools | None = None,
 ) -> AsyncIterator[Server]:
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "page"
@@ -185,7 +183,6 @@ async def serving(
             FakeClock(),
             sources=sources,
             hosts=hosts,
-            board=board,
             is_polling=False,
         )
         async with TestClient(TestServer(app)) as client:

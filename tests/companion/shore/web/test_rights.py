@@ -11,7 +11,6 @@ from companion.shore.web.rows import Row
 
 WRITES = [row for row in TABLE if row.method not in ("GET", "HEAD")]
 FOR_THE_PIN = [row for row in TABLE if row.needs != "nothing"]
-FOR_THE_DISARMED = [row for row in TABLE if row.needs == "disarmed"]
 WITHOUT_THE_PIN = {("POST", "/api/session"), ("DELETE", "/api/session")}  # tell it, and forget the session
 ELSEWHERE: tuple[dict[str, str], ...] = ({}, {"Origin": "https://evil.example"}, {"Origin": "null"})
 
@@ -66,18 +65,6 @@ def test_it_is_refused_without_the_pin(row: Row) -> None:
             assert await status(server, row, server.own) == 403
             cookie = {"Cookie": f"mavboat-shore-{server.client.port}=AAAAAAAAAAAAAAAAAAAAAA"}
             assert await status(server, row, server.own | cookie) == 403
-
-    run(test())
-
-
-@named(FOR_THE_DISARMED)
-@pytest.mark.parametrize("armed", [True, None])
-def test_it_is_refused_while_a_boat_is_or_may_be_armed(row: Row, armed: bool | None) -> None:
-    async def test() -> None:
-        async with serving() as server:
-            await server.log_in()
-            server.boats.change(armed=armed)
-            assert await status(server, row, server.own) == 409
 
     run(test())
 
