@@ -45,6 +45,7 @@ compass = {{driver = "bno055", auto_declination = true}}
 sonar = {{driver = "hcsr04", trigger = 23, echo = 24, servo = 18}}
 battery = {{driver = "ina226", shunt_ohm = 0.01}}
 depth = {{driver = "ping1d", port = "{sounder}", transducer_m = 0.1}}
+pca9685 = {{output_enable = 26}}
 hull = {{driver = "host", thermometer = "{thermometer}", leak = 25}}
 [parts.motors]
 driver = "esc"

@@ -15,7 +15,7 @@ from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
 from companion.config.thrusters import Thrusters
-from companion.core.errors import HardwareError
+from companion.core.errors import HardwareError, SilentOutputsError
 from companion.core.state import MotorCommand, NavState
 from companion.core.status_text import Severity
 from companion.estimation.estimator import Estimator
@@ -189,7 +189,12 @@ class Boat:
         command = self._steer(now_s)
         is_bare = self.calibration.is_bare or self.motor_test.is_running
         setting = _BARE if is_bare else self.parameters.config.thrusters
-        self.motors.write(command, self.vehicle.status.motors, setting)
+        try:
+            self.motors.write(command, self.vehicle.status.motors, setting)
+            self.vehicle.output_fault = ""
+        except SilentOutputsError as error:
+            self.vehicle.output_fault = str(error)
+            self._catch(error)
         self.payload.tick(now_s)
         if self._logbook is not None:
             self._logbook.tick(now_s, self.take_snapshot, self.channels)
@@ -199,12 +204,9 @@ class Boat:
 
     def _catch(self, error: Exception) -> None:
         """A fault in a tick: motors off first, then HOLD. Motors that do not stop disarm the boat."""
-        outcome, has_stopped = "motors off", True
-        try:
-            self.motors.stop()
-        except Exception as stuck:
-            logger.exception("the motors do not stop")
-            outcome, has_stopped = f"motors do not stop: {stuck}", False
+        outcome = self.motors.stop_after_fault()
+        if text := self.motors.stuck_text(self._now_s):
+            self.vehicle.notify(Severity.CRITICAL, text)
         self.motor_test.stop()
         self.calibration.stop("fault in the program")
         self.guidance.reset()
@@ -214,7 +216,9 @@ class Boat:
             if isinstance(error, HardwareError)
             else f"Fault in the program: {type(error).__name__}"
         )
-        self.vehicle.stop_on_fault(f"{what}, {outcome}", disarms=fall is not Fall.HOLD or not has_stopped)
+        self.vehicle.stop_on_fault(
+            f"{what}, {outcome}", disarms=fall is not Fall.HOLD or bool(self.motors.stuck)
+        )
         try:
             self.endpoint.announce_changes()
             self._links.flush()

@@ -1,16 +1,29 @@
 """The motors' and the rudder's end of the data flow: the latest command, stopping, the watchdog's trips."""
 
+import contextlib
+import logging
+import math
+from typing import Final
+
 from companion.config.thrusters import Thrusters
 from companion.control.allocation import motor_pwm
+from companion.core.errors import SilentOutputsError
 from companion.core.state import STOPPED, MotorCommand, MotorStates
 from companion.hal.interfaces import Hardware
 
+logger = logging.getLogger(__name__)
+
+# An operator who joins hears of a motor that does not stop as soon as of a link that failed (FS_TIMEOUT)
+STUCK_AGAIN_S: Final = 5.0
+
 
 class MotorOutput:
-    """command: the latest one written."""
+    """command: the latest one written. stuck: why the motors do not stop; empty while they do."""
 
     def __init__(self, hardware: Hardware) -> None:
         self.command: MotorCommand = STOPPED
+        self.stuck = ""
+        self._stuck_due_s = -math.inf
         self._hardware = hardware
         self._trips = 0  # of the cutoff, as far as the operator knows
 
@@ -20,6 +33,7 @@ class MotorOutput:
         self._hardware.motors.write(*motor_pwm(command, motors, setting))
         if self._hardware.rudder is not None:
             self._hardware.rudder.write(command.rudder)
+        self.stuck = ""
 
     def stop(self) -> None:
         """Motors off, at once, then the rudder amidships. Raises what the drivers raise."""
@@ -27,6 +41,29 @@ class MotorOutput:
         self._hardware.motors.stop()
         if self._hardware.rudder is not None:
             self._hardware.rudder.write(0.0)
+
+    def stop_after_fault(self) -> str:
+        """Stop; returns what has become of the motors, in words. Sets `stuck`."""
+        self.command = STOPPED
+        was_stuck, self.stuck, outcome = bool(self.stuck), "", "motors off"
+        try:
+            self._hardware.motors.stop()
+        except Exception as error:
+            if not (isinstance(error, SilentOutputsError) and error.are_off):
+                self.stuck, outcome = str(error) or type(error).__name__, f"motors do not stop: {error}"
+                if not was_stuck:
+                    logger.exception("the motors do not stop")
+        if self._hardware.rudder is not None:
+            with contextlib.suppress(Exception):
+                self._hardware.rudder.write(0.0)
+        return outcome
+
+    def stuck_text(self, now_s: float) -> str:
+        """A message, every STUCK_AGAIN_S while the motors do not stop; empty otherwise."""
+        if not self.stuck or now_s < self._stuck_due_s:
+            return ""
+        self._stuck_due_s = now_s + STUCK_AGAIN_S
+        return f"Motors do not stop: switch the boat off ({self.stuck})"
 
     def trip_text(self, timeout_s: float) -> str:
         """A message once the cutoff has stopped the motors of a stalled program; empty otherwise."""

@@ -2,11 +2,14 @@
 
 The motors are off at once, whatever it is. A first fault leaves an armed boat on HOLD, where hardly anything
 is computed and from where the operator may go on; faults that do not end disarm it; and if even then every
-tick fails, the program ends, to be started anew with a clear head.
+tick fails, the program ends, to be started anew with a clear head. Not so if a part with outputs is silent,
+which no start cures: the boat keeps its links and says so.
 """
 
 import logging
 from enum import IntEnum
+
+from companion.core.errors import SilentOutputsError
 
 logger = logging.getLogger(__name__)
 
@@ -38,7 +41,8 @@ class SafetyNet:
     def caught(self, error: Exception) -> Fall:
         """A tick went wrong."""
         self.faults += 1
-        self.level += 1.0
+        limit = DISARM_LEVEL if isinstance(error, SilentOutputsError) else GIVE_UP_LEVEL
+        self.level = max(self.level, min(self.level + 1.0, limit))
         if self.faults <= _MOST_LOGGED:
             logger.error("fault %d in the boat's tick, motors off", self.faults, exc_info=error)
         if self.level >= GIVE_UP_LEVEL:

@@ -5,7 +5,8 @@
     ├── StorageError     (OSError)     a stored file cannot be read or written
     ├── OutputError      (OSError)     an output file cannot be written
     ├── HardwareError    (OSError)     a part of the boat does not answer
-    │   └── LinkError                  a port that carries MAVLink cannot be opened
+    │   ├── LinkError                  a port that carries MAVLink cannot be opened
+    │   └── SilentOutputsError         a part with outputs does not answer; no restart cures that
     └── LocalProtocolError (RuntimeError)  a local call that the state of a protocol machine forbids
 
 Data from the wire never raises past the endpoint: it is dropped and counted. `exit_code`: 1 the job failed,
@@ -54,6 +55,17 @@ class LinkError(HardwareError):
     """A port that carries MAVLink cannot be opened."""
 
     exit_code = 3
+
+
+class SilentOutputsError(HardwareError):
+    """A part with outputs does not respond, which no restart of the program cures.
+
+    are_off: they have been switched off in another way; otherwise they go on with their last signals.
+    """
+
+    def __init__(self, text: str, *, are_off: bool) -> None:
+        super().__init__(text)
+        self.are_off = are_off
 
 
 class LocalProtocolError(BoatError, RuntimeError):

@@ -1,5 +1,7 @@
 """The Pi's pins through gpiozero, and its I²C bus through smbus2 and i2c-dev. Errors say what to do."""
 
+import contextlib
+import fcntl
 import importlib
 import os
 import warnings
@@ -13,6 +15,8 @@ from companion.core.errors import HardwareError
 from companion.core.extras import how_to_install
 
 DEVICE = Path("/dev/i2c-1")  # on header pins 3 and 5 of every Pi with 40 pins
+_I2C_TIMEOUT = 0x0702  # linux/i2c-dev.h, in units of 10 ms; a Pi's own is 1 s, that of i2c-gpio 0.1 s
+_TRANSFER = 10  # 0.1 s: the longest takes 35 ms, 32 bytes at 10 kHz. A bus that hangs is then told in 0.4 s
 _PIPE = ".lgd-nfy"  # created by lgpio in LG_WD or the working directory
 _Part = TypeVar("_Part")
 
@@ -82,7 +86,7 @@ def open_i2c(part: str) -> I2cBus:
     """
     smbus2 = import_optional("smbus2", part)
     try:
-        bus: I2cBus = smbus2.SMBus(str(DEVICE))
+        bus = smbus2.SMBus(str(DEVICE))
     except FileNotFoundError:
         raise HardwareError(
             f"{part}: there is no {DEVICE}; switch I²C on: sudo raspi-config nonint do_i2c 0"
@@ -91,7 +95,10 @@ def open_i2c(part: str) -> I2cBus:
         raise HardwareError(f"{part}: {DEVICE} may not be opened; add the user to the group i2c") from None
     except OSError as error:
         raise HardwareError(f"{part}: {DEVICE} cannot be opened: {error}") from error
-    return bus
+    with contextlib.suppress(OSError):  # without it a bus that hangs is only noticed later
+        fcntl.ioctl(bus.fd, _I2C_TIMEOUT, _TRANSFER)
+    opened: I2cBus = bus
+    return opened
 
 
 def open_i2c_part(part: str, address: int, create: Callable[[I2cBus], _Part]) -> _Part:

@@ -59,6 +59,7 @@ class Vehicle:
         self.fix: GnssFix | None = None
         self.battery: BatteryReading | None = None
         self.compass_fault: Callable[[], str] = lambda: ""  # why its headings cannot be trusted
+        self.output_fault = ""  # why the motors or the rudder do not answer
         self.is_returning_from_mission = False  # in RTL, as the mission's last item
         self.is_restarting = False  # the program restarts soon: no arming
         self.is_resuming = False  # by itself after a power loss; selecting a mode or disarming ends that
@@ -226,6 +227,8 @@ class Vehicle:
             faults += fence_faults(mode, is_outside=self.is_outside, is_lost=is_lost)
         if fault := rc_fault(self.manual_input, config, self._now_s):
             faults.append(fault)
+        if self.output_fault:
+            faults.insert(0, f"Motors: {self.output_fault}")
         return [*faults, RESTARTING] if self.is_restarting else faults
 
     @property

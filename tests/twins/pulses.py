@@ -126,6 +126,8 @@ class Pca9685Twin:
         self.oscillator_hz = oscillator_hz
         self.history: list[Signal] = []
         self.lost = 0  # transfers that are not acknowledged
+        self.is_oe_high = False
+        self.sleeps_while_running = 0
         self._now = now
         self._latest: dict[str, float] = {}
         self.power_up()
@@ -142,7 +144,7 @@ class Pca9685Twin:
     def width_us(self, channel: int) -> float:
         """What an oscilloscope shows on an output; 0 without pulses."""
         on_l, on_h, off_l, off_h = self.registers[0x06 + 4 * channel : 0x0A + 4 * channel]
-        if off_h & 0x10 or self.registers[0x00] & 0x10:  # full off, or no clock
+        if self.is_oe_high or off_h & 0x10 or self.registers[0x00] & 0x10:  # or full off, or no clock
             return 0.0
         assert not on_h & 0x10, "full on is no servo signal"
         steps = ((off_h << 8 | off_l) - (on_h << 8 | on_l)) % 4096
@@ -166,6 +168,20 @@ class Pca9685Twin:
             self._put(register + offset, value)
         self._record()  # outputs change on the stop condition (MODE2, OCH = 0)
 
+    def on(self) -> None:
+        """OE is driven low."""
+        self.is_oe_high = False
+        self._record()
+
+    def off(self) -> None:
+        """OE is driven high: the outputs are low (table 6, OUTNE = 00)."""
+        self.is_oe_high = True
+        self._record()
+
+    def close(self) -> None:
+        """OE is let go: its resistor pulls it up."""
+        self.off()
+
     def _acknowledge(self) -> None:
         if self.lost:
             self.lost -= 1
@@ -174,6 +190,7 @@ class Pca9685Twin:
     def _put(self, register: int, value: int) -> None:
         match register:
             case 0x00:
+                self.sleeps_while_running += value & 0x10 and not self.registers[0x00] & 0x10
                 self.registers[0x00] = value & 0x7F
             case 0x01:
                 self.registers[0x01] = value & 0x1F

@@ -10,7 +10,7 @@ _PAYLOAD_PINS = ("pin", "out_pin", "in_pin", "count_pin")
 
 
 def check_outputs(config: BoatConfig) -> None:
-    """No pin and no signal twice, and a pin for each signal.
+    """No pin and no signal twice, a pin for each signal, and motors only on signals that can be ended.
 
     Raises:
         ConfigError: names both keys.
@@ -21,6 +21,13 @@ def check_outputs(config: BoatConfig) -> None:
             raise ConfigError(f"{key}.pin: expected the number of a pin")
         if (other := taken.setdefault(output, key)) != key:
             raise ConfigError(f"{key}: {output} belongs to {other}; expected another")
+    for key, signal in signals_in_use(config):
+        is_motor = key.startswith("parts.motors.")
+        if is_motor and signal.output == "pca9685" and config.parts.pca9685.output_enable < 0:
+            raise ConfigError(
+                f"{key}: a PCA9685 goes on with its last pulse when the bus fails; expected OE on a pin, "
+                "parts.pca9685.output_enable, or output = 'hardware'"
+            )
 
 
 def outputs_in_use(config: BoatConfig) -> Iterator[tuple[str, str]]:

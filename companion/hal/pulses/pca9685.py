@@ -1,18 +1,19 @@
 """PCA9685: 16 servo signals on I²C, from its data sheet (NXP PCA9685, Rev. 4, 16 April 2015).
 
-The chip makes the pulses by itself, also when the program is killed, until `companion.app.motors_off` ends
-them. All channels have one frequency. A thread writes the registers, so no caller waits for the bus; one chip
-is shared by all its channels.
+The chip makes the pulses by itself, also when the program is killed or the bus fails. Its pin OE is then the
+only way to end them: it is high, so the outputs are low, until the chip is set up and whenever it does not
+answer. All channels have one frequency. A thread writes the registers, so no caller waits for the bus; one
+chip is shared by all its channels.
 """
 
 import logging
 import threading
 import time
 from collections.abc import Callable
-from typing import Final
+from typing import Final, Protocol
 
 from companion.config.parts import Pca9685Part, PulseOutputSetting
-from companion.core.errors import HardwareError
+from companion.core.errors import HardwareError, SilentOutputsError
 from companion.hal.background import Background
 from companion.hal.raspberry_pi import I2cBus, open_i2c_part, opening_pins
 
@@ -63,10 +64,13 @@ class Pca9685:
             raise HardwareError(f"PCA9685: the part at I²C address {part.address:#x} is not a PCA9685")
 
     def set_up(self) -> None:
-        """All channels off, the frequency, and awake. PRE_SCALE can be written only in sleep (7.3.5)."""
+        """All channels off, the frequency, and awake. PRE_SCALE can be written only in sleep (7.3.5); a chip
+        that has the frequency goes on running.
+        """
         self.all_off()
-        self._write(MODE1, SLEEP | AUTO_INCREMENT)
-        self._write(PRE_SCALE, self._pre_scale)
+        if self._read(PRE_SCALE) != self._pre_scale:
+            self._write(MODE1, SLEEP | AUTO_INCREMENT)
+            self._write(PRE_SCALE, self._pre_scale)
         self._write(MODE2, TOTEM_POLE)
         self._write(MODE1, AUTO_INCREMENT)
         self._wait(_OSCILLATOR_STARTS_S)
@@ -74,10 +78,7 @@ class Pca9685:
     def is_set_up(self) -> bool:
         """False after a dip of its supply, which puts it to sleep with all channels off (7.3.1, table 4)."""
         expected = ((MODE1, AUTO_INCREMENT), (MODE2, TOTEM_POLE), (PRE_SCALE, self._pre_scale))
-        return all(
-            self.bus.read_i2c_block_data(self._address, register, 1) == [value]
-            for register, value in expected
-        )
+        return all(self._read(register) == value for register, value in expected)
 
     def steps(self, width_us: float) -> int:
         """A width in the chip's steps."""
@@ -94,6 +95,10 @@ class Pca9685:
         """No pulses on any channel."""
         self._write(ALL_LED_OFF_H, FULL_OFF)
 
+    def _read(self, register: int) -> int:
+        (value,) = self.bus.read_i2c_block_data(self._address, register, 1)
+        return value
+
     def _write(self, register: int, value: int) -> None:
         self.bus.write_i2c_block_data(self._address, register, [value])
 
@@ -103,18 +108,25 @@ def pre_scale(oscillator_hz: float, frequency_hz: float) -> int:
     return round(oscillator_hz / (_STEPS * frequency_hz)) - 1
 
 
+class OutputEnable(Protocol):
+    """The pin at OE, as gpiozero's OutputDevice: `off` drives it high."""
+
+    def on(self) -> None: ...
+    def off(self) -> None: ...
+    def close(self) -> None: ...
+
+
 class Pca9685Board:
     """A chip, and the thread that writes to it. `step` is one turn of the thread."""
 
-    def __init__(
-        self, chip: Pca9685, release: Callable[[], None] = lambda: None, name: str = "PCA9685"
-    ) -> None:
-        """release: called last, at `close`."""
+    def __init__(self, chip: Pca9685, enable: OutputEnable | None = None, name: str = "PCA9685") -> None:
+        """enable: on while the chip answers, closed last; None: OE is wired to ground."""
         self.dips = 0  # number of times that it had to be set up again
         self.fault = ""  # why it does not answer; empty while it does
         self.users = 0
         self._chip = chip
-        self._release = release
+        self._enable = enable
+        self._let_out(True)
         self._name = name
         self._lock = threading.Lock()
         self._changed = threading.Event()
@@ -141,7 +153,9 @@ class Pca9685Board:
         """Set the chip up again if its supply has dipped, then write what is wanted; failures are counted."""
         try:
             if not self._chip.is_set_up():
+                self._let_out(False)
                 self._chip.set_up()
+                self._let_out(True)
                 with self._lock:
                     self._wanted.clear()  # the users are told, and begin anew
                     self._sent.clear()
@@ -161,12 +175,19 @@ class Pca9685Board:
         except OSError as error:
             self._failures += 1
             if self._failures == _FAILURES:
+                self._let_out(False)
                 self.fault = f"{self._name}: no answer on the I²C bus: {error}"
                 _log.error("%s", self.fault)
             return
         if self.fault:
+            self._let_out(True)
             _log.info("%s: answers again", self._name)
         self._failures, self.fault = 0, ""
+
+    def check(self) -> None:
+        """Raises SilentOutputsError while the chip does not answer."""
+        if self.fault:
+            raise SilentOutputsError(self.fault, are_off=self._enable is not None)
 
     def close(self) -> None:
         """Stop the thread, then all pulses, then release the bus."""
@@ -178,7 +199,14 @@ class Pca9685Board:
             raise HardwareError(f"{self._name}: its pulses could not be ended: {error}") from error
         finally:
             self._chip.bus.close()
-            self._release()
+            self._let_out(False)
+            if self._enable is not None:
+                self._enable.close()
+
+    def _let_out(self, is_on: bool) -> None:
+        """Set OE, if it is wired."""
+        if self._enable is not None:
+            (self._enable.on if is_on else self._enable.off)()
 
     def _run(self) -> float:
         self.step()
@@ -221,14 +249,14 @@ class Pca9685Pulses:
         """Send pulses of this width, limited to the setting's.
 
         Raises:
-            HardwareError: closed, no answer, or the chip lost its settings in a dip of its supply.
+            HardwareError: closed, or the chip lost its settings in a dip of its supply.
+            SilentOutputsError: no answer.
         """
         if self._is_closed:
             raise HardwareError(f"PCA9685 channel {self._setting.channel}: written to after close")
         width_us = self._setting.limited_us(width_us)
         self._put(width_us)
-        if self._board.fault:
-            raise HardwareError(self._board.fault)
+        self._board.check()
 
     def off(self) -> None:
         """No more pulses."""
@@ -266,8 +294,14 @@ def open_pca9685_pulses(setting: PulseOutputSetting, part: Pca9685Part) -> Pca96
     with _opening:
         board = _boards.get(part.address)
         if board is None:
-            chip = open_i2c_part("PCA9685", part.address, lambda bus: Pca9685(bus, part))
-            board = Pca9685Board(chip, _enable_outputs(chip, part))
+            enable = _open_output_enable(part)
+            try:
+                chip = open_i2c_part("PCA9685", part.address, lambda bus: Pca9685(bus, part))
+            except HardwareError:
+                if enable is not None:
+                    enable.close()
+                raise
+            board = Pca9685Board(chip, enable)
             board.start()
             _boards[part.address] = board
         board.users += 1
@@ -282,18 +316,13 @@ def open_pca9685_pulses(setting: PulseOutputSetting, part: Pca9685Part) -> Pca96
     return Pca9685Pulses(board, setting, release)
 
 
-def _enable_outputs(chip: Pca9685, part: Pca9685Part) -> Callable[[], None]:
-    """Drive OE low, its active level, once the outputs are off; returns what lets go of it."""
+def _open_output_enable(part: Pca9685Part) -> OutputEnable | None:
+    """OE, driven high; the chip's outputs stay off until its set-up is done."""
     if part.output_enable < 0:
-        return lambda: None
-    try:
-        with opening_pins("PCA9685") as gpiozero:
-            pin = gpiozero.OutputDevice(part.output_enable, active_high=False, initial_value=True)
-    except HardwareError:
-        chip.bus.close()
-        raise
-    close: Callable[[], None] = pin.close
-    return close
+        return None
+    with opening_pins("PCA9685") as gpiozero:
+        pin: OutputEnable = gpiozero.OutputDevice(part.output_enable, active_high=False, initial_value=False)
+    return pin
 
 
 def replace_pca9685_pulses(channel: int, width_us: float, part: Pca9685Part) -> None:

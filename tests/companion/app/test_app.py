@@ -100,7 +100,7 @@ def after(ticks: int) -> Callable[[], bool]:
                     **PARTS,
                     "battery": {"driver": "ina226"},
                     "motors": {"driver": "esc", "left": {"output": "pca9685"}},
-                    "pca9685": {"address": 0x40},
+                    "pca9685": {"address": 0x40, "output_enable": 22},
                 },
             },
             r"parts.battery.address: 0x40 on I²C belongs to parts.pca9685.address",

@@ -47,6 +47,10 @@ def config(parts: dict[str, Any], *payload: dict[str, Any], layout: str = "diffe
             ),
             r"payload\[0\].signal: channel 3 of the PCA9685 belongs to parts.motors.left",
         ),
+        (
+            config({"motors": {"driver": "esc", "right": {"output": "pca9685", "channel": 1}}}),
+            r"parts.motors.right: .* goes on with its last pulse .* parts.pca9685.output_enable",
+        ),
         (config(ESC, SERVO), r"payload\[0\].signal.pin: expected the number of a pin"),
         (config(ESC, WINCH), r"payload\[0\].signal.pin: expected the number of a pin"),
     ],
