@@ -203,8 +203,7 @@ class External(Section, frozen=True):
 class Mavlink(Section, frozen=True):
     """Timers of the protocol machines, on the boat's clock."""
 
-    retry_s: Positive = 0.5  # period of retransmission
-    item_retry_s: Positive = 0.25  # period of requests for a lost mission item, as in the MAVLink guide
+    retry_s: Positive = 0.5  # period of retransmission; for mission items the shortest
     retries: Annotated[int, Meta(ge=1)] = 10
     stream_hz: NonNegative = 4.0  # telemetry before anyone has asked for rates
 

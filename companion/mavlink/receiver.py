@@ -5,6 +5,7 @@ from collections.abc import Callable
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import ItemFault, MissionItem, MissionResult, MissionType
+from companion.mavlink.repeat_interval import RepeatInterval
 from companion.mavlink.transfer import (
     MOST_ITEMS,
     NOBODY,
@@ -49,6 +50,8 @@ class Receiver(Transfer):
         self._items: list[MissionItem] = []
         self._nudged_s = float("-inf")
         self._has_lost = False  # a message of this transfer was repeated
+        self._interval = RepeatInterval(retry_s)
+        self._is_repeated = False  # so was the last one
         self._repetitions = 0  # of the last message, remaining
         self._again_s = 0.0
 
@@ -59,6 +62,7 @@ class Receiver(Transfer):
             LocalProtocolError: a transfer is in progress.
         """
         self._begin(TransferTrigger.ASK, partner)
+        self._interval = RepeatInterval(self._retry_s)
         self._await(
             dialect.MAVLink_mission_request_list_message(
                 partner.system, partner.component, self.mission_type
@@ -80,6 +84,10 @@ class Receiver(Transfer):
         self._collect(first, count, sender, now_s, is_part=True)
 
     def _collect(self, first: int, count: int, sender: Address, now_s: float, *, is_part: bool) -> None:
+        if self.state is TransferState.LISTING:
+            self._measure(now_s)
+        else:
+            self._interval = RepeatInterval(self._retry_s)
         self._begin(TransferTrigger.COUNT if count else TransferTrigger.EMPTY, sender)
         self.first, self._is_part = first, is_part
         self._count, self._items, self._has_lost = count, [], False
@@ -187,6 +195,7 @@ class Receiver(Transfer):
         if fault is not None:
             self._fail(ItemFault(fault.result, f"item {expected}: {fault.text}"), sender, now_s)
         elif isinstance(item, MissionItem):
+            self._measure(now_s)
             self._items.append(item)
             if len(self._items) == self._count:
                 self._move(TransferTrigger.LAST_ITEM)
@@ -196,8 +205,22 @@ class Receiver(Transfer):
                 self._move(TransferTrigger.ITEM)
                 self._request_next(sender, now_s)
 
+    @property
+    def _interval_s(self) -> float:
+        return self._interval.seconds
+
+    def _await(self, message: Message, now_s: float) -> None:
+        self._is_repeated = False
+        super()._await(message, now_s)
+
+    def _measure(self, now_s: float) -> None:
+        if self._is_repeated:
+            self._interval.lengthen()
+        else:
+            self._interval.measure(now_s - self._awaited_s)
+
     def _repeat(self) -> None:
-        self._has_lost = True
+        self._has_lost = self._is_repeated = True
         super()._repeat()
 
     def _request_next(self, partner: Address, now_s: float) -> None:

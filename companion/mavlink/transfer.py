@@ -15,7 +15,8 @@ A sender transfers a list (mission, fence or rally) to a receiver, which request
 A boat receives uploads and sends downloads, a station the reverse, with the same machines.
 
 - Each side repeats its last message after `retry_s` without an answer, `retries` times, then gives up. Only
-  progress (a new item, or a request for a new item) resets the count.
+  progress (a new item, or a request for a new item) resets the count. A receiver repeats less often where
+  round trips are long (`repeat_interval.py`).
 - Input is untrusted. A message is processed only if it addresses our system and component and has our mission
   type. A transfer has one partner; another station that starts meanwhile gets MAV_MISSION_DENIED ("not
   accepting any mission commands from this communication partner").
@@ -103,6 +104,7 @@ class Transfer:
         self._retries = retries
         self._retries_left = 0
         self._deadline_s = 0.0
+        self._awaited_s = 0.0  # when the latest message was first sent
         self._partner = NOBODY
         self._latest: Message | None = None  # repeated until answered
         self._outbox: list[Message] = []
@@ -129,8 +131,13 @@ class Transfer:
             self._expire(now_s)
         else:
             self._retries_left -= 1
-            self._deadline_s = now_s + self._retry_s
+            self._deadline_s = now_s + self._interval_s
             self._remind()
+
+    @property
+    def _interval_s(self) -> float:
+        """Until the last message is repeated."""
+        return self._retry_s
 
     def cancel(self, now_s: float) -> None:
         """Cancel a transfer in progress and tell the partner."""
@@ -189,7 +196,7 @@ class Transfer:
     def _await(self, message: Message, now_s: float) -> None:
         """Send a message that expects an answer, with all retries."""
         self._retries_left = self._retries
-        self._deadline_s = now_s + self._retry_s
+        self._awaited_s, self._deadline_s = now_s, now_s + self._interval_s
         self._latest = message
         self._outbox.append(message)
 
@@ -228,8 +235,8 @@ class Transfer:
         self._events.append(Failed(fault.result, fault.text, partner))
 
     def _expire(self, now_s: float) -> None:
-        waited_s = self._retry_s * (self._retries + 1)
-        text = f"no answer from {self._partner.system}/{self._partner.component} for {waited_s:g} s"
+        waited_s = now_s - self._awaited_s
+        text = f"no answer from {self._partner.system}/{self._partner.component} for {waited_s:.1f} s"
         self._fail(
             ItemFault(MissionResult.OPERATION_CANCELLED, text), self._partner, now_s, TransferTrigger.EXPIRED
         )

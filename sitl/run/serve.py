@@ -16,7 +16,6 @@ _OF_STATIONS_S = (
     "failsafe.gcs_timeout_s",
     "failsafe.manual_timeout_s",
     "mavlink.retry_s",
-    "mavlink.item_retry_s",
     "modes.set_point_timeout_s",
     "follow.timeout_s",
     "external.timeout_s",

@@ -20,8 +20,6 @@ from companion.services.missions.area_items import check_fence, check_fence_item
 from companion.services.missions.items import check_jumps, to_step
 from companion.vehicle.mission.steps import Home, Step
 
-_ITEM_RETRIES = 2  # times mavlink.retries: items are requested twice as often, for as long
-
 
 class ListEntry(NamedTuple):
     """An item, its mission step (Home in other lists), and its line on disk."""
@@ -70,9 +68,7 @@ class MissionList:
             MissionType.RALLY: config.mission.max_rally_items,
         }[mission_type]
         self._timers = timers = config.mavlink
-        self.receiver = Receiver(
-            own, mission_type, timers.item_retry_s, _ITEM_RETRIES * timers.retries, self.most, self._check
-        )
+        self.receiver = Receiver(own, mission_type, timers.retry_s, timers.retries, self.most, self._check)
         self._load()
 
     @property
