@@ -79,6 +79,7 @@ class Boat:
         camera = self.parameters.config.camera
         self.channels = Channels(ports, own, (camera.component,) if camera.is_fitted else ())
         self.vehicle.compass_fault = self.sensors.compass_fault
+        self.vehicle.has_battery_monitor = self.sensors.has_battery_monitor
         if self.sensors.uses_earth_field(self.parameters.config.parts.compass):
             self.sensors.earth.load()
         self.signing = SigningStore(storage, unix_offset_s)
@@ -294,7 +295,6 @@ class Boat:
                     is_calibrating=self.calibration.is_running,
                     is_armed=vehicle.armed,
                     min_depth_m=config.failsafe.min_depth_m,
-                    now_s=now_s,
                     load=self.load,
                     storage_fault=log_fault or self.resume.fault,
                 )

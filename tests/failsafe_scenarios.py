@@ -67,15 +67,13 @@ def with_roll(degrees: float) -> Inputs:
     )
 
 
-def with_hull(*, age_s: float = 0.0, is_wet: bool = False, celsius: float = 20.0) -> Inputs:
-    return lambda one: with_board(hull=HullReading(one.now_s - age_s, is_wet, celsius))(one)
+def with_hull(*, is_wet: bool = False, celsius: float = 20.0) -> Inputs:
+    return lambda one: with_board(hull=HullReading(one.now_s, is_wet, celsius))(one)
 
 
-def with_depth(
-    depth_m: float | None, age_s: float = 0.0, transducer_m: float = 0.0, *, was_deep: bool = True
-) -> Inputs:
+def with_depth(depth_m: float | None, transducer_m: float = 0.0, *, was_deep: bool = True) -> Inputs:
     return lambda one: with_board(
-        depth=DepthReading(one.now_s - age_s, depth_m, transducer_m=transducer_m), was_deep=was_deep
+        depth=DepthReading(one.now_s, depth_m, transducer_m=transducer_m), was_deep=was_deep
     )(one)
 
 
@@ -90,10 +88,6 @@ def with_nav(**more: object) -> Inputs:
 def with_verdict(fault: Fault) -> Inputs:
     verdict = next(one for one in HYPOTHESES if one.is_left and one.fault is fault)
     return lambda one: replace(one, verdict=verdict)
-
-
-def with_sonar(silent_s: float) -> Inputs:
-    return lambda one: with_board(sonar_s=one.now_s - silent_s)(one)
 
 
 def given(**more: object) -> Inputs:
@@ -126,11 +120,11 @@ SCENARIOS: dict[Condition, Scenario] = {
         ),
     ),
     Condition.LEAK: Scenario(
-        with_hull(age_s=4.9, is_wet=True), with_hull(age_s=5.1, is_wet=True),
+        with_hull(is_wet=True), with_hull(),
         "Water in the hull", "hull dry again", RTL, 2.0, 10.0,
     ),
     Condition.TOO_HOT: Scenario(
-        with_hull(age_s=4.9, celsius=86.0), with_hull(celsius=84.0), "Too hot: 86 C", "cool again",
+        with_hull(celsius=86.0), with_hull(celsius=84.0), "Too hot: 86 C", "cool again",
         RTL, 10.0, 30.0,
         thresholds=("failsafe.max_temperature_c",),
     ),
@@ -162,7 +156,7 @@ SCENARIOS: dict[Condition, Scenario] = {
         modes=AUTONOMOUS, spared=set(),
     ),
     Condition.SHALLOW: Scenario(
-        with_depth(0.79, age_s=4.9, transducer_m=0.2), with_depth(0.81, transducer_m=0.2),
+        with_depth(0.79, transducer_m=0.2), with_depth(0.81, transducer_m=0.2),
         "Shallow: 1.0 m", "deep enough again",
         Action.SMART_RTL_OR_RTL, 1.5, 5.0, modes=AUTONOMOUS, thresholds=("failsafe.min_depth_m",),
     ),
@@ -208,8 +202,8 @@ SCENARIOS: dict[Condition, Scenario] = {
         "Compass off: using gyro and course", "compass good again", NONE, 0.0, 3.0, modes=BY_POSITION,
     ),
     Condition.SONAR_LOST: Scenario(
-        with_sonar(3.1), with_sonar(2.9), "Sonar lost for 3 s", "sonar pings again", NONE, 0.0, 3.0,
-        modes=AUTONOMOUS, thresholds=("failsafe.sonar_timeout_s",),
+        with_board(has_lost_sonar=True), with_board(), "Sonar lost for 3 s", "sonar pings again",
+        NONE, 0.0, 3.0, modes=AUTONOMOUS,
     ),
     Condition.OVERRUN: Scenario(
         with_board(load=1.01), with_board(load=0.99), "Computer overloaded: load 101 %",

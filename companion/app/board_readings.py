@@ -1,7 +1,6 @@
 """What the failsafes look at, as far as the vehicle does not know it itself."""
 
 from companion.core.state import MotorCommand
-from companion.failsafe.conditions import fresh_water_m
 from companion.failsafe.guards import HELD_S
 from companion.failsafe.inputs import BoardReadings
 from companion.guidance.pipeline import GuidancePipeline
@@ -18,16 +17,13 @@ def board_readings(
     is_calibrating: bool,
     is_armed: bool,
     min_depth_m: float,
-    now_s: float,
     load: float,
     storage_fault: str,
 ) -> BoardReadings:
     """The readings of this cycle. before: those of the last."""
     gives_way = guidance.avoidance.stage in (Stage.BACK, Stage.BLOCKED)
     is_held = guidance.headway.held_s > HELD_S
-    has_ping = sensors.sonar is not None and not guidance.perception.is_noisy
-    depth = before.depth if sensors.depth is None or sensors.depth.depth_m is None else sensors.depth
-    water_m = fresh_water_m(depth, now_s)
+    water_m = None if sensors.bottom is None else sensors.bottom.water_m
     is_deep = water_m is not None and water_m >= min_depth_m
     return BoardReadings(
         left=command.left,
@@ -40,8 +36,8 @@ def board_readings(
         consumed_mah=sensors.consumed_mah,
         heading=sensors.compass,
         hull=sensors.hull,
-        depth=depth,
+        depth=sensors.bottom,
         was_deep=is_armed and (before.was_deep or is_deep),
-        sonar_s=sensors.sonar.time_s if has_ping and sensors.sonar is not None else before.sonar_s,
+        has_lost_sonar=sensors.has_sonar and (sensors.sonar is None or guidance.perception.is_noisy),
         storage_fault=storage_fault,
     )

@@ -9,9 +9,7 @@ from companion.core.state import EstimateFault
 from companion.failsafe.inputs import FailsafeInputs
 from companion.failsafe.motors.hypotheses import Fault
 from companion.guidance.stall_detector import StallVerdict
-from companion.sensors.readings import DepthReading
 
-_STALE_S: Final = 5.0  # five readings of a hull sensor or a depth sounder: a silent one says nothing
 _RC_EXCEPT_AUTO: Final = 2  # FS_THR_ENABLE: a mission goes on without a transmitter
 # Plain numbers: an IntFlag's arithmetic costs microseconds
 _GNSS: Final = int(
@@ -117,16 +115,12 @@ def aground(inputs: FailsafeInputs) -> str:
 
 def shallow(inputs: FailsafeInputs) -> str:
     """Less deep than FS_DEPTH_MIN. A boat that starts from the beach is watched once it has been deeper."""
-    water_m = fresh_water_m(inputs.board.depth, inputs.now_s)
+    depth = inputs.board.depth
+    water_m = None if depth is None else depth.water_m
     is_shallow = (
         water_m is not None and inputs.board.was_deep and water_m < inputs.config.failsafe.min_depth_m
     )
     return f"Shallow: {water_m:.1f} m" if is_shallow else ""
-
-
-def fresh_water_m(reading: DepthReading | None, now_s: float) -> float | None:
-    """The depth of the water; None from a sounder that is silent or finds no bottom."""
-    return None if reading is None or now_s - reading.time_s > _STALE_S else reading.water_m
 
 
 def fence_breached(inputs: FailsafeInputs) -> str:
@@ -151,8 +145,7 @@ def capsized(inputs: FailsafeInputs) -> str:
 def leak(inputs: FailsafeInputs) -> str:
     """Water in the hull."""
     reading = inputs.board.hull
-    is_wet = reading is not None and reading.is_wet and inputs.now_s - reading.time_s <= _STALE_S
-    return "Water in the hull" if is_wet else ""
+    return "Water in the hull" if reading is not None and reading.is_wet else ""
 
 
 def too_hot(inputs: FailsafeInputs) -> str:
@@ -160,9 +153,7 @@ def too_hot(inputs: FailsafeInputs) -> str:
     reading, limit_c = inputs.board.hull, inputs.config.failsafe.max_temperature_c
     if reading is None or reading.temperature_c is None or limit_c <= 0.0:
         return ""
-    if not reading.temperature_c > limit_c or inputs.now_s - reading.time_s > _STALE_S:
-        return ""
-    return f"Too hot: {reading.temperature_c:.0f} C"
+    return f"Too hot: {reading.temperature_c:.0f} C" if reading.temperature_c > limit_c else ""
 
 
 # Links
@@ -200,9 +191,9 @@ def rc_lost(inputs: FailsafeInputs) -> str:
 
 
 def sonar_lost(inputs: FailsafeInputs) -> str:
-    """A sonar that has pinged is silent."""
+    """A sonar that has pinged is silent, or its ranges jump at random."""
     limit_s = inputs.config.failsafe.sonar_timeout_s
-    return f"Sonar lost for {limit_s:g} s" if inputs.now_s - inputs.board.sonar_s > limit_s else ""
+    return f"Sonar lost for {limit_s:g} s" if inputs.board.has_lost_sonar else ""
 
 
 def overrun(inputs: FailsafeInputs) -> str:

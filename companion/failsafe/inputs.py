@@ -21,8 +21,8 @@ class BoardReadings(Struct, frozen=True):
     left, right, rudder: what motors and rudder are given. judges_motors: False where the hull does not move
     as the motors push, at an obstacle, at the shore or in a calibration trial. held_s: for how long the shore
     has held the boat. depth: the latest sounding that found the bottom. was_deep: the water has been deep
-    enough since arming. load: share of the tick that the loop takes. sonar_s: time of the latest ping, NaN
-    without a sonar. storage_fault: why something could not be written, "".
+    enough since arming. load: share of the tick that the loop takes. has_lost_sonar: it has pinged, and is
+    silent or noisy. storage_fault: why something could not be written, "".
     """
 
     left: float = 0.0
@@ -37,7 +37,7 @@ class BoardReadings(Struct, frozen=True):
     hull: HullReading | None = None
     depth: DepthReading | None = None
     was_deep: bool = False
-    sonar_s: float = math.nan
+    has_lost_sonar: bool = False
     storage_fault: str = ""
 
 

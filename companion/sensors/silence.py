@@ -1,26 +1,38 @@
-"""Notices that a part has fallen silent."""
+"""Silent parts: what they measured last is no reading, and the operator is told."""
+
+from typing import Protocol, TypeVar
 
 from companion.core.status_text import Severity, StatusText
 
 
+class Stamped(Protocol):
+    """A reading, with the time of its measurement in seconds since boot."""
+
+    @property
+    def time_s(self) -> float: ...
+
+
+Reading = TypeVar("Reading", bound=Stamped)
+
+
+def fresh(reading: Reading | None, timeout_s: float, now_s: float) -> Reading | None:
+    """The reading, None once it is older than the part's timeout_s: drivers repeat their latest one."""
+    return None if reading is None or now_s - reading.time_s > timeout_s else reading
+
+
 class SilenceMonitor:
-    """Tells once that a part is silent, and once that it measures again.
+    """Tells once that a part is silent, and once that it measures again."""
 
-    timeout_s: the longest time between two readings, several of the part's periods.
-    """
-
-    def __init__(self, name: str, timeout_s: float) -> None:
+    def __init__(self, name: str) -> None:
         self._name = name
-        self._timeout_s = timeout_s
         self._began_s: float | None = None
         self._is_silent = False
 
-    def update(self, reading_s: float | None, now_s: float) -> StatusText | None:
-        """reading_s: the time of the latest reading, None before the first."""
+    def update(self, timeout_s: float, now_s: float, *, is_heard: bool) -> StatusText | None:
+        """is_heard: there is a fresh reading. timeout_s: that long after the start a part may give none."""
         if self._began_s is None:
             self._began_s = now_s
-        latest_s = self._began_s if reading_s is None else reading_s
-        was_silent, self._is_silent = self._is_silent, now_s - latest_s > self._timeout_s
+        was_silent, self._is_silent = self._is_silent, not is_heard and now_s - self._began_s > timeout_s
         if self._is_silent is was_silent:
             return None
         if self._is_silent:

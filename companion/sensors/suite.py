@@ -1,4 +1,8 @@
-"""All sensors and their external substitutes, read once a tick."""
+"""All sensors and their external substitutes, read once a tick.
+
+The one place that knows how old a reading is: a part that is silent for longer than the `timeout_s` of its
+configuration has no reading, and all that use one need only handle None.
+"""
 
 import math
 
@@ -25,18 +29,20 @@ from companion.sensors.readings import (
     RcReading,
     SonarReading,
 )
-from companion.sensors.silence import SilenceMonitor
+from companion.sensors.silence import SilenceMonitor, fresh
 
 _FIX_2D = 2
 _FIELD_RATIO = (0.6, 1.5)  # of the horizontal field to the earth's; beyond, iron is near
-DEPTH_STALE_S = 5.0  # as the failsafe; five sentences of an NMEA sounder
-BATTERY_STALE_S = 3.0  # thirty readings of a monitor
 READ_S = 0.1  # between looks at the probes: their highest rate
 SONAR_START_S = 5.0  # in which a ranger pings for the first time; later the failsafe SONAR_LOST tells
 
 
 class SensorSuite:
-    """The present readings. compass: as measured; heading: the one to use."""
+    """The present readings, each None while its part is silent. compass: as measured; heading: the one to
+    use. bottom: the latest sounding that found it.
+
+    has_battery_monitor: one is fitted. has_gyro, has_sonar: they have measured since boot.
+    """
 
     def __init__(self, hardware: Hardware, external: ExternalSensors) -> None:
         self.external = external
@@ -47,19 +53,24 @@ class SensorSuite:
         self.compass: HeadingReading | None = None
         self.heading: HeadingReading | None = None
         self.battery: BatteryReading | None = None
+        self.has_battery_monitor = hardware.battery is not None
+        self.has_gyro = self.has_sonar = False
         self.sonar: SonarReading | None = None  # the latest ping
         self.depth: DepthReading | None = None
+        self.bottom: DepthReading | None = None
         self.probes: list[ProbeReading] = []  # of those that are not silent
         self.hull: HullReading | None = None
         self.rc: RcReading | None = None  # the latest RC frame
         self.pings: list[tuple[SonarReading, float | None]] = []  # of this tick, with beam widths in rad
         self.notices: list[StatusText] = []  # of this tick, for the operator
         self.earth = EarthFieldModel()
-        self._sonar_silence = SilenceMonitor("Sonar", SONAR_START_S)
+        self._sonar_silence = SilenceMonitor("Sonar")
         self._probes_due_s = 0.0
         self._probe_silences: dict[str, SilenceMonitor] = {}
-        self._depth_silence = SilenceMonitor("Depth sounder", DEPTH_STALE_S)
-        self._battery_silence = SilenceMonitor("Battery monitor", BATTERY_STALE_S)
+        self._depth_silence = SilenceMonitor("Depth sounder")
+        self._hull_silence = SilenceMonitor("Hull sensor")
+        self._battery_silence = SilenceMonitor("Battery monitor")
+        self._measured: BatteryReading | None = None  # the monitor's latest, fresh or not
         self.field = hardware.field  # the correction of a bare magnetometer, None for other parts
         self._pausing = hardware.compass if isinstance(hardware.compass, PausingPart) else None
         self._hardware = hardware
@@ -69,11 +80,6 @@ class SensorSuite:
     def consumed_mah(self) -> float:
         """Charge consumed since boot, or since the pack was changed."""
         return self.gauge.consumed_mah
-
-    def fresh_battery(self, now_s: float) -> BatteryReading | None:
-        """The latest reading of the battery monitor, None once it is silent."""
-        battery = self.battery
-        return None if battery is None or now_s - battery.time_s > BATTERY_STALE_S else battery
 
     def declination_rad(self, part: CompassPart) -> float:
         """From true to magnetic north, east positive; 0 until the model has a position and a date."""
@@ -116,29 +122,35 @@ class SensorSuite:
 
     def read(self, config: BoatConfig, now_s: float, command: MotorCommand = STOPPED) -> None:
         """Read all sensors. command: the present motor command."""
-        hardware, external = self._hardware, self.external
+        hardware, external, parts = self._hardware, self.external, config.parts
         if self.notices:
             self.notices.clear()
         own_fix = hardware.gnss.read()
-        self.fix = external.choose_fix(own_fix, config.external, now_s)
-        self.is_fix_own = self.fix is own_fix
+        fix = external.choose_fix(own_fix, config.external, now_s)
+        self.is_fix_own = fix is own_fix
+        self.fix = fresh(fix, parts.gnss.timeout_s, now_s) if self.is_fix_own else fix
         if self._pausing is not None:
             self._pausing.may_pause = not (command.left or command.right)
-        self.compass = hardware.compass.read()
-        own_heading = trimmed(self.compass, config.trim, self.declination_rad(config.parts.compass))
-        self.heading = external.choose_heading(own_heading, config.external, now_s)
+        compass = hardware.compass.read()
+        self.compass = fresh(compass, parts.compass.silence_s, now_s)
+        self.has_gyro |= self.compass is not None and self.compass.yaw_rate_rad_s is not None
+        own_heading = trimmed(compass, config.trim, self.declination_rad(parts.compass))
+        heading = external.choose_heading(own_heading, config.external, now_s)
+        self.heading = None if heading is own_heading and self.compass is None else heading
         if hardware.battery is not None:
             self._read_battery(hardware.battery.read(), config, now_s, command)
         if hardware.field is not None:
-            battery = self.fresh_battery(now_s)
+            battery = self.battery
             throttle = 0.5 * (abs(command.left) + abs(command.right))
             hardware.field.load = MotorLoad(throttle, None if battery is None else battery.current_a)
         if hardware.hull is not None:
-            self.hull = hardware.hull.read()
+            self.hull = fresh(hardware.hull.read(), parts.hull.timeout_s, now_s)
+            self._tell(self._hull_silence, parts.hull.timeout_s, now_s, self.hull)
         if hardware.depth is not None:
-            self.depth = hardware.depth.read()
-            sounded_s = None if self.depth is None else self.depth.time_s
-            self._tell(self._depth_silence.update(sounded_s, now_s))
+            self.depth = fresh(hardware.depth.read(), parts.depth.timeout_s, now_s)
+            found = self.bottom if self.depth is None or self.depth.depth_m is None else self.depth
+            self.bottom = fresh(found, parts.depth.timeout_s, now_s)
+            self._tell(self._depth_silence, parts.depth.timeout_s, now_s, self.depth)
         if hardware.probes and now_s >= self._probes_due_s:
             self._probes_due_s = now_s + READ_S - 1e-6
             self._read_probes(config, now_s)
@@ -148,11 +160,12 @@ class SensorSuite:
             self.pings.clear()
         if hardware.sonar is not None:
             if pings := hardware.sonar.read():
-                self.sonar = pings[-1]
+                self.sonar, self.has_sonar = pings[-1], True
                 for ping in pings:
                     self.sweep.add(ping)
                     self.pings.append((ping, None))
-            self._tell(self._sonar_silence.update(None if self.sonar is None else now_s, now_s))
+            self.sonar = fresh(self.sonar, config.failsafe.sonar_timeout_s, now_s)
+            self._tell(self._sonar_silence, SONAR_START_S, now_s, self.has_sonar or None)
         while external.pings:
             ping, beam_rad = external.pings.popleft()
             self.sweep.add(ping, beam_rad)
@@ -161,27 +174,28 @@ class SensorSuite:
     def _read_battery(
         self, battery: BatteryReading | None, config: BoatConfig, now_s: float, command: MotorCommand
     ) -> None:
-        if battery is not None and battery is not self.battery:
-            fault = cells_fault(battery.voltage_v, config.battery.cells) if self.battery is None else ""
+        timeout_s = config.parts.battery.timeout_s
+        if battery is not None and battery is not self._measured:
+            fault = cells_fault(battery.voltage_v, config.battery.cells) if self._measured is None else ""
             if fault:
                 self.notices.append(StatusText(Severity.WARNING, fault))
-            self.battery = battery
+            self._measured = battery
             self.gauge.update(battery, config.battery, command)
-        self._tell(self._battery_silence.update(None if self.battery is None else self.battery.time_s, now_s))
+        self.battery = fresh(battery, timeout_s, now_s)
+        self._tell(self._battery_silence, timeout_s, now_s, self.battery)
 
     def _read_probes(self, config: BoatConfig, now_s: float) -> None:
         self.probes.clear()
         for part, probe in zip(config.probe, self._hardware.probes, strict=True):
-            reading = probe.read()
+            reading = fresh(probe.read(), part.timeout_s, now_s)
             if (silence := self._probe_silences.get(part.name)) is None:
-                silence = SilenceMonitor(f"Probe {part.name}", part.timeout_s)
-                self._probe_silences[part.name] = silence
-            self._tell(silence.update(None if reading is None else reading.time_s, now_s))
-            if reading is not None and now_s - reading.time_s <= part.timeout_s:
+                silence = self._probe_silences[part.name] = SilenceMonitor(f"Probe {part.name}")
+            self._tell(silence, part.timeout_s, now_s, reading)
+            if reading is not None:
                 self.probes.append(reading)
 
-    def _tell(self, notice: StatusText | None) -> None:
-        if notice is not None:
+    def _tell(self, silence: SilenceMonitor, timeout_s: float, now_s: float, reading: object) -> None:
+        if (notice := silence.update(timeout_s, now_s, is_heard=reading is not None)) is not None:
             self.notices.append(notice)
 
 

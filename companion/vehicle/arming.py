@@ -29,6 +29,8 @@ def sensor_faults(
     nav: NavState | None,
     fix: GnssFix | None,
     battery: BatteryReading | None,
+    *,
+    has_battery_monitor: bool,
 ) -> list[str]:
     """What the sensors lack for arming, worst first.
 
@@ -46,7 +48,10 @@ def sensor_faults(
             faults.append("GPS: position is stale")
     if nav is None or nav.heading_age_s > motors.estimate_timeout_s:
         faults.append("Compass: no heading")
-    if battery is not None and battery.voltage_v < setting.battery_min_v:
+    if battery is None:
+        if has_battery_monitor:
+            faults.append("Battery: unhealthy, the monitor is silent")
+    elif battery.voltage_v < setting.battery_min_v:
         faults.append(f"Battery: {battery.voltage_v:.1f} V is below {setting.battery_min_v:.1f} V")
     return faults
 

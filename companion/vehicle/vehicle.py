@@ -58,6 +58,7 @@ class Vehicle:
         self.frame: LocalFrame | None = None
         self.fix: GnssFix | None = None
         self.battery: BatteryReading | None = None
+        self.has_battery_monitor = False
         self.compass_fault: Callable[[], str] = lambda: ""  # why its headings cannot be trusted
         self.output_fault = ""  # why the motors or the rudder do not answer
         self.is_returning_from_mission = False  # in RTL, as the mission's last item
@@ -219,7 +220,15 @@ class Vehicle:
     def arming_faults(self) -> list[str]:
         """Why the boat cannot arm now, worst first; empty when it can."""
         config, mode = self.config, self.mode
-        faults = sensor_faults(config.arming, config.motors, mode, self.nav, self.fix, self.battery)
+        faults = sensor_faults(
+            config.arming,
+            config.motors,
+            mode,
+            self.nav,
+            self.fix,
+            self.battery,
+            has_battery_monitor=self.has_battery_monitor,
+        )
         if config.arming.check:
             is_lost = bool(self.data_losses.text(FENCE))
             if mode.needs_position and (fault := self.compass_fault()):

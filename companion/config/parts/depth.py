@@ -15,6 +15,7 @@ class DepthPart(Section, frozen=True):
     driver: Literal["nmea", "gnss", "ping1d", "none"] = "none"
     port: str = "/dev/ttyUSB2"
     baud: Annotated[int, Meta(ge=0)] = 0  # 0: 4800 for NMEA, 115,200 for the Ping1D
+    timeout_s: Positive = 5.0  # without a sounding it is silent: five sentences of an NMEA sounder
     transducer_m: NonNegative = 0.0  # its depth below the surface; 0: as the sounder says
     min_range_m: NonNegative = 0.3
     max_range_m: Positive = 100.0

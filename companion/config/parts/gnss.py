@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from companion.config.section import NonNegative, Section
+from companion.config.section import NonNegative, Positive, Section
 
 
 class GnssPart(Section, frozen=True):
@@ -24,4 +24,5 @@ class GnssPart(Section, frozen=True):
     rate_hz: Annotated[float, Meta(ge=1.0, le=20.0)] = 5.0
     baseline_m: NonNegative = 0.0
     antenna_bearing_rad: float = 0.0
+    timeout_s: Positive = 4.0  # without a fix the receiver is silent: as ArduPilot; four of one a second
     latency_s: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.1  # ArduPilot assumes 0.12 to 0.22 for u-blox

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from companion.config.section import Positive, Section
+from companion.config.section import NonNegative, Positive, Section
 
 Driver = Literal["nmea", "bno055", "bno085", "qmc5883l", "qmc5883p", "hmc5883l", "lis3mdl"]
 QuarterTurn = Literal[0, 90, 180, 270]
@@ -37,6 +37,7 @@ class CompassPart(Section, frozen=True):
     port: str = "/dev/ttyUSB0"
     baud: Positive = 4800
     correction_rad: float = 0.0
+    timeout_s: NonNegative = 0.0  # without a reading it is silent; 0: by the driver
     address: BusAddress = 0  # on I²C; 0: the part's usual one
     mounting: Mounting = Mounting()  # of the BNO055, BNO085 or magnetometer
     imu: Literal["mpu6050", "lsm6ds", "none"] = "none"  # gyro and accelerometer beside a magnetometer
@@ -44,6 +45,13 @@ class CompassPart(Section, frozen=True):
     imu_mounting: Mounting = Mounting()
     auto_declination: bool = False  # from the world magnetic model
     declination_rad: Annotated[float, Meta(ge=-math.pi, le=math.pi)] = 0.0  # east positive; without the model
+
+    @property
+    def silence_s(self) -> float:
+        """Without a reading for so long it is silent. ArduPilot gives a compass 0.5 s; sentences and antennas
+        may come once a second.
+        """
+        return self.timeout_s or (1.5 if self.driver in ("nmea", "gnss") else 0.5)
 
     @property
     def part_driver(self) -> str:

@@ -2,7 +2,7 @@
 
 from typing import Literal
 
-from companion.config.section import Section
+from companion.config.section import Positive, Section
 
 
 class HullPart(Section, frozen=True):
@@ -10,4 +10,5 @@ class HullPart(Section, frozen=True):
 
     driver: Literal["host", "none"] = "none"
     thermometer: str = "/sys/class/thermal/thermal_zone0/temp"
+    timeout_s: Positive = 5.0  # without a reading it is silent: five at its 1 Hz
     leak: int = -1  # the switch's pin; −1: none

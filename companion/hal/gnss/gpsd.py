@@ -10,37 +10,33 @@ from companion.hal.port_sensor import PortSensor
 from companion.links.port_url import open_port, parse_port_url
 from companion.sensors.gpsd import WATCH, GpsdReader
 from companion.sensors.readings import GnssFix
-from companion.sensors.silence import SilenceMonitor
+from companion.sensors.silence import SilenceMonitor, fresh
 
 _DEFAULT: Final = "127.0.0.1:2947"
-_SILENT_S: Final = 5.0  # receivers report at least once a second
 
 
 class GpsdGnss(PortSensor[GnssFix]):
     """Satisfies `companion.hal.interfaces.Gnss`. Connects again when gpsd is restarted."""
 
-    def __init__(self, port: Port, now: Callable[[], float], latency_s: float = 0.0) -> None:
-        """latency_s: shortest time from measurement to arrival."""
+    def __init__(self, port: Port, now: Callable[[], float], latency_s: float, timeout_s: float) -> None:
+        """latency_s: shortest time from measurement to arrival. timeout_s: of the receiver's silence."""
         super().__init__(port, now)
         self.reader = GpsdReader(latency_s)
-        self._heard_s: float | None = None
         self._must_ask = False
-        self._silence = SilenceMonitor("GNSS: gpsd", _SILENT_S)
+        self._silence, self._timeout_s = SilenceMonitor("GNSS: gpsd"), timeout_s
 
     def step(self) -> None:
         """Process received reports. Never waits."""
         super().step()
         if self._must_ask and self._links:
             self._must_ask = not self._links[-1].send(WATCH)
-        text = self._silence.update(self._heard_s, self._now())
-        if text is not None:
+        now_s = self._now()
+        is_heard = fresh(self._latest, self._timeout_s, now_s) is not None
+        if (text := self._silence.update(self._timeout_s, now_s, is_heard=is_heard)) is not None:
             self.notify(*text)
 
     def _decode(self, chunk: bytes, time_s: float) -> Iterable[GnssFix]:
-        fixes = self.reader.feed(chunk, time_s)
-        if fixes:
-            self._heard_s = time_s
-        return fixes
+        return self.reader.feed(chunk, time_s)
 
     def _forget(self) -> None:
         self.reader.forget()
@@ -58,4 +54,4 @@ def open_gpsd_gnss(part: GnssPart, now: Callable[[], float]) -> GpsdGnss:
     url = place if place.startswith("tcp") else f"tcp:{place}"
     if place.startswith("/") or parse_port_url(url).kind != "tcpout":
         raise ConfigError(f"parts.gnss.port = {part.port!r}: expected HOST:PORT of gpsd, such as {_DEFAULT}")
-    return GpsdGnss(open_port(url, now), now, part.latency_s).start()
+    return GpsdGnss(open_port(url, now), now, part.latency_s, part.timeout_s).start()

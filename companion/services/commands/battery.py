@@ -17,7 +17,7 @@ def reset_battery(command: Command, vehicle: Vehicle, gauge: FuelGauge, texts: S
     packs, percent = command.whole(0), command.p[1]
     if packs is None or packs < 0 or not 0.0 <= percent <= 100.0:
         return DENIED
-    if not packs & _FIRST_PACK or vehicle.battery is None:
+    if not packs & _FIRST_PACK or not vehicle.has_battery_monitor:
         texts.notify(Severity.ERROR, "Battery: no such monitor")
         return FAILED
     if vehicle.armed:

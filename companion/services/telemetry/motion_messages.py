@@ -133,7 +133,7 @@ def gps_raw_int(now: Snapshot) -> Message | None:
     fix = now.sensors.fix
     if fix is None:
         return dialect.MAVLink_gps_raw_int_message(
-            now.boot_us, dialect.GPS_FIX_TYPE_NO_GPS, 0, 0, 0, 0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF, 0xFF
+            now.boot_us, dialect.GPS_FIX_TYPE_NO_GPS, 0, 0, 0, 0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF, 0
         )
     if fix.north_m_s is None or fix.east_m_s is None:
         speed_cm_s, course_cdeg = 0xFFFF, 0xFFFF

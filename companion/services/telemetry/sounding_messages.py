@@ -5,7 +5,6 @@ from typing import Final
 
 from companion.core.units import clamp, deg_to_e7, wrap_two_pi
 from companion.mavlink.dialect import Message, dialect
-from companion.sensors.suite import DEPTH_STALE_S
 from companion.services.telemetry.snapshot import Snapshot
 
 _RANGER_ID, _SOUNDER_ID = 0, 1
@@ -84,11 +83,10 @@ def water_depth(now: Snapshot) -> Message | None:
     if sounding is None or vehicle.nav is None or vehicle.frame is None:
         return None
     position = vehicle.frame.to_global(vehicle.nav.point)
-    is_healthy = sounding.depth_m is not None and now.now_s - sounding.time_s <= DEPTH_STALE_S
     return dialect.MAVLink_water_depth_message(
         time_boot_ms=round(sounding.time_s * 1e3) & 0xFFFFFFFF,
         id=_SOUNDER_ID,
-        healthy=int(is_healthy),
+        healthy=int(sounding.depth_m is not None),
         lat=deg_to_e7(position.lat_deg),
         lng=deg_to_e7(position.lon_deg),
         alt=0.0,

@@ -32,8 +32,12 @@ def sys_status(now: Snapshot) -> Message:
     if not vehicle.failsafes.fence.is_outside:
         # Also set without a fence: MAVProxy reports a breach if this bit is missing
         health |= dialect.MAV_SYS_STATUS_GEOFENCE
+    if now.sensors.heading is None:
+        health &= ~dialect.MAV_SYS_STATUS_SENSOR_3D_MAG
     if nav is None or nav.heading_age_s > estimate_timeout_s:
         health &= ~(dialect.MAV_SYS_STATUS_SENSOR_3D_MAG | dialect.MAV_SYS_STATUS_SENSOR_YAW_POSITION)
+    if now.sensors.fix is None or now.sensors.fix.fix_type < dialect.GPS_FIX_TYPE_3D_FIX:
+        health &= ~dialect.MAV_SYS_STATUS_SENSOR_GPS
     if nav is None or nav.position_age_s > estimate_timeout_s:
         health &= ~(dialect.MAV_SYS_STATUS_SENSOR_GPS | dialect.MAV_SYS_STATUS_SENSOR_XY_POSITION_CONTROL)
         health &= ~dialect.MAV_SYS_STATUS_AHRS
@@ -48,7 +52,7 @@ def sys_status(now: Snapshot) -> Message:
     enabled |= fitted
     if not now.config.failsafe.rc_enabled:
         enabled &= ~dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
-    battery = now.sensors.fresh_battery(now.now_s)
+    battery = now.sensors.battery
     current_a = battery.current_a if battery is not None else None
     return dialect.MAVLink_sys_status_message(
         onboard_control_sensors_present=_PRESENT | fitted,
@@ -57,7 +61,7 @@ def sys_status(now: Snapshot) -> Message:
         load=round(clamp(now.load * 1000.0, 0.0, 1000.0)),
         voltage_battery=0xFFFF if battery is None else round(battery.voltage_v * 1e3),
         current_battery=-1 if current_a is None else round(current_a * 100.0),
-        battery_remaining=now.sensors.gauge.percent,
+        battery_remaining=-1 if battery is None else now.sensors.gauge.percent,
         drop_rate_comm=0,
         errors_comm=0,
         errors_count1=0,
@@ -72,13 +76,13 @@ def _optional_parts(now: Snapshot) -> tuple[int, int]:
     fitted = well = 0
     if now.vehicle.fence.is_active:
         fitted |= dialect.MAV_SYS_STATUS_GEOFENCE
-    if now.sensors.battery is not None:
+    if now.sensors.has_battery_monitor:
         fitted |= dialect.MAV_SYS_STATUS_SENSOR_BATTERY
-        if now.sensors.fresh_battery(now.now_s) is not None and not now.vehicle.failsafes.pack_is_low:
+        if now.sensors.battery is not None and not now.vehicle.failsafes.pack_is_low:
             well |= dialect.MAV_SYS_STATUS_SENSOR_BATTERY
-    if now.sensors.compass is not None and now.sensors.compass.yaw_rate_rad_s is not None:
+    if now.sensors.has_gyro:
         fitted |= dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO
-        if now.now_s - now.sensors.compass.time_s <= now.config.motors.estimate_timeout_s:
+        if now.sensors.compass is not None and now.sensors.compass.yaw_rate_rad_s is not None:
             well |= dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO
     radio = now.vehicle.manual_input.rc
     if radio.is_fitted:
@@ -94,9 +98,9 @@ def _optional_parts(now: Snapshot) -> tuple[int, int]:
 
 def battery_status(now: Snapshot) -> Message | None:
     """The pack; the total voltage is in the first cell's field. What a silent monitor measured is unknown."""
-    if now.sensors.battery is None:
+    if not now.sensors.has_battery_monitor:
         return None
-    battery = now.sensors.fresh_battery(now.now_s)
+    battery = now.sensors.battery
     current_a = None if battery is None else battery.current_a
     is_low = now.vehicle.failsafes.pack_is_low
     charge_state = dialect.MAV_BATTERY_CHARGE_STATE_OK
@@ -114,7 +118,7 @@ def battery_status(now: Snapshot) -> Message | None:
         current_battery=-1 if current_a is None else round(current_a * 100.0),
         current_consumed=-1 if current_a is None else round(now.sensors.consumed_mah),
         energy_consumed=-1,
-        battery_remaining=now.sensors.gauge.percent,
+        battery_remaining=-1 if battery is None else now.sensors.gauge.percent,
         time_remaining=0 if time_left_s is None else min(round(time_left_s), 0x7FFFFFFF),  # 0: not known
         charge_state=charge_state,
     )

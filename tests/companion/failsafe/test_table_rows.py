@@ -16,14 +16,14 @@ from failsafe_scenarios import (
     Scenario,
     both,
     given,
+    with_board,
     with_depth,
-    with_hull,
 )
 
 from companion.config.boat_config import BoatConfig, with_value
 from companion.core.modes import Mode
 from companion.core.status_text import Severity
-from companion.failsafe import conditions, guards
+from companion.failsafe import guards
 from companion.failsafe.actions import RECOVERIES, Action, LimitSpeed, Notify, Recover, Retreat, StopMotors
 from companion.failsafe.escalation import Change
 from companion.failsafe.inputs import FailsafeInputs
@@ -229,26 +229,11 @@ def test_every_doubled_threshold_is_noticed(condition: Condition, path: str) -> 
         check(condition, config=with_value(CONFIG, path, 2 * value))
 
 
-@pytest.mark.parametrize("condition", [Condition.LEAK, Condition.TOO_HOT], ids=lambda one: one.name)
-def test_a_doubled_age_of_the_hull_sensor_is_noticed(
-    condition: Condition, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    stale = with_hull(age_s=5.1, is_wet=True, celsius=86.0)
-    assert Run(condition, ROWS, CONFIG).live(stale, 20.0) == []
-    monkeypatch.setattr(conditions, "_STALE_S", 10.0)
-    assert Run(condition, ROWS, CONFIG).live(stale, 20.0)
-
-
 @pytest.mark.parametrize(
-    "reading", [with_depth(None), with_depth(0.5, age_s=5.1), with_depth(0.5, was_deep=False)]
+    "reading", [with_depth(None), with_board(was_deep=True), with_depth(0.5, was_deep=False)]
 )
-def test_no_bottom_no_sounding_and_the_start_from_a_beach_are_no_shallow_water(reading: Inputs) -> None:
+def test_no_bottom_a_silent_sounder_and_the_start_from_a_beach_are_no_shallow_water(reading: Inputs) -> None:
     assert Run(Condition.SHALLOW, ROWS, CONFIG).live(reading, 20.0) == []
-
-
-def test_a_doubled_age_of_the_sounder_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(conditions, "_STALE_S", 10.0)
-    assert Run(Condition.SHALLOW, ROWS, CONFIG).live(with_depth(0.5, age_s=5.1), 20.0)
 
 
 def test_the_limit_of_the_depth_is_off_at_zero() -> None:

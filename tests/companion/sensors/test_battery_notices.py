@@ -74,10 +74,11 @@ def test_a_silent_monitor_is_told_and_its_last_values_are_not_sent_as_present_on
 
 
 def test_a_part_that_never_measured_is_silent_from_the_timeout_on() -> None:
-    monitor = SilenceMonitor("Probe", 3.0)
-    assert monitor.update(None, 100.0) is None
-    assert monitor.update(None, 103.0) is None
-    assert monitor.update(None, 103.1) == (Severity.WARNING, "Probe is silent")
-    assert monitor.update(None, 200.0) is None
-    assert monitor.update(200.0, 200.1) == (Severity.NOTICE, "Probe measures again")
-    assert monitor.update(200.0, 203.0) is None
+    monitor = SilenceMonitor("Probe")
+    assert monitor.update(3.0, 100.0, is_heard=False) is None
+    assert monitor.update(3.0, 103.0, is_heard=False) is None
+    assert monitor.update(3.0, 103.1, is_heard=False) == (Severity.WARNING, "Probe is silent")
+    assert monitor.update(3.0, 200.0, is_heard=False) is None
+    assert monitor.update(3.0, 200.1, is_heard=True) == (Severity.NOTICE, "Probe measures again")
+    assert monitor.update(3.0, 203.0, is_heard=True) is None
+    assert monitor.update(3.0, 203.1, is_heard=False) == (Severity.WARNING, "Probe is silent")

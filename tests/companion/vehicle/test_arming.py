@@ -19,8 +19,12 @@ def faults(
     fix: GnssFix | None = GOOD_FIX,
     battery: BatteryReading | None = FULL,
     setting: Arming = Arming(),  # noqa: B008
+    *,
+    has_battery_monitor: bool = True,
 ) -> list[str]:
-    return sensor_faults(setting, MotorLimits(), mode, nav, fix, battery)
+    return sensor_faults(
+        setting, MotorLimits(), mode, nav, fix, battery, has_battery_monitor=has_battery_monitor
+    )
 
 
 def test_a_boat_that_is_well_arms() -> None:
@@ -51,9 +55,10 @@ def test_a_stale_position_and_a_silent_compass_are_told_apart() -> None:
     assert faults(nav=nav_at(age_s=2.9)) == []
 
 
-def test_an_empty_pack_does_not_arm_and_a_missing_monitor_does() -> None:
+def test_an_empty_pack_and_a_silent_monitor_do_not_arm_and_a_missing_monitor_does() -> None:
     assert faults(battery=BatteryReading(0.0, 10.4)) == ["Battery: 10.4 V is below 10.5 V"]
-    assert faults(battery=None) == []
+    assert faults(battery=None) == ["Battery: unhealthy, the monitor is silent"]
+    assert faults(battery=None, has_battery_monitor=False) == []
 
 
 def test_checks_that_are_switched_off_find_nothing() -> None:

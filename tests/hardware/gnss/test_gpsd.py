@@ -165,7 +165,7 @@ def test_a_line_without_an_end_is_given_up() -> None:
 def test_a_silent_gpsd_is_reported_and_so_is_its_return() -> None:
     near, far = memory_pair(is_datagram=False)
     clock = HandClock()
-    gnss = GpsdGnss(MemoryPort(near), clock)
+    gnss = GpsdGnss(MemoryPort(near), clock, 0.0, 5.0)
     gnss.step()
     assert far.receive() == [b'?WATCH={"enable":true,"json":true};\n']
     clock.advance(5.1)

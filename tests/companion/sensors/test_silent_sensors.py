@@ -1,0 +1,324 @@
+"""Each sensor of the whole boat in turn falls silent: its last reading must not pass for a present one."""
+
+import dataclasses
+import math
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any, Literal
+
+import msgspec
+import pytest
+from boat_rig import FAILED, OK, Rig
+from log_rig import LogRig, read_log
+
+from companion.boat import Boat
+from companion.config.parts import CompassPart
+from companion.core.modes import Mode
+from companion.mavlink.dialect import dialect
+from companion.sensors.readings import BatteryReading, HeadingReading, HullReading, ProbeReading
+
+LOITER = 5
+FITTED = (
+    "sensors.depth.fitted=true",
+    "sensors.hull.fitted=true",
+    "sensors.rc.fitted=true",
+    "sensors.sonar.fitted=true",
+)
+
+
+class Silenceable:
+    """A part whose driver can fall silent: as all drivers, it then repeats its latest reading.
+
+    given: what to report instead of the part's own reading, without a time.
+    """
+
+    def __init__(self, part: Any) -> None:  # noqa: ANN401  any part
+        self.part = part
+        self.given: msgspec.Struct | None = None
+        self.is_silent = False
+        self.latest: Any = None
+
+    def read(self) -> Any:  # noqa: ANN401
+        if self.is_silent:
+            return [] if isinstance(self.latest, list) else self.latest
+        self.latest = self.part.read()
+        if self.given is not None and self.latest is not None:
+            self.latest = msgspec.structs.replace(self.given, time_s=self.latest.time_s)
+        return self.latest
+
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401
+        return getattr(self.part, name)
+
+
+class SilentRig(LogRig):
+    """A logging boat whose parts can fall silent, by the names of `Hardware`."""
+
+    def _build(self) -> Boat:
+        names = ("gnss", "compass", "battery", "sonar", "depth", "hull", "rc")
+        fitted = {name: getattr(self.hardware, name) for name in names}
+        self.parts = {name: Silenceable(part) for name, part in fitted.items() if part is not None}
+        self.hardware = dataclasses.replace(self.hardware, **self.parts)  # type: ignore[arg-type]
+        return super()._build()
+
+    def silence(self, *names: str) -> None:
+        for name in names:
+            self.parts[name].is_silent = True
+
+    def counts(self, seconds: float, names: Iterable[str]) -> dict[str, int]:
+        """How many messages of each type come in so many seconds."""
+        self.peer.forget()
+        self.run(seconds)
+        return {name: len(self.peer.said(name)) for name in names}
+
+    def health(self) -> int:
+        """The health bits of a SYS_STATUS that comes now."""
+        self.peer.forget()
+        self.run(1.1)
+        return int(self.peer.said("SYS_STATUS")[-1].onboard_control_sensors_health)
+
+
+@pytest.fixture
+def rig(tmp_path: Path) -> Iterator[SilentRig]:
+    """Disarmed, well, and told to send all that sensors measure."""
+    rig = SilentRig(tmp_path, *FITTED)
+    rig.ready()
+    for message in (
+        dialect.MAVLINK_MSG_ID_SCALED_IMU,
+        dialect.MAVLINK_MSG_ID_RAW_IMU,
+        dialect.MAVLINK_MSG_ID_GPS_RAW_INT,
+        dialect.MAVLINK_MSG_ID_POWER_STATUS,
+        dialect.MAVLINK_MSG_ID_DISTANCE_SENSOR,
+        dialect.MAVLINK_MSG_ID_WATER_DEPTH,
+    ):
+        assert rig.ask(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, message, 200_000) == OK
+    assert rig.set_mode(LOITER) == OK
+    rig.run(2.0)
+    yield rig
+    rig.boat.close()
+
+
+def test_a_silent_receiver_has_no_fix_after_four_seconds_and_the_boat_does_not_arm(rig: SilentRig) -> None:
+    assert rig.health() & dialect.MAV_SYS_STATUS_SENSOR_GPS
+    rig.silence("gnss")
+    rig.run(3.5)
+    assert rig.peer.said("GPS_RAW_INT")[-1].fix_type == dialect.GPS_FIX_TYPE_3D_FIX
+    rig.run(1.0)
+    rig.peer.forget()
+    rig.run(1.0)
+    fix = rig.peer.said("GPS_RAW_INT")[-1]
+    assert (fix.fix_type, fix.satellites_visible) == (dialect.GPS_FIX_TYPE_NO_GPS, 0)
+    health = rig.health()
+    assert not health & dialect.MAV_SYS_STATUS_SENSOR_GPS
+    assert not health & dialect.MAV_SYS_STATUS_PREARM_CHECK
+    for _ in range(3):  # it stays so, while dead reckoning goes on
+        assert rig.arm() == FAILED
+        assert not rig.boat.vehicle.armed
+        rig.run(rig.config.arming.repeat_s + 1.0)
+        assert "PreArm: GPS: no 3-D fix" in rig.peer.texts
+
+
+def test_a_silent_compass_sends_no_field_and_the_boat_does_not_arm(rig: SilentRig) -> None:
+    rig.silence("compass")
+    rig.run(0.6)
+    imu = ("SCALED_IMU", "RAW_IMU")
+    assert rig.counts(2.0, imu) == dict.fromkeys(imu, 0)
+    health = rig.health()
+    assert not health & (dialect.MAV_SYS_STATUS_SENSOR_3D_MAG | dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO)
+    rig.run(2.0)
+    assert rig.arm() == FAILED
+    assert "Arm: Compass: no heading" in rig.peer.texts
+
+
+def test_a_silent_battery_monitor_is_no_full_pack(rig: SilentRig) -> None:
+    rig.parts["battery"].given = BatteryReading(0.0, 12.3, 2.0)
+    rig.run(1.0)
+    rig.silence("battery")
+    rig.run(3.2)
+    assert rig.boat.vehicle.battery is None
+    rig.peer.forget()
+    rig.run(rig.config.arming.repeat_s + 1.0)
+    status = rig.peer.said("SYS_STATUS")[-1]
+    assert (status.voltage_battery, status.current_battery, status.battery_remaining) == (0xFFFF, -1, -1)
+    assert "PreArm: Battery: unhealthy, the monitor is silent" in rig.peer.texts
+    assert rig.counts(2.0, ("POWER_STATUS",)) == {"POWER_STATUS": 0}
+    assert not rig.health() & dialect.MAV_SYS_STATUS_SENSOR_BATTERY
+    assert rig.arm() == FAILED
+    assert "Arm: Battery: unhealthy, the monitor is silent" in rig.peer.texts
+    rig.parts["battery"].given = BatteryReading(0.0, 9.3, 2.0)  # as found when it measures again
+    rig.parts["battery"].is_silent = False
+    rig.run(10.5)
+    assert any(text.startswith("Failsafe: Battery critical: 9.3 V") for text in rig.peer.texts)
+
+
+def test_a_monitor_that_has_never_measured_keeps_the_boat_from_arming(tmp_path: Path) -> None:
+    rig = SilentRig(tmp_path)
+    rig.silence("battery")
+    rig.run(20.0)
+    assert rig.arm() == FAILED
+    assert "Arm: Battery: unhealthy, the monitor is silent" in rig.peer.texts
+    rig.run(1.1)
+    present = rig.peer.said("SYS_STATUS")[-1].onboard_control_sensors_present
+    assert present & dialect.MAV_SYS_STATUS_SENSOR_BATTERY
+
+
+def test_a_silent_sonar_and_sounder_measure_no_distance(rig: SilentRig) -> None:
+    distances = ("DISTANCE_SENSOR", "WATER_DEPTH")
+    assert all(rig.counts(1.0, distances).values())
+    rig.silence("sonar", "depth")
+    rig.run(5.1)
+    assert rig.counts(2.0, distances) == dict.fromkeys(distances, 0)
+    assert not rig.health() & dialect.MAV_SYS_STATUS_SENSOR_PROXIMITY
+
+
+def test_a_silent_transmitter_has_no_channels(rig: SilentRig) -> None:
+    assert rig.peer.said("RC_CHANNELS")[-1].chancount > 0
+    rig.silence("rc")
+    rig.run(0.6)
+    rig.peer.forget()
+    rig.run(1.0)
+    assert rig.peer.said("RC_CHANNELS")[-1].chancount == 0
+    assert not rig.health() & dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
+    assert rig.arm() == FAILED
+
+
+def test_an_armed_boat_is_told_of_each_silence_and_its_log_has_no_more_readings(
+    rig: SilentRig, tmp_path: Path
+) -> None:
+    rig.parts["compass"].given = HeadingReading(0.0, 1.0, 0.0, roll_rad=0.2, pitch_rad=0.1)
+    assert rig.arm() == OK
+    rig.run(2.0)
+    rig.silence("gnss", "compass", "battery", "sonar", "depth", "hull", "rc")
+    rig.run(6.0)
+    silent_s = rig.now_s
+    rig.run(5.0)
+    texts = rig.peer.texts
+    for text in (
+        "Battery monitor is silent",
+        "Depth sounder is silent",
+        "Hull sensor is silent",
+        "Failsafe: GPS lost: dead reckoning",
+        "Failsafe: Sonar lost for 3 s",
+        "Failsafe: RC lost: the receiver is silent",
+    ):
+        assert any(one.startswith(text) for one in texts), text
+    rig.disarm()
+    (path,) = tmp_path.glob("*.bin")
+    records = [one for one in read_log(path) if getattr(one, "TimeUS", 0) > silent_s * 1e6]
+    kinds = {one.get_type() for one in records}
+    assert not kinds & {"GPS", "GPA", "HDG", "BAT", "SONR", "RFND", "DPTH", "RCIN"}
+    assert {one.Roll for one in records if one.get_type() == "ATT"} == {0.0}
+
+
+def test_a_heading_sensor_that_dies_in_a_knock_down_does_not_disarm(rig: SilentRig) -> None:
+    assert rig.arm() == OK
+    rig.parts["compass"].given = HeadingReading(0.0, 1.0, 0.0, roll_rad=math.radians(75.0), pitch_rad=0.0)
+    rig.run(1.0)
+    rig.silence("compass")
+    rig.run(30.0)
+    assert rig.boat.vehicle.armed
+    assert not any("Capsized" in text for text in rig.peer.texts)
+
+
+def test_a_capsized_boat_whose_heading_sensor_lives_disarms_after_two_seconds(rig: SilentRig) -> None:
+    assert rig.arm() == OK
+    rig.parts["compass"].given = HeadingReading(0.0, 1.0, 0.0, roll_rad=math.radians(75.0), pitch_rad=0.0)
+    rig.run(1.9)
+    assert rig.boat.vehicle.armed
+    rig.run(0.3)
+    assert not rig.boat.vehicle.armed
+
+
+@pytest.mark.parametrize(
+    ("reading", "text", "is_told"),
+    [
+        (HullReading(0.0, is_wet=True), "Failsafe: Water in the hull", True),  # after 2 s
+        (HullReading(0.0, temperature_c=90.0), "Failsafe: Too hot: 90 C", False),  # after 10 s
+    ],
+)
+def test_what_a_dead_hull_sensor_measured_last_is_believed_for_five_seconds(
+    rig: SilentRig, reading: HullReading, text: str, *, is_told: bool
+) -> None:
+    assert rig.arm() == OK
+    rig.parts["hull"].given = reading
+    rig.run(1.0)
+    rig.silence("hull")
+    dead_s = rig.parts["hull"].latest.time_s
+    rig.run(dead_s + 4.9 - rig.now_s)
+    assert rig.boat.vehicle.board.hull is rig.parts["hull"].latest
+    rig.run(0.3)
+    assert rig.boat.vehicle.board.hull is None
+    rig.run(20.0)
+    assert any(one.startswith(text) for one in rig.peer.texts) is is_told
+
+
+def test_a_bottom_is_believed_for_five_seconds_without_an_echo(rig: SilentRig) -> None:
+    depth = rig.parts["depth"]
+    assert rig.boat.sensors.bottom is not None
+    found = depth.latest
+    depth.given = msgspec.structs.replace(found, depth_m=None)
+    rig.run(4.5)
+    assert rig.boat.sensors.bottom is not None
+    assert rig.boat.vehicle.board.depth is rig.boat.sensors.bottom
+    rig.run(1.0)
+    assert rig.boat.sensors.depth is not None
+    assert rig.boat.sensors.bottom is None
+
+
+def test_a_silent_probe_has_no_value() -> None:
+    class Probe:
+        latest: ProbeReading | None = None
+
+        def read(self) -> ProbeReading | None:
+            return self.latest
+
+        def close(self) -> None:
+            pass
+
+    settings = ("vehicle.probe=[{name='ph', driver='file', path='/x', timeout_s=2.0}]",)
+    probe = Probe()
+    rig = Rig("open", *settings, probes=(probe,))
+    probe.latest = ProbeReading(0.0, "ph", 7.0)
+    rig.run(1.9)
+    assert rig.boat.sensors.probes == [probe.latest]
+    rig.run(0.3)
+    assert rig.boat.sensors.probes == []
+
+
+@pytest.mark.parametrize(
+    ("driver", "silence_s"), [("bno055", 0.5), ("qmc5883l", 0.5), ("nmea", 1.5), ("gnss", 1.5)]
+)
+def test_the_limit_of_a_heading_follows_its_driver(
+    driver: Literal["bno055", "qmc5883l", "nmea", "gnss"], silence_s: float
+) -> None:
+    assert CompassPart(driver=driver).silence_s == silence_s
+    assert CompassPart(driver=driver, timeout_s=7.0).silence_s == 7.0
+
+
+def test_limits_are_those_of_the_configuration(tmp_path: Path) -> None:
+    limits: dict[str, object] = {
+        "parts.gnss.timeout_s": 8.0,
+        "parts.compass.timeout_s": 7.0,
+        "parts.battery.timeout_s": 9.0,
+        "parts.hull.timeout_s": 10.0,
+        "parts.depth.timeout_s": 11.0,
+        "failsafe.sonar_timeout_s": 12.0,
+    }
+    rig = SilentRig(tmp_path, *FITTED, config=limits)
+    rig.ready()
+    rig.run(3.0)
+    rig.silence(*(name for name in rig.parts if name != "rc"))
+    latest = {
+        "fix": rig.parts["gnss"].latest.time_s + 8.0,
+        "compass": rig.parts["compass"].latest.time_s + 7.0,
+        "battery": rig.parts["battery"].latest.time_s + 9.0,
+        "hull": rig.parts["hull"].latest.time_s + 10.0,
+        "depth": rig.parts["depth"].latest.time_s + 11.0,
+    }
+    assert rig.boat.sensors.sonar is not None
+    latest["sonar"] = rig.boat.sensors.sonar.time_s + 12.0
+    for name, until_s in sorted(latest.items(), key=lambda item: item[1]):
+        rig.run(until_s - rig.now_s - 0.1)
+        assert getattr(rig.boat.sensors, name) is not None, name
+        rig.run(0.2)
+        assert getattr(rig.boat.sensors, name) is None, name
+    assert rig.boat.vehicle.mode is not Mode.AUTO
