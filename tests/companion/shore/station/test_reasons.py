@@ -55,7 +55,7 @@ def test_every_arming_fault_has_words(text: str) -> None:
 
 
 def test_the_search_for_texts_finds_them() -> None:
-    assert len(texts_in(companion.vehicle.arming.sensor_faults)) == 5
+    assert len(texts_in(companion.vehicle.arming.sensor_faults)) == 6
     assert len(texts_in(companion.vehicle.arming.fence_faults)) == 2
     assert "Aground: held at the shore" in texts_in(conditions)
 
