@@ -34,7 +34,6 @@ from companion.router.channels import Channels
 from companion.router.policy import ConfiguredPort
 from companion.sensors.compass.parameters import compass_hooks
 from companion.sensors.external import ExternalSensors
-from companion.sensors.readings import RcReading
 from companion.sensors.suite import SensorSuite
 from companion.sensors.wall_time import WallTime
 from companion.services.endpoint import Endpoint
@@ -269,12 +268,12 @@ class Boat:
             sensors.point_sonar(perception.sector)
         self._wall_time.update(sensors.fix, self.endpoint.unix_offset_s, is_fix_own=sensors.is_fix_own)
         self.vehicle.update_state(self.nav, estimator.frame, sensors.fix, sensors.battery, now_s)
-        if sensors.rc is not None:
-            self._follow_rc(sensors.rc, now_s)
+        self._follow_rc(now_s)
 
-    def _follow_rc(self, reading: RcReading, now_s: float) -> None:
+    def _follow_rc(self, now_s: float) -> None:
         vehicle, config = self.vehicle, self.parameters.config
-        actions = self.rc_control.update(reading, vehicle.manual_input, vehicle.status, config, now_s)
+        sticks, status = vehicle.manual_input, vehicle.status
+        actions = self.rc_control.update(self.sensors.rc, sticks, status, config, now_s)
         if actions.text:
             vehicle.notify(Severity.NOTICE, actions.text)
         for request in actions.requests:

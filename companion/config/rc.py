@@ -53,17 +53,18 @@ class Rc(Section, frozen=True):
     @property
     def steering(self) -> RcChannel:
         """The steering stick's channel."""
-        return self._stick(self.steering_channel)
+        return self.stick(self.steering_channel)
 
     @property
     def throttle(self) -> RcChannel:
         """The throttle stick's channel."""
-        return self._stick(self.throttle_channel)
+        return self.stick(self.throttle_channel)
 
     @property
     def modes(self) -> tuple[int, ...]:
         """The modes of the switch's six positions."""
         return (self.mode_1, self.mode_2, self.mode_3, self.mode_4, self.mode_5, self.mode_6)
 
-    def _stick(self, number: int) -> RcChannel:
+    def stick(self, number: int) -> RcChannel:
+        """The stick channel 1 to 4."""
         return (self.channel_1, self.channel_2, self.channel_3, self.channel_4)[number - 1]

@@ -4,8 +4,11 @@ from typing import Final
 
 from companion.config.rc import RcChannel
 
-SHORTEST_US: Final = 800  # shorter or longer is no valid pulse
+SHORTEST_US: Final = 800  # shorter or longer is no valid pulse: ArduPilot's limits for a receiver
 LONGEST_US: Final = 2200
+# The range of servo signals: an override beyond it is a fault of its sender, not a full deflection
+_LEAST_OVERRIDE_US: Final = 900
+_MOST_OVERRIDE_US: Final = 2100
 LOW, MIDDLE, HIGH = 0, 1, 2
 _LOW_US, _HIGH_US = 1200, 1800
 _MODE_US: Final = (1231, 1361, 1491, 1621, 1750)  # lower bounds of the second to sixth position
@@ -14,6 +17,11 @@ _MODE_US: Final = (1231, 1361, 1491, 1621, 1750)  # lower bounds of the second t
 def is_pulse(pulse_us: int) -> bool:
     """Whether the pulse is valid."""
     return SHORTEST_US <= pulse_us <= LONGEST_US
+
+
+def is_override(pulse_us: int) -> bool:
+    """Whether a station's override of a channel is a pulse."""
+    return _LEAST_OVERRIDE_US <= pulse_us <= _MOST_OVERRIDE_US
 
 
 def deflection(pulse_us: int, channel: RcChannel, dead_us: int) -> float:
@@ -28,6 +36,13 @@ def deflection(pulse_us: int, channel: RcChannel, dead_us: int) -> float:
         return 0.0
     share = min(beyond_us / span_us, 1.0)
     return share if (off_us > 0) is not channel.is_reversed else -share
+
+
+def pulse_of(share: float, channel: RcChannel) -> int:
+    """The pulse of a deflection −1..1 in µs: the inverse of `deflection` without a dead zone."""
+    off = -share if channel.is_reversed else share
+    span_us = channel.max_us - channel.trim_us if off > 0.0 else channel.trim_us - channel.min_us
+    return round(channel.trim_us + off * max(span_us, 0))
 
 
 def switch_position(pulse_us: int) -> int:

@@ -1,4 +1,4 @@
-"""What the RC transmitter asks for: its sticks, its switches, and who has the helm."""
+"""What the RC transmitter, or a station's override of its channels, asks for: sticks, switches, the helm."""
 
 from typing import NamedTuple
 
@@ -31,29 +31,48 @@ class RcControl:
         self._reading: RcReading | None = None
         self._steering = self._throttle = 0.0  # at the last urgent update
         self._is_overridden = False
+        self._overridden: set[int] = set()  # the switches' channels that a station holds
 
     def update(
-        self, reading: RcReading, sticks: ManualInput, status: VehicleStatus, config: BoatConfig, now_s: float
+        self,
+        reading: RcReading | None,
+        sticks: ManualInput,
+        status: VehicleStatus,
+        config: BoatConfig,
+        now_s: float,
     ) -> RcActions:
-        """Take the receiver's latest reading, which may be the previous one again."""
-        if reading is self._reading:
-            return _NOTHING
-        self._reading = reading
-        rc, by_hand = sticks.rc, status.mode.is_by_hand
-        if not rc.is_fresh(config.rc, reading.time_s):
+        """Take the receiver's latest reading, which may be the previous one again, or None without one."""
+        overridden = sticks.overridden(config, now_s).keys() & {config.rc.arm_channel, config.rc.mode_channel}
+        if overridden != self._overridden:
+            self._overridden = overridden
             self._switches.forget_positions()
-        if not rc.ingest(reading, config.rc):
+        is_good = self._ingest(reading, sticks, config)
+        if not (is_good or overridden):
             return _NOTHING
+        channels_us = sticks.channels_us(config, now_s)
+        requests = self._switches.update(channels_us, status.armed, config.rc, now_s)
+        if not is_good:
+            return RcActions(requests, is_urgent=bool(requests))
+        rc, by_hand = sticks.rc, status.mode.is_by_hand
         text, is_overridden = "", sticks.has_station(config, now_s)
         if is_overridden is not self._is_overridden:
             self._is_overridden = is_overridden
             if by_hand:
                 text = "a station's sticks have priority" if is_overridden else "the transmitter's again"
                 text = f"Helm: {text}"
-        if requests := self._switches.update(reading.channels_us, status.armed, config.rc, now_s):
+        if requests:
             return RcActions(requests, text, is_urgent=True)
         change = abs(rc.steering - self._steering) + abs(rc.throttle - self._throttle)
         is_urgent = change >= _STICK_CHANGE and not is_overridden and status.armed and by_hand
         if is_urgent:
             self._steering, self._throttle = rc.steering, rc.throttle
         return RcActions((), text, is_urgent)
+
+    def _ingest(self, reading: RcReading | None, sticks: ManualInput, config: BoatConfig) -> bool:
+        """Take the receiver's reading. Whether it is a new frame, and good."""
+        last, self._reading = self._reading, reading
+        if reading is None or reading is last:
+            return False
+        if not sticks.rc.is_fresh(config.rc, reading.time_s):
+            self._switches.forget_positions()
+        return sticks.rc.ingest(reading, config.rc)

@@ -7,11 +7,9 @@ from companion.rc.noise import RcNoise
 from companion.rc.pulses import deflection, is_pulse
 from companion.sensors.readings import RcReading
 
-_AT_REST = 0.05  # a smaller throttle is low enough to arm
-
 
 class RcInput:
-    """steering and throttle, −1..1: of the latest good frame.
+    """steering and throttle, −1..1, and channels_us: of the latest good frame.
 
     latest: the latest frame, good or bad. is_heard: there has been a good one since boot; without one, its
     absence is no fault. is_fitted: there is a receiver on board. calibrated_until_s: a station calibrates
@@ -24,6 +22,7 @@ class RcInput:
         self.latest: RcReading | None = None
         self.steering = 0.0
         self.throttle = 0.0
+        self.channels_us: tuple[int, ...] = ()
         self.calibrated_until_s = -math.inf
         self._noise = RcNoise()
         self._good_s = -math.inf
@@ -36,7 +35,7 @@ class RcInput:
         self._fault = self._fault_of(reading, setting)
         if self._fault or self._noise.leaps:
             return False
-        channels_us = reading.channels_us
+        self.channels_us = channels_us = reading.channels_us
         steering, throttle = setting.steering, setting.throttle
         self.steering = deflection(channels_us[setting.steering_channel - 1], steering, steering.dead_us)
         self.throttle = deflection(channels_us[setting.throttle_channel - 1], throttle, throttle.dead_us)
@@ -71,8 +70,3 @@ class RcInput:
         if not self.is_heard or self.is_fresh(setting, now_s):
             return ""
         return self._fault or "the receiver is silent"
-
-    @property
-    def is_at_rest(self) -> bool:
-        """Whether the throttle is low enough to arm."""
-        return abs(self.throttle) <= _AT_REST

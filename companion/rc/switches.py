@@ -60,7 +60,7 @@ class Switches:
         self._is_down = False  # the arming switch has been seen down, and may arm
 
     def forget_positions(self) -> None:
-        """The transmitter is lost."""
+        """The transmitter is lost, or a station takes or leaves its channels."""
         self._is_down = False
         self._arm.forget_position()
         self._mode.forget_position()
@@ -68,7 +68,7 @@ class Switches:
     def update(
         self, channels_us: tuple[int, ...], is_armed: bool, setting: Rc, now_s: float
     ) -> tuple[Request, ...]:
-        """Take a good frame. What the switches ask for."""
+        """Take the channels in µs. What the switches ask for."""
         arm, mode = self._arm, self._mode
         requests: tuple[Request, ...] = ()
         if pulse_us := arm.pulse_us(channels_us, setting.arm_channel):
@@ -88,7 +88,7 @@ class Switches:
 
     def _arm_request(self, before: int, position: int) -> tuple[Request, ...]:
         if position == LOW and before != _UNKNOWN:
-            return (Disarm("by the transmitter"),)
+            return (Disarm("by the arming switch"),)
         if position == HIGH and self._is_down:
             self._is_down = False
             return (Arm(),)

@@ -3,23 +3,29 @@
 RC transmitter input is suspended while a station's input is fresh (`rc/manual_input.py`). Of several
 stations, the first one has control for as long as it sends; others are ignored and told once. After a
 time-out another may take over.
+
+A value that is no command (a pulse that no servo takes, an axis beyond ±1000) means that the station's input
+is lost: its sticks are stale at once, and the failsafe follows.
 """
 
 import math
+from typing import Final
 
-from companion.config.rc import RcChannel
 from companion.core.requests import ManualControl
 from companion.core.status_text import Severity, StatusText
-from companion.core.units import clamp
 from companion.mavlink.dialect import Message
-from companion.rc.pulses import deflection
+from companion.rc.pulses import deflection, is_override
 from companion.services.outbox import Origin
 from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
-_INVALID_AXIS = 0x7FFF
-_RC_RELEASED, _RC_IGNORE = 0, 0xFFFF  # "back to the radio", zero without one; "unchanged"
-_MOST_TOLD = 32
+_INVALID_AXIS: Final = 0x7FFF
+_FULL: Final = 1000  # of an axis
+# Of an override's channels 1 to 8 and 9 to 18: what gives them back to the receiver, what leaves them
+_RELEASED: Final = (0, 0xFFFE)
+_UNCHANGED: Final = ((0xFFFF,), (0, 0xFFFF))
+_CHANNELS: Final = 18
+_MOST_TOLD: Final = 32
 
 
 class ManualControlService:
@@ -28,40 +34,50 @@ class ManualControlService:
     def __init__(self, vehicle: Vehicle, texts: StatusTextService) -> None:
         self._vehicle = vehicle
         self._texts = texts
-        self._rc = ManualControl(0.0, 0.0)
-        self._rc_s = -math.inf
         self._helm: Origin | None = None  # the station in control, and since when
         self._helm_s = -math.inf
         self._told: set[Origin] = set()  # stations that were told so
 
     def on_manual_control(self, message: Message, origin: Origin, now_s: float) -> None:
-        """ArduPilot Rover's axes: y steers, z is the throttle, both ±1000."""
-        if _INVALID_AXIS in (message.y, message.z) or not self._may_steer(origin, now_s):
+        """ArduPilot Rover's axes: y steers, z is the throttle, both ±1000.
+
+        An invalid axis is the transmitter's, or centred without one.
+        """
+        axes = (message.z, message.y)
+        if axes == (_INVALID_AXIS, _INVALID_AXIS) or not self._may_steer(origin, now_s):
             return
-        throttle, steering = message.z / 1000.0, message.y / 1000.0
-        self._vehicle.request(ManualControl(clamp(throttle, -1.0, 1.0), clamp(steering, -1.0, 1.0)))
+        throttle, steering = (None if axis == _INVALID_AXIS else axis / _FULL for axis in axes)
+        if max(abs(throttle or 0.0), abs(steering or 0.0)) > 1.0:
+            self._vehicle.manual_input.invalidate()
+            return
+        self._vehicle.request(ManualControl(throttle, steering))
 
     def on_rc_override(self, message: Message, origin: Origin, now_s: float) -> None:
         """The transmitter's channels (RCMAP_ROLL, RCMAP_THROTTLE) with its ranges, but without dead zones.
 
         A released axis returns to the transmitter, or to zero without one. An ignored axis keeps its value
-        while that is fresh. With both released, control is released.
+        while that is fresh. With both released, control is released. Other channels move the switches.
         """
-        rc = self._vehicle.config.rc
-        pulses = (message.chan1_raw, message.chan2_raw, message.chan3_raw, message.chan4_raw)
-        steering, throttle = pulses[rc.steering_channel - 1], pulses[rc.throttle_channel - 1]
-        if steering == throttle == _RC_IGNORE or not self._may_steer(origin, now_s):
+        pulses_us = _override(message)
+        if not pulses_us or not self._may_steer(origin, now_s):
             return
-        fresh = now_s - self._rc_s <= self._vehicle.config.failsafe.manual_timeout_s
-        released = None if self._vehicle.manual_input.rc.is_heard else 0.0
-        before = self._rc if fresh else ManualControl(released, released)
-        self._rc = ManualControl(
-            _from_rc(throttle, rc.throttle, before.throttle, released),
-            _from_rc(steering, rc.steering, before.steering, released),
+        sticks, config, rc = self._vehicle.manual_input, self._vehicle.config, self._vehicle.config.rc
+        axes = (rc.throttle_channel, rc.steering_channel)
+        good_us = {number: us for number, us in pulses_us.items() if us == 0 or is_override(us)}
+        is_lost = 0 < pulses_us.get(rc.throttle_channel, 0) < rc.failsafe_us
+        if is_lost or any(axis in pulses_us and axis not in good_us for axis in axes):
+            sticks.invalidate()
+            return
+        sticks.override(good_us, now_s)
+        if not any(axis in good_us for axis in axes):
+            return
+        held_us = sticks.overridden(config, now_s)
+        released = None if sticks.rc.is_heard else 0.0
+        throttle, steering = (
+            deflection(held_us[axis], rc.stick(axis), 0) if axis in held_us else released for axis in axes
         )
-        self._rc_s = now_s
-        self._vehicle.request(self._rc)
-        if steering == throttle == _RC_RELEASED:
+        self._vehicle.request(ManualControl(throttle, steering))
+        if all(good_us.get(axis) == 0 for axis in axes) and not any(good_us.values()):
             self._helm_s = -math.inf
 
     def forget(self, channel: int) -> None:
@@ -102,7 +118,11 @@ def _name(origin: Origin) -> str:
     return f"{origin.address.system}/{origin.address.component}"
 
 
-def _from_rc(pulse_us: int, channel: RcChannel, before: float | None, released: float | None) -> float | None:
-    if pulse_us in (_RC_RELEASED, _RC_IGNORE):
-        return before if pulse_us == _RC_IGNORE else released
-    return deflection(pulse_us, channel, 0)
+def _override(message: Message) -> dict[int, int]:
+    """The channels that a message sets, in µs, and those that it releases: 0."""
+    pulses_us: dict[int, int] = {}
+    for channel in range(1, _CHANNELS + 1):
+        raw: int = getattr(message, f"chan{channel}_raw")
+        if raw not in _UNCHANGED[channel > 8]:
+            pulses_us[channel] = 0 if raw == _RELEASED[channel > 8] else raw
+    return pulses_us

@@ -57,18 +57,21 @@ def sensor_faults(
 
 
 def rc_fault(sticks: ManualInput, config: BoatConfig, now_s: float) -> str:
-    """Why the transmitter's state prevents arming; empty when it does not.
+    """Why the sticks, or the transmitter's state, prevent arming; empty when they do not.
 
-    A transmitter that was never received does not, nor does any while a station steers.
+    A transmitter that was never received does not, nor does a lost one while a station steers or without its
+    failsafe. A stick that would steer must be neutral in every mode, whoever holds it, as in Rover.
     """
     radio = sticks.rc
     if now_s < radio.calibrated_until_s:
         return "RC: being calibrated"
-    if not config.arming.check or not radio.is_heard or sticks.has_station(config, now_s):
+    if not config.arming.check:
         return ""
-    if fault := radio.fault(config.rc, now_s):
-        return f"RC: {fault}" if config.failsafe.rc_enabled else ""
-    return "" if radio.is_at_rest else "RC: throttle is not low"
+    is_needed = config.failsafe.rc_enabled and not sticks.has_station(config, now_s)
+    if is_needed and (fault := radio.fault(config.rc, now_s)):
+        return f"RC: {fault}"
+    raised = sticks.raised_stick(config, now_s)
+    return f"RC: {raised} is not neutral" if raised else ""
 
 
 class PreArmReport:

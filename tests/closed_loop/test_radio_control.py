@@ -64,7 +64,7 @@ def test_a_hand_on_shore_arms_sails_out_turns_and_disarms_without_any_station() 
     rig.run(11.0)
     assert not rig.boat.vehicle.armed
     assert (rig.world._motors.left, rig.world._motors.right) == (0.0, 0.0)
-    assert rig.peer.texts[-1] == "Disarmed by the transmitter"
+    assert rig.peer.texts[-1] == "Disarmed by the arming switch"
 
 
 def test_the_helm_follows_the_stick_within_three_ticks() -> None:

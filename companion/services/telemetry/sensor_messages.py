@@ -1,13 +1,13 @@
 """Telemetry of sensors: gyro, compass, power, RC channels."""
 
 import math
+from itertools import zip_longest
 
 from companion.core.units import clamp
 from companion.mavlink.dialect import Message, dialect
 from companion.services.telemetry.snapshot import Snapshot
 
 _MOST_CHANNELS = 18
-_CENTRE_US, _SPAN_US = 1500.0, 500.0
 _UNUSED = 0xFFFF
 _BEST_SIGNAL, _UNKNOWN_SIGNAL = 254.0, 0xFF
 _FIELD = 1000.0  # length of the magnetic field vector
@@ -65,24 +65,17 @@ def meminfo(now: Snapshot) -> Message | None:
 
 
 def rc_channels(now: Snapshot) -> Message:
-    """The receiver's channels (none while RC is lost), and the link quality as the signal.
-
-    Manual input from a station replaces the transmitter's sticks. Without a receiver it is all there is,
-    centred when released.
+    """The channels as the boat uses them: the receiver's and a station's overrides; the link quality as the
+    signal. Without a receiver, the sticks are centred when released.
     """
-    sticks, config = now.vehicle.manual_input, now.config
-    radio, rc, reading = sticks.rc, config.rc, sticks.rc.latest
-    pulses, signal = [], _UNKNOWN_SIGNAL
-    if reading is not None and radio.is_fresh(rc, now.now_s):
-        pulses = list(reading.channels_us[:_MOST_CHANNELS])
-        if reading.quality is not None:
-            signal = round(_BEST_SIGNAL * reading.quality)
-    elif radio.is_fitted:
+    sticks, rc = now.vehicle.manual_input, now.config.rc
+    radio, signal = sticks.rc, _UNKNOWN_SIGNAL
+    if radio.is_fitted and not radio.is_fresh(rc, now.now_s):
         signal = 0
-    if sticks.has_station(config, now.now_s) or not radio.is_fitted:
-        throttle, steering = sticks.throttle_and_steering(config, now.now_s)
-        pulses += [round(_CENTRE_US)] * (4 - len(pulses))
-        pulses[rc.steering_channel - 1] = round(_CENTRE_US + _SPAN_US * steering)
-        pulses[rc.throttle_channel - 1] = round(_CENTRE_US + _SPAN_US * throttle)
-    unused = [_UNUSED] * (_MOST_CHANNELS - len(pulses))
-    return dialect.MAVLink_rc_channels_message(now.boot_ms, len(pulses), *pulses, *unused, signal)
+    elif radio.latest is not None and radio.latest.quality is not None:
+        signal = round(_BEST_SIGNAL * radio.latest.quality)
+    pulses = sticks.channels_us(now.config, now.now_s)[:_MOST_CHANNELS]
+    trims = [] if radio.is_fitted else [rc.stick(number).trim_us for number in range(1, 5)]
+    shown = [one or trim or _UNUSED for one, trim in zip_longest(pulses, trims, fillvalue=0)]
+    unused = [_UNUSED] * (_MOST_CHANNELS - len(shown))
+    return dialect.MAVLink_rc_channels_message(now.boot_ms, len(shown), *shown, *unused, signal)

@@ -98,6 +98,18 @@ def test_it_is_the_speed_through_the_water_that_counts() -> None:
     assert helm.heading_pid.p == pytest.approx(1.5 * 0.01 * config.heading.kp)
 
 
+def test_the_rudder_is_set_for_the_speed_through_the_water() -> None:
+    """In a current of the boat's own speed, the blade has no flow but the wash: the angle is larger."""
+    config = with_value(CONFIG, "drive.layout", "rudder")
+    angles = []
+    for current_m_s in (-1.0, 0.0, 1.0):
+        thrust = Helm().update(
+            Demand(0.02, 1.5), replace(CRUISING, current_north_m_s=current_m_s), config, 0.02
+        )
+        angles.append(thrust.rudder)
+    assert 0.0 < angles[0] < angles[1] < angles[2] < 1.0
+
+
 def test_without_a_schedule_the_gains_are_the_same_at_every_speed() -> None:
     config = with_value(CONFIG, "heading.slow_gain", 1.0)
     helm = Helm()

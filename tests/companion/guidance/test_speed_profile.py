@@ -104,6 +104,16 @@ def test_a_short_stretch_is_sailed_as_fast_as_both_allow() -> None:
     assert peak.speed_m_s**2 == pytest.approx(2.0 * SETTING.accel_m_s2 * (5.0 - peak.north_m))
 
 
+def test_the_peak_between_two_speeds_lies_where_gaining_and_losing_meet() -> None:
+    """A peak that is reckoned too low bends the gain; the sum of both roads must be the stretch."""
+    start, end, length_m = 1.0, 0.4, 3.0
+    peak = with_speeds(row((0.0, start), (length_m, end)), [], 2.0, CONFIG)[1]
+    gained_m = (peak.speed_m_s**2 - start**2) / (2.0 * GAINING_SHARE * SETTING.accel_m_s2)
+    lost_m = (peak.speed_m_s**2 - end**2) / (2.0 * SETTING.accel_m_s2)
+    assert gained_m == pytest.approx(peak.north_m)
+    assert gained_m + lost_m == pytest.approx(length_m)
+
+
 def test_what_lies_behind_is_reckoned_with_over_several_nodes() -> None:
     nodes = with_speeds(row((0.0, 2.0), (1.0, 2.0), (2.0, 2.0), (3.0, 0.0)), [], 2.0, CONFIG)
     assert [node.speed_m_s**2 for node in nodes] == pytest.approx(

@@ -387,7 +387,7 @@ def test_links_are_counted_in_the_log(voyage: Voyage) -> None:
 
 def test_a_transmitters_channels_and_signal_are_in_the_log(tmp_path: Path, open_rig: OpenRig) -> None:
     receiver = (
-        "sensors.rc={fitted=true, noise_us=0.0, quality=0.75, sticks=[{channels=[1100, 1200, 1500, 1400]}]}"
+        "sensors.rc={fitted=true, noise_us=0.0, quality=0.75, sticks=[{channels=[1510, 1200, 1500, 1400]}]}"
     )
     rig = open_rig(tmp_path, receiver).ready()
     assert rig.arm() == OK
@@ -396,5 +396,5 @@ def test_a_transmitters_channels_and_signal_are_in_the_log(tmp_path: Path, open_
     records = read_log(tmp_path / "00001.bin")
     heard = of_kind(records, "RCIN")
     assert len(heard) > 15
-    assert {(one.C1, one.C2, one.C3, one.C4, one.C5) for one in heard} == {(1100, 1200, 1500, 1400, 0)}
+    assert {(one.C1, one.C2, one.C3, one.C4, one.C5) for one in heard} == {(1510, 1200, 1500, 1400, 0)}
     assert {(one.RXLQ, one.RXRSSI) for one in of_kind(records, "RSSI")} == {(75.0, -60.0)}

@@ -11,12 +11,13 @@ from companion.config.parameters import Parameters
 from companion.config.rc import RcChannel
 from companion.core.intent import Drive, Intent, Stop
 from companion.core.modes import Mode
-from companion.core.requests import Arm, ChangeMode, ManualControl
+from companion.core.requests import Arm, ChangeMode, Disarm, ManualControl
 from companion.core.status_text import Severity
 from companion.failsafe.table import Condition
 from companion.persistence.storage import MemoryStorage
-from companion.rc.pulses import deflection, mode_position
+from companion.rc.pulses import LOW, deflection, mode_position, pulse_of
 from companion.rc.rc_control import RcControl
+from companion.rc.switches import SETTLE_S, Switch
 from companion.sensors.readings import RcReading
 from companion.vehicle.mission.steps import Waypoint
 from companion.vehicle.vehicle import Vehicle
@@ -109,6 +110,31 @@ def test_no_calibration_however_odd_makes_more_than_full_deflection(
     assert -1.0 <= deflection(pulse_us, channel, dead) <= 1.0
 
 
+@pytest.mark.parametrize("channel", [RcChannel(1100, 1520, 1900), RcChannel(1000, 1500, 2000, 30, True)])
+@pytest.mark.parametrize("pulse_us", [1100, 1400, 1520, 1899])
+def test_a_pulse_follows_from_its_deflection(channel: RcChannel, pulse_us: int) -> None:
+    assert pulse_of(deflection(pulse_us, channel, 0), channel) == pulse_us
+
+
+def test_a_stick_that_moves_is_urgent_once_and_one_that_rests_is_not() -> None:
+    hand = Hand().armed()
+    sticks, config = hand.vehicle.manual_input, hand.vehicle.config
+
+    def frame(throttle: int) -> bool:
+        hand.now_s += STEP_S
+        hand.channels[THROTTLE] = throttle
+        reading = RcReading(hand.now_s, tuple(hand.channels))
+        return hand.rc_control.update(reading, sticks, hand.vehicle.status, config, hand.now_s).is_urgent
+
+    assert [frame(throttle) for throttle in (1500, 1800, 1800, 1803, 1806)] == [
+        False,
+        True,
+        False,
+        False,
+        True,
+    ]
+
+
 def test_manual_follows_the_sticks() -> None:
     hand = Hand().armed()
     hand.live(0.1, throttle=1765, steering=1265)
@@ -135,7 +161,7 @@ def test_the_switch_arms_when_it_goes_up_and_disarms_when_it_goes_down() -> None
     assert hand.live(0.5) == ["Mode MANUAL: mode switch"]
     assert hand.live(0.5, arm=2000) == ["Armed"]
     assert hand.live(0.5, arm=1500) == []
-    assert hand.live(0.5, arm=1000) == ["Disarmed by the transmitter"]
+    assert hand.live(0.5, arm=1000) == ["Disarmed by the arming switch"]
 
 
 def test_a_channel_arms_once_its_option_says_so() -> None:
@@ -178,7 +204,7 @@ def test_a_switch_that_went_down_while_the_transmitter_was_lost_disarms() -> Non
     hand.live(0.8, arm=1000)
     assert hand.vehicle.armed
     hand.is_on = True
-    assert "Disarmed by the transmitter" in hand.live(0.5)
+    assert "Disarmed by the arming switch" in hand.live(0.5)
 
 
 def test_a_spike_on_the_switch_does_nothing() -> None:
@@ -198,13 +224,45 @@ def test_the_arming_switch_is_subject_to_the_arming_checks() -> None:
     assert hand.live(0.5, arm=2000) == ["Arm: GPS: HDOP 0.8 is above 0.5"]
 
 
-@pytest.mark.parametrize("throttle", [1000, 1600, 2000])
-def test_the_boat_does_not_arm_while_the_throttle_is_not_low(throttle: int) -> None:
+@pytest.mark.parametrize("stick", ["throttle", "steering"])
+@pytest.mark.parametrize("pulse_us", [1000, 1469, 1531, 2000])
+def test_the_boat_does_not_arm_while_a_stick_is_not_neutral(stick: str, pulse_us: int) -> None:
     hand = Hand()
-    hand.live(0.5, throttle=throttle)
-    assert hand.live(0.5, arm=2000) == ["Arm: RC: throttle is not low"]
-    assert hand.vehicle.request(Arm()).reason == "RC: throttle is not low"
+    hand.live(0.5, **{stick: pulse_us})
+    why = f"RC: {stick} (RC{3 if stick == 'throttle' else 1}) is not neutral"
+    assert hand.live(0.5, arm=2000) == [f"Arm: {why}"]
+    assert hand.vehicle.request(Arm()).reason == why
     assert hand.vehicle.request(Arm(force=True)).accepted
+
+
+@pytest.mark.parametrize("pulse_us", [1470, 1530])
+def test_a_stick_within_its_dead_zone_is_neutral(pulse_us: int) -> None:
+    hand = Hand()
+    hand.live(0.5, throttle=pulse_us, steering=pulse_us)
+    assert hand.live(0.5, arm=2000) == ["Armed"]
+
+
+def test_a_station_that_steers_answers_for_the_sticks_in_place_of_the_transmitter() -> None:
+    hand = Hand()
+    hand.live(0.5, throttle=2000)
+    hand.vehicle.request(ManualControl(0.0, 0.0))
+    assert hand.vehicle.request(Arm()).accepted
+    hand.vehicle.request(Disarm())
+    hand.live(0.5, throttle=1500)
+    hand.vehicle.request(ManualControl(None, -0.061))
+    assert hand.vehicle.request(Arm()).reason == "RC: steering (RC1) is not neutral"
+    hand.vehicle.request(ManualControl(None, -0.059))
+    assert hand.vehicle.request(Arm()).accepted
+
+
+def test_a_raised_stick_drives_at_once_after_a_change_into_manual() -> None:
+    """As Rover's: the sticks are checked for arming, not for a mode."""
+    hand = Hand().armed()
+    hand.live(0.5, mode=HOLD_US)
+    hand.live(0.5, throttle=2000)
+    assert isinstance(hand.intent, Stop)
+    hand.live(0.5, mode=MANUAL_US)
+    assert hand.drive == (1.0, 0.0)
 
 
 def test_a_throttle_without_reverse_is_low_at_its_end() -> None:
@@ -242,6 +300,30 @@ def test_an_arming_switch_that_is_put_on_a_channel_that_is_up_does_not_arm() -> 
     hand.channels[7] = 2000
     hand.live(1.0)
     assert not hand.vehicle.armed
+
+
+def test_a_position_seen_for_a_moment_before_a_loss_must_be_held_anew_after_it() -> None:
+    hand = Hand().armed()
+    hand.live(SETTLE_S / 2.0, mode=HOLD_US, arm=1000)
+    hand.is_on = False
+    hand.live(0.6)
+    hand.is_on = True
+    hand.live(SETTLE_S / 2.0)
+    assert (hand.vehicle.mode.name, hand.vehicle.armed) == ("MANUAL", True)
+    hand.live(SETTLE_S)
+    assert (hand.vehicle.mode.name, hand.vehicle.armed) == ("HOLD", False)
+
+
+def test_a_switch_whose_channel_changes_is_read_anew() -> None:
+    switch = Switch()
+    for now_s in (0.0, SETTLE_S):
+        assert switch.pulse_us((1000, 1000), 1) == 1000
+        moved = switch.update(LOW, now_s)
+    assert moved
+    assert switch.pulse_us((1000, 1000), 2) == 1000
+    assert not switch.update(LOW, 2 * SETTLE_S)  # seen there for no time yet
+    assert not switch.is_steady
+    assert switch.update(LOW, 3 * SETTLE_S)
 
 
 # The mode switch
@@ -312,6 +394,21 @@ def test_a_stations_sticks_go_first_while_they_are_fresh() -> None:
     assert hand.drive == (1.0, 0.0)
 
 
+def test_sticks_of_a_station_are_lost_when_all_are_stale_until_they_are_let_go() -> None:
+    hand = Hand()
+    hand.is_on = False
+    sticks, config = hand.vehicle.manual_input, hand.vehicle.config
+    assert not sticks.is_lost(config, 0.0)
+    sticks.ingest(ManualControl(0.5, 0.0), 0.0)
+    assert not sticks.is_lost(config, config.failsafe.manual_timeout_s)
+    assert sticks.is_lost(config, config.failsafe.manual_timeout_s + 0.1)
+    sticks.ingest(ManualControl(0.5, 0.0), 5.0)
+    sticks.invalidate()
+    assert sticks.is_lost(config, 5.0)
+    sticks.release()
+    assert not sticks.is_lost(config, 9.0)
+
+
 def test_an_axis_that_a_station_leaves_alone_is_the_transmitters() -> None:
     hand = Hand().armed()
     hand.live(0.5, throttle=2000, steering=1000)
@@ -321,6 +418,24 @@ def test_an_axis_that_a_station_leaves_alone_is_the_transmitters() -> None:
     hand.vehicle.request(ManualControl(None, None))
     hand.live(0.1)
     assert hand.drive == (1.0, -1.0)
+
+
+def test_a_station_moves_the_transmitters_switches_and_gives_them_back() -> None:
+    hand = Hand()
+    hand.live(0.5, mode=HOLD_US)
+
+    def override(seconds: float, arm: int, mode: int) -> list[str]:
+        texts: list[str] = []
+        for _ in range(round(seconds / 0.1)):
+            hand.vehicle.manual_input.override({5: arm, 6: mode}, hand.now_s)
+            texts += hand.live(0.1)
+        return texts
+
+    assert override(0.5, 1000, MANUAL_US) == ["Mode MANUAL"]
+    assert override(0.5, 2000, MANUAL_US) == ["Armed"]
+    assert hand.live(2.0) == ["Disarmed by the arming switch", "Mode HOLD"]
+    override(2.0, 2000, HOLD_US)  # has not been seen down since the station took it
+    assert not hand.vehicle.armed
 
 
 # The transmitter is lost
