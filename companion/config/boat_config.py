@@ -49,7 +49,7 @@ class LinkConfig(Section, frozen=True):
     max_hz: dict[str, Positive] = msgspec.field(default_factory=dict)
     allow: tuple[str, ...] = ()  # only these
     deny: tuple[str, ...] = ()
-    stale_s: NonNegative = 0.0  # drop what has waited longer; 0: 1 s on a radio, otherwise do not wait
+    stale_s: NonNegative = 0.0  # drop what has waited longer; 0: 1 s
 
 
 class Identity(Section, frozen=True):

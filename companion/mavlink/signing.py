@@ -235,6 +235,15 @@ class SigningGuard:
         return self._signatory.key is not None
 
     @property
+    def key(self) -> SigningKey | None:
+        """The present key."""
+        return self._signatory.key
+
+    def verifies_with(self, key: SigningKey | None) -> bool:
+        """Whether a signed frame that is accepted has been verified with this key."""
+        return self.policy != "off" and key is not None and self._signatory.key == key
+
+    @property
     def has_verified(self) -> bool:
         """Whether a valid signature was received on the link."""
         return self.counters.verified > 0

@@ -11,11 +11,12 @@ from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.finder import Counters, FrameFinder
 from companion.mavlink.framing import MAGIC_V2, SIGNATURE_LENGTH, Frame, message_id_of
-from companion.mavlink.signing import SigningGuard, loggable
+from companion.mavlink.signing import SigningGuard, is_signed, loggable
+from companion.mavlink.signing_key import SigningKey
 from companion.router.admission import Standing
 from companion.router.amplification import AmplificationLimit, Question
 from companion.router.policy import PLAIN, Filter, Policy
-from companion.router.token_bucket import TokenBucket
+from companion.router.token_bucket import LineBudget
 from companion.router.tx_queue import TxQueue
 
 logger = logging.getLogger(__name__)
@@ -61,32 +62,32 @@ class Channel:
         self._has_announced_itself = False  # by a heartbeat
         self._is_confidential = False  # requires signatures and has received none: only heartbeats are sent
         self._limit = AmplificationLimit() if policy.is_forgeable(link.host) else None
-        self._dropped = 0
         self._own = frozenset(bytes((own.system, one)) for one in (own.component, *components))
         self._finder = FrameFinder(link.is_datagram, self.counters)
         self._chunks: deque[bytes] = deque()
         self._filter = Filter(policy) if policy.has_rules else None
-        self._budget = TokenBucket(policy.bytes_s) if policy.bytes_s else None
-        self._room = (
-            TxQueue(self._transmit, self._budget, policy.stale_s) if self._budget or policy.stale_s else None
-        )
+        self._budget = LineBudget(policy.bytes_s) if policy.bytes_s else None
+        self._queue = TxQueue(self._transmit, self._budget, policy.stale_s)
 
     def set_guard(self, guard: SigningGuard) -> None:
         """Sign and check frames."""
         self.guard = guard
         self._is_confidential = guard.policy == "required" and not guard.has_verified
-        if self._room is not None:
-            self._room.overhead_bytes = SIGNATURE_LENGTH
+        self._queue.overhead_bytes = SIGNATURE_LENGTH
+
+    def has_verified(self, frame: Frame, key: SigningKey | None) -> bool:
+        """Whether an accepted frame bears a valid signature under this key."""
+        return self.guard is not None and self.guard.verifies_with(key) and is_signed(frame.data)
 
     @property
     def dropped(self) -> int:
         """Frames that the link did not take in time."""
-        return self._dropped + (self._room.dropped if self._room is not None else 0)
+        return self._queue.dropped
 
     @property
     def waiting_bytes(self) -> int:
         """Bytes waiting for the link."""
-        return self._room.waiting_bytes if self._room is not None else 0
+        return self._queue.waiting_bytes
 
     @property
     def host(self) -> str:
@@ -168,7 +169,7 @@ class Channel:
         """Whether telemetry would be sent at once."""
         if self._is_confidential or self._limit is not None:
             return False
-        return self._room is None or self._room.may_send(now_s)
+        return self._queue.may_send(now_s)
 
     def room_bytes(self, now_s: float) -> int:
         """Bulk data that may be sent now: with a rate limit, that of a tick."""
@@ -185,38 +186,41 @@ class Channel:
             if self.faults == 1:
                 logger.exception("%s: %s cannot be packed", self.link.name, message.get_type())
             return
-        self._emit(data, message.get_msgId(), self.encoder.address.system, True, now_s)
+        if self._may_leave(message.get_msgId(), self.encoder.address.system, now_s):
+            self._queue.put(data, now_s)
 
-    def forward(self, frame: Frame, is_urgent: bool, now_s: float) -> None:
-        """Send a frame of another channel unchanged, or drop it whole."""
+    def forward(self, frame: Frame, source: "Channel", is_addressed: bool, now_s: float) -> None:
+        """Send a frame of another channel unchanged, or drop it whole.
+
+        A link that requires signatures gets only what is signed with its key.
+        """
+        guard = self.guard
+        if guard is not None and guard.policy == "required" and not source.has_verified(frame, guard.key):
+            self.withheld += 1
+            return
         counters = self.counters
         self.forwarded += 1
         counters.frames_out += 1
         counters.bytes_out += len(frame.data)
-        self._emit(frame.data, frame.message_id, frame.sender.system, is_urgent, now_s)
+        if self._may_leave(frame.message_id, frame.sender.system, now_s):
+            self._queue.forward(frame.data, source.number, is_addressed, now_s)
 
     def drain(self, now_s: float) -> None:
         """Send waiting frames."""
-        if self._room is not None:
-            self._room.drain(now_s)
+        self._queue.drain(now_s)
 
-    def _emit(self, data: bytes, message_id: int, system: int, is_urgent: bool, now_s: float) -> None:
-        if self._is_confidential and message_id != _HEARTBEAT:
+    def _may_leave(self, message_id: int, system: int, now_s: float) -> bool:
+        is_silent = self._is_confidential and message_id != _HEARTBEAT
+        if is_silent or (self._filter is not None and not self._filter.passes(message_id, system, now_s)):
             self.withheld += 1
-            return
-        if self._filter is not None and not self._filter.passes(message_id, system, now_s):
-            self.withheld += 1
-            return
-        if self._room is not None:
-            self._room.put(data, is_urgent, now_s)
-        elif not self._transmit(data):
-            self._dropped += 1
+            return False
+        return True
 
     def _transmit(self, data: bytes) -> bool:
         """Put a frame on the link; False if it is full.
 
-        Our own are signed here, as timestamps must leave in order and waiting frames may be overtaken.
-        Forwarded ones are unchanged: a signature would vouch for them.
+        Our own are signed here, as a frame that has waited needs a new timestamp. Forwarded ones are
+        unchanged: a signature would vouch for them.
         """
         frame = data
         if self.guard is not None and data[0] == MAGIC_V2 and bytes(data[5:7]) in self._own:

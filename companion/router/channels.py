@@ -186,7 +186,7 @@ class Channels:
                 continue
             is_ours, others, is_addressed = route(number, frame, now_s)
             for other in others:
-                opened[other].forward(frame, is_addressed, now_s)
+                opened[other].forward(frame, channel, is_addressed, now_s)
             if (
                 is_ours
                 and (layout := frame.layout) is not None

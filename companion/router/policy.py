@@ -11,7 +11,7 @@ from companion.mavlink.layout import LAYOUTS
 
 _BITS_A_BYTE = 10  # start, eight, stop
 _LINE_SHARE = 0.9  # of a radio's line: the rest is its overhead
-_STALE_S = 1.0  # default on a radio
+_STALE_S = 1.0  # default
 
 _IDS: dict[str, int] = {dialect.mavlink_map[number].msgname: number for number in LAYOUTS}
 _SLACK_S = 1e-6
@@ -20,7 +20,7 @@ _SLACK_S = 1e-6
 class Policy:
     """Rules of one link, for the boat's own and for forwarded messages.
 
-    bytes_s: rate limit, 0 without; stale_s: how long a frame may wait, 0: not at all.
+    bytes_s: rate limit, 0 without; stale_s: how long a frame may wait.
 
     Raises:
         ConfigError: names the key and the unknown message.
@@ -55,7 +55,7 @@ class Policy:
         }
         line_bytes_s = _LINE_SHARE * baud / _BITS_A_BYTE if self.is_radio else 0.0
         self.bytes_s = setting.max_bytes_s or line_bytes_s
-        self.stale_s = setting.stale_s or (_STALE_S if self.bytes_s else 0.0)
+        self.stale_s = setting.stale_s or _STALE_S
 
     def is_forgeable(self, host: str) -> bool:
         """Whether this source address may be forged.

@@ -1,11 +1,17 @@
-"""Queue of frames for a slow or full link: urgent ones first, stale ones dropped."""
+"""Frames on their way to a link: the boat's own first, then other channels' in equal shares.
+
+Forwarded frames wait in a queue for each source channel. Deficit round robin (Shreedhar and Varghese 1995)
+gives each source the same number of bytes, so a source that floods delays only itself. A source's addressed
+frames go before its broadcasts.
+"""
 
 from collections import deque
 from collections.abc import Callable
 
-from companion.router.token_bucket import TokenBucket
+from companion.router.token_bucket import LineBudget
 
 MAX_BYTES = 16 * 1024  # per queue
+_QUANTUM_BYTES = 280  # of a turn: the longest frame of MAVLink 2
 
 
 class _Queue:
@@ -36,55 +42,108 @@ class _Queue:
         return dropped
 
 
+class _Source:
+    """Waiting frames of another channel. deficit_bytes: what is left of its turn."""
+
+    def __init__(self) -> None:
+        self.deficit_bytes = _QUANTUM_BYTES
+        self.addressed = _Queue()
+        self.broadcast = _Queue()
+
+    @property
+    def first(self) -> _Queue:
+        """The queue to serve next."""
+        return self.addressed if self.addressed.frames else self.broadcast
+
+    @property
+    def bytes(self) -> int:
+        return self.addressed.bytes + self.broadcast.bytes
+
+    def drop_older(self, than_s: float) -> int:
+        return self.addressed.drop_older(than_s) + self.broadcast.drop_older(than_s)
+
+
 class TxQueue:
     """Queue before a link that cannot take everything at once.
 
-    Urgent frames (answers, commands, transfers) are sent as soon as the link takes them. Telemetry respects
-    the rate limit. Frames that have waited for stale_s are dropped and counted.
+    The boat's own frames are sent as soon as the link takes them; its telemetry asks `may_send` first.
+    Forwarded frames use what the rate limit leaves. Frames that have waited for stale_s are dropped and
+    counted.
     """
 
-    def __init__(self, send: Callable[[bytes], bool], budget: TokenBucket | None, stale_s: float) -> None:
+    def __init__(self, send: Callable[[bytes], bool], budget: LineBudget | None, stale_s: float) -> None:
         self.dropped = 0
-        self.overhead_bytes = 0  # added to each frame by `send`
+        self.overhead_bytes = 0  # added to each frame of our own by `send`
         self._send = send
         self._budget = budget
         self._stale_s = stale_s
-        self._urgent = _Queue()
-        self._telemetry = _Queue()
+        self._own = _Queue()
+        self._sources: dict[int, _Source] = {}  # with waiting frames, by channel, in order of their turns
 
     @property
     def waiting_bytes(self) -> int:
         """Bytes in the queue."""
-        return self._urgent.bytes + self._telemetry.bytes
+        return self._own.bytes + sum(source.bytes for source in self._sources.values())
 
     def may_send(self, now_s: float) -> bool:
-        """Whether telemetry would be sent at once."""
-        if self._urgent.frames or self._telemetry.frames:
+        """Whether the boat's telemetry would be sent at once."""
+        if self._own.frames:
             return False
-        return self._budget is None or self._budget.may_send(now_s)
+        return self._budget is None or self._budget.may_send_own(now_s)
 
-    def put(self, data: bytes, is_urgent: bool, now_s: float) -> None:
-        """Send or queue a frame."""
-        queue = self._urgent if is_urgent else self._telemetry
+    def put(self, data: bytes, now_s: float) -> None:
+        """Send or queue a frame of our own."""
+        self.dropped += self._own.add(data, now_s)
+        self.drain(now_s)
+
+    def forward(self, data: bytes, source: int, is_addressed: bool, now_s: float) -> None:
+        """Send or queue a frame of another channel."""
+        if not (self._own.frames or self._sources) and self._send_forwarded(data, now_s):
+            return  # the usual case
+        waiting = self._sources.get(source)
+        if waiting is None:
+            waiting = self._sources[source] = _Source()
+        queue = waiting.addressed if is_addressed else waiting.broadcast
         self.dropped += queue.add(data, now_s)
         self.drain(now_s)
 
     def drain(self, now_s: float) -> None:
         """Send what the link takes. Call every tick."""
+        own, sources, budget = self._own, self._sources, self._budget
+        if not (own.frames or sources):
+            return
         oldest_s = now_s - self._stale_s
-        self.dropped += self._urgent.drop_older(oldest_s) + self._telemetry.drop_older(oldest_s)
-        if self._drain(self._urgent, now_s, keeps_to_budget=False):
-            self._drain(self._telemetry, now_s, keeps_to_budget=True)
-
-    def _drain(self, queue: _Queue, now_s: float, keeps_to_budget: bool) -> bool:
-        budget = self._budget
-        while queue.frames:
-            if keeps_to_budget and budget is not None and not budget.may_send(now_s):
-                return False
-            data = queue.frames[0][1]
+        self.dropped += own.drop_older(oldest_s)
+        for number, source in list(sources.items()):
+            self.dropped += source.drop_older(oldest_s)
+            if not source.bytes:
+                del sources[number]
+        while own.frames:
+            data = own.frames[0][1]
             if not self._send(data):
-                return False
-            queue.pop()
+                return
+            own.pop()
             if budget is not None:
-                budget.spend(len(data) + self.overhead_bytes, now_s)
+                budget.spend_own(len(data) + self.overhead_bytes, now_s)
+        while sources:
+            number, source = next(iter(sources.items()))
+            data = source.first.frames[0][1]
+            if not self._send_forwarded(data, now_s):
+                return
+            source.first.pop()
+            source.deficit_bytes -= len(data)
+            if not source.bytes:
+                del sources[number]
+            elif source.deficit_bytes <= 0:
+                source.deficit_bytes += _QUANTUM_BYTES
+                sources[number] = sources.pop(number)
+
+    def _send_forwarded(self, data: bytes, now_s: float) -> bool:
+        budget = self._budget
+        if budget is not None and not budget.may_forward(now_s):
+            return False
+        if not self._send(data):
+            return False
+        if budget is not None:
+            budget.spend_forwarded(len(data), now_s)
         return True

@@ -193,6 +193,7 @@ class Endpoint:
         self._signing.open(channel)
         default_hz = self._parameters.config.mavlink.stream_hz
         self._telemetry.open(channel, default_hz if stream_hz is None else stream_hz)
+        self._listings.open(channel)
         self.outbox.send(channel, self._heartbeat.message())
         if self._camera is not None:
             self._camera.open(channel)

@@ -50,6 +50,10 @@ class Outbox:
         """Whether a channel can take more bulk data."""
         return self._bulk_bytes.get(channel, 0) < self.room(channel)
 
+    def is_unlimited(self, channel: int) -> bool:
+        """Whether a channel has no rate limit, and nothing waits for it."""
+        return self.room(channel) >= _UNLIMITED_BYTES
+
     def send_bulk(self, channel: int, message: Message, size_bytes: int) -> None:
         """A part of a list or file; size_bytes: approximate size on the line."""
         self._bulk_bytes[channel] = self._bulk_bytes.get(channel, 0) + size_bytes

@@ -40,8 +40,12 @@ class ParameterService:
         self._answers_left = _ANSWERS_PER_TICK
         self._outbox = outbox
         self._texts = texts
-        self._listing: dict[int, deque[int]] = {}  # by channel: indexes to send
+        self._listing: dict[int, deque[int]] = {}  # by open channel: indexes to send
         self._left = _LIST_PER_TICK  # list entries left for this tick
+
+    def open(self, channel: int) -> None:
+        """A channel has opened."""
+        self._listing[channel] = deque()
 
     def on_request_list(self, origin: Origin) -> None:
         """PARAM_REQUEST_LIST: (re)start the list on its channel."""
@@ -70,7 +74,7 @@ class ParameterService:
         reason = self._parameters.set(name, value)
         if reason and not self._parameters.is_unsaved(name):
             for index in self._parameters.sharing(name):
-                self._outbox.broadcast(self._value(index))
+                self._publish(index)
         self._answer()
         return reason
 
@@ -117,9 +121,8 @@ class ParameterService:
         self._answers_left = _ANSWERS_PER_TICK
         self._answer()
         self._left = _LIST_PER_TICK
-        if self._listing:
-            for channel in list(self._listing):
-                self._continue_list(channel)
+        for channel in self._listing:
+            self._continue_list(channel)
 
     def _continue_list(self, channel: int) -> None:
         """Send as many entries as the line has room for."""
@@ -127,8 +130,6 @@ class ParameterService:
         while queue and self._left > 0 and self._outbox.has_room(channel):
             self._left -= 1
             self._outbox.send_bulk(channel, self._value(queue.popleft()), _VALUE_BYTES)
-        if not queue:
-            del self._listing[channel]
 
     def _answer(self) -> None:
         for values, counts, error in self._parameters.poll_saves():
@@ -142,7 +143,19 @@ class ParameterService:
                     self._answers.extend([(index, value)] * min(counts[name], _MOST_ANSWERS))
         while self._answers and self._answers_left > 0:
             self._answers_left -= 1
-            self._outbox.broadcast(self._value(*self._answers.popleft()))
+            self._publish(*self._answers.popleft())
+
+    def _publish(self, index: int, value: float | None = None) -> None:
+        """Send the present or another value on each channel.
+
+        A slow one gets the then present value with the next tick's bulk data, so that a station that sets
+        parameters without end leaves room for telemetry.
+        """
+        for channel, queue in self._listing.items():
+            if self._outbox.is_unlimited(channel):
+                self._outbox.send(channel, self._value(index, value))
+            elif index not in queue:
+                queue.append(index)
 
     def _value(self, index: int, value: float | None = None) -> Message:
         """PARAM_VALUE with the present or another value."""

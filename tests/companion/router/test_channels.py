@@ -75,13 +75,19 @@ def test_a_closed_link_is_forgotten_and_its_number_never_used_again() -> None:
     assert channels.accept() == [4]
 
 
-def test_a_full_link_drops_whole_frames_and_counts_them() -> None:
+def test_frames_wait_for_a_full_link_and_stale_ones_are_dropped_whole_and_counted() -> None:
     near, far = memory_pair(queue_frames=5)
     port = MemoryPort(near)
     channels = Channels([port], BOAT)
     channels.accept()
     for number in range(8):
         channels.send(beat(number), 1)
+    assert heard(far) == [0, 1, 2, 3, 4]
+    list(channels.receive(0.5))
+    assert heard(far) == [5, 6, 7]
+    for number in range(8):
+        channels.send(beat(number), 1)
+    list(channels.receive(2.0))
     assert channels.open[1].dropped == 3
     assert heard(far) == [0, 1, 2, 3, 4]
 

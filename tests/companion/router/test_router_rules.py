@@ -2,7 +2,7 @@
 
 import pytest
 from boat_rig import BOAT, QGC
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from companion.config.boat_config import LinkConfig
@@ -14,7 +14,7 @@ from companion.mavlink.dialect import Message, dialect
 from companion.router.channels import Channels
 from companion.router.policy import ConfiguredPort, Filter, Policy
 from companion.router.status import Reporter
-from companion.router.token_bucket import TokenBucket
+from companion.router.token_bucket import LineBudget, TokenBucket
 from companion.router.tx_queue import MAX_BYTES, TxQueue
 
 OTHER = Address(2, 1)
@@ -117,7 +117,7 @@ def test_telemetry_keeps_to_the_line_and_its_radio_slows_it_down() -> None:
     assert sent_in(10.0, budget, 20.0) == pytest.approx(50_000, rel=0.05)
 
 
-def test_answers_go_before_telemetry_and_what_is_stale_is_dropped() -> None:
+def test_own_frames_go_first_then_addressed_ones_and_what_is_stale_is_dropped() -> None:
     taken: list[bytes] = []
     is_full = True
 
@@ -127,19 +127,68 @@ def test_answers_go_before_telemetry_and_what_is_stale_is_dropped() -> None:
         return not is_full
 
     room = TxQueue(send, None, stale_s=1.0)
-    room.put(b"old", False, 0.0)
-    room.put(b"telemetry", False, 0.9)
-    room.put(b"answer", True, 0.95)
+    room.put(b"old", 0.0)
+    room.forward(b"old", 2, True, 0.0)
+    room.forward(b"telemetry", 2, False, 0.9)
+    room.forward(b"answer", 2, True, 0.9)
+    room.put(b"own", 0.95)
     assert not room.may_send(0.95)
     is_full = False
     room.drain(1.5)
-    assert taken == [b"answer", b"telemetry"]
-    assert (room.dropped, room.waiting_bytes) == (1, 0)
+    assert taken == [b"own", b"answer", b"telemetry"]
+    assert (room.dropped, room.waiting_bytes) == (2, 0)
 
 
-@given(st.lists(st.tuples(st.integers(1, 280), st.booleans(), st.booleans()), max_size=300))
+@settings(max_examples=30)
+@given(st.integers(17, 280), st.integers(17, 280), st.integers(1, 30))
+def test_sources_share_a_line_by_bytes_however_much_one_of_them_sends(
+    flood_bytes: int, quiet_bytes: int, per_tick: int
+) -> None:
+    """The quiet one sends a tenth of the line in frames of its own size; all of it is carried in time."""
+    sent: list[bytes] = []
+
+    def send(data: bytes) -> bool:
+        sent.append(data)
+        return True
+
+    room = TxQueue(send, LineBudget(5000.0), stale_s=1.0)
+    due_bytes = quiet_frames = 0.0
+    for tick in range(250):
+        now_s = 0.02 * tick
+        for _ in range(per_tick):
+            room.forward(b"F" * flood_bytes, 2, True, now_s)
+        due_bytes += 10.0
+        if due_bytes >= quiet_bytes:
+            due_bytes -= quiet_bytes
+            quiet_frames += 1
+            room.forward(b"Q" * quiet_bytes, 3, False, now_s)
+        room.drain(now_s)
+    assert sum(data[0] == ord("Q") for data in sent) >= 0.95 * quiet_frames - 2
+    assert sum(map(len, sent)) <= 1.2 * 5000.0 * 5.0
+
+
+def test_what_others_forward_leaves_half_of_a_line_to_the_boat_which_leaves_them_the_rest() -> None:
+    def shares(own: bool, forwards: bool) -> tuple[float, float]:
+        sent = {"own": 0, "forwarded": 0}
+        budget = LineBudget(5000.0)
+        for tick in range(1000):
+            now_s = 0.02 * tick
+            while forwards and budget.may_forward(now_s):
+                budget.spend_forwarded(40, now_s)
+                sent["forwarded"] += 40
+            while own and budget.may_send_own(now_s):
+                budget.spend_own(40, now_s)
+                sent["own"] += 40
+        return sent["own"] / 100_000, sent["forwarded"] / 100_000
+
+    assert shares(own=True, forwards=False) == pytest.approx((1.0, 0.0), abs=0.05)
+    assert shares(own=False, forwards=True) == pytest.approx((0.0, 1.0), abs=0.05)
+    assert shares(own=True, forwards=True) == pytest.approx((0.5, 0.5), abs=0.05)
+
+
+@given(st.lists(st.tuples(st.integers(1, 280), st.integers(0, 4), st.booleans()), max_size=300))
 def test_what_waits_is_bounded_and_nothing_is_lost_uncounted(
-    puts: list[tuple[int, bool, bool]],
+    puts: list[tuple[int, int, bool]],
 ) -> None:
     has_room, sent = False, 0
 
@@ -149,11 +198,15 @@ def test_what_waits_is_bounded_and_nothing_is_lost_uncounted(
         return has_room
 
     room = TxQueue(send, None, stale_s=5.0)
-    for number, (size, is_urgent, opens) in enumerate(puts):
+    for number, (size, source, opens) in enumerate(puts):
         has_room = opens
-        room.put(bytes(size), is_urgent, 0.01 * number)
-        assert room.waiting_bytes <= 2 * MAX_BYTES
-    waiting = len(room._urgent.frames) + len(room._telemetry.frames)
+        if source:
+            room.forward(bytes(size), source // 2, bool(source % 2), 0.01 * number)
+        else:
+            room.put(bytes(size), 0.01 * number)
+        assert room.waiting_bytes <= 7 * MAX_BYTES
+    queues = [room._own, *(one for of in room._sources.values() for one in (of.addressed, of.broadcast))]
+    waiting = sum(len(queue.frames) for queue in queues)
     assert sent + room.dropped + waiting == len(puts)
 
 

@@ -13,9 +13,15 @@ from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import dialect
-from companion.mavlink.framing import build_frame
-from companion.mavlink.layout import LAYOUTS
-from companion.mavlink.signing import Signatory, SignatureVerdict, SigningGuard, Stamps, is_signed, sign
+from companion.mavlink.signing import (
+    Signatory,
+    SignatureVerdict,
+    SigningGuard,
+    SigningPolicy,
+    Stamps,
+    is_signed,
+    sign,
+)
 from companion.mavlink.signing_key import SigningKey
 from companion.router.channel import Channel
 from companion.router.channels import Channels
@@ -30,13 +36,13 @@ GUIDE = Path(__file__).parents[3] / "docs" / "signing.md"
 class Bridge:
     """An open link for a station, and a signed one on which another boat is."""
 
-    def __init__(self) -> None:
+    def __init__(self, policy: SigningPolicy = "required") -> None:
         near, self.station = memory_pair("station")
         far, self.boat = memory_pair("boat")
         self.channels = Channels([MemoryPort(near), MemoryPort(far)], OWN)
         self.channels.accept()
         self.signed = self.channels.open[2]
-        self.signed.set_guard(SigningGuard(Signatory(KEY, Stamps()), "required", 2))
+        self.signed.set_guard(SigningGuard(Signatory(KEY, Stamps()), policy, 2))
 
     def pass_on(self) -> None:
         """Let what has come be routed."""
@@ -52,12 +58,32 @@ def one(link: MemoryLink) -> bytes:
     return chunk
 
 
-def test_an_unsigned_message_is_not_made_a_signed_one_on_its_way() -> None:
-    bridge = Bridge()
+@pytest.mark.parametrize(("policy", "passes"), [("required", False), ("accept", True)])
+def test_an_unsigned_message_is_passed_on_unchanged_where_unsigned_ones_are_accepted(
+    policy: SigningPolicy, passes: bool
+) -> None:
+    bridge = Bridge(policy)
     frame = heartbeat(STATION)
     bridge.station.send(frame)
     bridge.pass_on()
-    assert one(bridge.boat) == frame
+    assert bridge.boat.receive() == [frame] * passes
+    assert bridge.signed.withheld == (not passes)
+
+
+@pytest.mark.parametrize(
+    ("signed_with", "checks_with", "passes"), [(0, 0, True), (1, 1, False), (0, None, False)]
+)
+def test_a_link_that_requires_signatures_gets_what_was_verified_with_its_key(
+    signed_with: int, checks_with: int | None, passes: bool
+) -> None:
+    keys = KEY, SigningKey.from_passphrase("another")
+    bridge = Bridge()
+    if checks_with is not None:
+        bridge.channels.open[1].set_guard(SigningGuard(Signatory(keys[checks_with], Stamps()), "accept", 1))
+    frame = sign(heartbeat(STATION), keys[signed_with], 9, 77)
+    bridge.station.send(frame)
+    bridge.pass_on()
+    assert bridge.boat.receive() == [frame] * passes
 
 
 def test_a_signed_message_is_passed_on_to_the_bit() -> None:
@@ -91,17 +117,14 @@ def test_our_own_message_is_signed_on_the_signed_link_only() -> None:
     assert not is_signed(one(bridge.station))
 
 
-@given(st.lists(st.tuples(st.booleans(), st.booleans()), max_size=60))
-def test_timestamps_are_sent_in_order_on_a_slow_link(
-    steps: list[tuple[bool, bool]],
-) -> None:
+@given(st.lists(st.booleans(), max_size=60))
+def test_timestamps_are_sent_in_order_on_a_slow_link(steps: list[bool]) -> None:
     near, far = memory_pair("radio", queue_frames=3)
     channel = Channel(1, near, OWN, Policy(LinkConfig(url="", max_bytes_s=100.0)))
     channel.set_guard(SigningGuard(Signatory(KEY, Stamps()), "required", 1))
-    peer, layout = Signatory(KEY, Stamps()), LAYOUTS[0]
-    own = build_frame(OWN, 0, layout, layout.pack(HEARTBEAT))
-    for number, (is_urgent, is_read) in enumerate(steps):
-        channel._emit(own, 0, 1, is_urgent, 0.05 * number)
+    peer = Signatory(KEY, Stamps())
+    for number, is_read in enumerate(steps):
+        channel.send(HEARTBEAT, 0.05 * number)
         channel.drain(0.05 * number)
         if is_read:
             assert {peer.check(frame) for frame in far.receive()} <= {SignatureVerdict.GOOD}
@@ -113,10 +136,10 @@ def test_a_radio_s_budget_counts_the_signatures() -> None:
         near, far = memory_pair("radio")
         channel = Channel(1, near, OWN, Policy(LinkConfig(url="", max_bytes_s=500.0)))
         if is_signed_link:
-            channel.set_guard(SigningGuard(Signatory(KEY, Stamps()), "required", 1))
-        own = heartbeat(OWN)
+            channel.set_guard(SigningGuard(Signatory(KEY, Stamps()), "accept", 1))
         for tick in range(500):
-            channel._emit(own, 0, 1, False, 0.02 * tick)
+            if channel.may_send(0.02 * tick):
+                channel.send(HEARTBEAT, 0.02 * tick)
         sent.append(sum(map(len, far.receive())))
     assert sent[1] == pytest.approx(sent[0], rel=0.05)
 

@@ -635,11 +635,13 @@ def test_a_file_of_parameters_sets_them_and_everyone_hears_of_it(served: Served)
     session = served.ask(Opcode.CREATE_FILE, b"@PARAM/param.pck").session
     served.ask(Opcode.WRITE_FILE, file, session)
     assert value(served, "HDG_KP") == BoatConfig().heading.kp
+    for channel in (1, 2):
+        served.listings.open(channel)
     served.service.handle(request_of(77, Opcode.TERMINATE_SESSION, session=session), STATION, 0.0)
     out = served.outbox.drain()
     said = [(o.channel, o.message.param_value) for o in out if o.message.get_type() == "PARAM_VALUE"]
     texts = [o.message.text for o in out if o.message.get_type() == "STATUSTEXT"]
-    assert said == [(None, 3.5)]
+    assert said == [(1, 3.5), (2, 3.5)]
     assert texts == ["HDG_KI: 99 is outside 0..50"]
     assert value(served, "HDG_KP") == 3.5
 
