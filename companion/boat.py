@@ -66,7 +66,7 @@ class Boat:
     ) -> None:
         hooks = [] if hardware.field is None else compass_hooks(hardware.field)
         self.parameters = Parameters(config, ROWS, storage, (*hardware.parameter_hooks, *hooks))
-        own = Address(self.parameters.config.identity.system_id, COMPONENT_ID)
+        self.address = own = Address(self.parameters.config.identity.system_id, COMPONENT_ID)
         self.vehicle = Vehicle(self.parameters.config)
         self.motors = MotorOutput(hardware)
         self.motor_test = MotorTest()

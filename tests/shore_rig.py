@@ -25,6 +25,7 @@ class LossyEnd:
         self._random = random.Random(seed)
         self.loss = loss
         self._is_deaf = False
+        self.unheard: set[int] = set()  # messages, by number, that are lost on their way here
 
     def reseed(self, seed: int, loss: float) -> None:
         """From now on lose this share."""
@@ -43,10 +44,15 @@ class LossyEnd:
         """As the link's."""
         return self._link.is_closed
 
+    def fileno(self) -> int:
+        """−1: nothing to wait on."""
+        return -1
+
     def receive(self) -> list[bytes]:
         """What was not lost."""
         chunks = self._link.receive()
-        return [one for one in chunks if not self._is_deaf and self._random.random() >= self.loss]
+        heard = [one for one in chunks if not self._is_deaf and one[7] not in self.unheard]
+        return [one for one in heard if self._random.random() >= self.loss]
 
     def send(self, data: bytes) -> bool:
         """True, like radio."""

@@ -209,7 +209,7 @@ def run_boat(
         boat.endpoint.texts.logs_texts = True
         path = status_path(config)
         status = (
-            StatusFile(path, boat.channels, boat.endpoint.corrections.status, boat.may_drive)
+            StatusFile(path, boat.channels, boat.endpoint.corrections.status, boat.address.system)
             if path is not None
             else None
         )

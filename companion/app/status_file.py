@@ -34,7 +34,7 @@ class BoatStatus(msgspec.Struct, frozen=True):
     worst_late_s: float
     links: LinksStatus
     corrections: CorrectionStatus | None = None  # of the GNSS receiver, as the boat passed them on
-    armed: bool | None = None
+    system_id: int = 0  # of the boat, by MAVLink
 
 
 class StatusFile:
@@ -45,13 +45,13 @@ class StatusFile:
         path: Path,
         channels: Channels,
         corrections: Callable[[float], CorrectionStatus | None] = lambda _: None,
-        armed: Callable[[], bool | None] = lambda: None,
+        system_id: int = 0,
     ) -> None:
-        """corrections: their status at the present time. armed: whether the boat is, None if not known."""
+        """corrections: their status at the present time. system_id: of the boat."""
         self._path = path
         self._reporter = Reporter(channels)
         self._corrections = corrections
-        self._armed = armed
+        self._system_id = system_id
         self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="status")
         self._writing: Future[None] | None = None
         self._due_s = 0.0
@@ -70,7 +70,7 @@ class StatusFile:
             worst_late_s=ticks.worst_s,
             links=self._reporter.report(now_s),
             corrections=self._corrections(now_s),
-            armed=self._armed(),
+            system_id=self._system_id,
         )
         self._writing = self._worker.submit(_write, self._path, status)
 

@@ -6,7 +6,7 @@ from companion.core.errors import LocalProtocolError
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import ItemFault, MissionItem, MissionResult, MissionType
-from companion.mavlink.transfer import MOST_ITEMS, Completed, Failed, Started, Transfer
+from companion.mavlink.transfer import MOST_ITEMS, Completed, Failed, FailureCause, Started, Transfer
 from companion.mavlink.transfer_table import TransferState, TransferTrigger
 
 
@@ -137,7 +137,8 @@ class Sender(Transfer):
         text = (
             "all items were sent, but not acknowledged" if not self._unsent else "the partner does not answer"
         )
-        self._events.append(Failed(MissionResult.OPERATION_CANCELLED, text, self._partner))
+        failed = Failed(MissionResult.OPERATION_CANCELLED, text, self._partner, FailureCause.SILENT)
+        self._events.append(failed)
 
 
 _RECEIVED = frozenset(("MISSION_REQUEST_LIST", "MISSION_REQUEST_INT", "MISSION_REQUEST", "MISSION_ACK"))

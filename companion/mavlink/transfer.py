@@ -38,6 +38,7 @@ without a row in the table is counted as `ignored`; a call without one raises Lo
 """
 
 from dataclasses import dataclass
+from enum import Enum
 
 from companion.core.errors import LocalProtocolError
 from companion.mavlink.address import Address, is_named
@@ -69,13 +70,23 @@ class Completed:
     first: int | None = None
 
 
+class FailureCause(Enum):
+    """What has ended a transfer."""
+
+    FAULT = "the partner's messages do not fit"
+    REFUSED = "the partner does not take or give the list"
+    SILENT = "the partner does not answer: its list may be the old or the new one"
+    CANCELLED = "our own side has ended it"
+
+
 @dataclass(frozen=True, slots=True)
 class Failed:
-    """The transfer has failed without effect. text: one sentence for the operator."""
+    """The transfer has failed; without effect unless SILENT. text: one sentence for the operator."""
 
     result: MissionResult
     text: str
     partner: Address
+    cause: FailureCause = FailureCause.FAULT
 
 
 Event = Started | Completed | Failed
@@ -142,7 +153,8 @@ class Transfer:
     def cancel(self, now_s: float) -> None:
         """Cancel a transfer in progress and tell the partner."""
         if TransferTrigger.FAULT in TRANSITIONS[self.state]:
-            self._fail(ItemFault(MissionResult.OPERATION_CANCELLED, "cancelled"), self._partner, now_s)
+            fault = ItemFault(MissionResult.OPERATION_CANCELLED, "cancelled")
+            self._fail(fault, self._partner, now_s, cause=FailureCause.CANCELLED)
 
     def take_outbox(self) -> list[Message]:
         """The messages to send, in order, with their targets."""
@@ -227,22 +239,23 @@ class Transfer:
         partner: Address,
         now_s: float,
         trigger: TransferTrigger = TransferTrigger.FAULT,
+        cause: FailureCause = FailureCause.FAULT,
     ) -> None:
         """End or refuse the transfer, and tell the partner."""
         answer = self._acknowledge(partner, fault.result)
         if self.partner is not None:
             self._settle(trigger, answer, now_s)
-        self._events.append(Failed(fault.result, fault.text, partner))
+        self._events.append(Failed(fault.result, fault.text, partner, cause))
 
     def _expire(self, now_s: float) -> None:
         waited_s = now_s - self._awaited_s
         text = f"no answer from {self._partner.system}/{self._partner.component} for {waited_s:.1f} s"
-        self._fail(
-            ItemFault(MissionResult.OPERATION_CANCELLED, text), self._partner, now_s, TransferTrigger.EXPIRED
-        )
+        fault = ItemFault(MissionResult.OPERATION_CANCELLED, text)
+        self._fail(fault, self._partner, now_s, TransferTrigger.EXPIRED, FailureCause.SILENT)
 
     def _handle_refusal(self, result: MissionResult, sender: Address, now_s: float) -> None:
         """The partner has ended the transfer."""
         if self._may(TransferTrigger.REFUSED):
             self._settle(TransferTrigger.REFUSED, None, now_s)
-            self._events.append(Failed(result, f"the other side answered {result.name}", sender))
+            text = f"the other side answered {result.name}"
+            self._events.append(Failed(result, text, sender, FailureCause.REFUSED))

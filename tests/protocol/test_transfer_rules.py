@@ -13,7 +13,7 @@ from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import ItemFault, MissionItem, MissionResult, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
-from companion.mavlink.transfer import Completed, Failed, Started, Transfer
+from companion.mavlink.transfer import Completed, Failed, FailureCause, Started, Transfer
 from companion.mavlink.transfer_table import TransferState
 
 BOAT, STATION, SECOND = Address(1, 1), Address(255, 190), Address(254, 190)
@@ -239,7 +239,9 @@ def test_a_lost_item_is_asked_for_again_and_given_up_after_the_last_retry() -> N
     machine.tick(1.0)
     assert said(machine) == [("ACK", MissionResult.OPERATION_CANCELLED)]
     (failed,) = machine.take_events()
-    assert failed == Failed(MissionResult.OPERATION_CANCELLED, "no answer from 255/190 for 1.0 s", STATION)
+    assert failed == Failed(
+        MissionResult.OPERATION_CANCELLED, "no answer from 255/190 for 1.0 s", STATION, FailureCause.SILENT
+    )
 
 
 def test_only_progress_puts_the_deadline_off() -> None:
@@ -471,7 +473,9 @@ def test_a_refusal_ends_it_with_the_partner_s_reason() -> None:
     machine = sending()
     tell(machine, request(0), ack(MissionResult.NO_SPACE))
     (failed,) = machine.take_events()
-    assert failed == Failed(MissionResult.NO_SPACE, "the other side answered NO_SPACE", STATION)
+    assert failed == Failed(
+        MissionResult.NO_SPACE, "the other side answered NO_SPACE", STATION, FailureCause.REFUSED
+    )
 
 
 def test_a_partner_that_begins_again_gets_all_items_again_and_the_time_for_it() -> None:
@@ -568,3 +572,19 @@ def test_no_order_of_messages_raises_or_makes_a_machine_answer_more_than_once_a_
                 assert [i.x for i in event.items] == list(range(len(event.items)))
                 receiver.confirm(now_s)
                 assert len(receiver.take_outbox()) == 1
+
+
+def test_a_cancelled_transfer_and_an_unacknowledged_one_say_so_by_their_cause() -> None:
+    machine = sending()
+    machine.cancel(0.0)
+    tell(machine, request(0))
+    assert [event.cause for event in machine.take_events() if isinstance(event, Failed)] == [
+        FailureCause.CANCELLED
+    ]
+    machine = sending()
+    tell(machine, *(request(seq) for seq in range(3)))
+    for at_s in range(1, 20):
+        machine.tick(float(at_s))
+    assert [event.cause for event in machine.take_events() if isinstance(event, Failed)] == [
+        FailureCause.SILENT
+    ]

@@ -211,7 +211,7 @@ def test_an_armed_boat_turns_no_motor_and_calibrates_nothing(
             if (message.type === "answer") done(message);
         };
     })""")
-    assert (answer["ok"], answer["text"]) == (False, "A boat is armed: disarm it first.")
+    assert (answer["ok"], answer["text"]) == (False, "The boat is armed: disarm it first.")
 
 
 def test_the_compass_calibration_shows_its_progress_and_is_cancelled(

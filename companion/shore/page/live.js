@@ -117,7 +117,6 @@ export class Live {
   #greet(message) {
     this.hello = message;
     this.waitMs = FIRST_WAIT_MS;
-    if (this.boat === null && message.boats.length > 0) this.boat = Math.min(...message.boats.map(({ id }) => id));
     if (!this.isGreeted) for (const { request } of this.waiting.values()) this.socket.send(JSON.stringify(request));
     this.isGreeted = true; // a later greeting tells of another role or boat
     this.listeners.hello(message);

@@ -12,6 +12,7 @@ from companion.shore.parameters.fetching import INFORMATION, METADATA, Fetching,
 from companion.shore.parameters.metadata import Descriptions
 from companion.shore.parameters.setting import Settings
 from companion.shore.parameters.values import NAME, Value
+from companion.shore.station.outcome import Outcome, Refused
 from companion.shore.words import say
 
 WANTED_S: Final = 3.0  # after each look
@@ -20,7 +21,7 @@ WANTED: Final = frozenset(
 )
 _NO_DESCRIPTIONS: Final = Descriptions({})
 
-Replied = Callable[[bool, str, dict[str, Any] | None], None]
+Replied = Callable[[Outcome, dict[str, Any] | None], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,28 +119,30 @@ class Book:
         self._settings.poll(now_s)
 
     def set(self, arguments: Mapping[str, Any], armed: bool | None, reply: Replied, now_s: float) -> None:
-        """The request `set_parameter` with name and value. reply: as asked, text, {name, value} on board."""
+        """The request `set_parameter` with name and value. armed: None if not known. reply: how
+        it ended, {name, value} on board.
+        """
         name, value = arguments.get("name"), arguments.get("value")
         if armed is not False:
-            reply(False, say("answer.param_armed"), None)
+            reply(Refused(say("answer.param_armed") if armed else say("error.armed_unknown")), None)
             return
         if not isinstance(name, str) or not NAME.fullmatch(name):
-            reply(False, say("answer.param_name"), None)
+            reply(Refused(say("answer.param_name")), None)
             return
         if isinstance(value, bool) or not isinstance(value, int | float):
-            reply(False, say("answer.param_no_value", name=name), None)
+            reply(Refused(say("answer.param_no_value", name=name)), None)
             return
         known = self._download.values.get(name)
         if known is None:
-            reply(False, say("answer.param_unknown", name=name), None)
+            reply(Refused(say("answer.param_unknown", name=name)), None)
             return
         is_bytewise = self._download.is_bytewise
         if flaw := refusal_of(name, value, known.kind, is_bytewise, self._descriptions.of(name)):
-            reply(False, flaw, _result(name, known))
+            reply(Refused(flaw), _result(name, known))
             return
 
-        def answered(is_done: bool, text: str, kept: Value | None) -> None:
-            reply(is_done, text, None if kept is None else _result(name, kept))
+        def answered(outcome: Outcome, kept: Value | None) -> None:
+            reply(outcome, None if kept is None else _result(name, kept))
 
         self._settings.ask(name, float(value), known.kind, is_bytewise, answered, now_s)
 

@@ -15,6 +15,7 @@ from typing import Final
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.shore.parameters.values import Value, encode, float_or_int, is_same, name_of, write
+from companion.shore.station.outcome import Accepted, Cancelled, Outcome, Refused, Silent
 from companion.shore.words import say
 
 REPEAT_S: Final = 1.0
@@ -32,7 +33,7 @@ _ERRORS: Final = {
     7: say("answer.param_error.type"),
 }  # MAV_PARAM_ERROR, which begins at 1
 
-Answered = Callable[[bool, str, Value | None], None]
+Answered = Callable[[Outcome, Value | None], None]
 
 
 @dataclass(slots=True)
@@ -64,11 +65,11 @@ class Settings:
     def ask(
         self, name: str, value: float, kind: int, is_bytewise: bool, answered: Answered, now_s: float
     ) -> None:
-        """Set a parameter. answered(is as asked, text, value on board) is called once, within TIMEOUT_S."""
+        """Set a parameter. answered(outcome, value on board) is called once, within TIMEOUT_S."""
         if (older := self._under_way.pop(name, None)) is not None:
-            older.answered(False, say("answer.replaced"), older.kept)
+            older.answered(Cancelled(), older.kept)
         if len(self._under_way) >= MOST:
-            answered(False, say("answer.param_busy"), None)
+            answered(Refused(say("answer.param_busy")), None)
             return
         one = _UnderWay(name, value, kind, is_bytewise, answered, now_s + TIMEOUT_S, now_s + REPEAT_S)
         self._under_way[name] = one
@@ -80,11 +81,8 @@ class Settings:
             return
         one.kept = value
         if value.value is not None and is_same(value.value, one.value):
-            self._end(
-                one,
-                True,
-                say("answer.param_set", name=name, value=write(float_or_int(one.value, value.is_whole))),
-            )
+            done = write(float_or_int(one.value, value.is_whole))
+            self._end(one, Accepted(say("answer.param_set", name=name, value=done)))
             return
         if one.other_at < one.sent:
             one.other_at = one.sent
@@ -116,10 +114,10 @@ class Settings:
         """Repeat, settle, give up."""
         for one in list(self._under_way.values()):
             if one.settled_s is not None and now_s >= one.settled_s:
-                self._end(one, False, _refusal(one))
+                self._end(one, Refused(_refusal(one)))
             elif now_s >= one.ends_s:
-                text = say("answer.param_silent", name=one.name) if one.kept is None else _refusal(one)
-                self._end(one, False, text)
+                silent = Silent(say("answer.param_silent", name=one.name))
+                self._end(one, silent if one.kept is None else Refused(_refusal(one)))
             elif one.settled_s is None and now_s >= one.repeat_s and one.sent < TRIES:
                 one.sent += 1
                 one.repeat_s = now_s + REPEAT_S
@@ -129,9 +127,9 @@ class Settings:
         raw = encode(one.value, one.kind, one.is_bytewise)
         self._send(dialect.MAVLink_param_set_message(*self._boat, one.name.encode("ascii"), raw, one.kind))
 
-    def _end(self, one: _UnderWay, is_done: bool, text: str) -> None:
+    def _end(self, one: _UnderWay, outcome: Outcome) -> None:
         del self._under_way[one.name]
-        one.answered(is_done, text, one.kept)
+        one.answered(outcome, one.kept)
 
 
 def _refusal(one: _UnderWay) -> str:

@@ -6,6 +6,7 @@ from msgspec import Struct, ValidationError, convert
 
 from companion.shore.messages import Answer, Request
 from companion.shore.plans.desk import Desk
+from companion.shore.station.outcome import Accepted, Outcome
 from companion.shore.station.uploads import plan_upload
 from companion.shore.web.interfaces import Boats
 from companion.shore.words import say
@@ -40,8 +41,9 @@ class PlanUploads:
         mission, fence, rally = kept.lists
         areas = (fence, rally) if asked.with_areas else ((), ())
 
-        def answered(ok: bool, text: str) -> None:
+        def answered(outcome: Outcome) -> None:
             snapshot = self._boats.snapshot(request.boat)
+            ok, text = isinstance(outcome, Accepted), outcome.text
             if ok and asked.start and snapshot is not None and snapshot.armed is False:
                 text = say("answer.when_armed", what=text)
             reply(Answer(id=request.id, ok=ok, text=text, result={"items": kept.plan.items} if ok else None))

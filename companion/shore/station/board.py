@@ -36,6 +36,7 @@ class _Status(Struct):
 
     load: float
     links: _Links
+    system_id: int = 0
 
 
 class Board:
@@ -49,6 +50,7 @@ class Board:
         self._written = 0  # when the file was last written, by its file system
         self._written_s = float("-inf")  # when that was seen
         self._fields: dict[str, Any] = {}
+        self.boat: int | None = None  # the boat that runs on this computer, once it has said so
 
     def fields(self) -> dict[str, Any]:
         """The fields of a snapshot that are known."""
@@ -71,6 +73,7 @@ class Board:
             status = msgspec.json.decode(self._status_file.read_bytes(), type=_Status)
         except (OSError, msgspec.MsgspecError):
             return {}
+        self.boat = status.system_id or self.boat
         return {"load": status.load, "links": [_loss(link) for link in status.links.links]}
 
     def _system(self) -> dict[str, Any]:

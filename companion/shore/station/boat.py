@@ -8,10 +8,11 @@ from companion.mavlink.dialect import Message, dialect
 from companion.shore.messages import Answer, BoatName, Request, Sensor, Snapshot
 from companion.shore.parameters.book import WANTED as PARAMETER_MESSAGES
 from companion.shore.parameters.book import Book
-from companion.shore.station.commands import Answered, Commands
+from companion.shore.station.commands import Commands
 from companion.shore.station.ftp.client import FtpClient
 from companion.shore.station.items import ItemLists
 from companion.shore.station.logs import LogList
+from companion.shore.station.outcome import Accepted, Answered, Outcome, Refused
 from companion.shore.station.reasons import Reasons
 from companion.shore.station.requests import BadRequestError, build_command, way_points
 from companion.shore.station.sailing import Sailing
@@ -20,7 +21,7 @@ from companion.shore.station.setup.heard import MESSAGES as PARTS
 from companion.shore.station.setup.heard import Heard
 from companion.shore.station.setup.requests import MESSAGES as SETTING_UP
 from companion.shore.station.setup.requests import REQUESTS as SETUP
-from companion.shore.station.setup.requests import Setup
+from companion.shore.station.setup.requests import Setup, why_not_disarmed
 from companion.shore.station.setup.sensors import sensors
 from companion.shore.station.streams import Streams
 from companion.shore.station.texts import Text, Texts
@@ -131,7 +132,7 @@ class ShoreBoat:
         self.files.poll(now_s)
         self.logs.poll(now_s)
         self._sailing.poll(now_s)
-        is_heard = now_s - self._heartbeat_s < SILENT_S
+        is_heard = self.silent_s(now_s) < SILENT_S
         self.parameters.poll(now_s, is_heard)
         if not self._sailing.is_uploading:
             self.lists.poll(now_s, is_heard)
@@ -145,21 +146,19 @@ class ShoreBoat:
     def ask(self, request: Request, answer: Callable[[Answer], None], now_s: float) -> None:
         """Do what the page asks; exactly one answer."""
 
-        def answered(ok: bool, text: str) -> None:
-            if ok and request.what in _DEPARTURES and self.view.armed is False:
+        def answered(outcome: Outcome, result: dict[str, Any] | None = None) -> None:
+            is_done, text = isinstance(outcome, Accepted), outcome.text
+            if is_done and request.what in _DEPARTURES and self.view.armed is False:
                 text = say("answer.when_armed", what=text)
-            answer(Answer(id=request.id, ok=ok, text=text))
+            answer(Answer(id=request.id, ok=is_done, text=text, result=result))
 
+        armed = self._armed(now_s)
         if request.what == "set_parameter":
-
-            def replied(ok: bool, text: str, result: dict[str, Any] | None) -> None:
-                answer(Answer(id=request.id, ok=ok, text=text, result=result))
-
-            self.parameters.set(request.arguments, self.view.armed, replied, now_s)
+            self.parameters.set(request.arguments, armed, answered, now_s)
             return
         try:
             if request.what in SETUP:
-                self._setup.ask(request.what, request.arguments, answered, self.view.armed, now_s)
+                self._setup.ask(request.what, request.arguments, answered, armed, now_s)
                 return
             self._setup.motors.end_press()
             if request.what == "sail":
@@ -167,14 +166,18 @@ class ShoreBoat:
                 return
             command = build_command(request.what, request.arguments, self._mode_numbers())
         except BadRequestError as error:
-            answered(False, error.args[0])
+            answered(Refused(error.args[0]))
             return
-        if command.disarmed and self.view.armed is not False:
-            answered(False, say("error.armed"))
+        if command.disarmed and armed is not False:
+            answered(Refused(why_not_disarmed(armed)))
             return
         if command.steers:
             self._sailing.cancel(now_s)
         self._commands.ask(command, answered, now_s)
+
+    def _armed(self, now_s: float) -> bool | None:
+        """By a heartbeat of these seconds; None: the boat is not heard, and may have been armed since."""
+        return self.view.armed if self.silent_s(now_s) < SILENT_S else None
 
     def sensors(self, board: Board, now_s: float) -> list[Sensor]:
         """The parts with their values and verdicts; asks the boat for them for the next WANTED_S.
@@ -182,13 +185,17 @@ class ShoreBoat:
         board: fields of the server's own computer, if the boat runs there.
         """
         self._streams.want_sensors(now_s)
-        is_heard = now_s - self._heartbeat_s < SILENT_S
+        is_heard = self.silent_s(now_s) < SILENT_S
         return sensors(Look(self._parts, self.view, self.reasons.now(), now_s, is_heard, board))
 
     @property
-    def is_uploading(self) -> bool:
-        """Whether an upload is under way, until it is read back."""
-        return self._sailing.is_active
+    def is_transferring(self) -> bool:
+        """Whether a list is on its way, either way."""
+        return self._sailing.is_active or self.lists.is_reading
+
+    def silent_s(self, now_s: float) -> float:
+        """How long ago its latest heartbeat was heard."""
+        return now_s - self._heartbeat_s
 
     def upload(self, upload: Upload, answered: Answered, now_s: float) -> None:
         """Give the boat lists of items; one answer, within the upload's limit and a start."""

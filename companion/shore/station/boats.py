@@ -18,21 +18,23 @@ from companion.mavlink.items import MissionItem
 from companion.shore.messages import Answer, BoatName, Request, Sensor, Snapshot
 from companion.shore.parameters.book import Book
 from companion.shore.station.board import Board
-from companion.shore.station.boat import WANTED, ShoreBoat
-from companion.shore.station.commands import Answered
+from companion.shore.station.boat import SILENT_S, WANTED, ShoreBoat
 from companion.shore.station.ftp.client import FtpClient
-from companion.shore.station.items import Kind
+from companion.shore.station.items import Kind, list_ids
 from companion.shore.station.logs import LogList
+from companion.shore.station.outcome import Answered, Refused
 from companion.shore.station.uploads import Upload
 from companion.shore.station.wire import AUTOPILOT, OWN_COMPONENT, Link, Port, heartbeat
 from companion.shore.words import say
 
 SYSTEM_ID: Final = 250
 MOST_BOATS: Final = 32
+FORGOTTEN_S: Final = 3600.0  # a boat that is lost is looked for at its last place
 _MOST_LINKS: Final = 64
 _HEARTBEAT_S: Final = 1.0
 _HEARTBEAT: Final = dialect.MAVLINK_MSG_ID_HEARTBEAT
 _PING: Final = dialect.MAVLINK_MSG_ID_PING
+_MISSION_CURRENT: Final = dialect.MAVLINK_MSG_ID_MISSION_CURRENT
 
 
 class _Line:
@@ -86,14 +88,26 @@ class Boats:
             self._heartbeat_s = now_s
             for line in self._lines:
                 line.send(heartbeat(self.is_operator))
-        for boat in self._boats.values():
+        for number, boat in list(self._boats.items()):
             boat.poll(now_s, unix_s)
+            if boat.silent_s(now_s) > FORGOTTEN_S and number != self.first:
+                self._forget(number)
         if self._board is not None:
             self._board.poll(now_s)
 
     def close(self) -> None:
         """Close the port. May be called twice."""
         self._port.close()
+
+    @property
+    def first(self) -> int | None:
+        """The boat of this computer, as its status file says, or else the one that was heard first."""
+        own = None if self._board is None else self._board.boat
+        return own if own in self._boats else next(iter(self._boats), None)
+
+    def filenos(self) -> list[int]:
+        """Descriptors to wait on for what the boats send."""
+        return sorted({number for line in self._lines if (number := line.link.fileno()) >= 0})
 
     def names(self) -> list[BoatName]:
         """The boats, by system id."""
@@ -107,7 +121,7 @@ class Boats:
         if (one := self._boats.get(boat)) is None:
             return None
         snapshot = one.snapshot()
-        if self._board is None or boat != min(self._boats):
+        if self._board is None or boat != self.first:
             return snapshot
         return msgspec.structs.replace(snapshot, **self._board.fields())
 
@@ -120,8 +134,7 @@ class Boats:
         """The parts of a boat, asked for until 3 s from now; None if it was never heard."""
         if (one := self._boats.get(boat)) is None:
             return None
-        is_here = self._board is not None and boat == min(self._boats)
-        board = self._board.fields() if self._board is not None and is_here else {}
+        board = {} if self._board is None or boat != self.first else self._board.fields()
         return one.sensors(board, self._now_s)
 
     def track(self, boat: int) -> list[tuple[float, float]]:
@@ -135,9 +148,9 @@ class Boats:
         return None if one is None else one.files
 
     @property
-    def is_uploading(self) -> bool:
-        """Whether a mission is on its way to a boat, or back."""
-        return any(boat.is_uploading for boat in self._boats.values())
+    def is_transferring(self) -> bool:
+        """Whether a list is on its way to a boat, or back."""
+        return any(boat.is_transferring for boat in self._boats.values())
 
     def mission(self, boat: int) -> tuple[MissionItem, ...] | None:
         """The mission on board, home first; None while it is not downloaded."""
@@ -147,7 +160,7 @@ class Boats:
     def upload(self, boat: int, upload: Upload, answered: Answered) -> None:
         """Give a boat a mission. answered is called exactly once, soon after the upload's limit at last."""
         if (one := self._boats.get(boat)) is None:
-            answered(False, f"Boat {boat} was never heard")
+            answered(Refused(say("answer.never_heard", n=boat)))
             return
         one.upload(upload, answered, self._now_s)
 
@@ -178,11 +191,29 @@ class Boats:
                     self._answer_ping(line, frame.layout.unpack(frame.payload), frame.sender)
                 elif frame.message_id in WANTED and frame.sender.component == AUTOPILOT:
                     self._take(line, frame.layout.unpack(frame.payload), frame.sender)
+                    if frame.message_id == _MISSION_CURRENT and frame.sender.system in self._boats:
+                        ids = list_ids(frame.payload)
+                        self._boats[frame.sender.system].lists.on_ids(ids, self._now_s)
+
+    def _make_room(self) -> bool:
+        """Whether there is room for a boat: the one that has been silent longest gives way."""
+        if len(self._boats) < MOST_BOATS:
+            return True
+        others = [number for number in self._boats if number != self.first]
+        oldest = max(others, key=lambda number: self._boats[number].silent_s(self._now_s))
+        if self._boats[oldest].silent_s(self._now_s) < SILENT_S:
+            return False
+        self._forget(oldest)
+        return True
+
+    def _forget(self, number: int) -> None:
+        del self._boats[number]
+        self._line_of.pop(number, None)
 
     def _take(self, line: _Line, message: Message, sender: Address) -> None:
         boat = self._boats.get(sender.system)
         if boat is None:
-            if not _is_boat(message) or len(self._boats) >= MOST_BOATS:
+            if not _is_boat(message) or not self._make_room():
                 return
             boat = self._boats[sender.system] = self._new_boat(sender)
         if self._line_of.get(sender.system) is not line:

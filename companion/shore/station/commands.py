@@ -16,6 +16,7 @@ from typing import Final
 
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
+from companion.shore.station.outcome import Accepted, Answered, Cancelled, Outcome, Refused, Silent
 from companion.shore.station.requests import Command
 from companion.shore.station.texts import Text
 from companion.shore.station.wire import command_long
@@ -36,10 +37,6 @@ _REFUSALS: Final = {
     dialect.MAV_RESULT_FAILED: say("answer.failed"),
     6: say("answer.given_up"),  # MAV_RESULT_CANCELLED, newer than the dialect
 }
-REPLACED: Final = say("answer.replaced")
-NO_ANSWER: Final = say("answer.none")
-
-Answered = Callable[[bool, str], None]
 
 
 @dataclass(slots=True)
@@ -67,7 +64,7 @@ class Commands:
         """Send a command. answered is called once, within timeout_s plus a poll."""
         for older in list(self._under_way.values()):
             if older.command.number == command.number or (older.command.steers and command.steers):
-                self._end(older, False, REPLACED)
+                self._end(older, Cancelled())
         every_s = REPEAT_ONCE_S if command.once else REPEAT_S
         self._under_way[command.number] = _UnderWay(command, answered, now_s + timeout_s, now_s + every_s)
         self._send(_message(self._boat, command, 0))
@@ -76,7 +73,7 @@ class Commands:
         """A newer request steers the boat."""
         for older in list(self._under_way.values()):
             if older.command.steers:
-                self._end(older, False, REPLACED)
+                self._end(older, Cancelled())
 
     def on_ack(self, message: Message, now_s: float) -> None:
         """COMMAND_ACK of the boat."""
@@ -88,7 +85,7 @@ class Commands:
         if one is None or to_other or one.result is not None:
             return
         if message.result == dialect.MAV_RESULT_ACCEPTED:
-            self._end(one, True, one.command.done)
+            self._end(one, Accepted(one.command.done))
         elif message.result != dialect.MAV_RESULT_IN_PROGRESS:
             one.result, one.settled_s = message.result, now_s + SETTLE_S
 
@@ -105,17 +102,17 @@ class Commands:
             if one.result is not None:
                 if now_s >= one.settled_s:
                     plain = _REFUSALS.get(one.result, say("answer.result", n=one.result))
-                    self._end(one, False, ". ".join(one.texts) or plain)
+                    self._end(one, Refused(". ".join(one.texts) or plain))
             elif now_s >= one.ends_s:
-                self._end(one, False, NO_ANSWER)
+                self._end(one, Silent())
             elif now_s >= one.repeat_s and one.sent < (TRIES_ONCE if one.command.once else TRIES):
                 self._send(_message(self._boat, one.command, one.sent))
                 one.sent += 1
                 one.repeat_s = now_s + (REPEAT_ONCE_S if one.command.once else REPEAT_S)
 
-    def _end(self, one: _UnderWay, accepted: bool, text: str) -> None:
+    def _end(self, one: _UnderWay, outcome: Outcome) -> None:
         del self._under_way[one.command.number]
-        one.answered(accepted, text)
+        one.answered(outcome)
 
 
 def _message(boat: Address, command: Command, repeat: int) -> Message:

@@ -1,9 +1,10 @@
 """Mission, fence and rally list of one boat, downloaded by the mission protocol.
 
-The boat does not say when another station has changed a list, so a list is read again from time to time, and
-at once when something hints at a change.
+A list is read again at once when the boat says that it is another one (the ids in MISSION_CURRENT, or another
+number of items), and from time to time for boats that do not say so.
 """
 
+import struct
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final, Literal
@@ -21,10 +22,15 @@ KINDS: Final[dict[Kind, MissionType]] = {
     "mission": MissionType.MISSION, "fence": MissionType.FENCE, "rally": MissionType.RALLY,
 }  # fmt: skip
 AGAIN_S: Final = 30.0  # between readings of a list
-AGAIN_PER_ITEM_S: Final = 0.5  # and longer for long lists, which cost more
+AGAIN_SHARE: Final = 0.1  # of the link's time, at most, for reading a long list again
 AFTER_FAILURE_S: Final = 10.0
 _MOST_ITEMS: Final = 5000
 _RETRY_S, _RETRIES = 1.0, 10  # of a hundred items, where a fifth of the frames is lost, all arrive
+
+
+def list_ids(payload: bytes) -> tuple[int, ...]:
+    """mission_id, fence_id and rally_points_id of MISSION_CURRENT, which are newer than the dialect."""
+    return struct.unpack("<3I", payload[6:18].ljust(12, b"\0"))
 
 
 @dataclass(slots=True)
@@ -47,6 +53,12 @@ class ItemLists:
         self._reading: Kind | None = None
         self._began_s = 0.0
         self._receiver = Receiver(own, MissionType.MISSION)
+        self._ids: tuple[int, ...] | None = None
+
+    @property
+    def is_reading(self) -> bool:
+        """Whether a download is under way."""
+        return self._reading is not None
 
     def summary(self, kind: Kind) -> ItemList | None:
         """Count and version; home is not counted. None until downloaded."""
@@ -77,6 +89,13 @@ class ItemLists:
     def may_have_changed(self, kind: Kind, now_s: float) -> None:
         """Read this list again soon."""
         self._lists[kind].due_s = min(self._lists[kind].due_s, now_s)
+
+    def on_ids(self, ids: tuple[int, ...], now_s: float) -> None:
+        """The ids that the boat gives its lists, in the order of KINDS; 0: none."""
+        for kind, before, now in zip(KINDS, self._ids or ids, ids, strict=True):
+            if now != before:
+                self.may_have_changed(kind, now_s)
+        self._ids = ids
 
     def pause(self, now_s: float) -> None:
         """Give up the download under way: an upload needs the line. It is due again."""
@@ -116,7 +135,7 @@ class ItemLists:
             if isinstance(event, Completed):
                 self._receiver.confirm(now_s)
                 self._keep(self._reading, event.items)
-                one.due_s = now_s + AGAIN_S + AGAIN_PER_ITEM_S * len(event.items)
+                one.due_s = now_s + AGAIN_S + (now_s - self._began_s) / AGAIN_SHARE
                 one.read_s = self._began_s
                 self._reading = None
             elif isinstance(event, Failed):

@@ -13,9 +13,9 @@ from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message
 from companion.mavlink.items import MissionType
 from companion.mavlink.sender import Sender
-from companion.mavlink.transfer import Completed, Failed
-from companion.shore.station.commands import NO_ANSWER, REPLACED, Answered
+from companion.mavlink.transfer import Completed, Failed, FailureCause
 from companion.shore.station.items import ItemLists
+from companion.shore.station.outcome import Accepted, Answered, Cancelled, Outcome, Refused, Silent
 from companion.shore.station.requests import Command
 from companion.shore.station.uploads import Part, Upload, first_difference
 from companion.shore.words import Said, say
@@ -77,7 +77,7 @@ class Sailing:
         """A newer request steers the boat."""
         if self._answered is not None:
             self._stop(now_s)
-            self._end(False, REPLACED)
+            self._end(Cancelled())
 
     def handle(self, message: Message, now_s: float) -> None:
         """A message of the mission protocol from the boat."""
@@ -94,7 +94,7 @@ class Sailing:
         if self._upload is not None and now_s >= self._deadline_s:
             text = self._lateness(self._upload)
             self._stop(now_s)
-            self._end(False, text)
+            self._end(Silent(text))
 
     def _lateness(self, upload: Upload) -> Said:
         if not self._waiting:
@@ -118,9 +118,9 @@ class Sailing:
                 elif not upload.is_read_back:
                     self._finish(upload, now_s)
             elif isinstance(event, Failed):
-                is_silent = event.text.startswith(("no answer", "the partner"))
                 self._waiting.clear()
-                self._end(False, NO_ANSWER if is_silent else _refusal(upload, event.text))
+                is_silent = event.cause is FailureCause.SILENT
+                self._end(Silent() if is_silent else Refused(_refusal(upload, event.text)))
 
     def _compare(self, upload: Upload, now_s: float) -> None:
         """As soon as all lists were read again."""
@@ -129,13 +129,13 @@ class Sailing:
         for part in upload.parts:
             other = first_difference(part, self._lists.items(part.kind) or ())
             if other is not None:
-                self._end(False, say("answer.plan_differs", n=other, list=part.kind))
+                self._end(Refused(say("answer.plan_differs", n=other, list=part.kind)))
                 return
         self._finish(upload, now_s)
 
     def _finish(self, upload: Upload, now_s: float) -> None:
         if upload.start is None:
-            self._end(True, say("answer.plan_on_board"))
+            self._end(Accepted(say("answer.plan_on_board")))
             return
         answered, self._answered, self._upload = self._answered, None, None
         if answered is not None:
@@ -147,10 +147,10 @@ class Sailing:
             self._sender.cancel(now_s)
             self._post()
 
-    def _end(self, ok: bool, text: str) -> None:
+    def _end(self, outcome: Outcome) -> None:
         answered, self._answered, self._upload = self._answered, None, None
         if answered is not None:
-            answered(ok, text)
+            answered(outcome)
 
     def _post(self) -> None:
         for message in self._sender.take_outbox():

@@ -21,6 +21,9 @@ class Link(Protocol):
     def is_closed(self) -> bool:
         """True once the far side is gone for good."""
 
+    def fileno(self) -> int:
+        """A descriptor to wait on for received bytes, −1 without one."""
+
     def receive(self) -> list[bytes]:
         """All received chunks, oldest first."""
 

@@ -76,17 +76,17 @@ class Hub:
         watched = {watch.boat for watch in self.watches}
         self._feeds = {boat: feed for boat, feed in self._feeds.items() if boat in watched}
         for watch in self.watches:
-            self._attach(watch, names)
+            self._attach(watch)
         for feed in self._feeds.values():
             feed.update(self.boats.snapshot(feed.boat))
         for watch in self.watches:
             watch.viewer.greet(self._hello(watch, names, now_s))
             watch.wake.set()
 
-    def _attach(self, watch: Watch, names: list[BoatName]) -> None:
+    def _attach(self, watch: Watch) -> None:
         """To the boat asked for, or the first."""
-        if watch.boat is None and names:
-            watch.boat = min(boat.id for boat in names)
+        if watch.boat is None:
+            watch.boat = self.boats.first
         if watch.boat is not None:
             watch.viewer.feed = self._feeds.setdefault(watch.boat, Feed(watch.boat))
 
@@ -99,7 +99,7 @@ class Hub:
         watch = Watch(Viewer(None, now_s), boat, token)
         self.watches.append(watch)
         names = self.boats.names()
-        self._attach(watch, names)
+        self._attach(watch)
         feed = watch.viewer.feed
         if feed is not None and feed.tree is None:
             feed.update(self.boats.snapshot(feed.boat))

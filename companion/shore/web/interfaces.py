@@ -6,6 +6,7 @@ from typing import Any, Literal, Protocol
 from companion.mavlink.items import MissionItem
 from companion.shore.messages import Answer, BoatName, LogFile, Place, Request, Sensor, Snapshot
 from companion.shore.parameters.book import Book
+from companion.shore.station.outcome import Answered
 from companion.shore.station.uploads import Upload
 
 ItemKind = Literal["mission", "fence", "rally"]
@@ -94,8 +95,15 @@ class Boats(Service, Protocol):
     is_operator: bool
 
     @property
-    def is_uploading(self) -> bool:
-        """Whether an upload waits for each poll."""
+    def is_transferring(self) -> bool:
+        """Whether a list is on its way, item by item."""
+
+    @property
+    def first(self) -> int | None:
+        """The boat of a page that asks for none."""
+
+    def filenos(self) -> list[int]:
+        """Descriptors to wait on for what the boats send."""
 
     def poll(self, now_s: float, unix_s: float) -> None:
         """Read and send what is due."""
@@ -118,8 +126,8 @@ class Boats(Service, Protocol):
     def mission(self, boat: int) -> Sequence[MissionItem] | None:
         """The mission on board, home first; None while it is not downloaded."""
 
-    def upload(self, boat: int, upload: Upload, answered: Callable[[bool, str], None]) -> None:
-        """Give a boat a mission; `answered` is called once, with whether it is on board, and a text."""
+    def upload(self, boat: int, upload: Upload, answered: Answered) -> None:
+        """Give a boat a mission; `answered` is called once."""
 
     def parameters(self, boat: int) -> Book | None:
         """A boat's parameters; None before its first heartbeat."""

@@ -20,7 +20,7 @@ from companion.shore.web.static_files import read_files, respond
 from companion.shore.web.throttle import network_of
 
 POLL_S: Final = 0.05
-_HURRIED_S: Final = 0.01  # an upload takes a poll for each item, and there and back a boat takes 20 ms
+_GATHER_S: Final = 0.001  # between two polls, however often the boats send
 _NO_SOURCES: Final = Sources()
 # Requests: a page's first view has some fifty files. All strangers together cost 3 % of a core of a laptop
 _OFTEN: Final = Rate(burst=400, per_s=50.0)
@@ -93,4 +93,23 @@ async def _poll(hub: Hub, sockets: Sockets) -> None:
     while True:
         hub.tick()
         sockets.drop_lost(hub.clock.now_s())
-        await asyncio.sleep(_HURRIED_S if hub.boats.is_uploading else POLL_S)
+        if hub.boats.is_transferring:  # each item is asked for as soon as the one before has come
+            await asyncio.sleep(_GATHER_S)
+            await _readable(hub.boats.filenos(), POLL_S)
+        else:
+            await asyncio.sleep(POLL_S)
+
+
+async def _readable(filenos: list[int], longest_s: float) -> None:
+    """Until one of the descriptors has something to read, or for so long."""
+    loop, came = asyncio.get_running_loop(), asyncio.Event()
+    for number in filenos:
+        loop.add_reader(number, came.set)
+    try:
+        async with asyncio.timeout(longest_s):
+            await came.wait()
+    except TimeoutError:
+        pass
+    finally:
+        for number in filenos:
+            loop.remove_reader(number)

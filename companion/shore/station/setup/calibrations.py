@@ -22,6 +22,7 @@ import msgspec
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.shore.messages import Calibration
+from companion.shore.station.outcome import Accepted, Answered, Cancelled, Outcome, Refused, Silent
 from companion.shore.station.texts import Text
 from companion.shore.station.wire import command_long
 from companion.shore.words import say
@@ -46,8 +47,6 @@ NOTHING_TO_CANCEL: Final = say("answer.calibration_none")
 NOTHING_TO_KEEP: Final = say("answer.calibration_no_result")
 _REFUSED: Final = say("answer.refused")
 _NO_END: Final = say("answer.calibration_no_end")
-
-Answered = Callable[[bool, str], None]
 
 
 class Kind(NamedTuple):
@@ -122,7 +121,7 @@ class Calibrations:
     def start(self, kind: str, answered: Answered, now_s: float) -> None:
         """Start one of KINDS. Answered when the boat has begun."""
         if self.now.state in _RUNS or self._sending is not None:
-            answered(False, UNDER_WAY)
+            answered(Refused(UNDER_WAY))
             return
         self.now = Calibration(kind=kind, state="asked")
         self._began_s = self._heard_s = now_s
@@ -132,19 +131,19 @@ class Calibrations:
     def keep(self, answered: Answered, now_s: float) -> None:
         """Keep the compass's result."""
         if self.now.kind != "compass" or self.now.state not in ("waiting", "silent", "unknown"):
-            answered(False, NOTHING_TO_KEEP)
+            answered(Refused(NOTHING_TO_KEEP))
         elif self._sending is not None:
-            answered(False, UNDER_WAY)
+            answered(Refused(UNDER_WAY))
         else:
             self._ask("keep", dialect.MAV_CMD_DO_ACCEPT_MAG_CAL, (), answered, now_s)
 
     def cancel(self, answered: Answered, now_s: float) -> None:
         """Cancel it, or drop its result."""
         if not self.now.kind or self.now.state in ("done", "failed", "cancelled"):
-            answered(False, NOTHING_TO_CANCEL)
+            answered(Refused(NOTHING_TO_CANCEL))
             return
         if self._sending is not None:
-            self._sending.answered(False, CANCELLED)
+            self._sending.answered(Cancelled(CANCELLED))
         self._end = None
         self._ask("cancel", KINDS[self.now.kind].cancel, (), answered, now_s)
 
@@ -168,19 +167,19 @@ class Calibrations:
         if sending.step == "start":
             if result == dialect.MAV_RESULT_IN_PROGRESS or (is_done and self.now.kind == "compass"):
                 self._progress(message.progress if result == dialect.MAV_RESULT_IN_PROGRESS else 0)
-                self._answer(True, STARTED)
+                self._answer(Accepted(STARTED))
             else:
                 self._settle(_ended(result), now_s)
             self._heard_s = now_s
         elif sending.step == "cancel" and (is_done or result == _CANCELLED):
             self._change(state="cancelled", percent=None)
-            self._answer(True, CANCELLED)
+            self._answer(Accepted(CANCELLED))
         elif sending.step == "keep" and result != dialect.MAV_RESULT_IN_PROGRESS:
             if is_done or (sending.sent > 1 and self.now.state == "waiting"):
                 self._change(state="done")
-                self._answer(True, KEPT)
+                self._answer(Accepted(KEPT))
             else:
-                self._answer(False, NOTHING_TO_KEEP)
+                self._answer(Refused(NOTHING_TO_KEEP))
 
     def on_progress(self, message: Message, now_s: float) -> None:
         """MAG_CAL_PROGRESS."""
@@ -188,7 +187,7 @@ class Calibrations:
             self._heard_s = now_s
             self._progress(message.completion_pct)
             if self._sending is not None and self._sending.step == "start":
-                self._answer(True, STARTED)
+                self._answer(Accepted(STARTED))
 
     def on_report(self, message: Message, now_s: float) -> None:
         """MAG_CAL_REPORT."""
@@ -251,15 +250,15 @@ class Calibrations:
         if now_s >= sending.until_s:
             if sending.step == "start":
                 self._change(state="unknown", text=NO_ANSWER)
-            self._answer(False, NO_ANSWER)
+            self._answer(Silent(NO_ANSWER))
         elif now_s >= sending.next_s and sending.sent < TRIES:
             self._sending = sending._replace(sent=sending.sent + 1, next_s=now_s + REPEAT_S)
             self._send(command_long(self._boat, sending.command, *sending.params, repeat=sending.sent))
 
-    def _answer(self, ok: bool, text: str) -> None:
+    def _answer(self, outcome: Outcome) -> None:
         if (sending := self._sending) is not None:
             self._sending = None
-            sending.answered(ok, text)
+            sending.answered(outcome)
 
     def _progress(self, percent: int) -> None:
         if self._end is None:
@@ -277,7 +276,8 @@ class Calibrations:
         others = [one.text for one in self._texts if one.severity < _TOLD]
         text = (telling or others or [_REFUSED if state == "failed" else ""])[-1]
         self._change(state=state, text=text, percent=100 if state in ("done", "waiting") else None)
-        self._answer(state in ("done", "waiting"), text or STARTED)
+        is_good = state in ("done", "waiting")
+        self._answer(Accepted(text or STARTED) if is_good else Refused(text or STARTED))
 
     def _change(self, **values: object) -> None:
         if any(getattr(self.now, name) != value for name, value in values.items()):

@@ -21,6 +21,7 @@ from typing import Any, Final, NamedTuple
 
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
+from companion.shore.station.outcome import Accepted, Answered, Outcome, Refused, Silent
 from companion.shore.station.requests import BadRequestError, number_of
 from companion.shore.station.texts import Text
 from companion.shore.station.wire import command_long
@@ -48,8 +49,6 @@ HELD_UP: Final = say("answer.motor_held_up")
 ENDED: Final = say("answer.motor_ended")
 NO_ANSWER: Final = say("answer.motor_silent")
 REFUSED: Final = say("answer.refused")
-
-Answered = Callable[[bool, str], None]
 
 
 class _Waiting(NamedTuple):
@@ -98,17 +97,17 @@ class MotorTests:
         if not isinstance(press, str) or not 0 < len(press) <= _MOST_NAME:
             raise BadRequestError(say("answer.no_press"))
         if press in self._ended or self._refused_s is not None or len(self._waiting) >= _MOST_WAITING:
-            answered(False, ENDED)
+            answered(Refused(ENDED))
             return
         if press != self._press:
             self.end_press()
             self._press, self._began_s, self._held_before_s = press, now_s, held_s
         elif now_s - self._began_s > held_s - self._held_before_s + LATE_S:
             self.end_press()
-            answered(False, HELD_UP)
+            answered(Refused(HELD_UP))
             return
         self._stops_left = 0
-        self._end_stops(True, STOPPED)
+        self._end_stops(Accepted(STOPPED))
         self._waiting.append(_Waiting(answered, now_s + _TURN_ANSWER_S))
         self._is_other = not self._is_other
         self._turned_s = now_s
@@ -137,7 +136,7 @@ class MotorTests:
             return
         if message.result == dialect.MAV_RESULT_ACCEPTED:
             self._is_stop_heard = True
-            self._answer_waiting(True, TURNING)
+            self._answer_waiting(Accepted(TURNING))
         elif self._waiting and self._refused_s is None:
             self.end_press()
             self._refused_s = now_s + _SETTLE_S
@@ -151,26 +150,26 @@ class MotorTests:
         """Repeat the stop, answer what is settled, give up. is_armed: by the boat's latest heartbeat."""
         self._repeat_stop(now_s)
         if self._refused_s is not None and now_s >= self._refused_s:
-            self._answer_waiting(False, "".join(self._texts) or REFUSED)
+            self._answer_waiting(Refused("".join(self._texts) or REFUSED))
         late = [one for one in self._waiting if now_s >= one.until_s]
         self._waiting = [one for one in self._waiting if now_s < one.until_s]
         for one in late:
-            one.answered(False, NO_ANSWER)
+            one.answered(Silent(NO_ANSWER))
         if self._stopping and self._is_stop_heard and not (is_armed and self.is_own(now_s)):
-            self._end_stops(True, STOPPED)
+            self._end_stops(Accepted(STOPPED))
         if any(now_s >= one.until_s for one in self._stopping):
-            self._end_stops(False, NO_ANSWER)
+            self._end_stops(Silent(NO_ANSWER))
 
-    def _answer_waiting(self, ok: bool, text: str) -> None:
+    def _answer_waiting(self, outcome: Outcome) -> None:
         waiting, self._waiting = self._waiting, []
         self._refused_s, self._texts = None, []
         for one in waiting:
-            one.answered(ok, text)
+            one.answered(outcome)
 
-    def _end_stops(self, ok: bool, text: str) -> None:
+    def _end_stops(self, outcome: Outcome) -> None:
         stopping, self._stopping = self._stopping, []
         for one in stopping:
-            one.answered(ok, text)
+            one.answered(outcome)
 
     def _repeat_stop(self, now_s: float) -> None:
         if self._stops_left and now_s >= self._stop_s:

@@ -5,12 +5,12 @@ from typing import Any, Final
 
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
-from companion.shore.station.setup.calibrations import KINDS, Answered, Calibrations
+from companion.shore.station.outcome import Answered, Refused
+from companion.shore.station.setup.calibrations import KINDS, Calibrations
 from companion.shore.station.setup.motor_tests import MotorTests
 from companion.shore.station.texts import Text
 from companion.shore.words import say
 
-ARMED: Final = say("error.armed")
 _PROGRESS: Final = dialect.MAVLINK_MSG_ID_MAG_CAL_PROGRESS
 _REPORT: Final = dialect.MAVLINK_MSG_ID_MAG_CAL_REPORT
 MESSAGES: Final = frozenset({_PROGRESS, _REPORT, dialect.MAVLINK_MSG_ID_COMMAND_ACK})
@@ -18,6 +18,11 @@ _STARTS: Final = {f"calibrate_{kind}": kind for kind in KINDS}
 # What changes nothing that a sailing boat needs, and ends something
 _ALWAYS: Final = frozenset({"calibrate_cancel", "motor_stop"})
 REQUESTS: Final = frozenset({*_STARTS, *_ALWAYS, "calibrate_accept", "motor"})
+
+
+def why_not_disarmed(armed: bool | None) -> str:
+    """Of a boat that is armed, or may be: None is a boat that is not heard."""
+    return say("error.armed") if armed else say("error.armed_unknown")
 
 
 class Setup:
@@ -39,7 +44,7 @@ class Setup:
         kind = _STARTS.get(what)
         may = what in _ALWAYS or is_own or (kind is not None and KINDS[kind].while_armed)
         if armed is not False and not may:
-            answered(False, ARMED)
+            answered(Refused(why_not_disarmed(armed)))
         elif what == "motor":
             self.motors.turn(arguments, answered, now_s)
         elif what == "motor_stop":

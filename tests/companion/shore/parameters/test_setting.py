@@ -17,6 +17,7 @@ from companion.shore.parameters.metadata import Description
 from companion.shore.parameters.packed import read_descriptions
 from companion.shore.parameters.setting import Settings
 from companion.shore.parameters.values import Value
+from companion.shore.station.outcome import Accepted, Cancelled, Outcome, Refused, Silent
 
 REAL32, INT8, INT32, UINT8 = 9, 2, 6, 1
 BOAT, OWN = Address(1, 1), Address(250, 190)
@@ -129,7 +130,7 @@ class Script:
     def __init__(self) -> None:
         self.sent: list[Message] = []
         self.settings = Settings(BOAT, OWN, self.sent.append)
-        self.answers: list[tuple[bool, str, Value | None]] = []
+        self.answers: list[tuple[Outcome, Value | None]] = []
         self.now_s = 0.0
 
     def ask(self, number: float, name: str = "A", kind: int = REAL32) -> None:
@@ -150,7 +151,7 @@ def test_a_silent_boat_is_asked_some_times_and_then_given_up() -> None:
     script.run(20.0)
     assert len(script.sent) == setting.TRIES
     assert script.answers == [
-        (False, "No answer from the boat. Whether A has changed is not known: look at it again", None)
+        (Silent("No answer from the boat. Whether A has changed is not known: look at it again"), None)
     ]
 
 
@@ -161,7 +162,7 @@ def test_the_old_value_of_a_list_under_way_is_no_answer() -> None:
     script.run(0.6)
     assert script.answers == []
     script.hear(1.0)
-    assert [ok for ok, _, _ in script.answers] == [True]
+    assert [type(outcome) for outcome, _ in script.answers] == [Accepted]
 
 
 def test_a_boat_that_keeps_another_value_without_a_reason_is_believed_the_second_time() -> None:
@@ -175,7 +176,7 @@ def test_a_boat_that_keeps_another_value_without_a_reason_is_believed_the_second
     assert len(script.sent) == 2
     script.hear(5.0)
     script.run(1.0)
-    assert script.answers == [(False, "The boat keeps A at 5", Value(5.0, REAL32))]
+    assert script.answers == [(Refused("The boat keeps A at 5"), Value(5.0, REAL32))]
 
 
 def test_a_reason_before_or_after_the_value_is_told() -> None:
@@ -189,7 +190,9 @@ def test_a_reason_before_or_after_the_value_is_told() -> None:
             script.settings.on_text("A: 9 is outside 0..5", script.now_s)
         script.settings.on_text("ABC: something else", script.now_s)
         script.run(1.0)
-        assert [text for _, text, _ in script.answers] == ["A: 9 is outside 0..5. The boat keeps A at 5"]
+        assert [outcome.text for outcome, _ in script.answers] == [
+            "A: 9 is outside 0..5. The boat keeps A at 5"
+        ]
 
 
 @pytest.mark.parametrize("target", [(0, 0), (250, 190), (9, 9)])
@@ -199,7 +202,7 @@ def test_a_param_error_is_the_answer_if_it_is_ours(target: tuple[int, int]) -> N
     error = dialect.MAVLink_param_error_message(*target, b"A", -1, dialect.MAV_PARAM_ERROR_READ_ONLY)
     script.settings.on_error(error, script.now_s)
     script.run(0.9)
-    told = [text for _, text, _ in script.answers]
+    told = [outcome.text for outcome, _ in script.answers]
     assert told == ([] if target == (9, 9) else ["A: the boat cannot change this parameter"])
 
 
@@ -207,9 +210,9 @@ def test_a_newer_value_replaces_the_older_one() -> None:
     script = Script()
     script.ask(1.0)
     script.ask(2.0)
-    assert [text for _, text, _ in script.answers] == ["Replaced by a newer request"]
+    assert [outcome for outcome, _ in script.answers] == [Cancelled()]
     script.hear(2.0)
-    assert [ok for ok, _, _ in script.answers] == [False, True]
+    assert [type(outcome) for outcome, _ in script.answers] == [Cancelled, Accepted]
 
 
 def test_many_at_once_are_bounded_and_each_is_answered() -> None:
@@ -225,7 +228,7 @@ def test_float32_is_near_enough() -> None:
     script = Script()
     script.ask(0.1)
     script.hear(float(value("A", 0.1, 0, 1).param_value))
-    assert [text for _, text, _ in script.answers] == ["A is now 0.1"]
+    assert [outcome.text for outcome, _ in script.answers] == ["A is now 0.1"]
 
 
 @pytest.mark.parametrize(

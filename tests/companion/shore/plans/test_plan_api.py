@@ -18,6 +18,7 @@ from companion.mavlink.items import MissionItem
 from companion.shore.messages import Place
 from companion.shore.plans.desk import MOST_BYTES, Sources
 from companion.shore.plans.shelf import MOST_PLANS
+from companion.shore.station.outcome import Accepted
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "web"))
 from shore_fakes import FakeBoats, Server, run, serving, until
@@ -454,7 +455,7 @@ def test_a_plan_is_uploaded_as_it_is_and_areas_only_if_asked_for() -> None:
                 assert upload.start is not None
                 mission = upload.parts[-1].items
                 assert [(one.command, one.param1) for one in mission] == [(16, 0.0), (178, 1.0), (16, 9.0)]
-                answered(True, "The boat sails the plan")
+                answered(Accepted("The boat sails the plan"))
                 while (told := await live.receive_json())["type"] != "answer":
                     pass
                 assert (told["id"], told["ok"], told["result"]) == (ident, True, {"items": 2})

@@ -1,12 +1,19 @@
 """Boats: what is seen of one boat or several, over links that come and go."""
 
+import struct
+from pathlib import Path
+
 import msgspec
 from boat_rig import HOME_ITEM, Rig, scenario, waypoint
-from shore_rig import UNIX_S, Shore
+from pymavlink.dialects.v20 import all as peer
+from shore_rig import UNIX_S, LossyEnd, Shore
 
 from companion.core.geo import Point
+from companion.links.memory import MemoryLink, memory_pair
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionType
+from companion.shore.station import boats
+from companion.shore.station.boats import Boats
 
 
 def test_the_main_values_of_a_boat() -> None:
@@ -211,3 +218,105 @@ def test_texts_are_numbered_and_the_latest_thirty_kept() -> None:
     numbers = [line.number for line in lines]
     assert numbers == list(range(numbers[0], numbers[0] + 30))
     assert lines[-1].text == "Mode HOLD"
+
+
+def stranger(shore: Shore) -> MemoryLink:
+    """A link on which a test says what boats say."""
+    near, far = memory_pair("stranger")
+    shore.port.fresh.append(LossyEnd(far, 0.0, 1))
+    return near
+
+
+def heartbeat(system: int, *, armed: bool = False) -> bytes:
+    said = peer.MAVLink(None, system, 1)
+    return bytes(said.heartbeat_encode(11, 3, 128 if armed else 0, 0, 4).pack(said))
+
+
+def mission_current(*ids: int) -> bytes:
+    """MISSION_CURRENT as common.xml has it now: the three ids are extensions behind mission_mode."""
+    payload = struct.pack("<HHBB3I", 0, 0, 0, 0, *ids).rstrip(b"\0") or b"\0"
+    head = struct.pack("<BBBBBB", len(payload), 0, 0, 0, 1, 1) + (42).to_bytes(3, "little")
+    crc = peer.x25crc(head + payload)
+    crc.accumulate(b"\x1c")  # CRC_EXTRA 28
+    return b"\xfd" + head + payload + struct.pack("<H", crc.crc)
+
+
+def asked_lists(link: MemoryLink) -> list[int]:
+    """The lists that the station has asked for, by mission type; each is answered with an empty one."""
+    decoder, said = peer.MAVLink(None), peer.MAVLink(None, 1, 1)
+    asked = []
+    for chunk in link.receive():
+        for message in decoder.parse_buffer(chunk) or []:
+            if message.get_type() == "MISSION_REQUEST_LIST":
+                asked.append(message.mission_type)
+                count = said.mission_count_encode(250, 190, 0, message.mission_type)
+                link.send(bytes(count.pack(said)))
+    return asked
+
+
+def test_a_list_with_a_new_id_is_read_again_at_once() -> None:
+    shore = Shore()
+    link = stranger(shore)
+
+    def asked_within(seconds: int, *ids: int) -> list[int]:
+        asked = []
+        for _ in range(seconds * 10):
+            link.send(heartbeat(1))
+            link.send(mission_current(*ids))
+            shore.run(0.1)
+            asked += asked_lists(link)
+        return asked
+
+    assert asked_within(5, 7, 3, 0) == [0, 1, 2]
+    assert asked_within(10, 7, 3, 0) == []
+    assert asked_within(2, 8, 3, 0) == [0]
+    assert asked_within(2, 8, 4, 0) == [1]
+    assert asked_within(2, 8, 4, 1) == [2]
+    assert asked_within(10, 8, 4, 1) == []
+
+
+def test_boats_that_were_heard_once_give_way_to_one_that_comes() -> None:
+    shore = Shore()
+    link = stranger(shore)
+    link.send(heartbeat(1))
+    shore.run(0.1)
+    for system in range(100, 99 + boats.MOST_BOATS):
+        link.send(heartbeat(system, armed=True))
+    shore.run(0.1)
+    assert len(shore.boats.names()) == boats.MOST_BOATS
+    link.send(heartbeat(2))
+    shore.run(0.1)
+    assert shore.boats.snapshot(2) is None, "all others are heard"
+    shore.run(6.0)
+    link.send(heartbeat(2))
+    shore.run(0.1)
+    assert shore.boats.snapshot(2) is not None
+    assert shore.boats.snapshot(1) is not None, "the first boat stays, however silent"
+    assert len(shore.boats.names()) == boats.MOST_BOATS
+
+
+def test_a_boat_that_is_silent_for_an_hour_is_forgotten_but_not_the_first() -> None:
+    shore = Shore()
+    link = stranger(shore)
+    link.send(heartbeat(3))
+    shore.run(0.1)
+    link.send(heartbeat(77, armed=True))
+    shore.run(0.1)
+    shore.now_s += boats.FORGOTTEN_S
+    shore.poll()
+    assert [one.id for one in shore.boats.names()] == [3]
+
+
+def test_the_first_boat_is_the_one_of_this_computer(tmp_path: Path) -> None:
+    file = tmp_path / "status.json"
+    file.write_bytes(b'{"load": 0.25, "links": {"links": []}, "system_id": 3}')
+    shore = Shore()
+    shore.boats = Boats(shore.port, 250, status_file=file)
+    link = stranger(shore)
+    link.send(heartbeat(1, armed=True))
+    shore.run(0.1)
+    assert shore.boats.first == 1
+    link.send(heartbeat(3))
+    shore.run(0.1)
+    assert shore.boats.first == 3
+    assert (shore.snapshot(1).load, shore.snapshot(3).load) == (None, 0.25)

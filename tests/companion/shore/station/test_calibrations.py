@@ -10,7 +10,6 @@ from companion.core.requests import ManualControl
 from companion.mavlink.dialect import dialect
 from companion.shore.messages import Calibration
 from companion.shore.station.setup.calibrations import NOTHING_TO_CANCEL, NOTHING_TO_KEEP, UNDER_WAY
-from companion.shore.station.setup.requests import ARMED
 
 MANUAL, HOLD, LOITER = 0, 4, 5
 MAGNETOMETER = (
@@ -213,7 +212,7 @@ def test_an_armed_boat_calibrates_nothing_that_needs_rest() -> None:
     shore.run(1.5)
     for what in ("calibrate_compass", "calibrate_gyro", "calibrate_motor_field", "calibrate_accept"):
         answer = shore.ask(what)
-        assert (answer.ok, answer.text) == (False, ARMED)
+        assert (answer.ok, answer.text) == (False, "The boat is armed: disarm it first.")
     assert shore.snapshot().calibration is None
 
 
@@ -260,7 +259,7 @@ def test_the_thrusters_calibration_needs_an_armed_boat_that_keeps_its_place() ->
     shore.run(12.0)
     assert state(shore).state == "running"
     assert state(shore).percent
-    assert shore.ask("calibrate_gyro").text == ARMED
+    assert shore.ask("calibrate_gyro").text == "The boat is armed: disarm it first."
     assert shore.ask("calibrate_heading").text == UNDER_WAY
     assert shore.ask("calibrate_cancel").ok
     assert state(shore).state == "cancelled"

@@ -8,7 +8,6 @@ from companion.core.requests import ManualControl
 from companion.mavlink.dialect import dialect
 from companion.shore.messages import Answer
 from companion.shore.station.setup.motor_tests import ENDED, HELD_UP, NO_ANSWER, STOPPED
-from companion.shore.station.setup.requests import ARMED
 
 LONGEST_S = 1.1  # a second, and what passes until the boat is polled
 EVERY_S = 0.3  # how often the page repeats while a button is held
@@ -172,7 +171,7 @@ def test_an_armed_boat_is_refused(shore: Shore) -> None:
     shore.run(1.5)
     press(shore)
     shore.run(0.5)
-    assert (shore.answers[-1].ok, shore.answers[-1].text) == (False, ARMED)
+    assert (shore.answers[-1].ok, shore.answers[-1].text) == (False, "The boat is armed: disarm it first.")
     assert not rig.boat.motor_test.is_running
 
 

@@ -237,12 +237,22 @@ def test_restart_begins_the_boats_program_anew_and_is_noticed() -> None:
     shore.until(lambda: rig.boat.wants_restart, 5.0)
 
 
-@pytest.mark.parametrize("armed", [True, None])
-def test_an_armed_boat_is_not_asked_to_restart(armed: bool | None) -> None:
+def test_an_armed_boat_is_not_asked_to_restart() -> None:
     rig, shore = shore_with("armed")
     shore.run(1.5)
-    shore.boats._boats[1].view.armed = armed
     answer = shore.ask("restart")
-    assert (answer.ok, answer.text) == (False, "A boat is armed: disarm it first.")
+    assert (answer.ok, answer.text) == (False, "The boat is armed: disarm it first.")
     shore.run(3.0)
     assert not rig.boat.wants_restart
+
+
+@pytest.mark.parametrize("what", ["restart", "calibrate_gyro", "calibrate_compass", "motor", "set_parameter"])
+def test_what_needs_a_disarmed_boat_is_refused_for_one_that_is_not_heard_any_more(what: str) -> None:
+    _, shore = shore_with()
+    assert shore.snapshot().armed is False
+    shore.ends[0].loss = 1.0
+    shore.run(6.0)
+    press = {"motor": "left", "percent": 15.0, "press": "p", "held_s": 0.0}
+    answer = shore.ask(what, {"name": "CRUISE_SPEED", "value": 1.0} if what == "set_parameter" else press)
+    text = "The boat is not heard, so it may be armed: wait until it is heard."
+    assert (answer.ok, answer.text) == (False, text)

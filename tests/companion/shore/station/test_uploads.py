@@ -5,9 +5,12 @@ from boat_rig import HOME_ITEM, Rig, waypoint
 from shore_rig import Shore
 
 from companion.core.geo import Point
+from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
-from companion.mavlink.items import MissionItem, MissionType
+from companion.mavlink.items import MissionItem, MissionResult, MissionType
+from companion.mavlink.transfer import Failed, FailureCause
 from companion.shore.station.items import ItemLists
+from companion.shore.station.outcome import Accepted, Cancelled, Outcome, Refused, Silent
 from companion.shore.station.uploads import LONGEST_S, Part, Upload, first_difference, plan_upload
 
 SPEED = MissionItem(
@@ -44,24 +47,20 @@ class Told:
     """The answers to an upload."""
 
     def __init__(self) -> None:
-        self.answers: list[tuple[bool, str]] = []
+        self.answers: list[Outcome] = []
 
-    def __call__(self, ok: bool, text: str) -> None:
-        self.answers.append((ok, text))
+    def __call__(self, outcome: Outcome) -> None:
+        self.answers.append(outcome)
 
 
-def send(shore: Shore, upload: Upload, limit_s: float = 60.0) -> tuple[bool, str]:
+def send(shore: Shore, upload: Upload, limit_s: float = 60.0) -> Outcome:
     """Upload, and wait for the one answer."""
     told = Told()
-    assert not shore.boats.is_uploading
     shore.boats.upload(1, upload, told)
-    while not told.answers:
-        assert shore.boats.is_uploading or upload.start is not None
-        shore.until(lambda: bool(told.answers) or not shore.boats.is_uploading, limit_s)
-        shore.run(0.04)
+    assert shore.boats.is_transferring
+    shore.until(lambda: bool(told.answers), limit_s)
     shore.run(1.0)
     assert len(told.answers) == 1
-    assert not shore.boats.is_uploading
     return told.answers[0]
 
 
@@ -73,7 +72,7 @@ def shore_of(rig: Rig) -> Shore:
 def test_a_plan_arrives_with_its_commands_and_parameters() -> None:
     rig = Rig()
     shore = shore_of(rig)
-    assert send(shore, plan_upload(PLAN, is_started=False)) == (True, "The plan is on board")
+    assert send(shore, plan_upload(PLAN, is_started=False)) == Accepted("The plan is on board")
     assert rig.items()[1:] == PLAN[1:]
     assert rig.mode == "HOLD"
     held = shore.boats.mission(1)
@@ -85,7 +84,7 @@ def test_a_plan_is_started_after_it_was_read_back() -> None:
     rig = Rig()
     shore = shore_of(rig)
     assert shore.ask("arm").ok
-    assert send(shore, plan_upload(PLAN, is_started=True)) == (True, "The boat sails the plan")
+    assert send(shore, plan_upload(PLAN, is_started=True)) == Accepted("The boat sails the plan")
     assert rig.mode == "AUTO"
     assert shore.snapshot().mission is not None
 
@@ -98,7 +97,7 @@ def test_a_plan_arrives_although_a_fifth_of_the_frames_is_lost(seed: int) -> Non
     shore.ends[0].reseed(seed, 0.2)
     plan = survey(60)
     upload = plan_upload(plan, is_started=True)
-    assert send(shore, upload, upload.limit_s + 5.0) == (True, "The boat sails the plan")
+    assert send(shore, upload, upload.limit_s + 5.0) == Accepted("The boat sails the plan")
     assert tuple(rig.items()[1:]) == plan[1:]
     assert rig.mode == "AUTO"
 
@@ -107,11 +106,11 @@ def test_the_fence_of_a_plan_goes_first_and_only_where_it_is_wanted() -> None:
     rig = Rig()
     shore = shore_of(rig)
     square = fence(rig)
-    assert send(shore, plan_upload(PLAN, square, is_started=False))[0]
+    assert isinstance(send(shore, plan_upload(PLAN, square, is_started=False)), Accepted)
     held = shore.boats.items(1, "fence")
     assert held is not None
     assert len(held["features"]) == 1
-    assert send(shore, plan_upload(PLAN[:3], is_started=False))[0]
+    assert isinstance(send(shore, plan_upload(PLAN[:3], is_started=False)), Accepted)
     held = shore.boats.items(1, "fence")
     assert held is not None
     assert len(held["features"]) == 1
@@ -123,9 +122,9 @@ def test_what_the_boat_refuses_leaves_the_old_mission_and_says_why() -> None:
     shore = Shore(rig).ready()
     before = rig.items()
     takeoff = MissionItem(frame=3, command=dialect.MAV_CMD_NAV_VTOL_TAKEOFF, x=PLAN[2].x, y=PLAN[2].y)
-    ok, text = send(shore, plan_upload((HOME_ITEM, takeoff), is_started=True))
-    assert not ok
-    assert text.startswith("The boat refuses the plan: ")
+    refused = send(shore, plan_upload((HOME_ITEM, takeoff), is_started=True))
+    assert isinstance(refused, Refused)
+    assert refused.text.startswith("The boat refuses the plan: ")
     assert rig.items() == before
     assert rig.mode == "HOLD"
 
@@ -139,7 +138,7 @@ def test_hold_ends_the_upload_of_a_plan_that_would_be_started() -> None:
     shore.run(0.2)
     assert shore.ask("hold").ok
     shore.run(20.0)
-    assert told.answers == [(False, "Replaced by a newer request")]
+    assert told.answers == [Cancelled()]
     assert rig.mode == "LOITER"
 
 
@@ -153,8 +152,27 @@ def test_a_boat_that_goes_silent_is_answered_for_once_and_in_time() -> None:
     shore.ends[0].loss = 1.0
     shore.until(lambda: bool(told.answers), upload.limit_s + 1.0)
     shore.run(30.0)
-    assert [ok for ok, _ in told.answers] == [False]
-    assert "No answer" in told.answers[0][1]
+    assert told.answers == [Silent()]
+
+
+def test_a_boat_whose_last_answer_is_lost_has_not_refused_the_plan() -> None:
+    rig = Rig()
+    shore = shore_of(rig)
+    shore.ends[0].unheard = {dialect.MAVLINK_MSG_ID_MISSION_ACK}
+    assert send(shore, plan_upload(PLAN, is_started=False)) == Silent()
+    assert rig.items()[1:] == PLAN[1:]
+
+
+def test_a_silent_boat_is_silent_whatever_language_the_reason_has(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = Rig()
+    shore = shore_of(rig)
+    shore.ends[0].loss = 1.0
+
+    def in_latin(result: MissionResult, _text: str, partner: Address, cause: FailureCause) -> Failed:
+        return Failed(result, "tacet", partner, cause)
+
+    monkeypatch.setattr("companion.mavlink.transfer.Failed", in_latin)
+    assert send(shore, plan_upload(PLAN, is_started=False)) == Silent()
 
 
 def test_a_plan_that_cannot_be_read_back_is_not_started() -> None:
@@ -169,7 +187,7 @@ def test_a_plan_that_cannot_be_read_back_is_not_started() -> None:
     shore.run(0.1)
     shore.ends[0].loss = 1.0
     shore.until(lambda: bool(told.answers), LONGEST_S)
-    assert not told.answers[0][0]
+    assert isinstance(told.answers[0], Silent)
     assert rig.mode == mode
 
 
@@ -178,9 +196,11 @@ def test_what_the_boat_holds_otherwise_is_not_started(monkeypatch: pytest.Monkey
     shore = shore_of(rig)
     assert shore.ask("arm").ok
     monkeypatch.setattr(ItemLists, "items", lambda _self, _kind: (*PLAN[:2], waypoint(21.0, 0.0), *PLAN[3:]))
-    ok, text = send(shore, plan_upload(PLAN, is_started=True))
-    assert not ok
-    assert text.startswith("The boat holds something else than was sent, from item 2 of the mission on")
+    refused = send(shore, plan_upload(PLAN, is_started=True))
+    assert isinstance(refused, Refused)
+    assert refused.text.startswith(
+        "The boat holds something else than was sent, from item 2 of the mission on"
+    )
     assert rig.mode != "AUTO"
 
 
@@ -202,4 +222,4 @@ def test_a_parameter_that_is_left_to_the_boat_may_come_back_as_anything() -> Non
 def test_a_boat_that_was_never_heard_gets_nothing() -> None:
     told = Told()
     Shore(Rig()).boats.upload(9, plan_upload(PLAN, is_started=True), told)
-    assert told.answers == [(False, "Boat 9 was never heard")]
+    assert told.answers == [Refused("Boat 9 was never heard")]

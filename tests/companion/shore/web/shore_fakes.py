@@ -15,6 +15,7 @@ from companion.mavlink.items import MissionItem
 from companion.shore.messages import Answer, BoatName, Place, Request, Sensor, Snapshot
 from companion.shore.parameters.book import Book
 from companion.shore.plans.desk import Sources
+from companion.shore.station.outcome import Answered
 from companion.shore.station.uploads import Upload
 from companion.shore.web.hub import Hub
 from companion.shore.web.interfaces import Files, ItemKind, LogList
@@ -55,11 +56,11 @@ class FakeBoats:
         self.lists: dict[ItemKind, dict[str, Any]] = {}
         self.asked: list[tuple[Request, Callable[[Answer], None]]] = []
         self.items_on_board: tuple[MissionItem, ...] | None = None
-        self.uploads: list[tuple[Upload, Callable[[bool, str], None]]] = []
+        self.uploads: list[tuple[Upload, Answered]] = []
         self.books: dict[int, Book] = {}
         self.polls = 0
         self.is_operator = False
-        self.is_uploading = False
+        self.is_transferring = False
         self.own_files: Files | None = None
         self.own_logs: LogList | None = None
 
@@ -68,6 +69,13 @@ class FakeBoats:
 
     def names(self) -> list[BoatName]:
         return [BoatName(id=boat, name=f"boat {boat}", heard_s=one.heard_s) for boat, one in self.now.items()]
+
+    @property
+    def first(self) -> int | None:
+        return next(iter(self.now), None)
+
+    def filenos(self) -> list[int]:
+        return []
 
     def snapshot(self, boat: int) -> Snapshot | None:
         return self.now.get(boat)
@@ -86,7 +94,7 @@ class FakeBoats:
     def mission(self, boat: int) -> tuple[MissionItem, ...] | None:
         return self.items_on_board
 
-    def upload(self, boat: int, upload: Upload, answered: Callable[[bool, str], None]) -> None:
+    def upload(self, boat: int, upload: Upload, answered: Answered) -> None:
         self.uploads.append((upload, answered))
 
     def parameters(self, boat: int) -> Book | None:
@@ -132,6 +140,7 @@ class Server:
         self, client: TestClient[web.Request, web.Application], app: web.Application, pin: PinFile
     ) -> None:
         self.client = client
+        self.app = app
         self.hub: Hub = app[HUB]
         self.pin = pin
         assert isinstance(self.hub.boats, FakeBoats)
