@@ -2,13 +2,12 @@
 
 from pathlib import Path
 
-import pytest
 import shapely
+from data_files import SHORES
 
 from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.maps import Chart, Feature, build_chart, load_source
 
-SHORE = Path(__file__).parents[2] / "shared" / "maps" / "shore"
 POND = Path(__file__).parents[1] / "examples" / "maps" / "mill_pond.geojson"
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 
@@ -20,11 +19,8 @@ def basin(*islands: shapely.Polygon, width_m: float = 200.0, height_m: float = 1
 
 
 def real_lake(name: str) -> Chart:
-    """One of the real shores; skips the test where they are missing."""
-    path = SHORE / f"{name}.geojson"
-    if not path.exists():
-        pytest.skip(f"{path.name} is not beside the project")
-    return load_source(str(path)).chart
+    """One of the real shores."""
+    return load_source(str(SHORES / f"{name}.geojson")).chart
 
 
 def route_line(points: tuple[Point, ...]) -> shapely.LineString:

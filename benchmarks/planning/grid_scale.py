@@ -3,7 +3,6 @@
 import subprocess
 import sys
 import time
-from array import array
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +11,7 @@ from matplotlib.figure import Figure
 from scipy.ndimage import gaussian_filter
 
 from benchmarks.measure import Row, alone
-from companion.planning.grid import GridMap, StepCosts, cheapest_path, shortest_path
-from companion.planning.step_costs import even_costs
+from companion.planning.grid import GridMap, shortest_path
 
 PICTURE = Path("docs/pictures/grid_scale.png")
 CELLS = (10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000, 10_000_000)
@@ -44,26 +42,20 @@ def noise(side: int, seed: int = _SEED) -> GridMap:
 def scale_rows() -> list[Row]:
     """Time from a map's bytes to a path across it, by size; and a picture of it."""
     found: list[Row] = []
-    lines: dict[str, list[float]] = {"jump points": [], "stacks by F, three weights": []}
+    best_ms = []
     for cells in CELLS:
         side = round(cells**0.5)
         grid = islands(side)
-        classes = np.random.default_rng(_SEED).integers(0, 3, cells).astype(np.uint16)
-        rows = tuple(map(even_costs, (1.0, 1.5, 3.0)))
-        jumps, stacks = [], []
+        times_ms = []
         for _ in range(_ROUNDS):
             began = time.thread_time()
             shortest_path(GridMap(grid.free, side, side), 0, side * side - 1)
-            jumps.append((time.thread_time() - began) * 1e3)
-            costs = StepCosts(_array(np.resize(classes, side * side)), rows)
-            began = time.thread_time()
-            cheapest_path(grid, costs, 0, side * side - 1)
-            stacks.append((time.thread_time() - began) * 1e3)
-        found.append(alone(f"shortest path across {side} × {side} cells, map included", "ms", "less", jumps))
-        found.append(alone(f"cheapest path across {side} × {side} cells", "ms", "less", stacks))
-        for line, times in zip(lines.values(), (jumps, stacks), strict=True):
-            line.append(min(times))
-    _draw(lines)
+            times_ms.append((time.thread_time() - began) * 1e3)
+        found.append(
+            alone(f"shortest path across {side} × {side} cells, map included", "ms", "less", times_ms)
+        )
+        best_ms.append(min(times_ms))
+    _draw(best_ms)
     return found
 
 
@@ -75,21 +67,13 @@ def memory_row() -> Row:
     return alone(f"peak memory of a path across {_MEMORY_SIDE}² cells", "MB", "less", [peak_mb], note)
 
 
-def _array(classes: "np.ndarray[tuple[int, ...], np.dtype[np.uint16]]") -> "array[int]":
-    found = array("H")
-    found.frombytes(classes.tobytes())
-    return found
-
-
-def _draw(lines: dict[str, list[float]]) -> None:
+def _draw(best_ms: list[float]) -> None:
     figure = Figure(figsize=(7.0, 4.2), dpi=120, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.add_subplot(1, 1, 1)
-    for name, times in lines.items():
-        axes.loglog(CELLS, times, "o-", label=name)
+    axes.loglog(CELLS, best_ms, "o-")
     axes.set(xlabel="cells", ylabel="CPU ms", title="A path across a grid with many islands")
     axes.grid(which="both", alpha=0.3)
-    axes.legend()
     PICTURE.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(PICTURE)
 

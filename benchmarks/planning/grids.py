@@ -61,7 +61,7 @@ def _on_map(name: str, against_pyastar2d: list[float]) -> list[Row]:
 
     few = queries[:: len(queries) // _SLOW_QUERIES]
     for query in few:
-        assert math.isclose(ours(query).cost, query.length, rel_tol=6e-6)
+        assert math.isclose(ours(query).length, query.length, rel_tol=6e-6)
     found = []
     if find_spec("pyastar2d") is None:
         found.append(alone(name, "ms", "less", [math.nan], "pyastar2d is not installed: no peer"))

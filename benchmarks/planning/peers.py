@@ -12,13 +12,13 @@ from itertools import islice
 from pathlib import Path
 
 from benchmarks.measure import Row
+from benchmarks.peers import PEERS, planner
+from benchmarks.peers.interface import Failed, Planned, Sea, plan
 from companion.core.geo import Point
 from companion.planning.visibility import NoWay
 from mission_tools.maps import load_source
 from mission_tools.maps.formats.grid_map import load_grid_map
 from mission_tools.maps.movingai import read_grid_map, read_grid_queries
-from mission_tools.peers import PEERS, planner
-from mission_tools.peers.interface import Failed, Planned, Sea, plan
 from mission_tools.planning.exact_planner import water_of
 from sitl.scenarios.scenario import load_scenario
 

@@ -1,46 +1,39 @@
-"""Shortest and cheapest paths on a grid of square cells: for masks, soft costs and currents.
+"""Shortest paths on a grid of square cells.
 
 Cells are numbered row by row from 0. A step goes to one of the eight neighbours; a diagonal one only if both
-cells beside it are free, so that no corner is cut. `shortest_path` minimises the octile length,
-`cheapest_path` the cost of its steps. Both are exact; among paths of equal cost the choice is fixed but
-arbitrary.
+cells beside it are free, so that no corner is cut. `shortest_path` minimises the octile length; among
+paths of equal length the choice is fixed but arbitrary.
 
-    GridMap, StepCosts → shortest_path, cheapest_path → GridPath
-    GridInputError (ValueError)  a map, costs or cell that cannot be used; names it
+    GridMap → shortest_path → GridPath
+    GridInputError (ValueError)  a map or cell that cannot be used; names it
     NoGridPath                   start and goal are free, but no path joins them
 """
 
-import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cached_property
 from itertools import pairwise
 from typing import Any, Final, NamedTuple
 
-from companion.planning.cost_search import STEPS
 from companion.planning.jump_points import DIAGONAL, STRAIGHT
 from companion.planning.kernels import load
-from companion.planning.step_costs import StepCosts, bucket_width, facets, ring_size
 
 __all__ = [
     "DIAGONAL",
-    "STEPS",
     "STRAIGHT",
     "GridInputError",
     "GridMap",
     "GridPath",
     "NoGridPath",
-    "StepCosts",
 ]
 
 MAX_CELLS: Final = 1 << 25
 """Costs have 54 bits: the longest path of so many cells, half of them walls, still fits."""
 
 _searcher: Callable[..., Any] = load("_jump_points", "jump_points").Searcher
-_cost_search: Callable[..., Any] = load("_cost_search", "cost_search").Search
 
 
 class GridInputError(ValueError):
-    """A map, costs or cell that cannot be used."""
+    """A map or cell that cannot be used."""
 
 
 class NoGridPath(Exception):  # noqa: N818  (says what happened)
@@ -54,23 +47,14 @@ class NoGridPath(Exception):  # noqa: N818  (says what happened)
 class GridPath(NamedTuple):
     """A path from start to goal.
 
-    corners: the cells where it turns, start and goal included. cost: in cell sides for a shortest path, else
-    in the units of the step costs. width: columns of the map. expanded: cells that the search expanded.
+    corners: the cells where it turns, start and goal included. length: in cell sides. width: columns of the
+    map. expanded: cells that the search expanded.
     """
 
     corners: tuple[int, ...]
-    cost: float
+    length: float
     width: int
     expanded: int
-
-    @property
-    def length(self) -> float:
-        """In cell sides."""
-        total = 0.0
-        for a, b in pairwise(self.corners):
-            across, along = abs(a % self.width - b % self.width), abs(a // self.width - b // self.width)
-            total += max(across, along) + (math.sqrt(2.0) - 1.0) * min(across, along)
-        return total
 
     @property
     def cells(self) -> tuple[int, ...]:
@@ -154,35 +138,6 @@ def shortest_path(grid: GridMap, start: int, goal: int) -> GridPath:
     if corners is None:
         raise _no_path(grid, start, goal, expanded)
     return GridPath(tuple(corners), cost / STRAIGHT, grid.width, expanded)
-
-
-def cheapest_path(grid: GridMap, costs: StepCosts, start: int, goal: int) -> GridPath:
-    """The path of the least cost, by A*.
-
-    Raises:
-        GridInputError: start or goal is blocked or outside, or the costs are not of this map.
-        NoGridPath: no path of finite cost joins them.
-    """
-    grid.check_ends(start, goal)
-    if len(costs.classes) != len(grid.free):
-        raise GridInputError(
-            f"step costs of {len(costs.classes)} cells for a map of {len(grid.free)}: expected as many"
-        )
-    if start == goal:
-        return GridPath((start,), 0.0, grid.width, 0)
-    rows = costs.rows
-    width = bucket_width(rows)
-    search = _cost_search(
-        grid.free, grid.width, grid.height, costs.classes, costs.table, facets(rows), width, ring_size(rows)
-    )
-    corners, cost, expanded = search.cheapest(*_column_row(grid, start), *_column_row(grid, goal))
-    if corners is None:
-        raise _no_path(grid, start, goal, expanded)
-    return GridPath(tuple(corners), cost, grid.width, expanded)
-
-
-def _column_row(grid: GridMap, cell: int) -> Sequence[int]:
-    return cell % grid.width, cell // grid.width
 
 
 def _no_path(grid: GridMap, start: int, goal: int, expanded: int) -> NoGridPath:

@@ -48,4 +48,4 @@ class GridSearch:
                 f"no route: all {error.expanded} cells that can be reached were looked at"
             ) from error
         metrics = SearchMetrics(found.expanded, generated=0, updated=0, max_open=0)
-        return SearchResult(found.cells, round(found.cost * STRAIGHT), metrics)
+        return SearchResult(found.cells, round(found.length * STRAIGHT), metrics)

@@ -4,17 +4,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from data_files import RECORDINGS
 
 from companion.mavlink.codec import Decoder
 from companion.mavlink.framing import claimed_length
 
-FOLDER = Path(__file__).parents[3] / "shared" / "recordings"
-RECORDINGS = sorted(FOLDER.glob("*.tlog"))
 STATION = 255
-
-pytestmark = pytest.mark.skipif(
-    not RECORDINGS, reason=f"no recordings in {FOLDER.name} beside the repository"
-)
 
 
 def frames_of(log: bytes) -> Iterator[bytes]:

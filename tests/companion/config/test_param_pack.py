@@ -1,9 +1,9 @@
 """The packed parameter file, held against pymavlink's decoder and a file that ArduPilot sent."""
 
 import struct
-from pathlib import Path
 
 import pytest
+from data_files import RECORDINGS
 from hypothesis import example, given
 from hypothesis import strategies as st
 from pymavlink import mavutil
@@ -22,7 +22,7 @@ from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters, ParameterType
 from companion.persistence.storage import MemoryStorage
 
-RECORDING = Path(__file__).parents[4] / "shared" / "recordings" / "qgc44-ardurover-drive.tlog"
+RECORDING = next(path for path in RECORDINGS if path.stem == "qgc44-ardurover-drive")
 LIMITS = {ParameterType.INT8: 127, ParameterType.INT16: 32767, ParameterType.INT32: 2**31 - 1}
 NUMBERS = {ParameterType.INT8: 1, ParameterType.INT16: 2, ParameterType.INT32: 3, ParameterType.REAL32: 4}
 
@@ -159,7 +159,6 @@ def recorded_file() -> bytes:
     return b"".join(blocks[offset] for offset in sorted(blocks))
 
 
-@pytest.mark.skipif(not RECORDING.exists(), reason=f"{RECORDING.name} is not here")
 def test_what_ardupilot_sent_comes_out_of_our_packer_byte_for_byte() -> None:
     theirs = recorded_file()
     magic, count, total = struct.unpack_from("<HHH", theirs)

@@ -1,16 +1,15 @@
-"""Random grid maps and step costs, and an oracle for both: Dijkstra's algorithm on the rules as they are
-written."""
+"""Random grid maps, and an oracle: Dijkstra's algorithm on the rules as they are written."""
 
 import heapq
 import math
 import random
-from array import array
 from collections.abc import Callable
 from itertools import pairwise
 
-from companion.planning.cost_search import STEPS
 from companion.planning.grid import GridMap
-from companion.planning.step_costs import StepCosts, even_costs
+
+STEPS = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1))
+"""Column and row of a step, by direction. Odd directions are diagonal."""
 
 StepCost = Callable[[int, int, int], float]
 """From a cell, to a cell, direction."""
@@ -35,20 +34,6 @@ def random_grid(draw: random.Random) -> tuple[GridMap, int, int]:
     start, goal = draw.sample(range(width * height), 2)
     free[start] = free[goal] = 1
     return GridMap(bytes(free), width, height), start, goal
-
-
-def random_costs(draw: random.Random, cells: int) -> StepCosts:
-    """One to five classes: weights, or a cost of its own for each direction, some impossible."""
-    count = draw.randint(1, 5)
-    if draw.random() < 0.5:
-        rows = [even_costs(draw.choice((1.0, 1.0, 2.0, draw.uniform(0.5, 20.0)))) for _ in range(count)]
-    else:
-        rows = [
-            tuple(math.inf if draw.random() < 0.05 else draw.uniform(0.2, 3.0) for _ in STEPS)
-            for _ in range(count)
-        ]
-        rows[0] = even_costs(1.0)
-    return StepCosts(array("H", [draw.randrange(count) for _ in range(cells)]), tuple(rows))
 
 
 def steps_from(grid: GridMap, cell: int) -> list[tuple[int, int]]:

@@ -9,17 +9,14 @@ from struct import unpack_from
 
 import pytest
 from boat_rig import QGC, Rig
+from data_files import RECORDINGS
 
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.framing import claimed_length
 
-FOLDER = Path(__file__).parents[4] / "shared" / "recordings"
-RECORDINGS = sorted(FOLDER.glob("*.tlog"))
 MOST_S = 40.0
 ACCEPTED = 0
 COMMANDS = ("COMMAND_LONG", "COMMAND_INT")
-
-pytestmark = pytest.mark.skipif(not RECORDINGS, reason="no recordings beside the repository")
 
 
 def sent_by_station(recording: Path) -> Iterator[tuple[float, bytes, Message]]:

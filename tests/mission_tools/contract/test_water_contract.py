@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 import shapely
+from data_files import SHORES
 from shapely.geometry import LineString, Polygon
 
 import mission_tools as mt
@@ -26,8 +27,6 @@ from mission_tools.mission.planned_mission import MapSource, MissionFile, Planne
 from sitl.run.mission_run import MissionRun
 from sitl.scenarios.missions import wire_items
 from sitl.scenarios.scenario import load_scenario
-
-SHORES = Path(__file__).parents[3] / ".." / "shared" / "maps" / "shore"
 
 
 def boats_fence(fence: Fence, frame: LocalFrame) -> aboard.Fence:
@@ -83,8 +82,6 @@ def test_the_fence_of_a_lake_holds_the_route_and_no_land_in_as_few_corners_as_ar
 def test_the_fences_of_real_waters_hold_their_routes(
     name: str, start: mt.LatLon | None, goal: mt.LatLon | None, corners: int
 ) -> None:
-    if not (SHORES / name).exists():
-        pytest.skip(f"no {name} beside the project")
     water = mt.open_map(SHORES / name)
     if start is None:
         chart = water.source.chart

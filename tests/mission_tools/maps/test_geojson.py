@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 import shapely
+from data_files import SHORES
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,9 +17,8 @@ from mission_tools.maps import load_geojson
 from mission_tools.maps.geojson import parse_geojson
 from mission_tools.maps.projection import to_local
 
-SHORE = Path(__file__).parents[4] / "shared" / "maps" / "shore"
 POND = Path(__file__).parents[3] / "examples" / "maps" / "mill_pond.geojson"
-SHORE_FILES = sorted(SHORE.glob("*.geojson"))
+SHORE_FILES = sorted(SHORES.glob("*.geojson"))
 ORIGIN = LatLon(50.0, -1.2)
 FRAME = LocalFrame(ORIGIN)
 
@@ -185,7 +185,6 @@ def test_the_mill_pond_has_what_a_picture_needs() -> None:
     assert "Fictional" in fiction
 
 
-@pytest.mark.skipif(not SHORE_FILES, reason="the real shorelines do not lie beside this checkout")
 @pytest.mark.parametrize("path", SHORE_FILES, ids=lambda path: path.stem)
 def test_real_shorelines_load_as_they_are(path: Path) -> None:
     chart = load_geojson(path)

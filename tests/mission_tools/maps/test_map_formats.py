@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
+from data_files import SHORES
 from hypothesis import example, given
 from hypothesis import strategies as st
 from PIL import Image
@@ -38,7 +39,6 @@ from mission_tools.mission.mission import (
 )
 from mission_tools.mission.plan_file import save_mission
 
-SHORE = Path(__file__).parents[4] / "shared" / "maps" / "shore"
 GEOTIFFS = Path(__file__).parents[2] / "vectors" / "maps"  # written by GDAL 3.9 through rasterio 1.4.4
 
 WEST, SOUTH, EAST, NORTH = 10.0, 50.0, 10.004, 50.002
@@ -367,10 +367,9 @@ def test_a_geotiff_without_a_reference_system_says_what_to_do() -> None:
         load_map(GEOTIFFS / "no_crs.tif")
 
 
-@pytest.mark.skipif(not SHORE.is_dir(), reason="the real shorelines do not lie beside this checkout")
 def test_the_mask_of_a_real_pond_never_takes_its_shore_for_water() -> None:
-    chart = load_map(SHORE / "mask_citra_pond_fl.png")
-    traced = load_geojson(SHORE / "pond_citra_fl.geojson", chart.frame.origin)
+    chart = load_map(SHORES / "mask_citra_pond_fl.png")
+    traced = load_geojson(SHORES / "pond_citra_fl.geojson", chart.frame.origin)
     assert chart.navigable.area == pytest.approx(traced.navigable.area, rel=0.015)
     assert chart.navigable.difference(traced.navigable).area < 0.1
     assert "outline drawn 1.05 pixels (0.32 m) into the water" in chart.notes[0]

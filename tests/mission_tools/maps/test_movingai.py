@@ -3,14 +3,13 @@
 from pathlib import Path
 
 import pytest
+from data_files import GRIDS
 
 from companion.planning import jump_points
-from companion.planning.grid import STRAIGHT, GridMap, StepCosts, cheapest_path, shortest_path
+from companion.planning.grid import STRAIGHT, GridMap, shortest_path
 from mission_tools.errors import MapError
 from mission_tools.maps.movingai import GridQuery, read_grid_map, read_grid_queries
 
-FOLDER = Path(__file__).parents[4] / "shared/maps/movingai"
-NAMES = ("arena2", "Archipelago", "random512-20-0", "w_woundedcoast")
 PUBLISHED = 6e-6  # six digits are published
 
 MAP = """type octile
@@ -22,40 +21,27 @@ SOW.
 """
 
 
-@pytest.fixture(params=NAMES)
-def benchmark_map(request: pytest.FixtureRequest) -> tuple[GridMap, list[GridQuery]]:
-    if not FOLDER.is_dir():
-        pytest.skip("the MovingAI maps do not lie beside this checkout")
-    return (
-        read_grid_map(FOLDER / f"{request.param}.map"),
-        read_grid_queries(FOLDER / f"{request.param}.map.scen"),
-    )
+@pytest.fixture(scope="module")
+def arena() -> tuple[GridMap, list[GridQuery]]:
+    return read_grid_map(GRIDS / "arena2.map"), read_grid_queries(GRIDS / "arena2.map.scen")
 
 
-def test_every_shortest_path_has_the_published_length(
-    benchmark_map: tuple[GridMap, list[GridQuery]],
-) -> None:
-    grid, queries = benchmark_map
+def test_every_shortest_path_has_the_published_length(arena: tuple[GridMap, list[GridQuery]]) -> None:
+    grid, queries = arena
     assert len(queries) > 900
     for query in queries[:: 1 if grid.searcher.__class__ is not jump_points.Searcher else 40]:
-        assert shortest_path(grid, query.start, query.goal).cost == pytest.approx(
+        assert shortest_path(grid, query.start, query.goal).length == pytest.approx(
             query.length, rel=PUBLISHED
         ), query
 
 
-def test_the_twin_and_the_search_with_costs_find_the_published_lengths_too(
-    benchmark_map: tuple[GridMap, list[GridQuery]],
-) -> None:
-    grid, queries = benchmark_map
+def test_the_twin_finds_the_published_lengths_too(arena: tuple[GridMap, list[GridQuery]]) -> None:
+    grid, queries = arena
     twin = jump_points.Searcher(grid.free, grid.width, grid.height)
-    costs = StepCosts.by_weight([1.0] * len(grid.free))
     for query in queries[:: len(queries) // 15]:
         corners, cost, _ = twin.shortest(query.start, query.goal)
         assert corners is not None
         assert cost / STRAIGHT == pytest.approx(query.length, rel=PUBLISHED), query
-        assert cheapest_path(grid, costs, query.start, query.goal).cost == pytest.approx(
-            query.length, rel=PUBLISHED
-        ), query
 
 
 def written(folder: Path, text: str, name: str = "pond.map") -> Path:

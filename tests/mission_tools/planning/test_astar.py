@@ -3,10 +3,9 @@
 import heapq
 import itertools
 import math
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
+from data_files import GRIDS
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,7 +15,6 @@ from mission_tools.planning.expansion import EightNeighbours
 from mission_tools.planning.grid import Grid, grid_from_rows
 from mission_tools.planning.heuristics import HEURISTICS, HeuristicName, estimates
 
-MOVING_AI = Path(__file__).parents[4] / "shared" / "maps" / "movingai"
 SQRT2 = math.sqrt(2.0)
 
 
@@ -175,24 +173,14 @@ def test_manhattan_may_return_a_longer_path_than_octile() -> None:
 
 
 def load_moving_ai(name: str) -> Grid:
-    text = (MOVING_AI / name).read_text(encoding="ascii")
+    text = (GRIDS / name).read_text(encoding="ascii")
     return grid_from_rows(text.split("map\n", 1)[1].split(), passable=".GS")
 
 
-@pytest.fixture(scope="module")
-def moving_ai_grid() -> Callable[[str], Grid]:
-    if not MOVING_AI.is_dir():
-        pytest.skip("the MovingAI maps do not lie beside this checkout")
-    return load_moving_ai
-
-
-@pytest.mark.parametrize(
-    "name", ["arena2.map", "Archipelago.map", "random512-20-0.map", "w_woundedcoast.map"]
-)
-def test_lengths_equal_the_published_optima(name: str, moving_ai_grid: Callable[[str], Grid]) -> None:
-    grid = moving_ai_grid(name)
+def test_lengths_equal_the_published_optima() -> None:
+    grid = load_moving_ai("arena2.map")
     expansion = EightNeighbours(grid)
-    lines = (MOVING_AI / f"{name}.scen").read_text(encoding="ascii").split("\n", 1)[1].strip().split("\n")
+    lines = (GRIDS / "arena2.map.scen").read_text(encoding="ascii").split("\n", 1)[1].strip().split("\n")
     for line in lines[:: max(1, len(lines) // 40)]:
         *_, x0, y0, x1, y1, optimum = line.split()
         start, goal = cell(grid, int(x0), int(y0)), cell(grid, int(x1), int(y1))

@@ -2,10 +2,10 @@
 
 import math
 from itertools import pairwise
-from pathlib import Path
 
 import pytest
 import shapely
+from data_files import SHORES
 
 from companion.core.geo import LatLon, LocalFrame, Point, path_length_m
 from mission_tools.errors import NoRoute
@@ -13,11 +13,7 @@ from mission_tools.maps import Chart, build_chart, load_geojson
 from mission_tools.maps.chart import Feature
 from mission_tools.planning.planner import Plan, PlanSettings, plan
 
-SHORE = Path(__file__).parents[4] / "shared" / "maps" / "shore"
 FRAME = LocalFrame(LatLon(50.0, 10.0))
-needs_lakes = pytest.mark.skipif(
-    not SHORE.is_dir(), reason="the real shorelines do not lie beside this checkout"
-)
 
 
 def straits(width_m: float, length_m: float, half_m: float, turn_deg: float = 0.0) -> Chart:
@@ -65,25 +61,15 @@ def test_a_strait_that_is_too_narrow_is_none() -> None:
         plan(straits(7.99, 50.0, 1000.0), *across(300.0), PlanSettings(4.0))
 
 
-@needs_lakes
-def test_a_cove_is_reached_that_is_wide_enough() -> None:
-    chart = load_geojson(SHORE / "lake_millinocket_me.geojson")
-    found = planned(chart, "45.786757,-68.797010", "45.789392,-68.792777", margin_m=0.0)
-    assert found.min_clearance_m >= 4.0
-    assert path_length_m(found.found) == pytest.approx(759.5, abs=0.2)  # brute force over the eroded cove
-
-
-@needs_lakes
 def test_a_short_trip_on_a_large_lake_is_not_lengthened_by_coarse_cells() -> None:
-    chart = load_geojson(SHORE / "lake_winnipesaukee_nh.geojson")
+    chart = load_geojson(SHORES / "lake_winnipesaukee_nh.geojson")
     found = planned(chart, "43.6314892,-71.4001387", "43.6322076,-71.4012558")
     assert found.length_m < 1.02 * 173.4
 
 
-@needs_lakes
-@pytest.mark.parametrize("name", ["pond_two_islands_nh", "lake_squam_nh", "lake_millinocket_me"])
+@pytest.mark.parametrize("name", ["pond_two_islands_nh", "lake_squam_nh", "harbour_san_juan_pr"])
 def test_there_and_back_are_one_route(name: str) -> None:
-    chart = load_geojson(SHORE / f"{name}.geojson")
+    chart = load_geojson(SHORES / f"{name}.geojson")
     deep = max(shapely.get_parts(chart.navigable.buffer(-12.0)), key=lambda part: float(part.area))
     corners = [Point(y, x) for x, y in shapely.get_coordinates(deep.exterior).tolist()]
     ends = corners[:: max(1, len(corners) // 6)]

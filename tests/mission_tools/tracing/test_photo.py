@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from data_files import SHORES
 from numpy.typing import NDArray
 from PIL import Image
 from shapely.geometry.base import BaseGeometry
@@ -19,11 +20,7 @@ from mission_tools.maps.geojson import load_geojson
 from mission_tools.tracing.photo import TraceSettings, trace_photo
 from mission_tools.tracing.region import lab_of, otsu
 
-SHORE = Path(__file__).parents[4] / "shared" / "maps" / "shore"
-PHOTO = SHORE / "mask_citra_pond_fl_photo.jpg"
-needs_photo = pytest.mark.skipif(
-    not PHOTO.exists(), reason="the photograph does not lie beside this checkout"
-)
+PHOTO = SHORES / "mask_citra_pond_fl_photo.jpg"
 ON_THE_POND = LatLon(29.40815, -82.16953)
 GAP_M2 = 420.0  # the mosaic's gap and the fountain's glint, which the mask has as water
 
@@ -36,7 +33,6 @@ def shore_distances_m(traced: BaseGeometry, mask: BaseGeometry) -> NDArray[np.fl
     return np.asarray(shapely.distance(shapely.points(shapely.get_coordinates(line)), mask.boundary))
 
 
-@needs_photo
 @pytest.mark.parametrize(
     "seed",
     [ON_THE_POND, LatLon(29.40747, -82.16999), LatLon(29.40834, -82.17014)],
@@ -44,7 +40,7 @@ def shore_distances_m(traced: BaseGeometry, mask: BaseGeometry) -> NDArray[np.fl
 )
 def test_the_photograph_of_a_real_pond_gives_its_mask(seed: LatLon) -> None:
     traced = trace_photo(PHOTO, [seed], settings=TraceSettings(fill_m2=GAP_M2)).chart()
-    mask = load_geojson(SHORE / "pond_citra_fl.geojson", traced.frame.origin)
+    mask = load_geojson(SHORES / "pond_citra_fl.geojson", traced.frame.origin)
     both, either = (
         shapely.intersection(traced.water, mask.water).area,
         shapely.union(traced.water, mask.water).area,
@@ -55,7 +51,6 @@ def test_the_photograph_of_a_real_pond_gives_its_mask(seed: LatLon) -> None:
     assert float(np.quantile(away_m, 0.9)) < 1.5
 
 
-@needs_photo
 def test_what_is_no_water_stays_land_unless_it_is_to_be_filled() -> None:
     traced = trace_photo(PHOTO, [ON_THE_POND])
     gap = LatLon(29.4088277 - 370 * 2.70244e-6, -82.1713843 + 563 * 3.08638e-6)  # in the white of the mosaic

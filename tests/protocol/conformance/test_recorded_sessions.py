@@ -7,14 +7,13 @@ from pathlib import Path
 
 import pytest
 from client_habits import QGC_44
+from data_files import RECORDINGS
 from pymavlink.dialects.v20 import all as dialect
 from station_client import OpenClient
 from vehicle_line import Message
 
 pytest_plugins = ("conformance_fixtures",)
 
-FOLDER = Path(__file__).parents[4] / "shared" / "recordings"
-RECORDINGS = sorted(FOLDER.glob("*.tlog"))
 MOST_S = 60.0  # of each recording; what follows is heartbeats
 ANSWERS = {
     "COMMAND_LONG": "COMMAND_ACK",
@@ -23,8 +22,6 @@ ANSWERS = {
     "PARAM_REQUEST_LIST": "PARAM_VALUE",
     "FILE_TRANSFER_PROTOCOL": "FILE_TRANSFER_PROTOCOL",
 }
-
-pytestmark = pytest.mark.skipif(not RECORDINGS, reason="no recordings beside the repository")
 
 
 def said_by_the_station(recording: Path) -> Iterator[tuple[float, bytes, Message]]:

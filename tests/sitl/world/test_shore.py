@@ -2,10 +2,10 @@
 
 import math
 import random
-from pathlib import Path
 
 import pytest
 import shapely
+from data_files import SHORES
 from hypothesis import given
 from hypothesis import strategies as st
 from shapely.geometry import Polygon
@@ -15,7 +15,6 @@ from mission_tools.maps.chart import Chart, Feature, build_chart
 from mission_tools.maps.geojson import load_geojson
 from sitl.world.shore import Shore
 
-REAL_SHORES = Path(__file__).parents[4] / "shared" / "maps" / "shore"
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 SQUARE = shapely.box(-10.0, -10.0, 10.0, 10.0)
 ROCK = Polygon([(2.0, 1.0), (3.0, 1.0), (3.0, 2.0), (2.0, 2.0)])
@@ -110,12 +109,9 @@ def test_a_long_shoreline_is_only_looked_at_nearby() -> None:
     assert shore.range_m(0.0, 498.0, [0.0], 4.0) == pytest.approx(2.0, abs=1e-3)
 
 
-@pytest.mark.parametrize("name", ["pond_citra_fl", "lake_millinocket_me", "lake_vassiviere_fr"])
+@pytest.mark.parametrize("name", ["pond_citra_fl", "harbour_san_juan_pr", "lake_squam_nh"])
 def test_real_shorelines_give_the_room_and_the_echoes_that_shapely_does(name: str) -> None:
-    file = REAL_SHORES / f"{name}.geojson"
-    if not file.is_file():
-        pytest.skip(f"no real shorelines at {REAL_SHORES}")
-    waters = load_geojson(file)
+    waters = load_geojson(SHORES / f"{name}.geojson")
     shore = Shore(waters, reach_m=4.0)
     edge = waters.water.boundary
     place = random.Random(name)

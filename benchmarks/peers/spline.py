@@ -11,9 +11,9 @@ from itertools import pairwise
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from benchmarks.peers.interface import Deadline, NoPath, Path, Sea
 from companion.core.geo import Point, distance_m
 from companion.planning.grid import GridMap, NoGridPath, shortest_path
-from mission_tools.peers.interface import Deadline, NoPath, Path, Sea
 
 CELLS = 40_000
 _ROUNDS = 5

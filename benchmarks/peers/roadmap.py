@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from benchmarks.peers.interface import Deadline, NoPath, Path, Sea
 from companion.core.geo import Point, distance_m
-from mission_tools.peers.interface import Deadline, NoPath, Path, Sea
 
 SAMPLES = 1200
 NEIGHBOURS = 29  # e (1 + 1/2) ln 1200: PRM*'s number (Karaman and Frazzoli, 2011)

@@ -12,9 +12,9 @@ import itertools
 import math
 from collections.abc import Iterator
 
+from benchmarks.peers.interface import Deadline, NoPath, Path, Sea
+from benchmarks.peers.roadmap import build
 from companion.core.geo import Point, distance_m
-from mission_tools.peers.interface import Deadline, NoPath, Path, Sea
-from mission_tools.peers.roadmap import build
 
 SHADOW_CLEARANCES = 2.0  # as near to a shore as this there is no GNSS
 GROWTH = 0.001  # of variance, clearance² for each clearance sailed: dead reckoning off by 3 % after one

@@ -11,8 +11,8 @@ import random
 from collections.abc import Sequence
 from itertools import pairwise
 
+from benchmarks.peers.interface import Deadline, NoPath, Path, Sea
 from companion.core.geo import Point, distance_m
-from mission_tools.peers.interface import Deadline, NoPath, Path, Sea
 
 POPULATION = 60
 GENERATIONS = 200

@@ -16,8 +16,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
+from benchmarks.peers.interface import Deadline, NoPath, Path, Sea
 from companion.core.geo import Point
-from mission_tools.peers.interface import Deadline, NoPath, Path, Sea
 from mission_tools.planning.expansion import STRAIGHT, EightNeighbours
 from mission_tools.planning.grid import Grid
 

@@ -6,12 +6,12 @@ from importlib.util import find_spec
 import pytest
 import shapely
 
+from benchmarks.peers import PEERS, ants, planner
+from benchmarks.peers.ants import Habits, colony
+from benchmarks.peers.interface import Deadline, Failed, Path, Planned, Sea, plan
+from benchmarks.peers.spline import pruned
 from companion.core.geo import LatLon, LocalFrame, Point, path_length_m
 from mission_tools.maps.chart import Chart, Feature, build_chart
-from mission_tools.peers import PEERS, ants, planner
-from mission_tools.peers.ants import Habits, colony
-from mission_tools.peers.interface import Deadline, Failed, Path, Planned, Sea, plan
-from mission_tools.peers.spline import pruned
 from sitl.scenarios.scenario import load_scenario
 
 BUDGET_S = 600.0

@@ -7,9 +7,9 @@ the path. Legs are tested exactly, not by samples on them.
 
 from typing import Any
 
+from benchmarks.peers.interface import Deadline, NoPath, Path, Sea
 from companion.core.extras import how_to_install
 from companion.core.geo import Point
-from mission_tools.peers.interface import Deadline, NoPath, Path, Sea
 
 ITERATIONS = 4000
 

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import Final
 
-from mission_tools.peers.interface import Planner
+from benchmarks.peers.interface import Planner
 
 _PLACES: Final = {
     "Dijkstra": ("grid_searches", "dijkstra"),

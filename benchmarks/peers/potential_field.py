@@ -9,9 +9,9 @@ does.
 
 import math
 
+from benchmarks.peers.ants import improved_ant_colony
+from benchmarks.peers.interface import Deadline, NoPath, Path, Sea
 from companion.core.geo import Point, distance_m
-from mission_tools.peers.ants import improved_ant_colony
-from mission_tools.peers.interface import Deadline, NoPath, Path, Sea
 
 RANGE_CLEARANCES = 1.5  # beyond the clearance, the range of a shore's push
 POWER = 2.0

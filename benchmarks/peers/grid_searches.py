@@ -9,8 +9,8 @@ import heapq
 import math
 from array import array
 
+from benchmarks.peers.interface import Deadline, NoPath, Path, Sea
 from companion.core.geo import Point, distance_m
-from mission_tools.peers.interface import Deadline, NoPath, Path, Sea
 from mission_tools.planning.astar import astar
 from mission_tools.planning.expansion import EightNeighbours
 

@@ -1,0 +1,8 @@
+"""Where the data of the tests lies; tests/data/README.md says where each file came from."""
+
+from pathlib import Path
+
+_DATA = Path(__file__).parent / "data"
+SHORES = _DATA / "shores"
+GRIDS = _DATA / "grids"
+RECORDINGS = sorted((_DATA / "recordings").glob("*.tlog"))
