@@ -1,4 +1,4 @@
-"""The kernels of planning and estimation, in C where there is a compiler; the rest is in pyproject.toml.
+"""The kernels of planning, in C where there is a compiler; the rest is in pyproject.toml.
 
 A kernel that cannot be built is skipped: its twin in Python takes its place (companion/planning/kernels.py).
 A new `_NAME.pyx` in their folders is built without being listed here.
@@ -11,7 +11,7 @@ from pathlib import Path
 from Cython.Build import cythonize
 from setuptools import Extension, setup
 
-PACKAGES = (Path("companion/planning"), Path("companion/estimation"))
+PACKAGES = (Path("companion/planning"),)
 # A module with C types in a .pxd beside it is its own twin; a .pyx has a twin of another name.
 SOURCES = {
     path.with_suffix(""): path if path.suffix == ".pyx" else path.with_name(f"{path.stem[1:]}.py")

@@ -5,8 +5,6 @@ becomes a sum of shares of rows, then its column the same (G. J. Bierman, *Facto
 Sequential Estimation*, 1977, chapter VII). Measurements of one moment are collected: each is made orthogonal
 to those before it, in the metric of its variance (Gram and Schmidt), and all are subtracted from P in one
 pass, without a matrix inversion.
-
-`_covariance.pyx` is the same in C; both return the same results.
 """
 
 from collections.abc import Sequence

@@ -20,8 +20,7 @@ Without a gyro ψ̇ is that of the yaw model, and b is its error.
 """
 
 import math
-from collections.abc import Callable, Sequence
-from typing import Any, Final
+from typing import Final
 
 from companion.config.boat_config import Speed
 from companion.config.drive import DIFFERENTIAL, DriveSetting
@@ -42,13 +41,11 @@ from companion.estimation.covariance import (
     SURGE,
     SWAY,
     THRUST_GAIN,
+    Covariance,
 )  # fmt: skip
 from companion.estimation.hull_model import GAIN, GAIN_WALK
 from companion.estimation.innovation import NO_INNOVATION, Innovation, square
 from companion.estimation.nominal_state import STALL_S, UNMODELLED_S, NominalState
-from companion.planning.kernels import load
-
-_new_covariance: Callable[[Sequence[float]], Any] = load("_covariance", "covariance", __package__).Covariance
 
 # Deviations. Process noises were chosen by `benchmarks.estimation consistency`: NEES and NIS near 1
 _UNMODELLED: Final = 0.02  # of the speed, in cruise speeds,
@@ -84,7 +81,7 @@ class ErrorStateFilter(NominalState):
         self._wander_variance = 0.0
         self._gyro_bias_variance = _BIAS_RAD_S * _BIAS_RAD_S
         current = _CURRENT * speed.cruise_m_s
-        self.covariance: Any = _new_covariance(
+        self.covariance = Covariance(
             (0.0, 0.0, _UNKNOWN_RAD, _UNMODELLED * speed.cruise_m_s, 0.0, current, current, _BLIND_RAD_S,
              setting.compass_doubt_rad, GAIN, 0.0, 0.0, _DELAY_S)
         )  # fmt: skip

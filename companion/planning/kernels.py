@@ -9,8 +9,9 @@ from importlib import import_module
 from types import ModuleType
 
 
-def load(compiled: str, twin: str, package: str = __name__.rpartition(".")[0]) -> ModuleType:
-    """The compiled module of the package, or its twin."""
+def load(compiled: str, twin: str) -> ModuleType:
+    """The compiled module of this package, or its twin."""
+    package = __name__.rpartition(".")[0]
     if os.environ.get("MAVBOAT_PURE", "0") in ("", "0"):
         try:
             return import_module(f"{package}.{compiled}")

@@ -1,4 +1,4 @@
-"""The covariance against the textbook's matrices, and its kernel against its twin."""
+"""The covariance against the textbook's matrices."""
 
 import random
 from typing import Any
@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.estimation import covariance as twin
 from companion.estimation.covariance import (
     COMPASS_OFFSET,
     CURRENT_EAST,
@@ -18,7 +17,6 @@ from companion.estimation.covariance import (
     GNSS_EAST,
     GNSS_NORTH,
     HEADING,
-    MOST,
     NORTH,
     RATE_BIAS,
     STATE_NAMES,
@@ -26,14 +24,10 @@ from companion.estimation.covariance import (
     SURGE,
     SWAY,
     THRUST_GAIN,
+    Covariance,
 )  # fmt: skip
 
 DEVIATIONS = (3.0, 2.0, 0.4, 0.2, 0.3, 0.5, 0.4, 0.03, 0.035, 0.2, 0.25, 0.25, 0.03)
-
-
-def kernel() -> Any:  # noqa: ANN401
-    """The compiled module; skips where it was not built."""
-    return pytest.importorskip("companion.estimation._covariance")
 
 
 def compass() -> tuple[tuple[int, float], ...]:
@@ -46,9 +40,9 @@ def velocity(current: int, turn: float, ahead: float, aside: float) -> tuple[tup
     return ((HEADING, turn), (SURGE, ahead), (SWAY, aside), (current, 1.0))
 
 
-def mixed(module: Any, seed: int = 1) -> Any:  # noqa: ANN401
+def mixed(seed: int = 1) -> Covariance:
     """A covariance with all kinds of correlations."""
-    rng, covariance = random.Random(seed), module.Covariance(DEVIATIONS)
+    rng, covariance = random.Random(seed), Covariance(DEVIATIONS)
     for _ in range(5):
         for position, current in ((NORTH, CURRENT_NORTH), (EAST, CURRENT_EAST)):
             shares = [rng.uniform(-2.0, 2.0) for _ in range(3)]
@@ -66,7 +60,7 @@ def mixed(module: Any, seed: int = 1) -> Any:  # noqa: ANN401
     return covariance
 
 
-def measured(covariance: Any, rng: random.Random) -> list[Any]:  # noqa: ANN401
+def measured(covariance: Covariance, rng: random.Random) -> list[Any]:
     """All innovations, variances and the correction of one compass reading and one fix."""
     told = [covariance.measure(compass(), rng.gauss(0.0, 0.1), 1e-3)]
     for current in (CURRENT_NORTH, CURRENT_EAST):
@@ -81,14 +75,8 @@ def measured(covariance: Any, rng: random.Random) -> list[Any]:  # noqa: ANN401
     return [told, covariance.commit(), covariance.rows]
 
 
-def test_kernel_and_twin_return_the_same_results() -> None:
-    compiled, plain = mixed(kernel()), mixed(twin)
-    assert compiled.rows == plain.rows
-    assert measured(compiled, random.Random(3)) == measured(plain, random.Random(3))
-
-
 def test_a_step_of_the_position_is_the_product_of_matrices() -> None:
-    covariance = mixed(twin)
+    covariance = mixed()
     before, transition = np.array(covariance.rows), np.eye(STATES)
     transition[NORTH, [HEADING, SURGE, SWAY, CURRENT_NORTH]] = (-0.3, 0.15, 0.1, 0.2)
     covariance.mix(NORTH, ((NORTH, 1.0), (HEADING, -0.3), (SURGE, 0.15), (SWAY, 0.1), (CURRENT_NORTH, 0.2)))
@@ -96,7 +84,7 @@ def test_a_step_of_the_position_is_the_product_of_matrices() -> None:
 
 
 def test_a_state_that_is_scaled_mixed_or_forgotten_is_so_in_row_and_column() -> None:
-    covariance = mixed(twin)
+    covariance = mixed()
     before, transition = np.array(covariance.rows), np.eye(STATES)
     transition[SURGE, SURGE], transition[SURGE, SWAY] = 0.7, 0.4
     covariance.mix(SURGE, ((SURGE, 0.7), (SWAY, 0.4)))
@@ -111,7 +99,7 @@ def test_a_state_that_is_scaled_mixed_or_forgotten_is_so_in_row_and_column() -> 
 
 
 def test_measurements_of_one_moment_give_what_the_matrix_form_gives() -> None:
-    covariance, rng = mixed(twin), random.Random(4)
+    covariance, rng = mixed(), random.Random(4)
     before = np.array(covariance.rows)
     jacobian = np.zeros((3, STATES))
     jacobian[0, [HEADING, COMPASS_OFFSET]] = 1.0
@@ -135,9 +123,8 @@ def test_measurements_of_one_moment_give_what_the_matrix_form_gives() -> None:
     assert np.prod(variances) == pytest.approx(np.linalg.det(total), rel=1e-9)
 
 
-@pytest.mark.parametrize("module", [twin, None])
-def test_what_was_withdrawn_changes_nothing(module: Any) -> None:  # noqa: ANN401
-    covariance = mixed(module or kernel())
+def test_what_was_withdrawn_changes_nothing() -> None:
+    covariance = mixed()
     before = covariance.rows
     covariance.measure(velocity(CURRENT_NORTH, 1.0, 1.0, 1.0), 5.0, 0.01)
     covariance.withdraw(1)
@@ -146,28 +133,20 @@ def test_what_was_withdrawn_changes_nothing(module: Any) -> None:  # noqa: ANN40
     covariance.measure(compass(), 0.1, 1e-3)
     covariance.measure(velocity(CURRENT_NORTH, 1.0, 1.0, 1.0), 5.0, 0.01)
     covariance.withdraw(1)
-    after = mixed(module or kernel())
+    after = mixed()
     after.measure(compass(), 0.1, 1e-3)
     assert covariance.commit() == after.commit()
 
 
 @given(st.integers(0, 10_000), st.lists(st.floats(1e-6, 10.0), min_size=1, max_size=20))
 def test_it_stays_symmetric_and_positive(seed: int, noises: list[float]) -> None:
-    covariance, rng = mixed(twin, seed), random.Random(seed)
+    covariance, rng = mixed(seed), random.Random(seed)
     for noise in noises:
         covariance.measure(velocity(CURRENT_EAST, rng.uniform(-2.0, 2.0), 0.6, -0.8), 0.1, noise)
         covariance.commit()
     rows = np.array(covariance.rows)
     assert np.array_equal(rows, rows.T) or rows == pytest.approx(rows.T, rel=1e-12)
     assert min(np.linalg.eigvalsh(0.5 * (rows + rows.T))) > -1e-9
-
-
-def test_the_kernel_refuses_more_measurements_than_it_has_room_for() -> None:
-    covariance = kernel().Covariance(DEVIATIONS)
-    for _ in range(MOST):
-        covariance.measure(compass(), 0.0, 1.0)
-    with pytest.raises(IndexError):
-        covariance.measure(compass(), 0.0, 1.0)
 
 
 def test_the_states_have_the_names_of_the_report() -> None:
