@@ -11,53 +11,25 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import (
-    campaign,
-    codec,
-    emulator,
-    endurance,
-    fleet,
-    full_boat,
-    garbage,
-    install,
-    loop,
-    memory,
-    radio,
-    router,
-    shore_page,
-    transfer,
-)
+from benchmarks import codec, emulator, install, router, transfer
 from benchmarks.measure import Row
-from benchmarks.planning import grids, peers, planner, river, routes, startup, survey, watch
+from benchmarks.planning import grids, peers, routes, startup, survey, watch
 
 PAGE = Path("docs/benchmarks.md")
 JSON = Path("out/benchmarks.json")
 BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "codec": codec.rows,
-    "planner": planner.rows,
-    "river": river.rows,
-    "watch": watch.rows,
     "grids": grids.rows,
     "peers": peers.rows,
     "emulator": emulator.rows,
-    "campaign": campaign.rows,
-    "fleet": fleet.rows,
     "transfer": transfer.rows,
-    "radio": radio.rows,
     "router": router.rows,
     "routes": routes.rows,
-    "memory": memory.rows,
     "startup": startup.rows,
     "survey": survey.rows,
-    "loop": loop.rows,
-    "full_boat": full_boat.rows,
-    "endurance": endurance.rows,
-    "garbage": garbage.rows,
+    "watch": watch.rows,
     "install": install.rows,
-    "shore_page": shore_page.rows,
 }
-
-_PICTURES = {"grids": "pictures/grid_scale.png"}
 
 _INTRODUCTION = """# Benchmarks
 
@@ -70,11 +42,7 @@ the peer run alternately in one process. Figures are medians ± half the interqu
 median of the pairs. Times are CPU time, except wall-clock time for transfers and garbage. On a shared machine
 the ratios are more reliable than the times.
 
-Two runs take longer, and print memory and descriptors as they go: `python -m benchmarks.endurance 24` sails
-24 simulated hours, `python -m benchmarks.full_boat 1` runs the program with every part for an hour.
-`python -m benchmarks.shore_page 60` shows what the page costs beside the boat.
-`python -m benchmarks.estimation` compares estimators on recorded runs; its figures are in
-[estimation](estimation.md).
+`python -m benchmarks.estimation` judges the filter; its figures are in [estimation](estimation.md).
 
 Machine: {machine}. Measured on {day}.
 """
@@ -120,8 +88,6 @@ def _page(found: dict[str, list[Row]]) -> str:
 
 def _section(name: str, rows: list[Row], note: str = "") -> str:
     lines = [f"## {name}", "", *((note, "") if note else ())]
-    if name in _PICTURES:
-        lines += [f"![{name}]({_PICTURES[name]})", ""]
     lines += ["| question | ours | peer | ours ÷ peer |", "|---|---|---|---|"]
     lines += [f"| {' | '.join(_cells(row))} |" for row in rows]
     return "\n".join(lines) + "\n"

@@ -15,19 +15,15 @@ estimator.
 
 import math
 import random
-import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.estimation.compare import replay
-from benchmarks.estimation.errors import load_replayed
-from benchmarks.estimation.feed import NAV
-from benchmarks.estimation.feed import SENSORS as CHANNELS
+from benchmarks.estimation.replay import NAV, replay
+from benchmarks.estimation.replay import SENSORS as CHANNELS
 from companion.boat import TICK_S
 from companion.core.state import STOPPED, MotorCommand
 from companion.core.units import clamp, wrap_pi
@@ -111,10 +107,7 @@ def sail(scenario: Scenario, length_s: float = LENGTH_S) -> SensorRecording:
 
 
 def nees(recording: SensorRecording, replayed: Mapping[str, Any]) -> dict[str, Numbers]:
-    """The NEES of each group, row by row (tenths of a second); NaN where it is not known.
-
-    From the estimator's reports; one that makes none has its position judged by its own standard deviation.
-    """
+    """The NEES of each group, row by row (tenths of a second); NaN where it is not known."""
     nav, truth = replayed["nav"], recording.truth
     rows = min(len(nav), len(truth))
     nav, truth = nav[:rows], truth[:rows]
@@ -123,9 +116,6 @@ def nees(recording: SensorRecording, replayed: Mapping[str, Any]) -> dict[str, N
         return np.asarray(nav[:, NAV.index(name)] - truth[:, Truth._fields.index(name)])
 
     north, east = off("north_m"), off("east_m")
-    if "covariance" not in replayed:
-        variance = nav[:, NAV.index("position_sigma_m")] ** 2
-        return {"position": (north**2 + east**2) / np.where(variance > 0.0, variance, np.nan)}
     covariance, state = replayed["covariance"][:rows], replayed["state"][:rows]
     turn = (off("heading_rad") + math.pi) % (2.0 * math.pi) - math.pi
     cos, sin = np.cos(state[:, 2]), np.sin(state[:, 2])
@@ -157,8 +147,6 @@ def nis(replayed: Mapping[str, Any]) -> dict[str, tuple[float, int]]:
 
     Reports are made ten times a second: the gyro's are a sample, the others all that there were.
     """
-    if "innovations" not in replayed:
-        return {}
     times, values, variances = replayed["innovations"][round(SETTLED_S * ROW_HZ) :].transpose(2, 1, 0)
     out = {}
     for sensor, freedom in SENSORS.items():
@@ -232,21 +220,15 @@ def average_nis(runs: Sequence[Mapping[str, tuple[float, int]]]) -> dict[str, Av
     return out
 
 
-def campaign(
-    seeds: range, hull: str, receiver: str, checkout: Path
-) -> tuple[dict[str, Average], dict[str, Average]]:
-    """Average NEES and NIS of the estimator of a checkout over random runs."""
+def campaign(seeds: range, hull: str, receiver: str) -> tuple[dict[str, Average], dict[str, Average]]:
+    """Average NEES and NIS of the estimator over random runs."""
     nees_of: list[dict[str, Numbers]] = []
     nis_of: list[dict[str, tuple[float, int]]] = []
-    with tempfile.TemporaryDirectory() as folder:
-        paths = [Path(folder) / f"{seed}.npz" for seed in seeds]
-        for seed, path in zip(seeds, paths, strict=True):
-            sail(draw(seed, hull, receiver)).save(path)
-        replay(checkout, paths, Path(folder) / "out", is_timed=False)
-        for path in paths:
-            replayed = load_replayed(Path(folder) / "out" / path.name)
-            nees_of.append(nees(SensorRecording.load(path), replayed))
-            nis_of.append(nis(replayed))
+    for seed in seeds:
+        recording = sail(draw(seed, hull, receiver))
+        replayed = replay(recording)
+        nees_of.append(nees(recording, replayed))
+        nis_of.append(nis(replayed))
     return average_nees(nees_of), average_nis(nis_of)
 
 

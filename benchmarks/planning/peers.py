@@ -23,11 +23,11 @@ from mission_tools.planning.exact_planner import water_of
 from sitl.scenarios.scenario import load_scenario
 
 PAGE = Path("docs/peers.md")
-SHARED = Path("../shared/maps")
+GRIDS = Path("tests/data/grids")
 SEEDS = (11, 12, 13)
 BUDGET_S = 5.0
 GRID_CLEARANCE_M = 0.25  # in cells of 1 m, so that a corridor of one cell is passable
-_GRIDS = ("arena2", "w_woundedcoast")
+_GRIDS = ("arena2",)
 _GRID_QUERIES = 1
 _GRID_STRIDE = 40
 _BEGIN, _END = "<!-- table -->", "<!-- end of table -->"
@@ -77,8 +77,8 @@ def _waters() -> dict[str, tuple[Sea, list[Query]]]:
         sea = Sea(scenario.chart, route.clearance_m)
         queries = [(case.start, case.goal) for case in cases if case.start and case.goal]
         found[title] = sea, [query for query in queries if _is_joined(sea, query)]
-    for name in _GRIDS if (SHARED / "movingai").is_dir() else ():
-        path = SHARED / f"movingai/{name}.map"
+    for name in _GRIDS:
+        path = GRIDS / f"{name}.map"
         sea, grid = Sea(load_grid_map(path), GRID_CLEARANCE_M), read_grid_map(path)
 
         def middle(cell: int, width: int = grid.width, height: int = grid.height) -> Point:

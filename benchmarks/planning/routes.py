@@ -27,7 +27,7 @@ from mission_tools.errors import NoRouteError
 from mission_tools.maps import Chart, load_geojson
 from mission_tools.planning.planner import PlanSettings, plan
 
-SHORE = Path(__file__).parents[3] / "shared" / "maps" / "shore"
+SHORE = Path("tests/data/shores")
 CLEARANCES_M = (1.0, 4.0, 10.0)
 QUERIES = 42  # for each of eight maps and three clearances: 1,008
 CUT_OUT_M = 350.0  # half the side of the cut-outs
@@ -40,8 +40,6 @@ VERTICES = (100, 1_000, 10_000, 20_000, 100_000)
 def rows() -> list[Row]:
     """Lakes by clearance, the oracles, the clearance, and time against vertices."""
     found = list(_growth())
-    if not SHORE.is_dir():
-        return [*found, Row("the real shorelines do not lie beside this checkout", "", "less", 0.0, 0.0)]
     lengths, times = [], []
     for path in sorted(SHORE.glob("*.geojson")):
         chart = load_geojson(path)

@@ -9,7 +9,7 @@ from pathlib import Path
 from benchmarks.measure import Row, alone
 
 _ROUNDS = 5
-_SHORES = Path("../shared/maps/shore")
+_SHORES = Path("tests/data/shores")
 _SQUAM = ["--start-at", "43.7340,-71.5450", "--goal", "43.7640,-71.5250"]
 _RUN = "import runpy, sys; sys.argv = sys.argv[1:]; runpy.run_module(sys.argv[0], run_name='__main__')"
 _JOBS = {
