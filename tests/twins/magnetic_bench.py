@@ -56,7 +56,14 @@ class Bench:
         self.corrector = FieldCorrector()
         self.corrector.correction = MagneticCorrection(offset=(0.001, 0.0, 0.0))
         monkeypatch.setattr(magnetic_compass.MagneticCompass, "start", lambda self: self)
-        self.compass: MagneticCompass = open_magnetic_compass(self.part, self.clock, self.corrector)
+        self.compass: MagneticCompass = open_magnetic_compass(
+            self.part, self.clock, self.corrector, self.wait
+        )
+
+    def wait(self, seconds: float) -> None:
+        """As the driver's thread does; the boat turns meanwhile."""
+        self.scene.turn(seconds)
+        self.clock.advance(seconds)
 
     def run(self, seconds: float) -> None:
         """Steps at the driver's period; the boat turns meanwhile."""

@@ -130,13 +130,19 @@ class MeasuringTwin:
 
 
 class Qmc5883lTwin(MeasuringTwin):
-    """Reading the data clears DRDY (9.2.2); standby keeps the last values."""
+    """Reading the data clears DRDY (9.2.2); standby keeps the last values. Its number reads wrongly until
+    register 0 has been read, `misreads` times also then; for starts_s after a reset it takes no settings.
+    """
 
     address = 0x0D
     RATES_HZ = (10.0, 50.0, 100.0, 200.0)
+    misreads = 0
+    starts_s = 0.0999
+    has_been_read = False
 
     def reset(self) -> None:
         self.map[0x0D] = 0xFF
+        self.reset_s = -1.0
 
     def rate_hz(self) -> float:
         control = self.map[0x09]
@@ -148,6 +154,10 @@ class Qmc5883lTwin(MeasuringTwin):
             field = self.turned(_board(self.scene.field_mg()))
             is_over = any(abs(one) / 1000.0 * per_gauss > limit for one in field)
             return bytes([int(self.has_new()) | int(is_over) << 1])
+        self.has_been_read = self.has_been_read or register == 0x00
+        if register == 0x0D and (self.misreads or not self.has_been_read):
+            self.misreads = max(0, self.misreads - 1)
+            return b"\x00"
         if register == 0x00 and self.has_new():
             assert self.map[0x0B] == 0x01, "9.2.6: the recommended period"
             (field,) = self.sample((self.scene.field_mg(),))
@@ -158,9 +168,10 @@ class Qmc5883lTwin(MeasuringTwin):
         if register == 0x0A and data[0] & 0x80:
             self.map = bytearray(0x100)
             self.reset()
-            self.setups += 1
-            return
-        super().put(register, data)
+            self.reset_s = self.scene.now()
+        elif self.scene.now() - self.reset_s >= self.starts_s:
+            self.setups += register == 0x09
+            super().put(register, data)
 
 
 class Qmc5883pTwin(MeasuringTwin):

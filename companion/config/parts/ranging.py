@@ -33,6 +33,7 @@ class RangerPart(Section, frozen=True):
     step_rad: Positive = math.radians(15.0)
     min_range_m: NonNegative = 0.0  # nothing closer is seen; 0: that of the data sheet
     max_range_m: NonNegative = 0.0  # 0: that of the data sheet
+    air_c: Annotated[float, Meta(ge=-40.0, le=60.0)] = 15.0  # with echo pins; 10 °C are 1.8 % of the range
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -1,15 +1,18 @@
 """Gyros with accelerometers on I²C, in their board axes.
 
-MPU-6050: InvenSense PS-MPU-6000A-00 and RM-MPU-6000A-00, revisions 3.4 and 4.2, August 2013. MPU-6500 and
-MPU-9250 have the same registers. LSM6DS3, LSM6DSO and LSM6DSOX: ST DocID026899 revision 10 and DS12814
+MPU-6050: InvenSense PS-MPU-6000A-00 and RM-MPU-6000A-00, revisions 3.4 and 4.2, August 2013. MPU-6500
+(RM-MPU-6500A-00), MPU-9250 and their successors have the same registers, and one more for the filter of the
+accelerometer. LSM6DS3, LSM6DSO and LSM6DSOX: ST DocID026899 revision 10 and DS12814
 revision 3.
 """
 
 import math
 import struct
+import time
+from collections.abc import Callable
 from typing import Final
 
-from companion.core.vectors import Vector
+from companion.core.vectors import Vector, length
 from companion.hal.heading.registers import Motion, Registers
 from companion.hal.raspberry_pi import I2cBus
 from companion.sensors.compass.attitude import GRAVITY_M_S2
@@ -21,36 +24,62 @@ def _scaled(values: tuple[int, ...], factor: float) -> Vector:
 
 
 class Mpu6050:
-    """MPU-6050 and its successors. Its auxiliary bus is connected through: boards such as the GY-87 have
-    their magnetometer there.
+    """MPU-6050, its successors and their clones. Its auxiliary bus is connected through: boards such as the
+    GY-87 have their magnetometer there.
+
+    Boards sold as MPU-6050 carry many numbers. One that is not among `IDS` is taken if it keeps its settings
+    and its accelerometer measures gravity.
     """
 
     name = "MPU-6050"
     ADDRESS: Final = 0x68  # 0x69 where its AD0 pin is high
-    IDS: Final = (0x68, 0x70, 0x71)  # MPU-6050, MPU-6500, MPU-9250
+    # MPU-6050; ICM-20602; MPU-6500, -9250, -9255, -6515; ICM-20689, -20601, -20608
+    IDS: Final = (0x68, 0x12, 0x70, 0x71, 0x73, 0x74, 0x98, 0xAC, 0xAF)
     RATE: Final = math.radians(1.0 / 65.5)  # ±500 °/s (6.1)
     FORCE: Final = GRAVITY_M_S2 / 8192.0  # ±4 g (6.2)
-    _DIVIDER_AT, _BYPASS_AT, _STATUS_AT, _USER_AT, _POWER_AT, _ID_AT = 0x19, 0x37, 0x3A, 0x6A, 0x6B, 0x75
+    _DIVIDER_AT, _FORCE_FILTER_AT, _BYPASS_AT, _STATUS_AT = 0x19, 0x1D, 0x37, 0x3A
+    _USER_AT, _POWER_AT, _ID_AT = 0x6A, 0x6B, 0x75
     # From SMPLRT_DIV: 1 kHz / 10; low-pass 44 Hz, against motors and propellers; ±500 °/s; ±4 g
     SET_UP: Final = (9, 0x03, 0x08, 0x08)
+    FORCE_FILTER: Final = 0x03  # ACCEL_CONFIG 2: 45 Hz; the MPU-6050 has one filter for both, and not this
     _READY: Final = 0x01
     _DATA: Final = struct.Struct(">3hh3h")  # ACCEL, TEMP, GYRO
+    _NO_PART: Final = (0x00, 0xFF)  # a bus that is held low, or on which nobody speaks
+    _STARTS_S: Final = 0.1  # from sleep to valid data
+    _UNEVEN: Final = 0.2  # share of gravity: offset and scale of a poor part, and a boat in hand
 
-    def __init__(self, bus: I2cBus, address: int = 0) -> None:
+    def __init__(self, bus: I2cBus, address: int = 0, wait: Callable[[float], None] = time.sleep) -> None:
         self.address = address or self.ADDRESS
         self._registers = Registers(bus, self.address)
+        self._wait = wait
+        self._id = self.IDS[0]
 
     def identify(self) -> str:
         """What answers instead."""
-        (found,) = self._registers.read(self._ID_AT, 1)
-        return "" if found in self.IDS else f"{found:#x}, not {self.IDS[0]:#x}"
+        (self._id,) = self._registers.read(self._ID_AT, 1)
+        if self._id in self.IDS or (self._id not in self._NO_PART and self._works()):
+            return ""
+        return f"{self._id:#x}, not {self.IDS[0]:#x}, and measures no gravity"
 
     def set_up(self) -> None:
         """Wake it up, clocked by its gyro, and start measuring."""
         self._registers.write(self._POWER_AT, 0x01)
         self._registers.write(self._DIVIDER_AT, *self.SET_UP)
+        if self._id != self.IDS[0]:
+            self._registers.write(self._FORCE_FILTER_AT, self.FORCE_FILTER)
         self._registers.write(self._USER_AT, 0x00)
         self._registers.write(self._BYPASS_AT, 0x02, 0x01)  # and the next, INT_ENABLE: data ready
+
+    def _works(self) -> bool:
+        """Whether it keeps its settings and measures gravity."""
+        self.set_up()
+        self._wait(self._STARTS_S)
+        motion = self.read()
+        return (
+            self._registers.read(self._DIVIDER_AT, len(self.SET_UP)) == bytes(self.SET_UP)
+            and motion is not None
+            and abs(length(motion.force) / GRAVITY_M_S2 - 1.0) < self._UNEVEN
+        )
 
     def read(self) -> Motion | None:
         """A new sample."""

@@ -2,6 +2,7 @@
 
 import logging
 import math
+import time
 from collections.abc import Callable
 from typing import Final, Generic, Protocol, TypeVar
 
@@ -30,13 +31,17 @@ STUCK: Final = 50  # equal samples, a second of them: a working part has a noise
 LOST_S: Final = 2.0  # the gyro bridges a magnetometer without a field for this long
 RETRY_S: Final = 0.5  # after an error of one part; the other goes on meanwhile
 _LEVEL: Final = (0.0, 0.0, 1.0)
-_MAGNETOMETERS: Final[dict[str, Callable[[I2cBus, int], Magnetometer]]] = {
+_Wait = Callable[[float], None]
+_MAGNETOMETERS: Final[dict[str, Callable[[I2cBus, int, _Wait], Magnetometer]]] = {
     "qmc5883l": Qmc5883l,
     "qmc5883p": Qmc5883p,
-    "hmc5883l": Hmc5883l,
-    "lis3mdl": Lis3mdl,
+    "hmc5883l": lambda bus, address, _: Hmc5883l(bus, address),
+    "lis3mdl": lambda bus, address, _: Lis3mdl(bus, address),
 }
-_INERTIAL: Final[dict[str, type[Mpu6050] | type[Lsm6ds]]] = {"mpu6050": Mpu6050, "lsm6ds": Lsm6ds}
+_INERTIAL: Final[dict[str, Callable[[I2cBus, int, _Wait], InertialSensor]]] = {
+    "mpu6050": Mpu6050,
+    "lsm6ds": lambda bus, address, _: Lsm6ds(bus, address),
+}
 
 
 class _Part(Protocol[Sample_co]):
@@ -186,9 +191,12 @@ class MagneticCompass(BackgroundSensor[HeadingReading]):
 
 
 def open_magnetic_compass(
-    part: parts.CompassPart, now: Callable[[], float], corrector: FieldCorrector
+    part: parts.CompassPart,
+    now: Callable[[], float],
+    corrector: FieldCorrector,
+    wait: Callable[[float], None] = time.sleep,
 ) -> MagneticCompass:
-    """Open the parts on the Pi's I²C bus and start reading.
+    """Open the parts on the Pi's I²C bus and start reading. wait: while a part starts.
 
     Raises:
         HardwareError: smbus2 is missing, there is no bus, or a part does not answer.
@@ -197,9 +205,9 @@ def open_magnetic_compass(
     try:
         inertial: InertialSensor | None = None
         if part.imu != "none":  # first: it connects its auxiliary bus through
-            inertial = _INERTIAL[part.imu](bus, part.imu_address)
+            inertial = _INERTIAL[part.imu](bus, part.imu_address, wait)
             _start(inertial)
-        magnetometer: Magnetometer = _MAGNETOMETERS[part.driver](bus, part.address)
+        magnetometer: Magnetometer = _MAGNETOMETERS[part.driver](bus, part.address, wait)
         _start(magnetometer)
     except HardwareError:
         bus.close()

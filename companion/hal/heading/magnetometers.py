@@ -9,12 +9,16 @@ sets it up again.
 """
 
 import struct
+import time
+from collections.abc import Callable
 from typing import Final
 
 from companion.core.vectors import Vector
 from companion.hal.heading.registers import Registers
 from companion.hal.raspberry_pi import I2cBus
 
+_TRIES: Final = 3  # of an identification: other parts on the bus disturb the first
+_RESET_S: Final = 0.1  # a QMC5883L answers wrongly for a while after its reset
 _LITTLE: Final = struct.Struct("<3h")
 _BIG: Final = struct.Struct(">3h")
 
@@ -30,14 +34,20 @@ class _Qst:
     _STATUS_AT: int
     _READY, _OVERFLOW = 0x01, 0x02  # reading clears the first: of the QMC5883L its data, of the P its status
 
-    def __init__(self, bus: I2cBus, address: int = 0) -> None:
+    def __init__(self, bus: I2cBus, address: int = 0, wait: Callable[[float], None] = time.sleep) -> None:
         self.address = address or self.ADDRESS
         self._registers = Registers(bus, self.address)
+        self._wait = wait
 
     def identify(self) -> str:
-        """What answers instead."""
-        (found,) = self._registers.read(self._ID_AT, 1)
-        return "" if found == self._ID else f"{found:#x}, not {self._ID:#x}"
+        """What answers instead. The number is right only after register 0 has been read."""
+        found = -1
+        for _ in range(_TRIES):
+            self._registers.read(0x00, 1)
+            (found,) = self._registers.read(self._ID_AT, 1)
+            if found == self._ID:
+                return ""
+        return f"{found:#x}, not {self._ID:#x}"
 
     def read(self) -> Vector | None:
         """A new field."""
@@ -63,9 +73,15 @@ class Qmc5883l(_Qst):
     _RESET: Final = 0x80
     _STATUS_AT = 0x06
 
+    def identify(self) -> str:
+        """What answers instead. The part is reset."""
+        if not (found := super().identify()):
+            self._registers.write(self._CONTROL_2_AT, self._RESET)
+            self._wait(_RESET_S)
+        return found
+
     def set_up(self) -> None:
         """Start measuring."""
-        self._registers.write(self._CONTROL_2_AT, self._RESET)
         self._registers.write(self._PERIOD_AT, 0x01)  # recommended (9.2.6)
         self._registers.write(self._CONTROL_1_AT, self.CONTROL)
 

@@ -5,14 +5,17 @@ travel time. Range = c t / 2, with the speed of sound in dry air c = 331.3 sqrt(
 0.606 T m/s, T in °C.
 """
 
+import math
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
 from typing import Any, Final, NamedTuple, Protocol
 
 from companion.core.errors import HardwareError
 
 _ANSWER_S: Final = 0.02  # the echo pin rises within this, or the part is missing
+_MEDIAN: Final = 3  # pings in one direction: the least that drops a single wrong one
 _HELD_S: Final = 0.25  # longest time that a part without an echo holds the pin: 38 ms to 200 ms
 
 
@@ -63,6 +66,7 @@ class EchoPinRanger:
         self._sound_m_s = speed_of_sound_m_s(air_c)
         self._max_range_m = max_range_m
         self._longest_s = 2.0 * max_range_m / self._sound_m_s
+        self._ranges_m: deque[float] = deque(maxlen=_MEDIAN)  # infinite without an echo
         self._edge_ticks: dict[bool, float] = {}  # rising: True
         self._has_fallen = threading.Event()
         trigger.pin.function = "output"
@@ -72,7 +76,8 @@ class EchoPinRanger:
         echo.pin.when_changed = self._on_edge
 
     def ping_m(self) -> float | None:
-        """Range in metres, None without an echo in range; takes up to 20 ms plus the longest travel time.
+        """Range in metres, None without an echo in range; takes up to 20 ms plus the longest travel time. In
+        one direction it is the median of three.
 
         Raises:
             HardwareError: the echo pin is stuck high, or never rose: the part is missing.
@@ -89,13 +94,15 @@ class EchoPinRanger:
         rise, fall = self._edge_ticks.get(True), self._edge_ticks.get(False)
         if rise is None:
             raise HardwareError("sonar: no answer to the trigger; check power, trigger and echo wires")
-        if fall is None:
-            return None
-        range_m = 0.5 * self._sound_m_s * self._ticks_to_s(fall, rise)
+        range_m = math.inf if fall is None else 0.5 * self._sound_m_s * self._ticks_to_s(fall, rise)
+        self._ranges_m.append(range_m)
+        if len(self._ranges_m) == _MEDIAN:
+            range_m = sorted(self._ranges_m)[_MEDIAN // 2]
         return range_m if range_m <= self._max_range_m else None
 
     def forget(self) -> None:
-        """Each ping is of now."""
+        """Drop earlier pings: they were in another direction."""
+        self._ranges_m.clear()
 
     def close(self) -> None:
         """Release the pins. May be called twice."""

@@ -23,7 +23,6 @@ _SERVO_STEP_S: Final = 0.06  # a micro servo turns 15° in 30 ms and settles
 _SERVO_SETTLES_S: Final = 0.5  # from any position to the first bearing
 _QUARTER_TURN_RAD: Final = 0.5 * math.pi  # of the servo's horn, at its longest and shortest pulse
 _READINGS: Final = 256
-_WATER_AIR_C: Final = 15.0
 _ECHO_CHIPS: Final = {"hcsr04": HCSR04, "jsnsr04t": JSNSR04T}
 
 
@@ -174,7 +173,7 @@ def _open_bare(part: RangerPart, now: Callable[[], float], pin_factory: object) 
                 echo = undo.enter_context(gpiozero.InputDevice(part.echo, pin_factory=pin_factory))
                 chip = _ECHO_CHIPS[part.driver]
                 ticks_to_s = echo.pin_factory.ticks_diff
-                ranger = EchoPinRanger(trigger, echo, ticks_to_s, max_range_m, _WATER_AIR_C, chip)
+                ranger = EchoPinRanger(trigger, echo, ticks_to_s, max_range_m, part.air_c, chip)
                 undo.pop_all()
             return ranger
     return SerialRanger(open_line(part.port, kind.baud, now), kind, decode, max_range_m)

@@ -72,7 +72,7 @@ def a02yyuw_range_m(frame: bytes) -> float | None:
 
 
 def tfmini_range_m(frame: bytes, min_strength: int) -> float | None:
-    """Range in metres, None where nothing reflects enough.
+    """Range in metres, None where nothing reflects enough. A strong reflection at 0 touches the part: 1 cm.
 
     Raises:
         HardwareError: blinded by sunlight or a mirror: the range is unknown.
@@ -82,7 +82,7 @@ def tfmini_range_m(frame: bytes, min_strength: int) -> float | None:
         raise HardwareError("TFmini: blinded by sunlight or a mirror")
     if centimetres == _TOO_WEAK or strength < min_strength:
         return None
-    return centimetres / 100.0
+    return max(centimetres, 1) / 100.0
 
 
 Decoder = Callable[[bytes], float | None]

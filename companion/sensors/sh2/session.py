@@ -133,11 +133,12 @@ class Sh2Session:
         if not self._waiting:
             return
         channel, payload = self._waiting[0]
-        if space is not None and space < len(payload) + 4:
+        frame = encode(channel, self._sequences[channel], payload)
+        if space is not None and space < len(frame):  # as it is sent, escaped
             return
         self._waiting.popleft()
         self._queries, self._query_s = 0, -1.0  # the next one is asked for at once
-        self._outbox.append(encode(channel, self._sequences[channel], payload))
+        self._outbox.append(frame)
         self._sequences[channel] += 1
 
     def _read_reports(self, payload: bytes) -> list[Rotation]:

@@ -17,6 +17,7 @@ from companion.hal.heading.bno085 import BYTE_S, Bno085Compass, open_bno085
 from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 from companion.sensors.readings import HeadingReading
 from companion.sensors.sh2.frames import FrameReader, Packet, encode
+from companion.sensors.sh2.session import Sh2Session
 
 HALF = math.sqrt(0.5)
 
@@ -128,6 +129,19 @@ def test_a_part_without_room_is_not_sent_more() -> None:
     bench.twin.space = 100
     bench.run(1.0)
     assert bench.compass.read() is not None
+
+
+def test_room_is_counted_as_the_bytes_are_sent() -> None:
+    """A byte 0x7e or 0x7d takes two (data sheet 1000-3927, 1.2.3.1)."""
+    payload = bytes((0x7E, 0x7D)) * 8
+    session = Sh2Session(0.0)
+    session._waiting.clear()
+    session._waiting.append((2, payload))
+    session.feed(bytes((0x7E, 0x00, 30, 0, 0x7E)), 0.0)
+    assert session.take_outbox() == []
+    session.feed(bytes((0x7E, 0x00, 39, 0, 0x7E)), 0.0)
+    (frame,) = session.take_outbox()
+    assert len(frame) == 39
 
 
 def test_the_calibration_is_saved_once_it_is_good() -> None:

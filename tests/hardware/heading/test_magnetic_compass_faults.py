@@ -1,14 +1,15 @@
 """Magnetometers with a gyro and accelerometer that fail: range, supply, stuck values, silence."""
 
 import logging
+import math
 from pathlib import Path
 
 import pytest
 from twins.i2c import plug_in
-from twins.inertial import Mpu6050Twin
+from twins.inertial import Mpu6050Twin, OtherTwin
 from twins.lines import HandClock
 from twins.magnetic_bench import INERTIAL, MAGNETOMETERS, Bench
-from twins.magnetics import Hmc5883lTwin, Scene
+from twins.magnetics import Hmc5883lTwin, Qmc5883lTwin, Scene
 
 from companion.config.parts import CompassPart
 from companion.core.errors import HardwareError
@@ -134,6 +135,45 @@ def test_parts_that_are_missing_or_others_are_told_in_one_line(
     lis = CompassPart(driver="lis3mdl")
     with pytest.raises(HardwareError, match="LIS3MDL: the part at I²C address 0x1c says 0x0, not 0x3d"):
         open_magnetic_compass(lis, clock, FieldCorrector())
-    mpu.map[0x75] = 0x12
-    with pytest.raises(HardwareError, match="MPU-6050: the part at I²C address 0x68 says 0x12, not 0x68"):
-        open_magnetic_compass(part, clock, FieldCorrector())
+    dev.parts[0x68] = OtherTwin(0x33)
+    told = "MPU-6050: the part at I²C address 0x68 says 0x33, not 0x68, and measures no gravity"
+    with pytest.raises(HardwareError, match=told):
+        open_magnetic_compass(part, clock, FieldCorrector(), clock.advance)
+
+
+@pytest.mark.parametrize(
+    "chip_id",
+    [0x68, 0x12, 0x70, 0x71, 0x72, 0x73, 0x74, 0x75, 0x98, 0xAC, 0xAD, 0xAE, 0xAF],
+)
+def test_a_part_that_does_what_an_mpu_6050_does_is_taken_for_one(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, chip_id: int
+) -> None:
+    monkeypatch.setattr(Mpu6050Twin, "chip_id", chip_id)
+    bench = Bench(monkeypatch, tmp_path)
+    bench.scene.roll_deg = 10.0
+    bench.run(12.0)
+    assert math.degrees(bench.reading.roll_rad or 0.0) == pytest.approx(10.0, abs=0.5)
+    assert abs(bench.error_deg) < 1.0
+    has_force_filter = chip_id != 0x68
+    assert bench.motion.map[0x1D] == (0x03 if has_force_filter else 0x00)
+
+
+@pytest.mark.parametrize("chip_id", [0x00, 0xFF])
+def test_a_bus_that_is_held_is_not_taken_for_a_part(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, chip_id: int
+) -> None:
+    monkeypatch.setattr(Mpu6050Twin, "chip_id", chip_id)
+    with pytest.raises(HardwareError, match=f"says {chip_id:#x}, not 0x68"):
+        Bench(monkeypatch, tmp_path)
+
+
+@pytest.mark.parametrize(("misreads", "is_taken"), [(0, True), (2, True), (3, False)])
+def test_the_number_of_a_qmc5883l_is_asked_three_times(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, misreads: int, is_taken: bool
+) -> None:
+    monkeypatch.setattr(Qmc5883lTwin, "misreads", misreads)
+    if is_taken:
+        assert Bench(monkeypatch, tmp_path).field.map[0x09], "set up after the wait that follows its reset"
+    else:
+        with pytest.raises(HardwareError, match="QMC5883L: the part at I²C address 0xd says 0x0, not 0xff"):
+            Bench(monkeypatch, tmp_path)

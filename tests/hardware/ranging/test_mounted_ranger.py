@@ -97,6 +97,31 @@ def test_sound_is_faster_in_warm_air() -> None:
     assert speed_of_sound_m_s(20.0) == pytest.approx(343.4, abs=0.1)
 
 
+def test_a_single_jump_is_dropped_in_one_direction_only(bench: Bench) -> None:
+    ranger, ranges_m = bench.ranger(), list[float | None]()
+    for range_m in (2.0, 2.02, 0.3, 2.04, 2.06, 1.0, 1.02):
+        bench.twin.echo_s = 2.0 * range_m / SOUND_M_S
+        ranges_m.append(ranger.ping_m())
+    assert ranges_m[2:] == pytest.approx([2.0, 2.02, 2.04, 2.04, 1.02], abs=1e-6)
+    ranger.forget()  # it has been turned
+    bench.twin.echo_s = 2.0 * 0.5 / SOUND_M_S
+    assert ranger.ping_m() == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize(("air_c", "sound_m_s"), [(-10.0, 325.2), (15.0, 340.4), (35.0, 352.5)])
+def test_the_speed_of_sound_is_that_of_the_configured_air(
+    bench: Bench, air_c: float, sound_m_s: float
+) -> None:
+    bench.twin.echo_s = 0.01
+    sonar = open_ranger(parts.RangerPart(driver="hcsr04", air_c=air_c), HandClock(), bench.factory)
+    try:
+        eventually(
+            lambda: (found := sonar.read()) and found[0].range_m == pytest.approx(sound_m_s / 200, rel=1e-3)
+        )
+    finally:
+        sonar.close()
+
+
 def test_no_echo_in_range_is_none(bench: Bench) -> None:
     ranger = bench.ranger()
     bench.twin.echo_s = 0.038  # what the part holds when nothing came back

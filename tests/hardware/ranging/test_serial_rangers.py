@@ -49,6 +49,11 @@ def test_open_water_is_no_echo() -> None:
     assert tfmini_range_m(tfmini_frame(500, 20), min_strength=20) == 5.0
 
 
+def test_a_strong_reflection_at_zero_touches_a_tfmini_and_a_weak_one_is_none() -> None:
+    assert tfmini(tfmini_frame(0, 3000)) == 0.01
+    assert tfmini(tfmini_frame(0, 99)) is None  # TFmini Plus, 5.4
+
+
 @pytest.mark.parametrize(("centimetres", "strength"), [(-2, -1), (-4, 2000), (300, -1)])
 def test_a_blinded_lidar_is_a_fault_and_not_free_water(centimetres: int, strength: int) -> None:
     with pytest.raises(HardwareError, match="blinded"):
