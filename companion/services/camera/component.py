@@ -122,8 +122,6 @@ class CameraComponent:
         for image in images:
             self._images.append(image)
             self._outbox.broadcast(build.image_captured(now, image), self.component)
-            if not image.fault:
-                self._outbox.broadcast(build.camera_feedback(now, image))
 
     def _execute(self, command: Command) -> None:
         """Acknowledge a command, then send the messages that it asks for."""

@@ -125,16 +125,6 @@ def image_captured(now: Snapshot, image: Image) -> Message:
     )  # fmt: skip
 
 
-def camera_feedback(now: Snapshot, image: Image) -> Message:
-    """The same as ArduPilot tells Mission Planner, from the autopilot."""
-    lat_e7, lon_e7 = _place(image)
-    yaw_deg = 0.0 if math.isnan(image.heading_rad) else math.degrees(image.heading_rad) % 360.0
-    return dialect.MAVLink_camera_feedback_message(
-        round(image.time_s * 1e6), now.config.identity.system_id, 0, image.index & 0xFFFF, lat_e7, lon_e7,
-        0.0, 0.0, 0.0, 0.0, yaw_deg, 0.0, dialect.CAMERA_FEEDBACK_PHOTO, image.index + 1 & 0xFFFF,
-    )  # fmt: skip
-
-
 def _place(image: Image) -> tuple[int, int]:
     position = image.position
     return (0, 0) if position is None else (deg_to_e7(position.lat_deg), deg_to_e7(position.lon_deg))

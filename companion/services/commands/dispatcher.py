@@ -79,9 +79,7 @@ class CommandService:
         self._motor_test = motor_test
         self._later: list[tuple[int, Message]] = []  # messages after the acknowledgement
         self._compass = CompassCommands(vehicle, sensors, parameters, texts, outbox)
-        self._upkeep = MaintenanceCommands(
-            vehicle, motor_test, parameters, texts, self._send_later, self._compass
-        )
+        self._upkeep = MaintenanceCommands(vehicle, motor_test, parameters, texts, self._compass)
         self._calibration = CalibrationCommands(vehicle, calibration, parameters, texts)
         self._vehicle_commands = VehicleCommands(vehicle, parameters, texts)
         self._questions = MessageCommands(telemetry, self._send_later).table

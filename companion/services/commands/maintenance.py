@@ -18,7 +18,6 @@ from companion.services.commands.command import (
     REJECTED_FOR_NOW,
     UNSUPPORTED,
     Command,
-    SendLater,
 )
 from companion.services.commands.compass import CompassCommands
 from companion.services.commands.gyro_calibration import GyroCalibration
@@ -51,7 +50,6 @@ class MaintenanceCommands:
         motor_test: MotorTest,
         parameters: ParameterService,
         texts: StatusTextService,
-        send_later: SendLater,
         compass: CompassCommands,
     ) -> None:
         self.restart_due_s = math.inf
@@ -61,13 +59,12 @@ class MaintenanceCommands:
         self._motor_test = motor_test
         self._parameters = parameters
         self._texts = texts
-        self._send_later = send_later
         self._compass = compass
         self._tester: Origin | None = None  # the station that requested the motor test
         self._tester_seen_s = -math.inf
         self._test_told = ""
         self.table: dict[int, Callable[[Command], int]] = {
-            dialect.MAV_CMD_DO_CANCEL_MAG_CAL: lambda _: ACCEPTED,
+            dialect.MAV_CMD_DO_CANCEL_MAG_CAL: self._calibrate_compass,  # by which QGroundControl's page asks
             dialect.MAV_CMD_DO_START_MAG_CAL: self._calibrate_compass,
             dialect.MAV_CMD_DO_MOTOR_TEST: self._test_motor,
             dialect.MAV_CMD_DO_SEND_BANNER: self._send_banner,
@@ -184,14 +181,9 @@ class MaintenanceCommands:
         self._vehicle.manual_input.rc.calibrated_until_s = now_s + _RADIO_S
         return ACCEPTED
 
-    def _calibrate_compass(self, command: Command) -> int:
-        """The heading sensor calibrates itself. QGroundControl's page waits for a report: "failed" ends it
-        and shows the reason.
-        """
-        numbers = [0.0] * 10  # fitness, offsets, diagonals, off-diagonals
-        report = dialect.MAVLink_mag_cal_report_message(0, 1, dialect.MAG_CAL_FAILED, 0, *numbers)
-        self._send_later(command.origin.channel, report)
-        return self._report(FAILED, _SELF_CALIBRATING)
+    def _calibrate_compass(self, command: Command) -> int:  # noqa: ARG002
+        """The heading sensor calibrates itself. There is no report: it has neither failed nor succeeded."""
+        return self._report(UNSUPPORTED, _SELF_CALIBRATING)
 
     def _trim_compass(self, command: Command) -> int:
         """Trim the compass to the true heading param1 in degrees."""
