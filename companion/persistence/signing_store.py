@@ -71,12 +71,15 @@ class SigningStore:
         self.stamps.follow(first)
         self._key_saving = self._storage.save(KEY_FILE, b"" if key is None else key.reveal().hex().encode())
         self.is_active = key is not None or bool(self._of_files)
-        self._saving = self._save()  # the floor of the old key, at once
-        self._reserve()
+        self._save_ahead()  # the floor of the old key, at once
 
     def key_saved(self) -> str | None:
-        """Result of a change of key, once: "" if stored, or the error; None: no news."""
-        if self._key_saving is None or not self._key_saving.is_done():
+        """Result of a change of key, once: "" if stored, or the error; None: no news.
+
+        No news either before the timestamps are stored: until then the report could not be signed.
+        """
+        self._finish()
+        if self._key_saving is None or self._saving is not None or not self._key_saving.is_done():
             return None
         saving, self._key_saving = self._key_saving, None
         return saving.error()
@@ -100,9 +103,14 @@ class SigningStore:
         if self._saving is not None:
             self._finish()
         elif stamps.now > stamps.limit - AHEAD // 2 or stamps.last > stamps.limit - _AHEAD_OF_LAST // 2:
-            self._reserved = min(max(stamps.now + AHEAD, stamps.last + _AHEAD_OF_LAST), NEVER)
-            self._saving = self._save()
-            self._finish()
+            self._save_ahead()
+
+    def _save_ahead(self) -> None:
+        """Reserve the next timestamps, and store them with the floors."""
+        stamps = self.stamps
+        self._reserved = min(max(stamps.now + AHEAD, stamps.last + _AHEAD_OF_LAST), NEVER)
+        self._saving = self._save()
+        self._finish()
 
     def _save(self) -> Saving:
         for one in (self.boat, *self._of_files.values()):

@@ -58,6 +58,14 @@ class HeldStorage(MemoryStorage):
                 self.content[name] = content
         self.under_way.clear()
 
+    def finish_one(self, wanted: str) -> None:
+        """Only the oldest save of this file."""
+        for number, (name, content, saving) in enumerate(self.under_way):
+            if name == wanted:
+                saving.told, self.content[name] = "", content
+                del self.under_way[number]
+                return
+
 
 def keyed(storage: MemoryStorage) -> MemoryStorage:
     storage.content[KEY_FILE] = KEY.reveal().hex().encode()
@@ -346,3 +354,30 @@ def test_a_damaged_key_is_named_and_not_shown(caplog: pytest.LogCaptureFixture) 
     assert SigningStore(storage).boat.key is None
     assert KEY_FILE in caplog.text
     assert KEY.reveal().hex()[:8] not in caplog.text
+
+
+@pytest.mark.parametrize("order", [(KEY_FILE, STAMPS_FILE), (STAMPS_FILE, KEY_FILE)])
+def test_a_new_key_is_reported_only_when_the_boat_can_sign_the_report(order: tuple[str, str]) -> None:
+    storage = HeldStorage()
+    store = SigningStore(storage, UNIX_S)
+    store.change_key(KEY, NOW)
+    for name in order:
+        assert store.key_saved() is None
+        storage.finish_one(name)
+        store.tick(UNIX_S)
+    assert store.key_saved() == ""
+    assert store.boat.sign(HEARTBEAT, 0) is not None
+
+
+def test_the_removal_of_the_only_key_is_reported_too() -> None:
+    storage = HeldStorage()
+    store = SigningStore(storage, UNIX_S)
+    store.change_key(KEY, NOW)
+    storage.finish()
+    store.tick(UNIX_S)
+    assert store.key_saved() == ""
+    store.change_key(None, 0)
+    assert store.key_saved() is None
+    storage.finish()
+    store.tick(UNIX_S)
+    assert store.key_saved() == ""
