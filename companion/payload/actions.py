@@ -78,7 +78,10 @@ class WinchMotion(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class MoveWinch:
-    """Move a winch. Length and rate are positive for line going out. Number 0: all."""
+    """Move a winch. Length and rate are positive for line going out. Number 0: all.
+
+    rate_m_s of a length is without a sign; 0: the winch's own.
+    """
 
     number: int
     motion: WinchMotion

@@ -80,11 +80,14 @@ class FittedPayload:
                 relay = self._find(RelayPayload, "relay", number)
                 return relay if isinstance(relay, ActionFault) else _period_fault(relay, period_s)
             case MoveGripper(number):
-                gripper = self._find(GripperPayload, "gripper", number, zero_is_all=True)
-                return gripper if isinstance(gripper, ActionFault) else None
+                gripper = self._find(GripperPayload, "gripper", number) if number != _ALL else None
+                return gripper if isinstance(gripper, ActionFault) else self.lacks("gripper")
             case MoveWinch(number):
-                winch = self._find(WinchPayload, "winch", number, zero_is_all=True)
-                return winch if isinstance(winch, ActionFault) else _winch_fault(winch, action)
+                if number != _ALL:
+                    winch = self._find(WinchPayload, "winch", number)
+                    return winch if isinstance(winch, ActionFault) else _winch_fault(winch, action)
+                faults = (_winch_fault(one, action) for one in self.of_kind(WinchPayload))
+                return self.lacks("winch") or next(filter(None, faults), None)
             case RunCommand(number):
                 command = self._find(CommandPayload, "command", number)
                 return command if isinstance(command, ActionFault) else None
@@ -106,14 +109,12 @@ class FittedPayload:
         """The settings of a kind."""
         return tuple(one for one in self.settings if isinstance(one, kind))
 
-    def _find(
-        self, kind: type[_Setting], noun: str, number: int, *, zero_is_all: bool = False
-    ) -> _Setting | ActionFault:
+    def _find(self, kind: type[_Setting], noun: str, number: int) -> _Setting | ActionFault:
         if lack := self.lacks(noun):
             return lack
         fitted = self.of_kind(kind)
         for one in fitted:
-            if one.number == number or (zero_is_all and number == _ALL):
+            if one.number == number:
                 return one
         expected = _list_of(fitted) if fitted else "that of a command"
         return ActionFault(1, f"no {noun} {number}, expected {expected}", is_absent=True)
@@ -144,7 +145,7 @@ def _period_fault(relay: RelayPayload, period_s: float) -> ActionFault | None:
 def _winch_fault(winch: WinchPayload, action: MoveWinch) -> ActionFault | None:
     if action.motion is WinchMotion.LENGTH and not abs(action.length_m) <= winch.line_m:
         return ActionFault(3, f"{winch.title}: {action.length_m:g} m, expected at most {winch.line_m:g}")
-    if action.motion is not WinchMotion.RATE:
+    if action.motion not in (WinchMotion.LENGTH, WinchMotion.RATE):
         return None
     speed_m_s, rate_m_s = winch.speed_m_s, abs(action.rate_m_s)
     if winch.out_pin is None and not rate_m_s <= speed_m_s:

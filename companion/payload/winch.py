@@ -3,6 +3,7 @@
 import math
 
 from companion.config.parts.payload import WinchPayload
+from companion.core.units import clamp
 from companion.hal.payload.interfaces import PayloadOutput, PulseCounter
 from companion.payload.actions import MoveWinch, WinchMotion
 from companion.payload.actuator import Actuator, TimedWrite
@@ -46,10 +47,10 @@ class Winch(Actuator):
         line_m, share, is_homing = self.setting.line_m, 0.0, False
         match action.motion:
             case WinchMotion.LENGTH:
-                share = _sign(action.length_m)
+                share = self._share(math.copysign(action.rate_m_s or math.inf, action.length_m))
                 limit_m = min(abs(action.length_m), self._left_m(share))
             case WinchMotion.RATE:
-                share = action.rate_m_s / self.setting.speed_m_s
+                share = self._share(action.rate_m_s)
                 limit_m = self._left_m(share)
             case WinchMotion.RETRACT:
                 share, is_homing = -1.0, True
@@ -68,6 +69,8 @@ class Winch(Actuator):
         super().tick(now_s)
         if not self.is_moving:
             return
+        if self.fault:
+            self.out_m = math.nan  # the motor did not do what is counted
         step_m = self._step_m(now_s)
         self._tick_s = now_s
         self._moved_m += step_m
@@ -79,6 +82,11 @@ class Winch(Actuator):
         elif self._counter is not None and now_s - self._pulse_s >= self.setting.stall_s:
             self._start(0.0, 0.0, now_s)
             self.stall_text = f"no pulse for {self.setting.stall_s:g} s, stopped"
+
+    def _share(self, rate_m_s: float) -> float:
+        """The share of full speed that the motor can give; a bridge knows only full speed."""
+        share = clamp(rate_m_s / self.setting.speed_m_s, -1.0, 1.0)
+        return share if self.setting.out_pin is None else _sign(share)
 
     def _left_m(self, share: float) -> float:
         """Line that may still move in this direction."""

@@ -121,8 +121,9 @@ def _winch(p: Parameters) -> PayloadAction | ActionFault:
         return _wrong(3, p[2], "a length of line in m")
     if motion == WinchMotion.RATE and not math.isfinite(p[3]):
         return _wrong(4, p[3], "a rate in m/s")
-    length_m = p[2] if motion == WinchMotion.LENGTH else 0.0
-    return MoveWinch(number, WinchMotion(motion), length_m, p[3] if motion == WinchMotion.RATE else 0.0)
+    if motion == WinchMotion.LENGTH:
+        return MoveWinch(number, WinchMotion.LENGTH, p[2], 0.0 if math.isnan(p[3]) else abs(p[3]))
+    return MoveWinch(number, WinchMotion(motion), 0.0, p[3] if motion == WinchMotion.RATE else 0.0)
 
 
 def _lights(p: Parameters) -> PayloadAction | ActionFault:

@@ -28,6 +28,7 @@ CONFIG = decode_config(
             {"kind": "gripper", "number": 2},
             {"kind": "winch", "number": 1, "line_m": 5.0, "speed_m_s": 0.5},
             {"kind": "winch", "number": 2, "out_pin": 22, "in_pin": 27, "speed_m_s": 0.5},
+            {"kind": "winch", "number": 3, "line_m": 20.0, "speed_m_s": 0.2},
         ],
         "camera": {"capture": ["/bin/true"]},
     },
@@ -52,6 +53,12 @@ RATE, LENGTH = WinchMotion.RATE, WinchMotion.LENGTH
         MoveWinch(2, RATE, 0.0, -0.503),
         MoveWinch(2, RATE, 0.0, 0.0),
         MoveWinch(2, LENGTH, 10.0),
+        MoveWinch(1, LENGTH, -5.0, 0.1),
+        MoveWinch(2, LENGTH, 10.0, 0.5),
+        MoveWinch(3, LENGTH, 20.0),
+        MoveWinch(0, LENGTH, 5.0),
+        MoveWinch(0, RATE, 0.0, 0.0),
+        MoveWinch(0, WinchMotion.RETRACT, 99.0, 99.0),
         StartCapture(),
     ],
 )
@@ -68,10 +75,15 @@ def test_an_action_within_its_limits_is_possible(action: PayloadAction) -> None:
         (SetRelay(9, True), ActionFault(1, "no relay 9, expected 0", is_absent=True)),
         (RepeatRelay(0, 3, 4.1), ActionFault(3, "horn 0: period 4.1 s, expected at most 4")),
         (MoveGripper(1, closes=True), ActionFault(1, "no gripper 1, expected 2", is_absent=True)),
-        (MoveWinch(3, RATE), ActionFault(1, "no winch 3, expected 1 or 2", is_absent=True)),
+        (MoveWinch(4, RATE), ActionFault(1, "no winch 4, expected 1, 2 or 3", is_absent=True)),
         (MoveWinch(1, LENGTH, -5.01), ActionFault(3, "winch 1: -5.01 m, expected at most 5")),
         (MoveWinch(1, RATE, 0.0, -0.51), ActionFault(4, "winch 1: -0.51 m/s, expected at most 0.5")),
         (MoveWinch(2, RATE, 0.0, 0.25), ActionFault(4, "winch 2: 0.25 m/s, expected 0 or 0.5")),
+        (MoveWinch(1, LENGTH, 5.0, 0.6), ActionFault(4, "winch 1: 0.6 m/s, expected at most 0.5")),
+        (MoveWinch(2, LENGTH, 5.0, 0.2), ActionFault(4, "winch 2: 0.2 m/s, expected 0 or 0.5")),
+        (MoveWinch(0, LENGTH, 10.0), ActionFault(3, "winch 1: 10 m, expected at most 5")),
+        (MoveWinch(0, RATE, 0.0, 0.2), ActionFault(4, "winch 2: 0.2 m/s, expected 0 or 0.5")),
+        (MoveWinch(0, RATE, 0.0, 0.5), ActionFault(4, "winch 3: 0.5 m/s, expected at most 0.2")),
         (RunCommand(1), ActionFault(0, "this boat has no command", is_absent=True)),
     ],
 )
@@ -103,4 +115,6 @@ def test_what_is_lacking_is_known_by_kind() -> None:
     assert FITTED.lacks(CAMERA) is None
     assert FittedPayload(CONFIG.payload).lacks(CAMERA) is not None
     assert FittedPayload().lacks("servo") is not None
+    assert FittedPayload().fault(MoveGripper(0, closes=True)) == FittedPayload().lacks("gripper")
+    assert FittedPayload().fault(MoveWinch(0, RATE)) == FittedPayload().lacks("winch")
     assert FITTED.fault(SetLights(True)) is None  # the caller asks `lacks` first

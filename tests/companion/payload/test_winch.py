@@ -13,12 +13,16 @@ SETTING = WinchPayload(line_m=5.0, speed_m_s=0.5, pulse_m=0.1, stall_s=2.0)
 
 
 class Motor:
-    """Records the changes of its value."""
+    """Records the changes of its value. is_broken: writing fails."""
+
+    is_broken = False
 
     def __init__(self) -> None:
         self.values: list[float] = []
 
     def write(self, value: float) -> None:
+        if self.is_broken:
+            raise OSError("bus")
         if self.values[-1:] != [value]:
             self.values.append(value)
 
@@ -37,9 +41,9 @@ class Switch:
 
 
 class Rig:
-    def __init__(self, *, counts: bool = False) -> None:
+    def __init__(self, setting: WinchPayload = SETTING, *, counts: bool = False) -> None:
         self.motor, self.switch, self.now_s = Motor(), Switch(), 100.0
-        self.winch = Winch(SETTING, self.motor, self.switch if counts else None)
+        self.winch = Winch(setting, self.motor, self.switch if counts else None)
 
     def move(self, motion: WinchMotion, length_m: float = 0.0, rate_m_s: float = 0.0) -> None:
         self.winch.move(MoveWinch(1, motion, length_m, rate_m_s), self.now_s)
@@ -161,3 +165,50 @@ def test_a_motion_of_no_length_does_not_start() -> None:
     rig.move(WinchMotion.LENGTH, 0.0)
     assert not rig.winch.is_moving
     assert rig.motor.values == [0.0]
+
+
+@pytest.mark.parametrize(
+    ("rate_m_s", "share", "out_m"), [(2.0, 1.0, 3.0), (-2.0, -1.0, 1.0), (0.1, 0.2, 2.2)]
+)
+def test_no_more_line_is_believed_than_the_motor_can_move(
+    rate_m_s: float, share: float, out_m: float
+) -> None:
+    rig = Rig()
+    rig.winch.out_m = 2.0
+    rig.move(WinchMotion.RATE, rate_m_s=rate_m_s)
+    assert rig.motor.values == [share]
+    rig.run(2.0)
+    assert rig.winch.out_m == pytest.approx(out_m, abs=0.02)
+
+
+def test_a_bridge_is_believed_to_run_at_full_speed() -> None:
+    setting = WinchPayload(line_m=10.0, speed_m_s=0.2, out_pin=22, in_pin=27)
+    rig = Rig(setting)
+    rig.winch.out_m = 0.0
+    rig.move(WinchMotion.RATE, rate_m_s=0.05)
+    assert rig.motor.values == [1.0]
+    rig.run(10.0)
+    assert rig.winch.out_m == pytest.approx(2.0, abs=0.02)
+    rig.move(WinchMotion.RATE, rate_m_s=-0.05)
+    rig.run(0.1)
+    assert rig.motor.values == [1.0, 0.0, -1.0]
+
+
+@pytest.mark.parametrize(
+    ("length_m", "rate_m_s", "share"), [(1.0, 0.25, 0.5), (-1.0, 0.25, -0.5), (-1.0, 0.0, -1.0)]
+)
+def test_a_length_may_have_a_rate(length_m: float, rate_m_s: float, share: float) -> None:
+    rig = Rig()
+    rig.move(WinchMotion.LENGTH, length_m, rate_m_s)
+    assert rig.motor.values == [share]
+    assert rig.run(60.0) == pytest.approx(1.0 / abs(share) / SETTING.speed_m_s, abs=2 * TICK_S)
+
+
+def test_a_motor_that_does_not_obey_leaves_the_length_unknown() -> None:
+    rig = Rig()
+    rig.winch.out_m = 0.0
+    rig.move(WinchMotion.LENGTH, 4.0)
+    rig.run(1.0)
+    rig.motor.is_broken = True
+    rig.run(2.0)
+    assert math.isnan(rig.winch.out_m)
