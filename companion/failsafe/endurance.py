@@ -44,8 +44,10 @@ class Endurance:
         battery: BatteryReading | None,
         consumed_mah: float,
         config: BoatConfig,
+        now_s: float,
     ) -> None:
         """Compare the charge with the way home. home_distance_m: by the water, infinite while unknown."""
+        self._due_s = now_s + _PERIOD_S
         self.range_fault = ""
         if nav is None or home is None or battery is None or battery.current_a is None:
             return
@@ -58,11 +60,8 @@ class Endurance:
             self.range_fault = f"Point of no return: {left_mah:.0f} mAh, {need_mah:.0f} needed"
 
     def is_due(self, now_s: float) -> bool:
-        """Whether it is time to compare; true once a period."""
-        if now_s < self._due_s:
-            return False
-        self._due_s = now_s + _PERIOD_S
-        return True
+        """Whether it is time to compare."""
+        return now_s >= self._due_s
 
     def learn(
         self, battery: BatteryReading | None, nav: NavState | None, config: BoatConfig, dt_s: float

@@ -33,6 +33,7 @@ NO_HEADING = "no heading"
 
 def run_failsafes(vehicle: "Vehicle", now_s: float) -> None:
     """One cycle: look, decide, and do it."""
+    _observe(vehicle, now_s)
     inputs = failsafe_inputs(vehicle, now_s)
     for alarm in vehicle.failsafes.update(inputs):
         # An alarm before may have changed the mode
@@ -45,28 +46,30 @@ def run_failsafes(vehicle: "Vehicle", now_s: float) -> None:
             _carry_out(decision, vehicle, now_s)
 
 
-def failsafe_inputs(vehicle: "Vehicle", now_s: float) -> FailsafeInputs:
-    """All that the failsafes look at. Made once a cycle: it also feeds what learns over cycles."""
-    failsafes, config, mode, board = vehicle.failsafes, vehicle.config, vehicle.mode, vehicle.board
+def _observe(vehicle: "Vehicle", now_s: float) -> None:
+    """Feed all that learns over cycles: endurance, fence, motors and rudder."""
+    failsafes, config, board = vehicle.failsafes, vehicle.config, vehicle.board
     nav, frame, battery = vehicle.nav, vehicle.frame, vehicle.battery
-    planner, sticks = failsafes.planner, failsafes.sticks
-    motors, rudder = failsafes.motors, failsafes.rudder
-    endurance, check = failsafes.endurance, vehicle.recovery.motor_check
+    motors, rudder, endurance = failsafes.motors, failsafes.rudder, failsafes.endurance
     if endurance.is_due(now_s):
         home = None if vehicle.home is None or frame is None else frame.to_local(vehicle.home)
         home_m = math.inf if nav is None else vehicle.route.home_distance_m(nav.point)
-        endurance.compare(nav, home, home_m, battery, board.consumed_mah, config)
+        endurance.compare(nav, home, home_m, battery, board.consumed_mah, config, now_s)
     endurance.learn(battery, nav, config, PERIOD_S)
     failsafes.fence.update(vehicle.fence, nav, config.motors, now_s)
     if not vehicle.is_guided and not failsafes.is_active(Condition.PLANNER_LOST):
-        planner.release()
-    if not mode.is_by_hand and not failsafes.is_active(Condition.HELM_LOST):
-        sticks.stop_watching()
+        failsafes.planner.release()
+    if not vehicle.mode.is_by_hand and not failsafes.is_active(Condition.HELM_LOST):
+        failsafes.sticks.stop_watching()
     if not vehicle.armed:
         motors.rearm()
         rudder.rearm()
     # One motor alone moves the hull as no model says
-    if vehicle.recovery.hides_motors or not board.judges_motors or check.motors.has_failed:
+    if (
+        vehicle.recovery.hides_motors
+        or not board.judges_motors
+        or vehicle.recovery.motor_check.motors.has_failed
+    ):
         motors.pause()
     else:
         motors.update(
@@ -78,15 +81,22 @@ def failsafe_inputs(vehicle: "Vehicle", now_s: float) -> FailsafeInputs:
         rudder.update(0.5 * (board.left + board.right), board.rudder, nav, config, PERIOD_S)
     else:
         rudder.pause()
+
+
+def failsafe_inputs(vehicle: "Vehicle", now_s: float) -> FailsafeInputs:
+    """All that the failsafes look at."""
+    failsafes, config, frame = vehicle.failsafes, vehicle.config, vehicle.frame
+    planner, sticks, motors = failsafes.planner, failsafes.sticks, failsafes.motors
+    check = vehicle.recovery.motor_check
     station = vehicle.modes.loiter.destination
     return FailsafeInputs(
         now_s=now_s,
         config=config,
-        mode=mode,
+        mode=vehicle.mode,
         armed=vehicle.armed,
-        nav=nav,
-        battery=battery,
-        board=board,
+        nav=vehicle.nav,
+        battery=vehicle.battery,
+        board=vehicle.board,
         fence=vehicle.fence,
         beyond_fence_m=failsafes.fence.beyond_m,
         station=None if station is None or frame is None else frame.to_local(station),
@@ -96,12 +106,12 @@ def failsafe_inputs(vehicle: "Vehicle", now_s: float) -> FailsafeInputs:
         has_station_sticks=sticks.has_station(config, now_s),
         radio_heard=sticks.rc.is_heard,
         radio_fault=sticks.rc.fault(config.rc, now_s),
-        range_fault=endurance.range_fault,
+        range_fault=failsafes.endurance.range_fault,
         verdict=motors.verdict,
         needs_motor_check=motors.needs_check,
         needs_motor_comparison=motors.needs_comparison,
         failed_motor=check.fault(),
-        rudder_fault=rudder.fault,
+        rudder_fault=failsafes.rudder.fault,
         reversed_motor=check.motors.has_reversed,
         recovery=vehicle.recovery.state,
     )

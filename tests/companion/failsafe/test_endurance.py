@@ -40,7 +40,7 @@ def after(seconds: float, nav: NavState, draw_a: float = 5.0) -> Endurance:
 
 
 def range_fault(endurance: Endurance, nav: NavState, consumed_mah: float, way_m: float = math.inf) -> str:
-    endurance.compare(nav, HOME, way_m, BatteryReading(0.0, 12.0, 5.0), consumed_mah, CONFIG)
+    endurance.compare(nav, HOME, way_m, BatteryReading(0.0, 12.0, 5.0), consumed_mah, CONFIG, 0.0)
     return endurance.range_fault
 
 
@@ -114,7 +114,7 @@ def test_without_a_current_monitor_a_home_or_a_position_nothing_is_said() -> Non
         (sailing(), HOME, None),
         (sailing(), HOME, BatteryReading(0.0, 12.0)),
     ):
-        endurance.compare(nav, home, math.inf, reading, 5000.0, CONFIG)
+        endurance.compare(nav, home, math.inf, reading, 5000.0, CONFIG, 0.0)
         assert endurance.range_fault == ""
 
 
@@ -123,7 +123,11 @@ def test_a_new_pack_ends_the_shortfall_and_the_comparison_is_due_once_a_second()
     assert range_fault(endurance, sailing(), 4000.0)
     endurance.renew(1.0)
     assert endurance.range_fault == ""
-    assert [endurance.is_due(0.1 * tick) for tick in range(21)].count(True) == 3
+    assert endurance.is_due(1.0)
+    assert endurance.is_due(1.0), "asking changes nothing"
+    endurance.compare(sailing(), HOME, math.inf, None, 0.0, CONFIG, 1.0)
+    assert not endurance.is_due(1.9)
+    assert endurance.is_due(2.0)
 
 
 def test_the_charge_at_boot_is_read_from_the_resting_voltage() -> None:

@@ -18,6 +18,7 @@ from companion.core.requests import (
     StartMission,
 )
 from companion.core.state import NavState
+from companion.vehicle.failsafes import failsafe_inputs
 from companion.vehicle.mission.steps import Home, Mission, ReturnHome, Waypoint
 from companion.vehicle.vehicle import Vehicle
 
@@ -287,3 +288,12 @@ def test_an_estimate_that_goes_missing_stops_the_boat() -> None:
     vehicle = vehicle_at(mode=Mode.LOITER)
     vehicle.update_state(None, None, None, None, 1.0)
     assert vehicle.decide() == Stop()
+
+
+def test_asking_for_the_inputs_of_the_failsafes_changes_nothing() -> None:
+    vehicle = vehicle_at(mode=Mode.LOITER)
+    vehicle.failsafes.planner.steers(0.0)
+    before = vehicle.failsafes.endurance.is_due(100.0), vehicle.failsafes.planner.is_steering
+    failsafe_inputs(vehicle, 100.0)
+    assert (vehicle.failsafes.endurance.is_due(100.0), vehicle.failsafes.planner.is_steering) == before
+    assert before == (True, True)
