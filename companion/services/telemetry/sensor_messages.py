@@ -1,6 +1,5 @@
 """Telemetry of sensors: gyro, compass, power, RC channels."""
 
-import math
 from itertools import zip_longest
 
 from companion.core.units import clamp
@@ -10,19 +9,17 @@ from companion.services.telemetry.snapshot import Snapshot
 _MOST_CHANNELS = 18
 _UNUSED = 0xFFFF
 _BEST_SIGNAL, _UNKNOWN_SIGNAL = 254.0, 0xFF
-_FIELD = 1000.0  # length of the magnetic field vector
 
 
 def _imu(now: Snapshot) -> tuple[int, int, int, int] | None:
-    """Yaw rate in mrad/s and magnetic field in body axes; None without a compass.
+    """Yaw rate in mrad/s and corrected magnetic field in body axes in mG; None without a compass.
 
-    The field is a magnetometer's, corrected, in mG; of other parts it is a direction without a strength.
+    The field of a part that gives none is 0, as ArduPilot's without a magnetometer.
     """
     reading, corrector = now.sensors.compass, now.sensors.field
     if reading is None:
         return None
-    heading_rad = reading.heading_rad
-    field = (_FIELD * math.cos(heading_rad), -_FIELD * math.sin(heading_rad), 0.0)
+    field = (0.0, 0.0, 0.0)
     if corrector is not None and reading.field_mg is not None:
         field = corrector.correct(reading.field_mg)
     rate = 1e3 * (reading.yaw_rate_rad_s or 0.0)

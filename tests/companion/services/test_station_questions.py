@@ -253,9 +253,7 @@ def test_the_estimates_flags_follow_its_health(rig: Rig) -> None:
 def test_only_what_is_measured_is_in_the_imu(rig: Rig) -> None:
     ask_rates(rig)
     imu = latest(rig, "SCALED_IMU")
-    nav = rig.boat.nav
-    assert nav is not None
-    assert math.atan2(-imu.ymag, imu.xmag) == pytest.approx(nav.heading_rad, abs=0.2)
+    assert (imu.xmag, imu.ymag, imu.zmag) == (0, 0, 0)  # the part gives a heading, not a field
     assert (imu.xacc, imu.yacc, imu.zacc, imu.xgyro, imu.ygyro) == (0, 0, 0, 0, 0)
 
 

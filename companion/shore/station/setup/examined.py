@@ -17,7 +17,6 @@ _STALE_S: Final = 3.0  # a receiver with one fix a second that misses two
 _DOUBTED: Final = 0.5  # EKF_STATUS_REPORT: half the way to the limit at which the boat rejects a sensor
 _REPLACED: Final = 0.8  # … another source replaces it
 _INACCURATE_HDOP: Final = 2.5  # as arming.max_hdop by default
-_DIRECTION: Final = 1000.0  # length of a field that is a direction only
 _BUSY: Final = 0.95
 _HOT_C: Final = 80.0  # where a Raspberry Pi slows down
 _UNKNOWN_16: Final = 0xFFFF
@@ -100,10 +99,8 @@ def examine_compass(look: Look) -> Found:
     values: Values = {}
     if look.view.heading_deg is not None:
         values["heading_deg"] = round(look.view.heading_deg, 1)
-    if imu is not None:
-        field = math.hypot(imu.xmag, imu.ymag, imu.zmag)
-        if abs(field - _DIRECTION) > 2.0 and field > 0.0:
-            values["field_mg"] = round(field)
+    if imu is not None and (field := math.hypot(imu.xmag, imu.ymag, imu.zmag)):
+        values["field_mg"] = round(field)
     if estimate is not None:
         values["doubt"] = round(min(_share(estimate.compass_variance), 1.0), 2)
     if not look.is_told:
