@@ -209,7 +209,13 @@ def run_boat(
         boat.endpoint.texts.logs_texts = True
         path = status_path(config)
         status = (
-            StatusFile(path, boat.channels, boat.endpoint.corrections.status, boat.address.system)
+            StatusFile(
+                path,
+                boat.channels,
+                boat.endpoint.corrections.status,
+                boat.address.system,
+                boat.vehicle.notify,
+            )
             if path is not None
             else None
         )

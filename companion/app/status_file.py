@@ -14,6 +14,7 @@ import msgspec
 from companion.app.runner import TickCount
 from companion.config.boat_config import BoatConfig
 from companion.core.errors import ConfigError, StorageError
+from companion.core.status_text import Severity
 from companion.router.channels import Channels
 from companion.router.status import LinksStatus, Reporter
 from companion.services.corrections import CorrectionStatus
@@ -46,21 +47,32 @@ class StatusFile:
         channels: Channels,
         corrections: Callable[[float], CorrectionStatus | None] = lambda _: None,
         system_id: int = 0,
+        notify: Callable[[int, str], None] = lambda _severity, _text: None,
     ) -> None:
-        """corrections: their status at the present time. system_id: of the boat."""
+        """corrections: their status at the present time. system_id: of the boat.
+
+        notify: tells the operator of the first write that failed, and again after one that did not.
+        """
         self._path = path
         self._reporter = Reporter(channels)
         self._corrections = corrections
         self._system_id = system_id
+        self._notify = notify
+        self._is_well = True
         self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="status")
         self._writing: Future[None] | None = None
         self._due_s = 0.0
 
     def tick(self, now_s: float, ticks: TickCount, load: float) -> None:
-        """To be called every tick. A medium that cannot be written to is left alone."""
+        """To be called every tick."""
         if now_s < self._due_s or (self._writing is not None and not self._writing.done()):
             return
         self._due_s = now_s + PERIOD_S
+        error = None if self._writing is None else self._writing.exception()
+        was_well, self._is_well = self._is_well, error is None
+        if error is not None and was_well:
+            why = (isinstance(error, OSError) and error.strerror) or error
+            self._notify(Severity.WARNING, f"Status file {self._path} cannot be written: {why}")
         status = BoatStatus(
             process=os.getpid(),
             load=load,
