@@ -164,12 +164,14 @@ class CaptureProgram(ChildProgram):
         self._images = Path(setting.folder).expanduser() if setting.folder else None
         self._number = 0
         self._path = ""  # of the latest image
+        self._space_mb = (0.0, 0.0)
         if self._images is not None:
             with contextlib.suppress(OSError):
                 self._images.mkdir(parents=True, exist_ok=True)
             for path in self._images.glob("image-*.jpg"):
                 digits = path.stem.removeprefix("image-")
                 self._number = max(self._number, int(digits) if digits.isdecimal() else 0)
+        self._measure_space()
 
     def start(self) -> str:
         """Take an image. Returns its path, empty without a folder."""
@@ -181,15 +183,17 @@ class CaptureProgram(ChildProgram):
         return path
 
     def _verify(self) -> str:
+        self._measure_space()
         is_missing = bool(self._path) and _FILE in "".join(self._arguments) and not Path(self._path).exists()
         return f"it left no file {self._path}" if is_missing else ""
 
     def space_mb(self) -> tuple[float, float]:
-        """Size of the folder's medium, and free space."""
-        if self._images is None:
-            return 0.0, 0.0
-        try:
-            usage = shutil.disk_usage(self._images)
-        except OSError:
-            return 0.0, 0.0
-        return usage.total / _MB, usage.free / _MB
+        """Size of the folder's medium, and free space after the latest image. Never waits for the medium."""
+        return self._space_mb
+
+    def _measure_space(self) -> None:
+        """At the start, then in the program's thread."""
+        if self._images is not None:
+            with contextlib.suppress(OSError):
+                usage = shutil.disk_usage(self._images)
+                self._space_mb = usage.total / _MB, usage.free / _MB

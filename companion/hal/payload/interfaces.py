@@ -66,7 +66,7 @@ class Capture(Program, Protocol):
     """A program that takes an image."""
 
     def space_mb(self) -> tuple[float, float]:
-        """Size of the medium and free space on it, 0 and 0 if unknown."""
+        """Size of the medium and free space on it, 0 and 0 if unknown, as last measured."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,10 +2,12 @@
 
 import logging
 import os
+import shutil
 import sys
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from patience import MOMENT_S
@@ -148,6 +150,26 @@ def test_images_are_numbered_on_from_those_in_the_folder(tmp_path: Path) -> None
     assert Path(path).read_text() == "jpeg"
     size_mb, free_mb = camera.space_mb()
     assert size_mb >= free_mb > 0.0
+
+
+def test_a_medium_that_hangs_does_not_stop_who_asks_for_its_space(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked_by: list[int] = []
+
+    def disk_usage(_: object) -> object:
+        asked_by.append(threading.get_ident())
+        return SimpleNamespace(total=4e9, free=3e9 - 1e9 * len(asked_by))
+
+    monkeypatch.setattr(shutil, "disk_usage", disk_usage)
+    code = "import sys; open(sys.argv[1], 'w').write('jpeg')"
+    camera = CaptureProgram(CameraSetting(capture=(*python(code), "{file}"), folder=str(tmp_path)))
+    assert camera.space_mb() == camera.space_mb() == (4000.0, 2000.0)
+    assert len(asked_by) == 1, "at the start only"
+    camera.start()
+    assert end_of(camera) == ""
+    assert camera.space_mb() == (4000.0, 1000.0)
+    assert asked_by[1] != threading.get_ident(), "the program's thread may wait"
 
 
 def test_a_capture_command_that_leaves_no_image_has_failed(tmp_path: Path) -> None:
