@@ -13,7 +13,7 @@ _PERIOD_S = 1.0
 
 
 class DigitalInput(Protocol):
-    """A digital input, as gpiozero's DigitalInputDevice: 1 is water."""
+    """A digital input with a pull-up, as gpiozero's DigitalInputDevice: 1 is closed to ground."""
 
     @property
     def value(self) -> int: ...
@@ -24,17 +24,25 @@ class HullSensor(BackgroundSensor[HullReading]):
     """Satisfies `companion.hal.interfaces.Hull`.
 
     thermometer: a file with millidegrees Celsius, as below /sys/class/thermal; None is reported if it cannot
-    be read.
+    be read. opens_wet: the switch is closed while it is dry.
     """
 
-    def __init__(self, thermometer: Path, switch: DigitalInput | None, now: Callable[[], float]) -> None:
+    def __init__(
+        self,
+        thermometer: Path,
+        switch: DigitalInput | None,
+        now: Callable[[], float],
+        *,
+        opens_wet: bool = False,
+    ) -> None:
         super().__init__(self.step, "hull sensor", now, lambda: switch.close() if switch else None)
         self._thermometer = thermometer
         self._switch = switch
+        self._opens_wet = opens_wet
 
     def step(self) -> float:
         """Read once; returns the seconds to wait before the next reading."""
-        is_wet = None if self._switch is None else bool(self._switch.value)
+        is_wet = None if self._switch is None else bool(self._switch.value) is not self._opens_wet
         self._latest = HullReading(self._now(), is_wet, _celsius(self._thermometer))
         return _PERIOD_S
 
@@ -55,5 +63,5 @@ def open_hull(part: parts.HullPart, now: Callable[[], float]) -> HullSensor:
     switch: DigitalInput | None = None
     if part.leak >= 0:
         with opening_pins("leak switch") as gpiozero:
-            switch = gpiozero.DigitalInputDevice(part.leak, pull_up=True)  # it closes to ground when wet
-    return HullSensor(Path(part.thermometer), switch, now).start()
+            switch = gpiozero.DigitalInputDevice(part.leak, pull_up=True)
+    return HullSensor(Path(part.thermometer), switch, now, opens_wet=part.leak_wet == "open").start()

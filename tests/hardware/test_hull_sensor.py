@@ -17,6 +17,17 @@ class FakeSwitch:
         self.is_closed = True
 
 
+def test_a_switch_that_water_opens_is_wet_when_its_wire_breaks(tmp_path: Path) -> None:
+    switch = FakeSwitch()
+    hull = HullSensor(tmp_path / "none", switch, lambda: 0.0, opens_wet=True)
+    for closed, is_wet in ((1, False), (0, True)):  # a broken wire is an open switch
+        switch.value = closed
+        hull.step()
+        reading = hull.read()
+        assert reading is not None
+        assert reading.is_wet is is_wet
+
+
 @pytest.mark.parametrize(
     ("content", "celsius"), [("48312\n", 48.312), ("-500", -0.5), ("", None), ("hot", None), (None, None)]
 )
