@@ -157,7 +157,7 @@ class Estimator:
         velocity = None
         if fix.north_m_s is not None and fix.east_m_s is not None:
             velocity = complex(fix.north_m_s, fix.east_m_s)
-        if not (sigma_m <= MAX_SIGMA_M and abs(velocity or 0j) <= MAX_SPEED_M_S):
+        if not (0.0 <= sigma_m <= MAX_SIGMA_M and abs(velocity or 0j) <= MAX_SPEED_M_S):
             return
         if self.frame is None:
             chosen = self.preset_frame

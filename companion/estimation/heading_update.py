@@ -12,7 +12,8 @@ from companion.estimation.delay import PAUSE_S, DelayEstimator
 from companion.estimation.error_state import ErrorStateFilter
 from companion.estimation.hypotheses import GAP_RAD, Sensor, SensorBank
 from companion.estimation.innovation import DISAGREES_S
-from companion.estimation.monitor import STUCK_S, JumpMonitor, SensorMonitor
+from companion.estimation.monitor import STUCK_S, SensorMonitor
+from companion.sensors import plausibility
 from companion.sensors.readings import HeadingReading
 
 MAX_READING: Final = 100.0  # rad, or rad/s; a MEMS gyro measures at most 35: a fault
@@ -22,9 +23,7 @@ MAX_READING: Final = 100.0  # rad, or rad/s; a MEMS gyro measures at most 35: a 
 LOST_RAD: Final = 0.7
 BLIND_RAD: Final = 0.45
 _BLOCK_S: Final = 0.24  # readings are averaged over this: a bit more than the period of common receivers
-# A change between two readings that no hull makes, of the heading or of its rate, and its growth per second
-_JUMP: Final = 0.2
-_JUMP_PER_S: Final = 3.0
+_HEADING: Final = plausibility.HEADING["heading_rad"]  # a larger step of the residual begins a new block
 _TURNING_RAD_S: Final = 0.15  # error in a turn of the rate that steering lets expect
 # Plain numbers: an IntFlag's arithmetic costs microseconds
 _LOST: Final = int(EstimateFault.COMPASS_LOST)
@@ -43,8 +42,6 @@ class HeadingUpdate:
         self.time_s = self.compass_s = self._stamp_s = self._block_s = self._disagreed_s = -math.inf
         self.is_off = self._is_lost = False
         self._compass, self._gyro = SensorMonitor(), SensorMonitor()
-        self._compass_jumps = JumpMonitor(_JUMP, _JUMP_PER_S)
-        self._gyro_jumps = JumpMonitor(_JUMP, _JUMP_PER_S)
         self._pause_s = self._before_s = self._sum_rad = 0.0  # shorter of the last two pauses, last pause
         self._count = 0
         self.bank = SensorBank(setting)
@@ -61,11 +58,8 @@ class HeadingUpdate:
             late.note_gap(stamp_s, pause_s)
         self._pause_s, self._before_s = min(pause_s, self._before_s), pause_s
         has_heading = not math.isnan(reading.heading_rad)
-        if rate is not None:
-            self._gyro_jumps.update(rate, stamp_s)
-            is_good = self._gyro.update(rate, stamp_s, 0.0) and not self._gyro_jumps.is_erratic
-            if not is_good and has_heading:
-                rate = None
+        if rate is not None and not self._gyro.update(rate, stamp_s, 0.0) and has_heading:
+            rate = None
         before_rad = state.heading_rad
         state.is_late = rate is not None and (late.delay_s > 0.0 or self._pause_s > PAUSE_S)
         state.turn(now_s, rate if late.delay_s == 0.0 else None)
@@ -83,10 +77,9 @@ class HeadingUpdate:
     def _ingest(self, heading_rad: float, now_s: float, turned_rad: float, ends_block: bool) -> None:
         """Process a heading."""
         state, time_s = self._state, self.time_s
-        has_jumped = self._compass_jumps.update(heading_rad, time_s)
         moved = abs(turned_rad) / GAP_RAD if state.has_gyro else 0.0
-        is_good = self._compass.update(heading_rad, time_s, moved) and not self._compass_jumps.is_erratic
-        if has_jumped or not is_good:
+        is_good = self._compass.update(heading_rad, time_s, moved)
+        if not is_good:
             self._sum_rad, self._count = 0.0, 0
         # without a gyro, a wrong compass is not found out a second time
         if is_good and self.is_blind and (state.has_gyro or not self.is_off):
@@ -99,7 +92,11 @@ class HeadingUpdate:
             here_rad = state.at(time_s)[2]
         elif time_s < now_s:
             here_rad -= state.yaw_rate_rad_s * (now_s - time_s)
-        self._sum_rad += wrap_pi(heading_rad - state.offset_rad - here_rad)
+        residual_rad = wrap_pi(heading_rad - state.offset_rad - here_rad)
+        step_rad = _HEADING.step + _HEADING.per_s * self._before_s
+        if self._count and abs(residual_rad - self._sum_rad / self._count) > step_rad:
+            self._sum_rad, self._count = 0.0, 0
+        self._sum_rad += residual_rad
         self._count += 1
         span_s = time_s - self._block_s
         if span_s > _BLOCK_S or (2.0 * span_s > _BLOCK_S and (ends_block or not state.has_gyro)):
@@ -190,7 +187,7 @@ class HeadingUpdate:
         faults, state = 0, self._state
         if not state.has_heading:
             return 0
-        if self._compass.is_stuck or self._compass_jumps.is_erratic:
+        if self._compass.is_stuck:
             faults = _LOST
         elif self.is_off or abs(state.offset_rad) > self._gate_rad:
             faults = _OFF

@@ -19,6 +19,7 @@ from companion.sensors.compass.earth_field import EarthFieldModel
 from companion.sensors.compass.magnetic_field import MotorLoad
 from companion.sensors.external import ExternalSensors
 from companion.sensors.fuel_gauge import FuelGauge
+from companion.sensors.plausibility import BATTERY, DEPTH, FIX, HEADING, GatedSensor
 from companion.sensors.readings import (
     BatteryReading,
     DepthReading,
@@ -74,6 +75,9 @@ class SensorSuite:
         self.field = hardware.field  # the correction of a bare magnetometer, None for other parts
         self._pausing = hardware.compass if isinstance(hardware.compass, PausingPart) else None
         self._hardware = hardware
+        self._gnss, self._compass = GatedSensor(hardware.gnss, FIX), GatedSensor(hardware.compass, HEADING)
+        self._battery = None if hardware.battery is None else GatedSensor(hardware.battery, BATTERY)
+        self._sounder = None if hardware.depth is None else GatedSensor(hardware.depth, DEPTH)
         self._sector: Sector = ALL_ROUND
 
     @property
@@ -125,20 +129,20 @@ class SensorSuite:
         hardware, external, parts = self._hardware, self.external, config.parts
         if self.notices:
             self.notices.clear()
-        own_fix = hardware.gnss.read()
+        own_fix = self._gnss.read()
         fix = external.choose_fix(own_fix, config.external, now_s)
         self.is_fix_own = fix is own_fix
         self.fix = fresh(fix, parts.gnss.timeout_s, now_s) if self.is_fix_own else fix
         if self._pausing is not None:
             self._pausing.may_pause = not (command.left or command.right)
-        compass = hardware.compass.read()
+        compass = self._compass.read()
         self.compass = fresh(compass, parts.compass.silence_s, now_s)
         self.has_gyro |= self.compass is not None and self.compass.yaw_rate_rad_s is not None
         own_heading = trimmed(compass, config.trim, self.declination_rad(parts.compass))
         heading = external.choose_heading(own_heading, config.external, now_s)
         self.heading = None if heading is own_heading and self.compass is None else heading
-        if hardware.battery is not None:
-            self._read_battery(hardware.battery.read(), config, now_s, command)
+        if self._battery is not None:
+            self._read_battery(self._battery.read(), config, now_s, command)
         if hardware.field is not None:
             battery = self.battery
             throttle = 0.5 * (abs(command.left) + abs(command.right))
@@ -146,8 +150,8 @@ class SensorSuite:
         if hardware.hull is not None:
             self.hull = fresh(hardware.hull.read(), parts.hull.timeout_s, now_s)
             self._tell(self._hull_silence, parts.hull.timeout_s, now_s, self.hull)
-        if hardware.depth is not None:
-            self.depth = fresh(hardware.depth.read(), parts.depth.timeout_s, now_s)
+        if self._sounder is not None:
+            self.depth = fresh(self._sounder.read(), parts.depth.timeout_s, now_s)
             found = self.bottom if self.depth is None or self.depth.depth_m is None else self.depth
             self.bottom = fresh(found, parts.depth.timeout_s, now_s)
             self._tell(self._depth_silence, parts.depth.timeout_s, now_s, self.depth)

@@ -191,7 +191,7 @@ class MaintenanceCommands:
             return self._report(REJECTED_FOR_NOW, "Compass: disarm first")
         if not math.isfinite(command.p[0]):
             return DENIED
-        if self._heading is None:
+        if self._heading is None or math.isnan(self._heading.heading_rad):
             return self._report(FAILED, "Compass: no heading")
         trim_deg = math.degrees(wrap_pi(math.radians(command.p[0]) - self._heading.heading_rad))
         if reason := self._parameters.set(_TRIM, trim_deg):

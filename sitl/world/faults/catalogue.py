@@ -27,6 +27,9 @@ def _timing(slow: float, delayed_s: float, period_s: float) -> dict[str, Effect]
             delayed_s, "readings arrive size seconds late, with current time stamps", 0.0, 60.0
         ),
         "intermittent": Effect(period_s, "silent for the first half of every size seconds", 0.04),
+        "corrupt": Effect(
+            0.01, "the share size of the readings is garbled, or is the last but one", 0.0, 1.0
+        ),
     }
 
 
@@ -59,6 +62,7 @@ CATALOGUE: dict[str, dict[str, Effect]] = {
     "gyro": {
         "off": Effect(0.0, "silent"),
         "stuck": Effect(0.0, "repeats one turn rate"),
+        "corrupt": Effect(0.01, "the share size of the rates is garbled, or is the last but one", 0.0, 1.0),
         "garbage": Effect(60.0, "any rate up to size degrees a second", 0.0),
         "wrong": Effect(5.0, "off by size degrees a second"),
     },

@@ -8,6 +8,7 @@ from sitl.world.sensors.sampling import generator, normal
 from sitl.world.sensors.sensor import Sensor
 from sitl.world.sensors.settings import BatteryMonitorSettings
 
+_FULL_SCALE_V, _FULL_SCALE_A = 40.96, 81.92  # INA226 with a shunt of 1 mΩ
 _PERFECT = BatteryMonitorSettings()
 
 
@@ -42,6 +43,8 @@ class SimBattery(Sensor[BatteryReading]):
             case "garbage":
                 uniform = fault.random.uniform
                 return replace(reading, voltage_v=uniform(0.0, 32.0), current_a=uniform(-50.0, 50.0))
+            case "corrupt":
+                return fault.corrupt(reading, voltage_v=_FULL_SCALE_V, current_a=_FULL_SCALE_A)
             case "wrong":
                 return replace(reading, voltage_v=max(0.0, reading.voltage_v + fault.size))
             case _:

@@ -16,6 +16,9 @@ from sitl.world.sensors.sensor import Sensor
 from sitl.world.sensors.settings import CompassSettings
 
 _GRAVITY_M_S2 = 9.81
+_FULL_ANGLE_RAD = math.radians(2048.0)  # of 16 bits at 1/16°, as of a BNO055,
+_FULL_RATE_RAD_S = math.radians(2048.0)  # and 1/16°/s
+_ANGLES = ("heading_rad", "roll_rad", "pitch_rad")
 _SLOW_S = 0.1  # deviation and bias change with the heading and the minutes, not from sample to sample
 
 
@@ -135,6 +138,8 @@ class SimCompass(Sensor[HeadingReading]):
             case "stuck":
                 held = fault.hold(self._sampled, reading)
                 heard = held.yaw_rate_rad_s
+            case "corrupt":
+                heard = fault.corrupt(reading, yaw_rate_rad_s=_FULL_RATE_RAD_S).yaw_rate_rad_s
             case "garbage":
                 heard = fault.random.uniform(-size_rad_s, size_rad_s)
             case _:
@@ -151,6 +156,11 @@ class SimCompass(Sensor[HeadingReading]):
                 return replace(reading, heading_rad=held.heading_rad)
             case "garbage":
                 return replace(reading, heading_rad=fault.random.uniform(-math.pi, math.pi))
+            case "corrupt":
+                angles = dict.fromkeys(
+                    (name for name in _ANGLES if getattr(reading, name) is not None), _FULL_ANGLE_RAD
+                )
+                return fault.corrupt(reading, **angles)
             case "wrong":
                 return replace(reading, heading_rad=wrap_pi(heading_rad + math.radians(fault.size)))
             case "drift":

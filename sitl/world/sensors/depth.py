@@ -53,6 +53,8 @@ class SimDepthSounder(Sensor[DepthReading]):
             case "garbage":
                 low_m, high_m = self._settings.min_range_m, self._settings.max_range_m
                 return replace(reading, depth_m=fault.random.uniform(low_m, high_m))
+            case "corrupt":
+                return fault.corrupt(reading, depth_m=2.0 * self._settings.max_range_m)
             case "wrong":
                 if reading.depth_m is None:
                     return reading

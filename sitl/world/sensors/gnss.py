@@ -25,6 +25,7 @@ from sitl.world.shore import Shore
 _MULTIPATH_S = 15.0  # reflections change with the boat's place and the satellites' as slowly as this
 _JAMMED_NOISE_M = 8.0  # when the jammer is about to win
 _MOST_M = 1e6  # that a fault moves a fix: it stays on the globe
+_FULL_SCALE_M, _FULL_SCALE_M_S = 32_768.0, 327.68  # of a corrupt fix, by north and east
 _NO_FIX = 1  # GPS_FIX_TYPE_NO_FIX
 # Range error in m and decimal step in m, by GPS_FIX_TYPE: DGNSS, RTK float, RTK fixed; the rest by itself.
 _STATED = {4: (0.7, 0.1), 5: (0.3, 0.1), 6: (0.015, 0.005)}
@@ -127,6 +128,8 @@ class SimGnss(Sensor[GnssFix]):
             case "garbage":
                 uniform = fault.random.uniform
                 return self._moved(fix, uniform(-fault.size, fault.size), uniform(-fault.size, fault.size))
+            case "corrupt":
+                return self._corrupt(fix, fault)
             case "wrong":
                 return self._pulled(fix, fault, fault.size)
             case "drift":
@@ -155,6 +158,17 @@ class SimGnss(Sensor[GnssFix]):
                 late = fault.output_at(fix, now_s)
                 # What the receiver itself holds back bears the time of day at which it comes out.
                 return None if late is None else replace(late, time_of_day_s=fix.time_of_day_s)
+
+    def _corrupt(self, fix: GnssFix, fault: SensorFault[GnssFix]) -> GnssFix:
+        """Velocity, position or both. No protocol delivers a position that is not a number."""
+        fixed = fault.corrupt(fix, north_m_s=_FULL_SCALE_M_S, east_m_s=_FULL_SCALE_M_S)
+        if fixed is not fix and fault.random.random() < 0.5:
+            here = self._frame.to_local(fix.position)
+            north_m, east_m = (fault.garbled(at_m, _FULL_SCALE_M) for at_m in here)
+            if math.isfinite(north_m + east_m):
+                position = self._frame.to_global(Point(north_m, east_m))
+                fixed = msgspec.structs.replace(fixed, position=position)
+        return msgspec.structs.replace(fixed, unix_time_s=fix.unix_time_s, time_of_day_s=fix.time_of_day_s)
 
     def _pulled(self, fix: GnssFix, fault: SensorFault[GnssFix], by_m: float) -> GnssFix:
         return self._moved(fix, by_m * math.cos(fault.bearing_rad), by_m * math.sin(fault.bearing_rad))

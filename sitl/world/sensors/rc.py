@@ -68,7 +68,9 @@ class SimRc(Sensor[RcReading]):
     ) -> RcReading | None:
         replace = msgspec.structs.replace
         match fault.kind:
-            case "garbage":
+            case "corrupt" if fault.random.random() >= fault.size:
+                return reading
+            case "garbage" | "corrupt":
                 low_us, high_us = _GARBAGE_US
                 noise = tuple([fault.random.randint(low_us, high_us) for _ in reading.channels_us])
                 return replace(reading, channels_us=noise)

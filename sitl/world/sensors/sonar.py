@@ -105,6 +105,10 @@ class SimSonar:
                 return replace(ping, range_m=None)
             case "garbage":
                 return replace(ping, range_m=fault.random.uniform(ping.min_range_m, ping.max_range_m))
+            case "corrupt":
+                garbled = fault.corrupt(ping, range_m=2.0 * ping.max_range_m)
+                is_echo = (garbled.range_m or 0.0) >= ping.min_range_m  # not for NaN
+                return garbled if is_echo else replace(garbled, range_m=None)
             case "wrong":
                 if ping.range_m is None:
                     return ping

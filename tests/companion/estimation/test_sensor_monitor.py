@@ -1,11 +1,10 @@
-"""Sensors that repeat a value, and sensors that jump."""
+"""Sensors that repeat a value."""
 
 import math
-import random
 
 import pytest
 
-from companion.estimation.monitor import STUCK_S, JumpMonitor, SensorMonitor
+from companion.estimation.monitor import STUCK_S, SensorMonitor
 
 
 def changing(seconds: float, every_s: float = 0.1, repeats: int = 0) -> tuple[SensorMonitor, float]:
@@ -58,23 +57,3 @@ def test_a_run_that_was_a_fault_teaches_no_habit() -> None:
     for step in range(3):
         monitor.update(10.0 + step, now_s + 6.0 + 0.1 * step, 0.0)
     assert repeat(monitor, now_s + 6.2, 3.0) == pytest.approx(STUCK_S)
-
-
-def test_a_sensor_that_jumps_at_random_is_erratic_until_it_has_been_calm() -> None:
-    monitor, rng = JumpMonitor(0.2, 3.0), random.Random(3)
-    for tick in range(100):
-        monitor.update(rng.gauss(0.0, 0.01), 0.02 * tick)
-    assert bool(monitor.is_erratic) is False
-    for tick in range(100, 150):
-        monitor.update(rng.uniform(-3.0, 3.0), 0.02 * tick)
-    assert bool(monitor.is_erratic) is True
-    for tick in range(150, 250):
-        monitor.update(rng.gauss(0.0, 0.01), 0.02 * tick)
-    assert not monitor.is_erratic
-
-
-def test_a_turn_through_the_wrap_is_no_jump() -> None:
-    monitor = JumpMonitor(0.2, 3.0)
-    for tick in range(1000):
-        monitor.update(math.remainder(0.02 * tick, math.tau), 0.02 * tick)
-        assert not monitor.is_erratic

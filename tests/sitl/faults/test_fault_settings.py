@@ -39,7 +39,7 @@ def test_a_size_is_taken_within_its_bounds_and_refused_outside(
     ("table", "named"),
     [
         ('{what="engine"}', "expected one of gnss"),
-        ('{what="gnss", kind="deaf"}', "gnss can be delayed"),
+        ('{what="gnss", kind="deaf"}', "gnss can be corrupt"),
         ('{what="gnss", for_s=0}', "faults.0.for_s"),
         ('{what="gnss", at_s=-1}', "faults.0.at_s"),
         ('{what="motor_left", kind="weed", size=2}', "expected 0 to 1"),
