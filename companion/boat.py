@@ -338,4 +338,5 @@ class Boat:
             self.load,
             self.free_memory_bytes,
             self.payload,
+            self.parameters.rows,
         )

@@ -6,6 +6,7 @@ a warning is refused here. Where versions differ, the stricter or the poorer one
 """
 
 import json
+import lzma
 import struct
 from typing import Any, NamedTuple
 
@@ -25,6 +26,7 @@ _KEYS = {
     "enumValues": str, "enumStrings": str,
 }  # fmt: skip
 _REQUIRED = ("name", "type")
+_LZMA2_ALONE = 0x21  # the filter's number; with another filter it would not come first
 
 
 class UnreadableError(ValueError):
@@ -55,6 +57,22 @@ class Fact(NamedTuple):
     def is_default(self, value: float) -> bool:
         """Whether the value is not listed as changed."""
         return value == self.default
+
+
+def unpacked(name: str, content: bytes) -> bytes:
+    """A file as it is after the download: unpacked if its name says so, by a decoder that knows no filter but
+    LZMA2 and no checksum but CRC32 (XZ Embedded).
+
+    Raises:
+        UnreadableError: it cannot be unpacked.
+    """
+    if not name.endswith((".xz", ".lzma")):
+        return content
+    if content[:8] != b"\xfd7zXZ\x00\x00\x01":
+        raise UnreadableError(f"{name}: no xz file with CRC32")
+    if content[14] != _LZMA2_ALONE:
+        raise UnreadableError(f"{name}: a filter besides LZMA2")
+    return lzma.decompress(content, format=lzma.FORMAT_XZ)
 
 
 def read(content: bytes) -> dict[str, Fact]:

@@ -25,7 +25,7 @@ Ground stations read and set these over MAVLink. A change is effective at once u
 `params.parm` of the storage folder, as text that ground stations can read. PARAM_VALUE confirms it once it is
 on disk. A value out of range is refused with a message. The key is the corresponding field of the
 configuration file; its value there is the default. The boat also serves these descriptions as component
-metadata (`mftp:///metadata/parameters.json`), and all values as one file (`@PARAM/param.pck`).
+metadata (`mftp:///metadata/parameters.json.xz`), and all values as one file (`@PARAM/param.pck`).
 """
 
 _VALUES = """\

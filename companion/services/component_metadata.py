@@ -1,19 +1,20 @@
 """Component metadata: JSON files that stations fetch by file transfer.
 
 After the MAVLink guide, "Component Metadata Protocol", and its schemas: a general file refers to the
-parameter file. Both are generated from the parameter table and are constant, so a station that knows their
-checksums need not fetch them again. Other subjects (events, actuators) are not provided.
+packed parameter file. Both are generated from the boat's parameters when it starts and are constant, so a
+station that knows their checksums need not fetch them again. Other subjects (events, actuators) are not
+provided.
 """
 
 import json
+import lzma
 import math
 from decimal import Decimal
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from companion import __version__
 from companion.config.boat_config import BoatConfig
-from companion.config.parameter_table import ROWS
 from companion.config.parameters import ParameterRow, Parameters, ParameterType
 from companion.core.float32 import shortest
 from companion.mavlink.dialect import Message
@@ -27,7 +28,9 @@ COMPONENT_INFORMATION_ID: int = ComponentInformation.id
 COMPONENT_METADATA_ID: int = ComponentMetadata.id
 _PARAMETER_METADATA = 1  # COMP_METADATA_TYPE_PARAMETER, which the dialect lacks
 FOLDER = "metadata"
-GENERAL, PARAMETERS = "general.json", "parameters.json"
+GENERAL, PARAMETERS = "general.json", "parameters.json.xz"
+# A tenth of the plain file's bytes. The dictionary holds the whole file; with the default one xz takes 94 MB.
+_PACKING = [{"id": lzma.FILTER_LZMA2, "preset": 6, "dict_size": 1 << 16}]
 # The only version that QGroundControl reads (4.4 to 5.0). The schema is at 3 now, without a change to the
 # fields used here.
 _READ_BY_QGC = 1
@@ -46,14 +49,19 @@ def uri_of(name: str) -> str:
     return f"mftp:///{FOLDER}/{name}"
 
 
+class MetadataFiles(NamedTuple):
+    """Their content. parameters: packed by xz."""
+
+    general: bytes
+    parameters: bytes
+
+
 @cache
-def general_json() -> bytes:
-    """The general file."""
-    metadata = {
-        "type": _PARAMETER_METADATA,
-        "uri": uri_of(PARAMETERS),
-        "fileCrc": _crc(parameters_json()),
-    }
+def metadata_files(rows: tuple[ParameterRow, ...]) -> MetadataFiles:
+    """The files of a boat with these parameters; made once, in about 10 ms of a desk computer."""
+    # The checksum is one that all readers of xz know
+    packed = lzma.compress(parameters_json(rows), lzma.FORMAT_XZ, check=lzma.CHECK_CRC32, filters=_PACKING)
+    metadata = {"type": _PARAMETER_METADATA, "uri": uri_of(PARAMETERS), "fileCrc": _crc(packed)}
     tree = {
         "version": 1,
         "vendorName": "mavboat",
@@ -61,27 +69,26 @@ def general_json() -> bytes:
         "firmwareVersion": __version__,
         "metadataTypes": [metadata],
     }
-    return _encode(tree)
+    return MetadataFiles(_encode(tree), packed)
 
 
-@cache
-def parameters_json() -> bytes:
-    """The parameter file."""
-    parameters = Parameters(BoatConfig(), ROWS, MemoryStorage())
-    entries = [_entry(row, parameters.value(row)) for row in ROWS]
+def parameters_json(rows: tuple[ParameterRow, ...]) -> bytes:
+    """The parameter file, unpacked."""
+    parameters = Parameters(BoatConfig(), rows, MemoryStorage())
+    entries = [_entry(row, parameters.value(row)) for row in rows]
     return _encode({"version": _READ_BY_QGC, "parameters": entries})
 
 
 def component_metadata(now: Snapshot) -> Message:
     """COMPONENT_METADATA."""
-    return ComponentMetadata(now.boot_ms, _crc(general_json()), uri_of(GENERAL).encode("ascii"))
+    return ComponentMetadata(now.boot_ms, _general_crc(now), uri_of(GENERAL).encode("ascii"))
 
 
 def component_information(now: Snapshot) -> Message:
     """COMPONENT_INFORMATION, the older form; there are no peripherals."""
     return ComponentInformation(
         time_boot_ms=now.boot_ms,
-        general_metadata_file_crc=_crc(general_json()),
+        general_metadata_file_crc=_general_crc(now),
         general_metadata_uri=uri_of(GENERAL).encode("ascii"),
         peripherals_metadata_file_crc=0,
         peripherals_metadata_uri=b"",
@@ -145,6 +152,9 @@ def _encode(tree: dict[str, Any]) -> bytes:
     return json.dumps(tree, allow_nan=False, separators=(",", ":"), ensure_ascii=True).encode("ascii")
 
 
-@cache
+def _general_crc(now: Snapshot) -> int:
+    return _crc(metadata_files(now.rows).general)
+
+
 def _crc(content: bytes) -> int:
     return checksum(Content(content))

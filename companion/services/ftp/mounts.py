@@ -36,13 +36,14 @@ def build_tree(
     """The file tree. folder: location of files and logs, None without a disk. quota_mb: limit of `files`; 0:
     read only.
     """
+    about = metadata.metadata_files(parameters.rows)
     mounts: dict[str, Mount] = {
         "@PARAM": VirtualMount({"param.pck": _packed_parameters(parameters, listings)}),
         "@SYS": VirtualMount({"version.json": VirtualFile(lambda _: _version())}),
         metadata.FOLDER: VirtualMount(
             {
-                metadata.GENERAL: VirtualFile(lambda _: metadata.general_json()),
-                metadata.PARAMETERS: VirtualFile(lambda _: metadata.parameters_json()),
+                metadata.GENERAL: VirtualFile(lambda _: about.general),
+                metadata.PARAMETERS: VirtualFile(lambda _: about.parameters),
             }
         ),
     }

@@ -3,6 +3,7 @@
 from msgspec import Struct
 
 from companion.config.boat_config import BoatConfig
+from companion.config.parameters import ParameterRow
 from companion.core.state import MotorCommand
 from companion.estimation.estimator import Estimator
 from companion.guidance.pipeline import GuidancePipeline
@@ -27,6 +28,7 @@ class Snapshot(Struct, frozen=True):
     load: float
     free_memory_bytes: int  # of the computer, 0 if unknown
     payload: PayloadControl
+    rows: tuple[ParameterRow, ...]  # of the boat's parameters
 
     @property
     def boot_ms(self) -> int:

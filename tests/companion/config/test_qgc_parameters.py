@@ -5,7 +5,7 @@ import json
 import pytest
 from boat_rig import BOAT, Rig
 from ftp_client import Served
-from qgc_metadata import Fact, UnreadableError, read
+from qgc_metadata import Fact, UnreadableError, read, unpacked
 
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
@@ -33,7 +33,8 @@ COMPASS_CALIBRATION = {"COMPASS_CAL_FIT"}  # read and written once the first ste
 POWER = {"BATT_MONITOR", "BATT_CAPACITY", "BATT_ARM_VOLT"}
 SAFETY = {"FS_GCS_ENABLE", "FS_THR_ENABLE", "FS_THR_VALUE", "FS_ACTION", "FS_CRASH_CHECK", "ARMING_CHECK"}
 FLY_VIEW = {"WPNAV_SPEED", "WP_SPEED"}  # the speed slider's end: the one of 4.4, the one of later versions
-FACTS = read(Served().get(b"/metadata/parameters.json"))
+NAME = "parameters.json.xz"
+FACTS = read(unpacked(NAME, Served().get(f"/metadata/{NAME}".encode())))
 
 
 def sent_by(rig: Rig) -> dict[str, float]:

@@ -55,7 +55,7 @@ def test_the_parameter_list_takes_its_share_and_drops_nothing() -> None:
 
 def test_a_file_takes_its_share_and_leaves_room_for_telemetry() -> None:
     radio = Radio()
-    radio.ask(1, Opcode.OPEN_FILE_RO, b"/metadata/parameters.json")
+    radio.ask(1, Opcode.OPEN_FILE_RO, b"/metadata/parameters.json.xz")
     radio.rig.step(3)
     (opened,) = radio.peer.said("FILE_TRANSFER_PROTOCOL")
     blocks = -(-struct.unpack_from("<I", bytes(opened.payload), 12)[0] // 239)

@@ -3,14 +3,17 @@
 import json
 import re
 import struct
+import zlib
 
 import pytest
 from boat_rig import BOAT, OK, Rig
 from ftp_client import Served
 from pymavlink.dialects.v20 import all as dialect
+from qgc_metadata import read, unpacked
 
 from companion.config.parameter_table import ROWS
 from companion.mavlink.ftp_frames import Opcode
+from companion.services.component_metadata import metadata_files, parameters_json
 
 TYPES = {"Uint8", "Int8", "Uint16", "Int16", "Uint32", "Int32", "Float"}
 KEYS = {
@@ -18,6 +21,7 @@ KEYS = {
     "rebootRequired", "group", "category", "volatile", "values", "bitmask", "readOnly",
 }  # fmt: skip
 REQUEST_MESSAGE = 512
+PARAMETERS = b"/metadata/parameters.json.xz"
 
 
 def general(served: Served) -> dict[str, object]:
@@ -32,7 +36,11 @@ def test_the_general_file_leads_to_the_parameters_with_their_checksum() -> None:
     assert tree["version"] == 1
     assert re.fullmatch(r"\d+\.\d+\.\d+(\.\d+)?", str(tree["firmwareVersion"]))
     assert tree["metadataTypes"] == [
-        {"type": 1, "uri": "mftp:///metadata/parameters.json", "fileCrc": crc(served, "parameters.json")}
+        {
+            "type": 1,
+            "uri": "mftp:///metadata/parameters.json.xz",
+            "fileCrc": crc(served, "parameters.json.xz"),
+        }
     ]
 
 
@@ -41,8 +49,30 @@ def crc(served: Served, name: str) -> int:
     return int(struct.unpack("<I", data)[0])
 
 
+def mavlink_crc(content: bytes) -> int:
+    return zlib.crc32(content, 0xFFFFFFFF) ^ 0xFFFFFFFF
+
+
+def test_the_parameters_are_packed_as_qgroundcontrol_unpacks_them_and_always_alike() -> None:
+    packed = Served().get(PARAMETERS)
+    plain = unpacked("parameters.json.xz", packed)
+    assert plain == parameters_json(ROWS)
+    assert 8 * len(packed) < len(plain)
+    metadata_files.cache_clear()
+    assert metadata_files(ROWS).parameters == packed
+
+
+def test_the_emulator_s_own_parameters_are_described_too() -> None:
+    rig = Rig()
+    facts = read(unpacked("parameters.json.xz", metadata_files(rig.boat.parameters.rows).parameters))
+    assert set(facts) == {row.name for row in rig.boat.parameters.rows}
+    simulated = [fact for name, fact in facts.items() if name.startswith("SIM_")]
+    assert len(simulated) > 10
+    assert all(fact.text for fact in simulated)
+
+
 def test_every_parameter_is_described_as_the_schema_allows() -> None:
-    tree = json.loads(Served().get(b"/metadata/parameters.json"))
+    tree = json.loads(unpacked("parameters.json.xz", Served().get(PARAMETERS)))
     assert set(tree) == {"version", "parameters"}
     assert [entry["name"] for entry in tree["parameters"]] == [row.name for row in ROWS]
     for entry, row in zip(tree["parameters"], ROWS, strict=True):
@@ -63,7 +93,7 @@ def test_every_parameter_is_described_as_the_schema_allows() -> None:
 
 
 def test_numbers_are_as_people_write_them() -> None:
-    tree = json.loads(Served().get(b"/metadata/parameters.json"))
+    tree = json.loads(unpacked("parameters.json.xz", Served().get(PARAMETERS)))
     entries = {entry["name"]: entry for entry in tree["parameters"]}
     assert entries["HND_SLIP"]["default"] == 0.4
     assert entries["SYSID_THISMAV"]["default"] == 1
@@ -84,7 +114,7 @@ def test_a_station_that_asks_is_led_to_the_general_file(number: int) -> None:
         uri, checksum = answer.general_metadata_uri, answer.general_metadata_file_crc
         assert (answer.peripherals_metadata_uri.strip("\0"), answer.peripherals_metadata_file_crc) == ("", 0)
     assert uri.rstrip("\0") == "mftp:///metadata/general.json"
-    assert checksum == crc(Served(), "general.json")
+    assert checksum == mavlink_crc(metadata_files(rig.boat.parameters.rows).general)
 
 
 def test_the_boat_says_that_it_has_files() -> None:
@@ -98,7 +128,7 @@ def test_the_boat_says_that_it_has_files() -> None:
 def test_the_whole_way_over_frames_ends_with_the_parameters() -> None:
     rig = Rig()
     rig.step()
-    path = b"/metadata/parameters.json"
+    path = PARAMETERS
     payload = struct.pack("<HBBBBBBI", 1, 0, Opcode.OPEN_FILE_RO, len(path), 0, 0, 0, 0) + path
     answer = rig.answer_to(
         dialect.MAVLink_file_transfer_protocol_message(0, *BOAT, payload.ljust(251, b"\0")),
@@ -107,4 +137,4 @@ def test_the_whole_way_over_frames_ends_with_the_parameters() -> None:
     _, _, opcode, size, *_ = struct.unpack_from("<HBBBBBBI", bytes(answer.payload))
     assert (opcode, size) == (128, 4)
     length = struct.unpack_from("<I", bytes(answer.payload), 12)[0]
-    assert length == len(Served().get(b"/metadata/parameters.json"))
+    assert length == len(metadata_files(rig.boat.parameters.rows).parameters)
