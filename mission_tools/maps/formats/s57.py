@@ -4,7 +4,7 @@ Depth areas with a known least depth of 0 m or more, and dredged areas, are wate
 wrecks and obstructions are obstacles whatever their depth. The least depth stays in the property `depth_m`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 _KINDS: dict[str, str] = {
@@ -32,6 +32,8 @@ _KINDS: dict[str, str] = {
     "MARCUL": "obstacle",
 }
 _DEPTH_AREA = "DEPARE"
+_OVERHEAD = {"BRIDGE": "a bridge", "CBLOHD": "a cable", "PIPOHD": "a pipe", "CONVYR": "a conveyor"}
+_CLEARANCES = ("verclr", "verccl", "vercsa")  # m: of a fixed span, a closed one, and a safe one under a cable
 
 
 def is_known(object_class: str) -> bool:
@@ -53,3 +55,23 @@ def properties(object_class: str, row: Mapping[str, Any]) -> dict[str, Any]:
         if depth_m is not None:
             found["depth_m"] = depth_m
     return found
+
+
+def overhead_notes(source: str, objects: Iterable[tuple[str, Mapping[str, Any]]]) -> list[str]:
+    """What hangs over the water, in a line. objects: class and attributes."""
+    found = [(name, row) for name, row in objects if name in _OVERHEAD]
+    if not found:
+        return []
+    heights = [
+        (float(height_m), name)
+        for name, row in found
+        for key in _CLEARANCES
+        if isinstance(height_m := row.get(key), int | float)
+    ]
+    text = (
+        f"{source}: {len(found)} bridges, cables and pipes are overhead: routes pass below, check the height"
+    )
+    if heights:
+        height_m, name = min(heights)
+        text += f"; the lowest, {_OVERHEAD[name]}, leaves {height_m:g} m"
+    return [text]

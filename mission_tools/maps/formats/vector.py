@@ -59,7 +59,8 @@ def read_vector(path: Path) -> RawMap:
             else:
                 features.append(RawFeature(where, properties, shape))
     unlabelled = "skipped" if suffix in _OSM or suffix == ".000" else "water"
-    return RawMap(source, path.stem, tuple(features), "", tuple(notes), unlabelled=unlabelled)  # type: ignore[arg-type]
+    title = path.stem if suffix == ".000" else ""  # a cell's objects have names of their own
+    return RawMap(source, path.stem, tuple(features), title, tuple(notes), unlabelled=unlabelled)  # type: ignore[arg-type]
 
 
 def _layers(path: Path, source: str) -> Iterator[_Layer]:
@@ -94,10 +95,14 @@ def _layers(path: Path, source: str) -> Iterator[_Layer]:
 
 
 def _properties(row: Mapping[str, Any]) -> dict[str, Any]:
-    """What a row says, without empty fields; the tags in OSM's `other_tags` beside the others."""
+    """What a row says, without empty fields; the tags in OSM's `other_tags` beside the others.
+
+    A list, which pyogrio returns as an array, becomes text as S-57 writes it: "4,6".
+    """
+    texts = {key: ",".join(map(str, v)) if isinstance(v, np.ndarray) else v for key, v in row.items()}
     found = {
         key: value
-        for key, value in row.items()
+        for key, value in texts.items()
         if value is not None and value != "" and not (isinstance(value, float) and math.isnan(value))
     }
     tags = found.pop("other_tags", "")
@@ -129,11 +134,13 @@ def _in_degrees(layer: _Layer, source: str, notes: list[str]) -> list[Any]:
 def _of_chart_objects(layers: list[_Layer], source: str) -> tuple[list[_Layer], list[str]]:
     """The layers of S-57 that mean water or something solid, their kinds filled in."""
     kept, ignored = [], []
+    notes = s57.overhead_notes(source, [(layer.name, row) for layer in layers for row in layer.properties])
     for layer in layers:
         if not s57.is_known(layer.name):
             ignored.append(layer.name)
             continue
         rows = [s57.properties(layer.name, row) for row in layer.properties]
         kept.append(layer._replace(properties=rows))
-    notes = [f"{source}: {len(ignored)} other object classes are not used"] if ignored else []
+    if ignored:
+        notes.append(f"{source}: {len(ignored)} other object classes are not used")
     return kept, notes

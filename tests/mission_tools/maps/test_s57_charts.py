@@ -8,14 +8,18 @@ import struct
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from companion.core.geo import LatLon
 from mission_tools.errors import MapError
 from mission_tools.maps import load_map
 from mission_tools.maps.chart import Chart
+from mission_tools.maps.formats.vector import _properties
 
-EMPTY = (Path(__file__).parents[2] / "vectors" / "maps" / "empty_chart.000").read_bytes()
+MAPS = Path(__file__).parents[2] / "vectors" / "maps"
+EMPTY = (MAPS / "empty_chart.000").read_bytes()
+NOAA_CELL = MAPS / "US4MD81M_knapps_narrows.000"
 FIELD_END, UNIT_END = b"\x1e", b"\x1f"
 ISOLATED_NODE, CONNECTED_NODE, EDGE, FEATURE = 110, 120, 130, 100
 POINT, LINE, AREA = 1, 2, 3
@@ -119,3 +123,22 @@ def test_a_chart_without_depths_is_refused(tmp_path: Path) -> None:
     path.write_bytes(EMPTY)
     with pytest.raises(MapError, match="no water in it"):
         load_map(path)
+
+
+def test_a_cell_of_noaa_is_read_with_its_lists_and_its_bridges_are_told() -> None:
+    pytest.importorskip("pyogrio", reason="the extra maps is not installed")
+    chart = load_map(NOAA_CELL)
+    assert chart.name == "US4MD81M_knapps_narrows"
+    assert chart.water.area == pytest.approx(257_000.0, rel=0.02)
+    assert any("3 bridges, cables and pipes are overhead" in note for note in chart.notes)
+    assert any("the lowest, a bridge, leaves 3.6 m" in note for note in chart.notes)
+
+
+def test_a_list_of_any_length_becomes_text() -> None:
+    row = {
+        "colour": np.array(["3", "1"], dtype=object),
+        "restrn": np.array([7]),
+        "status": np.array([]),
+        "n": 1.5,
+    }
+    assert _properties(row) == {"colour": "3,1", "restrn": "7", "n": 1.5}
