@@ -34,7 +34,7 @@ def map_kml(data: bytes) -> None:
 
 def map_gpx(data: bytes) -> None:
     """GPX."""
-    _read(lambda: chart_of(parse_gpx(data, "map", "map")))
+    _read(lambda: chart_of(parse_gpx(data, "map", "map", lines_are_outlines=True)))
 
 
 def map_mask(data: bytes) -> None:

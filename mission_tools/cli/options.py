@@ -26,6 +26,9 @@ def add_route(parser: Parser) -> None:
         "--as-route", action="store_true", help="SOURCE (.gpx .kml .geojson) is a route to sail, not a map"
     )
     group.add_argument(
+        "--as-outline", action="store_true", help="the lines of SOURCE (.gpx) enclose water, they are no ways"
+    )
+    group.add_argument(
         "--check-on", metavar="MAP", help="of a finished mission: say what is odd in it there (none: no map)"
     )
     group.add_argument("--smooth", action=BooleanOptionalAction, help="pull the grid's path taut")
@@ -175,6 +178,7 @@ def plan_options(given: Namespace) -> PlanOptions:
         open_water_m=given.open_water,
         draught_m=given.draught,
         is_route_file=given.as_route,
+        is_outline=given.as_outline,
         check_on=given.check_on,
         via=tuple(map(_via, given.via)),
         any_order=given.any_order,

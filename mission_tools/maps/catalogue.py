@@ -53,8 +53,10 @@ def scenario_names() -> tuple[str, ...]:
     return tuple(sorted(file.stem for file in folder.glob("*.toml"))) if folder else ()
 
 
-def load_source(text: str) -> Source:
+def load_source(text: str, *, lines_are_outlines: bool = False) -> Source:
     """A scenario's name such as `lake`, the path of a scenario (.toml), or of a map (MAP_SUFFIXES).
+
+    lines_are_outlines: GPX tracks and routes that do not say what they are enclose water.
 
     Raises:
         MapError: nothing of that name, or it cannot be used.
@@ -62,7 +64,7 @@ def load_source(text: str) -> Source:
     path = Path(text)
     suffix = path.suffix.lower()
     if suffix in MAP_SUFFIXES:
-        return Source(load_map(path))
+        return Source(load_map(path, lines_are_outlines=lines_are_outlines))
     folder = scenario_folder()
     is_installed = folder is not None and path.name == text and (folder / f"{text}.toml").is_file()
     if suffix == ".toml" or is_installed:
@@ -80,15 +82,17 @@ def load_source(text: str) -> Source:
     )
 
 
-def load_map(path: Path, origin: LatLon | None = None) -> Chart:
+def load_map(path: Path, origin: LatLon | None = None, *, lines_are_outlines: bool = False) -> Chart:
     """Read a map file; without an origin the middle of its water becomes one.
+
+    lines_are_outlines: as of `load_source`.
 
     Raises:
         MapError: the suffix is not known, or the map cannot be used.
     """
     suffix = path.suffix.lower()
     if suffix in _FEATURE_READERS:
-        return chart_of(read_features(path), origin)
+        return chart_of(read_features(path, lines_are_outlines=lines_are_outlines), origin)
     if suffix not in _CHART_READERS:
         known = ", ".join(MAP_SUFFIXES)
         raise MapError(f"{path}: no map format ends in '{path.suffix}': expected one of {known}")
@@ -96,14 +100,17 @@ def load_map(path: Path, origin: LatLon | None = None) -> Chart:
     return load(path, origin)
 
 
-def read_features(path: Path) -> RawMap:
+def read_features(path: Path, *, lines_are_outlines: bool = False) -> RawMap:
     """The features of a map file whose suffix is in FEATURE_SUFFIXES.
+
+    lines_are_outlines: as of `load_source`.
 
     Raises:
         MapError: the map cannot be used.
     """
-    read = cast(Callable[[Path], RawMap], _function(*_FEATURE_READERS[path.suffix.lower()]))
-    return read(path)
+    suffix = path.suffix.lower()
+    read = cast(Callable[..., RawMap], _function(*_FEATURE_READERS[suffix]))
+    return read(path, lines_are_outlines) if suffix == ".gpx" else read(path)
 
 
 def _function(module: str, name: str) -> Callable[..., object]:

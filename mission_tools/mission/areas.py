@@ -153,7 +153,7 @@ def _load(path: Path) -> FileAreas:
     if suffix in (".geojson", ".json"):
         return parse_areas(read_json(path), str(path))
     if suffix in FEATURE_SUFFIXES:
-        return _fence_of_map(classified(read_features(path)), str(path))
+        return _fence_of_map(classified(read_features(path, lines_are_outlines=True)), str(path))
     mission = load_mission(path)
     return FileAreas(mission.fence, mission.rally)
 

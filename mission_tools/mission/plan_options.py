@@ -11,6 +11,7 @@ _FLAGS = {
     "shore_pass": "--no-shore-pass",
     "follow_shore_at": "--follow-shore",
     "is_route_file": "--as-route",
+    "is_outline": "--as-outline",
 }
 _UNITS = ("_m_s", "_m", "_s", "_deg")
 
@@ -32,7 +33,8 @@ class PlanOptions:
     follow_shore_at: near the shore to follow. first, last: the ends of a stretch of it. boat: its TOML, or an
     emulated boat's name. least: time or charge. open_water_m: how far from the shore a metre is dearer.
     draught_m: water that is charted less deep is an obstacle. is_route_file: SOURCE is a route, not a map.
-    check_on: the map on which a finished mission is checked, or "none".
+    is_outline: the lines of SOURCE, a .gpx file, enclose water. check_on: the map on which a finished mission
+    is checked, or "none".
     """
 
     start_at: LatLon | None = None
@@ -66,6 +68,7 @@ class PlanOptions:
     open_water_m: float | None = None
     draught_m: float | None = None
     is_route_file: bool = False
+    is_outline: bool = False
     check_on: str | None = None
 
     def given(self) -> list[str]:

@@ -71,7 +71,7 @@ def open_source(text: str, options: PlanOptions, areas: Areas = NO_AREAS) -> "Mi
         return MissionFile(path, load_mission(path), options, areas)
     if options.check_on is not None:
         raise UsageError(f"--check-on: only for a finished mission; a route on {text} keeps off its shores")
-    source = load_source(text)
+    source = load_source(text, lines_are_outlines=options.is_outline)
     if options.case is not None:
         source = source.with_case(options.case)
     return MapSource(text, source, options, areas)

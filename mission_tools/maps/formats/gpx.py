@@ -1,7 +1,8 @@
 """GPX 1.0 and 1.1 maps: shores walked with a receiver, or drawn as tracks or routes.
 
-A track segment or route that comes back to its beginning is an outline. Its `type`, or `kind: island` in its
-description or comment, says what it is; without, it is water, and land within other water.
+A track segment or route is a way to sail, unless its `type`, or `kind: island` in its description or comment,
+says what it encloses, or whoever reads it knows that lines are outlines: then one that comes back to its
+beginning and does not say more is water, and land within other water.
 """
 
 from collections.abc import Iterator
@@ -23,16 +24,16 @@ from mission_tools.maps.raw import RawFeature, RawMap, read_bytes
 MOST_GAP_SHARE = 0.1  # of an outline's length between its end and its beginning
 
 
-def read_gpx(path: Path) -> RawMap:
+def read_gpx(path: Path, lines_are_outlines: bool = False) -> RawMap:
     """Read a .gpx map.
 
     Raises:
         MapError: one line that names the file, the track and the place.
     """
-    return parse_gpx(read_bytes(path), str(path), path.stem)
+    return parse_gpx(read_bytes(path), str(path), path.stem, lines_are_outlines)
 
 
-def parse_gpx(data: bytes, source: str, fallback_name: str = "") -> RawMap:
+def parse_gpx(data: bytes, source: str, fallback_name: str = "", lines_are_outlines: bool = False) -> RawMap:
     """The outlines of a GPX text.
 
     Raises:
@@ -51,6 +52,9 @@ def parse_gpx(data: bytes, source: str, fallback_name: str = "") -> RawMap:
         kind = _kind(element)
         if kind:
             properties["kind"] = kind
+        elif not lines_are_outlines:
+            notes.append(f"{where}: a way, not an outline (--as-route sails it, --as-outline encloses water)")
+            continue
         features += _outline(where, corners, properties, notes)
     count = sum(1 for _ in root.iterfind("wpt"))
     if count:

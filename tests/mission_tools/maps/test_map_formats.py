@@ -169,7 +169,7 @@ def test_gpx_outlines_are_water_and_islands(tmp_path: Path) -> None:
         f"<rte><name>Isle</name><type>island</type>{isle}</rte>"
         f"<trk><name>Lake</name><trkseg>{shore}</trkseg><trkseg>{open_line}</trkseg></trk></gpx>"
     )
-    chart = load_map(path)
+    chart = load_map(path, lines_are_outlines=True)
     assert has_the_isle(chart)
     assert chart.name == "Lake"
     assert any("segment 2" in note and "no outline: skipped" in note for note in chart.notes)
@@ -180,9 +180,29 @@ def test_a_walked_shore_that_does_not_quite_close_is_closed_and_says_so(tmp_path
     path = tmp_path / "lake.gpx"
     walked = gpx_points(OUTLINE.replace(" 10,50.002 10,50", " 10,50.002 10,50.0001"), "trkpt")
     path.write_text(f"<gpx><trk><trkseg>{walked}</trkseg></trk></gpx>")
-    chart = load_map(path)
+    chart = load_map(path, lines_are_outlines=True)
     assert chart.water.area == pytest.approx(LAKE_M2, rel=1e-3)
     assert "ends 11.1 m from its beginning: closed" in chart.notes[0]
+
+
+@pytest.mark.parametrize("tags", ["rte rtept", "trk><trkseg trkpt"])
+def test_a_way_round_an_island_is_no_lake_unless_it_says_so(tmp_path: Path, tags: str) -> None:
+    """As OpenCPN writes a route that ends near its beginning."""
+    line, point = tags.split(" ")
+    end = "".join(f"</{tag}>" for tag in reversed(line.split("><")))
+    path = tmp_path / "around.gpx"
+    for kind, opens in (("", False), ("<type>water</type>", True)):
+        first, *segment = line.split("><")
+        begin = f"<{first}><name>Around Orcas</name>{kind}" + "".join(f"<{tag}>" for tag in segment)
+        path.write_text(f"<gpx creator='OpenCPN'>{begin}{gpx_points(OUTLINE, point)}{end}</gpx>")
+        if opens:
+            assert load_map(path).water.area == pytest.approx(LAKE_M2, rel=1e-3)
+        else:
+            with pytest.raises(
+                MapError, match=r'"Around Orcas": a way, not an outline \(--as-route sails it'
+            ):
+                load_map(path)
+            assert load_map(path, lines_are_outlines=True).water.area == pytest.approx(LAKE_M2, rel=1e-3)
 
 
 # Missions' fences
