@@ -39,6 +39,7 @@ class Request:
     dry_run: bool = False
     save: Path | None = None
     preview: Path | None = None
+    force: bool = False  # replace files that other programs wrote
     sign_key: Path | None = None
     fence: str | None = None  # a file, or "none" to clear
     rally: str | None = None
@@ -80,7 +81,7 @@ def run(request: Request, report: Report, say: Printer) -> None:
     """
     link = parse_link(request.link)
     inputs = (request.source, request.fence, request.rally, request.sign_key)
-    check_outputs(request.save, request.preview, inputs)
+    check_outputs(request.save, request.preview, inputs, force=request.force)
     for option in ("fence", "rally"):
         if getattr(request, option) is not None and getattr(request, f"{option}_from_map"):
             raise UsageError(f"--{option} and --{option}-from-map exclude each other")

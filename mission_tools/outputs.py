@@ -7,14 +7,18 @@ from typing import TYPE_CHECKING
 from mission_tools.drawing.names import PICTURE_SUFFIXES, check_picture_name
 from mission_tools.errors import UsageError
 from mission_tools.mission.mission import Mission
+from mission_tools.overwrite_guard import check_replaceable
 
 if TYPE_CHECKING:
     from mission_tools.mission.planned_mission import PlannedMission
     from mission_tools.vehicle.mission_monitor import MissionMonitor
 
 
-def check_outputs(save: Path | None, preview: Path | None, inputs: Iterable[Path | str | None]) -> None:
-    """See whether what is asked for can be written: in a known format, and over nothing that is read.
+def check_outputs(
+    save: Path | None, preview: Path | None, inputs: Iterable[Path | str | None], *, force: bool = False
+) -> None:
+    """See whether what is asked for can be written: in a known format, over nothing that is read, and over no
+    other program's file unless forced.
 
     Raises:
         PlanFileError, UsageError: names the file.
@@ -35,6 +39,8 @@ def check_outputs(save: Path | None, preview: Path | None, inputs: Iterable[Path
                 raise UsageError(
                     f"{option} {output}: would overwrite {given}, which is read; choose another name"
                 )
+        if output is not None:
+            check_replaceable(option, output, force=force)
 
 
 def save(mission: Mission, path: Path, planned: "PlannedMission | None" = None) -> None:

@@ -91,15 +91,17 @@ class RoutePlan:
             )
         )
 
-    def save(self, path: str | PathLike[str]) -> Path:
+    def save(self, path: str | PathLike[str], *, force: bool = False) -> Path:
         """Write the mission, or a picture of it; the suffix chooses the format. Returns the path.
+
+        force: replace a file that this program did not write.
 
         Raises:
             PlanFileError, UsageError: no such format, or it cannot hold the mission.
             OutputError: the file cannot be written.
         """
         file = Path(path)
-        check_outputs(file, None, ())
+        check_outputs(file, None, (), force=force)
         save(self.mission, file, self.planned)
         return file
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from companion.core.interrupts import importing
 from mission_tools.cli.exit import run_parsed
-from mission_tools.cli.options import add_link
+from mission_tools.cli.options import add_force, add_link
 from mission_tools.cli.parser import Parser
 
 PROGRAM = "mission-download"
@@ -30,6 +30,7 @@ Exit codes: 0 done, 1 the vehicle refused, 2 wrong usage or input, 3 no vehicle 
 def _parser() -> Parser:
     parser = Parser(PROGRAM, EXAMPLES, "FILE", is_required=True)
     add_link(parser)
+    add_force(parser)
     parser.add_common()
     return parser
 
@@ -43,7 +44,7 @@ def _download(given: Namespace) -> None:
     if given.debug:
         logging.basicConfig(level=logging.DEBUG, stream=sys.stderr)
     file = Path(given.source)
-    check_outputs(file, None, ())
+    check_outputs(file, None, (), force=given.force)
     held = ask_vehicle(given.connect, given.patience, given.sign_key, given.system_id)
     mission = held.mission
     save(mission, file)

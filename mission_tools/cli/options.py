@@ -2,12 +2,20 @@
 
 from argparse import BooleanOptionalAction, Namespace
 from pathlib import Path
+from typing import Protocol
 
 from mission_tools.cli.arguments import position
 from mission_tools.cli.parser import Parser, number, system_id
 from mission_tools.errors import UsageError
 from mission_tools.mission.plan_options import PlanOptions, Via
 from mission_tools.vehicle.link_url import DEFAULT_LINK, DEFAULT_SYSTEM_ID, FORMS
+
+
+class _Options(Protocol):
+    """A parser, or a group of its options."""
+
+    def add_argument(self, *names: str, action: str, help: str) -> object:
+        """Add one."""
 
 
 def add_route(parser: Parser) -> None:
@@ -130,6 +138,12 @@ def add_outputs(parser: Parser) -> None:
     group.add_argument(
         "--preview", type=Path, metavar="FILE", help="draw plan and track: .png .svg .pdf .html"
     )
+    add_force(group)
+
+
+def add_force(group: _Options) -> None:
+    """Whether files of others may be replaced."""
+    group.add_argument("--force", action="store_true", help="replace files that this program did not write")
 
 
 def add_link(parser: Parser, default: str | None = DEFAULT_LINK) -> None:

@@ -61,6 +61,7 @@ def _plan(given: Namespace) -> None:
         dry_run=True,
         save=given.save,
         preview=given.preview,
+        force=given.force,
         fence=given.fence,
         rally=given.rally,
         one_way=given.one_way,

@@ -10,8 +10,10 @@ from companion.core.geo import LatLon
 from companion.core.interrupts import importing
 from mission_tools.cli.arguments import position
 from mission_tools.cli.exit import run_parsed
+from mission_tools.cli.options import add_force
 from mission_tools.cli.parser import Parser, number
-from mission_tools.errors import MapError, UsageError
+from mission_tools.errors import UsageError
+from mission_tools.overwrite_guard import check_replaceable
 
 PROGRAM = "mission-trace"
 EXAMPLES = f"""
@@ -48,13 +50,14 @@ def _parser() -> Parser:
     files = parser.add_argument_group("files")
     files.add_argument("--out", type=Path, metavar="FILE", help="write the map: .geojson")
     files.add_argument("--preview", type=Path, metavar="FILE", help="draw the outline on the photo: .png")
+    add_force(files)
     parser.add_common()
     return parser
 
 
 def _trace(given: Namespace) -> None:
     photo, out, preview = Path(given.source), given.out, given.preview
-    _check(photo, out, preview)
+    _check(photo, out, preview, force=given.force)
     seeds, land = _places("--seed", given.seed), _places("--land", given.land)
     if not seeds:
         raise UsageError("no --seed: name a place on the water, such as --seed 29.4082,-82.1698")
@@ -80,20 +83,21 @@ def _trace(given: Namespace) -> None:
     sys.stdout.write("\n".join(lines) + "\n")
 
 
-def _check(photo: Path, out: Path | None, preview: Path | None) -> None:
+def _check(photo: Path, out: Path | None, preview: Path | None, *, force: bool) -> None:
     """See early whether the files can be written, and that nothing is overwritten.
 
     Raises:
-        UsageError, MapError: names the file.
+        UsageError: names the file.
     """
     if out is not None and out.suffix.lower() not in (".geojson", ".json"):
         raise UsageError(f"--out {out}: expected a name that ends in .geojson")
-    if out is not None and out.exists():
-        raise MapError(f"{out}: exists: a map is never overwritten; choose another name")
     if preview is not None and preview.suffix.lower() != ".png":
         raise UsageError(f"--preview {preview}: expected a name that ends in .png")
     if preview is not None and preview.exists() and photo.exists() and preview.samefile(photo):
         raise UsageError(f"--preview {preview}: would overwrite the photograph; choose another name")
+    for option, path in (("--out", out), ("--preview", preview)):
+        if path is not None:
+            check_replaceable(option, path, force=force)
 
 
 def _places(option: str, texts: list[str]) -> list[LatLon]:

@@ -71,6 +71,7 @@ def _upload(given: Namespace) -> None:
         dry_run=given.dry_run,
         save=given.save,
         preview=given.preview,
+        force=given.force,
         sign_key=given.sign_key,
         fence=given.fence,
         rally=given.rally,

@@ -34,6 +34,7 @@ from mission_tools.drawing.legend import (
 from mission_tools.drawing.view import view_of
 from mission_tools.drawing.waypoints import MANY, draw_lengths, draw_tightest, draw_waypoints
 from mission_tools.maps.chart import Chart
+from mission_tools.overwrite_guard import PICTURE_METADATA
 
 LAND, WATER = "#efe6cf", "#b7daeb"
 WIDTH_IN, HEIGHT_IN = 12.8, 9.6  # of a picture; 125 pixels an inch
@@ -95,7 +96,7 @@ def save_figure(path: Path, figure: Figure) -> None:
         OutputError: the file cannot be written.
     """
     with output_file(path) as aside:
-        figure.savefig(aside)
+        figure.savefig(aside, metadata=PICTURE_METADATA.get(path.suffix.lower()))
 
 
 def draw_picture(

@@ -20,6 +20,7 @@ from mission_tools.maps.geojson import feature_entries, position, read_json
 from mission_tools.maps.longitudes import wrapped_lon_deg
 from mission_tools.maps.raw import read_bytes
 from mission_tools.mission.mission import Command, Mission, MissionItem
+from mission_tools.overwrite_guard import CREATOR, GENERATOR, XML_HEADS
 
 DRAWN_SUFFIXES: Final = frozenset({".gpx", ".kml", ".geojson", ".json"})
 MOST_BYTES: Final = 20_000_000  # a day's track of a receiver at 10 Hz has half of it
@@ -29,7 +30,6 @@ THINNED_M: Final = 1.0  # what a line is moved by at most: half a waypoint radiu
 _SAME_M: Final = 0.05
 _SAILED: Final = ("LineString", "MultiLineString", "Point", "MultiPoint")
 _HOME: Final = "Home"
-_OWN: Final = "mavboat"
 
 
 class Stop(NamedTuple):
@@ -110,7 +110,7 @@ def _read_gpx(path: Path) -> Drawn:
     root = parse_xml(read_bytes(path), str(path))
     if root.tag != "gpx":
         raise PlanFileError(f"{path}: not GPX: its root is <{root.tag}>")
-    is_own = root.get("creator") == _OWN
+    is_own = root.get("creator") == CREATOR
     drawn = Drawn()
     for n, route in enumerate(root.iterfind("rte"), 1):
         drawn.routes.append(_gpx_stops(route.findall("rtept"), f"{path}: route {n}", is_own=is_own))
@@ -134,7 +134,7 @@ def _read_kml(path: Path) -> Drawn:
     root = parse_xml(data, str(path))
     if root.tag not in ("kml", "Document", "Folder", "Placemark"):
         raise PlanFileError(f"{path}: not KML: its root is <{root.tag}>")
-    is_own = b"<!-- written by mavboat -->" in data[:512]
+    is_own = data.startswith(XML_HEADS[".kml"].encode())
     drawn = Drawn()
     for n, placemark in enumerate(root.iter("Placemark"), 1):
         where = f"{path}: placemark {n}"
@@ -167,7 +167,7 @@ def _read_geojson(path: Path) -> Drawn:
         "Point",
     ):
         tree = {"type": "Feature", "properties": {}, "geometry": tree}
-    is_own = isinstance(tree, Mapping) and tree.get("generator") == _OWN
+    is_own = isinstance(tree, Mapping) and tree.get("generator") == GENERATOR
     drawn = Drawn()
     for n, entry in enumerate(feature_entries(tree, str(path)), 1):
         where = f"{path}: feature {n}"

@@ -1,7 +1,4 @@
-"""Writes a mission in the format of a file's suffix, and never over a map.
-
-GeoJSON, KML and GPX are formats of maps too: an existing file is replaced only if this program wrote it.
-"""
+"""Writes a mission in the format of a file's suffix."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -18,10 +15,6 @@ _COMPOSERS: dict[str, Callable[[Mission, str], str]] = {
     ".kml": kml_route.compose,
     ".gpx": gpx_route.compose,
 }
-MARK = b"mavboat"
-"""Stands near the beginning of every route that is written here."""
-_MARKED_BYTES = 512
-
 ROUTE_SUFFIXES = frozenset(_COMPOSERS) | MISSION_SUFFIXES
 
 
@@ -29,7 +22,7 @@ def check_route_name(path: Path) -> None:
     """See whether a mission can be written under this name.
 
     Raises:
-        PlanFileError: its suffix is of no format that is written here, or the file exists and may be a map.
+        PlanFileError: its suffix is of no format that is written here.
     """
     suffix = path.suffix.lower()
     if suffix not in ROUTE_SUFFIXES:
@@ -38,8 +31,6 @@ def check_route_name(path: Path) -> None:
             "110), or as .geojson, .kml, .gpx, and drawn as .html, .png, .svg, .pdf: expected a name that "
             "ends in one of these"
         )
-    if suffix in _COMPOSERS and path.is_file() and not _is_own(path):
-        raise PlanFileError(f"{path}: exists and may be a map: choose another name, or remove it first")
 
 
 def save_route(mission: Mission, path: Path, title: str = "") -> None:
@@ -58,12 +49,3 @@ def save_route(mission: Mission, path: Path, title: str = "") -> None:
         write_text(path, compose(mission, title or path.stem))
     except OutputError as error:
         raise PlanFileError(str(error)) from None
-
-
-def _is_own(path: Path) -> bool:
-    try:
-        with path.open("rb") as file:
-            head = file.read(_MARKED_BYTES)
-    except OSError:
-        return False
-    return MARK in head or not head

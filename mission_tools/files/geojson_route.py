@@ -10,6 +10,7 @@ from typing import Any
 from companion.core.geo import LatLon
 from mission_tools.files.geometry import length_m, pieces_at_antimeridian, waypoints
 from mission_tools.mission.mission import Fence, Mission
+from mission_tools.overwrite_guard import GENERATOR
 
 
 def compose(mission: Mission, title: str) -> str:
@@ -30,7 +31,7 @@ def compose(mission: Mission, title: str) -> str:
         )
     features += _fence(mission.fence)
     features += [_feature("Point", _place(rally.place), kind="rally") for rally in mission.rally]
-    tree = {"type": "FeatureCollection", "generator": "mavboat", "name": title, "features": features}
+    tree = {"type": "FeatureCollection", "generator": GENERATOR, "name": title, "features": features}
     return json.dumps(tree, ensure_ascii=False, indent=1) + "\n"
 
 

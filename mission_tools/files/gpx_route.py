@@ -4,14 +4,14 @@ from companion.core.geo import LatLon
 from mission_tools.files.geometry import fence_areas, waypoints
 from mission_tools.files.xml_escape import escaped
 from mission_tools.mission.mission import Mission
+from mission_tools.overwrite_guard import XML_HEADS
 from mission_tools.wording import duration
 
 
 def compose(mission: Mission, title: str) -> str:
     """The mission as a GPX file. The order of the elements is the schema's."""
     parts = [
-        '<?xml version="1.0" encoding="UTF-8"?>\n'
-        '<gpx version="1.1" creator="mavboat" xmlns="http://www.topografix.com/GPX/1/1">\n'
+        f'{XML_HEADS[".gpx"]}xmlns="http://www.topografix.com/GPX/1/1">\n'
         f"<metadata><name>{escaped(title)}</name></metadata>\n"
     ]
     for number, rally in enumerate(mission.rally, 1):

@@ -6,6 +6,7 @@ from companion.core.geo import LatLon
 from mission_tools.files.geometry import Waypoint, fence_areas, length_m, waypoints
 from mission_tools.files.xml_escape import escaped
 from mission_tools.mission.mission import Mission
+from mission_tools.overwrite_guard import XML_HEADS
 from mission_tools.wording import distance, duration
 
 _STYLES = """\
@@ -22,7 +23,7 @@ def compose(mission: Mission, title: str) -> str:
     points = waypoints(mission)
     places = [point.place for point in points]
     parts = [
-        '<?xml version="1.0" encoding="UTF-8"?>\n<!-- written by mavboat -->\n'
+        f"{XML_HEADS['.kml']}"
         f'<kml xmlns="http://www.opengis.net/kml/2.2">\n<Document>\n<name>{escaped(title)}</name>\n{_STYLES}'
     ]
     if len(places) > 1:

@@ -24,6 +24,7 @@ from mission_tools.mission.mission import (
     MissionItem,
     Rally,
 )
+from mission_tools.overwrite_guard import CREATOR
 
 MAV_AUTOPILOT_ARDUPILOTMEGA = 3
 MAV_TYPE_SURFACE_BOAT = 11
@@ -121,7 +122,7 @@ def compose(mission: Mission) -> str:
     tree = {
         "fileType": "Plan",
         "version": 1,
-        "groundStation": "mavboat",
+        "groundStation": CREATOR,
         "mission": {
             "version": 2,
             "firmwareType": MAV_AUTOPILOT_ARDUPILOTMEGA,

@@ -18,6 +18,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
+from PIL.PngImagePlugin import PngInfo
 from scipy import ndimage
 from shapely.geometry import Polygon
 
@@ -28,6 +29,7 @@ from mission_tools.maps.chart import Area, Chart, area_of
 from mission_tools.maps.formats.georeference import Georeference
 from mission_tools.maps.formats.mask import LEAST_PIXELS, open_picture, pixel_m, traced_area
 from mission_tools.maps.geojson import parse_geojson
+from mission_tools.overwrite_guard import PICTURE_METADATA
 from mission_tools.tracing.region import Mask, Pixel, grow
 
 MOST_PIXELS = 4_000_000  # that are looked at; a larger photograph is reduced
@@ -70,7 +72,7 @@ class TracedWater:
             "properties": {"kind": "water", "name": self.name, "traced_at_m": round(self.pixel_m, 3)},
             "geometry": json.loads(shapely.to_geojson(shapely.set_precision(self.shape, 1e-8))),
         }
-        tree = {"type": "FeatureCollection", "generator": "mavboat", "features": [feature]}
+        tree = {"type": "FeatureCollection", "generator": "mission-trace", "features": [feature]}
         return json.dumps(tree, ensure_ascii=False) + "\n"
 
     def chart(self) -> Chart:
@@ -78,14 +80,11 @@ class TracedWater:
         return parse_geojson(json.loads(self.geojson()), self.name, self.name)
 
     def save(self, path: Path) -> None:
-        """Write the map, never over another file.
+        """Write the map.
 
         Raises:
-            MapError: the file exists.
             OutputError: it cannot be written.
         """
-        if path.exists():
-            raise MapError(f"{path}: exists: a map is never overwritten; choose another name")
         write_text(path, self.geojson())
 
     def preview(self, path: Path) -> None:
@@ -105,7 +104,10 @@ class TracedWater:
             draw.ellipse((column - 5, row - 5, column + 5, row + 5), outline=_SEED, width=2)
         picture.thumbnail((PREVIEW_PIXELS, PREVIEW_PIXELS))
         with output_file(path) as aside:
-            picture.save(aside)
+            marks = PngInfo()
+            for key, mark in PICTURE_METADATA[".png"].items():
+                marks.add_text(key, mark)
+            picture.save(aside, pnginfo=marks)
 
 
 def trace_photo(

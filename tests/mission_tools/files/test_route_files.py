@@ -157,19 +157,6 @@ def test_a_line_across_the_antimeridian_is_cut_there() -> None:
     assert json.loads(geojson_route.compose(one, "t"))["features"][0]["geometry"]["type"] == "MultiLineString"
 
 
-@pytest.mark.parametrize("suffix", [".geojson", ".kml", ".gpx"])
-def test_a_map_is_never_overwritten_but_an_own_route_is(suffix: str, tmp_path: Path) -> None:
-    path = tmp_path / f"lake{suffix}"
-    path.write_text("a map of another program", encoding="utf-8")
-    with pytest.raises(PlanFileError, match=f"lake{suffix}: exists and may be a map"):
-        save_route(MISSION, path)
-    assert path.read_text(encoding="utf-8") == "a map of another program"
-    path.unlink()
-    save_route(MISSION, path, "first")
-    save_route(MISSION, path, "second")
-    assert "second" in path.read_text(encoding="utf-8")
-
-
 def test_an_unknown_suffix_is_refused_with_the_known_ones(tmp_path: Path) -> None:
     with pytest.raises(PlanFileError) as caught:
         save_route(MISSION, tmp_path / "route.csv")

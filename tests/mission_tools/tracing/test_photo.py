@@ -162,7 +162,7 @@ def test_the_program_writes_a_map_that_can_be_planned_on_and_never_over_another(
         assert drawn.size == (200, 160)
     before = out.read_bytes()
     assert trace_command.run_program(arguments) == 2
-    assert "a map is never overwritten" in capsys.readouterr().err
+    assert "exists, and does not say that this program wrote it" in capsys.readouterr().err
     assert out.read_bytes() == before
     assert json.loads(before)["features"][0]["properties"]["kind"] == "water"
 

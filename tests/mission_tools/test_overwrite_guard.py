@@ -1,0 +1,104 @@
+"""No program of the planner replaces a file unasked that it has not written itself."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from companion.core.geo import LatLon
+from mission_tools.cli import download_command, plan_command, trace_command, upload_command
+from mission_tools.errors import UsageError
+from mission_tools.overwrite_guard import check_replaceable
+from mission_tools.water_map import open_map
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "maps"
+MARKED = [".plan", ".geojson", ".kml", ".gpx", ".html", ".png", ".svg", ".pdf"]
+PICTURES = (".html", ".png", ".svg", ".pdf")
+# Files of others that speak of this program: maps, plans saved anew elsewhere, pages that cite it.
+FOREIGN = {
+    ".geojson": '{"type": "FeatureCollection", "name": "mavboat", "generator": "JOSM", "features": []}',
+    ".plan": '{"fileType": "Plan", "groundStation": "QGroundControl", "note": "mavboat"}',
+    ".kml": '<?xml version="1.0" encoding="UTF-8"?>\n<kml><!-- written by mavboat --></kml>',
+    ".gpx": '<?xml version="1.0"?>\n<gpx creator="OpenCPN"><name>mavboat</name></gpx>',
+    ".html": "<!doctype html><title>mavboat</title>",
+    ".png": "mavboat",
+    ".svg": "<svg>mavboat</svg>",
+    ".pdf": "%PDF mavboat",
+    ".waypoints": "QGC WPL 110\n",
+}
+
+
+def plan(*arguments: object) -> int:
+    return plan_command.run_program([*map(str, arguments)])
+
+
+@pytest.mark.parametrize("suffix", MARKED)
+def test_what_the_planner_wrote_is_replaced(suffix: str, tmp_path: Path) -> None:
+    for _ in range(2):
+        assert plan("lake", "--out", tmp_path / f"route{suffix}") == 0
+
+
+@pytest.mark.parametrize(
+    ("option", "suffix"),
+    [
+        *(("--out", suffix) for suffix in FOREIGN),
+        *(("--preview", suffix) for suffix in FOREIGN if suffix in PICTURES),
+    ],
+)
+def test_what_others_wrote_is_replaced_only_by_force(
+    option: str, suffix: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / f"mine{suffix}"
+    path.write_text(FOREIGN[suffix], encoding="utf-8")
+    assert plan("lake", option, path) == 2
+    said = capsys.readouterr().err
+    assert f"{path}: exists, and does not say that this program wrote it" in said
+    assert "--force" in said
+    assert path.read_text(encoding="utf-8") == FOREIGN[suffix]
+    assert plan("lake", option, path, "--force") == 0
+    assert path.read_bytes() != FOREIGN[suffix].encode()
+
+
+@pytest.mark.parametrize("name", ["mill_pond.geojson", "mill_pond_fence.geojson"])
+def test_the_maps_of_the_examples_are_not_replaced(name: str) -> None:
+    with pytest.raises(UsageError, match="exists"):
+        check_replaceable("--out", EXAMPLES / name, force=False)
+
+
+def test_a_traced_map_is_replaced_by_neither_route_nor_trace_unless_forced(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("PIL")
+    out, preview = tmp_path / "pond.geojson", tmp_path / "pond.png"
+    trace = [str(EXAMPLES / "citra_pond.jpg"), "--seed", "29.40815,-82.16953", "--out", str(out)]
+    trace += ["--preview", str(preview)]
+    assert trace_command.run_program(trace) == 0
+    kept = out.read_bytes()
+    assert plan("lake", "--out", out) == 2
+    assert trace_command.run_program(trace) == 2
+    assert out.read_bytes() == kept
+    assert trace_command.run_program([*trace, "--force"]) == 0
+    preview.write_bytes(b"a picture of mine")
+    assert trace_command.run_program([*trace[:3], "--preview", str(preview)]) == 2
+    assert preview.read_bytes() == b"a picture of mine"
+    assert "--preview" in capsys.readouterr().err
+
+
+def test_upload_and_download_ask_before_they_connect(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "mine.plan"
+    path.write_text(FOREIGN[".plan"], encoding="utf-8")
+    assert upload_command.run_program(["lake", "--save", str(path)]) == 2
+    assert download_command.run_program([str(path)]) == 2
+    assert capsys.readouterr().err.count("mine.plan: exists") == 2
+
+
+def test_a_program_that_plans_is_guarded_too(tmp_path: Path) -> None:
+    route = open_map(EXAMPLES / "mill_pond.geojson").route(LatLon(49.9995, -1.2015), LatLon(49.9992, -1.2015))
+    path = tmp_path / "mine.plan"
+    path.write_text(FOREIGN[".plan"], encoding="utf-8")
+    with pytest.raises(UsageError, match=r"mine\.plan: exists"):
+        route.save(path)
+    route.save(path, force=True)
+    assert json.loads(path.read_text(encoding="utf-8"))["groundStation"] == "mavboat"
