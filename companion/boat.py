@@ -20,7 +20,7 @@ from companion.core.state import MotorCommand, NavState
 from companion.core.status_text import Severity
 from companion.estimation.estimator import Estimator
 from companion.guidance.pipeline import GuidancePipeline
-from companion.hal.interfaces import Hardware
+from companion.hal.interfaces import Hardware, ReportingPart
 from companion.hal.link_interfaces import Port
 from companion.log.logbook import Logbook
 from companion.log.onboard import OnboardLog
@@ -120,7 +120,8 @@ class Boat:
         self.free_memory_bytes = 0  # of the computer; set by the program
         self.nav: NavState | None = None
         self._hardware = hardware
-        self._reporting = hardware.reporting_parts
+        reporting = (port for port in ports if isinstance(port, ReportingPart))
+        self._reporting = [*hardware.reporting_parts, *reporting]
         self._storage = storage
         self._logbook = logbook
         self._wall_time = WallTime(unix_offset_s)
@@ -191,7 +192,7 @@ class Boat:
         setting = _BARE if is_bare else self.parameters.config.thrusters
         try:
             self.motors.write(command, self.vehicle.status.motors, setting)
-            self.vehicle.output_fault = ""
+            self.vehicle.output_fault = self._hardware.output_fault
         except SilentOutputsError as error:
             self.vehicle.output_fault = str(error)
             self._catch(error)

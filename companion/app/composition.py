@@ -4,12 +4,14 @@ import logging
 import os
 from collections.abc import Callable, Collection, Sequence
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 
 from companion.app import garbage_collection as garbage
 from companion.app.clock import SystemClock
+from companion.app.hardware import open_hardware
 from companion.app.needs import i2c_chips, needs_of
-from companion.app.parts import open_hardware
+from companion.app.only_program import only_program
 from companion.app.runner import Runner
 from companion.app.service_notifier import ServiceNotifier, status_line
 from companion.app.status_file import StatusFile, status_path
@@ -21,6 +23,7 @@ from companion.core.errors import ConfigError
 from companion.hal.interfaces import Hardware
 from companion.hal.link_interfaces import Port
 from companion.links.port_url import open_port, parse_port_url
+from companion.links.retried import PACE, Pace, RetriedPort, await_first
 from companion.log.logbook import Logbook, open_logbook
 from companion.mavlink.framing import begins_with_frame
 from companion.mavlink.signing_key import read_key_file
@@ -146,11 +149,34 @@ def open_ports(links: Sequence[str | LinkConfig], now: Now) -> list[Port]:
         for number, link in enumerate(links):
             setting = LinkConfig(url=link) if isinstance(link, str) else link
             policy = policy_of(setting, f"links[{number}]")
-            queue_bytes = _SHORT_QUEUE_BYTES if policy.stale_s else None
-            ports.append(ConfiguredPort(open_port(setting.url, now, queue_bytes, begins_with_frame), policy))
+            ports.append(ConfiguredPort(_open_link(setting.url, policy, now), policy))
             undo.callback(ports[-1].close)
         undo.pop_all()
     return ports
+
+
+def retry_links(links: Sequence[LinkConfig], now: Now, pace: Pace = PACE) -> list[RetriedPort]:
+    """Begin to open every link of a configuration; those that can be opened are open on return.
+
+    Raises:
+        ConfigError: names the url.
+    """
+    with ExitStack() as undo:
+        ports: list[RetriedPort] = []
+        for number, link in enumerate(links):
+            opening = partial(_open_link, link.url, policy_of(link, f"links[{number}]"), now)
+            ports.append(RetriedPort(str(parse_port_url(link.url)), opening, pace))
+            undo.callback(ports[-1].close)
+            ports[-1].start()
+        await_first(ports, pace)
+        undo.pop_all()
+    return ports
+
+
+def _open_link(url: str, policy: Policy, now: Now) -> Port:
+    port = open_port(url, now, _SHORT_QUEUE_BYTES if policy.stale_s else None, begins_with_frame)
+    logger.info("listening on %s", port.name)
+    return port
 
 
 def open_storage(folder: str) -> Storage:
@@ -187,26 +213,39 @@ def run_boat(
 ) -> Boat:
     """Run the boat until told to stop, or until it `wants_restart`.
 
-    Whatever happens, the motors are off when this returns or raises.
+    Parts and links that cannot be opened join the boat later. Whatever happens, the motors are off when this
+    returns or raises.
 
     Raises:
-        ConfigError, HardwareError, LinkError, StorageError: the boat could not be put together.
+        ConfigError, StorageError: the boat could not be put together.
+        LinkError: no link can be opened, and no service manager waits for one.
     """
     check_config(config)
     clock = clock or SystemClock()
     with ExitStack() as undo:
+        undo.enter_context(only_program(config.storage.folder))
         hardware = open_parts(config, clock.now_s)
         undo.callback(hardware.close)
         storage = open_storage(config.storage.folder)
         undo.callback(storage.close)
-        ports = open_ports(config.links, clock.now_s)
+        links = retry_links(config.link_settings, clock.now_s)
+        policies = (policy_of(link, f"links[{number}]") for number, link in enumerate(config.link_settings))
+        ports = [ConfiguredPort(link, policy) for link, policy in zip(links, policies, strict=True)]
         for port in ports:
             undo.callback(port.close)
-            logger.info("listening on %s", port.name)
+        notifier = ServiceNotifier(os.environ)
+        undo.callback(notifier.close)
+        faults = [link.error for link in links if link.error is not None]
+        if len(faults) == len(links) and not notifier.is_supervised:
+            raise faults[0]
         logbook = open_log(config, config.storage.folder)
         boat = Boat(config, hardware, ports, storage, clock.unix_offset_s(), logbook)
         undo.callback(boat.close)
         boat.endpoint.texts.logs_texts = True
+
+        def missing() -> dict[str, str]:
+            return {one.name: one.fault for one in (*hardware.retried, *links) if one.fault}
+
         path = status_path(config)
         status = (
             StatusFile(
@@ -215,14 +254,13 @@ def run_boat(
                 boat.endpoint.corrections.status,
                 boat.address.system,
                 boat.vehicle.notify,
+                missing,
             )
             if path is not None
             else None
         )
         if status is not None:
             undo.callback(status.close)
-        notifier = ServiceNotifier(os.environ)
-        undo.callback(notifier.close)
 
         def step(number: int) -> None:
             boat.load = runner.load

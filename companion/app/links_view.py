@@ -6,6 +6,7 @@ from pathlib import Path
 
 from rich.console import Console
 from rich.live import Live
+from rich.markup import escape
 from rich.table import Table
 
 from companion.app.status_file import BoatStatus, read_status
@@ -19,7 +20,8 @@ def draw(status: BoatStatus) -> Table:
     links = status.links
     late = f"{status.late_ticks} of {status.ticks} ticks late, worst {1e3 * status.worst_late_s:.1f} ms"
     routed = f"{links.repeats} repeats, {links.unreachable} for nobody, {links.reboots} reboots"
-    table = Table(title=f"load {status.load:.0%}; {late}", caption=routed)
+    missing = "".join(f"\n{name}: {fault}" for name, fault in status.missing.items())
+    table = Table(title=f"load {status.load:.0%}; {late}", caption=escape(routed + missing))
     for name in _COLUMNS:
         table.add_column(name, justify="left" if name in _COLUMNS[:2] else "right")
     for link in links.links:

@@ -1,16 +1,18 @@
-"""The parts of the boat: one function opens each kind, with the driver that the configuration names.
+"""The parts of the boat: one function opens each kind that is fitted, with the configuration's driver.
 
 Raises of each: HardwareError, which names the part that does not answer.
 """
 
-from collections.abc import Callable
-from contextlib import ExitStack, closing
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 
 from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig, with_value
-from companion.config.parts.payload import CommandPayload, WinchPayload
+from companion.config.parts import Pca9685Part
+from companion.config.parts.payload import PayloadSetting, WinchPayload
+from companion.config.parts.probes import ProbePart
 from companion.core.errors import HardwareError
 from companion.hal.battery.battery_sensor import open_battery_monitor
 from companion.hal.gnss.gpsd import open_gpsd_gnss
@@ -28,7 +30,6 @@ from companion.hal.interfaces import (
     Compass,
     DepthSounder,
     Gnss,
-    Hardware,
     Hull,
     Motors,
     Probe,
@@ -39,8 +40,6 @@ from companion.hal.interfaces import (
 from companion.hal.motors.bridges import open_bridges
 from companion.hal.motors.esc import open_escs
 from companion.hal.motors.watched_motors import WatchedMotors
-from companion.hal.payload.child_program import CaptureProgram, ChildProgram
-from companion.hal.payload.interfaces import PayloadOutput, PayloadParts, Program, PulseCounter
 from companion.hal.payload.outputs import open_counter, open_output
 from companion.hal.probes.polled import open_analog_probe, open_file_probe
 from companion.hal.probes.serial_line import open_serial_probes
@@ -48,7 +47,8 @@ from companion.hal.pulses.opening import open_pulse_output
 from companion.hal.pulses.rudder_servo import RudderServo
 from companion.hal.ranging.mounted_ranger import open_ranger
 from companion.hal.rc_receiver import open_rc_receiver
-from companion.hal.water.nmea_depth import SharedDepthSounder, open_nmea_depth
+from companion.hal.retried_parts import CountedOutput
+from companion.hal.water.nmea_depth import open_nmea_depth
 from companion.hal.water.ping1d import open_ping1d
 from companion.persistence.profile import ProfileFile
 from companion.sensors.compass.magnetic_field import FieldCorrector
@@ -87,20 +87,24 @@ def open_motors(config: BoatConfig, now: Now) -> WatchedMotors:
     return WatchedMotors(motors, now, config.motors.command_timeout_s)
 
 
-def open_rudder(config: BoatConfig) -> Rudder | None:
+def open_rudder(config: BoatConfig) -> Rudder:
     """The rudder, amidships."""
     part = config.parts.rudder
-    if part.driver == "none":
-        return None
     return RudderServo(open_pulse_output(part.signal, config.parts.pca9685), part.signal)
 
 
-def open_gnss(config: BoatConfig, now: Now) -> Gnss:
-    """The GNSS receiver; a silent one where none is fitted."""
+def antenna_heading(config: BoatConfig) -> GnssHeading | None:
+    """The heading by the receiver's two antennas, where these are the heading sensor."""
     part, compass = config.parts.gnss, config.parts.compass
-    heading = None
-    if compass.driver == "gnss":
-        heading = GnssHeading(part.antenna_bearing_rad, part.baseline_m, part.latency_s, compass.fallback)
+    if compass.driver != "gnss":
+        return None
+    return GnssHeading(part.antenna_bearing_rad, part.baseline_m, part.latency_s, compass.fallback)
+
+
+def open_gnss(config: BoatConfig, now: Now, heading: GnssHeading | None = None) -> Gnss:
+    """The GNSS receiver; a silent one where none is fitted. heading: of its antennas; default: a new one."""
+    part = config.parts.gnss
+    heading = heading or antenna_heading(config)
     match part.driver:
         case "nmea":
             return open_nmea_gnss(part, now, heading)
@@ -112,21 +116,16 @@ def open_gnss(config: BoatConfig, now: Now) -> Gnss:
             return _Absent()
 
 
-def open_compass(
-    config: BoatConfig, now: Now, field: FieldCorrector | None = None, gnss: Gnss | None = None
-) -> Compass:
-    """The heading sensor; a silent one where none is fitted. field: the live correction of a magnetometer.
-
-    gnss: the open receiver, where its antennas are the heading sensor.
-    """
+def open_compass(config: BoatConfig, now: Now, field: FieldCorrector | None = None) -> Compass:
+    """The heading sensor; a silent one where none is fitted. field: the live correction of a magnetometer."""
     part = config.parts.compass
     match part.driver:
         case "gnss":
-            receiver = gnss or open_gnss(config, now)
+            receiver = open_gnss(config, now)
             if not isinstance(receiver, GnssReceiver) or receiver.heading is None:
                 raise HardwareError("parts.compass.driver: parts.gnss.driver is not a receiver with antennas")
-            reserve = open_compass(with_value(config, "parts.compass.driver", part.fallback), now, field)
-            return AntennaCompass(receiver.heading, reserve, now, None if gnss else receiver)
+            reserve = open_compass(bare_compass(config), now, field)
+            return AntennaCompass(receiver.heading, reserve, now, receiver)
         case "bno055":
             folder = config.storage.folder
             path = Path(folder).expanduser() / "bno055.profile"
@@ -141,124 +140,68 @@ def open_compass(
             return _Absent()
 
 
-def open_sonar(config: BoatConfig, now: Now) -> Sonar | None:
+def bare_compass(config: BoatConfig) -> BoatConfig:
+    """Without the antennas: the configuration of the compass in reserve, or of the only one."""
+    return with_value(config, "parts.compass.driver", config.parts.compass.part_driver)
+
+
+def open_sonar(config: BoatConfig, now: Now) -> Sonar:
     """The ranger."""
-    part = config.parts.sonar
-    return None if part.driver == "none" else open_ranger(part, now)
+    return open_ranger(config.parts.sonar, now)
 
 
-def open_battery(config: BoatConfig, now: Now) -> Battery | None:
+def open_battery(config: BoatConfig, now: Now) -> Battery:
     """The battery monitor."""
-    part = config.parts.battery
-    return None if part.driver == "none" else open_battery_monitor(part, now)
+    return open_battery_monitor(config.parts.battery, now)
 
 
-def open_hull_sensor(config: BoatConfig, now: Now) -> Hull | None:
+def open_hull_sensor(config: BoatConfig, now: Now) -> Hull:
     """The sensors inside the hull."""
-    part = config.parts.hull
-    return None if part.driver == "none" else open_hull(part, now)
+    return open_hull(config.parts.hull, now)
 
 
-def open_depth(config: BoatConfig, now: Now, gnss: Gnss | None = None) -> DepthSounder | None:
-    """The depth sounder. gnss: the open receiver, whose port it may share."""
+def open_depth(config: BoatConfig, now: Now) -> DepthSounder:
+    """The depth sounder; one on the line of the GNSS receiver has that line to itself."""
     part = config.parts.depth
     match part.driver:
         case "ping1d":
             return open_ping1d(part, now)
-        case "gnss" if isinstance(gnss, GnssReceiver):
-            return SharedDepthSounder(gnss, part)
         case "gnss":
             port, baud = config.parts.gnss.port, config.parts.gnss.baud or 9600
             return open_nmea_depth(replace(part, port=port, baud=baud), now)
-        case "nmea":
+        case _:
             return open_nmea_depth(part, now)
-        case "none":
-            return None
 
 
-def open_probes(config: BoatConfig, now: Now) -> tuple[Probe, ...]:
-    """The probes, in the order of the configuration."""
-    opened: dict[str, Probe] = {}
-    with ExitStack() as undo:
-        for part in config.probe:
-            if part.name in opened:
-                continue
-            if part.driver == "serial":
-                together = [one for one in config.probe if one.driver == "serial" and one.port == part.port]
-                for one, probe in zip(together, open_serial_probes(together, now), strict=True):
-                    opened[one.name] = probe
-            else:
-                opening = open_analog_probe if part.driver == "ads1115" else open_file_probe
-                opened[part.name] = opening(part, now)
-            undo.callback(opened[part.name].close)
-        undo.pop_all()
-    return tuple(opened[part.name] for part in config.probe)
+def probe_groups(config: BoatConfig) -> list[tuple[ProbePart, ...]]:
+    """The probes that open together: those of one serial line, and each other one alone."""
+    groups: dict[str, list[ProbePart]] = {}
+    for part in config.probe:
+        groups.setdefault(part.port if part.driver == "serial" else f"[{part.name}]", []).append(part)
+    return [tuple(group) for group in groups.values()]
 
 
-def open_rc(config: BoatConfig, now: Now) -> RcReceiver | None:
+def open_probe_group(group: Sequence[ProbePart], now: Now) -> tuple[Probe, ...]:
+    """The probes of a group, in its order."""
+    match group[0].driver:
+        case "serial":
+            return open_serial_probes(group, now)
+        case "ads1115":
+            return (open_analog_probe(group[0], now),)
+        case "file":
+            return (open_file_probe(group[0], now),)
+
+
+def open_rc(config: BoatConfig, now: Now) -> RcReceiver:
     """The RC receiver."""
-    return None if config.rc.driver == "none" else open_rc_receiver(config.rc, now)
+    return open_rc_receiver(config.rc, now)
 
 
-def open_payload(config: BoatConfig) -> PayloadParts:
-    """The payload, every output in its safe state, and the command that takes images."""
-    outputs: dict[int, PayloadOutput] = {}
-    counters: dict[int, PulseCounter] = {}
-    programs: dict[int, Program] = {}
-    capture = CaptureProgram(config.camera) if config.camera.capture else None
+def open_payload_output(setting: PayloadSetting, chip: Pca9685Part) -> CountedOutput:
+    """A payload's output in its safe state, with the counter of a winch."""
+    output = open_output(setting, chip)
     with ExitStack() as undo:
-        for index, setting in enumerate(config.payload):
-            if isinstance(setting, CommandPayload):
-                programs[index] = ChildProgram(setting.title, setting.run, setting.timeout_s, setting.folder)
-                continue
-            outputs[index] = undo.enter_context(closing(open_output(setting, config.parts.pca9685)))
-            if isinstance(setting, WinchPayload) and (counter := open_counter(setting)) is not None:
-                counters[index] = undo.enter_context(closing(counter))
+        undo.callback(output.close)
+        counter = open_counter(setting) if isinstance(setting, WinchPayload) else None
         undo.pop_all()
-    return PayloadParts(outputs, counters, programs, capture)
-
-
-def open_hardware(config: BoatConfig, now: Now) -> Hardware:
-    """Open every part that the configuration names; the motors first, so that they are off from the start.
-
-    Raises:
-        HardwareError: names the part that does not answer; those already open are closed again.
-    """
-    with ExitStack() as undo:
-        motors = undo.enter_context(closing(open_motors(config, now)))
-        motors.start()
-        if (rudder := open_rudder(config)) is not None:
-            undo.callback(rudder.close)
-        gnss = undo.enter_context(closing(open_gnss(config, now)))
-        field = FieldCorrector() if config.parts.compass.is_magnetometer else None
-        compass = undo.enter_context(closing(open_compass(config, now, field, gnss)))
-        if (sonar := open_sonar(config, now)) is not None:
-            undo.callback(sonar.close)
-        if (battery := open_battery(config, now)) is not None:
-            undo.callback(battery.close)
-        if (hull := open_hull_sensor(config, now)) is not None:
-            undo.callback(hull.close)
-        if (depth := open_depth(config, now, gnss)) is not None:
-            undo.callback(depth.close)
-        probes = open_probes(config, now)
-        for probe in probes:
-            undo.callback(probe.close)
-        payload = undo.enter_context(closing(open_payload(config)))
-        rc = open_rc(config, now)
-        undo.pop_all()
-    return Hardware(
-        motors,
-        gnss,
-        compass,
-        sonar,
-        battery,
-        hull=hull,
-        rc=rc,
-        cutoff=motors,
-        field=field,
-        rudder=rudder,
-        payload=payload,
-        corrections=gnss if isinstance(gnss, GnssReceiver) else None,
-        depth=depth,
-        probes=probes,
-    )
+    return CountedOutput(output, counter)

@@ -38,6 +38,11 @@ class ServiceNotifier:
             self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_CLOEXEC)
             self._socket.setblocking(False)
 
+    @property
+    def is_supervised(self) -> bool:
+        """Whether a service manager has started the program."""
+        return self._socket is not None
+
     def tick(self, now_s: float, status: str) -> None:
         """To be called at the end of every tick. status: one line, sent when it changes."""
         lines = []

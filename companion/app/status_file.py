@@ -36,6 +36,7 @@ class BoatStatus(msgspec.Struct, frozen=True):
     links: LinksStatus
     corrections: CorrectionStatus | None = None  # of the GNSS receiver, as the boat passed them on
     system_id: int = 0  # of the boat, by MAVLink
+    missing: dict[str, str] = {}  # parts and links that cannot be opened, and why
 
 
 class StatusFile:
@@ -48,16 +49,19 @@ class StatusFile:
         corrections: Callable[[float], CorrectionStatus | None] = lambda _: None,
         system_id: int = 0,
         notify: Callable[[int, str], None] = lambda _severity, _text: None,
+        missing: Callable[[], dict[str, str]] = dict,
     ) -> None:
         """corrections: their status at the present time. system_id: of the boat.
 
-        notify: tells the operator of the first write that failed, and again after one that did not.
+        notify: tells the operator of the first write that failed, and again after one that did not. missing: parts
+        and links that cannot be opened, and why.
         """
         self._path = path
         self._reporter = Reporter(channels)
         self._corrections = corrections
         self._system_id = system_id
         self._notify = notify
+        self._missing = missing
         self._is_well = True
         self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="status")
         self._writing: Future[None] | None = None
@@ -83,6 +87,7 @@ class StatusFile:
             links=self._reporter.report(now_s),
             corrections=self._corrections(now_s),
             system_id=self._system_id,
+            missing=self._missing(),
         )
         self._writing = self._worker.submit(_write, self._path, status)
 

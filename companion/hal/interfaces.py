@@ -7,11 +7,12 @@ blocks: a driver that must wait keeps a thread and returns the latest reading, s
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, fields
-from typing import Protocol, TypeVar, runtime_checkable
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 from companion.config.parameters import ParameterHook
 from companion.core.status_text import StatusText
 from companion.hal.payload.interfaces import PayloadParts
+from companion.links.retried import Retried
 from companion.sensors.compass.magnetic_field import FieldCorrector
 from companion.sensors.readings import (
     BatteryReading,
@@ -141,7 +142,8 @@ class FaultInjector(Protocol):
 class Hardware:
     """All hardware of a boat. Motors, GNSS receiver and compass are needed, the rest is optional.
 
-    faults and parameter_hooks are for emulated hardware: fault injection, and additional parameters.
+    faults and parameter_hooks are for emulated hardware: fault injection, and additional parameters. retried:
+    the parts, of all kinds, that are opened once they answer.
     """
 
     motors: Motors
@@ -160,12 +162,19 @@ class Hardware:
     field: FieldCorrector | None = None  # of the compass, if it is a bare magnetometer
     payload: PayloadParts | None = None
     corrections: CorrectionInput | None = None
+    retried: tuple[Retried[Any], ...] = ()
 
     @property
     def reporting_parts(self) -> list[ReportingPart]:
         """The parts with messages to the operator."""
-        parts = (getattr(self, field.name) for field in fields(self))
-        return [part for part in parts if isinstance(part, ReportingPart)]
+        parts = (*(getattr(self, field.name) for field in fields(self)), *self.retried)
+        return list(dict.fromkeys(part for part in parts if isinstance(part, ReportingPart)))
+
+    @property
+    def output_fault(self) -> str:
+        """Why motors or rudder cannot be driven; empty if they can."""
+        parts: tuple[object, ...] = (self.motors, self.rudder)
+        return next((one.fault for one in parts if isinstance(one, Retried) and one.fault), "")
 
     def close(self) -> None:
         """Stop the motors, then release all parts, even if one raises."""

@@ -4,6 +4,7 @@ import contextlib
 import fcntl
 import importlib
 import os
+import threading
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -19,6 +20,7 @@ _I2C_TIMEOUT = 0x0702  # linux/i2c-dev.h, in units of 10 ms; a Pi's own is 1 s, 
 _TRANSFER = 10  # 0.1 s: the longest takes 35 ms, 32 bytes at 10 kHz. A bus that hangs is then told in 0.4 s
 _PIPE = ".lgd-nfy"  # created by lgpio in LG_WD or the working directory
 _Part = TypeVar("_Part")
+_PINS = threading.RLock()  # gpiozero makes its pin factory once, and warnings are caught for all threads
 
 
 def import_optional(module: str, part: str) -> ModuleType:
@@ -49,7 +51,7 @@ def opening_pins(part: str) -> Iterator[ModuleType]:
         HardwareError: gpiozero is missing, there are no pins, or one is in use.
     """
     gpiozero = import_optional("gpiozero", part)
-    with warnings.catch_warnings(record=True) as fallbacks:  # why gpiozero could not use lgpio
+    with _PINS, warnings.catch_warnings(record=True) as fallbacks:  # why gpiozero could not use lgpio
         warnings.simplefilter("always")
         try:
             yield gpiozero

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 from companion.core.errors import ConfigError
 from companion.hal.link_interfaces import Port
+from companion.links.internet import show
 from companion.links.serial_port import SerialPort
 from companion.links.tcp import TcpInPort, TcpOutPort
 from companion.links.udp import UdpInPort, UdpOutPort
@@ -38,6 +39,10 @@ class PortUrl:
     kind: str
     place: str
     number: int
+
+    def __str__(self) -> str:
+        """As the ports name themselves."""
+        return f"{self.kind}:{show(self.place, self.number)}"
 
 
 def parse_port_url(url: str) -> PortUrl:

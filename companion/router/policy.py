@@ -5,7 +5,9 @@ from ipaddress import IPv4Address, IPv4Network, IPv6Address, IPv6Network, ip_add
 
 from companion.config.boat_config import LinkConfig
 from companion.core.errors import ConfigError
+from companion.core.status_text import StatusText
 from companion.hal.link_interfaces import Link, Port
+from companion.links.retried import RetriedPort
 from companion.mavlink.dialect import dialect
 from companion.mavlink.layout import LAYOUTS
 
@@ -94,6 +96,10 @@ class ConfiguredPort:
     def fileno(self) -> int:
         """A descriptor to wait on for new links, −1 without one."""
         return self._port.fileno()
+
+    def take_texts(self) -> list[StatusText]:
+        """Messages to the operator since the last call."""
+        return self._port.take_texts() if isinstance(self._port, RetriedPort) else []
 
     def close(self) -> None:
         """Close, with all its links. May be called twice."""

@@ -1,6 +1,6 @@
 """Silent parts: what they measured last is no reading, and the operator is told."""
 
-from typing import Protocol, TypeVar
+from typing import Protocol, TypeVar, runtime_checkable
 
 from companion.core.status_text import Severity, StatusText
 
@@ -20,16 +20,26 @@ def fresh(reading: Reading | None, timeout_s: float, now_s: float) -> Reading | 
     return None if reading is None or now_s - reading.time_s > timeout_s else reading
 
 
-class SilenceMonitor:
-    """Tells once that a part is silent, and once that it measures again."""
+@runtime_checkable
+class MissingPart(Protocol):
+    """A part that tells by itself that it is missing. fault: why it is not open, empty once it is."""
 
-    def __init__(self, name: str) -> None:
+    fault: str
+
+
+class SilenceMonitor:
+    """Tells once that a part is silent, and once that it measures again. A missing part is not silent."""
+
+    def __init__(self, name: str, part: object = None) -> None:
         self._name = name
+        self._part = part if isinstance(part, MissingPart) else None
         self._began_s: float | None = None
         self._is_silent = False
 
     def update(self, timeout_s: float, now_s: float, *, is_heard: bool) -> StatusText | None:
         """is_heard: there is a fresh reading. timeout_s: that long after the start a part may give none."""
+        if self._part is not None and self._part.fault:
+            return None
         if self._began_s is None:
             self._began_s = now_s
         was_silent, self._is_silent = self._is_silent, not is_heard and now_s - self._began_s > timeout_s

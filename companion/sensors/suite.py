@@ -42,7 +42,7 @@ class SensorSuite:
     """The present readings, each None while its part is silent. compass: as measured; heading: the one to
     use. bottom: the latest sounding that found it.
 
-    has_battery_monitor: one is fitted. has_gyro, has_sonar: they have measured since boot.
+    has_battery_monitor, is_sonar_fitted: one is fitted. has_gyro, has_sonar: they have measured since boot.
     """
 
     def __init__(self, hardware: Hardware, external: ExternalSensors) -> None:
@@ -55,6 +55,7 @@ class SensorSuite:
         self.heading: HeadingReading | None = None
         self.battery: BatteryReading | None = None
         self.has_battery_monitor = hardware.battery is not None
+        self.is_sonar_fitted = hardware.sonar is not None
         self.has_gyro = self.has_sonar = False
         self.sonar: SonarReading | None = None  # the latest ping
         self.depth: DepthReading | None = None
@@ -65,12 +66,12 @@ class SensorSuite:
         self.pings: list[tuple[SonarReading, float | None]] = []  # of this tick, with beam widths in rad
         self.notices: list[StatusText] = []  # of this tick, for the operator
         self.earth = EarthFieldModel()
-        self._sonar_silence = SilenceMonitor("Sonar")
+        self._sonar_silence = SilenceMonitor("Sonar", hardware.sonar)
         self._probes_due_s = 0.0
         self._probe_silences: dict[str, SilenceMonitor] = {}
-        self._depth_silence = SilenceMonitor("Depth sounder")
-        self._hull_silence = SilenceMonitor("Hull sensor")
-        self._battery_silence = SilenceMonitor("Battery monitor")
+        self._depth_silence = SilenceMonitor("Depth sounder", hardware.depth)
+        self._hull_silence = SilenceMonitor("Hull sensor", hardware.hull)
+        self._battery_silence = SilenceMonitor("Battery monitor", hardware.battery)
         self._measured: BatteryReading | None = None  # the monitor's latest, fresh or not
         self.field = hardware.field  # the correction of a bare magnetometer, None for other parts
         self._pausing = hardware.compass if isinstance(hardware.compass, PausingPart) else None
@@ -193,7 +194,7 @@ class SensorSuite:
         for part, probe in zip(config.probe, self._hardware.probes, strict=True):
             reading = fresh(probe.read(), part.timeout_s, now_s)
             if (silence := self._probe_silences.get(part.name)) is None:
-                silence = self._probe_silences[part.name] = SilenceMonitor(f"Probe {part.name}")
+                silence = self._probe_silences[part.name] = SilenceMonitor(f"Probe {part.name}", probe)
             self._tell(silence, part.timeout_s, now_s, reading)
             if reading is not None:
                 self.probes.append(reading)

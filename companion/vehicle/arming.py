@@ -12,6 +12,12 @@ from companion.sensors.readings import BatteryReading, GnssFix
 RESTARTING: Final = "Program: restarting"
 
 
+def absolute_faults(output_fault: str, *, is_restarting: bool) -> list[str]:
+    """Why nobody can arm the boat, not even by force. output_fault: what motors or rudder lack."""
+    faults = [f"Motors: {output_fault}"] if output_fault else []
+    return [*faults, RESTARTING] if is_restarting else faults
+
+
 def fence_faults(mode: Mode, *, is_outside: bool, is_lost: bool) -> list[str]:
     """What the fence has against arming. is_lost: the stored fence could not be read."""
     faults: list[str] = []

@@ -19,7 +19,7 @@ from companion.geofence.fence import Fence, FenceArea
 from companion.persistence.data_losses import FENCE, DataLosses
 from companion.rc.manual_input import ManualInput
 from companion.sensors.readings import BatteryReading, GnssFix
-from companion.vehicle.arming import RESTARTING, PreArmReport, fence_faults, rc_fault, sensor_faults
+from companion.vehicle.arming import PreArmReport, absolute_faults, fence_faults, rc_fault, sensor_faults
 from companion.vehicle.commands import execute
 from companion.vehicle.failsafes import NO_HEADING, recheck_motors, run_failsafes, run_recovery
 from companion.vehicle.mission.progress import MissionProgress
@@ -236,9 +236,7 @@ class Vehicle:
             faults += fence_faults(mode, is_outside=self.is_outside, is_lost=is_lost)
         if fault := rc_fault(self.manual_input, config, self._now_s):
             faults.append(fault)
-        if self.output_fault:
-            faults.insert(0, f"Motors: {self.output_fault}")
-        return [*faults, RESTARTING] if self.is_restarting else faults
+        return absolute_faults(self.output_fault, is_restarting=self.is_restarting) + faults
 
     @property
     def is_outside(self) -> bool:
@@ -281,10 +279,14 @@ class Vehicle:
         return "" if inputs is None or mode is self.mode else self.modes.controllers[mode].fault(inputs)
 
     def arm(self, force: bool) -> Outcome:
-        """Let the motors turn. force: skip the arming checks, but for a restart of the program."""
+        """Let the motors turn. force: skip the arming checks, except motors that cannot be driven, and a
+        restart of the program.
+        """
         if self.armed:
             return ACCEPTED
-        faults = self.arming_faults() if not force else [RESTARTING] if self.is_restarting else []
+        faults = self.arming_faults()
+        if force:
+            faults = absolute_faults(self.output_fault, is_restarting=self.is_restarting)
         if faults:
             for fault in faults:
                 self.notify(Severity.CRITICAL, f"Arm: {fault}")

@@ -7,8 +7,19 @@ import time
 import tty
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Any, TypeVar
 
 from patience import MOMENT_S
+
+from companion.links.retried import Retried
+
+Part = TypeVar("Part", bound=Retried[Any])
+
+
+def opened(part: Part) -> Part:
+    """A part after its first attempt."""
+    part.attempt()
+    return part
 
 
 class HandClock:

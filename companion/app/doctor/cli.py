@@ -13,7 +13,7 @@ from companion.app.doctor.accounts import account_findings
 from companion.app.doctor.computer import computer_findings
 from companion.app.doctor.findings import Examined, Finding, Verdict
 from companion.app.doctor.motors import nudge_motors
-from companion.app.doctor.parts import is_boat_running, part_findings
+from companion.app.doctor.parts import part_findings, running_boat
 from companion.app.doctor.report import as_json, is_fine, print_table
 from companion.app.doctor.settings import settings_findings
 from companion.app.install.steps import apply_steps
@@ -54,7 +54,7 @@ def doctor(
     findings += settings_findings(examined)
     if target.is_this_machine:
         findings += part_findings(examined, clock)
-        if motors and not is_boat_running(examined):
+        if motors and running_boat(examined) is None:
             findings.append(nudge_motors(tree, clock, typer.prompt, typer.echo))
     if json:
         typer.echo(as_json(findings))

@@ -63,10 +63,9 @@ def _hold(motors: Motors, left: float, right: float, seconds: float, clock: Cloc
 
 
 def _turn_rudder(config: BoatConfig, clock: Clock, say: Callable[[str], None]) -> bool:
-    rudder = parts.open_rudder(config)
-    if rudder is None:
+    if config.parts.rudder.driver == "none":
         return False
-    with closing(rudder):
+    with closing(parts.open_rudder(config)) as rudder:
         for share, what in (
             (1.0, "rudder turns the bow to starboard"),
             (-1.0, "rudder to port"),

@@ -1,21 +1,21 @@
 """Checks of the configured parts, one after the other, with their live readings."""
 
 from collections.abc import Callable, Mapping
-from contextlib import closing
+from contextlib import ExitStack, closing
+from functools import partial
 from shutil import which
 from types import MappingProxyType
 from typing import Any, Protocol
-
-from msgspec.structs import replace
 
 from companion.app import parts
 from companion.app.clock import Clock
 from companion.app.doctor.compass import check_compass_calibration
 from companion.app.doctor.findings import Examined, Finding, Verdict
 from companion.app.doctor.readings import in_words
-from companion.app.status_file import RUNTIME_DIRECTORY, find_status, read_status
+from companion.app.status_file import RUNTIME_DIRECTORY, BoatStatus, find_status, read_status
 from companion.config.boat_config import BoatConfig
 from companion.config.parts.payload import CommandPayload
+from companion.config.parts.probes import ProbePart
 from companion.core.errors import BoatError
 from companion.hal.interfaces import ReportingPart
 
@@ -32,7 +32,7 @@ class LivePart(Protocol):
     def close(self) -> None: ...
 
 
-Open = Callable[[BoatConfig, Callable[[], float]], LivePart | None]
+Open = Callable[[BoatConfig, Callable[[], float]], LivePart]
 
 # By the part's section: below `parts`, or of the file
 PARTS: Mapping[str, Open] = MappingProxyType(
@@ -62,8 +62,6 @@ def check_part(name: str, open_part: Open, config: BoatConfig, clock: Clock, dri
         part = open_part(config, clock.now_s)
     except BoatError as error:
         return Finding(name, Verdict.FAILED, str(error))
-    if part is None:
-        return Finding(name, Verdict.SKIPPED, "not fitted")
     give_up_s = clock.now_s() + _PATIENCE_S
     with closing(part):
         reading = part.read()
@@ -84,13 +82,17 @@ def check_probes(config: BoatConfig, clock: Clock) -> list[Finding]:
     return [
         check_part(
             f"probe {one.name}",
-            lambda alone, now: parts.open_probes(alone, now)[0],
-            replace(config, probe=(one,)),
+            partial(_open_probe, one),
+            config,
             clock,
             one.driver,
         )
         for one in config.probe
     ]
+
+
+def _open_probe(part: ProbePart, config: BoatConfig, now: Callable[[], float]) -> LivePart:  # noqa: ARG001
+    return parts.open_probe_group((part,), now)[0]
 
 
 def check_payload(config: BoatConfig) -> Finding:
@@ -103,27 +105,30 @@ def check_payload(config: BoatConfig) -> Finding:
     if missing:
         return Finding("payload", Verdict.FAILED, f"no such programs: {', '.join(missing)}")
     try:
-        parts.open_payload(config).close()
+        with ExitStack() as opened:
+            for one in config.payload:
+                if not isinstance(one, CommandPayload):
+                    opened.enter_context(closing(parts.open_payload_output(one, config.parts.pca9685)))
     except BoatError as error:
         return Finding("payload", Verdict.FAILED, str(error))
     return Finding("payload", Verdict.FINE, ", ".join(one.title for one in config.payload))
 
 
-def is_boat_running(examined: Examined) -> bool:
-    """Whether a boat uses the parts now."""
+def running_boat(examined: Examined) -> BoatStatus | None:
+    """The status of the boat that uses the parts now, None without one."""
     try:
-        process = read_status(find_status(examined.config, examined.target.path(RUNTIME_DIRECTORY))).process
+        status = read_status(find_status(examined.config, examined.target.path(RUNTIME_DIRECTORY)))
     except BoatError:
-        return False
-    return examined.path(f"/proc/{process}").exists()
+        return None
+    return status if examined.path(f"/proc/{status.process}").exists() else None
 
 
 def part_findings(examined: Examined, clock: Clock) -> list[Finding]:
     """All parts except the motors."""
-    if is_boat_running(examined):
-        return [
-            Finding("parts", Verdict.SKIPPED, "the running boat uses them", "sudo systemctl stop mavboat")
-        ]
+    if (boat := running_boat(examined)) is not None:
+        missing = [Finding(name, Verdict.FAILED, fault) for name, fault in boat.missing.items()]
+        text = "the running boat uses " + ("the others" if missing else "them")
+        return [*missing, Finding("parts", Verdict.SKIPPED, text, "sudo systemctl stop mavboat")]
     found = [check_part(name, open_part, examined.config, clock) for name, open_part in PARTS.items()]
     found += check_compass_calibration(examined)
     return [*found, *check_probes(examined.config, clock), check_payload(examined.config)]

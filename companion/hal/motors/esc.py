@@ -61,9 +61,10 @@ class EscMotors:
         self._arming_s = arming_s
         self._now = now
         self._wait = wait
-        self._armed_s = now() + arming_s
+        self._armed_s = math.inf
         self._is_closed = False
         self.stop()
+        self._armed_s = now() + arming_s
 
     def write(self, left: float, right: float) -> None:
         """Drive the motors, −1..1, limited; a non-finite value stops both, as does any while arming.

@@ -33,9 +33,12 @@ class NmeaDepthSounder(NmeaSensor[DepthReading]):
 class SharedDepthSounder:
     """Satisfies `companion.hal.interfaces.DepthSounder`: sentences among those of the GNSS receiver."""
 
-    def __init__(self, gnss: GnssReceiver, part: DepthPart) -> None:
+    def __init__(self, part: DepthPart) -> None:
         self._assembler = _assembler(part)
         self._latest: DepthReading | None = None
+
+    def listen_to(self, gnss: GnssReceiver) -> None:
+        """Read from this receiver."""
         gnss.listen(DEPTH_SENTENCES, self._ingest)
 
     def read(self) -> DepthReading | None:

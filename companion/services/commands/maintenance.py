@@ -137,6 +137,8 @@ class MaintenanceCommands:
             self._motor_test.stop()
             return ACCEPTED
         vehicle, was_running = self._vehicle, self._motor_test.is_running
+        if vehicle.output_fault:
+            return self._report(FAILED, f"Motor test: {vehicle.output_fault}")
         if reason := self._motor_test.start(
             TestedMotor(motor), share, duration_s, vehicle.status, command.now_s, vehicle.config.drive
         ):

@@ -89,7 +89,7 @@ def _optional_parts(now: Snapshot) -> tuple[int, int]:
         fitted |= dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
         if radio.is_fresh(now.config.rc, now.now_s):
             well |= dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
-    if now.sensors.sweep is not None and now.sensors.sweep.latest is not None:
+    if now.sensors.is_sonar_fitted or now.sensors.sweep.latest is not None:
         fitted |= dialect.MAV_SYS_STATUS_SENSOR_PROXIMITY
         if not now.sensors.sweep.is_empty(now.now_s):
             well |= dialect.MAV_SYS_STATUS_SENSOR_PROXIMITY

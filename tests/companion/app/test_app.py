@@ -1,7 +1,7 @@
 """The composition root over fake parts: whatever happens, the motors are off at the end."""
 
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -14,12 +14,15 @@ from companion.app.composition import (
     policy_of,
     run_boat,
 )
-from companion.app.parts import open_compass, open_hardware
+from companion.app.hardware import open_hardware
+from companion.app.parts import open_compass
+from companion.app.status_file import BoatStatus, read_status
 from companion.boat import Boat
 from companion.config.boat_config import BoatConfig, LinkConfig, decode_config
-from companion.core.errors import ConfigError, HardwareError, LinkError, StorageError
+from companion.core.errors import ConfigError, LinkError, StorageError
 from companion.hal.interfaces import Hardware
 from companion.hal.motors.watched_motors import WatchedMotors
+from companion.hal.retried_parts import RetriedMotors
 from companion.persistence.storage import MemoryStorage
 
 PARTS = {"motors": {"driver": "l298n"}, "gnss": {"driver": "nmea"}, "compass": {"driver": "nmea"}}
@@ -166,16 +169,59 @@ def test_the_motors_are_let_go_when_a_tick_raises(monkeypatch: pytest.MonkeyPatc
     assert parts.events[0] == "close"
 
 
-def test_the_motors_are_let_go_when_a_port_cannot_be_opened() -> None:
+@pytest.fixture
+def taken_url() -> Iterator[str]:
+    """A port that another program has."""
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
-        url = f"tcpin:127.0.0.1:{taken.getsockname()[1]}"
-        parts = Parts()
-        with pytest.raises(LinkError, match=url) as caught:
-            run_boat(config("udpin:127.0.0.1:0", url), lambda: False, open_parts=parts.open)
+        yield f"tcpin:127.0.0.1:{taken.getsockname()[1]}"
+
+
+def test_a_person_is_told_that_no_link_can_be_opened(taken_url: str) -> None:
+    parts = Parts()
+    with pytest.raises(LinkError, match=taken_url) as caught:
+        run_boat(config(taken_url), lambda: False, open_parts=parts.open)
     assert caught.value.exit_code == 3
     assert parts.events == ["close"]
+
+
+def test_a_service_waits_for_its_links(
+    taken_url: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("NOTIFY_SOCKET", str(tmp_path / "manager"))
+    parts = Parts()
+    run_boat(config(taken_url), after(3), open_parts=parts.open)
+    assert "write" in parts.events
+
+
+def test_a_link_that_cannot_be_opened_keeps_no_other_from_working(taken_url: str, tmp_path: Path) -> None:
+    path = tmp_path / "status.json"
+    found: list[BoatStatus] = []
+
+    def should_stop() -> bool:
+        if path.exists():
+            found.append(read_status(path))
+        return bool(found)
+
+    tree = config("udpin:127.0.0.1:0", taken_url, storage={"status_file": str(path)})
+    run_boat(tree, should_stop, open_parts=Parts().open)
+    why = f"cannot listen on {taken_url.removeprefix('tcpin:')}: Address already in use"
+    assert found[0].missing == {taken_url: why}
+
+
+def test_a_second_program_of_a_boat_is_refused_before_it_touches_a_pin(tmp_path: Path) -> None:
+    tree = config("udpin:127.0.0.1:0", storage={"folder": str(tmp_path / "state")})
+    second = Parts()
+
+    def start_again() -> bool:
+        with pytest.raises(StorageError, match="another program runs this boat"):
+            run_boat(tree, after(3), open_parts=second.open)
+        return True
+
+    run_boat(tree, start_again, open_parts=Parts().open)
+    assert second.hardware is None
+    run_boat(tree, after(3), open_parts=second.open)
 
 
 def test_the_motors_are_let_go_when_the_memory_cannot_be_used(tmp_path: Path) -> None:
@@ -202,16 +248,15 @@ def test_ports_are_opened_all_or_none() -> None:
             again.bind(("127.0.0.1", spare))  # the first port is free again
 
 
-def test_a_part_that_does_not_answer_is_named_and_the_motors_are_closed_again(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+def test_a_part_with_a_wrong_port_is_refused_and_the_motors_are_closed_again(
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     parts = Parts()
     monkeypatch.setattr(
         "companion.app.parts.open_bridges", lambda *_, **__: parts.open(BoatConfig(), float).motors
     )
-    missing = str(tmp_path / "no-such-port")
-    tree = config("udpin:127.0.0.1:0", parts={**PARTS, "gnss": {"driver": "nmea", "port": missing}})
-    with pytest.raises(HardwareError, match="no-such-port"):
+    tree = config("udpin:127.0.0.1:0", parts={**PARTS, "gnss": {"driver": "nmea", "port": "udpin::99999"}})
+    with pytest.raises(ConfigError, match="99999"):
         open_hardware(tree, lambda: 0.0)
     assert parts.events == ["close"]
 
@@ -223,8 +268,11 @@ def test_the_boat_can_see_how_often_its_motors_were_cut_off(monkeypatch: pytest.
     parts = {"motors": {"driver": "l298n"}}
     hardware = open_hardware(config("udpin:127.0.0.1:0", parts=parts), lambda: 0.0)
     try:
-        assert isinstance(hardware.motors, WatchedMotors)
+        assert isinstance(hardware.motors, RetriedMotors)
+        assert isinstance(hardware.motors.opened, WatchedMotors)
         assert hardware.cutoff is hardware.motors
+        hardware.motors.opened.trips = 2
+        assert hardware.motors.trips == 2
     finally:
         hardware.close()
 

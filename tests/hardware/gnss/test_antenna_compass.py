@@ -170,14 +170,11 @@ def boat_with(device: str, **compass: object) -> BoatConfig:
 
 
 @pytest.mark.realtime
-def test_receiver_and_compass_share_one_line(tmp_path: Path) -> None:
+def test_a_compass_of_antennas_opens_the_receivers_line_by_itself(tmp_path: Path) -> None:
     line, clock = PtyLine(tmp_path / "ttyGNSS"), HandClock()
     config = boat_with(line.device)
     gnss = open_gnss(config, clock)
     assert isinstance(gnss, GnssReceiver)
-    compass = open_compass(config, clock, gnss=gnss)
-    assert compass.read() is None
-    compass.close()
     gnss.close()
     alone = open_compass(config, clock)  # as the doctor opens it, without the receiver
     alone.close()

@@ -8,10 +8,10 @@ import gpiozero
 import pytest
 from gpiozero.pins.mock import MockFactory, MockPin
 from twins.i2c import plug_in
-from twins.lines import eventually
+from twins.lines import eventually, opened
 from twins.pulses import PI_4, Pca9685Twin, plug_in_pwm
 
-from companion.app.parts import open_payload
+from companion.app.hardware import begin_payload
 from companion.config.boat_config import BoatConfig, decode_config
 from companion.config.parts import Pca9685Part, PulseOutputSetting
 from companion.config.parts.payload import (
@@ -226,22 +226,32 @@ def config(*payload: dict[str, object]) -> BoatConfig:
     return decode_config({"payload": list(payload)}, "test")
 
 
-def test_parts_are_opened_by_their_table_and_closed_if_one_fails(pins: Pins) -> None:
-    parts = open_payload(
+def test_parts_are_opened_by_their_table_whichever_fails(pins: Pins) -> None:
+    parts = begin_payload(
         config(
             {"kind": "relay", "number": 0, "pin": 17},
             {"kind": "command", "number": 1, "run": ["/bin/true"]},
             {"kind": "winch", "out_pin": 23, "in_pin": 26, "count_pin": 13},
-        )
+            {"kind": "servo", "number": 9, "signal": {"output": "hardware", "pin": 4}},
+        ),
+        opened,
     )
-    assert (sorted(parts.outputs), sorted(parts.programs), sorted(parts.counters)) == ([0, 2], [1], [2])
+    assert (sorted(parts.outputs), sorted(parts.programs), sorted(parts.counters)) == ([0, 2, 3], [1], [2])
+    parts.outputs[0].write(1.0)
+    parts.outputs[2].write(1.0)
+    assert pins.drain()[-2:] == [(17, 1), (23, 1)]
+    with pytest.raises(HardwareError, match="servo 9: GPIO 4"):
+        parts.outputs[3].write(1500.0)
     parts.close()
     parts.close()
-    with pytest.raises(HardwareError):
-        open_payload(
-            config(
-                {"kind": "relay", "number": 0, "pin": 17},
-                {"kind": "servo", "number": 9, "signal": {"output": "hardware", "pin": 4}},
-            )
-        )
-    assert pins.function(17) == "input"
+    assert pins.function(17) == pins.function(23) == "input"
+
+
+def test_a_winch_without_its_counter_does_not_run(pins: Pins) -> None:
+    taken = gpiozero.DigitalInputDevice(13)
+    winch = {"kind": "winch", "out_pin": 23, "in_pin": 26, "count_pin": 13}
+    parts = begin_payload(config(winch), opened)
+    with pytest.raises(HardwareError, match="winch 1"):
+        parts.outputs[0].write(1.0)
+    assert pins.function(23) == "input"
+    taken.close()

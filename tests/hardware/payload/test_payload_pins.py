@@ -8,8 +8,9 @@ from boat_rig import OK, Rig, scenario
 from gpiozero.pins.mock import MockFactory, MockPin
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from twins.lines import opened
 
-from companion.app.parts import open_payload
+from companion.app.hardware import begin_payload
 from companion.boat import TICK_S
 from companion.mavlink.dialect import dialect
 
@@ -42,7 +43,9 @@ class PinnedRig(Rig):
         self.factory = MockFactory(pin_class=RecordedPin)
         before, gpiozero.Device.pin_factory = gpiozero.Device.pin_factory, self.factory
         try:
-            super().__init__("open", PAYLOAD, payload=open_payload(scenario("open", PAYLOAD).vehicle))
+            super().__init__(
+                "open", PAYLOAD, payload=begin_payload(scenario("open", PAYLOAD).vehicle, opened)
+            )
         finally:
             gpiozero.Device.pin_factory = before
         self.is_ready = True

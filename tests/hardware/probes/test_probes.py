@@ -9,13 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from twins.battery import Ads1115Twin
 from twins.i2c import plug_in
-from twins.lines import HandClock, PtyLine, eventually
+from twins.lines import HandClock, PtyLine, eventually, opened
 
 from companion.app.composition import check_config
-from companion.app.parts import open_probes
+from companion.app.hardware import begin_probes
+from companion.app.parts import open_probe_group
 from companion.config.boat_config import BoatConfig, decode_config
 from companion.config.parts.probes import ProbePart
-from companion.core.errors import ConfigError, HardwareError, LinkError
+from companion.core.errors import ConfigError, HardwareError
 from companion.hal.ads1115 import Ads1115
 from companion.hal.probes.polled import PolledProbe, file_number
 from companion.hal.probes.serial_line import SerialLine
@@ -175,7 +176,7 @@ def test_a_wrong_sum_a_power_on_value_and_a_missing_part_are_no_measurements(
 def test_a_file_that_appears_later_is_read_from_then_on(tmp_path: Path, clock: HandClock) -> None:
     path = tmp_path / "in_voltage0_raw"
     part = ProbePart(name="adc", driver="file", path=str(path), rate_hz=10.0)
-    (probe,) = open_probes(BoatConfig(probe=(part,)), clock)
+    (probe,) = open_probe_group((part,), clock)
     try:
         assert probe.read() is None
         path.write_text("512", encoding="ascii")
@@ -297,7 +298,7 @@ def test_probes_on_one_device_share_it_and_come_back_with_it(instrument: PtyLine
             line_probe("cond", port=device, column=1, unit="uS/cm"),
         )
     )
-    ph, other, cond = open_probes(config, clock)
+    ph, other, cond = begin_probes(config, clock, opened)
     try:
         eventually(said(instrument, b"7.1 1413\n", lambda: cond.read() is not None))
         assert cond.read() == ProbeReading(clock(), "cond", 1413.0, "uS/cm")
@@ -318,14 +319,19 @@ def test_probes_on_one_device_share_it_and_come_back_with_it(instrument: PtyLine
             probe.close()
 
 
-def test_a_missing_device_closes_what_was_opened(tmp_path: Path, clock: HandClock) -> None:
+def test_a_missing_device_keeps_no_other_probe_from_being_read(tmp_path: Path, clock: HandClock) -> None:
+    (tmp_path / "ph").write_text("7.0", encoding="ascii")
     config = BoatConfig(
         probe=(
-            ProbePart(name="file", driver="file", path="/nowhere"),
             line_probe("line", port=str(tmp_path / "none")),
+            ProbePart(name="file", driver="file", path=str(tmp_path / "ph")),
         )
     )
-    before = threading.active_count()
-    with pytest.raises(LinkError, match="none"):
-        open_probes(config, clock)
-    assert threading.active_count() == before
+    line, file = begin_probes(config, clock, opened)
+    try:
+        eventually(file.read)
+        assert line.read() is None
+        assert line.fault.startswith(f"serial:{tmp_path}/none")
+    finally:
+        file.close()
+        line.close()

@@ -30,10 +30,6 @@ def test_a_positive_share_is_the_longer_pulse_and_zero_is_amidships(
     assert [one.width_us for one in kernel.history] == [1480.0, 1740.0, 1000.0, 2000.0, 1480.0, 0.0]
 
 
-def test_a_boat_without_a_rudder_opens_none() -> None:
-    assert open_rudder(config()) is None
-
-
 @pytest.mark.parametrize(
     ("layout", "driver"), [("rudder", "none"), ("differential_rudder", "none"), ("differential", "servo")]
 )

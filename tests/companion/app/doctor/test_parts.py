@@ -72,7 +72,7 @@ class Part:
         self.closed += 1
 
 
-def opening(part: LivePart | None) -> Callable[[BoatConfig, Callable[[], float]], LivePart | None]:
+def opening(part: LivePart) -> Callable[[BoatConfig, Callable[[], float]], LivePart]:
     return lambda config, now: part
 
 
@@ -80,7 +80,12 @@ def test_every_part_that_the_boat_can_open_is_checked() -> None:
     openers = {
         opened for name, opened in inspect.getmembers(parts, inspect.isfunction) if name.startswith("open_")
     }
-    apart = {parts.open_hardware, parts.open_motors, parts.open_rudder, parts.open_payload, parts.open_probes}
+    apart = {
+        parts.open_motors,
+        parts.open_rudder,
+        parts.open_payload_output,
+        parts.open_probe_group,
+    }
     own = {opener for opener in openers if opener.__module__ == parts.__name__}
     assert set(PARTS.values()) == own - apart
 
@@ -139,6 +144,15 @@ def test_the_parts_of_a_running_boat_are_left_to_it(examine: Examine) -> None:
     files = {"/run/mavboat/status.json": json.encode(status).decode(), "/proc/4711/comm": "boat-companion"}
     (found,) = part_findings(examine(files, FITTED), FakeClock())
     assert (found.verdict, found.cure) == (Verdict.SKIPPED, "sudo systemctl stop mavboat")
+
+
+def test_what_the_running_boat_misses_is_found(examine: Examine) -> None:
+    why = "BNO055: no answer at I²C address 0x28"
+    status = BoatStatus(4711, 0.1, 1, 0, 0, 0.0, LinksStatus(0.0, (), 0, 0, 0, 0), missing={"Compass": why})
+    files = {"/run/mavboat/status.json": json.encode(status).decode(), "/proc/4711/comm": "boat-companion"}
+    compass, others = part_findings(examine(files, FITTED), FakeClock())
+    assert (compass.name, compass.verdict, compass.text) == ("Compass", Verdict.FAILED, why)
+    assert (others.verdict, others.text) == (Verdict.SKIPPED, "the running boat uses the others")
 
 
 PLACE = LatLon(50.0, -1.2)

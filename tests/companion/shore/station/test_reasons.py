@@ -40,6 +40,7 @@ def texts_in(thing: object) -> list[str]:
         *texts_in(companion.vehicle.arming.fence_faults),
         *texts_in(companion.vehicle.arming.sensor_faults),
         *texts_in(companion.vehicle.arming.rc_fault),
+        "Motors: L298N: the pins cannot be opened",
         companion.vehicle.arming.RESTARTING,
         "Compass: not calibrated: start its calibration and turn the boat",
         "Compass: field of 3 mG, not 190: iron near, or calibrate again",

@@ -1,0 +1,166 @@
+"""Parts that may be missing: a boat starts without them, and each joins it once it can be opened."""
+
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+from companion.core.errors import HardwareError
+from companion.core.status_text import StatusText
+from companion.hal.gnss.receiver import GnssReceiver
+from companion.hal.interfaces import PausingPart, Probe, ReportingPart, Rudder, Sensor, Sonar
+from companion.hal.motors.watched_motors import WatchedMotors
+from companion.hal.payload.interfaces import PayloadOutput, PulseCounter
+from companion.links.retried import Closable, Pace, Retried
+from companion.sensors.readings import GnssFix, ProbeReading, SonarReading
+
+Part = TypeVar("Part", bound=Closable)
+Reading = TypeVar("Reading")
+
+
+class RetriedPart(Retried[Part]):
+    """Tells the part's own messages too."""
+
+    def take_texts(self) -> list[StatusText]:
+        """The messages since the last call."""
+        texts, part = super().take_texts(), self.opened
+        return texts + part.take_texts() if isinstance(part, ReportingPart) else texts
+
+
+class RetriedMotors(RetriedPart[WatchedMotors]):
+    """Satisfies `Motors` and `MotorCutoff` of `companion.hal.interfaces`. Commands before the opening have no
+    effect; the boat does not arm meanwhile.
+    """
+
+    def write(self, left: float, right: float) -> None:
+        """Drive both motors."""
+        if self.opened is not None:
+            self.opened.write(left, right)
+
+    def stop(self) -> None:
+        """Stop both motors now."""
+        if self.opened is not None:
+            self.opened.stop()
+
+    @property
+    def trips(self) -> int:
+        """Number of cut-offs."""
+        return 0 if self.opened is None else self.opened.trips
+
+
+class RetriedRudder(RetriedPart[Rudder]):
+    """Satisfies `companion.hal.interfaces.Rudder`."""
+
+    def write(self, share: float) -> None:
+        """Turn to a share of the full angle."""
+        if self.opened is not None:
+            self.opened.write(share)
+
+
+class RetriedSensor(RetriedPart[Sensor[Reading]]):
+    """Satisfies `Sensor`, and `PausingPart` for a part that is one."""
+
+    may_pause = False
+
+    def read(self) -> Reading | None:
+        """The latest reading, None before the first."""
+        part = self.opened
+        if part is None:
+            return None
+        if isinstance(part, PausingPart):
+            part.may_pause = self.may_pause
+        return part.read()
+
+
+class RetriedGnss(RetriedSensor[GnssFix]):
+    """Satisfies `Gnss` and `CorrectionInput`."""
+
+    def inject(self, data: bytes) -> bool:
+        """Send a whole RTCM 3 frame to the receiver; False if it takes none now."""
+        return isinstance(self.opened, GnssReceiver) and self.opened.inject(data)
+
+
+class RetriedSonar(RetriedPart[Sonar]):
+    """Satisfies `companion.hal.interfaces.Sonar`."""
+
+    _sector: tuple[float, float] | None = None  # that the part has not been told yet
+
+    def read(self) -> Sequence[SonarReading]:
+        """The pings since the last call, oldest first."""
+        if self.opened is None:
+            return ()
+        if self._sector is not None:
+            self.opened.set_sector(*self._sector)
+            self._sector = None
+        return self.opened.read()
+
+    def set_sector(self, port_rad: float, starboard_rad: float) -> None:
+        """Sweep between these bearings from the next reading on."""
+        self._sector = port_rad, starboard_rad
+
+
+class _Probes:
+    def __init__(self, probes: Sequence[Probe]) -> None:
+        self.probes = probes
+
+    def close(self) -> None:
+        for probe in self.probes:
+            probe.close()
+
+
+class RetriedProbeGroup(Retried[_Probes]):
+    """Probes that open together: those of one line."""
+
+    def __init__(self, name: str, open_it: Callable[[], Sequence[Probe]], pace: Pace) -> None:
+        super().__init__(name, lambda: _Probes(open_it()), pace)
+
+
+class RetriedProbe:
+    """Satisfies `companion.hal.interfaces.Probe`: one of a group."""
+
+    def __init__(self, group: RetriedProbeGroup, index: int) -> None:
+        self.close = group.close
+        self._group = group
+        self._index = index
+
+    @property
+    def fault(self) -> str:
+        """Why it is not open, empty once it is."""
+        return self._group.fault
+
+    def read(self) -> ProbeReading | None:
+        """The latest reading, None before the first."""
+        group = self._group.opened
+        return None if group is None else group.probes[self._index].read()
+
+
+class CountedOutput:
+    """A payload's output with the counter of its way, if it has one."""
+
+    def __init__(self, output: PayloadOutput, counter: PulseCounter | None) -> None:
+        self.output = output
+        self.counter = counter
+
+    def close(self) -> None:
+        """Close both. May be called twice."""
+        self.output.close()
+        if self.counter is not None:
+            self.counter.close()
+
+
+class RetriedOutput(Retried[CountedOutput]):
+    """Satisfies `PayloadOutput` and `PulseCounter` of `companion.hal.payload.interfaces`."""
+
+    def write(self, value: float) -> None:
+        """Set it.
+
+        Raises:
+            HardwareError: it is not open, or does not answer.
+        """
+        if self.opened is None:
+            raise HardwareError(f"{self.name}: {self.fault}")
+        self.opened.output.write(value)
+
+    @property
+    def count(self) -> int:
+        """Pulses since it was opened."""
+        counter = None if self.opened is None else self.opened.counter
+        return 0 if counter is None else counter.count
