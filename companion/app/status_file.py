@@ -53,8 +53,8 @@ class StatusFile:
     ) -> None:
         """corrections: their status at the present time. system_id: of the boat.
 
-        notify: tells the operator of the first write that failed, and again after one that did not. missing: parts
-        and links that cannot be opened, and why.
+        notify: tells the operator of the first write that failed, and again after one that did not.
+        missing: parts and links that cannot be opened, and why.
         """
         self._path = path
         self._reporter = Reporter(channels)

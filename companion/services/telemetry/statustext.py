@@ -64,7 +64,7 @@ class StatusTextService:
             logger.log(_LEVELS.get(notice.severity, logging.ERROR), "%s", text)
 
     def _chunks(self, notice: StatusText) -> Iterator[Message]:
-        raw = notice.text.encode("ascii", errors="replace")
+        raw = notice.text.replace("I²C", "I2C").encode("ascii", errors="replace")
         if len(raw) <= _CHUNK_BYTES:
             yield dialect.MAVLink_statustext_message(notice.severity, raw)
             return

@@ -40,6 +40,11 @@ def test_two_long_lines_have_two_ids() -> None:
     assert len({message.id for message in told("a" * 60, "b" * 60)}) == 2
 
 
+def test_the_bus_keeps_its_name() -> None:
+    (message,) = told("INA219: no answer at I²C address 0x40")
+    assert message.text == "INA219: no answer at I2C address 0x40"
+
+
 def test_what_is_not_ascii_is_replaced_not_raised() -> None:
     (message,) = told("Kurs 90° → Süd")
     assert message.text == "Kurs 90? ? S?d"
