@@ -5,11 +5,11 @@ from typing import Annotated, Literal
 from msgspec import Meta
 
 from companion.config.section import Positive, Section
+from companion.core.modes import Mode
 
 Pulse = Annotated[int, Meta(ge=800, le=2200)]
 StickChannel = Annotated[int, Meta(ge=1, le=4)]
 SwitchChannel = Annotated[int, Meta(ge=0, le=18)]
-ModeNumber = Literal[0, 1, 3, 4, 5, 6, 7, 9, 10, 11, 12, 15]
 
 
 class RcChannel(Section, frozen=True):
@@ -43,12 +43,12 @@ class Rc(Section, frozen=True):
     channel_4: RcChannel = RcChannel()
     arm_channel: SwitchChannel = 0  # up arms, down disarms
     mode_channel: SwitchChannel = 0
-    mode_1: ModeNumber = 0  # Rover's numbers, for the six positions of the mode switch
-    mode_2: ModeNumber = 4
-    mode_3: ModeNumber = 5
-    mode_4: ModeNumber = 10
-    mode_5: ModeNumber = 11
-    mode_6: ModeNumber = 15
+    mode_1: Mode = Mode.MANUAL  # by Rover's number, for the six positions of the mode switch
+    mode_2: Mode = Mode.HOLD
+    mode_3: Mode = Mode.LOITER
+    mode_4: Mode = Mode.AUTO
+    mode_5: Mode = Mode.RTL
+    mode_6: Mode = Mode.GUIDED
 
     @property
     def steering(self) -> RcChannel:
@@ -61,7 +61,7 @@ class Rc(Section, frozen=True):
         return self.stick(self.throttle_channel)
 
     @property
-    def modes(self) -> tuple[int, ...]:
+    def modes(self) -> tuple[Mode, ...]:
         """The modes of the switch's six positions."""
         return (self.mode_1, self.mode_2, self.mode_3, self.mode_4, self.mode_5, self.mode_6)
 

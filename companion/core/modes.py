@@ -11,7 +11,7 @@ class ModeRules(NamedTuple):
     needs_position: a position and a heading, to be entered and to be armed in. is_by_hand: the operator's
     sticks steer. comes_inside: it may be armed outside the fence, because it first leads back inside.
     returns_home: it ends where the boat was armed, at home or at a rally point. keeps_station: calibration
-    may run in it. is_resumable: it is continued after a power loss.
+    may run in it. is_resumable: it is continued after a power loss. is_advanced: stations may list it apart.
     """
 
     title: str
@@ -21,6 +21,7 @@ class ModeRules(NamedTuple):
     returns_home: bool = False
     keeps_station: bool = False
     is_resumable: bool = False
+    is_advanced: bool = False
 
 
 class Mode(IntEnum):
@@ -57,12 +58,12 @@ class Mode(IntEnum):
 
 RULES: Final[dict[Mode, ModeRules]] = {
     Mode.MANUAL: ModeRules("Manual", needs_position=False, is_by_hand=True),
-    Mode.ACRO: ModeRules("Acro", is_by_hand=True),
-    Mode.STEERING: ModeRules("Steering", is_by_hand=True),
+    Mode.ACRO: ModeRules("Acro", is_by_hand=True, is_advanced=True),
+    Mode.STEERING: ModeRules("Steering", is_by_hand=True, is_advanced=True),
     Mode.HOLD: ModeRules("Hold", needs_position=False),
     Mode.LOITER: ModeRules("Loiter", comes_inside=True, keeps_station=True),
-    Mode.FOLLOW: ModeRules("Follow"),
-    Mode.SIMPLE: ModeRules("Simple", is_by_hand=True),
+    Mode.FOLLOW: ModeRules("Follow", is_advanced=True),
+    Mode.SIMPLE: ModeRules("Simple", is_by_hand=True, is_advanced=True),
     Mode.CIRCLE: ModeRules("Circle"),
     Mode.AUTO: ModeRules("Auto", is_resumable=True),
     Mode.RTL: ModeRules("RTL", comes_inside=True, returns_home=True, is_resumable=True),

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from companion.core.geo import LatLon
+from companion.core.modes import Mode
 from companion.core.units import e7_to_deg
 
 AUTOPILOT_COMPONENT = 1
@@ -16,22 +17,8 @@ AUTO = 10
 MISSION_ACTIVE, MISSION_COMPLETE = 3, 5  # MISSION_STATE
 WARNING = 4  # MAV_SEVERITY; smaller is worse
 
-ROVER_MODES = {
-    0: "MANUAL",
-    1: "ACRO",
-    3: "STEERING",
-    4: "HOLD",
-    5: "LOITER",
-    6: "FOLLOW",
-    7: "SIMPLE",
-    8: "DOCK",
-    9: "CIRCLE",
-    10: "AUTO",
-    11: "RTL",
-    12: "SMART_RTL",
-    15: "GUIDED",
-    16: "INITIALISING",
-}
+# Those that this boat does not have, with Rover's numbers, and those that it has
+ROVER_MODES = {8: "DOCK", 16: "INITIALISING"} | {mode.value: mode.name for mode in Mode}
 
 MISSION_REFUSALS = {
     1: "error",

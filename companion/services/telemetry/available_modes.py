@@ -10,7 +10,6 @@ PERIOD_S = 2.0
 _MODES = tuple(Mode)
 # None of Rover's modes is a standard mode
 _STANDARD: int = dialect.MAV_STANDARD_MODE_NON_STANDARD
-_ADVANCED = frozenset((Mode.ACRO, Mode.STEERING, Mode.SIMPLE, Mode.FOLLOW))
 
 
 def available_mode(index: int) -> Message | None:
@@ -23,7 +22,7 @@ def available_mode(index: int) -> Message | None:
         mode_index=index,
         standard_mode=_STANDARD,
         custom_mode=int(mode),
-        properties=dialect.MAV_MODE_PROPERTY_ADVANCED if mode in _ADVANCED else 0,
+        properties=dialect.MAV_MODE_PROPERTY_ADVANCED if mode.rules.is_advanced else 0,
         mode_name=mode.rules.title.encode("ascii"),
     )
 
