@@ -5,6 +5,7 @@ import math
 from companion.config import parameter_values as names
 from companion.config.parameter_values import Names
 from companion.config.parameters import Choice, ParameterRow, ParameterType
+from companion.core.modes import Mode
 
 _DEG = 180.0 / math.pi
 _REAL, _I8, _I16, _I32 = ParameterType.REAL32, ParameterType.INT8, ParameterType.INT16, ParameterType.INT32
@@ -163,7 +164,13 @@ def _radio() -> list[ParameterRow]:
         text = "Mode of this position of the mode switch"
         rows.append(
             ParameterRow(
-                f"MODE{position}", _I8, text, f"rc.mode_{position}", low=0, high=15, values=names.MODES
+                f"MODE{position}",
+                _I8,
+                text,
+                f"rc.mode_{position}",
+                low=0,
+                high=float(max(Mode)),
+                values=names.MODES,
             )
         )
     for number in range(5, 17):

@@ -99,6 +99,11 @@ class PlanOptions:
         has_holds = any(via.hold_s is not None for via in self.via)
         return stops or has_holds or self.survey is not None or self.follow_shore_at is not None
 
+    @property
+    def starts_anywhere(self) -> bool:
+        """Whether the task itself finds the best place to begin."""
+        return self.survey is not None or self.follow_shore_at is not None
+
 
 def flags(names: Iterable[str]) -> Iterator[str]:
     """What the fields are called on the command line."""

@@ -14,12 +14,17 @@ from mission_tools.mission.check import check_mission, in_the_way
 from mission_tools.mission.mission import Fence, Mission
 from mission_tools.mission.plan_file import MISSION_SUFFIXES, load_mission
 from mission_tools.mission.plan_options import PlanOptions, flags
-from mission_tools.mission.planned_task import SurveyArea, check_task, named_survey_area, shore_of, survey_of
+from mission_tools.mission.planned_task import (
+    SurveyArea,
+    check_task,
+    named_survey_area,
+    survey_of,
+    task_route,
+)
 from mission_tools.mission.route import mission_along, with_speed
 from mission_tools.mission.zone_speeds import mission_in_zones
 from mission_tools.planning.planner import Plan, PlanSettings, plan
 from mission_tools.tasks.task_route import Stop, TaskRoute, mission_of
-from mission_tools.tasks.tour import tour
 
 if TYPE_CHECKING:
     from mission_tools.tasks.survey.survey import Survey
@@ -197,11 +202,6 @@ class MapSource:
             chart.name, mission, chart, found, None, clearance_m, (*self._notes, *found.notes)
         )
 
-    @property
-    def _starts_anywhere(self) -> bool:
-        """Whether the task itself finds the best place to begin."""
-        return self._wishes.survey is not None or self._wishes.follow_shore_at is not None
-
     def _survey(self, start: Point | None) -> "Survey | None":
         """The survey, if one is asked for."""
         if self._wishes.survey is None:
@@ -211,14 +211,7 @@ class MapSource:
 
     def _task(self, start: Point | None) -> TaskRoute | None:
         """The route of another task; None where only a way from place to place is asked for."""
-        chart, options, settings = self._chart, self._wishes, self._settings
-        if options.follow_shore_at is not None:
-            return shore_of(chart, start, options, settings, self._local)
-        assert start is not None  # noqa: S101  _start_of raises before
-        if options.is_task:
-            order = {"any_order": options.any_order, "is_return": options.is_return}
-            return tour(chart, start, self._stops, settings, **order)
-        return None
+        return task_route(self._chart, start, self._stops, self._wishes, self._settings, self._local)
 
     def _stops_of(self, text: str, source: Source) -> list[Stop]:
         """Where the route leads, the goal last.
@@ -227,7 +220,7 @@ class MapSource:
             UsageError: nowhere.
         """
         options, route = self._wishes, source.route
-        if self._starts_anywhere:
+        if options.starts_anywhere:
             return []
         hold_s = options.hold_s or 0.0
         stops = [
@@ -255,7 +248,7 @@ class MapSource:
         """
         usual = self._usual_start
         if here is None:
-            if usual is None and self._starts_anywhere:
+            if usual is None and self._wishes.starts_anywhere:
                 return None
             if usual is None:
                 asking = "mission-upload without --dry-run asks the boat"

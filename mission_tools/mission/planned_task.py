@@ -1,7 +1,7 @@
-"""From the options of a survey, or of following a shore, to a route in legs."""
+"""From the options of a task (a survey, a shore, a tour) to a route in legs."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple, cast
@@ -15,7 +15,8 @@ from mission_tools.maps.fenced import fence_area
 from mission_tools.mission.areas import FileAreas, load_fence
 from mission_tools.mission.plan_options import PlanOptions, flags
 from mission_tools.planning.planner import PlanSettings
-from mission_tools.tasks.task_route import TaskRoute
+from mission_tools.tasks.task_route import Stop, TaskRoute
+from mission_tools.tasks.tour import tour
 from mission_tools.wording import distance
 
 if TYPE_CHECKING:
@@ -63,7 +64,32 @@ def check_task(options: PlanOptions) -> None:
         raise UsageError("--survey: expected --spacing M or --footprint M as well")
 
 
-def shore_of(
+def task_route(
+    chart: Chart,
+    start: Point | None,
+    stops: Sequence[Stop],
+    options: PlanOptions,
+    settings: PlanSettings,
+    local: Callable[[str, LatLon], Point],
+) -> TaskRoute | None:
+    """The route of a task other than a survey; None where only a way from place to place is asked for.
+
+    start: None only where the task finds its own. stops: where a tour leads. local: the place that an option
+    names, in the chart's frame.
+
+    Raises:
+        NoRouteError: no way leads there.
+        UsageError: values that make no sense.
+    """
+    if options.follow_shore_at is not None:
+        return _shore_of(chart, start, options, settings, local)
+    assert start is not None  # noqa: S101  the caller refuses a tour without one
+    if not options.is_task:
+        return None
+    return tour(chart, start, stops, settings, any_order=options.any_order, is_return=options.is_return)
+
+
+def _shore_of(
     chart: Chart,
     start: Point | None,
     options: PlanOptions,

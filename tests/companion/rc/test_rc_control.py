@@ -340,6 +340,17 @@ def test_the_six_bands_of_the_mode_switch(pulse_us: int, position: int) -> None:
     assert mode_position(pulse_us) == position
 
 
+@pytest.mark.parametrize("mode", Mode)
+def test_every_mode_of_the_table_can_be_chosen_by_the_switch(mode: Mode) -> None:
+    hand = Hand()
+    parameters = Parameters(hand.vehicle.config, ROWS, MemoryStorage())
+    assert all(isinstance(one, Mode) for one in parameters.config.rc.modes)
+    assert parameters.set("MODE2", float(mode)) == ""
+    assert parameters.config.rc.modes[1] is mode
+    assert parameters.set("MODE2", 16.0).startswith("MODE2: 16 is outside")
+    assert parameters.set("MODE2", 2.0).startswith("MODE2: 2 is not one of 0, 1, 3")
+
+
 def test_each_position_has_its_mode() -> None:
     hand = Hand(rc__mode_2=11).armed()
     assert hand.live(0.5, mode=LOITER_US) == ["Mode LOITER"]

@@ -31,7 +31,7 @@ def popped_up(rig: Rig) -> list[str]:
         (CMD.MAV_CMD_DO_SET_MODE, (1.0, 6.0), "FOLLOW: no vehicle is heard"),
         (CMD.MAV_CMD_DO_SET_MODE, (1.0, 10.0), "AUTO: no mission"),
         (CMD.MAV_CMD_MISSION_START, (), "AUTO: no mission"),
-        (CMD.MAV_CMD_DO_SET_MODE, (1.0, 8.0), "Mode 8 is not available on this boat"),
+        (CMD.MAV_CMD_DO_SET_MODE, (1.0, 16.0), "Mode 16 is not available on this boat"),
         (CMD.MAV_CMD_DO_REPOSITION, (-1.0, 0.0, 0.0, 0.0, 50.001, -1.2), "Go to: not in GUIDED"),
         (CMD.MAV_CMD_DO_FENCE_ENABLE, (1.0,), "Fence: none uploaded"),
     ],

@@ -32,7 +32,7 @@ def lines(journal: pytest.LogCaptureFixture) -> list[str]:
 @pytest.mark.parametrize(
     ("command", "params", "result", "line"),
     [
-        (CMD.MAV_CMD_DO_SET_MODE, (1, 8), FAILED, "DO_SET_MODE by 255/190 refused: FAILED"),
+        (CMD.MAV_CMD_DO_SET_MODE, (1, 16), FAILED, "DO_SET_MODE by 255/190 refused: FAILED"),
         (CMD.MAV_CMD_DO_SET_MODE, (math.nan, 4), DENIED, "DO_SET_MODE by 255/190 refused: DENIED"),
         (CMD.MAV_CMD_COMPONENT_ARM_DISARM, (2,), DENIED, "COMPONENT_ARM_DISARM by 255/190 refused: DENIED"),
         (CMD.MAV_CMD_NAV_TAKEOFF, (), UNSUPPORTED, "NAV_TAKEOFF by 255/190 refused: UNSUPPORTED"),
