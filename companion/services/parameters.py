@@ -16,6 +16,8 @@ _STORED = "parameters"  # their name among the losses
 _VALUE_BYTES = 37  # a PARAM_VALUE on the line
 _ANSWERS_PER_TICK = 50  # PARAM_VALUEs after a save
 _MOST_ANSWERS = 1000  # for one name that is changed repeatedly during a save
+_SETS_PER_TICK = 5  # each costs up to 4 ms on a Pi Zero 2 W; stations wait for an answer before the next
+_MOST_SETS = 250  # waiting: all parameters; a station repeats what is dropped
 _NAMED_REASONS = 3  # of a refused file; others are counted
 
 
@@ -42,6 +44,8 @@ class ParameterService:
         self._texts = texts
         self._listing: dict[int, deque[int]] = {}  # by open channel: indexes to send
         self._left = _LIST_PER_TICK  # list entries left for this tick
+        self._sets: deque[tuple[str, float]] = deque()  # asked for and not yet done
+        self._sets_left = _SETS_PER_TICK
 
     def open(self, channel: int) -> None:
         """A channel has opened."""
@@ -63,9 +67,16 @@ class ParameterService:
             self._outbox.send(origin.channel, self._value(index))
 
     def on_set(self, message: Message) -> None:
-        """PARAM_SET: the stored value is broadcast, even after a refusal."""
-        if reason := self.set(_name(message.param_id), message.param_value):
-            self._texts.notify(Severity.WARNING, reason)
+        """PARAM_SET: the stored value is broadcast, even after a refusal. A flood takes several ticks."""
+        if len(self._sets) < _MOST_SETS:
+            self._sets.append((_name(message.param_id), message.param_value))
+            self._continue_sets()
+
+    def _continue_sets(self) -> None:
+        while self._sets and self._sets_left > 0:
+            self._sets_left -= 1
+            if reason := self.set(*self._sets.popleft()):
+                self._texts.notify(Severity.WARNING, reason)
 
     def set(self, name: str, value: float) -> str:
         """Change a parameter; its value and those of its aliases are broadcast once stored. Returns the
@@ -117,7 +128,9 @@ class ParameterService:
         self._listing.pop(channel, None)
 
     def tick(self) -> None:
-        """Continue the lists, and confirm finished saves."""
+        """Continue changes and lists, and confirm finished saves."""
+        self._sets_left = _SETS_PER_TICK
+        self._continue_sets()
         self._answers_left = _ANSWERS_PER_TICK
         self._answer()
         self._left = _LIST_PER_TICK

@@ -50,11 +50,12 @@ def _show(given: Namespace) -> None:
     logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(levelname)s %(message)s")
     memory_use.settle()
     host, port = parse_listen(given.listen)
-    sessions = Sessions(PinFile(given.pin_file or default_pin_file()))
+    clock = SystemClock()
+    sessions = Sessions(PinFile(given.pin_file or default_pin_file()), clock)
     water = Chart(given.chart)
     with contextlib.closing(Boats(given.connect, given.system_id, status_file=given.status)) as boats:
         sources = Sources(given.chart, given.boat)
-        web_app = make_app(boats, water, sessions, _PAGE, SystemClock(), sources=sources, hosts=given.hosts)
+        web_app = make_app(boats, water, sessions, _PAGE, clock, sources=sources, hosts=given.hosts)
 
         def on_open(number: int) -> None:
             name = f"[{host}]" if ":" in host else "127.0.0.1" if host == "0.0.0.0" else host  # noqa: S104

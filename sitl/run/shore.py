@@ -30,7 +30,7 @@ from companion.core.geo import Point
 from mission_tools.maps.chart import Chart, Feature
 from sitl.run.kept_child import KeptChild, KeptPage, hand_over, take_over
 
-PIN_DIGITS = 6
+PIN_DIGITS = 8
 LISTEN = "127.0.0.1:8080"
 _LOOPBACK = "127.0.0.1"
 _PROGRAM = (sys.executable, "-m", "companion.shore")
@@ -68,7 +68,7 @@ class ShorePage:
         if (kept := take_over()) is None:
             self._number = _free_udp_port()
             self._folder = Path(tempfile.mkdtemp(prefix="boat-sitl-shore-"))
-            self._pin = "".join(secrets.SystemRandom().sample("0123456789", PIN_DIGITS))
+            self._pin = "".join(secrets.choice("0123456789") for _ in range(PIN_DIGITS))
         else:
             self._child = KeptChild(kept.process)
             self._number, self._folder = kept.number, kept.folder

@@ -22,7 +22,7 @@ from pictures.browser import CHROMIUM
 ARMED = dialect.MAV_MODE_FLAG_SAFETY_ARMED
 WAIT_MS = MOMENT_S * 1000.0
 _TCP = re.compile(r"on tcpin:127\.0\.0\.1:(\d+)$", re.MULTILINE)
-_PAGE = re.compile(r"^boat-sitl: the page is at (http://\S+) with PIN (\d{6})$", re.MULTILINE)
+_PAGE = re.compile(r"^boat-sitl: the page is at (http://\S+) with PIN (\d{8})$", re.MULTILINE)
 
 Visit = Callable[..., Page]  # size, light
 

@@ -92,7 +92,8 @@ export function makePanel(inside, page) {
       const { got, count } = news.progress;
       if (count !== null) Object.assign(progress, { max: count, value: got });
       setText(status, words.say(count === null ? "param.waiting" : "param.loading", { got, count }));
-    } else setText(status, news.refusal ?? words.say("param.lost"));
+    } else if (news.isLost || page.live.isSkipper) setText(status, news.refusal ?? words.say("param.lost"));
+    else setText(status, "");
   };
 
   let timer = null;
@@ -102,7 +103,7 @@ export function makePanel(inside, page) {
   });
   changed.addEventListener("change", draw);
   const showState = ({ armed }) => {
-    const key = armed !== false ? "param.armed" : page.live.isSkipper ? "" : "param.viewer";
+    const key = !page.live.isSkipper ? "param.viewer" : armed !== false ? "param.armed" : "";
     access.hidden = key === "";
     if (key !== "") setText(access, words.say(key));
     files.showLink();

@@ -98,6 +98,7 @@ export function makeResult(box, draft, page, may) {
     old.hidden = isCurrent;
     withAreas.hidden = plan.has_areas !== true;
     setText(replaced, plan.sent ? "" : replaces(words, page.live.snapshot));
+    links.hidden = !page.live.isSkipper;
     replaced.hidden = !isCurrent || replaced.textContent === "";
     upload.disabled = start.disabled = !isCurrent || isSending;
     watch.hidden = !plan.sent;

@@ -136,12 +136,14 @@ export function makeView(box, page) {
 
   let boatShown = null;
   let countShown = null;
+  let mayShown = null;
   function showOnBoard() {
     const count = live.snapshot?.mission?.count ?? 0;
-    if (live.boat === boatShown && count === countShown) return;
-    [boatShown, countShown] = [live.boat, count];
+    if (live.boat === boatShown && count === countShown && live.isSkipper === mayShown) return;
+    [boatShown, countShown, mayShown] = [live.boat, count, live.isSkipper];
     const label = words.say("plan.save_mission", { count: words.number(count) });
-    onBoard.replaceChildren(count === 0 ? element("p", { className: "hint", text: words.say("plan.no_mission") }) : files(`/api/boats/${live.boat}/mission`, label, words));
+    const hint = count === 0 ? "plan.no_mission" : live.isSkipper ? null : "plan.save_viewer";
+    onBoard.replaceChildren(hint ? element("p", { className: "hint", text: words.say(hint) }) : files(`/api/boats/${live.boat}/mission`, label, words));
   }
 
   return {

@@ -3,6 +3,7 @@
 import ipaddress
 import logging
 import re
+import socket
 from collections.abc import Awaitable, Callable, Collection
 from typing import Final
 
@@ -55,7 +56,7 @@ def cookie_of(request: web.Request) -> str | None:
 
 
 def is_own_host(host: str, names: Collection[str]) -> bool:
-    """Whether a Host header names this server: a literal address, localhost, NAME.local or one of `names`.
+    """Whether a Host header names this server: a literal address, localhost or one of `names`.
 
     Any other name may belong to a page elsewhere, whose owner lets it point here (DNS rebinding).
     """
@@ -66,8 +67,14 @@ def is_own_host(host: str, names: Collection[str]) -> bool:
     try:
         ipaddress.ip_address(name.strip("[]"))
     except ValueError:
-        return name == "localhost" or name.endswith((".localhost", ".local")) or name in names
+        return name == "localhost" or name.endswith(".localhost") or name in names
     return True
+
+
+def own_names(further: Collection[str]) -> frozenset[str]:
+    """The names of this computer: by mDNS (NAME.local), and further ones."""
+    here = f"{socket.gethostname().partition('.')[0]}.local"
+    return frozenset(name.lower() for name in (here, *further))
 
 
 def is_own_origin(request: web.Request) -> bool:
@@ -89,10 +96,9 @@ async def add_headers(request: web.Request, response: web.StreamResponse) -> Non
 def make_guard(names: Collection[str], is_allowed: Callable[[web.Request], bool]) -> Middleware:
     """The middleware.
 
-    names: of this server, besides those that `is_own_host` knows. is_allowed: False if its address asks too
-    often.
+    names: further ones of this server. is_allowed: False if its address asks too often.
     """
-    own = frozenset(name.lower() for name in names)
+    own = own_names(names)
 
     @web.middleware
     async def guard(request: web.Request, handler: Handler) -> web.StreamResponse:

@@ -66,6 +66,7 @@ class Hub:
         """Call every 50 ms."""
         now_s = self.clock.now_s()
         self.boats.poll(now_s, self.clock.unix_s())
+        self.sessions.poll(now_s)
         if now_s >= self._next_s:
             self._next_s = max(self._next_s + STATE_PERIOD_S, now_s)
             self._update(now_s)

@@ -112,7 +112,7 @@ async def _compare(hub: Hub, request: web.Request) -> web.StreamResponse:
 
 
 ROWS: Final = (
-    Row("GET", f"{BOAT}/parameters", _list()),
+    Row("GET", f"{BOAT}/parameters", _list(), "pin"),
     Row("GET", f"{BOAT}/parameters.param", _save, "pin"),
     Row("POST", f"{BOAT}/parameters/compare", _compare, "pin"),
 )

@@ -100,6 +100,6 @@ async def _while_open(request: web.Request, work: Awaitable[Done]) -> Done:
 ROWS: Final = (
     Row("POST", f"{BOAT}/plan", _plan, "pin"),
     Row("POST", f"{BOAT}/plan/import", _import, "pin"),
-    Row("GET", f"/api/plans/{{id:[A-Za-z0-9_-]{{1,64}}}}.{{kind:{_KINDS}}}", _file),
-    Row("GET", f"{BOAT}/mission.{{kind:{_KINDS}}}", _on_board),
+    Row("GET", f"/api/plans/{{id:[A-Za-z0-9_-]{{1,64}}}}.{{kind:{_KINDS}}}", _file, "pin"),
+    Row("GET", f"{BOAT}/mission.{{kind:{_KINDS}}}", _on_board, "pin"),
 )

@@ -167,3 +167,30 @@ def test_other_names_of_a_setting_are_told_with_it() -> None:
     assert told["RC7_OPTION"] == 153.0
     assert told["RC_ARM_CH"] == 7.0
     assert told["RC9_OPTION"] == 0.0
+
+
+def test_a_flood_of_changes_is_done_over_many_ticks_in_its_order(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    changed: list[float] = []
+    parameters = rig.boat.parameters
+    do = parameters.set
+
+    def noted(name: str, value: float) -> str:
+        changed.append(value)
+        return do(name, value)
+
+    monkeypatch.setattr(parameters, "set", noted)
+    for number in range(400):
+        rig.peer.send(dialect.MAVLink_param_set_message(*BOAT, b"HDG_KP", 1.0 + number / 1000.0, 9))
+    rig.receive()
+    before = len(changed)
+    assert 1 <= before <= 5
+    for _ in range(10):
+        rig.step()
+    assert before + 30 <= len(changed) <= before + 60, "some a tick"
+    for _ in range(100):
+        rig.step()
+    assert changed == sorted(changed)
+    assert len(changed) < 400, "more than a file of them is dropped"
+    assert write(rig, "HDG_KP", 3.5).param_value == 3.5

@@ -282,6 +282,8 @@ def test_the_mission_on_board_is_downloaded_with_its_fence() -> None:
     async def test() -> None:
         async with serving() as server:
             boats = prepare(server)
+            assert (await get(server, "/api/boats/1/mission.plan"))[0] == 403
+            await server.log_in()
             assert (await get(server, "/api/boats/1/mission.plan"))[0] == 404
             boats.items_on_board = items
             boats.lists["fence"] = {"type": "FeatureCollection", "features": [fence]}

@@ -36,14 +36,15 @@ PAGE = {
 class FakeClock:
     """Time as a test sets it."""
 
-    def __init__(self) -> None:
-        self.at_s = 1000.0
+    def __init__(self, at_s: float = 1000.0, date_s: float = 1.8e9) -> None:
+        self.at_s = at_s
+        self.date_s = date_s  # Unix time when the clock was at 0
 
     def now_s(self) -> float:
         return self.at_s
 
     def unix_s(self) -> float:
-        return 1.8e9 + self.at_s
+        return self.date_s + self.at_s
 
 
 class FakeBoats:

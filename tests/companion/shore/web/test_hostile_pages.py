@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import socket
 from typing import Any
 
 import pytest
@@ -9,10 +10,11 @@ from aiohttp import ClientWebSocketResponse, WSMsgType, WSServerHandshakeError
 from shore_fakes import PIN, Server, run, serving, until
 
 from companion.shore.messages import Line
-from companion.shore.web.guard import is_own_host
+from companion.shore.web.guard import is_own_host, own_names
 from companion.shore.web.session import READ_ONLY
 from companion.shore.web.sockets import MOST_BYTES, MOST_OF_ADDRESS
 
+HERE = socket.gethostname().partition(".")[0]
 ELSEWHERE = ("https://evil.example", "null", "http://127.0.0.1:1", "http://localhost", "")
 
 
@@ -59,7 +61,11 @@ def test_a_browser_that_says_cross_site_is_believed() -> None:
         ("[::1]:8080", True),
         ("10.42.0.1", True),
         ("localhost:8080", True),
-        ("mavboat.local", True),
+        (f"{HERE}.local", True),
+        (f"{HERE.upper()}.LOCAL:80", True),
+        ("mavboat.local", False),
+        ("printer.local", False),
+        (f"x.{HERE}.local", False),
         ("pond.example", True),
         ("evil.example", False),
         ("mavboat.local.evil.example", False),
@@ -71,7 +77,7 @@ def test_a_browser_that_says_cross_site_is_believed() -> None:
     ],
 )
 def test_only_own_names_are_served(host: str, *, is_own: bool) -> None:
-    assert is_own_host(host, {"pond.example"}) is is_own
+    assert is_own_host(host, own_names({"Pond.example"})) is is_own
 
 
 def test_a_name_that_was_pointed_here_reads_nothing() -> None:

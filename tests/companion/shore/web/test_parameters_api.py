@@ -64,6 +64,7 @@ async def get(server: Server, path: str = PATH, **headers: str) -> tuple[int, An
 def test_the_list_comes_with_progress_then_whole_then_only_when_it_has_changed() -> None:
     async def test() -> None:
         async with serving() as server:
+            await server.log_in()
             assert (await get(server))[0] == 404
             boat = Fake(server, {"B": {"shortDesc": "The second", "default": 2, "group": "G"}})
             assert (await get(server))[:2] == (202, {"got": 0, "count": None})
@@ -94,6 +95,7 @@ def test_the_list_comes_with_progress_then_whole_then_only_when_it_has_changed()
 def test_a_value_that_is_no_number_is_null() -> None:
     async def test() -> None:
         async with serving() as server:
+            await server.log_in()
             Fake(server).fill(A=float("nan"), B=float("inf"))
             _, body, _ = await get(server)
             assert [one["value"] for one in body["parameters"]] == [None, None]
@@ -104,6 +106,7 @@ def test_a_value_that_is_no_number_is_null() -> None:
 def test_texts_that_cannot_be_read_are_left_out_and_tried_again() -> None:
     async def test() -> None:
         async with serving() as server:
+            await server.log_in()
             boat = Fake(server, {})
             boat.files["/p"] = b"\x1f\x8bnothing"
             boat.fill(A=1.0)
@@ -116,6 +119,7 @@ def test_texts_that_cannot_be_read_are_left_out_and_tried_again() -> None:
 def test_thousands_of_parameters_with_texts_do_not_block_the_server() -> None:
     async def test() -> None:
         async with serving() as server:
+            await server.log_in()
             names = {f"P{number}": float(number) for number in range(5000)}
             texts = {name: {"shortDesc": "A text " * 10, "longDesc": "Long " * 100} for name in names}
             Fake(server, texts).fill(**names)
