@@ -1,4 +1,4 @@
-"""Two messages of MAVLink's common set that the generated dialect lacks."""
+"""Messages and fields of MAVLink's common set that the generated dialect lacks."""
 
 import struct
 from typing import Any
@@ -86,9 +86,57 @@ class ComponentInformation(_Message):
         self.peripherals_metadata_uri = _text(peripherals_metadata_uri)
 
 
+class MissionCurrent(_Message):
+    """MISSION_CURRENT with the identities of the three lists, by which stations notice an upload by another.
+
+    They are extensions, which readers of an older definition cut off. 0: no such list.
+    """
+
+    id = 42
+    msgname = "MISSION_CURRENT"
+    fieldnames = ordered_fieldnames = (
+        "seq",
+        "total",
+        "mission_state",
+        "mission_mode",
+        "mission_id",
+        "fence_id",
+        "rally_points_id",
+    )
+    fieldtypes = ("uint16_t", "uint16_t", "uint8_t", "uint8_t", "uint32_t", "uint32_t", "uint32_t")
+    native_format = b"<HHBBIII"
+    orders = (0, 1, 2, 3, 4, 5, 6)
+    lengths = (1, 1, 1, 1, 1, 1, 1)
+    array_lengths = (0, 0, 0, 0, 0, 0, 0)
+    crc_extra = 28
+    unpacker = struct.Struct("<HHBBIII")
+
+    def __init__(
+        self,
+        seq: int,
+        total: int = 0,
+        mission_state: int = 0,
+        mission_mode: int = 0,
+        mission_id: int = 0,
+        fence_id: int = 0,
+        rally_points_id: int = 0,
+    ) -> None:
+        super().__init__(self.id, self.msgname)
+        self._fieldnames = self.fieldnames
+        self.seq = seq
+        self.total = total
+        self.mission_state = mission_state
+        self.mission_mode = mission_mode
+        self.mission_id = mission_id
+        self.fence_id = fence_id
+        self.rally_points_id = rally_points_id
+
+
 def _text(raw: bytes) -> str:
     return raw.split(b"\x00", 1)[0].decode("ascii", errors="replace")
 
 
 for _message_type in (ComponentMetadata, ComponentInformation):
     generated.mavlink_map.setdefault(_message_type.id, _message_type)
+if "mission_id" not in generated.MAVLink_mission_current_message.fieldnames:
+    generated.mavlink_map[MissionCurrent.id] = generated.MAVLink_mission_current_message = MissionCurrent

@@ -45,6 +45,7 @@ class Vehicle:
         self.manual_input = ManualInput()
         self.track = SailedTrack()
         self.progress = MissionProgress()
+        self.list_ids = (0, 0, 0)  # of mission, fence and rally points, by content; 0 if empty
         self.status_texts: list[StatusText] = []  # to the operator, until `take_status_texts`
         self.route = ReturnRoute(self.fence, self.status_texts)
         self.modes = ModeRegistry(

@@ -1,5 +1,6 @@
 """One stored list (mission, fence, rally): its content, its uploads, and its saves."""
 
+import zlib
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
@@ -51,6 +52,7 @@ class MissionList:
         self.type = mission_type
         self.entries: tuple[ListEntry, ...] = ()
         self.steps: tuple[Step, ...] = ()  # the mission steps
+        self.id = 0  # of the content; 0 if empty
         self.upload_channel = 0
         self.senders: dict[int, Sender] = {}
         self.parts: dict[int, Part] = {}
@@ -114,6 +116,7 @@ class MissionList:
         """Replace the list after it was stored."""
         self.entries, self._arrived = self._arrived, ()
         self.steps = tuple([entry.step for entry in self.entries])
+        self.id = zlib.crc32(b"".join([entry.line for entry in self.entries]))
 
     def drop(self) -> None:
         """Drop a list that could not be stored."""

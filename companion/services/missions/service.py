@@ -82,6 +82,7 @@ class MissionService:
         vehicle.set_mission(self._lists[MissionType.MISSION].steps)
         vehicle.set_fence(fence_areas(self.items(MissionType.FENCE)))
         vehicle.set_rally(rally_points(self.items(MissionType.RALLY)))
+        self._identify()
 
     def items(self, mission_type: MissionType) -> tuple[MissionItem, ...]:
         """The stored items of a list."""
@@ -214,6 +215,7 @@ class MissionService:
 
     def _swap_in(self, one: MissionList) -> None:
         one.swap_in()
+        self._identify()
         self._vehicle.data_losses.end(one.type.name.lower())
         if one.type is MissionType.FENCE:
             self._vehicle.set_fence(fence_areas(one.items))
@@ -225,6 +227,10 @@ class MissionService:
         self._warn_of(one, [seq for seq, step in enumerate(one.steps) if type(step) is Skip], "is ignored")
         curved = [seq for seq, item in enumerate(one.items) if seq and item.command in SAILED_STRAIGHT]
         self._warn_of(one, curved, "is sailed without its curve")
+
+    def _identify(self) -> None:
+        mission, fence, rally = (self._lists[kind].id for kind in MissionType)
+        self._vehicle.list_ids = mission, fence, rally
 
     def _warn_of(self, one: MissionList, seqs: list[int], what: str) -> None:
         """One text for all items that are not sailed as drawn."""

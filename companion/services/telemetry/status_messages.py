@@ -6,6 +6,7 @@ from companion import __version__
 from companion.core.modes import Mode
 from companion.core.units import clamp, deg_to_e7
 from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.metadata_messages import MissionCurrent
 from companion.services.telemetry.snapshot import Snapshot
 from companion.vehicle.vehicle import Vehicle
 
@@ -180,7 +181,7 @@ def mission_current(vehicle: Vehicle) -> Message:
     else:
         state = dialect.MISSION_STATE_NOT_STARTED
     in_auto = 1 if vehicle.mode is Mode.AUTO else 2  # mission_mode: 1 in mission mode, 2 suspended
-    return dialect.MAVLink_mission_current_message(progress.current_seq, progress.last_seq, state, in_auto)
+    return MissionCurrent(progress.current_seq, progress.last_seq, state, in_auto, *vehicle.list_ids)
 
 
 def extended_sys_state(now: Snapshot) -> Message:  # noqa: ARG001
