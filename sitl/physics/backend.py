@@ -14,6 +14,7 @@ CHANNELS = 16
 _AHEAD_RAD = math.radians(10.0)  # a ping this near to the bow is what a fixed ranger would have heard
 _STALE_S = 3.0
 _DRIVEN = 0.02  # 10 µs of pulse: a trim that is a little off its centre drives nothing
+_CAST_OFF_S = 0.1  # of drive: five times ArduPilot's pulses at its start, and nothing beside a voyage
 
 
 class Backend:
@@ -25,8 +26,9 @@ class Backend:
 
     The boat is moored, and its motors stand still, until they are first driven, because an autopilot takes a
     minute to start. While ArduPilot starts, its outputs mean nothing: some are at 1000 µs, full astern, for
-    two seconds, then output 1 alone for 24 frames. Like an electronic speed controller, this side waits for
-    both outputs to have been in the middle; then both must have a pulse, and one of them drive.
+    two seconds, then output 1 alone, or 1 and 3, for 20 ms. Like an electronic speed controller, this side
+    waits for both outputs to have been in the middle; then both must have a pulse, and one of them drive, for
+    _CAST_OFF_S.
     """
 
     def __init__(
@@ -50,6 +52,7 @@ class Backend:
         self.world.hold_position()
         self._is_moored = True
         self._has_rested = False  # both outputs have been in the middle
+        self._driven = 0  # frames in which a motor was driven, without a pause
         self.steps = 0
         self.restarts = 0
         self.ignored = 0  # datagrams that are no servo packet
@@ -74,7 +77,8 @@ class Backend:
         elif packet.frame < self._frame:
             self._restart()
         self._frame = packet.frame
-        if self._is_moored and self._is_driven(packet):
+        self._driven = self._driven + 1 if self._is_driven(packet) else 0
+        if self._is_moored and self._driven >= max(1, _CAST_OFF_S * packet.rate_hz):
             self._is_moored = False
             self.world.release()
         if not self._is_moored:
@@ -94,7 +98,7 @@ class Backend:
         self.restarts += 1
         self.world = World(self._scenario)
         self.world.hold_position()
-        self._is_moored, self._has_rested = True, False
+        self._is_moored, self._has_rested, self._driven = True, False, 0
         self._range_m, self._heard_s = self._silence_m(), -math.inf
 
     def _advance(self, dt_s: float) -> None:

@@ -17,6 +17,8 @@ MIDDLE, LOW = "dc05", "e803"
 FIRST = bytes.fromhex("1a48b00400000000" + MIDDLE * 4 + LOW * 12)
 # From frame 2240 on, for 24 frames: output 1 at 1000 µs, whatever its function, and no other pulse
 SETTING_UP = bytes.fromhex("1a48b004c0080000" + LOW + "0000" * 15)
+# The same moment of another build: outputs 1 and 3
+SETTING_UP_BOTH = bytes.fromhex("1a48b004c0080000" + LOW + "0000" + LOW + "0000" * 13)
 # From frame 2264 on, disarmed: outputs that have a function, here 73 and 74 on these two
 READY = {
     (1, 3): bytes.fromhex("1a48b004d8080000" + (MIDDLE + "0000") * 2 + "0000" * 12),
@@ -43,12 +45,12 @@ def driven(frame: int, outputs: tuple[int, int], left_us: int, right_us: int) ->
     return bytes(data)
 
 
-def start_up(backend: Backend, outputs: tuple[int, int]) -> None:
+def start_up(backend: Backend, outputs: tuple[int, int], setting_up: bytes = SETTING_UP) -> None:
     """Rover's first two seconds, then one more of waiting for its estimator."""
     for frame in range(2240):
         backend.handle(at_frame(FIRST, frame))
     for frame in range(2240, 2264):
-        backend.handle(at_frame(SETTING_UP, frame))
+        backend.handle(at_frame(setting_up, frame))
     for frame in range(2264, 3464):
         backend.handle(at_frame(READY[outputs], frame))
 
@@ -58,7 +60,7 @@ def in_a_current(outputs: tuple[int, int] = (1, 3)) -> Backend:
     return Backend(load_scenario("open", ("environment.current_m_s=0.5",)), *outputs)
 
 
-@pytest.mark.parametrize("data", [FIRST, SETTING_UP, *READY.values(), READY_32])
+@pytest.mark.parametrize("data", [FIRST, SETTING_UP, SETTING_UP_BOTH, *READY.values(), READY_32])
 def test_recorded_packets_are_read(data: bytes) -> None:
     servos = parse_servos(data)
     assert isinstance(servos, ServoPacket)
@@ -72,11 +74,12 @@ def test_the_pulses_of_32_outputs_are_where_those_of_16_are() -> None:
     assert (few.frame, few.pulses_us[:3]) == (many.frame, many.pulses_us[:3]) == (2264, (1500, 0, 1500))
 
 
+@pytest.mark.parametrize("setting_up", [SETTING_UP, SETTING_UP_BOTH], ids=["one", "both"])
 @pytest.mark.parametrize("outputs", OUTPUTS)
-def test_the_boat_stays_moored_while_rover_starts(outputs: tuple[int, int]) -> None:
+def test_the_boat_stays_moored_while_rover_starts(outputs: tuple[int, int], setting_up: bytes) -> None:
     backend = in_a_current(outputs)
     start = backend.world.scenario.start
-    start_up(backend, outputs)
+    start_up(backend, outputs, setting_up)
     truth = backend.world.truth
     assert truth.time_s == pytest.approx(3464 / RATE_HZ)
     assert (truth.north_m, truth.east_m) == (start.north_m, start.east_m)
@@ -93,6 +96,24 @@ def test_the_boat_casts_off_when_rover_first_drives(outputs: tuple[int, int]) ->
     for frame in range(65636, 65636 + 2 * RATE_HZ):
         backend.handle(driven(frame, outputs, 1484, 1519))
     assert backend.world.truth.east_m - start.east_m > 0.1
+
+
+def test_the_boat_casts_off_after_a_tenth_of_a_second_of_drive_without_a_pause() -> None:
+    backend = in_a_current()
+    start = backend.world.scenario.start
+    start_up(backend, (1, 3))
+    frame = 3464
+    for driven_frames, is_moored in (
+        (RATE_HZ // 10 - 1, True),
+        (RATE_HZ // 10 - 1, True),
+        (RATE_HZ // 10, False),
+    ):
+        for _ in range(driven_frames):
+            backend.handle(driven(frame, (1, 3), 1000, 1000))
+            frame += 1
+        backend.handle(at_frame(READY[(1, 3)], frame))
+        frame += 1
+        assert (backend.world.truth.north_m == start.north_m) is is_moored
 
 
 def test_rover_that_is_rebooted_finds_the_boat_moored_again() -> None:
