@@ -76,7 +76,7 @@ def test_a_mission_is_planned_and_sailed_inside_a_fence_that_goes_along(
     ended = run_program("mission-upload", "lake", *areas, "--start", "--follow", "--json").wait(JOB_S)
     assert ended.code == 0, ended
     report = json.loads(ended.out)
-    assert report["upload"]["lists"] == {"mission": len(report["waypoints"]) + 1, "fence": 13, "rally": 1}
+    assert report["upload"]["lists"] == {"mission": len(report["waypoints"]) + 1, "fence": 238, "rally": 2}
     assert report["upload"]["read_back_equal"] is True
     water = fenced(load_source("lake").chart, load_fence(Path(FENCE)).fence, FENCE)
     off = [water.obstruction(water.frame.to_local(LatLon(*place))) for _, *place in report["voyage"]["track"]]

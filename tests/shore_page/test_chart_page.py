@@ -418,9 +418,10 @@ def planned() -> list[tuple[float, float]]:
 
 
 def pond_fence() -> list[dict[str, Any]]:
-    """As the station has it: two areas and a rally point."""
-    features: list[dict[str, Any]] = json.loads((MAPS / "mill_pond_fence.geojson").read_text())["features"]
-    commands = {"inclusion": 5001, "exclusion": 5004, "rally": 5100}
+    """As the station has it: areas and rally points."""
+    commands = {"inclusion": 5001, "exclusion": 5002, "rally": 5100}
+    given: list[dict[str, Any]] = json.loads((MAPS / "mill_pond_fence.geojson").read_text())["features"]
+    features = [feature for feature in given if feature["properties"]["kind"] in commands]
     for seq, feature in enumerate(features):
         feature["properties"] |= {"seq": seq, "command": commands[feature["properties"]["kind"]]}
     return features

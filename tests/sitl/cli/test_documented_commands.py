@@ -17,7 +17,7 @@ from mission_tools.cli import plan as plan_cli
 from mission_tools.cli import trace_command
 from mission_tools.cli import upload as upload_cli
 from mission_tools.maps import load_source
-from mission_tools.maps.fenced import fenced
+from mission_tools.maps.fenced import fence_area, fenced
 from mission_tools.mission.areas import load_fence
 from mission_tools.mission.check import check_mission
 from mission_tools.mission.mission import Mission, MissionItem
@@ -103,6 +103,38 @@ def test_what_a_page_tells_to_type_works(page: Path, clone: Path) -> None:
             follow(command)
         except BaseException as error:
             raise AssertionError(f"{page.name}: {command}") from error
+
+
+POND = re.compile(
+    r"(?P<option>--[\w-]+ )?(?P<lat>49\.99\d{2,5}|50\.00\d{2,5})(?:° N\s+|, ?-)(?P<lon>1\.(?:19|20)\d{2,5})"
+)
+
+
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if page.name != "physics.md"], ids=lambda page: page.stem
+)
+def test_every_place_on_the_pond_is_on_water_inside_the_fence(page: Path) -> None:
+    """But those that name a shore by a place near it. docs/physics.md is about the open sea."""
+    chart = fenced(load_source("lake").chart, load_fence(FENCE).fence, "fence")
+    for found in POND.finditer(page.read_text(encoding="utf-8")):
+        place = LatLon(float(found["lat"]), -float(found["lon"]))
+        if found["option"] != "--follow-shore ":
+            assert chart.obstruction(chart.frame.to_local(place)) is None, f"{page.name}: {found[0]}"
+
+
+def test_the_fence_of_the_examples_is_what_its_command_makes_and_has_no_land_in_it(clone: Path) -> None:
+    page = (ROOT / "examples" / "maps" / "README.md").read_text(encoding="utf-8")
+    (command,) = re.findall(
+        r"^    (mission-plan .*) --out examples/maps/mill_pond_fence.geojson$", page, re.M
+    )
+    follow(f"{command} --out out/fence.geojson")
+    chart = load_source("lake").chart
+    shipped, made = (
+        fence_area(chart, load_fence(at).fence, "fence") for at in (FENCE, Path("out/fence.geojson"))
+    )
+    assert shipped.symmetric_difference(made).area < 1.0  # m²
+    assert shipped.difference(chart.water).area < 1.0
+    assert shipped.area > 0.9 * chart.water.area
 
 
 @pytest.mark.parametrize("page", ["README.md", "docs/ground-stations.md"])
