@@ -102,6 +102,7 @@ def _show_parser() -> _Parser:
     add("--map", metavar="FILE", type=Path, dest="chart", help="GeoJSON map of the water")
     add("--boat", metavar="FILE",
         help="the boat's TOML, for time and charge of plans (also an emulated boat: lake, kit)")  # fmt: skip
+    add("--sign-key", metavar="FILE", type=Path, help="key of a signed link; only signed messages count")
     add("--status", metavar="FILE", type=Path, help="status file of the boat on this computer")
     add("--host", metavar="NAME", action="append", default=[], dest="hosts",
         help="further name of this computer in the page's address; repeatable")  # fmt: skip

@@ -14,6 +14,7 @@ from typing import Final
 from companion.core.busy_port import busy_port_explained
 from companion.core.errors import BoatError, ConfigError
 from companion.core.program_end import end_with
+from companion.mavlink.signing_key import read_key_file
 from companion.shore import memory_use
 from companion.shore.chart import Chart
 from companion.shore.command_line import PROGRAM, SHOW, read_arguments
@@ -53,7 +54,9 @@ def _show(given: Namespace) -> None:
     clock = SystemClock()
     sessions = Sessions(PinFile(given.pin_file or default_pin_file()), clock)
     water = Chart(given.chart)
-    with contextlib.closing(Boats(given.connect, given.system_id, status_file=given.status)) as boats:
+    key = None if given.sign_key is None else read_key_file(given.sign_key)
+    station = Boats(given.connect, given.system_id, status_file=given.status, key=key)
+    with contextlib.closing(station) as boats:
         sources = Sources(given.chart, given.boat)
         web_app = make_app(boats, water, sessions, _PAGE, clock, sources=sources, hosts=given.hosts)
 

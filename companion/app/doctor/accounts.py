@@ -70,8 +70,9 @@ def check_page(examined: Examined) -> list[Finding]:
         text, cure = "does not start with the computer", "sudo boat-companion install --page"
         return [Finding("page", Verdict.WARNING, text, cure)]
     if not any(
-        url.kind == "tcpin" and url.number == PAGE_PORT
-        for url in (parse_port_url(link.url) for link in examined.config.link_settings)
+        url.kind == "tcpin" and url.number == PAGE_PORT and link.signing != "required"
+        for link in examined.config.link_settings
+        for url in (parse_port_url(link.url),)
     ):
         text = f"the boat has no link for it at TCP port {PAGE_PORT}"
         return [Finding("page", Verdict.FAILED, text, f'add "tcpin:127.0.0.1:{PAGE_PORT}" to links')]

@@ -6,6 +6,7 @@ from ipaddress import IPv4Address, IPv4Network
 from pathlib import Path
 
 from companion.app.doctor.findings import Examined, Finding, Verdict
+from companion.config.boat_config import LinkConfig
 from companion.links.port_url import parse_port_url
 
 # Raspberry Pi documentation, vcgencmd get_throttled: these bits now, and 16 higher since the start
@@ -124,6 +125,29 @@ def check_routes(examined: Examined) -> list[Finding]:
     return [Finding("routes", Verdict.WARNING, f"no network of this computer has {', '.join(lost)}", cure)]
 
 
+def check_open_links(examined: Examined) -> Finding:
+    """Which links take commands from whoever reaches them."""
+    links = [link.url for link in examined.config.link_settings if _is_open(link)]
+    if not links:
+        return Finding("commands", Verdict.FINE, "accepted from this computer, cables and signed links only")
+    text = f"accepted from whoever reaches {', '.join(links)}, without the page's PIN"
+    cure = (
+        'keep the Wi-Fi\'s password to yourself, or set signing = "required" and a key_file (docs/signing.md)'
+    )
+    return Finding("commands", Verdict.WARNING, text, cure)
+
+
+def _is_open(link: LinkConfig) -> bool:
+    """Neither signed, nor this computer's own, nor to one peer by a cable or a connection."""
+    url = parse_port_url(link.url)
+    if link.signing == "required" or url.kind == "tcpout":
+        return False
+    if url.kind == "serial":
+        return link.radio is not False
+    address = _ipv4(url.place)
+    return url.place not in ("localhost", "::1") and (address is None or not address.is_loopback)
+
+
 def _routes(table: str) -> list[IPv4Network]:
     """Whether the addresses of the links are in reach; a broadcast, in a network of our own."""
     networks = []
@@ -152,4 +176,5 @@ def computer_findings(examined: Examined, unix_s: float) -> list[Finding]:
         check_clock(examined, unix_s),
         check_network(examined),
         *check_routes(examined),
+        check_open_links(examined),
     ]

@@ -11,20 +11,20 @@ import msgspec
 
 from companion.links.port_url import open_port
 from companion.mavlink.address import Address, concerns
-from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.finder import FrameFinder
 from companion.mavlink.items import MissionItem
+from companion.mavlink.signing_key import SigningKey
 from companion.shore.messages import Answer, BoatName, Request, Sensor, Snapshot
 from companion.shore.parameters.book import Book
 from companion.shore.station.board import Board
 from companion.shore.station.boat import SILENT_S, WANTED, ShoreBoat
 from companion.shore.station.ftp.client import FtpClient
 from companion.shore.station.items import Kind, list_ids
+from companion.shore.station.line import Line, Signatures
 from companion.shore.station.logs import LogList
 from companion.shore.station.outcome import Answered, Refused
 from companion.shore.station.uploads import Upload
-from companion.shore.station.wire import AUTOPILOT, OWN_COMPONENT, Link, Port, heartbeat
+from companion.shore.station.wire import AUTOPILOT, OWN_COMPONENT, Port, heartbeat
 from companion.shore.words import say
 
 SYSTEM_ID: Final = 250
@@ -37,22 +37,11 @@ _PING: Final = dialect.MAVLINK_MSG_ID_PING
 _MISSION_CURRENT: Final = dialect.MAVLINK_MSG_ID_MISSION_CURRENT
 
 
-class _Line:
-    """A link with its framing."""
-
-    def __init__(self, link: Link, own: Address) -> None:
-        self.link = link
-        self.finder = FrameFinder(link.is_datagram)
-        self._encoder = Encoder(own)
-
-    def send(self, message: Message) -> None:
-        self.link.send(self._encoder.encode(message))
-
-
 class Boats:
     """The boats by system id.
 
     port: an open port, or its url. names: of boats, by system id. status_file: of the boat on this computer.
+    key: of signed links.
     is_operator: False while nobody steers from the page: its heartbeats then do not count as the operator's.
     """
 
@@ -62,6 +51,7 @@ class Boats:
         system_id: int = SYSTEM_ID,
         names: Mapping[int, str] | None = None,
         status_file: Path | None = None,
+        key: SigningKey | None = None,
     ) -> None:
         """Raises ConfigError or LinkError: the url is invalid or cannot be opened."""
         self.is_operator = True
@@ -71,16 +61,18 @@ class Boats:
         self._own = Address(system_id, OWN_COMPONENT)
         self._names = dict(names or {})
         self._board = None if status_file is None else Board(status_file)
-        self._lines: list[_Line] = []
+        self._signatures = Signatures(key)
+        self._lines: list[Line] = []
         self._boats: dict[int, ShoreBoat] = {}
-        self._line_of: dict[int, _Line] = {}
+        self._line_of: dict[int, Line] = {}
         self._heartbeat_s = float("-inf")
 
     def poll(self, now_s: float, unix_s: float) -> None:
         """Everything that is due. now_s: a clock that never goes back; unix_s: the date."""
         self._now_s, self._unix_s = now_s, unix_s
+        self._signatures.poll(unix_s)
         self._lines = [line for line in self._lines if not line.link.is_closed]
-        self._lines += [_Line(link, self._own) for link in self._port.accept()]
+        self._lines += [Line(link, self._own, self._signatures) for link in self._port.accept()]
         del self._lines[:-_MOST_LINKS]
         for line in self._lines:
             self._read(line)
@@ -181,19 +173,17 @@ class Boats:
             return
         one.ask(request, answer, self._now_s)
 
-    def _read(self, line: _Line) -> None:
-        for chunk in line.link.receive():
-            line.finder.put(chunk)
-            for frame in line.finder.find():
-                if frame.layout is None or frame.sender.system in (0, self._own.system):
-                    continue
-                if frame.message_id == _PING:
-                    self._answer_ping(line, frame.layout.unpack(frame.payload), frame.sender)
-                elif frame.message_id in WANTED and frame.sender.component == AUTOPILOT:
-                    self._take(line, frame.layout.unpack(frame.payload), frame.sender)
-                    if frame.message_id == _MISSION_CURRENT and frame.sender.system in self._boats:
-                        ids = list_ids(frame.payload)
-                        self._boats[frame.sender.system].lists.on_ids(ids, self._now_s)
+    def _read(self, line: Line) -> None:
+        for frame in line.frames():
+            if frame.layout is None or frame.sender.system in (0, self._own.system):
+                continue
+            if frame.message_id == _PING:
+                self._answer_ping(line, frame.layout.unpack(frame.payload), frame.sender)
+            elif frame.message_id in WANTED and frame.sender.component == AUTOPILOT:
+                self._take(line, frame.layout.unpack(frame.payload), frame.sender)
+                if frame.message_id == _MISSION_CURRENT and frame.sender.system in self._boats:
+                    ids = list_ids(frame.payload)
+                    self._boats[frame.sender.system].lists.on_ids(ids, self._now_s)
 
     def _make_room(self) -> bool:
         """Whether there is room for a boat: the one that has been silent longest gives way."""
@@ -210,7 +200,7 @@ class Boats:
         del self._boats[number]
         self._line_of.pop(number, None)
 
-    def _take(self, line: _Line, message: Message, sender: Address) -> None:
+    def _take(self, line: Line, message: Message, sender: Address) -> None:
         boat = self._boats.get(sender.system)
         if boat is None:
             if not _is_boat(message) or not self._make_room():
@@ -227,7 +217,7 @@ class Boats:
 
         return ShoreBoat(address, self._own, send)
 
-    def _answer_ping(self, line: _Line, ping: Message, sender: Address) -> None:
+    def _answer_ping(self, line: Line, ping: Message, sender: Address) -> None:
         """The boat serves an unknown address in full once its PING was returned."""
         if ping.target_system == 0 and concerns(self._own, ping.target_system, ping.target_component):
             line.send(dialect.MAVLink_ping_message(ping.time_usec, ping.seq, *sender))

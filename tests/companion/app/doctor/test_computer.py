@@ -12,12 +12,15 @@ from companion.app.doctor.computer import (
     check_disk,
     check_model,
     check_network,
+    check_open_links,
     check_routes,
     check_supply,
     check_temperature,
 )
 from companion.app.doctor.findings import Verdict
-from companion.config.boat_config import BoatConfig, StorageSetting
+from companion.app.init.presets import PRESETS, preset_text
+from companion.config.boat_config import BoatConfig, LinkConfig, StorageSetting, decode_config
+from companion.core.toml_text import parse_toml
 
 pytest_plugins = ("doctor_fixtures",)
 
@@ -153,3 +156,39 @@ def test_at_least_one_way_to_a_station_is_up(examine: Examine) -> None:
     assert check_network(examine(down, radio)).verdict is Verdict.FINE
     up = check_network(examine({**down, "/sys/class/net/wlan1/operstate": "up\n"}))
     assert (up.verdict, up.text) == (Verdict.FINE, "up: wlan1")
+
+
+@pytest.mark.parametrize(
+    ("link", "is_open"),
+    [
+        (LinkConfig(url="udpout:192.168.4.255:14550"), True),
+        (LinkConfig(url="udpout:192.168.4.255:14550", signing="off"), True),
+        (LinkConfig(url="udpout:192.168.4.255:14550", signing="accept", key_file="k"), True),
+        (LinkConfig(url="udpout:192.168.4.255:14550", signing="required", key_file="k"), False),
+        (LinkConfig(url="tcpin:0.0.0.0:5760"), True),
+        (LinkConfig(url="tcpin::5760"), True),
+        (LinkConfig(url="udpin:[::]:14550"), True),
+        (LinkConfig(url="tcpin:127.0.0.1:5760"), False),
+        (LinkConfig(url="udpin:localhost:14550"), False),
+        (LinkConfig(url="tcpin:[::1]:5760"), False),
+        (LinkConfig(url="tcpout:10.8.0.2:5760"), False),
+        (LinkConfig(url="serial:/dev/ttyUSB0:57600"), True),
+        (LinkConfig(url="serial:/dev/ttyACM0:115200", radio=False), False),
+    ],
+)
+def test_a_link_on_which_anybody_commands_the_boat_is_told(
+    examine: Examine, link: LinkConfig, is_open: bool
+) -> None:
+    found = check_open_links(examine({}, BoatConfig(links=(link,))))
+    assert (found.verdict is Verdict.WARNING) is is_open
+    assert (link.url in found.text) is is_open
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_a_preset_has_one_open_link_which_says_so(examine: Examine, preset: str) -> None:
+    text = preset_text(preset)
+    config = decode_config(parse_toml(text), preset)
+    found = check_open_links(examine({}, config))
+    assert found.text.startswith("accepted from whoever reaches udpout:192.168.4.255:14550, without")
+    assert "Open on purpose" in text
+    assert '"tcpin:127.0.0.1:5760"' in text

@@ -119,7 +119,7 @@ def test_the_answers_are_in_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyP
     config = load_config(path)
     assert [link.url for link in config.link_settings] == [
         "udpout:10.0.0.255:14550",
-        "tcpin:0.0.0.0:5760",
+        "tcpin:127.0.0.1:5760",
         "serial:/dev/ttyUSB1:57600",
     ]
     assert (config.identity.system_id, config.parts.gnss.driver) == (7, "none")

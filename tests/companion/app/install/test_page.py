@@ -94,7 +94,7 @@ def test_the_doctor_misses_a_pin_a_link_and_the_start(root: Path) -> None:
     (root / str(PIN_FILE).lstrip("/")).touch()
     assert told() == ["fine: starts with the computer, and has a PIN"]
     file = root / "etc/mavboat/boat.toml"
-    file.write_text(file.read_text("utf-8").replace("tcpin:0.0.0.0:5760", "tcpin:0.0.0.0:5761"), "utf-8")
+    file.write_text(file.read_text("utf-8").replace("tcpin:127.0.0.1:5760", "tcpin:127.0.0.1:5761"), "utf-8")
     assert told() == ["failed: the boat has no link for it at TCP port 5760"]
     (root / "etc/systemd/system/multi-user.target.wants/mavboat-shore.service").unlink()
     assert told() == ["warning: does not start with the computer"]
