@@ -10,14 +10,14 @@ from pathlib import Path
 from companion.app import garbage_collection as garbage
 from companion.app.clock import SystemClock
 from companion.app.hardware import open_hardware
-from companion.app.needs import i2c_chips, needs_of
+from companion.app.needs import check_needs
 from companion.app.only_program import only_program
 from companion.app.runner import Runner
 from companion.app.service_notifier import ServiceNotifier, status_line
 from companion.app.status_file import StatusFile, status_path
 from companion.boat import TICK_S, Boat
+from companion.config.board import read_model
 from companion.config.boat_config import BoatConfig, LinkConfig
-from companion.config.parts.outputs_in_use import check_outputs, outputs_in_use
 from companion.config.rc import Rc
 from companion.core.errors import ConfigError
 from companion.hal.interfaces import Hardware
@@ -37,19 +37,12 @@ Now = Callable[[], float]
 
 _MEMORY_EVERY = 50  # ticks between two looks at the computer's memory
 
-_UART_DEVICES = (
-    "/dev/serial0",
-    "/dev/ttyS0",
-    "/dev/ttyAMA0",
-)  # names of GPIO 14 and 15 on a Pi
-_UART_OUTPUTS = ("GPIO 14", "GPIO 15")
-
 # where stale frames are to be dropped they wait in the channel, which knows their age, not in the driver
 _SHORT_QUEUE_BYTES = 512
 
 
-def check_config(config: BoatConfig) -> None:
-    """What can be said of a configuration without touching hardware.
+def check_config(config: BoatConfig, model: str | None = None) -> None:
+    """What can be said of a configuration without touching hardware. model: default: of this computer.
 
     Raises:
         ConfigError: names the key.
@@ -84,32 +77,7 @@ def check_config(config: BoatConfig) -> None:
             f"parts.depth.driver = 'gnss': expected parts.gnss.driver = 'nmea', not {parts.gnss.driver!r}"
         )
     check_channels(config.rc)
-    check_outputs(config)
-    check_ports(config)
-
-
-def check_ports(config: BoatConfig) -> None:
-    """No two parts or links on one device, no part on the pins of a UART in use, no two chips at one address.
-
-    Raises:
-        ConfigError: names both keys.
-    """
-    taken: dict[str, str] = {}
-    outputs = {output: key for key, output in outputs_in_use(config)}
-    for key, port in needs_of(config).ports.items():
-        other = taken.setdefault(port, key)
-        shares_line = key.startswith("probe[") and other.startswith("probe[")  # several numbers of one line
-        if other != key and not shares_line:
-            raise ConfigError(f"{key}: {port} belongs to {other}; expected another")
-        for output in _UART_OUTPUTS if port in _UART_DEVICES else ():
-            if output in outputs:
-                raise ConfigError(f"{outputs[output]}: {output} belongs to {key}, {port}; expected another")
-
-    chips: dict[int, tuple[str, str]] = {}
-    for key, chip, address in i2c_chips(config):
-        other, other_chip = chips.setdefault(address, (key, chip))
-        if chip != other_chip or (chip != "ads1115" and key != other):
-            raise ConfigError(f"{key}: {address:#x} on I²C belongs to {other}; expected another")
+    check_needs(config, read_model() if model is None else model)
 
 
 def check_channels(setting: Rc) -> None:

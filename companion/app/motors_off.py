@@ -44,7 +44,7 @@ def main(arguments: list[str]) -> int:
         signals = (motors.left, motors.right) if config.drive.has_pair else (motors.left,)
         stopped = _end_signals(signals, config.parts.pca9685)
     elif motors.driver != "none":
-        stopped = _drive(_pins(motors, config.drive.has_pair), _LOW)
+        stopped = _drive(motors.stop_pins(has_right=config.drive.has_pair), _LOW)
     stopped &= _stop_payload(config.payload, config.parts.pca9685)
     return code if stopped else 1
 
@@ -57,19 +57,10 @@ def _stop_payload(payloads: Iterable[PayloadSetting], chip: Pca9685Part) -> bool
         if isinstance(one, RelayPayload):
             levels[_HIGH if one.active_low else _LOW].append(one.pin)
         elif isinstance(one, WinchPayload):
-            pins = [pin for pin in (one.out_pin, one.in_pin) if pin is not None]
-            levels[_LOW] += pins
-            signals += () if pins else (one.signal,)
+            levels[_LOW] += [pin for name, pin in one.pins.items() if name != "count_pin"]
+            signals += () if one.signal_in_use is None else (one.signal_in_use,)
     stopped = [_drive(pins, level) for level, pins in levels.items() if pins]
     return all(stopped) and (not signals or _end_signals(signals, chip))
-
-
-def _pins(motors: MotorsPart, has_right: bool) -> list[int]:
-    """The pins that stop the motors when they are low. Others may belong to another part."""
-    names = ("forward", "backward") if motors.driver == "drv8833" else ("enable",)
-    return [
-        getattr(motors, f"{side}_{name}") for side in ("left", "right")[: 1 + has_right] for name in names
-    ]
 
 
 def _drive(pins: Iterable[int], level: str) -> bool:

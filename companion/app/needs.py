@@ -1,13 +1,16 @@
-"""What a configuration needs of the computer."""
+"""What a configuration needs of the computer, and whether two parts need the same of it."""
 
-from collections.abc import Iterator, Mapping, Sequence
+import os
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from companion.config.board import HEADER_I2C, I2C_PINS, i2c_device, pwm_channels, uart_pins
 from companion.config.boat_config import BoatConfig
 from companion.config.parts import CompassPart
-from companion.config.parts.outputs_in_use import signals_in_use
 from companion.config.section import Section
+from companion.config.wiring import PinUse, pins_in_use, signals_in_use
+from companion.core.errors import ConfigError
 from companion.links.port_url import parse_port_url
 
 # How a driver is connected. A test compares them with the configuration's: a new driver needs its row here.
@@ -48,27 +51,27 @@ OTHER_DRIVERS = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class Needs:
-    """By the key that needs them. ports: devices; i2c: parts on the bus; pwm: pins of the Pi's own PWM."""
+    """By the key that needs them. ports: devices; i2c: devices of buses; pwm: pins of the Pi's own PWM."""
 
     ports: Mapping[str, str]
-    i2c: Sequence[str]
+    i2c: Mapping[str, str]
     pwm: Mapping[str, int]
-    stretches_clock: bool  # a part on the bus does
+    stretches_clock: bool  # a part on the header's bus does
 
 
 def needs_of(config: BoatConfig) -> Needs:
     """From the drivers that are chosen."""
     ports: dict[str, str] = {}
-    i2c: list[str] = []
+    i2c: dict[str, str] = {}
     pwm: dict[str, int] = {}
     for key, signal in signals_in_use(config):
         if signal.output == "pca9685":
-            i2c.append(key)
+            i2c[key] = i2c_device(config.parts.pca9685.i2c_bus)
         elif signal.output == "hardware":
             pwm[key] = signal.pin
     for key, driver, section in _drivers(config):
         if driver in I2C_DRIVERS:
-            i2c.append(key)
+            i2c[key] = _bus(section)
         elif driver in PORT_DRIVERS:
             ports[f"{key}.port"] = getattr(section, "port", "")
     for number, link in enumerate(config.link_settings):
@@ -76,26 +79,114 @@ def needs_of(config: BoatConfig) -> Needs:
         if url.kind == "serial":
             ports[f"links[{number}]"] = url.place
     devices = {key: port for key, port in ports.items() if port.startswith("/dev/")}
-    return Needs(devices, i2c, pwm, stretches_clock=config.parts.compass.part_driver == "bno055")
-
-
-def i2c_chips(config: BoatConfig) -> Iterator[tuple[str, str, int]]:
-    """Key, chip and address of each part on the bus. An ADS1115 may have several keys."""
     compass = config.parts.compass
+    return Needs(
+        devices, i2c, pwm, stretches_clock=compass.part_driver == "bno055" and _bus(compass) == HEADER_I2C
+    )
+
+
+def check_needs(config: BoatConfig, model: str) -> None:
+    """No pin, device, signal, PWM channel or address twice; each pin can do what it is used for; motors have
+    signals that can be ended.
+
+    model: of the computer; a Pi before the Pi 5 if it is none.
+
+    Raises:
+        ConfigError: names both keys.
+    """
+    needs = needs_of(config)
+    _check_signals(config, needs, model)
+    check_ports(needs)
+    _check_pins(config, needs, model)
+    chips: dict[tuple[str, int], tuple[str, str]] = {}
+    for key, chip, bus, address in i2c_chips(config):
+        other, other_chip = chips.setdefault((bus, address), (key, chip))
+        if chip != other_chip or (chip != "ads1115" and key != other):
+            raise ConfigError(f"{key}: {address:#x} on I²C belongs to {other}; expected another")
+
+
+def _check_signals(config: BoatConfig, needs: Needs, model: str) -> None:
+    channels: dict[str, str] = {}
+    for key, signal in signals_in_use(config):
+        if signal.output == "pca9685":
+            _claim(channels, f"channel {signal.channel} of the PCA9685", key)
+            if key.startswith("parts.motors.") and config.parts.pca9685.output_enable < 0:
+                raise ConfigError(
+                    f"{key}: a PCA9685 goes on with its last pulse when the bus fails; expected OE on a pin, "
+                    "parts.pca9685.output_enable, or output = 'hardware'"
+                )
+        elif signal.pin < 0:
+            raise ConfigError(f"{key}.pin: expected the number of a pin")
+    of_pins = pwm_channels(model)
+    for key, pin in needs.pwm.items():
+        if pin not in of_pins:
+            raise ConfigError(f"{key}: GPIO {pin} has no hardware PWM; expected 12, 13, 18 or 19")
+    for key, pin in needs.pwm.items():
+        twin = next((one for one, of in of_pins.items() if of == of_pins[pin] and one != pin), pin)
+        other = next((one for one, of in needs.pwm.items() if of == twin != pin), None)
+        if other is not None:
+            raise ConfigError(
+                f"{other}: GPIO {twin} shares a PWM channel with {key}, GPIO {pin}; expected another"
+            )
+
+
+def check_ports(needs: Needs) -> None:
+    """No device twice, by whatever name.
+
+    Raises:
+        ConfigError: names both keys.
+    """
+    taken: dict[str, str] = {}
+    for key, port in needs.ports.items():
+        device = os.path.realpath(port)  # udev's names are links
+        other = taken.setdefault(device, key)
+        shares_line = key.startswith("probe[") and other.startswith("probe[")  # several numbers of one line
+        if other != key and not shares_line:
+            raise ConfigError(f"{key}: {port} belongs to {other}; expected another")
+
+
+def _check_pins(config: BoatConfig, needs: Needs, model: str) -> None:
+    buses = (PinUse(pin, key, bus) for key, bus in needs.i2c.items() for pin in I2C_PINS.get(bus, ()))
+    uarts = (PinUse(pin, key, port) for key, port in needs.ports.items() for pin in uart_pins(port, model))
+    taken: dict[int, PinUse] = {}
+    for use in (*buses, *uarts, *pins_in_use(config)):
+        other = taken.setdefault(use.pin, use)
+        is_shared = bool(use.what) and use.what == other.what  # a bus, or a line with several numbers
+        if other.key != use.key and not is_shared:
+            owner = f"{other.key}, {other.what}" if other.what else other.key
+            raise ConfigError(f"{use.key}: GPIO {use.pin} belongs to {owner}; expected another")
+
+
+def _claim(taken: dict[str, str], what: str, key: str) -> None:
+    if (other := taken.setdefault(what, key)) != key:
+        raise ConfigError(f"{key}: {what} belongs to {other}; expected another")
+
+
+def _bus(section: Section) -> str:
+    return i2c_device(getattr(section, "i2c_bus", 1))
+
+
+def i2c_chips(config: BoatConfig) -> Iterator[tuple[str, str, str, int]]:
+    """Key, chip, bus and address of each part on I²C. An ADS1115 may have several keys."""
+    compass, pca9685 = config.parts.compass, config.parts.pca9685
     for _, signal in signals_in_use(config):
         if signal.output == "pca9685":
-            yield "parts.pca9685.address", "pca9685", config.parts.pca9685.address
+            yield "parts.pca9685.address", "pca9685", _bus(pca9685), pca9685.address
     for key, driver, section in _drivers(config):
         if driver in I2C_ADDRESSES:
-            yield f"{key}.address", driver, getattr(section, "address", 0) or I2C_ADDRESSES[driver]
+            address = getattr(section, "address", 0) or I2C_ADDRESSES[driver]
+            yield f"{key}.address", driver, _bus(section), address
     if compass.is_magnetometer and compass.imu != "none":
-        yield "parts.compass.imu_address", compass.imu, compass.imu_address or I2C_ADDRESSES[compass.imu]
+        address = compass.imu_address or I2C_ADDRESSES[compass.imu]
+        yield "parts.compass.imu_address", compass.imu, _bus(compass), address
 
 
 def _drivers(config: BoatConfig) -> Iterator[tuple[str, str, Section]]:
     """Key, driver and section of each part."""
     for name in config.parts.__struct_fields__:
         value = getattr(config.parts, name)
+        if not isinstance(value, Section):
+            continue
         if isinstance(value, CompassPart):
             yield "parts.compass", value.part_driver, value
             continue

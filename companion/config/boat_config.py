@@ -283,9 +283,27 @@ def decode_config(tree: Mapping[str, Any], source: str) -> BoatConfig:
         ConfigError: names the source, the key and the expected value.
     """
     try:
-        return msgspec.convert(dict(tree), BoatConfig)
+        return msgspec.convert(_with_bus(tree), BoatConfig)
     except msgspec.ValidationError as error:
         raise ConfigError(f"{source}: {error}") from None
+
+
+def _with_bus(tree: Mapping[str, Any]) -> dict[str, Any]:
+    """The tree with parts.i2c_bus in each part on I²C that names no other."""
+    parts, probes = tree.get("parts"), tree.get("probe", ())
+    if not isinstance(parts, dict) or "i2c_bus" not in parts:
+        return dict(tree)
+
+    def on_bus(part: object) -> object:
+        return {"i2c_bus": parts["i2c_bus"], **part} if isinstance(part, dict) else part
+
+    spread = {name: on_bus(parts.get(name, {})) for name in ("compass", "battery", "pca9685")}
+    is_list = isinstance(probes, list | tuple)
+    return {
+        **tree,
+        "parts": {**parts, **spread},
+        "probe": [on_bus(one) for one in probes] if is_list else probes,
+    }
 
 
 def load_config(path: Path) -> BoatConfig:

@@ -12,10 +12,11 @@ from pathlib import Path
 from types import ModuleType
 from typing import Protocol, TypeVar
 
+from companion.config.board import i2c_device
 from companion.core.errors import HardwareError
 from companion.core.extras import how_to_install
 
-DEVICE = Path("/dev/i2c-1")  # on header pins 3 and 5 of every Pi with 40 pins
+ROOT = Path("/")  # of the devices
 _I2C_TIMEOUT = 0x0702  # linux/i2c-dev.h, in units of 10 ms; a Pi's own is 1 s, that of i2c-gpio 0.1 s
 _TRANSFER = 10  # 0.1 s: the longest takes 35 ms, 32 bytes at 10 kHz. A bus that hangs is then told in 0.4 s
 _PIPE = ".lgd-nfy"  # created by lgpio in LG_WD or the working directory
@@ -80,41 +81,44 @@ class I2cBus(Protocol):
         """Close the bus."""
 
 
-def open_i2c(part: str) -> I2cBus:
-    """Open the bus for one part. Each part opens its own: the address belongs to the file, not to the call.
+def open_i2c(part: str, bus: int | str = 1) -> I2cBus:
+    """Open the bus, by its number or its device, for one part. Each part opens its own: the address belongs
+    to the file, not to the call.
 
     Raises:
         HardwareError: smbus2 is missing, or the bus cannot be opened; the message says what to do.
     """
     smbus2 = import_optional("smbus2", part)
+    device = ROOT / i2c_device(bus).lstrip("/")
     try:
-        bus = smbus2.SMBus(str(DEVICE))
+        opened = smbus2.SMBus(str(device))
     except FileNotFoundError:
-        raise HardwareError(
-            f"{part}: there is no {DEVICE}; switch I²C on: sudo raspi-config nonint do_i2c 0"
-        ) from None
+        cure = (
+            "switch I²C on: sudo raspi-config nonint do_i2c 0" if bus == 1 else "add its line to config.txt"
+        )
+        raise HardwareError(f"{part}: there is no {device}; {cure}") from None
     except PermissionError:
-        raise HardwareError(f"{part}: {DEVICE} may not be opened; add the user to the group i2c") from None
+        raise HardwareError(f"{part}: {device} may not be opened; add the user to the group i2c") from None
     except OSError as error:
-        raise HardwareError(f"{part}: {DEVICE} cannot be opened: {error}") from error
+        raise HardwareError(f"{part}: {device} cannot be opened: {error}") from error
     with contextlib.suppress(OSError):  # without it a bus that hangs is only noticed later
-        fcntl.ioctl(bus.fd, _I2C_TIMEOUT, _TRANSFER)
-    opened: I2cBus = bus
-    return opened
+        fcntl.ioctl(opened.fd, _I2C_TIMEOUT, _TRANSFER)
+    i2c: I2cBus = opened
+    return i2c
 
 
-def open_i2c_part(part: str, address: int, create: Callable[[I2cBus], _Part]) -> _Part:
+def open_i2c_part(part: str, bus: int | str, address: int, create: Callable[[I2cBus], _Part]) -> _Part:
     """Open the bus and create the part on it.
 
     Raises:
         HardwareError: smbus2 is missing, there is no bus, or the part does not answer.
     """
-    bus = open_i2c(part)
+    opened = open_i2c(part, bus)
     try:
-        return create(bus)
+        return create(opened)
     except HardwareError:
-        bus.close()
+        opened.close()
         raise
     except OSError as error:
-        bus.close()
+        opened.close()
         raise HardwareError(f"{part}: no answer at I²C address {address:#x}: {error}") from error

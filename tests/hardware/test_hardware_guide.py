@@ -9,7 +9,7 @@ import pytest
 from gpiozero.pins.mock import MockFactory
 
 from companion.config.boat_config import BoatConfig, decode_config, load_config
-from companion.config.parts.outputs_in_use import outputs_in_use
+from companion.config.wiring import pins_in_use
 from companion.links.port_url import parse_port_url
 from pictures.wiring_table import wiring_rows
 
@@ -86,9 +86,9 @@ def test_a_row_of_the_other_motors_is_true(row: tuple[str, ...]) -> None:
 def test_the_other_motors_rows_are_all_outputs_of_that_driver(driver: str) -> None:
     rows = {(row[4], f"GPIO {row[1]}") for row in OTHER_ROWS if row[0] == driver}
     used = {
-        (key if "_" in key else f"{key}.pin", output)
-        for key, output in outputs_in_use(config_of(driver))
-        if driver != "rudder" or "rudder" in key
+        (use.key if "_" in use.key else f"{use.key}.pin", f"GPIO {use.pin}")
+        for use in pins_in_use(config_of(driver))
+        if driver != "rudder" or "rudder" in use.key
     }
     assert rows == used
 

@@ -12,12 +12,17 @@ from twins.i2c import AMG, CONFIG, NDOF, Bno055Twin, I2cDev, plug_in
 from twins.lines import HandClock
 
 from companion.config import parts
+from companion.config.parts.probes import ProbePart
 from companion.core.errors import HardwareError
 from companion.core.state import MotorCommand
 from companion.hal.battery.battery_sensor import open_battery_monitor
 from companion.hal.heading.bno055 import Bno055, Bno055Compass, open_bno055
+from companion.hal.heading.magnetic_compass import open_magnetic_compass
+from companion.hal.probes.polled import open_analog_probe
+from companion.hal.pulses.pca9685 import open_pca9685_pulses, replace_pca9685_pulses
 from companion.hal.raspberry_pi import I2cBus, import_optional, open_i2c
 from companion.persistence.profile import ProfileFile
+from companion.sensors.compass.magnetic_field import FieldCorrector
 
 COMPASS, BATTERY = parts.CompassPart(driver="bno055"), parts.BatteryPart(driver="ina219")
 
@@ -171,7 +176,7 @@ def test_a_part_of_another_kind_is_told_in_one_line(dev: I2cDev) -> None:
 def test_a_pi_without_i2c_is_told_how_to_switch_it_on(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr("companion.hal.raspberry_pi.DEVICE", tmp_path / "i2c-1")
+    monkeypatch.setattr("companion.hal.raspberry_pi.ROOT", tmp_path)
     with pytest.raises(HardwareError, match=r"BNO055: there is no .*i2c-1; .* raspi-config nonint do_i2c 0"):
         open_bno055(COMPASS, HandClock())
 
@@ -185,9 +190,33 @@ def test_a_bus_that_this_user_may_not_open_names_the_group(monkeypatch: pytest.M
         open_battery_monitor(BATTERY, HandClock())
 
 
+def test_each_part_opens_the_bus_that_it_is_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    opened: list[str] = []
+
+    def refuse(device: str) -> None:
+        opened.append(device)
+        raise FileNotFoundError(2, "No such file or directory")
+
+    monkeypatch.setattr("smbus2.SMBus", refuse)
+    clock = HandClock()
+    chip, magnetometer = parts.Pca9685Part(i2c_bus=4), parts.CompassPart(driver="lis3mdl", i2c_bus=5)
+    for open_part in (
+        lambda: open_bno055(parts.CompassPart(driver="bno055", i2c_bus=3), clock),
+        lambda: open_battery_monitor(parts.BatteryPart(driver="ina219", i2c_bus="/dev/i2c-7"), clock),
+        lambda: open_pca9685_pulses(parts.PulseOutputSetting(output="pca9685"), chip),
+        lambda: replace_pca9685_pulses(0, 0.0, chip),
+        lambda: open_magnetic_compass(magnetometer, clock, FieldCorrector()),
+        lambda: open_analog_probe(ProbePart(name="ph", driver="ads1115", i2c_bus=6), clock),
+    ):
+        with pytest.raises(HardwareError, match=r"there is no /dev/i2c-\d; add its line to config.txt"):
+            open_part()
+    assert opened == [f"/dev/i2c-{bus}" for bus in (3, 7, 4, 4, 5, 6)]
+
+
 def test_a_file_that_is_no_bus_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    (tmp_path / "i2c-1").touch()
-    monkeypatch.setattr("companion.hal.raspberry_pi.DEVICE", tmp_path / "i2c-1")
+    (tmp_path / "dev").mkdir()
+    (tmp_path / "dev" / "i2c-1").touch()
+    monkeypatch.setattr("companion.hal.raspberry_pi.ROOT", tmp_path)
     with pytest.raises(HardwareError, match=r"BNO055: .*i2c-1 cannot be opened: .*ioctl"):
         open_bno055(COMPASS, HandClock())
 

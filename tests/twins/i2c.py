@@ -179,8 +179,9 @@ class I2cDev:
 def plug_in(monkeypatch: "pytest.MonkeyPatch", tmp_path: Path, parts: dict[int, Part]) -> I2cDev:
     """Put parts on the bus that the drivers open."""
     bus = I2cDev(parts)
-    device = tmp_path / "i2c-1"
-    device.touch()
+    (tmp_path / "dev").mkdir(exist_ok=True)
+    for number in (1, 3):
+        (tmp_path / "dev" / f"i2c-{number}").touch()
     monkeypatch.setattr("smbus2.smbus2.ioctl", bus.ioctl)
-    monkeypatch.setattr("companion.hal.raspberry_pi.DEVICE", device)
+    monkeypatch.setattr("companion.hal.raspberry_pi.ROOT", tmp_path)
     return bus

@@ -10,9 +10,9 @@ from pathlib import Path
 from companion.app.doctor.findings import Examined, Finding, Verdict
 from companion.app.install.files import FileText
 from companion.app.needs import Needs, needs_of
+from companion.config.board import HEADER_I2C, is_main_uart, is_pi_5
 
 _FOLDERS = ("/boot/firmware", "/boot")  # since Bookworm, and before
-_MAIN_UART = ("/dev/serial0", "/dev/ttyAMA0", "/dev/ttyS0")
 _CONSOLE = re.compile(r"\bconsole=(serial0|ttyAMA0|ttyS0)\S*\s*")
 _SECTION = re.compile(r"\[(.+)\]")
 _PROGRAMS = ("/usr/bin", "/usr/local/bin", "/usr/sbin", "/usr/local/sbin")
@@ -35,9 +35,9 @@ def active_lines(text: str, model: str) -> list[str]:
 
 def wanted_lines(needs: Needs, model: str) -> list[tuple[str, tuple[str, ...]]]:
     """What config.txt needs: the line that the doctor would add, and beginnings of lines that do as well."""
-    is_5 = "Raspberry Pi 5" in model
+    is_5 = is_pi_5(model)
     wanted: list[tuple[str, tuple[str, ...]]] = []
-    if any(port in _MAIN_UART for port in needs.ports.values()):
+    if any(map(is_main_uart, needs.ports.values())):
         wanted.append(
             (
                 "dtparam=uart0=on" if is_5 else "enable_uart=1",
@@ -48,7 +48,7 @@ def wanted_lines(needs: Needs, model: str) -> list[tuple[str, tuple[str, ...]]]:
         if number := re.fullmatch(r"/dev/ttyAMA([1-5])", port):
             overlay = f"dtoverlay=uart{number[1]}"
             wanted.append((f"{overlay}-pi5" if is_5 else overlay, (overlay,)))
-    if needs.i2c:
+    if HEADER_I2C in needs.i2c.values():
         wanted.append(("dtparam=i2c_arm=on", ("dtparam=i2c_arm=on", "dtparam=i2c=on")))
     if needs.stretches_clock:
         wanted.append(
@@ -88,7 +88,7 @@ def check_boot_config(examined: Examined) -> list[Finding]:
 def check_console(examined: Examined) -> list[Finding]:
     """No login prompt and no kernel messages on a serial line that a part uses."""
     path = _boot_file(examined, "cmdline.txt")
-    if path is None or not any(port in _MAIN_UART for port in needs_of(examined.config).ports.values()):
+    if path is None or not any(map(is_main_uart, needs_of(examined.config).ports.values())):
         return []
     text = examined.path(path).read_text(encoding="utf-8", errors="replace")
     found = _CONSOLE.search(text)
@@ -109,8 +109,8 @@ def check_devices(examined: Examined) -> list[Finding]:
     """Whether the configured devices exist."""
     needs = needs_of(examined.config)
     devices = {port: key for key, port in needs.ports.items()}
-    if needs.i2c:
-        devices["/dev/i2c-1"] = needs.i2c[0]
+    for key, bus in needs.i2c.items():
+        devices.setdefault(bus, key)
     missing = [f"{port} ({key})" for port, key in devices.items() if not examined.path(port).exists()]
     if missing:
         cure = "plug it in, correct the configuration, or set up its line in config.txt and restart"
@@ -121,7 +121,7 @@ def check_devices(examined: Examined) -> list[Finding]:
 def check_main_port(examined: Examined) -> list[Finding]:
     """On a Pi 5, serial0 is not on the header."""
     keys = [key for key, port in needs_of(examined.config).ports.items() if port == "/dev/serial0"]
-    if not keys or "Raspberry Pi 5" not in examined.model:
+    if not keys or not is_pi_5(examined.model):
         return []
     text = f"{', '.join(keys)} = /dev/serial0, which is the debug connector of a Pi 5"
     return [Finding("serial port", Verdict.FAILED, text, "for GPIO 14 and 15 set it to /dev/ttyAMA0")]

@@ -7,10 +7,11 @@ from typing import Annotated
 import typer
 
 from companion.app.composition import check_config
-from companion.app.init.board import board_values, read_model
+from companion.app.init.board import board_values
 from companion.app.init.presets import PRESETS, STATIONS, preset_text, with_links
 from companion.app.init.questions import ask_all
 from companion.app.init.toml_edit import Value
+from companion.config.board import read_model
 from companion.config.boat_config import BoatConfig, decode_config
 from companion.core.errors import ConfigError
 from companion.core.output_file import write_text

@@ -37,6 +37,7 @@ QUESTIONS: Final = (
     Question(_COMPASS, "heading sensor"),
     Question("parts.compass.port", "port of the compass", _COMPASS, ("nmea",)),
     Question(_BATTERY, "battery monitor"),
+    Question("parts.i2c_bus", "I²C bus of compass and battery monitor (1: header pins 3 and 5)"),
     Question("parts.battery.shunt_ohm", "its shunt, Ω", _BATTERY, ("ina219", "ina226", "ina228")),
     Question("battery.cells", "cells of the pack in series"),
     Question("battery.capacity_mah", "capacity of the pack, mAh"),

@@ -1,5 +1,6 @@
 """Configuration of the hardware: drivers, pins and ports; one file a kind of part."""
 
+from companion.config.board import I2cBus
 from companion.config.parts.battery import BatteryPart
 from companion.config.parts.depth import DepthPart
 from companion.config.parts.gnss import GnssPart
@@ -28,8 +29,9 @@ __all__ = [
 
 
 class Parts(Section, frozen=True):
-    """The hardware of the boat."""
+    """The hardware of the boat. i2c_bus: of all parts that do not name another."""
 
+    i2c_bus: I2cBus = 1
     motors: MotorsPart = MotorsPart()
     rudder: RudderPart = RudderPart()
     gnss: GnssPart = GnssPart()

@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
+from companion.config.board import I2cBus
 from companion.config.section import Positive, Section
 
 
@@ -13,6 +14,7 @@ class BatteryPart(Section, frozen=True):
     """
 
     driver: Literal["ina219", "ina226", "ina228", "ads1115", "none"] = "none"
+    i2c_bus: I2cBus = 1  # of parts.i2c_bus unless given
     address: Annotated[int, Meta(ge=0, le=0x77)] = 0  # 0: 0x40, of the ADS1115 0x48
     timeout_s: Positive = 3.0  # without a reading it is silent: 30 at its 10 Hz; ArduPilot waits 5 s
     # The board's shunt. Beyond 0.32 V over it (INA219), 0.082 V (INA226) or 0.164 V (INA228) the current is

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
+from companion.config.board import I2cBus
 from companion.config.section import NonNegative, Positive, Section
 
 Driver = Literal["nmea", "bno055", "bno085", "qmc5883l", "qmc5883p", "hmc5883l", "lis3mdl"]
@@ -38,6 +39,7 @@ class CompassPart(Section, frozen=True):
     baud: Positive = 4800
     correction_rad: float = 0.0
     timeout_s: NonNegative = 0.0  # without a reading it is silent; 0: by the driver
+    i2c_bus: I2cBus = 1  # of parts.i2c_bus unless given
     address: BusAddress = 0  # on I²C; 0: the part's usual one
     mounting: Mounting = Mounting()  # of the BNO055, BNO085 or magnetometer
     imu: Literal["mpu6050", "lsm6ds", "none"] = "none"  # gyro and accelerometer beside a magnetometer

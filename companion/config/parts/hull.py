@@ -2,6 +2,7 @@
 
 from typing import Literal
 
+from companion.config.board import OptionalPin
 from companion.config.section import Positive, Section
 
 
@@ -14,5 +15,5 @@ class HullPart(Section, frozen=True):
     driver: Literal["host", "none"] = "none"
     thermometer: str = "/sys/class/thermal/thermal_zone0/temp"
     timeout_s: Positive = 5.0  # without a reading it is silent: five at its 1 Hz
-    leak: int = -1  # the switch's pin; −1: none
+    leak: OptionalPin = -1  # the switch's pin; −1: none
     leak_wet: Literal["closed", "open"] = "closed"

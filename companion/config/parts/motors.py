@@ -4,11 +4,9 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, structs
 
+from companion.config.board import PULLED_UP, Pin
 from companion.config.parts.pulses import PulseOutputSetting
 from companion.config.section import NonNegative, Section
-
-# GPIO 0 to 8 are high from reset until a program sets them (BCM2835 data sheet, table 6-31)
-PULLED_UP = range(9)
 
 
 class MotorsPart(Section, frozen=True):
@@ -19,12 +17,12 @@ class MotorsPart(Section, frozen=True):
     """
 
     driver: Literal["l298n", "tb6612", "bts7960", "drv8833", "esc", "none"] = "none"
-    left_forward: int = 5
-    left_backward: int = 6
-    left_enable: int = 12
-    right_forward: int = 20
-    right_backward: int = 21
-    right_enable: int = 13
+    left_forward: Pin = 5
+    left_backward: Pin = 6
+    left_enable: Pin = 12
+    right_forward: Pin = 20
+    right_backward: Pin = 21
+    right_enable: Pin = 13
     pwm_hz: Annotated[int, Meta(ge=50, le=10000)] = 1000  # the maximum of lgpio
     dead_time_s: NonNegative = 0.02
     left_reversed: bool = False
@@ -38,6 +36,19 @@ class MotorsPart(Section, frozen=True):
         """The speed controllers' signals, left and right, with left_reversed and right_reversed in them."""
         left = structs.replace(self.left, reversed=self.left.reversed != self.left_reversed)
         return left, structs.replace(self.right, reversed=self.right.reversed != self.right_reversed)
+
+    def pins(self, *, has_right: bool) -> dict[str, int]:
+        """The pins of a bridge, by key."""
+        if self.driver in ("none", "esc"):
+            return {}
+        names = ("forward", "backward") if self.driver == "drv8833" else ("forward", "backward", "enable")
+        sides = ("left", "right") if has_right else ("left",)
+        return {f"{side}_{name}": getattr(self, f"{side}_{name}") for side in sides for name in names}
+
+    def stop_pins(self, *, has_right: bool) -> list[int]:
+        """Those that stop a bridge when they are low: its enables, or all where it has none."""
+        pins = self.pins(has_right=has_right)
+        return [pin for key, pin in pins.items() if key.endswith("enable")] or list(pins.values())
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -10,12 +10,11 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from companion.config.parts.motors import PULLED_UP
+from companion.config.board import PULLED_UP, Pin
 from companion.config.parts.pulses import PulseOutputSetting
 from companion.config.parts.pulses import PulseWidth as Width
 from companion.config.section import NonNegative, Positive, Section
 
-Pin = Annotated[int, Meta(ge=0, le=27)]  # of the 40-pin header, in BCM numbers
 Number = Annotated[int, Meta(ge=1, le=6)]  # MAVLink's instances of grippers and winches
 Switch = Literal["on", "off", "keep"]
 
@@ -38,6 +37,20 @@ class _Payload(Section, frozen=True, kw_only=True, tag_field="kind"):
         """For messages."""
         known_as = f"{self.kind} {self.number}"
         return f"{known_as} ({self.name})" if self.name else known_as
+
+    @property
+    def pins(self) -> dict[str, int]:
+        """Its pins, by key."""
+        return {
+            name: pin
+            for name in ("pin", "out_pin", "in_pin", "count_pin")
+            if (pin := getattr(self, name, None)) is not None
+        }
+
+    @property
+    def signal_in_use(self) -> PulseOutputSetting | None:
+        """Its servo signal; None where it has pins instead."""
+        return None
 
 
 class RelayPayload(_Payload, frozen=True, kw_only=True, tag="relay"):
@@ -82,6 +95,11 @@ class ServoPayload(_Payload, frozen=True, kw_only=True, tag="servo"):
     on_link_loss: Literal["off", "keep"] | Width = "keep"
     at_end: Literal["off"] | Width = "off"
 
+    @property
+    def signal_in_use(self) -> PulseOutputSetting | None:
+        """Its servo signal."""
+        return self.signal
+
     def __post_init__(self) -> None:
         super().__post_init__()
         _check_widths(self, self.signal, "start", "on_disarm", "on_link_loss", "at_end")
@@ -99,6 +117,11 @@ class GripperPayload(_Payload, frozen=True, kw_only=True, tag="gripper"):
     start: Literal["open", "closed", "keep"] = "keep"  # keep: no signal until the first command
     on_disarm: Literal["open", "closed", "keep"] = "keep"
     on_link_loss: Literal["open", "closed", "keep"] = "keep"
+
+    @property
+    def signal_in_use(self) -> PulseOutputSetting | None:
+        """Its servo signal; None with a pin."""
+        return self.signal if self.pin is None else None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -121,6 +144,11 @@ class WinchPayload(_Payload, frozen=True, kw_only=True, tag="winch"):
     count_pin: Pin | None = None
     pulse_m: Positive = 0.1  # line for each pulse
     stall_s: Positive = 3.0  # without a pulse: stop
+
+    @property
+    def signal_in_use(self) -> PulseOutputSetting | None:
+        """Its servo signal; None with pins."""
+        return self.signal if self.out_pin is None else None
 
     def __post_init__(self) -> None:
         super().__post_init__()

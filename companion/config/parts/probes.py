@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
+from companion.config.board import I2cBus
 from companion.config.section import Positive, Section
 
 _NAME = r"^[!-~]{1,10}$"  # what NAMED_VALUE_FLOAT can carry
@@ -28,6 +29,7 @@ class ProbePart(Section, frozen=True):
     rate_hz: Annotated[float, Meta(gt=0.0, le=10.0)] = 1.0
     timeout_s: Positive = 10.0  # silent for longer is told, and no longer sent
     invalid: tuple[float, ...] = ()  # what the source says where it has not measured: 85000 of a DS18B20
+    i2c_bus: I2cBus = 1  # of parts.i2c_bus unless given
     address: Annotated[int, Meta(ge=0x48, le=0x4B)] = 0x48
     channel: Annotated[int, Meta(ge=0, le=3)] = 0
     port: str = ""

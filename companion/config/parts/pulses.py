@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
+from companion.config.board import I2cBus, OptionalPin
 from companion.config.section import Section
 from companion.core.units import clamp
 
@@ -20,7 +21,7 @@ class PulseOutputSetting(Section, frozen=True):
     """
 
     output: Literal["hardware", "software", "pca9685"] = "hardware"
-    pin: int = -1  # BCM number, for "hardware" and "software"
+    pin: OptionalPin = -1  # BCM number, for "hardware" and "software"
     channel: Annotated[int, Meta(ge=0, le=15)] = 0  # of the PCA9685
     frequency_hz: Annotated[int, Meta(ge=50, le=400)] = 50  # analogue servos take 50 only
     min_us: PulseWidth = 1100
@@ -65,4 +66,5 @@ class Pca9685Part(Section, frozen=True):
     address: Annotated[int, Meta(ge=0x40, le=0x7F)] = 0x41
     frequency_hz: Annotated[int, Meta(ge=50, le=400)] = 50
     oscillator_hz: Annotated[float, Meta(ge=20e6, le=30e6)] = 25e6
-    output_enable: int = -1
+    output_enable: OptionalPin = -1
+    i2c_bus: I2cBus = 1

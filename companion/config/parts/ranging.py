@@ -5,6 +5,7 @@ from typing import Annotated, Final, Literal
 
 from msgspec import Meta
 
+from companion.config.board import OptionalPin, Pin
 from companion.config.section import NonNegative, Positive, Section
 
 # Least and greatest range by the data sheets: Elecfreaks HC-SR04; JSN-SR04T (blind 25 cm); DFRobot SEN0311
@@ -24,11 +25,11 @@ class RangerPart(Section, frozen=True):
     """
 
     driver: Literal["hcsr04", "jsnsr04t", "a02yyuw", "tfmini", "none"] = "none"
-    trigger: int = 23
-    echo: int = 24
+    trigger: Pin = 23
+    echo: Pin = 24
     port: str = "/dev/ttyUSB1"
     min_strength: Annotated[int, Meta(ge=0, le=65534)] = 100  # of a lidar's echo; the first TFmini: 20
-    servo: int = -1  # −1: fixed ahead
+    servo: OptionalPin = -1  # −1: fixed ahead
     sweep_rad: Annotated[float, Meta(ge=0.0, le=math.pi)] = math.pi
     step_rad: Positive = math.radians(15.0)
     min_range_m: NonNegative = 0.0  # nothing closer is seen; 0: that of the data sheet

@@ -58,4 +58,4 @@ def open_battery_monitor(part: BatteryPart, now: Callable[[], float]) -> Battery
 
     chip = _SHUNT_CHIPS.get(part.driver)
     address = part.address or (ads1115.ADDRESS if chip is None else _SHUNT_ADDRESS)
-    return BatterySensor(open_i2c_part(part.driver.upper(), address, create), now).start()
+    return BatterySensor(open_i2c_part(part.driver.upper(), part.i2c_bus, address, create), now).start()

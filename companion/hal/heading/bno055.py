@@ -199,7 +199,7 @@ class Bno055Compass(BackgroundSensor[HeadingReading]):
 def open_bno055(
     part: parts.CompassPart, now: Callable[[], float], profile: ProfileFile | None = None
 ) -> Bno055Compass:
-    """Open the part on the Pi's I²C bus and start reading. profile: its calibration.
+    """Open the part on its I²C bus and start reading. profile: its calibration.
 
     Raises:
         HardwareError: smbus2 is missing, there is no bus, or the part does not answer.
@@ -209,4 +209,4 @@ def open_bno055(
     def create(bus: I2cBus) -> Bno055Compass:
         return Bno055Compass(Bno055(bus, address), now, part.correction_rad, profile, part.mounting)
 
-    return open_i2c_part("BNO055", address, create).start()
+    return open_i2c_part("BNO055", part.i2c_bus, address, create).start()

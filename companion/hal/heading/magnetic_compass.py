@@ -196,12 +196,12 @@ def open_magnetic_compass(
     corrector: FieldCorrector,
     wait: Callable[[float], None] = time.sleep,
 ) -> MagneticCompass:
-    """Open the parts on the Pi's I²C bus and start reading. wait: while a part starts.
+    """Open the parts on their I²C bus and start reading. wait: while a part starts.
 
     Raises:
         HardwareError: smbus2 is missing, there is no bus, or a part does not answer.
     """
-    bus = open_i2c(part.driver.upper())
+    bus = open_i2c(part.driver.upper(), part.i2c_bus)
     try:
         inertial: InertialSensor | None = None
         if part.imu != "none":  # first: it connects its auxiliary bus through

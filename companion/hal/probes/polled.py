@@ -65,5 +65,5 @@ def open_analog_probe(part: ProbePart, now: Callable[[], float]) -> PolledProbe:
     Raises:
         HardwareError: smbus2 is missing, there is no bus, or nothing answers at the address.
     """
-    converter = open_i2c_part("ADS1115", part.address, lambda bus: Ads1115(bus, part.address))
+    converter = open_i2c_part("ADS1115", part.i2c_bus, part.address, lambda bus: Ads1115(bus, part.address))
     return PolledProbe(part, now, lambda: converter.read_v(part.channel), converter.bus.close).start()

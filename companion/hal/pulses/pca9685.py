@@ -281,7 +281,7 @@ class Pca9685Pulses:
             self._width_us = width_us
 
 
-_boards: dict[int, Pca9685Board] = {}  # open chips by address
+_boards: dict[tuple[int | str, int], Pca9685Board] = {}  # open chips by bus and address
 _opening = threading.Lock()
 
 
@@ -292,25 +292,26 @@ def open_pca9685_pulses(setting: PulseOutputSetting, part: Pca9685Part) -> Pca96
         HardwareError: smbus2 is missing, there is no bus, or nothing answers at the address.
     """
     with _opening:
-        board = _boards.get(part.address)
+        place = (part.i2c_bus, part.address)
+        board = _boards.get(place)
         if board is None:
             enable = _open_output_enable(part)
             try:
-                chip = open_i2c_part("PCA9685", part.address, lambda bus: Pca9685(bus, part))
+                chip = open_i2c_part("PCA9685", part.i2c_bus, part.address, lambda bus: Pca9685(bus, part))
             except HardwareError:
                 if enable is not None:
                     enable.close()
                 raise
             board = Pca9685Board(chip, enable)
             board.start()
-            _boards[part.address] = board
+            _boards[place] = board
         board.users += 1
 
     def release() -> None:
         with _opening:
             board.users -= 1
             if not board.users:
-                del _boards[part.address]
+                del _boards[place]
                 board.close()
 
     return Pca9685Pulses(board, setting, release)
@@ -340,4 +341,4 @@ def replace_pca9685_pulses(channel: int, width_us: float, part: Pca9685Part) -> 
             chip.all_off()
         bus.close()
 
-    open_i2c_part("PCA9685", part.address, replace)
+    open_i2c_part("PCA9685", part.i2c_bus, part.address, replace)

@@ -13,13 +13,14 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from companion.config.board import pwm_channels
 from companion.config.parts import PulseOutputSetting
 from companion.core.errors import HardwareError
 
 ROOT = Path("/sys/class/pwm")
-_TWO_CHANNELS = {12: 0, 18: 0, 13: 1, 19: 1}
+_TWO_CHANNELS = pwm_channels("")
 CHANNELS = {  # by the name of the chip's device: channel of each pin
-    "1f00098000.pwm": {12: 0, 13: 1, 18: 2, 19: 3},  # Pi 5
+    "1f00098000.pwm": pwm_channels("Raspberry Pi 5"),  # Pi 5
     "fe20c000.pwm": _TWO_CHANNELS,  # Pi 4
     "3f20c000.pwm": _TWO_CHANNELS,  # Pi 2, 3 and Zero 2
     "2020c000.pwm": _TWO_CHANNELS,  # Pi 1 and Zero

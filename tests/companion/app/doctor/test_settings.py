@@ -95,18 +95,18 @@ def test_the_addresses_on_the_bus_are_those_of_the_drivers() -> None:
 def test_an_ads1115_may_be_shared() -> None:
     parts = Parts(battery=BatteryPart(driver="ads1115"))
     probe = ProbePart(name="turbidity", driver="ads1115", channel=2)
-    assert len({address for _, _, address in i2c_chips(BoatConfig(parts=parts, probe=(probe,)))}) == 1
+    assert len({address for _, _, _, address in i2c_chips(BoatConfig(parts=parts, probe=(probe,)))}) == 1
 
 
 def test_what_a_configuration_needs() -> None:
     needs = needs_of(KIT)
     ports = {"parts.gnss.port": "/dev/serial0", "rc.port": "/dev/ttyAMA4", "links[1]": "/dev/ttyUSB0"}
     assert needs.ports == ports
-    assert needs.i2c == ["parts.compass", "parts.battery"]
+    assert needs.i2c == {"parts.compass": "/dev/i2c-1", "parts.battery": "/dev/i2c-1"}
     assert needs.pwm == {}, "a bridge has no servo signals"
     assert needs.stretches_clock
     needs = needs_of(ESC)
-    assert needs.i2c == ["parts.motors.right"]
+    assert needs.i2c == {"parts.motors.right": "/dev/i2c-1"}
     assert needs.pwm == {"parts.motors.left": 12, "parts.rudder.signal": 19, "payload[1].signal": 18}
     assert not needs_of(BoatConfig()).ports
 
@@ -123,7 +123,7 @@ def test_the_part_behind_two_antennas_is_needed_too() -> None:
         return needs_of(BoatConfig(parts=Parts(compass=compass)))
 
     assert of("nmea").ports == {"parts.compass.port": "/dev/ttyAMA3"}
-    assert of("bno055").i2c == ["parts.compass"]
+    assert list(of("bno055").i2c) == ["parts.compass"]
     assert of("bno055").stretches_clock
     assert not of("none").ports
 

@@ -8,10 +8,11 @@ from typing import Any, get_args, get_type_hints
 import pytest
 
 from companion.app.cli import run_program
-from companion.app.init.board import board_values, read_model
+from companion.app.init.board import board_values
 from companion.app.init.presets import PRESETS, STATIONS, preset_text, with_links
 from companion.app.init.questions import QUESTIONS, ask_all, value_at
 from companion.app.init.toml_edit import with_values
+from companion.config.board import read_model
 from companion.config.boat_config import BoatConfig, decode_config, load_config
 
 ROOT = Path(__file__).parents[4]

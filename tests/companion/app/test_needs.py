@@ -1,0 +1,237 @@
+"""No two parts on one pin, signal, device or address; each pin does what it is used for."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from companion.app.needs import Needs, check_needs, check_ports, needs_of
+from companion.config.boat_config import BoatConfig, decode_config
+from companion.config.wiring import pins_in_use
+from companion.core.errors import ConfigError
+
+ESC = {"motors": {"driver": "esc"}}
+SERVO = {"kind": "servo", "number": 5}
+WINCH = {"kind": "winch", "number": 1}
+BRIDGE = {"motors": {"driver": "l298n"}}
+COMPASS = {"compass": {"driver": "bno055"}}
+PI_4, PI_5 = "Raspberry Pi 4 Model B Rev 1.4", "Raspberry Pi 5 Model B Rev 1.0"
+
+
+def config(parts: dict[str, Any], *payload: dict[str, Any], layout: str = "differential") -> BoatConfig:
+    return decode_config({"parts": parts, "payload": list(payload), "drive": {"layout": layout}}, "test")
+
+
+@pytest.mark.parametrize(
+    ("tree", "message"),
+    [
+        (
+            config({"motors": {"driver": "l298n", "right_enable": 5}}),
+            r"right_enable: GPIO 5 belongs to .*left_forward",
+        ),
+        (
+            config({**ESC, "rudder": {"driver": "servo"}}),
+            "parts.rudder.signal: GPIO 13 belongs to parts.motors.right",
+        ),
+        (
+            config({"motors": {"driver": "l298n"}, "sonar": {"driver": "tfmini", "servo": 12}}),
+            "parts.sonar.servo: GPIO 12 belongs to parts.motors.left_enable",
+        ),
+        (
+            config({"sonar": {"driver": "hcsr04"}, "hull": {"driver": "host", "leak": 24}}),
+            "parts.hull.leak: GPIO 24 belongs to parts.sonar.echo",
+        ),
+        (
+            config(ESC, {"kind": "light", "number": 0, "pin": 12}),
+            r"payload\[0\].pin: GPIO 12 belongs to parts.motors.left",
+        ),
+        (
+            config(
+                {
+                    "motors": {"driver": "esc", "left": {"output": "pca9685", "channel": 3}},
+                    "pca9685": {"output_enable": 22},
+                },
+                {**SERVO, "signal": {"output": "pca9685", "channel": 3}},
+            ),
+            r"payload\[0\].signal: channel 3 of the PCA9685 belongs to parts.motors.left",
+        ),
+        (
+            config({"motors": {"driver": "esc", "right": {"output": "pca9685", "channel": 1}}}),
+            r"parts.motors.right: .* goes on with its last pulse .* parts.pca9685.output_enable",
+        ),
+        (config(ESC, SERVO), r"payload\[0\].signal.pin: expected the number of a pin"),
+        (config(ESC, WINCH), r"payload\[0\].signal.pin: expected the number of a pin"),
+    ],
+)
+def test_what_is_used_twice_names_both_keys(tree: BoatConfig, message: str) -> None:
+    with pytest.raises(ConfigError, match=message):
+        check_needs(tree, PI_4)
+
+
+@pytest.mark.parametrize(
+    "tree",
+    [
+        config({}),
+        config({**ESC, "rudder": {"driver": "servo"}}, layout="rudder"),  # no right motor
+        config(
+            {
+                "motors": {"driver": "drv8833", "left_forward": 17, "left_backward": 27},
+                "hull": {"driver": "host", "leak": 12},
+            }
+        ),
+        config(ESC, {**WINCH, "out_pin": 17, "in_pin": 27}),
+        config(
+            ESC,
+            {**SERVO, "signal": {"output": "pca9685"}},
+            {**WINCH, "signal": {"output": "pca9685", "channel": 1}},
+        ),
+    ],
+)
+def test_parts_that_share_nothing_are_accepted(tree: BoatConfig) -> None:
+    check_needs(tree, PI_4)
+
+
+def test_a_bridge_uses_six_pins_a_boat_with_one_motor_three() -> None:
+    bridge = {"motors": {"driver": "l298n"}}
+    assert len(list(pins_in_use(config(bridge)))) == 6
+    assert [use.key for use in pins_in_use(config(bridge, layout="rudder"))] == [
+        "parts.motors.left_forward",
+        "parts.motors.left_backward",
+        "parts.motors.left_enable",
+    ]
+
+
+def with_forward(pin: int) -> dict[str, Any]:
+    return {"motors": {"driver": "l298n", "left_forward": pin}}
+
+
+@pytest.mark.parametrize("pin", [-5, 28, 40, 99])
+@pytest.mark.parametrize(
+    "parts",
+    [
+        with_forward,
+        lambda pin: {"motors": {"driver": "esc", "left": {"pin": pin}}},
+        lambda pin: {"sonar": {"driver": "hcsr04", "echo": pin}},
+        lambda pin: {"sonar": {"driver": "tfmini", "servo": pin}},
+        lambda pin: {"hull": {"driver": "host", "leak": pin}},
+        lambda pin: {"pca9685": {"output_enable": pin}},
+    ],
+)
+def test_a_pin_that_the_header_does_not_have_is_refused(
+    parts: Callable[[int], dict[str, Any]], pin: int
+) -> None:
+    with pytest.raises(ConfigError, match=r"Expected `int` (<= 27|>= -?[01]) - at `\$\.parts\."):
+        config(parts(pin))
+
+
+@pytest.mark.parametrize(
+    ("parts", "message"),
+    [
+        (
+            {"motors": {"driver": "esc", "left": {"pin": 5}}},
+            "parts.motors.left: GPIO 5 has no hardware PWM; expected 12, 13, 18 or 19",
+        ),
+        (
+            {"motors": {"driver": "esc", "left": {"pin": 12}, "right": {"pin": 18}}},
+            "parts.motors.right: GPIO 18 shares a PWM channel with parts.motors.left, GPIO 12",
+        ),
+        (
+            {"motors": {"driver": "esc", "left": {"pin": 19}, "right": {"pin": 13}}},
+            "parts.motors.right: GPIO 13 shares a PWM channel with parts.motors.left, GPIO 19",
+        ),
+        (
+            {**with_forward(2), **COMPASS},
+            "parts.motors.left_forward: GPIO 2 belongs to parts.compass, /dev/i2c-1",
+        ),
+        (
+            {**BRIDGE, "battery": {"driver": "ina219"}, "hull": {"driver": "host", "leak": 3}},
+            "parts.hull.leak: GPIO 3 belongs to parts.battery, /dev/i2c-1",
+        ),
+        (
+            {**with_forward(14), "gnss": {"driver": "nmea", "port": "/dev/serial0"}},
+            "parts.motors.left_forward: GPIO 14 belongs to parts.gnss.port, /dev/serial0",
+        ),
+        (
+            {
+                "gnss": {"driver": "nmea", "port": "/dev/serial0"},
+                "sonar": {"driver": "tfmini", "port": "/dev/ttyAMA0"},
+            },
+            "parts.sonar.port: GPIO 14 belongs to parts.gnss.port, /dev/serial0",
+        ),
+        (
+            {**BRIDGE, "sonar": {"driver": "tfmini", "port": "/dev/ttyAMA3"}},
+            "parts.motors.left_forward: GPIO 5 belongs to parts.sonar.port, /dev/ttyAMA3",
+        ),
+        (
+            {**BRIDGE, "sonar": {"driver": "tfmini", "port": "/dev/ttyAMA5"}},
+            "parts.motors.left_enable: GPIO 12 belongs to parts.sonar.port, /dev/ttyAMA5",
+        ),
+    ],
+)
+def test_wiring_that_cannot_be_is_refused(parts: dict[str, Any], message: str) -> None:
+    with pytest.raises(ConfigError, match=message):
+        check_needs(config(parts), PI_4)
+
+
+def test_a_relay_on_the_bus_and_output_enable_on_the_1_wire_pin_are_refused() -> None:
+    relay = {"kind": "relay", "number": 0, "pin": 3, "active_low": True}
+    with pytest.raises(ConfigError, match=r"payload\[0\].pin: GPIO 3 belongs to parts.compass, /dev/i2c-1"):
+        check_needs(config(COMPASS, relay), PI_4)
+    probe = {"name": "t", "driver": "file", "path": "/sys/bus/w1/devices/28-*/temperature"}
+    tree = {"parts": {"pca9685": {"output_enable": 4}}, "probe": [probe, {**probe, "name": "t2"}]}
+    with pytest.raises(ConfigError, match=r"probe\[0\].path: GPIO 4 belongs to parts.pca9685.output_enable"):
+        check_needs(decode_config(tree, "test"), PI_4)
+    tree["parts"] = {}
+    check_needs(decode_config(tree, "test"), PI_4)
+
+
+def test_the_pins_of_a_pi_5_are_its_own() -> None:
+    check_needs(config({"motors": {"driver": "esc", "left": {"pin": 12}, "right": {"pin": 18}}}), PI_5)
+    check_needs(config({**BRIDGE, "sonar": {"driver": "tfmini", "port": "/dev/ttyAMA3"}}), PI_5)  # GPIO 8, 9
+    with pytest.raises(
+        ConfigError, match=r"left_enable: GPIO 12 belongs to parts\.sonar\.port, /dev/ttyAMA4"
+    ):
+        check_needs(config({**BRIDGE, "sonar": {"driver": "tfmini", "port": "/dev/ttyAMA4"}}), PI_5)
+
+
+def test_two_names_of_one_device_are_one_device(tmp_path: Path) -> None:
+    (tmp_path / "ttyUSB0").touch()
+    (tmp_path / "mavboat-gnss").symlink_to(tmp_path / "ttyUSB0")
+    ports = {"parts.gnss.port": f"{tmp_path}/mavboat-gnss", "rc.port": f"{tmp_path}/ttyUSB0"}
+    with pytest.raises(ConfigError, match=r"rc\.port: .*ttyUSB0 belongs to parts\.gnss\.port"):
+        check_ports(Needs(ports, {}, {}, stretches_clock=False))
+
+
+def test_each_part_is_on_the_bus_of_all_or_on_its_own() -> None:
+    parts = {
+        "i2c_bus": 6,
+        "compass": {"driver": "bno055", "i2c_bus": 3},
+        "battery": {"driver": "ina219"},
+        "pca9685": {"output_enable": 22},
+        "motors": {"driver": "esc", "left": {"output": "pca9685"}, "right": {"pin": 13}},
+        "hull": {"driver": "host", "leak": 2},
+    }
+    probe = {"name": "ph", "driver": "ads1115"}
+    probes = [probe, {**probe, "name": "t", "i2c_bus": "/dev/i2c-9"}]
+    tree = decode_config({"parts": parts, "probe": probes}, "test")
+    check_needs(tree, PI_4)
+    assert needs_of(tree).i2c == {
+        "parts.motors.left": "/dev/i2c-6",
+        "parts.compass": "/dev/i2c-3",
+        "parts.battery": "/dev/i2c-6",
+        "probe[0]": "/dev/i2c-6",
+        "probe[1]": "/dev/i2c-9",
+    }
+    assert not needs_of(tree).stretches_clock, "only the header's bus is slowed down"
+
+
+def test_one_address_on_two_buses_is_free() -> None:
+    chip = {"address": 0x40, "i2c_bus": 3, "output_enable": 22}
+    parts = {
+        "pca9685": chip,
+        "motors": {"driver": "esc", "left": {"output": "pca9685"}, "right": {"pin": 13}},
+    }
+    check_needs(config({**parts, "battery": {"driver": "ina219"}}), PI_4)
+    with pytest.raises(ConfigError, match=r"0x40 on I²C belongs to parts\.pca9685\.address"):
+        check_needs(config({**parts, "battery": {"driver": "ina219", "i2c_bus": 3}}), PI_4)
