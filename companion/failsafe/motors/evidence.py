@@ -136,6 +136,7 @@ class MotorEvidence:
         """Judge anew, as after something that is not modelled; what was learned of the boat stays."""
         self._turn.restart()
         self._speed.restart()
+        self._heard_s = -math.inf  # nobody listened meanwhile: that is no silence
         self.acquit()
 
     def acquit(self) -> None:

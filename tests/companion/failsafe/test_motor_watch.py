@@ -415,6 +415,17 @@ def test_a_current_monitor_that_was_silent_may_be_late_until_the_next_voyage() -
         assert hull.watch._evidence.has_current
 
 
+def test_a_current_that_was_not_looked_at_during_a_motor_check_counts_afterwards() -> None:
+    hull = Hull()
+    hull.sail(40.0)
+    hull.watch.pause()
+    hull.now_s += 6.0
+    hull.sail(5.0)
+    assert hull.watch._evidence.has_current
+    hull.faults[1] = Fault.BLOCKED
+    assert hull.seconds_to_verdict(3.0) < 3.0
+
+
 @pytest.mark.parametrize("fault", [EstimateFault.COMPASS_LATE, EstimateFault.GNSS_JUMPING])
 def test_what_a_sensor_told_before_it_was_found_out_is_no_evidence(fault: EstimateFault) -> None:
     evidence = MotorEvidence(CONFIG)
