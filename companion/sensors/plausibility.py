@@ -11,7 +11,7 @@ Positions are judged by the estimator, which knows where the boat can be, and ra
 
 import math
 from collections.abc import Mapping
-from typing import Final, Generic, NamedTuple, Protocol, TypeVar
+from typing import Final, Generic, NamedTuple, TypeVar
 
 import msgspec
 
@@ -19,7 +19,6 @@ from companion.core.units import wrap_pi
 from companion.sensors.readings import BatteryReading, DepthReading, GnssFix, HeadingReading
 
 R = TypeVar("R", GnssFix, HeadingReading, BatteryReading, DepthReading)
-R_co = TypeVar("R_co", covariant=True)
 
 _AGREE: Final = 3  # readings: two wrong ones in a row agree once in hours, three never
 _WRONG: Final = math.log(0.5 / 0.01)  # nats for a reading that is far off,
@@ -112,23 +111,19 @@ class ValueGate:
         return False
 
 
-class _Part(Protocol[R_co]):
-    def read(self) -> R_co | None:
-        """The latest reading."""
+class ReadingGate(Generic[R]):
+    """Judges the readings of one part."""
 
-
-class GatedSensor(Generic[R]):
-    """A part whose readings are judged."""
-
-    def __init__(self, part: _Part[R], limits: Mapping[str, Limit]) -> None:
-        self._part: _Part[R] = part
+    def __init__(self, limits: Mapping[str, Limit]) -> None:
         self._gates = tuple((name, limit, ValueGate(limit)) for name, limit in limits.items())
         self._measured: R | None = None
         self._passed: R | None = None
 
-    def read(self) -> R | None:
-        """The latest plausible reading, without the values that are not; None without one."""
-        reading = self._part.read()
+    def judge(self, reading: R | None) -> R | None:
+        """The latest plausible reading, without the values that are not; None without one.
+
+        reading: the part's latest, which may be the previous one again.
+        """
         if reading is not self._measured:
             self._measured = reading
             self._judge(reading)

@@ -19,7 +19,7 @@ from companion.sensors.compass.earth_field import EarthFieldModel
 from companion.sensors.compass.magnetic_field import MotorLoad
 from companion.sensors.external import ExternalSensors
 from companion.sensors.fuel_gauge import FuelGauge
-from companion.sensors.plausibility import BATTERY, DEPTH, FIX, HEADING, GatedSensor
+from companion.sensors.plausibility import BATTERY, DEPTH, FIX, HEADING, ReadingGate
 from companion.sensors.readings import (
     BatteryReading,
     DepthReading,
@@ -76,9 +76,10 @@ class SensorSuite:
         self.field = hardware.field  # the correction of a bare magnetometer, None for other parts
         self._pausing = hardware.compass if isinstance(hardware.compass, PausingPart) else None
         self._hardware = hardware
-        self._gnss, self._compass = GatedSensor(hardware.gnss, FIX), GatedSensor(hardware.compass, HEADING)
-        self._battery = None if hardware.battery is None else GatedSensor(hardware.battery, BATTERY)
-        self._sounder = None if hardware.depth is None else GatedSensor(hardware.depth, DEPTH)
+        self._fix_gate = ReadingGate[GnssFix](FIX)
+        self._compass_gate = ReadingGate[HeadingReading](HEADING)
+        self._battery_gate = ReadingGate[BatteryReading](BATTERY)
+        self._depth_gate = ReadingGate[DepthReading](DEPTH)
         self._sector: Sector = ALL_ROUND
 
     @property
@@ -130,20 +131,20 @@ class SensorSuite:
         hardware, external, parts = self._hardware, self.external, config.parts
         if self.notices:
             self.notices.clear()
-        own_fix = self._gnss.read()
+        own_fix = self._fix_gate.judge(hardware.gnss.read())
         fix = external.choose_fix(own_fix, config.external, now_s)
         self.is_fix_own = fix is own_fix
         self.fix = fresh(fix, parts.gnss.timeout_s, now_s) if self.is_fix_own else fix
         if self._pausing is not None:
             self._pausing.may_pause = not (command.left or command.right)
-        compass = self._compass.read()
+        compass = self._compass_gate.judge(hardware.compass.read())
         self.compass = fresh(compass, parts.compass.silence_s, now_s)
         self.has_gyro |= self.compass is not None and self.compass.yaw_rate_rad_s is not None
         own_heading = trimmed(compass, config.trim, self.declination_rad(parts.compass))
         heading = external.choose_heading(own_heading, config.external, now_s)
         self.heading = None if heading is own_heading and self.compass is None else heading
-        if self._battery is not None:
-            self._read_battery(self._battery.read(), config, now_s, command)
+        if hardware.battery is not None:
+            self._read_battery(self._battery_gate.judge(hardware.battery.read()), config, now_s, command)
         if hardware.field is not None:
             battery = self.battery
             throttle = 0.5 * (abs(command.left) + abs(command.right))
@@ -151,8 +152,8 @@ class SensorSuite:
         if hardware.hull is not None:
             self.hull = fresh(hardware.hull.read(), parts.hull.timeout_s, now_s)
             self._tell(self._hull_silence, parts.hull.timeout_s, now_s, self.hull)
-        if self._sounder is not None:
-            self.depth = fresh(self._sounder.read(), parts.depth.timeout_s, now_s)
+        if hardware.depth is not None:
+            self.depth = fresh(self._depth_gate.judge(hardware.depth.read()), parts.depth.timeout_s, now_s)
             found = self.bottom if self.depth is None or self.depth.depth_m is None else self.depth
             self.bottom = fresh(found, parts.depth.timeout_s, now_s)
             self._tell(self._depth_silence, parts.depth.timeout_s, now_s, self.depth)

@@ -2,13 +2,13 @@
 
 import math
 import random
-from typing import Any, Generic, TypeVar
+from typing import Any
 
 import msgspec
 import pytest
 
 from companion.core.geo import LatLon
-from companion.sensors.plausibility import BATTERY, DEPTH, FIX, HEADING, GatedSensor, Limit, ValueGate
+from companion.sensors.plausibility import BATTERY, DEPTH, FIX, HEADING, Limit, ReadingGate, ValueGate
 from companion.sensors.readings import BatteryReading, DepthReading, GnssFix, HeadingReading
 
 DT_S = 0.02
@@ -77,19 +77,6 @@ def test_three_wrong_readings_in_a_row_make_a_part_erratic_and_two_do_not() -> N
     assert accepted(gate, now_s, 1.0, -1.0, 1.0, 0.0) == [False] * 4
 
 
-R = TypeVar("R", GnssFix, HeadingReading, BatteryReading, DepthReading)
-
-
-class Part(Generic[R]):
-    """Delivers what it is given."""
-
-    def __init__(self, reading: R) -> None:
-        self.reading: R | None = reading
-
-    def read(self) -> R | None:
-        return self.reading
-
-
 HEADED = HeadingReading(0.0, 1.0, 0.1, 0.05, -0.05)
 FIXED = GnssFix(0.0, LatLon(50.0, -1.2), 3, 12, 0.9, 1.0, -1.0)
 PACK = BatteryReading(0.0, 12.3, 4.0)
@@ -120,16 +107,15 @@ def test_an_impossible_value_is_missing_and_the_rest_of_its_reading_is_used(
     left: float | None,
 ) -> None:
     for value, expected in ((possible, possible), (impossible, left), (NAN, left)):
-        part: Part[Any] = Part(reading)
-        gated: GatedSensor[Any] = GatedSensor(part, limits)
-        assert gated.read() is reading
+        gate: ReadingGate[Any] = ReadingGate(limits)
+        assert gate.judge(reading) is reading
         changed: dict[str, Any] = {"time_s": 0.02, field: value}
-        part.reading = msgspec.structs.replace(reading, **changed)
-        judged = gated.read()
+        later = msgspec.structs.replace(reading, **changed)
+        judged = gate.judge(later)
         assert judged is not None
         wanted = msgspec.structs.asdict(reading) | changed | {field: expected}
         assert repr(msgspec.structs.asdict(judged)) == repr(wanted)  # NaN is NaN
-        assert gated.read() is gated.read(), "one reading is judged once"
+        assert gate.judge(later) is judged, "one reading is judged once"
 
 
 @pytest.mark.parametrize(
@@ -140,28 +126,20 @@ def test_an_impossible_value_is_missing_and_the_rest_of_its_reading_is_used(
 def test_a_battery_reading_with_an_impossible_value_is_not_used(
     voltage_v: float, current_a: float | None, *, is_possible: bool
 ) -> None:
-    part = Part(PACK)
-    gated = GatedSensor(part, BATTERY)
-    assert gated.read() is PACK
+    gate = ReadingGate[BatteryReading](BATTERY)
+    assert gate.judge(PACK) is PACK
     later = BatteryReading(0.1, voltage_v, current_a)
-    part.reading = later
-    assert gated.read() is (later if is_possible else PACK)
+    assert gate.judge(later) is (later if is_possible else PACK)
 
 
 def test_an_empty_pack_is_believed_with_the_third_reading() -> None:
-    part = Part(PACK)
-    gated = GatedSensor(part, BATTERY)
-    gated.read()
-    heard = []
-    for tick in range(1, 5):
-        part.reading = BatteryReading(0.1 * tick, 0.0, 0.0)
-        heard.append(gated.read() is part.reading)
-    assert heard == [False, False, True, True]
+    gate = ReadingGate[BatteryReading](BATTERY)
+    gate.judge(PACK)
+    later = [BatteryReading(0.1 * tick, 0.0, 0.0) for tick in range(1, 5)]
+    assert [gate.judge(reading) is reading for reading in later] == [False, False, True, True]
 
 
 def test_a_part_that_has_no_reading_any_more_has_none() -> None:
-    part = Part(PACK)
-    gated = GatedSensor(part, BATTERY)
-    assert gated.read() is PACK
-    part.reading = None
-    assert gated.read() is None
+    gate = ReadingGate[BatteryReading](BATTERY)
+    assert gate.judge(PACK) is PACK
+    assert gate.judge(None) is None
