@@ -45,6 +45,8 @@ logger = logging.getLogger(__name__)
 
 COMPONENT_ID = 1  # ground stations accept only component 1 as a vehicle
 TICK_S = 0.02
+LEAP_S = 1.0  # between two ticks; shorter than the timeout of any failsafe
+SETTLE_S = 1.5  # heartbeats come each second, all readings sooner
 _BARE = Thrusters()  # without trim, while the motors are measured
 _LINKS_S = 0.1  # how often links without a descriptor are checked
 
@@ -167,13 +169,20 @@ class Boat:
         Raises:
             Exception: a fault that persists; the motors are off, and the boat is disarmed.
         """
-        self._now_s = now_s
+        leap_s, self._now_s = now_s - self._now_s if self._now_s else 0.0, now_s
         try:
+            if leap_s > LEAP_S:
+                self._note_leap(leap_s, now_s)
             self._step(now_s)
         except Exception as error:
             self._catch(error)
         else:
             self.net.passed()
+
+    def _note_leap(self, leap_s: float, now_s: float) -> None:
+        """Nothing was read meanwhile: what is silent shows once all have had the time to report again."""
+        self.vehicle.notify(Severity.WARNING, f"Clock leapt by {leap_s:.1f} s, or the program hung")
+        self.vehicle.failsafes.postpone(now_s + SETTLE_S)
 
     def _step(self, now_s: float) -> None:
         self.vehicle.config = self.parameters.config  # a mission or a calibration may have changed it

@@ -52,6 +52,10 @@ class Failsafes:
         """Whether the next cycle is due."""
         return now_s >= self._due_s
 
+    def postpone(self, until_s: float) -> None:
+        """No cycle is due before."""
+        self._due_s = until_s
+
     def is_active(self, condition: Condition) -> bool:
         """Whether this has fired and is not over."""
         return bool(self.active & int(condition))

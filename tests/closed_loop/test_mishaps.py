@@ -3,6 +3,7 @@
 import pytest
 from boat_rig import HOME_ITEM, scenario, waypoint
 
+from companion.failsafe.table import Condition
 from sitl.run.mission_run import MissionRun, Result
 
 CURRENT = ("environment.current_m_s=0.5", "environment.current_to_deg=90.0")
@@ -28,6 +29,19 @@ def test_a_loop_that_hangs_finds_the_boat_again_at_the_next_fixes(size: float, a
     nav = mission_run.lockstep.boat.nav
     assert nav is not None
     assert not nav.faults
+
+
+def test_a_leap_of_the_clock_is_told_and_loses_no_operator() -> None:
+    mission_run, result = sail("what='clock', kind='wrong', size=10.0, at_s=15.0")
+    assert result.completed, said(mission_run)
+    assert "Clock leapt by 10.0 s, or the program hung" in said(mission_run)
+    assert not [text for text in said(mission_run) if "Failsafe" in text]
+
+
+def test_an_operator_who_is_silent_before_and_after_a_leap_of_the_clock_is_lost() -> None:
+    silent = "what='link', at_s=20.0}, {what='clock', kind='wrong', size=10.0, at_s=22.0"
+    mission_run, _ = sail(silent)
+    assert mission_run.lockstep.boat.vehicle.failsafes.is_active(Condition.OPERATOR_LOST)
 
 
 def test_a_battery_monitor_that_talks_nonsense_ends_no_mission() -> None:

@@ -1,6 +1,7 @@
 """`boat-companion run` as on the boat: serial parts on pseudo-terminals, pins that are gpiozero's mocks."""
 
 import itertools
+import os
 import re
 import signal
 import time
@@ -99,6 +100,24 @@ def test_it_finds_itself_arms_and_obeys_the_operators_hand(boat: Program, open_s
     # The journal says what the operator was told
     for line in ("INFO Mode MANUAL", "INFO Armed", "ERROR AUTO: no mission"):
         boat.wait_for(rf"^[-0-9]+ [:,0-9]+ {line}", stream="err")
+
+
+def test_a_program_that_hung_reads_the_heartbeats_that_waited_before_it_misses_an_operator(
+    boat: Program, open_station: OpenStation
+) -> None:
+    station = open_station(port_of(boat))
+    station.heartbeat()
+    station.listen(0.5)
+    os.kill(boat.pid, signal.SIGSTOP)
+    for _ in range(8):  # seconds; after 5 an operator is lost
+        station.heartbeat()
+        station.link.recv_match(type="PING", blocking=True, timeout=1.0)
+    os.kill(boat.pid, signal.SIGCONT)
+    texts = [station.wait_for("STATUSTEXT").text]
+    while "Clock leapt by" not in texts[-1]:
+        texts.append(station.wait_for("STATUSTEXT").text)
+    texts += [told.text for told in station.listen(3.0) if told.get_type() == "STATUSTEXT"]
+    assert not [text for text in texts if "Operator lost" in text]
 
 
 def channels(throttle_us: int, arm_us: int) -> bytes:
