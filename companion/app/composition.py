@@ -19,7 +19,8 @@ from companion.boat import TICK_S, Boat
 from companion.config.board import read_model
 from companion.config.boat_config import BoatConfig, LinkConfig
 from companion.config.rc import Rc
-from companion.core.errors import ConfigError
+from companion.core.errors import ConfigError, StorageError
+from companion.core.status_text import Severity
 from companion.hal.interfaces import Hardware
 from companion.hal.link_interfaces import Port
 from companion.links.port_url import open_port, parse_port_url
@@ -206,13 +207,19 @@ def run_boat(
         faults = [link.error for link in links if link.error is not None]
         if len(faults) == len(links) and not notifier.is_supervised:
             raise faults[0]
-        logbook = open_log(config, config.storage.folder)
+        logbook, log_faults = None, dict[str, str]()
+        try:
+            logbook = open_log(config, config.storage.folder)
+        except StorageError as error:  # a card that has become read-only, or is full
+            log_faults["log"] = str(error)
         boat = Boat(config, hardware, ports, storage, clock.unix_offset_s(), logbook)
         undo.callback(boat.close)
         boat.endpoint.texts.logs_texts = True
+        for name, fault in log_faults.items():
+            boat.vehicle.notify(Severity.WARNING, f"No {name}: {fault}")
 
         def missing() -> dict[str, str]:
-            return {one.name: one.fault for one in (*hardware.retried, *links) if one.fault}
+            return {one.name: one.fault for one in (*hardware.retried, *links) if one.fault} | log_faults
 
         path = status_path(config)
         status = (

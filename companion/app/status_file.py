@@ -7,6 +7,7 @@ so that a reader finds the old content or the new; not flushed, because nothing 
 import os
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
 
 import msgspec
@@ -94,7 +95,8 @@ class StatusFile:
     def close(self) -> None:
         """Wait for what is under way, and take the file away: nobody runs any more. May be called twice."""
         self._worker.shutdown(wait=True)
-        self._path.unlink(missing_ok=True)
+        with suppress(OSError):  # a medium that has become read-only
+            self._path.unlink(missing_ok=True)
 
 
 def status_path(config: BoatConfig) -> Path | None:

@@ -76,7 +76,8 @@ class FolderMount:
         self._quota = Quota(folder, quota_bytes)
         self._aside = aside or folder.with_name(f".{folder.name}.new")
         if quota_bytes:
-            folder.mkdir(parents=True, exist_ok=True)
+            with suppress(OSError):  # a read-only medium; writing will say so
+                folder.mkdir(parents=True, exist_ok=True)
 
     def open(self, names: Names) -> DiskReading:
         """Open a file with its beginning loaded."""

@@ -233,6 +233,17 @@ def test_the_motors_are_let_go_when_the_memory_cannot_be_used(tmp_path: Path) ->
     assert parts.events == ["close"]
 
 
+def test_a_card_that_cannot_be_written_keeps_no_boat_from_starting(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    for folder in ("logs", "files"):
+        (tmp_path / folder).write_bytes(b"")  # stands for a card that has become read-only
+    parts = Parts()
+    run_boat(config("udpin:127.0.0.1:0", storage={"folder": str(tmp_path)}), after(3), open_parts=parts.open)
+    assert "write" in parts.events
+    assert f"No log: {tmp_path}/logs: cannot be used for logs" in caplog.text
+
+
 def test_ports_are_opened_all_or_none() -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
