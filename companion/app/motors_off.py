@@ -13,13 +13,14 @@ that is needed: it has to be quick. A file that cannot be read stands for a boat
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from time import sleep
+from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig, load_config
 from companion.config.parts import MotorsPart, Parts, Pca9685Part, PulseOutputSetting
-from companion.config.parts.payload import PayloadSetting, RelayPayload, WinchPayload
+from companion.config.parts.payload import RelayPayload, WinchPayload
 from companion.core.errors import ConfigError, HardwareError
 
 _PINCTRL = "pinctrl"  # of Raspberry Pi OS; "op dl" is output, driven low
@@ -39,28 +40,50 @@ def main(arguments: list[str]) -> int:
     except ConfigError as error:
         sys.stderr.write(f"motors_off: {error}; taking the default pins\n")
         code = 2
-    motors, stopped = config.parts.motors, True
+    stopped = [_end(outputs, config.parts.pca9685) for outputs in outputs_to_end(config)]
+    return code if all(stopped) else 1
+
+
+class Outputs(NamedTuple):
+    """low, high: pins that end at this level. signals: those that go on after a kill."""
+
+    low: list[int]
+    high: list[int]
+    signals: list[PulseOutputSetting]
+
+
+def outputs_to_end(config: BoatConfig) -> list[Outputs]:
+    """Those of the motors, then those of the payload: winches stopped; relays, lights and horns off."""
+    motors, has_pair = config.parts.motors, config.drive.has_pair
+    pins, signals = list[int](), list[PulseOutputSetting]()
     if motors.driver == "esc":
-        signals = (motors.left, motors.right) if config.drive.has_pair else (motors.left,)
-        stopped = _end_signals(signals, config.parts.pca9685)
+        signals = [motors.left, motors.right][: 1 + has_pair]
     elif motors.driver != "none":
-        stopped = _drive(motors.stop_pins(has_right=config.drive.has_pair), _LOW)
-    stopped &= _stop_payload(config.payload, config.parts.pca9685)
-    return code if stopped else 1
+        pins = motors.stop_pins(has_right=has_pair)
+    relays = [one for one in config.payload if isinstance(one, RelayPayload)]
+    winches = [one for one in config.payload if isinstance(one, WinchPayload)]
+    off = [relay.pin for relay in relays if not relay.active_low]
+    off += [pin for winch in winches for name, pin in winch.pins.items() if name != "count_pin"]
+    return [
+        _outputs(pins, [], signals),
+        _outputs(
+            off,
+            [relay.pin for relay in relays if relay.active_low],
+            [winch.signal_in_use for winch in winches if winch.signal_in_use is not None],
+        ),
+    ]
 
 
-def _stop_payload(payloads: Iterable[PayloadSetting], chip: Pca9685Part) -> bool:
-    """Winches stopped; relays, lights and horns off."""
-    levels: dict[str, list[int]] = {_LOW: [], _HIGH: []}
-    signals: list[PulseOutputSetting] = []
-    for one in payloads:
-        if isinstance(one, RelayPayload):
-            levels[_HIGH if one.active_low else _LOW].append(one.pin)
-        elif isinstance(one, WinchPayload):
-            levels[_LOW] += [pin for name, pin in one.pins.items() if name != "count_pin"]
-            signals += () if one.signal_in_use is None else (one.signal_in_use,)
-    stopped = [_drive(pins, level) for level, pins in levels.items() if pins]
-    return all(stopped) and (not signals or _end_signals(signals, chip))
+def _outputs(low: list[int], high: list[int], signals: list[PulseOutputSetting]) -> Outputs:
+    """A software signal has ended with the program: its pin is driven low."""
+    pins = [signal.pin for signal in signals if signal.output == "software"]
+    return Outputs(low + pins, high, [signal for signal in signals if signal.output != "software"])
+
+
+def _end(outputs: Outputs, chip: Pca9685Part) -> bool:
+    low = not outputs.low or _drive(outputs.low, _LOW)
+    high = not outputs.high or _drive(outputs.high, _HIGH)
+    return _end_signals(outputs.signals, chip) and low and high
 
 
 def _drive(pins: Iterable[int], level: str) -> bool:
@@ -76,20 +99,18 @@ def _drive(pins: Iterable[int], level: str) -> bool:
     return True
 
 
-def _end_signals(signals: Iterable[PulseOutputSetting], chip: Pca9685Part) -> bool:
-    """Neutral on all that still have pulses, then the end of the pulses."""
-    still = [signal for signal in signals if signal.output != "software"]
-    pins = [signal.pin for signal in signals if signal.output == "software"]
-    stopped = _drive(pins, _LOW) if pins else True
+def _end_signals(signals: Sequence[PulseOutputSetting], chip: Pca9685Part) -> bool:
+    """Neutral on all, then the end of the pulses."""
+    stopped = True
     for is_end in (False, True):
-        for signal in still:
+        for signal in signals:
             try:
                 _replace(signal, 0.0 if is_end else signal.trim_us, chip)
             except (OSError, HardwareError) as error:
                 sys.stderr.write(f"motors_off: {error}\n")
                 stopped = False
-        if still and not is_end:
-            sleep(_LAST_PULSES / min(chip.frequency_hz, *(signal.frequency_hz for signal in still)))
+        if signals and not is_end:
+            sleep(_LAST_PULSES / min(chip.frequency_hz, *(signal.frequency_hz for signal in signals)))
     return stopped
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from companion.app.doctor.findings import Examined, Finding, Verdict
 from companion.app.install.files import FileText
+from companion.app.motors_off import outputs_to_end
 from companion.app.needs import Needs, needs_of
 from companion.config.board import HEADER_I2C, is_main_uart, is_pi_5
 
@@ -128,12 +129,12 @@ def check_main_port(examined: Examined) -> list[Finding]:
 
 
 def check_motors_off(examined: Examined) -> list[Finding]:
-    """The program with which the unit drives the motors' pins low after a kill."""
-    if examined.config.parts.motors.driver in ("esc", "none"):
+    """The program with which the unit switches pins off after a kill."""
+    if not any(outputs.low or outputs.high for outputs in outputs_to_end(examined.config)):
         return []
     if any(examined.path(f"{folder}/pinctrl").exists() for folder in _PROGRAMS):
-        return [Finding("pinctrl", Verdict.FINE, "stops the motors if the program is killed")]
-    text = "not installed: motors would run on if the program were killed"
+        return [Finding("pinctrl", Verdict.FINE, "switches motors and payload off if the program is killed")]
+    text = "not installed: motors or payload would run on if the program were killed"
     return [Finding("pinctrl", Verdict.FAILED, text, "sudo apt install raspi-utils")]
 
 

@@ -25,7 +25,7 @@ from companion.app.needs import (
     i2c_chips,
     needs_of,
 )
-from companion.config.boat_config import BoatConfig
+from companion.config.boat_config import BoatConfig, decode_config
 from companion.config.drive import DriveSetting
 from companion.config.parts import BatteryPart, CompassPart, GnssPart, MotorsPart, Parts, PulseOutputSetting
 from companion.config.parts import RudderPart as Rudder
@@ -221,6 +221,25 @@ def test_the_program_that_stops_the_motors_after_a_kill_is_looked_for(examine: E
     assert check_motors_off(examine({}, KIT))[0].verdict is Verdict.FAILED
     assert check_motors_off(examine({}, ESC)) == []
     assert check_motors_off(examine({"/usr/bin/pinctrl": ""}, KIT))[0].verdict is Verdict.FINE
+
+
+@pytest.mark.parametrize(
+    "payload",
+    [
+        {"kind": "relay", "number": 0, "pin": 17},
+        {"kind": "light", "number": 1, "pin": 17, "active_low": True},
+        {"kind": "winch", "number": 1, "out_pin": 23, "in_pin": 26},
+        {"kind": "winch", "number": 1, "signal": {"output": "software", "pin": 17}},
+    ],
+)
+def test_a_payload_on_pins_needs_that_program_too(examine: Examine, payload: dict[str, object]) -> None:
+    config = decode_config({"parts": {"motors": {"driver": "esc"}}, "payload": [payload]}, "test")
+    assert check_motors_off(examine({}, config))[0].verdict is Verdict.FAILED
+
+
+def test_speed_controllers_with_software_pulses_need_that_program_too(examine: Examine) -> None:
+    escs = decode_config({"parts": {"motors": {"driver": "esc", "left": {"output": "software"}}}}, "test")
+    assert check_motors_off(examine({}, escs))[0].verdict is Verdict.FAILED
 
 
 def test_missing_devices_are_named_with_their_keys(examine: Examine) -> None:
