@@ -25,6 +25,11 @@ _FILES = {
         "a journal on disk of at most 200 MB",
     ),
     "modules.conf": (Path("/etc/modules-load.d/mavboat.conf"), "drivers of I²C and USB ports loaded early"),
+    "watchdog.conf": (
+        Path("/etc/systemd/system.conf.d/mavboat.conf"),
+        "a hardware watchdog that resets a hung computer",
+    ),
+    "panic.conf": (Path("/etc/sysctl.d/90-mavboat.conf"), "a restart after a panic of the kernel"),
 }
 
 

@@ -1,6 +1,7 @@
 """`boat-companion install` and `uninstall` on the root folder of another system."""
 
 import os
+import re
 import shutil
 import stat
 from pathlib import Path
@@ -14,7 +15,7 @@ from companion.app.install.page import PageOptions
 from companion.app.install.plan import GROUPS, install_steps, uninstall_steps
 from companion.app.install.steps import Step
 from companion.app.install.target import InstallError, Target, is_readable_by_others
-from companion.app.install.unit import PROGRAMS, unit_text
+from companion.app.install.unit import FILES, PROGRAMS, unit_text
 from companion.config.boat_config import load_config
 
 PROJECT = Path(__file__).parents[4]
@@ -30,6 +31,8 @@ FILES_MADE = {
     "etc/udev/rules.d/60-mavboat.rules",
     "etc/modules-load.d/mavboat.conf",
     "etc/systemd/journald.conf.d/mavboat.conf",
+    "etc/systemd/system.conf.d/mavboat.conf",
+    "etc/sysctl.d/90-mavboat.conf",
     "etc/systemd/system/mavboat.service",
     "etc/systemd/system/multi-user.target.wants/mavboat.service",
 }
@@ -181,6 +184,27 @@ def test_nobody_but_root_installs(
     monkeypatch.setattr("companion.app.install.cli.os.geteuid", lambda: 1000)
     assert run_program(["install"]) == 1
     assert "start it with sudo" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["install", "uninstall"])
+def test_a_system_without_systemd_is_refused_before_anything_is_done(
+    root: Path, command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (root / "programs").mkdir()
+    monkeypatch.setenv("PATH", str(root / "programs"))
+    before = snapshot(root)
+    assert run_program([command, "--root", str(root)]) == 2
+    assert snapshot(root) == before
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert re.fullmatch(r"boat-companion: systemctl: not installed; .*\n", said.err)
+
+
+def test_a_hung_computer_is_reset_within_what_every_pis_timer_takes() -> None:
+    watchdog, panic = ((FILES / name).read_text("utf-8") for name in ("watchdog.conf", "panic.conf"))
+    (seconds,) = re.findall(r"^\[Manager\]\n(?:#.*\n)*RuntimeWatchdogSec=(\d+)$", watchdog, re.MULTILINE)
+    assert 0 < int(seconds) <= 15, "bcm2835_wdt before Linux 6.8 refuses more, and systemd goes without"
+    assert "\nkernel.panic = -1\n" in panic
 
 
 def test_an_environment_in_a_closed_home_is_refused(
