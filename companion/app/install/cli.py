@@ -10,11 +10,11 @@ import typer
 from companion.app.composition import check_config
 from companion.app.init.presets import preset_text
 from companion.app.install.accounts import USER
-from companion.app.install.page import PIN_FILE, SHORE_UNIT, PageOptions, page_of
+from companion.app.install.page import PIN_FILE, SHORE_UNIT, PageOptions, check_page_program, page_of
 from companion.app.install.plan import USB_FILE, install_steps, uninstall_steps
 from companion.app.install.service import UNIT
 from companion.app.install.steps import apply_steps, describe_steps
-from companion.app.install.target import InstallError, Target, is_readable_by_others
+from companion.app.install.target import InstallError, Target, is_readable_by_others, need_programs
 from companion.app.install.unit import CONFIG, PROGRAMS
 from companion.app.install.usb_names import usb_rules
 from companion.config.boat_config import load_config
@@ -53,6 +53,8 @@ def install(
     wanted = page_of(target, _page_options(page_map) if page else None)
     if wanted is None and page_map is not None:
         raise typer.BadParameter("--page-map needs --page")
+    if page and target.is_this_machine:
+        check_page_program(target, programs)
     steps = install_steps(target, programs, text, _usb_text(target, usb or []), wanted)
     program = programs / "boat-companion"
     if dry_run:
@@ -62,6 +64,7 @@ def install(
         raise InstallError(
             f"{program}: not readable by the boat's user; make the environment in /opt/mavboat"
         )
+    need_programs("systemctl", "groupadd", "useradd")
     apply_steps(steps, typer.echo)
     if not target.path(program).exists():
         typer.echo(f"{program} is missing in {target.root}: install mavboat there before the first start")
@@ -89,8 +92,9 @@ def uninstall(
     steps = uninstall_steps(target, purge=purge)
     if dry_run:
         describe_steps(steps, typer.echo)
-    else:
-        apply_steps(steps, typer.echo)
+        return
+    need_programs("systemctl")
+    apply_steps(steps, typer.echo)
 
 
 def _usb_text(target: Target, usb: list[str]) -> str:

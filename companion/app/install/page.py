@@ -8,7 +8,7 @@ from typing import Final
 from companion.app.install.files import FileText
 from companion.app.install.service import Enabled
 from companion.app.install.steps import Step
-from companion.app.install.target import Target
+from companion.app.install.target import InstallError, Target, UnmetError
 from companion.app.install.unit import CONFIG, FILES
 
 SHORE_UNIT: Final = "mavboat-shore.service"
@@ -31,6 +31,18 @@ def page_of(target: Target, asked: PageOptions | None) -> PageOptions | None:
     if asked is None and target.path(SHORE_UNIT_FILE).exists():
         return PageOptions()
     return asked
+
+
+def check_page_program(target: Target, programs: Path) -> None:
+    """Start the page's program, which does its imports.
+
+    Raises:
+        UnmetError: it cannot start, with what it says.
+    """
+    try:
+        target.run(str(programs / "boat-shore"), "--version")
+    except InstallError as error:
+        raise UnmetError(f"--page: {error}") from None
 
 
 def shore_unit_text(programs: Path, *, has_map: bool) -> str:

@@ -3,6 +3,7 @@
 import grp
 import os
 import pwd
+import shutil
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +15,12 @@ _LONGEST_S = 60.0  # for one of the system's own programs
 
 class InstallError(BoatError, OSError):
     """A step of an installation failed."""
+
+
+class UnmetError(InstallError):
+    """Something that has to be there before an installation."""
+
+    exit_code = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +86,17 @@ class Target:
                 f"{self.root}: no etc/{name}; expected the root folder of a Linux system"
             ) from None
         return [fields for fields in (line.split(":") for line in lines) if len(fields) == length]
+
+
+def need_programs(*names: str) -> None:
+    """The system's own programs that the steps will run.
+
+    Raises:
+        UnmetError: names the first that is missing.
+    """
+    for name in names:
+        if shutil.which(name) is None:
+            raise UnmetError(f"{name}: not installed; expected a Linux system with systemd and passwd")
 
 
 def is_readable_by_others(path: Path) -> bool:

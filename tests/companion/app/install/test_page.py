@@ -1,5 +1,7 @@
 """`install --page`: the shore page as a service, and what it may then do."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -61,6 +63,32 @@ def test_a_map_needs_the_page(root: Path, capsys: pytest.CaptureFixture[str]) ->
     (root / "pond.geojson").touch()
     assert install(root, "--page-map", str(root / "pond.geojson")) == 2
     assert "--page-map needs --page" in capsys.readouterr().err
+
+
+def test_a_page_that_could_not_start_is_not_installed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    program = tmp_path / "boat-shore"
+    program.write_text("#!/bin/sh\necho \"boat-shore: needs the extra 'web'\" >&2\nexit 2\n", "utf-8")
+    program.chmod(0o755)
+    options = ["install", "--programs", str(tmp_path), "--dry-run"]
+    assert run_program([*options, "--page"]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    line = f"boat-companion: --page: {program} --version: boat-shore: needs the extra 'web'\n"
+    assert said.err == line
+    program.write_text("#!/bin/sh\necho 0.1.0\n", "utf-8")
+    assert run_program([*options, "--page"]) == 0
+
+
+def test_the_page_program_says_its_version_only_when_it_can_serve() -> None:
+    code = (
+        "import sys; sys.modules['aiohttp'] = None; sys.argv[1:] = ['--version']\n"
+        "from companion.shore.__main__ import main; main()"
+    )
+    ended = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True)
+    assert (ended.returncode, ended.stdout) == (2, "")
+    assert "needs the extra 'web'" in ended.stderr
 
 
 def test_the_unit_starts_the_page_with_options_that_it_has() -> None:
