@@ -178,10 +178,6 @@ class Pca9685Twin:
         self.is_oe_high = True
         self._record()
 
-    def close(self) -> None:
-        """OE is let go: its resistor pulls it up."""
-        self.off()
-
     def _acknowledge(self) -> None:
         if self.lost:
             self.lost -= 1

@@ -113,14 +113,13 @@ class OutputEnable(Protocol):
 
     def on(self) -> None: ...
     def off(self) -> None: ...
-    def close(self) -> None: ...
 
 
 class Pca9685Board:
     """A chip, and the thread that writes to it. `step` is one turn of the thread."""
 
     def __init__(self, chip: Pca9685, enable: OutputEnable | None = None, name: str = "PCA9685") -> None:
-        """enable: on while the chip answers, closed last; None: OE is wired to ground."""
+        """enable: on while the chip answers; None: OE is wired to ground."""
         self.dips = 0  # number of times that it had to be set up again
         self.fault = ""  # why it does not answer; empty while it does
         self.users = 0
@@ -200,8 +199,6 @@ class Pca9685Board:
         finally:
             self._chip.bus.close()
             self._let_out(False)
-            if self._enable is not None:
-                self._enable.close()
 
     def _let_out(self, is_on: bool) -> None:
         """Set OE, if it is wired."""
@@ -282,6 +279,7 @@ class Pca9685Pulses:
 
 
 _boards: dict[tuple[int | str, int], Pca9685Board] = {}  # open chips by bus and address
+_enables: dict[int, OutputEnable] = {}  # by pin; held high without a chip, until the program ends
 _opening = threading.Lock()
 
 
@@ -295,13 +293,8 @@ def open_pca9685_pulses(setting: PulseOutputSetting, part: Pca9685Part) -> Pca96
         place = (part.i2c_bus, part.address)
         board = _boards.get(place)
         if board is None:
-            enable = _open_output_enable(part)
-            try:
-                chip = open_i2c_part("PCA9685", part.i2c_bus, part.address, lambda bus: Pca9685(bus, part))
-            except HardwareError:
-                if enable is not None:
-                    enable.close()
-                raise
+            enable = _output_enable(part.output_enable)
+            chip = open_i2c_part("PCA9685", part.i2c_bus, part.address, lambda bus: Pca9685(bus, part))
             board = Pca9685Board(chip, enable)
             board.start()
             _boards[place] = board
@@ -317,13 +310,14 @@ def open_pca9685_pulses(setting: PulseOutputSetting, part: Pca9685Part) -> Pca96
     return Pca9685Pulses(board, setting, release)
 
 
-def _open_output_enable(part: Pca9685Part) -> OutputEnable | None:
-    """OE, driven high; the chip's outputs stay off until its set-up is done."""
-    if part.output_enable < 0:
+def _output_enable(pin: int) -> OutputEnable | None:
+    """OE, driven high at first; the chip's outputs stay off until its set-up is done."""
+    if pin < 0:
         return None
-    with opening_pins("PCA9685") as gpiozero:
-        pin: OutputEnable = gpiozero.OutputDevice(part.output_enable, active_high=False, initial_value=False)
-    return pin
+    if pin not in _enables:
+        with opening_pins("PCA9685") as gpiozero:
+            _enables[pin] = gpiozero.OutputDevice(pin, active_high=False, initial_value=False)
+    return _enables[pin]
 
 
 def replace_pca9685_pulses(channel: int, width_us: float, part: Pca9685Part) -> None:

@@ -178,17 +178,22 @@ def test_a_stop_while_the_last_width_is_under_way_is_not_lost(
     assert chip.width_us(0) == pytest.approx(1500.0, abs=3.0)
 
 
-def test_the_outputs_are_enabled_once_they_are_off_and_disabled_at_the_end(
+def test_the_outputs_are_enabled_once_they_are_off_and_disabled_without_a_chip(
     dev: I2cDev, chip: Pca9685Twin, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pins = PinBoard()
+    pins, part = PinBoard(), Pca9685Part(output_enable=4)
     monkeypatch.setattr("gpiozero.Device.pin_factory", pins.factory)
+    monkeypatch.setattr("companion.hal.pulses.pca9685._enables", {})
     pin = pins.pin(4)
     pin.pull = "up"  # the resistor at OE
-    output = open_pca9685_pulses(LEFT, Pca9685Part(output_enable=4))
+    chip.lost = 1
+    with pytest.raises(HardwareError, match="no answer"):
+        open_pca9685_pulses(LEFT, part)
+    assert (pin.function, pin.state) == ("output", True), "a resistor to ground must not let it out"
+    output = open_pca9685_pulses(LEFT, part)
     assert (pin.function, pin.state) == ("output", False)
     output.close()
-    assert pin.function == "input"
+    assert (pin.function, pin.state) == ("output", True)
     assert not any(signal.width_us for signal in chip.history)
 
 
