@@ -10,6 +10,7 @@ from rich.console import Console
 from companion.app.clock import SystemClock
 from companion.app.composition import check_config
 from companion.app.doctor.accounts import account_findings
+from companion.app.doctor.by_hand import turn_by_hand
 from companion.app.doctor.computer import computer_findings
 from companion.app.doctor.findings import Examined, Finding, Verdict
 from companion.app.doctor.motors import nudge_motors
@@ -30,6 +31,7 @@ def doctor(
         bool, typer.Option("--fix", help="Correct groups and start-up files, with a copy.")
     ] = False,
     motors: Annotated[bool, typer.Option("--motors", help="Turn the motors, after a typed yes.")] = False,
+    compass: Annotated[bool, typer.Option("--compass", help="Turn the boat by hand, and compare.")] = False,
     root: Annotated[
         Path, typer.Option(help="Another system's root folder: its files only, no parts.")
     ] = Path("/"),
@@ -38,11 +40,11 @@ def doctor(
 
     Example:  sudo systemctl stop mavboat; boat-companion doctor --motors
     """
-    if motors and json:
-        raise typer.BadParameter("--motors asks a question; leave out --json")
+    if (motors or compass) and json:
+        raise typer.BadParameter("--motors and --compass ask questions; leave out --json")
     target, clock = Target(root.resolve()), SystemClock()
     path = config or target.path(CONFIG)
-    found = _read(path)
+    found = _read(path, Examined(target, BoatConfig()).model)
     tree = found if isinstance(found, BoatConfig) else BoatConfig()
     examined = Examined(target, tree)
     findings = [*computer_findings(examined, time.time()), *account_findings(examined)]
@@ -54,7 +56,10 @@ def doctor(
     findings += settings_findings(examined)
     if target.is_this_machine:
         findings += part_findings(examined, clock)
-        if motors and running_boat(examined) is None:
+        is_free = running_boat(examined) is None
+        if compass and is_free:
+            findings.append(turn_by_hand(tree, clock, _enter, typer.echo))
+        if motors and is_free:
             findings.append(nudge_motors(tree, clock, typer.prompt, typer.echo))
     if json:
         typer.echo(as_json(findings))
@@ -68,10 +73,14 @@ def doctor(
         raise typer.Exit(1)
 
 
-def _read(path: Path) -> BoatConfig | Finding:
+def _enter(question: str) -> str:
+    return str(typer.prompt(question, default="", show_default=False))
+
+
+def _read(path: Path, model: str) -> BoatConfig | Finding:
     try:
         config = load_config(path)
-        check_config(config)
+        check_config(config, model)
     except BoatError as error:
         cure = "correct the file, or make one with `boat-companion init`"
         return Finding("configuration", Verdict.FAILED, str(error), cure)

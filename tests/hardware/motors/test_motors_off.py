@@ -118,6 +118,21 @@ def test_speed_controllers_on_a_pca9685_get_neutral_and_then_no_pulses(
     assert waits == [pytest.approx(0.06)]
 
 
+@pytest.mark.parametrize("answers", [True, False])
+def test_oe_of_a_pca9685_is_driven_high_whether_or_not_its_bus_answers(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, pinctrl: Path, waits: list[float], answers: bool
+) -> None:
+    chip = Pca9685Twin()
+    chip.put(0x00, b"\x20")  # the killed program has set it up
+    plug_in(monkeypatch, tmp_path, {0x41: chip} if answers else {})
+    left, right = (f'{{output = "pca9685", channel = {channel}}}' for channel in (2, 3))
+    motors = f'parts.motors = {{driver = "esc", left = {left}, right = {right}}}'
+    assert run(tmp_path, f"{motors}\nparts.pca9685.output_enable = 22") == 0
+    assert pinctrl.read_text(encoding="utf-8") == "set 22 op dh\n"
+    pinctrl.parent.joinpath("bin", "pinctrl").unlink()
+    assert run(tmp_path, f"{motors}\nparts.pca9685.output_enable = 22") == 1, "OE may be low"
+
+
 def test_a_software_signal_has_ended_and_its_pin_is_driven_low(
     pinctrl: Path, tmp_path: Path, waits: list[float]
 ) -> None:
@@ -136,7 +151,9 @@ def test_one_signal_that_cannot_be_ended_does_not_keep_the_other_running(
     text = 'parts.motors = {driver = "esc", left = {output = "pca9685"}, right = {pin = 12}}'
     assert run(tmp_path, text) == 1
     assert kernel.channel("pwmchip0", 0)["enable"] == "0"
-    assert "motors_off: PCA9685: no answer at I²C address 0x41" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert "motors_off: PCA9685: no answer at I²C address 0x41" in told
+    assert told.endswith("motors_off: a motor may still be running: switch the boat off\n")
 
 
 def test_winches_stop_and_relays_are_switched_off_whatever_the_motors_are(

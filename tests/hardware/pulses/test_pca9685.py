@@ -11,7 +11,7 @@ from twins.pins import PinBoard
 from twins.pulses import Pca9685Twin
 
 from companion.config.parts import Pca9685Part, PulseOutputSetting
-from companion.core.errors import HardwareError
+from companion.core.errors import HardwareError, SilentOutputsError
 from companion.hal.pulses.pca9685 import (
     Pca9685,
     Pca9685Board,
@@ -176,6 +176,69 @@ def test_a_stop_while_the_last_width_is_under_way_is_not_lost(
     output.write_us(1900.0)
     board.step()
     assert chip.width_us(0) == pytest.approx(1500.0, abs=3.0)
+
+
+def test_a_chip_that_runs_at_the_frequency_is_not_put_to_sleep(bus: I2cBus, chip: Pca9685Twin) -> None:
+    Pca9685(bus, PART)
+    assert chip.sleeps_while_running == 0, "it was asleep"
+    chip.put(0x06, bytes([0, 0, 0x40, 0x01]))
+    Pca9685(bus, PART)
+    assert chip.sleeps_while_running == 0
+    assert chip.width_us(0) == 0.0
+    Pca9685(bus, Pca9685Part(frequency_hz=200))
+    assert chip.frequency_hz == pytest.approx(200.0, rel=0.02)
+
+
+def test_the_outputs_are_off_while_a_chip_does_not_answer(bus: I2cBus, chip: Pca9685Twin) -> None:
+    chip.off()
+    board = Pca9685Board(Pca9685(bus, PART), chip)
+    output = Pca9685Pulses(board, LEFT)
+    output.write_us(1900.0)
+    board.step()
+    assert chip.width_us(0) == pytest.approx(1900.0, abs=3.0)
+    chip.lost = 5
+    for _ in range(5):
+        board.step()
+    assert chip.is_oe_high
+    with pytest.raises(SilentOutputsError) as caught:
+        output.write_us(1500.0)
+    assert caught.value.are_off
+    chip.history.clear()
+    board.step()
+    assert [round(signal.width_us, -1) for signal in chip.history] == [1500.0], "not the old width first"
+    board.close()
+    assert chip.is_oe_high
+
+
+def test_the_outputs_are_off_while_a_chip_is_set_up_again(
+    bus: I2cBus, chip: Pca9685Twin, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    watched = Pca9685Board(Pca9685(bus, PART), chip)
+    levels: list[bool] = []
+    set_up = Pca9685.set_up
+
+    def look(part: Pca9685) -> None:
+        levels.append(chip.is_oe_high)
+        set_up(part)
+
+    monkeypatch.setattr(Pca9685, "set_up", look)
+    chip.put(0x00, b"\x30")
+    chip.put(0xFE, b"\x10")  # another program's frequency
+    watched.step()
+    assert levels == [True]
+    assert not chip.is_oe_high
+
+
+def test_a_transfer_is_given_up_after_a_tenth_of_a_second(
+    monkeypatch: pytest.MonkeyPatch, dev: I2cDev
+) -> None:
+    """The Pi's own adapter waits for a second."""
+    calls: list[tuple[int, int]] = []
+    monkeypatch.setattr(
+        "companion.hal.raspberry_pi.fcntl.ioctl", lambda _, request, units: calls.append((request, units))
+    )
+    open_i2c("test").close()
+    assert calls == [(0x0702, 10)]  # I2C_TIMEOUT of linux/i2c-dev.h, in 10 ms
 
 
 def test_the_outputs_are_enabled_once_they_are_off_and_disabled_without_a_chip(
