@@ -48,6 +48,7 @@ class Command(Struct, frozen=True):
     fifth: float = 0.0
     sixth: float = 0.0
     altitude_m: float = math.nan  # NaN if not given; not used
+    repetition: int = 0  # COMMAND_LONG's confirmation: how often it was sent before
 
     def whole(self, index: int) -> int | None:
         """A parameter as an integer, None if it is not one."""
@@ -92,6 +93,7 @@ def from_long(message: Message, origin: Origin, now_s: float) -> Command:
         message.param5,
         message.param6,
         message.param7,
+        message.confirmation,
     )
 
 

@@ -5,6 +5,7 @@ answer was lost is not executed again if that would make a difference.
 """
 
 import math
+from collections import deque
 from collections.abc import Callable
 
 from companion.calibration.motor_test import MotorTest
@@ -41,6 +42,8 @@ from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 RESEND_S = 2.0
+_REPEAT_S = 15.0  # in which a station repeats what is not answered: four times at most, 3 s apart
+_REMEMBERED = 16  # commands
 _PROGRESS_S = 1.0
 
 # Not idempotent
@@ -98,6 +101,7 @@ class CommandService:
         self.questions = frozenset((*self._questions, *_HARMLESS))
         """Commands that change nothing."""
         self._refusals = RefusalLog(texts)
+        self._accepted: deque[Command] = deque(maxlen=_REMEMBERED)
         self._done: Command | None = None  # the latest non-idempotent command
         self._left_behind: tuple[object, ...] = ()  # state of the vehicle after it
         self._slow: Command | None = None  # the calibration or trial in progress
@@ -141,7 +145,7 @@ class CommandService:
         if carry_out is None:
             self._answer(command, UNSUPPORTED)
             return
-        if self._is_resent(command):
+        if self._is_resent(command) or self._is_repeated(command):
             self._answer(command, ACCEPTED)
             return
         if command.number not in self._questions and command.number != dialect.MAV_CMD_DO_MOTOR_TEST:
@@ -155,6 +159,8 @@ class CommandService:
             return
         if result == ACCEPTED and command.number in _NOT_TWICE:
             self._done, self._left_behind = command, self._situation()
+        if result == ACCEPTED:
+            self._accepted.append(command)
         self._answer(command, result)
 
     def tick(self, heading: HeadingReading | None, now_s: float) -> None:
@@ -194,6 +200,19 @@ class CommandService:
             and 0.0 <= command.now_s - done.now_s <= RESEND_S
             and command.is_same_as(done)
             and self._situation() == self._left_behind
+        )
+
+    def _is_repeated(self, command: Command) -> bool:
+        """Whether its sender counts it as a repetition of a command that has been carried out: it would undo
+        what another station has commanded since.
+        """
+        if command.repetition == 0 or command.number in self.questions:
+            return False
+        return any(
+            command.now_s - one.now_s <= _REPEAT_S
+            and one.repetition < command.repetition
+            and command.is_same_as(one)
+            for one in self._accepted
         )
 
     def _send_later(self, channel: int, message: Message) -> None:

@@ -295,6 +295,28 @@ def test_a_start_repeated_after_something_else_happened_is_meant(rig: Rig) -> No
     assert rig.mode == "AUTO"
 
 
+def test_a_late_repetition_does_not_undo_what_another_station_has_commanded(rig: Rig) -> None:
+    def send(repetition: int) -> int:
+        command = CMD.MAV_CMD_NAV_RETURN_TO_LAUNCH
+        message = dialect.MAVLink_command_long_message(1, 1, command, repetition, *[0.0] * 7)
+        return int(rig.answer_to(message, "COMMAND_ACK").result)
+
+    rig.arm()
+    rig.run(1.0)
+    assert send(1) == OK  # the first got lost
+    assert rig.mode == "RTL"
+    rig.run(3.0)
+    rig.set_mode(4)
+    assert send(2) == OK, "it is acknowledged"
+    assert rig.mode == "HOLD"
+    assert send(1) == OK, "this one is no repetition: its count has not grown"
+    assert rig.mode == "RTL"
+    rig.set_mode(4)
+    rig.run(16.0)
+    assert send(9) == OK
+    assert rig.mode == "RTL"
+
+
 def test_pre_arm_checks_are_run_and_told_when_asked() -> None:
     rig = Rig(config={"arming.battery_min_v": 50.0})
     rig.run(1.0)
