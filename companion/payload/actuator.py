@@ -34,11 +34,6 @@ class Actuator:
         self._max_on_s = max_on_s or math.inf
         self._on_s = math.inf  # since when it is at 1
 
-    @property
-    def is_busy(self) -> bool:
-        """Whether more values follow."""
-        return math.isfinite(self._due_s)
-
     def run(self, plan: Iterable[TimedWrite], now_s: float) -> None:
         """Replace the plan, and write its first value."""
         self._plan, self._due_s = iter(plan), now_s

@@ -24,13 +24,10 @@ class Winch(Actuator):
         self.out_m = math.nan
         self.stall_text = ""  # why the last motion ended early
         self._counter = counter
-        self._moved_m = 0.0  # in this motion, unsigned
-        self._limit_m = 0.0
-        self._sign = 0.0
-        self._is_homing = False  # ends with the line wound in
-        self._tick_s = 0.0
+        # of the present motion, all unsigned but for the sign: 0 at rest
+        self._sign = self._moved_m = self._limit_m = self._tick_s = self._pulse_s = 0.0
         self._pulses = 0
-        self._pulse_s = 0.0
+        self._is_homing = False  # ends with the line wound in
 
     @property
     def is_moving(self) -> bool:
@@ -44,7 +41,6 @@ class Winch(Actuator):
 
     def move(self, action: MoveWinch, now_s: float) -> None:
         """Begin a motion, or stop."""
-        line_m, share, is_homing = self.setting.line_m, 0.0, False
         match action.motion:
             case WinchMotion.LENGTH:
                 share = self._share(math.copysign(action.rate_m_s or math.inf, action.length_m))
@@ -53,12 +49,11 @@ class Winch(Actuator):
                 share = self._share(action.rate_m_s)
                 limit_m = self._left_m(share)
             case WinchMotion.RETRACT:
-                share, is_homing = -1.0, True
-                limit_m = line_m if math.isnan(self.out_m) else self.out_m
+                share, limit_m = -1.0, self._left_m(-1.0)
             case _:
-                limit_m = 0.0
+                share = limit_m = 0.0
         self._start(share if limit_m > 0.0 else 0.0, limit_m, now_s)
-        self._is_homing = is_homing and self.is_moving
+        self._is_homing = action.motion is WinchMotion.RETRACT
 
     def stop(self, now_s: float) -> None:
         """Stop the winch."""
@@ -78,9 +73,9 @@ class Winch(Actuator):
         if self._moved_m >= self._limit_m - _SLACK_M:
             if self._is_homing:
                 self.out_m = 0.0
-            self._start(0.0, 0.0, now_s)
+            self.stop(now_s)
         elif self._counter is not None and now_s - self._pulse_s >= self.setting.stall_s:
-            self._start(0.0, 0.0, now_s)
+            self.stop(now_s)
             self.stall_text = f"no pulse for {self.setting.stall_s:g} s, stopped"
 
     def _share(self, rate_m_s: float) -> float:
@@ -106,7 +101,7 @@ class Winch(Actuator):
 
     def _start(self, share: float, limit_m: float, now_s: float) -> None:
         self._sign, self._limit_m, self._moved_m = _sign(share), limit_m, 0.0
-        self._is_homing, self.stall_text = False, ""
+        self.stall_text = ""
         self._tick_s = self._pulse_s = now_s
         if self._counter is not None:
             self._pulses = self._counter.count

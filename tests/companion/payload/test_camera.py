@@ -119,6 +119,24 @@ def test_images_by_distance_and_one_at_once() -> None:
     assert len(rig.images) == 5
 
 
+def test_a_distance_of_less_than_a_metre_counts() -> None:
+    rig = Rig(run_s=0.02)
+    rig.camera.perform(CaptureByDistance(0.5), 0.0)
+    rig.run(1.1, speed_m_s=1.0)
+    assert len(rig.images) == 2
+
+
+def test_a_new_camera_takes_nothing_and_a_stopped_one_has_no_series() -> None:
+    rig = Rig()
+    assert (rig.camera.left, rig.camera.interval_s, rig.camera.distance_m) == (0.0, 0.0, 0.0)
+    rig.camera.perform(StartCapture(0, 1.0), 0.0)
+    assert rig.camera.has_series
+    rig.camera.perform(StopCapture(), 0.0)
+    assert not rig.camera.has_series
+    rig.run(3.0)
+    assert rig.images == []
+
+
 def test_a_failed_image_is_told_and_the_next_one_taken() -> None:
     rig = Rig()
     rig.shutter.fault = "exit code 1"

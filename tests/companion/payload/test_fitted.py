@@ -3,6 +3,7 @@
 import pytest
 
 from companion.config.boat_config import decode_config
+from companion.mavlink.dialect import dialect
 from companion.payload.actions import (
     ActionFault,
     MoveGripper,
@@ -78,6 +79,7 @@ def test_an_action_within_its_limits_is_possible(action: PayloadAction) -> None:
         (MoveWinch(4, RATE), ActionFault(1, "no winch 4, expected 1, 2 or 3", is_absent=True)),
         (MoveWinch(1, LENGTH, -5.01), ActionFault(3, "winch 1: -5.01 m, expected at most 5")),
         (MoveWinch(1, RATE, 0.0, -0.51), ActionFault(4, "winch 1: -0.51 m/s, expected at most 0.5")),
+        (MoveWinch(2, RATE, 0.0, 0.508), ActionFault(4, "winch 2: 0.508 m/s, expected 0 or 0.5")),
         (MoveWinch(2, RATE, 0.0, 0.25), ActionFault(4, "winch 2: 0.25 m/s, expected 0 or 0.5")),
         (MoveWinch(1, LENGTH, 5.0, 0.6), ActionFault(4, "winch 1: 0.6 m/s, expected at most 0.5")),
         (MoveWinch(2, LENGTH, 5.0, 0.2), ActionFault(4, "winch 2: 0.2 m/s, expected 0 or 0.5")),
@@ -99,6 +101,7 @@ def test_a_relay_of_a_command_stands_for_the_command() -> None:
     ).payload
     fitted = FittedPayload(settings)
     assert fitted.lacks("relay") is None
+    assert fitted.lacks("servo") is not None
     assert fitted.resolve(SetRelay(4, True)) == RunCommand(7)
     assert fitted.resolve(SetRelay(4, False)) == ActionFault(
         2, "command 7: relay 4 off, expected on, which starts it"
@@ -118,3 +121,19 @@ def test_what_is_lacking_is_known_by_kind() -> None:
     assert FittedPayload().fault(MoveGripper(0, closes=True)) == FittedPayload().lacks("gripper")
     assert FittedPayload().fault(MoveWinch(0, RATE)) == FittedPayload().lacks("winch")
     assert FITTED.fault(SetLights(True)) is None  # the caller asks `lacks` first
+
+
+def test_the_motions_of_a_winch_have_mavlinks_numbers_and_what_is_not_said_is_nothing() -> None:
+    by_name = {one.name: number for number, one in dialect.enums["WINCH_ACTIONS"].items()}
+    assert {one.name: one.value for one in WinchMotion} == {
+        "RELAX": by_name["WINCH_RELAXED"],
+        "LENGTH": by_name["WINCH_RELATIVE_LENGTH_CONTROL"],
+        "RATE": by_name["WINCH_RATE_CONTROL"],
+        "LOCK": by_name["WINCH_LOCK"],
+        "HOLD": by_name["WINCH_HOLD"],
+        "RETRACT": by_name["WINCH_RETRACT"],
+    }
+    assert MoveWinch(1, RATE) == MoveWinch(1, RATE, length_m=0.0, rate_m_s=0.0)
+    assert StartCapture() == StartCapture(count=1, interval_s=0.0)
+    assert not ActionFault(1, "").is_absent
+    assert not FittedPayload().is_skipped

@@ -20,6 +20,7 @@ from companion.payload.actions import (
     UnitAction,
     WinchMotion,
 )
+from companion.payload.actuator import TimedWrite, alternate
 from companion.payload.payloads import Payloads, Written
 
 TICK_S = 0.02
@@ -211,6 +212,29 @@ def test_a_horn_that_is_sounded_again_and_again_still_pauses(rig: Rig) -> None:
     assert 0.0 in rig.values(HORN)
 
 
+def test_a_horn_that_has_been_cut_off_does_not_go_on_with_its_repetitions(rig: Rig) -> None:
+    rig.do(RepeatRelay(6, 3, 4.0))
+    rig.run(10.0)
+    assert rig.values(HORN) == [1.0, 0.0]
+
+
+def test_half_a_period_is_spent_at_either_value() -> None:
+    halves = [TimedWrite(1.0, 2.0), TimedWrite(0.0, 2.0)]
+    assert list(alternate(1.0, 0.0, count=2, period_s=4.0)) == halves * 2
+
+
+def test_a_gripper_on_a_pin_stays_closed(rig: Rig) -> None:
+    rig.do(MoveGripper(2, closes=True))
+    rig.run(5.0)
+    assert rig.values(MAGNET) == [1.0]
+
+
+def test_what_an_action_writes_is_known_at_once_and_a_repetition_told(rig: Rig) -> None:
+    rig.do(RepeatRelay(0, 3, 0.5))
+    assert rig.units.take_written() == [Written("relay 0", 0.0)]
+    assert [text for _, text in rig.units.take_status_texts()] == ["Relay 0: 3 times, every 0.5 s"]
+
+
 def test_a_command_runs_one_at_a_time_and_reports(rig: Rig) -> None:
     assert rig.do(RunCommand(7)) == ""
     assert rig.do(RunCommand(7)) == "command 7: still running"
@@ -261,6 +285,7 @@ def test_telemetry_knows_widths_relays_and_the_first_winch(rig: Rig) -> None:
     assert winch is not None
     assert winch.setting.number == 1
     assert math.isnan(winch.out_m)
+    assert dict(Rig().units.servo_us()) == {9: 0, 10: 0}, "no pulses before the first tick"
     assert Payloads().winch is None
     assert Payloads().relays() == (0, 0)
 

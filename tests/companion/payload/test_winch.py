@@ -72,6 +72,7 @@ def test_the_length_is_known_once_the_line_was_wound_in() -> None:
     rig = Rig()
     rig.move(WinchMotion.RETRACT)
     assert rig.run(60.0) == pytest.approx(10.0, abs=2 * TICK_S)  # it might have been out whole
+    assert rig.motor.values == [-1.0, 0.0]
     assert rig.winch.out_m == 0.0
     rig.move(WinchMotion.LENGTH, 4.0)
     rig.run(60.0)
@@ -124,6 +125,8 @@ def test_without_pulses_it_stops_and_says_so() -> None:
     assert rig.run(60.0) == pytest.approx(2.0, abs=0.05)
     assert rig.motor.values[-1] == 0.0
     assert rig.winch.stall_text == "no pulse for 2 s, stopped"
+    rig.move(WinchMotion.LENGTH, 0.1)
+    assert rig.winch.stall_text == ""
 
 
 def test_a_reversal_rests_first_and_the_rest_is_not_counted() -> None:
@@ -158,6 +161,46 @@ def test_a_slow_rate_ends_with_the_line_that_is_left() -> None:
     assert rig.winch.out_m == pytest.approx(5.0, abs=0.03)
     rig.move(WinchMotion.RATE, rate_m_s=-0.25)
     assert rig.run(60.0) == pytest.approx(20.0, abs=8 * TICK_S)
+
+
+def test_a_new_winch_is_at_rest_and_knows_no_length() -> None:
+    winch = Rig().winch
+    assert not winch.is_moving
+    assert math.isnan(winch.out_m)
+    assert winch.stall_text == ""
+    winch.tick(100.0)
+    assert winch.speed_m_s == 0.0
+
+
+def test_a_short_length_is_moved() -> None:
+    rig = Rig()
+    rig.move(WinchMotion.LENGTH, 0.5)
+    assert rig.run(60.0) == pytest.approx(1.0, abs=2 * TICK_S)
+
+
+def test_a_line_that_is_in_is_not_wound_in_again() -> None:
+    rig = Rig()
+    rig.winch.out_m = 0.0
+    rig.move(WinchMotion.RETRACT)
+    assert rig.run(60.0) == 0.0
+    assert rig.winch.out_m == 0.0
+
+
+def test_a_length_after_a_broken_off_retraction_does_not_end_wound_in() -> None:
+    rig = Rig()
+    rig.winch.out_m = 4.0
+    rig.move(WinchMotion.RETRACT)
+    rig.run(1.0)
+    rig.move(WinchMotion.LENGTH, -1.0)
+    rig.run(60.0)
+    assert rig.winch.out_m == pytest.approx(2.5, abs=0.03)
+
+
+def test_pulses_at_rest_are_not_counted() -> None:
+    rig = Rig(counts=True)
+    rig.switch.count = 40  # by hand
+    rig.move(WinchMotion.LENGTH, 0.5)
+    assert rig.run(60.0, pulse_every_s=1.0) == pytest.approx(5.0, abs=2 * TICK_S)
 
 
 def test_a_motion_of_no_length_does_not_start() -> None:
