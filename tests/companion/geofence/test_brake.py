@@ -61,6 +61,10 @@ def speed_of(steered: Demand | Drive | Stop) -> float:
 # How fast
 
 
+def test_a_slow_boat_is_braked_too() -> None:
+    assert speed_of(limited(Demand(0.0, 0.9), nav_at(46.0, 0.5))) == pytest.approx(allowed_m_s(2.0), abs=1e-3)
+
+
 @pytest.mark.parametrize("room_m", [6.0, 12.0, 14.0])
 def test_toward_a_line_the_boat_keeps_the_speed_that_it_can_lose_in_half_of_the_room(room_m: float) -> None:
     braked = limited(NORTHWARD, nav_at(50.0 - room_m, 2.0))
@@ -322,6 +326,7 @@ RUDDER = decode_config(
 ASTERN = Demand(math.pi, 0.4)
 
 
+@pytest.mark.parametrize("course", [0.0, 0.5 * math.pi, -0.5 * math.pi, math.pi])
 @pytest.mark.parametrize(
     ("room_left_m", "off_rad", "expected"),
     [
@@ -333,12 +338,14 @@ ASTERN = Demand(math.pi, 0.4)
     ],
 )
 def test_a_boat_that_cannot_turn_on_the_spot_keeps_room_ahead_for_its_turn(
-    room_left_m: float, off_rad: float, expected: float
+    room_left_m: float, off_rad: float, expected: float, course: float
 ) -> None:
-    nav = nav_at(48.0 - room_left_m)
-    demand = Demand(off_rad, min(expected + 1.0, 2.0) if expected > 0.4 else 0.4)
+    way_m = 48.0 - room_left_m
+    nav = nav_at(way_m * math.cos(course), east_m=way_m * math.sin(course), heading=course)
+    demand = Demand(course + off_rad, min(expected + 1.0, 2.0) if expected > 0.4 else 0.4)
     assert speed_of(limited(demand, nav, config=RUDDER)) == pytest.approx(expected)
-    assert limited(Demand(math.pi, 0.4), nav) == Demand(math.pi, 0.4)  # two motors turn on the spot
+    away = Demand(course + math.pi, 0.4)
+    assert limited(away, nav) == away  # two motors turn on the spot
 
 
 def test_with_a_line_astern_too_it_stops() -> None:
@@ -347,6 +354,26 @@ def test_with_a_line_astern_too_it_stops() -> None:
     assert speed_of(limited(ASTERN, nav_at(-1.5), config=RUDDER, fence=laid(square(3.0)))) == pytest.approx(
         0.0
     )
+
+
+@pytest.mark.parametrize(
+    ("ahead_m", "astern_m", "is_kept"),
+    [
+        (3.0, 3.0, True),  # neither room ahead for the turn nor astern for steerage way
+        (5.5, 3.0, False),  # 0.17 m/s ahead
+        (3.0, 9.0, False),  # astern it turns on
+    ],
+)
+def test_a_boat_without_room_for_its_turn_keeps_station(
+    ahead_m: float, astern_m: float, is_kept: bool
+) -> None:
+    """The demanded course along the channel is free; what is sailed leads over its line."""
+    corners = [(-astern_m, -90.0), (-astern_m, 90.0), (ahead_m, 90.0), (ahead_m, -90.0)]
+    fence = laid(FencePolygon(globe(corners), is_inclusion=True))
+    brake = FenceBrake([])
+    for _ in range(6):
+        brake.limit(Demand(0.5 * math.pi, 0.4), NORTH, nav_at(0.0), fence, RUDDER, 0.1)
+    assert isinstance(brake.hold(NORTH), KeepStation) is is_kept
 
 
 def test_against_a_line_with_no_room_either_way_it_drives_on() -> None:

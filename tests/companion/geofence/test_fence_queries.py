@@ -209,6 +209,18 @@ def test_a_margin_that_is_remembered_says_nothing_of_a_place_far_away() -> None:
         assert fence.is_outside(far)
 
 
+def test_a_remembered_margin_reaches_from_its_own_place() -> None:
+    corners = [(-50.0, 0.0), (-50.0, 100.0), (50.0, 100.0), (50.0, 0.0)]
+    fence = laid(FencePolygon(globe(corners), is_inclusion=True))
+    assert fence.margin_m(Point(10.0, 50.0)) == pytest.approx(40.0, abs=0.01)
+    assert fence.is_outside(Point(10.0, -45.0))
+    assert not fence.is_outside(Point(-45.0, 50.0))
+    fence.margin_m(Point(40.0, 50.0))
+    assert fence.is_outside(Point(-55.0, 50.0))
+    fence.margin_m(Point(10.0, -40.0))
+    assert not fence.is_outside(Point(10.0, 45.0))
+
+
 def test_before_its_first_update_a_fence_limits_nothing() -> None:
     fence = Fence()
     assert not fence.is_active
