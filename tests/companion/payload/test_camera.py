@@ -130,9 +130,9 @@ def test_a_new_camera_takes_nothing_and_a_stopped_one_has_no_series() -> None:
     rig = Rig()
     assert (rig.camera.left, rig.camera.interval_s, rig.camera.distance_m) == (0.0, 0.0, 0.0)
     rig.camera.perform(StartCapture(0, 1.0), 0.0)
-    assert rig.camera.has_series
+    has_series = [rig.camera.has_series]
     rig.camera.perform(StopCapture(), 0.0)
-    assert not rig.camera.has_series
+    assert [*has_series, rig.camera.has_series] == [True, False]
     rig.run(3.0)
     assert rig.images == []
 

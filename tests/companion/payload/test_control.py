@@ -46,7 +46,7 @@ class Rig:
         self.now_s += TICK_S
         self.sim.step(self.now_s)
         self.control.tick(self.now_s)
-        return [tuple(text) for text in self.vehicle.take_status_texts()]
+        return [(severity, text) for severity, text in self.vehicle.take_status_texts()]
 
     @property
     def relay(self) -> float:
@@ -62,13 +62,13 @@ def rig(monkeypatch: pytest.MonkeyPatch) -> Rig:
 
 
 def test_an_action_of_the_mission_is_carried_out_told_and_logged(rig: Rig) -> None:
-    assert not rig.control.has_news
+    news = [rig.control.has_news]
     assert rig.tick(SetRelay(0, True)) == [(Severity.INFO, "Relay 0: on")]
     assert rig.relay == 1.0
-    assert rig.control.has_news
+    news.append(rig.control.has_news)
     assert [(one.title, one.value) for one in rig.control.written] == [("relay 0", 1.0)]
     assert rig.tick() == []
-    assert not rig.control.has_news
+    assert [*news, rig.control.has_news] == [False, True, False]
 
 
 def test_what_cannot_be_done_now_is_told_as_the_missions(rig: Rig) -> None:
