@@ -91,11 +91,11 @@ class Mpu6050:
 
 
 class Lsm6ds:
-    """LSM6DS3, LSM6DS3TR-C, LSM6DSO, LSM6DSOX."""
+    """LSM6DS3, LSM6DS3TR-C, LSM6DSL, LSM6DSO, LSM6DSOX, LSM6DSR, ISM330DHCX."""
 
     name = "LSM6DS"
     ADDRESS: Final = 0x6A  # 0x6B where its SA0 pin is high
-    IDS: Final = (0x69, 0x6A, 0x6C)  # LSM6DS3, LSM6DS3TR-C, LSM6DSO and LSM6DSOX
+    IDS: Final = (0x69, 0x6A, 0x6B, 0x6C)  # LSM6DS3; DS3TR-C and DSL; DSR and ISM330DHCX; DSO and DSOX
     RATE: Final = math.radians(17.5e-3)  # ±500 °/s
     FORCE: Final = 0.122e-3 * GRAVITY_M_S2  # ±4 g
     _ID_AT, _CONTROL_AT, _STATUS_AT, _DATA_AT = 0x0F, 0x10, 0x1E, 0x22

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from twins.i2c import plug_in
-from twins.inertial import Mpu6050Twin, OtherTwin
+from twins.inertial import Lsm6dsTwin, Mpu6050Twin, OtherTwin
 from twins.lines import HandClock
 from twins.magnetic_bench import INERTIAL, MAGNETOMETERS, Bench
 from twins.magnetics import Hmc5883lTwin, Qmc5883lTwin, Scene
@@ -156,6 +156,14 @@ def test_a_part_that_does_what_an_mpu_6050_does_is_taken_for_one(
     assert abs(bench.error_deg) < 1.0
     has_force_filter = chip_id != 0x68
     assert bench.motion.map[0x1D] == (0x03 if has_force_filter else 0x00)
+
+
+@pytest.mark.parametrize("chip_id", [0x69, 0x6A, 0x6B, 0x6C])
+def test_every_lsm6ds_is_taken(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, chip_id: int) -> None:
+    monkeypatch.setattr(Lsm6dsTwin, "chip_id", chip_id)
+    bench = Bench(monkeypatch, tmp_path, CompassPart(driver="qmc5883l", imu="lsm6ds"))
+    bench.run(1.0)
+    assert bench.reading.roll_rad is not None
 
 
 @pytest.mark.parametrize("chip_id", [0x00, 0xFF])
