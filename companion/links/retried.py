@@ -67,14 +67,14 @@ class Retried(Generic[Opened]):
         """
         try:
             opened = self._open()
-        except ConfigError:
-            raise
         except Exception as error:  # a part's library may raise anything
             self.error = error
             self.fault = str(error).removeprefix(f"{self.name}: ") or type(error).__name__
             if not self._has_failed:
                 self._has_failed = True
                 self._texts.append(StatusText(Severity.WARNING, f"{self.name}: {self.fault}"))
+            if isinstance(error, ConfigError):
+                raise
             return self._backoff.failed()
         with self._lock:
             if self._stop.is_set():
@@ -104,8 +104,8 @@ class Retried(Generic[Opened]):
             try:
                 wait_s = self.attempt()
             except ConfigError as error:
-                self.fault = str(error)
-                self.first.set_exception(error)
+                if not self.first.done():
+                    self.first.set_exception(error)
                 return
             if not self.first.done():
                 self.first.set_result(None)

@@ -97,6 +97,16 @@ def test_a_wrong_configuration_is_no_missing_part() -> None:
         await_first([part], QUICK)
 
 
+def test_a_wrong_configuration_that_shows_late_ends_the_attempts() -> None:
+    socket = Socket(MISSING)
+    part = Retried("Compass", socket.open, QUICK).start()
+    await_first([part], QUICK)
+    part.take_texts()
+    socket.error = ConfigError("parts.compass.port")
+    eventually(lambda: not any(thread.name == "open Compass" for thread in threading.enumerate()))
+    assert part.fault == "parts.compass.port"
+
+
 class Slow:
     """Opens when the test lets it."""
 
