@@ -8,6 +8,7 @@ from typing import Final
 from companion.config.board import HEADER_I2C, I2C_PINS, i2c_device, pwm_channels, uart_pins
 from companion.config.boat_config import BoatConfig
 from companion.config.parts import CompassPart
+from companion.config.parts.payload import WinchPayload
 from companion.config.section import Section
 from companion.config.wiring import PinUse, pins_in_use, signals_in_use
 from companion.core.errors import ConfigError
@@ -86,8 +87,8 @@ def needs_of(config: BoatConfig) -> Needs:
 
 
 def check_needs(config: BoatConfig, model: str) -> None:
-    """No pin, device, signal, PWM channel or address twice; each pin can do what it is used for; motors have
-    signals that can be ended.
+    """No pin, device, signal, PWM channel or address twice; each pin can do what it is used for; motors and
+    winches have signals that can be ended.
 
     model: of the computer; a Pi before the Pi 5 if it is none.
 
@@ -107,10 +108,12 @@ def check_needs(config: BoatConfig, model: str) -> None:
 
 def _check_signals(config: BoatConfig, needs: Needs, model: str) -> None:
     channels: dict[str, str] = {}
+    winches = (n for n, one in enumerate(config.payload) if isinstance(one, WinchPayload))
+    runs_on = {"parts.motors.left", "parts.motors.right", *(f"payload[{n}].signal" for n in winches)}
     for key, signal in signals_in_use(config):
         if signal.output == "pca9685":
             _claim(channels, f"channel {signal.channel} of the PCA9685", key)
-            if key.startswith("parts.motors.") and config.parts.pca9685.output_enable < 0:
+            if key in runs_on and config.parts.pca9685.output_enable < 0:
                 raise ConfigError(
                     f"{key}: a PCA9685 goes on with its last pulse when the bus fails; expected OE on a pin, "
                     "parts.pca9685.output_enable, or output = 'hardware'"

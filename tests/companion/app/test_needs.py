@@ -60,6 +60,10 @@ def config(parts: dict[str, Any], *payload: dict[str, Any], layout: str = "diffe
             config({"motors": {"driver": "esc", "right": {"output": "pca9685", "channel": 1}}}),
             r"parts.motors.right: .* goes on with its last pulse .* parts.pca9685.output_enable",
         ),
+        (
+            config(ESC, {**WINCH, "signal": {"output": "pca9685", "channel": 1}}),
+            r"payload\[0\].signal: .* goes on with its last pulse .* parts.pca9685.output_enable",
+        ),
         (config(ESC, SERVO), r"payload\[0\].signal.pin: expected the number of a pin"),
         (config(ESC, WINCH), r"payload\[0\].signal.pin: expected the number of a pin"),
     ],
@@ -81,8 +85,9 @@ def test_what_is_used_twice_names_both_keys(tree: BoatConfig, message: str) -> N
             }
         ),
         config(ESC, {**WINCH, "out_pin": 17, "in_pin": 27}),
+        config(ESC, {**SERVO, "signal": {"output": "pca9685"}}),
         config(
-            ESC,
+            {**ESC, "pca9685": {"output_enable": 22}},
             {**SERVO, "signal": {"output": "pca9685"}},
             {**WINCH, "signal": {"output": "pca9685", "channel": 1}},
         ),
