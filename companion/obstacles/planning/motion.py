@@ -79,7 +79,10 @@ def roll(
                     min(setting.max_throttle, room),
                 )
             thrust = throttle if throttle > 0.0 else _ASTERN * throttle
-            surge += half_s * force * (thrust - surge * abs(surge) / (top * top))
+            if half_s * force * abs(surge) > top * top:
+                surge = half_s * force * thrust  # drag stops the boat within the step
+            else:
+                surge += half_s * force * (thrust - surge * abs(surge) / (top * top))
             if speed_m_s == CRASH_STOP:
                 surge = max(surge, 0.0)
         bow += half_s * rate

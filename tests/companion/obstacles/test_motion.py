@@ -3,6 +3,8 @@
 import math
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from companion.config.boat_config import BoatConfig, with_value
 from companion.obstacles.planning.motion import CRASH_STOP, FULL_ASTERN, STEP_S, STEPS, TURNS, Fan, roll
@@ -92,3 +94,17 @@ def test_a_rudder_boat_has_one_way_to_stop_and_three_astern() -> None:
         [-math.radians(30.0), 0.0, math.radians(30.0)]
     )
     assert len(fan.rollouts(0.4, 0.0, 0.0, CONFIG)) == len(TURNS)
+
+
+@given(
+    st.floats(0.2, 20.0), st.floats(0.01, 20.0), st.floats(-30.0, 30.0),
+    st.sampled_from((0.0, 0.5, 3.0, -1.0, CRASH_STOP, FULL_ASTERN)),
+)  # fmt: skip
+def test_every_rollout_is_finite_and_drag_never_turns_the_boat_around(
+    top_m_s: float, accel_m_s2: float, surge_m_s: float, speed_m_s: float
+) -> None:
+    config = with_value(BoatConfig(), "handling.top_speed_m_s", top_m_s)
+    config = with_value(config, "guidance.accel_m_s2", accel_m_s2)
+    rollout = roll(surge_m_s, 0.0, 0.0, speed_m_s, config)
+    fastest_m_s = max(abs(surge_m_s), STEP_S * accel_m_s2 + top_m_s)
+    assert all(abs(ahead_m) <= 5.0 * fastest_m_s for ahead_m in rollout.ahead_m)
