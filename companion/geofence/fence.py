@@ -10,13 +10,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from companion.config.fence import AREAS_KIND, CIRCLE_KIND, FenceSetting
-from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from companion.geofence.fence_lines import Area, Disc, Ring
 
 _PROJECTIONS = 20
 _SLACK_M = 1e-3
 _ON_LINE_M = 1e-6
 _ANCHORED_M = 1.0  # within this distance the last margin is not computed again
+_REACH_M = 20_000.0  # as far as the local frame is accurate
 _STEP_M = 0.5  # ahead, to test whether a course leads back
 
 
@@ -107,7 +108,7 @@ class Fence:
 
     def inside(self, point: Point, margin_m: float) -> Point:
         """The nearest place with this margin, or with the largest margin found; the point itself if it has
-        it.
+        it, or if the fence is out of reach.
 
         Project away from the tightest line, then from the next (the method of successive projection, L. M.
         Bregman, Soviet Mathematics 6, 1965). The result is the nearest place for a single line, and close to
@@ -121,7 +122,7 @@ class Fence:
             at = _moved_inside(self._tightest(at), at, margin_m + _SLACK_M)
             if (found := self._margin_m(at.north_m, at.east_m)) > most:
                 best, most = at, found
-        return best
+        return best if distance_m(point, best) <= _REACH_M else point
 
     def _tightest(self, point: Point) -> Area:
         """The area with the least margin."""

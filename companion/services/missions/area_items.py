@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from companion.core.geo import LatLon
+from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from companion.core.units import e7_to_deg
 from companion.geofence.fence import FenceArea, FenceCircle, FencePolygon
 from companion.mavlink.dialect import dialect
@@ -25,6 +25,8 @@ _INCLUSIONS = frozenset(
 )
 _RETURN_POINT = dialect.MAV_CMD_NAV_FENCE_RETURN_POINT
 _FEWEST_VERTICES = 3
+_MOST_LAT_DEG = 85.0  # as far as the local frame is accurate
+_MOST_EXTENT_M = 100_000.0
 
 
 def check_fence_item(item: MissionItem) -> ItemFault | None:
@@ -34,11 +36,16 @@ def check_fence_item(item: MissionItem) -> ItemFault | None:
         if not math.isfinite(count) or count != int(count) or count < _FEWEST_VERTICES:
             return ItemFault(MissionResult.INVALID_PARAM1, f"a polygon cannot have {count:g} vertices")
     elif item.command in _CIRCLES:
-        if not 0.0 < item.param1 < math.inf:
-            return ItemFault(MissionResult.INVALID_PARAM1, f"radius {item.param1:g} m is not a radius")
+        if not 0.0 < item.param1 <= _MOST_EXTENT_M:
+            text = f"radius {item.param1:g} m is not a radius of up to {_MOST_EXTENT_M / 1e3:.0f} km"
+            return ItemFault(MissionResult.INVALID_PARAM1, text)
     elif item.command != _RETURN_POINT:
         text = f"{command_name(item.command)} is not a fence item"
         return ItemFault(MissionResult.UNSUPPORTED, text)
+    if abs(e7_to_deg(item.x)) > _MOST_LAT_DEG:
+        return ItemFault(
+            MissionResult.INVALID_PARAM5_X, f"no fence beyond {_MOST_LAT_DEG:g} degrees of latitude"
+        )
     return _fault_of(item)
 
 
@@ -50,7 +57,7 @@ def check_rally_item(item: MissionItem) -> ItemFault | None:
 
 
 def check_fence(items: Sequence[MissionItem]) -> ItemFault | None:
-    """Polygons must be complete and contiguous, with at most one return point."""
+    """Polygons must be complete, contiguous and of limited extent, with at most one return point."""
     seq = 0
     while seq < len(items):
         first = items[seq]
@@ -60,6 +67,9 @@ def check_fence(items: Sequence[MissionItem]) -> ItemFault | None:
             if not same or (vertices > 1 and items[at].param1 != first.param1):
                 text = f"item {min(at, len(items) - 1)}: a polygon of {vertices} vertices breaks off"
                 return ItemFault(MissionResult.INVALID_PARAM1, f"{text} after {at - seq}")
+            if at > seq and (far_m := _distance_m(first, items[at])) > _MOST_EXTENT_M:
+                text = f"item {at}: {far_m / 1e3:.0f} km from the first vertex; at most"
+                return ItemFault(MissionResult.INVALID_PARAM5_X, f"{text} {_MOST_EXTENT_M / 1e3:.0f} km")
         seq += vertices
     returns = [seq for seq, item in enumerate(items) if item.command == _RETURN_POINT]
     if len(returns) > 1:
@@ -87,6 +97,10 @@ def fence_areas(items: Sequence[MissionItem]) -> list[FenceArea]:
 def rally_points(items: Sequence[MissionItem]) -> list[LatLon]:
     """The positions of a checked list."""
     return [_position(item) for item in items]
+
+
+def _distance_m(one: MissionItem, other: MissionItem) -> float:
+    return distance_m(Point(0.0, 0.0), LocalFrame(_position(one)).to_local(_position(other)))
 
 
 def _position(item: MissionItem) -> LatLon:

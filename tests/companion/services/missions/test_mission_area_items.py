@@ -45,6 +45,9 @@ def test_what_a_fence_is_made_of_is_taken(item: MissionItem) -> None:
         (area(5004, math.inf), MissionResult.INVALID_PARAM1),
         (area(5003, 5.0, frame=1), MissionResult.UNSUPPORTED_FRAME),
         (area(5000, x=0, y=0), MissionResult.INVALID_PARAM5_X),
+        (area(5003, 100_001.0), MissionResult.INVALID_PARAM1),
+        (area(5001, 3.0, x=850_000_001), MissionResult.INVALID_PARAM5_X),
+        (area(5004, 1.0, x=-850_000_001), MissionResult.INVALID_PARAM5_X),
         (area(5000, x=900_000_001), MissionResult.INVALID_PARAM5_X),
         (area(5000, y=1_800_000_001), MissionResult.INVALID_PARAM6_Y),
     ],
@@ -141,3 +144,15 @@ def test_what_the_disk_holds_is_checked_as_what_arrives() -> None:
     rig.storage.content["fence.json"] = content.replace(b'"param1": 3.0', b'"param1": 4.0')  # type: ignore[attr-defined]
     rig.reboot()
     assert rig.items(MissionType.FENCE) == ()
+
+
+@pytest.mark.parametrize(("longitude", "is_refused"), [(-12_000_000, False), (0, False), (3_000_000, True)])
+def test_a_polygon_that_spans_more_than_a_hundred_kilometres_is_refused_with_the_item(
+    longitude: int, is_refused: bool
+) -> None:
+    """1.2° of longitude are 86 km at 50° north, 1.5° are 107 km."""
+    fault = check_fence([*polygon(3)[:2], area(5001, 3.0, y=longitude)])
+    assert (fault is not None) is is_refused
+    if fault is not None:
+        assert fault.result is MissionResult.INVALID_PARAM5_X
+        assert fault.text == "item 2: 108 km from the first vertex; at most 100 km"
