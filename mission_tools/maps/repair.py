@@ -17,12 +17,15 @@ from shapely.geometry import LinearRing, MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from companion.core.geo import WGS84_A_M, WGS84_E2
+from mission_tools.errors import MapError
 from mission_tools.maps.chart import Area, area_of
 
 THIN_M = 0.1  # half the width that a line or a spike of land gets
 SHORT_SPIKE_M = 1.0  # a spike into the water that is shorter is a slip of the pen
 LARGE_SHARE = 0.01
 LEAST_WATER_M2 = 0.01
+MOST_CROSSINGS = 1000  # of a line with itself; more take seconds to resolve
+_SEGMENTS_AT_ONCE = 256
 
 
 class Repaired(NamedTuple):
@@ -33,7 +36,11 @@ class Repaired(NamedTuple):
 
 
 def repaired(shape: Area, where: str, *, is_land: bool) -> Repaired:
-    """Make a polygon or multipolygon valid; `where` begins its notes."""
+    """Make a polygon or multipolygon valid; `where` begins its notes.
+
+    Raises:
+        MapError: a line that crosses itself too often.
+    """
     if shape.is_valid and not shape.is_empty:
         if is_land or square_metres(shape) > LEAST_WATER_M2:
             return Repaired(shape)
@@ -89,6 +96,8 @@ def _ring(ring: LinearRing, where: str, notes: list[str], *, is_land: bool) -> A
         return MultiPolygon()  # too few different corners to enclose anything
     at = place_of(*(float(number) for number in place.split()[:2]))
     crosses = f"{where}: its line crosses or touches itself at {at}"
+    if _crosses_often(ring):
+        raise MapError(f"{crosses}, and in more than {MOST_CROSSINGS} places: draw it anew")
     line = shapely.union_all(ring)
     faces = [face for face in shapely.get_parts(shapely.polygonize([line])) if face.area > 0.0]
     if not faces:
@@ -115,6 +124,19 @@ def _ring(ring: LinearRing, where: str, notes: list[str], *, is_land: bool) -> A
             f"{place_of(*spike.coords[0])}: kept as land of {2 * THIN_M:g} m width"
         )
     return area_of(sure.difference(shapely.union_all([thickened(spike) for spike in inward])))
+
+
+def _crosses_often(ring: LinearRing) -> bool:
+    """Whether there are more than MOST_CROSSINGS pairs of segments that meet and are no neighbours."""
+    corners = shapely.get_coordinates(ring)
+    segments = shapely.linestrings(np.stack((corners[:-1], corners[1:]), axis=1))
+    tree, count = shapely.STRtree(segments), 0
+    for begin in range(0, len(segments), _SEGMENTS_AT_ONCE):
+        some = segments[begin : begin + _SEGMENTS_AT_ONCE]
+        count += tree.query(some, "intersects").shape[1] - 3 * len(some)  # itself and its two neighbours
+        if count > 2 * MOST_CROSSINGS:  # each pair counts twice
+            return True
+    return False
 
 
 def _is_odd(corners: NDArray[np.float64], face: Polygon) -> bool:

@@ -39,7 +39,9 @@ from mission_tools.maps.geojson import (
 from mission_tools.maps.kinds import KINDS as MAP_KINDS
 from mission_tools.maps.kinds import tagged_kind
 from mission_tools.maps.longitudes import wrapped_lon_deg
+from mission_tools.mission.area_text import parse_lists
 from mission_tools.mission.mission import (
+    Command,
     Fence,
     FenceCircle,
     FencePolygon,
@@ -48,7 +50,8 @@ from mission_tools.mission.mission import (
     MissionType,
     Rally,
 )
-from mission_tools.mission.plan_file import load_mission
+from mission_tools.mission.plan_file import parse_mission, read_text
+from mission_tools.mission.wire import FENCE_COMMANDS, fence_from, mission_from
 from mission_tools.wording import counted
 
 NONE = "none"  # instead of a file: what the boat holds is cleared
@@ -154,8 +157,19 @@ def _load(path: Path) -> FileAreas:
         return parse_areas(read_json(path), str(path))
     if suffix in FEATURE_SUFFIXES:
         return _fence_of_map(classified(read_features(path, lines_are_outlines=True)), str(path))
-    mission = load_mission(path)
-    return FileAreas(mission.fence, mission.rally)
+    text = read_text(path)
+    try:
+        if (lists := parse_lists(text)) is not None:
+            return FileAreas(*lists)
+        mission = parse_mission(text, str(path))
+        stray = [item for item in mission.items if item.command in FENCE_COMMANDS]  # of Mission Planner
+        points = [item for item in mission.items if item.command == Command.NAV_RALLY_POINT]
+        rally = mission_from({MissionType.RALLY: points}, home_first=False).rally
+        return FileAreas(fence_from(stray) if stray else mission.fence, rally or mission.rally)
+    except PlanFileError:
+        raise
+    except ValueError as error:
+        raise PlanFileError(f"{path}: {error}") from None
 
 
 def parse_areas(tree: object, source: str) -> FileAreas:
@@ -236,7 +250,11 @@ def _parts(entry: object, where: str) -> Iterator[FencePolygon | FenceCircle | R
         elif kind == "return_point":
             yield place
         else:
-            yield FenceCircle(place, _radius_m(properties, where), is_inclusion)
+            radius_m = _radius_m(properties, where)
+            try:
+                yield FenceCircle(place, radius_m, is_inclusion)
+            except ValueError as error:
+                raise MapError(f"{where}: {error}") from None
     elif kind in ("rally", "return_point"):
         raise MapError(f"{where}: a {kind} is a Point, not {geometry.get('type')!r}")
     else:

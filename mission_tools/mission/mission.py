@@ -73,8 +73,19 @@ def command_name(command: int) -> str:
     return Command(command).name if command in set(Command) else f"MAV_CMD {command}"
 
 
-_LARGEST = (2.0 - 2.0**-23) * 2.0**127  # that a 32-bit float holds
+MOST_ITEMS = 65_535  # that MISSION_COUNT can carry
+LARGEST = (2.0 - 2.0**-23) * 2.0**127  # that a 32-bit float holds
 _WIDEST_M = 1e7  # a quarter of the way round the Earth
+
+
+def check_count(count: int) -> None:
+    """See early whether a file's items fit into a mission.
+
+    Raises:
+        ValueError: they do not.
+    """
+    if count > MOST_ITEMS:
+        raise ValueError(f"{count} items: a mission holds {MOST_ITEMS} at most; cut it into parts")
 
 
 def plain_frame(frame: int) -> int:
@@ -111,7 +122,7 @@ class MissionItem:
         if not all(-(2**31) <= value < 2**31 for value in (self.x, self.y)):
             raise ValueError("x and y must fit 32 bits")
         for value in (*self.params, self.z):
-            if math.isfinite(value) and abs(value) > _LARGEST:
+            if math.isfinite(value) and abs(value) > LARGEST:
                 raise ValueError(f"{value:g} does not fit the 32 bits that a parameter has")
         if self.is_global:
             LatLon(e7_to_deg(self.x), e7_to_deg(self.y))
@@ -135,8 +146,9 @@ class MissionItem:
     ) -> "MissionItem":
         """An item from the seven numbers of a file: degrees in a global frame, NaN where nothing is said."""
         p1, p2, p3, p4, x, y, z = values
-        if any(map(math.isinf, values)):
-            raise ValueError("a parameter is infinite")
+        for value in values:
+            if abs(value) > LARGEST:
+                raise ValueError(f"{value:g} does not fit the 32 bits that a parameter has")
         if command in POSITION_COMMANDS and (math.isnan(x) or math.isnan(y)):
             raise ValueError(f"{command_name(command)} needs a latitude and a longitude")
         scale = 1e7 if is_global_frame(frame) else 1.0

@@ -19,13 +19,21 @@ def load_mission(path: Path) -> Mission:
     Raises:
         PlanFileError: names the file, the item or line, and what was expected there.
     """
+    return parse_mission(read_text(path), str(path))
+
+
+def read_text(path: Path) -> str:
+    """The text of a mission file.
+
+    Raises:
+        PlanFileError: it cannot be read, or is no text.
+    """
     try:
-        text = path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8")
     except OSError as error:
         raise PlanFileError(f"{path}: cannot be read: {error.strerror}") from None
     except UnicodeDecodeError:
         raise PlanFileError(f"{path}: neither a .plan nor QGC WPL 110: it is not text") from None
-    return parse_mission(text, str(path))
 
 
 def parse_mission(text: str, source: str) -> Mission:
@@ -36,7 +44,7 @@ def parse_mission(text: str, source: str) -> Mission:
     """
     from mission_tools.mission import qgc_plan, wpl_text  # noqa: PLC0415 - msgspec, for files alone
 
-    is_wpl = text.lstrip("\ufeff \r\n\t").startswith("QGC")
+    is_wpl = text.lstrip("\ufeff \r\n\t").startswith(("QGC", "#"))
     try:
         return wpl_text.parse(text) if is_wpl else qgc_plan.parse(text)
     except ValueError as error:

@@ -16,6 +16,7 @@ from msgspec import Meta
 from companion.core.geo import LatLon
 from companion.core.units import e7_to_deg
 from mission_tools.mission.mission import (
+    LARGEST,
     Command,
     Fence,
     FenceCircle,
@@ -23,15 +24,20 @@ from mission_tools.mission.mission import (
     Mission,
     MissionItem,
     Rally,
+    check_count,
 )
 from mission_tools.overwrite_guard import CREATOR
 
 MAV_AUTOPILOT_ARDUPILOTMEGA = 3
 MAV_TYPE_SURFACE_BOAT = 11
 DEFAULT_SPEED_M_S = 2.0
+_PARAMETERS = 7
 
-Coordinates = Annotated[list[float], Meta(min_length=2, max_length=3)]  # degrees, degrees, perhaps metres
-Parameters = Annotated[list[float | None], Meta(min_length=7, max_length=7)]
+Number = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]
+Coordinates = Annotated[list[Number], Meta(min_length=2, max_length=3)]  # degrees, degrees, perhaps metres
+Parameters = Annotated[
+    list[Number | None], Meta(max_length=_PARAMETERS)
+]  # QGroundControl leaves out the last
 T = TypeVar("T")
 
 
@@ -56,7 +62,7 @@ class _Mission(msgspec.Struct, frozen=True, rename="camel"):
     version: Literal[2]
     items: list[Any]
     planned_home_position: Coordinates | None = None
-    cruise_speed: float | None = None
+    cruise_speed: Number | None = None
 
 
 class _Polygon(msgspec.Struct, frozen=True):
@@ -139,9 +145,11 @@ def compose(mission: Mission) -> str:
 
 
 def _items(trees: list[Any]) -> tuple[MissionItem, ...]:
+    check_count(len(trees))
     simple: list[tuple[str, _Simple]] = []
     for number, tree in enumerate(trees, start=1):
         simple += _named(f"item {number}", lambda tree=tree, number=number: _expand(f"item {number}", tree))
+    check_count(len(simple))
     # DO_JUMP names its target by doJumpId in the file and by sequence number on the wire.
     sequence_of = {item.do_jump_id: number for number, (_, item) in enumerate(simple, start=1)}
     return tuple(_named(label, _item, item, sequence_of) for label, item in simple)
@@ -160,6 +168,7 @@ def _expand(label: str, tree: object) -> list[tuple[str, _Simple]]:
 
 def _item(item: _Simple, sequence_of: dict[int | None, int]) -> MissionItem:
     values = [math.nan if value is None else value for value in item.params]
+    values += [math.nan] * (_PARAMETERS - len(values))
     if item.command == Command.DO_JUMP:
         if values[0] not in sequence_of:
             raise ValueError(f"DO_JUMP to item id {item.params[0]}, which no item has")

@@ -20,6 +20,7 @@ _VERTICES = {
     Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION: False,
 }
 _CIRCLES = {Command.NAV_FENCE_CIRCLE_INCLUSION: True, Command.NAV_FENCE_CIRCLE_EXCLUSION: False}
+FENCE_COMMANDS = frozenset({*_VERTICES, *_CIRCLES, Command.NAV_FENCE_RETURN_POINT})
 
 
 def mission_from(lists: Mapping[MissionType, Sequence[MissionItem]], *, home_first: bool) -> Mission:

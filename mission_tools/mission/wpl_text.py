@@ -1,13 +1,13 @@
 """QGC WPL 110: the tab-separated mission text that Mission Planner, MAVProxy and QGroundControl read.
 
 One row an item: index, current, frame, command, four parameters, x, y, z, autocontinue. Row 0 is home in
-ArduPilot's files (frame 0); 0, 0 there means that home was not known. Format: the MAVLink guide, "File
-Formats". Every parse error is a ValueError that names the line.
+ArduPilot's files (frame 0); 0, 0 there means that home was not known. Lines with # are comments. Format: the
+MAVLink guide, "File Formats". Every parse error is a ValueError that names the line.
 """
 
 from companion.core.geo import LatLon
 from companion.core.units import e7_to_deg
-from mission_tools.mission.mission import Command, Frame, Mission, MissionItem, shifted_jump
+from mission_tools.mission.mission import Command, Frame, Mission, MissionItem, check_count, shifted_jump
 
 HEADER = "QGC WPL 110"
 
@@ -19,9 +19,10 @@ def parse(text: str) -> Mission:
         ValueError: names the line and what was expected there.
     """
     lines = [line.strip() for line in text.removeprefix("\ufeff").splitlines()]
-    rows = [(number, line) for number, line in enumerate(lines, start=1) if line]
+    rows = [(number, line) for number, line in enumerate(lines, start=1) if line and not line.startswith("#")]
     if not rows or rows[0][1].split() != HEADER.split():
         raise ValueError(f"line {rows[0][0] if rows else 1}: the first line must be '{HEADER}'")
+    check_count(len(rows) - 1)
     items = tuple(_row(number, line, index) for index, (number, line) in enumerate(rows[1:]))
     if items and items[0].frame == Frame.GLOBAL and items[0].command == Command.NAV_WAYPOINT:
         first = items[0]

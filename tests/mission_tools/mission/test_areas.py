@@ -7,9 +7,10 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pymavlink.mavwp import MAVFenceLoader
 
 from companion.core.geo import LatLon
-from mission_tools.errors import MapError, MissionToolsError
+from mission_tools.errors import MapError, MissionToolsError, PlanFileError
 from mission_tools.mission.areas import Areas, load_fence, load_rally, open_areas, parse_areas
 from mission_tools.mission.mission import (
     Fence,
@@ -156,3 +157,58 @@ def test_areas_given_replace_those_of_the_mission_and_others_stay() -> None:
     mission = Mission((), fence=Fence((FencePolygon(CORNERS),)), rally=(Rally(PLACE),))
     assert Areas(fence=Fence()).over(mission) == Mission((), fence=Fence(), rally=(Rally(PLACE),))
     assert Areas().over(mission) == mission
+
+
+OLD_FENCE = """40.071308\t-105.229759
+40.071434\t-105.229958
+40.071224\t-105.229935
+40.071228\t-105.229546
+40.071449\t-105.229530
+40.071434\t-105.229958
+"""
+
+
+@pytest.mark.parametrize("text", [OLD_FENCE, f"#saved by a station\n\n{OLD_FENCE}"])
+def test_an_old_fence_of_ardupilot_is_read_as_its_loader_reads_it(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "fence.txt"
+    path.write_text(text, encoding="utf-8")
+    loader = MAVFenceLoader()
+    loader.load(str(path))
+    fence = load_fence(path).fence
+    (polygon,) = fence.polygons
+    ours = [(at.lat_deg, at.lon_deg) for at in polygon.corners]
+    assert ours == [pytest.approx(at, abs=1e-5) for at in loader.polygon()[:-1]]  # theirs are single floats
+    assert polygon.inclusion
+    assert fence.return_point == LatLon(40.071308, -105.229759)
+
+
+def test_an_old_rally_list_of_ardupilot_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "rally.txt"
+    path.write_text("RALLY 40.071553\t-105.229401\t2.500000\t40.000000\t0.000000\t0\n", encoding="utf-8")
+    assert load_rally(path).rally == (Rally(LatLon(40.071553, -105.229401), 2.5),)
+
+
+def test_a_fence_that_a_station_saved_as_waypoints_is_read(tmp_path: Path) -> None:
+    places = [(40.07, -105.2), (40.08, -105.2), (40.08, -105.1)]
+    rows = [f"{n}\t0\t0\t5001\t3.0\t0\t0\t0\t{lat}\t{lon}\t0\t0" for n, (lat, lon) in enumerate(places)]
+    rows.append("3\t0\t0\t5004\t20.0\t0\t0\t0\t40.075\t-105.15\t0\t0")
+    path = tmp_path / "fence.waypoints"
+    path.write_text("\n".join(["QGC WPL 110", *rows, ""]), encoding="utf-8")
+    fence = load_fence(path).fence
+    assert [len(polygon.corners) for polygon in fence.polygons] == [3]
+    assert [(circle.radius_m, circle.inclusion) for circle in fence.circles] == [(20.0, False)]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("40.07 -105.2\n40.08 -105.2\n", "2 lines: expected a return point and the corners"),
+        ("40.07 -105.2\n95.0 -105.2\n", "line 2: expected latitude and longitude: latitude 95.0 is outside"),
+        ("RALLY 40.07 x 0 0 0 0\n", "line 1: expected latitude and longitude"),
+    ],
+)
+def test_a_broken_list_says_where(tmp_path: Path, text: str, said: str) -> None:
+    path = tmp_path / "fence.txt"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(PlanFileError, match=rf"fence\.txt: {said}"):
+        load_fence(path)

@@ -159,7 +159,7 @@ def test_a_survey_is_expanded_into_the_items_that_it_carries() -> None:
             plan_tree(items=[{"type": "ComplexItem", "complexItemType": "StructureScan"}]),
             "item 1.*StructureScan",
         ),
-        (with_item(params=[0, 0, 0, 0, 50.0, -1.2]), "item 2.*length >= 7"),
+        (with_item(params=[0, 0, 0, 0, 50.0, -1.2, 0, 0]), "item 2.*length <= 7"),
         (with_item(params=[0, 0, 0, 0, "fifty", -1.2, 0]), r"item 2.*params\[4\]"),
         (with_item(params=[0, 0, 0, 0, 91.0, -1.2, 0]), "item 2: latitude 91.0"),
         (with_item(params=[0, 0, 0, 0, None, -1.2, 0]), "item 2: NAV_WAYPOINT needs a latitude"),
@@ -198,7 +198,7 @@ ROW = "\t".join(["0", "1", "0", "16", "0", "0", "0", "0", "50.0", "-1.2", "0", "
         (f"QGC WPL 110\n{ROW}\n{ROW}", "line 3: expected item 1, got item 0"),
         (f"QGC WPL 110\n{ROW}\n1 0 3 16 0 0 0 0 95 0 0 1", r"line 3 \(item 1\): latitude 95"),
         (f"QGC WPL 110\n{ROW}\n1 0 3 sixteen 0 0 0 0 50 0 0 1", r"line 3 \(item 1\): .*sixteen"),
-        (f"QGC WPL 110\n{ROW}\n1 0 3 16 0 0 0 inf 50 0 0 1", r"line 3 \(item 1\): a parameter is infinite"),
+        (f"QGC WPL 110\n{ROW}\n1 0 3 16 0 0 0 inf 50 0 0 1", r"line 3 \(item 1\): inf does not fit"),
         (f"QGC WPL 110\n{ROW}\n1 0 3 16 0 0 0 0 nan 0 0 1", r"line 3 \(item 1\): NAV_WAYPOINT needs"),
     ],
 )
