@@ -4,6 +4,7 @@ from itertools import pairwise
 import pytest
 from boat_rig import OK, FakeBattery, Rig, Silent
 
+from companion.failsafe.table import Condition
 from companion.mavlink.dialect import dialect
 from companion.sensors.readings import HeadingReading
 
@@ -169,3 +170,22 @@ def test_equal_seeds_give_equal_bytes_and_another_seed_gives_others() -> None:
 
     assert told(1) == told(1)
     assert told(1) != told(2)
+
+
+def test_failsafes_wait_for_a_second_and_a_half_after_a_leap_of_the_clock() -> None:
+    rig = Rig()
+    rig.peer.heartbeat()
+    rig.run(1.0)
+    began_s, lost = rig.now_s + 8.0, []
+    for tick in range(100):
+        rig.boat.step(began_s + 0.02 * tick)
+        lost.append(rig.boat.vehicle.failsafes.is_active(Condition.OPERATOR_LOST))
+    assert 0.02 * lost.index(True) == pytest.approx(1.5, abs=0.05)
+
+
+@pytest.mark.parametrize(("pause_s", "is_told"), [(0.98, False), (1.04, True)])
+def test_a_tick_that_comes_more_than_a_second_late_is_told(pause_s: float, *, is_told: bool) -> None:
+    rig = Rig()
+    rig.run(1.0)
+    rig.boat.step(rig.now_s + pause_s)
+    assert any(text.startswith("Clock leapt by") for text in rig.peer.texts) is is_told
