@@ -16,7 +16,6 @@ from companion.estimation.monitor import STUCK_S, SensorMonitor
 from companion.sensors import plausibility
 from companion.sensors.readings import HeadingReading
 
-MAX_READING: Final = 100.0  # rad, or rad/s; a MEMS gyro measures at most 35: a fault
 # A boat approaches its target while the heading error is below 90°, which is 2.2 of these standard
 # deviations. With a larger one the heading is lost; dead reckoning is useless at an error of half the
 # distance.
@@ -24,6 +23,7 @@ LOST_RAD: Final = 0.7
 BLIND_RAD: Final = 0.45
 _BLOCK_S: Final = 0.24  # readings are averaged over this: a bit more than the period of common receivers
 _HEADING: Final = plausibility.HEADING["heading_rad"]  # a larger step of the residual begins a new block
+_RATE: Final = plausibility.HEADING["yaw_rate_rad_s"]
 _TURNING_RAD_S: Final = 0.15  # error in a turn of the rate that steering lets expect
 # Plain numbers: an IntFlag's arithmetic costs microseconds
 _LOST: Final = int(EstimateFault.COMPASS_LOST)
@@ -206,6 +206,6 @@ class HeadingUpdate:
 
 def _is_usable(reading: HeadingReading) -> bool:
     rate = reading.yaw_rate_rad_s
-    if rate is not None and not abs(rate) <= MAX_READING:
+    if rate is not None and not abs(rate) <= _RATE.high:  # of an external source
         return False
-    return abs(reading.heading_rad) <= MAX_READING or (rate is not None and math.isnan(reading.heading_rad))
+    return math.isfinite(reading.heading_rad) or (rate is not None and math.isnan(reading.heading_rad))
