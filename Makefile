@@ -55,7 +55,7 @@ contracts: setup
 
 check: lint types contracts test  ## lint, types, import contracts, tests
 
-mutate: setup  ## mutation testing of eight packages; also SAMPLE=200 (0: all), SEED=1, PACKAGE=control
+mutate: setup  ## mutation testing of the boat's packages; also SAMPLE=200 (0: all), SEED=1, PACKAGE=control
 	$(BIN)/python tests/mutation --sample '$(or $(SAMPLE),200)' $(if $(SEED),--seed $(SEED)) $(addprefix --package ,$(PACKAGE))
 
 bench: setup  ## side by side with peers; rewrites docs/benchmarks.md
