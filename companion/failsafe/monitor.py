@@ -45,7 +45,7 @@ class Failsafes:
         self.rudder = RudderWatch()
         self.fence = FenceMonitor()
         self._escalations = [Escalation(row) for row in rows]
-        self._due_s = 0.0
+        self._due_s, self._is_postponed = 0.0, False
         self._was_armed = False
 
     def is_due(self, now_s: float) -> bool:
@@ -53,8 +53,9 @@ class Failsafes:
         return now_s >= self._due_s
 
     def postpone(self, until_s: float) -> None:
-        """No cycle is due before."""
-        self._due_s = until_s
+        """No cycle is due before. What is postponed is not postponed again."""
+        if not self._is_postponed:
+            self._due_s, self._is_postponed = until_s, True
 
     def is_active(self, condition: Condition) -> bool:
         """Whether this has fired and is not over."""
@@ -85,7 +86,7 @@ class Failsafes:
     def update(self, inputs: FailsafeInputs) -> list[Alarm]:
         """One cycle."""
         now_s, setting, armed = inputs.now_s, inputs.config.failsafe, inputs.armed
-        self._due_s = now_s + PERIOD_S - _SLACK_S
+        self._due_s, self._is_postponed = now_s + PERIOD_S - _SLACK_S, False
         alarms: list[Alarm] = []
         is_disarmed_now, self._was_armed = self._was_armed and not armed, armed
         for escalation in self._escalations:
