@@ -10,7 +10,16 @@ from companion.core.vehicle_status import VehicleStatus
 from companion.rc.crsf import _crc_table, crc8
 from companion.rc.manual_input import ManualInput, top_speed_m_s
 from companion.rc.noise import RcNoise
-from companion.rc.pulses import is_override, is_pulse, pulse_of
+from companion.rc.pulses import (
+    HIGH,
+    LOW,
+    MIDDLE,
+    deflection,
+    is_override,
+    is_pulse,
+    pulse_of,
+    switch_position,
+)
 from companion.rc.rc_control import RcActions, RcControl
 from companion.rc.rc_input import RcInput
 from companion.rc.sbus import PAUSE_S, SbusParser
@@ -37,6 +46,26 @@ def test_an_overrides_pulse_is_valid_from_900_to_2100_microseconds(pulse_us: int
     assert is_override(pulse_us) is is_valid
 
 
+@pytest.mark.parametrize(
+    ("pulse_us", "position"), [(1199, LOW), (1200, MIDDLE), (1800, MIDDLE), (1801, HIGH)]
+)
+def test_the_bands_of_a_switch_are_rovers(pulse_us: int, position: int) -> None:
+    assert switch_position(pulse_us) == position
+    assert len({LOW, MIDDLE, HIGH}) == 3
+
+
+@pytest.mark.parametrize(
+    ("pulse_us", "dead_us", "expected"),
+    [(1501, 0, 1 / 400), (1499, 0, -1 / 500), (1530, 30, 0.0), (1531, 30, 1 / 370), (1469, 30, -1 / 470)],
+)
+def test_a_deflection_begins_with_the_first_microsecond_beyond_the_dead_zone(
+    pulse_us: int, dead_us: int, expected: float
+) -> None:
+    assert deflection(pulse_us, RcChannel(min_us=1000, trim_us=1500, max_us=1900), dead_us) == pytest.approx(
+        expected
+    )
+
+
 @pytest.mark.parametrize(("share", "pulse_us"), [(0.5, 1500), (0.001, 1001), (-0.5, 1000)])
 def test_a_throttle_without_reverse_has_no_pulse_astern(share: float, pulse_us: int) -> None:
     assert pulse_of(share, RcChannel(min_us=1000, trim_us=1000, max_us=2000)) == pulse_us
@@ -50,6 +79,14 @@ def test_the_top_speed_follows_from_a_cruise_throttle_that_was_measured(
         with_value(CONFIG, "speed.cruise_throttle", cruise_throttle), "speed.max_throttle", 1.0
     )
     assert top_speed_m_s(with_value(setting, "speed.cruise_m_s", 2.0).speed) == pytest.approx(top_m_s)
+
+
+def test_sticks_that_do_not_steer_are_no_fault_when_they_are_stale() -> None:
+    sticks = ManualInput()
+    assert sticks.latest == ManualControl(0.0, 0.0)
+    sticks.ingest(ManualControl(0.5, 0.0), 0.0)
+    sticks.stop_watching()
+    assert not sticks.is_lost(CONFIG, 60.0)
 
 
 def test_channels_are_filled_up_to_the_highest_that_a_station_holds() -> None:

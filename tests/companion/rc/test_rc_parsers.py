@@ -62,6 +62,9 @@ def test_the_ends_of_the_scale_are_988_and_2012_microseconds() -> None:
     reading = CrsfParser().feed(crsf(0x16, packed([172, 1811] * 8)), 0.0)
     assert reading is not None
     assert reading.channels_us[:2] == (988, 2012)
+    widest = CrsfParser().feed(crsf(0x16, packed([0, 2047] * 8)), 0.0)
+    assert widest is not None
+    assert widest.channels_us[:2] == (880, 2159)
 
 
 def test_link_statistics_say_how_good_the_next_frames_are() -> None:
@@ -128,6 +131,26 @@ def test_an_sbus_frame_lost_on_the_air_is_no_reading_and_costs_quality() -> None
     assert reading is not None
     assert reading.quality is not None
     assert 0.3 < reading.quality < 0.45
+
+
+@pytest.mark.parametrize(("flags", "switches"), [(0, (1000, 1000)), (1, (2000, 1000)), (3, (2000, 2000))])
+def test_the_switches_of_sbus_are_bits_of_their_own(flags: int, switches: tuple[int, int]) -> None:
+    reading = SbusParser().feed(sbus([992] * 16, flags=flags), 0.0)
+    assert reading is not None
+    assert reading.channels_us[16:] == switches
+    assert (reading.is_failsafe, reading.quality) == (False, 1.0)
+
+
+@pytest.mark.parametrize(("flags", "end"), [(0x10, 0x00), (0xFF, 0x04), (0x00, 0x01), (0x00, 0x05)])
+def test_sbus_with_unknown_flags_or_another_end_is_no_frame(flags: int, end: int) -> None:
+    assert SbusParser().feed(sbus([992] * 16, flags=flags, end=end), 0.0) is None
+
+
+def test_an_ibus_frame_of_another_command_is_no_frame() -> None:
+    body = ibus([1500] * 14)[:-2].replace(b"\x20\x40", b"\x20\x41", 1)
+    parser = IbusParser()
+    assert parser.feed(body + (0xFFFF - sum(body)).to_bytes(2, "little"), 0.0) is None
+    assert parser.frames == 0
 
 
 def test_sbus_tells_its_failsafe_also_with_a_lost_frame() -> None:
