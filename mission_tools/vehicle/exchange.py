@@ -11,6 +11,7 @@ from mission_tools.mission.wire import mission_from
 from mission_tools.vehicle.vehicle import Vehicle
 
 SHOWN_DIFFERENCES = 3
+READINGS = 2  # of what was sent: an item that the line brings late or twice spoils one
 
 Lists = Mapping[MissionType, Sequence[MissionItem]]
 
@@ -62,9 +63,12 @@ async def send(vehicle: Vehicle, lists: Lists) -> Transfer:
         else:
             await vehicle.clear(kind)
     sent_s = time.perf_counter()
-    held = await holdings(vehicle, lists)
+    for _ in range(READINGS):
+        held = await holdings(vehicle, lists)
+        found = differing(lists, held, is_ardupilot=vehicle.state.is_ardupilot)
+        if not found:
+            break
     done_s = time.perf_counter()
-    found = differing(lists, held, is_ardupilot=vehicle.state.is_ardupilot)
     if found:
         shown = "; ".join(_named(kind, difference) for kind, difference in found[:SHOWN_DIFFERENCES])
         more = f" and {len(found) - SHOWN_DIFFERENCES} more" if len(found) > SHOWN_DIFFERENCES else ""

@@ -76,9 +76,11 @@ class _Session:
 
     async def _connected(self, stack: AsyncExitStack) -> Vehicle:
         request = self._request
-        return await stack.enter_async_context(
+        vehicle = await stack.enter_async_context(
             connect(self._link, request.patience_s, request.system_id, self._key)
         )
+        vehicle.notify = self._say
+        return vehicle
 
     async def _propose(self, source: MissionFile | MapSource, vehicle: Vehicle | None) -> PlannedMission:
         here, patience_s = None, self._request.patience_s

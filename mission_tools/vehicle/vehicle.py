@@ -28,6 +28,9 @@ SILENCE_S = 5.0  # without a heartbeat the link counts as lost
 TEXT_DELAY_S = 0.3  # a refusal's reason may come after the refusal
 RETRY_S = 1.0
 CLEAR_TRIES = 5
+# MAVSDK gives up after 2.5 s without an answer, and TCP on a bad wire stops for as long
+TRANSFER_TRIES = 3
+TRY_PAUSE_S = 3.0  # until the line has brought what belongs to the try before
 ASKED_RATES_HZ = {33: 4.0, 42: 2.0}  # GLOBAL_POSITION_INT, MISSION_CURRENT
 
 Transfer = Callable[[], Awaitable[list[RawItem] | None]]
@@ -42,6 +45,7 @@ class Vehicle:
         self.link = link
         self.system_id = system_id
         self.state = VehicleState()
+        self.notify: Callable[[str], object] = log.info  # tells what is tried again
         self._clock = clock
         self._missions = MissionRawAsync(system)
         self._direct = MavlinkDirectAsync(system)
@@ -113,23 +117,31 @@ class Vehicle:
             )
 
     async def _transfer(self, doing: str, transfer: Transfer) -> list[RawItem]:
-        """Run one MAVSDK transfer and tell its failures in our words."""
-        began_s, self.state.refused, self.state.requested_item = self._clock(), 0, -1
-        try:
-            return await transfer() or []
-        except MissionRawError as error:
-            log.debug("%s: %s", doing, error.result.name)
-            result = error.result
-        if result is MissionRawResult.NO_MISSION_AVAILABLE:
-            return []
-        await asyncio.sleep(TEXT_DELAY_S)
-        item = f" item {self.state.requested_item}" if self.state.requested_item >= 0 else ""
-        if result is MissionRawResult.TIMEOUT or not self.state.refused:
-            where = doing + (item and f", after{item}") + self._advice(began_s)
-            raise LinkLost(f"{self.link.typed}: the vehicle stopped answering while {where}")
-        reason = _refusal(self.state.refused)
-        text = self.state.last_warning(began_s)
-        raise UploadRejected(f"{doing}: the vehicle refused{item}: {reason}" + (f" ({text})" if text else ""))
+        """Run one MAVSDK transfer, again if only answers are missing. Its failures are told in our words."""
+        began_s, self.state.requested_item = self._clock(), -1
+        for number in range(1, TRANSFER_TRIES + 1):
+            self.state.refused = 0
+            try:
+                return await transfer() or []
+            except MissionRawError as error:
+                log.debug("%s: %s", doing, error.result.name)
+                result = error.result
+            if result is MissionRawResult.NO_MISSION_AVAILABLE:
+                return []
+            await asyncio.sleep(TEXT_DELAY_S)
+            item = f" item {self.state.requested_item}" if self.state.requested_item >= 0 else ""
+            if result is not MissionRawResult.TIMEOUT and self.state.refused:
+                text = self.state.last_warning(began_s)
+                reason = _refusal(self.state.refused) + (f" ({text})" if text else "")
+                raise UploadRejected(f"{doing}: the vehicle refused{item}: {reason}")
+            where = doing + (item and f", after{item}")
+            if self.is_lost or not self.state.says_more:
+                break  # another try would find the same
+            if number < TRANSFER_TRIES:
+                self.notify(f"no answer while {where}: trying again")
+                await asyncio.sleep(TRY_PAUSE_S)
+        where += self._advice(began_s)
+        raise LinkLost(f"{self.link.typed}: the vehicle stopped answering while {where}")
 
     def _advice(self, began_s: float) -> str:
         """What to do about silence, from what the vehicle has said before it."""
@@ -139,7 +151,8 @@ class Vehicle:
                 "give the boat's key, --sign-key FILE"
             )
         text = self.state.last_warning(began_s)
-        return f"; try again ({text})" if text else "; try again"
+        what = "; bring the vehicle nearer" + (", or connect by UDP" * self.link.is_tcp) + ", and try again"
+        return f"{what} ({text})" if text else what
 
     async def start(self, patience_s: float) -> None:
         """Begin the mission from its first item: arm, then MISSION_START.

@@ -33,6 +33,7 @@ class Behaviour:
     refuse_text: str = ""
     die_at_item: int | None = None
     hush_at_item: int | None = None  # stops answering, but its heart beats on
+    hushes: int = 10**6  # how often
     alter_item: int | None = None
     refuse_arming: str = ""
     arming_refusals: int = 10**6  # how often it refuses before it gives in
@@ -207,8 +208,8 @@ class FakeVehicle:
         taken = len(self._pending[mission_type])
         if mission_type == 0 and taken == self.behaviour.die_at_item:
             self._dead = True
-        elif mission_type == 0 and taken == self.behaviour.hush_at_item:
-            return
+        elif mission_type == 0 and taken == self.behaviour.hush_at_item and self.behaviour.hushes:
+            self.behaviour.hushes -= 1
         elif taken < self._counts[mission_type]:
             mav.mission_request_int_send(*self._client, taken, mission_type)
         else:

@@ -11,7 +11,9 @@ from pathlib import Path
 
 import pytest
 from fake_vehicle import Behaviour, FakeVehicle, fake_vehicle
+from lossy_relay import HeldUpRelay
 from patience import JOB_S
+from programs import RunBoat, RunProgram
 from pymavlink.dialects.v20 import all as dialect
 
 from companion.core.geo import LatLon, LocalFrame, Point
@@ -20,6 +22,7 @@ from mission_tools.mission.mission import Fence, FenceCircle, FencePolygon, Miss
 from mission_tools.mission.plan_file import save_mission
 
 pytestmark = pytest.mark.realtime
+pytest_plugins = ("program_fixtures",)
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 
@@ -126,6 +129,38 @@ def test_what_goes_wrong_is_told_in_one_line_with_its_exit_code(
     assert len(told) == 1, told
     assert said in told[0]
     assert found == code
+
+
+def test_an_upload_that_breaks_off_twice_is_tried_a_third_time(
+    plan: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with fake_vehicle(Behaviour(hush_at_item=3, hushes=2)) as vehicle:
+        assert run_program([plan, *link(vehicle)]) == 0
+    told = capsys.readouterr().out
+    assert told.count("no answer while uploading the mission, after item 2: trying again") == 2
+    assert "read back and found equal" in told
+    assert len(vehicle.mission) == 7
+
+
+def test_after_the_third_try_a_person_is_told_what_to_do(
+    plan: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with fake_vehicle(Behaviour(hush_at_item=3)) as vehicle:
+        assert run_program([plan, *link(vehicle)]) == 3
+    (told,) = capsys.readouterr().err.splitlines()
+    assert told.endswith("; bring the vehicle nearer, or connect by UDP, and try again")
+
+
+def test_over_tcp_on_a_wire_that_loses_a_tenth_a_plan_arrives_or_a_person_is_told_what_to_do(
+    running_boat: RunBoat, run_program: RunProgram, plan: str
+) -> None:
+    boat = running_boat("open")
+    relay = HeldUpRelay(boat.port, loss=0.1, delay_s=0.15, seed=1)
+    try:
+        ended = run_program("mission-upload", plan, "--connect", relay.url).wait(JOB_S)
+    finally:
+        relay.close()
+    assert "found equal" in ended.out if ended.code == 0 else "try again" in ended.err, ended
 
 
 def test_a_boat_that_gets_ready_to_arm_in_time_is_waited_for(plan: str) -> None:
