@@ -200,6 +200,9 @@ def _radio() -> list[ParameterRow]:
     return rows
 
 
+_MEASURED = "The monitor measures by itself"
+
+
 def _constants() -> list[ParameterRow]:
     """Constants that QGroundControl's setup pages for Rover require.
 
@@ -210,6 +213,12 @@ def _constants() -> list[ParameterRow]:
         ("FRAME_TYPE", _I8, 0.0, "Undefined", ((0, "Undefined"),)),
         ("ARMING_REQUIRE", _I8, 1.0, "Arming is needed before the motors turn", ((1, "Yes"),)),
         ("BATT_MONITOR", _I8, 4.0, "Voltage and current", ((4, "Voltage and current"),)),
+        ("BATT_VOLT_PIN", _I8, -1.0, _MEASURED, ((-1, "Disabled"),)),
+        ("BATT_CURR_PIN", _I8, -1.0, _MEASURED, ((-1, "Disabled"),)),
+        ("BATT_VOLT_MULT", _REAL, 1.0, _MEASURED, ()),
+        ("BATT_AMP_PERVLT", _REAL, 1.0, _MEASURED, ()),
+        ("BATT_AMP_OFFSET", _REAL, 0.0, _MEASURED, ()),
+        ("BATT2_MONITOR", _I8, 0.0, "No second battery monitor", ((0, "Disabled"),)),
         ("AHRS_ORIENTATION", _I8, 0.0, "HDG_TRIM sets how the heading sensor is mounted", ((0, "None"),)),
         ("FS_CRASH_CHECK", _I8, 0.0, "FS_STUCK_ACT, FS_GRND_ACT and FS_CAPS_ACT replace it", ((0, "Disabled"),)),
         ("INS_ACCOFFS_X", _REAL, 0.001, "No accelerometer to calibrate", ()),

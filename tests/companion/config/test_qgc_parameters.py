@@ -30,7 +30,13 @@ SENSORS = {
     "COMPASS_PRIO1_ID", "COMPASS_PRIO2_ID", "COMPASS_PRIO3_ID",
 }  # fmt: skip
 COMPASS_CALIBRATION = {"COMPASS_CAL_FIT"}  # read and written once the first step has been accepted
-POWER = {"BATT_MONITOR", "BATT_CAPACITY", "BATT_ARM_VOLT"}
+POWER = {"BATT_MONITOR", "BATT_CAPACITY", "BATT_ARM_VOLT", "BATT2_MONITOR"}
+# By these the Power page finds the module; one that is missing ends the search at the list's first name
+MODULE = ("BATT_VOLT_PIN", "BATT_CURR_PIN", "BATT_VOLT_MULT", "BATT_AMP_PERVLT", "BATT_AMP_OFFSET")
+MODULES = {
+    "Power Module 90A": (2.0, 3.0, 10.1, 17.0, 0.0),
+    "Power Module HV": (2.0, 3.0, 12.02, 39.877, 0.0),
+}  # two of seven, all on pins that are not −1
 SAFETY = {"FS_GCS_ENABLE", "FS_THR_ENABLE", "FS_THR_VALUE", "FS_ACTION", "FS_CRASH_CHECK", "ARMING_CHECK"}
 FLY_VIEW = {"WPNAV_SPEED", "WP_SPEED"}  # the speed slider's end: the one of 4.4, the one of later versions
 NAME = "parameters.json.xz"
@@ -52,6 +58,18 @@ def sent_by(rig: Rig) -> dict[str, float]:
 )
 def test_no_page_misses_a_parameter(page: set[str]) -> None:
     assert page <= set(sent_by(Rig()))
+
+
+def test_the_power_page_names_no_module_and_no_second_battery() -> None:
+    values = sent_by(Rig())
+    assert tuple(values[name] for name in MODULE) not in MODULES.values()
+    assert values["BATT_VOLT_PIN"] == values["BATT_CURR_PIN"] == -1.0
+    assert FACTS["BATT2_MONITOR"].shown(values["BATT2_MONITOR"]) == "Disabled"
+
+
+def test_the_menus_do_not_cut_a_name() -> None:
+    names = {text for fact in FACTS.values() for text in (*fact.choices.values(), *fact.bits.values())}
+    assert {name for name in names if len(name) > 24} == set()
 
 
 def test_every_parameter_has_a_text_and_is_shown_as_unchanged_on_a_fresh_boat() -> None:
@@ -81,13 +99,13 @@ def test_a_fraction_is_shown_as_one() -> None:
         ("MODE6", 10, "Auto"),
         ("FS_ACTION", 6, "LOITER or HOLD"),
         ("FS_GCS_ENABLE", 1, "Enabled"),
-        ("FS_THR_ENABLE", 2, "Enabled, but a mission continues"),
+        ("FS_THR_ENABLE", 2, "Enabled except in AUTO"),
         ("BATT_MONITOR", 4, "Voltage and current"),
         ("FRAME_TYPE", 0, "Undefined"),
         ("AHRS_ORIENTATION", 0, "None"),
         ("RC7_OPTION", 153, "Arm or disarm"),
         ("COMPASS_USE", 1, "Yes"),
-        ("FS_MOT_ACT", 8, "Test the motors one by one"),
+        ("FS_MOT_ACT", 8, "Test each motor"),
     ],
 )
 def test_a_choice_has_a_menu_with_its_present_value(name: str, value: int, text: str) -> None:
@@ -118,7 +136,7 @@ def test_the_frame_page_finds_the_boat_behind_the_entry_that_it_leaves_out() -> 
 def test_the_safety_page_has_a_box_for_all_arming_checks_that_stands_for_the_value() -> None:
     assert FACTS["ARMING_CHECK"].bits == {1: "All"}
     assert FACTS["ARMING_CHECK"].default == 1
-    assert FACTS["FENCE_TYPE"].bits[4] == "Uploaded polygons and circles"
+    assert FACTS["FENCE_TYPE"].bits[4] == "Polygons and circles"
     assert FACTS["AVOID_ENABLE"].bits[1] == "Fence"
 
 
