@@ -1,5 +1,6 @@
 """Lists of items between us and a vehicle: sent, cleared, read back and compared."""
 
+import asyncio
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -8,10 +9,10 @@ from mission_tools.errors import ReadBackMismatch, VehicleError
 from mission_tools.mission.compare import Difference, differences
 from mission_tools.mission.mission import LIST_NAMES, Mission, MissionItem, MissionType
 from mission_tools.mission.wire import mission_from
-from mission_tools.vehicle.vehicle import Vehicle
+from mission_tools.vehicle.vehicle import TRY_PAUSE_S, Vehicle
 
 SHOWN_DIFFERENCES = 3
-READINGS = 2  # of what was sent: an item that the line brings late or twice spoils one
+READINGS = 3  # of what was sent: an item that the line brings late or twice spoils one
 
 Lists = Mapping[MissionType, Sequence[MissionItem]]
 
@@ -63,7 +64,9 @@ async def send(vehicle: Vehicle, lists: Lists) -> Transfer:
         else:
             await vehicle.clear(kind)
     sent_s = time.perf_counter()
-    for _ in range(READINGS):
+    for number in range(READINGS):
+        if number:
+            await asyncio.sleep(TRY_PAUSE_S)
         held = await holdings(vehicle, lists)
         found = differing(lists, held, is_ardupilot=vehicle.state.is_ardupilot)
         if not found:
