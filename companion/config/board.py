@@ -28,12 +28,16 @@ HEADER_I2C: Final = "/dev/i2c-1"
 I2C_PINS: Final[Mapping[str, tuple[int, ...]]] = {"/dev/i2c-0": (0, 1), HEADER_I2C: (2, 3)}
 """SDA and SCL by bus; those of other buses are in config.txt."""
 
+_BEFORE_PI_4: Final = ("Raspberry Pi Zero", "Raspberry Pi Model", "Raspberry Pi 2", "Raspberry Pi 3")
 _PWM: Final[Mapping[int, int]] = {12: 0, 18: 0, 13: 1, 19: 1}
 _PWM_OF_PI_5: Final[Mapping[int, int]] = {12: 0, 13: 1, 18: 2, 19: 3}
-_UARTS: Final[Mapping[str, tuple[int, ...]]] = {
+_MAIN_UART: Final[Mapping[str, tuple[int, ...]]] = {  # the only one on the header before the Pi 4
     "/dev/serial0": (14, 15),
     "/dev/ttyS0": (14, 15),
     "/dev/ttyAMA0": (14, 15),
+}
+_UARTS_OF_PI_4: Final[Mapping[str, tuple[int, ...]]] = {
+    **_MAIN_UART,
     "/dev/ttyAMA2": (0, 1),
     "/dev/ttyAMA3": (4, 5),
     "/dev/ttyAMA4": (8, 9),
@@ -57,8 +61,8 @@ def read_model(path: Path = MODEL) -> str:
 
 
 def is_pi_5(model: str) -> bool:
-    """Whether the pins are those of a Pi 5. Any other model, and none, stands for the Pis before it."""
-    return "Raspberry Pi 5" in model
+    """Whether the pins are those of a Pi 5, also as a Pi 500 or a Compute Module 5."""
+    return "Raspberry Pi 5" in model or "Compute Module 5" in model
 
 
 def pwm_channels(model: str) -> Mapping[int, int]:
@@ -67,13 +71,24 @@ def pwm_channels(model: str) -> Mapping[int, int]:
 
 
 def uart_pins(device: str, model: str) -> tuple[int, ...]:
-    """TX and RX of a UART of the header, as its overlay has them."""
-    return (_UARTS_OF_PI_5 if is_pi_5(model) else _UARTS).get(device, ())
+    """TX and RX of a UART of the header, as its overlay has them. An unknown model stands for a Pi 4."""
+    return _uarts(model).get(device, ())
+
+
+def uart_on(pins: tuple[int, ...], model: str) -> str:
+    """The device of the UART on these pins; empty without one."""
+    return next((device for device, of in _uarts(model).items() if of == pins), "")
+
+
+def _uarts(model: str) -> Mapping[str, tuple[int, ...]]:
+    if is_pi_5(model):
+        return _UARTS_OF_PI_5
+    return _MAIN_UART if any(name in model for name in _BEFORE_PI_4) else _UARTS_OF_PI_4
 
 
 def is_main_uart(device: str) -> bool:
     """Whether a device may be the UART that the system's console uses as delivered."""
-    return _UARTS.get(device) == (14, 15)
+    return device in _MAIN_UART
 
 
 def i2c_device(bus: int | str) -> str:

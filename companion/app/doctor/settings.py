@@ -11,7 +11,7 @@ from companion.app.doctor.findings import Examined, Finding, Verdict
 from companion.app.install.files import FileText
 from companion.app.motors_off import outputs_to_end
 from companion.app.needs import Needs, needs_of
-from companion.config.board import HEADER_I2C, is_main_uart, is_pi_5
+from companion.config.board import HEADER_I2C, is_main_uart, is_pi_5, uart_pins
 
 _FOLDERS = ("/boot/firmware", "/boot")  # since Bookworm, and before
 _CONSOLE = re.compile(r"\bconsole=(serial0|ttyAMA0|ttyS0)\S*\s*")
@@ -46,8 +46,8 @@ def wanted_lines(needs: Needs, model: str) -> list[tuple[str, tuple[str, ...]]]:
             )
         )
     for port in needs.ports.values():
-        if number := re.fullmatch(r"/dev/ttyAMA([1-5])", port):
-            overlay = f"dtoverlay=uart{number[1]}"
+        if uart_pins(port, model) and not is_main_uart(port):
+            overlay = f"dtoverlay=uart{port[-1]}"
             wanted.append((f"{overlay}-pi5" if is_5 else overlay, (overlay,)))
     if HEADER_I2C in needs.i2c.values():
         wanted.append(("dtparam=i2c_arm=on", ("dtparam=i2c_arm=on", "dtparam=i2c=on")))

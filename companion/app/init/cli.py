@@ -7,8 +7,7 @@ from typing import Annotated
 import typer
 
 from companion.app.composition import check_config
-from companion.app.init.board import board_values
-from companion.app.init.presets import PRESETS, STATIONS, preset_text, with_links
+from companion.app.init.presets import PRESETS, STATIONS, board_values, preset_text, with_links
 from companion.app.init.questions import ask_all
 from companion.app.init.toml_edit import Value
 from companion.config.board import read_model

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Final
 
 from companion.app.init.toml_edit import Value, with_values
+from companion.config.board import uart_on
 
 _TEXTS = Path(__file__).parent / "texts"
 _STATIONS: Final = "udpout:192.168.4.255:"
@@ -47,6 +48,17 @@ PRESETS: Final[dict[str, Preset]] = {
     "catamaran": Preset("1.2 m, two brushless motors behind speed controllers (ESCs)", "catamaran", _STRONG),
     "rudder": Preset("1 m, one brushless motor behind a speed controller, and a rudder", "rudder", _STRONG),
 }
+
+
+def board_values(model: str) -> dict[str, Value]:
+    """Ports of this model of the Pi, other than those of a Pi 4, by key."""
+    usual, own = _ports(""), _ports(model)
+    return {key: port for key, port in own.items() if port != usual[key]}
+
+
+def _ports(model: str) -> dict[str, Value]:
+    """Where there is no UART for the receiver of a transmitter, it needs an adapter."""
+    return {"parts.gnss.port": uart_on((14, 15), model), "rc.port": uart_on((8, 9), model) or "/dev/ttyUSB0"}
 
 
 def preset_text(name: str, values: Mapping[str, Value] | None = None) -> str:

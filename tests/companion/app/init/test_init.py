@@ -8,8 +8,7 @@ from typing import Any, get_args, get_type_hints
 import pytest
 
 from companion.app.cli import run_program
-from companion.app.init.board import board_values
-from companion.app.init.presets import PRESETS, STATIONS, preset_text, with_links
+from companion.app.init.presets import PRESETS, STATIONS, board_values, preset_text, with_links
 from companion.app.init.questions import QUESTIONS, ask_all, value_at
 from companion.app.init.toml_edit import with_values
 from companion.config.board import read_model
