@@ -97,7 +97,7 @@ def test_a_rudder_boat_has_one_way_to_stop_and_three_astern() -> None:
 
 
 @given(
-    st.floats(0.2, 20.0), st.floats(0.01, 20.0), st.floats(-30.0, 30.0),
+    st.floats(0.05, 20.0), st.floats(0.01, 20.0), st.floats(-30.0, 30.0),
     st.sampled_from((0.0, 0.5, 3.0, -1.0, CRASH_STOP, FULL_ASTERN)),
 )  # fmt: skip
 def test_every_rollout_is_finite_and_drag_never_turns_the_boat_around(
