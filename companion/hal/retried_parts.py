@@ -122,9 +122,9 @@ class RetriedProbe:
         self._index = index
 
     @property
-    def fault(self) -> str:
-        """Why it is not open, empty once it is."""
-        return self._group.fault
+    def is_open(self) -> bool:
+        """Whether the group is."""
+        return self._group.is_open
 
     def read(self) -> ProbeReading | None:
         """The latest reading, None before the first."""

@@ -86,6 +86,11 @@ class Retried(Generic[Opened]):
             self._texts.append(StatusText(Severity.NOTICE, f"{self.name}: opened"))
         return 0.0
 
+    @property
+    def is_open(self) -> bool:
+        """Whether it has been opened."""
+        return self.opened is not None
+
     def take_texts(self) -> list[StatusText]:
         """The messages since the last call."""
         return [self._texts.popleft() for _ in range(len(self._texts))]

@@ -22,9 +22,10 @@ def fresh(reading: Reading | None, timeout_s: float, now_s: float) -> Reading | 
 
 @runtime_checkable
 class MissingPart(Protocol):
-    """A part that tells by itself that it is missing. fault: why it is not open, empty once it is."""
+    """A part that tells by itself that it is missing."""
 
-    fault: str
+    @property
+    def is_open(self) -> bool: ...
 
 
 class SilenceMonitor:
@@ -38,7 +39,7 @@ class SilenceMonitor:
 
     def update(self, timeout_s: float, now_s: float, *, is_heard: bool) -> StatusText | None:
         """is_heard: there is a fresh reading. timeout_s: that long after the start a part may give none."""
-        if self._part is not None and self._part.fault:
+        if self._part is not None and not self._part.is_open:
             return None
         if self._began_s is None:
             self._began_s = now_s

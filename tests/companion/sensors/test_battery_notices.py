@@ -87,13 +87,13 @@ def test_a_part_that_never_measured_is_silent_from_the_timeout_on() -> None:
 class Late:
     """A part that is missing at first."""
 
-    fault = "not open yet"
+    is_open = False
 
 
 def test_a_missing_part_is_not_silent_until_it_has_been_opened() -> None:
     part = Late()
     monitor = SilenceMonitor("Probe", part)
     assert [monitor.update(3.0, 0.1 * tick, is_heard=False) for tick in range(100)] == [None] * 100
-    part.fault = ""
+    part.is_open = True
     assert [monitor.update(3.0, 10.0 + 0.1 * tick, is_heard=False) for tick in range(31)] == [None] * 31
     assert monitor.update(3.0, 13.2, is_heard=False) == (Severity.WARNING, "Probe is silent")

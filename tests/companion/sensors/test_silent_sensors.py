@@ -150,6 +150,16 @@ def test_a_silent_battery_monitor_is_no_full_pack(rig: SilentRig) -> None:
     assert any(text.startswith("Failsafe: Battery critical: 9.3 V") for text in rig.peer.texts)
 
 
+@pytest.mark.parametrize(
+    ("what", "name"), [("battery", "Battery monitor"), ("depth", "Depth sounder"), ("sonar", "Sonar")]
+)
+def test_a_part_of_the_emulator_that_a_fault_switches_off_is_told(what: str, name: str) -> None:
+    fault = f"faults=[{{what='{what}', kind='off', at_s=0.0}}]"
+    rig = Rig("open", *FITTED, fault)
+    rig.run(10.0)
+    assert f"{name} is silent" in rig.peer.texts
+
+
 def test_a_monitor_that_has_never_measured_keeps_the_boat_from_arming(tmp_path: Path) -> None:
     rig = SilentRig(tmp_path)
     rig.silence("battery")

@@ -331,7 +331,8 @@ def test_a_missing_device_keeps_no_other_probe_from_being_read(tmp_path: Path, c
     try:
         eventually(file.read)
         assert line.read() is None
-        assert line.fault.startswith(f"serial:{tmp_path}/none")
+        assert not line.is_open
+        assert line._group.fault.startswith(f"serial:{tmp_path}/none")
     finally:
         file.close()
         line.close()
