@@ -21,10 +21,12 @@ from twins.i2c import Bno055Twin, Part, plug_in
 from twins.lines import PtyLine
 from twins.pulses import PI_4, LgpioTwin, plug_in_pwm
 
+from companion.app import parts
 from companion.app.composition import run_boat
 from companion.app.hardware import open_hardware
 from companion.app.init.presets import PRESETS, preset_text
 from companion.config.boat_config import BoatConfig, decode_config
+from companion.links.port_url import open_port
 from companion.links.retried import Pace
 
 pytestmark = pytest.mark.realtime
@@ -254,6 +256,34 @@ def test_a_boat_answers_without_any_part(bench: Bench, preset: str, tmp_path: Pa
         assert station.arm() == FAILED
         for name in names:
             pi.plug_in(name)
+        assert station.arms()
+
+
+def test_a_boat_answers_while_motors_parts_and_a_link_hang(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _, station, boat = bench("lake")
+    may_go_on = threading.Event()
+
+    def hanging(
+        work: Callable[..., Any], is_hung: Callable[..., bool] = lambda *_: True
+    ) -> Callable[..., Any]:
+        def hang(*arguments: Any) -> Any:  # noqa: ANN401
+            if is_hung(*arguments):
+                may_go_on.wait()
+            return work(*arguments)
+
+        return hang
+
+    for name in ("open_motors", "open_compass", "open_battery"):
+        monkeypatch.setattr(parts, name, hanging(getattr(parts, name)))
+    is_radio = lambda url, *_: url.startswith("serial")  # noqa: E731
+    monkeypatch.setattr("companion.app.composition.open_port", hanging(open_port, is_radio))
+    with boat:
+        station.is_answered()
+        assert station.arm() == FAILED
+        station.wait_for_text("Arm: Motors: not open yet")
+        may_go_on.set()
         assert station.arms()
 
 

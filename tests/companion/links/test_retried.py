@@ -10,7 +10,7 @@ from twins.lines import eventually
 from companion.core.errors import ConfigError, HardwareError, LinkError
 from companion.core.status_text import Severity
 from companion.links.memory import MemoryPort, memory_pair
-from companion.links.retried import Pace, Retried, RetriedPort, await_first
+from companion.links.retried import PACE, Pace, Retried, RetriedPort, await_first
 
 pytestmark = pytest.mark.realtime
 QUICK = Pace(0.001, 0.001, 60.0)
@@ -118,6 +118,10 @@ class Slow:
         self.begun.set()
         self.may_end.wait()
         return self._socket.open()
+
+
+def test_a_start_waits_for_motors_parts_and_links_within_two_seconds_with_its_imports() -> None:
+    assert 3 * PACE.start_s + 0.9 < 2.0
 
 
 def test_a_part_that_hangs_does_not_hold_up_the_start() -> None:
