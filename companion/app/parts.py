@@ -98,7 +98,9 @@ def antenna_heading(config: BoatConfig) -> GnssHeading | None:
     part, compass = config.parts.gnss, config.parts.compass
     if compass.driver != "gnss":
         return None
-    return GnssHeading(part.antenna_bearing_rad, part.baseline_m, part.latency_s, compass.fallback)
+    return GnssHeading(
+        part.antenna_bearing_rad, part.baseline_m, part.latency_s, compass.fallback, compass.silence_s
+    )
 
 
 def open_gnss(config: BoatConfig, now: Now, heading: GnssHeading | None = None) -> Gnss:

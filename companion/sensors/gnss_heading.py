@@ -16,7 +16,6 @@ from companion.sensors.ubx.messages import Baseline
 # ambiguities differ by a carrier wavelength, 0.19 m on L1.
 LENGTH_TOLERANCE_M: Final = 0.1
 WORST_ACCURACY_RAD: Final = math.radians(5.0)  # a magnetic compass is as good
-FRESH_S: Final = 1.5  # as the estimator waits for a compass: headings once a second are not overdue
 _LOST_S: Final = 3.0  # without an accepted heading, before the operator is told;
 _FIRST_S: Final = 60.0  # of the first one: a cold start takes half a minute, the ambiguities as long
 _DAY_S: Final = 86_400.0
@@ -31,12 +30,15 @@ class GnssHeading:
         baseline_m: float = 0.0,
         latency_s: float = 0.0,
         fallback: str = "none",
+        timeout_s: float = 1.5,
     ) -> None:
         """antenna_bearing_rad: direction from the reference antenna to the receiver's own, from the bow.
 
         baseline_m: distance of the antennas; 0: any. fallback: what is used instead, for the messages.
+        timeout_s: the heading is silent after so long.
         """
         self.latest: HeadingReading | None = None
+        self.timeout_s = timeout_s
         self._antenna_bearing_rad = antenna_bearing_rad
         self._fallback = "" if fallback == "none" else f"; using {fallback}"
         self._baseline_m = baseline_m
@@ -64,7 +66,7 @@ class GnssHeading:
 
     def added_to(self, fix: GnssFix, time_s: float) -> GnssFix:
         """The fix with the present heading, if there is one."""
-        if self.latest is None or time_s - self._accepted_s > FRESH_S:
+        if self.latest is None or time_s - self._accepted_s > self.timeout_s:
             return fix
         return msgspec.structs.replace(
             fix, heading_rad=self.latest.heading_rad, heading_accuracy_rad=self._accuracy_rad

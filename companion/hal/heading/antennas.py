@@ -6,8 +6,9 @@ from msgspec.structs import replace
 
 from companion.core.status_text import StatusText
 from companion.hal.interfaces import Compass, Gnss, ReportingPart
-from companion.sensors.gnss_heading import FRESH_S, GnssHeading
+from companion.sensors.gnss_heading import GnssHeading
 from companion.sensors.readings import HeadingReading
+from companion.sensors.silence import fresh
 
 
 class AntennaCompass:
@@ -26,10 +27,10 @@ class AntennaCompass:
 
     def read(self) -> HeadingReading | None:
         """The heading by the antennas; without a recent one, that of the compass in reserve."""
-        latest = self._heading.latest
-        if latest is not None and self._now() - latest.time_s <= FRESH_S:
-            return self._with_field(latest, self._reserve.read())
-        return self._reserve.read() or latest
+        latest, reserve, timeout_s = self._heading.latest, self._reserve.read(), self._heading.timeout_s
+        if latest is not None and fresh(latest, timeout_s, self._now()):
+            return self._with_field(latest, fresh(reserve, timeout_s, self._now()))
+        return reserve or latest
 
     def _with_field(self, latest: HeadingReading, reserve: HeadingReading | None) -> HeadingReading:
         """The antennas' heading with the field of a magnetometer in reserve, which can then be calibrated."""

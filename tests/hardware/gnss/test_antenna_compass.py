@@ -27,10 +27,12 @@ class Reserve:
         self.is_closed = False
         self.texts: list[StatusText] = []
         self.field_mg: Vector | None = None
+        self.died_s = math.inf
         self._clock = clock
 
     def read(self) -> HeadingReading:
-        return HeadingReading(self._clock(), math.pi, field_mg=self.field_mg, is_magnetic=True)
+        time_s = min(self._clock(), self.died_s)
+        return HeadingReading(time_s, math.pi, roll_rad=1.2, field_mg=self.field_mg, is_magnetic=True)
 
     def take_texts(self) -> list[StatusText]:
         return self.texts
@@ -206,3 +208,16 @@ def test_a_magnetometer_in_reserve_can_be_calibrated_meanwhile() -> None:
     assert not reading.is_magnetic
     assert reading.field_mg == (190.0, 20.0, 440.0)
     assert bench.compass.read() is reading
+
+
+def test_what_a_dead_magnetometer_in_reserve_measured_last_is_not_passed_on_with_new_headings() -> None:
+    bench = Bench()
+    bench.reserve.field_mg = (190.0, 20.0, 440.0)
+    bench.reserve.died_s = bench.clock()
+    for _ in range(3):
+        bench.clock.advance(1.0)
+        bench.hear("GNHDT,10.0,T")
+    reading = bench.compass.read()
+    assert reading is not None
+    assert math.degrees(reading.heading_rad) == pytest.approx(10.0)
+    assert (reading.field_mg, reading.roll_rad) == (None, None)
