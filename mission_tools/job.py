@@ -92,6 +92,9 @@ def run(request: Request, report: Report, say: Printer) -> None:
         _check_areas_alone(request, areas)
     else:
         source = open_source(request.source, request.options, areas)
+    if request.dry_run and (request.diff or request.if_changed):
+        option = "--if-changed" if request.if_changed else "--diff"
+        say(f"note: {option} compares with what is on board, and --dry-run asks no vehicle: nothing compared")
     if not request.dry_run:
         from mission_tools.vehicle.session import run_session  # noqa: PLC0415 - MAVSDK takes half a second
 

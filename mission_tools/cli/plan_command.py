@@ -6,7 +6,7 @@ import sys
 from argparse import Namespace
 
 from companion.core.interrupts import importing
-from mission_tools.cli.arguments import with_start_position_option
+from mission_tools.cli.arguments import with_places
 from mission_tools.cli.exit import run_parsed
 from mission_tools.cli.options import add_areas, add_costs, add_outputs, add_route, add_tasks, plan_options
 from mission_tools.cli.parser import Parser
@@ -79,4 +79,4 @@ def _plan(given: Namespace) -> None:
 
 def run_program(arguments: list[str]) -> int:
     """Run the program; returns its exit code."""
-    return run_parsed(_parser(), with_start_position_option(arguments), _plan)
+    return run_parsed(_parser(), with_places(arguments), _plan)

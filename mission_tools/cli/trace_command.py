@@ -8,7 +8,7 @@ from pathlib import Path
 
 from companion.core.geo import LatLon
 from companion.core.interrupts import importing
-from mission_tools.cli.arguments import position
+from mission_tools.cli.arguments import position, with_places
 from mission_tools.cli.exit import run_parsed
 from mission_tools.cli.options import add_force
 from mission_tools.cli.parser import Parser, number
@@ -107,4 +107,4 @@ def _places(option: str, texts: list[str]) -> list[LatLon]:
 
 def run_program(arguments: list[str]) -> int:
     """Run the program; returns its exit code."""
-    return run_parsed(_parser(), arguments, _trace)
+    return run_parsed(_parser(), with_places(arguments), _trace)

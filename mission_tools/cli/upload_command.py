@@ -7,7 +7,7 @@ import sys
 from argparse import Namespace
 
 from companion.core.interrupts import importing
-from mission_tools.cli.arguments import with_start_position_option
+from mission_tools.cli.arguments import with_places
 from mission_tools.cli.exit import run_parsed
 from mission_tools.cli.options import (
     add_areas,
@@ -90,4 +90,4 @@ def _upload(given: Namespace) -> None:
 
 def run_program(arguments: list[str]) -> int:
     """Run the program; returns its exit code."""
-    return run_parsed(_parser(), with_start_position_option(arguments), _upload)
+    return run_parsed(_parser(), with_places(arguments), _upload)

@@ -4,9 +4,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import shapely
+
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
-from mission_tools.errors import UsageError
+from mission_tools.errors import NoRoute, NoRouteError, UsageError
 from mission_tools.maps import Chart, Source, build_chart, load_source
+from mission_tools.maps.chart import DEPTH
 from mission_tools.maps.fenced import fenced
 from mission_tools.maps.zones import for_draught, speed_zones
 from mission_tools.mission.areas import NO_AREAS, Areas
@@ -141,6 +144,7 @@ class MapSource:
         area: SurveyArea | None = None,
     ) -> None:
         self._survey_area = area
+        self._text, self._source = text, source
         self._chart = _within(_for_draught(source.chart, options.draught_m), areas)
         self._notes = tuple(dict.fromkeys((*self._chart.notes, *areas.notes)))
         self._areas = areas
@@ -178,6 +182,32 @@ class MapSource:
             NoRouteError: there is none; says what is in the way.
             UsageError: no start.
         """
+        try:
+            return self._planned(here)
+        except NoRoute as error:
+            if self._wishes.draught_m is None:
+                raise
+            raise NoRoute(self._too_shallow(here) or str(error)) from None
+
+    def _too_shallow(self, here: LatLon | None) -> str:
+        """What is not deep enough for the draught; "" if that is not what is in the way."""
+        options = replace(self._wishes, draught_m=None)
+        try:
+            deep = MapSource(self._text, self._source, options, self._areas, self._survey_area).prepare(here)
+        except NoRouteError:
+            return ""
+        way = shapely.LineString([(at.east_m, at.north_m) for at in deep.points])
+        bars = [
+            f"{feature.described} ({feature.properties[DEPTH]:g} m)"
+            for feature in self._chart.features
+            if feature.kind == "obstacle" and DEPTH in feature.properties and feature.shape.intersects(way)
+        ]
+        return (
+            f"no way is deep enough for a draught of {self._wishes.draught_m:g} m; without --draught it "
+            f"leads over {', '.join(bars[:2]) or 'what is less deep'}"
+        )
+
+    def _planned(self, here: LatLon | None) -> PlannedMission:
         start = self._named_start or self._start_of(here)
         chart, speed_m_s, clearance_m = self._chart, self._wishes.speed_m_s, self._settings.clearance_m
         survey = self._survey(start)

@@ -12,7 +12,7 @@ from shapely.geometry.base import BaseGeometry
 from companion.core.geo import Point, path_length_m
 from companion.planning.visibility import NoWay, Route, Routes
 from companion.planning.water import Shore, Water
-from mission_tools.errors import GoalBlocked, NoRoute, StartBlocked
+from mission_tools.errors import GoalBlocked, MapError, NoRoute, StartBlocked
 from mission_tools.maps.chart import (
     CLEARANCE,
     KEPT_OUT,
@@ -58,13 +58,19 @@ def water_of(chart: Chart) -> Water:
 
 
 def own_clearances(chart: Chart) -> list[tuple[BaseGeometry, float]]:
-    """The shapes that ask for a clearance of their own, in metres."""
-    return [
-        (feature.shape, clearance_m)
-        for feature in chart.features
-        if feature.kind in SOLID | KEPT_OUT
-        and (clearance_m := property_number(feature, CLEARANCE)) is not None
-    ]
+    """The shapes that ask for a clearance of their own, in metres.
+
+    Raises:
+        MapError: one is no number, or negative; names the feature.
+    """
+    found = []
+    for feature in chart.features:
+        clearance_m = property_number(feature, CLEARANCE) if feature.kind in SOLID | KEPT_OUT else None
+        if clearance_m is not None and clearance_m < 0.0:
+            raise MapError(f"{feature.described}: {CLEARANCE} is {clearance_m:g}: expected 0 or more")
+        if clearance_m is not None:
+            found.append((feature.shape, clearance_m))
+    return found
 
 
 def _bounds_open_water(ring: LinearRing) -> bool:

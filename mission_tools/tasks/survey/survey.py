@@ -82,8 +82,7 @@ def survey(
     if plan.margin_m > 0.0:
         wide = polygons(union(water_clear_of_shores(chart, plan.required_m)).intersection(reached))
     water = wide if area is None else _inside(wide, area, swath_m)
-    if not water:
-        raise NoRoute(f"no water in the area keeps {plan.required_m:g} m from every shore")
+    _check_water(water, settings)
     target = union(wide).buffer(0.5 * swath_m, quad_segs=QUADRANT_SEGMENTS).intersection(chart.navigable)
     if area is not None:
         target = target.intersection(area)
@@ -133,6 +132,23 @@ def survey(
         coverage(route.points, target, swath_m),
         least_m,
     )
+
+
+def _check_water(water: Sequence[Polygon], settings: SurveySettings) -> None:
+    """See that tracks may fit.
+
+    Raises:
+        NoRoute: no water.
+        UsageError: the tracks are farther apart than the area is across.
+    """
+    if not water:
+        raise NoRoute(f"no water in the area keeps {settings.plan.required_m:g} m from every shore")
+    west, south, east, north = union(water).bounds
+    across_m, spacing_m = math.hypot(east - west, north - south), settings.track_spacing_m
+    if spacing_m > across_m:
+        raise UsageError(
+            f"tracks {spacing_m:g} m apart, but the area is {across_m:.0f} m across: expected less"
+        )
 
 
 def _left_out(

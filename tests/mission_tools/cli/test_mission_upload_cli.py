@@ -11,7 +11,7 @@ import pytest
 from companion.core.geo import LatLon
 from mission_tools.cli import check as check_cli
 from mission_tools.cli import upload as upload_cli
-from mission_tools.cli.arguments import position, with_start_position_option
+from mission_tools.cli.arguments import position, with_places
 from mission_tools.errors import UsageError
 from mission_tools.mission.mission import Command
 from mission_tools.mission.plan_file import load_mission
@@ -210,7 +210,7 @@ def test_help_teaches_by_example(program: object, capsys: pytest.CaptureFixture[
     ],
 )
 def test_start_with_a_position_names_a_place(typed: list[str], meant: list[str]) -> None:
-    assert with_start_position_option(typed) == meant
+    assert with_places(typed) == meant
 
 
 def test_southern_and_western_positions_are_read() -> None:
@@ -291,3 +291,71 @@ def test_what_was_repaired_in_a_map_is_told(
         assert program(["one.plan", "--map", "Broken.GEOJSON"]) == 0
     said = capsys.readouterr()
     assert "no geometry: skipped" in said.out + said.err
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "50.0005,-1.1990",
+        "50.0005 -1.1990",
+        "50.0005; -1.1990",
+        "N 50 00.03 W 1 11.94",
+        "n50 00.03, w001 11.94",
+        "50 00.03, -1 11.94",
+        "50°00.03'N 1°11.94'W",
+        "50° 0′ 1.8″ N, 1° 11′ 56.4″ W",
+        "50:00:01.8N 1:11:56.4W",
+        "50.0005N 1.1990W",
+    ],
+)
+def test_a_place_is_read_in_the_notations_of_charts_and_receivers(text: str) -> None:
+    found = position("--goal", text)
+    assert found is not None
+    assert (found.lat_deg, found.lon_deg) == pytest.approx((50.0005, -1.1990))
+
+
+def test_south_and_west_are_negative_whatever_the_degrees() -> None:
+    assert position("--goal", "0 30 S 0 30 W") == LatLon(-0.5, -0.5)
+    assert position("--goal", "-0 30, -0 30") == LatLon(-0.5, -0.5)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("50.0005", "expected LAT,LON in degrees"),
+        ("W 1 11.94 N 50 00.03", "expected LAT,LON in degrees"),
+        ("50 60.0, -1 11.94", "'50 60.0' has minutes or seconds of 60 or more"),
+        ("50.5 30.0, -1 11.94", "'50.5 30.0' has a fraction before its last part"),
+        ("N 95 00.03 W 1 11.94", "latitude 95.0005 is outside"),
+        ("50 1 2 3, -1", "expected LAT,LON in degrees"),
+    ],
+)
+def test_what_is_no_place_says_what_is_wrong(text: str, said: str) -> None:
+    with pytest.raises(UsageError, match=said):
+        position("--goal", text)
+
+
+def test_a_place_in_two_words_is_one() -> None:
+    given = ["pond.kml", "--start", "50.0", "-1.2", "--goal", "50.0005", "-1.1990", "--speed", "2", "--start"]
+    assert with_places(given) == [
+        "pond.kml", "--start-at", "50.0,-1.2", "--goal", "50.0005,-1.1990", "--speed", "2", "--start"
+    ]  # fmt: skip
+    assert with_places(["--start", "--goal", "50.0,-1.2", "-1.0"]) == [
+        "--start",
+        "--goal",
+        "50.0,-1.2",
+        "-1.0",
+    ]
+
+
+@pytest.mark.parametrize("option", ["--diff", "--if-changed"])
+def test_a_dry_run_says_that_it_compares_with_nothing(
+    option: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert upload_cli.run_program(["lake", option, "--dry-run"]) == 0
+    assert (
+        f"note: {option} compares with what is on board, and --dry-run asks no vehicle"
+        in capsys.readouterr().out
+    )
+    assert upload_cli.run_program(["lake", "--dry-run"]) == 0
+    assert "compares" not in capsys.readouterr().out

@@ -1,6 +1,7 @@
 """Depths and speed limits of a map: shoals are cut out for a draught, and a mission obeys the limits."""
 
 import json
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import shapely
 
 from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.costs.travel import SpeedZone
-from mission_tools.errors import MapError, UsageError
+from mission_tools.errors import MapError, NoRoute, NoRouteError, UsageError
 from mission_tools.maps.chart import Chart, Feature, build_chart
 from mission_tools.maps.geojson import load_geojson
 from mission_tools.maps.zones import for_draught, speed_zones
@@ -134,3 +135,27 @@ def test_a_feature_may_ask_for_a_clearance_of_its_own(chart: Chart, kept_m: floa
     assert shapely.LineString([(p.east_m, p.north_m) for p in found.found]).distance(
         chart.features[0].shape
     ) == pytest.approx(kept_m, abs=0.05)
+
+
+def test_a_bar_that_is_too_shallow_is_named_as_the_reason(tmp_path: Path) -> None:
+    path = write_map(tmp_path, depth_m=0.5, name="Bar")
+    tree = json.loads(path.read_text())
+    tree["features"][1]["geometry"]["coordinates"] = square(2, -1.5, 4, 1.5)  # from bank to bank
+    path.write_text(json.dumps(tree))
+    options = PlanOptions(start_at=START, goal=GOAL, draught_m=0.8)
+    with pytest.raises(
+        NoRoute, match=r'no way is deep enough for a draught of 0\.8 m; .* over obstacle "Bar" \(0\.5 m\)'
+    ):
+        open_source(str(path), options).prepare()
+    tree["features"][0]["geometry"]["coordinates"] = square(0, -1, 1, 1)  # and then there is no water at all
+    tree["features"][1]["geometry"]["coordinates"] = square(5, -1, 6, 1)
+    path.write_text(json.dumps(tree))
+    with pytest.raises(NoRouteError) as caught:
+        open_source(str(path), replace(options, draught_m=0.2)).prepare()
+    assert "deep" not in str(caught.value)
+
+
+def test_a_clearance_below_zero_is_refused_with_its_feature(tmp_path: Path) -> None:
+    path = write_map(tmp_path, kind="island", name="Isle", clearance_m=-5)
+    with pytest.raises(MapError, match=r'island "Isle": clearance_m is -5: expected 0 or more'):
+        open_source(str(path), PlanOptions(start_at=START, goal=GOAL)).prepare()

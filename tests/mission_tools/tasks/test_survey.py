@@ -214,3 +214,8 @@ def test_a_real_lake_with_islands_is_covered_at_eight_percent_above_the_bound(
     assert found.route.min_clearance_m(chart) >= 4.0 * (1.0 - 1e-6)
     sailed_m = found.route.length_of_m("track") + found.route.length_of_m("shore")
     assert sailed_m < found.least_m <= found.route.length_m
+
+
+def test_tracks_farther_apart_than_the_area_is_across_are_refused() -> None:
+    with pytest.raises(UsageError, match=r"tracks 5000 m apart, but the area is \d+ m across"):
+        survey(basin(), None, SurveySettings(spacing_m=5000.0))
