@@ -125,6 +125,7 @@ class Pca9685Board:
         self.users = 0
         self._chip = chip
         self._enable = enable
+        self._are_off = False  # by OE
         self._let_out(True)
         self._name = name
         self._lock = threading.Lock()
@@ -174,9 +175,10 @@ class Pca9685Board:
         except OSError as error:
             self._failures += 1
             if self._failures == _FAILURES:
-                self._let_out(False)
                 self.fault = f"{self._name}: no answer on the I²C bus: {error}"
                 _log.error("%s", self.fault)
+            if self.fault:
+                self._let_out(False)
             return
         if self.fault:
             self._let_out(True)
@@ -186,7 +188,7 @@ class Pca9685Board:
     def check(self) -> None:
         """Raises SilentOutputsError while the chip does not answer."""
         if self.fault:
-            raise SilentOutputsError(self.fault, are_off=self._enable is not None)
+            raise SilentOutputsError(self.fault, are_off=self._are_off)
 
     def close(self) -> None:
         """Stop the thread, then all pulses, then release the bus."""
@@ -203,7 +205,9 @@ class Pca9685Board:
     def _let_out(self, is_on: bool) -> None:
         """Set OE, if it is wired."""
         if self._enable is not None:
+            self._are_off = False
             (self._enable.on if is_on else self._enable.off)()
+            self._are_off = not is_on
 
     def _run(self) -> float:
         self.step()

@@ -210,6 +210,32 @@ def test_the_outputs_are_off_while_a_chip_does_not_answer(bus: I2cBus, chip: Pca
     assert chip.is_oe_high
 
 
+def test_a_pin_that_fails_too_is_tried_again_and_its_outputs_are_not_called_off(
+    bus: I2cBus, chip: Pca9685Twin, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    board = Pca9685Board(Pca9685(bus, PART), chip)
+    chip.lost = 10**6
+
+    def fail() -> None:
+        raise RuntimeError("lgpio.error: GPIO busy")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(chip, "off", fail)
+        for _ in range(2):
+            board.step()
+        for _ in range(2):
+            with pytest.raises(RuntimeError):
+                board.step()
+        with pytest.raises(SilentOutputsError) as caught:
+            board.check()
+        assert not caught.value.are_off
+    board.step()
+    assert chip.is_oe_high
+    with pytest.raises(SilentOutputsError) as caught:
+        board.check()
+    assert caught.value.are_off
+
+
 def test_the_outputs_are_off_while_a_chip_is_set_up_again(
     bus: I2cBus, chip: Pca9685Twin, monkeypatch: pytest.MonkeyPatch
 ) -> None:
