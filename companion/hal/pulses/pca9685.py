@@ -1,4 +1,4 @@
-"""PCA9685: 16 servo signals on I²C, from its data sheet (NXP PCA9685, Rev. 4, 16 April 2015).
+"""PCA9685: 16 servo signals on I²C.
 
 The chip makes the pulses by itself, also when the program is killed or the bus fails. Its pin OE is then the
 only way to end them: it is high, so the outputs are low, until the chip is set up and whenever it does not
@@ -8,104 +8,20 @@ chip is shared by all its channels.
 
 import logging
 import threading
-import time
 from collections.abc import Callable
 from typing import Final, Protocol
 
 from companion.config.parts import Pca9685Part, PulseOutputSetting
 from companion.core.errors import HardwareError, SilentOutputsError
 from companion.hal.background import Background
+from companion.hal.pulses.pca9685_chip import AT_ONCE, Pca9685
 from companion.hal.raspberry_pi import I2cBus, open_i2c_part, opening_pins
 
 _log = logging.getLogger(__name__)
 
-MODE1: Final = 0x00
-MODE2: Final = 0x01
-LED0: Final = 0x06  # four bytes a channel: ON low and high, OFF low and high
-ALL_LED_OFF_H: Final = 0xFD
-PRE_SCALE: Final = 0xFE
-SLEEP: Final = 0x10
-AUTO_INCREMENT: Final = 0x20
-TOTEM_POLE: Final = 0x04  # MODE2: outputs change on the stop condition, and are low while OE is high
-FULL_OFF: Final = 0x10  # in OFF high; wins over everything else (7.3.3)
-_STEPS: Final = 4096
-_AT_ONCE: Final = 8  # channels in a block of SMBus, 32 bytes
-_OSCILLATOR_STARTS_S: Final = 0.0005  # 7.3.1.1
 _LOOK_S: Final = 0.25  # between two looks at the registers
 _RETRY_S: Final = 0.02
 _FAILURES: Final = 3  # in a row, before the users are told: one lost byte is none of their business
-
-
-class Pca9685:
-    """Registers of the chip at one bus address."""
-
-    def __init__(
-        self,
-        bus: I2cBus,
-        part: Pca9685Part,
-        wait: Callable[[float], None] = time.sleep,
-        *,
-        sets_up: bool = True,
-    ) -> None:
-        """sets_up: False leaves the chip as it is.
-
-        Raises:
-            HardwareError: the part does not keep its registers, so it is not a PCA9685.
-            OSError: it does not answer.
-        """
-        self.bus = bus
-        self._address = part.address
-        self._wait = wait
-        self._pre_scale = pre_scale(part.oscillator_hz, part.frequency_hz)
-        self._step_us = 1e6 * (self._pre_scale + 1) / part.oscillator_hz
-        if sets_up:
-            self.set_up()
-        if sets_up and not self.is_set_up():
-            raise HardwareError(f"PCA9685: the part at I²C address {part.address:#x} is not a PCA9685")
-
-    def set_up(self) -> None:
-        """All channels off, the frequency, and awake. PRE_SCALE can be written only in sleep (7.3.5); a chip
-        that has the frequency goes on running.
-        """
-        self.all_off()
-        if self._read(PRE_SCALE) != self._pre_scale:
-            self._write(MODE1, SLEEP | AUTO_INCREMENT)
-            self._write(PRE_SCALE, self._pre_scale)
-        self._write(MODE2, TOTEM_POLE)
-        self._write(MODE1, AUTO_INCREMENT)
-        self._wait(_OSCILLATOR_STARTS_S)
-
-    def is_set_up(self) -> bool:
-        """False after a dip of its supply, which puts it to sleep with all channels off (7.3.1, table 4)."""
-        expected = ((MODE1, AUTO_INCREMENT), (MODE2, TOTEM_POLE), (PRE_SCALE, self._pre_scale))
-        return all(self._read(register) == value for register, value in expected)
-
-    def steps(self, width_us: float) -> int:
-        """A width in the chip's steps."""
-        return min(round(width_us / self._step_us), _STEPS - 1)
-
-    def write(self, channel: int, *widths: int) -> None:
-        """Pulses of these widths, in steps, on a channel and those after it, at most eight; 0 for none."""
-        data: list[int] = []
-        for steps in widths:
-            data += (0, 0, steps & 0xFF, steps >> 8) if steps else (0, 0, 0, FULL_OFF)
-        self.bus.write_i2c_block_data(self._address, LED0 + 4 * channel, data)
-
-    def all_off(self) -> None:
-        """No pulses on any channel."""
-        self._write(ALL_LED_OFF_H, FULL_OFF)
-
-    def _read(self, register: int) -> int:
-        (value,) = self.bus.read_i2c_block_data(self._address, register, 1)
-        return value
-
-    def _write(self, register: int, value: int) -> None:
-        self.bus.write_i2c_block_data(self._address, register, [value])
-
-
-def pre_scale(oscillator_hz: float, frequency_hz: float) -> int:
-    """Equation 1 of the data sheet (7.3.5)."""
-    return round(oscillator_hz / (_STEPS * frequency_hz)) - 1
 
 
 class OutputEnable(Protocol):
@@ -222,7 +138,7 @@ class Pca9685Board:
         changes: dict[int, int] = {}
         with self._lock:
             channel = min(self._wanted, default=0)
-            while channel in self._wanted and len(changes) < _AT_ONCE:
+            while channel in self._wanted and len(changes) < AT_ONCE:
                 changes[channel] = self._sent[channel] = self._wanted.pop(channel)
                 channel += 1
         return changes

@@ -20,7 +20,8 @@ from companion.hal.interfaces import Motors
 from companion.hal.motors.esc import open_escs
 from companion.hal.motors.watched_motors import WatchedMotors
 from companion.hal.pulses.lgpio_pulses import LgpioPulses
-from companion.hal.pulses.pca9685 import Pca9685, Pca9685Board, Pca9685Pulses
+from companion.hal.pulses.pca9685 import Pca9685Board, Pca9685Pulses
+from companion.hal.pulses.pca9685_chip import Pca9685
 from companion.hal.pulses.sysfs_pwm import open_sysfs_pulses
 from companion.hal.raspberry_pi import open_i2c
 from companion.mavlink.dialect import dialect

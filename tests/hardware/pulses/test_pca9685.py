@@ -13,13 +13,12 @@ from twins.pulses import Pca9685Twin
 from companion.config.parts import Pca9685Part, PulseOutputSetting
 from companion.core.errors import HardwareError, SilentOutputsError
 from companion.hal.pulses.pca9685 import (
-    Pca9685,
     Pca9685Board,
     Pca9685Pulses,
     open_pca9685_pulses,
-    pre_scale,
     replace_pca9685_pulses,
 )
+from companion.hal.pulses.pca9685_chip import Pca9685, pre_scale
 from companion.hal.raspberry_pi import I2cBus, open_i2c
 
 PART = Pca9685Part()
