@@ -100,6 +100,15 @@ class ReportingPart(Protocol):
 
 
 @runtime_checkable
+class LatePart(Protocol):
+    """A part that may open later, and tells by itself that it is missing."""
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it has been opened."""
+
+
+@runtime_checkable
 class PausingPart(Protocol):
     """A part that wants to miss some readings, to save its calibration. may_pause: it may do so now."""
 

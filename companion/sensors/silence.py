@@ -1,6 +1,6 @@
 """Silent parts: what they measured last is no reading, and the operator is told."""
 
-from typing import Protocol, TypeVar, runtime_checkable
+from typing import Protocol, TypeVar
 
 from companion.core.status_text import Severity, StatusText
 
@@ -20,9 +20,8 @@ def fresh(reading: Reading | None, timeout_s: float, now_s: float) -> Reading | 
     return None if reading is None or now_s - reading.time_s > timeout_s else reading
 
 
-@runtime_checkable
-class MissingPart(Protocol):
-    """A part that tells by itself that it is missing."""
+class LatePart(Protocol):
+    """A part that may open later, and tells by itself that it is missing."""
 
     @property
     def is_open(self) -> bool: ...
@@ -31,9 +30,9 @@ class MissingPart(Protocol):
 class SilenceMonitor:
     """Tells once that a part is silent, and once that it measures again. A missing part is not silent."""
 
-    def __init__(self, name: str, part: object = None) -> None:
+    def __init__(self, name: str, part: LatePart | None = None) -> None:
         self._name = name
-        self._part = part if isinstance(part, MissingPart) else None
+        self._part = part
         self._began_s: float | None = None
         self._is_silent = False
 

@@ -10,7 +10,7 @@ from companion.config.boat_config import BoatConfig, Trim
 from companion.config.parts import CompassPart
 from companion.core.state import STOPPED, MotorCommand
 from companion.core.status_text import Severity, StatusText
-from companion.hal.interfaces import Hardware, PausingPart
+from companion.hal.interfaces import Hardware, LatePart, PausingPart
 from companion.obstacles.perception.sonar_scan import SonarScan
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector
 from companion.sensors.charge import cells_fault
@@ -66,12 +66,12 @@ class SensorSuite:
         self.pings: list[tuple[SonarReading, float | None]] = []  # of this tick, with beam widths in rad
         self.notices: list[StatusText] = []  # of this tick, for the operator
         self.earth = EarthFieldModel()
-        self._sonar_silence = SilenceMonitor("Sonar", hardware.sonar)
+        self._sonar_silence = _monitor("Sonar", hardware.sonar)
         self._probes_due_s = 0.0
         self._probe_silences: dict[str, SilenceMonitor] = {}
-        self._depth_silence = SilenceMonitor("Depth sounder", hardware.depth)
-        self._hull_silence = SilenceMonitor("Hull sensor", hardware.hull)
-        self._battery_silence = SilenceMonitor("Battery monitor", hardware.battery)
+        self._depth_silence = _monitor("Depth sounder", hardware.depth)
+        self._hull_silence = _monitor("Hull sensor", hardware.hull)
+        self._battery_silence = _monitor("Battery monitor", hardware.battery)
         self._measured: BatteryReading | None = None  # the monitor's latest, fresh or not
         self.field = hardware.field  # the correction of a bare magnetometer, None for other parts
         self._pausing = hardware.compass if isinstance(hardware.compass, PausingPart) else None
@@ -195,7 +195,7 @@ class SensorSuite:
         for part, probe in zip(config.probe, self._hardware.probes, strict=True):
             reading = fresh(probe.read(), part.timeout_s, now_s)
             if (silence := self._probe_silences.get(part.name)) is None:
-                silence = self._probe_silences[part.name] = SilenceMonitor(f"Probe {part.name}", probe)
+                silence = self._probe_silences[part.name] = _monitor(f"Probe {part.name}", probe)
             self._tell(silence, part.timeout_s, now_s, reading)
             if reading is not None:
                 self.probes.append(reading)
@@ -203,6 +203,10 @@ class SensorSuite:
     def _tell(self, silence: SilenceMonitor, timeout_s: float, now_s: float, reading: object) -> None:
         if (notice := silence.update(timeout_s, now_s, is_heard=reading is not None)) is not None:
             self.notices.append(notice)
+
+
+def _monitor(name: str, part: object) -> SilenceMonitor:
+    return SilenceMonitor(name, part if isinstance(part, LatePart) else None)
 
 
 def trimmed(

@@ -117,6 +117,16 @@ def test_a_silent_receiver_has_no_fix_after_four_seconds_and_the_boat_does_not_a
         assert "PreArm: GPS: no 3-D fix" in rig.peer.texts
 
 
+def test_a_receiver_without_a_fix_is_not_healthy_while_dead_reckoning_goes_on(rig: SilentRig) -> None:
+    gnss = rig.parts["gnss"]
+    gnss.given = msgspec.structs.replace(gnss.latest, fix_type=dialect.GPS_FIX_TYPE_2D_FIX)
+    assert not rig.health() & dialect.MAV_SYS_STATUS_SENSOR_GPS
+    assert rig.boat.nav is not None
+    assert rig.boat.nav.position_age_s < rig.config.motors.estimate_timeout_s
+    gnss.given = None
+    assert rig.health() & dialect.MAV_SYS_STATUS_SENSOR_GPS
+
+
 def test_a_silent_compass_sends_no_field_and_the_boat_does_not_arm(rig: SilentRig) -> None:
     rig.silence("compass")
     rig.run(0.6)
