@@ -18,6 +18,7 @@ from companion.failsafe.actions import (
     Retreat,
     StopMotors,
 )
+from companion.failsafe.escalation import Change
 from companion.failsafe.guards import may_drift
 from companion.failsafe.inputs import FailsafeInputs
 from companion.failsafe.monitor import PERIOD_S
@@ -40,6 +41,8 @@ def run_failsafes(vehicle: "Vehicle", now_s: float) -> None:
         seen = replace(inputs, mode=vehicle.mode, armed=vehicle.armed, recovery=vehicle.recovery.state)
         for decision in respond(alarm, seen):
             _carry_out(decision, vehicle, now_s)
+        if alarm.change is Change.ENDS and alarm.row.condition is Condition.OPERATOR_LOST:
+            _tell_missed_retreat(vehicle)
     if inputs.needs_motor_check or inputs.needs_motor_comparison:
         seen = replace(inputs, mode=vehicle.mode, armed=vehicle.armed, recovery=vehicle.recovery.state)
         for decision in routine_check(seen):
@@ -125,7 +128,10 @@ def _carry_out(decision: Decision, vehicle: "Vehicle", now_s: float) -> None:
             vehicle.disarm("by failsafe")
         case Retreat(modes):
             vehicle.recovery.handle(Trigger.RETREAT if modes else Trigger.ABORT, now_s)
+            before = vehicle.mode
             _retreat(modes, vehicle)
+            if vehicle.mode is not before:
+                vehicle.retreated_from = vehicle.retreated_from or before
         case LimitSpeed(share):
             vehicle.speed_m_s = share * vehicle.config.speed.cruise_m_s
         case Recover(trigger, severity, text):
@@ -137,6 +143,13 @@ def _carry_out(decision: Decision, vehicle: "Vehicle", now_s: float) -> None:
         case AssumeFailed(is_left):
             vehicle.recovery.handle(Trigger.ABORT, now_s)
             vehicle.recovery.motor_check.assume_failed(is_left, now_s)
+
+
+def _tell_missed_retreat(vehicle: "Vehicle") -> None:
+    """The operator was not heard, and may not have heard of the mode that a failsafe has chosen."""
+    left, vehicle.retreated_from = vehicle.retreated_from, None
+    if vehicle.armed and left is not None:
+        vehicle.notify(Severity.NOTICE, f"Failsafe left {left.name} for {vehicle.mode.name}")
 
 
 def _retreat(modes: tuple[Mode, ...], vehicle: "Vehicle") -> None:

@@ -65,6 +65,7 @@ class Vehicle:
         self.is_returning_from_mission = False  # in RTL, as the mission's last item
         self.is_restarting = False  # the program restarts soon: no arming
         self.is_resuming = False  # by itself after a power loss; selecting a mode or disarming ends that
+        self.retreated_from: Mode | None = None  # by a failsafe, since the operator last chose a mode
         self.data_losses = DataLosses()
         self.is_home_set = False  # by a request: arming does not move it
         self._pre_arm = PreArmReport()
@@ -181,7 +182,7 @@ class Vehicle:
         """The operator selects a mode. Active failsafes take no further action."""
         outcome = self.change_mode(mode)
         if outcome.accepted:
-            self.is_resuming = False
+            self.is_resuming, self.retreated_from = False, None
             self.recovery.handle(Trigger.ABORT, self._now_s)
             self.failsafes.overrule()
         return outcome
@@ -292,7 +293,7 @@ class Vehicle:
             for fault in faults:
                 self.notify(Severity.CRITICAL, f"Arm: {fault}")
             return Outcome(False, faults[0])
-        self.armed = True
+        self.armed, self.retreated_from = True, None
         inputs = self._mode_inputs()
         if not self.is_home_set and inputs is not None:
             self.home = inputs.position

@@ -17,7 +17,8 @@ from sitl.run.simulated_boat import BoatOptions, SimulatedBoat
 from sitl.scenarios.scenario import Scenario
 
 MOST_BOATS = 200
-SPACING_LENGTHS = 3.0  # between neighbours
+# Between neighbours. Stations draw boats 3 lengths apart on one place: only where there is no more room
+SPACINGS_LENGTHS = (10.0, 3.0)
 PORT_STEP = 10  # from one boat's TCP port to the next one's, as ArduPilot's simulator has it
 _PLACES_A_BOAT = 200
 
@@ -81,14 +82,15 @@ def _with_identity(scenario: Scenario, system_id: int) -> Scenario:
 
 def _places(scenario: Scenario, count: int) -> list[Point]:
     """The start, and the nearest places round it, on rings, that leave room for a boat."""
-    spacing_m = SPACING_LENGTHS * scenario.hull.length_m
-    found: list[Point] = []
-    for place in _rings(scenario.start, spacing_m, count * _PLACES_A_BOAT):
-        is_free = scenario.chart.is_open or scenario.chart.clearance_m(place) >= scenario.hull.length_m
-        if is_free or place == scenario.start:
-            found.append(place)
-        if len(found) == count:
-            return found
+    length_m, found = scenario.hull.length_m, list[Point]()
+    for lengths in SPACINGS_LENGTHS:
+        found = []
+        for place in _rings(scenario.start, lengths * length_m, count * _PLACES_A_BOAT):
+            is_free = scenario.chart.is_open or scenario.chart.clearance_m(place) >= length_m
+            if is_free or place == scenario.start:
+                found.append(place)
+            if len(found) == count:
+                return found
     raise ConfigError(f"--count {count}: the water about the start has room for {len(found)} boats")
 
 

@@ -57,8 +57,19 @@ def test_silence_fires_once_and_again_only_after_the_operator_came_back() -> Non
     vehicle = armed_vehicle(long_timeout_s=0.0)
     assert lose_operator(vehicle, 600.0) == ["Failsafe: Operator lost for 5 s", "Mode LOITER: failsafe"]
     vehicle.failsafes.operator_heard_s = vehicle._now_s
-    assert live(vehicle, 3.0) == ["Failsafe over: operator heard again"]
+    assert live(vehicle, 3.0) == ["Failsafe over: operator heard again", "Failsafe left GUIDED for LOITER"]
     assert "Failsafe: Operator lost for 5 s" in live(vehicle, 5.0)
+    vehicle.failsafes.operator_heard_s = vehicle._now_s
+    assert live(vehicle, 3.0) == ["Failsafe over: operator heard again"], "it is told once"
+
+
+def test_an_operator_who_has_chosen_a_mode_since_is_not_told_of_the_failsafe_s() -> None:
+    vehicle = armed_vehicle(long_timeout_s=0.0)
+    lose_operator(vehicle)
+    vehicle.request(ChangeMode(Mode.HOLD))
+    vehicle.take_status_texts()
+    vehicle.failsafes.operator_heard_s = vehicle._now_s
+    assert live(vehicle, 3.0) == ["Failsafe over: operator heard again"]
 
 
 def test_the_operators_failsafe_can_be_switched_off() -> None:

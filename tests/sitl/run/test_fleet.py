@@ -28,7 +28,8 @@ def test_ids_and_seeds_count_up_and_places_lie_apart() -> None:
     assert [boat.vehicle.identity.system_id for boat in boats] == list(range(1, 13))
     assert len({boat.seed for boat in boats}) == 12
     places = [boat.start for boat in boats]
-    assert min(distance_m(a, b) for a in places for b in places if a is not b) > boats[0].hull.length_m
+    apart_m = min(distance_m(a, b) for a in places for b in places if a is not b)
+    assert apart_m > 9.0 * boats[0].hull.length_m  # far enough to be two on a station's map
     assert all(boat.chart.clearance_m(boat.start) >= boat.hull.length_m for boat in boats)
     assert places[0] == scenario("lake").start
 
@@ -151,4 +152,4 @@ def test_one_port_reaches_every_boat_again_once_its_power_is_back(
 def test_places_stay_within_reach_of_the_start() -> None:
     boats = fleet(scenario("open"), 50)
     far = max(distance_m(boat.start, boats[0].start) for boat in boats)
-    assert far <= 3.0 * boats[0].hull.length_m * math.ceil(math.sqrt(50 / 3))
+    assert far <= 10.0 * boats[0].hull.length_m * math.ceil(math.sqrt(50 / 3))
