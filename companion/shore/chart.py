@@ -24,6 +24,7 @@ from companion.shore.words import say
 CLEARANCES_M: tuple[float, ...] = (4.0, 2.0, 1.0)
 """Kept from every shore, the largest that lets a way through: where there is room, acceptance radius of a
 waypoint and margin of the fence (2 m each); the last is half a boat's length and its position's error."""
+ROOM_M = 0.1  # beyond the clearance, for the rounding of a place on its way
 WIDE_M = 50.0  # a basin less wide than this is for a model: the clearances are smaller in proportion
 MOST_CORNERS = 5_000  # about 125 kB of GeoJSON
 MOST_CHART_BYTES = 150_000
@@ -113,12 +114,19 @@ class Chart:
             self._fenced = (shores, self._water.with_shores(shores))
         return self._fenced[1]
 
+    def _nearest(self, water: Water, goal: Point) -> Point | None:
+        """The nearest water with the planner's clearance, or else with half of it."""
+        for clearance_m in self._clearances_m[:2]:
+            routes = water.routes(clearance_m + self._error_m + ROOM_M)
+            if (near := next(routes.exits(goal, is_afloat=False), None)) is not None:
+                return near
+        return None
+
     def _planned(self, frame: LocalFrame, water: Water, start: Point, goal: Point) -> Way | Blocked:
         least_m = self._clearances_m[-1] + self._error_m
         least = water.routes(least_m)
         if not least.is_free(goal):
-            wider = water.routes(self._clearances_m[1] + self._error_m)  # a place that is no brink itself
-            near = next(wider.exits(goal, is_afloat=False), None)
+            near = self._nearest(water, goal)
             nearest = None if near is None else _place(frame, near)
             if not water.is_water(goal):
                 return Blocked(say("way.ashore"), nearest)

@@ -10,7 +10,7 @@ import pytest
 from finger import hold, press
 from mavutil_station import MavutilStation, Place
 from page_rig import ShoreBoat, Visit, axe_faults, button, needs_chromium, skipper, told, until_mode
-from plan_rig import CORNERS, GOALS, open_plan, tap_places
+from plan_rig import CORNERS, GOALS, open_plan, rows, tap_places
 from playwright.sync_api import Locator, Page, expect
 from pymavlink.dialects.v20 import all as dialect
 
@@ -22,6 +22,8 @@ pytestmark = [pytest.mark.realtime, needs_chromium]
 WAYPOINT, FRAME = dialect.MAV_CMD_NAV_WAYPOINT, dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT
 CLOSE_M = 3.0  # a tap is a pixel or two off, and the boat drifts between its position and the tap
 _KML = "{http://www.opengis.net/kml/2.2}"
+
+ON_LAND = (-1.203690, 49.998654)
 
 
 def metres(a: tuple[float, float], b: tuple[float, float]) -> float:
@@ -111,7 +113,7 @@ def test_a_voyage_that_is_started_disarmed_begins_when_the_boat_is_armed(
     assert metres(sailed(station.download())[-1], GOALS[0]) < CLOSE_M
     until_mode(station, Mode.AUTO, armed=False)
     press(page, page.get_by_role("link", name="Go to Sail"))
-    hold(page, button(page, "Arm"), told(page, "Arm: Armed"))
+    hold(page, button(page, "Arm"), told(page, "Arm: The propellers may turn"))
     until_mode(station, Mode.AUTO, armed=True)
 
 
@@ -181,3 +183,32 @@ def saved(page: Page, link: Locator, folder: Path) -> Path:
     path = folder / download.value.suggested_filename
     download.value.save_as(path)
     return path
+
+
+def test_a_tap_on_land_is_said_by_its_number_and_moved_to_the_nearest_water(
+    visit: Visit, shore: ShoreBoat, station: MavutilStation
+) -> None:
+    page = skipper(visit, shore, "desktop")
+    view = open_plan(page)
+    tap_places(page, station, (GOALS[0], ON_LAND))
+    expect(told(page, "Place 2 lies on land.")).to_be_visible()
+    offer = view.get_by_role("group", name="A place on land")
+    expect(offer).to_contain_text(re.compile(r"The nearest water with room is [\d.]+\sm from Place 2."))
+    assert axe_faults(page) == []
+    press(page, offer.get_by_role("button", name="Move it there"))
+    expect(told(page, "Place 2 is on the water now.")).to_be_visible()
+    expect(offer).to_be_hidden()
+    planned(page, view)
+
+
+def test_a_tap_on_land_is_said_without_the_pin_and_an_island_is_land(
+    visit: Visit, shore: ShoreBoat, station: MavutilStation
+) -> None:
+    page = visit("desktop")
+    view = open_plan(page)
+    tap_places(page, station, (ON_LAND,))
+    expect(told(page, "Place 1 lies on land.")).to_be_visible()
+    expect(view.get_by_role("group", name="A place on land")).to_be_hidden()
+    tap_places(page, station, GOALS[:1])
+    expect(rows(view)).to_have_count(2)
+    expect(told(page, "Place 2 lies on land.")).to_have_count(0)

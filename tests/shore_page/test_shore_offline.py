@@ -40,7 +40,7 @@ def test_a_request_while_the_server_hangs_is_done_once_when_it_is_back(
 ) -> None:
     page = skipper(visit, shore)
     show_all_buttons(page)
-    hold(page, button(page, "Arm"), told(page, "Arm: Armed"))
+    hold(page, button(page, "Arm"), told(page, "Arm: The propellers may turn"))
     child = shore.child
     os.kill(child, signal.SIGSTOP)
     try:

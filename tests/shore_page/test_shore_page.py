@@ -115,7 +115,7 @@ def test_each_button_does_on_the_boat_what_it_says(
     assert station.upload(ON_WATER) == dialect.MAV_MISSION_ACCEPTED
     page = skipper(visit, shore, size)
     show_all_buttons(page)
-    hold(page, button(page, "Arm"), told(page, "Armed"))
+    hold(page, button(page, "Arm"), told(page, "The propellers may turn"))
     until_mode(station, Mode.HOLD, armed=True)
     press(page, button(page, "Start"))
     until_mode(station, Mode.AUTO, armed=True)
@@ -164,7 +164,7 @@ def test_the_boat_sails_at_the_speed_that_was_set(
     assert station.upload(ON_WATER) == dialect.MAV_MISSION_ACCEPTED
     page = skipper(visit, shore)
     show_all_buttons(page)
-    hold(page, button(page, "Arm"), told(page, "Armed"))
+    hold(page, button(page, "Arm"), told(page, "The propellers may turn"))
     press(page, button(page, "Start"))
     until_mode(station, Mode.AUTO, armed=True)
     for _ in range(6):
@@ -288,3 +288,39 @@ def test_the_page_says_why_the_boat_does_not_arm_and_what_to_do(
     expect(reasons.get_by_role("listitem").filter(has_text="Compass: no heading")).to_be_visible()
     assert station.command(dialect.MAV_CMD_INJECT_FAILURE, *MEND_COMPASS) == dialect.MAV_RESULT_ACCEPTED
     expect(reasons).to_be_hidden()
+
+
+def test_the_mode_chooser_follows_the_boat_and_sets_only_what_was_chosen(
+    visit: Visit, shore: ShoreBoat, station: MavutilStation
+) -> None:
+    page = skipper(visit, shore, "desktop")
+    chooser, set_mode = page.get_by_label("Mode", exact=True), button(page, "Set mode")
+    expect(chooser).to_have_value("HOLD")
+    expect(set_mode).to_be_disabled()
+    station.enter(Mode.LOITER)
+    expect(chooser).to_have_value("LOITER")
+    expect(set_mode).to_be_disabled()
+    chooser.select_option("MANUAL")
+    expect(set_mode).to_be_enabled()
+    station.enter(Mode.HOLD)  # by another station: what was chosen for LOITER is not set now
+    expect(chooser).to_have_value("HOLD")
+    expect(set_mode).to_be_disabled()
+    chooser.select_option("LOITER")
+    press(page, set_mode)
+    until_mode(station, Mode.LOITER, armed=False)
+    expect(chooser).to_have_value("LOITER")
+    expect(set_mode).to_be_disabled()
+
+
+def test_a_phone_shows_arm_while_the_boat_is_disarmed(
+    visit: Visit, shore: ShoreBoat, station: MavutilStation
+) -> None:
+    page = skipper(visit, shore, "phone")
+    arm = button(page, "Arm")
+    expect(arm).to_be_visible()
+    expect(button(page, "Set mode")).to_be_hidden()
+    hold(page, arm, told(page, "The propellers may turn"))
+    expect(button(page, "Disarm")).to_be_hidden()
+    press(page, button(page, "Arm and modes"))
+    expect(button(page, "Disarm")).to_be_visible()
+    expect(button(page, "Set mode")).to_be_visible()

@@ -132,13 +132,26 @@ export function drawNorth(pen, colour, words) {
   text(pen, words.say("chart.north"), 24, 12, colour.ink, colour.halo);
 }
 
-// The arrow flies with the water.
-export function drawCurrent(pen, current, colour, words) {
-  if (!current || current.speed_m_s < LEAST_CURRENT_M_S) return;
-  arrow(pen, [24, 76], current.towards_deg, colour.track, colour.halo, 15);
+// {said, half}: half of its width in pixels; null where there is no current to speak of.
+function currentText(pen, current, words) {
+  if (!current || current.speed_m_s < LEAST_CURRENT_M_S) return null;
   pen.font = "600 13px system-ui, sans-serif";
   const said = words.say("chart.current", { speed: words.speed(current.speed_m_s) });
-  text(pen, said, 44 + pen.measureText(said).width / 2, 76, colour.ink, colour.halo);
+  return { said, half: pen.measureText(said).width / 2 };
+}
+
+// The arrow flies with the water.
+export function drawCurrent(pen, current, colour, words) {
+  const told = currentText(pen, current, words);
+  if (told === null) return;
+  arrow(pen, [24, 76], current.towards_deg, colour.track, colour.halo, 15);
+  text(pen, told.said, 44 + told.half, 76, colour.ink, colour.halo);
+}
+
+// What the current's text covers: no name is drawn there.
+export function currentRoom(pen, current, words) {
+  const told = currentText(pen, current, words);
+  return told === null ? [] : [[44, 66, 44 + 2 * told.half, 86]];
 }
 
 function arrow(pen, at, towards_deg, ink, halo, half) {

@@ -28,6 +28,16 @@ export function prepare(geojson, plane) {
   return { bounds: Number.isFinite(bounds[0]) ? bounds : null, shapes };
 }
 
+// Whether a place of the plane lies in some water and on nothing solid.
+export function isWater(pen, map, [east, north]) {
+  const isIn = ({ type, path }) => type === "Polygon" && pen.isPointInPath(path, east, north, "evenodd");
+  pen.save();
+  pen.resetTransform();
+  const at = map.shapes.filter(isIn).map(({ kind }) => kind);
+  pen.restore();
+  return at.includes("water") && !at.some((kind) => SOLID.includes(kind) || KEPT_OUT.includes(kind));
+}
+
 // In metres: the context is scaled to them; `px` is a pixel in metres.
 export function drawMap(pen, map, view, colour, px) {
   const seen = viewBox(view);

@@ -1,9 +1,9 @@
 // The chart: map, boat, track, plan, on a canvas. It draws only when something changed.
-import { drawBoat, drawCurrent, drawNorth, drawOther, drawScale, drawSenses, roundLength } from "./chart-boat.js";
+import { currentRoom, drawBoat, drawCurrent, drawNorth, drawOther, drawScale, drawSenses, roundLength } from "./chart-boat.js";
 import { colours } from "./chart-colours.js";
 import { draftRoom, drawDraft } from "./chart-draft.js";
 import { listen } from "./chart-input.js";
-import { drawGrid, drawMap, drawNames, prepare, text } from "./chart-map.js";
+import { drawGrid, drawMap, drawNames, isWater, prepare, text } from "./chart-map.js";
 import { drawCross, drawFence, drawMark, drawMissionItems, drawMissionLine, drawTrack, drawWay, placed } from "./chart-plan.js";
 import { Plane, View } from "./chart-view.js";
 
@@ -121,7 +121,7 @@ export function makeChart(canvas, words) {
     pen.setTransform(density, 0, 0, density, 0, 0);
     pen.fillStyle = isCharted ? colour.land : colour.water;
     pen.fillRect(0, 0, view.width, view.height);
-    const taken = [[0, 0, 48, 96], [view.width - 62, 0, view.width, 180], [0, view.height - 40, 140, view.height]];
+    const taken = [[0, 0, 48, 96], [view.width - 62, 0, view.width, 180], [0, view.height - 40, 140, view.height], ...currentRoom(pen, state.current, words)];
     if (isCharted) {
       const scale = density * view.scale;
       const [x, y] = view.toPixel([0, 0]);
@@ -216,6 +216,8 @@ export function makeChart(canvas, words) {
       changed();
     },
     follow: () => follow(true),
+    // Whether the map says that a place is no water. Without a map nothing is known.
+    isAshore: (lat, lon) => plane !== null && map?.bounds != null && !isWater(pen, map, plane.to([lon, lat])),
     // The boat drawn near a place, or null.
     otherAt(lat, lon) {
       if (plane === null) return null;

@@ -55,7 +55,23 @@ export function makeGo(page, words, live) {
   page.speed.addEventListener("click", () => ask("speed", { m_s: speed_m_s }, words.say("go.speed")));
   showSpeed();
 
-  page.setMode.addEventListener("click", () => ask("set_mode", { mode: page.modes.value }, words.say("go.mode")));
+  // The chooser follows the boat's mode, until somebody chooses another: only that can be set.
+  let mode = ""; // the boat's
+  let isChosen = false;
+  const followMode = () => {
+    isChosen = isChosen && page.modes.value !== mode;
+    if (!isChosen && page.modes.value !== mode) page.modes.value = mode;
+    page.setMode.disabled = !isChosen;
+  };
+  page.modes.addEventListener("change", () => {
+    isChosen = true;
+    followMode();
+  });
+  page.setMode.addEventListener("click", async () => {
+    await ask("set_mode", { mode: page.modes.value }, words.say("go.mode"));
+    isChosen = false;
+    followMode();
+  });
   page.more.addEventListener("click", () => {
     const isOpen = page.box.classList.toggle("all");
     page.more.setAttribute("aria-expanded", String(isOpen));
@@ -65,12 +81,16 @@ export function makeGo(page, words, live) {
   const showState = (state) => {
     armed = state.armed === true;
     page.box.classList.toggle("armed", armed); // the other views then show Hold, Return and Motors off
+    page.box.classList.toggle("disarmed", state.armed === false); // a phone then shows Arm
     setText(page.armText, armName());
     const modes = state.modes ?? [];
     if (modes.join() !== modesShown) {
       modesShown = modes.join();
-      page.modes.replaceChildren(...modes.map((mode) => new Option(words.sayOr(`mode.${mode}`, mode), mode, false, mode === state.mode)));
+      page.modes.replaceChildren(...modes.map((name) => new Option(words.sayOr(`mode.${name}`, name), name)));
     }
+    isChosen = isChosen && mode === (state.mode ?? ""); // the boat has changed meanwhile: choose again
+    mode = state.mode ?? "";
+    followMode();
   };
   const showLink = () => {
     if (!hasTold) setText(page.answer, words.say(live.isSkipper ? "go.ready" : "go.viewer"));

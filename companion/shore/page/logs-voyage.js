@@ -78,7 +78,7 @@ export function makeVoyage(name, voyage, geojson, words, back) {
     element("p", { className: "unseen", text: summary(voyage, words) }),
     ...notes.map((key) => element("p", { className: "note", text: words.say(key, { n: voyage.events_left_out }) })),
     element("div", { className: "pictures" },
-      element("div", { className: "where" }, track.box, legendOf(voyage, words)),
+      element("div", { className: "where" }, legendOf(voyage, words), track.box),
       element("div", { className: "when" }, moment, ...shown.slice(1).map((one) => one.box)),
     ),
     element("section", { className: "events", "aria-label": words.say("logs.events") }, element("h3", { text: words.say("logs.events") }), main.length > 0 ? list(main) : element("p", { text: words.say("logs.no_events") })),

@@ -1,6 +1,7 @@
 // Plan: tap goals or outline an area, have a route or survey planned, look at it, upload it, start it.
 import { button, element } from "./elements.js";
 import { setText } from "./now.js";
+import { makeAshore } from "./plan-ashore.js";
 import { isForgotten, Planner } from "./plan-ask.js";
 import { area, Draft, MOST_PLACES } from "./plan-draft.js";
 import { makeList } from "./plan-list.js";
@@ -36,7 +37,8 @@ export function makeView(box, page) {
   const [places, placesBox] = folded("plan.places", true);
   const [options, optionsBox] = folded("plan.options", matchMedia("(min-width: 64rem)").matches);
   const [more, moreBox] = folded("plan.files", false);
-  box.append(tasks.made, hint, element("div", { className: "row" }, undo, clear, plan), progress, result, places, options, more);
+  const ashore = makeAshore(draft, page, changed);
+  box.append(tasks.made, hint, ashore.box, element("div", { className: "row" }, undo, clear, plan), progress, result, places, options, more);
 
   const showList = makeList(placesBox, draft, page, changed);
   const shownOptions = makeOptions(optionsBox, draft, page, changed);
@@ -74,6 +76,7 @@ export function makeView(box, page) {
     showList(live.snapshot?.place);
     shownOptions.show();
     showResult();
+    ashore.showPlaces();
     draw();
   }
 
@@ -151,6 +154,7 @@ export function makeView(box, page) {
       if (draft.here.length >= MOST_PLACES) return go.tell(words.say("plan.full", { most: MOST_PLACES }), false);
       draft.change([...draft.here, [Number(lon.toFixed(7)), Number(lat.toFixed(7))]]);
       changed();
+      ashore.look();
     },
     opened() {
       changed();

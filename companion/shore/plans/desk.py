@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import re
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
@@ -24,6 +25,7 @@ FORMATS: Final = {
 }
 """What is read and written, and its media type."""
 MOST_BYTES: Final = 2_000_000
+_PLACE: Final = re.compile(r"(?:Goal|Via point (\d+)) -?\d+\.\d+,-?\d+\.\d+")
 _MOST_WARNINGS: Final = 12
 _ROUTES: Final = ("kml", "gpx", "geojson")
 _SUFFIXES: Final = say("planner.suffixes", suffixes=", ".join(f".{kind}" for kind in FORMATS))
@@ -72,7 +74,7 @@ class Desk:
             if self._boat is not None:
                 arguments += ["--boat", self._boat, "--beyond-range"]
             arguments += self._fence(boat, folder)
-            report = await self._planner.run([*arguments, "--out", "new.plan"], folder)
+            report = await self._plan(arguments, folder, len(wish.goals))
             warnings = [] if self._boats.items(boat, "fence") is not None else [str(say("planner.no_fence"))]
             length_m = float(report[key := "plan" if report["plan"] else "task"]["length_m"])
             name = f"{wish.task.capitalize()} {figures.distance(length_m)}"
@@ -80,6 +82,17 @@ class Desk:
         except BaseException:
             shutil.rmtree(folder, ignore_errors=True)
             raise
+
+    async def _plan(self, arguments: list[str], folder: Path, goals: int) -> dict[str, Any]:
+        """The planner names a place by its coordinates: the page, by its number in the list."""
+        try:
+            return await self._planner.run([*arguments, "--out", "new.plan"], folder)
+        except PlannerError as error:
+
+            def named(found: re.Match[str]) -> str:
+                return str(say("plan.place", n=int(found[1]) if found[1] else goals))
+
+            raise PlannerError(_PLACE.sub(named, error.args[0])) from None
 
     async def read(self, boat: int, name: str, body: bytes) -> Plan:
         """A plan from a file of another program.

@@ -31,6 +31,7 @@ from companion.shore.station.wire import command_long
 from companion.shore.words import say
 
 SILENT_S: Final = 5.0  # without a heartbeat: nothing is asked of the boat meanwhile
+_OWN_ABSENCE: Final = ("Failsafe: Operator lost", "Failsafe over: operator heard again")
 _DEPARTURES: Final = frozenset({"continue", "go", "return", "sail", "start"})
 _MISSION_MESSAGES: Final = frozenset(
     {
@@ -58,7 +59,7 @@ class ShoreBoat:
         self.lists = ItemLists(address, own, send)
         self.files = FtpClient(address, own, send)
         self.logs = LogList(address, send, self.files)
-        self.texts = Texts()
+        self.texts = Texts(self._is_news)
         self.reasons = Reasons()
         self._send = send
         self._commands = Commands(address, own, send)
@@ -93,9 +94,11 @@ class ShoreBoat:
             self.parameters.on_autopilot(message.autopilot)
         elif number == dialect.MAVLINK_MSG_ID_GLOBAL_POSITION_INT:
             self._note_boot(message.time_boot_ms)
-        elif number == dialect.MAVLINK_MSG_ID_MISSION_CURRENT and self.view.mission_total != self._total:
-            self._total = self.view.mission_total
-            self.lists.may_have_changed("mission", now_s)
+        elif number == dialect.MAVLINK_MSG_ID_MISSION_CURRENT:
+            self.lists.on_ids((message.mission_id, message.fence_id, message.rally_points_id), now_s)
+            if self.view.mission_total != self._total:
+                self._total = self.view.mission_total
+                self.lists.may_have_changed("mission", now_s)
         elif number == dialect.MAVLINK_MSG_ID_COMMAND_ACK:
             self._commands.on_ack(message, now_s)
         elif number == dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL:
@@ -110,6 +113,10 @@ class ShoreBoat:
         elif number in _MISSION_MESSAGES:
             self.lists.handle(message, now_s)
             self._sailing.handle(message, now_s)
+
+    def _is_news(self, text: Text) -> bool:
+        """That the operator of a disarmed boat has gone and come back, they know themselves."""
+        return self.view.armed is not False or not text.text.startswith(_OWN_ABSENCE)
 
     def _on_text(self, text: Text, now_s: float) -> None:
         self._commands.on_text(text)

@@ -19,7 +19,7 @@ from companion.shore.parameters.book import Book
 from companion.shore.station.board import Board
 from companion.shore.station.boat import SILENT_S, WANTED, ShoreBoat
 from companion.shore.station.ftp.client import FtpClient
-from companion.shore.station.items import Kind, list_ids
+from companion.shore.station.items import Kind
 from companion.shore.station.line import Line, Signatures
 from companion.shore.station.logs import LogList
 from companion.shore.station.outcome import Answered, Refused
@@ -34,7 +34,6 @@ _MOST_LINKS: Final = 64
 _HEARTBEAT_S: Final = 1.0
 _HEARTBEAT: Final = dialect.MAVLINK_MSG_ID_HEARTBEAT
 _PING: Final = dialect.MAVLINK_MSG_ID_PING
-_MISSION_CURRENT: Final = dialect.MAVLINK_MSG_ID_MISSION_CURRENT
 
 
 class Boats:
@@ -181,9 +180,6 @@ class Boats:
                 self._answer_ping(line, frame.layout.unpack(frame.payload), frame.sender)
             elif frame.message_id in WANTED and frame.sender.component == AUTOPILOT:
                 self._take(line, frame.layout.unpack(frame.payload), frame.sender)
-                if frame.message_id == _MISSION_CURRENT and frame.sender.system in self._boats:
-                    ids = list_ids(frame.payload)
-                    self._boats[frame.sender.system].lists.on_ids(ids, self._now_s)
 
     def _make_room(self) -> bool:
         """Whether there is room for a boat: the one that has been silent longest gives way."""

@@ -4,7 +4,6 @@ A list is read again at once when the boat says that it is another one (the ids 
 number of items), and from time to time for boats that do not say so.
 """
 
-import struct
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final, Literal
@@ -26,11 +25,6 @@ AGAIN_SHARE: Final = 0.1  # of the link's time, at most, for reading a long list
 AFTER_FAILURE_S: Final = 10.0
 _MOST_ITEMS: Final = 5000
 _RETRY_S, _RETRIES = 1.0, 10  # of a hundred items, where a fifth of the frames is lost, all arrive
-
-
-def list_ids(payload: bytes) -> tuple[int, ...]:
-    """mission_id, fence_id and rally_points_id of MISSION_CURRENT, which are newer than the dialect."""
-    return struct.unpack("<3I", payload[6:18].ljust(12, b"\0"))
 
 
 @dataclass(slots=True)

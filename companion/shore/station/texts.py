@@ -1,6 +1,7 @@
 """STATUSTEXT: chunks joined, the latest lines kept."""
 
 from collections import deque
+from collections.abc import Callable
 from typing import NamedTuple
 
 from companion.mavlink.dialect import Message
@@ -28,9 +29,10 @@ class _Open(NamedTuple):
 
 
 class Texts:
-    """Joins chunks, and numbers the lines."""
+    """Joins chunks, and numbers the lines of what is news."""
 
-    def __init__(self) -> None:
+    def __init__(self, is_news: Callable[[Text], bool]) -> None:
+        self._is_news = is_news
         self.lines: deque[Line] = deque(maxlen=_KEPT)
         self._open: dict[int, _Open] = {}
         self._number = 0
@@ -61,7 +63,7 @@ class Texts:
 
     def _complete(self, texts: list[Text], unix_s: float) -> list[Text]:
         told = [text for text in texts if text.text]
-        for text in told:
+        for text in filter(self._is_news, told):
             self._number += 1
             line = Line(number=self._number, at_s=unix_s, severity=text.severity, text=text.text)
             self.lines.append(line)

@@ -36,6 +36,8 @@ _DOWN: Final = 25  # MAV_SENSOR_ROTATION_PITCH_270
 _CUSTOM: Final = 100  # MAV_SENSOR_ROTATION_CUSTOM
 _REORDERED_MS: Final = 500  # a restart takes longer, and begins at 0
 _MOST_MODES: Final = 64
+_SAILING_M_S: Final = 0.3  # a slower boat may be drifting
+_DRAW_MS: Final = 60_000  # the time left follows the draw of the last minute
 _FARTHEST_HOME_M: Final = 1e6
 _FENCE_BIT: Final = dialect.MAV_SYS_STATUS_GEOFENCE
 
@@ -51,6 +53,7 @@ class View:
         self.state: str | None = None
         self.battery: Battery | None = None
         self.battery_left_s: float | None = None
+        self._sails_from_ms: int | None = None  # by the boat's clock, since it was armed
         self.fix: Fix | None = None
         self.has_heading: bool | None = None
         self.heading_share: float | None = None
@@ -72,6 +75,18 @@ class View:
         self.track = Track()
         self.boot_ms = 0  # the boat's clock
         self.starts = 0  # how often that went back: the program began anew
+
+    def on_motion(self) -> None:
+        """Note when the armed boat has begun to sail."""
+        if not self.armed:
+            self._sails_from_ms = None
+        elif self._sails_from_ms is None and (self.speed_m_s or 0.0) >= _SAILING_M_S:
+            self._sails_from_ms = self.boot_ms
+
+    @property
+    def has_sailed(self) -> bool:
+        """Whether the boat's mean draw is that of sailing: at rest the charge lasts for hours."""
+        return self._sails_from_ms is not None and self.boot_ms - self._sails_from_ms >= _DRAW_MS
 
     def compass(self) -> Verdict | None:
         """Whether the heading is good, from SYS_STATUS and EKF_STATUS_REPORT."""
@@ -136,7 +151,7 @@ def on_sys_status(view: View, message: Message) -> None:
         voltage_v=None if voltage == _UNKNOWN_16 else voltage / 1e3,
         current_a=None if current < 0 else current / 100.0,
         percent=message.battery_remaining if 0 <= message.battery_remaining <= 100 else None,
-        left_s=view.battery_left_s,
+        left_s=view.battery_left_s if view.has_sailed else None,
     )
     view.load = message.load / 1e3
     health, enabled = message.onboard_control_sensors_health, message.onboard_control_sensors_enabled
@@ -176,6 +191,7 @@ def on_position(view: View, message: Message) -> None:
     view.course_deg = _direction_deg(north, east) if is_under_way else None
     if message.hdg < 36000:
         view.heading_deg = message.hdg / 100.0
+    view.on_motion()
 
 
 def on_clock(view: View, message: Message) -> None:

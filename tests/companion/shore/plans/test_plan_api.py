@@ -495,3 +495,17 @@ def test_the_line_of_a_plan_has_no_place_twice() -> None:
             assert all(a != b for a, b in pairwise(route["points"]))
 
     run(test())
+
+
+def test_a_place_on_land_is_named_by_its_number() -> None:
+    async def test() -> None:
+        async with serving(sources=LAKE) as server:
+            await server.log_in()
+            prepare(server)
+            land = [-1.203690, 49.998654]
+            for goals, name in (([land, GOAL], "Place 1 "), ([GOAL, GOAL, land], "Place 3 ")):
+                status, told = await plan(server, {"task": "route", "goals": goals})
+                assert status == 422
+                assert told["error"].startswith(name)
+
+    run(test())

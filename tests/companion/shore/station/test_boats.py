@@ -31,7 +31,7 @@ def test_the_main_values_of_a_boat() -> None:
     assert seen.battery is not None
     assert seen.battery.voltage_v is not None
     assert 11.0 < seen.battery.voltage_v < 13.0
-    assert seen.battery.left_s is not None
+    assert seen.battery.left_s is None, "at rest the charge lasts for hours"
     assert seen.fix is not None
     assert seen.fix.type == "3D"
     assert seen.fix.error_m is not None
@@ -320,3 +320,45 @@ def test_the_first_boat_is_the_one_of_this_computer(tmp_path: Path) -> None:
     shore.run(0.1)
     assert shore.boats.first == 3
     assert (shore.snapshot(1).load, shore.snapshot(3).load) == (None, 0.25)
+
+
+def test_the_time_left_is_that_of_sailing_and_steady_from_its_first() -> None:
+    rig = Rig().ready()
+    rig.upload([HOME_ITEM, waypoint(200.0, 0.0), waypoint(0.0, 0.0)])
+    shore = Shore(rig).ready()
+    shore.run(60.0)
+    assert shore.ask("arm").ok
+    assert shore.ask("start").ok
+    times_s: list[float] = []
+    for _ in range(160):
+        shore.run(1.0)
+        battery = shore.snapshot().battery
+        assert battery is not None
+        assert battery.percent is not None
+        if battery.left_s is not None:
+            times_s.append(battery.left_s)
+    assert len(times_s) > 60
+    assert max(times_s) < 1.7 * min(times_s)
+    assert shore.ask("stop").ok
+    shore.run(2.0)
+    stopped = shore.snapshot().battery
+    assert stopped is not None
+    assert stopped.left_s is None
+
+
+def test_that_the_operator_of_a_boat_at_rest_was_away_is_no_news() -> None:
+    rig = Rig().ready()
+    shore = Shore(rig).ready()
+
+    def away() -> None:
+        shore.boats.is_operator = False
+        shore.run(8.0)
+        shore.boats.is_operator = True
+        shore.run(4.0)
+
+    away()
+    assert any(text.startswith("Failsafe over: operator") for text in rig.peer.texts), "the boat says it"
+    assert [line.text for line in shore.snapshot().lines if "perator" in line.text] == []
+    assert shore.ask("arm").ok
+    away()
+    assert any("perator" in line.text for line in shore.snapshot().lines), "of an armed boat it is news"

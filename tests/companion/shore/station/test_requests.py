@@ -29,7 +29,7 @@ def place(rig: Rig, north_m: float, east_m: float) -> dict[str, float]:
 def test_arm_and_disarm() -> None:
     rig, shore = shore_with()
     answer = shore.ask("arm")
-    assert (answer.ok, answer.text) == (True, "Armed: the propellers may turn")
+    assert (answer.ok, answer.text) == (True, "The propellers may turn")
     assert rig.boat.vehicle.armed
     shore.run(1.5)
     assert shore.snapshot().armed
