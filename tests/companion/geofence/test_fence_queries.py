@@ -288,3 +288,18 @@ def test_the_nearest_place_outside_an_island_is_straight_away_from_its_centre(
     fence = laid(ISLAND)
     found = fence.inside(Point(20.0 + away_m * north, away_m * east), 2.0)
     assert found == pytest.approx((20.0 + 7.0 * north, 7.0 * east), abs=0.02)
+
+
+def test_the_owner_knows_the_water_inside_an_uploaded_inclusion_only() -> None:
+    within, beyond = Point(0.0, 0.0), Point(60.0, 0.0)
+    fence = laid(square(50.0))
+    assert fence.is_charted(within) is True
+    assert fence.is_charted(beyond) is False
+    assert laid(ISLAND).is_charted(within) is False, "an exclusion says nothing of the rest"
+    assert laid(ISLAND, square(50.0)).is_charted(within) is True
+    home = laid(setting=FenceSetting(kinds=2), home=HOME)
+    assert home.is_charted(Point(100.0, 0.0)) is False, "nor does the circle around home"
+    assert Fence().is_charted(within) is False
+    fence.set_areas([])
+    fence.update(FRAME, None, FenceSetting())
+    assert fence.is_charted(within) is False
