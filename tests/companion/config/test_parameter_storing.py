@@ -115,7 +115,7 @@ def test_two_hundred_changes_are_all_answered_within_the_second(tmp_path: Path) 
         rig.set(name, value)
     rig.until(lambda: len(rig.answers()) >= 200, QGC_WAITS_S)
     assert sorted(rig.answers()) == sorted(sent)
-    assert rig.worker.done <= 2
+    assert rig.worker.done <= QGC_WAITS_S / WRITE_S  # a write covers what came during the one before
 
 
 def test_the_same_parameter_two_hundred_times_is_answered_two_hundred_times(tmp_path: Path) -> None:
