@@ -161,7 +161,7 @@ class Endpoint:
             dialect.MAVLINK_MSG_ID_SET_MODE: lambda m, o, t: commands.on_set_mode(m, o),
             dialect.MAVLINK_MSG_ID_PARAM_REQUEST_LIST: lambda m, o, t: listings.on_request_list(o),
             dialect.MAVLINK_MSG_ID_PARAM_REQUEST_READ: lambda m, o, t: listings.on_request_read(m, o),
-            dialect.MAVLINK_MSG_ID_PARAM_SET: lambda m, o, t: listings.on_set(m),
+            dialect.MAVLINK_MSG_ID_PARAM_SET: lambda m, o, t: listings.on_set(m, o),
             dialect.MAVLINK_MSG_ID_REQUEST_DATA_STREAM: (
                 lambda m, o, t: telemetry.on_request_data_stream(m, o.channel, t)
             ),

@@ -17,7 +17,7 @@ _VALUE_BYTES = 37  # a PARAM_VALUE on the line
 _ANSWERS_PER_TICK = 50  # PARAM_VALUEs after a save
 _MOST_ANSWERS = 1000  # for one name that is changed repeatedly during a save
 _SETS_PER_TICK = 5  # each costs up to 4 ms on a Pi Zero 2 W; stations wait for an answer before the next
-_MOST_SETS = 250  # waiting: all parameters; a station repeats what is dropped
+_MOST_SETS = 250  # waiting, of a channel: all parameters; a station repeats what is dropped
 _NAMED_REASONS = 3  # of a refused file; others are counted
 
 
@@ -44,7 +44,8 @@ class ParameterService:
         self._texts = texts
         self._listing: dict[int, deque[int]] = {}  # by open channel: indexes to send
         self._left = _LIST_PER_TICK  # list entries left for this tick
-        self._sets: deque[tuple[str, float]] = deque()  # asked for and not yet done
+        # by channel, in order of their turns: asked for and not yet done
+        self._sets: dict[int, deque[tuple[str, float]]] = {}
         self._sets_left = _SETS_PER_TICK
 
     def open(self, channel: int) -> None:
@@ -66,16 +67,25 @@ class ParameterService:
         if not self._parameters.is_unsaved(self._parameters.rows[index].name):  # else confirmed later
             self._outbox.send(origin.channel, self._value(index))
 
-    def on_set(self, message: Message) -> None:
-        """PARAM_SET: the stored value is broadcast, even after a refusal. A flood takes several ticks."""
-        if len(self._sets) < _MOST_SETS:
-            self._sets.append((_name(message.param_id), message.param_value))
+    def on_set(self, message: Message, origin: Origin) -> None:
+        """PARAM_SET: the stored value is broadcast, even after a refusal. A flood takes several ticks, and
+        delays no other channel.
+        """
+        waiting = self._sets.setdefault(origin.channel, deque())
+        if len(waiting) < _MOST_SETS:
+            waiting.append((_name(message.param_id), message.param_value))
             self._continue_sets()
 
     def _continue_sets(self) -> None:
+        """One change of each channel in turn."""
         while self._sets and self._sets_left > 0:
             self._sets_left -= 1
-            if reason := self.set(*self._sets.popleft()):
+            channel = next(iter(self._sets))
+            waiting = self._sets.pop(channel)
+            name, value = waiting.popleft()
+            if waiting:
+                self._sets[channel] = waiting
+            if reason := self.set(name, value):
                 self._texts.notify(Severity.WARNING, reason)
 
     def set(self, name: str, value: float) -> str:
@@ -126,6 +136,7 @@ class ParameterService:
     def forget(self, channel: int) -> None:
         """A channel has closed."""
         self._listing.pop(channel, None)
+        self._sets.pop(channel, None)
 
     def tick(self) -> None:
         """Continue changes and lists, and confirm finished saves."""

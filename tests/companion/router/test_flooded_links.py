@@ -122,6 +122,16 @@ def test_a_flood_on_another_link_displaces_neither_heartbeats_nor_answers(
         assert heard[name] >= 0.9 * calm[name]
 
 
+def test_a_flood_of_changes_does_not_keep_another_station_from_a_change() -> None:
+    rig = FloodedRig(*LINES[0])
+    station = rig.connect(Address(254, 190))  # served after the stranger
+    rig.listen_to(SETTING, 64)
+    station.forget()
+    station.send(dialect.MAVLink_param_set_message(*BOAT, b"WP_RADIUS", 3.5, 9))
+    rig.listen_to(SETTING, 64)
+    assert ("WP_RADIUS", 3.5) in [(m.param_id, m.param_value) for m in station.said("PARAM_VALUE")]
+
+
 def test_a_flood_is_passed_on_as_far_as_the_line_has_room() -> None:
     rig = FloodedRig(*LINES[0])
     heard = rig.listen_to((BROADCAST,))
