@@ -37,6 +37,7 @@ pictures: demo survey  ## make the pictures of the documents anew
 	cp out/demo.png docs/pictures/demo.png
 	cp out/survey.png docs/pictures/survey.png
 	$(BIN)/python -m pictures
+	$(BIN)/python -m pictures shore
 	$(BIN)/boat-sitl sail pool --case 2 --png docs/pictures/pool.png
 	$(BIN)/boat-sitl sail random --seed 8 --fence --png docs/pictures/random.png
 

@@ -9,12 +9,13 @@ from sitl.world.world import Truth
 
 SEED: Final = 5
 _BEFORE_S, _AFTER_S = 6, 6  # the closest approach
+_NUMBERED: Final = 5  # s
 _WIDTH, _HEIGHT, _EDGE = 640.0, 480.0, 60.0
 _BOAT, _TRAFFIC = "#1f4fa3", "#c83c32"
 
 
 def draw_encounter() -> str:
-    """Both tracks, north up, a mark each second: the boat's middle, and the traffic in its size."""
+    """Both tracks, north up, a dot each second; every few seconds a number, and the traffic in its size."""
     (trial,) = encounter_trials([Encounter("crossing", speed_m_s=0.5)], [SEED], {})
     run = sail_encounter(trial)
     movers = Movers(run.scenario.movers)
@@ -40,12 +41,16 @@ def draw_encounter() -> str:
     for second, (at, other) in enumerate(zip(boat[::each_second], traffic[::each_second], strict=True)):
         _, east, north, radius_m = other
         x, y = pixel(east, north)
-        drawing.ring(x, y, scale * radius_m, "none", _TRAFFIC)
-        drawing.write(x, y, str(second), "middle", 11.0)
+        is_numbered = second % _NUMBERED == 0
+        drawing.dot(x, y, _TRAFFIC, 3.0)
+        if is_numbered:  # rings of every second would lie over each other and their numbers
+            drawing.ring(x, y, scale * radius_m, "none", _TRAFFIC)
+            drawing.write(x, y - scale * radius_m - 9.0, str(second), "middle", 11.0)
         x, y = pixel(at[1], at[2])
         drawing.dot(x, y, _BOAT, 4.0)
-        drawing.write(x + 8.0, y, str(second), size=11.0)
-    words = "blue: the boat, going north; red: crossing traffic; the numbers are seconds"
+        if is_numbered:
+            drawing.write(x + 10.0, y, str(second), size=11.0)
+    words = "blue: the boat, going north; red: crossing traffic; a dot each second, rings in its size"
     drawing.write(20.0, 20.0, words)
     drawing.scale_bar(20.0, _HEIGHT - 20.0, scale)
     return drawing.text(_WIDTH, _HEIGHT, "Giving way to crossing traffic")

@@ -73,3 +73,28 @@ def test_the_page_goes_on_by_itself_when_its_server_starts_again(
     run_program(sys.executable, "-m", "companion.shore", *options)
     expect(page.get_by_text("Connected").first).to_be_visible()
     expect(page.get_by_text("Last heard").first).to_be_hidden()
+
+
+SLOW_SERVER = """async () => {
+  const { Live } = await import("/live.js");
+  let now = 0;
+  const sockets = [];
+  const open = () => {
+    const one = { readyState: 1, sinceMs: now, send() {}, close() { one.isClosed = true; } };
+    sockets.push(one);
+    return one;
+  };
+  const live = new Live({ hello() {}, state() {}, link() {} }, { now: () => now, open });
+  live.connect();
+  for (; now < 120_000 && !live.isConnected; now += 250) {
+    for (const one of sockets)
+      if (!one.isClosed && now - one.sinceMs >= 10_000)
+        one.onmessage({ data: '{"type": "hello", "role": "viewer", "boats": []}' });
+    live.tick();
+  }
+  return [live.isConnected, sockets.length];
+}"""
+
+
+def test_a_server_that_greets_after_ten_seconds_is_waited_for(visit: Visit, shore: ShoreBoat) -> None:
+    assert visit("desktop").evaluate(SLOW_SERVER) == [True, 2]

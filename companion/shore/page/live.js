@@ -4,6 +4,7 @@ import { merged } from "./patch.js";
 const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 4_000;
 const SILENCE_MS = 6_000; // a lost Wi-Fi does not close a socket; a boat that is heard changes heard_s every second
+const LONGEST_OPENING_MS = 48_000; // of a server that is slow to answer: each try waits twice as long as the last
 const REQUEST_MS = 20_000; // the server answers within 10 s; a request is not repeated later than this
 const LONGER_MS = { upload_plan: 300_000 }; // a long plan over a bad link takes minutes
 
@@ -37,6 +38,7 @@ export class Live {
     this.isGreeted = false;
     this.isWhole = false; // the first state of a socket is whole
     this.waitMs = FIRST_WAIT_MS;
+    this.openingMs = SILENCE_MS; // from opening a socket to its greeting, at most
     this.retryMs = 0;
   }
 
@@ -89,7 +91,8 @@ export class Live {
     this.#giveUp((request) => now > request.untilMs);
     if (this.socket === null) {
       if (now >= this.retryMs) this.connect();
-    } else if (now - Math.max(this.heardMs ?? 0, this.openedMs) > SILENCE_MS) {
+    } else if (now - Math.max(this.heardMs ?? 0, this.openedMs) > (this.isGreeted ? SILENCE_MS : this.openingMs)) {
+      if (!this.isGreeted) this.openingMs = Math.min(this.openingMs * 2, LONGEST_OPENING_MS);
       this.#lost();
     }
     this.listeners.link();
@@ -117,6 +120,7 @@ export class Live {
   #greet(message) {
     this.hello = message;
     this.waitMs = FIRST_WAIT_MS;
+    this.openingMs = SILENCE_MS;
     if (!this.isGreeted) for (const { request } of this.waiting.values()) this.socket.send(JSON.stringify(request));
     this.isGreeted = true; // a later greeting tells of another role or boat
     this.listeners.hello(message);

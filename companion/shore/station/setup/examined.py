@@ -185,7 +185,7 @@ def examine_battery(look: Look) -> Found:
         values["current_a"] = status.current_battery / 100.0
     if 0 <= status.battery_remaining <= 100:
         values["percent"] = status.battery_remaining
-    if look.view.battery_left_s is not None:
+    if look.view.battery_left_s is not None and look.view.has_sailed:
         values["left_s"] = look.view.battery_left_s
     pack = look.heard.latest(dialect.MAVLINK_MSG_ID_BATTERY_STATUS)
     cells = [] if pack is None else [one / 1e3 for one in pack.voltages if 0 < one < _UNKNOWN_16 - 1]
