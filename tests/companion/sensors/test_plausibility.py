@@ -120,8 +120,8 @@ def test_an_impossible_value_is_missing_and_the_rest_of_its_reading_is_used(
 
 @pytest.mark.parametrize(
     ("voltage_v", "current_a", "is_possible"),
-    [(10.6, 4.0, True), (9.7, 4.0, False), (0.0, 4.0, False), (NAN, 4.0, False), (12.3, 50.0, True),
-     (12.3, 60.0, False), (12.3, NAN, False), (12.3, None, True)],
+    [(10.6, 4.0, True), (9.7, 4.0, False), (0.0, 4.0, False), (NAN, 4.0, False), (12.3, 14.9, True),
+     (12.3, 15.1, False), (12.3, NAN, False), (12.3, None, True)],
 )  # fmt: skip
 def test_a_battery_reading_with_an_impossible_value_is_not_used(
     voltage_v: float, current_a: float | None, *, is_possible: bool
