@@ -27,7 +27,7 @@ def test_a_visitor_without_a_mouse_sails_the_boat(
     page.keyboard.press("Enter")
     expect(button(page, "Hold")).to_be_enabled()
     open_why_not(page, station)
-    hold_space(page, "Arm", "Armed")
+    hold_space(page, "Arm", "The propellers may turn")
     hold_space(page, "Hold", "Hold: The boat keeps its place")
     until_mode(station, Mode.LOITER, armed=True)
     pick_water(page)

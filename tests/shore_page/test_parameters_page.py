@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from finger import press
 from mavutil_station import MavutilStation
-from page_rig import ShoreBoat, Visit, axe_faults, button, needs_chromium, skipper
+from page_rig import ShoreBoat, Visit, axe_faults, button, needs_chromium, skipper, unlock
 from playwright.sync_api import Locator, Page, expect
 from pymavlink import mavparm
 from pymavlink.dialects.v20 import all as dialect
@@ -86,7 +86,7 @@ def test_a_parameter_is_found_by_its_text_changed_and_set_back(
 def test_what_another_station_sets_is_shown_and_listed_as_changed(
     visit: Visit, shore: ShoreBoat, station: MavutilStation
 ) -> None:
-    page = open_panel(visit())
+    page = open_panel(skipper(visit, shore))
     row = find(page, "wp_radius")
     before = on_board(station, "WP_RADIUS")
     tell(station, "WP_RADIUS", 3.75)
@@ -173,7 +173,10 @@ def test_a_file_is_saved_compared_and_applied(
 def test_the_panel_is_usable_by_finger_keyboard_and_reader(
     size: str, light: str, visit: Visit, shore: ShoreBoat
 ) -> None:
-    page = open_panel(visit(size, light))
+    page = visit(size, light)
+    unlock(page, shore.pin)
+    expect(button(page, "Hold")).to_be_enabled()
+    open_panel(page)
     press(page, page.locator(".param-group > summary").first)
     find(page, "arming_check")
     press(page, page.locator(".param-files > summary"))
