@@ -124,7 +124,9 @@ def test_choices_and_bits_are_named(visit: Visit, shore: ShoreBoat, station: Mav
 def test_nothing_is_changed_while_the_boat_is_armed_or_seen_without_the_pin(
     visit: Visit, shore: ShoreBoat, station: MavutilStation
 ) -> None:
-    viewer = open_panel(visit("desktop"))
+    viewer = visit("desktop")
+    press(viewer, viewer.get_by_role("link", name="Boat"))
+    viewer.get_by_role("heading", name="Parameters", exact=True).click()
     before = on_board(station, "CRUISE_SPEED")
     expect(viewer.get_by_text("To see and change parameters, enter the PIN.")).to_be_visible()
     expect(viewer.get_by_label("Search")).to_be_hidden()
