@@ -6,9 +6,10 @@ from benchmarks.measure import Row, alone
 from companion.core.geo import Point
 from companion.core.units import deg_to_e7
 from companion.mavlink.items import MissionItem
+from sitl.courses.missions import plan_mission, wire_items
 from sitl.run.mission_run import MissionRun
-from sitl.scenarios.missions import plan_mission, wire_items
-from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.scenario import Scenario
 
 _ROUNDS = 5
 

@@ -3,7 +3,7 @@
 import sys
 from typing import Any
 
-from companion.core.interrupts import Run, run_interruptibly
+from companion.cli.interrupts import Run, run_interruptibly
 
 
 def load() -> Run:

@@ -4,11 +4,13 @@ import logging
 import math
 from collections.abc import Collection, Sequence
 
-from companion.app.board_readings import board_readings
-from companion.app.motor_output import MotorOutput
-from companion.app.origin import OriginMonitor
-from companion.app.safety_net import Fall, SafetyNet
-from companion.app.station_links import StationLinks
+from companion.autopilot.board_readings import board_readings
+from companion.autopilot.motor_output import MotorOutput
+from companion.autopilot.origin import OriginMonitor
+from companion.autopilot.pipeline import GuidancePipeline
+from companion.autopilot.safety_net import Fall, SafetyNet
+from companion.autopilot.sensor_suite import SensorSuite
+from companion.autopilot.snapshot import Snapshot
 from companion.calibration.motor_test import MotorTest
 from companion.calibration.runner import CalibrationRunner
 from companion.config.boat_config import BoatConfig
@@ -18,26 +20,24 @@ from companion.config.thrusters import Thrusters
 from companion.core.errors import HardwareError, SilentOutputsError
 from companion.core.state import MotorCommand, NavState
 from companion.core.status_text import Severity
+from companion.core.storage import Storage
 from companion.estimation.estimator import Estimator
-from companion.guidance.pipeline import GuidancePipeline
 from companion.hal.interfaces import Hardware, ReportingPart
-from companion.hal.link_interfaces import Port
+from companion.links.interfaces import Port
 from companion.log.logbook import Logbook
 from companion.log.onboard import OnboardLog
 from companion.mavlink.address import Address
 from companion.obstacles.planning.planner import Stage
-from companion.payload.control import PayloadControl
 from companion.persistence.signing_store import SigningStore
-from companion.persistence.storage import Storage
 from companion.rc.rc_control import RcControl
 from companion.router.channels import Channels
 from companion.router.policy import ConfiguredPort
 from companion.sensors.compass.parameters import compass_hooks
 from companion.sensors.external import ExternalSensors
-from companion.sensors.suite import SensorSuite
 from companion.sensors.wall_time import WallTime
 from companion.services.endpoint import Endpoint
-from companion.services.telemetry.snapshot import Snapshot
+from companion.services.station_links import StationLinks
+from companion.vehicle.payload_control import PayloadControl
 from companion.vehicle.resume import VoyageResume
 from companion.vehicle.vehicle import Vehicle
 

@@ -15,12 +15,16 @@ KERNEL: Final = "_"  # first letter of libraries that are built by pip and have 
 _MYPYC: Final = "__mypyc"  # in the name of the library with the code of all compiled modules
 STAMP: Final = Path("build/compiled.json")  # sources and their digests, as they were compiled
 PATTERNS: Final = (
+    "companion/autopilot/pipeline.py",
+    "companion/autopilot/sensor_suite.py",
+    "companion/autopilot/snapshot.py",
     "companion/boat.py",
     "companion/control/*.py",
     "companion/core/geo.py",
     "companion/core/health.py",
     "companion/core/intent.py",
     "companion/core/modes.py",
+    "companion/core/readings.py",
     "companion/core/state.py",
     "companion/core/status_text.py",
     "companion/core/units.py",
@@ -43,7 +47,6 @@ PATTERNS: Final = (
     "companion/services/telemetry/*_messages.py",
     "companion/services/telemetry/heartbeat.py",
     "companion/services/telemetry/service.py",
-    "companion/services/telemetry/snapshot.py",
     "companion/services/telemetry/statustext.py",
     "companion/services/telemetry/streams.py",
     "companion/vehicle/*.py",

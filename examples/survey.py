@@ -18,8 +18,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from companion.cli.output_file import write_text
 from companion.core.errors import BoatError
-from companion.core.output_file import write_text
 from mission_tools.drawing.draw import save_figure
 from mission_tools.drawing.survey import draw_survey
 from mission_tools.errors import MissionToolsError
@@ -27,7 +27,8 @@ from mission_tools.planning.planner import PlanSettings
 from mission_tools.tasks.survey.settings import SurveySettings, turn_radius_m
 from sitl.experiments.survey_trial import SailedSurvey, sail_survey
 from sitl.scenarios.layers import Layer
-from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.scenario import Scenario
 
 LEAST_COVERAGE = 0.99  # of the target, in truth
 

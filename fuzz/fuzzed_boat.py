@@ -5,9 +5,10 @@ from collections.abc import Iterable
 from functools import cache
 
 from companion.boat import TICK_S, Boat
+from companion.core.storage import MemoryStorage
 from companion.links.memory import MemoryPort, memory_pair
-from companion.persistence.storage import MemoryStorage
-from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.scenario import Scenario
 from sitl.world.world import World
 
 _QUEUE_FRAMES = 20_000

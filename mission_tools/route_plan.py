@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from companion.core.geo import LatLon, bearing_rad, distance_m
+from mission_tools.assembly.planned_mission import PlannedMission
+from mission_tools.job.outputs import check_outputs, save
 from mission_tools.mission.mission import Mission
-from mission_tools.mission.planned_mission import PlannedMission
-from mission_tools.outputs import check_outputs, save
 from mission_tools.wording import distance
 
 if TYPE_CHECKING:

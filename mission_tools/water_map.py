@@ -7,14 +7,14 @@ from os import PathLike, fspath
 from typing import Any, Literal, TypeAlias
 
 from companion.core.geo import LatLon, Point
+from mission_tools.assembly.areas import parse_areas
+from mission_tools.assembly.plan_options import PlanOptions, Via
+from mission_tools.assembly.planned_mission import MapSource, PlannedMission
+from mission_tools.assembly.planned_task import WHOLE_WATER, SurveyArea, survey_area
 from mission_tools.errors import MapError, UsageError
 from mission_tools.maps import Source, load_source
 from mission_tools.maps.geojson import parse_geojson
-from mission_tools.mission.areas import parse_areas
 from mission_tools.mission.mission import Mission
-from mission_tools.mission.plan_options import PlanOptions, Via
-from mission_tools.mission.planned_mission import MapSource, PlannedMission
-from mission_tools.mission.planned_task import WHOLE_WATER, SurveyArea, survey_area
 from mission_tools.route_plan import RoutePlan, picture
 
 Place: TypeAlias = LatLon | tuple[float, float]

@@ -8,10 +8,12 @@ from typing import Any, Self
 from companion.boat import TICK_S, Boat
 from companion.config.boat_config import BoatConfig, with_value
 from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.readings import BatteryReading, GnssFix
 from companion.core.state import NavState
+from companion.core.storage import MemoryStorage, Storage
 from companion.core.units import deg_to_e7
 from companion.hal.interfaces import Hardware
-from companion.hal.link_interfaces import Link
+from companion.links.interfaces import Link
 from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
@@ -19,9 +21,8 @@ from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Failed
-from companion.persistence.storage import MemoryStorage, Storage
-from companion.sensors.readings import BatteryReading, GnssFix
-from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.scenario import Scenario
 from sitl.world.world import World
 
 BOAT = Address(1, 1)

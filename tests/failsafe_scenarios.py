@@ -9,6 +9,7 @@ from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig
 from companion.core.modes import Mode
+from companion.core.readings import BatteryReading, DepthReading, HeadingReading, HullReading
 from companion.core.state import EstimateFault
 from companion.failsafe.actions import Action
 from companion.failsafe.inputs import FailsafeInputs
@@ -16,7 +17,6 @@ from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault
 from companion.failsafe.recovery.transition_table import State
 from companion.failsafe.table import Condition
 from companion.guidance.stall_detector import StallVerdict
-from companion.sensors.readings import BatteryReading, DepthReading, HeadingReading, HullReading
 
 INF = math.inf
 ALL = set(Mode)

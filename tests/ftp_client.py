@@ -8,10 +8,10 @@ from typing import NamedTuple
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
+from companion.core.storage import MemoryStorage
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.ftp_frames import Code, Opcode
-from companion.persistence.storage import MemoryStorage
 from companion.services.ftp.mounts import InlineExecutor, build_tree
 from companion.services.ftp.service import FtpService
 from companion.services.outbox import Origin, Outbox

@@ -4,7 +4,8 @@ from boat_rig import QGC, Peer, Rig
 
 from companion.boat import Boat
 from companion.config.boat_config import LinkConfig
-from companion.hal.link_interfaces import Link
+from companion.core.storage import MemoryStorage
+from companion.links.interfaces import Link
 from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Received
@@ -12,7 +13,6 @@ from companion.mavlink.dialect import Message
 from companion.mavlink.signing import Signatory, SigningGuard, SigningPolicy, Stamps, timestamp_at
 from companion.mavlink.signing_key import SigningKey
 from companion.persistence.signing_store import KEY_FILE, STAMPS_FILE
-from companion.persistence.storage import MemoryStorage
 from companion.router.policy import ConfiguredPort, Policy
 
 KEY = SigningKey.from_passphrase("correct horse")

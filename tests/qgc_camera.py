@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from pymavlink.dialects.v20 import all as mavlink
 
-from companion.hal.link_interfaces import Link
+from companion.links.interfaces import Link
 from companion.mavlink.dialect import Message
 
 VEHICLE, STATION = (1, 1), (255, 190)

@@ -29,7 +29,8 @@ from companion.core.state import STOPPED, MotorCommand
 from companion.core.units import clamp, wrap_pi
 from sitl.run.sensor_recorder import SensorRecorder, SensorRecording
 from sitl.scenarios.layers import Layer
-from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.scenario import Scenario
 from sitl.world.world import Truth, World
 
 GROUPS: Final = {"position": 2, "heading": 1, "velocity": 2, "current": 2}  # and their degrees of freedom

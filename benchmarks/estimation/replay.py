@@ -12,10 +12,10 @@ from companion.config.boat_config import Speed
 from companion.config.drive import DriveSetting
 from companion.config.estimation import Estimation
 from companion.core.geo import LatLon, LocalFrame
+from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import MotorCommand, NavState
 from companion.estimation.estimator import Estimator
 from companion.estimation.report import EstimatorReport
-from companion.sensors.readings import GnssFix, HeadingReading
 from sitl.run.sensor_recorder import SensorRecording
 
 NAV = (

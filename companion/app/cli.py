@@ -22,17 +22,17 @@ from companion.app.links_view import watch
 from companion.app.restart import restart_program
 from companion.app.shutdown import Shutdown
 from companion.app.status_file import find_status, read_status
+from companion.cli.busy_port import busy_port_explained
+from companion.cli.command_line import program_app, run_app
 from companion.config.boat_config import BoatConfig, load_config
 from companion.config.parameter_page import parameter_page
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
 from companion.config.parts import PulseOutputSetting
-from companion.core.busy_port import busy_port_explained
-from companion.core.command_line import program_app, run_app
 from companion.core.errors import BoatError
+from companion.core.storage import MemoryStorage
 from companion.hal.interfaces import PulseOutput
 from companion.hal.pulses.opening import open_pulse_output
-from companion.persistence.storage import MemoryStorage
 
 PROGRAM = "boat-companion"
 

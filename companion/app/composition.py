@@ -21,14 +21,14 @@ from companion.config.boat_config import BoatConfig, LinkConfig
 from companion.config.rc import Rc
 from companion.core.errors import ConfigError, StorageError
 from companion.core.status_text import Severity
+from companion.core.storage import FolderStorage, MemoryStorage, Storage
 from companion.hal.interfaces import Hardware
-from companion.hal.link_interfaces import Port
+from companion.links.interfaces import Port
 from companion.links.port_url import open_port, parse_port_url
 from companion.links.retried import PACE, Pace, RetriedPort, await_first
 from companion.log.logbook import Logbook, open_logbook
 from companion.mavlink.framing import begins_with_frame
 from companion.mavlink.signing_key import read_key_file
-from companion.persistence.storage import FolderStorage, MemoryStorage, Storage
 from companion.router.policy import ConfiguredPort, Policy
 from companion.sensors.external import Use
 

@@ -7,26 +7,16 @@ skipped, never caught up.
 
 import select
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
 
 from companion.app import garbage_collection as garbage
 from companion.app.clock import Clock
+from companion.core.tick_count import TickCount
 
 LATE_S = 0.005
 _MAX_RECEIVES = 200  # between two ticks: a flood of bytes must not eat the loop
 _BUSY_FRAMES = 60  # in one period; from there on it pays to let frames gather instead of waking for each
 _FEW_FRAMES = 20  # at once; with more there is no need to wait for others
 _GATHER_S = 0.001
-
-
-@dataclass(slots=True)
-class TickCount:
-    """How well the loop has kept time."""
-
-    run: int = 0
-    late: int = 0  # started more than LATE_S after their time
-    skipped: int = 0
-    worst_s: float = 0.0
 
 
 class Runner:

@@ -12,10 +12,10 @@ from pathlib import Path
 
 import msgspec
 
-from companion.app.runner import TickCount
 from companion.config.boat_config import BoatConfig
 from companion.core.errors import ConfigError, StorageError
 from companion.core.status_text import Severity
+from companion.core.tick_count import TickCount
 from companion.router.channels import Channels
 from companion.router.status import LinksStatus, Reporter
 from companion.services.corrections import CorrectionStatus

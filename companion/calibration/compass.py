@@ -16,12 +16,12 @@ from typing import Final, NamedTuple
 
 from companion.calibration.ellipsoid import Ellipsoid, Point, fit_ellipsoid
 from companion.config.compass_rows import DIAGONAL, MOST_OFF_DIAGONAL, MOST_OFFSET_MG
+from companion.core.readings import HeadingReading
 from companion.core.units import wrap_pi
 from companion.core.vectors import Vector, length, plus
 from companion.sensors.compass.attitude import down_axis, level_field
 from companion.sensors.compass.earth_field import EarthField
 from companion.sensors.compass.magnetic_field import NO_LOAD, MagneticCorrection, MotorLoad
-from companion.sensors.readings import HeadingReading
 
 TIMEOUT_S: Final = 600.0
 SECTORS: Final = 24

@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from companion.calibration.fitting import Fit
+from companion.core.fitting import Fit
 
 Point = tuple[float, ...]
 Rows = list[list[float]]

@@ -12,11 +12,11 @@ import math
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
-from companion.calibration.fitting import Fit
 from companion.config.compass_rows import MOST_MOTOR_MG
+from companion.core.fitting import Fit
+from companion.core.readings import HeadingReading
 from companion.core.vectors import Vector, plus
 from companion.sensors.compass.magnetic_field import BY_CURRENT, BY_THROTTLE, MagneticCorrection, MotorLoad
-from companion.sensors.readings import HeadingReading
 
 TIMEOUT_S: Final = 120.0
 _LEAST_THROTTLE: Final = 0.3  # of a run worth fitting

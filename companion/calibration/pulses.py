@@ -11,8 +11,8 @@ With s the root of a pulse's response and s₁ the largest root, the command is 
 import math
 from typing import Final, NamedTuple
 
-from companion.calibration.fitting import Fit
 from companion.calibration.routine import RoutineInputs, Step, come_back, rest
+from companion.core.fitting import Fit
 from companion.core.intent import Drive, Stop
 
 LEVELS: Final = (0.08, 0.12, 0.16, 0.2, 0.25, 0.31, 0.4, 0.5)

@@ -7,9 +7,9 @@ from typing import NamedTuple
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point, distance_m
 from companion.core.intent import HoldHeading, Intent, KeepStation, Stop
+from companion.core.readings import GnssFix
 from companion.core.state import MotorCommand, NavState
 from companion.core.units import wrap_pi
-from companion.sensors.readings import GnssFix
 
 _STOP = Stop()
 _COMING_S = 180.0

@@ -15,10 +15,10 @@ from companion.calibration.thrusters import calibrate
 from companion.config.boat_config import BoatConfig
 from companion.core.health import lacks_heading, lacks_position
 from companion.core.intent import Intent, KeepStation
+from companion.core.readings import GnssFix
 from companion.core.state import MotorCommand, NavState
 from companion.core.vehicle_status import VehicleStatus
 from companion.geofence.fence import Fence
-from companion.sensors.readings import GnssFix
 
 USUAL_S: Final = 20.0  # times top speed: the radius, unless one is asked for
 LEAST_S: Final = 8.0

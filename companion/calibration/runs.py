@@ -8,8 +8,8 @@ to first order.
 import math
 from typing import Final, NamedTuple
 
-from companion.calibration.fitting import Fit
 from companion.calibration.routine import CalibrationError, RoutineInputs, Step, aim
+from companion.core.fitting import Fit
 from companion.core.geo import Point
 from companion.core.intent import Drive, FollowLeg, HoldHeading
 from companion.core.units import wrap_pi

@@ -12,7 +12,7 @@ import math
 from collections import deque
 from typing import Final, NamedTuple
 
-from companion.calibration.fitting import Fit
+from companion.core.fitting import Fit
 
 _DELAYS: Final = tuple(2 * step for step in range(13))  # in samples
 SAMPLE_S: Final = 0.02

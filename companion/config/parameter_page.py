@@ -7,7 +7,7 @@ from companion.config.boat_config import BoatConfig
 from companion.config.compass_rows import MAGNETOMETER_ROWS
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import ParameterRow, Parameters, ParameterType
-from companion.persistence.storage import MemoryStorage
+from companion.core.storage import MemoryStorage
 
 _TYPES = {
     ParameterType.INT8: "INT8",

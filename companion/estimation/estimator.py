@@ -19,13 +19,13 @@ from companion.config.drive import DIFFERENTIAL, DriveSetting
 from companion.config.estimation import Estimation
 from companion.config.handling import Handling
 from companion.core.geo import LocalFrame, Point
+from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import EstimateFault, MotorCommand, NavState
 from companion.estimation.error_state import ErrorStateFilter
 from companion.estimation.heading_update import HeadingUpdate
 from companion.estimation.nominal_state import STRIDE_S
 from companion.estimation.position_update import PositionUpdate
 from companion.estimation.report import EstimatorReport, report_of
-from companion.sensors.readings import GnssFix, HeadingReading
 
 MIN_FIX_TYPE: Final = 3  # a 3-D fix
 SIGMA_PER_HDOP_M: Final = 0.8  # for receivers that state no accuracy

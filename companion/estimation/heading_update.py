@@ -5,6 +5,7 @@ import math
 from typing import Final
 
 from companion.config.estimation import Estimation
+from companion.core.readings import HeadingReading
 from companion.core.state import EstimateFault
 from companion.core.units import wrap_pi
 from companion.estimation.covariance import HEADING
@@ -14,7 +15,6 @@ from companion.estimation.hypotheses import GAP_RAD, Sensor, SensorBank
 from companion.estimation.innovation import DISAGREES_S
 from companion.estimation.monitor import STUCK_S, SensorMonitor
 from companion.sensors import plausibility
-from companion.sensors.readings import HeadingReading
 
 # A boat approaches its target while the heading error is below 90°, which is 2.2 of these standard
 # deviations. With a larger one the heading is lost; dead reckoning is useless at an error of half the

@@ -7,12 +7,12 @@ from msgspec import Struct
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.modes import Mode
+from companion.core.readings import BatteryReading, DepthReading, HeadingReading, HullReading
 from companion.core.state import NavState
 from companion.failsafe.motors.hypotheses import Hypothesis
 from companion.failsafe.recovery.transition_table import State
 from companion.geofence.fence import Fence
 from companion.guidance.stall_detector import StallVerdict
-from companion.sensors.readings import BatteryReading, DepthReading, HeadingReading, HullReading
 
 
 class BoardReadings(Struct, frozen=True):

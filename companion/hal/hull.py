@@ -5,9 +5,9 @@ from pathlib import Path
 from typing import Protocol
 
 from companion.config import parts
+from companion.core.readings import HullReading
 from companion.hal.background import BackgroundSensor
 from companion.hal.raspberry_pi import opening_pins
-from companion.sensors.readings import HullReading
 
 _PERIOD_S = 1.0
 

@@ -10,11 +10,7 @@ from dataclasses import dataclass, fields
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
 from companion.config.parameters import ParameterHook
-from companion.core.status_text import StatusText
-from companion.hal.payload.interfaces import PayloadParts
-from companion.links.retried import Retried
-from companion.sensors.compass.magnetic_field import FieldCorrector
-from companion.sensors.readings import (
+from companion.core.readings import (
     BatteryReading,
     DepthReading,
     GnssFix,
@@ -24,6 +20,10 @@ from companion.sensors.readings import (
     RcReading,
     SonarReading,
 )
+from companion.core.status_text import StatusText
+from companion.hal.payload.interfaces import PayloadParts
+from companion.links.retried import Retried
+from companion.sensors.compass.magnetic_field import FieldCorrector
 
 Reading_co = TypeVar("Reading_co", covariant=True)
 

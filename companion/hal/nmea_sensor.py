@@ -4,8 +4,8 @@ from abc import abstractmethod
 from collections.abc import Callable, Iterable, Iterator
 
 from companion.hal.background import Reading
-from companion.hal.link_interfaces import Port
 from companion.hal.port_sensor import PortSensor
+from companion.links.interfaces import Port
 from companion.sensors.nmea.sentences import NmeaReader, Sentence
 
 

@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 
 from companion.hal.background import BackgroundSensor, Reading
-from companion.hal.link_interfaces import Link, Port
+from companion.links.interfaces import Link, Port
 
 _PATIENCE_S = 0.2  # longest wait for bytes, and period of reconnection attempts
 

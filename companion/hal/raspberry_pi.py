@@ -12,9 +12,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import Protocol, TypeVar
 
+from companion.cli.extras import how_to_install
 from companion.config.board import i2c_device
 from companion.core.errors import HardwareError
-from companion.core.extras import how_to_install
 
 ROOT = Path("/")  # of the devices
 _I2C_TIMEOUT = 0x0702  # linux/i2c-dev.h, in units of 10 ms; a Pi's own is 1 s, that of i2c-gpio 0.1 s

@@ -5,15 +5,15 @@ from typing import NamedTuple
 
 from companion.config.rc import Rc
 from companion.core.errors import ConfigError
-from companion.hal.link_interfaces import Port
+from companion.core.readings import RcReading
 from companion.hal.port_sensor import PortSensor
+from companion.links.interfaces import Port
 from companion.links.port_url import open_port
 from companion.links.serial_port import LINE_8E2, LINE_8N1, LineFormat, SerialPort
 from companion.rc import crsf as rc_crsf
 from companion.rc import ibus as rc_ibus
 from companion.rc import sbus as rc_sbus
 from companion.rc.parser import RcParser
-from companion.sensors.readings import RcReading
 
 
 class _Protocol(NamedTuple):

@@ -4,13 +4,13 @@ from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 from companion.core.errors import HardwareError
+from companion.core.readings import GnssFix, ProbeReading, SonarReading
 from companion.core.status_text import StatusText
 from companion.hal.gnss.receiver import GnssReceiver
 from companion.hal.interfaces import PausingPart, Probe, ReportingPart, Rudder, Sensor, Sonar
 from companion.hal.motors.watched_motors import WatchedMotors
 from companion.hal.payload.interfaces import PayloadOutput, PulseCounter
 from companion.links.retried import Closable, Pace, Retried
-from companion.sensors.readings import GnssFix, ProbeReading, SonarReading
 
 Part = TypeVar("Part", bound=Closable)
 Reading = TypeVar("Reading")

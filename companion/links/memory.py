@@ -2,7 +2,7 @@
 
 from collections import deque
 
-from companion.hal.link_interfaces import Link
+from companion.links.interfaces import Link
 
 _QUEUE_FRAMES = 4096
 

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from companion.core.errors import ConfigError
-from companion.hal.link_interfaces import Port
+from companion.links.interfaces import Port
 from companion.links.internet import show
 from companion.links.serial_port import SerialPort
 from companion.links.tcp import TcpInPort, TcpOutPort

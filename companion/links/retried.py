@@ -8,8 +8,8 @@ from typing import Any, Final, Generic, NamedTuple, Protocol, Self, TypeVar
 
 from companion.core.errors import ConfigError
 from companion.core.status_text import Severity, StatusText
-from companion.hal.link_interfaces import Link, Port
 from companion.links.backoff import Backoff
+from companion.links.interfaces import Link, Port
 
 
 class Closable(Protocol):
@@ -121,7 +121,7 @@ class Retried(Generic[Opened]):
 
 
 class RetriedPort(Retried[Port]):
-    """Satisfies `companion.hal.link_interfaces.Port`. name: the url, with the port that the system chose."""
+    """Satisfies `companion.links.interfaces.Port`. name: the url, with the port that the system chose."""
 
     def accept(self) -> list[Link]:
         """New links since the last call."""

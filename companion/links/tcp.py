@@ -5,8 +5,8 @@ import socket
 from collections.abc import Callable
 
 from companion.core.errors import LinkError
-from companion.hal.link_interfaces import Link
 from companion.links.backoff import Backoff
+from companion.links.interfaces import Link
 from companion.links.internet import resolve, show
 from companion.links.stream import StreamLink
 

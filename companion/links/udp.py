@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable
 
 from companion.core.errors import LinkError
-from companion.hal.link_interfaces import Link
+from companion.links.interfaces import Link
 from companion.links.internet import SocketAddress, resolve, show
 
 PEER_IDLE_S = 60.0

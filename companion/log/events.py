@@ -5,6 +5,7 @@ from operator import attrgetter
 from typing import Final
 
 from companion import __version__
+from companion.autopilot.snapshot import Snapshot
 from companion.config.boat_config import BoatConfig
 from companion.config.parameters import Parameters
 from companion.core.geo import LatLon
@@ -14,7 +15,6 @@ from companion.failsafe.table import Condition
 from companion.log import records as r
 from companion.log.samples import text, time_us
 from companion.mavlink.items import MissionItem
-from companion.services.telemetry.snapshot import Snapshot
 from companion.vehicle.vehicle import Vehicle
 
 # LogEvent, LogErrorSubsystem and their codes, with ArduPilot's numbers

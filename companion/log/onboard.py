@@ -11,21 +11,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import chain, islice
 from typing import Final
 
-from companion.app.runner import TickCount
+from companion.autopilot.snapshot import Snapshot
 from companion.config.boat_config import BoatConfig
 from companion.config.parameters import Parameters
-from companion.core.state import NavState
-from companion.core.status_text import Severity, StatusText
-from companion.log import events, samples
-from companion.log import records as r
-from companion.log.events import EventWatch
-from companion.log.linear_frame import LinearFrame
-from companion.log.samples import time_us
-from companion.log.sink import Sink
-from companion.mavlink.items import MissionItem
-from companion.payload.control import PayloadControl
-from companion.router.channels import Channels
-from companion.sensors.readings import (
+from companion.core.readings import (
     BatteryReading,
     DepthReading,
     GnssFix,
@@ -33,8 +22,19 @@ from companion.sensors.readings import (
     RcReading,
     SonarReading,
 )
-from companion.services.telemetry.snapshot import Snapshot
+from companion.core.state import NavState
+from companion.core.status_text import Severity, StatusText
+from companion.core.tick_count import TickCount
+from companion.log import events, samples
+from companion.log import records as r
+from companion.log.events import EventWatch
+from companion.log.linear_frame import LinearFrame
+from companion.log.samples import time_us
+from companion.log.sink import Sink
+from companion.mavlink.items import MissionItem
+from companion.router.channels import Channels
 from companion.vehicle.mission.steps import Mission
+from companion.vehicle.payload_control import PayloadControl
 from companion.vehicle.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)

@@ -4,16 +4,9 @@ import math
 from collections.abc import Iterator
 from typing import Final
 
+from companion.autopilot.snapshot import Snapshot
 from companion.core.geo import bearing_rad, distance_m
-from companion.core.state import Demand, NavState
-from companion.core.units import clamp, deg_to_e7, wrap_pi, wrap_two_pi
-from companion.core.vectors import Vector
-from companion.estimation.innovation import GATE_2
-from companion.estimation.report import EstimatorReport
-from companion.log import records as r
-from companion.log.linear_frame import LinearFrame
-from companion.sensors.compass.magnetic_field import FieldCorrector
-from companion.sensors.readings import (
+from companion.core.readings import (
     BatteryReading,
     DepthReading,
     GnssFix,
@@ -22,7 +15,14 @@ from companion.sensors.readings import (
     RcReading,
     SonarReading,
 )
-from companion.services.telemetry.snapshot import Snapshot
+from companion.core.state import Demand, NavState
+from companion.core.units import clamp, deg_to_e7, wrap_pi, wrap_two_pi
+from companion.core.vectors import Vector
+from companion.estimation.innovation import GATE_2
+from companion.estimation.report import EstimatorReport
+from companion.log import records as r
+from companion.log.linear_frame import LinearFrame
+from companion.sensors.compass.magnetic_field import FieldCorrector
 
 _DEG: Final = 180.0 / math.pi
 _NAN: Final = math.nan

@@ -5,8 +5,8 @@ import logging
 from collections.abc import Iterable
 from typing import NamedTuple
 
+from companion.core.storage import Saving, Storage
 from companion.mavlink.items import MissionItem, MissionType
-from companion.persistence.storage import Saving, Storage
 
 logger = logging.getLogger(__name__)
 

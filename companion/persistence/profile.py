@@ -3,7 +3,7 @@
 import logging
 from pathlib import Path
 
-from companion.persistence.generations import find_newest, save_next, write_atomically
+from companion.core.generations import find_newest, save_next, write_atomically
 
 _log = logging.getLogger(__name__)
 

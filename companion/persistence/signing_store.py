@@ -8,10 +8,10 @@ import json
 import logging
 from pathlib import Path
 
+from companion.core.storage import Saving, Storage
 from companion.mavlink.signing import NEVER, TICKS_PER_S, Signatory, Stamps, timestamp_at
 from companion.mavlink.signing_key import SigningKey, parse_key, read_key_file
 from companion.persistence.signing_floors import KeyFloors
-from companion.persistence.storage import Saving, Storage
 
 logger = logging.getLogger(__name__)
 

@@ -6,8 +6,8 @@ A frame: 0xC8, the number of bytes that follow, a type, the payload, and a CRC-8
 
 from typing import Final
 
+from companion.core.readings import RcReading
 from companion.rc.parser import PACKED_BYTES, RcParser, unpack_channels
-from companion.sensors.readings import RcReading
 
 BAUD: Final = 420_000
 _SYNC: Final = 0xC8

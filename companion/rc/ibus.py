@@ -8,8 +8,8 @@ receiver stops sending, or sends the pulses configured for that case, which FS_T
 
 from typing import Final
 
+from companion.core.readings import RcReading
 from companion.rc.parser import RcParser
-from companion.sensors.readings import RcReading
 
 BAUD: Final = 115_200
 _SIZE: Final = 0x20

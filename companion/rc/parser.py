@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from companion.sensors.readings import RcReading
+from companion.core.readings import RcReading
 
 PACKED_BYTES: Final = 22
 _SHIFTS: Final = tuple(range(0, 8 * PACKED_BYTES, 11))

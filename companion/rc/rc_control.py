@@ -3,11 +3,11 @@
 from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig
+from companion.core.readings import RcReading
 from companion.core.requests import Request
 from companion.core.vehicle_status import VehicleStatus
 from companion.rc.manual_input import ManualInput
 from companion.rc.switches import Switches
-from companion.sensors.readings import RcReading
 
 _STICK_CHANGE = 0.01  # a stick that has moved by less can wait for guidance's next cycle
 

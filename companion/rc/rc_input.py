@@ -3,9 +3,9 @@
 import math
 
 from companion.config.rc import Rc
+from companion.core.readings import RcReading
 from companion.rc.noise import RcNoise
 from companion.rc.pulses import deflection, is_pulse
-from companion.sensors.readings import RcReading
 
 
 class RcInput:

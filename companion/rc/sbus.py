@@ -10,8 +10,8 @@ byte, so the first frame is expected after a pause on the line only, and the oth
 import math
 from typing import Final
 
+from companion.core.readings import RcReading
 from companion.rc.parser import PACKED_BYTES, RcParser, unpack_channels
-from companion.sensors.readings import RcReading
 
 BAUD: Final = 100_000
 PAUSE_S: Final = 0.002  # bytes of a frame are 0.12 ms apart, frames at least 4 ms

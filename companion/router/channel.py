@@ -5,7 +5,7 @@ import struct
 from collections import deque
 from collections.abc import Callable, Collection, Sequence
 
-from companion.hal.link_interfaces import Link
+from companion.links.interfaces import Link
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Message, dialect

@@ -6,7 +6,7 @@ from ipaddress import IPv4Address, IPv4Network, IPv6Address, IPv6Network, ip_add
 from companion.config.boat_config import LinkConfig
 from companion.core.errors import ConfigError
 from companion.core.status_text import StatusText
-from companion.hal.link_interfaces import Link, Port
+from companion.links.interfaces import Link, Port
 from companion.links.retried import RetriedPort
 from companion.mavlink.dialect import dialect
 from companion.mavlink.layout import LAYOUTS

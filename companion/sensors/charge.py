@@ -2,8 +2,8 @@
 
 from itertools import pairwise
 
+from companion.core.readings import BatteryReading
 from companion.core.units import clamp
-from companion.sensors.readings import BatteryReading
 
 # Open-circuit voltage of a resting LiPo cell against the charge left: (share, volt)
 _LIPO_CURVE = (

@@ -9,7 +9,7 @@ from enum import IntEnum
 
 from companion.config.boat_config import External
 from companion.core.geo import LatLon, LocalFrame
-from companion.sensors.readings import GnssFix, HeadingReading, SonarReading
+from companion.core.readings import GnssFix, HeadingReading, SonarReading
 
 MIN_FIX_TYPE = 3
 _MAX_PINGS = 144  # two rounds of an OBSTACLE_DISTANCE

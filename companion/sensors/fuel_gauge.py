@@ -9,9 +9,9 @@ learned factors. A Kalman filter estimates both; Plett, "Battery Management Syst
 import math
 
 from companion.config.boat_config import BatteryPack
+from companion.core.readings import BatteryReading
 from companion.core.state import MotorCommand
 from companion.sensors.charge import ChargeCounter, resting_share
-from companion.sensors.readings import BatteryReading
 
 # The shown value rises only if the estimate exceeds it by this share: relaxation after a load and errors of
 # the sag are about as large, and must not make it fluctuate

@@ -6,9 +6,9 @@ from typing import Final
 
 import msgspec
 
+from companion.core.readings import GnssFix, HeadingReading
 from companion.core.status_text import Severity
 from companion.core.units import wrap_pi
-from companion.sensors.readings import GnssFix, HeadingReading
 from companion.sensors.receiver_clock import ReceiverClock
 from companion.sensors.ubx.messages import Baseline
 

@@ -12,7 +12,7 @@ from typing import Final
 import msgspec
 
 from companion.core.geo import LatLon
-from companion.sensors.readings import GnssFix
+from companion.core.readings import GnssFix
 from companion.sensors.receiver_clock import ReceiverClock
 
 WATCH: Final = b'?WATCH={"enable":true,"json":true};\n'

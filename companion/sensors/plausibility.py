@@ -15,8 +15,8 @@ from typing import Final, Generic, NamedTuple, TypeVar
 
 import msgspec
 
+from companion.core.readings import BatteryReading, DepthReading, GnssFix, HeadingReading
 from companion.core.units import wrap_pi
-from companion.sensors.readings import BatteryReading, DepthReading, GnssFix, HeadingReading
 
 R = TypeVar("R", GnssFix, HeadingReading, BatteryReading, DepthReading)
 

@@ -12,7 +12,7 @@ from typing import Final
 
 import msgspec
 
-from companion.sensors.readings import GnssFix
+from companion.core.readings import GnssFix
 
 DAY_S: Final = 86_400.0
 # A crystal is good to 50 ppm (0.003 %): within two windows the clocks drift by 6 ms at most.

@@ -1,6 +1,6 @@
 """Date and time: from GNSS, else from a station, else from the computer."""
 
-from companion.sensors.readings import GnssFix
+from companion.core.readings import GnssFix
 
 _FIX_2D = 2  # without a fix the receiver's clock is unreliable
 

@@ -14,15 +14,15 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from companion import __version__
+from companion.autopilot.snapshot import Snapshot
 from companion.config.boat_config import BoatConfig
 from companion.config.parameters import ParameterRow, Parameters, ParameterType
 from companion.core.float32 import shortest
+from companion.core.storage import MemoryStorage
 from companion.mavlink.dialect import Message
 from companion.mavlink.metadata_messages import ComponentInformation, ComponentMetadata
-from companion.persistence.storage import MemoryStorage
 from companion.services.ftp.tree import checksum
 from companion.services.ftp.virtual import Content
-from companion.services.telemetry.snapshot import Snapshot
 
 COMPONENT_INFORMATION_ID: int = ComponentInformation.id
 COMPONENT_METADATA_ID: int = ComponentMetadata.id

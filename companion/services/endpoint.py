@@ -7,21 +7,20 @@ is logged once per kind and never reaches the control loop.
 import logging
 from collections.abc import Callable, Mapping
 
+from companion.autopilot.sensor_suite import SensorSuite
 from companion.calibration.motor_test import MotorTest
 from companion.calibration.runner import CalibrationRunner
 from companion.config.parameters import Parameters
+from companion.core.readings import HeadingReading
+from companion.core.storage import FolderStorage, Storage
 from companion.hal.interfaces import CorrectionInput, FaultInjector
 from companion.log.logbook import Logbook
 from companion.mavlink.address import Address, concerns
 from companion.mavlink.codec import Received
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionType
-from companion.payload.control import PayloadControl
 from companion.persistence.signing_store import SigningStore
-from companion.persistence.storage import FolderStorage, Storage
 from companion.router.channel import Channel
-from companion.sensors.readings import HeadingReading
-from companion.sensors.suite import SensorSuite
 from companion.services.access import AccessService
 from companion.services.address_check import AddressCheck
 from companion.services.camera.component import CameraComponent
@@ -45,6 +44,7 @@ from companion.services.telemetry.heartbeat import HeartbeatService
 from companion.services.telemetry.service import MaySend, TakeSnapshot, TelemetryService, always
 from companion.services.telemetry.statustext import StatusTextService
 from companion.services.time_sync import TimeService
+from companion.vehicle.payload_control import PayloadControl
 from companion.vehicle.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)

@@ -11,12 +11,12 @@ from collections.abc import Callable
 from companion.config.boat_config import External
 from companion.config.parameters import Parameters
 from companion.core.geo import LatLon, LocalFrame, Point, from_body_axes, position_from_e7, yaw_of_quaternion
+from companion.core.readings import GnssFix, HeadingReading, SonarReading
 from companion.core.status_text import Severity
 from companion.core.units import wrap_pi
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.sensors.external import ExternalSensors, Use
-from companion.sensors.readings import GnssFix, HeadingReading, SonarReading
 from companion.services.outbox import Origin, Outbox
 from companion.services.telemetry.motion_messages import global_origin
 from companion.services.telemetry.statustext import StatusTextService

@@ -2,7 +2,7 @@
 
 import sys
 
-from companion.core.interrupts import Run, run_interruptibly
+from companion.cli.interrupts import Run, run_interruptibly
 
 
 def load() -> Run:

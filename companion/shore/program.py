@@ -11,9 +11,9 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Final
 
-from companion.core.busy_port import busy_port_explained
+from companion.cli.busy_port import busy_port_explained
+from companion.cli.program_end import end_with
 from companion.core.errors import BoatError, ConfigError
-from companion.core.program_end import end_with
 from companion.mavlink.signing_key import read_key_file
 from companion.shore import memory_use
 from companion.shore.chart import Chart

@@ -5,9 +5,9 @@ from typing import Final
 
 from companion.config.boat_config import Arming, BoatConfig, MotorLimits
 from companion.core.modes import Mode
+from companion.core.readings import BatteryReading, GnssFix
 from companion.core.state import NavState
 from companion.rc.manual_input import ManualInput
-from companion.sensors.readings import BatteryReading, GnssFix
 
 RESTARTING: Final = "Program: restarting"
 

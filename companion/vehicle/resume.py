@@ -11,10 +11,10 @@ from companion.core.geo import LatLon
 from companion.core.modes import Mode, mode_from_number
 from companion.core.requests import Arm, ChangeMode, SetHome
 from companion.core.status_text import Severity
-from companion.persistence.storage import Storage
-from companion.persistence.track_record import TrackRecord
-from companion.persistence.voyage_record import Voyage, VoyageRecord, plan_id
+from companion.core.storage import Storage
+from companion.vehicle.track_record import TrackRecord
 from companion.vehicle.vehicle import Vehicle
+from companion.vehicle.voyage_record import Voyage, VoyageRecord, plan_id
 
 PERIOD_S = 0.5  # how often the record is compared with the vehicle
 CHECK_S = 0.1  # the same for mode, arming and item, whose changes are written at once

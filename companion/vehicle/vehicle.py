@@ -7,6 +7,7 @@ from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.health import lacks_heading, lacks_position
 from companion.core.intent import Intent, Stop
 from companion.core.modes import Mode
+from companion.core.readings import BatteryReading, GnssFix
 from companion.core.requests import ACCEPTED, Outcome, Request
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
@@ -18,7 +19,6 @@ from companion.failsafe.recovery.transition_table import Trigger
 from companion.geofence.fence import Fence, FenceArea
 from companion.persistence.data_losses import FENCE, DataLosses
 from companion.rc.manual_input import ManualInput
-from companion.sensors.readings import BatteryReading, GnssFix
 from companion.vehicle.arming import PreArmReport, absolute_faults, fence_faults, rc_fault, sensor_faults
 from companion.vehicle.commands import execute
 from companion.vehicle.failsafes import NO_HEADING, recheck_motors, run_failsafes, run_recovery

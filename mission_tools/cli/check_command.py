@@ -6,7 +6,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from companion.core.interrupts import importing
+from companion.cli.interrupts import importing
 from mission_tools.cli.exit import run_parsed
 from mission_tools.cli.options import add_link
 from mission_tools.cli.parser import Parser, number
@@ -47,8 +47,8 @@ def _parser() -> Parser:
 
 def _check(given: Namespace) -> int:
     with importing():
+        from mission_tools.assembly.check import check_mission  # noqa: PLC0415
         from mission_tools.maps import load_source  # noqa: PLC0415 - numpy and more, not needed for --help
-        from mission_tools.mission.check import check_mission  # noqa: PLC0415
         from mission_tools.mission.plan_file import load_mission  # noqa: PLC0415
         from mission_tools.planning.planner import PlanSettings  # noqa: PLC0415
         from mission_tools.wording import counted  # noqa: PLC0415

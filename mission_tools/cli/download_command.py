@@ -6,7 +6,7 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
-from companion.core.interrupts import importing
+from companion.cli.interrupts import importing
 from mission_tools.cli.exit import run_parsed
 from mission_tools.cli.options import add_force, add_link
 from mission_tools.cli.parser import Parser
@@ -37,7 +37,7 @@ def _parser() -> Parser:
 
 def _download(given: Namespace) -> None:
     with importing():
-        from mission_tools.outputs import check_outputs, save  # noqa: PLC0415 - not needed for --help
+        from mission_tools.job.outputs import check_outputs, save  # noqa: PLC0415 - not needed for --help
         from mission_tools.vehicle.held import ask_vehicle  # noqa: PLC0415
         from mission_tools.wording import counted  # noqa: PLC0415
 

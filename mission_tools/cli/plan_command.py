@@ -5,7 +5,7 @@ import logging
 import sys
 from argparse import Namespace
 
-from companion.core.interrupts import importing
+from companion.cli.interrupts import importing
 from mission_tools.cli.arguments import with_places
 from mission_tools.cli.exit import run_parsed
 from mission_tools.cli.options import add_areas, add_costs, add_outputs, add_route, add_tasks, plan_options
@@ -50,7 +50,8 @@ def _parser() -> Parser:
 def _plan(given: Namespace) -> None:
     with importing():
         from mission_tools.cli.report import as_json  # noqa: PLC0415 - numpy and more, not needed for --help
-        from mission_tools.job import Report, Request, run  # noqa: PLC0415
+        from mission_tools.job.job import run  # noqa: PLC0415
+        from mission_tools.job.request import Report, Request  # noqa: PLC0415
         from mission_tools.wording import Printer  # noqa: PLC0415
 
     if given.debug:

@@ -5,9 +5,9 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from companion.core.geo import distance_m
-from mission_tools.job import Report
+from mission_tools.assembly.planned_mission import PlannedMission
+from mission_tools.job.request import Report
 from mission_tools.mission.mission import MissionItem
-from mission_tools.mission.planned_mission import PlannedMission
 from mission_tools.planning.planner import Plan
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
+from companion.cli.interrupts import importing
 from companion.core.geo import LatLon
-from companion.core.interrupts import importing
 from mission_tools.cli.arguments import position, with_places
 from mission_tools.cli.exit import run_parsed
 from mission_tools.cli.options import add_force

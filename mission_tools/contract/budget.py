@@ -15,7 +15,7 @@ import numpy as np
 
 from companion.core.geo import Point, bearing_rad, distance_m, path_length_m
 from companion.core.units import wrap_pi
-from mission_tools.contract.boat import Boat
+from mission_tools.costs.boat import Boat
 from mission_tools.costs.current import STILL_WATER, Current
 from mission_tools.costs.travel import Floats
 from mission_tools.errors import BeyondRange, NoRoute

@@ -1,11 +1,11 @@
 """The budget of a planned mission."""
 
-from mission_tools.contract.boat import Boat, load_boat
+from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.contract.budget import Budget, budget_of, ways_home_m
+from mission_tools.costs.boat import Boat, load_boat
 from mission_tools.costs.current import STILL_WATER, Current
 from mission_tools.costs.current_source import open_current
 from mission_tools.errors import UsageError
-from mission_tools.mission.planned_mission import PlannedMission
 from mission_tools.planning.planner import PlanSettings
 from mission_tools.tasks.transits import Transits
 

@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 import shapely
 from shapely.geometry import Polygon
 
-from mission_tools.contract.boat import load_boat
+from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.contract.fence_of_water import fence_of_water
 from mission_tools.contract.rally_points import rally_points
+from mission_tools.costs.boat import load_boat
 from mission_tools.errors import UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.mission.mission import Fence
-from mission_tools.mission.planned_mission import PlannedMission
 from mission_tools.wording import counted, distance
 
 

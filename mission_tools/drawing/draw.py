@@ -16,8 +16,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from shapely.geometry import MultiPolygon, Polygon
 
+from companion.cli.output_file import output_file
 from companion.core.geo import Point
-from companion.core.output_file import output_file
 from mission_tools.drawing.features import LAND_EDGE, arrange_names, draw_feature, fill
 from mission_tools.drawing.legend import (
     BAND,

@@ -16,12 +16,12 @@ import shapely
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from companion.cli.output_file import write_text
 from companion.core.geo import LatLon, Point, distance_m
-from companion.core.output_file import write_text
+from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.drawing.itinerary import Itinerary, Leg, itinerary
 from mission_tools.drawing.view import view_of
 from mission_tools.maps.chart import KEPT_OUT, SOLID, Chart
-from mission_tools.mission.planned_mission import PlannedMission
 from mission_tools.vehicle.mission_monitor import MissionMonitor
 from mission_tools.wording import counted, distance, duration
 

@@ -8,8 +8,8 @@ from itertools import pairwise
 import shapely
 
 from companion.core.geo import Point, bearing_rad, distance_m
+from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.maps.chart import Chart
-from mission_tools.mission.planned_mission import PlannedMission
 from mission_tools.mission.qgc_plan import DEFAULT_SPEED_M_S
 
 

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from companion.core.geo import path_length_m
-from mission_tools.mission.planned_mission import PlannedMission
+from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.vehicle.mission_monitor import MissionMonitor
 from mission_tools.wording import distance, duration
 

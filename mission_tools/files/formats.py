@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from pathlib import Path
 
+from companion.cli.output_file import write_text
 from companion.core.errors import OutputError
-from companion.core.output_file import write_text
 from mission_tools.errors import PlanFileError
 from mission_tools.files import geojson_route, gpx_route, kml_route
 from mission_tools.mission.mission import Mission

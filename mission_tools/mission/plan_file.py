@@ -5,8 +5,8 @@ What is written here reads back equal.
 
 from pathlib import Path
 
+from companion.cli.output_file import write_text
 from companion.core.errors import OutputError
-from companion.core.output_file import write_text
 from mission_tools.errors import PlanFileError
 from mission_tools.mission.mission import Fence, Mission
 

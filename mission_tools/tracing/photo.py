@@ -22,8 +22,8 @@ from PIL.PngImagePlugin import PngInfo
 from scipy import ndimage
 from shapely.geometry import Polygon
 
+from companion.cli.output_file import output_file, write_text
 from companion.core.geo import LatLon
-from companion.core.output_file import output_file, write_text
 from mission_tools.errors import MapError
 from mission_tools.maps.chart import Area, Chart, area_of
 from mission_tools.maps.formats.georeference import Georeference

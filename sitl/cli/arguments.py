@@ -8,7 +8,8 @@ import typer
 
 from companion.core.geo import LatLon
 from mission_tools.cli.arguments import position
-from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.scenario import Scenario
 from sitl.world.sensors.sampling import MOST_SEED
 
 Source = Annotated[

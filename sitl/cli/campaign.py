@@ -12,8 +12,8 @@ import typer
 from rich.console import Console
 from rich.table import Table as RichTable
 
+from companion.cli.output_file import write_text
 from companion.core.errors import BoatError
-from companion.core.output_file import write_text
 from sitl.cli.arguments import Workers
 from sitl.cli.progress import progress_bar
 from sitl.experiments.campaign.campaign import Campaign, load_campaign

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from companion.core.output_file import write_text
+from companion.cli.output_file import write_text
 from sitl.cli.arguments import Settings, Workers
 from sitl.cli.progress import progress_bar
 from sitl.experiments.encounters.encounter import (

@@ -9,7 +9,7 @@ import typer
 from rich.console import Console
 from rich.markdown import Markdown
 
-from companion.core.output_file import output_folder, write_text
+from companion.cli.output_file import output_folder, write_text
 from sitl.cli.arguments import Workers
 from sitl.cli.progress import progress_bar
 from sitl.experiments.paper import figures, table

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from companion.app.shutdown import Shutdown
-from companion.core.busy_port import busy_port_explained
+from companion.cli.busy_port import busy_port_explained
 from companion.core.errors import BoatError
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
 from sitl.physics.backend import Backend

@@ -1,6 +1,6 @@
 """The commands of boat-sitl, the emulator's program."""
 
-from companion.core.command_line import program_app, run_app
+from companion.cli.command_line import program_app, run_app
 from companion.core.errors import BoatError
 from mission_tools.errors import MissionToolsError
 from sitl.cli.arguments import with_json_file_option

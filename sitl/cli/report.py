@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from companion.core.output_file import write_text
+from companion.cli.output_file import write_text
 from sitl.experiments.result_log import ResultLog
 from sitl.reports.campaign_page import campaign_page
 from sitl.reports.run_page import run_page

@@ -8,19 +8,19 @@ from rich.console import Console
 from rich.progress import Progress
 
 from companion.app import garbage_collection as garbage
+from companion.cli.output_file import write_text
 from companion.core.errors import OutputError
-from companion.core.output_file import write_text
 from companion.log.logbook import Logbook
 from companion.log.sink import SingleFile
 from companion.log.worker import InlineWorker
 from mission_tools.errors import UsageError
 from mission_tools.mission.plan_file import load_mission
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
+from sitl.courses.missions import course_names, fence_along, lay_out, plan_mission, wire_items
 from sitl.reports.run_figures import as_json, draw, print_table
 from sitl.run.mission_run import MissionRun, Result
 from sitl.run.run_record import RunRecord
 from sitl.run.station_commands import RunError
-from sitl.scenarios.missions import course_names, fence_along, lay_out, plan_mission, wire_items
 
 
 def sail(

@@ -13,8 +13,8 @@ from companion.app import garbage_collection as garbage
 from companion.app.clock import SystemClock
 from companion.app.restart import restart_program
 from companion.app.shutdown import Shutdown
+from companion.cli.busy_port import busy_port_explained
 from companion.config.boat_config import LinkConfig
-from companion.core.busy_port import busy_port_explained
 from companion.core.errors import BoatError, ConfigError
 from companion.mavlink.signing import SigningPolicy
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from

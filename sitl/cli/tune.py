@@ -10,8 +10,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from companion.cli.output_file import output_folder, write_text
 from companion.core.errors import BoatError
-from companion.core.output_file import output_folder, write_text
 from sitl.cli.arguments import Workers
 from sitl.cli.progress import progress_bar
 from sitl.experiments.campaign.campaign import Campaign

@@ -5,13 +5,14 @@ from pathlib import Path
 from companion.core.geo import Point
 from companion.mavlink.items import MissionItem
 from mission_tools.mission.plan_file import load_mission
+from sitl.courses.missions import fence_along, lay_out, plan_mission, wire_items
+from sitl.courses.station_keeping import STATION, STAY_S
 from sitl.experiments.campaign.figures import figures_of
 from sitl.experiments.trial import Trial, TrialResult
 from sitl.run.mission_run import MissionRun
 from sitl.scenarios.layers import Layer
-from sitl.scenarios.missions import fence_along, lay_out, plan_mission, wire_items
-from sitl.scenarios.scenario import Scenario, load_scenario
-from sitl.scenarios.station_keeping import STATION, STAY_S
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.scenario import Scenario
 
 MOST_TRACK_POINTS = 400
 _MARGIN_S = 120.0  # to reach a station

@@ -13,8 +13,8 @@ from typing import IO, Self
 import msgspec
 from msgspec import Struct
 
+from companion.cli.output_file import output_file, output_folder
 from companion.core.errors import ConfigError, OutputError
-from companion.core.output_file import output_file, output_folder
 from sitl.experiments.campaign.campaign import Campaign
 from sitl.experiments.trial import TrialResult
 

@@ -6,8 +6,8 @@ from concurrent.futures import FIRST_COMPLETED, Executor, wait
 from contextlib import contextmanager
 from itertools import islice
 
+from companion.cli.extras import how_to_install
 from companion.core.errors import BoatError, ConfigError, LinkError
-from companion.core.extras import how_to_install
 from sitl.experiments.result_log import ResultLog
 from sitl.experiments.trial import Task, Trial, TrialResult, attempt
 from sitl.experiments.worker_processes import worker_pool

@@ -11,10 +11,10 @@ from mission_tools.tasks.survey.coverage import coverage
 from mission_tools.tasks.survey.settings import SurveySettings
 from mission_tools.tasks.survey.survey import Survey, survey
 from mission_tools.tasks.task_route import mission_of
+from sitl.courses.missions import wire_items
 from sitl.run.mission_run import MissionRun, Result
 from sitl.run.station_commands import RunError
-from sitl.scenarios.missions import wire_items
-from sitl.scenarios.scenario import Scenario
+from sitl.world.scenario import Scenario
 
 THINNED_M = 0.05  # how far a thinned track may leave the true one
 

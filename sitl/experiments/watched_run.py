@@ -11,11 +11,11 @@ from mission_tools.errors import NoRoute
 from mission_tools.mission.mission import Mission
 from mission_tools.mission.route import mission_along
 from mission_tools.watch.watcher import WATCHED_HZ, Watcher
+from sitl.courses.missions import wire_items
 from sitl.run.lockstep import Lockstep
 from sitl.run.station_commands import RunError, StationCommands
 from sitl.run.timeline import Timeline
 from sitl.scenarios.layers import Layer
-from sitl.scenarios.missions import wire_items
 from sitl.scenarios.scenario import load_scenario
 
 IDS = {

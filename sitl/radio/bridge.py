@@ -1,7 +1,7 @@
 """A link between two boats of one process, restored at each restart of either program."""
 
 from companion.config.boat_config import LinkConfig
-from companion.hal.link_interfaces import Port
+from companion.links.interfaces import Port
 from companion.links.memory import MemoryPort, memory_pair
 from companion.router.policy import ConfiguredPort, Policy
 

@@ -12,10 +12,10 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from mission_tools.drawing.legend import INK, PAPER, PLANNED, SAILED
+from sitl.courses.courses import COURSES
 from sitl.experiments.campaign.expect import Expectation
 from sitl.experiments.trial import TrialResult
 from sitl.reports.labels import label, labelled
-from sitl.scenarios.courses import COURSES
 
 _MOST_GROUPS = 24
 _MOST_TRACKS = 400

@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from companion.cli.output_file import output_file
 from companion.core.errors import ConfigError
-from companion.core.output_file import output_file
 
 Built = TypeVar("Built")
 

@@ -14,7 +14,7 @@ from companion.core.geo import Point
 from sitl.radio.bridge import Bridge
 from sitl.run.serve import stretched
 from sitl.run.simulated_boat import BoatOptions, SimulatedBoat
-from sitl.scenarios.scenario import Scenario
+from sitl.world.scenario import Scenario
 
 MOST_BOATS = 200
 # Between neighbours. Stations draw boats 3 lengths apart on one place: only where there is no more room

@@ -2,7 +2,7 @@
 
 import math
 
-from companion.hal.link_interfaces import Link
+from companion.links.interfaces import Link
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Message, dialect

@@ -5,17 +5,17 @@ Time is counted in ticks: a run is a function of the scenario, its seed and the 
 
 from companion.boat import COMPONENT_ID, TICK_S, Boat
 from companion.config.boat_config import LinkConfig
+from companion.core.storage import MemoryStorage, Storage
 from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 from companion.log.logbook import Logbook
 from companion.mavlink.address import Address
-from companion.persistence.storage import MemoryStorage, Storage
 from companion.router.policy import ConfiguredPort, Policy
-from sitl.radio.air import Air, AirPort
+from sitl.run.air import Air, AirPort
 from sitl.run.lidar import LidarComponent
 from sitl.run.program import Program
 from sitl.run.station import Station
-from sitl.scenarios.scenario import Scenario
 from sitl.world.disk import Disk
+from sitl.world.scenario import Scenario
 from sitl.world.world import World
 
 _STREAM_HZ = 2.0  # half the usual telemetry rate

@@ -18,12 +18,12 @@ from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
 from companion.core.errors import ConfigError
 from companion.core.geo import LatLon
+from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import STOPPED, MotorCommand, NavState
+from companion.core.storage import MemoryStorage
 from companion.core.units import wrap_pi
 from companion.estimation.estimator import Estimator
 from companion.log.dataflash import MAGIC
-from companion.persistence.storage import MemoryStorage
-from companion.sensors.readings import GnssFix, HeadingReading
 
 _UNKNOWN_CENTS = 32767  # of HDop, and 65535 of accuracies: as the log has what is not finite
 

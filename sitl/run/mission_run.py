@@ -19,7 +19,7 @@ from sitl.run.recorder import NO_LEG, Recorder, Rows
 from sitl.run.sensor_recorder import SensorRecorder
 from sitl.run.station_commands import BOOT_S, StationCommands
 from sitl.run.timeline import Timeline
-from sitl.scenarios.scenario import Scenario
+from sitl.world.scenario import Scenario
 
 _SLACK = 4.0  # a mission may take this many times its length at cruise speed, plus BOOT_S
 

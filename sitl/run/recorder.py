@@ -10,8 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from companion.cli.output_file import output_file
 from companion.core.geo import Point
-from companion.core.output_file import output_file
 from sitl.world.shore import Shore
 from sitl.world.world import Truth
 

@@ -9,11 +9,11 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import MotorCommand
-from companion.sensors.readings import GnssFix, HeadingReading
 from sitl.run.arrays_file import load_arrays, save_arrays
 from sitl.run.lockstep import Lockstep
-from sitl.scenarios.scenario import Scenario
+from sitl.world.scenario import Scenario
 from sitl.world.world import Truth
 
 TICK_COLUMNS = ("now_s", "fix", "heading", "left", "right", "rudder")

@@ -13,18 +13,18 @@ from companion.app.runner import Runner
 from companion.app.status_file import StatusFile
 from companion.boat import TICK_S, Boat
 from companion.config.boat_config import LinkConfig
-from companion.hal.link_interfaces import Port
+from companion.core.storage import FolderStorage, MemoryStorage, Storage
+from companion.links.interfaces import Port
 from companion.log.logbook import Logbook
 from companion.mavlink.signing import timestamp_at
-from companion.persistence import voyage_record as resume
-from companion.persistence.storage import FolderStorage, MemoryStorage, Storage
 from companion.router.policy import ConfiguredPort
-from sitl.radio.air import Air, AirPort
+from companion.vehicle import voyage_record as resume
+from sitl.run.air import Air, AirPort
 from sitl.run.program import Program
 from sitl.run.recorder import NO_LEG, Recorder
-from sitl.scenarios.scenario import Scenario
 from sitl.world.computer import Computer
 from sitl.world.disk import Disk, file_writer
+from sitl.world.scenario import Scenario
 from sitl.world.world import World
 
 

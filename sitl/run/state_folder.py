@@ -8,8 +8,8 @@ import hashlib
 import os
 from pathlib import Path
 
+from companion.cli.output_file import state_home
 from companion.core.errors import BoatError, StorageError
-from companion.core.output_file import state_home
 
 NONE = "none"  # instead of a folder: nothing is stored
 

@@ -7,7 +7,7 @@ the boat notices a cut link.
 import math
 from collections.abc import Sequence
 
-from companion.hal.link_interfaces import Link
+from companion.links.interfaces import Link
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Message, dialect

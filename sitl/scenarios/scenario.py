@@ -10,7 +10,6 @@ Positions are [east, north] in metres of the local frame, or {lat_deg, lon_deg}.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -21,10 +20,9 @@ from msgspec import Meta, field
 from companion.config.boat_config import BoatConfig, decode_config, load_toml
 from companion.config.section import Section
 from companion.core.errors import ConfigError
-from companion.core.geo import LatLon, LocalFrame, Point, bearing_rad, distance_m
+from companion.core.geo import LatLon, Point, bearing_rad, distance_m
 from mission_tools.maps.chart import Chart
 from mission_tools.maps.scenario import decode_scenario
-from mission_tools.maps.source import RouteDefaults
 from sitl.radio.link import LinkSettings
 from sitl.scenarios.layers import Layer, decode, explain, merge, parse_overrides
 from sitl.scenarios.random_world import RandomWater, random_world
@@ -34,6 +32,7 @@ from sitl.world.environment.settings import Environment
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.hull_settings import HullSettings
 from sitl.world.movers import MoverSettings
+from sitl.world.scenario import Scenario
 from sitl.world.sensors.sampling import Seed
 from sitl.world.sensors.settings import Sensors
 
@@ -86,37 +85,6 @@ class RandomSource(msgspec.Struct, frozen=True):
 
     random: RandomWater | None = None
     seed: Seed = 1
-
-
-@dataclass(frozen=True, slots=True)
-class Scenario:
-    """A scenario with everything looked up, ready for `World`.
-
-    start and the route's points are in the chart's frame; heading_rad is clockwise from north; vehicle is
-    what the boat's own program is configured with. boat_file: the boat's TOML as it is.
-    """
-
-    title: str
-    seed: int
-    chart: Chart
-    route: RouteDefaults
-    start: Point
-    heading_rad: float
-    hull: HullSettings
-    thrusters: ThrusterSettings
-    battery: BatterySettings
-    sensors: Sensors
-    environment: Environment
-    vehicle: BoatConfig
-    link: LinkSettings
-    movers: tuple[MoverSettings, ...]
-    faults: tuple[FaultSetting, ...]
-    boat_file: Path | None = None
-
-    @property
-    def frame(self) -> LocalFrame:
-        """The local frame of every position here."""
-        return self.chart.frame
 
 
 def load_scenario(

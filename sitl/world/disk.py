@@ -4,8 +4,8 @@ import errno
 import os
 from pathlib import Path
 
-from companion.persistence.generations import Write, write_atomically
-from companion.persistence.storage import Saving, Storage
+from companion.core.generations import Write, write_atomically
+from companion.core.storage import Saving, Storage
 from sitl.world.computer import Computer
 
 _FULL = os.strerror(errno.ENOSPC)
@@ -20,7 +20,7 @@ class _Refused:
 
 
 class Disk:
-    """Satisfies `companion.persistence.storage.Storage` over another one. It outlives the boat's program."""
+    """Satisfies `companion.core.storage.Storage` over another one. It outlives the boat's program."""
 
     def __init__(self, storage: Storage, computer: Computer) -> None:
         self._storage = storage

@@ -5,8 +5,6 @@ from typing import TYPE_CHECKING
 
 from companion.config.parameters import ParameterHook
 from companion.hal.interfaces import Hardware
-from sitl.run.simulated_hardware import SimMotors, SimRudder
-from sitl.scenarios.scenario import Scenario
 from sitl.world.computer import Clocked, Computer
 from sitl.world.drive.rudder import Rudder
 from sitl.world.environment.bathymetry import Bathymetry
@@ -25,6 +23,7 @@ from sitl.world.faults.schedule import Faults
 from sitl.world.movers import Movers
 from sitl.world.parameters import fault_hooks, hull_hooks
 from sitl.world.payload import SimPayload
+from sitl.world.scenario import Scenario
 from sitl.world.sensors.battery_monitor import SimBattery
 from sitl.world.sensors.compass import SimCompass
 from sitl.world.sensors.depth import SimDepthSounder
@@ -33,6 +32,7 @@ from sitl.world.sensors.hull_sensor import SimHullSensor
 from sitl.world.sensors.rc import SimRc
 from sitl.world.sensors.sonar import SimSonar
 from sitl.world.shore import Shore
+from sitl.world.simulated_hardware import SimMotors, SimRudder
 
 if TYPE_CHECKING:
     from sitl.world.world import Truth

@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 from companion.core.errors import ConfigError
 from companion.core.units import wrap_pi
-from sitl.scenarios.scenario import Scenario
 from sitl.world.contact import Contact, Pose, Velocity
 from sitl.world.drive.rudder import Rudder
 from sitl.world.drive.thruster import Thrusters
@@ -26,6 +25,7 @@ from sitl.world.hull_settings import LONGEST_STEP_S
 from sitl.world.movers import Movers
 from sitl.world.pack import Pack
 from sitl.world.parameters import tide_hooks, wind_hooks
+from sitl.world.scenario import Scenario
 from sitl.world.shore import Shore
 from sitl.world.windage import Windage
 

@@ -17,11 +17,11 @@ from companion.control.gate import Gate
 from companion.control.helm import Helm
 from companion.core.geo import LatLon, LocalFrame, Point, along_and_cross_track_m, distance_m
 from companion.core.intent import Intent, KeepStation
+from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import STOPPED, NavState
 from companion.estimation.estimator import Estimator
 from companion.guidance.leg import Leg
 from companion.guidance.pilot import Pilot
-from companion.sensors.readings import GnssFix, HeadingReading
 
 DT = 0.02
 FRAME = LocalFrame(LatLon(50.0, -1.2))

@@ -9,7 +9,7 @@ from companion.core.state import MotorState, MotorStates
 from companion.failsafe.recovery.transition_table import Trigger
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionType
-from sitl.scenarios.missions import fence_along, plan_mission, wire_items
+from sitl.courses.missions import fence_along, plan_mission, wire_items
 from sitl.world.faults.catalogue import FaultSetting
 
 AGROUND = "Failsafe: Aground: held at the shore"

@@ -6,8 +6,8 @@ import random
 import pytest
 from boat_rig import Rig, waypoint
 
+from sitl.courses.missions import plan_mission, wire_items
 from sitl.run.mission_run import MissionRun
-from sitl.scenarios.missions import plan_mission, wire_items
 from sitl.scenarios.scenario import load_scenario
 
 BY_SIGHT: dict[str, object] = {"avoidance.by_sight": 1, "failsafe.gcs_enabled": False}

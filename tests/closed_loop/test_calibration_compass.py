@@ -13,11 +13,11 @@ from log_rig import of_kind, read_log
 from twins.qgc_compass import QgcCompassPage
 
 from companion.core.requests import ManualControl
+from companion.core.storage import MemoryStorage
 from companion.core.units import wrap_pi
 from companion.log.records import HEADER
 from companion.log.samples import motion
 from companion.mavlink.dialect import dialect
-from companion.persistence.storage import MemoryStorage
 from companion.sensors.compass.magnetic_field import MagneticCorrection
 
 CMD = dialect

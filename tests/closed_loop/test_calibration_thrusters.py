@@ -7,9 +7,9 @@ import pytest
 from boat_rig import OK, Rig, waypoint
 
 from companion.core.requests import ManualControl
+from companion.core.storage import MemoryStorage
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionType
-from companion.persistence.storage import MemoryStorage
 from sitl.world.world import World
 
 CALIBRATE, HOLD, LOITER, GUIDED = dialect.MAV_CMD_USER_1, 4, 5, 15

@@ -3,9 +3,9 @@
 import pytest
 from boat_rig import scenario
 
+from sitl.courses.missions import lay_out, wire_items
 from sitl.experiments.campaign.calm_figures import calm_figures
 from sitl.run.mission_run import MissionRun
-from sitl.scenarios.missions import lay_out, wire_items
 
 GUSTS = (
     "environment.current_m_s=0.5", "environment.current_to_deg=90", "environment.wind_m_s=5",

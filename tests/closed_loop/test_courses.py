@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from boat_rig import HOME_ITEM, scenario, waypoint
 
+from sitl.courses.courses import overshoots_m
+from sitl.courses.missions import plan_mission, wire_items
 from sitl.run.mission_run import MissionRun, Result
-from sitl.scenarios.courses import overshoots_m
-from sitl.scenarios.missions import plan_mission, wire_items
 
 STRAIGHT = ((200.0, 0.0),)
 ZIGZAG = ((50.0, 0.0), (50.0, 50.0), (100.0, 50.0), (100.0, 100.0), (150.0, 100.0), (150.0, 150.0))

@@ -8,9 +8,9 @@ import pytest
 from boat_rig import OK, PLANNER, Rig, waypoint
 from msgspec.structs import replace
 
+from companion.core.readings import HeadingReading, HullReading
 from companion.hal.interfaces import Compass
 from companion.mavlink.dialect import dialect
-from companion.sensors.readings import HeadingReading, HullReading
 from sitl.world.faults.catalogue import FaultSetting
 
 CURRENT = ("environment.current_m_s=0.5", "environment.current_to_deg=90.0")

@@ -13,12 +13,12 @@ from twins.inertial import Mpu6050Twin
 from twins.magnetics import Qmc5883lTwin, Scene
 
 from companion.config.parts import CompassPart
+from companion.core.readings import HeadingReading
 from companion.core.requests import ManualControl
 from companion.core.units import wrap_pi
 from companion.hal.heading.magnetic_compass import MagneticCompass, open_magnetic_compass
 from companion.mavlink.dialect import dialect
 from companion.sensors.compass.magnetic_field import FieldCorrector
-from companion.sensors.readings import HeadingReading
 from sitl.world.world import Truth, World
 
 CMD = dialect

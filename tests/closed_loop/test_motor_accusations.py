@@ -6,9 +6,9 @@ A few runs of what `examples/campaigns/motors_healthy.toml` and `motors_failing.
 import pytest
 from boat_rig import scenario
 
+from sitl.courses.missions import lay_out, wire_items
 from sitl.experiments.campaign.motor_figures import motor_figures
 from sitl.run.mission_run import MissionRun, Result
-from sitl.scenarios.missions import lay_out, wire_items
 
 GUSTS = ("environment.wind_m_s=5", "environment.gust_m_s=8", "environment.wind_from_deg=90")
 CURRENT = ("environment.current_m_s=1.0", "environment.current_to_deg=90")

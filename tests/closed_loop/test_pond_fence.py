@@ -8,10 +8,10 @@ from companion.core.geo import LatLon
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.transfer import Completed
-from mission_tools.mission.areas import open_areas
+from mission_tools.assembly.areas import open_areas
+from mission_tools.assembly.plan_options import PlanOptions
+from mission_tools.assembly.planned_mission import open_source
 from mission_tools.mission.mission import MissionType as ListName
-from mission_tools.mission.plan_options import PlanOptions
-from mission_tools.mission.planned_mission import open_source
 
 FENCE = str(Path(__file__).parents[2] / "examples" / "maps" / "mill_pond_fence.geojson")
 BEHIND_THE_ISLANDS = LatLon(50.00095, -1.19757)

@@ -2,8 +2,8 @@
 
 import pytest
 
+from sitl.courses.missions import plan_mission, wire_items
 from sitl.run.mission_run import MissionRun
-from sitl.scenarios.missions import plan_mission, wire_items
 from sitl.scenarios.scenario import load_scenario
 
 

@@ -8,9 +8,9 @@ from gpiozero.pins.mock import MockFactory, MockPWMPin
 from companion.config.boat_config import BoatConfig
 from companion.config.parts import MotorsPart
 from companion.core.geo import LatLon
+from companion.core.readings import GnssFix, HeadingReading
 from companion.hal.interfaces import Hardware
 from companion.hal.motors.bridges import open_bridges
-from companion.sensors.readings import GnssFix, HeadingReading
 
 PINS = MotorsPart(driver="l298n")
 LEGS = ((PINS.left_forward, PINS.left_backward), (PINS.right_forward, PINS.right_backward))

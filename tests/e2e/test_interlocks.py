@@ -13,14 +13,14 @@ from boat_rig import OK, PLANNER, Silent
 from msgspec.structs import replace
 from pinned_boat import LOOK_S, DriverError, PinnedBoat
 
-from companion.app.safety_net import DISARM_LEVEL, GIVE_UP_LEVEL
+from companion.autopilot.pipeline import GUIDANCE_S, GuidancePipeline
+from companion.autopilot.safety_net import DISARM_LEVEL, GIVE_UP_LEVEL
 from companion.boat import TICK_S
 from companion.calibration.motor_test import MotorTest
 from companion.config.boat_config import BoatConfig
 from companion.control.helm import Helm
 from companion.core.state import NavState, Thrust
 from companion.estimation.estimator import Estimator
-from companion.guidance.pipeline import GUIDANCE_S, GuidancePipeline
 from companion.mavlink.dialect import dialect
 from companion.services.endpoint import Endpoint
 from companion.vehicle.vehicle import Vehicle
@@ -172,7 +172,7 @@ def test_an_allocation_that_makes_a_command_not_a_number_is_stopped_by_the_drive
 ) -> None:
     boat.sail()
 
-    monkeypatch.setattr("companion.app.motor_output.motor_pwm", lambda *_: (NAN, 0.0))
+    monkeypatch.setattr("companion.autopilot.motor_output.motor_pwm", lambda *_: (NAN, 0.0))
     boat.off_after_s(SAME_TICK_S)
 
 

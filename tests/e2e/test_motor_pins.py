@@ -11,9 +11,9 @@ from mock_pi import LEGS, PINS, MockPi
 from companion.boat import TICK_S, Boat
 from companion.config.boat_config import BoatConfig
 from companion.config.parts import Parts
+from companion.core.storage import MemoryStorage
 from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.dialect import dialect
-from companion.persistence.storage import MemoryStorage
 from companion.services.manual_control import ManualControlService
 
 MANUAL = 0

@@ -14,9 +14,9 @@ from pymavlink.dialects.v20 import all as dialect
 from wiretap import Wiretap
 
 from companion.core.geo import LatLon, distance_m
+from mission_tools.assembly.areas import load_fence
 from mission_tools.maps import load_source
 from mission_tools.maps.fenced import fenced
-from mission_tools.mission.areas import load_fence
 
 pytestmark = pytest.mark.realtime
 pytest_plugins = ("program_fixtures",)

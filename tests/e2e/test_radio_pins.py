@@ -12,9 +12,9 @@ from companion.boat import TICK_S, Boat
 from companion.config.boat_config import BoatConfig
 from companion.config.parts import Parts
 from companion.config.rc import Rc
+from companion.core.storage import MemoryStorage
 from companion.hal.rc_receiver import SerialRcReceiver
 from companion.links.memory import MemoryPort, memory_pair
-from companion.persistence.storage import MemoryStorage
 from companion.rc.crsf import CrsfParser, crc8
 
 CONFIG = BoatConfig(parts=Parts(motors=PINS), rc=Rc(driver="crsf", arm_channel=5, mode_channel=6))

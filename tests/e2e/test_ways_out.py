@@ -18,8 +18,8 @@ from programs import until
 from pymavlink.dialects.v20 import all as dialect
 
 from companion.app.composition import run_boat
-from companion.app.safety_net import GIVE_UP_LEVEL
 from companion.app.shutdown import Shutdown
+from companion.autopilot.safety_net import GIVE_UP_LEVEL
 from companion.boat import Boat
 from companion.config.boat_config import BoatConfig
 from companion.config.failsafe import Failsafe

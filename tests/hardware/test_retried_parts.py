@@ -7,6 +7,7 @@ from boat_rig import FAILED, OK, Rig
 from twins.lines import HandClock
 
 from companion.core.errors import HardwareError, SilentOutputsError
+from companion.core.readings import HullReading, SonarReading
 from companion.core.status_text import Severity, StatusText
 from companion.hal.motors.watched_motors import WatchedMotors
 from companion.hal.retried_parts import (
@@ -18,7 +19,6 @@ from companion.hal.retried_parts import (
     RetriedSensor,
     RetriedSonar,
 )
-from companion.sensors.readings import HullReading, SonarReading
 
 PRE_ARM_S = 6.0  # until the boat tells why it does not arm
 

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from companion.config.parts import CompassPart
+from companion.core.readings import HeadingReading
 from companion.core.units import wrap_pi
 from companion.hal.heading import magnetic_compass
 from companion.hal.heading.magnetic_compass import MagneticCompass, open_magnetic_compass
 from companion.sensors.compass.magnetic_field import FieldCorrector, MagneticCorrection
-from companion.sensors.readings import HeadingReading
 from twins.i2c import I2cDev, plug_in
 from twins.inertial import Lsm6dsTwin, Mpu6050Twin
 from twins.lines import HandClock

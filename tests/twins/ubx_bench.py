@@ -1,8 +1,8 @@
 """Driver, line and u-blox receiver, on a clock moved by hand."""
 
+from companion.core.readings import GnssFix
 from companion.hal.gnss.ubx import UbxGnss
 from companion.sensors.gnss_heading import GnssHeading
-from companion.sensors.readings import GnssFix
 from companion.sensors.ubx.setup import Phase, UbxSetup
 from twins.lines import HandClock
 from twins.ubx_line import BaudLine

@@ -15,7 +15,7 @@ from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
 from companion.core.errors import BoatError, ConfigError, HardwareError
-from companion.persistence.storage import Storage
+from companion.core.storage import Storage
 from companion.sensors.compass.magnetic_field import FieldCorrector
 from companion.sensors.compass.parameters import compass_hooks, parameter_values
 

@@ -10,9 +10,9 @@ from companion.app.clock import Clock
 from companion.app.doctor.findings import Finding, Verdict
 from companion.config.boat_config import BoatConfig
 from companion.core.errors import BoatError
+from companion.core.readings import HeadingReading
 from companion.core.units import wrap_pi
 from companion.hal.interfaces import Compass
-from companion.sensors.readings import HeadingReading
 
 NAME: Final = "compass by hand"
 _FRESH_S: Final = 10.0  # for a reading after each question: a BNO055 starts in 0.7 s, and must find north

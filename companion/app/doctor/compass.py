@@ -5,8 +5,8 @@ from pathlib import Path
 from companion.app.doctor.findings import Examined, Finding, Verdict
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import PARAMETER_FILE, Parameters
-from companion.persistence.generations import find_newest
-from companion.persistence.storage import MemoryStorage
+from companion.core.generations import find_newest
+from companion.core.storage import MemoryStorage
 from companion.sensors.compass.magnetic_field import BY_CURRENT, NO_MOTORS, FieldCorrector
 from companion.sensors.compass.parameters import compass_hooks
 

@@ -7,9 +7,7 @@ from typing import Any
 
 from companion.app.doctor.findings import Verdict
 from companion.config.boat_config import BoatConfig
-from companion.core.units import wrap_two_pi
-from companion.sensors.charge import cells_fault
-from companion.sensors.readings import (
+from companion.core.readings import (
     BatteryReading,
     DepthReading,
     GnssFix,
@@ -19,6 +17,8 @@ from companion.sensors.readings import (
     RcReading,
     SonarReading,
 )
+from companion.core.units import wrap_two_pi
+from companion.sensors.charge import cells_fault
 
 Words = tuple[Verdict, str]
 _FIX_NAMES = ("no receiver", "no fix", "2-D fix", "3-D fix", "DGNSS fix", "RTK float", "RTK fixed")

@@ -10,10 +10,10 @@ from companion.app.composition import check_config
 from companion.app.init.presets import PRESETS, STATIONS, board_values, preset_text, with_links
 from companion.app.init.questions import ask_all
 from companion.app.init.toml_edit import Value
+from companion.cli.output_file import write_text
 from companion.config.board import read_model
 from companion.config.boat_config import BoatConfig, decode_config
 from companion.core.errors import ConfigError
-from companion.core.output_file import write_text
 from companion.core.toml_text import parse_toml
 
 

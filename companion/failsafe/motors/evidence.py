@@ -14,12 +14,12 @@ from typing import Final, NamedTuple
 
 from companion.config.boat_config import BoatConfig
 from companion.core.evidence import LEARNING, MOST_SQUARE, FaultEvidence
+from companion.core.readings import BatteryReading, GnssFix
 from companion.core.state import EstimateFault, NavState
 from companion.failsafe.motors.current import MotorCurrent
 from companion.failsafe.motors.effect_size import WEIGHT, EffectSize
 from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault
 from companion.failsafe.motors.motion_filter import MotionFilter
-from companion.sensors.readings import BatteryReading, GnssFix
 
 # Tuned on sample seeds 21, 101 to 103, 301 and 302 of examples/campaigns/motors_*.toml
 VAGUE: Final = 0.5  # of a sample of the motion, for weed: in gusts a weak motor and a wind look alike

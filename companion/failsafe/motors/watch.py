@@ -5,10 +5,10 @@ from typing import Final
 
 from companion.config.boat_config import BoatConfig
 from companion.control.allocation import rudder_effect
+from companion.core.readings import BatteryReading, GnssFix
 from companion.core.state import NavState
 from companion.failsafe.motors.evidence import MotorEvidence
 from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault, Hypothesis
-from companion.sensors.readings import BatteryReading, GnssFix
 
 # Evidence, in nats, that proves a fault: one false alarm in e^16 independent samples, three weeks of them
 PROVED: Final = 16.0

@@ -10,7 +10,7 @@ thrust is close to zero, that of a reversed motor negative. A hull that touches 
 
 import math
 
-from companion.calibration.fitting import Fit
+from companion.core.fitting import Fit
 from companion.core.intent import Drive, Intent, Stop
 from companion.core.state import HEALTHY_MOTORS, MotorState, MotorStates
 

@@ -4,12 +4,12 @@ from collections.abc import Callable
 from typing import Final, Protocol
 
 from companion.config.parts.battery import BatteryPart
+from companion.core.readings import BatteryReading
 from companion.hal import ads1115
 from companion.hal.background import BackgroundSensor
 from companion.hal.battery.analog_monitor import AnalogMonitor
 from companion.hal.battery.shunt_monitor import INA219, INA226, INA228, Measurement, ShuntMonitor
 from companion.hal.raspberry_pi import I2cBus, open_i2c_part
-from companion.sensors.readings import BatteryReading
 
 _PERIOD_S: Final = 0.1
 _SHUNT_CHIPS: Final = {"ina219": INA219, "ina226": INA226, "ina228": INA228}

@@ -5,11 +5,11 @@ from typing import Final
 
 from companion.config.parts import GnssPart
 from companion.core.errors import ConfigError
-from companion.hal.link_interfaces import Port
+from companion.core.readings import GnssFix
 from companion.hal.port_sensor import PortSensor
+from companion.links.interfaces import Port
 from companion.links.port_url import open_port, parse_port_url
 from companion.sensors.gpsd import WATCH, GpsdReader
-from companion.sensors.readings import GnssFix
 from companion.sensors.silence import SilenceMonitor, fresh
 
 _DEFAULT: Final = "127.0.0.1:2947"

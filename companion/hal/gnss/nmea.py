@@ -4,13 +4,13 @@ from collections.abc import Callable, Iterator
 from typing import Final
 
 from companion.config.parts import GnssPart
+from companion.core.readings import GnssFix
 from companion.core.status_text import Severity
 from companion.hal.gnss.receiver import GnssReceiver
-from companion.hal.link_interfaces import Port
+from companion.links.interfaces import Port
 from companion.links.port_url import open_line
 from companion.links.serial_port import SerialPort
 from companion.sensors.gnss_heading import GnssHeading
-from companion.sensors.readings import GnssFix
 
 _BAUD: Final = 9600  # of most receivers as delivered
 _SILENT_S: Final = 5.0  # receivers send once a second at least, most also without a fix

@@ -4,13 +4,13 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Final
 
-from companion.hal.link_interfaces import Port
+from companion.core.readings import GnssFix
 from companion.hal.port_sensor import PortSensor
+from companion.links.interfaces import Port
 from companion.sensors.gnss_heading import GnssHeading
 from companion.sensors.nmea.fix import GNSS_SENTENCES, FixAssembler
 from companion.sensors.nmea.heading import TRUE_SENTENCES, HeadingAssembler
 from companion.sensors.nmea.sentences import NmeaReader, Sentence
-from companion.sensors.readings import GnssFix
 from companion.sensors.receiver_clock import ReceiverClock
 
 _BITS_A_BYTE: Final = 10  # start, eight, stop

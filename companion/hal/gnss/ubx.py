@@ -6,12 +6,12 @@ from collections.abc import Callable, Iterator
 from typing import Final
 
 from companion.config.parts import GnssPart
+from companion.core.readings import GnssFix
 from companion.hal.gnss.receiver import GnssReceiver
-from companion.hal.link_interfaces import Port
+from companion.links.interfaces import Port
 from companion.links.port_url import open_line
 from companion.links.serial_port import SerialPort
 from companion.sensors.gnss_heading import GnssHeading
-from companion.sensors.readings import GnssFix
 from companion.sensors.ubx.fix import UbxFixAssembler
 from companion.sensors.ubx.frames import NAV_RELPOSNED, UbxFrame, UbxReader
 from companion.sensors.ubx.messages import baseline

@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 from msgspec.structs import replace
 
+from companion.core.readings import HeadingReading
 from companion.core.status_text import StatusText
 from companion.hal.interfaces import Compass, Gnss, ReportingPart
 from companion.sensors.gnss_heading import GnssHeading
-from companion.sensors.readings import HeadingReading
 from companion.sensors.silence import fresh
 
 

@@ -17,6 +17,7 @@ from typing import Final, NamedTuple
 
 from companion.config import parts
 from companion.core.errors import HardwareError
+from companion.core.readings import HeadingReading
 from companion.core.status_text import Severity
 from companion.core.vectors import Vector
 from companion.hal.background import BackgroundSensor
@@ -24,7 +25,6 @@ from companion.hal.heading.orientation import Quaternion, heading_reading
 from companion.hal.heading.registers import board_to_body
 from companion.hal.raspberry_pi import I2cBus, open_i2c_part
 from companion.persistence.profile import ProfileFile
-from companion.sensors.readings import HeadingReading
 
 ADDRESS: Final = 0x28  # 0x29 where its COM3 pin is high
 CHIP_ID: Final = 0xA0

@@ -10,13 +10,13 @@ from collections.abc import Callable, Iterable
 from typing import Final
 
 from companion.config.parts import CompassPart
+from companion.core.readings import HeadingReading
 from companion.core.status_text import Severity
 from companion.hal.heading.orientation import heading_reading
 from companion.hal.heading.registers import board_to_body
-from companion.hal.link_interfaces import Port
 from companion.hal.port_sensor import PortSensor
+from companion.links.interfaces import Port
 from companion.links.port_url import open_line
-from companion.sensors.readings import HeadingReading
 from companion.sensors.sh2.session import Sh2Session
 
 BAUD: Final = 3_000_000

@@ -8,6 +8,7 @@ from typing import Final, Generic, Protocol, TypeVar
 
 from companion.config import parts
 from companion.core.errors import HardwareError
+from companion.core.readings import HeadingReading
 from companion.core.status_text import Severity
 from companion.core.units import wrap_pi
 from companion.core.vectors import Vector, times
@@ -18,7 +19,6 @@ from companion.hal.heading.registers import InertialSensor, Magnetometer, Motion
 from companion.hal.raspberry_pi import I2cBus, open_i2c
 from companion.sensors.compass.attitude import AttitudeFilter, magnetic_heading
 from companion.sensors.compass.magnetic_field import FieldCorrector
-from companion.sensors.readings import HeadingReading
 
 _log = logging.getLogger(__name__)
 

@@ -3,12 +3,12 @@
 from collections.abc import Callable, Iterable
 
 from companion.config.parts import CompassPart
-from companion.hal.link_interfaces import Port
+from companion.core.readings import HeadingReading
 from companion.hal.nmea_sensor import NmeaSensor
+from companion.links.interfaces import Port
 from companion.links.port_url import open_line
 from companion.sensors.nmea.heading import HEADING_SENTENCES, HeadingAssembler
 from companion.sensors.nmea.sentences import Sentence
-from companion.sensors.readings import HeadingReading
 
 
 class NmeaCompass(NmeaSensor[HeadingReading]):

@@ -2,10 +2,10 @@
 
 import math
 
+from companion.core.readings import HeadingReading
 from companion.core.units import wrap_pi
 from companion.core.vectors import Matrix, Vector, dot, times
 from companion.sensors.compass.attitude import roll_pitch
-from companion.sensors.readings import HeadingReading
 
 Quaternion = tuple[float, float, float, float]
 """x, y, z, w; turns board axes into east, north, up."""

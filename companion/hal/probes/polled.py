@@ -6,11 +6,11 @@ from pathlib import Path
 
 from companion.config.parts.probes import ProbePart
 from companion.core.errors import HardwareError
+from companion.core.readings import ProbeReading
 from companion.hal.ads1115 import Ads1115
 from companion.hal.background import BackgroundSensor
 from companion.hal.raspberry_pi import open_i2c_part
 from companion.sensors.probe_values import raw_number, value_of
-from companion.sensors.readings import ProbeReading
 
 
 class PolledProbe(BackgroundSensor[ProbeReading]):

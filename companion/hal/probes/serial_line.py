@@ -4,11 +4,11 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Final
 
 from companion.config.parts.probes import ProbePart
-from companion.hal.link_interfaces import Port
+from companion.core.readings import ProbeReading
 from companion.hal.port_sensor import PortSensor
+from companion.links.interfaces import Port
 from companion.links.port_url import open_line
 from companion.sensors.probe_values import raw_number, value_of
-from companion.sensors.readings import ProbeReading
 
 _LONGEST: Final = 512
 

@@ -9,6 +9,7 @@ from typing import Final, Protocol
 
 from companion.config.parts.pulses import PulseOutputSetting
 from companion.config.parts.ranging import RangerPart
+from companion.core.readings import SonarReading
 from companion.hal.background import Background
 from companion.hal.pulses.lgpio_pulses import open_lgpio_pulses
 from companion.hal.ranging import serial_frames
@@ -16,8 +17,7 @@ from companion.hal.ranging.echo_pins import HCSR04, JSNSR04T, EchoPinRanger
 from companion.hal.ranging.serial_ranger import SerialRanger
 from companion.hal.raspberry_pi import opening_pins
 from companion.links.port_url import open_line
-from companion.obstacles.perception.servo_scan import ServoScan
-from companion.sensors.readings import SonarReading
+from companion.sensors.servo_scan import ServoScan
 
 _SERVO_STEP_S: Final = 0.06  # a micro servo turns 15° in 30 ms and settles
 _SERVO_SETTLES_S: Final = 0.5  # from any position to the first bearing

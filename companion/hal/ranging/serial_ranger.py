@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from typing import Final
 
 from companion.core.errors import HardwareError
-from companion.hal.link_interfaces import Link, Port
 from companion.hal.ranging.serial_frames import Decoder, FrameKind, FrameParser
+from companion.links.interfaces import Link, Port
 
 _PATIENCE_S: Final = 0.5  # more than the period of the slowest part, and of a servo's step
 _POLL_S: Final = 0.05

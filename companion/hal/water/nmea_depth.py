@@ -3,13 +3,13 @@
 from collections.abc import Callable, Iterable
 
 from companion.config.parts.depth import DepthPart
+from companion.core.readings import DepthReading
 from companion.hal.gnss.receiver import GnssReceiver
-from companion.hal.link_interfaces import Port
 from companion.hal.nmea_sensor import NmeaSensor
+from companion.links.interfaces import Port
 from companion.links.port_url import open_line
 from companion.sensors.nmea.depth import DEPTH_SENTENCES, DepthAssembler
 from companion.sensors.nmea.sentences import Sentence
-from companion.sensors.readings import DepthReading
 
 BAUD = 4800  # of NMEA 0183
 

@@ -9,11 +9,11 @@ from collections.abc import Callable, Iterator
 from typing import Final
 
 from companion.config.parts.depth import DepthPart
-from companion.hal.link_interfaces import Port
+from companion.core.readings import DepthReading
 from companion.hal.port_sensor import PortSensor
 from companion.hal.water import ping_frames as ping
+from companion.links.interfaces import Port
 from companion.links.port_url import open_line
-from companion.sensors.readings import DepthReading
 
 BAUD: Final = 115200
 _INTERVAL_MS: Final = 200  # a boat sails less than half a metre

@@ -10,13 +10,13 @@ from typing import Final
 
 from companion.config.avoidance import AvoidanceSetting
 from companion.core.geo import Point
+from companion.core.readings import SonarReading
 from companion.core.state import NavState
 from companion.obstacles.perception.looked_at import LookedAtWater
 from companion.obstacles.perception.occupancy import Beam, Occupancy
 from companion.obstacles.perception.sonar_noise import SonarNoiseMonitor
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector, choose_sector
 from companion.obstacles.perception.tracks import FREE_BESIDE, ObstacleTracks
-from companion.sensors.readings import SonarReading
 
 _CELLS_A_MARGIN: Final = 5.0  # the resolution follows the distance to keep
 _STALE_S: Final = 1.0  # a full sweep: an older ping was before the present one

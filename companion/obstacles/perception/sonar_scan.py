@@ -2,7 +2,7 @@
 
 import math
 
-from companion.sensors.readings import SonarReading
+from companion.core.readings import SonarReading
 
 SECTORS = 72
 SECTOR_RAD = 2.0 * math.pi / SECTORS

@@ -3,8 +3,8 @@
 import math
 from typing import Final
 
+from companion.core.readings import DepthReading
 from companion.sensors.nmea.sentences import Sentence
-from companion.sensors.readings import DepthReading
 
 DEPTH_SENTENCES: Final = frozenset({"DPT", "DBT", "MTW"})
 

@@ -7,8 +7,8 @@ import datetime
 import math
 
 from companion.core.geo import LatLon
+from companion.core.readings import GnssFix
 from companion.sensors.nmea.sentences import Sentence
-from companion.sensors.readings import GnssFix
 
 GNSS_SENTENCES = frozenset({"GGA", "GNS", "RMC", "VTG", "GLL", "GSA", "GST"})
 

@@ -5,9 +5,9 @@ Field meanings: v4.11 (HDT, THS, HDG, HDM, ROT); HPR is common among receivers w
 
 import math
 
+from companion.core.readings import HeadingReading
 from companion.core.units import wrap_pi
 from companion.sensors.nmea.sentences import Sentence
-from companion.sensors.readings import HeadingReading
 
 TRUE_SENTENCES = frozenset({"HDT", "THS", "HPR", "ROT"})
 """Those of a receiver with two antennas."""

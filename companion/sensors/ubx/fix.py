@@ -3,7 +3,7 @@
 import math
 from typing import Final
 
-from companion.sensors.readings import GnssFix
+from companion.core.readings import GnssFix
 from companion.sensors.receiver_clock import ReceiverClock
 from companion.sensors.ubx.frames import NAV_DOP, NAV_PVT, UbxFrame
 from companion.sensors.ubx.messages import horizontal_dop, solution

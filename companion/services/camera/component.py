@@ -11,7 +11,6 @@ from collections.abc import Callable
 
 from companion.mavlink.dialect import Message, dialect
 from companion.payload.camera import Image
-from companion.payload.control import PayloadControl
 from companion.services.camera import messages as build
 from companion.services.commands.command import (
     ACCEPTED,
@@ -26,6 +25,7 @@ from companion.services.commands.payload import act
 from companion.services.outbox import Origin, Outbox
 from companion.services.telemetry.service import TakeSnapshot
 from companion.services.telemetry.statustext import StatusTextService
+from companion.vehicle.payload_control import PayloadControl
 
 _PERIOD_S = 1.0
 _RESEND_S = 2.0  # as of the autopilot's commands

@@ -4,11 +4,11 @@ import math
 from collections.abc import Callable
 
 from companion import __version__
+from companion.autopilot.snapshot import Snapshot
 from companion.config.parts.camera import CameraSetting
 from companion.core.units import deg_to_e7
 from companion.mavlink.dialect import Message, dialect
 from companion.payload.camera import Camera, Image
-from companion.services.telemetry.snapshot import Snapshot
 
 STREAM_ID = 1
 _NAME_BYTES = 32

@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable
 from typing import Final
 
+from companion.autopilot.sensor_suite import SensorSuite
 from companion.calibration.compass import CompassCalibration, FieldFit, Verdict
 from companion.calibration.motor_field import MotorFieldCalibration
 from companion.config.compass_rows import MOST_OFFSET_MG
@@ -17,7 +18,6 @@ from companion.core.vectors import UNIT
 from companion.mavlink.dialect import Message, dialect
 from companion.sensors.compass.magnetic_field import BY_CURRENT, MagneticCorrection, MotorLoad
 from companion.sensors.compass.parameters import parameter_values
-from companion.sensors.suite import SensorSuite
 from companion.services.commands.command import (
     ACCEPTED,
     CANCELLED,

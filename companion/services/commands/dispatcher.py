@@ -8,13 +8,12 @@ import math
 from collections import deque
 from collections.abc import Callable
 
+from companion.autopilot.sensor_suite import SensorSuite
 from companion.calibration.motor_test import MotorTest
 from companion.calibration.runner import CalibrationRunner
+from companion.core.readings import HeadingReading
 from companion.hal.interfaces import FaultInjector
 from companion.mavlink.dialect import Message, dialect
-from companion.payload.control import PayloadControl
-from companion.sensors.readings import HeadingReading
-from companion.sensors.suite import SensorSuite
 from companion.services.commands.battery import reset_battery
 from companion.services.commands.calibration_runs import CalibrationCommands
 from companion.services.commands.command import (
@@ -39,6 +38,7 @@ from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
 from companion.services.telemetry.service import TelemetryService
 from companion.services.telemetry.statustext import StatusTextService
+from companion.vehicle.payload_control import PayloadControl
 from companion.vehicle.vehicle import Vehicle
 
 RESEND_S = 2.0

@@ -1,7 +1,7 @@
 """Calibration of the yaw gyro's bias while the boat is at rest."""
 
+from companion.core.readings import HeadingReading
 from companion.core.status_text import Severity, StatusText
-from companion.sensors.readings import HeadingReading
 from companion.services.commands.command import ACCEPTED, FAILED
 
 GYRO_S = 3.0

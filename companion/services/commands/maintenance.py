@@ -5,10 +5,10 @@ from collections.abc import Callable
 
 from companion import __version__
 from companion.calibration.motor_test import MotorTest, TestedMotor
+from companion.core.readings import HeadingReading
 from companion.core.status_text import Severity
 from companion.core.units import wrap_pi
 from companion.mavlink.dialect import dialect
-from companion.sensors.readings import HeadingReading
 from companion.services.commands.command import (
     ACCEPTED,
     CANCELLED,

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from companion.core.status_text import Severity
 from companion.mavlink.dialect import dialect
 from companion.payload.actions import ActionFault
-from companion.payload.control import PayloadControl
 from companion.services.commands.command import (
     ACCEPTED,
     DENIED,
@@ -15,6 +14,7 @@ from companion.services.commands.command import (
 )
 from companion.services.payload.rows import ROWS, read_action
 from companion.services.telemetry.statustext import StatusTextService
+from companion.vehicle.payload_control import PayloadControl
 
 # Not idempotent
 NOT_TWICE = (

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon
+from companion.core.storage import Saving, Storage
 from companion.core.units import deg_to_e7
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
@@ -16,7 +17,6 @@ from companion.mavlink.transfer import Completed
 from companion.mavlink.transfer_table import TransferState
 from companion.payload.fitted import FittedPayload
 from companion.persistence.mission_store import encode_item, load_items, save_lines
-from companion.persistence.storage import Saving, Storage
 from companion.services.missions.area_items import check_fence, check_fence_item, check_rally_item
 from companion.services.missions.items import check_jumps, to_step
 from companion.vehicle.mission.steps import Home, Step

@@ -9,6 +9,7 @@ import logging
 from companion.config.boat_config import BoatConfig
 from companion.core.requests import SetCurrentItem
 from companion.core.status_text import Severity
+from companion.core.storage import Saving, Storage
 from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionResult, MissionType
@@ -16,7 +17,6 @@ from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Failed, Transfer
 from companion.mavlink.transfer_table import TransferState
 from companion.payload.fitted import FittedPayload
-from companion.persistence.storage import Saving, Storage
 from companion.services.guided import on_guided_item
 from companion.services.missions.area_items import fence_areas, rally_points
 from companion.services.missions.items import SAILED_STRAIGHT, command_name

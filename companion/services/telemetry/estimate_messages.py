@@ -1,8 +1,8 @@
 """Telemetry of the estimate: its quality, and the current."""
 
+from companion.autopilot.snapshot import Snapshot
 from companion.core.state import EstimateFault
 from companion.mavlink.dialect import Message, dialect
-from companion.services.telemetry.snapshot import Snapshot
 
 _GNSS_BAD = EstimateFault.GNSS_LOST | EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING
 _GLITCH = EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING

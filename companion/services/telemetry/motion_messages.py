@@ -2,11 +2,11 @@
 
 import math
 
+from companion.autopilot.snapshot import Snapshot
 from companion.core.geo import LatLon, bearing_rad
+from companion.core.readings import GnssFix
 from companion.core.units import clamp, deg_to_e7, wrap_two_pi
 from companion.mavlink.dialect import Message, dialect
-from companion.sensors.readings import GnssFix
-from companion.services.telemetry.snapshot import Snapshot
 
 # POSITION_TARGET_TYPEMASK: height, vertical speed, accelerations and yaw rate mean nothing here
 _POSITION_AND_VELOCITY = 0b1001_1110_0100

@@ -2,11 +2,11 @@
 
 import math
 
+from companion.autopilot.snapshot import Snapshot
 from companion.core.geo import Point, bearing_rad, distance_m
 from companion.core.units import wrap_pi
 from companion.mavlink.dialect import Message, dialect
 from companion.obstacles.perception.sonar_scan import SECTOR_RAD, SECTORS, UNKNOWN_CM
-from companion.services.telemetry.snapshot import Snapshot
 
 
 def obstacle_distance(now: Snapshot) -> Message | None:

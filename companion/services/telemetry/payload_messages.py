@@ -2,8 +2,8 @@
 
 import math
 
+from companion.autopilot.snapshot import Snapshot
 from companion.mavlink.dialect import Message, dialect
-from companion.services.telemetry.snapshot import Snapshot
 
 _UNKNOWN = math.nan
 _UNKNOWN_TEMPERATURE = 0x7FFF

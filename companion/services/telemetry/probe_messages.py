@@ -4,11 +4,11 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Final
 
+from companion.autopilot.sensor_suite import READ_S
+from companion.autopilot.snapshot import Snapshot
 from companion.config.parts.probes import ProbePart
+from companion.core.readings import ProbeReading
 from companion.mavlink.dialect import Message, dialect
-from companion.sensors.readings import ProbeReading
-from companion.sensors.suite import READ_S
-from companion.services.telemetry.snapshot import Snapshot
 
 _SLACK_S: Final = 1e-6
 

@@ -2,9 +2,9 @@
 
 from itertools import zip_longest
 
+from companion.autopilot.snapshot import Snapshot
 from companion.core.units import clamp
 from companion.mavlink.dialect import Message, dialect
-from companion.services.telemetry.snapshot import Snapshot
 
 _MOST_CHANNELS = 18
 _UNUSED = 0xFFFF

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Sequence
 
+from companion.autopilot.snapshot import Snapshot
 from companion.config.parts.probes import ProbePart
 from companion.mavlink.dialect import Message, dialect
 from companion.services import component_metadata as metadata
@@ -16,7 +17,6 @@ from companion.services.telemetry import sensor_messages as sensor
 from companion.services.telemetry import sounding_messages as sounding
 from companion.services.telemetry import status_messages as status
 from companion.services.telemetry.probe_messages import ProbeSchedule, probe_values
-from companion.services.telemetry.snapshot import Snapshot
 from companion.services.telemetry.streams import Streams
 
 _ID = dialect

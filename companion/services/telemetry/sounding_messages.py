@@ -3,9 +3,9 @@
 import math
 from typing import Final
 
+from companion.autopilot.snapshot import Snapshot
 from companion.core.units import clamp, deg_to_e7, wrap_two_pi
 from companion.mavlink.dialect import Message, dialect
-from companion.services.telemetry.snapshot import Snapshot
 
 _RANGER_ID, _SOUNDER_ID = 0, 1
 _SOUNDER_BEAM_RAD: Final = math.radians(30.0)  # Ping1D at -3 dB; others have 10 to 45 degrees

@@ -3,11 +3,11 @@
 import re
 
 from companion import __version__
+from companion.autopilot.snapshot import Snapshot
 from companion.core.modes import Mode
 from companion.core.units import clamp, deg_to_e7
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.metadata_messages import MissionCurrent
-from companion.services.telemetry.snapshot import Snapshot
 from companion.vehicle.vehicle import Vehicle
 
 # A real Rover version (major, minor, patch, stage): stations select parameter descriptions by it

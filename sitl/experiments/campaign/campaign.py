@@ -40,11 +40,11 @@ from msgspec import Meta, field
 from companion.config.boat_config import load_toml
 from companion.config.section import NonNegative, Positive, Section
 from companion.core.errors import ConfigError
+from sitl.courses.missions import course_names
 from sitl.experiments.campaign.design import Choice, Row, Sample, grid_rows, sample_rows
 from sitl.experiments.campaign.expect import Expectation
 from sitl.experiments.trial import Trial
 from sitl.scenarios.layers import Layer, decode, merge
-from sitl.scenarios.missions import course_names
 from sitl.world.sensors.sampling import Seed
 
 MOST_RUNS = 1_000_000

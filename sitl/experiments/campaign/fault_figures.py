@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 
 from companion.core.state import EstimateFault
+from sitl.courses.courses import off_path_m
 from sitl.run.estimate_recorder import Estimate
 from sitl.run.mission_run import MissionRun
-from sitl.scenarios.courses import off_path_m
 from sitl.world.world import Truth
 
 _GNSS: Final = (

@@ -6,6 +6,8 @@ import numpy as np
 
 from companion.core.modes import Mode
 from companion.vehicle.mission.steps import Waypoint
+from sitl.courses.courses import tracking
+from sitl.courses.station_keeping import station_figures
 from sitl.experiments.campaign.calm_figures import calm_figures
 from sitl.experiments.campaign.fault_figures import fault_figures
 from sitl.experiments.campaign.motor_figures import motor_figures
@@ -13,8 +15,6 @@ from sitl.experiments.campaign.unavoidable import unavoidable_cause
 from sitl.experiments.trial import Figures
 from sitl.run.estimate_recorder import Estimate
 from sitl.run.mission_run import MissionRun, Result
-from sitl.scenarios.courses import tracking
-from sitl.scenarios.station_keeping import station_figures
 
 _OF_THE_MACHINE = frozenset(("cpu_seconds", "real_time_factor"))
 _OF_THE_RUN = frozenset(("scenario", "seed"))  # columns of the run already

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from companion.core.output_file import output_file
+from companion.cli.output_file import output_file
 from sitl.experiments.campaign.campaign import Campaign
 from sitl.experiments.trial import Trial, TrialResult
 

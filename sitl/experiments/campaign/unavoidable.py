@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from sitl.experiments.campaign.hull_speed import one_motor_speed_m_s, top_speed_m_s
 from sitl.run.mission_run import MissionRun
-from sitl.scenarios.scenario import Scenario
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.pack import Pack
+from sitl.world.scenario import Scenario
 from sitl.world.windage import AIR_KG_M3
 from sitl.world.world import Truth
 

@@ -12,6 +12,7 @@ from companion.core.geo import Point, bearing_rad
 from companion.obstacles.perception.looked_at import UNCHARTED
 from companion.obstacles.planning.planner import GIVING_WAY, NO_WAY
 from mission_tools.mission.route import mission_along
+from sitl.courses.missions import wire_items
 from sitl.experiments.encounters.evasion import could_evade
 from sitl.experiments.encounters.obstacles import (
     LEG_M,
@@ -25,8 +26,8 @@ from sitl.experiments.encounters.obstacles import (
 from sitl.experiments.trial import Trial, TrialResult
 from sitl.run.mission_run import MissionRun, Result
 from sitl.scenarios.layers import COMMAND_LINE, Layer
-from sitl.scenarios.missions import wire_items
-from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.scenario import Scenario
 from sitl.world.sensors.sampling import generator
 from sitl.world.world import Truth
 

@@ -17,10 +17,10 @@ from typing import Final, NamedTuple
 from companion.boat import TICK_S
 from companion.core.units import wrap_pi
 from sitl.run.recorder import Rows
-from sitl.scenarios.scenario import Scenario
 from sitl.world.drive.thruster import Thrusters
 from sitl.world.hull import Hull
 from sitl.world.movers import Movers
+from sitl.world.scenario import Scenario
 from sitl.world.world import Truth
 
 Pair = tuple[float, float]

@@ -8,7 +8,8 @@ import math
 from enum import StrEnum
 from functools import cache
 
-from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.scenario import Scenario
 from sitl.world.sensors.sampling import generator
 
 CASES = ("1", "2", "3", "4", "5")

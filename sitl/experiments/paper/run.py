@@ -13,6 +13,7 @@ from companion.core.units import deg_to_e7
 from companion.mavlink.dialect import dialect
 from mission_tools.mission.route import mission_along
 from mission_tools.planning.planner import PlanSettings, plan
+from sitl.courses.missions import wire_items
 from sitl.experiments.paper.conditions import CASES, Method, conditions
 from sitl.experiments.paper.shore_steering import (
     HeadingPid,
@@ -25,8 +26,7 @@ from sitl.experiments.trial import Trial, TrialResult
 from sitl.run.lockstep import Lockstep
 from sitl.run.recorder import Recorder
 from sitl.run.station_commands import BOOT_S, StationCommands
-from sitl.scenarios.missions import wire_items
-from sitl.scenarios.scenario import Scenario
+from sitl.world.scenario import Scenario
 
 GRID_CELL_M = 0.08  # the paper gives none; about the boat's beam and the plan's clearance
 REACHED_M = 0.08  # acceptance radius of shore steering: within the clearance

@@ -14,7 +14,7 @@ from companion.core.units import wrap_pi
 from companion.mavlink.dialect import Message, dialect
 from companion.rc.manual_input import top_speed_m_s
 from sitl.run.station import Station
-from sitl.scenarios.scenario import Scenario
+from sitl.world.scenario import Scenario
 
 SAMPLE_S = 0.2
 DEAD_ZONE_RAD = math.radians(15.0)

@@ -13,7 +13,8 @@ from companion.mavlink.dialect import dialect
 from sitl.experiments.paper.shore_steering import HeadingPid
 from sitl.run.lockstep import Lockstep
 from sitl.run.station_commands import StationCommands
-from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.scenario import Scenario
 
 GAIN_SETS = ((3.0, 2.0, 3.0), (4.0, 1.0, 5.0), (4.5, 2.3, 1.0))
 """Kp, Ki, Kd of Fig. 5 (a), (b) and (c)."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from companion.core.output_file import output_file
+from companion.cli.output_file import output_file
 from sitl.experiments.paper.conditions import CASES, RUNS, Method
 from sitl.experiments.trial import TrialResult
 

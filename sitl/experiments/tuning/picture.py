@@ -6,7 +6,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from companion.core.output_file import output_file
+from companion.cli.output_file import output_file
 from sitl.experiments.tuning.comparison import GainComparison
 from sitl.experiments.tuning.search import Ranking
 

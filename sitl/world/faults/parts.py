@@ -8,7 +8,6 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from sitl.radio.channel import WHOLE, Quality
-from sitl.run.simulated_hardware import SimMotors
 from sitl.world.computer import Computer
 from sitl.world.drive.rudder import Rudder
 from sitl.world.faults.catalogue import FaultSetting
@@ -21,6 +20,7 @@ from sitl.world.sensors.hull_sensor import SimHullSensor
 from sitl.world.sensors.rc import SimRc
 from sitl.world.sensors.sampling import generator
 from sitl.world.sensors.sonar import SimSonar
+from sitl.world.simulated_hardware import SimMotors
 
 Part = Callable[[FaultSetting | None, float], None]
 

@@ -2,7 +2,7 @@
 
 import msgspec
 
-from companion.sensors.readings import BatteryReading
+from companion.core.readings import BatteryReading
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.sampling import generator, normal
 from sitl.world.sensors.sensor import Sensor

@@ -4,11 +4,11 @@ import math
 
 import msgspec
 
+from companion.core.readings import HeadingReading
 from companion.core.units import wrap_pi
 from companion.core.vectors import Vector
 from companion.sensors.compass.attitude import magnetic_heading
 from companion.sensors.compass.magnetic_field import FieldCorrector
-from companion.sensors.readings import HeadingReading
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.magnetic_field import BodyField
 from sitl.world.sensors.sampling import NORMAL, NORMALS, TIME_SLACK_S, generator

@@ -2,7 +2,7 @@
 
 import msgspec
 
-from companion.sensors.readings import DepthReading
+from companion.core.readings import DepthReading
 from sitl.world.environment.bathymetry import Bathymetry
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.sampling import generator, normal

@@ -10,8 +10,7 @@ from typing import Generic, TypeVar
 
 import msgspec
 
-from companion.core.units import clamp
-from companion.sensors.readings import (
+from companion.core.readings import (
     BatteryReading,
     DepthReading,
     GnssFix,
@@ -20,6 +19,7 @@ from companion.sensors.readings import (
     RcReading,
     SonarReading,
 )
+from companion.core.units import clamp
 
 R = TypeVar("R", GnssFix, HeadingReading, SonarReading, BatteryReading, RcReading, HullReading, DepthReading)
 

@@ -13,8 +13,8 @@ from collections import deque
 import msgspec
 
 from companion.core.geo import LocalFrame, Point
+from companion.core.readings import GnssFix
 from companion.core.units import clamp
-from companion.sensors.readings import GnssFix
 from companion.sensors.receiver_clock import DAY_S, ReceiverClock
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.sampling import EPOCH_UNIX_S, TIME_SLACK_S, generator, normal

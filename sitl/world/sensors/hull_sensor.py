@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from companion.sensors.readings import HullReading
+from companion.core.readings import HullReading
 from sitl.world.sensors.sampling import TIME_SLACK_S
 from sitl.world.sensors.sensor import Sensor
 from sitl.world.sensors.settings import HullSensorSettings

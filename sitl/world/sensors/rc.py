@@ -4,7 +4,7 @@ import math
 
 import msgspec
 
-from companion.sensors.readings import RcReading
+from companion.core.readings import RcReading
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.sampling import TIME_SLACK_S, generator, normal
 from sitl.world.sensors.sensor import Sensor

@@ -6,8 +6,8 @@ from typing import Protocol
 
 import msgspec
 
-from companion.obstacles.perception.servo_scan import ServoScan
-from companion.sensors.readings import SonarReading
+from companion.core.readings import SonarReading
+from companion.sensors.servo_scan import ServoScan
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.sampling import TIME_SLACK_S, generator, normal
 from sitl.world.sensors.settings import SonarSettings

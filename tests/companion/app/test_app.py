@@ -20,10 +20,10 @@ from companion.app.status_file import BoatStatus, read_status
 from companion.boat import Boat
 from companion.config.boat_config import BoatConfig, LinkConfig, decode_config
 from companion.core.errors import ConfigError, LinkError, StorageError
+from companion.core.storage import MemoryStorage
 from companion.hal.interfaces import Hardware
 from companion.hal.motors.watched_motors import WatchedMotors
 from companion.hal.retried_parts import RetriedMotors
-from companion.persistence.storage import MemoryStorage
 
 PARTS = {"motors": {"driver": "l298n"}, "gnss": {"driver": "nmea"}, "compass": {"driver": "nmea"}}
 

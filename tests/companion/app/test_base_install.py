@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from companion.core.extras import missing_extra
+from companion.cli.extras import missing_extra
 
 ROOT = Path(__file__).parents[3]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]

@@ -4,9 +4,9 @@ from itertools import pairwise
 import pytest
 from boat_rig import OK, FakeBattery, Rig, Silent
 
+from companion.core.readings import HeadingReading
 from companion.failsafe.table import Condition
 from companion.mavlink.dialect import dialect
-from companion.sensors.readings import HeadingReading
 
 
 class Recorded:

@@ -12,10 +12,10 @@ import typer.main
 
 from companion.app.cli import app
 from companion.app.init.questions import value_at
+from companion.autopilot.sensor_suite import SensorSuite
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.rc.rc_input import RcInput
-from companion.sensors.suite import SensorSuite
 from companion.vehicle import arming
 from companion.vehicle.vehicle import Vehicle
 

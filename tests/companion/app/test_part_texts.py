@@ -2,9 +2,9 @@
 
 from boat_rig import Rig
 
+from companion.core.readings import GnssFix
 from companion.core.status_text import Severity, StatusText
 from companion.hal.background import BackgroundSensor
-from companion.sensors.readings import GnssFix
 
 
 def test_a_message_of_a_driver_is_sent_to_the_stations_once() -> None:

@@ -7,9 +7,9 @@ import socket
 import pytest
 
 from companion import __version__
-from companion.core.busy_port import PortInUseError, busy_port_explained
+from companion.cli.busy_port import PortInUseError, busy_port_explained
+from companion.cli.interrupts import Run
 from companion.core.errors import LinkError
-from companion.core.interrupts import Run
 
 PROGRAMS = {
     "boat-companion": "companion.__main__",

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 from boat_rig import Rig
 
-from companion.app.runner import TickCount
 from companion.app.status_file import StatusFile, read_status
 from companion.core.status_text import Severity, StatusText
+from companion.core.tick_count import TickCount
 
 
 class Written:

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.calibration.fitting import Fit
 from companion.calibration.heading import RelayFeedback, gains
 from companion.calibration.routine import CalibrationError
 from companion.calibration.yaw_model import SAMPLE_S, YawFit, YawModel, yaw_model
+from companion.core.fitting import Fit
 from sitl.world.sensors.sampling import generator
 
 COEFFICIENTS = st.floats(-100.0, 100.0)

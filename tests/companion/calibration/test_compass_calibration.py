@@ -9,6 +9,7 @@ import pytest
 from companion.calibration.compass import CompassCalibration, FieldFit, Verdict
 from companion.calibration.ellipsoid import fit_ellipsoid, symmetric_eigen
 from companion.calibration.motor_field import MotorFieldCalibration
+from companion.core.readings import HeadingReading
 from companion.core.units import wrap_pi
 from companion.core.vectors import Matrix, Vector, plus, times
 from companion.sensors.compass.attitude import down_axis, magnetic_heading
@@ -21,7 +22,6 @@ from companion.sensors.compass.magnetic_field import (
     MagneticCorrection,
     MotorLoad,
 )
-from companion.sensors.readings import HeadingReading
 
 EARTH = EarthField(0.0, 200.0, 440.0)
 HARD: Vector = (160.0, -90.0, 120.0)

@@ -20,7 +20,7 @@ from companion.config.parameter_pack import (
 )
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters, ParameterType
-from companion.persistence.storage import MemoryStorage
+from companion.core.storage import MemoryStorage
 
 RECORDING = next(path for path in RECORDINGS if path.stem == "qgc44-ardurover-drive")
 LIMITS = {ParameterType.INT8: 127, ParameterType.INT16: 32767, ParameterType.INT32: 2**31 - 1}

@@ -6,7 +6,7 @@ from boat_rig import Rig, waypoint
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import ParameterRow
 from companion.core.requests import Arm
-from companion.persistence.storage import MemoryStorage
+from companion.core.storage import MemoryStorage
 
 LIVE = [row for row in ROWS if row.path and not row.read_only]
 

@@ -12,12 +12,12 @@ from mission_station import MISSION
 
 from companion.boat import TICK_S
 from companion.config.parameters import ParameterRow
+from companion.core.generations import unseal, write_atomically
+from companion.core.storage import FolderStorage
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionType
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Event, Failed
-from companion.persistence.generations import unseal, write_atomically
-from companion.persistence.storage import FolderStorage
 
 FSYNC_S = 0.05
 WRITE_S = 2 * FSYNC_S  # the file and its folder

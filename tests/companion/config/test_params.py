@@ -11,7 +11,7 @@ from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import ParameterRow, Parameters, ParameterType
 from companion.core.errors import ConfigError
-from companion.persistence.storage import FolderStorage, MemoryStorage
+from companion.core.storage import FolderStorage, MemoryStorage
 
 FILE = "params.parm"
 LIVE = [row for row in ROWS if row.path]

@@ -10,8 +10,8 @@ from qgc_metadata import Fact, UnreadableError, read, unpacked
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
+from companion.core.storage import MemoryStorage
 from companion.mavlink.dialect import dialect
-from companion.persistence.storage import MemoryStorage
 
 # What the pages of QGroundControl 4.4 ask of a Rover; without it they open with a warning.
 AIRFRAME = {"FRAME_CLASS", "FRAME_TYPE"}

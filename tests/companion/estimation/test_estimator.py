@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import EstimateFault, NavState
 from companion.estimation.estimator import MAST_M, Estimator
-from companion.sensors.readings import GnssFix, HeadingReading
 
 ORIGIN = LatLon(50.0, -1.2)
 FRAME = LocalFrame(ORIGIN)

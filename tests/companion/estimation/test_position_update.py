@@ -7,13 +7,13 @@ import pytest
 
 from companion.config.boat_config import Speed
 from companion.config.estimation import Estimation
+from companion.core.readings import HeadingReading
 from companion.core.state import EstimateFault, MotorCommand
 from companion.estimation.covariance import HEADING
 from companion.estimation.error_state import ErrorStateFilter
 from companion.estimation.heading_update import HeadingUpdate
 from companion.estimation.innovation import DISAGREES_S
 from companion.estimation.position_update import PositionUpdate
-from companion.sensors.readings import HeadingReading
 
 FIX_S = 0.2
 TICK_S = 0.02

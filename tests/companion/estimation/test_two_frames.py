@@ -13,11 +13,11 @@ import pytest
 
 from companion.config.handling import Handling
 from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import EstimateFault, MotorCommand
 from companion.core.units import wrap_pi
 from companion.estimation.estimator import Estimator
 from companion.estimation.hull_model import SurgeModel
-from companion.sensors.readings import GnssFix, HeadingReading
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 TICK_S = 1.0 / 64.0  # times are exact in binary, so comparisons with them do not depend on the clock's start

@@ -8,9 +8,9 @@ from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig, with_value
 from companion.core.geo import Point
+from companion.core.readings import BatteryReading
 from companion.core.state import NavState
 from companion.failsafe.endurance import Endurance
-from companion.sensors.readings import BatteryReading
 
 CONFIG = with_value(BoatConfig(), "battery.capacity_mah", 5000.0)
 HOME = Point(0.0, 0.0)

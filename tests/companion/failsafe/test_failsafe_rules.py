@@ -14,6 +14,7 @@ from companion.control.gate import Gate
 from companion.control.helm import Helm
 from companion.core.intent import Drive
 from companion.core.modes import Mode
+from companion.core.readings import BatteryReading, HeadingReading, HullReading
 from companion.core.requests import Arm, ChangeMode, Disarm, GoTo, ManualControl
 from companion.core.state import EstimateFault
 from companion.core.status_text import Severity
@@ -24,7 +25,6 @@ from companion.failsafe.motors.watch import MotorWatch
 from companion.failsafe.table import Condition
 from companion.guidance.pilot import Pilot
 from companion.guidance.stall_detector import StallVerdict
-from companion.sensors.readings import BatteryReading, HeadingReading, HullReading
 from companion.vehicle.mission.steps import Home, Waypoint
 from companion.vehicle.vehicle import Vehicle
 

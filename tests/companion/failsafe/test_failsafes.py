@@ -4,12 +4,12 @@ from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig, with_value
 from companion.core.modes import Mode
+from companion.core.readings import BatteryReading
 from companion.core.requests import Arm, ChangeMode, Disarm, GoTo, ManualControl
 from companion.failsafe.actions import Action
 from companion.failsafe.escalation import Change, Escalation
 from companion.failsafe.inputs import BoardReadings
 from companion.failsafe.table import ROWS, Condition
-from companion.sensors.readings import BatteryReading
 from companion.vehicle.vehicle import Vehicle
 
 

@@ -7,11 +7,11 @@ import pytest
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon
+from companion.core.readings import BatteryReading, GnssFix
 from companion.core.state import NavState
 from companion.failsafe.motors.current import MotorCurrent
 from companion.failsafe.motors.evidence import MotorEvidence
 from companion.failsafe.motors.motion_filter import MotionFilter
-from companion.sensors.readings import BatteryReading, GnssFix
 
 DT_S = 0.1
 SIGMA_A = 0.16  # of a reading, by what the equation leaves out

@@ -10,12 +10,12 @@ import pytest
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon
 from companion.core.intent import Drive
+from companion.core.readings import BatteryReading, GnssFix
 from companion.core.state import EstimateFault, NavState
 from companion.failsafe.motors.evidence import MotorEvidence
 from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault
 from companion.failsafe.motors.watch import MotorWatch
 from companion.failsafe.recovery.motor_comparison import COMPARISON_S, comparison_intent
-from companion.sensors.readings import BatteryReading, GnssFix
 
 DT_S = 0.1
 HERE = LatLon(50.0, -1.2)

@@ -7,10 +7,10 @@ from boat_rig import Rig, waypoint
 from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig, decode_config
+from companion.core.readings import BatteryReading
 from companion.core.state import NavState
 from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault
 from companion.failsafe.motors.watch import MotorWatch
-from companion.sensors.readings import BatteryReading
 from sitl.world.faults.catalogue import FaultSetting
 
 STILL = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.02)

@@ -10,7 +10,7 @@ from patience import MOMENT_S
 from twins.lines import HandClock, eventually, gather
 
 from companion.core.errors import LinkError
-from companion.hal.link_interfaces import Link
+from companion.links.interfaces import Link
 from companion.links.port_url import open_port
 from companion.links.udp import PEER_IDLE_S, UdpInPort, UdpOutPort
 from companion.mavlink.address import Address

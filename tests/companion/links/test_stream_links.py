@@ -17,7 +17,7 @@ from patience import MOMENT_S
 from twins.lines import HandClock, PtyLine, eventually, gather
 
 from companion.core.errors import LinkError
-from companion.hal.link_interfaces import Link, Port
+from companion.links.interfaces import Link, Port
 from companion.links.serial_port import SerialPort
 from companion.links.stream import StreamLink
 from companion.links.tcp import TcpInPort, TcpOutPort

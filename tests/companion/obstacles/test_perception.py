@@ -8,10 +8,10 @@ from hypothesis import strategies as st
 
 from companion.config.avoidance import AvoidanceSetting
 from companion.core.geo import Point, distance_m
+from companion.core.readings import SonarReading
 from companion.core.state import NavState
 from companion.obstacles.perception.occupancy import SUSPECT
 from companion.obstacles.perception.perception import ObstaclePerception
-from companion.sensors.readings import SonarReading
 
 SETTING = AvoidanceSetting()
 

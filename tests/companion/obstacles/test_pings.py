@@ -8,10 +8,10 @@ from msgspec.structs import replace
 
 from companion.config.avoidance import AvoidanceSetting
 from companion.core.geo import Point
+from companion.core.readings import SonarReading
 from companion.core.state import NavState
 from companion.obstacles.perception.occupancy import Beam, Occupancy
 from companion.obstacles.perception.perception import ObstaclePerception
-from companion.sensors.readings import SonarReading
 
 SETTING = AvoidanceSetting()
 NAV = nav_at(time_s=10.0)

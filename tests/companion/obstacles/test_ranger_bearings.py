@@ -7,13 +7,13 @@ from boat_rig import nav_at
 from msgspec.structs import replace
 
 from companion.core.geo import Point
-from companion.obstacles.perception.servo_scan import ServoScan
+from companion.core.readings import SonarReading
 from companion.obstacles.perception.sonar_noise import SonarNoiseMonitor
 from companion.obstacles.perception.sonar_scan import SonarScan
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, choose_sector
 from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import ObstacleTracks
-from companion.sensors.readings import SonarReading
+from companion.sensors.servo_scan import ServoScan
 
 
 @pytest.mark.parametrize(

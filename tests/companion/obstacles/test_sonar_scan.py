@@ -3,8 +3,8 @@ import math
 from hypothesis import given
 from hypothesis import strategies as st
 
+from companion.core.readings import SonarReading
 from companion.obstacles.perception.sonar_scan import SECTOR_RAD, SECTORS, STALE_S, UNKNOWN_CM, SonarScan
-from companion.sensors.readings import SonarReading
 
 BEAM_RAD = math.radians(15.0)
 pings = st.builds(

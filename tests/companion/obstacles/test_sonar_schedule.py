@@ -10,10 +10,10 @@ from boat_rig import nav_at
 from companion.core.geo import Point
 from companion.core.state import NavState
 from companion.obstacles.perception.occupancy import Beam
-from companion.obstacles.perception.servo_scan import ServoScan
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, choose_sector
 from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import ObstacleTracks
+from companion.sensors.servo_scan import ServoScan
 
 REACH_M = 4.0
 

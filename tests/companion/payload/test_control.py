@@ -7,7 +7,7 @@ from companion.config.boat_config import decode_config
 from companion.core.geo import Point
 from companion.core.status_text import Severity
 from companion.payload.actions import PayloadAction, RunCommand, SetRelay, StartCapture, StopCapture
-from companion.payload.control import PayloadControl
+from companion.vehicle.payload_control import PayloadControl
 from companion.vehicle.vehicle import Vehicle
 from sitl.world.payload import SimPayload
 

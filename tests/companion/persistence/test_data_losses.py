@@ -7,13 +7,13 @@ import pytest
 from boat_rig import FAILED, OK, PLANNER, Peer, Rig, waypoint
 from mission_station import FENCE, MISSION, RALLY, clear, count
 
+from companion.core.storage import FolderStorage
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.signing_key import SigningKey
 from companion.mavlink.transfer import Completed
 from companion.persistence.data_losses import FIRST_S, REPEAT_S, DataLosses
 from companion.persistence.signing_store import AHEAD, KEY_FILE, STAMPS_FILE, SigningStore
-from companion.persistence.storage import FolderStorage
 from companion.services.ftp.mounts import InlineExecutor
 
 LISTS = {MissionType.MISSION: MISSION, MissionType.FENCE: FENCE, MissionType.RALLY: RALLY}

@@ -6,9 +6,9 @@ from boat_rig import HOME_ITEM, waypoint
 from hypothesis import given
 from hypothesis import strategies as st
 
+from companion.core.storage import MemoryStorage
 from companion.mavlink.items import MissionItem, MissionType
 from companion.persistence.mission_store import load_items, save_items
-from companion.persistence.storage import MemoryStorage
 
 ITEMS = (HOME_ITEM, waypoint(10.0, 20.0, param1=float("inf")), waypoint(-1.0, 2.5))
 

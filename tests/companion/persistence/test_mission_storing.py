@@ -4,11 +4,11 @@ import pytest
 from boat_rig import BOAT, Rig
 from mission_station import ACK, FENCE, MISSION, OTHER, RALLY, clear, count, loaded, result_of
 
+from companion.core.storage import MemoryStorage, Saving
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionResult, MissionType
 from companion.mavlink.transfer import Completed
 from companion.persistence.mission_store import save_items
-from companion.persistence.storage import MemoryStorage, Saving
 
 
 @pytest.mark.parametrize("kind", list(MissionType))

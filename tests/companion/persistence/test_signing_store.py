@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.core.errors import ConfigError
+from companion.core.storage import FolderStorage, MemoryStorage, Saving
 from companion.mavlink.signing import (
     EPOCH_UNIX_S,
     STREAM_LAG,
@@ -19,7 +20,6 @@ from companion.mavlink.signing import (
 from companion.mavlink.signing_key import SigningKey, read_key_file
 from companion.persistence.signing_floors import MAX_KEYS, KeyFloors
 from companion.persistence.signing_store import AHEAD, KEY_FILE, STAMPS_FILE, SigningStore
-from companion.persistence.storage import FolderStorage, MemoryStorage, Saving
 
 KEY = SigningKey.from_passphrase("correct horse")
 UNIX_S = 1.8e9

@@ -11,14 +11,14 @@ from companion.config.parameters import Parameters
 from companion.config.rc import RcChannel
 from companion.core.intent import Drive, Intent, Stop
 from companion.core.modes import Mode
+from companion.core.readings import RcReading
 from companion.core.requests import Arm, ChangeMode, Disarm, ManualControl
 from companion.core.status_text import Severity
+from companion.core.storage import MemoryStorage
 from companion.failsafe.table import Condition
-from companion.persistence.storage import MemoryStorage
 from companion.rc.pulses import LOW, deflection, mode_position, pulse_of
 from companion.rc.rc_control import RcControl
 from companion.rc.switches import SETTLE_S, Switch
-from companion.sensors.readings import RcReading
 from companion.vehicle.mission.steps import Waypoint
 from companion.vehicle.vehicle import Vehicle
 

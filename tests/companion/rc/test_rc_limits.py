@@ -5,6 +5,7 @@ import pytest
 from companion.config.boat_config import BoatConfig, with_value
 from companion.config.rc import Rc, RcChannel
 from companion.core.modes import Mode
+from companion.core.readings import RcReading
 from companion.core.requests import Arm, ChangeMode, Disarm, ManualControl
 from companion.core.vehicle_status import VehicleStatus
 from companion.rc.crsf import _crc_table, crc8
@@ -24,7 +25,6 @@ from companion.rc.rc_control import RcActions, RcControl
 from companion.rc.rc_input import RcInput
 from companion.rc.sbus import PAUSE_S, SbusParser
 from companion.rc.switches import SETTLE_S, Switches
-from companion.sensors.readings import RcReading
 
 CONFIG = BoatConfig()
 UP, DOWN, HOLD_US = 2000, 1000, 1300

@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from companion.core.readings import RcReading
 from companion.rc.crsf import CrsfParser, crc8
 from companion.rc.ibus import IbusParser
 from companion.rc.parser import RcParser
 from companion.rc.sbus import PAUSE_S, SbusParser
-from companion.sensors.readings import RcReading
 
 CENTRED = bytes.fromhex(
     "c81816e0031ff8c0073ef0810f7ce0031ff8c0073ef0810f7cad"

@@ -7,7 +7,7 @@ from boat_rig import BOAT, QGC, Peer, Rig
 
 from companion.boat import TICK_S, Boat
 from companion.config.boat_config import LinkConfig
-from companion.hal.link_interfaces import Port
+from companion.links.interfaces import Port
 from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder

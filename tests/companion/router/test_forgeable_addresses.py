@@ -10,13 +10,13 @@ from boat_rig import BOAT, QGC, Peer, Rig
 from companion.boat import Boat
 from companion.config.boat_config import LinkConfig
 from companion.core.errors import ConfigError
+from companion.core.storage import MemoryStorage
 from companion.links.memory import memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.signing import Signatory, SigningGuard, Stamps, timestamp_at
 from companion.mavlink.signing_key import SigningKey
 from companion.persistence.signing_store import KEY_FILE
-from companion.persistence.storage import MemoryStorage
 from companion.router.amplification import AmplificationLimit, Question
 from companion.router.policy import ConfiguredPort, Policy
 

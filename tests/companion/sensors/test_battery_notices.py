@@ -3,10 +3,10 @@
 import pytest
 from boat_rig import FakeBattery, Rig
 
+from companion.core.readings import BatteryReading
 from companion.core.status_text import Severity
 from companion.mavlink.dialect import dialect
 from companion.sensors.charge import cells_fault
-from companion.sensors.readings import BatteryReading
 from companion.sensors.silence import SilenceMonitor
 
 

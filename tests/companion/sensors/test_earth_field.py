@@ -6,9 +6,9 @@ import pytest
 from boat_rig import Rig
 
 from companion.core.geo import LatLon
+from companion.core.readings import GnssFix, HeadingReading
 from companion.core.status_text import Severity
 from companion.sensors.compass.earth_field import EarthFieldModel, decimal_year
-from companion.sensors.readings import GnssFix, HeadingReading
 
 # NOAA's test values at sea level (WMM2025_TestValues): year, latitude, longitude, declination in degrees,
 # horizontal and downward field in nT

@@ -7,10 +7,10 @@ import pytest
 from boat_rig import DENIED, FAILED, OK, FakeBattery, Rig, waypoint
 
 from companion.config.boat_config import BatteryPack
+from companion.core.readings import BatteryReading
 from companion.core.state import STOPPED, MotorCommand
 from companion.mavlink.dialect import dialect
 from companion.sensors.fuel_gauge import FuelGauge
-from companion.sensors.readings import BatteryReading
 from sitl.world.battery_settings import BatterySettings
 from sitl.world.pack import Pack
 

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from companion.core.readings import GnssFix, HeadingReading
 from companion.sensors.nmea.fix import GNSS_SENTENCES, FixAssembler
 from companion.sensors.nmea.heading import HEADING_SENTENCES, HeadingAssembler
 from companion.sensors.nmea.sentences import NmeaReader
-from companion.sensors.readings import GnssFix, HeadingReading
 
 KNOT_M_S = 1852.0 / 3600.0
 

@@ -8,8 +8,8 @@ import msgspec
 import pytest
 
 from companion.core.geo import LatLon
+from companion.core.readings import BatteryReading, DepthReading, GnssFix, HeadingReading
 from companion.sensors.plausibility import BATTERY, DEPTH, FIX, HEADING, Limit, ReadingGate, ValueGate
-from companion.sensors.readings import BatteryReading, DepthReading, GnssFix, HeadingReading
 
 DT_S = 0.02
 LIMIT = Limit(-2.0, 2.0, 0.2, 3.0)  # 0.26 a reading

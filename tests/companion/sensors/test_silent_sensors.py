@@ -14,8 +14,8 @@ from log_rig import LogRig, read_log
 from companion.boat import Boat
 from companion.config.parts import CompassPart
 from companion.core.modes import Mode
+from companion.core.readings import BatteryReading, HeadingReading, HullReading, ProbeReading
 from companion.mavlink.dialect import dialect
-from companion.sensors.readings import BatteryReading, HeadingReading, HullReading, ProbeReading
 
 LOITER = 5
 FITTED = (

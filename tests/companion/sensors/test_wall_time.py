@@ -3,7 +3,7 @@
 import pytest
 
 from companion.core.geo import LatLon
-from companion.sensors.readings import GnssFix
+from companion.core.readings import GnssFix
 from companion.sensors.wall_time import WallTime
 
 SATELLITES_S, STATION_S, COMPUTER_S = 1.8e9, 1.7e9, 1.6e9

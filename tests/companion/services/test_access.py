@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 from boat_rig import BOAT, DENIED, OK, QGC, Peer, Rig, waypoint
 
+from companion.core.storage import FolderStorage
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionResult, MissionType
 from companion.mavlink.transfer import Completed, Failed
-from companion.persistence.storage import FolderStorage
 
 CMD = dialect
 ENFORCED: dict[str, object] = {"identity.operator_system_id": 255, "identity.only_operator": True}

@@ -13,10 +13,10 @@ from boat_rig import BOAT, DENIED, FAILED, HOME_ITEM, OK, QGC, Peer, Rig, Silent
 from companion.config.boat_config import BoatConfig, with_value
 from companion.config.parts import Parts, RangerPart
 from companion.core.geo import LatLon
+from companion.core.readings import GnssFix, SonarReading
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Message, dialect
-from companion.sensors.readings import GnssFix, SonarReading
 from companion.services.telemetry.motion_messages import gps_raw_int, gps_rtk
 from companion.services.telemetry.sounding_messages import distance_sensor
 

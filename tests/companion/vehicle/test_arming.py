@@ -6,8 +6,8 @@ from boat_rig import GOOD_FIX, nav_at
 
 from companion.config.boat_config import Arming, MotorLimits
 from companion.core.modes import Mode
+from companion.core.readings import BatteryReading, GnssFix
 from companion.core.state import NavState
-from companion.sensors.readings import BatteryReading, GnssFix
 from companion.vehicle.arming import PreArmReport, sensor_faults
 
 FULL = BatteryReading(0.0, 12.4)

@@ -10,6 +10,7 @@ from twins.ubx_messages import sentence
 from companion.app.parts import open_compass, open_gnss
 from companion.config.boat_config import BoatConfig, decode_config
 from companion.core.errors import HardwareError
+from companion.core.readings import HeadingReading
 from companion.core.status_text import Severity, StatusText
 from companion.core.vectors import Vector
 from companion.hal.gnss.nmea import NmeaGnss
@@ -17,7 +18,6 @@ from companion.hal.gnss.receiver import GnssReceiver
 from companion.hal.heading.antennas import AntennaCompass
 from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 from companion.sensors.gnss_heading import GnssHeading
-from companion.sensors.readings import HeadingReading
 
 
 class Reserve:

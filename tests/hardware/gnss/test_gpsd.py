@@ -17,10 +17,10 @@ from twins.ubx_messages import Motion, nav_pvt
 
 from companion.config import parts
 from companion.core.errors import ConfigError
+from companion.core.readings import GnssFix
 from companion.hal.gnss.gpsd import GpsdGnss, open_gpsd_gnss
 from companion.links.memory import MemoryPort, memory_pair
 from companion.sensors.gpsd import GpsdReader
-from companion.sensors.readings import GnssFix
 
 # The examples of the manual, which an older gpsd wrote
 MANUAL_TPV = (

@@ -6,8 +6,8 @@ import pytest
 from twins.ubx_bench import Bench
 from twins.ubx_receiver import MAX_M10, NEO_6M, NEO_M8N, ZED_F9P
 
+from companion.core.readings import GnssFix
 from companion.sensors.gnss_heading import GnssHeading
-from companion.sensors.readings import GnssFix
 
 
 def test_a_fix_has_the_receivers_velocity_accuracies_and_time() -> None:

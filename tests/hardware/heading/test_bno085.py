@@ -13,9 +13,9 @@ from companion.app.parts import open_compass
 from companion.config.boat_config import BoatConfig, with_value
 from companion.config.parts import CompassPart, Mounting
 from companion.core.errors import LinkError
+from companion.core.readings import HeadingReading
 from companion.hal.heading.bno085 import BYTE_S, Bno085Compass, open_bno085
 from companion.links.memory import MemoryLink, MemoryPort, memory_pair
-from companion.sensors.readings import HeadingReading
 from companion.sensors.sh2.frames import FrameReader, Packet, encode
 from companion.sensors.sh2.session import Sh2Session
 

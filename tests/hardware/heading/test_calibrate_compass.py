@@ -13,8 +13,8 @@ from companion.config.boat_config import BoatConfig, with_value
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
 from companion.core.errors import ConfigError, HardwareError
+from companion.core.storage import FolderStorage
 from companion.hal.heading.magnetic_compass import MagneticCompass
-from companion.persistence.storage import FolderStorage
 from companion.sensors.compass.magnetic_field import FieldCorrector
 from companion.sensors.compass.parameters import compass_hooks
 

@@ -17,9 +17,9 @@ from twins.pulses import LgpioTwin
 
 from companion.config import parts
 from companion.core.errors import HardwareError
+from companion.core.readings import SonarReading
 from companion.hal.ranging.echo_pins import JSNSR04T, EchoPinRanger, speed_of_sound_m_s
 from companion.hal.ranging.mounted_ranger import MountedRanger, open_ranger, servo_signal, sweep_bearings_rad
-from companion.sensors.readings import SonarReading
 
 PART = parts.RangerPart(driver="hcsr04")
 SOUND_M_S = speed_of_sound_m_s(15.0)

@@ -17,6 +17,7 @@ from companion.config import parts
 from companion.config.avoidance import AvoidanceSetting
 from companion.core.errors import HardwareError, LinkError
 from companion.core.geo import Point
+from companion.core.readings import SonarReading
 from companion.hal.ranging.mounted_ranger import MountedRanger, open_ranger
 from companion.hal.ranging.serial_frames import (
     A02YYUW,
@@ -29,7 +30,6 @@ from companion.hal.ranging.serial_ranger import SerialRanger
 from companion.links.memory import MemoryPort, memory_pair
 from companion.links.port_url import open_line
 from companion.obstacles.perception.perception import ObstaclePerception
-from companion.sensors.readings import SonarReading
 
 tfmini = partial(tfmini_range_m, min_strength=100)
 

@@ -16,12 +16,12 @@ from companion.config import parts
 from companion.config.boat_config import BoatConfig, with_value
 from companion.config.parts import Parts
 from companion.core.errors import ConfigError, LinkError
+from companion.core.readings import DepthReading
 from companion.hal.gnss.nmea import NmeaGnss
 from companion.hal.water.nmea_depth import NmeaDepthSounder, SharedDepthSounder
 from companion.hal.water.ping1d import Ping1d
 from companion.hal.water.ping_frames import PingParser
 from companion.links.memory import MemoryPort, memory_pair
-from companion.sensors.readings import DepthReading
 
 PART = parts.DepthPart(driver="nmea")
 

@@ -10,7 +10,7 @@ from companion.core.geo import LatLon, Point
 from mission_tools.cli.plan import run_program as run_plan
 from mission_tools.drawing.draw import draw_picture
 from mission_tools.drawing.preview import figure_of
-from mission_tools.job import MOST_ITEMS
+from mission_tools.job.planned import MOST_ITEMS
 from mission_tools.mission.mission import Mission, MissionItem
 from mission_tools.mission.plan_file import save_mission
 from mission_tools.water_map import open_map

@@ -9,16 +9,16 @@ import pytest
 from companion.config.boat_config import BoatConfig, decode_config
 from companion.core.errors import ConfigError
 from companion.core.geo import LatLon, LocalFrame, Point
-from mission_tools.contract.boat import Boat, load_boat
+from mission_tools.assembly.plan_options import PlanOptions
+from mission_tools.assembly.planned_mission import MapSource
 from mission_tools.contract.budget import Budget, budget_of, ways_home_m
 from mission_tools.contract.planned_budget import planned_budget
+from mission_tools.costs.boat import Boat, load_boat
 from mission_tools.costs.current import UniformCurrent
 from mission_tools.errors import BeyondRange, NoRoute, UsageError
 from mission_tools.maps import Source, build_chart
-from mission_tools.mission.plan_options import PlanOptions
-from mission_tools.mission.planned_mission import MapSource
+from sitl.courses.missions import wire_items
 from sitl.run.mission_run import MissionRun
-from sitl.scenarios.missions import wire_items
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.world import Truth
 

@@ -16,16 +16,16 @@ from companion.config.fence import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from companion.geofence import fence as aboard
 from companion.mavlink.items import MissionItem
+from mission_tools.assembly.plan_options import PlanOptions
+from mission_tools.assembly.planned_mission import MapSource, MissionFile, PlannedMission
 from mission_tools.contract.fence_of_water import fence_of_water
 from mission_tools.contract.water_contract import Capacity, fence_lines, with_contract
 from mission_tools.errors import NoRoute, UsageError
 from mission_tools.maps import Source, build_chart
 from mission_tools.maps.chart import Chart
 from mission_tools.mission.mission import Fence
-from mission_tools.mission.plan_options import PlanOptions
-from mission_tools.mission.planned_mission import MapSource, MissionFile, PlannedMission
+from sitl.courses.missions import wire_items
 from sitl.run.mission_run import MissionRun
-from sitl.scenarios.missions import wire_items
 from sitl.scenarios.scenario import load_scenario
 
 

@@ -8,11 +8,11 @@ import pytest
 import shapely
 
 from companion.core.geo import LatLon, LocalFrame, Point
+from mission_tools.assembly.planned_costs import room_to_shore
 from mission_tools.costs.current import Current, River, UniformCurrent
 from mission_tools.costs.current_source import open_current
 from mission_tools.errors import MapError, UsageError
 from mission_tools.maps import build_chart
-from mission_tools.mission.planned_costs import room_to_shore
 from sitl.world.environment.current import river
 from sitl.world.environment.grid import read_grid
 from sitl.world.environment.settings import River as EmulatedRiver

@@ -8,11 +8,11 @@ import pytest
 import shapely
 
 from companion.core.geo import LatLon, LocalFrame, Point
+from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.drawing.html import compose
 from mission_tools.drawing.itinerary import itinerary
 from mission_tools.maps import Chart, Feature, build_chart
 from mission_tools.mission.mission import Mission, MissionItem
-from mission_tools.mission.planned_mission import PlannedMission
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 PATH = [Point(0.0, 0.0), Point(0.0, 100.0), Point(62.0, 180.0)]

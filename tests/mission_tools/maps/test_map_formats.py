@@ -18,6 +18,7 @@ from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from companion.core.geo import LatLon, Point
+from mission_tools.assembly.areas import load_fence
 from mission_tools.errors import MapError
 from mission_tools.maps import load_map, load_source
 from mission_tools.maps.catalogue import MAP_SUFFIXES
@@ -27,7 +28,6 @@ from mission_tools.maps.formats.gpx import parse_gpx
 from mission_tools.maps.formats.kml import parse_kml
 from mission_tools.maps.formats.mask import outlines
 from mission_tools.maps.geojson import load_geojson
-from mission_tools.mission.areas import load_fence
 from mission_tools.mission.mission import (
     Command,
     Fence,

@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 
 from companion.core.geo import LatLon, LocalFrame, Point
+from mission_tools.assembly.areas import parse_areas
 from mission_tools.errors import MapError
 from mission_tools.maps.geojson import parse_geojson
-from mission_tools.mission.areas import parse_areas
 from mission_tools.mission.mission import FencePolygon
 
 LAT, LON = 50.0, 10.0

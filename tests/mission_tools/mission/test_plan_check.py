@@ -6,8 +6,8 @@ import pytest
 import shapely
 
 from companion.core.geo import LatLon, LocalFrame, Point
+from mission_tools.assembly.check import check_mission
 from mission_tools.maps import Feature, build_chart
-from mission_tools.mission.check import check_mission
 from mission_tools.mission.mission import Command, Frame, Mission, MissionItem
 from mission_tools.mission.route import mission_along
 

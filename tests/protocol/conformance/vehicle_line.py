@@ -13,7 +13,7 @@ from pymavlink import mavutil
 from pymavlink.dialects.v20 import all as dialect
 
 from companion.boat import TICK_S
-from companion.hal.link_interfaces import Link
+from companion.links.interfaces import Link
 from sitl.radio.channel import Channel, Quality
 
 Message = Any

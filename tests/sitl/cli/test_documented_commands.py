@@ -12,14 +12,14 @@ from pathlib import Path
 import pytest
 
 from companion.core.geo import LatLon
+from mission_tools.assembly.areas import load_fence
+from mission_tools.assembly.check import check_mission
 from mission_tools.cli import check as check_cli
 from mission_tools.cli import plan as plan_cli
 from mission_tools.cli import trace_command
 from mission_tools.cli import upload as upload_cli
 from mission_tools.maps import load_source
 from mission_tools.maps.fenced import fence_area, fenced
-from mission_tools.mission.areas import load_fence
-from mission_tools.mission.check import check_mission
 from mission_tools.mission.mission import Mission, MissionItem
 from mission_tools.mission.plan_file import load_mission
 from sitl.__main__ import run_program as run_sitl

@@ -13,6 +13,7 @@ import pytest
 from companion.core.errors import ConfigError
 from mission_tools.mission.plan_file import save_mission
 from sitl.__main__ import run_program
+from sitl.courses.station_keeping import station_mission
 from sitl.experiments.campaign.campaign import load_campaign
 from sitl.experiments.campaign.table import tabulate, write_csv
 from sitl.experiments.mission_trial import run_mission
@@ -20,7 +21,6 @@ from sitl.experiments.result_log import NAME, ResultLog
 from sitl.experiments.runner import cluster_pool, local_pool
 from sitl.experiments.trial import Task, Trial, TrialResult, attempt
 from sitl.scenarios.scenario import load_scenario
-from sitl.scenarios.station_keeping import station_mission
 
 SHORT = """
 [run]

@@ -7,8 +7,9 @@ import pytest
 
 from sitl.experiments.encounters.evasion import could_evade, is_audible
 from sitl.scenarios.layers import Layer
-from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.scenarios.scenario import load_scenario
 from sitl.world.movers import Movers
+from sitl.world.scenario import Scenario
 from sitl.world.world import Truth
 
 TICK_S = 0.02

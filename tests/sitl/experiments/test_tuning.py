@@ -12,7 +12,7 @@ from msgspec import structs
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
-from companion.persistence.storage import MemoryStorage
+from companion.core.storage import MemoryStorage
 from sitl.__main__ import run_program
 from sitl.experiments.trial import Figures, Task, Trial, TrialResult
 from sitl.experiments.tuning.comparison import compare

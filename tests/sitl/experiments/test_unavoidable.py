@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from sitl.experiments.campaign.unavoidable import has_way_clear, remaining_speed_m_s, unavoidable_cause
 from sitl.run.mission_run import MissionRun
-from sitl.scenarios.scenario import Scenario
 from sitl.world.faults.catalogue import FaultSetting
+from sitl.world.scenario import Scenario
 from sitl.world.world import Truth
 
 DEAD = FaultSetting(what="motor_left", at_s=10.0)

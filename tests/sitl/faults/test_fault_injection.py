@@ -4,9 +4,9 @@ import math
 
 import pytest
 
+from companion.core.storage import MemoryStorage
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem
-from companion.persistence.storage import MemoryStorage
 from sitl.run.lockstep import Lockstep
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.world import Truth

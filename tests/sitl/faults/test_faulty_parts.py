@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from companion.sensors.readings import BatteryReading, GnssFix, HeadingReading, SonarReading
+from companion.core.readings import BatteryReading, GnssFix, HeadingReading, SonarReading
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.world import Truth, World
 

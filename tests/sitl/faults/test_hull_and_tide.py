@@ -5,8 +5,8 @@ import math
 import pytest
 from boat_rig import Rig, waypoint
 
+from companion.core.readings import HullReading
 from companion.mavlink.dialect import dialect
-from companion.sensors.readings import HullReading
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.faults.parts import LeakPart, thermometer_part
 from sitl.world.sensors.hull_sensor import SimHullSensor

@@ -18,7 +18,8 @@ from sitl.physics.backend import Backend
 from sitl.physics.servo_packet import parse_servos
 from sitl.physics.state_line import NO_ECHO_M
 from sitl.physics.udp_server import PhysicsServer
-from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.scenarios.scenario import load_scenario
+from sitl.world.scenario import Scenario
 
 # A packet byte by byte as the interface's description has it: magic 18458, 50 Hz, frame 7, then 16 pulses
 PACKET = bytes.fromhex("1a48 3200 07000000 d007 dc05 e803" + " dc05" * 13)

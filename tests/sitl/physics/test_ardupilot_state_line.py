@@ -16,7 +16,7 @@ import struct
 
 import pytest
 
-from companion.sensors.readings import SonarReading
+from companion.core.readings import SonarReading
 from sitl.physics.backend import Backend
 from sitl.physics.state_line import NO_ECHO_M, state_line
 from sitl.scenarios.scenario import load_scenario

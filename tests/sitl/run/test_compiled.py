@@ -13,8 +13,8 @@ from compiled.modules import ROOT, libraries, remember, remove, sources, stale
 _SAIL = """
 from compiled.modules import libraries
 from sitl.cli.arguments import scenario_from
-from sitl.scenarios.courses import course_mission
-from sitl.scenarios.missions import wire_items
+from sitl.courses.courses import course_mission
+from sitl.courses.missions import wire_items
 from sitl.run.mission_run import MissionRun
 
 SETTINGS = (

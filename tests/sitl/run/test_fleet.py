@@ -20,7 +20,7 @@ from companion.mavlink.dialect import Message, dialect
 from sitl.run.fleet import fleet, start_fleet
 from sitl.run.serve import PHASES, Server
 from sitl.run.simulated_boat import BoatOptions
-from sitl.scenarios.scenario import Scenario
+from sitl.world.scenario import Scenario
 
 
 def test_ids_and_seeds_count_up_and_places_lie_apart() -> None:

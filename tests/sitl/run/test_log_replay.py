@@ -9,9 +9,9 @@ from companion.core.errors import ConfigError
 from companion.log.logbook import Logbook
 from companion.log.sink import SingleFile
 from companion.log.worker import InlineWorker
+from sitl.courses.missions import lay_out, wire_items
 from sitl.run.log_replay import LoggedRun, read_log
 from sitl.run.mission_run import MissionRun
-from sitl.scenarios.missions import lay_out, wire_items
 from sitl.scenarios.scenario import load_scenario
 
 

@@ -6,9 +6,9 @@ from required_figures import REQUIRED
 
 from companion.core.geo import LatLon
 from companion.mavlink.items import MissionItem
+from sitl.courses.missions import fence_along, plan_mission, wire_items
 from sitl.run.mission_run import MissionRun
 from sitl.run.station_commands import RunError
-from sitl.scenarios.missions import fence_along, plan_mission, wire_items
 
 ITEMS = [HOME_ITEM, waypoint(20.0, 0.0), waypoint(20.0, 20.0)]
 

@@ -10,8 +10,8 @@ from companion.log.logbook import Logbook
 from companion.log.sink import SingleFile
 from companion.log.worker import InlineWorker
 from pictures.notebook import NOTEBOOK, SCRIPT, notebook
+from sitl.courses.missions import lay_out, wire_items
 from sitl.run.mission_run import MissionRun
-from sitl.scenarios.missions import lay_out, wire_items
 from sitl.scenarios.scenario import load_scenario
 
 _CHECKOUT = Path(__file__).parents[3]

@@ -7,10 +7,11 @@ from hypothesis import strategies as st
 
 from companion.core.errors import ConfigError
 from companion.core.geo import distance_m
-from sitl.scenarios.missions import plan_mission
+from sitl.courses.missions import plan_mission
 from sitl.scenarios.random_world import RandomWater, random_world
-from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.scenarios.scenario import load_scenario
 from sitl.world.faults.catalogue import FaultSetting
+from sitl.world.scenario import Scenario
 
 
 def world(seed: int, *overrides: str) -> Scenario:

@@ -9,8 +9,8 @@ from boat_rig import HOME_ITEM, waypoint
 from boat_rig import scenario as boat_scenario
 
 from companion.core.geo import LatLon, LocalFrame
+from companion.core.readings import GnssFix, HeadingReading
 from companion.estimation import error_state, estimator, hull_model
-from companion.sensors.readings import GnssFix, HeadingReading
 from mission_tools.maps.chart import build_chart
 from sitl.run.mission_run import MissionRun
 from sitl.scenarios.scenario import load_scenario

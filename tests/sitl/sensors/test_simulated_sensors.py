@@ -8,8 +8,8 @@ import pytest
 import shapely
 
 from companion.core.geo import LatLon, LocalFrame
+from companion.core.readings import GnssFix, HeadingReading, SonarReading
 from companion.hal.interfaces import Compass, Gnss, Sonar
-from companion.sensors.readings import GnssFix, HeadingReading, SonarReading
 from mission_tools.maps.chart import build_chart
 from sitl.world.sensors.compass import SimCompass
 from sitl.world.sensors.gnss import SimGnss

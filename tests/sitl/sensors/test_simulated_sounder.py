@@ -5,7 +5,7 @@ import statistics
 import pytest
 
 from companion.core.geo import Point
-from companion.sensors.readings import DepthReading
+from companion.core.readings import DepthReading
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.environment.bathymetry import Bathymetry
 from sitl.world.environment.settings import Environment

@@ -9,9 +9,10 @@ from msgspec import structs
 
 from companion.config.boat_config import load_config
 from companion.hal.motors.bridges import PLANS
-from sitl.scenarios.scenario import Scenario, load_scenario
+from sitl.scenarios.scenario import load_scenario
 from sitl.world.drive.thruster import Thruster
 from sitl.world.pack import Pack
+from sitl.world.scenario import Scenario
 from sitl.world.world import World
 
 ROOT = Path(__file__).parents[3]

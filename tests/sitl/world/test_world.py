@@ -8,9 +8,9 @@ import shapely
 
 from companion.hal.interfaces import Battery, Motors
 from sitl.run.recorder import Recorder
-from sitl.run.simulated_hardware import SimMotors
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.sensors.battery_monitor import SimBattery
+from sitl.world.simulated_hardware import SimMotors
 from sitl.world.world import Truth, World
 
 DT_S = 0.02

@@ -7,7 +7,7 @@ from companion.app.doctor.compass import check_compass_calibration
 from companion.app.doctor.findings import Verdict
 from companion.config.boat_config import BoatConfig, StorageSetting
 from companion.config.parts import CompassPart, Parts
-from companion.persistence.generations import Generation, seal
+from companion.core.generations import Generation, seal
 
 pytest_plugins = ("doctor_fixtures",)
 

@@ -35,10 +35,7 @@ from companion.config.parts.payload import CommandPayload
 from companion.config.parts.probes import ProbePart
 from companion.core.errors import HardwareError
 from companion.core.geo import LatLon
-from companion.core.status_text import Severity, StatusText
-from companion.hal import interfaces
-from companion.router.status import LinksStatus
-from companion.sensors.readings import (
+from companion.core.readings import (
     BatteryReading,
     DepthReading,
     GnssFix,
@@ -47,6 +44,9 @@ from companion.sensors.readings import (
     RcReading,
     SonarReading,
 )
+from companion.core.status_text import Severity, StatusText
+from companion.hal import interfaces
+from companion.router.status import LinksStatus
 
 pytest_plugins = ("doctor_fixtures",)
 

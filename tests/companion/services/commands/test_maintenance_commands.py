@@ -5,8 +5,8 @@ import math
 import pytest
 from boat_rig import FAILED, HOME_ITEM, OK, Peer, Rig, waypoint
 
+from companion.core.readings import HeadingReading
 from companion.mavlink.dialect import dialect
-from companion.sensors.readings import HeadingReading
 
 CMD = dialect
 LEFT, RIGHT, BOTH, TURN = 3, 4, 1, 2

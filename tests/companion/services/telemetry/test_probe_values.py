@@ -11,8 +11,8 @@ from msgspec.structs import replace
 
 from companion.boat import Boat
 from companion.config.parts.probes import ProbePart
+from companion.core.readings import ProbeReading
 from companion.mavlink.dialect import dialect
-from companion.sensors.readings import ProbeReading
 
 
 class FakeProbe:

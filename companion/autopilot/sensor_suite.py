@@ -1,0 +1,226 @@
+"""All sensors and their external substitutes, read once a tick.
+
+The one place that knows how old a reading is: a part that is silent for longer than the `timeout_s` of its
+configuration has no reading, and all that use one need only handle None.
+"""
+
+import math
+
+from companion.config.boat_config import BoatConfig, Trim
+from companion.config.parts import CompassPart
+from companion.core.readings import (
+    BatteryReading,
+    DepthReading,
+    GnssFix,
+    HeadingReading,
+    HullReading,
+    ProbeReading,
+    RcReading,
+    SonarReading,
+)
+from companion.core.state import STOPPED, MotorCommand
+from companion.core.status_text import Severity, StatusText
+from companion.hal.interfaces import Hardware, LatePart, PausingPart
+from companion.obstacles.perception.sonar_scan import SonarScan
+from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector
+from companion.sensors.charge import cells_fault
+from companion.sensors.compass.attitude import down_axis, level_field
+from companion.sensors.compass.earth_field import EarthFieldModel
+from companion.sensors.compass.magnetic_field import MotorLoad
+from companion.sensors.external import ExternalSensors
+from companion.sensors.fuel_gauge import FuelGauge
+from companion.sensors.plausibility import BATTERY, DEPTH, FIX, HEADING, ReadingGate
+from companion.sensors.silence import SilenceMonitor, fresh
+
+_FIX_2D = 2
+_FIELD_RATIO = (0.6, 1.5)  # of the horizontal field to the earth's; beyond, iron is near
+READ_S = 0.1  # between looks at the probes: their highest rate
+SONAR_START_S = 5.0  # in which a ranger pings for the first time; later the failsafe SONAR_LOST tells
+
+
+class SensorSuite:
+    """The present readings, each None while its part is silent. compass: as measured; heading: the one to
+    use. bottom: the latest sounding that found it.
+
+    has_battery_monitor, is_sonar_fitted: one is fitted. has_gyro, has_sonar: they have measured since boot.
+    """
+
+    def __init__(self, hardware: Hardware, external: ExternalSensors) -> None:
+        self.external = external
+        self.sweep = SonarScan()
+        self.gauge = FuelGauge()
+        self.fix: GnssFix | None = None
+        self.is_fix_own = True  # from the boat's own receiver, not MAVLink
+        self.compass: HeadingReading | None = None
+        self.heading: HeadingReading | None = None
+        self.battery: BatteryReading | None = None
+        self.has_battery_monitor = hardware.battery is not None
+        self.is_sonar_fitted = hardware.sonar is not None
+        self.has_gyro = self.has_sonar = False
+        self.sonar: SonarReading | None = None  # the latest ping
+        self.depth: DepthReading | None = None
+        self.bottom: DepthReading | None = None
+        self.probes: list[ProbeReading] = []  # of those that are not silent
+        self.hull: HullReading | None = None
+        self.rc: RcReading | None = None  # the latest RC frame
+        self.pings: list[tuple[SonarReading, float | None]] = []  # of this tick, with beam widths in rad
+        self.notices: list[StatusText] = []  # of this tick, for the operator
+        self.earth = EarthFieldModel()
+        self._sonar_silence = _monitor("Sonar", hardware.sonar)
+        self._probes_due_s = 0.0
+        self._probe_silences: dict[str, SilenceMonitor] = {}
+        self._depth_silence = _monitor("Depth sounder", hardware.depth)
+        self._hull_silence = _monitor("Hull sensor", hardware.hull)
+        self._battery_silence = _monitor("Battery monitor", hardware.battery)
+        self._measured: BatteryReading | None = None  # the monitor's latest, fresh or not
+        self.field = hardware.field  # the correction of a bare magnetometer, None for other parts
+        self._pausing = hardware.compass if isinstance(hardware.compass, PausingPart) else None
+        self._hardware = hardware
+        self._fix_gate = ReadingGate[GnssFix](FIX)
+        self._compass_gate = ReadingGate[HeadingReading](HEADING)
+        self._battery_gate = ReadingGate[BatteryReading](BATTERY)
+        self._depth_gate = ReadingGate[DepthReading](DEPTH)
+        self._sector: Sector = ALL_ROUND
+
+    @property
+    def consumed_mah(self) -> float:
+        """Charge consumed since boot, or since the pack was changed."""
+        return self.gauge.consumed_mah
+
+    def declination_rad(self, part: CompassPart) -> float:
+        """From true to magnetic north, east positive; 0 until the model has a position and a date."""
+        if not part.auto_declination:
+            return part.declination_rad
+        return 0.0 if self.earth.field is None else self.earth.field.declination_rad
+
+    def uses_earth_field(self, part: CompassPart) -> bool:
+        """Whether the world magnetic model is needed: for the declination, or for a calibration."""
+        return part.auto_declination or self.field is not None
+
+    def locate(self, part: CompassPart, unix_s: float) -> None:
+        """Find the earth's magnetic field at the fix, where it is used. unix_s: 0 if unknown."""
+        reading, fix = self.compass, self.fix
+        is_used = reading is not None and reading.is_magnetic and self.uses_earth_field(part)
+        if is_used and fix is not None and fix.fix_type >= _FIX_2D:
+            self.notices += self.earth.update(fix.position, unix_s)
+
+    def compass_fault(self) -> str:
+        """Why the headings of a bare magnetometer cannot be trusted, empty if they can."""
+        field, reading, earth = self.field, self.compass, self.earth.field
+        if field is None or (reading is not None and not reading.is_magnetic):
+            return ""  # none, or in reserve
+        if not field.correction.is_calibrated:
+            return "not calibrated: start its calibration and turn the boat"
+        if reading is None or reading.field_mg is None or earth is None:
+            return ""
+        down = down_axis(reading.roll_rad or 0.0, reading.pitch_rad or 0.0)
+        level = level_field(field.correct(reading.field_mg), down)
+        strength_mg = 0.0 if level is None else math.hypot(level[0], level[1])
+        if _FIELD_RATIO[0] < strength_mg / earth.horizontal_mg < _FIELD_RATIO[1]:
+            return ""
+        return f"field of {strength_mg:.0f} mG, not {earth.horizontal_mg:.0f}: iron near, or calibrate again"
+
+    def point_sonar(self, sector: Sector) -> None:
+        """Set the sector of the boat's own ranger."""
+        if sector != self._sector and self._hardware.sonar is not None:
+            self._sector = sector
+            self._hardware.sonar.set_sector(sector.port_rad, sector.starboard_rad)
+
+    def read(self, config: BoatConfig, now_s: float, command: MotorCommand = STOPPED) -> None:
+        """Read all sensors. command: the present motor command."""
+        hardware, external, parts = self._hardware, self.external, config.parts
+        if self.notices:
+            self.notices.clear()
+        own_fix = self._fix_gate.judge(hardware.gnss.read())
+        fix = external.choose_fix(own_fix, config.external, now_s)
+        self.is_fix_own = fix is own_fix
+        self.fix = fresh(fix, parts.gnss.timeout_s, now_s) if self.is_fix_own else fix
+        if self._pausing is not None:
+            self._pausing.may_pause = not (command.left or command.right)
+        compass = self._compass_gate.judge(hardware.compass.read())
+        self.compass = fresh(compass, parts.compass.silence_s, now_s)
+        self.has_gyro |= self.compass is not None and self.compass.yaw_rate_rad_s is not None
+        own_heading = trimmed(compass, config.trim, self.declination_rad(parts.compass))
+        heading = external.choose_heading(own_heading, config.external, now_s)
+        self.heading = None if heading is own_heading and self.compass is None else heading
+        if hardware.battery is not None:
+            self._read_battery(self._battery_gate.judge(hardware.battery.read()), config, now_s, command)
+        if hardware.field is not None:
+            battery = self.battery
+            throttle = 0.5 * (abs(command.left) + abs(command.right))
+            hardware.field.load = MotorLoad(throttle, None if battery is None else battery.current_a)
+        if hardware.hull is not None:
+            self.hull = fresh(hardware.hull.read(), parts.hull.timeout_s, now_s)
+            self._tell(self._hull_silence, parts.hull.timeout_s, now_s, self.hull)
+        if hardware.depth is not None:
+            self.depth = fresh(self._depth_gate.judge(hardware.depth.read()), parts.depth.timeout_s, now_s)
+            found = self.bottom if self.depth is None or self.depth.depth_m is None else self.depth
+            self.bottom = fresh(found, parts.depth.timeout_s, now_s)
+            self._tell(self._depth_silence, parts.depth.timeout_s, now_s, self.depth)
+        if hardware.probes and now_s >= self._probes_due_s:
+            self._probes_due_s = now_s + READ_S - 1e-6
+            self._read_probes(config, now_s)
+        if hardware.rc is not None:
+            self.rc = hardware.rc.read()
+        if self.pings:
+            self.pings.clear()
+        if hardware.sonar is not None:
+            if pings := hardware.sonar.read():
+                self.sonar, self.has_sonar = pings[-1], True
+                for ping in pings:
+                    self.sweep.add(ping)
+                    self.pings.append((ping, None))
+            self.sonar = fresh(self.sonar, config.failsafe.sonar_timeout_s, now_s)
+            self._tell(self._sonar_silence, SONAR_START_S, now_s, self.has_sonar or None)
+        while external.pings:
+            ping, beam_rad = external.pings.popleft()
+            self.sweep.add(ping, beam_rad)
+            self.pings.append((ping, beam_rad))
+
+    def _read_battery(
+        self, battery: BatteryReading | None, config: BoatConfig, now_s: float, command: MotorCommand
+    ) -> None:
+        timeout_s = config.parts.battery.timeout_s
+        if battery is not None and battery is not self._measured:
+            fault = cells_fault(battery.voltage_v, config.battery.cells) if self._measured is None else ""
+            if fault:
+                self.notices.append(StatusText(Severity.WARNING, fault))
+            self._measured = battery
+            self.gauge.update(battery, config.battery, command)
+        self.battery = fresh(battery, timeout_s, now_s)
+        self._tell(self._battery_silence, timeout_s, now_s, self.battery)
+
+    def _read_probes(self, config: BoatConfig, now_s: float) -> None:
+        self.probes.clear()
+        for part, probe in zip(config.probe, self._hardware.probes, strict=True):
+            reading = fresh(probe.read(), part.timeout_s, now_s)
+            if (silence := self._probe_silences.get(part.name)) is None:
+                silence = self._probe_silences[part.name] = _monitor(f"Probe {part.name}", probe)
+            self._tell(silence, part.timeout_s, now_s, reading)
+            if reading is not None:
+                self.probes.append(reading)
+
+    def _tell(self, silence: SilenceMonitor, timeout_s: float, now_s: float, reading: object) -> None:
+        if (notice := silence.update(timeout_s, now_s, is_heard=reading is not None)) is not None:
+            self.notices.append(notice)
+
+
+def _monitor(name: str, part: object) -> SilenceMonitor:
+    return SilenceMonitor(name, part if isinstance(part, LatePart) else None)
+
+
+def trimmed(
+    reading: HeadingReading | None, trim: Trim, declination_rad: float = 0.0
+) -> HeadingReading | None:
+    """The reading from true north, with heading trim and gyro bias applied."""
+    if reading is None:
+        return None
+    turn_rad = trim.heading_rad + declination_rad * reading.is_magnetic
+    if turn_rad == 0.0 and trim.gyro_bias_rad_s == 0.0:
+        return reading
+    rate = reading.yaw_rate_rad_s
+    return HeadingReading(
+        reading.time_s,
+        reading.heading_rad + turn_rad,
+        None if rate is None else rate - trim.gyro_bias_rad_s,
+    )

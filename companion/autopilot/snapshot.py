@@ -1,0 +1,59 @@
+"""The state of the boat at one tick, for telemetry and logs."""
+
+from msgspec import Struct
+
+from companion.autopilot.pipeline import GuidancePipeline
+from companion.autopilot.sensor_suite import SensorSuite
+from companion.config.boat_config import BoatConfig
+from companion.config.parameters import ParameterRow
+from companion.core.state import MotorCommand
+from companion.estimation.estimator import Estimator
+from companion.vehicle.payload_control import PayloadControl
+from companion.vehicle.vehicle import Vehicle
+
+
+class Snapshot(Struct, frozen=True):
+    """The parts of the boat, and what they do not hold. unix_s is 0 if the date is unknown; load is the share
+    of the tick used.
+    """
+
+    now_s: float
+    unix_s: float
+    config: BoatConfig
+    vehicle: Vehicle
+    estimator: Estimator
+    sensors: SensorSuite
+    guidance: GuidancePipeline
+    command: MotorCommand
+    load: float
+    free_memory_bytes: int  # of the computer, 0 if unknown
+    payload: PayloadControl
+    rows: tuple[ParameterRow, ...]  # of the boat's parameters
+
+    @property
+    def boot_ms(self) -> int:
+        """Milliseconds since boot, modulo 2³²."""
+        return round(self.now_s * 1e3) & 0xFFFFFFFF
+
+    @property
+    def output_us(self) -> list[int]:
+        """Pulse widths of 16 outputs, 0 without one, as Rover has them: 1 left and 3 right motor; with one
+        motor 1 steering and 3 throttle; with two motors and a rudder 2 steering. The payload's servos follow.
+        """
+        command, drive = self.command, self.config.drive
+        shares: dict[int, float] = {1: command.left, 3: command.right}
+        if drive.has_rudder:
+            shares = {1: command.left, 2: command.rudder, 3: command.right}
+            if not drive.has_pair:
+                shares = {1: command.rudder, 3: command.left}
+        widths_us = [0] * 16
+        for channel, share in shares.items():
+            widths_us[channel - 1] = round(1500.0 + 500.0 * share)
+        for channel, width_us in self.payload.units.servo_us():
+            widths_us[channel - 1] = width_us
+        return widths_us
+
+    @property
+    def boot_us(self) -> int:
+        """Microseconds since boot."""
+        return round(self.now_s * 1e6)

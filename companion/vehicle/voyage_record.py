@@ -1,0 +1,123 @@
+"""State of the voyage on disk, restored after a power cut.
+
+A record is written when mode, arming or item change, and periodically along a leg, outside the control loop.
+"""
+
+import hashlib
+import logging
+import math
+
+import msgspec
+from msgspec import Struct
+
+from companion.core.geo import LatLon, LocalFrame
+from companion.core.modes import Mode
+from companion.core.state import NavState
+from companion.core.storage import Saving, Storage
+from companion.core.vehicle_status import VehicleStatus
+from companion.vehicle.mission.progress import MissionProgress
+from companion.vehicle.mission.steps import Mission
+
+logger = logging.getLogger(__name__)
+
+FILE = "voyage.json"
+ALONG_M = 5.0  # progress along the leg that is worth a new record,
+ALONG_S = 10.0  # at most this often
+
+
+class Voyage(Struct, frozen=True, forbid_unknown_fields=True):
+    """One record. plan: hash of the mission. number: count of armings. Places: latitude, longitude in °."""
+
+    plan: str
+    mode: int
+    is_armed: bool
+    item: int
+    along_m: float = 0.0
+    leg_start: tuple[float, float] | None = None
+    home: tuple[float, float] | None = None
+    speed_m_s: float | None = None
+    jumps: dict[int, int] = {}
+    number: int = 0
+
+
+def plan_id(mission: Mission) -> str:
+    """The mission's hash, without item 0, which is home."""
+    return hashlib.sha256(repr(mission[1:]).encode()).hexdigest()[:16]
+
+
+class VoyageRecord:
+    """voyage: the latest record. loss: why the stored one is lost. fault: why the latest was not written."""
+
+    def __init__(self, storage: Storage) -> None:
+        self.fault = ""
+        self.voyage, self.loss = _load(storage)
+        self._storage = storage
+        self._saved_s = -math.inf
+        self._saving: Saving | None = None
+        self._mission: Mission = ()
+        self._plan = plan_id(())
+
+    def is_ready(self, is_armed: bool) -> bool:
+        """Whether the latest write is complete, and there is a voyage to record."""
+        if self._saving is not None:
+            if not self._saving.is_done():
+                return False
+            self.fault, self._saving = self._saving.error(), None
+        return is_armed or bool(self.fault) or (self.voyage is not None and self.voyage.is_armed)
+
+    def update(
+        self,
+        status: VehicleStatus,
+        progress: MissionProgress,
+        nav: NavState | None,
+        frame: LocalFrame | None,
+        home: LatLon | None,
+        number: int,
+        now_s: float,
+    ) -> None:
+        """Write a record if it differs enough from the latest. Only while `is_ready`."""
+        if progress.mission is not self._mission:
+            self._mission, self._plan = progress.mission, plan_id(progress.mission)
+        start, along_m = None, 0.0
+        line = progress.leg_line() if status.mode is Mode.AUTO else None
+        if nav is not None and frame is not None and line is not None:
+            start = frame.to_global(line.start)
+            along_m = round(line.along_and_cross_track_m(nav.point)[0], 1)
+        voyage = Voyage(
+            self._plan,
+            int(status.mode),
+            status.armed and not (status.mode is Mode.AUTO and progress.finished),
+            progress.current_seq,
+            along_m,
+            None if start is None else (start.lat_deg, start.lon_deg),
+            None if home is None else (home.lat_deg, home.lon_deg),
+            progress.speed_m_s,
+            dict(progress.jumps),
+            number,
+        )
+        if self._has_changed(voyage, now_s):
+            self.voyage, self._saved_s = voyage, now_s
+            self._saving = self._storage.save(FILE, msgspec.json.encode(voyage))
+
+    def _has_changed(self, voyage: Voyage, now_s: float) -> bool:
+        saved = self.voyage
+        if saved is None:
+            return True
+        if self.fault:
+            return now_s - self._saved_s >= ALONG_S
+        if msgspec.structs.replace(voyage, along_m=saved.along_m) != saved:
+            return True
+        return now_s - self._saved_s >= ALONG_S and abs(voyage.along_m - saved.along_m) >= ALONG_M
+
+
+def _load(storage: Storage) -> tuple[Voyage | None, str]:
+    """The record, and why it is lost."""
+    content = storage.load(FILE)
+    loss = storage.damage(FILE)
+    if not content:
+        return None, loss
+    try:
+        return msgspec.json.decode(content, type=Voyage), loss
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        logger.warning("%s ignored: %s", FILE, error)
+        return None, f"{FILE} cannot be read, none is in use"

@@ -1,0 +1,329 @@
+"""From SOURCE to a mission: a mission file, or a route planned on a map."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import shapely
+
+from companion.core.geo import LatLon, LocalFrame, Point, distance_m
+from mission_tools.assembly.areas import NO_AREAS, Areas
+from mission_tools.assembly.check import check_mission, in_the_way
+from mission_tools.assembly.plan_options import PlanOptions, flags
+from mission_tools.assembly.planned_task import (
+    SurveyArea,
+    check_task,
+    named_survey_area,
+    survey_of,
+    task_route,
+)
+from mission_tools.assembly.zone_speeds import mission_in_zones
+from mission_tools.costs.zones import for_draught, speed_zones
+from mission_tools.errors import NoRoute, NoRouteError, UsageError
+from mission_tools.maps import Chart, Source, build_chart, load_source
+from mission_tools.maps.chart import DEPTH
+from mission_tools.maps.fenced import fenced
+from mission_tools.mission.mission import Fence, Mission
+from mission_tools.mission.plan_file import MISSION_SUFFIXES, load_mission
+from mission_tools.mission.route import mission_along, with_speed
+from mission_tools.planning.planner import Plan, PlanSettings, plan
+from mission_tools.tasks.task_route import Stop, TaskRoute, mission_of
+
+if TYPE_CHECKING:
+    from mission_tools.tasks.survey.survey import Survey
+
+MOST_MARGIN_M = 0.6  # deviation from the plan at corners and by GNSS error
+MARGIN_SHARE = 0.15  # of the clearance, where that is small
+NO_MAP = "none"
+_OF_FILES = ("speed_m_s", "boat", "current", "is_route_file", "check_on", "start_at")
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedMission:
+    """A mission and where it comes from: a plan, a task's legs, or neither for a mission from a file.
+
+    clearance_m: that was asked for; 0 for a mission from a file. notes: for the user. survey: what the task's
+    legs cover, if it is a survey.
+    """
+
+    name: str
+    mission: Mission
+    chart: Chart
+    plan: Plan | None = None
+    task: TaskRoute | None = None
+    clearance_m: float = 0.0
+    notes: tuple[str, ...] = ()
+    survey: "Survey | None" = None
+
+    @property
+    def points(self) -> tuple[Point, ...]:
+        """Home and the mission's places in the chart's frame."""
+        places = [*([self.mission.home] if self.mission.home else []), *self.mission.places]
+        return tuple(self.chart.frame.to_local(place) for place in places)
+
+
+def open_source(text: str, options: PlanOptions, areas: Areas = NO_AREAS) -> "MissionFile | MapSource":
+    """Find out what SOURCE is. areas: fence and rally points that go with it; a route keeps inside the fence.
+
+    Raises:
+        UsageError: wishes that do not go with it.
+        PlanFileError, MapError: it cannot be used.
+    """
+    path = Path(text)
+    if options.is_route_file:
+        from mission_tools.files.drawn import load_drawn  # noqa: PLC0415 - seldom needed
+
+        mission, notes = load_drawn(path)
+        return MissionFile(path, mission, options, areas, notes)
+    if path.suffix.lower() in MISSION_SUFFIXES:
+        return MissionFile(path, load_mission(path), options, areas)
+    if options.check_on is not None:
+        raise UsageError(f"--check-on: only for a finished mission; a route on {text} keeps off its shores")
+    source = load_source(text, lines_are_outlines=options.is_outline)
+    if options.case is not None:
+        source = source.with_case(options.case)
+    return MapSource(text, source, options, areas)
+
+
+class MissionFile:
+    """A finished mission."""
+
+    wants_position = needs_position = False
+
+    def __init__(
+        self,
+        path: Path,
+        mission: Mission,
+        options: PlanOptions,
+        areas: Areas = NO_AREAS,
+        notes: tuple[str, ...] = (),
+    ) -> None:
+        names = [name for name in options.given() if name not in _OF_FILES]
+        if names:
+            flagged = ", ".join(flags(names))
+            raise UsageError(f"{path} is a mission already: {flagged} would plan one; leave that out")
+        self._name = path.name
+        self._mission = with_speed(areas.over(mission), options.speed_m_s)
+        self._areas = areas
+        self._notes = notes
+        self._is_checked = options.check_on is not None
+        self._water = None if options.check_on in (None, NO_MAP) else load_source(options.check_on).chart
+        self._start = options.start_at
+
+    def prepare(self, here: LatLon | None = None) -> PlannedMission:
+        """The mission as it was read; without a map to check it on, on a chart without shores.
+
+        Notes say what is odd in it (if that was asked for), and where it leaves a given fence.
+        """
+        mission, notes = self._mission, [*self._notes, *self._areas.notes]
+        origin = next(iter(mission.places), mission.home or here or LatLon(0.0, 0.0))
+        chart = build_chart(self._name, LocalFrame(origin), None, ())
+        if mission.home is None and self._start is not None and chart.reaches(self._start):
+            mission = replace(mission, home=self._start)
+        if self._water is not None and all(map(self._water.reaches, mission.places)):
+            chart = self._water
+        elif self._water is not None:
+            notes.append(f"leads to places that are nowhere near {self._water.name}: not checked on that map")
+        chart = _within(chart, self._areas)
+        if self._is_checked:
+            notes += map(str, check_mission(replace(mission, home=mission.home or origin), chart))
+        elif not chart.is_open or chart.features:
+            notes += map(str, in_the_way(mission, chart, 0.0))
+        return PlannedMission(self._name, mission, chart, notes=tuple(notes))
+
+
+class MapSource:
+    """A map on which a route is planned. area: to survey, instead of a file that the options name."""
+
+    def __init__(
+        self,
+        text: str,
+        source: Source,
+        options: PlanOptions,
+        areas: Areas = NO_AREAS,
+        area: SurveyArea | None = None,
+    ) -> None:
+        self._survey_area = area
+        self._text, self._source = text, source
+        self._chart = _within(_for_draught(source.chart, options.draught_m), areas)
+        self._notes = tuple(dict.fromkeys((*self._chart.notes, *areas.notes)))
+        self._areas = areas
+        self._wishes = options
+        self._settings = PlanSettings.from_route(
+            source.route,
+            clearance_m=options.clearance_m,
+            cell_m=options.cell_m,
+            heuristic=options.heuristic,
+            smooth=options.smooth,
+        )
+        if source.route.margin_m is None:
+            margin_m = min(MOST_MARGIN_M, MARGIN_SHARE * self._settings.clearance_m)
+            self._settings = replace(self._settings, margin_m=margin_m)
+        self._named_start = self._local("--start-at", options.start_at) if options.start_at else None
+        self._usual_start = source.route.start
+        check_task(options)
+        options.check_costs()
+        self._stops = self._stops_of(text, source)
+
+    @property
+    def wants_position(self) -> bool:
+        """Whether the route starts at the boat: no start is given."""
+        return self._named_start is None
+
+    @property
+    def needs_position(self) -> bool:
+        """Whether there is no start but the boat's position."""
+        return self._named_start is None and self._usual_start is None
+
+    def prepare(self, here: LatLon | None = None) -> PlannedMission:
+        """Plan a route; `here` is where the boat is, used where no start was named.
+
+        Raises:
+            NoRouteError: there is none; says what is in the way.
+            UsageError: no start.
+        """
+        try:
+            return self._planned(here)
+        except NoRoute as error:
+            if self._wishes.draught_m is None:
+                raise
+            raise NoRoute(self._too_shallow(here) or str(error)) from None
+
+    def _too_shallow(self, here: LatLon | None) -> str:
+        """What is not deep enough for the draught; "" if that is not what is in the way."""
+        options = replace(self._wishes, draught_m=None)
+        try:
+            deep = MapSource(self._text, self._source, options, self._areas, self._survey_area).prepare(here)
+        except NoRouteError:
+            return ""
+        way = shapely.LineString([(at.east_m, at.north_m) for at in deep.points])
+        bars = [
+            f"{feature.described} ({feature.properties[DEPTH]:g} m)"
+            for feature in self._chart.features
+            if feature.kind == "obstacle" and DEPTH in feature.properties and feature.shape.intersects(way)
+        ]
+        return (
+            f"no way is deep enough for a draught of {self._wishes.draught_m:g} m; without --draught it "
+            f"leads over {', '.join(bars[:2]) or 'what is less deep'}"
+        )
+
+    def _planned(self, here: LatLon | None) -> PlannedMission:
+        start = self._named_start or self._start_of(here)
+        chart, speed_m_s, clearance_m = self._chart, self._wishes.speed_m_s, self._settings.clearance_m
+        survey = self._survey(start)
+        task = self._task(start) if survey is None else survey.route
+        if task is not None:
+            mission = self._areas.over(mission_of(task, chart.frame, speed_m_s))
+            return PlannedMission(
+                chart.name, mission, chart, None, task, clearance_m, (*self._notes, *task.notes), survey
+            )
+        assert start is not None  # noqa: S101  _start_of raises before
+        *via, goal = (stop.place for stop in self._stops)
+        found = plan(chart, start, goal, self._settings, via)
+        if self._wishes.has_costs:
+            from mission_tools.assembly.planned_costs import cheapest  # noqa: PLC0415 - scipy, seldom needed
+
+            found = cheapest(chart, found, (start, *via, goal), self._wishes)
+        places = [chart.frame.to_global(point) for point in found.points]
+        zones = speed_zones(chart)
+        slowed = mission_in_zones(chart.frame, found.points, zones, speed_m_s) if zones else None
+        mission = self._areas.over(slowed or mission_along(places, speed_m_s))
+        return PlannedMission(
+            chart.name, mission, chart, found, None, clearance_m, (*self._notes, *found.notes)
+        )
+
+    def _survey(self, start: Point | None) -> "Survey | None":
+        """The survey, if one is asked for."""
+        if self._wishes.survey is None:
+            return None
+        area = self._survey_area or named_survey_area(self._chart, self._wishes.survey)
+        return survey_of(self._chart, start, self._wishes, self._settings, area)
+
+    def _task(self, start: Point | None) -> TaskRoute | None:
+        """The route of another task; None where only a way from place to place is asked for."""
+        return task_route(self._chart, start, self._stops, self._wishes, self._settings, self._local)
+
+    def _stops_of(self, text: str, source: Source) -> list[Stop]:
+        """Where the route leads, the goal last.
+
+        Raises:
+            UsageError: nowhere.
+        """
+        options, route = self._wishes, source.route
+        if options.starts_anywhere:
+            return []
+        hold_s = options.hold_s or 0.0
+        stops = [
+            Stop(
+                self._local("--via", via.place), hold_s if via.hold_s is None else via.hold_s, f"via {number}"
+            )
+            for number, via in enumerate(options.via, start=1)
+        ]
+        if not options.via and not options.goal:  # points in between belong to the scenario's own goal
+            stops = [Stop(place) for place in route.via]
+        goal = self._local("--goal", options.goal) if options.goal else route.goal
+        if goal is not None:
+            stops.append(Stop(goal, hold_s, "goal"))
+        if not stops:
+            raise UsageError(f"{text} names no goal: add --goal LAT,LON" + _cases(source))
+        return stops
+
+    def _start_of(self, here: LatLon | None) -> Point | None:
+        """The boat's position, or the scenario's start if that is unknown or within the clearance.
+
+        None where the task finds a start of its own.
+
+        Raises:
+            UsageError: neither is known.
+        """
+        usual = self._usual_start
+        if here is None:
+            if usual is None and self._wishes.starts_anywhere:
+                return None
+            if usual is None:
+                asking = "mission-upload without --dry-run asks the boat"
+                raise UsageError(f"no start: add --start-at LAT,LON ({asking})")
+            return usual
+        at = self._local("the boat", here)
+        # A boat that still lies at the scenario's start may seem to lie ashore there, by its receiver's error
+        is_there = usual is not None and distance_m(at, usual) <= self._settings.clearance_m
+        return usual if usual is not None and is_there else at
+
+    def _local(self, what: str, place: LatLon) -> Point:
+        """A place in the chart's frame.
+
+        Raises:
+            UsageError: so far away that the frame does not reach it.
+        """
+        if not self._chart.reaches(place):
+            origin = self._chart.frame.origin
+            said = (
+                f"{what}: {place.lat_deg:.6f},{place.lon_deg:.6f} is nowhere near {self._chart.name} "
+                f"at {origin.lat_deg:.6f},{origin.lon_deg:.6f}"
+            )
+            if abs(place.lon_deg) <= 90.0 and self._chart.reaches(LatLon(place.lon_deg, place.lat_deg)):
+                said += ": latitude and longitude look swapped, here or in the map; expected LAT,LON"
+            raise UsageError(said)
+        return self._chart.frame.to_local(place)
+
+
+def _for_draught(chart: Chart, draught_m: float | None) -> Chart:
+    """Raise:
+    UsageError: a draught below 0.
+    """
+    if draught_m is None:
+        return chart
+    if draught_m < 0.0:
+        raise UsageError(f"--draught {draught_m:g}: expected 0 metres or more")
+    return for_draught(chart, draught_m)
+
+
+def _within(chart: Chart, areas: Areas) -> Chart:
+    """The chart restricted by the fence, if there is one."""
+    if areas.fence is None or areas.fence == Fence():
+        return chart
+    return fenced(chart, areas.fence, areas.fence_name)
+
+
+def _cases(source: Source) -> str:
+    return f", or --case with one of {', '.join(source.cases)}" if source.cases else ""

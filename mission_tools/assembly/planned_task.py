@@ -1,0 +1,197 @@
+"""From the options of a task (a survey, a shore, a tour) to a route in legs."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, NamedTuple, cast
+
+from shapely.geometry import MultiPolygon, Polygon
+
+from companion.core.geo import LatLon, Point
+from mission_tools.assembly.areas import FileAreas, load_fence
+from mission_tools.assembly.plan_options import PlanOptions, flags
+from mission_tools.errors import UsageError
+from mission_tools.maps.chart import Chart
+from mission_tools.maps.fenced import fence_area
+from mission_tools.planning.planner import PlanSettings
+from mission_tools.tasks.task_route import Stop, TaskRoute
+from mission_tools.tasks.tour import tour
+from mission_tools.wording import distance
+
+if TYPE_CHECKING:
+    from mission_tools.tasks.survey.survey import Survey
+
+WHOLE_WATER = "all"
+_OF_SURVEYS = ("spacing_m", "footprint_m", "overlap", "angle_deg", "cross_m", "shore_pass", "turn_radius_m")
+_OF_SHORES = ("distance_m", "shore_to", "first", "last")
+_OF_TOURS = ("goal", "via", "any_order", "hold_s")
+
+
+class SurveyArea(NamedTuple):
+    """Where to survey, in the chart's frame; None for the whole water. notes: repairs in the area's file."""
+
+    shape: Polygon | MultiPolygon | None
+    notes: tuple[str, ...] = ()
+
+
+def check_task(options: PlanOptions) -> None:
+    """See that the options of one task are given, and none of another.
+
+    Raises:
+        UsageError: names the options.
+    """
+    given = options.given()
+    tasks = [name for name in ("survey", "follow_shore_at") if name in given]
+    if len(tasks) == 2:
+        raise UsageError("--survey and --follow-shore are two tasks: plan one at a time")
+    unfit: list[str] = []
+    if "survey" not in given:
+        unfit += [name for name in _OF_SURVEYS if name in given]
+    if "follow_shore_at" not in given:
+        unfit += [name for name in _OF_SHORES if name in given]
+    if unfit:
+        needs = "--survey" if unfit[0] in _OF_SURVEYS else "--follow-shore"
+        raise UsageError(f"{', '.join(flags(unfit))}: only with {needs}")
+    of_tours = [name for name in _OF_TOURS if name in given]
+    if tasks and of_tours:
+        raise UsageError(f"{', '.join(flags(of_tours))}: not with {next(flags(tasks))}")
+    if options.follow_shore_at is not None and options.is_return:
+        raise UsageError("--return: not with --follow-shore")
+    if options.follow_shore_at is not None and options.distance_m is None:
+        raise UsageError("--follow-shore: expected --distance M as well")
+    if "survey" in given and options.spacing_m is None and options.footprint_m is None:
+        raise UsageError("--survey: expected --spacing M or --footprint M as well")
+
+
+def task_route(
+    chart: Chart,
+    start: Point | None,
+    stops: Sequence[Stop],
+    options: PlanOptions,
+    settings: PlanSettings,
+    local: Callable[[str, LatLon], Point],
+) -> TaskRoute | None:
+    """The route of a task other than a survey; None where only a way from place to place is asked for.
+
+    start: None only where the task finds its own. stops: where a tour leads. local: the place that an option
+    names, in the chart's frame.
+
+    Raises:
+        NoRouteError: no way leads there.
+        UsageError: values that make no sense.
+    """
+    if options.follow_shore_at is not None:
+        return _shore_of(chart, start, options, settings, local)
+    assert start is not None  # noqa: S101  the caller refuses a tour without one
+    if not options.is_task:
+        return None
+    return tour(chart, start, stops, settings, any_order=options.any_order, is_return=options.is_return)
+
+
+def _shore_of(
+    chart: Chart,
+    start: Point | None,
+    options: PlanOptions,
+    settings: PlanSettings,
+    local: Callable[[str, LatLon], Point],
+) -> TaskRoute:
+    """Along the shore that was named.
+
+    Raises:
+        NoRouteError: too narrow, or no way leads there.
+        UsageError: values that make no sense.
+    """
+    from mission_tools.tasks.shoreline import ShoreSettings, follow_shore  # noqa: PLC0415 - seldom needed
+
+    assert options.follow_shore_at is not None  # noqa: S101  the caller's question
+    assert options.distance_m is not None  # noqa: S101  checked by check_task
+    side = cast(Literal["port", "starboard"], options.shore_to or "starboard")
+    near = local("--follow-shore", options.follow_shore_at)
+    ends = [
+        None if place is None else local(name, place)
+        for name, place in (("--first", options.first), ("--last", options.last))
+    ]
+    wanted = ShoreSettings(near, options.distance_m, settings, shore_to=side, first=ends[0], last=ends[1])
+    return follow_shore(chart, start, wanted)
+
+
+def survey_of(
+    chart: Chart,
+    start: Point | None,
+    options: PlanOptions,
+    settings: PlanSettings,
+    area: SurveyArea,
+) -> "Survey":
+    """The survey of an area.
+
+    Raises:
+        NoRouteError: no water in it that is wide enough.
+        UsageError: values that make no sense.
+    """
+    from mission_tools.tasks.survey.settings import SurveySettings  # noqa: PLC0415 - seldom needed
+    from mission_tools.tasks.survey.survey import survey  # noqa: PLC0415
+
+    found = survey(
+        chart,
+        start,
+        SurveySettings(
+            options.spacing_m,
+            options.footprint_m,
+            options.overlap,
+            angle_rad=None if options.angle_deg is None else math.radians(options.angle_deg),
+            plan=settings,
+            shore_pass=options.shore_pass is not False,
+            cross_spacing_m=options.cross_m,
+            turn_radius_m=_turn_radius_m(options),
+            is_return=options.is_return,
+        ),
+        area.shape,
+    )
+    route = TaskRoute(found.route.legs, (*area.notes, *found.route.notes, described(found)))
+    return replace(found, route=route)
+
+
+def _turn_radius_m(options: PlanOptions) -> float:
+    """As given, else of the named boat at the speed of the mission; 0 without either.
+
+    Raises:
+        UsageError: no such boat.
+    """
+    from mission_tools.costs.boat import load_boat  # noqa: PLC0415 - seldom needed
+    from mission_tools.tasks.survey.settings import turn_radius_m  # noqa: PLC0415
+
+    if options.turn_radius_m is not None or options.boat is None:
+        return options.turn_radius_m or 0.0
+    boat = load_boat(options.boat)
+    speed_m_s = options.speed_m_s or boat.cruise_m_s
+    radius_m = turn_radius_m(speed_m_s, boat.turn_rate_rad_s, boat.corner_accel_m_s2)
+    return max(radius_m, boat.least_radius_m)
+
+
+def survey_area(chart: Chart, areas: FileAreas, name: str) -> SurveyArea:
+    """The area inside a fence; `name` begins what is said about it.
+
+    Raises:
+        MapError: an area that is no area, or far from the chart.
+    """
+    area = fence_area(chart, areas.fence, name)
+    return SurveyArea(area if isinstance(area, Polygon | MultiPolygon) else MultiPolygon(), areas.notes)
+
+
+def named_survey_area(chart: Chart, name: str) -> SurveyArea:
+    """The area in a file.
+
+    Raises:
+        MapError, PlanFileError: the file.
+    """
+    return SurveyArea(None) if name == WHOLE_WATER else survey_area(chart, load_fence(Path(name)), name)
+
+
+def described(found: "Survey") -> str:
+    """A survey in a line."""
+    course_deg = math.degrees(found.course_rad) % 180.0
+    return (
+        f"survey: {found.tracks} tracks {distance(found.spacing_m)} apart on {course_deg:.0f}°, "
+        f"{100.0 * found.coverage:.1f} % of the area covered"
+    )

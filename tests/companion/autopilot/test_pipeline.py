@@ -1,0 +1,205 @@
+"""The pipeline from intent to motor command: when guidance runs, what it passes on, what stops the motors."""
+
+import math
+
+import pytest
+from msgspec.structs import replace
+
+from companion.autopilot.pipeline import GUIDANCE_S, GuidancePipeline
+from companion.config.boat_config import BoatConfig
+from companion.config.fence import FenceSetting
+from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.intent import Drive, HoldCourse, Intent, Stop
+from companion.core.modes import Mode
+from companion.core.state import STOPPED, Demand, MotorCommand, MotorState, MotorStates, NavState
+from companion.core.status_text import StatusText
+from companion.core.vehicle_status import VehicleStatus
+from companion.geofence.fence import Fence, FencePolygon
+from companion.guidance.stall_detector import StallVerdict
+
+CONFIG = BoatConfig()
+FRAME = LocalFrame(LatLon(50.0, -1.2))
+ARMED = VehicleStatus(Mode.GUIDED, armed=True)
+NORTH = HoldCourse(0.0, 1.0)
+STILL = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.1)
+
+
+def square(half_m: float) -> Fence:
+    fence = Fence()
+    corners = [(-half_m, -half_m), (-half_m, half_m), (half_m, half_m), (half_m, -half_m)]
+    fence.set_areas([FencePolygon(tuple(FRAME.to_global(Point(*one)) for one in corners), True)])
+    fence.update(FRAME, None, FenceSetting())
+    return fence
+
+
+class Line:
+    """A pipeline with its surroundings held."""
+
+    def __init__(self, fence: Fence | None = None, status: VehicleStatus = ARMED) -> None:
+        self.texts: list[StatusText] = []
+        self.pipeline = GuidancePipeline(CONFIG, self.texts)
+        self.fence, self.status = fence or Fence(), status
+
+    def guide(self, intent: Intent, now_s: float, nav: NavState | None = STILL) -> Demand | None:
+        nav = None if nav is None else replace(nav, time_s=now_s)
+        self.pipeline.guide(intent, nav, self.status, self.fence, CONFIG, now_s)
+        return self.pipeline.demand
+
+    def drive(self, now_s: float, nav: NavState | None = STILL, ticks: int = 50) -> MotorCommand:
+        nav = None if nav is None else replace(nav, time_s=now_s)
+        for _ in range(ticks):
+            command = self.pipeline.drive(nav, self.status, CONFIG, now_s, 0.02)
+        return command
+
+
+def test_guidance_is_due_every_tenth_of_a_second_or_at_a_request() -> None:
+    line = Line()
+    assert line.pipeline.is_due(0.0)
+    line.guide(NORTH, 5.0)
+    assert not line.pipeline.is_due(5.0 + 0.9 * GUIDANCE_S)
+    assert line.pipeline.is_due(5.0 + GUIDANCE_S)
+    line.pipeline.request_update()
+    assert line.pipeline.is_due(5.0)
+    line.guide(NORTH, 6.0)
+    line.pipeline.idle()
+    assert line.pipeline.is_due(6.0)
+    assert line.pipeline.demand is None
+
+
+def test_a_course_is_held_and_drives_both_motors() -> None:
+    line = Line()
+    demand = line.guide(NORTH, 5.0)
+    assert demand is not None
+    assert (demand.heading_rad, demand.speed_m_s) == (0.0, 1.0)
+    command = line.drive(5.0)
+    assert command.left == command.right > 0.2
+
+
+def test_the_operators_hand_goes_through_without_an_estimate() -> None:
+    line = Line(status=VehicleStatus(Mode.MANUAL, armed=True))
+    assert line.guide(Drive(0.4, 0.2), 5.0, None) is None
+    command = line.drive(5.0, None)
+    assert (command.left, command.right) == pytest.approx((0.6, 0.2))
+    line.guide(Stop(), 5.1)
+    command = line.drive(5.1)
+    assert (command.left, command.right) == (0.0, 0.0)
+
+
+def test_a_closed_loop_needs_an_estimate_and_a_fresh_one() -> None:
+    line = Line()
+    line.guide(NORTH, 5.0)
+    assert line.drive(5.0).reason == ""
+    assert line.drive(5.0, None).reason == "no estimate"
+    old = replace(STILL, time_s=4.0)
+    assert line.pipeline.drive(old, ARMED, CONFIG, 5.0, 0.02).reason == "estimate is stale"
+    lost = replace(STILL, time_s=5.0, position_age_s=4.0)
+    assert line.pipeline.drive(lost, ARMED, CONFIG, 5.0, 0.02).reason == "position is stale"
+    heading_only = ARMED._replace(needs_position=False)
+    assert line.pipeline.drive(lost, heading_only, CONFIG, 5.0, 0.02).reason == ""
+
+
+def test_guidance_that_is_silent_or_a_boat_that_is_disarmed_stops_the_motors() -> None:
+    line = Line()
+    line.guide(NORTH, 5.0)
+    assert line.drive(5.4).reason == ""
+    assert line.drive(5.6).reason == "command is stale"
+    line.guide(NORTH, 5.6)
+    line.status = VehicleStatus(Mode.GUIDED)
+    assert line.drive(5.6).reason == "disarmed"
+    assert line.pipeline.helm.speed_pid is None, "the loops forget"
+
+
+def test_after_a_fault_everything_begins_anew() -> None:
+    line = Line()
+    line.guide(NORTH, 5.0)
+    line.drive(5.0)
+    helm, gate = line.pipeline.helm, line.pipeline.gate
+    line.pipeline.reset()
+    assert line.pipeline.demand is None
+    assert line.pipeline.helm is not helm
+    assert line.pipeline.gate is not gate
+    assert line.pipeline.is_due(5.0)
+    command = line.drive(5.0)
+    assert (command.left, command.right) == (STOPPED.left, STOPPED.right)
+
+
+def test_before_the_fence_the_boat_slows_unless_motors_are_checked_or_it_gets_off_the_shore() -> None:
+    fast = HoldCourse(0.0, 2.0)
+    near = replace(STILL, north_m=16.0, north_m_s=2.0, surge_m_s=2.0)
+    for status, brakes in (
+        (ARMED, True),
+        (ARMED._replace(is_checking_motors=True), False),
+        (ARMED._replace(is_ungrounding=True), False),
+    ):
+        demand = Line(square(20.0), status).guide(fast, 5.0, near)
+        assert demand is not None
+        assert (demand.speed_m_s < 1.9) is brakes
+
+
+def test_with_one_motor_the_boat_drifts_where_it_cannot_hold_its_own() -> None:
+    status = ARMED._replace(motors=MotorStates(left=MotorState.FAILED))
+    demand = Line(status=status).guide(NORTH, 5.0)
+    assert demand is not None
+    assert demand.speed_m_s == 1.0
+    # 0.12 of the top speed of 3 m/s is less than this current: bow into it
+    fast_water = replace(STILL, current_east_m_s=0.4)
+    drift = Line(status=status).guide(NORTH, 5.0, fast_water)
+    assert drift is not None
+    assert drift.heading_rad == pytest.approx(-math.pi / 2.0)
+    assert drift.speed_m_s == pytest.approx(0.36 - 0.4)
+    slow_water = Line(status=status).guide(NORTH, 5.0, replace(STILL, current_east_m_s=0.3))
+    assert slow_water is not None
+    assert slow_water.heading_rad != pytest.approx(-math.pi / 2.0)
+    healthy = Line().guide(NORTH, 5.0, fast_water)
+    assert healthy is not None
+    assert healthy.heading_rad != pytest.approx(-math.pi / 2.0)
+
+
+def test_with_one_motor_only_that_one_is_driven() -> None:
+    line = Line(status=ARMED._replace(motors=MotorStates(left=MotorState.FAILED)))
+    line.guide(NORTH, 5.0)
+    command = line.drive(5.0)
+    assert command.left == 0.0
+    assert abs(command.right) == 1.0
+
+
+def test_a_boat_that_is_held_is_found_stuck_after_ten_seconds_of_full_thrust() -> None:
+    line, fast = Line(), HoldCourse(0.0, 3.0)
+    for tenth in range(130):
+        now_s = 5.0 + 0.1 * tenth
+        line.guide(fast, now_s)
+        line.drive(now_s, ticks=5)
+        if line.pipeline.headway.verdict is not StallVerdict.MAKING_WAY:
+            break
+    assert 9.5 < now_s - 5.0 < 12.0
+    assert line.pipeline.headway.verdict is StallVerdict.STUCK
+
+
+def test_a_pause_of_guidance_counts_as_two_periods_at_most() -> None:
+    line, fast = Line(), HoldCourse(0.0, 3.0)
+    for number in range(12):
+        line.guide(fast, 5.0 + 5.0 * number)
+        line.drive(5.0 + 5.0 * number)
+    assert 0.0 < line.pipeline.headway.stalled_s <= 12 * 2.0 * GUIDANCE_S
+
+
+def test_a_motor_test_goes_through_the_gate_and_stops_what_was_steered() -> None:
+    line = Line()
+    line.guide(NORTH, 5.0)
+    assert line.pipeline.demand is not None
+    line.pipeline.idle()
+    assert line.guide(Stop(), 5.1) is None
+
+
+@pytest.mark.parametrize(("gap_m", "verdict"), [(1.1, StallVerdict.AGROUND), (1.3, StallVerdict.STUCK)])
+def test_a_boat_that_is_held_within_reach_of_the_line_is_aground(gap_m: float, verdict: StallVerdict) -> None:
+    line, east = Line(square(20.0)), HoldCourse(0.5 * math.pi, 3.0)
+    nav = replace(STILL, north_m=20.0 - gap_m, heading_rad=0.5 * math.pi)
+    for tenth in range(130):
+        now_s = 5.0 + 0.1 * tenth
+        line.guide(east, now_s, nav)
+        line.drive(now_s, nav, ticks=5)
+        if line.pipeline.headway.verdict is not StallVerdict.MAKING_WAY:
+            break
+    assert line.pipeline.headway.verdict is verdict
+    assert (now_s - 5.0 < 8.0) is (verdict is StallVerdict.AGROUND)

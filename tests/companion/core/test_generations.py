@@ -1,0 +1,244 @@
+"""Files on a medium that decays, and writes that a power cut ends anywhere."""
+
+import errno
+from pathlib import Path
+
+import pytest
+from boat_rig import OK, Rig, waypoint
+from hypothesis import example, given
+from hypothesis import strategies as st
+from mission_station import FENCE, RALLY
+
+from companion.core.generations import (
+    DamagedError,
+    Generation,
+    find_newest,
+    save_next,
+    seal,
+    unseal,
+    write_atomically,
+)
+from companion.core.storage import FolderStorage
+from companion.mavlink.dialect import dialect
+from companion.mavlink.items import MissionType
+from companion.mavlink.signing_key import SigningKey, read_key_file
+from companion.mavlink.transfer import Completed
+from companion.services.ftp.mounts import InlineExecutor
+
+NAME = "fence.json"
+FIRST, SECOND, THIRD = b"the first", b"the second, which is longer", b"the third"
+STORED = {
+    "mission.json", "fence.json", "rally.json", "params.parm", "voyage.json", "trail.json",
+    "signing.key", "signing.json",
+}  # fmt: skip
+
+
+def saved(folder: Path, *contents: bytes) -> Path:
+    """A file that has been saved with one content after the other."""
+    for content in contents:
+        save_next(folder / NAME, content, write_atomically)
+    return folder / NAME
+
+
+def loaded(folder: Path) -> tuple[bytes, str]:
+    storage = FolderStorage(folder)
+    content = storage.load(NAME)
+    return content, storage.damage(NAME)
+
+
+@pytest.fixture(scope="module")
+def memory(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The memory of a boat that has every kind of file, each in two generations."""
+    folder = tmp_path_factory.mktemp("memory")
+    storage = FolderStorage(folder, worker=InlineExecutor())
+    rig = Rig(storage=storage).ready()
+
+    def uploaded(items: list, kind: MissionType) -> None:  # type: ignore[type-arg]
+        rig.peer.forget()
+        assert isinstance(rig.upload(items, mission_type=kind), Completed)
+
+    for north_m in (10.0, 12.0):
+        uploaded([waypoint(0.0, 0.0), waypoint(north_m, 0.0), waypoint(north_m, 40.0)], MissionType.MISSION)
+        uploaded(FENCE, MissionType.FENCE)
+        uploaded(RALLY, MissionType.RALLY)
+        rig.boat.parameters.set("WP_RADIUS", north_m / 4.0)
+        rig.boat.parameters.set("FENCE_ENABLE", 0.0)
+        rig.boat.signing.change_key(SigningKey(bytes([int(north_m)] * 32)), 1)
+    assert rig.arm() == OK
+    assert rig.ask(dialect.MAV_CMD_MISSION_START) == OK
+    rig.run(30.0)
+    rig.boat.signing.close()
+    storage.close()
+    return folder
+
+
+def test_one_flipped_bit_anywhere_in_any_stored_file_is_noticed(memory: Path) -> None:
+    files = {path.name: path.read_bytes() for path in memory.iterdir() if path.is_file()}
+    assert STORED | {f"{name}.old" for name in STORED} <= set(files)
+    for name, whole in files.items():
+        assert unseal(whole).number >= 1, name
+        for at in range(8 * len(whole)):
+            file = bytearray(whole)
+            file[at // 8] ^= 1 << at % 8
+            with pytest.raises(DamagedError):
+                unseal(bytes(file))
+
+
+def test_a_file_cut_short_anywhere_is_noticed(memory: Path) -> None:
+    for path in memory.iterdir():
+        whole = path.read_bytes() if path.is_file() else b""
+        for length in range(len(whole)):
+            with pytest.raises(DamagedError):
+                unseal(whole[:length])
+
+
+@given(st.integers(0, 10**18 - 1), st.binary(max_size=300), st.integers(0), st.integers(1, 2**32 - 1))
+@example(100, b"\x01" * 11, 376, 120)  # the end of a line in the middle of the first one
+def test_what_is_sealed_is_read_back_and_any_burst_of_32_bits_is_noticed(
+    number: int, content: bytes, at: int, burst: int
+) -> None:
+    whole = seal(Generation(number, content))
+    assert unseal(whole) == Generation(number, content)
+    value = int.from_bytes(whole, "big") ^ burst << at % (8 * len(whole) - 31)
+    with pytest.raises(DamagedError):
+        unseal(value.to_bytes(len(whole), "big"))
+
+
+def test_each_save_is_one_generation_later_and_the_one_before_is_kept(tmp_path: Path) -> None:
+    path = saved(tmp_path, FIRST, SECOND, THIRD)
+    assert unseal(path.read_bytes()) == Generation(3, THIRD)
+    assert unseal((tmp_path / f"{NAME}.old").read_bytes()) == Generation(2, SECOND)
+    assert sorted(one.name for one in tmp_path.iterdir()) == [NAME, f"{NAME}.old"]
+
+
+def test_every_bit_of_the_newest_that_flips_gives_the_previous_one_and_a_line(tmp_path: Path) -> None:
+    path = saved(tmp_path, FIRST, SECOND)
+    whole = path.read_bytes()
+    for at in range(8 * len(whole)):
+        file = bytearray(whole)
+        file[at // 8] ^= 1 << at % 8
+        path.write_bytes(file)
+        assert loaded(tmp_path) == (FIRST, "fence.json is damaged, the previous one is in use")
+
+
+@pytest.mark.parametrize("file", [b"", b"\x00" * 80, b"# mavboat gen", seal(Generation(2, SECOND))[:-1]])
+def test_what_a_crashed_file_system_leaves_is_no_content(tmp_path: Path, file: bytes) -> None:
+    path = saved(tmp_path, FIRST, SECOND)
+    path.write_bytes(file)
+    assert loaded(tmp_path) == (FIRST, "fence.json is damaged, the previous one is in use")
+    path.with_name(f"{NAME}.old").write_bytes(file)
+    assert loaded(tmp_path) == (b"", "fence.json is damaged, there is no previous one")
+    path.unlink()
+    assert loaded(tmp_path) == (b"", "fence.json is damaged, there is no previous one")
+
+
+def test_a_file_that_has_gone_is_missed_and_one_that_never_was_is_not(tmp_path: Path) -> None:
+    assert loaded(tmp_path) == (b"", "")
+    saved(tmp_path, FIRST, SECOND).unlink()
+    assert loaded(tmp_path) == (FIRST, "fence.json is damaged, the previous one is in use")
+
+
+def test_a_block_that_cannot_be_read_is_damage_and_a_file_that_may_not_be_read_is_an_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = saved(tmp_path, FIRST, SECOND)
+    real, numbers = Path.read_bytes, [errno.EIO, errno.EACCES]
+
+    def read(one: Path) -> bytes:
+        if one == path:
+            raise OSError(numbers[0], "no")
+        return real(one)
+
+    monkeypatch.setattr(Path, "read_bytes", read)
+    assert find_newest(path).generation.content == FIRST
+    del numbers[0]
+    with pytest.raises(OSError, match="no"):
+        find_newest(path)
+
+
+def test_a_damaged_generation_never_replaces_the_whole_one_before_it(tmp_path: Path) -> None:
+    path = saved(tmp_path, FIRST, SECOND)
+    path.write_bytes(b"\x00")
+    saved(tmp_path, THIRD)
+    assert unseal(path.with_name(f"{NAME}.old").read_bytes()).content == FIRST
+    assert loaded(tmp_path) == (THIRD, "")
+
+
+def test_an_empty_content_is_a_generation_as_any_other(tmp_path: Path) -> None:
+    path = saved(tmp_path, FIRST, b"", SECOND)
+    path.write_bytes(b"")
+    assert loaded(tmp_path)[0] == b""
+    assert find_newest(path).generation.number == 2
+
+
+CUTS = ["nothing is done", "a part is aside", "all is aside", "the newest is kept", "all is done"]
+
+
+@pytest.mark.parametrize("cut", CUTS)
+def test_a_power_cut_at_any_step_of_a_write_leaves_the_newest_whole_generation(
+    tmp_path: Path, cut: str
+) -> None:
+    path = saved(tmp_path, FIRST, SECOND)
+    aside, step = path.with_name(f"{NAME}.new"), CUTS.index(cut)
+    new = seal(Generation(3, THIRD))
+    if step >= 1:
+        aside.write_bytes(new[:-4] if step == 1 else new)
+    if step >= 3:
+        path.replace(path.with_name(f"{NAME}.old"))
+    if step >= 4:
+        aside.replace(path)
+    content = THIRD if step >= 2 else SECOND
+    assert loaded(tmp_path) == (content, "")
+    # Neither is it lost when power goes again during the next write
+    with pytest.raises(KeyboardInterrupt):
+        save_next(path, b"the fourth", cut_in_the_middle)
+    assert loaded(tmp_path) == (content, "")
+    saved(tmp_path, b"the fifth")
+    assert loaded(tmp_path) == (b"the fifth", "")
+
+
+def cut_in_the_middle(path: Path, content: bytes, keep: Path | None) -> None:
+    """Power goes while the content is written aside."""
+    path.with_name(f"{path.name}.new").write_bytes(content[:10])
+    raise KeyboardInterrupt
+
+
+def test_a_medium_that_refuses_leaves_the_old_generations_and_no_part_of_the_new(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = saved(tmp_path, FIRST, SECOND)
+    before = {one.name: one.read_bytes() for one in tmp_path.iterdir()}
+
+    def full(number: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", full)
+    with pytest.raises(OSError, match="No space left"):
+        save_next(path, THIRD, write_atomically)
+    assert {one.name: one.read_bytes() for one in tmp_path.iterdir()} == before
+
+
+def test_a_file_of_an_earlier_version_is_read_and_kept_as_the_previous_one(tmp_path: Path) -> None:
+    path = tmp_path / NAME
+    path.write_bytes(FIRST)
+    path.with_name(f"{NAME}.new").write_bytes(SECOND[:5])  # that version, too, was cut off now and then
+    assert loaded(tmp_path) == (FIRST, "")
+    saved(tmp_path, SECOND)
+    path.write_bytes(b"")
+    assert loaded(tmp_path) == (FIRST, "fence.json is damaged, the previous one is in use")
+
+
+def test_a_file_that_somebody_puts_there_counts_before_what_was_saved(tmp_path: Path) -> None:
+    path = saved(tmp_path, FIRST, SECOND)
+    path.write_bytes(THIRD)
+    assert loaded(tmp_path) == (THIRD, "")
+    saved(tmp_path, FIRST)
+    assert unseal(path.read_bytes()).number == 2
+    assert unseal(path.with_name(f"{NAME}.old").read_bytes()).content == THIRD
+
+
+def test_both_generations_of_a_key_are_its_owners_alone_and_a_key_file_as_any(tmp_path: Path) -> None:
+    path, keys = tmp_path / "signing.key", [SigningKey(bytes([n] * 32)) for n in (1, 2)]
+    for key in keys:
+        save_next(path, key.reveal().hex().encode(), write_atomically)
+    assert [read_key_file(path), read_key_file(path.with_name("signing.key.old"))] == keys[::-1]

@@ -1,0 +1,214 @@
+"""Fence and rally points from files: what is read from them, and what is said about those that cannot be."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pymavlink.mavwp import MAVFenceLoader
+
+from companion.core.geo import LatLon
+from mission_tools.assembly.areas import Areas, load_fence, load_rally, open_areas, parse_areas
+from mission_tools.errors import MapError, MissionToolsError, PlanFileError
+from mission_tools.mission.mission import (
+    Fence,
+    FenceCircle,
+    FencePolygon,
+    Mission,
+    MissionItem,
+    MissionType,
+    Rally,
+)
+from mission_tools.mission.plan_file import save_mission
+
+RING = [[-1.2, 50.0], [-1.198, 50.0], [-1.198, 50.002], [-1.2, 50.0]]
+HOLE = [[-1.1986, 50.0004], [-1.1984, 50.0004], [-1.1984, 50.0006], [-1.1986, 50.0004]]
+CORNERS = tuple(LatLon(lat, lon) for lon, lat in RING[:-1])
+PLACE = LatLon(50.001, -1.199)
+
+
+def feature(geometry: dict[str, Any], **properties: Any) -> dict[str, Any]:  # noqa: ANN401
+    return {"type": "Feature", "properties": properties, "geometry": geometry}
+
+
+def polygon(*rings: list[list[float]]) -> dict[str, Any]:
+    return {"type": "Polygon", "coordinates": list(rings)}
+
+
+def point(lat_deg: float = 50.001, lon_deg: float = -1.199) -> dict[str, Any]:
+    return {"type": "Point", "coordinates": [lon_deg, lat_deg]}
+
+
+def collection(*features: dict[str, Any]) -> dict[str, Any]:
+    return {"type": "FeatureCollection", "features": list(features)}
+
+
+def test_a_bare_polygon_is_an_inclusion() -> None:
+    assert parse_areas(polygon(RING), "f") == (Fence((FencePolygon(CORNERS, inclusion=True),)), (), ())
+
+
+def test_kinds_shapes_and_points_become_what_they_say() -> None:
+    tree = collection(
+        feature(polygon(RING), kind="exclusion"),
+        feature(point(), kind="exclusion", radius_m=12.5),
+        feature(point(), radius_m=400),
+        feature(point(50.0015), kind="return_point"),
+        feature(point(50.0005), kind="rally"),
+        feature(point(50.0007)),
+    )
+    fence, rally, _ = parse_areas(tree, "f")
+    assert fence.polygons == (FencePolygon(CORNERS, inclusion=False),)
+    assert fence.circles == (FenceCircle(PLACE, 12.5, inclusion=False), FenceCircle(PLACE, 400.0))
+    assert fence.return_point == LatLon(50.0015, -1.199)
+    assert rally == (Rally(LatLon(50.0005, -1.199)), Rally(LatLon(50.0007, -1.199)))
+
+
+def test_the_holes_of_an_inclusion_are_kept_out_of() -> None:
+    fence, *_ = parse_areas(feature(polygon(RING, HOLE)), "f")
+    assert [area.inclusion for area in fence.polygons] == [True, False]
+    assert fence.polygons[1].corners[0] == LatLon(50.0004, -1.1986)
+
+
+@pytest.mark.parametrize(
+    ("tree", "said"),
+    [
+        (
+            collection(feature(polygon(RING), kind="fence")),
+            "f: feature 1: kind 'fence' is none of inclusion,",
+        ),
+        (
+            collection(feature(polygon(RING)), feature(point(), kind="inclusion")),
+            "feature 2: radius_m is None",
+        ),
+        (feature(point(), radius_m=-3), "feature 1: radius_m is -3"),
+        (feature(point(), radius_m=True), "feature 1: radius_m is True"),
+        (feature(polygon(RING), kind="rally"), "a rally is a Point, not 'Polygon'"),
+        (feature(polygon(RING[:-1])), "3 positions"),
+        (feature(point(lat_deg=95.0)), "out of range"),
+        (feature(polygon(RING, HOLE), kind="exclusion"), "an exclusion with a hole"),
+        (feature({"type": "LineString", "coordinates": RING}), "geometry is 'LineString'"),
+        (collection(*[feature(point(), kind="return_point")] * 2), "feature 2: a second return_point"),
+        ({"type": "Feature"}, "feature 1: no geometry"),
+        ([1, 2], "f: not GeoJSON"),
+    ],
+)
+def test_what_cannot_be_used_is_named_by_feature_and_what_was_expected(tree: object, said: str) -> None:
+    with pytest.raises(MapError) as told:
+        parse_areas(tree, "f")
+    assert said in str(told.value)
+    assert str(told.value).startswith("f: ")
+
+
+jsons = st.recursive(
+    st.none() | st.booleans() | st.floats() | st.text() | st.just("Polygon") | st.just("Point"),
+    lambda inner: (
+        st.lists(inner) | st.dictionaries(st.sampled_from(("type", "geometry", "coordinates")), inner)
+    ),
+)
+
+
+@given(
+    geometry=st.fixed_dictionaries(
+        {"type": st.sampled_from(("Polygon", "MultiPolygon", "Point")), "coordinates": jsons}
+    ),
+    properties=st.dictionaries(st.sampled_from(("kind", "radius_m")), jsons | st.just("exclusion")),
+)
+def test_any_json_gives_areas_or_an_error_that_names_the_file(geometry: Any, properties: Any) -> None:  # noqa: ANN401
+    fence, said = Fence(), "f: "
+    rally: tuple[Rally, ...] = ()
+    try:
+        fence, rally, _ = parse_areas(feature(geometry, **properties), "f")
+    except MapError as error:
+        said = str(error)
+    assert said.startswith("f: ")
+    assert fence != Fence() or rally or said != "f: "
+
+
+def test_a_plan_s_fence_and_rally_points_are_taken_without_its_mission(tmp_path: Path) -> None:
+    fence = Fence((FencePolygon(CORNERS),), (FenceCircle(PLACE, 20.0, inclusion=False),))
+    mission = Mission((MissionItem.at(PLACE),), PLACE, fence=fence, rally=(Rally(PLACE, 3.0),))
+    save_mission(mission, tmp_path / "pond.plan")
+    name = str(tmp_path / "pond.plan")
+    assert load_fence(Path(name)).fence == fence
+    assert open_areas(name, name) == Areas(fence, (Rally(PLACE, 3.0),), name)
+
+
+def test_none_clears_and_nothing_leaves_as_it_is() -> None:
+    assert open_areas("none", "none").wire_lists() == {MissionType.FENCE: (), MissionType.RALLY: ()}
+    assert open_areas(None, None).wire_lists() == {}
+    assert str(open_areas("none", None)) == "no fence areas"
+
+
+@pytest.mark.parametrize("name", ["missing.geojson", "not.json", "latin.geojson", "empty.geojson", "m.plan"])
+def test_a_file_without_a_fence_is_named(tmp_path: Path, name: str) -> None:
+    (tmp_path / "not.json").write_text("{")
+    (tmp_path / "latin.geojson").write_bytes(b"\xff\xfe")
+    (tmp_path / "empty.geojson").write_text(json.dumps(collection()))
+    save_mission(Mission((MissionItem.at(PLACE),), PLACE), tmp_path / "m.plan")
+    for load in (load_fence, load_rally):
+        with pytest.raises(MissionToolsError, match=name) as told:
+            load(tmp_path / name)
+        assert told.value.exit_code == 2
+
+
+def test_areas_given_replace_those_of_the_mission_and_others_stay() -> None:
+    mission = Mission((), fence=Fence((FencePolygon(CORNERS),)), rally=(Rally(PLACE),))
+    assert Areas(fence=Fence()).over(mission) == Mission((), fence=Fence(), rally=(Rally(PLACE),))
+    assert Areas().over(mission) == mission
+
+
+OLD_FENCE = """40.071308\t-105.229759
+40.071434\t-105.229958
+40.071224\t-105.229935
+40.071228\t-105.229546
+40.071449\t-105.229530
+40.071434\t-105.229958
+"""
+
+
+@pytest.mark.parametrize("text", [OLD_FENCE, f"#saved by a station\n\n{OLD_FENCE}"])
+def test_an_old_fence_of_ardupilot_is_read_as_its_loader_reads_it(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "fence.txt"
+    path.write_text(text, encoding="utf-8")
+    loader = MAVFenceLoader()
+    loader.load(str(path))
+    fence = load_fence(path).fence
+    (polygon,) = fence.polygons
+    ours = [(at.lat_deg, at.lon_deg) for at in polygon.corners]
+    assert ours == [pytest.approx(at, abs=1e-5) for at in loader.polygon()[:-1]]  # theirs are single floats
+    assert polygon.inclusion
+    assert fence.return_point == LatLon(40.071308, -105.229759)
+
+
+def test_an_old_rally_list_of_ardupilot_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "rally.txt"
+    path.write_text("RALLY 40.071553\t-105.229401\t2.500000\t40.000000\t0.000000\t0\n", encoding="utf-8")
+    assert load_rally(path).rally == (Rally(LatLon(40.071553, -105.229401), 2.5),)
+
+
+def test_a_fence_that_a_station_saved_as_waypoints_is_read(tmp_path: Path) -> None:
+    places = [(40.07, -105.2), (40.08, -105.2), (40.08, -105.1)]
+    rows = [f"{n}\t0\t0\t5001\t3.0\t0\t0\t0\t{lat}\t{lon}\t0\t0" for n, (lat, lon) in enumerate(places)]
+    rows.append("3\t0\t0\t5004\t20.0\t0\t0\t0\t40.075\t-105.15\t0\t0")
+    path = tmp_path / "fence.waypoints"
+    path.write_text("\n".join(["QGC WPL 110", *rows, ""]), encoding="utf-8")
+    fence = load_fence(path).fence
+    assert [len(polygon.corners) for polygon in fence.polygons] == [3]
+    assert [(circle.radius_m, circle.inclusion) for circle in fence.circles] == [(20.0, False)]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("40.07 -105.2\n40.08 -105.2\n", "2 lines: expected a return point and the corners"),
+        ("40.07 -105.2\n95.0 -105.2\n", "line 2: expected latitude and longitude: latitude 95.0 is outside"),
+        ("RALLY 40.07 x 0 0 0 0\n", "line 1: expected latitude and longitude"),
+    ],
+)
+def test_a_broken_list_says_where(tmp_path: Path, text: str, said: str) -> None:
+    path = tmp_path / "fence.txt"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(PlanFileError, match=rf"fence\.txt: {said}"):
+        load_fence(path)

@@ -1,0 +1,79 @@
+"""The figures of a course, on tracks that are known."""
+
+import math
+from itertools import pairwise
+
+import pytest
+
+from companion.core.geo import LatLon, LocalFrame, Point, distance_m
+from sitl.courses.courses import COURSES, course_mission, overshoots_m, tracking
+from sitl.run.recorder import Recorder
+from sitl.world.world import Truth
+
+PLANNED = [Point(0.0, 0.0), Point(10.0, 0.0), Point(10.0, 10.0)]  # a right angle to starboard
+
+
+def recorded(*places: tuple[float, float, int]) -> Recorder:
+    recorder = Recorder()
+    for tick, (north_m, east_m, leg) in enumerate(places):
+        values = dict.fromkeys(Truth._fields, 0.0)
+        values |= {"time_s": 0.02 * tick, "north_m": north_m, "east_m": east_m}
+        recorder.record(Truth(**values), leg)  # type: ignore[arg-type]
+    return recorder
+
+
+def test_a_cut_corner_is_no_overshoot_but_a_cross_track_error() -> None:
+    cut = recorded((6.0, 0.0, 0), (9.0, 1.0, 1), (10.0, 5.0, 1))
+    assert overshoots_m(cut, PLANNED) == [0.0]
+    figures = tracking(cut, PLANNED)
+    assert figures is not None
+    assert figures.max_m == pytest.approx(1.0)
+    assert figures.overshoot_m == 0.0
+
+
+def test_the_overshoot_is_how_far_the_boat_goes_beyond_the_new_leg() -> None:
+    assert overshoots_m(recorded((10.3, 0.5, 1), (10.4, 2.0, 1), (9.0, 5.0, 1)), PLANNED) == [
+        pytest.approx(0.4)
+    ]
+    to_port = [Point(0.0, 0.0), Point(10.0, 0.0), Point(10.0, -10.0)]
+    assert overshoots_m(recorded((10.3, -0.5, 1), (9.9, -2.0, 1)), to_port) == [pytest.approx(0.3)]
+
+
+def test_what_happens_far_down_the_new_leg_is_no_overshoot() -> None:
+    planned = [*PLANNED[:2], Point(10.0, 100.0)]
+    assert overshoots_m(recorded((10.0, 5.0, 1), (12.0, 50.0, 1)), planned) == [0.0]
+
+
+def test_the_path_error_is_to_the_nearest_place_of_the_line() -> None:
+    figures = tracking(recorded((9.0, 2.0, 1), (12.0, 12.0, 1)), PLANNED)
+    assert figures is not None
+    assert figures.path_max_m == pytest.approx(math.hypot(2.0, 2.0))
+    assert figures.max_m == pytest.approx(2.0)
+
+
+def test_what_the_boat_is_carried_aside_before_it_has_way_is_said_apart() -> None:
+    straight = [Point(0.0, 0.0), Point(200.0, 0.0)]
+    figures = tracking(recorded((0.0, 3.0, 0), (14.0, 1.0, 0), (16.0, 0.2, 0), (150.0, -0.2, 0)), straight)
+    assert figures is not None
+    assert figures.start_max_m == pytest.approx(3.0)
+    assert figures.rms_m == pytest.approx(0.2)
+    assert figures.max_m == pytest.approx(0.2)
+    assert tracking(recorded((0.0, 3.0, 0), (14.0, 1.0, 0)), straight) is None
+
+
+def test_without_a_leg_there_is_nothing_to_say() -> None:
+    assert tracking(recorded((0.0, 0.0, -1)), PLANNED) is None
+
+
+def test_the_courses_are_those_of_the_peers() -> None:
+    lengths = {name: [distance_m(a, b) for a, b in pairwise(points)] for name, points in COURSES.items()}
+    assert lengths == {"straight": [200.0], "zigzag": [50.0] * 6, "square": [50.0] * 4}
+
+
+def test_a_course_is_laid_out_from_where_the_boat_lies() -> None:
+    frame = LocalFrame(LatLon(50.0, -1.2))
+    mission = course_mission("straight", frame, Point(5.0, 7.0))
+    (item,) = mission.items
+    assert item.place is not None
+    at = frame.to_local(item.place)
+    assert (at.north_m, at.east_m) == pytest.approx((205.0, 7.0), abs=0.02)
