@@ -8,7 +8,14 @@ from typing import Final
 ROOT: Final = Path(__file__).parents[1]
 # What msgspec reads from files must not be compiled: mypyc keeps of an annotation only its bare type, and the
 # bounds that are in it would be lost.
-READ_FROM_FILES: Final = frozenset({"companion/router/status.py", "companion/sensors/gpsd.py"})
+READ_FROM_FILES: Final = frozenset(
+    {
+        "companion/router/status.py",
+        "companion/sensors/gpsd.py",
+        "companion/vehicle/track_record.py",
+        "companion/vehicle/voyage_record.py",
+    }
+)
 # mypyc drops the options of a msgspec struct's class line: without `frozen` and `kw_only` these do not import
 NEEDS_CLASS_OPTIONS: Final = frozenset({"companion/failsafe/inputs.py"})
 KERNEL: Final = "_"  # first letter of libraries that are built by pip and have twins (setup.py)

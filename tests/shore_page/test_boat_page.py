@@ -267,7 +267,7 @@ def test_a_request_of_the_moment_is_not_sent_again_on_a_new_connection(
         };
     }""")
     with holding(page, button(page, "Left ahead")):
-        page.wait_for_function("window.sent.includes('motor')")
+        page.wait_for_function("() => window.sent.includes('motor')")
         page.evaluate("() => { window.before = window.sent.splice(0); window.socket.close(); }")
         expect(told(page, "Left ahead: Not connected: nothing was sent.")).to_be_visible()
     expect(button(page, "Left ahead")).to_be_enabled()  # connected again

@@ -98,7 +98,7 @@ def page(request: pytest.FixtureRequest, browser: Browser, address: str) -> Iter
     opened.on("pageerror", lambda error: faults.append(str(error)))
     opened.on("console", lambda line: faults.append(line.text) if line.type == "error" else None)
     opened.goto(f"{address}/rig/chart_rig.html")
-    opened.wait_for_function("window.chart !== undefined && window.draws > 0")
+    opened.wait_for_function("() => window.chart !== undefined && window.draws > 0")
     yield opened
     context.close()
     faults = [fault for fault in faults if "favicon" not in fault and "404" not in fault]
@@ -133,7 +133,7 @@ def tapped(page: Page, x: float, y: float) -> Point:
     """The place that a tap at these pixels tells, in metres of FRAME."""
     page.evaluate("window.taps.length = 0")
     page.mouse.click(x, y)
-    page.wait_for_function("window.taps.length === 1")
+    page.wait_for_function("() => window.taps.length === 1")
     lat, lon = page.evaluate("window.taps[0]")
     return FRAME.to_local(LatLon(lat, lon))
 
@@ -224,7 +224,7 @@ def test_the_wheel_zooms_about_its_place(page: Page) -> None:
     draws = page.evaluate("window.draws")
     page.evaluate("addEventListener('wheel', event => { window.turned = event.deltaY; })")
     page.mouse.wheel(0, -300)
-    page.wait_for_function(f"window.draws > {draws}")
+    page.wait_for_function(f"() => window.draws > {draws}")
     turned = page.evaluate("window.turned")  # in the page's pixels
     assert turned < -50
     assert distance_m(tapped(page, x + 80, y + 60), before) < 0.1
@@ -313,7 +313,7 @@ def test_real_fingers_pan_pinch_and_tap(page: Page) -> None:
     assert page.evaluate("window.taps.length") == 0
     touch("touchStart", (x, y))
     touch("touchEnd")
-    page.wait_for_function("window.taps.length === 1")
+    page.wait_for_function("() => window.taps.length === 1")
     at = FRAME.to_local(LatLon(*page.evaluate("window.taps[0]")))
     assert at.east_m - boat.east_m == pytest.approx(-30 / before, abs=0.2)
 

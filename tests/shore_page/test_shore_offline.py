@@ -60,21 +60,6 @@ def test_a_request_while_the_server_hangs_is_done_once_when_it_is_back(
     hold(page, button(page, "Motors off"), told(page, "Motors off: Stopped"))
 
 
-def test_the_page_goes_on_by_itself_when_its_server_starts_again(
-    visit: Visit, shore: ShoreBoat, run_program: RunProgram
-) -> None:
-    page = visit("phone")
-    expect(page.get_by_text("Connected").first).to_be_visible()
-    options = shore.options()
-    options[options.index("--listen") + 1] = shore.address.removeprefix("http://").rstrip("/")
-    os.kill(shore.child, signal.SIGKILL)
-    expect(page.get_by_text("Not connected. Trying again.").first).to_be_visible()
-    expect(page.get_by_text("Last heard").first).to_be_visible()
-    run_program(sys.executable, "-m", "companion.shore", *options)
-    expect(page.get_by_text("Connected").first).to_be_visible()
-    expect(page.get_by_text("Last heard").first).to_be_hidden()
-
-
 SLOW_SERVER = """async () => {
   const { Live } = await import("/live.js");
   let now = 0;
@@ -98,3 +83,18 @@ SLOW_SERVER = """async () => {
 
 def test_a_server_that_greets_after_ten_seconds_is_waited_for(visit: Visit, shore: ShoreBoat) -> None:
     assert visit("desktop").evaluate(SLOW_SERVER) == [True, 2]
+
+
+def test_the_page_goes_on_by_itself_when_its_server_starts_again(
+    visit: Visit, shore: ShoreBoat, run_program: RunProgram
+) -> None:
+    page = visit("phone")
+    expect(page.get_by_text("Connected").first).to_be_visible()
+    options = shore.options()
+    options[options.index("--listen") + 1] = shore.address.removeprefix("http://").rstrip("/")
+    os.kill(shore.child, signal.SIGKILL)
+    expect(page.get_by_text("Not connected. Trying again.").first).to_be_visible()
+    expect(page.get_by_text("Last heard").first).to_be_visible()
+    run_program(sys.executable, "-m", "companion.shore", *options)
+    expect(page.get_by_text("Connected").first).to_be_visible()
+    expect(page.get_by_text("Last heard").first).to_be_hidden()

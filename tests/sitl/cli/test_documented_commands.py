@@ -92,7 +92,7 @@ def follow(command: str) -> None:
 
 
 def test_there_are_commands_in_the_pages() -> None:
-    assert len(commands(ROOT / "README.md")) > 12
+    assert len(commands(ROOT / "README.md")) > 8
     assert sum(len(commands(page)) for page in PAGES) > 25
 
 
