@@ -13,6 +13,7 @@ from mission_tools.mission.mission import Mission
 from mission_tools.vehicle.state import AUTO, MISSION_ACTIVE, MISSION_COMPLETE, VehicleState
 
 STALL_S = 60.0
+REASON_S = 1.0  # a heartbeat tells the new mode before the text that says why
 LEAST_PROGRESS_M = 0.02  # less than this is a boat that wobbles
 STEADY_AFTER_S = 2.0  # before this the mean speed says nothing
 
@@ -54,6 +55,7 @@ class MissionMonitor:
         self._first_left_m = math.nan
         self._best_left_m = math.inf
         self._advanced_s = now_s
+        self._ended_s = math.inf  # since when it has not been sailing the mission
         self._waypoint = 0
 
     @classmethod
@@ -89,7 +91,7 @@ class MissionMonitor:
         if self._is_finished(state):
             return self._progress(state, now_s, finished=True)
         progress = self._progress(state, now_s, finished=False)
-        self._raise_if_ended(state, progress)
+        self._raise_if_ended(state, progress, now_s)
         self._raise_if_stuck(progress, now_s)
         return progress
 
@@ -125,14 +127,19 @@ class MissionMonitor:
         route = [here, *self._points[index:]]
         return path_length_m(route)
 
-    def _raise_if_ended(self, state: VehicleState, progress: Progress) -> None:
+    def _raise_if_ended(self, state: VehicleState, progress: Progress, now_s: float) -> None:
+        if state.armed and not (state.is_ardupilot and state.custom_mode != AUTO):
+            self._ended_s = math.inf
+            return
+        self._ended_s = min(self._ended_s, now_s)
         at = f"on the way to waypoint {progress.waypoint} of {progress.waypoints}"
         text = state.last_warning(self._began_s)
+        if not text and now_s - self._ended_s < REASON_S:
+            return
         because = f" ({text})" if text else ""
         if not state.armed:
             raise VehicleError(f"the boat disarmed {at}{because}")
-        if state.is_ardupilot and state.custom_mode != AUTO:
-            raise VehicleError(f"the boat left AUTO for {state.mode} {at}{because}")
+        raise VehicleError(f"the boat left AUTO for {state.mode} {at}{because}")
 
     def _raise_if_stuck(self, progress: Progress, now_s: float) -> None:
         if progress.waypoint != self._waypoint or progress.left_m < self._best_left_m - LEAST_PROGRESS_M:

@@ -9,7 +9,7 @@ from mission_tools.errors import VehicleError
 from mission_tools.mission.mission import Command, Mission, MissionItem
 from mission_tools.mission.route import mission_along
 from mission_tools.vehicle.follow import describe
-from mission_tools.vehicle.mission_monitor import STALL_S, MissionMonitor
+from mission_tools.vehicle.mission_monitor import REASON_S, STALL_S, MissionMonitor
 from mission_tools.vehicle.state import AUTO, MISSION_ACTIVE, MISSION_COMPLETE, VehicleState
 from mission_tools.wording import distance, duration
 
@@ -79,6 +79,21 @@ def test_leaving_auto_or_disarming_ends_the_voyage_with_the_vehicles_reason(
     with pytest.raises(VehicleError, match=said) as raised:
         monitor.update(state, 12.0)
     assert raised.value.exit_code == 1
+
+
+def test_the_vehicles_reason_is_waited_for_a_second_after_its_mode_has_changed() -> None:
+    monitor = MissionMonitor(MISSION, now_s=10.0)
+    monitor.update(sailing(110.0, 3), 11.0)
+    left = sailing(120.0, 3, custom_mode=4)
+    monitor.update(left, 12.0)
+    monitor.update(left, 12.0 + 0.9 * REASON_S)
+    with pytest.raises(VehicleError, match=r"left AUTO for HOLD on the way to waypoint 2 of 3$"):
+        monitor.update(left, 12.0 + REASON_S)
+    monitor.update(sailing(120.0, 3), 14.0)
+    monitor.update(left, 20.0)
+    left.texts.append((20.1, 4, "GCS lost"))
+    with pytest.raises(VehicleError, match=r"\(GCS lost\)"):
+        monitor.update(left, 20.2)
 
 
 def test_a_boat_that_makes_no_progress_is_given_up_after_the_stall_time_and_not_before() -> None:
