@@ -47,7 +47,7 @@ from companion.estimation.hull_model import GAIN, GAIN_WALK
 from companion.estimation.innovation import NO_INNOVATION, Innovation, square
 from companion.estimation.nominal_state import STALL_S, UNMODELLED_S, NominalState
 
-# Deviations. Process noises were chosen by `benchmarks.estimation consistency`: NEES and NIS near 1
+# Deviations. Process noises were chosen by `benchmarks.estimation`: NEES and NIS near 1
 _UNMODELLED: Final = 0.02  # of the speed, in cruise speeds,
 _ACCELERATION: Final = 0.3  # and of the model's accelerations
 _CURRENT: Final = 0.5  # of the initial current, in cruise speeds; also what a stall of the loop adds a second

@@ -1,7 +1,5 @@
 """The job of `mission-plan` and `mission-upload`: plan, write files, hand over to the session."""
 
-from typing import TYPE_CHECKING
-
 from mission_tools.assembly.areas import NO_AREAS, Areas, open_areas
 from mission_tools.assembly.plan_options import PlanOptions
 from mission_tools.assembly.planned_mission import open_source
@@ -11,9 +9,6 @@ from mission_tools.job.planned import draw, take_planned
 from mission_tools.job.request import Report, Request
 from mission_tools.vehicle.link_url import parse_link
 from mission_tools.wording import Printer
-
-if TYPE_CHECKING:
-    pass
 
 
 def run(request: Request, report: Report, say: Printer) -> None:

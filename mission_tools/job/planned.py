@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.errors import UsageError
@@ -12,9 +11,6 @@ from mission_tools.maps.chart import Chart
 from mission_tools.mission.mission import MissionType
 from mission_tools.tasks.task_route import TaskRoute
 from mission_tools.wording import Printer, counted, distance, duration
-
-if TYPE_CHECKING:
-    pass
 
 MOST_ITEMS = 5000  # of a mission on this project's boat: mission.max_items, unless its file says otherwise
 
