@@ -83,14 +83,15 @@ class VehicleState:
 
     def last_warning(self, since_s: float) -> str:
         """The last text of warning or worse since then; empty when there was none."""
-        return next(
-            (
-                text
-                for at_s, severity, text in reversed(self.texts)
-                if at_s >= since_s and severity <= WARNING
-            ),
-            "",
-        )
+        return next(reversed(self._warnings(since_s)), "")
+
+    def refusal(self, since_s: float) -> str:
+        """The last such text but those of failsafes: one that fires meanwhile is no reason to refuse."""
+        texts = [text for text in self._warnings(since_s) if not text.startswith("Failsafe: ")]
+        return next(reversed(texts), "")
+
+    def _warnings(self, since_s: float) -> list[str]:
+        return [text for at_s, severity, text in self.texts if at_s >= since_s and severity <= WARNING]
 
     def handle(self, name: str, component: int, fields: Mapping[str, Any], now_s: float) -> None:
         """Take in one message of the vehicle's; those of other components of its system are left out."""

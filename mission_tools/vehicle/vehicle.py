@@ -179,10 +179,11 @@ class Vehicle:
             raise
 
     async def _arm(self, patience_s: float) -> None:
-        give_up_s = self._clock() + patience_s
+        began_s = self._clock()
+        give_up_s = began_s + patience_s
         while not self.state.armed:
             try:
-                await self.command(Command.COMPONENT_ARM_DISARM, "arm", 1.0)
+                await self.command(Command.COMPONENT_ARM_DISARM, "arm", 1.0, reason_since_s=began_s)
                 break
             except CommandRefused:
                 if self._clock() + RETRY_S > give_up_s:
@@ -198,8 +199,10 @@ class Vehicle:
     def _is_sailing(self) -> bool:
         return self.state.armed and (self.state.custom_mode == AUTO or not self.state.is_ardupilot)
 
-    async def command(self, command: Command, doing: str, *params: float) -> None:
-        """Send a command and wait for its answer.
+    async def command(
+        self, command: Command, doing: str, *params: float, reason_since_s: float | None = None
+    ) -> None:
+        """Send a command and wait for its answer. Its reason may stand since an earlier try.
 
         Raises:
             CommandRefused: with the vehicle's reason, and its text if one came.
@@ -218,7 +221,8 @@ class Vehicle:
         result = json.loads(ack.fields_json)["result"]
         if result != 0:
             await asyncio.sleep(TEXT_DELAY_S)
-            text = self.state.last_warning(began_s) or COMMAND_RESULTS.get(result, f"MAV_RESULT {result}")
+            text = self.state.refusal(began_s if reason_since_s is None else reason_since_s)
+            text = text or COMMAND_RESULTS.get(result, f"MAV_RESULT {result}")
             raise CommandRefused(f"the vehicle refused to {doing}: {text}")
 
     async def ask_for_rates(self, rates_hz: Mapping[int, float] = ASKED_RATES_HZ) -> None:

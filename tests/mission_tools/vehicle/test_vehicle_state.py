@@ -60,3 +60,12 @@ def test_the_last_complaint_is_a_warning_or_worse_and_not_older_than_asked() -> 
         state.handle("STATUSTEXT", 1, {"severity": severity, "text": text}, at_s)
     assert state.last_warning(1.5) == "Arm: no fix"
     assert state.last_warning(2.5) == ""
+
+
+def test_a_failsafe_that_fires_meanwhile_is_no_reason_for_a_refusal() -> None:
+    state = VehicleState()
+    for at_s, text in ((1.0, "Arm: Battery: 9.6 V is below 10.5 V"), (1.2, "Failsafe: Battery low: 9.6 V")):
+        state.handle("STATUSTEXT", 1, {"severity": 3, "text": text}, at_s)
+    assert state.last_warning(0.0) == "Failsafe: Battery low: 9.6 V"
+    assert state.refusal(0.0) == "Arm: Battery: 9.6 V is below 10.5 V"
+    assert state.refusal(1.1) == ""
