@@ -8,9 +8,9 @@ from boat_rig import Rig
 
 from companion.boat import TICK_S
 from companion.links.memory import MemoryLink, memory_pair
-from companion.shore.messages import Answer, Request, Snapshot
-from companion.shore.station.boats import Boats
-from companion.shore.station.wire import Link
+from mission_tools.station.boats import Boats
+from mission_tools.station.messages import Answer, Request, Snapshot
+from mission_tools.station.wire import Link
 
 UNIX_S = 1_800_000_000.0
 

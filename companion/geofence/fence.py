@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from companion.config.fence import AREAS_KIND, CIRCLE_KIND, FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
-from companion.geofence.fence_lines import Area, Disc, Ring
+from companion.planning.areas import Area, Disc, Ring
 
 _PROJECTIONS = 20
 _SLACK_M = 1e-3

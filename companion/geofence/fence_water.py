@@ -6,21 +6,18 @@ keep them: inscribed to an inclusion circle, circumscribed about an exclusion ci
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import NamedTuple
 
 from companion.core.geo import Point, distance_m
 from companion.geofence.fence import Fence
-from companion.geofence.fence_lines import Area, Disc
 from companion.geofence.separation import Separation
+from companion.planning.area_shores import CIRCLE_ERROR_M, corners_of, outside_of
 from companion.planning.visibility import NoWay, Routes
 from companion.planning.water import Shore, Water
 
 MARGIN_SHARES = (1.5, 0.75, 0.25)
 """Clearances of a way in shares of fence.margin_m, tried one after the other: the brake acts within 1."""
 _LEAST_CLEARANCE_M = 0.05
-_CIRCLE_ERROR_M = 0.1  # between a circle and its polygon; a tenth of the position's error
-_CIRCLE_SIDES = (12, 96)
 _FRAME_M = 1.0  # between areas and the frame round them
 _EXIT_RADII = (0.5, 1.0, 2.0, 4.0)  # clearances
 _EXIT_BEARINGS = 16
@@ -126,7 +123,7 @@ def _with_clearance(
     def is_exit(place: Point) -> bool:
         return routes.is_free(place) and (is_outside or not fence.crosses(at, place))
 
-    nearest = fence.inside(at, clearance_m + _CIRCLE_ERROR_M)
+    nearest = fence.inside(at, clearance_m + CIRCLE_ERROR_M)
     if is_exit(nearest):
         return nearest
     for radius in _EXIT_RADII:
@@ -139,40 +136,3 @@ def _with_clearance(
         if found:
             return min(found, key=lambda place: distance_m(place, towards))
     return None
-
-
-def corners_of(area: Area) -> tuple[Point, ...]:
-    """Those of a polygon, or of one that keeps a circle."""
-    if not isinstance(area, Disc):
-        return area.vertices
-    least, most = _CIRCLE_SIDES
-    # The error of n sides is about radius · (π/n)² / 2
-    sides = min(max(math.ceil(math.pi * math.sqrt(0.5 * area.radius_m / _CIRCLE_ERROR_M)), least), most)
-    radius_m = area.radius_m
-    if not area.is_inclusion:
-        radius_m /= math.cos(math.pi / sides)
-    north_m, east_m = area.centre
-    return tuple(
-        Point(north_m + radius_m * math.cos(a), east_m + radius_m * math.sin(a))
-        for a in (math.tau * number / sides for number in range(sides))
-    )
-
-
-def outside_of(corners: Sequence[Point], frame: tuple[float, float, float, float]) -> Shore:
-    """A frame without the inside of a ring, as one ring: a slit joins it to the ring's northmost corner."""
-    south_m, west_m, north_m, east_m = frame
-    first = max(range(len(corners)), key=lambda number: corners[number].north_m)
-    ring = [*corners[first:], *corners[: first + 1]]
-    double_area = sum(a.east_m * b.north_m - b.east_m * a.north_m for a, b in pairwise(ring))
-    if double_area > 0.0:
-        ring.reverse()  # clockwise inside the counter-clockwise frame
-    slit = Point(north_m, ring[0].east_m)
-    frame_ring = [
-        slit,
-        Point(north_m, west_m),
-        Point(south_m, west_m),
-        Point(south_m, east_m),
-        Point(north_m, east_m),
-        slit,
-    ]
-    return Shore((*frame_ring, *ring))

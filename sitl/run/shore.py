@@ -33,7 +33,7 @@ from sitl.run.kept_child import KeptChild, KeptPage, hand_over, take_over
 PIN_DIGITS = 8
 LISTEN = "127.0.0.1:8080"
 _LOOPBACK = "127.0.0.1"
-_PROGRAM = (sys.executable, "-m", "companion.shore")
+_PROGRAM = (sys.executable, "-m", "mission_tools.shore")
 _END_S = 5.0  # the child has this long to close its sockets
 _NICE = 5  # as in the unit of docs/shore.md
 _ENDED_AS_ASKED = (0, 130)  # also by Ctrl-C, which a terminal sends to both programs

@@ -8,7 +8,7 @@ from aiohttp import ClientSession, CookieJar
 from patience import JOB_S
 from programs import RunBoat, RunProgram
 
-from companion.shore.web.pin_file import PinFile
+from mission_tools.shore.web.login.pin_file import PinFile
 
 pytestmark = pytest.mark.realtime
 pytest_plugins = ("program_fixtures",)

@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.ftp_frames import Code, Opcode
-from companion.shore.station.ftp.blocks import WINDOW_BYTES
-from companion.shore.station.ftp.client import MOST_WAITING, FtpClient
-from companion.shore.station.ftp.jobs import Entry, FtpFailure
-from companion.shore.station.ftp.reading import Reading
-from companion.shore.words import say
+from mission_tools.station.ftp.blocks import WINDOW_BYTES
+from mission_tools.station.ftp.client import MOST_WAITING, FtpClient
+from mission_tools.station.ftp.jobs import Entry, FtpFailure
+from mission_tools.station.ftp.reading import Reading
+from mission_tools.station.words import say
 from sitl.radio.channel import Channel, Quality
 
 TICK_S = 0.02

@@ -44,13 +44,13 @@ class ShoreBoat(NamedTuple):
     @property
     def child(self) -> int:
         """The process of the page's program."""
-        (pid,) = [pid for pid in processes_of(self.program.pid) if "companion.shore" in _words(pid)]
+        (pid,) = [pid for pid in processes_of(self.program.pid) if "mission_tools.shore" in _words(pid)]
         return pid  # it may have children: the planner, a check of the configuration
 
     def options(self) -> list[str]:
         """What the page's program was started with."""
         words = _words(self.child)
-        return words[words.index("companion.shore") + 1 : -1]
+        return words[words.index("mission_tools.shore") + 1 : -1]
 
 
 def _words(process: int) -> list[str]:

@@ -14,8 +14,9 @@ from aiohttp import web
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
-from companion.shore.chart import Chart, Way
-from companion.shore.messages import Place
+from mission_tools.shore.chart import Chart, Way
+from mission_tools.station.messages import Place
+from mission_tools.station.words import FOLDER
 
 CHROMIUM = Path("/usr/bin/chromium")
 SWITCHES = [
@@ -24,7 +25,7 @@ SWITCHES = [
 ]
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
-PAGE = ROOT / "companion" / "shore" / "page"
+PAGE = ROOT / "mission_tools" / "shore" / "page"
 MAPS = ROOT / "examples" / "maps"
 POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'"
 PHONE = {"width": 390, "height": 844}
@@ -52,8 +53,12 @@ def address() -> Iterator[str]:
     async def chart(_: web.Request) -> web.Response:
         return web.Response(body=Chart(MAPS / "mill_pond.geojson").geojson(), content_type="application/json")
 
+    async def words(_: web.Request) -> web.FileResponse:
+        return web.FileResponse(FOLDER / "words.en.json")
+
     app = web.Application(middlewares=[with_policy])
     app.router.add_get("/api/chart", chart)
+    app.router.add_get("/page/words.en.json", words)
     app.router.add_static("/page", PAGE)
     app.router.add_static("/rig", HERE)
     loop = asyncio.new_event_loop()

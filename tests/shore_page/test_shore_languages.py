@@ -16,14 +16,14 @@ from playwright.sync_api import Browser, Page, expect
 from pymavlink.dialects.v20 import all as dialect
 
 from companion.core.modes import Mode
-from companion.shore.chart import Chart
-from companion.shore.program import SystemClock
-from companion.shore.station.boats import Boats
-from companion.shore.web.listening import Listening
-from companion.shore.web.pin_file import PinFile
-from companion.shore.web.server import make_app
-from companion.shore.web.session import Sessions
-from companion.shore.words import PAGE
+from mission_tools.shore.chart import Chart
+from mission_tools.shore.program import SystemClock
+from mission_tools.shore.web.connections.listening import Listening
+from mission_tools.shore.web.login.pin_file import PinFile
+from mission_tools.shore.web.login.session import Sessions
+from mission_tools.shore.web.server import make_app
+from mission_tools.station.boats import Boats
+from mission_tools.station.words import FOLDER
 from pictures.browser import SIZES
 
 pytest_plugins = ("page_fixtures",)
@@ -59,8 +59,8 @@ WIDE = {code: code + 0xFEE0 for code in range(0x41, 0x7B) if chr(code).isalpha()
 def foreign_page(shore: ShoreBoat, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """The page's server with words.xx.json in its folder, a station of the module's boat."""
     room = tmp_path_factory.mktemp("foreign")
-    shutil.copytree(PAGE, room / "page")
-    words = json.loads((PAGE / "words.en.json").read_text("utf-8"))
+    shutil.copytree(FOLDER.parents[1] / "shore" / "page", room / "page")
+    words = json.loads((FOLDER / "words.en.json").read_text("utf-8"))
     made_up = {key: foreign(text) for key, text in words.items()} | {"language": "xx"}
     (room / "page" / "words.xx.json").write_text(json.dumps(made_up), encoding="utf-8")
     pin_file = PinFile(room / "pin")

@@ -95,6 +95,6 @@ def test_the_page_goes_on_by_itself_when_its_server_starts_again(
     os.kill(shore.child, signal.SIGKILL)
     expect(page.get_by_text("Not connected. Trying again.").first).to_be_visible()
     expect(page.get_by_text("Last heard").first).to_be_visible()
-    run_program(sys.executable, "-m", "companion.shore", *options)
+    run_program(sys.executable, "-m", "mission_tools.shore", *options)
     expect(page.get_by_text("Connected").first).to_be_visible()
     expect(page.get_by_text("Last heard").first).to_be_hidden()

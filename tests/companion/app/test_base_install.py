@@ -66,17 +66,16 @@ def imported_packages(folder: Path) -> Iterator[tuple[Path, str]]:
 
 def test_the_companion_imports_exactly_the_base() -> None:
     """gpiozero, lgpio and smbus2 are loaded by name where a part needs them (`import_optional`)."""
-    found = {
-        name
-        for path, name in imported_packages(ROOT / "companion")
-        if ROOT / "companion" / "shore" not in path.parents
-    }
+    found = {name for _, name in imported_packages(ROOT / "companion")}
     assert found - set(sys.stdlib_module_names) - {"companion"} == BASE
 
 
 def test_the_page_imports_of_others_only_its_extra_and_the_base() -> None:
-    found = {name for _, name in imported_packages(ROOT / "companion" / "shore")}
-    assert found - set(sys.stdlib_module_names) - {"companion"} - BASE == packages(EXTRAS["web"])
+    rooms = [ROOT / "mission_tools" / room for room in ("shore", "station")]
+    found = {name for room in rooms for _, name in imported_packages(room)}
+    assert found - set(sys.stdlib_module_names) - {"companion", "mission_tools"} - BASE == packages(
+        EXTRAS["web"]
+    )
 
 
 def test_all_contains_every_extra_that_is_not_for_development() -> None:
@@ -111,7 +110,7 @@ def test_the_companion_checks_a_configuration_without_the_extras() -> None:
 @pytest.mark.parametrize(
     ("module", "extra", "arguments"),
     [
-        ("companion.shore.__main__", "web", ("boat-shore",)),
+        ("mission_tools.shore.__main__", "web", ("boat-shore",)),
         ("sitl.__main__", "sitl", ("boat-sitl", "sail", "pool")),
         ("mission_tools.cli.plan", "planner", ("mission-plan", "lake")),
         ("mission_tools.cli.upload", "planner", ("mission-upload", "lake", "--dry-run")),

@@ -13,7 +13,7 @@ from companion.core.errors import LinkError
 
 PROGRAMS = {
     "boat-companion": "companion.__main__",
-    "boat-shore": "companion.shore.__main__",
+    "boat-shore": "mission_tools.shore.__main__",
     "boat-sitl": "sitl.__main__",
     "mission-plan": "mission_tools.cli.plan",
     "mission-upload": "mission_tools.cli.upload",

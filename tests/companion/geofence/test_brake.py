@@ -7,7 +7,7 @@ import math
 
 import pytest
 from msgspec.structs import replace
-from test_fence_lines import globe, laid, square
+from test_fence_areas import globe, laid, square
 
 from companion.config.boat_config import BoatConfig, decode_config, with_value
 from companion.core.geo import Point

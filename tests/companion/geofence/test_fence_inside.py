@@ -5,7 +5,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from test_fence_lines import COORDINATE, globe, laid, square
+from test_fence_areas import COORDINATE, globe, laid, square
 
 from companion.core.geo import Point
 from companion.geofence.fence import FenceCircle

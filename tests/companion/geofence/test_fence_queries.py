@@ -6,12 +6,12 @@ import pytest
 import shapely
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from test_fence_lines import ANGLE, FRAME, POINT, globe, laid, shape_of, square, stars
+from test_fence_areas import ANGLE, FRAME, POINT, globe, laid, shape_of, square, stars
 
 from companion.config.fence import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.geofence.fence import Fence, FenceCircle, FencePolygon
-from companion.geofence.fence_lines import Disc, Ring
+from companion.planning.areas import Disc, Ring
 
 ISLAND = FenceCircle(globe([(20.0, 0.0)])[0], 5.0, is_inclusion=False)
 HOME = FRAME.to_global(Point(100.0, 0.0))

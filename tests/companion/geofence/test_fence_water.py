@@ -5,7 +5,7 @@ import random
 from itertools import pairwise
 
 import pytest
-from test_fence_lines import globe, laid, square
+from test_fence_areas import globe, laid, square
 
 from companion.core.geo import Point, distance_m
 from companion.geofence import fence_water

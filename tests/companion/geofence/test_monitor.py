@@ -1,7 +1,7 @@
 """How far beyond the fence the boat is, and how often it has been."""
 
 import pytest
-from test_fence_lines import laid, square
+from test_fence_areas import laid, square
 
 from companion.config.boat_config import MotorLimits
 from companion.core.state import NavState

@@ -1,7 +1,7 @@
 """The route through the water: its legs go straight to the farthest corner in sight."""
 
 import pytest
-from test_fence_lines import globe, laid, square
+from test_fence_areas import globe, laid, square
 from test_fence_water import L_WATER
 
 from companion.config.boat_config import BoatConfig

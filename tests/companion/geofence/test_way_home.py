@@ -6,7 +6,7 @@ from itertools import pairwise
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
-from test_fence_lines import FRAME, globe, laid, square
+from test_fence_areas import FRAME, globe, laid, square
 from test_fence_water import L_WATER
 
 from companion.config.boat_config import BoatConfig, with_value

@@ -13,7 +13,7 @@ from companion.app.doctor.findings import Examined
 from companion.app.install.page import PIN_FILE, shore_unit_text
 from companion.app.install.target import Target
 from companion.config.boat_config import load_config
-from companion.shore.command_line import read_arguments
+from mission_tools.shore.command_line import read_arguments
 
 __all__ = ("root",)
 
@@ -84,7 +84,7 @@ def test_a_page_that_could_not_start_is_not_installed(
 def test_the_page_program_says_its_version_only_when_it_can_serve() -> None:
     code = (
         "import sys; sys.modules['aiohttp'] = None; sys.argv[1:] = ['--version']\n"
-        "from companion.shore.__main__ import main; main()"
+        "from mission_tools.shore.__main__ import main; main()"
     )
     ended = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True)
     assert (ended.returncode, ended.stdout) == (2, "")

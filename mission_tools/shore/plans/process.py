@@ -1,0 +1,152 @@
+"""Runs the planner: one at a time, a few waiting, each with its own folder, and none longer than a minute."""
+
+import asyncio
+import contextlib
+import os
+import signal
+import sys
+from pathlib import Path
+from typing import Any, Final
+
+import msgspec
+
+from mission_tools.station.words import say
+
+LIMIT_S: Final = 60.0
+MOST_WAITING: Final = 3
+_LAUNCHER: Final = "mission_tools.shore.plans.launcher"
+_MOST_REPORT_BYTES: Final = 8_000_000  # of 5000 items 1 MB
+_NEEDS_EXTRA: Final = "needs the extra"
+_PROGRAM: Final = "mission-plan: "
+_PLAINLY: Final = {
+    "--start-at": "the start",
+    "--goal": "the goal",
+    "--via": "a place",
+    "--survey": "the survey",
+    "--clearance": "the clearance",
+    "--speed": "the speed",
+    "--footprint": "the footprint",
+    "--overlap": "the overlap",
+    "--angle": "the angle",
+    "--boat": "the boat",
+}
+"""The planner's options, which nobody has seen who reads its sentences on the page."""
+_ONE_THREAD: Final = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+"""Each further thread of a numeric library reserves address space, and takes a core from the boat."""
+TOO_LONG: Final = say("planner.slow", n=LIMIT_S)
+BUSY: Final = say("planner.busy")
+ENDING: Final = say("planner.ends")
+
+
+class PlannerError(Exception):
+    """The planner has said no: its own sentence."""
+
+
+class PlannerMissingError(Exception):
+    """The planner is not installed: says what installs it."""
+
+
+class PlannerBusyError(Exception):
+    """Too much was asked for at once, or the server ends."""
+
+
+class Planner:
+    """The one planner of a server."""
+
+    def __init__(self, limit_s: float = LIMIT_S) -> None:
+        self._limit_s = limit_s
+        self._one = asyncio.Lock()
+        self._asked = 0
+        self._process: asyncio.subprocess.Process | None = None
+        self._is_closed = False
+
+    async def run(self, arguments: list[str], folder: Path) -> dict[str, Any]:
+        """What mission-plan reports as JSON. Cancel the call to end the process.
+
+        folder: for its input and output, and its working directory.
+
+        Raises:
+            PlannerError, PlannerMissingError, PlannerBusyError: a sentence for people.
+        """
+        if self._asked > MOST_WAITING or self._is_closed:
+            raise PlannerBusyError(ENDING if self._is_closed else BUSY)
+        self._asked += 1
+        try:
+            async with self._one:
+                if self._is_closed:
+                    raise PlannerBusyError(ENDING)
+                code = await self._run(arguments, folder)
+                return await asyncio.to_thread(_report, code, folder)
+        finally:
+            self._asked -= 1
+
+    async def _run(self, arguments: list[str], folder: Path) -> int:
+        command = (sys.executable, "-m", _LAUNCHER, str(os.getpid()), *arguments, "--json", "--items")
+        with (folder / "report.json").open("wb") as told, (folder / "errors.txt").open("wb") as errors:
+            process = await asyncio.create_subprocess_exec(
+                *command,
+                stdin=asyncio.subprocess.DEVNULL,
+                stdout=told,
+                stderr=errors,
+                cwd=folder,
+                env={**os.environ, **_ONE_THREAD, "HOME": str(folder), "TMPDIR": str(folder)},
+                start_new_session=True,
+            )
+            self._process = process
+            try:
+                async with asyncio.timeout(self._limit_s):
+                    return await process.wait()
+            except TimeoutError:
+                raise PlannerError(TOO_LONG) from None
+            finally:
+                _kill(process)
+                await asyncio.shield(process.wait())
+                self._process = None
+
+    def close(self) -> None:
+        """End what runs. May be called twice."""
+        self._is_closed = True
+        if self._process is not None:
+            _kill(self._process)
+
+
+def _kill(process: asyncio.subprocess.Process) -> None:
+    """With all that it has started."""
+    if process.returncode is None:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+
+
+def _report(code: int, folder: Path) -> dict[str, Any]:
+    told = _head(folder / "report.json", _MOST_REPORT_BYTES)
+    try:
+        report = msgspec.json.decode(told, type=dict[str, Any])
+    except (msgspec.DecodeError, RecursionError, UnicodeError):
+        report = {}
+    if code == 0 and report.get("ok") is True:
+        return report
+    said = report.get("error")
+    text = said if isinstance(said, str) and said else _last_line(folder / "errors.txt")
+    text = text.removeprefix(_PROGRAM).replace(f"{folder}{os.sep}", "")
+    for option, plainly in _PLAINLY.items():
+        text = text.replace(option, plainly)
+    if _NEEDS_EXTRA in text:
+        raise PlannerMissingError(say("planner.missing", why=text))
+    if code in (-signal.SIGXCPU, -signal.SIGKILL):
+        raise PlannerError(TOO_LONG)
+    if "MemoryError" in text or code < 0:
+        raise PlannerError(say("planner.memory"))
+    if not text:
+        raise PlannerError(say("planner.ended", n=code))
+    begins_with_file = "." in text.partition(":")[0].partition(" ")[0]
+    raise PlannerError(text if begins_with_file else text[:1].upper() + text[1:])
+
+
+def _head(path: Path, most: int) -> bytes:
+    with path.open("rb") as file:
+        return file.read(most)
+
+
+def _last_line(path: Path) -> str:
+    lines = _head(path, 65_536).decode("utf-8", "replace").strip().splitlines()
+    return lines[-1].strip() if lines else ""

@@ -1,0 +1,209 @@
+"""A fleet, a chart and a clock for the server's tests, and a server with a client."""
+
+import asyncio
+import tempfile
+from collections.abc import AsyncIterator, Callable, Coroutine
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import msgspec
+from aiohttp import ClientWebSocketResponse, web
+from aiohttp.test_utils import TestClient, TestServer
+
+from companion.mavlink.items import MissionItem
+from mission_tools.shore.plans.plan_service import Sources
+from mission_tools.shore.web.hub import Hub
+from mission_tools.shore.web.interfaces import Files, ItemKind, LogList
+from mission_tools.shore.web.login.pin_file import PinFile
+from mission_tools.shore.web.login.session import Sessions
+from mission_tools.shore.web.server import HUB, make_app
+from mission_tools.station.messages import Answer, BoatName, Place, Request, Sensor, Snapshot
+from mission_tools.station.outcome import Answered
+from mission_tools.station.parameters.parameter_table import ParameterTable
+from mission_tools.station.uploads import Upload
+
+PIN = "482913"
+NO_SOURCES = Sources()
+PAGE = {
+    "index.html": "<!doctype html><title>boat</title>" + "<p>water</p>" * 100,
+    "main.js": "export const one = 1;\n" * 100,
+    "style.css": "body { color: black }",
+    "words.en.json": "{}",
+}
+
+
+class FakeClock:
+    """Time as a test sets it."""
+
+    def __init__(self, at_s: float = 1000.0, date_s: float = 1.8e9) -> None:
+        self.at_s = at_s
+        self.date_s = date_s  # Unix time when the clock was at 0
+
+    def now_s(self) -> float:
+        return self.at_s
+
+    def unix_s(self) -> float:
+        return self.date_s + self.at_s
+
+
+class FakeBoats:
+    """Boats with the snapshots of a test; requests are answered when it says so."""
+
+    def __init__(self) -> None:
+        self.now: dict[int, Snapshot] = {
+            1: Snapshot(boat=1, heard_s=5.0, mode="HOLD", place=Place(lat=1, lon=2))
+        }
+        self.lists: dict[ItemKind, dict[str, Any]] = {}
+        self.asked: list[tuple[Request, Callable[[Answer], None]]] = []
+        self.items_on_board: tuple[MissionItem, ...] | None = None
+        self.uploads: list[tuple[Upload, Answered]] = []
+        self.tables: dict[int, ParameterTable] = {}
+        self.polls = 0
+        self.is_operator = False
+        self.is_transferring = False
+        self.own_files: Files | None = None
+        self.own_logs: LogList | None = None
+
+    def poll(self, now_s: float, unix_s: float) -> None:
+        self.polls += 1
+
+    def names(self) -> list[BoatName]:
+        return [BoatName(id=boat, name=f"boat {boat}", heard_s=one.heard_s) for boat, one in self.now.items()]
+
+    @property
+    def first(self) -> int | None:
+        return next(iter(self.now), None)
+
+    def filenos(self) -> list[int]:
+        return []
+
+    def snapshot(self, boat: int) -> Snapshot | None:
+        return self.now.get(boat)
+
+    def items(self, boat: int, kind: ItemKind) -> dict[str, Any] | None:
+        return self.lists.get(kind)
+
+    def sensors(self, boat: int) -> list[Sensor] | None:
+        if boat not in self.now:
+            return None
+        return [Sensor(name="gnss", verdict="fine", text="good", values={"satellites": 12})]
+
+    def track(self, boat: int) -> list[tuple[float, float]]:
+        return [(12.5, 48.0), (12.6, 48.0)]
+
+    def mission(self, boat: int) -> tuple[MissionItem, ...] | None:
+        return self.items_on_board
+
+    def upload(self, boat: int, upload: Upload, answered: Answered) -> None:
+        self.uploads.append((upload, answered))
+
+    def parameters(self, boat: int) -> ParameterTable | None:
+        return self.tables.get(boat)
+
+    def files(self, boat: int) -> Files | None:
+        return self.own_files
+
+    def logs(self, boat: int) -> LogList | None:
+        return self.own_logs
+
+    def ask(self, request: Request, answer: Callable[[Answer], None]) -> None:
+        self.asked.append((request, answer))
+
+    def answer_all(self, text: str) -> None:
+        asked, self.asked = self.asked, []
+        for request, answer in asked:
+            answer(Answer(id=request.id, ok=True, text=text))
+
+    def change(self, **values: Any) -> None:  # noqa: ANN401 (fields of a Snapshot)
+        self.now[1] = msgspec.structs.replace(self.now[1], **values)
+
+
+class FakeWay(NamedTuple):
+    points: list[tuple[float, float]]
+    length_m: float
+
+
+class FakeChart:
+    content = b'{"type":"FeatureCollection","features":[]}' + b" " * 500
+
+    def geojson(self) -> bytes:
+        return self.content
+
+    def way(self, start: Place, goal: Place, fence: dict[str, Any] | None) -> FakeWay:
+        return FakeWay([(start.lon, start.lat), (goal.lon, goal.lat)], 100.0)
+
+
+class Server:
+    """A server on a free port, polled by the test, and a client of it."""
+
+    def __init__(
+        self, client: TestClient[web.Request, web.Application], app: web.Application, pin: PinFile
+    ) -> None:
+        self.client = client
+        self.app = app
+        self.hub: Hub = app[HUB]
+        self.pin = pin
+        assert isinstance(self.hub.boats, FakeBoats)
+        assert isinstance(self.hub.clock, FakeClock)
+        self.boats = self.hub.boats
+        self.clock = self.hub.clock
+
+    @property
+    def origin(self) -> str:
+        return f"http://127.0.0.1:{self.client.port}"
+
+    @property
+    def own(self) -> dict[str, str]:
+        """Headers of a page of this server."""
+        return {"Origin": self.origin}
+
+    def tick(self, later_s: float = 0.2) -> None:
+        self.clock.at_s += later_s
+        self.hub.tick()
+
+    async def log_in(self, pin: str = PIN) -> int:
+        async with self.client.post("/api/session", json={"pin": pin}, headers=self.own) as response:
+            return response.status
+
+    async def live(self, path: str = "/live?boat=1", **options: Any) -> ClientWebSocketResponse:  # noqa: ANN401
+        return await self.client.ws_connect(path, **({"headers": self.own} | options))
+
+
+@asynccontextmanager
+async def serving(
+    *,
+    has_pin: bool = True,
+    hosts: tuple[str, ...] = (),
+    sources: Sources = NO_SOURCES,
+) -> AsyncIterator[Server]:
+    with tempfile.TemporaryDirectory() as folder:
+        page = Path(folder) / "page"
+        page.mkdir()
+        for name, text in PAGE.items():
+            (page / name).write_text(text, encoding="utf-8")
+        pin = PinFile(Path(folder) / "pin")
+        if has_pin:
+            pin.write(PIN)
+        app = make_app(
+            FakeBoats(),
+            FakeChart(),
+            Sessions(pin),
+            page,
+            FakeClock(),
+            sources=sources,
+            hosts=hosts,
+            is_polling=False,
+        )
+        async with TestClient(TestServer(app)) as client:
+            yield Server(client, app, pin)
+
+
+async def until(is_so: Callable[[], bool]) -> None:
+    """Let the server's tasks run until something is so; the test's own timeout ends what never is."""
+    while not is_so():
+        await asyncio.sleep(0)
+
+
+def run(test: Coroutine[Any, Any, None]) -> None:
+    asyncio.run(test)

@@ -1,0 +1,364 @@
+"""Boats: what is seen of one boat or several, over links that come and go."""
+
+import struct
+from pathlib import Path
+
+import msgspec
+from boat_rig import HOME_ITEM, Rig, scenario, waypoint
+from pymavlink.dialects.v20 import all as peer
+from shore_rig import UNIX_S, LossyEnd, Shore
+
+from companion.core.geo import Point
+from companion.links.memory import MemoryLink, memory_pair
+from companion.mavlink.dialect import dialect
+from companion.mavlink.items import MissionItem, MissionType
+from mission_tools.station import boats
+from mission_tools.station.boats import Boats
+
+
+def test_the_main_values_of_a_boat() -> None:
+    rig = Rig()
+    shore = Shore(rig).ready()
+    shore.run(3.0)
+    seen, truth = shore.snapshot(), rig.world.truth
+    assert seen.boat == 1
+    assert seen.mode == "HOLD"
+    assert "LOITER" in seen.modes
+    assert seen.armed is False
+    assert seen.state == "standby"
+    assert seen.heard_s is not None
+    assert abs(seen.heard_s - (UNIX_S + shore.now_s)) <= 1.1
+    assert seen.battery is not None
+    assert seen.battery.voltage_v is not None
+    assert 11.0 < seen.battery.voltage_v < 13.0
+    assert seen.battery.left_s is None, "at rest the charge lasts for hours"
+    assert seen.fix is not None
+    assert seen.fix.type == "3D"
+    assert seen.fix.error_m is not None
+    assert seen.compass is not None
+    assert seen.compass.text == "good"
+    assert seen.place is not None
+    at = scenario().frame.to_global(Point(truth.north_m, truth.east_m))
+    assert abs(seen.place.lat - at.lat_deg) < 1e-4
+    assert abs(seen.place.lon - at.lon_deg) < 1e-4
+    assert seen.home is not None
+    assert seen.home.distance_m is not None
+    assert seen.cruise_m_s == scenario().vehicle.speed.cruise_m_s
+    assert seen.current is not None
+    assert seen.sonar is not None
+    assert seen.obstacles is not None
+    assert len(seen.obstacles.ranges_m) == 72
+    assert seen.load is not None
+    assert b"NaN" not in msgspec.json.encode(seen)
+
+
+def test_a_boat_that_was_never_heard_has_no_snapshot() -> None:
+    shore = Shore(Rig())
+    assert shore.boats.snapshot(1) is None
+    assert shore.boats.items(1, "mission") is None
+    assert shore.boats.track(1) == []
+    assert shore.boats.names() == []
+
+
+def test_two_boats_are_told_apart() -> None:
+    other = Rig(config={"identity.system_id": 2})
+    rig = Rig()
+    shore = Shore(rig, other).ready()
+    assert [(one.id, one.name) for one in shore.boats.names()] == [(1, ""), (2, "")]
+    assert shore.ask("arm", boat=2).ok
+    assert shore.ask("set_mode", {"mode": "LOITER"}, boat=2).ok
+    assert (rig.boat.vehicle.armed, other.boat.vehicle.armed) == (False, True)
+    shore.run(1.5)
+    assert (shore.snapshot(1).mode, shore.snapshot(2).mode) == ("HOLD", "LOITER")
+    first, second = shore.boats.names()
+    assert (first.mode, first.armed, second.mode, second.armed) == ("HOLD", False, "LOITER", True)
+    for one in (first, second):
+        seen = shore.snapshot(one.id)
+        assert seen.battery is not None
+        assert (one.place, one.heading_deg, one.percent) == (
+            seen.place,
+            seen.heading_deg,
+            seen.battery.percent,
+        )
+        assert one.percent is not None
+        assert one.age_s is not None
+        assert one.age_s < 1.1
+    shore.ends[1].loss = 1.0
+    shore.run(5.0)
+    first, second = shore.boats.names()
+    assert first.age_s is not None
+    assert first.age_s < 1.1
+    assert second.age_s is not None
+    assert 4.9 < second.age_s < 6.5
+
+
+def test_a_silent_boat_keeps_its_last_values_and_their_age() -> None:
+    rig = Rig()
+    shore = Shore(rig).ready()
+    before = shore.snapshot()
+    shore.ends[0].loss = 1.0
+    shore.run(20.0)
+    assert shore.snapshot().heard_s == before.heard_s
+    assert shore.snapshot().place == before.place
+
+
+def test_a_new_link_is_used_at_once() -> None:
+    rig = Rig()
+    shore = Shore(rig).ready()
+    shore.ends[0].deafen()
+    shore.ends.append(shore.link(rig))
+    shore.run(3.0)
+    assert shore.ask("arm").ok
+
+
+def test_a_restarted_boat_is_asked_for_its_streams_again() -> None:
+    rig = Rig()
+    shore = Shore(rig).ready()
+    shore.ends[0].hang_up()
+    rig.reboot()
+    shore.ends.append(shore.link(rig))
+    shore.run(20.0)
+    before = shore.snapshot().sonar
+    seen = {str(before)}
+    for _ in range(25):
+        shore.run(0.2)
+        seen.add(str(shore.snapshot().sonar))
+    assert len(seen) > 8  # pings at the rate asked for
+    assert shore.ask("arm").ok
+
+
+FENCE = [
+    MissionItem(frame=3, command=5001, param1=4.0, x=waypoint(n, e).x, y=waypoint(n, e).y)
+    for n, e in ((-50.0, -50.0), (-50.0, 90.0), (90.0, 90.0), (90.0, -50.0))
+]
+CIRCLE = MissionItem(frame=3, command=5004, param1=7.0, x=waypoint(70.0, 70.0).x, y=waypoint(70.0, 70.0).y)
+RALLY = MissionItem(frame=3, command=5100, x=waypoint(10.0, 10.0).x, y=waypoint(10.0, 10.0).y)
+
+
+def test_lists_are_downloaded_as_geojson() -> None:
+    rig = Rig().ready()
+    rig.upload([*FENCE, CIRCLE], mission_type=MissionType.FENCE)
+    rig.upload([RALLY], mission_type=MissionType.RALLY)
+    rig.upload([HOME_ITEM, waypoint(60.0, 0.0), waypoint(0.0, 0.0, command=178)])
+    shore = Shore(rig).ready()
+    fence, rally = shore.boats.items(1, "fence"), shore.boats.items(1, "rally")
+    mission = shore.boats.items(1, "mission")
+    assert fence is not None
+    assert rally is not None
+    assert mission is not None
+    polygon, circle = fence["features"]
+    assert polygon["properties"] == {"seq": 0, "command": 5001, "name": "inclusion"}
+    ring = polygon["geometry"]["coordinates"][0]
+    assert len(ring) == 5
+    assert ring[0] == ring[-1]
+    assert circle["properties"] == {"seq": 4, "command": 5004, "name": "exclusion", "radius_m": 7.0}
+    assert [one["properties"]["name"] for one in rally["features"]] == ["rally point"]
+    assert [one["properties"]["seq"] for one in mission["features"]] == [0, 1, 2]
+    seen = shore.snapshot()
+    assert seen.mission is not None
+    assert seen.fence is not None
+    assert (seen.mission.count, seen.fence.count) == (2, 5)
+
+
+def test_a_list_that_another_station_changes_gets_a_new_version() -> None:
+    rig = Rig().ready()
+    rig.upload([HOME_ITEM, waypoint(60.0, 0.0)])
+    shore = Shore(rig).ready()
+    before = shore.snapshot().mission
+    assert before is not None
+    assert before.version == 1
+    shore.run(100.0)
+    assert shore.snapshot().mission == before  # home moves with the boat: no new version
+    rig.upload([HOME_ITEM, waypoint(60.0, 0.0), waypoint(0.0, 60.0)])
+    shore.run(3.0)
+    after = shore.snapshot().mission
+    assert after is not None
+    assert (after.count, after.version) == (2, 2)
+    rig.upload([HOME_ITEM, waypoint(61.0, 0.0), waypoint(0.0, 60.0)])  # as many items
+    shore.run(40.0)
+    last = shore.snapshot().mission
+    assert last is not None
+    assert last.version == 3
+
+
+def test_lists_come_over_a_lossy_link() -> None:
+    rig = Rig().ready()
+    rig.upload([HOME_ITEM, *[waypoint(5.0 * n, 0.0) for n in range(20)]])
+    shore = Shore(rig, loss=0.2, seed=3)
+    shore.until(lambda: bool(shore.boats.names()) and shore.snapshot().mission is not None, 60.0)
+    mission = shore.boats.items(1, "mission")
+    assert mission is not None
+    assert len(mission["features"]) == 21
+
+
+def test_the_page_is_the_operator_only_while_somebody_steers() -> None:
+    rig = Rig()
+    shore = Shore(rig)
+    shore.boats.is_operator = False
+    shore.run(3.0)
+    kinds = {one.type for one in rig.peer.said("HEARTBEAT")}
+    assert dialect.MAV_TYPE_ONBOARD_CONTROLLER in kinds
+    assert dialect.MAV_TYPE_GCS not in kinds
+    shore.boats.is_operator = True
+    shore.run(3.0)
+    shore.ends[0].loss = 1.0  # the page's computer is gone
+    shore.run(8.0)
+    assert any(text.startswith("Failsafe: Operator lost") for text in rig.peer.texts)
+
+
+def test_texts_are_numbered_and_the_latest_thirty_kept() -> None:
+    rig = Rig().ready()
+    shore = Shore(rig).ready()
+    for _ in range(40):
+        assert shore.ask("set_mode", {"mode": "LOITER"}).ok
+        assert shore.ask("set_mode", {"mode": "HOLD"}).ok
+        shore.run(0.5)
+    lines = shore.snapshot().lines
+    assert len(lines) == 30
+    numbers = [line.number for line in lines]
+    assert numbers == list(range(numbers[0], numbers[0] + 30))
+    assert lines[-1].text == "Mode HOLD"
+
+
+def stranger(shore: Shore) -> MemoryLink:
+    """A link on which a test says what boats say."""
+    near, far = memory_pair("stranger")
+    shore.port.fresh.append(LossyEnd(far, 0.0, 1))
+    return near
+
+
+def heartbeat(system: int, *, armed: bool = False) -> bytes:
+    said = peer.MAVLink(None, system, 1)
+    return bytes(said.heartbeat_encode(11, 3, 128 if armed else 0, 0, 4).pack(said))
+
+
+def mission_current(*ids: int) -> bytes:
+    """MISSION_CURRENT as common.xml has it now: the three ids are extensions behind mission_mode."""
+    payload = struct.pack("<HHBB3I", 0, 0, 0, 0, *ids).rstrip(b"\0") or b"\0"
+    head = struct.pack("<BBBBBB", len(payload), 0, 0, 0, 1, 1) + (42).to_bytes(3, "little")
+    crc = peer.x25crc(head + payload)
+    crc.accumulate(b"\x1c")  # CRC_EXTRA 28
+    return b"\xfd" + head + payload + struct.pack("<H", crc.crc)
+
+
+def asked_lists(link: MemoryLink) -> list[int]:
+    """The lists that the station has asked for, by mission type; each is answered with an empty one."""
+    decoder, said = peer.MAVLink(None), peer.MAVLink(None, 1, 1)
+    asked = []
+    for chunk in link.receive():
+        for message in decoder.parse_buffer(chunk) or []:
+            if message.get_type() == "MISSION_REQUEST_LIST":
+                asked.append(message.mission_type)
+                count = said.mission_count_encode(250, 190, 0, message.mission_type)
+                link.send(bytes(count.pack(said)))
+    return asked
+
+
+def test_a_list_with_a_new_id_is_read_again_at_once() -> None:
+    shore = Shore()
+    link = stranger(shore)
+
+    def asked_within(seconds: int, *ids: int) -> list[int]:
+        asked = []
+        for _ in range(seconds * 10):
+            link.send(heartbeat(1))
+            link.send(mission_current(*ids))
+            shore.run(0.1)
+            asked += asked_lists(link)
+        return asked
+
+    assert asked_within(5, 7, 3, 0) == [0, 1, 2]
+    assert asked_within(10, 7, 3, 0) == []
+    assert asked_within(2, 8, 3, 0) == [0]
+    assert asked_within(2, 8, 4, 0) == [1]
+    assert asked_within(2, 8, 4, 1) == [2]
+    assert asked_within(10, 8, 4, 1) == []
+
+
+def test_boats_that_were_heard_once_give_way_to_one_that_comes() -> None:
+    shore = Shore()
+    link = stranger(shore)
+    link.send(heartbeat(1))
+    shore.run(0.1)
+    for system in range(100, 99 + boats.MOST_BOATS):
+        link.send(heartbeat(system, armed=True))
+    shore.run(0.1)
+    assert len(shore.boats.names()) == boats.MOST_BOATS
+    link.send(heartbeat(2))
+    shore.run(0.1)
+    assert shore.boats.snapshot(2) is None, "all others are heard"
+    shore.run(6.0)
+    link.send(heartbeat(2))
+    shore.run(0.1)
+    assert shore.boats.snapshot(2) is not None
+    assert shore.boats.snapshot(1) is not None, "the first boat stays, however silent"
+    assert len(shore.boats.names()) == boats.MOST_BOATS
+
+
+def test_a_boat_that_is_silent_for_an_hour_is_forgotten_but_not_the_first() -> None:
+    shore = Shore()
+    link = stranger(shore)
+    link.send(heartbeat(3))
+    shore.run(0.1)
+    link.send(heartbeat(77, armed=True))
+    shore.run(0.1)
+    shore.now_s += boats.FORGOTTEN_S
+    shore.poll()
+    assert [one.id for one in shore.boats.names()] == [3]
+
+
+def test_the_first_boat_is_the_one_of_this_computer(tmp_path: Path) -> None:
+    file = tmp_path / "status.json"
+    file.write_bytes(b'{"load": 0.25, "links": {"links": []}, "system_id": 3}')
+    shore = Shore()
+    shore.boats = Boats(shore.port, 250, status_file=file)
+    link = stranger(shore)
+    link.send(heartbeat(1, armed=True))
+    shore.run(0.1)
+    assert shore.boats.first == 1
+    link.send(heartbeat(3))
+    shore.run(0.1)
+    assert shore.boats.first == 3
+    assert (shore.snapshot(1).load, shore.snapshot(3).load) == (None, 0.25)
+
+
+def test_the_time_left_is_that_of_sailing_and_steady_from_its_first() -> None:
+    rig = Rig().ready()
+    rig.upload([HOME_ITEM, waypoint(200.0, 0.0), waypoint(0.0, 0.0)])
+    shore = Shore(rig).ready()
+    shore.run(60.0)
+    assert shore.ask("arm").ok
+    assert shore.ask("start").ok
+    times_s: list[float] = []
+    for _ in range(160):
+        shore.run(1.0)
+        battery = shore.snapshot().battery
+        assert battery is not None
+        assert battery.percent is not None
+        if battery.left_s is not None:
+            times_s.append(battery.left_s)
+    assert len(times_s) > 60
+    assert max(times_s) < 1.7 * min(times_s)
+    assert shore.ask("stop").ok
+    shore.run(2.0)
+    stopped = shore.snapshot().battery
+    assert stopped is not None
+    assert stopped.left_s is None
+
+
+def test_that_the_operator_of_a_boat_at_rest_was_away_is_no_news() -> None:
+    rig = Rig().ready()
+    shore = Shore(rig).ready()
+
+    def away() -> None:
+        shore.boats.is_operator = False
+        shore.run(8.0)
+        shore.boats.is_operator = True
+        shore.run(4.0)
+
+    away()
+    assert any(text.startswith("Failsafe over: operator") for text in rig.peer.texts), "the boat says it"
+    assert [line.text for line in shore.snapshot().lines if "perator" in line.text] == []
+    assert shore.ask("arm").ok
+    away()
+    assert any("perator" in line.text for line in shore.snapshot().lines), "of an armed boat it is news"

@@ -1,0 +1,296 @@
+"""Calibrations from the page, on real boats, to their ends and through broken links."""
+
+import math
+
+import pytest
+from boat_rig import OK, Rig
+from shore_rig import Shore
+
+from companion.core.requests import ManualControl
+from companion.mavlink.dialect import dialect
+from mission_tools.station.messages import Calibration
+from mission_tools.station.setup.calibrations import NOTHING_TO_CANCEL, NOTHING_TO_KEEP, UNDER_WAY
+
+MANUAL, HOLD, LOITER = 0, 4, 5
+MAGNETOMETER = (
+    "sensors.compass.magnetometer_mg=203.0",
+    "sensors.compass.hard_iron_deg=25.0",
+    "sensors.compass.soft_iron_deg=5.0",
+    "sensors.compass.motor_deg_per_a=2.0",
+    "sensors.compass.declination_deg=2.0",
+    "sensors.compass.bias_deg=0.0",
+    "sensors.compass.turn_tilt_share=0.0",
+    "sensors.sonar.fitted=false",
+    "vehicle.parts.compass.correction_rad=0.0",
+    "vehicle.parts.compass.declination_rad=0.0349",
+    "seed=4",
+)
+
+
+def shore_of(*settings: str, loss: float = 0.0) -> Shore:
+    shore = Shore(Rig("open", *settings), loss=loss, seed=2)
+    shore.until(lambda: bool(shore.boats.names()), 20.0)
+    shore.run(6.0)
+    return shore
+
+
+def state(shore: Shore) -> Calibration:
+    calibration = shore.snapshot().calibration
+    assert calibration is not None
+    return calibration
+
+
+def parameter(rig: Rig, name: str) -> float:
+    """A value as stations see it."""
+    (value,) = [rig.boat.parameters.value(row) for row in rig.boat.parameters.rows if row.name == name]
+    return value
+
+
+def circle(shore: Shore, seconds: float = 60.0, is_watched: bool = False) -> list[int]:
+    """The boat turns; the progress shown. is_watched: another station is there, too."""
+    (rig,) = shore.rigs
+    shown: list[int] = []
+    for _ in range(round(seconds / 0.2)):
+        rig.boat.vehicle.request(ManualControl(0.2, 0.5))
+        if is_watched:
+            rig.peer.heartbeat()
+        shore.run(0.2)
+        shown += [percent for percent in [state(shore).percent] if percent is not None]
+        if state(shore).state in ("waiting", "failed"):
+            break
+    return shown
+
+
+def sail_by_hand(shore: Shore) -> None:
+    """Another station's hand arms in MANUAL, so that the boat turns by its own power."""
+    (rig,) = shore.rigs
+    assert rig.set_mode(MANUAL) == OK
+    assert rig.arm() == OK
+    shore.run(1.5)
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.3])
+def test_the_compass_is_calibrated_with_progress_and_its_result_kept_when_asked(loss: float) -> None:
+    shore = shore_of(*MAGNETOMETER, loss=loss)
+    (rig,) = shore.rigs
+    answer = shore.ask("calibrate_compass")
+    assert answer.ok, answer
+    assert state(shore).state == "running"
+    sail_by_hand(shore)
+    shown = circle(shore)
+    assert state(shore).state == "waiting", state(shore)
+    assert shown == sorted(shown)
+    assert shown[0] < 20
+    assert len(set(shown)) > 8
+    shore.run(4.0)  # the text may come before the report, which the boat repeats
+    error, offset = state(shore).error_mg, state(shore).offset_mg
+    assert error is not None
+    assert error < 16.0
+    assert offset is not None
+    assert math.hypot(*offset[:2]) > 30.0  # the boat's iron
+    assert parameter(rig, "COMPASS_OFS_X") == 0.0  # not before it is kept
+    assert rig.boat.vehicle.armed
+    assert shore.ask("disarm").ok
+    shore.run(2.5)
+    assert shore.ask("calibrate_accept").ok
+    assert state(shore).state == "done"
+    assert parameter(rig, "COMPASS_OFS_X") == pytest.approx(offset[0], abs=0.1)
+    assert shore.ask("calibrate_accept").text == NOTHING_TO_KEEP
+
+
+def test_the_compass_calibration_is_cancelled_at_any_time() -> None:
+    shore = shore_of(*MAGNETOMETER)
+    (rig,) = shore.rigs
+    assert shore.ask("calibrate_compass").ok
+    sail_by_hand(shore)
+    circle(shore, 4.0)
+    assert state(shore).percent
+    assert shore.ask("calibrate_cancel").ok  # armed, too
+    assert state(shore).state == "cancelled"
+    assert "Compass calibration cancelled" in rig.peer.texts
+    assert shore.ask("calibrate_cancel").text == NOTHING_TO_CANCEL
+    circle(shore, 2.0)
+    assert state(shore).state == "cancelled"
+
+
+def test_a_result_that_is_cancelled_is_not_kept() -> None:
+    shore = shore_of(*MAGNETOMETER)
+    (rig,) = shore.rigs
+    assert shore.ask("calibrate_compass").ok
+    sail_by_hand(shore)
+    circle(shore)
+    assert state(shore).state == "waiting"
+    assert shore.ask("calibrate_cancel").ok
+    assert parameter(rig, "COMPASS_OFS_X") == 0.0
+
+
+def test_a_broken_link_lets_the_boat_go_on_and_its_result_can_be_kept() -> None:
+    shore = shore_of(*MAGNETOMETER)
+    (rig,) = shore.rigs
+    assert shore.ask("calibrate_compass").ok
+    sail_by_hand(shore)
+    circle(shore, 3.0)
+    shore.ends[0].loss = 1.0
+    circle(shore, 40.0, is_watched=True)
+    assert state(shore).state == "silent"
+    assert "Compass calibration to be accepted" in " ".join(rig.peer.texts)
+    shore.ends[0].loss = 0.0
+    shore.run(8.0)
+    assert state(shore).state == "silent"
+    assert shore.ask("disarm").ok
+    shore.run(2.0)
+    assert shore.ask("calibrate_accept").ok
+    assert parameter(rig, "COMPASS_OFS_X") != 0.0
+
+
+def test_a_broken_link_to_the_only_station_ends_the_calibration_of_an_armed_boat() -> None:
+    shore = shore_of(*MAGNETOMETER)
+    (rig,) = shore.rigs
+    assert shore.ask("calibrate_compass").ok
+    sail_by_hand(shore)
+    circle(shore, 3.0)
+    shore.ends[0].loss = 1.0
+    circle(shore, 10.0)
+    assert rig.mode == "LOITER"
+    assert "Compass not calibrated: mode LOITER" in rig.peer.texts
+
+
+def test_a_calibration_whose_end_was_never_heard_is_unknown_in_the_end() -> None:
+    shore = shore_of(*MAGNETOMETER)
+    assert shore.ask("calibrate_gyro").ok
+    shore.ends[0].loss = 1.0
+    shore.run(12.0)
+    assert state(shore).state == "unknown"
+    shore.ends[0].loss = 0.0
+    shore.run(6.0)
+    assert shore.ask("calibrate_gyro").ok
+
+
+def test_a_heading_sensor_that_calibrates_itself_says_so() -> None:
+    shore = shore_of()
+    answer = shore.ask("calibrate_compass")
+    assert not answer.ok
+    assert answer.text.startswith("Compass: calibrates itself while turning")
+    assert (state(shore).state, state(shore).text) == ("failed", answer.text)
+
+
+def test_the_gyro_is_calibrated_in_three_seconds() -> None:
+    shore = shore_of("sensors.compass.gyro_bias_deg_s=1.5")
+    (rig,) = shore.rigs
+    assert shore.ask("calibrate_gyro").ok
+    shore.until(lambda: state(shore).state == "done", 5.0)
+    assert state(shore).text == "Gyro calibrated"
+    assert parameter(rig, "INS_GYROFFS_Z") == pytest.approx(math.radians(1.5), abs=0.01)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_end_is_known_if_the_answer_or_the_text_is_heard_and_else_said_to_be_unknown(seed: int) -> None:
+    shore = shore_of()
+    assert shore.ask("calibrate_gyro").ok
+    shore.ends[0].reseed(seed, 0.5)
+    shore.run(12.0)
+    (rig,) = shore.rigs
+    assert "Gyro calibrated" in rig.peer.texts
+    heard = "Gyro calibrated" in [line.text for line in shore.snapshot().lines]
+    assert state(shore).state == "done" or not heard
+    assert state(shore).state in ("done", "unknown")
+
+
+def test_a_boat_that_moves_does_not_calibrate_its_gyro() -> None:
+    shore = shore_of()
+    (rig,) = shore.rigs
+    assert shore.ask("calibrate_gyro").ok
+    shore.run(0.5)
+    assert rig.ask(dialect.MAV_CMD_DO_MOTOR_TEST, 2, 0, 60.0, 10.0) == OK
+    shore.until(lambda: state(shore).state == "failed", 8.0)
+    assert state(shore).text == "Gyro: the boat moved, not calibrated"
+
+
+def test_an_armed_boat_calibrates_nothing_that_needs_rest() -> None:
+    shore = Shore(Rig()).ready()
+    assert shore.ask("arm").ok
+    shore.run(1.5)
+    for what in ("calibrate_compass", "calibrate_gyro", "calibrate_motor_field", "calibrate_accept"):
+        answer = shore.ask(what)
+        assert (answer.ok, answer.text) == (False, "The boat is armed: disarm it first.")
+    assert shore.snapshot().calibration is None
+
+
+def test_the_motors_field_is_measured_by_motor_tests() -> None:
+    shore = shore_of(*MAGNETOMETER)
+    (rig,) = shore.rigs
+    assert shore.ask("calibrate_compass").ok
+    sail_by_hand(shore)
+    circle(shore)
+    assert shore.ask("disarm").ok
+    shore.run(2.0)
+    assert shore.ask("calibrate_accept").ok
+    assert shore.ask("calibrate_motor_field").ok
+    held = 0.0
+    for percent in (15.0, 30.0, 50.0, 30.0, 15.0):
+        for number in range(10):
+            arguments = {
+                "motor": "both",
+                "percent": percent,
+                "press": f"{percent} {held}",
+                "held_s": number * 0.3,
+            }
+            shore.send("motor", arguments)
+            shore.run(0.3)
+        held += 1.0
+    assert shore.snapshot().calibration is not None
+    assert state(shore).state == "running"
+    assert shore.ask("motor_stop").ok
+    shore.until(lambda: state(shore).state == "done", 8.0)
+    assert state(shore).text.startswith("Compass: motors' field by current")
+    assert parameter(rig, "COMPASS_MOTCT") == 2.0
+
+
+def test_the_thrusters_calibration_needs_an_armed_boat_that_keeps_its_place() -> None:
+    shore = Shore(Rig("open", "sensors.sonar.fitted=false")).ready()
+    answer = shore.ask("calibrate_thrusters")
+    assert (answer.ok, answer.text) == (False, "Thruster calibration: arm first")
+    assert shore.ask("arm").ok
+    assert shore.ask("calibrate_thrusters").text == "Thruster calibration: choose LOITER first"
+    assert shore.ask("hold").ok
+    shore.run(5.0)
+    answer = shore.ask("calibrate_thrusters")
+    assert answer.ok, answer
+    shore.run(12.0)
+    assert state(shore).state == "running"
+    assert state(shore).percent
+    assert shore.ask("calibrate_gyro").text == "The boat is armed: disarm it first."
+    assert shore.ask("calibrate_heading").text == UNDER_WAY
+    assert shore.ask("calibrate_cancel").ok
+    assert state(shore).state == "cancelled"
+    assert not shore.rigs[0].boat.calibration.is_running
+
+
+def test_a_broken_link_ends_the_thrusters_calibration_by_the_boats_own_failsafe() -> None:
+    shore = Shore(Rig("open", "sensors.sonar.fitted=false")).ready()
+    (rig,) = shore.rigs
+    assert shore.ask("arm").ok
+    assert shore.ask("hold").ok
+    shore.run(5.0)
+    assert shore.ask("calibrate_thrusters").ok
+    shore.run(5.0)
+    assert "Thruster calibration started" in " ".join(rig.peer.texts)
+    shore.ends[0].loss = 1.0
+    shore.run(rig.config.failsafe.gcs_timeout_s + 2.0)
+    assert not rig.boat.calibration.is_running
+    assert "Thruster calibration aborted: failsafe" in rig.peer.texts
+    shore.ends[0].loss = 0.0
+    shore.run(3.0)
+    assert state(shore).state in ("silent", "failed")
+
+
+def test_the_thrusters_calibration_that_the_boat_ends_is_told_with_its_reason() -> None:
+    shore = Shore(Rig("open", "sensors.sonar.fitted=false")).ready()
+    assert shore.ask("arm").ok
+    assert shore.ask("hold").ok
+    shore.run(5.0)
+    assert shore.ask("calibrate_thrusters").ok
+    shore.run(5.0)
+    assert shore.ask("return").ok
+    shore.until(lambda: state(shore).state == "failed", 5.0)
+    assert state(shore).text.startswith("Thruster calibration aborted: ")

@@ -1,0 +1,211 @@
+"""Motors turned from the page: they turn while the page asks, and stop when it does not."""
+
+import pytest
+from boat_rig import Rig
+from shore_rig import Shore
+
+from companion.core.requests import ManualControl
+from companion.mavlink.dialect import dialect
+from mission_tools.station.messages import Answer
+from mission_tools.station.setup.motor_tests import ENDED, HELD_UP, NO_ANSWER, STOPPED
+
+LONGEST_S = 1.1  # a second, and what passes until the boat is polled
+EVERY_S = 0.3  # how often the page repeats while a button is held
+
+
+def press(
+    shore: Shore, held_s: float = 0.0, name: str = "a", motor: str = "left", percent: float = 30.0
+) -> None:
+    shore.send("motor", {"motor": motor, "percent": percent, "press": name, "held_s": held_s})
+
+
+def hold(shore: Shore, seconds: float, name: str = "a", motor: str = "left", percent: float = 30.0) -> None:
+    """The page's requests while a button is held."""
+    for number in range(round(seconds / EVERY_S)):
+        press(shore, number * EVERY_S, name, motor, percent)
+        shore.run(EVERY_S)
+
+
+def turning(rig: Rig) -> tuple[bool, bool]:
+    """Whether the emulated boat's motors are driven."""
+    return bool(rig.world._motors.left), bool(rig.world._motors.right)
+
+
+def until_rest(rig: Rig, shore: Shore, limit_s: float = 5.0) -> float:
+    """How long the motors go on."""
+    began_s = shore.now_s
+    shore.until(lambda: turning(rig) == (False, False), limit_s)
+    return shore.now_s - began_s
+
+
+@pytest.fixture
+def shore() -> Shore:
+    return Shore(Rig()).ready()
+
+
+@pytest.mark.parametrize(
+    ("motor", "percent", "signs"),
+    [
+        ("left", 30.0, (1, 0)),
+        ("right", 30.0, (0, 1)),
+        ("both", 50.0, (1, 1)),
+        ("both", -15.0, (-1, -1)),
+        ("turn", 30.0, (1, -1)),
+    ],
+)
+def test_the_motors_asked_for_turn_and_no_other(
+    shore: Shore, motor: str, percent: float, signs: tuple[int, int]
+) -> None:
+    (rig,) = shore.rigs
+    hold(shore, 1.5, motor=motor, percent=percent)
+    left, right = rig.world._motors.left, rig.world._motors.right
+    assert (left > 0) - (left < 0) == signs[0]
+    assert (right > 0) - (right < 0) == signs[1]
+    assert max(abs(left), abs(right)) == pytest.approx(abs(percent) / 100.0, abs=0.01)
+    assert {one.ok for one in shore.answers} == {True}
+
+
+def test_a_held_button_turns_the_motor_without_a_gap_and_is_announced_once(shore: Shore) -> None:
+    (rig,) = shore.rigs
+    hold(shore, 0.6)
+    gaps = 0
+    for number in range(2, 30):
+        press(shore, number * EVERY_S)
+        for _ in range(8):
+            shore.run(0.04)
+            gaps += not turning(rig)[0]
+    assert gaps == 0
+    assert rig.peer.texts.count("Motor test: left 30 %") == 1
+    assert rig.world.truth.yaw_rate_rad_s > 0.0  # the left propeller pushes the bow to starboard
+
+
+def test_letting_go_stops_the_motor_at_once(shore: Shore) -> None:
+    (rig,) = shore.rigs
+    hold(shore, 1.5)
+    assert turning(rig) == (True, False)
+    shore.send("motor_stop")
+    assert until_rest(rig, shore) <= 0.1
+    shore.run(1.0)
+    assert (shore.answers[-1].ok, shore.answers[-1].text) == (True, STOPPED)
+    assert not rig.boat.motor_test.is_running
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.4])
+def test_the_motor_stops_within_a_second_of_the_page_falling_silent(loss: float) -> None:
+    rig = Rig()
+    shore = Shore(rig, loss=loss, seed=3).ready()
+    hold(shore, 3.0)
+    shore.until(lambda: turning(rig)[0] or shore.now_s > 1e3, 20.0)
+    assert until_rest(rig, shore) <= LONGEST_S
+    shore.run(5.0)
+    assert turning(rig) == (False, False)
+
+
+def test_the_motor_stops_within_a_second_of_the_link_breaking(shore: Shore) -> None:
+    (rig,) = shore.rigs
+    hold(shore, 1.5)
+    shore.ends[0].loss = 1.0
+    assert turning(rig)[0]
+    began_s = shore.now_s
+    while turning(rig)[0]:  # the button is still held
+        assert shore.now_s - began_s <= LONGEST_S
+        press(shore, 1.5 + shore.now_s - began_s)
+        shore.run(0.1)
+
+
+def test_a_lost_stop_is_repeated(shore: Shore) -> None:
+    (rig,) = shore.rigs
+    hold(shore, 1.5)
+    shore.ends[0].loss = 1.0
+    shore.send("motor_stop")
+    shore.run(0.1)
+    assert turning(rig)[0]
+    shore.ends[0].loss = 0.0
+    assert until_rest(rig, shore) <= 0.3
+
+
+def test_a_stop_that_nobody_hears_is_told() -> None:
+    shore = Shore(Rig()).ready()
+    shore.ends[0].loss = 1.0
+    answer = shore.ask("motor_stop")
+    assert (answer.ok, answer.text) == (False, NO_ANSWER)
+
+
+def test_a_request_that_was_held_up_does_not_turn_a_motor(shore: Shore) -> None:
+    (rig,) = shore.rigs
+    hold(shore, 0.6)
+    shore.run(3.0)  # the page's requests come all at once, after somebody let go
+    for number in range(2, 12):
+        press(shore, number * EVERY_S)
+    shore.run(0.1)
+    assert turning(rig) == (False, False)
+    assert shore.answers[-10].text == HELD_UP
+    assert {one.text for one in shore.answers[-9:]} == {ENDED}
+
+
+def test_a_press_that_has_ended_never_turns_a_motor_again(shore: Shore) -> None:
+    (rig,) = shore.rigs
+    hold(shore, 0.6)
+    shore.send("motor_stop")
+    press(shore, 0.6)
+    shore.run(0.1)
+    assert turning(rig) == (False, False)
+    assert any(one == Answer(id=one.id, ok=False, text=ENDED) for one in shore.answers)
+    hold(shore, 0.6, name="b")
+    assert turning(rig) == (True, False)
+
+
+def test_the_emergency_stop_ends_a_press(shore: Shore) -> None:
+    (rig,) = shore.rigs
+    hold(shore, 1.5)
+    shore.send("stop")
+    for number in range(5, 10):
+        press(shore, number * EVERY_S)
+        shore.run(EVERY_S)
+        assert turning(rig) == (False, False)
+
+
+def test_an_armed_boat_is_refused(shore: Shore) -> None:
+    (rig,) = shore.rigs
+    assert shore.ask("arm").ok
+    shore.run(1.5)
+    press(shore)
+    shore.run(0.5)
+    assert (shore.answers[-1].ok, shore.answers[-1].text) == (False, "The boat is armed: disarm it first.")
+    assert not rig.boat.motor_test.is_running
+
+
+def test_a_boat_armed_by_somebody_else_meanwhile_refuses_in_its_own_words(shore: Shore) -> None:
+    (rig,) = shore.rigs
+    hold(shore, 0.6)
+    assert rig.arm() == dialect.MAV_RESULT_ACCEPTED
+    press(shore, 0.6)
+    shore.until(lambda: not shore.answers[-1].ok, 3.0)
+    assert shore.answers[-1].text == "disarm first"
+    rig.boat.vehicle.request(ManualControl(0.0, 0.0))
+    assert turning(rig) == (False, False)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"motor": "propeller"},
+        {"motor": 3},
+        {"percent": 70.0},
+        {"percent": 0.0},
+        {"percent": "30"},
+        {"percent": float("nan")},
+        {"press": ""},
+        {"press": "x" * 65},
+        {"press": None},
+        {"held_s": None},
+    ],
+)
+def test_a_malformed_request_is_refused_and_nothing_turns(shore: Shore, wrong: dict[str, object]) -> None:
+    (rig,) = shore.rigs
+    asked = {"motor": "left", "percent": 30.0, "press": "a", "held_s": 0.0} | wrong
+    answer = shore.ask("motor", asked)
+    assert not answer.ok
+    assert answer.text
+    shore.run(0.2)
+    assert turning(rig) == (False, False)

@@ -1,0 +1,188 @@
+"""The list of sensors, of real boats whose parts fail."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from boat_rig import Rig, Silent
+from shore_rig import Shore
+
+from companion.mavlink.dialect import dialect
+from mission_tools.station.messages import Sensor
+from mission_tools.station.setup.latest_messages import LatestMessages
+from mission_tools.station.setup.sensor_checks import SensorSnapshot
+from mission_tools.station.setup.sensors import ROWS, sensors, verdicts
+from mission_tools.station.streams import INTERVALS_S, SENSORS_S, WANTED_S
+from mission_tools.station.view import View
+from mission_tools.station.words import texts
+
+OFF, STUCK = dialect.FAILURE_TYPE_OFF, dialect.FAILURE_TYPE_STUCK
+GNSS, COMPASS = dialect.FAILURE_UNIT_SENSOR_GPS, dialect.FAILURE_UNIT_SENSOR_MAG
+SONAR, BATTERY = dialect.FAILURE_UNIT_SENSOR_DISTANCE_SENSOR, dialect.FAILURE_UNIT_SYSTEM_BATTERY
+RC = dialect.FAILURE_UNIT_SYSTEM_RC_SIGNAL
+
+
+def seen(shore: Shore) -> dict[str, Sensor]:
+    """The list as the page gets it."""
+    found = shore.boats.sensors(1)
+    assert found is not None
+    return {one.name: one for one in found}
+
+
+def watch(shore: Shore, seconds: float = 4.0) -> dict[str, Sensor]:
+    """The page looks twice a second."""
+    for _ in range(round(seconds / 0.5)):
+        seen(shore)
+        shore.run(0.5)
+    return seen(shore)
+
+
+def watch_until(shore: Shore, is_so: Callable[[dict[str, Sensor]], bool], limit_s: float = 20.0) -> None:
+    began_s = shore.now_s
+    while not is_so(watch(shore, 0.5)):
+        assert shore.now_s - began_s < limit_s, seen(shore)
+
+
+def break_part(rig: Rig, unit: int, failure: int) -> None:
+    assert rig.ask(dialect.MAV_CMD_INJECT_FAILURE, unit, failure) == dialect.MAV_RESULT_ACCEPTED
+
+
+def test_the_parts_of_a_healthy_boat_are_fine_and_have_values() -> None:
+    rig = Rig("open", "sensors.depth.fitted=true")
+    shore = Shore(rig).ready()
+    seen = watch(shore)
+    assert [one.name for one in seen.values()] == [row.name for row in ROWS]
+    verdicts = {name: one.verdict for name, one in seen.items()}
+    assert verdicts.pop("rc") == "skipped"
+    assert set(verdicts.values()) == {"fine"}, seen
+    assert seen["gnss"].values["fix"] == 3
+    assert seen["gnss"].values["satellites"] >= 6
+    assert 0.3 < seen["gnss"].values["hdop"] < 2.5
+    assert 0.0 <= seen["compass"].values["heading_deg"] < 360.0
+    assert 11.0 < seen["battery"].values["voltage_v"] < 13.0
+    assert abs(seen["gyro"].values["rate_deg_s"]) < 10.0
+    assert -180.0 <= seen["sonar"].values["bearing_deg"] <= 180.0
+    assert seen["depth"].values["depth_m"] > 0.0
+    assert (seen["motors"].values["left_us"], seen["motors"].values["right_us"]) == (1500, 1500)
+    assert all(one.age_s is not None and one.age_s < 2.0 for one in seen.values() if one.verdict == "fine")
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "failure", "verdict"),
+    [
+        ("gnss", GNSS, OFF, "failed"),
+        ("compass", COMPASS, OFF, "failed"),
+        ("gyro", COMPASS, OFF, "failed"),
+        ("sonar", SONAR, OFF, "failed"),
+        ("battery", BATTERY, OFF, "failed"),
+    ],
+)
+def test_a_part_that_fails_is_told_and_a_part_that_recovers_too(
+    name: str, unit: int, failure: int, verdict: str
+) -> None:
+    rig = Rig()
+    shore = Shore(rig).ready()
+    watch_until(shore, lambda seen: seen[name].verdict == "fine")
+    break_part(rig, unit, failure)
+    watch_until(shore, lambda seen: seen[name].verdict == verdict)
+    assert seen(shore)[name].cure
+    break_part(rig, unit, 0)
+    watch_until(shore, lambda seen: seen[name].verdict == "fine", 60.0)
+
+
+def test_a_part_that_the_boat_does_not_have_is_not_fitted_and_has_not_failed() -> None:
+    rig = Rig("open", "sensors.sonar.fitted=false", battery=None)
+    shore = Shore(rig).ready()
+    seen = watch(shore)
+    for name in ("sonar", "battery", "depth", "rc"):
+        assert (seen[name].verdict, seen[name].cure) == ("skipped", ""), seen[name]
+        assert seen[name].text.startswith("not fitted")
+
+
+def test_a_receiver_that_never_speaks_has_failed() -> None:
+    shore = Shore(Rig(gnss=Silent()))
+    shore.until(lambda: bool(shore.boats.names()), 5.0)
+    assert watch(shore)["gnss"].verdict == "failed"
+
+
+def test_a_reason_of_the_boat_comes_before_a_fine_verdict() -> None:
+    rig = Rig(config={"arming.battery_min_v": 20.0})
+    shore = Shore(rig)
+    shore.until(lambda: bool(shore.boats.names()), 5.0)
+    watch_until(shore, lambda seen: seen["battery"].verdict == "warning", 30.0)
+    battery = seen(shore)["battery"]
+    assert battery.text == "The battery is too empty to set out."
+    assert battery.cure == "Charge or change it."
+
+
+def test_a_transmitter_that_is_off_is_told() -> None:
+    rig = Rig("open", "sensors.rc.fitted=true")
+    shore = Shore(rig).ready()
+    watch_until(shore, lambda seen: seen["rc"].verdict == "fine")
+    assert len(seen(shore)["rc"].values["channels_us"]) >= 5
+    break_part(rig, RC, OFF)
+    watch_until(shore, lambda seen: seen["rc"].verdict == "warning")
+
+
+def test_a_silent_boat_has_old_values_and_no_verdict() -> None:
+    shore = Shore(Rig()).ready()
+    watch(shore)
+    shore.ends[0].loss = 1.0
+    seen = watch(shore, 6.0)
+    assert {one.verdict for one in seen.values()} == {"skipped"}
+    assert seen["gnss"].age_s is not None
+    assert seen["gnss"].age_s > 5.0
+    assert seen["gnss"].values
+
+
+@pytest.mark.parametrize("loss", [0.0, 0.3])
+def test_the_messages_are_asked_for_while_somebody_looks_and_then_given_back(loss: float) -> None:
+    rig = Rig()
+    shore = Shore(rig, loss=loss, seed=5).ready()
+    channel = max(rig.boat.endpoint._telemetry._streams)
+    streams = rig.boat.endpoint._telemetry._streams[channel]
+    fast = dialect.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW
+    usual = {number: INTERVALS_S.get(number, streams.default_s(number)) for number in SENSORS_S}
+    usual[dialect.MAVLINK_MSG_ID_SCALED_IMU] = float("inf")  # on request only
+    watch(shore, 12.0)
+    assert streams.interval_s(fast) == SENSORS_S[fast]
+    assert streams.interval_s(dialect.MAVLINK_MSG_ID_SCALED_IMU) == 0.25
+    shore.run(WANTED_S + 40.0)
+    now = {number: streams.interval_s(number) for number in SENSORS_S}
+    assert all(now[number] >= usual[number] for number in SENSORS_S)
+    assert loss or now == usual
+
+
+def test_every_state_has_words_and_each_warning_and_failure_a_cure() -> None:
+    for part, states in verdicts().items():
+        for state, verdict in states.items():
+            assert verdict in ("fine", "warning", "failed", "skipped"), (part, state)
+            assert texts()[f"sensor.{part}.{state}.text"]
+            has_cure = f"sensor.{part}.{state}.cure" in texts()
+            assert has_cure == (verdict in ("warning", "failed")), (part, state)
+
+
+def test_a_boat_of_which_nothing_was_heard_has_no_verdicts() -> None:
+    found = sensors(SensorSnapshot(LatestMessages(), View(), (), 10.0, True, {}))
+    assert {one.verdict for one in found} == {"skipped"}
+    assert all(one.age_s is None and one.values == {} for one in found)
+
+
+def hostile(kind: str, **values: Any) -> Any:  # noqa: ANN401 (a message)
+    message = getattr(dialect, f"MAVLink_{kind}_message")
+    return message(**(dict.fromkeys(message.fieldnames, 0) | values))
+
+
+def test_values_that_are_no_numbers_are_left_out() -> None:
+    latest = LatestMessages()
+    nan = float("nan")
+    latest.on_message(hostile("sys_status", onboard_control_sensors_present=0x7FFFFFFF), 1.0)
+    latest.on_message(hostile("distance_sensor", orientation=100, quaternion=[nan] * 4), 1.0)
+    latest.on_message(hostile("ekf_status_report", compass_variance=nan, pos_horiz_variance=nan), 1.0)
+    for number in range(40):
+        latest.on_message(hostile("named_value_float", name=f"p{number}".encode(), value=nan), 1.0)
+    found = sensors(SensorSnapshot(latest, View(), (), 2.0, True, {}))
+    assert len(found) == len(ROWS) + 16
+    values = [value for one in found for value in one.values.values()]
+    assert [value for value in values if isinstance(value, float) and math.isnan(value)] == []
