@@ -9,7 +9,7 @@ from boat_rig import Rig
 from companion.boat import TICK_S
 from companion.links.memory import MemoryLink, memory_pair
 from mission_tools.station.boats import Boats
-from mission_tools.station.messages import Answer, Request, Snapshot
+from mission_tools.station.messages import Answer, PageRequest, Snapshot
 from mission_tools.station.wire import Link
 
 UNIX_S = 1_800_000_000.0
@@ -128,7 +128,7 @@ class Shore:
     def send(self, what: str, arguments: dict[str, Any] | None = None, boat: int = 1) -> None:
         """A request of the page; its answer is added to `answers`."""
         number = f"{what}-{len(self.answers)}-{self.now_s}"
-        request = Request(id=number, boat=boat, what=what, arguments=arguments or {})
+        request = PageRequest(id=number, boat=boat, what=what, arguments=arguments or {})
         self.boats.ask(request, self.answers.append)
 
     def ask(self, what: str, arguments: dict[str, Any] | None = None, boat: int = 1) -> Answer:

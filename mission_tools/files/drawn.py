@@ -32,7 +32,7 @@ _SAILED: Final = ("LineString", "MultiLineString", "Point", "MultiPoint")
 _HOME: Final = "Home"
 
 
-class Stop(NamedTuple):
+class DrawnStop(NamedTuple):
     """A place. hold_s: to wait there; is_home: where the boat lay, not a place to sail to."""
 
     place: LatLon
@@ -44,9 +44,9 @@ class Stop(NamedTuple):
 class Drawn:
     """What is in a file: routes, then lines, then single points, in the order of the file."""
 
-    routes: list[list[Stop]] = field(default_factory=list)
-    lines: list[list[Stop]] = field(default_factory=list)
-    points: list[Stop] = field(default_factory=list)
+    routes: list[list[DrawnStop]] = field(default_factory=list)
+    lines: list[list[DrawnStop]] = field(default_factory=list)
+    points: list[DrawnStop] = field(default_factory=list)
 
 
 class DrawnMission(NamedTuple):
@@ -80,7 +80,7 @@ def load_drawn(path: Path) -> DrawnMission:
     return DrawnMission(Mission(items, home), tuple(notes))
 
 
-def _items(stops: Sequence[Stop]) -> Iterator[MissionItem]:
+def _items(stops: Sequence[DrawnStop]) -> Iterator[MissionItem]:
     before: LatLon | None = None
     for stop in stops:
         if stop.is_home or (before is not None and not stop.hold_s and _is_same(before, stop.place)):
@@ -95,7 +95,7 @@ def _is_same(a: LatLon, b: LatLon) -> bool:
     )
 
 
-def _thinned(line: list[Stop], notes: list[str]) -> list[Stop]:
+def _thinned(line: list[DrawnStop], notes: list[str]) -> list[DrawnStop]:
     if len(line) <= THINNED_ABOVE or any(stop.hold_s for stop in line):
         return line
     frame = LocalFrame(line[0].place)
@@ -103,7 +103,7 @@ def _thinned(line: list[Stop], notes: list[str]) -> list[Stop]:
     kept = shapely.LineString(local).simplify(THINNED_M, preserve_topology=False)
     places = [frame.to_global(Point(*at)) for at in kept.coords]
     notes.append(f"{len(line)} points of a line thinned to {len(places)}, within {THINNED_M:g} m")
-    return [Stop(place) for place in places]
+    return [DrawnStop(place) for place in places]
 
 
 def _read_gpx(path: Path) -> Drawn:
@@ -120,12 +120,12 @@ def _read_gpx(path: Path) -> Drawn:
     return drawn
 
 
-def _gpx_stops(elements: Sequence[Element], where: str, *, is_own: bool = False) -> list[Stop]:
+def _gpx_stops(elements: Sequence[Element], where: str, *, is_own: bool = False) -> list[DrawnStop]:
     stops = []
     for n, element in enumerate(elements, 1):
         values = (element.get("lon", ""), element.get("lat", ""))
         place = _place(values, f"{where}, point {n}", "the attributes lat and lon in degrees")
-        stops.append(Stop(place, is_home=is_own and n == 1 and text_of(element, "name") == _HOME))
+        stops.append(DrawnStop(place, is_home=is_own and n == 1 and text_of(element, "name") == _HOME))
     return stops
 
 
@@ -147,13 +147,13 @@ def _read_kml(path: Path) -> Drawn:
             elif shape.tag == "Point":
                 drawn.points += _kml_stops(text_of(shape, "coordinates").split()[:1], ",", where)
                 if is_own and text_of(placemark, "name") == _HOME and drawn.lines:
-                    drawn.lines[0][:1] = [Stop(drawn.points[-1].place, is_home=True)]
+                    drawn.lines[0][:1] = [DrawnStop(drawn.points[-1].place, is_home=True)]
     return drawn
 
 
-def _kml_stops(texts: Sequence[str], separator: str | None, where: str) -> list[Stop]:
+def _kml_stops(texts: Sequence[str], separator: str | None, where: str) -> list[DrawnStop]:
     return [
-        Stop(_place(text.split(separator)[:2], f"{where}, position {n}", "lon,lat"))
+        DrawnStop(_place(text.split(separator)[:2], f"{where}, position {n}", "lon,lat"))
         for n, text in enumerate(texts, 1)
     ]
 
@@ -194,22 +194,22 @@ def _take(drawn: Drawn, geometry: Mapping[str, Any], where: str) -> None:
     if not isinstance(coordinates, list):
         raise PlanFileError(f"{where}: expected coordinates, got {str(coordinates)[:60]}")
     if kind == "Point":
-        drawn.points.append(Stop(_geojson_place(coordinates, where)))
+        drawn.points.append(DrawnStop(_geojson_place(coordinates, where)))
         return
     for line in coordinates if kind == "MultiLineString" else [coordinates]:
         if not isinstance(line, list):
             raise PlanFileError(f"{where}: expected positions, got {str(line)[:60]}")
-        stops = [Stop(_geojson_place(at, f"{where}, position {n}")) for n, at in enumerate(line, 1)]
+        stops = [DrawnStop(_geojson_place(at, f"{where}, position {n}")) for n, at in enumerate(line, 1)]
         if kind == "MultiPoint":
             drawn.points += stops
         else:
             drawn.lines.append(stops)
 
 
-def _own_stop(place: LatLon, properties: Mapping[str, Any]) -> Stop:
+def _own_stop(place: LatLon, properties: Mapping[str, Any]) -> DrawnStop:
     hold = properties.get("hold_s", 0.0)
     is_time = isinstance(hold, int | float) and not isinstance(hold, bool) and 0.0 < hold < 1e9
-    return Stop(place, float(hold) if is_time else 0.0, is_home=properties.get("number") == 0)
+    return DrawnStop(place, float(hold) if is_time else 0.0, is_home=properties.get("number") == 0)
 
 
 def _geojson_place(value: object, where: str) -> LatLon:

@@ -48,7 +48,7 @@ class Blocked(NamedTuple):
     nearest: Place | None = None
 
 
-class Chart:
+class WaterChart:
     """A map, or none: then every way is straight."""
 
     def __init__(self, path: Path | None) -> None:

@@ -16,7 +16,7 @@ from companion.cli.program_end import end_with
 from companion.core.errors import BoatError, ConfigError
 from companion.mavlink.signing_key import read_key_file
 from mission_tools.shore import memory_use
-from mission_tools.shore.chart import Chart
+from mission_tools.shore.chart import WaterChart
 from mission_tools.shore.command_line import PROGRAM, SHOW, read_arguments
 from mission_tools.shore.plans.plan_service import Sources
 from mission_tools.shore.web.connections.listening import parse_listen, serve
@@ -29,7 +29,7 @@ _PAGE: Final = Path(__file__).with_name("page")
 
 
 class SystemClock:
-    """The computer's."""
+    """The computer's clock, for the server."""
 
     def now_s(self) -> float:
         """Monotonic seconds."""
@@ -47,13 +47,13 @@ def default_pin_file() -> Path:
 
 
 def _show(given: Namespace) -> None:
-    """Serve the page."""
+    """Serve the page until a signal ends it."""
     logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(levelname)s %(message)s")
     memory_use.settle()
     host, port = parse_listen(given.listen)
     clock = SystemClock()
     sessions = Sessions(PinFile(given.pin_file or default_pin_file()), clock)
-    water = Chart(given.chart)
+    water = WaterChart(given.chart)
     key = None if given.sign_key is None else read_key_file(given.sign_key)
     station = Boats(given.connect, given.system_id, status_file=given.status, key=key)
     with contextlib.closing(station) as boats:

@@ -57,7 +57,7 @@ class Board:
         return self._fields
 
     def poll(self, now_s: float) -> None:
-        """Read if due."""
+        """Read the status file if it is due."""
         if now_s < self._due_s:
             return
         self._due_s = now_s + _PERIOD_S

@@ -9,7 +9,7 @@ from mission_tools.station.commands import Commands
 from mission_tools.station.ftp.client import FtpClient
 from mission_tools.station.items import ItemLists
 from mission_tools.station.logs import LogList
-from mission_tools.station.messages import Answer, BoatName, Request, Sensor, Snapshot
+from mission_tools.station.messages import Answer, BoatName, PageRequest, Sensor, Snapshot
 from mission_tools.station.outcome import Accepted, Answered, Outcome, Refused
 from mission_tools.station.parameters.parameter_table import WANTED as PARAMETER_MESSAGES
 from mission_tools.station.parameters.parameter_table import ParameterTable
@@ -150,7 +150,7 @@ class ShoreBoat:
         if self.reasons.poll(view, now_s):
             self._send(command_long(self.address, dialect.MAV_CMD_RUN_PREARM_CHECKS))
 
-    def ask(self, request: Request, answer: Callable[[Answer], None], now_s: float) -> None:
+    def ask(self, request: PageRequest, answer: Callable[[Answer], None], now_s: float) -> None:
         """Do what the page asks; exactly one answer."""
 
         def answered(outcome: Outcome, result: dict[str, Any] | None = None) -> None:

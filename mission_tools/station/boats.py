@@ -18,9 +18,9 @@ from mission_tools.station.board import Board
 from mission_tools.station.boat import SILENT_S, WANTED, ShoreBoat
 from mission_tools.station.ftp.client import FtpClient
 from mission_tools.station.items import Kind
-from mission_tools.station.line import Line, Signatures
+from mission_tools.station.line import Signatures, SignedLink
 from mission_tools.station.logs import LogList
-from mission_tools.station.messages import Answer, BoatName, Request, Sensor, Snapshot
+from mission_tools.station.messages import Answer, BoatName, PageRequest, Sensor, Snapshot
 from mission_tools.station.outcome import Answered, Refused
 from mission_tools.station.parameters.parameter_table import ParameterTable
 from mission_tools.station.uploads import Upload
@@ -61,9 +61,9 @@ class Boats:
         self._names = dict(names or {})
         self._board = None if status_file is None else Board(status_file)
         self._signatures = Signatures(key)
-        self._lines: list[Line] = []
+        self._lines: list[SignedLink] = []
         self._boats: dict[int, ShoreBoat] = {}
-        self._line_of: dict[int, Line] = {}
+        self._line_of: dict[int, SignedLink] = {}
         self._heartbeat_s = float("-inf")
 
     def poll(self, now_s: float, unix_s: float) -> None:
@@ -71,7 +71,7 @@ class Boats:
         self._now_s, self._unix_s = now_s, unix_s
         self._signatures.poll(unix_s)
         self._lines = [line for line in self._lines if not line.link.is_closed]
-        self._lines += [Line(link, self._own, self._signatures) for link in self._port.accept()]
+        self._lines += [SignedLink(link, self._own, self._signatures) for link in self._port.accept()]
         del self._lines[:-_MOST_LINKS]
         for line in self._lines:
             self._read(line)
@@ -165,14 +165,14 @@ class Boats:
         one = self._boats.get(boat)
         return None if one is None else one.logs
 
-    def ask(self, request: Request, answer: Callable[[Answer], None]) -> None:
+    def ask(self, request: PageRequest, answer: Callable[[Answer], None]) -> None:
         """Do what the page asks. answer is called exactly once, within 10 s if polled."""
         if (one := self._boats.get(request.boat)) is None:
             answer(Answer(id=request.id, ok=False, text=say("answer.never_heard", n=request.boat)))
             return
         one.ask(request, answer, self._now_s)
 
-    def _read(self, line: Line) -> None:
+    def _read(self, line: SignedLink) -> None:
         for frame in line.frames():
             if frame.layout is None or frame.sender.system in (0, self._own.system):
                 continue
@@ -196,7 +196,7 @@ class Boats:
         del self._boats[number]
         self._line_of.pop(number, None)
 
-    def _take(self, line: Line, message: Message, sender: Address) -> None:
+    def _take(self, line: SignedLink, message: Message, sender: Address) -> None:
         boat = self._boats.get(sender.system)
         if boat is None:
             if not _is_boat(message) or not self._make_room():
@@ -213,7 +213,7 @@ class Boats:
 
         return ShoreBoat(address, self._own, send)
 
-    def _answer_ping(self, line: Line, ping: Message, sender: Address) -> None:
+    def _answer_ping(self, line: SignedLink, ping: Message, sender: Address) -> None:
         """The boat serves an unknown address in full once its PING was returned."""
         if ping.target_system == 0 and concerns(self._own, ping.target_system, ping.target_component):
             line.send(dialect.MAVLink_ping_message(ping.time_usec, ping.seq, *sender))

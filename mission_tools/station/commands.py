@@ -17,7 +17,7 @@ from typing import Final
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from mission_tools.station.outcome import Accepted, Answered, Cancelled, Outcome, Refused, Silent
-from mission_tools.station.requests import Command
+from mission_tools.station.requests import BoatCommand
 from mission_tools.station.texts import Text
 from mission_tools.station.wire import command_long
 from mission_tools.station.words import say
@@ -41,7 +41,7 @@ _REFUSALS: Final = {
 
 @dataclass(slots=True)
 class _UnderWay:
-    command: Command
+    command: BoatCommand
     answered: Answered
     ends_s: float
     repeat_s: float
@@ -60,7 +60,9 @@ class Commands:
         self._send = send
         self._under_way: dict[int, _UnderWay] = {}
 
-    def ask(self, command: Command, answered: Answered, now_s: float, timeout_s: float = TIMEOUT_S) -> None:
+    def ask(
+        self, command: BoatCommand, answered: Answered, now_s: float, timeout_s: float = TIMEOUT_S
+    ) -> None:
         """Send a command. answered is called once, within timeout_s plus a poll."""
         for older in list(self._under_way.values()):
             if older.command.number == command.number or (older.command.steers and command.steers):
@@ -115,7 +117,7 @@ class Commands:
         one.answered(outcome)
 
 
-def _message(boat: Address, command: Command, repeat: int) -> Message:
+def _message(boat: Address, command: BoatCommand, repeat: int) -> Message:
     if command.place is None:
         return command_long(boat, command.number, *command.params, repeat=repeat)
     message: Message = dialect.MAVLink_command_int_message(

@@ -33,7 +33,7 @@ class Signatures:
             _log.warning("what the boats say is not signed with this key; do they have the same one?")
 
 
-class Line:
+class SignedLink:
     """A link. own: this station's address."""
 
     def __init__(self, link: Link, own: Address, signatures: Signatures) -> None:

@@ -12,7 +12,7 @@ from mission_tools.station.words import LocalizedText
 
 
 class Place(Struct, frozen=True, kw_only=True):
-    """WGS 84, degrees."""
+    """A place in degrees (WGS 84)."""
 
     lat: float
     lon: float
@@ -49,7 +49,7 @@ class _Told(Struct, frozen=True, kw_only=True):
 
 
 class Verdict(_Told, frozen=True, kw_only=True):
-    """Of a sensor."""
+    """What is known of a sensor's health."""
 
     ok: bool
 
@@ -69,14 +69,14 @@ class ItemList(Struct, frozen=True, kw_only=True):
     version: int
 
 
-class Progress(Struct, frozen=True, kw_only=True):
+class MissionState(Struct, frozen=True, kw_only=True):
     """current: the item that the boat sails to; state: not started, active, paused, complete."""
 
     current: int
     state: str
 
 
-class Current(Struct, frozen=True, kw_only=True):
+class WaterCurrent(Struct, frozen=True, kw_only=True):
     """Of the water, as estimated on board. towards_deg: where it flows."""
 
     speed_m_s: float
@@ -120,7 +120,7 @@ class Reason(Struct, frozen=True, kw_only=True):
     next: str = ""
 
 
-class Line(Struct, frozen=True, kw_only=True):
+class TextLine(Struct, frozen=True, kw_only=True):
     """A STATUSTEXT. at_s: Unix time; number: counts up, so that the page knows what is new."""
 
     number: int
@@ -190,10 +190,10 @@ class Snapshot(Struct, frozen=True, kw_only=True):
     place: Place | None = None
     home: Home | None = None
     mission: ItemList | None = None
-    progress: Progress | None = None
+    progress: MissionState | None = None
     fence: ItemList | None = None
     rally: ItemList | None = None
-    current: Current | None = None
+    current: WaterCurrent | None = None
     sonar: Sonar | None = None
     obstacles: Obstacles | None = None
     links: list[LinkLoss] = field(default_factory=list)
@@ -202,7 +202,7 @@ class Snapshot(Struct, frozen=True, kw_only=True):
     calibration: Calibration | None = None
     load: float | None = None  # of the boat's tick, 0 to 1
     reasons: list[Reason] = field(default_factory=list)
-    lines: list[Line] = field(default_factory=list)  # the latest 30
+    lines: list[TextLine] = field(default_factory=list)  # the latest 30
 
 
 Role = Literal["viewer", "skipper"]  # skipper: has told the PIN
@@ -246,7 +246,7 @@ class Answer(_Told, frozen=True, kw_only=True, tag_field="type", tag="answer"):
     result: Any = None
 
 
-class Request(Struct, frozen=True, kw_only=True, tag_field="type", tag="do"):
+class PageRequest(Struct, frozen=True, kw_only=True, tag_field="type", tag="do"):
     """From the page. id: made by the page, unique; a second one with the same id is answered, not done again.
 
     what: a name in the table of `requests.py`; arguments: its own, as `with` in JSON.

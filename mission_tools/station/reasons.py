@@ -37,12 +37,12 @@ class Words(NamedTuple):
 
     @property
     def why(self) -> str:
-        """What it means."""
+        """What the reason means, for people."""
         return texts()[f"reason.{self.key}.why"]
 
     @property
     def next(self) -> str:
-        """What to do."""
+        """What a person can do about it."""
         return texts()[f"reason.{self.key}.next"]
 
 
@@ -72,7 +72,7 @@ class Reasons:
         self._asked_in: str | None = None  # the mode: what a boat lacks depends on it
 
     def now(self) -> list[Reason]:
-        """Failsafes first."""
+        """The reasons that stand, failsafes first."""
         told = [reason for reason, _ in (*self._failsafes.values(), *self._standing.values())]
         known = {reason.text.split()[0] for reason in told if reason.text}
         seen = [one for one in self._seen if one.text.split()[0] not in known]

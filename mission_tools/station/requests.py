@@ -21,7 +21,7 @@ class BadRequestError(Exception):
     """A request that cannot be sent. Its one argument is the text for people."""
 
 
-class Command(NamedTuple):
+class BoatCommand(NamedTuple):
     """A COMMAND_LONG, or with a place (1e-7 degrees) a COMMAND_INT.
 
     done: what the page says when the boat accepts. once: not to be repeated late, as the boat may carry it
@@ -60,74 +60,76 @@ def _position(lat: float, lon: float) -> tuple[int, int]:
     return deg_to_e7(lat), deg_to_e7(lon)
 
 
-def _set_mode(number: int, done: str) -> Command:
-    return Command(dialect.MAV_CMD_DO_SET_MODE, (_CUSTOM_MODE, float(number)), done)
+def _set_mode(number: int, done: str) -> BoatCommand:
+    return BoatCommand(dialect.MAV_CMD_DO_SET_MODE, (_CUSTOM_MODE, float(number)), done)
 
 
-def _hold(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
+def _hold(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
     return _set_mode(Mode.LOITER, say("answer.hold"))  # in HOLD it would drift
 
 
-def _return(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
+def _return(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
     return _set_mode(Mode.RTL, say("answer.return"))
 
 
-def _start(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
-    return Command(dialect.MAV_CMD_MISSION_START, (), say("answer.start"), once=True)
+def _start(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
+    return BoatCommand(dialect.MAV_CMD_MISSION_START, (), say("answer.start"), once=True)
 
 
-def _pause(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
-    return Command(dialect.MAV_CMD_DO_PAUSE_CONTINUE, (0.0,), say("answer.pause"), once=True)
+def _pause(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
+    return BoatCommand(dialect.MAV_CMD_DO_PAUSE_CONTINUE, (0.0,), say("answer.pause"), once=True)
 
 
-def _continue(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
-    return Command(dialect.MAV_CMD_DO_PAUSE_CONTINUE, (1.0,), say("answer.continue"), once=True)
+def _continue(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
+    return BoatCommand(dialect.MAV_CMD_DO_PAUSE_CONTINUE, (1.0,), say("answer.continue"), once=True)
 
 
-def _go(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
+def _go(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
     place = _position(number_of(arguments, "lat"), number_of(arguments, "lon"))
     params = (-1.0, _CHANGE_MODE, 0.0, math.nan)
-    return Command(dialect.MAV_CMD_DO_REPOSITION, params, say("answer.go"), place)
+    return BoatCommand(dialect.MAV_CMD_DO_REPOSITION, params, say("answer.go"), place)
 
 
-def _speed(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
+def _speed(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
     speed_m_s = number_of(arguments, "m_s")
     if not 0.0 < speed_m_s <= _FASTEST_M_S:
         raise BadRequestError(say("answer.no_speed", n=speed_m_s))
     params = (_GROUND_SPEED, speed_m_s, -1.0)
-    return Command(dialect.MAV_CMD_DO_CHANGE_SPEED, params, say("answer.speed", n=speed_m_s), steers=False)
+    return BoatCommand(
+        dialect.MAV_CMD_DO_CHANGE_SPEED, params, say("answer.speed", n=speed_m_s), steers=False
+    )
 
 
-def _stop(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
+def _stop(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
     params = (0.0, _DISARM_NOW)
-    return Command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, params, say("answer.stop"))
+    return BoatCommand(dialect.MAV_CMD_COMPONENT_ARM_DISARM, params, say("answer.stop"))
 
 
-def _arm(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
-    return Command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, (1.0, 0.0), say("answer.arm"), steers=False)
+def _arm(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
+    return BoatCommand(dialect.MAV_CMD_COMPONENT_ARM_DISARM, (1.0, 0.0), say("answer.arm"), steers=False)
 
 
-def _disarm(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
-    return Command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, (0.0, 0.0), say("answer.disarm"))
+def _disarm(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
+    return BoatCommand(dialect.MAV_CMD_COMPONENT_ARM_DISARM, (0.0, 0.0), say("answer.disarm"))
 
 
-def _mode(arguments: Arguments, modes: ModeNumbers) -> Command:
+def _mode(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:
     name = arguments.get("mode")
     if not isinstance(name, str) or name not in modes:
         raise BadRequestError(say("answer.no_mode", modes=", ".join(modes)))
     return _set_mode(modes[name], say("answer.mode", mode=name))
 
 
-def _check(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
-    return Command(dialect.MAV_CMD_RUN_PREARM_CHECKS, (), say("answer.check"), steers=False)
+def _check(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
+    return BoatCommand(dialect.MAV_CMD_RUN_PREARM_CHECKS, (), say("answer.check"), steers=False)
 
 
-def _restart(arguments: Arguments, modes: ModeNumbers) -> Command:  # noqa: ARG001
+def _restart(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
     number = dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN
-    return Command(number, (1.0,), say("answer.restart"), once=True, steers=False, disarmed=True)
+    return BoatCommand(number, (1.0,), say("answer.restart"), once=True, steers=False, disarmed=True)
 
 
-COMMANDS: Final[dict[str, Callable[[Arguments, ModeNumbers], Command]]] = {
+COMMANDS: Final[dict[str, Callable[[Arguments, ModeNumbers], BoatCommand]]] = {
     "arm": _arm,
     "check": _check,
     "continue": _continue,
@@ -144,7 +146,7 @@ COMMANDS: Final[dict[str, Callable[[Arguments, ModeNumbers], Command]]] = {
 }
 
 
-def build_command(what: str, arguments: Arguments, modes: ModeNumbers) -> Command:
+def build_command(what: str, arguments: Arguments, modes: ModeNumbers) -> BoatCommand:
     """The command of a request.
 
     Raises:

@@ -16,8 +16,8 @@ from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Failed, FailureCause
 from mission_tools.station.items import ItemLists
 from mission_tools.station.outcome import Accepted, Answered, Cancelled, Outcome, Refused, Silent
-from mission_tools.station.requests import Command
-from mission_tools.station.uploads import Part, Upload, first_difference
+from mission_tools.station.requests import BoatCommand
+from mission_tools.station.uploads import ListUpload, Upload, first_difference
 from mission_tools.station.words import LocalizedText, say
 
 START_TIMEOUT_S: Final = 3.5
@@ -35,7 +35,7 @@ class Sailing:
         boat: Address,
         own: Address,
         send: Callable[[Message], None],
-        start: Callable[[Command, Answered, float, float], None],
+        start: Callable[[BoatCommand, Answered, float, float], None],
         lists: ItemLists,
     ) -> None:
         self._boat = boat
@@ -46,7 +46,7 @@ class Sailing:
         self._lists = lists
         self._answered: Answered | None = None
         self._upload: Upload | None = None
-        self._waiting: list[Part] = []  # to be sent, the first is under way
+        self._waiting: list[ListUpload] = []  # to be sent, the first is under way
         self._sent_s: dict[str, float] = {}  # when the boat had a list, by kind
         self._deadline_s = 0.0
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from companion.mavlink.dialect import Message
-from mission_tools.station.messages import Line
+from mission_tools.station.messages import TextLine
 from mission_tools.station.view import clean
 
 _KEPT = 30
@@ -16,7 +16,7 @@ _PATIENCE_S = 1.0  # for the chunks that are missing
 
 
 class Text(NamedTuple):
-    """A complete text."""
+    """A STATUSTEXT put together from its chunks."""
 
     severity: int
     text: str
@@ -33,7 +33,7 @@ class Texts:
 
     def __init__(self, is_news: Callable[[Text], bool]) -> None:
         self._is_news = is_news
-        self.lines: deque[Line] = deque(maxlen=_KEPT)
+        self.lines: deque[TextLine] = deque(maxlen=_KEPT)
         self._open: dict[int, _Open] = {}
         self._number = 0
 
@@ -65,7 +65,7 @@ class Texts:
         told = [text for text in texts if text.text]
         for text in filter(self._is_news, told):
             self._number += 1
-            line = Line(number=self._number, at_s=unix_s, severity=text.severity, text=text.text)
+            line = TextLine(number=self._number, at_s=unix_s, severity=text.severity, text=text.text)
             self.lines.append(line)
         return told
 

@@ -9,7 +9,7 @@ _FIRST_STEP_M = 1.0
 _M_PER_DEG = 111_195.0  # of latitude, on a sphere: enough to space points
 
 
-class Track:
+class BoatTrack:
     """Points at least `step_m` apart. When full, every other point is dropped and the step doubled."""
 
     def __init__(self) -> None:

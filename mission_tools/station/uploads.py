@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionType
 from mission_tools.station.items import Kind
-from mission_tools.station.requests import Command
+from mission_tools.station.requests import BoatCommand
 from mission_tools.station.words import say
 
 WAY_S: Final = 6.0  # leaves time for the start within the ten seconds of a request
@@ -15,14 +15,14 @@ PLAN_S: Final = 20.0
 PLAN_PER_ITEM_S: Final = 1.5  # upload and reading back, where a fifth of the frames is lost both ways
 LONGEST_S: Final = 280.0  # the page waits for 300 s
 _FIRST: Final = 1.0  # the item after home
-_SAIL: Final = Command(dialect.MAV_CMD_MISSION_START, (_FIRST,), say("answer.sail"), once=True)
-_START: Final = Command(dialect.MAV_CMD_MISSION_START, (_FIRST,), say("answer.plan"), once=True)
+_SAIL: Final = BoatCommand(dialect.MAV_CMD_MISSION_START, (_FIRST,), say("answer.sail"), once=True)
+_START: Final = BoatCommand(dialect.MAV_CMD_MISSION_START, (_FIRST,), say("answer.plan"), once=True)
 _SINGLE: Final = 1e-5  # of a parameter: a boat may keep it with less precision than single
 _PLAIN: Final = {5: 0, 6: 3, 11: 10}  # MAV_FRAME_…_INT means the same in MISSION_ITEM_INT
 
 
-class Part(NamedTuple):
-    """A list."""
+class ListUpload(NamedTuple):
+    """One list to upload: its kind and items."""
 
     kind: Kind
     number: MissionType
@@ -36,8 +36,8 @@ class Upload(NamedTuple):
     retries: until a boat that does not answer is given up, every half second.
     """
 
-    parts: tuple[Part, ...]
-    start: Command | None
+    parts: tuple[ListUpload, ...]
+    start: BoatCommand | None
     limit_s: float
     is_read_back: bool = False
     retries: int = 4
@@ -49,7 +49,7 @@ def way_upload(way: Sequence[tuple[int, int]]) -> Upload:
     items = [
         MissionItem(frame=frame, command=dialect.MAV_CMD_NAV_WAYPOINT, x=x, y=y) for x, y in (way[0], *way)
     ]
-    return Upload((Part("mission", MissionType.MISSION, items),), _SAIL, WAY_S)
+    return Upload((ListUpload("mission", MissionType.MISSION, items),), _SAIL, WAY_S)
 
 
 def plan_upload(
@@ -61,9 +61,9 @@ def plan_upload(
 ) -> Upload:
     """A plan as it is; its fence first, as the boat checks a mission against it."""
     lists = (
-        Part("fence", MissionType.FENCE, fence),
-        Part("rally", MissionType.RALLY, rally),
-        Part("mission", MissionType.MISSION, mission),
+        ListUpload("fence", MissionType.FENCE, fence),
+        ListUpload("rally", MissionType.RALLY, rally),
+        ListUpload("mission", MissionType.MISSION, mission),
     )
     parts = tuple(part for part in lists if part.items)
     count = sum(len(part.items) for part in parts)
@@ -71,7 +71,7 @@ def plan_upload(
     return Upload(parts, _START if is_started else None, limit_s, is_read_back=True, retries=20)
 
 
-def first_difference(part: Part, held: Sequence[MissionItem]) -> int | None:
+def first_difference(part: ListUpload, held: Sequence[MissionItem]) -> int | None:
     """The number of the first item that the boat holds differently; None if it has all. Home is its own."""
     first = 1 if part.kind == "mission" else 0
     for seq, (ours, theirs) in enumerate(zip(part.items, held, strict=False)):

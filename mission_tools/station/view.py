@@ -13,16 +13,16 @@ from companion.core.status_text import one_line
 from companion.mavlink.dialect import Message, dialect
 from mission_tools.station.messages import (
     Battery,
-    Current,
     Fix,
     Home,
+    MissionState,
     Obstacles,
     Place,
-    Progress,
     Sonar,
     Verdict,
+    WaterCurrent,
 )
-from mission_tools.station.track import Track
+from mission_tools.station.track import BoatTrack
 from mission_tools.station.words import say
 
 _STATES: Final = {0: "starting", 1: "starting", 2: "calibrating", 3: "standby", 4: "active",
@@ -63,8 +63,8 @@ class View:
         self.place: Place | None = None
         self.home: Place | None = None
         self.mission_total: int | None = None
-        self.progress: Progress | None = None
-        self.current: Current | None = None
+        self.progress: MissionState | None = None
+        self.current: WaterCurrent | None = None
         self.sonar: Sonar | None = None
         self.obstacles: Obstacles | None = None
         self.load: float | None = None
@@ -72,7 +72,7 @@ class View:
         self.may_arm: bool | None = None  # the boat's own pre-arm checks
         self.battery_is_well: bool | None = None
         self.is_outside: bool | None = None
-        self.track = Track()
+        self.track = BoatTrack()
         self.boot_ms = 0  # the boat's clock
         self.starts = 0  # how often that went back: the program began anew
 
@@ -128,7 +128,7 @@ def _place(lat_e7: int, lon_e7: int) -> Place | None:
 
 
 def on_heartbeat(view: View, message: Message) -> None:
-    """Mode, armed, state."""
+    """Take a heartbeat: mode, armed, state."""
     number = message.custom_mode
     mode = mode_from_number(number)
     view.mode = view.mode_names.get(number) or (f"mode {number}" if mode is None else mode.name)
@@ -216,14 +216,14 @@ def on_estimate(view: View, message: Message) -> None:
 
 
 def on_home(view: View, message: Message) -> None:
-    """Home."""
+    """Take a HOME_POSITION."""
     view.home = _place(message.latitude, message.longitude) or view.home
 
 
 def on_mission_current(view: View, message: Message) -> None:
     """How far the mission is."""
     state = _PROGRESS.get(message.mission_state)
-    view.progress = None if state is None else Progress(current=message.seq, state=state)
+    view.progress = None if state is None else MissionState(current=message.seq, state=state)
     view.mission_total = None if message.total == _UNKNOWN_16 else message.total
 
 
@@ -234,7 +234,7 @@ def on_vector(view: View, message: Message) -> None:
     north, east = _finite(message.x), _finite(message.y)
     if north is not None and east is not None:
         speed_m_s = math.hypot(north, east)
-        view.current = Current(speed_m_s=round(speed_m_s, 2), towards_deg=_direction_deg(north, east))
+        view.current = WaterCurrent(speed_m_s=round(speed_m_s, 2), towards_deg=_direction_deg(north, east))
 
 
 def on_distance(view: View, message: Message) -> None:

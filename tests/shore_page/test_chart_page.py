@@ -14,7 +14,7 @@ from aiohttp import web
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
-from mission_tools.shore.chart import Chart, Way
+from mission_tools.shore.chart import WaterChart, Way
 from mission_tools.station.messages import Place
 from mission_tools.station.words import FOLDER
 
@@ -51,7 +51,9 @@ def address() -> Iterator[str]:
         return answer
 
     async def chart(_: web.Request) -> web.Response:
-        return web.Response(body=Chart(MAPS / "mill_pond.geojson").geojson(), content_type="application/json")
+        return web.Response(
+            body=WaterChart(MAPS / "mill_pond.geojson").geojson(), content_type="application/json"
+        )
 
     async def words(_: web.Request) -> web.FileResponse:
         return web.FileResponse(FOLDER / "words.en.json")
@@ -124,7 +126,7 @@ def show(page: Page, what: str, *values: object) -> None:
 
 
 def show_pond(page: Page) -> None:
-    tree = json.loads(Chart(MAPS / "mill_pond.geojson").geojson())
+    tree = json.loads(WaterChart(MAPS / "mill_pond.geojson").geojson())
     show(page, "showChart", tree)
 
 
@@ -174,7 +176,7 @@ def test_a_tap_tells_its_place_within_a_tenth_of_a_metre(page: Page) -> None:
 def test_what_is_drawn_at_a_place_is_where_a_tap_finds_it(page: Page) -> None:
     show_pond(page)
     show(page, "showState", state())
-    water = Chart(MAPS / "mill_pond.geojson")
+    water = WaterChart(MAPS / "mill_pond.geojson")
     x, y = middle(page)
     for dx, dy in ((-150, -140), (150, -140), (-150, 200), (150, 200), (0, 100)):
         at = FRAME.to_global(tapped(page, x + dx, y + dy))
@@ -417,7 +419,7 @@ def planned() -> list[tuple[float, float]]:
     at = FRAME.to_global(Point(20.0, 60.0))
     start = Place(lat=BOAT.lat_deg, lon=BOAT.lon_deg)
     goal = Place(lat=at.lat_deg, lon=at.lon_deg)
-    way = Chart(MAPS / "mill_pond.geojson").way(start, goal, {"features": pond_fence()[:2]})
+    way = WaterChart(MAPS / "mill_pond.geojson").way(start, goal, {"features": pond_fence()[:2]})
     assert isinstance(way, Way), way
     return way.points
 

@@ -30,5 +30,5 @@ def charge_percent(report: Mapping[str, Any]) -> float | None:
 
 
 def distance(length_m: float) -> str:
-    """For people."""
+    """A distance for people: metres, or kilometres from 1 km."""
     return f"{length_m:.0f} m" if length_m < 10_000.0 else f"{length_m / 1000.0:.1f} km"

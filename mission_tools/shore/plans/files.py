@@ -41,7 +41,7 @@ def rally_file(rally: Mapping[str, Any] | None) -> bytes | None:
 
 
 def area_file(corners: Sequence[tuple[float, float]]) -> bytes:
-    """A survey's area."""
+    """A survey's area as a GeoJSON file."""
     geometry = {"type": "Polygon", "coordinates": [[*corners, corners[0]]]}
     found = _collection([_feature({"kind": "inclusion"}, geometry)])
     assert found is not None  # noqa: S101 (it has a feature)

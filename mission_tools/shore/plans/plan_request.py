@@ -77,7 +77,7 @@ def parse_wish(body: bytes) -> PlanRequest:
     return wanted
 
 
-class Plan(Struct, frozen=True, kw_only=True):
+class MadePlan(Struct, frozen=True, kw_only=True):
     """A finished plan, as the page gets it.
 
     points: the line. time_s: None where no speed is known. charge_percent: of the battery, out and home;

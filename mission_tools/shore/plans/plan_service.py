@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 from mission_tools.shore.plans import figures, files
-from mission_tools.shore.plans.plan_request import Plan, PlanRequest, PlanRequestError, Task, lists_of
+from mission_tools.shore.plans.plan_request import MadePlan, PlanRequest, PlanRequestError, Task, lists_of
 from mission_tools.shore.plans.plan_store import PlanStore, StoredPlan, file_name
 from mission_tools.shore.plans.process import Planner, PlannerError
-from mission_tools.shore.web.interfaces import Boats
+from mission_tools.shore.web.interfaces import BoatService
 from mission_tools.station.messages import Place
 from mission_tools.station.words import say
 
@@ -49,14 +49,14 @@ class File(NamedTuple):
 class PlanService:
     """The plans of a server."""
 
-    def __init__(self, boats: Boats, sources: Sources, planner: Planner | None = None) -> None:
+    def __init__(self, boats: BoatService, sources: Sources, planner: Planner | None = None) -> None:
         self._boats = boats
         self._water = None if sources.water is None else str(sources.water.resolve())
         self._boat = _absolute(sources.boat)
         self._planner = planner or Planner()
         self.store = PlanStore()
 
-    async def plan(self, boat: int, wanted: PlanRequest) -> Plan:
+    async def plan(self, boat: int, wanted: PlanRequest) -> MadePlan:
         """Plan a route or a survey.
 
         Raises:
@@ -94,7 +94,7 @@ class PlanService:
 
             raise PlannerError(_PLACE.sub(named, error.args[0])) from None
 
-    async def read(self, boat: int, name: str, body: bytes) -> Plan:
+    async def read(self, boat: int, name: str, body: bytes) -> MadePlan:
         """A plan from a file of another program.
 
         Raises:
@@ -151,7 +151,7 @@ class PlanService:
         warnings: list[str],
         *,
         has_own_areas: bool = False,
-    ) -> Plan:
+    ) -> MadePlan:
         """The plan of a report; its folder then holds it and nothing else."""
         kinds = ("mission", "fence", "rally") if has_own_areas else ("mission",)
         lists = await asyncio.to_thread(lists_of, report["items"], kinds)
@@ -161,7 +161,7 @@ class PlanService:
                 *warnings[:_MOST_WARNINGS],
                 str(say("planner.more", n=len(warnings) - _MOST_WARNINGS)),
             ]
-        plan = Plan(
+        plan = MadePlan(
             id=self.store.new_id(),
             name=name,
             task=task,

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from companion.core.errors import StorageError
-from mission_tools.shore.plans.plan_request import Lists, Plan
+from mission_tools.shore.plans.plan_request import Lists, MadePlan
 from mission_tools.station.words import say
 
 MOST_PLANS: Final = 16
@@ -22,7 +22,7 @@ _NOT_IN_NAMES: Final = re.compile(r"[^A-Za-z0-9]+")
 class StoredPlan(NamedTuple):
     """A plan. folder: holds it as `file_name(plan.name)`.plan."""
 
-    plan: Plan
+    plan: MadePlan
     lists: Lists
     folder: Path
 
@@ -35,7 +35,7 @@ class PlanStore:
         self._kept: OrderedDict[str, StoredPlan] = OrderedDict()
 
     def new_id(self) -> str:
-        """For a plan."""
+        """An id for a plan that nobody guesses."""
         return secrets.token_urlsafe(16)
 
     def new_folder(self) -> Path:

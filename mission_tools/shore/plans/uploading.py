@@ -5,8 +5,8 @@ from collections.abc import Callable
 from msgspec import Struct, ValidationError, convert
 
 from mission_tools.shore.plans.plan_service import PlanService
-from mission_tools.shore.web.interfaces import Boats
-from mission_tools.station.messages import Answer, Request
+from mission_tools.shore.web.interfaces import BoatService
+from mission_tools.station.messages import Answer, PageRequest
 from mission_tools.station.outcome import Accepted, Outcome
 from mission_tools.station.uploads import plan_upload
 from mission_tools.station.words import say
@@ -21,13 +21,13 @@ class _Asked(Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class PlanUploads:
-    """Uploads plans."""
+    """Makes a stored plan the boat's mission."""
 
-    def __init__(self, boats: Boats, plans: PlanService) -> None:
+    def __init__(self, boats: BoatService, plans: PlanService) -> None:
         self._boats = boats
         self._plans = plans
 
-    def ask(self, request: Request, reply: Callable[[Answer], None]) -> None:
+    def ask(self, request: PageRequest, reply: Callable[[Answer], None]) -> None:
         """Upload, read back and start if asked; `reply` is called once, minutes later for a long plan."""
         try:
             asked = convert(request.arguments, _Asked)

@@ -11,7 +11,7 @@ from aiohttp import web
 from mission_tools.shore.web.guard import cookie_name, cookie_of, error, peer_of
 from mission_tools.shore.web.hub import Hub
 from mission_tools.shore.web.interfaces import ItemKind
-from mission_tools.shore.web.login.session import LIFE_S, Refused
+from mission_tools.shore.web.login.session import LIFE_S, LoginRefused
 from mission_tools.shore.web.logs.api import ROWS as LOGS
 from mission_tools.shore.web.parameters_api import ROWS as PARAMETERS
 from mission_tools.shore.web.plan_api import ROWS as PLAN_ROWS
@@ -39,7 +39,7 @@ async def _log_in(hub: Hub, request: web.Request) -> web.StreamResponse:
     except (msgspec.DecodeError, RecursionError, UnicodeError):
         return error(400, say("pin.expected"), '{"pin": "…"}')
     opened = await hub.sessions.open(pin, peer_of(request), hub.clock.now_s())
-    if isinstance(opened, Refused):
+    if isinstance(opened, LoginRefused):
         if opened.wait_s is None:
             return error(409, opened.text, "")
         wait = {"Retry-After": str(int(opened.wait_s) + 1)} if opened.wait_s > 0.0 else None

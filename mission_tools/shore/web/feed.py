@@ -58,7 +58,7 @@ class Feed:
 
 
 class Viewer:
-    """One socket's share."""
+    """What one socket has been sent, and what it waits for."""
 
     def __init__(self, feed: Feed | None, now_s: float) -> None:
         self.feed = feed
@@ -78,7 +78,7 @@ class Viewer:
         self.hello = hello
 
     def reply(self, answer: Answer) -> None:
-        """Send an answer."""
+        """Queue an answer for this socket."""
         self._answers.append(answer)
 
     def on_pong(self, now_s: float) -> None:

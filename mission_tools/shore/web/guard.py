@@ -51,7 +51,7 @@ def cookie_name(request: web.Request) -> str:
 
 
 def cookie_of(request: web.Request) -> str | None:
-    """The session's token."""
+    """The session's token in a request's cookie; empty without one."""
     return request.cookies.get(cookie_name(request))
 
 
@@ -86,7 +86,7 @@ def is_own_origin(request: web.Request) -> bool:
 
 
 async def add_headers(request: web.Request, response: web.StreamResponse) -> None:
-    """To every response."""
+    """Add the security headers that every response has."""
     response.headers.update(_HEADERS)
     response.headers.setdefault("Cache-Control", "no-store")
     host = request.host if _HOST.fullmatch(request.host) else ""

@@ -8,12 +8,12 @@ import msgspec
 from mission_tools.shore.plans.plan_service import PlanService, Sources
 from mission_tools.shore.plans.uploading import PlanUploads
 from mission_tools.shore.web.feed import Feed, Viewer
-from mission_tools.shore.web.interfaces import Boats, Chart, Clock, Service
+from mission_tools.shore.web.interfaces import BoatService, ChartService, Clock, Service
 from mission_tools.shore.web.login.session import Sessions
 from mission_tools.shore.web.logs.log_service import LogService
 from mission_tools.shore.web.request_log import Reply, RequestLog
 from mission_tools.shore.web.route_service import RouteService
-from mission_tools.station.messages import Answer, BoatName, Hello, Request, Role
+from mission_tools.station.messages import Answer, BoatName, Hello, PageRequest, Role
 from mission_tools.station.words import say
 
 STATE_PERIOD_S: Final = 0.2
@@ -36,7 +36,7 @@ class Watch:
         self.wake = asyncio.Event()
 
     def reply(self, answer: Answer) -> None:
-        """To the page."""
+        """Send an answer to the page that asked."""
         self.viewer.reply(answer)
         self.wake.set()
 
@@ -45,7 +45,12 @@ class Hub:
     """Polls the boats, hands their states to the viewers, and requests to the boats."""
 
     def __init__(
-        self, boats: Boats, chart: Chart, sessions: Sessions, clock: Clock, sources: Sources = _NO_SOURCES
+        self,
+        boats: BoatService,
+        chart: ChartService,
+        sessions: Sessions,
+        clock: Clock,
+        sources: Sources = _NO_SOURCES,
     ) -> None:
         self.boats = boats
         self.plans = PlanService(boats, sources)
@@ -95,7 +100,7 @@ class Hub:
         return Hello(role=self.sessions.role(watch.token, now_s), boats=names)
 
     def open(self, boat: int | None, token: str | None) -> Watch:
-        """A new socket."""
+        """Begin to feed a new socket."""
         now_s = self.clock.now_s()
         watch = Watch(Viewer(None, now_s), boat, token)
         self.watches.append(watch)
@@ -121,7 +126,7 @@ class Hub:
     def on_text(self, watch: Watch, text: str) -> None:
         """A message of a page."""
         try:
-            request = msgspec.json.decode(text, type=Request)
+            request = msgspec.json.decode(text, type=PageRequest)
         except (msgspec.DecodeError, RecursionError, UnicodeError):
             watch.reply(Answer(id=_id_of(text), ok=False, text=say("answer.malformed")))
             return
@@ -132,7 +137,7 @@ class Hub:
         else:
             self._request_log.submit(request, watch.reply, self._do, self.clock.now_s())
 
-    def _do(self, request: Request, reply: Reply) -> None:
+    def _do(self, request: PageRequest, reply: Reply) -> None:
         self._services.get(request.what, self.boats).ask(request, reply)
 
 

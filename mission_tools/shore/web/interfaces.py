@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Literal, Protocol
 
 from companion.mavlink.items import MissionItem
-from mission_tools.station.messages import Answer, BoatName, LogFile, Place, Request, Sensor, Snapshot
+from mission_tools.station.messages import Answer, BoatName, LogFile, PageRequest, Place, Sensor, Snapshot
 from mission_tools.station.outcome import Answered
 from mission_tools.station.parameters.parameter_table import ParameterTable
 from mission_tools.station.uploads import Upload
@@ -25,7 +25,7 @@ class Clock(Protocol):
 class Service(Protocol):
     """Whoever does requests of a kind."""
 
-    def ask(self, request: Request, reply: Callable[[Answer], None], /) -> None:
+    def ask(self, request: PageRequest, reply: Callable[[Answer], None], /) -> None:
         """Do a request; `reply` is called once, now or later."""
 
 
@@ -47,7 +47,7 @@ class Failure(Protocol):
 
     @property
     def text(self) -> str:
-        """For people."""
+        """Why it failed, for people."""
 
 
 class Files(Protocol):
@@ -65,15 +65,15 @@ class Files(Protocol):
         """A file into a sink; returns the transfer."""
 
     def cancel(self, job: Any, /) -> None:  # noqa: ANN401
-        """End a transfer."""
+        """End a transfer that is under way."""
 
 
-class LogList(Protocol):
+class LogListing(Protocol):
     """The logs of a boat, newest first; None with a failure, or while they are fetched."""
 
     @property
     def logs(self) -> list[LogFile] | None:
-        """Newest first."""
+        """The boat's logs, newest first."""
 
     @property
     def failure(self) -> str | None:
@@ -86,7 +86,7 @@ class LogList(Protocol):
         """Where a listed log is; None for another name."""
 
 
-class Boats(Service, Protocol):
+class BoatService(Service, Protocol):
     """The station: the boats that it hears. Never blocks.
 
     is_operator: whether somebody steers from a page; the boats then miss this station when it goes silent.
@@ -135,10 +135,10 @@ class Boats(Service, Protocol):
     def files(self, boat: int) -> Files | None:
         """A boat's files; None before its first heartbeat."""
 
-    def logs(self, boat: int) -> LogList | None:
+    def logs(self, boat: int) -> LogListing | None:
         """A boat's logs; None before its first heartbeat."""
 
-    def ask(self, request: Request, answer: Callable[[Answer], None]) -> None:
+    def ask(self, request: PageRequest, answer: Callable[[Answer], None]) -> None:
         """Do a request; `answer` is called once, now or from a later poll."""
 
 
@@ -146,10 +146,10 @@ class Found(Protocol):
     """A named tuple: (points, length_m, …), or (reason, nearest) where there is no way."""
 
     def _asdict(self) -> dict[str, Any]:
-        """By name."""
+        """The result's fields by name."""
 
 
-class Chart(Protocol):
+class ChartService(Protocol):
     """The map on board."""
 
     def geojson(self) -> bytes:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
-from mission_tools.station.messages import Answer, Request
+from mission_tools.station.messages import Answer, PageRequest
 
 KEPT_S: Final = 600.0
 MOST_KEPT: Final = 1000
@@ -27,7 +27,7 @@ class RequestLog:
         self._entries: OrderedDict[str, _Entry] = OrderedDict()
 
     def submit(
-        self, request: Request, reply: Reply, do: Callable[[Request, Reply], None], now_s: float
+        self, request: PageRequest, reply: Reply, do: Callable[[PageRequest, Reply], None], now_s: float
     ) -> None:
         """Do a request, or answer one already seen. reply: called once, now or later."""
         self._forget(now_s)

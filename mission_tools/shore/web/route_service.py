@@ -6,9 +6,9 @@ from typing import Any, Final
 
 from msgspec import ValidationError, convert
 
-from mission_tools.shore.web.interfaces import Boats, Chart
+from mission_tools.shore.web.interfaces import BoatService, ChartService
 from mission_tools.shore.web.request_log import Reply
-from mission_tools.station.messages import Answer, Place, Request
+from mission_tools.station.messages import Answer, PageRequest, Place
 from mission_tools.station.words import say
 
 _log: Final = logging.getLogger(__name__)
@@ -19,13 +19,13 @@ _BUSY: Final = say("answer.ways_busy")
 class RouteService:
     """One search at a time."""
 
-    def __init__(self, boats: Boats, chart: Chart) -> None:
+    def __init__(self, boats: BoatService, chart: ChartService) -> None:
         self._boats = boats
         self._chart = chart
         self._one = asyncio.Lock()
         self._tasks: set[asyncio.Task[None]] = set()
 
-    def ask(self, request: Request, reply: Reply) -> None:
+    def ask(self, request: PageRequest, reply: Reply) -> None:
         """Start a search; `reply` is called once."""
         snapshot = self._boats.snapshot(request.boat)
         try:
@@ -46,7 +46,7 @@ class RouteService:
             task.add_done_callback(self._tasks.discard)
 
     async def _search(
-        self, request: Request, start: Place, goal: Place, cruise_m_s: float | None, reply: Reply
+        self, request: PageRequest, start: Place, goal: Place, cruise_m_s: float | None, reply: Reply
     ) -> None:
         fence, ident = self._boats.items(request.boat, "fence"), request.id
         try:

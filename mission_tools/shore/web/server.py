@@ -13,7 +13,7 @@ from mission_tools.shore.web.connections.rates import Rate, Rates
 from mission_tools.shore.web.connections.throttle import network_of
 from mission_tools.shore.web.guard import add_headers, make_guard, peer_of
 from mission_tools.shore.web.hub import Hub
-from mission_tools.shore.web.interfaces import Boats, Chart, Clock
+from mission_tools.shore.web.interfaces import BoatService, ChartService, Clock
 from mission_tools.shore.web.login.session import Sessions
 from mission_tools.shore.web.rows import MOST_BODY_BYTES
 from mission_tools.shore.web.sockets import Sockets
@@ -32,8 +32,8 @@ POLLING: Final = web.AppKey("polling", asyncio.Task[None])
 
 
 def make_app(
-    boats: Boats,
-    chart: Chart,
+    boats: BoatService,
+    chart: ChartService,
     sessions: Sessions,
     page_dir: Path,
     clock: Clock,

@@ -44,13 +44,13 @@ class Job(Protocol):
     shall_yield: bool
 
     def start(self, now_s: float) -> None:
-        """Begin."""
+        """Send the first request."""
 
     def handle(self, reply: Reply, now_s: float) -> None:
         """A reply that answers none of the numbered requests."""
 
     def poll(self, now_s: float) -> None:
-        """Go on."""
+        """Repeat what was not answered in time, or give up."""
 
     def cancel(self, now_s: float) -> None:
         """End; nothing is called back any more."""
@@ -73,7 +73,7 @@ class Sink(Protocol):
 
 
 def failure_of(reply: Reply | None) -> FtpFailure:
-    """For people."""
+    """A NAK's error as a text for people."""
     if reply is None:
         return FtpFailure(say("file.no_answer"))
     return FtpFailure(_REASONS.get(reply.code) or say("file.error", n=reply.code), reply.code)
@@ -101,7 +101,7 @@ class Listing:
         """Nothing: requests repeat themselves."""
 
     def cancel(self, now_s: float) -> None:  # noqa: ARG002
-        """End."""
+        """Close what is open on the boat."""
         self._asking.drop()
         self.is_over = True
 

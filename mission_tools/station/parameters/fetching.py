@@ -76,7 +76,7 @@ class Fetching:
             self.state, self._asked, self._failed = "waiting", 0, 0
 
     def handle(self, message: Message, now_s: float) -> None:
-        """COMPONENT_METADATA or COMPONENT_INFORMATION."""
+        """Take COMPONENT_METADATA or COMPONENT_INFORMATION."""
         self._now_s = now_s
         if self.state != "asking":
             return

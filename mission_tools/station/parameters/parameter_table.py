@@ -88,11 +88,11 @@ class ParameterTable:
         self._fetching.restart()
 
     def on_autopilot(self, autopilot: int) -> None:
-        """Of a heartbeat."""
+        """Take a heartbeat: another autopilot has other parameters."""
         self._download.is_bytewise = autopilot == dialect.MAV_AUTOPILOT_PX4
 
     def handle(self, message: Message, now_s: float) -> None:
-        """One of WANTED."""
+        """Take a message of one of the kinds in WANTED."""
         number = message.get_msgId()
         if number == dialect.MAVLINK_MSG_ID_PARAM_VALUE:
             if (known := self._download.handle(message, now_s)) is not None:

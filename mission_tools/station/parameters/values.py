@@ -93,7 +93,7 @@ def decode(message: Message, is_bytewise: bool) -> Value:
 
 
 def encode(value: float, kind: int, is_bytewise: bool) -> float:
-    """For a PARAM_SET."""
+    """The value as PARAM_SET carries it."""
     whole = _KINDS.get(kind)
     if is_bytewise and whole is not None:
         (raw,) = struct.unpack("<f", struct.pack(whole.code, round(value)))

@@ -46,7 +46,7 @@ class LatestMessages:
         self.probes: list[str] = []
 
     def on_message(self, message: Message, now_s: float) -> None:
-        """One of MESSAGES."""
+        """Take a message of one of the kinds in MESSAGES."""
         number = message.get_msgId()
         key = self._key(number, message)
         if key is None:

@@ -58,7 +58,7 @@ class Setup:
             self.calibrations.start(kind, answered, now_s)
 
     def handle(self, message: Message, now_s: float) -> None:
-        """One of MESSAGES."""
+        """Take a message of one of the kinds in MESSAGES."""
         number = message.get_msgId()
         if number == _PROGRESS:
             self.calibrations.on_progress(message, now_s)

@@ -52,7 +52,7 @@ class SensorSnapshot(NamedTuple):
 
     @property
     def estimate(self) -> Message | None:
-        """EKF_STATUS_REPORT."""
+        """The latest EKF_STATUS_REPORT."""
         return self.messages.latest(dialect.MAVLINK_MSG_ID_EKF_STATUS_REPORT)
 
     def is_older(self, key: int | str, limit_s: float) -> bool:
@@ -66,7 +66,7 @@ def _share(value: float) -> float:
 
 
 def examine_gnss(seen: SensorSnapshot) -> Found:
-    """Fix, satellites, accuracy."""
+    """Fix, satellites and accuracy, with a verdict."""
     fix, estimate = seen.messages.latest(dialect.MAVLINK_MSG_ID_GPS_RAW_INT), seen.estimate
     if fix is None:
         return "unheard", {}
@@ -113,7 +113,7 @@ def examine_compass(seen: SensorSnapshot) -> Found:
 
 
 def examine_gyro(seen: SensorSnapshot) -> Found:
-    """Turn rate."""
+    """Turn rate, with a verdict."""
     imu = seen.messages.latest(dialect.MAVLINK_MSG_ID_SCALED_IMU)
     if not seen.is_told:
         return "unheard", {}

@@ -14,7 +14,7 @@ from companion.core.errors import ConfigError
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from mission_tools.shore import chart as chart_module
 from mission_tools.shore import chart_file, thinning
-from mission_tools.shore.chart import CLEARANCES_M, Blocked, Chart, Way
+from mission_tools.shore.chart import CLEARANCES_M, Blocked, WaterChart, Way
 from mission_tools.shore.chart_file import Shape
 from mission_tools.station.messages import Place
 
@@ -52,11 +52,11 @@ def write(path: Path, *features: object, **more: object) -> Path:
     return file
 
 
-def chart_of(path: Path, *features: object) -> Chart:
-    return Chart(write(path, *features))
+def chart_of(path: Path, *features: object) -> WaterChart:
+    return WaterChart(write(path, *features))
 
 
-def way(chart: Chart, start: tuple[float, float], goal: tuple[float, float]) -> Way:
+def way(chart: WaterChart, start: tuple[float, float], goal: tuple[float, float]) -> Way:
     found = chart.way(place(*start), place(*goal))
     assert isinstance(found, Way), found
     return found
@@ -74,7 +74,7 @@ def circle(east_m: float, north_m: float, radius_m: float, command: int) -> dict
     }
 
 
-def blocked(chart: Chart, start: tuple[float, float], goal: tuple[float, float]) -> Blocked:
+def blocked(chart: WaterChart, start: tuple[float, float], goal: tuple[float, float]) -> Blocked:
     found = chart.way(place(*start), place(*goal))
     assert isinstance(found, Blocked), found
     return found
@@ -88,7 +88,7 @@ LAKE = box(0, 0, 200, 100)
 
 
 def test_the_page_gets_every_feature_of_the_pond_with_its_kind_and_name() -> None:
-    tree = json.loads(Chart(POND).geojson())
+    tree = json.loads(WaterChart(POND).geojson())
     given = json.loads(POND.read_text())
     assert tree["name"] == "Mill Pond"
     assert [f["properties"]["kind"] for f in tree["features"]] == [
@@ -190,7 +190,7 @@ def test_another_lake_of_the_map_is_not_reached(tmp_path: Path) -> None:
 
 
 def test_without_a_map_the_way_is_straight_and_says_that_nothing_is_known() -> None:
-    chart = Chart(None)
+    chart = WaterChart(None)
     assert json.loads(chart.geojson())["features"] == []
     found = way(chart, (0, 0), (30, 40))
     assert found.length_m == pytest.approx(50.0, abs=0.01)
@@ -223,7 +223,7 @@ def test_a_way_keeps_out_of_the_fences_exclusion_areas(tmp_path: Path) -> None:
 def test_a_way_stays_inside_every_inclusion_area_of_the_fence(tmp_path: Path) -> None:
     angle: Ring = [(0, 0), (200, 0), (200, 100), (160, 100), (160, 40), (40, 40), (40, 100), (0, 100)]
     inside = polygon(angle, command=5001)
-    for chart in (Chart(None), chart_of(tmp_path, polygon(box(-50, -50, 250, 150)))):
+    for chart in (WaterChart(None), chart_of(tmp_path, polygon(box(-50, -50, 250, 150)))):
         found = chart.way(place(20, 80), place(180, 80), fence(inside))
         assert isinstance(found, Way)
         assert found.clearance_m == CLEARANCES_M[0]
@@ -342,7 +342,7 @@ def test_a_hostile_file_is_refused_by_name_in_one_line(tmp_path: Path, case: str
     file = tmp_path / "bad.geojson"
     file.write_bytes(data)
     with pytest.raises(ConfigError) as refusal:
-        Chart(file)
+        WaterChart(file)
     text = str(refusal.value)
     assert text.startswith(str(file))
     assert said in text
@@ -354,7 +354,7 @@ def test_too_many_bytes_features_or_positions_are_refused(tmp_path: Path) -> Non
     big = tmp_path / "big.geojson"
     big.write_bytes(b" " * (chart_file.MOST_BYTES + 1))
     with pytest.raises(ConfigError, match="more than 4 MB"):
-        Chart(big)
+        WaterChart(big)
     many = [{"type": "Feature", "geometry": None}] * (chart_file.MOST_FEATURES + 1)
     with pytest.raises(ConfigError, match="at most 2000"):
         chart_of(tmp_path, *many)
@@ -378,7 +378,7 @@ def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
     os.mkfifo(pipe)  # reading it would wait for ever
     for path in (tmp_path, tmp_path / "missing.geojson", pipe):
         with pytest.raises(ConfigError, match="no such file"):
-            Chart(path)
+            WaterChart(path)
 
 
 def test_random_json_never_raises_anything_else(tmp_path: Path) -> None:
@@ -402,6 +402,6 @@ def test_random_json_never_raises_anything_else(tmp_path: Path) -> None:
         file = tmp_path / "any.geojson"
         file.write_text(json.dumps(tree(4)))
         try:
-            Chart(file)
+            WaterChart(file)
         except ConfigError as refusal:
             assert str(refusal).startswith(str(file))  # noqa: PT017

@@ -16,7 +16,7 @@ from companion.mavlink.framing import build_frame
 from companion.mavlink.layout import LAYOUTS
 from mission_tools.station.boat import WANTED
 from mission_tools.station.boats import MOST_BOATS, Boats
-from mission_tools.station.messages import Answer, Request
+from mission_tools.station.messages import Answer, PageRequest
 from mission_tools.station.wire import heartbeat
 
 BOAT = Address(1, 1)
@@ -210,7 +210,7 @@ def test_an_answer_to_another_station_is_not_ours(target: tuple[int, int]) -> No
     stranger, answers = Stranger(), list[Answer]()
     stranger.heartbeat()
     stranger.run(0.1)
-    stranger.boats.ask(Request(id="1", boat=1, what="arm"), answers.append)
+    stranger.boats.ask(PageRequest(id="1", boat=1, what="arm"), answers.append)
     stranger.say(dialect.MAVLink_command_ack_message(400, 0, 0, 0, *target))
     stranger.run(1.0)
     assert answers == []
@@ -226,7 +226,7 @@ def test_a_command_is_repeated_five_times_and_then_given_up() -> None:
     stranger, answers = Stranger(), list[Answer]()
     stranger.heartbeat()
     stranger.run(0.1)
-    stranger.boats.ask(Request(id="1", boat=1, what="hold"), answers.append)
+    stranger.boats.ask(PageRequest(id="1", boat=1, what="hold"), answers.append)
     stranger.run(9.0)
     sent = [one for one in stranger.heard if one.get_type() == "COMMAND_LONG" and one.command == 176]
     assert [one.confirmation for one in sent] == [0, 1, 2, 3, 4]
@@ -237,7 +237,7 @@ def test_a_command_that_must_not_be_done_twice_is_repeated_only_within_two_secon
     stranger = Stranger()
     stranger.heartbeat()
     stranger.run(0.1)
-    stranger.boats.ask(Request(id="1", boat=1, what="continue"), lambda _: None)
+    stranger.boats.ask(PageRequest(id="1", boat=1, what="continue"), lambda _: None)
     stranger.run(1.5)
     early = [one for one in stranger.heard if one.get_type() == "COMMAND_LONG" and one.command == 193]
     stranger.run(7.0)
@@ -281,7 +281,7 @@ def test_the_reason_may_come_after_the_refusal() -> None:
     stranger, answers = Stranger(), list[Answer]()
     stranger.heartbeat()
     stranger.run(0.1)
-    stranger.boats.ask(Request(id="1", boat=1, what="arm"), answers.append)
+    stranger.boats.ask(PageRequest(id="1", boat=1, what="arm"), answers.append)
     stranger.say(dialect.MAVLink_command_ack_message(400, 4, 0, 0, 250, 190))
     stranger.run(0.15)
     stranger.say(dialect.MAVLink_statustext_message(2, b"Arm: Kraken: near"))
@@ -295,7 +295,7 @@ def test_a_way_is_answered_for_within_ten_seconds_however_slow_the_boat(accepts_
     stranger.heartbeat()
     stranger.run(0.1)
     way = {"points": [[1.0, 50.0], [1.1, 50.0]]}
-    stranger.boats.ask(Request(id="1", boat=1, what="sail", arguments=way), answers.append)
+    stranger.boats.ask(PageRequest(id="1", boat=1, what="sail", arguments=way), answers.append)
     began_s, seq = stranger.now_s, 0
     while not answers and stranger.now_s - began_s < 10.0:
         if accepts_at_s is None or stranger.now_s - began_s < accepts_at_s:

@@ -11,7 +11,7 @@ from companion.mavlink.items import MissionItem, MissionResult, MissionType
 from companion.mavlink.transfer import Failed, FailureCause
 from mission_tools.station.items import ItemLists
 from mission_tools.station.outcome import Accepted, Cancelled, Outcome, Refused, Silent
-from mission_tools.station.uploads import LONGEST_S, Part, Upload, first_difference, plan_upload
+from mission_tools.station.uploads import LONGEST_S, ListUpload, Upload, first_difference, plan_upload
 
 SPEED = MissionItem(
     frame=dialect.MAV_FRAME_MISSION,
@@ -205,7 +205,7 @@ def test_what_the_boat_holds_otherwise_is_not_started(monkeypatch: pytest.Monkey
 
 
 def test_differences_are_found_by_item_and_home_is_the_boats() -> None:
-    part = Part("mission", MissionType.MISSION, PLAN)
+    part = ListUpload("mission", MissionType.MISSION, PLAN)
     assert first_difference(part, (waypoint(1.0, 1.0), *PLAN[1:])) is None
     assert first_difference(part, PLAN[:3]) == 3
     assert first_difference(part, (*PLAN[:2], waypoint(20.0, 0.1), *PLAN[3:])) == 2
@@ -215,8 +215,8 @@ def test_differences_are_found_by_item_and_home_is_the_boats() -> None:
 def test_a_parameter_that_is_left_to_the_boat_may_come_back_as_anything() -> None:
     free = MissionItem(frame=3, command=16, param4=float("nan"), x=1, y=2)
     kept = MissionItem(frame=6, command=16, param4=0.0, x=1, y=2)
-    assert first_difference(Part("mission", MissionType.MISSION, (free, free)), (free, kept)) is None
-    assert first_difference(Part("mission", MissionType.MISSION, (free, kept)), (free, free)) == 1
+    assert first_difference(ListUpload("mission", MissionType.MISSION, (free, free)), (free, kept)) is None
+    assert first_difference(ListUpload("mission", MissionType.MISSION, (free, kept)), (free, free)) == 1
 
 
 def test_a_boat_that_was_never_heard_gets_nothing() -> None:

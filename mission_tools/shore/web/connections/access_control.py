@@ -67,7 +67,7 @@ class AccessControl:
 
 
 class _NewConnection(asyncio.Protocol):
-    """A new connection."""
+    """A connection until it is admitted or closed."""
 
     def __init__(self, access_control: AccessControl) -> None:
         self._access_control = access_control

@@ -27,7 +27,7 @@ class Opened(NamedTuple):
     token: str
 
 
-class Refused(NamedTuple):
+class LoginRefused(NamedTuple):
     """wait_s: until the next try; None: not a matter of time."""
 
     text: str
@@ -97,14 +97,14 @@ class Sessions:
         """Whether a PIN is set."""
         return self._line()[0] is not None
 
-    async def open(self, pin: str, address: str, now_s: float) -> Opened | Refused:
+    async def open(self, pin: str, address: str, now_s: float) -> Opened | LoginRefused:
         """Check a PIN when its turn comes, in a thread."""
         line, why = self._line()
         if line is None:
-            return Refused(why)
+            return LoginRefused(why)
         wait_s = self._throttle.wait_s(address, now_s)
         if wait_s > 0.0:
-            return Refused(say("pin.wait", n=round(wait_s)), wait_s, is_held_up=True)
+            return LoginRefused(say("pin.wait", n=round(wait_s)), wait_s, is_held_up=True)
         one = _Try(self._throttle.rank(address, now_s), pin, asyncio.get_running_loop().create_future())
         self._throttle.begin(address, now_s)
         self._waiting.append(one)
@@ -119,9 +119,9 @@ class Sessions:
             if one in self._waiting:  # the browser has left
                 self._waiting.remove(one)
         if is_right is None:
-            return Refused(say("pin.busy"), 1.0, is_held_up=True)
+            return LoginRefused(say("pin.busy"), 1.0, is_held_up=True)
         if not is_right:
-            return Refused(say("pin.wrong"), self._throttle.wait_s(address, now_s))
+            return LoginRefused(say("pin.wrong"), self._throttle.wait_s(address, now_s))
         self._throttle.succeed(address)
         token = secrets.token_urlsafe(16)
         self._open[_hash(token)] = _Session(_hash(line), now_s + LIFE_S, address)
@@ -166,7 +166,7 @@ class Sessions:
         return "skipper"
 
     def close(self, token: str | None) -> None:
-        """End a session."""
+        """End the session of a token."""
         if token and self._open.pop(_hash(token), None) is not None:
             self._store()
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Final
 
-from mission_tools.shore.web.interfaces import Boats, Clock
+from mission_tools.shore.web.interfaces import BoatService, Clock
 from mission_tools.shore.web.logs.stream import LogStream, fetching
 from mission_tools.shore.web.logs.voyages import Voyages
 
@@ -12,9 +12,9 @@ MOST_DOWNLOADS: Final = 8
 
 
 class LogService:
-    """Of all boats."""
+    """Logs of all boats."""
 
-    def __init__(self, boats: Boats, clock: Clock) -> None:
+    def __init__(self, boats: BoatService, clock: Clock) -> None:
         self.voyages = Voyages(boats, clock)
         self._boats = boats
         self._under_way: list[tuple[int, str, LogStream]] = []

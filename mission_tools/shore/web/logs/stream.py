@@ -38,7 +38,7 @@ class LogStream:
         self._change.set()
 
     def write(self, data: bytes) -> None:
-        """From the boat."""
+        """Take bytes that have come from the boat."""
         self._parts.append(data)
         self._held += len(data)
         self._change.set()

@@ -12,7 +12,7 @@ from typing import Any, Final, NamedTuple
 
 import msgspec
 
-from mission_tools.shore.web.interfaces import Boats, Clock
+from mission_tools.shore.web.interfaces import BoatService, Clock
 from mission_tools.shore.web.logs.stream import LogLostError, fetching
 from mission_tools.station.messages import LogFile
 from mission_tools.station.words import LocalizedText, say
@@ -60,7 +60,7 @@ class _Reason(msgspec.Struct):
 class Voyages:
     """By boat, name and size of the log. One log is fetched and read at a time."""
 
-    def __init__(self, boats: Boats, clock: Clock) -> None:
+    def __init__(self, boats: BoatService, clock: Clock) -> None:
         self._boats = boats
         self._clock = clock
         self._kept: OrderedDict[tuple[int, str, int], _Voyage] = OrderedDict()

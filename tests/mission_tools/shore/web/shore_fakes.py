@@ -14,11 +14,11 @@ from aiohttp.test_utils import TestClient, TestServer
 from companion.mavlink.items import MissionItem
 from mission_tools.shore.plans.plan_service import Sources
 from mission_tools.shore.web.hub import Hub
-from mission_tools.shore.web.interfaces import Files, ItemKind, LogList
+from mission_tools.shore.web.interfaces import Files, ItemKind, LogListing
 from mission_tools.shore.web.login.pin_file import PinFile
 from mission_tools.shore.web.login.session import Sessions
 from mission_tools.shore.web.server import HUB, make_app
-from mission_tools.station.messages import Answer, BoatName, Place, Request, Sensor, Snapshot
+from mission_tools.station.messages import Answer, BoatName, PageRequest, Place, Sensor, Snapshot
 from mission_tools.station.outcome import Answered
 from mission_tools.station.parameters.parameter_table import ParameterTable
 from mission_tools.station.uploads import Upload
@@ -55,7 +55,7 @@ class FakeBoats:
             1: Snapshot(boat=1, heard_s=5.0, mode="HOLD", place=Place(lat=1, lon=2))
         }
         self.lists: dict[ItemKind, dict[str, Any]] = {}
-        self.asked: list[tuple[Request, Callable[[Answer], None]]] = []
+        self.asked: list[tuple[PageRequest, Callable[[Answer], None]]] = []
         self.items_on_board: tuple[MissionItem, ...] | None = None
         self.uploads: list[tuple[Upload, Answered]] = []
         self.tables: dict[int, ParameterTable] = {}
@@ -63,7 +63,7 @@ class FakeBoats:
         self.is_operator = False
         self.is_transferring = False
         self.own_files: Files | None = None
-        self.own_logs: LogList | None = None
+        self.own_logs: LogListing | None = None
 
     def poll(self, now_s: float, unix_s: float) -> None:
         self.polls += 1
@@ -104,10 +104,10 @@ class FakeBoats:
     def files(self, boat: int) -> Files | None:
         return self.own_files
 
-    def logs(self, boat: int) -> LogList | None:
+    def logs(self, boat: int) -> LogListing | None:
         return self.own_logs
 
-    def ask(self, request: Request, answer: Callable[[Answer], None]) -> None:
+    def ask(self, request: PageRequest, answer: Callable[[Answer], None]) -> None:
         self.asked.append((request, answer))
 
     def answer_all(self, text: str) -> None:

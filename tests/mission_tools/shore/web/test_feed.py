@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from mission_tools.shore.web.feed import LOST_S, QUIET_S, UNACKNOWLEDGED, Feed, Viewer
 from mission_tools.shore.web.patch import difference
 from mission_tools.shore.web.request_log import KEPT_S, MOST_KEPT, Reply, RequestLog
-from mission_tools.station.messages import Answer, BoatName, Hello, Place, Request, Snapshot
+from mission_tools.station.messages import Answer, BoatName, Hello, PageRequest, Place, Snapshot
 
 LEAVES = st.one_of(
     st.booleans(), st.integers(-3, 3), st.text(max_size=2), st.lists(st.integers(0, 2), max_size=2)
@@ -95,13 +95,13 @@ class Doer:
         self.done: list[str] = []
         self.replies: list[Reply] = []
 
-    def __call__(self, request: Request, reply: Reply) -> None:
+    def __call__(self, request: PageRequest, reply: Reply) -> None:
         self.done.append(request.id)
         self.replies.append(reply)
 
 
-def ask(ident: str) -> Request:
-    return Request(id=ident, boat=1, what="hold")
+def ask(ident: str) -> PageRequest:
+    return PageRequest(id=ident, boat=1, what="hold")
 
 
 def test_a_repeated_id_is_done_once_and_answered_alike() -> None:

@@ -12,7 +12,7 @@ from shore_fakes import PIN, Server, run, serving, until
 from mission_tools.shore.web.guard import is_own_host, own_names
 from mission_tools.shore.web.login.session import READ_ONLY
 from mission_tools.shore.web.sockets import MOST_BYTES, MOST_OF_ADDRESS
-from mission_tools.station.messages import Line
+from mission_tools.station.messages import TextLine
 
 HERE = socket.gethostname().partition(".")[0]
 ELSEWHERE = ("https://evil.example", "null", "http://127.0.0.1:1", "http://localhost", "")
@@ -291,7 +291,7 @@ def test_script_in_a_text_is_only_ever_json() -> None:
     async def test() -> None:
         async with serving() as server:
             text = "</script><img src=x onerror=alert(1)>"
-            server.boats.change(lines=[Line(number=1, at_s=0.0, severity=4, text=text)])
+            server.boats.change(lines=[TextLine(number=1, at_s=0.0, severity=4, text=text)])
             server.boats.lists["mission"] = {"type": "FeatureCollection", "name": text, "features": []}
             ws = await server.live()
             await ws.receive_json()

@@ -10,7 +10,7 @@ from shore_fakes import FakeClock
 from companion.core.errors import ConfigError, StorageError
 from mission_tools.shore.web.connections.throttle import MOST_PACE_S, Throttle, network_of
 from mission_tools.shore.web.login.pin_file import PinFile, hashed, is_pin
-from mission_tools.shore.web.login.session import LIFE_S, MOST_WAITING, Opened, Refused, Sessions
+from mission_tools.shore.web.login.session import LIFE_S, MOST_WAITING, LoginRefused, Opened, Sessions
 
 PIN = "482913"
 
@@ -21,7 +21,7 @@ def sessions(folder: Path) -> Sessions:
     return Sessions(pin)
 
 
-def opened(of: Sessions, pin: str, address: str, now_s: float) -> Opened | Refused:
+def opened(of: Sessions, pin: str, address: str, now_s: float) -> Opened | LoginRefused:
     return asyncio.run(of.open(pin, address, now_s))
 
 
@@ -53,7 +53,7 @@ def test_a_file_that_others_may_read_is_not_used(tmp_path: Path) -> None:
     pin.path.chmod(0o640)
     with pytest.raises(StorageError, match="chmod 600"):
         pin.line()
-    assert isinstance(opened(Sessions(pin), PIN, "10.0.0.1", 0.0), Refused)
+    assert isinstance(opened(Sessions(pin), PIN, "10.0.0.1", 0.0), LoginRefused)
 
 
 @pytest.mark.parametrize(
@@ -118,7 +118,7 @@ class Attack:
     def __init__(self, victim: Sessions) -> None:
         self.victim = victim
         self.now_s = 0.0
-        self.tries: list[asyncio.Task[Opened | Refused]] = []
+        self.tries: list[asyncio.Task[Opened | LoginRefused]] = []
 
     async def go_on(self) -> None:
         """A quarter of a second."""
@@ -185,7 +185,7 @@ def test_the_tries_that_wait_are_bounded_and_the_latest_gives_way(tmp_path: Path
         await asyncio.sleep(0)
         refused = [one for one in told if one.done()]
         assert len(refused) >= 19
-        assert all(isinstance(one.result(), Refused) for one in refused)
+        assert all(isinstance(one.result(), LoginRefused) for one in refused)
         for one in told:
             one.cancel()
         await asyncio.gather(*told, return_exceptions=True)
@@ -198,7 +198,7 @@ def test_tries_at_the_same_moment_count_each_other(tmp_path: Path) -> None:
     async def test() -> None:
         all_of_them = sessions(tmp_path)
         told = await asyncio.gather(*(all_of_them.open(f"00000{n}", "10.0.0.1", 0.0) for n in range(9)))
-        assert sum(isinstance(one, Refused) and one.is_held_up for one in told) == 6
+        assert sum(isinstance(one, LoginRefused) and one.is_held_up for one in told) == 6
 
     asyncio.run(test())
 
