@@ -9,7 +9,7 @@ from companion.core.state import NavState
 from companion.obstacles.planning.clearance import ClearanceField
 from companion.obstacles.planning.cost import HORIZON_S, HULL, TOUCH, CostModel
 from companion.obstacles.planning.cost_to_go import CostToGo
-from companion.obstacles.planning.motion import Fan, Rollout
+from companion.obstacles.planning.motion import CourseFan, Rollout
 from pictures.svg import Drawing
 
 _CONFIG: Final = BoatConfig()
@@ -20,7 +20,7 @@ _GOOD, _BAD, _BEST = (46, 134, 71), (200, 60, 50), "#1f4fa3"
 def draw_rollouts() -> str:
     """The fan of a boat at 1 m/s, bow up, with a rock ahead."""
     rock = [Point(3.0 + 0.2 * n, 0.3 + 0.2 * e) for n in range(4) for e in range(-3, 4)]
-    nav, fan = _nav(0.0, 0.0, 0.0, 1.0), Fan()
+    nav, fan = _nav(0.0, 0.0, 0.0, 1.0), CourseFan()
     costs = _costs(nav, _field(nav, rock))
     best = costs.choose(fan, 1.0, None, None, is_certain=True)
     rated = []

@@ -16,7 +16,7 @@ from companion.core.status_text import StatusText
 from companion.geofence.fence import Fence
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.perception.track import Track
-from companion.obstacles.planning.clearance import Bounds
+from companion.obstacles.planning.clearance import ClearanceBounds
 from companion.obstacles.planning.planner import LocalPlanner, Stage
 
 CONFIG = BoatConfig()
@@ -113,7 +113,7 @@ class Voyage:
         self.texts: list[StatusText] = []
         self.planner = LocalPlanner(self.texts)
         self.chart, self.config = Chart(*solid), config
-        self.bounds: Bounds = Fence()
+        self.bounds: ClearanceBounds = Fence()
         self.now_s = 0.0
 
     def at(

@@ -43,7 +43,7 @@ _TURN_RATIO: Final = (0.7, 1.4)  # of the field's turn to the gyro's
 _LEAST_TURN_RAD: Final = 2.0
 
 
-class Verdict(IntEnum):
+class CompassVerdict(IntEnum):
     """MAVLink's MAG_CAL_STATUS, as far as used."""
 
     RUNNING = 2
@@ -56,7 +56,7 @@ class Verdict(IntEnum):
 class FieldFit(NamedTuple):
     """The result. fitness_mg: RMS error left over. reason: for the operator, empty on success."""
 
-    verdict: Verdict
+    verdict: CompassVerdict
     reason: str
     correction: MagneticCorrection
     fitness_mg: float = 0.0
@@ -144,7 +144,7 @@ class CompassCalibration:
         radius, dimensions = found.radius, self.dimensions
         low, high = _HORIZONTAL_MG if dimensions == 2 else _WHOLE_MG
         if not low <= radius <= high:
-            return self.failed(f"field of {radius:.0f} mG", Verdict.BAD_RADIUS)
+            return self.failed(f"field of {radius:.0f} mG", CompassVerdict.BAD_RADIUS)
         earth = self._earth
         wanted = radius
         if earth is not None:
@@ -153,18 +153,20 @@ class CompassCalibration:
             )
             if not _EARTH_RATIO[0] <= radius / wanted <= _EARTH_RATIO[1]:
                 told = f"field of {radius:.0f} mG, the earth's is {wanted:.0f} mG"
-                return self.failed(told, Verdict.BAD_RADIUS)
+                return self.failed(told, CompassVerdict.BAD_RADIUS)
         fitness = radius * _rms([found.distance(point) - 1.0 for point in self._points()])
-        fit = FieldFit(Verdict.SUCCESS, "", self._correction(found, wanted), fitness, radius)
+        fit = FieldFit(CompassVerdict.SUCCESS, "", self._correction(found, wanted), fitness, radius)
         if not self._turns_with_gyro(fit.correction):
-            return self.failed("turns against the gyro: check the mounting", Verdict.BAD_ORIENTATION)
+            return self.failed("turns against the gyro: check the mounting", CompassVerdict.BAD_ORIENTATION)
         if reason := _limits_fault(fit.correction):
             return self.failed(reason)
         if fitness > most_fitness_mg:
-            return fit._replace(verdict=Verdict.FAILED, reason=f"error of {fitness:.0f} mG is too large")
+            return fit._replace(
+                verdict=CompassVerdict.FAILED, reason=f"error of {fitness:.0f} mG is too large"
+            )
         return fit
 
-    def failed(self, reason: str, verdict: Verdict = Verdict.FAILED) -> FieldFit:
+    def failed(self, reason: str, verdict: CompassVerdict = CompassVerdict.FAILED) -> FieldFit:
         """A result that changes nothing."""
         return FieldFit(verdict, reason, self._before)
 

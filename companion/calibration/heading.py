@@ -23,15 +23,15 @@ from typing import Final
 
 from companion.calibration.routine import (
     CalibrationError,
-    Finding,
     Routine,
     RoutineInputs,
     Step,
+    TrialFinding,
     aim,
     come_back,
 )
 from companion.calibration.runs import go_to_edge, has_room, opposite
-from companion.calibration.yaw_model import YawFit, YawModel, yaw_model
+from companion.calibration.yaw_model import FittedYawModel, YawFit, yaw_model
 from companion.control.allocation import rudder_effect
 from companion.core.intent import Drive, HoldHeading
 from companion.core.units import clamp, wrap_pi
@@ -150,14 +150,14 @@ def _steered(inputs: RoutineInputs) -> float:
     return command.rudder * rudder_effect(command.left, water_m_s, config.drive, config.speed)
 
 
-def gains(model: YawModel, period_s: float) -> list[Finding]:
+def gains(model: FittedYawModel, period_s: float) -> list[TrialFinding]:
     """Kp, Ki and Kd, as derived above."""
     calm_s = model.time_s * model.noise_rad_s / (model.gain_rad_s * _NOISE_SHARE)
     answer_s = max(max(model.delay_s, _SHORTEST * period_s) + model.delay_s, calm_s)
     gain = 1.0 / (model.gain_rad_s * answer_s)
     kp = gain * (1.0 + model.time_s / (4.0 * answer_s))
     return [
-        Finding("HDG_KP", kp),
-        Finding("HDG_KI", kp / (_INTEGRAL * period_s)),
-        Finding("HDG_KD", gain * model.time_s),
+        TrialFinding("HDG_KP", kp),
+        TrialFinding("HDG_KI", kp / (_INTEGRAL * period_s)),
+        TrialFinding("HDG_KD", gain * model.time_s),
     ]

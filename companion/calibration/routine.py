@@ -43,14 +43,14 @@ class RoutineInputs(NamedTuple):
         return distance_m(self.nav.point, self.centre)
 
 
-class Finding(NamedTuple):
+class TrialFinding(NamedTuple):
     """A parameter's name, and the value found for it, in the parameter's unit."""
 
     name: str
     value: float
 
 
-Routine = Generator[Intent, RoutineInputs, list[Finding]]
+Routine = Generator[Intent, RoutineInputs, list[TrialFinding]]
 """Yields intents and is sent the next tick's inputs."""
 
 Step = Generator[Intent, RoutineInputs, RoutineInputs]

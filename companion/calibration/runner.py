@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Final, NamedTuple
 
 from companion.calibration.heading import tune_heading
-from companion.calibration.routine import CalibrationError, Finding, Routine, RoutineInputs
+from companion.calibration.routine import CalibrationError, Routine, RoutineInputs, TrialFinding
 from companion.calibration.thrusters import calibrate
 from companion.config.boat_config import BoatConfig
 from companion.core.health import lacks_heading, lacks_position
@@ -55,7 +55,7 @@ class CalibrationResult(NamedTuple):
     """How a calibration has ended: with findings, or for a reason."""
 
     kind: Calibration
-    findings: list[Finding]
+    findings: list[TrialFinding]
     reason: str
 
 
@@ -197,7 +197,7 @@ class CalibrationRunner:
             return "it takes too long"
         return ""
 
-    def _end(self, findings: list[Finding], reason: str) -> None:
+    def _end(self, findings: list[TrialFinding], reason: str) -> None:
         self.is_running = self.is_bare = False
         self._routine = None
         self._result = CalibrationResult(self.kind, findings, reason)

@@ -13,7 +13,14 @@ from companion.calibration.pulses import (
     PulseTest,
     ThrustCurve,
 )
-from companion.calibration.routine import CalibrationError, Finding, Routine, RoutineInputs, Step, come_back
+from companion.calibration.routine import (
+    CalibrationError,
+    Routine,
+    RoutineInputs,
+    Step,
+    TrialFinding,
+    come_back,
+)
 from companion.calibration.runs import HardTurn, Run, RunPair, StraightRun, go_to_edge, opposite, surge_time_s
 from companion.config.boat_config import BoatConfig
 from companion.config.thrusters import Thrusters
@@ -51,13 +58,13 @@ def calibrate(inputs: RoutineInputs) -> Routine:
         if curve is not None:
             band = min(curve.dead_band, _MOST_DEAD)
             setting = replace(setting, **{field: band})
-            findings.append(Finding(name, 100.0 * band))
+            findings.append(TrialFinding(name, 100.0 * band))
     asymmetry = _asymmetry(
         [(curves[LEFT_AHEAD], curves[LEFT_ASTERN]), (curves[RIGHT_AHEAD], curves[RIGHT_ASTERN])]
     )
     if asymmetry is not None:
         setting = replace(setting, asymmetry=asymmetry)
-        findings.append(Finding("MOT_THST_ASYM", asymmetry))
+        findings.append(TrialFinding("MOT_THST_ASYM", asymmetry))
 
     inputs = yield from come_back(inputs, inputs.config.guidance.station_radius_m)
     heading, config = inputs.nav.heading_rad, inputs.config
@@ -67,8 +74,8 @@ def calibrate(inputs: RoutineInputs) -> Routine:
     inputs = yield from _out_and_back(inputs, heading, config.speed.cruise_m_s, cruising)
     setting = _balanced(setting, [*full, *cruising])
     findings += [
-        Finding("MOT_L_GAIN", setting.left_gain),
-        Finding("MOT_R_GAIN", setting.right_gain),
+        TrialFinding("MOT_L_GAIN", setting.left_gain),
+        TrialFinding("MOT_R_GAIN", setting.right_gain),
         *_speeds(setting, full[0], cruising[0], config),
     ]
 
@@ -78,7 +85,7 @@ def calibrate(inputs: RoutineInputs) -> Routine:
         turn = HardTurn(heading, _steered(setting, side * config.heading.max_steering))
         inputs = yield from turn.sail(inputs)
         rates.append(turn.rate_rad_s)
-    findings.append(Finding("HND_TURN_RATE", math.degrees(0.5 * (rates[0] + rates[1]))))
+    findings.append(TrialFinding("HND_TURN_RATE", math.degrees(0.5 * (rates[0] + rates[1]))))
     yield from come_back(inputs, config.guidance.station_radius_m)
     return findings
 
@@ -126,10 +133,10 @@ def _balanced(setting: Thrusters, pairs: list[RunPair]) -> Thrusters:
     return replace(setting, left_gain=min(ratio, 1.0), right_gain=min(1.0 / ratio, 1.0))
 
 
-def _speeds(setting: Thrusters, full: RunPair, cruising: RunPair, config: BoatConfig) -> list[Finding]:
+def _speeds(setting: Thrusters, full: RunPair, cruising: RunPair, config: BoatConfig) -> list[TrialFinding]:
     findings, cruise_m_s, top_m_s = [], config.speed.cruise_m_s, full.speed_m_s
     if full.is_steady:
-        findings.append(Finding("HND_TOP_SPEED", top_m_s))
+        findings.append(TrialFinding("HND_TOP_SPEED", top_m_s))
     if cruising.speed_m_s < _SHORT * cruise_m_s:
         return findings
     throttle = 0.5 * (
@@ -137,9 +144,9 @@ def _speeds(setting: Thrusters, full: RunPair, cruising: RunPair, config: BoatCo
         + from_pwm(cruising.right, setting.right_ahead, setting.right_gain)
     )
     throttle = min(throttle * cruise_m_s / cruising.speed_m_s, 1.0)
-    findings.append(Finding("CRUISE_THROTTLE", 100.0 * throttle))
+    findings.append(TrialFinding("CRUISE_THROTTLE", 100.0 * throttle))
     if full.is_steady:
-        findings.append(Finding("EST_SURGE_TIME", surge_time_s(full, top_m_s, cruise_m_s, throttle)))
+        findings.append(TrialFinding("EST_SURGE_TIME", surge_time_s(full, top_m_s, cruise_m_s, throttle)))
     return findings
 
 

@@ -18,7 +18,7 @@ _DELAYS: Final = tuple(2 * step for step in range(13))  # in samples
 SAMPLE_S: Final = 0.02
 
 
-class YawModel(NamedTuple):
+class FittedYawModel(NamedTuple):
     """K in rad/s for full steering, τ and θ in seconds. noise_rad_s: one standard deviation of the rate."""
 
     gain_rad_s: float
@@ -59,9 +59,9 @@ class YawFit:
         return math.sqrt(self._bends / (6.0 * max(self.count - 2, 1)))
 
 
-def yaw_model(stretches: list[YawFit]) -> YawModel | None:
+def yaw_model(stretches: list[YawFit]) -> FittedYawModel | None:
     """The model of all stretches together; None if they do not determine it."""
-    best: YawModel | None = None
+    best: FittedYawModel | None = None
     least, noise = math.inf, max((stretch.noise_rad_s for stretch in stretches), default=0.0)
     weights = [stretch.count for stretch in stretches]
     for at, delay in enumerate(_DELAYS):
@@ -74,5 +74,5 @@ def yaw_model(stretches: list[YawFit]) -> YawModel | None:
         damping = -sum(w * one[1] for w, one in zip(weights, found, strict=True)) / sum(weights)
         if left < least and push > 0.0 and damping > 0.0:
             least = left
-            best = YawModel(push / damping, 1.0 / damping, SAMPLE_S * delay, noise)
+            best = FittedYawModel(push / damping, 1.0 / damping, SAMPLE_S * delay, noise)
     return best

@@ -11,7 +11,7 @@ from companion.core.units import wrap_pi
 from companion.estimation.covariance import HEADING
 from companion.estimation.delay import PAUSE_S, DelayEstimator
 from companion.estimation.error_state import ErrorStateFilter
-from companion.estimation.hypotheses import GAP_RAD, Sensor, SensorBank
+from companion.estimation.hypotheses import GAP_RAD, SensorBank, SuspectedSensor
 from companion.estimation.innovation import DISAGREES_S
 from companion.estimation.monitor import STUCK_S, SensorMonitor
 from companion.sensors import plausibility
@@ -173,7 +173,7 @@ class HeadingUpdate:
         wrong = bank.weigh_velocity(velocity, through, error_rad, variance, dt_s)
         if wrong is None:
             return
-        if wrong is Sensor.COMPASS:
+        if wrong is SuspectedSensor.COMPASS:
             self.is_off, self._disagreed_s = True, self.time_s
             gap_rad = bank.gap_rad + state.compass.value
             state.restore(gap_rad, bank.offset_rad, bank.bias_rad_s, bank.current_m_s)

@@ -38,7 +38,7 @@ _ONSET_S: Final = 2.0  # so far apart: half a minute
 _UNDERSTATED: Final = 1.5  # a receiver under trees errs by more than it states
 
 
-class Sensor(IntEnum):
+class SuspectedSensor(IntEnum):
     """The hypotheses of the bank: this sensor is wrong."""
 
     COMPASS = 0
@@ -96,7 +96,7 @@ class SensorBank:
     """gap_rad: the shadow's heading less the compass's. Its bias_rad_s, current_m_s, offset_rad."""
 
     def __init__(self, setting: Estimation) -> None:
-        self.evidence = FaultEvidence(len(Sensor))
+        self.evidence = FaultEvidence(len(SuspectedSensor))
         self.is_compass_wrong = self.is_gnss_wrong = False
         self.current_m_s, self.offset_rad = 0j, 0.0
         self._agrees_s = 0.0
@@ -107,14 +107,15 @@ class SensorBank:
         """Name and probability of each."""
         shares = self.evidence.probabilities(THRESHOLDS)
         return tuple(
-            (f"{sensor.name.lower()} wrong", share) for sensor, share in zip(Sensor, shares, strict=True)
+            (f"{sensor.name.lower()} wrong", share)
+            for sensor, share in zip(SuspectedSensor, shares, strict=True)
         )
 
     def restart(self, compass_rad: float, bias_rad_s: float) -> None:
         """Follow the compass from here on. compass_rad: see `follow`."""
         self._compass_rad, self.bias_rad_s = compass_rad, bias_rad_s
         self.gap_rad = self._age_s = self._parted_s = 0.0
-        self.evidence.against[Sensor.COMPASS] = self.evidence.against[Sensor.GYRO] = 0.0
+        self.evidence.against[SuspectedSensor.COMPASS] = self.evidence.against[SuspectedSensor.GYRO] = 0.0
 
     def follow(
         self, compass_rad: float, bias_rad_s: float, current_m_s: complex, offset_rad: float, dt_s: float
@@ -137,7 +138,7 @@ class SensorBank:
 
     def weigh_velocity(
         self, over_ground: complex, through: complex, offset_rad: float, variance: float, dt_s: float
-    ) -> Sensor | None:
+    ) -> SuspectedSensor | None:
         """Which of compass and gyro is proved wrong by a measured velocity.
 
         through: velocity through the water by the filter's heading; offset_rad: its compass offset; variance:
@@ -151,23 +152,23 @@ class SensorBank:
         most = 2.0 * MOST_SQUARE
         gain = min(square(off - by_compass) / variance, most) - min(square(off - by_gyro) / variance, most)
         gain *= 0.5 * min(dt_s, 1.0)  # the modelled velocity's error lasts for about a second
-        for sensor, ratio in ((Sensor.COMPASS, gain), (Sensor.GYRO, -gain)):
+        for sensor, ratio in ((SuspectedSensor.COMPASS, gain), (SuspectedSensor.GYRO, -gain)):
             self.evidence.add(sensor, ratio, dt_s)
             if self.evidence.against[sensor] > THRESHOLDS[sensor]:
                 return sensor
-        return Sensor.GYRO if self._parted_s > _UNDECIDED_S else None
+        return SuspectedSensor.GYRO if self._parted_s > _UNDECIDED_S else None
 
     def reject_compass(self) -> None:
         """The compass is wrong, and the filter has been set to the gyro's heading and bias."""
         self.is_compass_wrong, self._agrees_s = True, 0.0
-        self.evidence.against[Sensor.COMPASS] = THRESHOLDS[Sensor.COMPASS]
+        self.evidence.against[SuspectedSensor.COMPASS] = THRESHOLDS[SuspectedSensor.COMPASS]
 
     def acquit_compass(self, *, agrees: bool, dt_s: float) -> bool:
         """Whether a compass that was wrong has agreed with the filter for long enough."""
         self._agrees_s = self._agrees_s + dt_s if agrees else 0.0
         left = max(1.0 - self._agrees_s / _SHADOW_S, 0.0)
         self.is_compass_wrong = left > 0.0
-        self.evidence.against[Sensor.COMPASS] = left * THRESHOLDS[Sensor.COMPASS]
+        self.evidence.against[SuspectedSensor.COMPASS] = left * THRESHOLDS[SuspectedSensor.COMPASS]
         return not self.is_compass_wrong
 
     def weigh_position(
@@ -183,5 +184,5 @@ class SensorBank:
         evidence = self.drift.update(time_s, at, way, sigma_m, variance)
         if velocity is None:
             evidence = 0.0
-        self.evidence.against[Sensor.GNSS] = evidence
-        self.is_gnss_wrong = evidence > (LEARNING if self.is_gnss_wrong else THRESHOLDS[Sensor.GNSS])
+        self.evidence.against[SuspectedSensor.GNSS] = evidence
+        self.is_gnss_wrong = evidence > (LEARNING if self.is_gnss_wrong else THRESHOLDS[SuspectedSensor.GNSS])

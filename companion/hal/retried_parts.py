@@ -10,9 +10,9 @@ from companion.hal.gnss.receiver import GnssReceiver
 from companion.hal.interfaces import PausingPart, Probe, ReportingPart, Rudder, Sensor, Sonar
 from companion.hal.motors.watched_motors import WatchedMotors
 from companion.hal.payload.interfaces import PayloadOutput, PulseCounter
-from companion.links.retried import Closable, Pace, Retried
+from companion.links.retried import ClosablePort, Pace, Retried
 
-Part = TypeVar("Part", bound=Closable)
+Part = TypeVar("Part", bound=ClosablePort)
 Reading = TypeVar("Reading")
 
 

@@ -12,14 +12,14 @@ from companion.links.backoff import Backoff
 from companion.links.interfaces import Link, Port
 
 
-class Closable(Protocol):
+class ClosablePort(Protocol):
     """A part or port."""
 
     def close(self) -> None:
         """Release it. May be called twice."""
 
 
-Opened = TypeVar("Opened", bound=Closable)
+Opened = TypeVar("Opened", bound=ClosablePort)
 
 
 class Pace(NamedTuple):

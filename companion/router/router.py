@@ -12,7 +12,7 @@ from companion.mavlink.dialect import dialect
 from companion.mavlink.framing import Frame
 from companion.router.bulk_transfer import DOWNLOAD_IDS, BulkTransferThrottle
 from companion.router.duplicate_filter import DuplicateFilter
-from companion.router.routes import Routes
+from companion.router.routes import RouteTable
 from companion.router.targets import target_of
 
 _HOUSEKEEPING_S = 1.0
@@ -47,7 +47,7 @@ class Router:
         self.repeats = 0  # frames dropped as duplicates
         self.echoes = 0  # our own frames received back
         self.unreachable = 0  # frames for unknown targets
-        self.routes = Routes()
+        self.routes = RouteTable()
         self._own = own
         self._ours = frozenset((own, *(Address(own.system, one) for one in components)))
         self._bulk = BulkTransferThrottle()

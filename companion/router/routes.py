@@ -19,7 +19,7 @@ _MAX_CLOCKS = 256
 _BOOT_MS_AT = 8  # offset in SYSTEM_TIME
 
 
-class Routes:
+class RouteTable:
     """`version` changes whenever a result of `channels_of` may have changed."""
 
     def __init__(self) -> None:

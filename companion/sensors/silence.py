@@ -20,7 +20,7 @@ def fresh(reading: Reading | None, timeout_s: float, now_s: float) -> Reading | 
     return None if reading is None or now_s - reading.time_s > timeout_s else reading
 
 
-class LatePart(Protocol):
+class WatchedPart(Protocol):
     """A part that may open later, and tells by itself that it is missing."""
 
     @property
@@ -30,7 +30,7 @@ class LatePart(Protocol):
 class SilenceMonitor:
     """Tells once that a part is silent, and once that it measures again. A missing part is not silent."""
 
-    def __init__(self, name: str, part: LatePart | None = None) -> None:
+    def __init__(self, name: str, part: WatchedPart | None = None) -> None:
         self._name = name
         self._part = part
         self._began_s: float | None = None

@@ -10,7 +10,7 @@ from pathlib import Path
 from companion.app.clock import Clock
 from companion.app.parts import open_compass
 from companion.app.status_file import find_status, read_status
-from companion.calibration.compass import CompassCalibration, Verdict
+from companion.calibration.compass import CompassCalibration, CompassVerdict
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
@@ -57,7 +57,7 @@ def calibrate_compass(
                 say(f"{told} %")
             clock.sleep(_PERIOD_S)
     fit = calibration.solve(most_fitness)
-    if fit.verdict is not Verdict.SUCCESS:
+    if fit.verdict is not CompassVerdict.SUCCESS:
         raise HardwareError(f"compass not calibrated: {fit.reason}")
     if reasons := parameters.set_many(parameter_values(fit.correction)):
         raise HardwareError(f"compass not calibrated: {reasons[0]}")

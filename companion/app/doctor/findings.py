@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
-from companion.app.install.steps import Step
+from companion.app.install.steps import InstallStep
 from companion.app.install.target import Target
 from companion.config.boat_config import BoatConfig
 
@@ -26,7 +26,7 @@ class Finding:
     verdict: Verdict
     text: str
     cure: str = ""
-    fix: tuple[Step, ...] = ()
+    fix: tuple[InstallStep, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ Ask = Callable[[str, str], str]
 
 
 @dataclass(frozen=True)
-class Question:
+class SetupQuestion:
     """A question about a key. driver: asked unless this part is "none"; only: asked for these drivers."""
 
     key: str
@@ -30,22 +30,22 @@ _GNSS, _COMPASS, _SONAR = "parts.gnss.driver", "parts.compass.driver", "parts.so
 _BATTERY, _RC = "parts.battery.driver", "rc.driver"
 
 QUESTIONS: Final = (
-    Question("identity.system_id", "MAVLink system id, unique on the network"),
-    Question(_GNSS, "GNSS receiver"),
-    Question("parts.gnss.port", "port of the receiver (/dev/serial0: the Pi's UART)", _GNSS),
-    Question("parts.gnss.baud", "its baud rate (ubx sets it, nmea reads at it)", _GNSS, ("nmea", "ubx")),
-    Question(_COMPASS, "heading sensor"),
-    Question("parts.compass.port", "port of the compass", _COMPASS, ("nmea",)),
-    Question(_BATTERY, "battery monitor"),
-    Question("parts.i2c_bus", "I²C bus of compass and battery monitor (1: header pins 3 and 5)"),
-    Question("parts.battery.shunt_ohm", "its shunt, Ω", _BATTERY, ("ina219", "ina226", "ina228")),
-    Question("battery.cells", "cells of the pack in series"),
-    Question("battery.capacity_mah", "capacity of the pack, mAh"),
-    Question(_SONAR, "sonar or ranger"),
-    Question("parts.sonar.port", "port of the ranger", _SONAR, ("a02yyuw", "tfmini")),
-    Question("parts.sonar.servo", "pin of its sweeping servo (-1: fixed ahead)", _SONAR),
-    Question(_RC, "receiver of an RC transmitter"),
-    Question("rc.port", "port of the RC receiver (/dev/ttyAMA4: GPIO 9 of a Pi 4)", _RC),
+    SetupQuestion("identity.system_id", "MAVLink system id, unique on the network"),
+    SetupQuestion(_GNSS, "GNSS receiver"),
+    SetupQuestion("parts.gnss.port", "port of the receiver (/dev/serial0: the Pi's UART)", _GNSS),
+    SetupQuestion("parts.gnss.baud", "its baud rate (ubx sets it, nmea reads at it)", _GNSS, ("nmea", "ubx")),
+    SetupQuestion(_COMPASS, "heading sensor"),
+    SetupQuestion("parts.compass.port", "port of the compass", _COMPASS, ("nmea",)),
+    SetupQuestion(_BATTERY, "battery monitor"),
+    SetupQuestion("parts.i2c_bus", "I²C bus of compass and battery monitor (1: header pins 3 and 5)"),
+    SetupQuestion("parts.battery.shunt_ohm", "its shunt, Ω", _BATTERY, ("ina219", "ina226", "ina228")),
+    SetupQuestion("battery.cells", "cells of the pack in series"),
+    SetupQuestion("battery.capacity_mah", "capacity of the pack, mAh"),
+    SetupQuestion(_SONAR, "sonar or ranger"),
+    SetupQuestion("parts.sonar.port", "port of the ranger", _SONAR, ("a02yyuw", "tfmini")),
+    SetupQuestion("parts.sonar.servo", "pin of its sweeping servo (-1: fixed ahead)", _SONAR),
+    SetupQuestion(_RC, "receiver of an RC transmitter"),
+    SetupQuestion("rc.port", "port of the RC receiver (/dev/ttyAMA4: GPIO 9 of a Pi 4)", _RC),
 )
 
 _SUGGESTED: Final[dict[tuple[str, Value], dict[str, Value]]] = {  # other values, where an answer is given
@@ -78,7 +78,7 @@ def ask_all(config: BoatConfig, ask: Ask, complain: Callable[[str], None]) -> di
     return changed
 
 
-def _answer(config: BoatConfig, question: Question, ask: Ask, complain: Callable[[str], None]) -> Value:
+def _answer(config: BoatConfig, question: SetupQuestion, ask: Ask, complain: Callable[[str], None]) -> Value:
     """The first answer that the key takes."""
     old = value_at(config, question.key)
     default = f"{old:g}" if isinstance(old, float) else str(old)

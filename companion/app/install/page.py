@@ -7,7 +7,7 @@ from typing import Final
 
 from companion.app.install.files import FileText
 from companion.app.install.service import Enabled
-from companion.app.install.steps import Step
+from companion.app.install.steps import InstallStep
 from companion.app.install.target import InstallError, Target, UnmetError
 from companion.app.install.unit import CONFIG, FILES
 
@@ -52,9 +52,9 @@ def shore_unit_text(programs: Path, *, has_map: bool) -> str:
     return template.substitute(bin=programs, config=CONFIG, port=PAGE_PORT, options=options)
 
 
-def page_steps(target: Target, programs: Path, options: PageOptions) -> list[Step]:
+def page_steps(target: Target, programs: Path, options: PageOptions) -> list[InstallStep]:
     """The steps after those of the boat."""
-    steps: list[Step] = []
+    steps: list[InstallStep] = []
     if options.map_text is not None:
         steps.append(FileText(target, MAP_FILE, options.map_text, "the map of the page"))
     has_map = options.map_text is not None or target.path(MAP_FILE).exists()
@@ -62,12 +62,12 @@ def page_steps(target: Target, programs: Path, options: PageOptions) -> list[Ste
     return [*steps, FileText(target, SHORE_UNIT_FILE, text, _UNIT_TEXT)]
 
 
-def page_enabled(target: Target, *, is_wanted: bool) -> Step:
+def page_enabled(target: Target, *, is_wanted: bool) -> InstallStep:
     """The page starts with the machine, or does not."""
     return Enabled(target, is_wanted=is_wanted, unit=SHORE_UNIT)
 
 
-def no_page_steps(target: Target) -> list[Step]:
+def no_page_steps(target: Target) -> list[InstallStep]:
     """The steps that remove it again."""
     return [
         page_enabled(target, is_wanted=False),

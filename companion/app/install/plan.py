@@ -6,7 +6,7 @@ from companion.app.install.accounts import USER, Group, NoUser, User
 from companion.app.install.files import FileText, Folder, NoFolder
 from companion.app.install.page import PageOptions, no_page_steps, page_enabled, page_steps
 from companion.app.install.service import UNIT, Compiled, Enabled, Reloaded
-from companion.app.install.steps import Step
+from companion.app.install.steps import InstallStep
 from companion.app.install.target import Target
 from companion.app.install.unit import CONFIG, FILES, unit_text
 
@@ -35,13 +35,13 @@ _FILES = {
 
 def install_steps(
     target: Target, programs: Path, config_text: str, usb_text: str = "", page: PageOptions | None = None
-) -> list[Step]:
+) -> list[InstallStep]:
     """The steps of an installation, in their order.
 
     programs: the folder of boat-companion on the target. usb_text: rules that name USB parts, if any. page:
     the shore page, if wanted.
     """
-    steps: list[Step] = [Group(target, name) for name in GROUPS]
+    steps: list[InstallStep] = [Group(target, name) for name in GROUPS]
     steps += [
         User(target, USER, GROUPS, STATE),
         Folder(target, CONFIG.parent, "root"),
@@ -62,7 +62,7 @@ def install_steps(
     return steps if page is None else [*steps, page_enabled(target, is_wanted=True)]
 
 
-def uninstall_steps(target: Target, *, purge: bool) -> list[Step]:
+def uninstall_steps(target: Target, *, purge: bool) -> list[InstallStep]:
     """The steps that remove it again. purge: also configuration, missions, logs and their user."""
     steps = no_page_steps(target)
     steps += [Enabled(target, is_wanted=False), FileText(target, _UNIT_FILE, None, "the unit")]

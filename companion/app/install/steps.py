@@ -6,7 +6,7 @@ from typing import Protocol
 Say = Callable[[str], None]
 
 
-class Step(Protocol):
+class InstallStep(Protocol):
     """One change of the system to a wanted state, or none where the system has it already."""
 
     def describe(self) -> str:
@@ -26,13 +26,13 @@ class Step(Protocol):
         """Restore what was there before `apply`."""
 
 
-def apply_steps(steps: Sequence[Step], say: Say) -> None:
+def apply_steps(steps: Sequence[InstallStep], say: Say) -> None:
     """Apply all steps, or none.
 
     Raises:
         OSError: the step's error, after the steps before it have been undone.
     """
-    applied: list[Step] = []
+    applied: list[InstallStep] = []
     try:
         for step in steps:
             if step.is_done():
@@ -51,7 +51,7 @@ def apply_steps(steps: Sequence[Step], say: Say) -> None:
         raise
 
 
-def describe_steps(steps: Sequence[Step], say: Say) -> None:
+def describe_steps(steps: Sequence[InstallStep], say: Say) -> None:
     """Say what `apply_steps` would do."""
     for step in steps:
         say(f"  {'already ' if step.is_done() else 'to do   '} {step.describe()}")

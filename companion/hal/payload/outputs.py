@@ -80,7 +80,7 @@ class ShareOutput:
         self._pulses.close()
 
 
-class PinOutput:
+class PayloadPin:
     """A pin: 1 is on. device: gpiozero's output."""
 
     def __init__(self, device: Any, title: str) -> None:  # noqa: ANN401  untyped library
@@ -172,10 +172,10 @@ def open_output(setting: PayloadSetting, chip: Pca9685Part) -> PayloadOutput:
             raise AssertionError("a command has no output")
 
 
-def _open_pin(setting: RelayPayload | GripperPayload, pin: int, *, is_on: bool) -> PinOutput:
+def _open_pin(setting: RelayPayload | GripperPayload, pin: int, *, is_on: bool) -> PayloadPin:
     with opening_pins(setting.title) as gpiozero:
         device = gpiozero.OutputDevice(pin, active_high=not setting.active_low, initial_value=is_on)
-        return PinOutput(device, setting.title)
+        return PayloadPin(device, setting.title)
 
 
 def open_counter(setting: WinchPayload) -> PinCounter | None:

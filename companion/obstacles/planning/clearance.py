@@ -19,7 +19,7 @@ FENCE: Final = 64  # too near the fence, or outside
 COARSE: Final = 2  # cells of a fence cell and of the wave's grid: half a hull's width
 
 
-class Bounds(Protocol):
+class ClearanceBounds(Protocol):
     """A region that the boat must stay within."""
 
     @property
@@ -91,7 +91,7 @@ class ClearanceField:
         """Distance to the nearest obstacle, suspects included; LEVELS cells where none is nearer."""
         return (LEVELS - (self.at(north_m, east_m) & LEVEL)) * self.cell_m
 
-    def fence(self, bounds: Bounds, margin_m: float) -> None:
+    def fence(self, bounds: ClearanceBounds, margin_m: float) -> None:
         """Mark the cells whose centre has less margin to the fence.
 
         A square whose centre is farther from every line than its corners is wholly free or wholly outside;

@@ -18,7 +18,15 @@ from companion.core.units import wrap_pi
 from companion.guidance.course_to_steer import course_to_steer
 from companion.obstacles.planning.clearance import FENCE, LEVEL, LEVELS, ClearanceField
 from companion.obstacles.planning.cost_to_go import CostToGo
-from companion.obstacles.planning.motion import CRASH_STOP, FULL_ASTERN, STEP_S, STEPS, Fan, Rollout, roll
+from companion.obstacles.planning.motion import (
+    CRASH_STOP,
+    FULL_ASTERN,
+    STEP_S,
+    STEPS,
+    CourseFan,
+    Rollout,
+    roll,
+)
 from companion.obstacles.planning.movers import Predicted, collision_risk
 
 HORIZON_S: Final = STEP_S * STEPS
@@ -143,7 +151,7 @@ class CostModel:
 
     def choose(
         self,
-        fan: Fan,
+        fan: CourseFan,
         speed_m_s: float,
         path: tuple[list[float], list[float]] | None,
         last_heading_rad: float | None,

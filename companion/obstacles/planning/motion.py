@@ -96,7 +96,7 @@ def roll(
     return Rollout(turn_rad, speed_m_s, tuple(aheads), tuple(rights), bow)
 
 
-class Fan:
+class CourseFan:
     """The rollouts of a boat, by its speed and yaw rate."""
 
     def __init__(self) -> None:

@@ -21,10 +21,10 @@ from companion.guidance.speed_profile import braking_speed_m_s
 from companion.obstacles.perception.looked_at import STILL_SHARE
 from companion.obstacles.perception.occupancy import SWEEP_S
 from companion.obstacles.perception.perception import ObstaclePerception
-from companion.obstacles.planning.clearance import Bounds, ClearanceField
+from companion.obstacles.planning.clearance import ClearanceBounds, ClearanceField
 from companion.obstacles.planning.cost import HORIZON_S, HULL, TOUCH, CostModel
 from companion.obstacles.planning.cost_to_go import CostToGo
-from companion.obstacles.planning.motion import CRASH_STOP, STEPS, Fan, Rollout
+from companion.obstacles.planning.motion import CRASH_STOP, STEPS, CourseFan, Rollout
 from companion.obstacles.planning.movers import predict
 from companion.obstacles.planning.speed_limit import SpeedLimit, crash_stop
 from companion.obstacles.planning.way_ahead import free_m, is_same_goal, places_on, requested_m_s, way_ahead
@@ -59,7 +59,7 @@ class LocalPlanner:
     def __init__(self, status_texts: list[StatusText]) -> None:
         self.limit = SpeedLimit()
         self._status_texts = status_texts
-        self._fan = Fan()
+        self._fan = CourseFan()
         self._field: ClearanceField | None = None
         self._field_key: tuple[object, ...] | None = None
         self._due_s = 0.0
@@ -92,7 +92,7 @@ class LocalPlanner:
         nav: NavState | None,
         config: BoatConfig,
         perception: ObstaclePerception,
-        bounds: Bounds,
+        bounds: ClearanceBounds,
         *,
         is_by_hand: bool,
         now_s: float,
@@ -130,7 +130,7 @@ class LocalPlanner:
         nav: NavState,
         config: BoatConfig,
         perception: ObstaclePerception,
-        bounds: Bounds,
+        bounds: ClearanceBounds,
         *,
         is_by_hand: bool,
         now_s: float,
@@ -255,7 +255,7 @@ class LocalPlanner:
         return None
 
     def _map(
-        self, nav: NavState, config: BoatConfig, bounds: Bounds, cell_m: float, reach_m: float
+        self, nav: NavState, config: BoatConfig, bounds: ClearanceBounds, cell_m: float, reach_m: float
     ) -> ClearanceField:
         """The grid around the boat, with the fence in it. Nearer to the fence than its margin, the boat keeps
         what is left.

@@ -13,7 +13,7 @@ from companion.core.state import Demand, NavState
 from companion.guidance.speed_profile import braking_speed_m_s
 from companion.obstacles.perception.looked_at import allowed_speed_m_s
 from companion.obstacles.perception.perception import ObstaclePerception
-from companion.obstacles.planning.clearance import SOLID, Bounds, ClearanceField
+from companion.obstacles.planning.clearance import SOLID, ClearanceBounds, ClearanceField
 
 _STEADIES: Final = 0.5  # steering per yaw rate of a crash stop,
 _LEAST_STEERING: Final = 0.2  # and most of it: the thrust is for braking
@@ -52,7 +52,7 @@ class SpeedLimit:
         config: BoatConfig,
         perception: ObstaclePerception,
         field: ClearanceField,
-        bounds: Bounds,
+        bounds: ClearanceBounds,
         now_s: float,
     ) -> None:
         """Compute the limits from the room ahead and astern."""

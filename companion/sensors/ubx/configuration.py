@@ -56,7 +56,7 @@ UART2: Final = Interface("UART2", 2, 0x10750000, 0x10760000, 0x40530001)
 USB: Final = Interface("USB", 3, 0x10770000, 0x10780000, None)
 
 
-class Step(NamedTuple):
+class UbxStep(NamedTuple):
     """One message that the receiver acknowledges. A refusal of one that is not required is not reported.
 
     ends_nmea: only after all required steps are acknowledged; sentences are the fallback.
@@ -82,14 +82,14 @@ def rate_on_line(rate_hz: float, baud: int | None, protocol: float, wants_baseli
     return min(rate_hz, max(_LINE_SHARE * baud / _BITS_A_BYTE // size, 1.0))
 
 
-def steps(protocol: float, interface: Interface, rate_hz: float, wants_baseline: bool) -> list[Step]:
+def steps(protocol: float, interface: Interface, rate_hz: float, wants_baseline: bool) -> list[UbxStep]:
     """All that is set after the baud rate. interface: used by keys; legacy messages mean the line's own."""
     if protocol >= KEYS_FROM:
         return _steps_by_keys(interface, rate_hz, wants_baseline)
     period_ms = round(1000.0 / rate_hz)
     result = [
-        Step("navigation rate", CFG_RATE, Struct("<HHH").pack(period_ms, 1, 0)),
-        Step("sea model", CFG_NAV5, Struct("<HB33x").pack(0x0001, _SEA)),
+        UbxStep("navigation rate", CFG_RATE, Struct("<HHH").pack(period_ms, 1, 0)),
+        UbxStep("sea model", CFG_NAV5, Struct("<HB33x").pack(0x0001, _SEA)),
     ]
     if protocol >= PVT_FROM:
         outputs = {NAV_PVT: 1, NAV_DOP: 1}
@@ -97,12 +97,12 @@ def steps(protocol: float, interface: Interface, rate_hz: float, wants_baseline:
         nmea = {_GGA: 1, _RMC: 1, _GSA: 1, _GST: 1, _GSV: 0, _GLL: 0, _VTG: 0}
         outputs = {_NMEA_CLASS + number: rate for number, rate in nmea.items()}
     return result + [
-        Step("output of messages", CFG_MSG, kind.to_bytes(2, "big") + bytes((rate,)))
+        UbxStep("output of messages", CFG_MSG, kind.to_bytes(2, "big") + bytes((rate,)))
         for kind, rate in outputs.items()
     ]
 
 
-def _steps_by_keys(interface: Interface, rate_hz: float, wants_baseline: bool) -> list[Step]:
+def _steps_by_keys(interface: Interface, rate_hz: float, wants_baseline: bool) -> list[UbxStep]:
     output = interface.output
     result = [
         value_step(
@@ -128,13 +128,13 @@ def _steps_by_keys(interface: Interface, rate_hz: float, wants_baseline: bool) -
 
 def value_step(
     what: str, values: dict[int, int], *, is_required: bool = True, ends_nmea: bool = False
-) -> Step:
+) -> UbxStep:
     """CFG-VALSET. A receiver that does not know one of the keys refuses them all."""
     data = b"".join(
         key.to_bytes(4, "little") + value.to_bytes(_VALUE_BYTES[key >> 28 & 7], "little")
         for key, value in values.items()
     )
-    return Step(what, CFG_VALSET, _RAM + data, is_required, ends_nmea)
+    return UbxStep(what, CFG_VALSET, _RAM + data, is_required, ends_nmea)
 
 
 class LinePort(NamedTuple):
@@ -159,13 +159,13 @@ def line_port(payload: bytes) -> LinePort | None:
     return LinePort(*_PRT.unpack(payload)) if len(payload) == _PRT.size else None
 
 
-def port_step(port: LinePort, baud: int, protocol: float, *, ends_nmea: bool = False) -> Step:
+def port_step(port: LinePort, baud: int, protocol: float, *, ends_nmea: bool = False) -> UbxStep:
     """CFG-PRT: the baud rate, UBX (and RTCM) in, UBX and NMEA out."""
     changed = port._replace(
         baud=baud if port.is_uart else port.baud,
         in_protocols=port.in_protocols | _UBX | (_RTCM3 if protocol >= _RTCM_FROM else 0),
         out_protocols=_UBX if ends_nmea else _UBX | _NMEA,
     )
-    return Step(
+    return UbxStep(
         "NMEA output" if ends_nmea else "port", CFG_PRT, _PRT.pack(*changed), not ends_nmea, ends_nmea
     )

@@ -21,7 +21,7 @@ from companion.sensors.ubx.configuration import (
     USB,
     Interface,
     LinePort,
-    Step,
+    UbxStep,
     line_port,
     port_step,
     rate_on_line,
@@ -75,7 +75,7 @@ class UbxSetup:
         self._since_s = self._sent_s = self._heard_s = self._output_s = -math.inf
         self._tries = 0
         self._port: LinePort | None = None
-        self._steps: list[Step] = []
+        self._steps: list[UbxStep] = []
         self._was_running = False
         self._baud_failures = 0
         self._told_s: dict[str, float] = {}
@@ -197,7 +197,7 @@ class UbxSetup:
         else:
             self._begin_steps(now_s)
 
-    def _change_baud(self, step: Step, now_s: float) -> None:
+    def _change_baud(self, step: UbxStep, now_s: float) -> None:
         self._outbox.append(step.frame)
         self._enter(Phase.BAUD, now_s)
 

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Final
 
 from companion.autopilot.sensor_suite import SensorSuite
-from companion.calibration.compass import CompassCalibration, FieldFit, Verdict
+from companion.calibration.compass import CompassCalibration, CompassVerdict, FieldFit
 from companion.calibration.motor_field import MotorFieldCalibration
 from companion.config.compass_rows import MOST_OFFSET_MG
 from companion.core.status_text import Severity
@@ -61,7 +61,7 @@ class CompassCommands:
         self._unsaved: FieldFit | None = None  # until it is accepted
         self._motors: MotorFieldCalibration | None = None
         self._iron_loads: tuple[MotorLoad, ...] = ()  # while the iron was calibrated
-        self._report = FieldFit(Verdict.FAILED, "", MagneticCorrection())
+        self._report = FieldFit(CompassVerdict.FAILED, "", MagneticCorrection())
         self._reports_left = 0
         self._due_s = 0.0
         self.table: dict[int, Callable[[Command], int]] = {}
@@ -147,7 +147,15 @@ class CompassCommands:
             self._outbox.send(
                 self._channel,
                 dialect.MAVLink_mag_cal_progress_message(
-                    0, 1, int(Verdict.RUNNING), 1, calibration.progress_percent, [0] * 10, 0.0, 0.0, 0.0
+                    0,
+                    1,
+                    int(CompassVerdict.RUNNING),
+                    1,
+                    calibration.progress_percent,
+                    [0] * 10,
+                    0.0,
+                    0.0,
+                    0.0,
                 ),
             )
 
@@ -155,7 +163,7 @@ class CompassCommands:
         self._calibration = None
         self._iron_loads = tuple(calibration.loads)
         self._report, self._reports_left, self._due_s = fit, _REPORTS, now_s
-        if fit.verdict is not Verdict.SUCCESS:
+        if fit.verdict is not CompassVerdict.SUCCESS:
             self._texts.notify(Severity.ERROR, f"Compass not calibrated: {fit.reason}")
             return
         degrees = math.degrees(fit.fitness_mg / fit.radius_mg) if calibration.dimensions == 2 else 0.0

@@ -41,7 +41,7 @@ Parameters = Sequence[float]
 Read = Callable[[Parameters], PayloadAction | ActionFault]
 
 
-class Row(NamedTuple):
+class PayloadRow(NamedTuple):
     """payload: the kind that the command is for."""
 
     payload: str
@@ -159,17 +159,17 @@ def _by_distance(p: Parameters) -> PayloadAction | ActionFault:
     return CaptureByDistance(p[0], p[2] == 1.0)
 
 
-ROWS: dict[int, Row] = {
-    dialect.MAV_CMD_DO_SET_SERVO: Row("servo", _set_servo),
-    dialect.MAV_CMD_DO_REPEAT_SERVO: Row("servo", _repeat_servo),
-    dialect.MAV_CMD_DO_SET_RELAY: Row("relay", _set_relay),
-    dialect.MAV_CMD_DO_REPEAT_RELAY: Row("relay", _repeat_relay),
-    dialect.MAV_CMD_DO_GRIPPER: Row("gripper", _gripper),
-    dialect.MAV_CMD_DO_WINCH: Row("winch", _winch),
-    dialect.MAV_CMD_ILLUMINATOR_ON_OFF: Row("light", _lights),
-    dialect.MAV_CMD_DO_SEND_SCRIPT_MESSAGE: Row("command", _command),
-    dialect.MAV_CMD_DO_DIGICAM_CONTROL: Row(CAMERA, _shoot),
-    dialect.MAV_CMD_IMAGE_START_CAPTURE: Row(CAMERA, _start_capture),
-    dialect.MAV_CMD_IMAGE_STOP_CAPTURE: Row(CAMERA, lambda _: StopCapture()),
-    dialect.MAV_CMD_DO_SET_CAM_TRIGG_DIST: Row(CAMERA, _by_distance),
+ROWS: dict[int, PayloadRow] = {
+    dialect.MAV_CMD_DO_SET_SERVO: PayloadRow("servo", _set_servo),
+    dialect.MAV_CMD_DO_REPEAT_SERVO: PayloadRow("servo", _repeat_servo),
+    dialect.MAV_CMD_DO_SET_RELAY: PayloadRow("relay", _set_relay),
+    dialect.MAV_CMD_DO_REPEAT_RELAY: PayloadRow("relay", _repeat_relay),
+    dialect.MAV_CMD_DO_GRIPPER: PayloadRow("gripper", _gripper),
+    dialect.MAV_CMD_DO_WINCH: PayloadRow("winch", _winch),
+    dialect.MAV_CMD_ILLUMINATOR_ON_OFF: PayloadRow("light", _lights),
+    dialect.MAV_CMD_DO_SEND_SCRIPT_MESSAGE: PayloadRow("command", _command),
+    dialect.MAV_CMD_DO_DIGICAM_CONTROL: PayloadRow(CAMERA, _shoot),
+    dialect.MAV_CMD_IMAGE_START_CAPTURE: PayloadRow(CAMERA, _start_capture),
+    dialect.MAV_CMD_IMAGE_STOP_CAPTURE: PayloadRow(CAMERA, lambda _: StopCapture()),
+    dialect.MAV_CMD_DO_SET_CAM_TRIGG_DIST: PayloadRow(CAMERA, _by_distance),
 }

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from companion.calibration.heading import RelayFeedback, gains
 from companion.calibration.routine import CalibrationError
-from companion.calibration.yaw_model import SAMPLE_S, YawFit, YawModel, yaw_model
+from companion.calibration.yaw_model import SAMPLE_S, FittedYawModel, YawFit, yaw_model
 from companion.core.fitting import Fit
 from sitl.world.sensors.sampling import generator
 
@@ -49,7 +49,7 @@ def test_a_fit_admits_what_it_cannot_tell_apart() -> None:
 
 
 def swung(
-    model: YawModel, hysteresis_rad: float, load: float = 0.0, seed: int = 1
+    model: FittedYawModel, hysteresis_rad: float, load: float = 0.0, seed: int = 1
 ) -> tuple[RelayFeedback, YawFit]:
     """A bow that answers exactly as a model says, swung by the relay for a minute."""
     swing, fit, random = RelayFeedback(0.3, hysteresis_rad, 0.0, 0.0), YawFit(), generator(seed, "test/swing")
@@ -68,9 +68,14 @@ def swung(
 
 
 @pytest.mark.parametrize(
-    "model", [YawModel(1.3, 1.5, 0.1, 0.005), YawModel(0.7, 1.0, 0.2, 0.005), YawModel(0.3, 4.0, 0.3, 0.002)]
+    "model",
+    [
+        FittedYawModel(1.3, 1.5, 0.1, 0.005),
+        FittedYawModel(0.7, 1.0, 0.2, 0.005),
+        FittedYawModel(0.3, 4.0, 0.3, 0.002),
+    ],
 )
-def test_two_swings_tell_gain_lag_delay_and_noise(model: YawModel) -> None:
+def test_two_swings_tell_gain_lag_delay_and_noise(model: FittedYawModel) -> None:
     swings = [swung(model, hysteresis, load=0.05) for hysteresis in (0.02, 0.08)]
     found = yaw_model([fit for _, fit in swings])
     assert found is not None
@@ -87,7 +92,7 @@ def test_nothing_is_made_of_no_swing() -> None:
 
 
 def test_the_throw_moves_to_meet_what_turns_the_boat_aside() -> None:
-    swing, _ = swung(YawModel(1.3, 1.5, 0.1), 0.02, load=0.1)
+    swing, _ = swung(FittedYawModel(1.3, 1.5, 0.1), 0.02, load=0.1)
     assert swing.offset == pytest.approx(-0.1, abs=0.02)
 
 
@@ -105,13 +110,13 @@ def test_a_bow_that_does_not_come_back_is_not_swung_on() -> None:
 def test_gains_are_positive_and_leave_the_gyros_noise_out_of_the_motors(
     gain: float, time_s: float, delay_s: float, noise: float
 ) -> None:
-    found = {one.name: one.value for one in gains(YawModel(gain, time_s, delay_s, noise), 4.0)}
+    found = {one.name: one.value for one in gains(FittedYawModel(gain, time_s, delay_s, noise), 4.0)}
     assert all(value > 0.0 for value in found.values())
     assert found["HDG_KD"] * noise <= 0.015 * (1.0 + 1e-9)
 
 
 def test_gains_of_a_known_bow_are_those_of_the_rule() -> None:
-    found = {one.name: one.value for one in gains(YawModel(1.0, 2.0, 0.4), 2.4)}
+    found = {one.name: one.value for one in gains(FittedYawModel(1.0, 2.0, 0.4), 2.4)}
     assert found["HDG_KD"] == pytest.approx(2.0 / 0.8)
     assert found["HDG_KP"] == pytest.approx((1.0 + 2.0 / 3.2) / 0.8)
     assert found["HDG_KI"] == pytest.approx(found["HDG_KP"] / (4.0 * 2.4))

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from companion.calibration.compass import CompassCalibration, FieldFit, Verdict
+from companion.calibration.compass import CompassCalibration, CompassVerdict, FieldFit
 from companion.calibration.ellipsoid import fit_ellipsoid, symmetric_eigen
 from companion.calibration.motor_field import MotorFieldCalibration
 from companion.core.readings import HeadingReading
@@ -101,7 +101,7 @@ def test_a_circle_on_the_water_corrects_hard_and_soft_iron() -> None:
     assert boat.calibration.is_complete
     assert boat.calibration.dimensions == 2
     fit = boat.calibration.solve(16.0)
-    assert fit.verdict is Verdict.SUCCESS
+    assert fit.verdict is CompassVerdict.SUCCESS
     assert fit.fitness_mg < 12.0
     assert worst_deg(boat, fit) < 3.0
     assert worst_deg(boat, fit, math.radians(8.0)) < 6.0  # the vertical offset is from the earth's field
@@ -112,7 +112,7 @@ def test_a_level_circle_is_exact_but_for_noise_also_where_the_earths_field_is_un
     boat = Boat(CompassCalibration(NO_CORRECTION, None, 0.0))
     boat.circle()
     fit = boat.calibration.solve(16.0)
-    assert fit.verdict is Verdict.SUCCESS
+    assert fit.verdict is CompassVerdict.SUCCESS
     assert worst_deg(boat, fit) < 0.5
     assert fit.fitness_mg < 2.5
     assert fit.correction.offset[2] == 0.0
@@ -131,7 +131,7 @@ def test_turning_in_the_hands_gives_the_ellipsoid() -> None:
     assert boat.calibration.is_complete
     assert boat.calibration.dimensions == 3
     fit = boat.calibration.solve(16.0)
-    assert fit.verdict is Verdict.SUCCESS
+    assert fit.verdict is CompassVerdict.SUCCESS
     assert fit.correction.offset == pytest.approx((-160.0, 90.0, -120.0), abs=2.0)
     assert worst_deg(boat, fit) < 1.0
     assert worst_deg(boat, fit, math.radians(25.0)) < 1.0
@@ -169,16 +169,16 @@ def test_a_magnet_that_moves_with_the_turn_leaves_an_error_and_is_refused() -> N
         boat.hard = (160.0, -90.0 + 60.0 * math.sin(3.0 * heading), 120.0)
         boat.hold(heading, 0.3)
     fit = boat.calibration.solve(16.0)
-    assert fit.verdict is Verdict.FAILED
+    assert fit.verdict is CompassVerdict.FAILED
     assert "is too large" in fit.reason
-    assert boat.calibration.solve(100.0).verdict is Verdict.SUCCESS
+    assert boat.calibration.solve(100.0).verdict is CompassVerdict.SUCCESS
 
 
 def test_a_board_upside_down_turns_against_the_gyro() -> None:
     boat = Boat(CompassCalibration(NO_CORRECTION, EARTH, 0.0))
     boat.circle(gyro=-1.0)
     fit = boat.calibration.solve(16.0)
-    assert fit.verdict is Verdict.BAD_ORIENTATION
+    assert fit.verdict is CompassVerdict.BAD_ORIENTATION
     assert fit.correction == NO_CORRECTION
 
 
@@ -186,7 +186,7 @@ def test_a_board_upside_down_turns_against_the_gyro() -> None:
 def test_a_gyro_that_turns_the_same_way_or_is_not_there_does_not_object(gyro: float | None) -> None:
     boat = Boat(CompassCalibration(NO_CORRECTION, EARTH, 0.0))
     boat.circle(-1.3, gyro=gyro)
-    assert boat.calibration.solve(16.0).verdict is Verdict.SUCCESS
+    assert boat.calibration.solve(16.0).verdict is CompassVerdict.SUCCESS
 
 
 def test_a_field_that_is_not_the_earths_is_refused() -> None:
@@ -194,7 +194,7 @@ def test_a_field_that_is_not_the_earths_is_refused() -> None:
     boat = Boat(CompassCalibration(NO_CORRECTION, EARTH, 0.0), soft=screened)
     boat.circle()
     fit = boat.calibration.solve(16.0)
-    assert fit.verdict is Verdict.BAD_RADIUS
+    assert fit.verdict is CompassVerdict.BAD_RADIUS
     assert "the earth's is 200 mG" in fit.reason
 
 
@@ -224,7 +224,7 @@ def test_the_field_turns_about_as_far_as_the_gyro(gyro: float, verdict: int) -> 
 
 
 def test_a_weak_or_missing_horizontal_field_is_refused_where_the_earths_is_unknown() -> None:
-    for strength, verdict in ((0.15, Verdict.BAD_RADIUS), (0.3, Verdict.SUCCESS)):
+    for strength, verdict in ((0.15, CompassVerdict.BAD_RADIUS), (0.3, CompassVerdict.SUCCESS)):
         scale: Matrix = ((strength, 0.0, 0.0), (0.0, strength, 0.0), (0.0, 0.0, 1.0))
         boat = Boat(CompassCalibration(NO_CORRECTION, None, 0.0), soft=scale)
         boat.circle(2.5)

@@ -7,7 +7,7 @@ import random
 import pytest
 
 from companion.config.estimation import Estimation
-from companion.estimation.hypotheses import GAP_RAD, THRESHOLDS, Sensor, SensorBank
+from companion.estimation.hypotheses import GAP_RAD, THRESHOLDS, SensorBank, SuspectedSensor
 
 TICK_S = 0.2
 CURRENT_M_S = complex(0.4, -0.3)
@@ -18,13 +18,15 @@ class Passage:
 
     def __init__(self, speed_m_s: float = 2.0) -> None:
         self.bank = SensorBank(Estimation())
-        self.verdict: Sensor | None = None
+        self.verdict: SuspectedSensor | None = None
         self.now_s = self.told_s = 0.0
         self.error_rad = math.inf
         self._speed_m_s, self._rng = speed_m_s, random.Random(4)
         self._filter_rad = self._corrected_rad = 0.0
 
-    def sail(self, seconds: float, compass_rad_s: float = 0.0, gyro_rad_s: float = 0.0) -> Sensor | None:
+    def sail(
+        self, seconds: float, compass_rad_s: float = 0.0, gyro_rad_s: float = 0.0
+    ) -> SuspectedSensor | None:
         """Go on until a verdict; compass and gyro drift by so much. The true heading is 0."""
         bank, lie_rad = self.bank, 0.0
         for _ in range(round(seconds / TICK_S)):
@@ -57,7 +59,7 @@ def test_while_compass_and_gyro_agree_nothing_is_judged() -> None:
 def test_a_compass_that_drifts_is_found_out_and_the_gyro_knows_the_heading(deg_s: float) -> None:
     passage = Passage()
     passage.sail(60.0)
-    assert passage.sail(30.0, compass_rad_s=math.radians(deg_s)) is Sensor.COMPASS
+    assert passage.sail(30.0, compass_rad_s=math.radians(deg_s)) is SuspectedSensor.COMPASS
     assert passage.now_s - 60.0 < 4.0 + 10.0 / abs(deg_s)
     assert passage.error_rad < math.radians(3.0)
 
@@ -65,34 +67,34 @@ def test_a_compass_that_drifts_is_found_out_and_the_gyro_knows_the_heading(deg_s
 def test_a_compass_that_drifts_soon_after_the_start_is_found_out_too() -> None:
     passage = Passage()
     passage.sail(8.0)
-    assert passage.sail(20.0, compass_rad_s=math.radians(3.0)) is Sensor.COMPASS
+    assert passage.sail(20.0, compass_rad_s=math.radians(3.0)) is SuspectedSensor.COMPASS
 
 
 @pytest.mark.parametrize("deg_s", [-5.0, 3.0, 5.0])
 def test_a_gyro_with_another_bias_is_not_taken_for_a_wrong_compass(deg_s: float) -> None:
     passage = Passage()
     passage.sail(60.0)
-    assert passage.sail(60.0, gyro_rad_s=math.radians(deg_s)) is Sensor.GYRO
+    assert passage.sail(60.0, gyro_rad_s=math.radians(deg_s)) is SuspectedSensor.GYRO
 
 
 def test_without_way_the_gyro_is_taken_to_be_wrong_after_two_minutes() -> None:
     passage = Passage(speed_m_s=0.02)
     passage.sail(60.0)
     assert passage.sail(100.0, compass_rad_s=math.radians(2.0)) is None
-    assert passage.sail(60.0, compass_rad_s=math.radians(2.0)) is Sensor.GYRO
+    assert passage.sail(60.0, compass_rad_s=math.radians(2.0)) is SuspectedSensor.GYRO
 
 
 def test_a_wrong_compass_has_to_agree_for_twenty_seconds() -> None:
     bank = SensorBank(Estimation())
     bank.reject_compass()
     assert bool(bank.is_compass_wrong) is True
-    assert bank.evidence.against[Sensor.COMPASS] == THRESHOLDS[Sensor.COMPASS]
+    assert bank.evidence.against[SuspectedSensor.COMPASS] == THRESHOLDS[SuspectedSensor.COMPASS]
     assert not any(bank.acquit_compass(agrees=True, dt_s=1.0) for _ in range(19))
     assert not bank.acquit_compass(agrees=False, dt_s=1.0), "one reading that is off, and it begins again"
     assert not any(bank.acquit_compass(agrees=True, dt_s=1.0) for _ in range(19))
     assert bank.acquit_compass(agrees=True, dt_s=1.0)
     assert not bank.is_compass_wrong
-    assert bank.evidence.against[Sensor.COMPASS] == 0.0
+    assert bank.evidence.against[SuspectedSensor.COMPASS] == 0.0
 
 
 def alarm_s(

@@ -12,7 +12,7 @@ from companion.obstacles.perception.track import Track
 from companion.obstacles.planning.clearance import ClearanceField
 from companion.obstacles.planning.cost import CostModel
 from companion.obstacles.planning.cost_to_go import CostToGo
-from companion.obstacles.planning.motion import CRASH_STOP, FULL_ASTERN, STEP_S, Fan, Rollout, roll
+from companion.obstacles.planning.motion import CRASH_STOP, FULL_ASTERN, STEP_S, CourseFan, Rollout, roll
 from companion.obstacles.planning.movers import predict
 
 NOW_S = 0.9
@@ -171,16 +171,16 @@ def test_a_mover_head_on_costs_the_less_the_farther_it_is_passed() -> None:
 
 def test_the_cheapest_rollout_is_chosen() -> None:
     costs, path = model(Point(3.1, 0.1)), ([0.25 * (step + 1) for step in range(20)], [0.0] * 20)
-    best = costs.choose(Fan(), 1.0, path, None, is_certain=True)
+    best = costs.choose(CourseFan(), 1.0, path, None, is_certain=True)
     assert best is not None
     assert abs(best.turn_rad) > 0.1
     assert costs.risk(best) < 1.0
-    assert model(Point(3.1, 3.1)).choose(Fan(), 1.0, path, None, is_certain=True) is None
+    assert model(Point(3.1, 3.1)).choose(CourseFan(), 1.0, path, None, is_certain=True) is None
 
 
 def test_a_path_that_leads_nowhere_is_not_kept() -> None:
     costs = model(Point(3.1, 3.1))
-    best = costs.choose(Fan(), 1.0, None, None, is_certain=True)
+    best = costs.choose(CourseFan(), 1.0, None, None, is_certain=True)
     assert best is not None
     assert best.turn_rad == pytest.approx(0.0)
 
@@ -189,14 +189,14 @@ def test_nothing_is_braked_for_a_single_echo() -> None:
     wall = tuple(Point(2.0, -3.0 + 0.2 * step) for step in range(31))
     path = ([0.25 * (step + 1) for step in range(20)], [0.0] * 20)
     nav = boat(speed_m_s=1.5)
-    sure = model(*wall, nav=nav).choose(Fan(), 1.5, path, None, is_certain=True)
-    unsure = model(suspects=wall, nav=nav).choose(Fan(), 1.5, path, None, is_certain=False)
+    sure = model(*wall, nav=nav).choose(CourseFan(), 1.5, path, None, is_certain=True)
+    unsure = model(suspects=wall, nav=nav).choose(CourseFan(), 1.5, path, None, is_certain=False)
     assert sure is not None
     assert sure.speed_m_s == CRASH_STOP
     assert unsure is None or unsure.speed_m_s >= 0.0
     close = boat(1.4, speed_m_s=0.0)
-    back = model(*wall, nav=close).choose(Fan(), 1.0, None, None, is_certain=True)
-    stay = model(suspects=wall, nav=close).choose(Fan(), 1.0, None, None, is_certain=False)
+    back = model(*wall, nav=close).choose(CourseFan(), 1.0, None, None, is_certain=True)
+    stay = model(suspects=wall, nav=close).choose(CourseFan(), 1.0, None, None, is_certain=False)
     assert back is not None
     assert back.speed_m_s < 0.0
     assert stay is not None
@@ -210,9 +210,9 @@ def test_steps_are_a_quarter_of_a_second() -> None:
 def test_a_boat_at_rest_backs_away_from_what_comes_straight_at_it() -> None:
     nav = replace(boat(), north_m_s=0.0, surge_m_s=0.0)
     costs = model(nav=nav, movers=(mover(2.5, 0.0, -0.8, 0.0),))
-    best = costs.choose(Fan(), 1.0, None, None, is_certain=True)
+    best = costs.choose(CourseFan(), 1.0, None, None, is_certain=True)
     assert best is not None
     assert best.speed_m_s == FULL_ASTERN
-    unsure = costs.choose(Fan(), 1.0, None, None, is_certain=False)
+    unsure = costs.choose(CourseFan(), 1.0, None, None, is_certain=False)
     assert unsure is not None
     assert unsure.speed_m_s >= 0.0

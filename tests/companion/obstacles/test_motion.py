@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.config.boat_config import BoatConfig, with_value
-from companion.obstacles.planning.motion import CRASH_STOP, FULL_ASTERN, STEP_S, STEPS, TURNS, Fan, roll
+from companion.obstacles.planning.motion import CRASH_STOP, FULL_ASTERN, STEP_S, STEPS, TURNS, CourseFan, roll
 
 CONFIG = BoatConfig()
 RUDDER = with_value(CONFIG, "drive.layout", "rudder")
@@ -79,7 +79,7 @@ def test_a_rudder_boat_needs_its_circle() -> None:
 
 
 def test_the_fan_is_computed_once_for_a_speed() -> None:
-    fan = Fan()
+    fan = CourseFan()
     first = fan.rollouts(1.0, 0.0, 1.0, CONFIG)
     assert len(first) == len(TURNS)
     assert fan.rollouts(1.03, 0.02, 0.98, CONFIG) is first
@@ -88,7 +88,7 @@ def test_the_fan_is_computed_once_for_a_speed() -> None:
 
 
 def test_a_rudder_boat_has_one_way_to_stop_and_three_astern() -> None:
-    fan = Fan()
+    fan = CourseFan()
     assert len(fan.rollouts(0.4, 0.0, 0.0, RUDDER)) == 1
     assert sorted(one.turn_rad for one in fan.rollouts(0.4, 0.0, -0.4, RUDDER)) == pytest.approx(
         [-math.radians(30.0), 0.0, math.radians(30.0)]

@@ -13,7 +13,7 @@ from companion.app.cli import run_program
 from companion.app.init.presets import preset_text
 from companion.app.install.page import PageOptions
 from companion.app.install.plan import GROUPS, install_steps, uninstall_steps
-from companion.app.install.steps import Step
+from companion.app.install.steps import InstallStep
 from companion.app.install.target import InstallError, Target, is_readable_by_others
 from companion.app.install.unit import FILES, PROGRAMS, unit_text
 from companion.config.boat_config import load_config
@@ -116,10 +116,10 @@ def test_whatever_step_fails_the_system_is_as_before(
     (root / "etc/subgid").touch()
     before = snapshot(root)
 
-    def fail(step: Step) -> None:
+    def fail(step: InstallStep) -> None:
         raise InstallError("no space left")
 
-    def patched(*arguments: Any) -> list[Step]:  # noqa: ANN401
+    def patched(*arguments: Any) -> list[InstallStep]:  # noqa: ANN401
         made = install_steps(*arguments)
         monkeypatch.setattr(made[number], "apply", lambda: fail(made[number]))
         monkeypatch.setattr(made[number], "is_done", lambda: False)
