@@ -35,10 +35,18 @@ class _Help(argparse.RawDescriptionHelpFormatter):
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser of one program. positional: the name of its single argument."""
+    """A parser of one program. positional: the name of its single argument; empty without one."""
 
-    def __init__(self, program: str, description: str, positional: str, *, is_required: bool = False) -> None:
-        usage = f"{program} [options] {positional if is_required else f'[{positional}]'}"
+    def __init__(
+        self,
+        program: str,
+        description: str,
+        positional: str = "",
+        *,
+        usage: str = "",
+        is_required: bool = False,
+    ) -> None:
+        usage = usage or f"{program} [options] {positional if is_required else f'[{positional}]'}"
         super().__init__(
             program,
             usage,
@@ -51,10 +59,11 @@ class Parser(argparse.ArgumentParser):
         self._positional = positional
         self._is_required = is_required
 
-    def add_common(self) -> None:
+    def add_common(self, *, has_json: bool = True) -> None:
         """--json, --debug, --version and --help, which every program has."""
         group = self.add_argument_group("general")
-        group.add_argument("--json", action="store_true", dest="as_json", help="result as JSON on stdout")
+        if has_json:
+            group.add_argument("--json", action="store_true", dest="as_json", help="result as JSON on stdout")
         group.add_argument("--debug", action="store_true", help="log everything; tracebacks")
         group.add_argument("--version", action="version", version=__version__, help="print the version")
         group.add_argument("-h", "--help", action="help", help="print this text")
@@ -75,6 +84,8 @@ class Parser(argparse.ArgumentParser):
         if unknown:
             self.error(f"No such option: {unknown[0]}")
         named = [argument for argument in rest if argument != "--"]
+        if named and not self._positional:
+            self.error(f"No such command: {named[0]}")
         if len(named) > 1:
             self.error(f"one {self._positional} is expected, not also {' '.join(named[1:])}")
         if self._is_required and not named:
