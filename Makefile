@@ -36,8 +36,8 @@ pictures: demo survey  ## make the pictures of the documents anew
 	mkdir -p docs/pictures
 	cp out/demo.png docs/pictures/demo.png
 	cp out/survey.png docs/pictures/survey.png
-	$(BIN)/python -m pictures
-	$(BIN)/python -m pictures shore
+	PYTHONPATH=docs $(BIN)/python -m pictures
+	PYTHONPATH=docs $(BIN)/python -m pictures shore
 	$(BIN)/boat-sitl sail pool --case 2 --png docs/pictures/pool.png
 	$(BIN)/boat-sitl sail random --seed 8 --fence --png docs/pictures/random.png
 
@@ -65,15 +65,15 @@ bench: setup  ## side by side with peers; rewrites docs/benchmarks.md
 
 fuzz: setup  ## coverage-guided fuzzing; also FUZZ_SECONDS=60 for each target, TARGETS='files nmea'
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[fuzz]'
-	$(BIN)/python -m fuzz --seconds '$(or $(FUZZ_SECONDS),60)' $(TARGETS)
+	PYTHONPATH=tests $(BIN)/python -m fuzz --seconds '$(or $(FUZZ_SECONDS),60)' $(TARGETS)
 
 fast: setup  ## compile the hot modules in place (needs a C compiler, takes minutes): same bytes, half the time
-	$(BIN)/python -m compiled build
+	$(BIN)/python -m sitl.compiled build
 	cd / && $(abspath $(BIN))/boat-companion version && $(abspath $(BIN))/boat-sitl --help >/dev/null
 	$(BIN)/python -m pytest -n 0 -q tests/sitl/run/test_compiled.py
 
 slow: setup  ## back to the sources alone
-	$(BIN)/python -m compiled remove
+	$(BIN)/python -m sitl.compiled remove
 
 clean:  ## remove everything that make made
 	rm -rf $(VENV) out build .mypy_cache .ruff_cache .pytest_cache .hypothesis *__mypyc*.so

@@ -30,7 +30,7 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 # pytest puts tests/ first on the path, where tests/companion would stand in for the package of that name
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from compiled.modules import libraries  # noqa: E402
+from sitl.compiled.modules import libraries  # noqa: E402
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -4,7 +4,6 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import pytest
-
 from pictures.__main__ import GUIDE, WIRING
 from pictures.wiring import WIDTH, draw_wiring
 from pictures.wiring_table import Wire, read_wiring, wiring_rows

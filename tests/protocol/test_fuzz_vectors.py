@@ -1,7 +1,6 @@
 """What fuzzing has found worth keeping is heard again: nothing raises, nothing hangs."""
 
 import pytest
-
 from fuzz import corpus
 from fuzz.targets import TARGETS
 

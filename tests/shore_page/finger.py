@@ -1,8 +1,7 @@
 """A finger on the glass, or a mouse where there is no glass."""
 
-from playwright.sync_api import Locator, Page, Position, expect
-
 from pictures.browser import SIZES
+from playwright.sync_api import Locator, Page, Position, expect
 
 
 def has_touch(page: Page) -> bool:

@@ -6,11 +6,11 @@ from contextlib import ExitStack
 import pytest
 from mavutil_station import MavutilStation
 from page_rig import WAIT_MS, ShoreBoat, Visit, start_shore
+from pictures.browser import Light, open_browser, open_context
 from playwright.sync_api import Browser, Page, expect
 from pymavlink.dialects.v20 import all as dialect
 
 from companion.core.modes import Mode
-from pictures.browser import Light, open_browser, open_context
 
 DISARM_NOW = 21196.0
 

@@ -12,12 +12,12 @@ from axe_playwright_python.sync_playwright import Axe
 from finger import press
 from mavutil_station import MavutilStation
 from patience import MOMENT_S
+from pictures.browser import CHROMIUM
 from playwright.sync_api import Locator, Page, expect
 from programs import Program, processes_of
 from pymavlink.dialects.v20 import all as dialect
 
 from companion.core.modes import Mode
-from pictures.browser import CHROMIUM
 
 ARMED = dialect.MAV_MODE_FLAG_SAFETY_ARMED
 WAIT_MS = MOMENT_S * 1000.0

@@ -12,6 +12,7 @@ import pytest
 from finger import hold, press
 from mavutil_station import MavutilStation
 from page_rig import WAIT_MS, ShoreBoat, needs_chromium
+from pictures.browser import SIZES
 from playwright.sync_api import Browser, Page, expect
 from pymavlink.dialects.v20 import all as dialect
 
@@ -24,7 +25,6 @@ from mission_tools.shore.web.login.session import Sessions
 from mission_tools.shore.web.server import make_app
 from mission_tools.station.boats import Boats
 from mission_tools.station.words import FOLDER
-from pictures.browser import SIZES
 
 pytest_plugins = ("page_fixtures",)
 pytestmark = [pytest.mark.realtime, needs_chromium]

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from compiled.modules import ROOT, libraries, remember, remove, sources, stale
+from sitl.compiled.modules import ROOT, libraries, remember, remove, sources, stale
 
 _SAIL = """
-from compiled.modules import libraries
+from sitl.compiled.modules import libraries
 from sitl.cli.arguments import scenario_from
 from sitl.courses.courses import course_mission
 from sitl.courses.missions import wire_items
@@ -32,7 +32,7 @@ for settings in SETTINGS:
 
 _BUILD = """
 import sys
-from compiled import __main__, modules
+from sitl.compiled import __main__, modules
 
 modules.PATTERNS = ("companion/core/units.py", "companion/core/geo.py")
 sys.exit(__main__.main(["build"]))
@@ -133,7 +133,7 @@ def test_removing_leaves_the_sources_and_nothing_to_be_stale(tmp_path: Path) -> 
 def test_compiled_modules_are_found_by_programs_that_start_in_another_folder(tmp_path: Path) -> None:
     root, elsewhere = tmp_path / "house", tmp_path / "elsewhere"
     elsewhere.mkdir()
-    for package in ("companion", "compiled"):
+    for package in ("companion", "sitl"):
         shutil.copytree(ROOT / package, root / package, ignore=shutil.ignore_patterns("*.so"))
     shutil.copy(ROOT / "pyproject.toml", root)
     subprocess.run([sys.executable, "-c", _BUILD], cwd=root, check=True, capture_output=True)
@@ -155,7 +155,7 @@ def test_compiled_modules_are_found_by_programs_that_start_in_another_folder(tmp
 @pytest.mark.skipif(not libraries(), reason="nothing is compiled: make fast")
 def test_a_run_is_the_same_to_the_byte_compiled_or_not(tmp_path: Path) -> None:
     assert stale() == []
-    for package in ("companion", "sitl", "compiled"):
+    for package in ("companion", "sitl"):
         shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("*.so"))
     fast, slow = (_sail(root) for root in (ROOT, tmp_path))
     assert int(fast[0]) > 0

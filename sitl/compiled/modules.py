@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 from typing import Final
 
-ROOT: Final = Path(__file__).parents[1]
+ROOT: Final = Path(__file__).parents[2]
 # What msgspec reads from files must not be compiled: mypyc keeps of an annotation only its bare type, and the
 # bounds that are in it would be lost.
 READ_FROM_FILES: Final = frozenset(

@@ -1,4 +1,4 @@
-"""Compile the hot modules in place, or go back to their sources: `python -m compiled [build | remove]`.
+"""Compile the hot modules in place, or go back to their sources: `python -m sitl.compiled [build | remove]`.
 
 Python then takes the compiled modules without being told. They give the same bytes as their sources, which
 stay as they are; but a source that is changed afterwards has no effect until it is compiled again.
@@ -10,7 +10,7 @@ import sys
 from mypyc.build import mypycify
 from setuptools import Distribution
 
-from compiled.modules import ROOT, remember, remove, sources
+from sitl.compiled.modules import ROOT, remember, remove, sources
 
 # The library with the code of all compiled modules lies inside a package: an installed program finds its
 # packages wherever it is started, but nothing beside them.

@@ -4,7 +4,7 @@ import base64
 from collections.abc import Iterable
 from pathlib import Path
 
-FOLDER = Path(__file__).parents[1] / "tests" / "vectors" / "fuzz"
+FOLDER = Path(__file__).parents[1] / "vectors" / "fuzz"
 MOST_BYTES = 100_000  # a target's share of the committed megabyte
 
 
