@@ -13,7 +13,7 @@ help:  ## list the targets
 setup: $(STAMP)  ## create .venv with the tested set of packages
 
 # A kernel that is older than its source would give other results than its twin in Python
-KERNELS := $(wildcard companion/planning/*.py companion/planning/*.pyx companion/planning/*.pxd)
+KERNELS := $(wildcard companion/planning/*.py companion/planning/*.pxd)
 
 $(STAMP): pyproject.toml setup.py constraints.txt requirements-peers.txt $(KERNELS)
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "mavboat needs Python 3.11 or later; '$(PYTHON)' is older: call make PYTHON=python3.11"; exit 2; }

@@ -1,7 +1,7 @@
 """The kernels of planning, in C where there is a compiler; the rest is in pyproject.toml.
 
-A kernel that cannot be built is skipped: its twin in Python takes its place (companion/planning/kernels.py).
-A new `_NAME.pyx` in their folders is built without being listed here.
+A kernel `_NAME` is `NAME.py`, compiled with the C types of `_NAME.pxd` beside it. One that cannot be built is
+skipped: its source runs in its place (companion/planning/kernels.py).
 With MAVBOAT_PURE=1 nothing is compiled, and the wheel is for every machine (`make wheel`).
 """
 
@@ -12,11 +12,10 @@ from Cython.Build import cythonize
 from setuptools import Extension, setup
 
 PACKAGES = (Path("companion/planning"),)
-# A module with C types in a .pxd beside it is its own twin; a .pyx has a twin of another name.
 SOURCES = {
-    path.with_suffix(""): path if path.suffix == ".pyx" else path.with_name(f"{path.stem[1:]}.py")
+    path.with_suffix(""): path.with_name(f"{path.stem[1:]}.py")
     for package in PACKAGES
-    for path in sorted(package.glob("_*.p[xy][dx]"))
+    for path in sorted(package.glob("_*.pxd"))
 }
 # A fused multiply-add rounds once where Python rounds twice
 FLAGS = ["-O2", "-ffp-contract=off"]

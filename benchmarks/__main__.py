@@ -13,13 +13,12 @@ from rich.table import Table
 
 from benchmarks import codec, emulator, install, router, transfer
 from benchmarks.measure import Row
-from benchmarks.planning import grids, peers, routes, startup, survey, watch
+from benchmarks.planning import peers, routes, startup, survey, watch
 
 PAGE = Path("docs/benchmarks.md")
 JSON = Path("out/benchmarks.json")
 BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "codec": codec.rows,
-    "grids": grids.rows,
     "peers": peers.rows,
     "emulator": emulator.rows,
     "transfer": transfer.rows,
@@ -33,7 +32,7 @@ BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
 
 _INTRODUCTION = """# Benchmarks
 
-Compare this project with pymavlink, networkx, pyastar2d and MAVProxy on your machine:
+Compare this project with pymavlink and MAVProxy on your machine:
 
     make bench
 

@@ -13,7 +13,10 @@ from scipy.interpolate import CubicSpline
 
 from benchmarks.peers.interface import Deadline, NoPath, Path, Sea
 from companion.core.geo import Point, distance_m
-from companion.planning.grid import GridMap, NoGridPath, shortest_path
+from mission_tools.errors import NoRoute
+from mission_tools.planning.astar import astar
+from mission_tools.planning.expansion import EightNeighbours
+from mission_tools.planning.heuristics import estimates
 
 CELLS = 40_000
 _ROUNDS = 5
@@ -25,8 +28,8 @@ def pruned_spline(sea: Sea, start: Point, goal: Point, seed: int, deadline: Dead
     grid = sea.grid(CELLS)
     first, last = sea.entries(grid, start, goal)
     try:
-        found = shortest_path(GridMap(grid.free.tobytes(), grid.columns, grid.rows), first, last)
-    except NoGridPath as error:
+        found = astar(EightNeighbours(grid), estimates("octile", grid, last), first, last)
+    except NoRoute as error:
         raise NoPath(str(error)) from error
     nodes = pruned(sea, (start, *map(grid.centre, found.cells), goal))
     pieces = nodes

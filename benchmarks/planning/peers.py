@@ -18,7 +18,6 @@ from companion.core.geo import Point
 from companion.planning.visibility import NoWay
 from mission_tools.maps import load_source
 from mission_tools.maps.formats.grid_map import load_grid_map
-from mission_tools.maps.movingai import read_grid_map, read_grid_queries
 from mission_tools.planning.exact_planner import water_of
 from sitl.scenarios.scenario import load_scenario
 
@@ -79,15 +78,22 @@ def _waters() -> dict[str, tuple[Sea, list[Query]]]:
         found[title] = sea, [query for query in queries if _is_joined(sea, query)]
     for name in _GRIDS:
         path = GRIDS / f"{name}.map"
-        sea, grid = Sea(load_grid_map(path), GRID_CLEARANCE_M), read_grid_map(path)
-
-        def middle(cell: int, width: int = grid.width, height: int = grid.height) -> Point:
-            return Point(height - cell // width - 0.5, cell % width + 0.5)
+        sea = Sea(load_grid_map(path), GRID_CLEARANCE_M)
 
         # From the longest on, those that the outlines of the cells still join
-        longest_first = read_grid_queries(path.with_suffix(".map.scen"))[::-_GRID_STRIDE]
-        ends = ((middle(query.start), middle(query.goal)) for query in longest_first)
+        ends = _queries(path.with_suffix(".map.scen"))[::-_GRID_STRIDE]
         found[name] = sea, list(islice((pair for pair in ends if _is_joined(sea, pair)), _GRID_QUERIES))
+    return found
+
+
+def _queries(path: Path) -> list[Query]:
+    """Start and goal of each line of a MovingAI scenario, shortest first, with the map's cells of 1 m."""
+    found = []
+    for line in path.read_text("ascii").splitlines()[1:]:
+        *_, height, start_x, start_y, goal_x, goal_y, _ = line.split()
+        north_m = float(height) - 0.5
+        start = Point(north_m - float(start_y), float(start_x) + 0.5)
+        found.append((start, Point(north_m - float(goal_y), float(goal_x) + 0.5)))
     return found
 
 

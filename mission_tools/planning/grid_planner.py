@@ -13,11 +13,12 @@ from companion.core.geo import Point, bearing_rad, distance_m, path_length_m
 from companion.core.units import wrap_pi
 from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart
-from mission_tools.planning.astar import SearchMetrics
+from mission_tools.planning.astar import SearchMetrics, astar
 from mission_tools.planning.corners import CORNER_CLEARANCES, widen_corners
 from mission_tools.planning.entry_cells import EntryCells, FreeWater
+from mission_tools.planning.expansion import EightNeighbours
 from mission_tools.planning.grid import Grid
-from mission_tools.planning.grid_search import GridSearch
+from mission_tools.planning.heuristics import estimates
 from mission_tools.planning.inflate import Bounds, occupancy
 from mission_tools.planning.plan_settings import Plan, PlanSettings
 from mission_tools.planning.smooth import MIN_LEG_CLEARANCES, merge_short_legs, pull_taut
@@ -79,7 +80,7 @@ class _Planner:
         self._chart = chart
         self._grid = grid
         self._settings = settings
-        self._search = GridSearch(grid, settings.heuristic or "octile", settings.budget)
+        self._expansion = EightNeighbours(grid)
         self._water = FreeWater(chart, grid, settings.required_m)
 
     def plan(self, stops: Sequence[Point]) -> Plan:
@@ -123,7 +124,8 @@ class _Planner:
             ),
         )
         first, last = out.cells[region], into.cells[region]
-        found = self._search.path(first, last)
+        ahead = estimates(self._settings.heuristic or "octile", grid, last)
+        found = astar(self._expansion, ahead, first, last, self._settings.budget)
         centres = [grid.centre(cell) for cell in found.cells]
         path = tuple(centres) if out.is_relaxed else (start, *centres)
         path = (*path, goal)
