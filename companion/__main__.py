@@ -1,7 +1,6 @@
 """boat-companion: the program on the boat."""
 
 import sys
-from typing import Any
 
 from companion.cli.interrupts import Run, run_interruptibly
 
@@ -16,14 +15,6 @@ def load() -> Run:
 def main() -> None:
     """Entry point."""
     sys.exit(run_interruptibly("boat-companion", load))
-
-
-def __getattr__(name: str) -> Any:  # noqa: ANN401 (a module's own)
-    if name == "app":
-        from companion.app.cli import app  # noqa: PLC0415 (as above)
-
-        return app
-    raise AttributeError(name)
 
 
 if __name__ == "__main__":

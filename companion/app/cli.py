@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated
 
 import msgspec
-import typer
 from rich.console import Console
 from rich.table import Table
 
@@ -23,7 +22,7 @@ from companion.app.restart import restart_program
 from companion.app.shutdown import Shutdown
 from companion.app.status_file import find_status, read_status
 from companion.cli.busy_port import busy_port_explained
-from companion.cli.command_line import program_app, run_app
+from companion.cli.command_line import Option, Program, echo
 from companion.config.boat_config import BoatConfig, load_config
 from companion.config.parameter_page import parameter_page
 from companion.config.parameter_table import ROWS
@@ -36,20 +35,12 @@ from companion.hal.pulses.opening import open_pulse_output
 
 PROGRAM = "boat-companion"
 
-app = program_app("The vehicle: drives the boat and speaks MAVLink to every ground station.")
-app.command()(doctor)
-app.command()(install)
-app.command()(uninstall)
-
-ConfigFile = Annotated[Path, typer.Option("--config", "-c", help="The boat's TOML file.")]
-
-app.command()(init)
+ConfigFile = Annotated[Path, Option("--config", "-c", help="The boat's TOML file.")]
 
 
-@app.command()
 def run(
     config: ConfigFile,
-    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Say more in the log.")] = False,
+    verbose: Annotated[bool, Option("--verbose", "-v", help="Say more in the log.")] = False,
 ) -> None:
     """Run the boat until Ctrl-C or SIGTERM. The motors are off before the first and after the last tick.
 
@@ -66,15 +57,13 @@ def run(
         restart_program()
 
 
-@app.command()
 def check(config: ConfigFile) -> None:
     """Read a configuration and say what is wrong with it, without touching any hardware."""
     tree = load_config(config)
     check_config(tree)
-    typer.echo(f"{config}: fine; links {', '.join(link.url for link in tree.link_settings)}")
+    echo(f"{config}: fine; links {', '.join(link.url for link in tree.link_settings)}")
 
 
-@app.command()
 def calibrate_compass(config: ConfigFile) -> None:
     """Find the iron near a magnetometer while you turn the boat; the boat's program must not run.
 
@@ -82,10 +71,9 @@ def calibrate_compass(config: ConfigFile) -> None:
     """
     tree = load_config(config)
     with contextlib.closing(open_storage(tree.storage.folder)) as storage:
-        run_compass_calibration(tree, storage, SystemClock(), typer.echo)
+        run_compass_calibration(tree, storage, SystemClock(), echo)
 
 
-@app.command()
 def calibrate_escs(config: ConfigFile) -> None:
     """Teach speed controllers the pulses of full throttle and stop, propellers off; asks before it sends.
 
@@ -97,13 +85,12 @@ def calibrate_escs(config: ConfigFile) -> None:
         return open_pulse_output(setting, tree.parts.pca9685)
 
     if not run_calibration(tree, open_output, input):
-        typer.echo("not confirmed; nothing was sent")
+        echo("not confirmed; nothing was sent")
 
 
-@app.command()
 def links(
     config: ConfigFile,
-    as_json: Annotated[bool, typer.Option("--json", help="Print the figures once, as JSON.")] = False,
+    as_json: Annotated[bool, Option("--json", help="Print the figures once, as JSON.")] = False,
 ) -> None:
     """Show the running boat's links, second by second, until Ctrl-C.
 
@@ -111,19 +98,18 @@ def links(
     """
     path = find_status(load_config(config))
     if as_json:
-        typer.echo(msgspec.json.format(msgspec.json.encode(read_status(path))).decode())
+        echo(msgspec.json.format(msgspec.json.encode(read_status(path))).decode())
         return
     with contextlib.suppress(KeyboardInterrupt):
         watch(path, Console())
 
 
-@app.command()
 def params(
-    markdown: Annotated[bool, typer.Option("--markdown", help="Print docs/parameters.md.")] = False,
+    markdown: Annotated[bool, Option("--markdown", help="Print docs/parameters.md.")] = False,
 ) -> None:
     """List every parameter with its default, unit and meaning."""
     if markdown:
-        typer.echo(parameter_page(), nl=False)
+        echo(parameter_page(), newline="")
         return
     table = Table("name", "default", "unit", "meaning", box=None)
     parameters = Parameters(BoatConfig(), ROWS, MemoryStorage())
@@ -132,12 +118,19 @@ def params(
     Console().print(table)
 
 
-@app.command()
 def version() -> None:
     """Print the version."""
-    typer.echo(__version__)
+    echo(__version__)
+
+
+program = Program(
+    PROGRAM,
+    "The vehicle: drives the boat and speaks MAVLink to every ground station.",
+    (init, run, check, doctor, install, uninstall, calibrate_compass, calibrate_escs, links, params, version),
+    expected=(BoatError,),
+)
 
 
 def run_program(arguments: list[str]) -> int:
     """Run the program; returns its exit code."""
-    return run_app(app, PROGRAM, arguments, expected=(BoatError,))
+    return program.run(arguments)

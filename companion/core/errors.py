@@ -2,6 +2,7 @@
 
     BoatError
     ├── ConfigError      (ValueError)  a key or value of the configuration; names key and expectation
+    ├── UsageError       (ValueError)  arguments that do not go together
     ├── StorageError     (OSError)     a stored file cannot be read or written
     ├── OutputError      (OSError)     an output file cannot be written
     ├── HardwareError    (OSError)     a part of the boat does not answer
@@ -28,6 +29,12 @@ class BoatError(Exception):
 
 class ConfigError(BoatError, ValueError):
     """An invalid configuration."""
+
+    exit_code = 2
+
+
+class UsageError(BoatError, ValueError):
+    """Arguments of a command line that do not go together."""
 
     exit_code = 2
 

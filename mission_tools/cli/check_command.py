@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from companion.cli.interrupts import importing
+from companion.cli.parser import Parser, number
 from mission_tools.cli.exit import run_parsed
 from mission_tools.cli.options import add_link
-from mission_tools.cli.parser import Parser, number
 from mission_tools.errors import UsageError
 
 if TYPE_CHECKING:

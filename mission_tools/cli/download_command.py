@@ -7,9 +7,9 @@ from argparse import Namespace
 from pathlib import Path
 
 from companion.cli.interrupts import importing
+from companion.cli.parser import Parser
 from mission_tools.cli.exit import run_parsed
 from mission_tools.cli.options import add_force, add_link
-from mission_tools.cli.parser import Parser
 
 PROGRAM = "mission-download"
 EXAMPLES = f"""

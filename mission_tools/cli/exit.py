@@ -4,9 +4,9 @@ import sys
 from argparse import Namespace
 from collections.abc import Callable, Sequence
 
+from companion.cli.parser import Parser
 from companion.cli.program_end import end_with
 from companion.core.errors import BoatError
-from mission_tools.cli.parser import Parser
 from mission_tools.errors import MissionToolsError
 
 

@@ -4,9 +4,9 @@ from argparse import BooleanOptionalAction, Namespace
 from pathlib import Path
 from typing import Protocol
 
+from companion.cli.parser import Parser, number, system_id
 from mission_tools.assembly.plan_options import PlanOptions, Via
 from mission_tools.cli.arguments import position
-from mission_tools.cli.parser import Parser, number, system_id
 from mission_tools.errors import UsageError
 from mission_tools.vehicle.link_url import DEFAULT_LINK, DEFAULT_SYSTEM_ID, FORMS
 

@@ -6,10 +6,10 @@ import sys
 from argparse import Namespace
 
 from companion.cli.interrupts import importing
+from companion.cli.parser import Parser
 from mission_tools.cli.arguments import with_places
 from mission_tools.cli.exit import run_parsed
 from mission_tools.cli.options import add_areas, add_costs, add_outputs, add_route, add_tasks, plan_options
-from mission_tools.cli.parser import Parser
 
 PROGRAM = "mission-plan"
 EXAMPLES = f"""

@@ -7,6 +7,7 @@ import sys
 from argparse import Namespace
 
 from companion.cli.interrupts import importing
+from companion.cli.parser import Parser, number
 from mission_tools.cli.arguments import with_places
 from mission_tools.cli.exit import run_parsed
 from mission_tools.cli.options import (
@@ -18,7 +19,6 @@ from mission_tools.cli.options import (
     add_tasks,
     plan_options,
 )
-from mission_tools.cli.parser import Parser, number
 from mission_tools.cli.upload_help import EXAMPLES, PROGRAM
 
 

@@ -1,8 +1,4 @@
-"""The command line of boat-shore.
-
-argparse, as in the planner's programs: typer and its pydantic would keep 10 MB for as long as the page is
-served.
-"""
+"""The command line of boat-shore."""
 
 import argparse
 from argparse import ArgumentTypeError
@@ -10,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Final
 
-from mission_tools.cli.parser import Parser
+from companion.cli.parser import Parser
 
 PROGRAM: Final = "boat-shore"
 SHOW: Final = "show"  # the command without a name: serve the page

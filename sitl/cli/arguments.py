@@ -4,8 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
+from companion.cli.command_line import Argument, Option
 from companion.core.geo import LatLon
 from mission_tools.cli.arguments import position
 from sitl.scenarios.scenario import load_scenario
@@ -14,27 +13,21 @@ from sitl.world.sensors.sampling import MOST_SEED
 
 Source = Annotated[
     str,
-    typer.Argument(
-        metavar="SCENARIO", help="lake, pool, open, random, bench_boat, a .toml file or a .geojson map"
-    ),
+    Argument(metavar="SCENARIO", help="lake, pool, open, random, bench_boat, a .toml file or a .geojson map"),
 ]
 Settings = Annotated[
     list[str] | None,
-    typer.Option(
-        "--set", metavar="KEY=VALUE", help="any value of the scenario, as environment.current_m_s=0.5"
-    ),
+    Option("--set", metavar="KEY=VALUE", help="any value of the scenario, as environment.current_m_s=0.5"),
 ]
-Case = Annotated[str | None, typer.Option(metavar="N", help="one of the scenario's cases")]
+Case = Annotated[str | None, Option(metavar="N", help="one of the scenario's cases")]
 Seed = Annotated[
     int | None,
-    typer.Option(min=-MOST_SEED, max=MOST_SEED, help="of every random number in the run [the scenario's]"),
+    Option(least=-MOST_SEED, most=MOST_SEED, help="of every random number in the run [the scenario's]"),
 ]
-Workers = Annotated[int | None, typer.Option(min=1, max=1024, metavar="N", help="processes [all cores]")]
-StartAt = Annotated[
-    str | None, typer.Option("--start", metavar="LAT,LON", help="where the boat lies at first")
-]
+Workers = Annotated[int | None, Option(least=1, most=1024, metavar="N", help="processes [all cores]")]
+StartAt = Annotated[str | None, Option("--start", metavar="LAT,LON", help="where the boat lies at first")]
 Csv = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="write the true trajectory, one row a tenth of a second")
+    Path | None, Option(metavar="FILE", help="write the true trajectory, one row a tenth of a second")
 ]
 
 

@@ -8,10 +8,10 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Annotated
 
-import typer
 from rich.console import Console
 from rich.table import Table as RichTable
 
+from companion.cli.command_line import Argument, Option, echo
 from companion.cli.output_file import write_text
 from companion.core.errors import BoatError
 from sitl.cli.arguments import Workers
@@ -33,17 +33,15 @@ class CampaignError(BoatError):
 
 
 def campaign(
-    file: Annotated[Path, typer.Argument(metavar="FILE.toml", help="what is run and what varies")],
+    file: Annotated[Path, Argument(metavar="FILE.toml", help="what is run and what varies")],
     out: Annotated[
-        Path | None, typer.Option("--out", "-o", metavar="DIR", help="where results go [out/NAME]")
+        Path | None, Option("--out", "-o", metavar="DIR", help="where results go [out/NAME]")
     ] = None,
     workers: Workers = None,
     scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="a Dask scheduler, as tcp://10.0.0.5:8786")
+        str | None, Option(metavar="ADDRESS", help="a Dask scheduler, as tcp://10.0.0.5:8786")
     ] = None,
-    as_json_text: Annotated[
-        bool, typer.Option("--json", help="verdicts and counts as JSON on stdout")
-    ] = False,
+    as_json_text: Annotated[bool, Option("--json", help="verdicts and counts as JSON on stdout")] = False,
 ) -> None:
     """Run every trial of a campaign file, tabulate the results, and check the file's expectations.
 
@@ -69,7 +67,7 @@ def campaign(
     write_text(folder / "report.html", campaign_page(plan, results))
     verdicts = judge(plan.expect, table)
     if as_json_text:
-        typer.echo(_as_json(plan, results, verdicts))
+        echo(_as_json(plan, results, verdicts))
     else:
         _print(plan, results, verdicts, console)
         console.print(f"written: {folder / 'runs.csv'}, {folder / 'report.html'}")

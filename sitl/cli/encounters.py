@@ -4,10 +4,11 @@ import json
 from pathlib import Path
 from typing import Annotated
 
-import typer
 from rich.console import Console
 
+from companion.cli.command_line import Option, echo
 from companion.cli.output_file import write_text
+from companion.core.errors import UsageError
 from sitl.cli.arguments import Settings, Workers
 from sitl.cli.progress import progress_bar
 from sitl.experiments.encounters.encounter import (
@@ -25,20 +26,18 @@ from sitl.world.sensors.sampling import MOST_SEED
 
 
 def encounters(
-    seeds: Annotated[int, typer.Option(min=1, max=100_000, help="runs of each encounter")] = 10,
-    first_seed: Annotated[int, typer.Option(min=1, max=MOST_SEED, help="the first seed")] = 1,
+    seeds: Annotated[int, Option(least=1, most=100_000, help="runs of each encounter")] = 10,
+    first_seed: Annotated[int, Option(least=1, most=MOST_SEED, help="the first seed")] = 1,
     only: Annotated[
-        list[str] | None, typer.Option(metavar="WORD", help="encounters whose name contains this word [all]")
+        list[str] | None, Option(metavar="WORD", help="encounters whose name contains this word [all]")
     ] = None,
     sight_m: Annotated[
-        float, typer.Option("--sight", min=1.0, max=100.0, help="range of a second ranger; 4: none is fitted")
+        float, Option("--sight", least=1.0, most=100.0, help="range of a second ranger; 4: none is fitted")
     ] = SONAR_M,
-    ranger: Annotated[Ranger, typer.Option(help="the second ranger: a 2-D scan, or one beam ahead")] = "scan",
+    ranger: Annotated[Ranger, Option(help="the second ranger: a 2-D scan, or one beam ahead")] = "scan",
     settings: Settings = None,
-    out: Annotated[Path | None, typer.Option("--out", "-o", help="write the table to this file, too")] = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="every run and the summary as JSON on stdout")
-    ] = False,
+    out: Annotated[Path | None, Option("--out", "-o", help="write the table to this file, too")] = None,
+    as_json: Annotated[bool, Option("--json", help="every run and the summary as JSON on stdout")] = False,
     workers: Workers = None,
 ) -> None:
     """Run a leg with rocks, walls, shores and moving obstacles that the boat's plan does not know.
@@ -54,7 +53,7 @@ def encounters(
     chosen = [one for one in ENCOUNTERS if not only or any(word in one.name for word in only)]
     if not chosen:
         known = ", ".join(one.name for one in ENCOUNTERS)
-        raise typer.BadParameter(f"--only {', '.join(only or ())}: expected a part of one of {known}")
+        raise UsageError(f"--only {', '.join(only or ())}: expected a part of one of {known}")
     overrides = [*(second_ranger(sight_m, ranger) if sight_m > SONAR_M else ()), *(settings or ())]
     load_scenario("open", overrides)  # a wrong setting is reported before the first run
     trials = encounter_trials(
@@ -67,6 +66,6 @@ def encounters(
         results = run_trials(pool, run_encounter, trials, advance=advance, is_strict=True)
     total = summary(trials, results)
     table = f"{markdown(trials, results)}\n{total}\n"
-    typer.echo(json.dumps({"summary": total, "runs": run_rows(trials, results)}) if as_json else table)
+    echo(json.dumps({"summary": total, "runs": run_rows(trials, results)}) if as_json else table)
     if out is not None:
         write_text(out, table)

@@ -4,10 +4,9 @@ import math
 import sys
 from typing import Annotated
 
-import typer
-
 from companion.app.shutdown import Shutdown
 from companion.cli.busy_port import busy_port_explained
+from companion.cli.command_line import Option, echo
 from companion.core.errors import BoatError
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
 from sitl.physics.backend import Backend
@@ -27,10 +26,10 @@ def physics(
     case: Case = None,
     seed: Seed = None,
     start: StartAt = None,
-    host: Annotated[str, typer.Option(help="address to listen on")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(min=0, max=65535, help="UDP port; 0 takes a free one")] = PORT,
-    left: Annotated[int, typer.Option(help="servo output of the left motor")] = 1,
-    right: Annotated[int, typer.Option(help="servo output of the right motor")] = 3,
+    host: Annotated[str, Option(help="address to listen on")] = "127.0.0.1",
+    port: Annotated[int, Option(least=0, most=65535, help="UDP port; 0 takes a free one")] = PORT,
+    left: Annotated[int, Option(help="servo output of the left motor")] = 1,
+    right: Annotated[int, Option(help="servo output of the right motor")] = 3,
     csv: Csv = None,
 ) -> None:
     """Serve hull, drive, water, weather, sonar and pack to ArduPilot's simulator until Ctrl-C.
@@ -52,17 +51,17 @@ def physics(
     shutdown.install()
     origin = scenario.frame.origin
     heading_deg = math.degrees(scenario.heading_rad) % 360.0
-    typer.echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, on UDP {host}:{server.port}")
-    typer.echo(f"boat-sitl: now start ArduPilot's Rover, with SERVO{left}_FUNCTION 73 (left motor),")
-    typer.echo(f"boat-sitl: SERVO{right}_FUNCTION 74 (right motor) and SIM_RATE_HZ of at least 100:")
+    echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, on UDP {host}:{server.port}")
+    echo(f"boat-sitl: now start ArduPilot's Rover, with SERVO{left}_FUNCTION 73 (left motor),")
+    echo(f"boat-sitl: SERVO{right}_FUNCTION 74 (right motor) and SIM_RATE_HZ of at least 100:")
     home = f"{origin.lat_deg:.7f},{origin.lon_deg:.7f},0,{heading_deg:.0f}"
     other_port = "" if server.port == PORT else f" --sim-port-out {server.port}"
-    typer.echo(f"  ardurover --model JSON:{host}{other_port} --home {home}")
+    echo(f"  ardurover --model JSON:{host}{other_port} --home {home}")
     sys.stdout.flush()
-    server.run(shutdown, lambda who: typer.echo(f"boat-sitl: {who} steers"))
+    server.run(shutdown, lambda who: echo(f"boat-sitl: {who} steers"))
     if recorder is not None and csv is not None:
         if not len(recorder):
             raise PhysicsError(f"nobody steered: {csv} was not written")
         rate_hz = len(recorder) / max(backend.world.time_s, 1e-9)
         recorder.write_csv(csv, every=min(max(1, round(0.1 * rate_hz)), _MOST_STEPS_A_ROW))
-    typer.echo(f"boat-sitl: {backend.steps} steps, {backend.world.time_s:.1f} s of water")
+    echo(f"boat-sitl: {backend.steps} steps, {backend.world.time_s:.1f} s of water")

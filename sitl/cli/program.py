@@ -1,6 +1,6 @@
 """The commands of boat-sitl, the emulator's program."""
 
-from companion.cli.command_line import program_app, run_app
+from companion.cli.command_line import Program
 from companion.core.errors import BoatError
 from mission_tools.errors import MissionToolsError
 from sitl.cli.arguments import with_json_file_option
@@ -13,13 +13,14 @@ from sitl.cli.sail import sail
 from sitl.cli.serve import serve
 from sitl.cli.tune import tune
 
-PROGRAM = "boat-sitl"
-
-app = program_app("The emulator: the boat's own program over simulated hardware and water.")
-for command in (serve, sail, campaign, encounters, report, tune, paper, physics):
-    app.command()(command)
+program = Program(
+    "boat-sitl",
+    "The emulator: the boat's own program over simulated hardware and water.",
+    (serve, sail, campaign, encounters, report, tune, paper, physics),
+    expected=(MissionToolsError, BoatError),
+)
 
 
 def run_program(arguments: list[str]) -> int:
     """Run the program; returns its exit code."""
-    return run_app(app, PROGRAM, with_json_file_option(arguments), expected=(MissionToolsError, BoatError))
+    return program.run(with_json_file_option(arguments))

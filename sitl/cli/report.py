@@ -3,8 +3,7 @@
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
+from companion.cli.command_line import Argument, Option, echo
 from companion.cli.output_file import write_text
 from sitl.experiments.result_log import ResultLog
 from sitl.reports.campaign_page import campaign_page
@@ -15,11 +14,11 @@ from sitl.run.run_record import load_record
 def report(
     source: Annotated[
         Path,
-        typer.Argument(metavar="RUN|CAMPAIGN", help="what sail --record has written, or a campaign's folder"),
+        Argument(metavar="RUN|CAMPAIGN", help="what sail --record has written, or a campaign's folder"),
     ],
     out: Annotated[
         Path | None,
-        typer.Option("--out", "-o", metavar="FILE.html", help="the page [beside what it is about]"),
+        Option("--out", "-o", metavar="FILE.html", help="the page [beside what it is about]"),
     ] = None,
 ) -> None:
     """Make one page of HTML, pictures included, of a run or of a campaign, finished or not.
@@ -36,4 +35,4 @@ def report(
         text, beside = run_page(load_record(source)), source.with_suffix(".html")
     page = out or beside
     write_text(page, text)
-    typer.echo(f"written: {page}{remark}")
+    echo(f"written: {page}{remark}")

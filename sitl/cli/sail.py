@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import Annotated
 
-import typer
 from rich.console import Console
 from rich.progress import Progress
 
 from companion.app import garbage_collection as garbage
+from companion.cli.command_line import Option, echo
 from companion.cli.output_file import write_text
 from companion.core.errors import OutputError
 from companion.log.logbook import Logbook
@@ -27,35 +27,33 @@ def sail(
     source: Source,
     mission: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="a .plan or .waypoints file [planned on the scenario's map]"),
+        Option(metavar="FILE", help="a .plan or .waypoints file [planned on the scenario's map]"),
     ] = None,
     course: Annotated[
-        str | None, typer.Option(metavar="NAME", help=f"a course instead: {', '.join(course_names())}")
+        str | None, Option(metavar="NAME", help=f"a course instead: {', '.join(course_names())}")
     ] = None,
     settings: Settings = None,
     case: Case = None,
     seed: Seed = None,
     start: StartAt = None,
-    fence: Annotated[
-        bool, typer.Option("--fence", help="upload the outline of the water as a fence")
-    ] = False,
+    fence: Annotated[bool, Option("--fence", help="upload the outline of the water as a fence")] = False,
     linger: Annotated[
-        float, typer.Option(metavar="S", min=0.0, help="continue after the end of the mission")
+        float, Option(metavar="S", least=0.0, help="continue after the end of the mission")
     ] = 0.0,
     timeout: Annotated[
-        float | None, typer.Option(metavar="S", min=0.0, help="simulated seconds [4 × the planned time]")
+        float | None, Option(metavar="S", least=0.0, help="simulated seconds [4 × the planned time]")
     ] = None,
     as_json_text: Annotated[
-        bool, typer.Option("--json", help="figures as JSON on stdout, or in a file: --json FILE.json")
+        bool, Option("--json", help="figures as JSON on stdout, or in a file: --json FILE.json")
     ] = False,
-    json_file: Annotated[Path | None, typer.Option("--json-file", hidden=True)] = None,
+    json_file: Annotated[Path | None, Option("--json-file", is_hidden=True)] = None,
     csv: Csv = None,
     log: Annotated[
-        Path | None, typer.Option(metavar="FILE.bin", help="write the boat's log, as for MAVExplorer")
+        Path | None, Option(metavar="FILE.bin", help="write the boat's log, as for MAVExplorer")
     ] = None,
-    png: Annotated[Path | None, typer.Option(metavar="FILE", help="draw chart, plan and true track")] = None,
+    png: Annotated[Path | None, Option(metavar="FILE", help="draw chart, plan and true track")] = None,
     record: Annotated[
-        Path | None, typer.Option(metavar="FILE.npz", help="keep the whole run, for boat-sitl report")
+        Path | None, Option(metavar="FILE.npz", help="keep the whole run, for boat-sitl report")
     ] = None,
 ) -> None:
     """Sail one mission in lockstep, as fast as the machine goes, and measure it against the truth.
@@ -92,7 +90,7 @@ def sail(
     if record is not None:
         RunRecord.of(mission_run, result).save(record)
     if as_json_text:
-        typer.echo(as_json(result))
+        echo(as_json(result))
     else:
         print_table(result, console)
     if not result.completed:

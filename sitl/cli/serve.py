@@ -7,13 +7,12 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from companion.app import garbage_collection as garbage
 from companion.app.clock import SystemClock
 from companion.app.restart import restart_program
 from companion.app.shutdown import Shutdown
 from companion.cli.busy_port import busy_port_explained
+from companion.cli.command_line import Option, echo
 from companion.config.boat_config import LinkConfig
 from companion.core.errors import BoatError, ConfigError
 from companion.mavlink.signing import SigningPolicy
@@ -31,52 +30,50 @@ def serve(
     case: Case = None,
     seed: Seed = None,
     start: StartAt = None,
-    speedup: Annotated[float, typer.Option(min=0.01, max=1000.0, help="times real time")] = 1.0,
-    host: Annotated[str, typer.Option(help="address that the TCP server listens on")] = "127.0.0.1",
-    tcp: Annotated[int, typer.Option(min=0, max=65535, help="TCP port; 0: the system's choice")] = 5760,
-    no_tcp: Annotated[bool, typer.Option("--no-tcp", help="no TCP server")] = False,
-    udp: Annotated[
-        str, typer.Option(metavar="HOST:PORT", help="the station that UDP goes to")
-    ] = "127.0.0.1:14550",
-    no_udp: Annotated[bool, typer.Option("--no-udp", help="no UDP")] = False,
+    speedup: Annotated[float, Option(least=0.01, most=1000.0, help="times real time")] = 1.0,
+    host: Annotated[str, Option(help="address that the TCP server listens on")] = "127.0.0.1",
+    tcp: Annotated[int, Option(least=0, most=65535, help="TCP port; 0: the system's choice")] = 5760,
+    no_tcp: Annotated[bool, Option("--no-tcp", help="no TCP server")] = False,
+    udp: Annotated[str, Option(metavar="HOST:PORT", help="the station that UDP goes to")] = "127.0.0.1:14550",
+    no_udp: Annotated[bool, Option("--no-udp", help="no UDP")] = False,
     link: Annotated[
-        list[str] | None, typer.Option(metavar="URL", help="a further link, as udpin:127.0.0.1:14560")
+        list[str] | None, Option(metavar="URL", help="a further link, as udpin:127.0.0.1:14560")
     ] = None,
     state: Annotated[
         str | None,
-        typer.Option(
+        Option(
             metavar="DIR",
             help="keep missions, parameters and logs here over restarts; none: forget them "
             "[a folder for scenario and TCP port under ~/.local/state/mavboat]",
         ),
     ] = None,
     sign_key: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="sign what leaves by any link with this key")
+        Path | None, Option(metavar="FILE", help="sign what leaves by any link with this key")
     ] = None,
     signing: Annotated[
         SigningPolicy | None,
-        typer.Option(help="ask for signatures on every link [required with --sign-key, else off]"),
+        Option(help="ask for signatures on every link [required with --sign-key, else off]"),
     ] = None,
     count: Annotated[
-        int, typer.Option(min=1, metavar="N", help="boats, with system ids and TCP ports counting up")
+        int, Option(least=1, metavar="N", help="boats, with system ids and TCP ports counting up")
     ] = 1,
     one_port: Annotated[
-        bool, typer.Option("--one-port", help="all boats on the first one's links, which passes on for them")
+        bool, Option("--one-port", help="all boats on the first one's links, which passes on for them")
     ] = False,
     csv: Csv = None,
     status: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="write links and ticks in numbers here, as JSON")
+        Path | None, Option(metavar="FILE", help="write links and ticks in numbers here, as JSON")
     ] = None,
     shore: Annotated[
-        bool, typer.Option("--shore", help="serve the shore page too, a ground station for the browser")
+        bool, Option("--shore", help="serve the shore page too, a ground station for the browser")
     ] = False,
     shore_at: Annotated[
-        str, typer.Option(metavar="HOST:PORT", help="address of the shore page; port 0: the system's choice")
+        str, Option(metavar="HOST:PORT", help="address of the shore page; port 0: the system's choice")
     ] = LISTEN,
     shore_options: Annotated[
-        str, typer.Option(metavar="TEXT", help="further options of boat-shore, as '--host pond.lan'")
+        str, Option(metavar="TEXT", help="further options of boat-shore, as '--host pond.lan'")
     ] = "",
-    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="log links coming and going")] = False,
+    verbose: Annotated[bool, Option("--verbose", "-v", help="log links coming and going")] = False,
 ) -> None:
     """Run the boat in real time until Ctrl-C, for QGroundControl, MAVProxy, MAVSDK and any other station.
 
@@ -135,12 +132,12 @@ def serve(
             page.start(status)
         server = Server(boats, clock, speedup, _report)
         names = _names(boats[0], page) or "no link"
-        typer.echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, {speedup:g} × real time, on {names}")
+        echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, {speedup:g} × real time, on {names}")
         for boat, sailed in zip(boats[1:], scenarios[1:], strict=True):
             names = _names(boat, page) or "the first boat's links"
-            typer.echo(f"boat-sitl: system {sailed.vehicle.identity.system_id} on {names}")
-        typer.echo(f"boat-sitl: {remark}")
-        typer.echo("boat-sitl: ready; Ctrl-C ends")
+            echo(f"boat-sitl: system {sailed.vehicle.identity.system_id} on {names}")
+        echo(f"boat-sitl: {remark}")
+        echo("boat-sitl: ready; Ctrl-C ends")
         sys.stdout.flush()
         garbage.settle()
         server.run(shutdown)
@@ -187,7 +184,7 @@ def _words(options: str) -> list[str]:
 
 
 def _report(line: str) -> None:
-    typer.echo(f"boat-sitl: {line}")
+    echo(f"boat-sitl: {line}")
     sys.stdout.flush()
 
 

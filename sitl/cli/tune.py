@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Annotated
 
 import msgspec
-import typer
 from rich.console import Console
 from rich.table import Table
 
+from companion.cli.command_line import Argument, Option, echo
 from companion.cli.output_file import output_folder, write_text
 from companion.core.errors import BoatError
 from sitl.cli.arguments import Workers
@@ -40,16 +40,16 @@ class TuneError(BoatError):
 
 def tune(
     boat: Annotated[
-        str, typer.Argument(metavar="BOAT", help="lake, pool, kit, catamaran, rudder, or a boat's .toml file")
+        str, Argument(metavar="BOAT", help="lake, pool, kit, catamaran, rudder, or a boat's .toml file")
     ],
     out: Annotated[
-        Path | None, typer.Option("--out", "-o", metavar="DIR", help="where results go [out/tune-BOAT]")
+        Path | None, Option("--out", "-o", metavar="DIR", help="where results go [out/tune-BOAT]")
     ] = None,
     workers: Workers = None,
-    seed: Annotated[int, typer.Option(min=0, max=MOST_SEED, help="of the search and its runs")] = 9001,
-    candidates: Annotated[int, typer.Option(min=4, max=100_000, help="sets of gains per round")] = CANDIDATES,
+    seed: Annotated[int, Option(least=0, most=MOST_SEED, help="of the search and its runs")] = 9001,
+    candidates: Annotated[int, Option(least=4, most=100_000, help="sets of gains per round")] = CANDIDATES,
     as_json_text: Annotated[
-        bool, typer.Option("--json", help="gains, verdict and figures as JSON on stdout")
+        bool, Option("--json", help="gains, verdict and figures as JSON on stdout")
     ] = False,
 ) -> None:
     """Tune the gains of heading and speed, and write them as a parameter file.
@@ -91,7 +91,7 @@ def tune(
     write_text(path, parameter_file(taken, [f"gains of {boat}, {word} with seed {seed}"]))
     draw_search(rankings, verdict, f"gains of {boat}", folder / "tuning.png")
     if as_json_text:
-        typer.echo(_as_json(boat, seed, before, best, verdict, checked, path))
+        echo(_as_json(boat, seed, before, best, verdict, checked, path))
     else:
         _print(before, best, verdict, checked, console)
         console.print(f"written: {path}, {folder / 'tuning.png'}")

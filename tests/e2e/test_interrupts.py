@@ -55,7 +55,7 @@ def hook(tmp_path: Path) -> Path:
         ("boat-sitl", "sitl.cli.program"),
         ("boat-sitl", "numpy"),
         ("boat-sitl", "companion.boat"),
-        ("boat-companion", "typer"),
+        ("boat-companion", "companion.app.cli"),
         ("boat-companion", "companion.app.composition"),
         ("mission-plan", "argparse"),
         ("mission-upload", "mission_tools.cli.options"),

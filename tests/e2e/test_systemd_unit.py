@@ -114,7 +114,7 @@ def test_what_is_run_after_the_program_loads_no_more_than_the_configuration() ->
         [sys.executable, "-I", "-c", code], capture_output=True, text=True, check=True, timeout=JOB_S
     )
     loaded = {name.partition(".")[0] for name in done.stdout.split()}
-    assert not loaded & {"pymavlink", "typer", "rich", "numpy", "gpiozero", "serial", "lgpio", "smbus2"}
+    assert not loaded & {"pymavlink", "rich", "numpy", "gpiozero", "serial", "lgpio", "smbus2"}
 
 
 def test_the_module_that_root_runs_is_not_looked_for_in_the_users_folder() -> None:

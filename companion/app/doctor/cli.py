@@ -4,7 +4,6 @@ import time
 from pathlib import Path
 from typing import Annotated
 
-import typer
 from rich.console import Console
 
 from companion.app.clock import SystemClock
@@ -20,28 +19,25 @@ from companion.app.doctor.settings import settings_findings
 from companion.app.install.steps import apply_steps
 from companion.app.install.target import Target
 from companion.app.install.unit import CONFIG
+from companion.cli.command_line import Option, ask, echo
 from companion.config.boat_config import BoatConfig, load_config
-from companion.core.errors import BoatError
+from companion.core.errors import BoatError, UsageError
 
 
 def doctor(
-    config: Annotated[Path | None, typer.Option("--config", "-c", help="The boat's TOML file.")] = None,
-    json: Annotated[bool, typer.Option("--json", help="Print the findings as JSON.")] = False,
-    fix: Annotated[
-        bool, typer.Option("--fix", help="Correct groups and start-up files, with a copy.")
-    ] = False,
-    motors: Annotated[bool, typer.Option("--motors", help="Turn the motors, after a typed yes.")] = False,
-    compass: Annotated[bool, typer.Option("--compass", help="Turn the boat by hand, and compare.")] = False,
-    root: Annotated[
-        Path, typer.Option(help="Another system's root folder: its files only, no parts.")
-    ] = Path("/"),
-) -> None:
+    config: Annotated[Path | None, Option("--config", "-c", help="The boat's TOML file.")] = None,
+    json: Annotated[bool, Option("--json", help="Print the findings as JSON.")] = False,
+    fix: Annotated[bool, Option("--fix", help="Correct groups and start-up files, with a copy.")] = False,
+    motors: Annotated[bool, Option("--motors", help="Turn the motors, after a typed yes.")] = False,
+    compass: Annotated[bool, Option("--compass", help="Turn the boat by hand, and compare.")] = False,
+    root: Annotated[Path, Option(help="Another system's root folder: its files only, no parts.")] = Path("/"),
+) -> int:
     """Check the computer, its settings and every configured part. Exit code 1 if something failed.
 
     Example:  sudo systemctl stop mavboat; boat-companion doctor --motors
     """
     if (motors or compass) and json:
-        raise typer.BadParameter("--motors and --compass ask questions; leave out --json")
+        raise UsageError("--motors and --compass ask questions; leave out --json")
     target, clock = Target(root.resolve()), SystemClock()
     path = config or target.path(CONFIG)
     found = _read(path, Examined(target, BoatConfig()).model)
@@ -58,23 +54,22 @@ def doctor(
         findings += part_findings(examined, clock)
         is_free = running_boat(examined) is None
         if compass and is_free:
-            findings.append(turn_by_hand(tree, clock, _enter, typer.echo))
+            findings.append(turn_by_hand(tree, clock, _enter, echo))
         if motors and is_free:
-            findings.append(nudge_motors(tree, clock, typer.prompt, typer.echo))
+            findings.append(nudge_motors(tree, clock, ask, echo))
     if json:
-        typer.echo(as_json(findings))
+        echo(as_json(findings))
     else:
         print_table(findings, Console())
     if fix:
         apply_steps(
-            [step for finding in findings for step in finding.fix], lambda text: typer.echo(text, err=json)
+            [step for finding in findings for step in finding.fix], lambda text: echo(text, is_error=json)
         )
-    if not is_fine(findings):
-        raise typer.Exit(1)
+    return 0 if is_fine(findings) else 1
 
 
 def _enter(question: str) -> str:
-    return str(typer.prompt(question, default="", show_default=False))
+    return ask(question, default="")
 
 
 def _read(path: Path, model: str) -> BoatConfig | Finding:

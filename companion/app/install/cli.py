@@ -5,8 +5,6 @@ import sys
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from companion.app.composition import check_config
 from companion.app.init.presets import preset_text
 from companion.app.install.accounts import USER
@@ -17,24 +15,24 @@ from companion.app.install.steps import apply_steps, describe_steps
 from companion.app.install.target import InstallError, Target, is_readable_by_others, need_programs
 from companion.app.install.unit import CONFIG, PROGRAMS
 from companion.app.install.usb_names import usb_rules
+from companion.cli.command_line import Option, echo
 from companion.config.boat_config import load_config
+from companion.core.errors import UsageError
 
-Root = Annotated[Path, typer.Option("--root", help="Root folder of the system: / or that of an image.")]
-DryRun = Annotated[bool, typer.Option("--dry-run", help="Say what would be done, and do nothing.")]
+Root = Annotated[Path, Option("--root", help="Root folder of the system: / or that of an image.")]
+DryRun = Annotated[bool, Option("--dry-run", help="Say what would be done, and do nothing.")]
 
 
 def install(
-    config: Annotated[
-        Path | None, typer.Option("--config", "-c", help="The boat's TOML file to copy.")
-    ] = None,
+    config: Annotated[Path | None, Option("--config", "-c", help="The boat's TOML file to copy.")] = None,
     root: Root = Path("/"),
-    programs: Annotated[Path | None, typer.Option(help="Folder of boat-companion on that system.")] = None,
+    programs: Annotated[Path | None, Option(help="Folder of boat-companion on that system.")] = None,
     usb: Annotated[
-        list[str] | None, typer.Option(help="NAME=DEVICE: call this USB adapter /dev/mavboat-NAME.")
+        list[str] | None, Option(help="NAME=DEVICE: call this USB adapter /dev/mavboat-NAME.")
     ] = None,
-    page: Annotated[bool, typer.Option("--page", help="Also the shore page, on port 80.")] = False,
+    page: Annotated[bool, Option("--page", help="Also the shore page, on port 80.")] = False,
     page_map: Annotated[
-        Path | None, typer.Option("--page-map", help="GeoJSON map of the water for the page.")
+        Path | None, Option("--page-map", help="GeoJSON map of the water for the page.")
     ] = None,
     dry_run: DryRun = False,
 ) -> None:
@@ -52,27 +50,27 @@ def install(
     text = config.read_text(encoding="utf-8") if config else preset_text("lake")
     wanted = page_of(target, _page_options(page_map) if page else None)
     if wanted is None and page_map is not None:
-        raise typer.BadParameter("--page-map needs --page")
+        raise UsageError("--page-map needs --page")
     if page and target.is_this_machine:
         check_page_program(target, programs)
     steps = install_steps(target, programs, text, _usb_text(target, usb or []), wanted)
     program = programs / "boat-companion"
     if dry_run:
-        describe_steps(steps, typer.echo)
+        describe_steps(steps, echo)
         return
     if target.is_this_machine and not is_readable_by_others(program):
         raise InstallError(
             f"{program}: not readable by the boat's user; make the environment in /opt/mavboat"
         )
     need_programs("systemctl", "groupadd", "useradd")
-    apply_steps(steps, typer.echo)
+    apply_steps(steps, echo)
     if not target.path(program).exists():
-        typer.echo(f"{program} is missing in {target.root}: install mavboat there before the first start")
+        echo(f"{program} is missing in {target.root}: install mavboat there before the first start")
     if target.is_this_machine:
         units = UNIT if wanted is None else f"{UNIT} {SHORE_UNIT}"
-        typer.echo(f"Edit {CONFIG}, run `boat-companion doctor`, then: sudo systemctl restart {units}")
+        echo(f"Edit {CONFIG}, run `boat-companion doctor`, then: sudo systemctl restart {units}")
     if wanted is not None and not target.path(PIN_FILE).exists():
-        typer.echo(f"Set the page's PIN: sudo -u {USER} {programs}/boat-shore pin --pin-file {PIN_FILE}")
+        echo(f"Set the page's PIN: sudo -u {USER} {programs}/boat-shore pin --pin-file {PIN_FILE}")
 
 
 def _page_options(page_map: Path | None) -> PageOptions:
@@ -81,7 +79,7 @@ def _page_options(page_map: Path | None) -> PageOptions:
 
 def uninstall(
     root: Root = Path("/"),
-    purge: Annotated[bool, typer.Option("--purge", help="Also configuration, missions and logs.")] = False,
+    purge: Annotated[bool, Option("--purge", help="Also configuration, missions and logs.")] = False,
     dry_run: DryRun = False,
 ) -> None:
     """Stop the service and remove what `install` made. Shared groups stay.
@@ -91,10 +89,10 @@ def uninstall(
     target = _target(root, needs_root=not dry_run)
     steps = uninstall_steps(target, purge=purge)
     if dry_run:
-        describe_steps(steps, typer.echo)
+        describe_steps(steps, echo)
         return
     need_programs("systemctl")
-    apply_steps(steps, typer.echo)
+    apply_steps(steps, echo)
 
 
 def _usb_text(target: Target, usb: list[str]) -> str:

@@ -8,11 +8,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-import typer.main
 
-from companion.app.cli import app
+from companion.app.cli import program
 from companion.app.init.questions import value_at
 from companion.autopilot.sensor_suite import SensorSuite
+from companion.cli.command_line import command_parser
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.rc.rc_input import RcInput
@@ -92,12 +92,12 @@ def test_the_messages_were_found() -> None:
 
 
 def test_every_command_and_option_of_the_page_exists() -> None:
-    commands = typer.main.get_command(app).commands  # type: ignore[attr-defined]
+    commands = program.by_name()
     used = re.findall(r"(?:boat-companion|\$B) ([a-z-]+)((?:[^\n`#|;&]|\\\n)*)", PAGE)
     assert len(used) > 8
     for name, rest in used:
         assert name in commands, name
-        known = {option for parameter in commands[name].params for option in parameter.opts}
+        known = set(command_parser("boat-companion", commands[name])._option_string_actions)
         assert set(re.findall(r"(?<!\S)--[a-z-]+", rest)) <= known, (name, rest)
 
 

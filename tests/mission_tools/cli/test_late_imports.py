@@ -13,7 +13,6 @@ HEAVY = (
     "pymavlink",
     "rich",
     "serial",
-    "typer",
 )
 PLANS_WITHOUT = (*HEAVY, "numpy.testing", "pyproj", "scipy", "mission_tools.tasks.survey")
 HELPS_WITHOUT = (*PLANS_WITHOUT, "msgspec", "numpy", "shapely")

@@ -113,7 +113,7 @@ def test_the_answers_are_in_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyP
         is_of_a_key = any(text.startswith(question.text) for question in QUESTIONS)
         return str(by_key(text, default)) if is_of_a_key else next(replies)
 
-    monkeypatch.setattr("companion.app.init.cli.typer.prompt", prompt)
+    monkeypatch.setattr("companion.app.init.cli.ask", prompt)
     path = tmp_path / "boat.toml"
     assert run_program(["init", "--output", str(path)]) == 0
     config = load_config(path)

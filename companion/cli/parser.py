@@ -1,4 +1,4 @@
-"""The command-line parser of the planner's programs: argparse, because it is loaded in 20 ms.
+"""The command-line parser of all programs: argparse, which is loaded in 20 ms.
 
 Options may stand before and after the file they belong to, a value may begin with a minus sign
 (`--goal -33.8,151.2`), and a mistake is a UsageError.
@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, NoReturn
 
 from companion import __version__
-from mission_tools.errors import UsageError
+from companion.core.errors import UsageError
 
 _NEGATIVE = re.compile(r"-[\d.]")
 
@@ -46,7 +46,8 @@ class Parser(argparse.ArgumentParser):
         usage: str = "",
         is_required: bool = False,
     ) -> None:
-        usage = usage or f"{program} [options] {positional if is_required else f'[{positional}]'}"
+        shown = f" {positional}" if is_required else f" [{positional}]"
+        usage = usage or f"{program} [options]{shown if positional else ''}"
         super().__init__(
             program,
             usage,
@@ -97,7 +98,8 @@ class Parser(argparse.ArgumentParser):
         """Raise:
         UsageError: with advice.
         """
-        raise UsageError(f"{message} (see {self.prog} --help)")
+        said = message.replace("the following arguments are required:", "Missing option")
+        raise UsageError(f"{said} (see {self.prog} --help)")
 
     def _with_negative_values(self, arguments: Sequence[str]) -> list[str]:
         """`--goal -33.8,151.2` as one word, because argparse takes the second for an option."""
