@@ -29,11 +29,10 @@ def field(seed: int) -> str:
     return f"map.obstacles=[{', '.join(each)}]"
 
 
-@pytest.mark.parametrize("first", [0, 10])
-def test_a_field_of_rocks_is_crossed_and_rarely_touched(first: int) -> None:
+def test_a_field_of_rocks_is_crossed_and_rarely_touched() -> None:
     """In one of five at most: late fixes and weak thrust astern leave less time than there was."""
     touched = 0
-    for seed in range(first, first + 5):
+    for seed in range(5):
         rig = Rig("open", field(seed), f"seed={seed}", config=BY_SIGHT).sail(waypoint(60.0, 0.0))
         rig.until(lambda rig=rig: rig.mode != "AUTO", 300.0)  # type: ignore[misc]
         assert rig.mode == "LOITER"
@@ -49,11 +48,9 @@ def mover_rig(mover: str, seed: int) -> Rig:
     "mover",
     [
         "{start=[0.0, 33.0], radius_m=0.5, velocity_m_s=[0.0, -0.3]}",
-        "{start=[0.0, 6.0], radius_m=0.5, velocity_m_s=[0.0, 0.4], at_s=3.0}",
         "{start=[13.0, 25.0], radius_m=0.5, velocity_m_s=[-0.5, 0.0], at_s=1.5}",
-        "{start=[-14.0, 25.0], radius_m=0.5, velocity_m_s=[0.5, 0.0], at_s=1.5}",
     ],
-    ids=["head on", "slower ahead", "from starboard", "from port"],
+    ids=["head on", "from starboard"],
 )
 def test_what_moves_is_rarely_touched_and_the_goal_reached(mover: str) -> None:
     """In half of the seeds at most: a crossing mover is known late, and at 1 m/s there is little time.
@@ -69,13 +66,12 @@ def test_what_moves_is_rarely_touched_and_the_goal_reached(mover: str) -> None:
     assert touched <= 3
 
 
-@pytest.mark.parametrize("source", ["lake", "pool"])
-def test_a_plan_that_knows_the_shore_is_sailed_as_if_there_were_no_avoidance(source: str) -> None:
+def test_a_plan_that_knows_the_shore_is_sailed_as_if_there_were_no_avoidance() -> None:
     figures = []
     for enable in (0, 3):
-        scenario = load_scenario(source, [f"vehicle.avoidance.enable={enable}"])
+        scenario = load_scenario("lake", [f"vehicle.avoidance.enable={enable}"])
         mission, _ = plan_mission(scenario)
-        result = MissionRun(scenario, wire_items(mission)).run(timeout_s=120.0 if source == "pool" else 330.0)
+        result = MissionRun(scenario, wire_items(mission)).run(timeout_s=330.0)
         assert result.completed
         assert result.groundings == 0
         figures.append((result.path_length_m, result.time_s))

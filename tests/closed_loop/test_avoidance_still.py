@@ -66,8 +66,7 @@ class Voyage:
         return [text for text in self.rig.peer.texts if "Obstacle" in text]
 
 
-@pytest.mark.parametrize("radius_m", [0.5, 1.5, 4.0])
-@pytest.mark.parametrize("east_m", [-0.6, 0.0, 0.6])
+@pytest.mark.parametrize(("radius_m", "east_m"), [(0.5, 0.0), (1.5, -0.6), (4.0, 0.6)])
 def test_an_island_on_the_leg_is_sailed_round_and_the_leg_gone_on_with(
     radius_m: float, east_m: float
 ) -> None:
@@ -137,9 +136,8 @@ def test_with_the_fence_on_one_side_the_boat_takes_the_other() -> None:
     assert min(east for _, east in voyage.track) < -3.5
 
 
-@pytest.mark.parametrize("seed", [3, 5, 8])
-def test_between_the_fence_and_a_wall_the_boat_waits_and_says_so(seed: int) -> None:
-    rig = rig_among(block(30.0, 31.0, -8.0, 8.0), seed=seed).ready()
+def test_between_the_fence_and_a_wall_the_boat_waits_and_says_so() -> None:
+    rig = rig_among(block(30.0, 31.0, -8.0, 8.0), seed=3).ready()
     corners = [(-20.0, -6.0), (80.0, -6.0), (80.0, 6.0), (-20.0, 6.0)]
     fence = [waypoint(north, east, command=5001, param1=4.0) for north, east in corners]
     rig.upload(fence, mission_type=MissionType.FENCE)

@@ -246,9 +246,9 @@ def test_a_planner_that_steers_and_goes_is_missed_and_the_boat_stays() -> None:
     assert drifted_m(rig, 30.0) < 3.0
 
 
-@pytest.mark.parametrize("settings", [(), ("environment.current_m_s=0.7", "environment.current_to_deg=0.0")])
-def test_a_boat_turns_back_while_its_charge_still_takes_it_home(settings: tuple[str, ...]) -> None:
+def test_a_boat_turns_back_while_its_charge_still_takes_it_home() -> None:
     capacity_mah = 150.0
+    settings = ("environment.current_m_s=0.7", "environment.current_to_deg=0.0")
     rig = Rig("open", *settings, config={"battery.capacity_mah": capacity_mah}).sail(waypoint(900.0, 0.0))
     told(rig, "Failsafe: Point of no return", 200.0)
     assert rig.mode == "RTL"

@@ -86,8 +86,9 @@ def test_an_attitude_sets_heading_and_a_share_of_the_top_speed() -> None:
     assert rig.world.truth.surge_m_s == pytest.approx(1.0, abs=0.15)
 
 
-@pytest.mark.parametrize("setting", [(), CURRENT], ids=["calm", "current"])
-@pytest.mark.parametrize("direction", [0, 1], ids=["clockwise", "counter"])
+@pytest.mark.parametrize(
+    ("setting", "direction"), [((), 0), (CURRENT, 1)], ids=["clockwise", "counter in a current"]
+)
 def test_circle_goes_round_a_point_ahead_at_its_radius(setting: tuple[str, ...], direction: int) -> None:
     rig = armed(CIRCLE, *setting, modes__circle_direction=direction, modes__circle_speed_m_s=1.2)
     truth = rig.world.truth

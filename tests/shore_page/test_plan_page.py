@@ -46,7 +46,7 @@ def planned(page: Page, view: Locator) -> Locator:
     return voyage
 
 
-@pytest.mark.parametrize("size", ["phone", "tablet", "desktop"])
+@pytest.mark.parametrize("size", ["phone", "desktop"])
 def test_a_route_of_tapped_places_becomes_the_mission_on_board(
     size: str, visit: Visit, shore: ShoreBoat, station: MavutilStation
 ) -> None:

@@ -175,13 +175,11 @@ def test_a_boat_is_read_from_its_own_file_and_from_an_emulated_ones(tmp_path: Pa
 @pytest.mark.parametrize(
     ("name", "settings", "options", "current"),
     [
-        ("lake", [], PlanOptions(), UniformCurrent()),
         ("kit", ['boat.model="kit"'], PlanOptions(hold_s=60.0), UniformCurrent()),
-        ("lake", [], PlanOptions(speed_m_s=1.2), UniformCurrent()),
         (
             "lake",
             ["environment.current_m_s=0.5", "environment.current_to_deg=90"],
-            PlanOptions(),
+            PlanOptions(speed_m_s=1.2),
             UniformCurrent(0.0, 0.5),
         ),
     ],

@@ -10,9 +10,8 @@ from sitl.experiments.watched_run import sail_watched
 RAFT = [(25.0, north, 1.0) for north in (-1.5, 0.0, 1.5)]
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_a_raft_across_the_route_is_gone_round(tmp_path: Path, seed: int) -> None:
-    sailed = sail_watched(tmp_path, [Point(0.0, 0.0), Point(0.0, 50.0)], RAFT, seed)
+def test_a_raft_across_the_route_is_gone_round(tmp_path: Path) -> None:
+    sailed = sail_watched(tmp_path, [Point(0.0, 0.0), Point(0.0, 50.0)], RAFT, seed=1)
     assert sailed.completed
     assert not sailed.touched
     assert sailed.uploads
