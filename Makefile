@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 
 .DEFAULT_GOAL := help
-.PHONY: help setup wheel demo survey pictures test check lint types contracts mutate bench fuzz fast slow clean
+.PHONY: help setup wheel demo survey pictures test test-quick check lint types contracts mutate bench fuzz fast slow clean
 
 help:  ## list the targets
 	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -44,6 +44,9 @@ pictures: demo survey  ## make the pictures of the documents anew
 test: setup  ## all tests
 	$(BIN)/python -m pytest -n 3 --dist worksteal
 
+test-quick: setup  ## the unit tests that take no voyage and no process
+	$(BIN)/python -m pytest -q -n 3 --dist worksteal -m "not slow and not realtime" tests/companion tests/mission_tools tests/sitl tests/hardware
+
 lint: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -59,7 +62,7 @@ check: lint types contracts test  ## lint, types, import contracts, tests
 mutate: setup  ## mutation testing of the boat's packages; also SAMPLE=200 (0: all), SEED=1, PACKAGE=control
 	$(BIN)/python tests/mutation --sample '$(or $(SAMPLE),200)' $(if $(SEED),--seed $(SEED)) $(addprefix --package ,$(PACKAGE))
 
-bench: setup  ## side by side with peers; rewrites docs/benchmarks.md
+bench: setup  ## side by side with peers; writes out/benchmarks.md
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[bench]'
 	$(BIN)/python -m benchmarks
 

@@ -1,4 +1,7 @@
-"""Run every benchmark: prints a table, writes docs/benchmarks.md and out/benchmarks.json."""
+"""Run every benchmark: prints a table, writes out/benchmarks.md and out/benchmarks.json.
+
+docs/benchmarks.md tells what these figures say.
+"""
 
 import json
 import os
@@ -15,7 +18,7 @@ from benchmarks import codec, emulator, install, router, transfer
 from benchmarks.measure import Row
 from benchmarks.planning import peers, routes, startup, survey, watch
 
-PAGE = Path("docs/benchmarks.md")
+PAGE = Path("out/benchmarks.md")
 JSON = Path("out/benchmarks.json")
 BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "codec": codec.rows,
@@ -32,23 +35,12 @@ BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
 
 _INTRODUCTION = """# Benchmarks
 
-Compare this project with pymavlink and MAVProxy on your machine:
-
-    make bench
-
-It rewrites this page. Each section is one file in `benchmarks/` or its folder `planning/`. This project and
-the peer run alternately in one process. Figures are medians ± half the interquartile range; the ratio is the
-median of the pairs. Times are CPU time, except wall-clock time for transfers and garbage. On a shared machine
-the ratios are more reliable than the times.
-
-`python -m benchmarks.estimation` judges the filter; its figures are in [estimation](estimation.md).
-
-Machine: {machine}. Measured on {day}.
+Machine: {machine}. Measured on {day}: median ± half the interquartile range.
 """
 
 
 def main(names: list[str]) -> int:
-    """Run the named benchmarks, all without a name. A full run rewrites the page, another its sections."""
+    """Run the named benchmarks, all without a name."""
     unknown = [name for name in names if name not in BENCHMARKS]
     if unknown:
         sys.stderr.write(f"benchmarks: no {', '.join(unknown)}; there are {', '.join(BENCHMARKS)}\n")
@@ -61,7 +53,7 @@ def main(names: list[str]) -> int:
     JSON.write_text(
         json.dumps({name: [row.as_dict() for row in rows] for name, rows in found.items()}, indent=2)
     )
-    PAGE.write_text(_page(found) if not names else _with_sections(found), encoding="utf-8")
+    PAGE.write_text(_page(found), encoding="utf-8")
     return 0
 
 
@@ -85,23 +77,10 @@ def _page(found: dict[str, list[Row]]) -> str:
     return "\n".join([introduction, *(_section(name, rows) for name, rows in found.items())])
 
 
-def _section(name: str, rows: list[Row], note: str = "") -> str:
-    lines = [f"## {name}", "", *((note, "") if note else ())]
-    lines += ["| question | ours | peer | ours ÷ peer |", "|---|---|---|---|"]
+def _section(name: str, rows: list[Row]) -> str:
+    lines = [f"## {name}", "", "| question | ours | peer | ours ÷ peer |", "|---|---|---|---|"]
     lines += [f"| {' | '.join(_cells(row))} |" for row in rows]
     return "\n".join(lines) + "\n"
-
-
-def _with_sections(found: dict[str, list[Row]]) -> str:
-    """The page as it is, with these sections in place of theirs, in the order of the benchmarks."""
-    introduction, *sections = PAGE.read_text(encoding="utf-8").split("\n## ")
-    by_name = {section.split("\n", 1)[0]: f"## {section.rstrip()}\n" for section in sections}
-    day = time.strftime("%d %B %Y")
-    for name, rows in found.items():
-        note = f"Measured on {day}, with `python -m benchmarks {name}`."
-        by_name[name] = _section(name, rows, note)
-    order = [*BENCHMARKS, *(name for name in by_name if name not in BENCHMARKS)]
-    return "\n".join([introduction.rstrip() + "\n", *(by_name[name] for name in order if name in by_name)])
 
 
 if __name__ == "__main__":

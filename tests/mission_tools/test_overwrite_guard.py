@@ -11,6 +11,8 @@ from mission_tools.errors import UsageError
 from mission_tools.overwrite_guard import check_replaceable
 from mission_tools.water_map import open_map
 
+pytestmark = pytest.mark.slow
+
 EXAMPLES = Path(__file__).parents[2] / "examples" / "maps"
 MARKED = [".plan", ".geojson", ".kml", ".gpx", ".html", ".png", ".svg", ".pdf"]
 PICTURES = (".html", ".png", ".svg", ".pdf")

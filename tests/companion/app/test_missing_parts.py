@@ -29,7 +29,7 @@ from companion.config.boat_config import BoatConfig, decode_config
 from companion.links.port_url import open_port
 from companion.links.retried import Pace
 
-pytestmark = pytest.mark.realtime
+pytestmark = [pytest.mark.realtime, pytest.mark.slow]
 QUICK = Pace(0.02, 0.02, 0.5)
 ANSWER_S = 8 * 2.0  # on a machine with eight times its load
 MANUAL = 0

@@ -13,6 +13,8 @@ from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault
 from companion.failsafe.motors.watch import MotorWatch
 from sitl.world.faults.catalogue import FaultSetting
 
+pytestmark = pytest.mark.slow
+
 STILL = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.02)
 DT = 0.1
 PAIR_AND_RUDDER = (

@@ -7,6 +7,8 @@ from companion.core.geo import LatLon
 from companion.geofence.fence import FenceArea, FenceCircle, FencePolygon
 from companion.mavlink.dialect import dialect
 
+pytestmark = pytest.mark.slow
+
 HOLD, LOITER, GUIDED, RTL, MANUAL = 4, 5, 15, 11, 0
 
 

@@ -16,6 +16,8 @@ from companion.persistence.data_losses import FIRST_S, REPEAT_S, DataLosses
 from companion.persistence.signing_store import AHEAD, KEY_FILE, STAMPS_FILE, SigningStore
 from companion.services.ftp.mounts import InlineExecutor
 
+pytestmark = pytest.mark.slow
+
 LISTS = {MissionType.MISSION: MISSION, MissionType.FENCE: FENCE, MissionType.RALLY: RALLY}
 PREVIOUS = "is damaged, the previous one is in use"
 NONE = "is damaged, there is no previous one"

@@ -13,6 +13,8 @@ from companion.planning import visibility
 from companion.planning.visibility import NoWay
 from companion.planning.water import Shore, Water
 
+pytestmark = pytest.mark.slow
+
 CLEARANCES_M = (0.5, 1.0, 2.0, 4.0, 6.0)
 SQUARE = [Point(-50.0, -50.0), Point(-50.0, 50.0), Point(50.0, 50.0), Point(50.0, -50.0)]
 

@@ -10,6 +10,8 @@ from companion.planning import segments, tangent_search, tangents, visibility, w
 from companion.planning.visibility import NoWay
 from companion.planning.water import Shore, Water
 
+pytestmark = pytest.mark.slow
+
 CASES = 10_000
 QUERIES = 10  # of each water
 

@@ -14,6 +14,8 @@ from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Message, dialect
 from companion.router.policy import ConfiguredPort, Policy
 
+pytestmark = pytest.mark.slow
+
 STRANGER = Address(99, 7)
 BAUD = 57_600
 BUFFER_BYTES = 8192 + 4096  # the link's queue and the system's

@@ -17,6 +17,8 @@ from companion.core.modes import Mode
 from companion.core.readings import BatteryReading, HeadingReading, HullReading, ProbeReading
 from companion.mavlink.dialect import dialect
 
+pytestmark = pytest.mark.slow
+
 LOITER = 5
 FITTED = (
     "sensors.depth.fitted=true",

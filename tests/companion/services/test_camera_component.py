@@ -18,6 +18,8 @@ from companion.mavlink.dialect import dialect
 from companion.services.camera.component import QUESTIONS
 from companion.services.payload.rows import ROWS
 
+pytestmark = pytest.mark.slow
+
 CMD, NAN = dialect, math.nan
 WAYS: list[Literal["commands", "messages"]] = ["commands", "messages"]
 

@@ -15,6 +15,8 @@ from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionType
 
+pytestmark = pytest.mark.slow
+
 TABLE = json.loads((Path(__file__).parents[2] / "vectors" / "frames.json").read_text(encoding="utf-8"))
 FRAMES = 100_000
 

@@ -12,6 +12,8 @@ from companion.core.units import deg_to_e7, wrap_pi
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 
+pytestmark = pytest.mark.slow
+
 CAMERA = Address(1, 197)
 NAN = math.nan
 ORIGIN = LatLon(50.0, -1.2)

@@ -13,6 +13,8 @@ from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.transfer import Completed
 
+pytestmark = pytest.mark.slow
+
 NAN, INF = math.nan, math.inf
 ALL = 0b110111111111
 POSITION, VELOCITY, YAW, RATE = ALL & ~0b111, ALL & ~0b111000, ALL & ~0x400, ALL & ~0x800

@@ -14,6 +14,8 @@ from data_files import RECORDINGS
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.framing import claimed_length
 
+pytestmark = pytest.mark.slow
+
 MOST_S = 40.0
 ACCEPTED = 0
 COMMANDS = ("COMMAND_LONG", "COMMAND_INT")

@@ -10,6 +10,8 @@ from companion.core.units import deg_to_e7
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionType
 
+pytestmark = pytest.mark.slow
+
 NUMBERS = dialect.MAV_MISSION_TYPE_MISSION, dialect.MAV_MISSION_TYPE_FENCE, dialect.MAV_MISSION_TYPE_RALLY
 STREAMS = {1: 2, 2: 2, 3: 2, 6: 3, 10: 10, 11: 10, 12: 3}
 # What each of those groups must bring a boat

@@ -17,6 +17,8 @@ from companion.vehicle.track import CONTINUES_WITHIN_M, SailedTrack
 from companion.vehicle.track_record import FILE, TrackRecord
 from companion.vehicle.voyage_record import FILE as VOYAGE
 
+pytestmark = pytest.mark.slow
+
 START_S = 10.0  # a Pi takes longer
 SAILED = [Point(0.0, 0.0), Point(40.0, 0.0), Point(40.0, 60.0), Point(0.0, 60.0)]
 

@@ -15,6 +15,8 @@ from companion.mavlink.dialect import dialect
 from companion.vehicle.resume import CHECK_S
 from companion.vehicle.voyage_record import FILE
 
+pytestmark = pytest.mark.slow
+
 
 def cut(rig: Rig) -> Rig:
     """No power for a moment: the motors stop, memory is gone, what is stored is not."""

@@ -13,6 +13,8 @@ from twins.ubx_serial import SerialReceiver
 from companion.config.parts import GnssPart
 from companion.hal.gnss.ubx import open_ubx_gnss
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.realtime
 @pytest.mark.parametrize("model", [NEO_M8N, ZED_F9P], ids=lambda model: model.hardware)

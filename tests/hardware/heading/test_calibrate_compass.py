@@ -18,6 +18,8 @@ from companion.hal.heading.magnetic_compass import MagneticCompass
 from companion.sensors.compass.magnetic_field import FieldCorrector
 from companion.sensors.compass.parameters import compass_hooks
 
+pytestmark = pytest.mark.slow
+
 
 class Hand:
     """The clock of the program: as it waits, the boat is turned and the compass's thread runs."""

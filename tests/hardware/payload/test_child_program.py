@@ -15,6 +15,8 @@ from patience import MOMENT_S
 from companion.config.parts.camera import CameraSetting
 from companion.hal.payload.child_program import CaptureProgram, ChildProgram
 
+pytestmark = pytest.mark.slow
+
 
 def python(code: str) -> list[str]:
     return [sys.executable, "-c", code]

@@ -28,6 +28,8 @@ from sitl.courses.missions import wire_items
 from sitl.run.mission_run import MissionRun
 from sitl.scenarios.scenario import load_scenario
 
+pytestmark = pytest.mark.slow
+
 
 def boats_fence(fence: Fence, frame: LocalFrame) -> aboard.Fence:
     """The fence as the boat has it after an upload."""

@@ -16,6 +16,8 @@ from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart, Feature, build_chart
 from mission_tools.planning.planner import PlanSettings, plan
 
+pytestmark = pytest.mark.slow
+
 FRAME = LocalFrame(LatLon(50.0, 10.0))
 CLEARANCE_M = 4.0
 RIVER = River((Point(30.0, 0.0), Point(30.0, 400.0)), 60.0, 1.0)

@@ -15,6 +15,8 @@ from mission_tools.drawing.draw import draw_chart, draw_picture, draw_track, sav
 from mission_tools.maps import Chart, Feature, build_chart, load_geojson
 from mission_tools.planning.planner import plan
 
+pytestmark = pytest.mark.slow
+
 POND = Path(__file__).parents[3] / "examples" / "maps" / "mill_pond.geojson"
 ORIGIN = LatLon(50.0, -1.2)
 TRACK = [Point(-150.0, -194.0), Point(-100.0, -120.0), Point(0.0, 20.0), Point(232.0, 222.0)]

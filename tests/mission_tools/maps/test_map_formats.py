@@ -39,6 +39,8 @@ from mission_tools.mission.mission import (
 )
 from mission_tools.mission.plan_file import save_mission
 
+pytestmark = pytest.mark.slow
+
 GEOTIFFS = Path(__file__).parents[2] / "vectors" / "maps"  # written by GDAL 3.9 through rasterio 1.4.4
 
 WEST, SOUTH, EAST, NORTH = 10.0, 50.0, 10.004, 50.002

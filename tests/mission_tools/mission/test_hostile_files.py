@@ -16,6 +16,8 @@ from mission_tools.mission.mission import MOST_ITEMS, Command, Mission, MissionI
 from mission_tools.mission.plan_file import parse_mission
 from mission_tools.mission.qgc_plan import compose
 
+pytestmark = pytest.mark.slow
+
 HUGE = ("1e308", "-1e308", "1e39", "4e9")
 PLAN = json.loads(compose(Mission((MissionItem.at(LatLon(49.9992, -1.2012)),), LatLon(49.9991, -1.2011))))
 PLAN["geoFence"] = {

@@ -15,6 +15,8 @@ from mission_tools.planning.expansion import EightNeighbours
 from mission_tools.planning.grid import Grid, grid_from_rows
 from mission_tools.planning.heuristics import HEURISTICS, HeuristicName, estimates
 
+pytestmark = pytest.mark.slow
+
 SQRT2 = math.sqrt(2.0)
 
 

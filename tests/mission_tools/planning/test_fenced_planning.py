@@ -15,6 +15,8 @@ from mission_tools.maps.fenced import fenced
 from mission_tools.mission.mission import Fence, FenceCircle, FencePolygon
 from mission_tools.planning.planner import PlanSettings, plan
 
+pytestmark = pytest.mark.slow
+
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 CLEARANCE_M = 3.0
 TOUCH_M = 0.01

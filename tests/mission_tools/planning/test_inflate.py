@@ -14,6 +14,8 @@ from mission_tools.maps import Chart, Feature, build_chart
 from mission_tools.planning.grid import Grid, grid_from_rows
 from mission_tools.planning.inflate import occupancy
 
+pytestmark = pytest.mark.slow
+
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 
 

@@ -25,6 +25,8 @@ from mission_tools.maps import Chart, Feature, RouteDefaults, build_chart, load_
 from mission_tools.planning.heuristics import HEURISTICS
 from mission_tools.planning.planner import Plan, PlanSettings, plan
 
+pytestmark = pytest.mark.slow
+
 POND = Path(__file__).parents[3] / "examples" / "maps" / "mill_pond.geojson"
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 JETTY, MILL = Point(-150.0, -194.0), Point(232.0, 222.0)

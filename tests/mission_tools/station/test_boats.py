@@ -4,6 +4,7 @@ import struct
 from pathlib import Path
 
 import msgspec
+import pytest
 from boat_rig import HOME_ITEM, Rig, scenario, waypoint
 from pymavlink.dialects.v20 import all as peer
 from shore_rig import UNIX_S, LossyEnd, Shore
@@ -14,6 +15,8 @@ from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionType
 from mission_tools.station import boats
 from mission_tools.station.boats import Boats
+
+pytestmark = pytest.mark.slow
 
 
 def test_the_main_values_of_a_boat() -> None:

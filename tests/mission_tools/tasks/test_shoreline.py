@@ -12,6 +12,8 @@ from mission_tools.planning.planner import PlanSettings
 from mission_tools.tasks.shoreline import ShoreSettings, follow_shore
 from mission_tools.tasks.task_route import TaskRoute
 
+pytestmark = pytest.mark.slow
+
 ISLAND = shapely.box(80.0, 40.0, 120.0, 60.0)
 AT_ISLAND = Point(38.0, 100.0)
 

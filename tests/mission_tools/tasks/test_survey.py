@@ -17,6 +17,8 @@ from mission_tools.tasks.survey.settings import SurveySettings, turn_radius_m
 from mission_tools.tasks.survey.survey import Survey, survey
 from mission_tools.tasks.survey.tracks import fewest_turns_rad, lay_tracks
 
+pytestmark = pytest.mark.slow
+
 SETTINGS = SurveySettings(footprint_m=10.0, overlap=0.1, plan=PlanSettings(clearance_m=4.0))
 ISLAND = shapely.box(80.0, 40.0, 100.0, 60.0)
 

@@ -20,6 +20,8 @@ from mission_tools.maps.geojson import load_geojson
 from mission_tools.tracing.photo import TraceSettings, trace_photo
 from mission_tools.tracing.region import lab_of, otsu
 
+pytestmark = pytest.mark.slow
+
 PHOTO = SHORES / "mask_citra_pond_fl_photo.jpg"
 ON_THE_POND = LatLon(29.40815, -82.16953)
 GAP_M2 = 420.0  # the mosaic's gap and the fountain's glint, which the mask has as water

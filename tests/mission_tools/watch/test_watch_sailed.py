@@ -7,6 +7,8 @@ import pytest
 from companion.core.geo import Point
 from sitl.experiments.watched_run import sail_watched
 
+pytestmark = pytest.mark.slow
+
 RAFT = [(25.0, north, 1.0) for north in (-1.5, 0.0, 1.5)]
 
 

@@ -24,6 +24,8 @@ from mission_tools.mission.mission import Mission, MissionItem
 from mission_tools.mission.plan_file import load_mission
 from sitl.__main__ import run_program as run_sitl
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[3]
 FENCE = ROOT / "examples" / "maps" / "mill_pond_fence.geojson"
 PAGES = sorted([ROOT / "README.md", *(ROOT / "docs").glob("*.md")])

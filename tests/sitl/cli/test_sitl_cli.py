@@ -9,6 +9,8 @@ from sitl.__main__ import run_program
 from sitl.cli.arguments import with_json_file_option
 from sitl.world.world import Truth
 
+pytestmark = pytest.mark.slow
+
 EXTRA = {"scenario", "seed", "completed", "groundings", "waypoints"}
 
 WPL = """QGC WPL 110

@@ -22,6 +22,8 @@ from sitl.experiments.runner import cluster_pool, local_pool
 from sitl.experiments.trial import Task, Trial, TrialResult, attempt
 from sitl.scenarios.scenario import load_scenario
 
+pytestmark = pytest.mark.slow
+
 SHORT = """
 [run]
 mission = "short.waypoints"

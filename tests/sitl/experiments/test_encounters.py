@@ -11,6 +11,8 @@ from sitl.experiments.encounters.table import ENCOUNTERS, markdown, run_rows, su
 from sitl.experiments.trial import TrialResult
 from sitl.world.movers import Mover, MoverSettings
 
+pytestmark = pytest.mark.slow
+
 STILL: tuple[Kind, ...] = ("lone", "gap", "field", "dense", "shore")
 MOVING: tuple[Kind, ...] = ("head_on", "crossing")
 

@@ -17,6 +17,8 @@ from sitl.experiments.paper.shore_steering import HeadingPid, OnOff
 from sitl.experiments.paper.step_response import GAIN_SETS, step_responses
 from sitl.experiments.trial import Figures, Trial, TrialResult
 
+pytestmark = pytest.mark.slow
+
 FIGURES: Figures = {
     "case": "5", "method": str(Method.ON_OFF), "seed": 1, "current_m_s": 0.005, "planned_m": 0.8,
     "arrived": True, "time_s": 20.0, "length_m": 0.9, "collisions": 0, "off_plan_rms_m": 0.02,

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import pytest
 import shapely
 
 from companion.core.geo import LatLon, LocalFrame, Point
@@ -11,6 +12,8 @@ from mission_tools.planning.planner import PlanSettings
 from mission_tools.tasks.survey.settings import SurveySettings, turn_radius_m
 from sitl.experiments.survey_trial import SailedSurvey, sail_survey
 from sitl.scenarios.scenario import load_scenario
+
+pytestmark = pytest.mark.slow
 
 ISLAND = shapely.box(30.0, 20.0, 42.0, 30.0)
 SETTINGS = SurveySettings(

@@ -12,6 +12,8 @@ from sitl.world.faults.parts import LeakPart, thermometer_part
 from sitl.world.sensors.hull_sensor import SimHullSensor
 from sitl.world.sensors.settings import HullSensorSettings
 
+pytestmark = pytest.mark.slow
+
 
 def mission_run(*settings: str) -> Rig:
     """A boat on a long leg."""

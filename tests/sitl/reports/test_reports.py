@@ -27,6 +27,8 @@ from sitl.reports.run_series import brakes, fault_spans
 from sitl.run.mission_run import MissionRun
 from sitl.run.run_record import RunRecord, load_record
 
+pytestmark = pytest.mark.slow
+
 ITEMS = [HOME_ITEM, waypoint(20.0, 0.0), waypoint(20.0, 20.0)]
 
 

@@ -10,6 +10,8 @@ import pytest
 
 from sitl.compiled.modules import ROOT, libraries, remember, remove, sources, stale
 
+pytestmark = pytest.mark.slow
+
 _SAIL = """
 from sitl.compiled.modules import libraries
 from sitl.cli.arguments import scenario_from

@@ -19,6 +19,8 @@ from mission_tools.cli.upload_command import run_program as run_upload
 from sitl.cli.program import run_program
 from sitl.experiments.campaign.campaign import load_campaign
 
+pytestmark = pytest.mark.slow
+
 FULL = Path("/dev/full")
 needs_full = pytest.mark.skipif(not FULL.exists(), reason="no /dev/full on this system")
 CAMPAIGN = '[run]\nscenario = "open"\ncourse = "straight"\ntimeout_s = 8.0\n'

@@ -10,6 +10,8 @@ from sitl.courses.missions import fence_along, plan_mission, wire_items
 from sitl.run.mission_run import MissionRun
 from sitl.run.station_commands import RunError
 
+pytestmark = pytest.mark.slow
+
 ITEMS = [HOME_ITEM, waypoint(20.0, 0.0), waypoint(20.0, 20.0)]
 
 

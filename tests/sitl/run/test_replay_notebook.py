@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from pictures.notebook import NOTEBOOK, SCRIPT, notebook
 
 from companion.log.logbook import Logbook
@@ -14,6 +15,8 @@ from companion.log.worker import InlineWorker
 from sitl.courses.missions import lay_out, wire_items
 from sitl.run.mission_run import MissionRun
 from sitl.scenarios.scenario import load_scenario
+
+pytestmark = pytest.mark.slow
 
 _CHECKOUT = Path(__file__).parents[3]
 

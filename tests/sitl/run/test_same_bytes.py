@@ -11,6 +11,8 @@ import sys
 import pytest
 from patience import JOB_S
 
+pytestmark = pytest.mark.slow
+
 OTHERS = [name for name in os.environ.get("MAVBOAT_PYTHONS", "").split(":") if name]
 ROUGH = ("environment.current_m_s=0.4", "environment.gust_m_s=8", "environment.wave_height_m=0.1")
 

@@ -15,6 +15,8 @@ from sitl.world.pack import Pack
 from sitl.world.scenario import Scenario
 from sitl.world.world import World
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[3]
 GUIDE = (ROOT / "docs" / "hardware.md").read_text(encoding="utf-8")
 DT_S = 0.02

@@ -13,6 +13,8 @@ from companion.services.commands.dispatcher import CommandService
 from companion.services.commands.vehicle import REGIONS_OF_INTEREST
 from companion.services.payload.rows import ROWS as PAYLOAD_ROWS
 
+pytestmark = pytest.mark.slow
+
 CMD = dialect
 NAN = math.nan
 E7 = 10_000_000

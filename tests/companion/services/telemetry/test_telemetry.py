@@ -8,6 +8,8 @@ from companion.core.geo import LatLon
 from companion.mavlink.dialect import Message, dialect
 from companion.services.telemetry.service import BUILDERS
 
+pytestmark = pytest.mark.slow
+
 ALL = 0
 
 

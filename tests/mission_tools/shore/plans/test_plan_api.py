@@ -23,6 +23,8 @@ from mission_tools.station.outcome import Accepted
 sys.path.insert(0, str(Path(__file__).parents[1] / "web"))
 from shore_fakes import FakeBoats, Server, run, serving, until
 
+pytestmark = pytest.mark.slow
+
 POND = Path("sitl/scenarios/maps/mill_pond.geojson").resolve()
 LAKE = Sources(POND, "lake")
 HERE = Place(lat=49.99865, lon=-1.2027)

@@ -18,6 +18,8 @@ from mission_tools.shore.plans.process import (
     PlannerMissingError,
 )
 
+pytestmark = pytest.mark.slow
+
 ENDLESS = "import time, os; open('pid', 'w').write(str(os.getpid())); time.sleep(600)"
 CHILD = (
     "import subprocess, sys, time\n"

@@ -17,6 +17,8 @@ from pymavlink import DFReader
 from mission_tools.shore.voyage.samples import MOST_SAMPLES, Sample, Samples
 from mission_tools.shore.voyage.voyage import MOST_EVENTS, NoVoyageError, read_voyage
 
+pytestmark = pytest.mark.slow
+
 READER = [sys.executable, "-m", "mission_tools.shore.voyage"]
 
 

@@ -18,6 +18,8 @@ from mission_tools.shore.web.logs.stream import WINDOW_BYTES
 from mission_tools.station.ftp.client import FtpClient
 from mission_tools.station.logs import LogList
 
+pytestmark = pytest.mark.slow
+
 LOGS = "/api/boats/1/logs"
 DATE_S = 1_790_000_000
 STEP_S = 0.02

@@ -12,6 +12,8 @@ from mission_tools.shore.web.connections.throttle import MOST_PACE_S, Throttle, 
 from mission_tools.shore.web.login.pin_file import PinFile, hashed, is_pin
 from mission_tools.shore.web.login.session import LIFE_S, MOST_WAITING, LoginRefused, Opened, Sessions
 
+pytestmark = pytest.mark.slow
+
 PIN = "482913"
 
 
