@@ -15,7 +15,6 @@ pytestmark = pytest.mark.slow
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "maps"
 MARKED = [".plan", ".geojson", ".kml", ".gpx", ".html", ".png", ".svg", ".pdf"]
-PICTURES = (".html", ".png", ".svg", ".pdf")
 # Files of others that speak of this program: maps, plans saved anew elsewhere, pages that cite it.
 FOREIGN = {
     ".geojson": '{"type": "FeatureCollection", "name": "mavboat", "generator": "JOSM", "features": []}',
@@ -36,26 +35,25 @@ def plan(*arguments: object) -> int:
 
 @pytest.mark.parametrize("suffix", MARKED)
 def test_what_the_planner_wrote_is_replaced(suffix: str, tmp_path: Path) -> None:
-    for _ in range(2):
-        assert plan("lake", "--out", tmp_path / f"route{suffix}") == 0
+    path = tmp_path / f"route{suffix}"
+    assert plan("open", "--start-at", "50,-1.2", "--goal", "50.001,-1.2", "--out", path) == 0
+    check_replaceable("--out", path, force=False)
 
 
-@pytest.mark.parametrize(
-    ("option", "suffix"),
-    [
-        *(("--out", suffix) for suffix in FOREIGN),
-        *(("--preview", suffix) for suffix in FOREIGN if suffix in PICTURES),
-    ],
-)
-def test_what_others_wrote_is_replaced_only_by_force(
-    option: str, suffix: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.mark.parametrize("suffix", FOREIGN)
+def test_what_others_wrote_is_replaced_only_by_force(suffix: str, tmp_path: Path) -> None:
+    path = tmp_path / f"mine{suffix}"
+    path.write_text(FOREIGN[suffix], encoding="utf-8")
+    with pytest.raises(UsageError, match=r"exists, and does not say that this program wrote it.*--force"):
+        check_replaceable("--out", path, force=False)
+    check_replaceable("--out", path, force=True)
+
+
+@pytest.mark.parametrize(("option", "suffix"), [("--out", ".plan"), ("--preview", ".html")])
+def test_planning_asks_before_it_writes(option: str, suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"mine{suffix}"
     path.write_text(FOREIGN[suffix], encoding="utf-8")
     assert plan("lake", option, path) == 2
-    said = capsys.readouterr().err
-    assert f"{path}: exists, and does not say that this program wrote it" in said
-    assert "--force" in said
     assert path.read_text(encoding="utf-8") == FOREIGN[suffix]
     assert plan("lake", option, path, "--force") == 0
     assert path.read_bytes() != FOREIGN[suffix].encode()

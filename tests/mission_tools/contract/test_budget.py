@@ -26,6 +26,7 @@ pytestmark = pytest.mark.slow
 
 OPEN = build_chart("sea", LocalFrame(LatLon(50.0, -1.2)), None, ())
 BOAT = Boat(cruise_m_s=2.0, top_m_s=3.0, capacity_mah=1000.0, cruise_a=3.6, idle_a=0.6)
+NEAR = LatLon(49.9995, -1.2010)  # from the start of the lake, round a corner
 OUT = [Point(0.0, 0.0), Point(1000.0, 0.0)]
 
 
@@ -177,11 +178,11 @@ def test_a_boat_is_read_from_its_own_file_and_from_an_emulated_ones(tmp_path: Pa
 @pytest.mark.parametrize(
     ("name", "settings", "options", "current"),
     [
-        ("kit", ['boat.model="kit"'], PlanOptions(hold_s=60.0), UniformCurrent()),
+        ("kit", ['boat.model="kit"'], PlanOptions(goal=NEAR, hold_s=60.0), UniformCurrent()),
         (
             "lake",
             ["environment.current_m_s=0.5", "environment.current_to_deg=90"],
-            PlanOptions(speed_m_s=1.2),
+            PlanOptions(goal=NEAR),
             UniformCurrent(0.0, 0.5),
         ),
     ],

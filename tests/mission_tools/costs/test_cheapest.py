@@ -53,7 +53,7 @@ def test_against_the_stream_it_goes_along_the_bank_and_with_it_down_the_middle()
 
 def test_it_is_never_slower_than_the_shortest_route() -> None:
     rng = np.random.default_rng(8)
-    for _ in range(4):
+    for _ in range(2):
         islands = [
             shapely.Point(rng.uniform(60, 340), rng.uniform(10, 50)).buffer(rng.uniform(3.0, 9.0), 4)
             for _ in range(3)
@@ -103,9 +103,9 @@ def test_a_slow_zone_is_gone_round_where_that_saves_time() -> None:
 
 
 def test_open_water_is_preferred_where_it_is_near() -> None:
-    island = shapely.box(150.0, 0.0, 250.0, 20.0)
-    chart, start, goal = channel(island), Point(30.0, 100.0), Point(30.0, 300.0)
-    hugging = (start, Point(24.5, 150.0), Point(24.5, 250.0), goal)
+    island = shapely.box(150.0, 0.0, 200.0, 20.0)
+    chart, start, goal = channel(island), Point(30.0, 120.0), Point(30.0, 230.0)
+    hugging = (start, Point(24.5, 150.0), Point(24.5, 200.0), goal)
 
     def room_m(
         north_m: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
@@ -120,7 +120,7 @@ def test_open_water_is_preferred_where_it_is_near() -> None:
     found = cheapest_route(chart, hugging, CLEARANCE_M, travel)
     least = min(chart.leg_clearance_m(a, b) for a, b in pairwise(found.points))
     assert least > 9.0
-    assert path_length_m(found.points) < 1.05 * 200.0
+    assert path_length_m(found.points) < 1.05 * 110.0
 
 
 def test_what_asks_for_more_clearance_is_given_it_in_a_current_too() -> None:

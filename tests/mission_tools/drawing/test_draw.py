@@ -35,10 +35,13 @@ def test_a_picture_has_1600_by_1200_pixels_and_what_is_added_shows(pond: Chart, 
     found = plan(pond, TRACK[0], TRACK[-1]).points
     variants = {
         "bare": {},
-        "band": {"clearance_m": 4.0},
-        "route": {"route": found},
-        "track": {"track": TRACK},
-        "both": {"route": found, "track": TRACK, "title": "Mill Pond", "subtitle": "581 m"},
+        "both": {
+            "clearance_m": 4.0,
+            "route": found,
+            "track": TRACK,
+            "title": "Mill Pond",
+            "subtitle": "581 m",
+        },
         "speed": {"track": TRACK, "speeds_m_s": [1.0, 2.0, 1.5, 0.0]},
     }
     seen: list[np.ndarray[tuple[int, ...], np.dtype[np.float32]]] = []
