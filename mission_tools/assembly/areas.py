@@ -25,19 +25,11 @@ from shapely.geometry import Polygon
 
 from companion.core.geo import LatLon
 from mission_tools.errors import MapError, PlanFileError
+from mission_tools.geojson import KEPT_OUT, SOLID, labelled, position, tagged_kind
+from mission_tools.geojson import KINDS as MAP_KINDS
 from mission_tools.maps.assemble import Classified, classified
 from mission_tools.maps.catalogue import FEATURE_SUFFIXES, read_features
-from mission_tools.maps.chart import KEPT_OUT, SOLID
-from mission_tools.maps.geojson import (
-    feature_entries,
-    labelled,
-    polygon_parts,
-    position,
-    raw_map,
-    read_json,
-)
-from mission_tools.maps.kinds import KINDS as MAP_KINDS
-from mission_tools.maps.kinds import tagged_kind
+from mission_tools.maps.geojson import feature_entries, polygon_parts, raw_map, read_json
 from mission_tools.maps.longitudes import wrapped_lon_deg
 from mission_tools.mission.area_text import parse_lists
 from mission_tools.mission.mission import (

@@ -16,7 +16,8 @@ from shapely.geometry.base import BaseGeometry
 
 from companion.core.geo import Point, distance_m
 from mission_tools.drawing.legend import HALO, INK, KEEP_OUT, KEEP_OUT_TINT
-from mission_tools.maps.chart import KEPT_OUT, Chart, Feature
+from mission_tools.geojson import KEPT_OUT
+from mission_tools.maps.chart import Chart, Feature
 
 LAND_EDGE, ISLAND, STRUCTURE = "#a8966c", "#dfe3bd", "#8d6e4f"
 NAMES = 6  # the layer of features' names

@@ -21,7 +21,8 @@ from companion.core.geo import LatLon, Point, distance_m
 from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.drawing.itinerary import Itinerary, Leg, itinerary
 from mission_tools.drawing.view import view_of
-from mission_tools.maps.chart import KEPT_OUT, SOLID, Chart
+from mission_tools.geojson import KEPT_OUT, SOLID
+from mission_tools.maps.chart import Chart
 from mission_tools.vehicle.mission_monitor import MissionMonitor
 from mission_tools.wording import counted, distance, duration
 

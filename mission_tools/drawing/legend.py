@@ -9,7 +9,8 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.patheffects import withStroke
 
 from companion.core.geo import Point, longitude_difference_deg
-from mission_tools.maps.chart import KEPT_OUT, Chart
+from mission_tools.geojson import KEPT_OUT
+from mission_tools.maps.chart import Chart
 
 BAND, KEEP_OUT, KEEP_OUT_TINT = "#94c1dd", "#c2413b", "#f6d5d0"
 PLANNED, SAILED, INK, PAPER = "#cf3a2e", "#12395b", "#2b2b2b", "#fbf9f4"

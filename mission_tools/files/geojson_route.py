@@ -4,11 +4,11 @@
 """
 
 import json
-from collections.abc import Sequence
 from typing import Any
 
 from companion.core.geo import LatLon
 from mission_tools.files.geometry import length_m, pieces_at_antimeridian, waypoints
+from mission_tools.geojson import collection, feature
 from mission_tools.mission.mission import Fence, Mission
 from mission_tools.overwrite_guard import GENERATOR
 
@@ -21,17 +21,17 @@ def compose(mission: Mission, title: str) -> str:
     if len(places) > 1:
         pieces = [[_position(*at) for at in piece] for piece in pieces_at_antimeridian(places)]
         shape = ("LineString", pieces[0]) if len(pieces) == 1 else ("MultiLineString", pieces)
-        features.append(_feature(*shape, kind="route", name=title, length_m=round(length_m(places), 2)))
+        features.append(feature(*shape, kind="route", name=title, length_m=round(length_m(places), 2)))
     for point in points:
         said = {"hold_s": point.hold_s} if point.hold_s else {}
         features.append(
-            _feature(
+            feature(
                 "Point", _place(point.place), kind="waypoint", name=point.name, number=point.number, **said
             )
         )
     features += _fence(mission.fence)
-    features += [_feature("Point", _place(rally.place), kind="rally") for rally in mission.rally]
-    tree = {"type": "FeatureCollection", "generator": GENERATOR, "name": title, "features": features}
+    features += [feature("Point", _place(rally.place), kind="rally") for rally in mission.rally]
+    tree = collection(features, generator=GENERATOR, name=title)
     return json.dumps(tree, ensure_ascii=False, indent=1) + "\n"
 
 
@@ -39,18 +39,13 @@ def _fence(fence: Fence) -> list[dict[str, Any]]:
     found = []
     for polygon in fence.polygons:
         ring = [_place(corner) for corner in (*polygon.corners, polygon.corners[0])]
-        found.append(_feature("Polygon", [ring], kind="inclusion" if polygon.inclusion else "exclusion"))
+        found.append(feature("Polygon", [ring], kind="inclusion" if polygon.inclusion else "exclusion"))
     for circle in fence.circles:
         kind = "inclusion" if circle.inclusion else "exclusion"
-        found.append(_feature("Point", _place(circle.centre), kind=kind, radius_m=circle.radius_m))
+        found.append(feature("Point", _place(circle.centre), kind=kind, radius_m=circle.radius_m))
     if fence.return_point is not None:
-        found.append(_feature("Point", _place(fence.return_point), kind="return_point"))
+        found.append(feature("Point", _place(fence.return_point), kind="return_point"))
     return found
-
-
-def _feature(geometry: str, coordinates: Sequence[Any], **properties: object) -> dict[str, Any]:
-    shape = {"type": geometry, "coordinates": coordinates}
-    return {"type": "Feature", "properties": properties, "geometry": shape}
 
 
 def _place(place: LatLon) -> list[float]:

@@ -16,18 +16,9 @@ from shapely.geometry.base import BaseGeometry
 
 from companion.core.geo import LatLon, LocalFrame
 from mission_tools.errors import MapError
-from mission_tools.maps.chart import (
-    KEPT_OUT,
-    PROPERTIES,
-    SOLID,
-    Area,
-    Chart,
-    Feature,
-    Kind,
-    area_of,
-    build_chart,
-)
-from mission_tools.maps.kinds import ambiguity, kind_of, tagged_kind
+from mission_tools.geojson import KEPT_OUT, SOLID, Kind, tagged_kind
+from mission_tools.maps.chart import PROPERTIES, Area, Chart, Feature, area_of, build_chart
+from mission_tools.maps.kinds import ambiguity, kind_of
 from mission_tools.maps.longitudes import continuous, is_near_antimeridian, wrapped_lon_deg
 from mission_tools.maps.projection import densified, to_local
 from mission_tools.maps.raw import RawFeature, RawMap

@@ -6,7 +6,7 @@ Shapes are shapely's, with x = east and y = north in metres of the chart's frame
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, TypeAlias
+from typing import Any, TypeAlias
 
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
@@ -14,12 +14,10 @@ from shapely.geometry.base import BaseGeometry
 
 from companion.core.geo import LatLon, LocalFrame, Point, longitude_difference_deg
 from mission_tools.errors import MapError
+from mission_tools.geojson import KEPT_OUT, SOLID, Kind
 
-Kind = Literal["water", "island", "obstacle", "pier", "raft", "keep_out", "swimming", "landmark"]
 Area: TypeAlias = Polygon | MultiPolygon
 
-KEPT_OUT: frozenset[str] = frozenset({"keep_out", "swimming"})
-SOLID: frozenset[str] = frozenset({"island", "obstacle", "pier", "raft"})
 DEPTH = "depth_m"
 """Property of a feature: the least depth of its area."""
 SPEED_LIMIT = "max_speed_m_s"

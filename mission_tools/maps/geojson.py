@@ -13,8 +13,7 @@ island. A member `crs` is obeyed (`crs.py`).
 """
 
 import json
-import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,13 +24,13 @@ from shapely.geometry.base import BaseGeometry
 
 from companion.core.geo import LatLon
 from mission_tools.errors import MapError
+from mission_tools.geojson import MOST_LON_DEG, entries_of, labelled, position, simple_geometries
 from mission_tools.maps.assemble import chart_of
 from mission_tools.maps.chart import Area, Chart
 from mission_tools.maps.raw import RawFeature, RawMap, read_bytes
 
 Corners = list[tuple[float, float]]
 
-MOST_LON_DEG = 360.0
 _CROSSINGS = ("Self-intersection", "Ring Self-intersection")
 
 
@@ -86,69 +85,30 @@ def raw_map(entries: Sequence[object], source: str, fallback_name: str = "", tit
             notes.append(f"{where}: no geometry: skipped")
             continue
         where, properties, geometry = labelled(entry, where)
-        for part in _simple_geometries(geometry, where):
+        for part in simple_geometries(geometry, where):
             shape = _shape(part, where, notes)
             if shape is not None:
                 features.append(RawFeature(where, properties, shape))
     return RawMap(source, fallback_name, tuple(features), title, tuple(notes))
 
 
-def feature_entries(tree: object, source: str) -> list[Mapping[str, Any]]:
-    """The features of whatever kind of GeoJSON this is.
+def feature_entries(tree: object, source: str) -> list[Any]:
+    """The features of whatever kind of GeoJSON this is, in WGS 84.
 
     Raises:
         MapError: it is none.
     """
-    if isinstance(tree, Mapping):
-        if _names_crs(tree):
-            from mission_tools.maps.crs import to_wgs84  # noqa: PLC0415 (PROJ takes 0.1 s to import)
+    if isinstance(tree, Mapping) and _names_crs(tree):
+        from mission_tools.maps.crs import to_wgs84  # noqa: PLC0415 (PROJ takes 0.1 s to import)
 
-            tree = to_wgs84(tree, source)
-        kind = tree.get("type")
-        if kind == "FeatureCollection" and isinstance(tree.get("features"), list):
-            return list(tree["features"])
-        if kind == "Feature":
-            return [tree]
-        if kind in ("Polygon", "MultiPolygon"):
-            return [{"type": "Feature", "properties": {}, "geometry": tree}]
-        if kind == "GeometryCollection":
-            raise MapError(f"{source}: a GeometryCollection: expected Polygon or MultiPolygon features")
-    raise MapError(f"{source}: not GeoJSON: expected a FeatureCollection, a Feature or a Polygon")
+        tree = to_wgs84(tree, source)
+    return entries_of(tree, source)
 
 
 def _names_crs(tree: Mapping[str, Any]) -> bool:
     features = tree.get("features")
     entries = features if isinstance(features, list) else []
     return tree.get("crs") is not None or any(isinstance(e, Mapping) and e.get("crs") for e in entries)
-
-
-def labelled(entry: object, where: str) -> tuple[str, Mapping[str, Any], Mapping[str, Any]]:
-    """A feature's name for messages, its properties and its geometry.
-
-    Raises:
-        MapError: it has no geometry.
-    """
-    if not isinstance(entry, Mapping) or not isinstance(entry.get("geometry"), Mapping):
-        raise MapError(f"{where}: no geometry: expected a Feature with a Polygon or a Point")
-    properties = entry.get("properties")
-    properties = properties if isinstance(properties, Mapping) else {}
-    name = properties.get("name")
-    return f'{where} "{name}"' if isinstance(name, str) and name else where, properties, entry["geometry"]
-
-
-def _simple_geometries(geometry: Mapping[str, Any], where: str) -> Iterator[Mapping[str, Any]]:
-    """The geometries of a collection; a single one as it is."""
-    if geometry.get("type") != "GeometryCollection":
-        yield geometry
-        return
-    members = geometry.get("geometries")
-    for member in members if isinstance(members, list) else []:
-        if not isinstance(member, Mapping):
-            raise MapError(
-                f"{where}: a GeometryCollection with {str(member)[:40]} in it: expected geometries"
-            )
-        if member.get("type") != "GeometryCollection":  # RFC 7946, 3.1.8: none within another
-            yield member
 
 
 def _shape(geometry: Mapping[str, Any], where: str, notes: list[str]) -> BaseGeometry | None:
@@ -253,27 +213,6 @@ def _ring(ring: object, where: str) -> Corners:
     if corners[0] != corners[-1]:
         raise MapError(f"{where}: not closed: ends at {_at(*corners[-1])}, began at {_at(*corners[0])}")
     return corners
-
-
-def position(value: object, where: str) -> tuple[float, float]:
-    """Longitude and latitude in degrees; longitudes beyond ±180° are the antimeridian's other side.
-
-    Raises:
-        MapError: not two numbers, or not on Earth.
-    """
-    numbers = value if isinstance(value, list) else []
-    if len(numbers) < 2 or not all(
-        isinstance(n, int | float) and not isinstance(n, bool) and math.isfinite(n) for n in numbers[:2]
-    ):
-        raise MapError(f"{where}: expected [longitude, latitude], got {str(value)[:60]}")
-    lon_deg, lat_deg = float(numbers[0]), float(numbers[1])
-    if abs(lat_deg) > 90.0 or abs(lon_deg) > MOST_LON_DEG:
-        swapped = abs(lat_deg) <= 180.0 and abs(lon_deg) <= 90.0
-        hint = "longitude and latitude look swapped: " if swapped else ""
-        raise MapError(
-            f"{where}: [{lon_deg:g}, {lat_deg:g}] is out of range: {hint}expected [longitude, latitude]"
-        )
-    return lon_deg, lat_deg
 
 
 def _checked(shape: Area, where: str) -> None:

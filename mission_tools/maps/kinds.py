@@ -5,35 +5,16 @@ ambiguous, most likely an island: `ambiguity` finds it.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any, get_args
+from typing import Any
 
 import shapely
 from shapely.geometry.base import BaseGeometry
 
 from mission_tools.errors import MapError
-from mission_tools.maps.chart import Kind
+from mission_tools.geojson import KINDS, Kind, tagged_kind
 
-KINDS: tuple[str, ...] = get_args(Kind)
 INSIDE_SHARE = 0.5  # of a shape's area: a bay that is drawn as a piece of its own overlaps its lake by less
 
-# https://wiki.openstreetmap.org/wiki/Map_features; land first: an island in a lake may carry the lake's tags
-_LAND = {
-    "place": ("island", "islet", "archipelago"),
-    "natural": (
-        *("land", "coastline", "beach", "sand", "shingle", "rock", "bare_rock", "stone", "scree", "reef"),
-        *("shoal", "wetland", "mud", "wood", "tree_group", "scrub", "heath", "grassland", "fell", "cliff"),
-    ),
-}
-_STRUCTURES = {
-    "man_made": ("pier", "breakwater", "groyne", "jetty", "dyke", "embankment", "bridge", "quay"),
-    "waterway": ("dam", "weir", "lock_gate"),
-}
-_WATER = {
-    "natural": ("water", "bay", "strait"),
-    "place": ("sea", "ocean"),
-    "waterway": ("riverbank", "river", "canal", "dock", "fairway", "stream", "ditch", "drain"),
-    "landuse": ("reservoir", "basin", "salt_pond"),
-}
 _TOLD = ("place", "natural", "man_made", "waterway", "building")  # whose unknown values are asked about
 
 
@@ -58,21 +39,6 @@ def kind_of(properties: Mapping[str, Any], where: str) -> tuple[Kind, bool]:
             f"add the property kind, one of {', '.join(KINDS)}"
         )
     return "water", False
-
-
-def tagged_kind(properties: Mapping[str, Any]) -> Kind | None:
-    """What the tags of OpenStreetMap say; None where they say nothing that is known here."""
-    if _has(properties, _LAND):
-        return "island"
-    if _has(properties, _STRUCTURES):
-        return "pier"
-    if properties.get("building") not in (None, "no"):
-        return "obstacle"
-    return "water" if _has(properties, _WATER) else None
-
-
-def _has(properties: Mapping[str, Any], tags: Mapping[str, Sequence[str]]) -> bool:
-    return any(properties.get(key) in values for key, values in tags.items())
 
 
 def ambiguity(shapes: Sequence[tuple[str, BaseGeometry, bool]]) -> list[tuple[int, int]]:

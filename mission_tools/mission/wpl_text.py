@@ -5,6 +5,8 @@ ArduPilot's files (frame 0); 0, 0 there means that home was not known. Lines wit
 MAVLink guide, "File Formats". Every parse error is a ValueError that names the line.
 """
 
+from collections.abc import Iterable
+
 from companion.core.geo import LatLon
 from companion.core.units import e7_to_deg
 from mission_tools.mission.mission import Command, Frame, Mission, MissionItem, check_count, shifted_jump
@@ -35,14 +37,34 @@ def compose(mission: Mission) -> str:
     """A mission as text, home in row 0."""
     home = mission.home or LatLon(0.0, 0.0)
     home_item = MissionItem.at(home, frame=Frame.GLOBAL, z=mission.home_altitude_m)
-    rows = [_line(index, item) for index, item in enumerate((home_item, *mission.items))]
-    return "\n".join([HEADER, *rows]) + "\n"
+    return text_of(
+        line(
+            index, int(item.frame), int(item.command), item.params, (item.x, item.y, item.z), item.is_global,
+            item.autocontinue,
+        )
+        for index, item in enumerate((home_item, *mission.items))
+    )  # fmt: skip
 
 
-def _line(index: int, item: MissionItem) -> str:
-    place = (f"{e7_to_deg(item.x):.7f}", f"{e7_to_deg(item.y):.7f}") if item.is_global else (item.x, item.y)
-    fields = (index, int(index == 0), int(item.frame), int(item.command), *item.params, *place, item.z)
-    return "\t".join(map(str, (*fields, int(item.autocontinue))))
+def text_of(lines: Iterable[str]) -> str:
+    """The text of a file with these rows."""
+    return "\n".join([HEADER, *lines]) + "\n"
+
+
+def line(
+    index: int,
+    frame: int,
+    command: int,
+    params: tuple[float, float, float, float],
+    place: tuple[int, int, float],
+    is_global: bool,
+    autocontinue: int,
+) -> str:
+    """The row of one item. place: x and y as on the wire, in 1e-7 degrees if they are global, and z."""
+    x, y, z = place
+    shown = (f"{e7_to_deg(x):.7f}", f"{e7_to_deg(y):.7f}") if is_global else (x, y)
+    fields = (index, int(index == 0), frame, command, *params, *shown, z, int(autocontinue))
+    return "\t".join(map(str, fields))
 
 
 def _row(number: int, line: str, index: int) -> MissionItem:

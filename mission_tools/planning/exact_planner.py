@@ -13,14 +13,8 @@ from companion.core.geo import Point, path_length_m
 from companion.planning.visibility import NoWay, Route, Routes
 from companion.planning.water import Shore, Water
 from mission_tools.errors import GoalBlocked, MapError, NoRoute, StartBlocked
-from mission_tools.maps.chart import (
-    CLEARANCE,
-    KEPT_OUT,
-    OPEN_WATER_HALF_SIDE_M,
-    SOLID,
-    Chart,
-    property_number,
-)
+from mission_tools.geojson import KEPT_OUT, SOLID
+from mission_tools.maps.chart import CLEARANCE, OPEN_WATER_HALF_SIDE_M, Chart, property_number
 from mission_tools.planning.astar import SearchMetrics
 from mission_tools.planning.corners import CORNER_CLEARANCES, widen_corners
 from mission_tools.planning.plan_settings import Plan, PlanSettings

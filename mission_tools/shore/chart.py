@@ -11,11 +11,12 @@ from typing import Any, NamedTuple
 
 import msgspec
 
-from companion.core.errors import ConfigError
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m, path_length_m
 from companion.planning.visibility import NoWay, Routes
 from companion.planning.water import Shore, Water
-from mission_tools.shore.chart_file import KEPT_OUT, SOLID, MapFile, read_map
+from mission_tools.errors import MapError
+from mission_tools.geojson import KEPT_OUT, SOLID, collection, feature
+from mission_tools.shore.chart_file import MapFile, read_map
 from mission_tools.shore.fence_shores import allows, fence_shores
 from mission_tools.shore.thinning import thinned
 from mission_tools.station.messages import Place
@@ -55,7 +56,7 @@ class WaterChart:
         """Read the map.
 
         Raises:
-            ConfigError: it cannot be read or used; it names the file and what was expected.
+            MapError: it cannot be read or used; it names the file and what was expected.
         """
         self._bytes = _EMPTY
         self._lock = threading.Lock()
@@ -72,7 +73,7 @@ class WaterChart:
         self._frame = frame
         self._bytes = _geojson(MapFile(name, frame, shapes))
         if len(self._bytes) > MOST_CHART_BYTES:
-            raise ConfigError(
+            raise MapError(
                 f"{path}: {len(self._bytes) // 1000} kB for the page even without its details: "
                 f"expected a map of at most {MOST_CHART_BYTES // 1000} kB; cut out what matters"
             )
@@ -181,18 +182,14 @@ def _geojson(map_file: MapFile) -> bytes:
     features = []
     for shape in map_file.shapes:
         properties = {"kind": shape.kind, "name": shape.name}
-        geometries: list[dict[str, object]] = []
+        geometries: list[tuple[str, Any]] = []
         for rings in shape.polygons:
             outlines = rings if shape.kind == "water" else rings[:1]  # the inside of an obstacle is no water
             closed = [[*ring, ring[0]] for ring in outlines]
             coordinates = [[_lon_lat(map_file.frame, at) for at in ring] for ring in closed]
-            geometries.append({"type": "Polygon", "coordinates": coordinates})
+            geometries.append(("Polygon", coordinates))
         for line in shape.lines:
             places = [_lon_lat(map_file.frame, at) for at in line]
-            geometries.append(
-                {"type": "Point", "coordinates": places[0]}
-                if len(places) == 1
-                else {"type": "LineString", "coordinates": places}
-            )
-        features += [{"type": "Feature", "properties": properties, "geometry": g} for g in geometries]
-    return msgspec.json.encode({"type": "FeatureCollection", "name": map_file.name, "features": features})
+            geometries.append(("Point", places[0]) if len(places) == 1 else ("LineString", places))
+        features += [feature(*geometry, **properties) for geometry in geometries]
+    return msgspec.json.encode(collection(features, name=map_file.name))

@@ -5,15 +5,16 @@ Polygons whose tags are not known to mean water are land: a way never leads over
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import msgspec
 
-from companion.core.errors import ConfigError
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.status_text import one_line
+from mission_tools.errors import MapError
+from mission_tools.geojson import KINDS, entries_of, labelled, position, simple_geometries, tagged_kind
 
 MOST_BYTES = 4_000_000
 MOST_FEATURES = 2_000
@@ -21,18 +22,7 @@ MOST_POSITIONS = 50_000
 MOST_NAME = 60  # characters
 MOST_EXTENT_M = 100_000.0  # from the middle; beyond it the local frame is no longer exact
 MOST_LAT_DEG = 85.0  # likewise
-SOLID = ("island", "obstacle", "pier", "raft")
-KEPT_OUT = ("keep_out", "swimming")
-KINDS = ("water", *SOLID, *KEPT_OUT, "landmark")
-
-# https://wiki.openstreetmap.org/wiki/Map_features
-_WATER_TAGS = {
-    "natural": ("water", "bay", "strait"),
-    "place": ("sea", "ocean"),
-    "waterway": ("riverbank", "river", "canal", "dock", "fairway", "stream", "ditch", "drain"),
-    "landuse": ("reservoir", "basin", "salt_pond"),
-}
-_TELLING_TAGS = (*_WATER_TAGS, "man_made", "building")
+_TELLING_TAGS = ("natural", "place", "waterway", "landuse", "man_made", "building")
 _WGS84 = ("CRS84", "4326")
 
 
@@ -67,24 +57,21 @@ def read_map(path: Path) -> MapFile:
     """Read a map.
 
     Raises:
-        ConfigError: the file cannot be read or used; it names the file and what was expected.
+        MapError: the file cannot be read or used; it names the file and what was expected.
     """
     tree = _decoded(path)
     raws: list[_Raw] = []
     count = 0
     for number, entry in enumerate(_features(tree, path), 1):
-        where = f"{path}: feature {number}"
-        if not isinstance(entry, Mapping):
-            raise ConfigError(f"{where}: expected a Feature with a geometry")
-        if entry.get("geometry") is None:
+        if isinstance(entry, Mapping) and entry.get("geometry") is None:
             continue
-        raw = _raw(entry, where)
+        raw = _raw(entry, f"{path}: feature {number}")
         count += sum(len(ring) for rings in raw.polygons for ring in rings) + sum(map(len, raw.lines))
         if count > MOST_POSITIONS:
-            raise ConfigError(f"{path}: more than {MOST_POSITIONS} positions: cut out what matters")
+            raise MapError(f"{path}: more than {MOST_POSITIONS} positions: cut out what matters")
         raws.append(raw)
     if not any(raw.polygons for raw in raws if raw.kind != "landmark"):
-        raise ConfigError(f"{path}: no water and no land in it: expected polygons with the property kind")
+        raise MapError(f"{path}: no water and no land in it: expected polygons with the property kind")
     frame = LocalFrame(_middle(raws))
     shapes = tuple(_local(raw, frame, path) for raw in raws)
     title = _clean(tree.get("name"))
@@ -94,45 +81,36 @@ def read_map(path: Path) -> MapFile:
 def _decoded(path: Path) -> Mapping[str, Any]:
     try:
         if not path.is_file():
-            raise ConfigError(f"{path}: no such file: expected a GeoJSON map")
+            raise MapError(f"{path}: no such file: expected a GeoJSON map")
         with path.open("rb") as file:
             data = file.read(MOST_BYTES + 1)
     except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
+        raise MapError(f"{path}: cannot be read: {error.strerror}") from None
     if len(data) > MOST_BYTES:
-        raise ConfigError(f"{path}: more than {MOST_BYTES // 1_000_000} MB: cut out what matters")
+        raise MapError(f"{path}: more than {MOST_BYTES // 1_000_000} MB: cut out what matters")
     try:
         tree = msgspec.json.decode(data.removeprefix(b"\xef\xbb\xbf"))
     except (ValueError, RecursionError):  # msgspec's own errors are ValueErrors
-        raise ConfigError(f"{path}: not JSON: expected a GeoJSON map") from None
+        raise MapError(f"{path}: not JSON: expected a GeoJSON map") from None
     if not isinstance(tree, Mapping):
-        raise ConfigError(f"{path}: not GeoJSON: expected a FeatureCollection, a Feature or a Polygon")
+        raise MapError(f"{path}: not GeoJSON: expected a FeatureCollection, a Feature or a Polygon")
     return tree
 
 
 def _features(tree: Mapping[str, Any], path: Path) -> Sequence[object]:
     crs = tree.get("crs")
     if crs is not None and not any(name in str(crs)[:400] for name in _WGS84):
-        raise ConfigError(f"{path}: member crs: expected WGS 84 degrees (CRS84)")
-    kind, features = tree.get("type"), tree.get("features")
-    if kind == "FeatureCollection" and isinstance(features, list):
-        if len(features) > MOST_FEATURES:
-            raise ConfigError(
-                f"{path}: {len(features)} features: at most {MOST_FEATURES}; cut out what matters"
-            )
-        return features
-    if kind == "Feature":
-        return [tree]
-    if kind in ("Polygon", "MultiPolygon"):
-        return [{"type": "Feature", "properties": {}, "geometry": tree}]
-    raise ConfigError(f"{path}: not GeoJSON: expected a FeatureCollection, a Feature or a Polygon")
+        raise MapError(f"{path}: member crs: expected WGS 84 degrees (CRS84)")
+    features = entries_of(tree, str(path))
+    if len(features) > MOST_FEATURES:
+        raise MapError(f"{path}: {len(features)} features: at most {MOST_FEATURES}; cut out what matters")
+    return features
 
 
-def _raw(entry: Mapping[str, Any], where: str) -> _Raw:
-    given = entry.get("properties")
-    properties = given if isinstance(given, Mapping) else {}
+def _raw(entry: object, where: str) -> _Raw:
+    _, properties, whole = labelled(entry, where)
     raw = _Raw(_kind(properties, where), _clean(properties.get("name")), [], [])
-    for geometry in _simple(entry["geometry"], where):
+    for geometry in simple_geometries(whole, where):
         kind, coordinates = geometry.get("type"), geometry.get("coordinates")
         if kind == "Polygon":
             raw.polygons.append(_rings(coordinates, where))
@@ -149,7 +127,7 @@ def _raw(entry: Mapping[str, Any], where: str) -> _Raw:
                 for line in _list(coordinates, where)
             )
         else:
-            raise ConfigError(f"{where}: geometry is {str(kind)[:40]!r}: expected Polygon or MultiPolygon")
+            raise MapError(f"{where}: geometry is {str(kind)[:40]!r}: expected Polygon or MultiPolygon")
     raw.polygons[:] = [rings for rings in raw.polygons if rings]
     raw.lines[:] = [line for line in raw.lines if line]
     return raw
@@ -159,25 +137,10 @@ def _kind(properties: Mapping[str, Any], where: str) -> str:
     if "kind" in properties:
         kind = properties["kind"]
         if not isinstance(kind, str) or kind not in KINDS:
-            raise ConfigError(f"{where}: kind {str(kind)[:40]!r}: expected one of {', '.join(KINDS)}")
+            raise MapError(f"{where}: kind {str(kind)[:40]!r}: expected one of {', '.join(KINDS)}")
         return kind
-    if any(properties.get(key) in values for key, values in _WATER_TAGS.items()):
-        is_isle = properties.get("place") in ("island", "islet", "archipelago")
-        return "island" if is_isle else "water"
-    return "obstacle" if any(properties.get(key) for key in _TELLING_TAGS) else "water"
-
-
-def _simple(geometry: object, where: str) -> Iterator[Mapping[str, Any]]:
-    """The geometries of a collection; a single one as it is."""
-    if not isinstance(geometry, Mapping):
-        raise ConfigError(f"{where}: expected a geometry, got {str(geometry)[:40]}")
-    if geometry.get("type") != "GeometryCollection":
-        yield geometry
-        return
-    for member in _list(geometry.get("geometries"), where):
-        if not isinstance(member, Mapping):
-            raise ConfigError(f"{where}: expected geometries in a GeometryCollection")
-        yield member
+    is_unknown = any(properties.get(key) for key in _TELLING_TAGS)
+    return tagged_kind(properties) or ("obstacle" if is_unknown else "water")
 
 
 def _rings(rings: object, where: str) -> list[list[LatLon]]:
@@ -196,20 +159,13 @@ def _rings(rings: object, where: str) -> list[list[LatLon]]:
 
 def _list(value: object, where: str) -> list[Any]:
     if not isinstance(value, list):
-        raise ConfigError(f"{where}: expected a list of positions, got {str(value)[:40]}")
+        raise MapError(f"{where}: expected a list of positions, got {str(value)[:40]}")
     return value
 
 
 def _position(value: object, where: str) -> LatLon:
-    numbers = value[:2] if isinstance(value, list) else []
-    if len(numbers) == 2 and all(isinstance(n, int | float) and not isinstance(n, bool) for n in numbers):
-        lon_deg, lat_deg = numbers
-        if abs(lat_deg) <= MOST_LAT_DEG and abs(lon_deg) <= 360.0:  # beyond ±180°: past the antimeridian
-            return LatLon(float(lat_deg), math.remainder(lon_deg, 360.0))
-    raise ConfigError(
-        f"{where}: expected [longitude, latitude] in degrees, latitude at most {MOST_LAT_DEG:g}, "
-        f"got {str(value)[:60]}"
-    )
+    lon_deg, lat_deg = position(value, where, MOST_LAT_DEG)
+    return LatLon(lat_deg, math.remainder(lon_deg, 360.0))
 
 
 def _middle(raws: Sequence[_Raw]) -> LatLon:
@@ -230,7 +186,7 @@ def _local(raw: _Raw, frame: LocalFrame, path: Path) -> Shape:
     def point(place: LatLon) -> Point:
         at = frame.to_local(place)
         if not max(abs(at.north_m), abs(at.east_m)) <= MOST_EXTENT_M:
-            raise ConfigError(
+            raise MapError(
                 f"{path}: reaches {place.lat_deg:.4f}, {place.lon_deg:.4f}: expected a map within "
                 f"{MOST_EXTENT_M / 1000.0:.0f} km of its middle; cut out what matters"
             )

@@ -4,17 +4,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from companion.core.geo import LatLon, LocalFrame, Point
-from companion.mavlink.dialect import dialect
 from companion.planning.area_shores import corners_of, outside_of
 from companion.planning.areas import Area, Disc, Ring
 from companion.planning.water import Shore
+from mission_tools.geojson import FENCE_KINDS
 
-_INCLUSIONS: Final = (
-    dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION, dialect.MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION,
-)  # fmt: skip
-_EXCLUSIONS: Final = (
-    dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION, dialect.MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION,
-)  # fmt: skip
 _AROUND_M: Final = 1_000.0  # what is outside an inclusion area reaches so far beyond every place in use
 
 
@@ -48,10 +42,10 @@ def allows(areas: Sequence[Area], at: Point) -> bool:
 
 def _area(feature: Mapping[str, Any], frame: LocalFrame) -> Area | None:
     geometry, properties = feature.get("geometry"), feature.get("properties") or {}
-    command = properties.get("command")
-    if geometry is None or command not in (*_INCLUSIONS, *_EXCLUSIONS):
+    kind = FENCE_KINDS.get(properties.get("command"))
+    if geometry is None or kind is None:
         return None
-    is_inclusion = command in _INCLUSIONS
+    is_inclusion = kind == "inclusion"
     if geometry["type"] == "Polygon":
         ring = [frame.to_local(LatLon(lat, lon)) for lon, lat in geometry["coordinates"][0][:-1]]
         return Ring(ring, is_inclusion) if len(ring) >= 3 else None

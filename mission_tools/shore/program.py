@@ -15,7 +15,7 @@ from companion.cli.busy_port import busy_port_explained
 from companion.cli.program_end import end_with
 from companion.core.errors import BoatError, ConfigError
 from companion.mavlink.signing_key import read_key_file
-from mission_tools.errors import UsageError
+from mission_tools.errors import MissionToolsError
 from mission_tools.shore import memory_use
 from mission_tools.shore.chart import WaterChart
 from mission_tools.shore.command_line import PROGRAM, SHOW, read_arguments
@@ -101,5 +101,5 @@ def run_program(arguments: list[str]) -> int:
     except EOFError:  # Ctrl-D instead of a PIN
         return end_with(KeyboardInterrupt(), PROGRAM, arguments, expected=())
     except (Exception, KeyboardInterrupt) as error:
-        return end_with(error, PROGRAM, arguments, expected=(BoatError, UsageError))
+        return end_with(error, PROGRAM, arguments, expected=(BoatError, MissionToolsError))
     return 0

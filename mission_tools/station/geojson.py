@@ -11,6 +11,7 @@ from typing import Any, Final
 from companion.core.geo import LatLon, position_from_e7
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import GLOBAL_FRAMES, MissionItem
+from mission_tools.geojson import FENCE_KINDS, collection, feature
 
 _INCLUSION: Final = dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION
 _EXCLUSION: Final = dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION
@@ -21,8 +22,7 @@ _WIDEST_M: Final = 1e6
 _NAMES: Final = {
     16: "waypoint", 17: "stay", 18: "circle", 19: "stay for a time", 20: "return", 93: "wait", 112: "delay",
     113: "distance", 115: "turn", 177: "jump", 178: "speed", 179: "home", 5000: "return point",
-    _INCLUSION: "inclusion", _EXCLUSION: "exclusion", _CIRCLE_IN: "inclusion", _CIRCLE_OUT: "exclusion",
-    5100: "rally point",
+    5100: "rally point", **FENCE_KINDS,
 }  # fmt: skip
 
 
@@ -44,12 +44,12 @@ def mission_geojson(items: Sequence[MissionItem]) -> dict[str, Any]:
         radius_m = item.param2 if item.command == dialect.MAV_CMD_NAV_WAYPOINT else item.param3
         name = "home" if seq == 0 else command_name(item.command)
         features.append(_point(seq, item, name, radius_m))
-    return _collection(features)
+    return collection(features)
 
 
 def rally_geojson(items: Sequence[MissionItem]) -> dict[str, Any]:
     """A point for each."""
-    return _collection([_point(seq, item, command_name(item.command)) for seq, item in enumerate(items)])
+    return collection([_point(seq, item, command_name(item.command)) for seq, item in enumerate(items)])
 
 
 def fence_geojson(items: Sequence[MissionItem]) -> dict[str, Any]:
@@ -70,12 +70,10 @@ def fence_geojson(items: Sequence[MissionItem]) -> dict[str, Any]:
             for one in items[at : at + count]
             if one.command == item.command and (corner := _lon_lat(one))
         ]
-        geometry = None
-        if len(corners) >= _LEAST_CORNERS:
-            geometry = {"type": "Polygon", "coordinates": [[*corners, corners[0]]]}
-        features.append(_feature(geometry, at, item.command, name))
+        kind = "Polygon" if len(corners) >= _LEAST_CORNERS else None
+        features.append(feature(kind, [[*corners, *corners[:1]]], seq=at, command=item.command, name=name))
         at += count
-    return _collection(features)
+    return collection(features)
 
 
 def _corner_count(item: MissionItem) -> int:
@@ -92,18 +90,7 @@ def _lon_lat(item: MissionItem) -> list[float] | None:
 
 def _point(seq: int, item: MissionItem, name: str, radius_m: float = 0.0) -> dict[str, Any]:
     at = _lon_lat(item)
-    geometry = None if at is None else {"type": "Point", "coordinates": at}
-    return _feature(geometry, seq, item.command, name, radius_m)
-
-
-def _feature(
-    geometry: dict[str, Any] | None, seq: int, command: int, name: str, radius_m: float = 0.0
-) -> dict[str, Any]:
-    properties: dict[str, Any] = {"seq": seq, "command": command, "name": name}
+    properties: dict[str, Any] = {"seq": seq, "command": item.command, "name": name}
     if math.isfinite(radius_m) and 0.0 < abs(radius_m) <= _WIDEST_M:
         properties["radius_m"] = abs(radius_m)
-    return {"type": "Feature", "geometry": geometry, "properties": properties}
-
-
-def _collection(features: list[dict[str, Any]]) -> dict[str, Any]:
-    return {"type": "FeatureCollection", "features": features}
+    return feature(None if at is None else "Point", at or (), **properties)

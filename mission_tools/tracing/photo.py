@@ -25,6 +25,7 @@ from shapely.geometry import Polygon
 from companion.cli.output_file import output_file, write_text
 from companion.core.geo import LatLon
 from mission_tools.errors import MapError
+from mission_tools.geojson import collection, feature
 from mission_tools.maps.chart import Area, Chart, area_of
 from mission_tools.maps.formats.georeference import Georeference
 from mission_tools.maps.formats.mask import LEAST_PIXELS, open_picture, pixel_m, traced_area
@@ -67,12 +68,10 @@ class TracedWater:
 
     def geojson(self) -> str:
         """The map as GeoJSON."""
-        feature = {
-            "type": "Feature",
-            "properties": {"kind": "water", "name": self.name, "traced_at_m": round(self.pixel_m, 3)},
-            "geometry": json.loads(shapely.to_geojson(shapely.set_precision(self.shape, 1e-8))),
-        }
-        tree = {"type": "FeatureCollection", "generator": "mission-trace", "features": [feature]}
+        shape = json.loads(shapely.to_geojson(shapely.set_precision(self.shape, 1e-8)))
+        properties = {"kind": "water", "name": self.name, "traced_at_m": round(self.pixel_m, 3)}
+        water = feature(shape["type"], shape["coordinates"], **properties)
+        tree = collection([water], generator="mission-trace")
         return json.dumps(tree, ensure_ascii=False) + "\n"
 
     def chart(self) -> Chart:

@@ -17,9 +17,9 @@ from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from mission_tools.errors import MapError
+from mission_tools.geojson import KINDS, position
 from mission_tools.maps.formats.xml_text import parse_xml, text_of
-from mission_tools.maps.geojson import Corners, closed_ring, position
-from mission_tools.maps.kinds import KINDS
+from mission_tools.maps.geojson import Corners, closed_ring
 from mission_tools.maps.raw import MAX_FILE_BYTES, RawFeature, RawMap, read_bytes
 
 KIND_IN_TEXT = re.compile(r"\bkind\s*[:=]\s*([a-z_]+)", re.IGNORECASE)

@@ -5,45 +5,39 @@ from typing import Any, Final
 
 import msgspec
 
-from companion.core.units import e7_to_deg
 from companion.mavlink.items import GLOBAL_FRAMES, MissionItem
+from mission_tools.geojson import FENCE_KINDS, collection, feature
+from mission_tools.mission.wpl_text import line, text_of
 
-_KINDS: Final = {
-    5001: "inclusion",
-    5002: "exclusion",
-    5003: "inclusion",
-    5004: "exclusion",
-}  # MAV_CMD_NAV_FENCE_…
 _RALLY_POINT: Final = 5100
 
 
 def fence_file(fence: Mapping[str, Any] | None) -> bytes | None:
     """The boat's fence (`station/geojson.py`) as `--fence` reads it; None without an area in it."""
     features = []
-    for feature in (fence or {}).get("features", ()):
-        geometry, told = feature["geometry"], feature["properties"]
-        kind = _KINDS.get(told["command"])
+    for one in (fence or {}).get("features", ()):
+        geometry, told = one["geometry"], one["properties"]
         is_area = geometry is not None and (geometry["type"] == "Polygon" or told.get("radius_m", 0.0) > 0.0)
+        kind = FENCE_KINDS.get(told["command"])
         if kind is not None and is_area:
             radius = {"radius_m": told["radius_m"]} if "radius_m" in told else {}
-            features.append(_feature({"kind": kind, **radius}, geometry))
-    return _collection(features)
+            features.append(feature(**_shape(geometry), kind=kind, **radius))
+    return _encoded(features)
 
 
 def rally_file(rally: Mapping[str, Any] | None) -> bytes | None:
     """The boat's rally points as `--rally` reads them; None without one."""
     points = [
-        _feature({"kind": "rally"}, feature["geometry"])
-        for feature in (rally or {}).get("features", ())
-        if feature["properties"]["command"] == _RALLY_POINT and feature["geometry"] is not None
+        feature(**_shape(one["geometry"]), kind="rally")
+        for one in (rally or {}).get("features", ())
+        if one["properties"]["command"] == _RALLY_POINT and one["geometry"] is not None
     ]
-    return _collection(points)
+    return _encoded(points)
 
 
 def area_file(corners: Sequence[tuple[float, float]]) -> bytes:
     """A survey's area as a GeoJSON file."""
-    geometry = {"type": "Polygon", "coordinates": [[*corners, corners[0]]]}
-    found = _collection([_feature({"kind": "inclusion"}, geometry)])
+    found = _encoded([feature("Polygon", [[*corners, corners[0]]], kind="inclusion")])
     assert found is not None  # noqa: S101 (it has a feature)
     return found
 
@@ -54,23 +48,21 @@ def open_water_file(lat_deg: float, lon_deg: float) -> bytes:
 
 
 def mission_text(items: Sequence[MissionItem]) -> bytes:
-    """A mission as QGC WPL 110 (MAVLink guide, "File formats"), home in its first row."""
-    rows = ["QGC WPL 110", *(_row(seq, item) for seq, item in enumerate(items))]
-    return ("\n".join(rows) + "\n").encode("ascii")
+    """A mission as QGC WPL 110, home in its first row."""
+    rows = []
+    for seq, item in enumerate(items):
+        frame = 0 if seq == 0 else item.frame  # home is absolute in ArduPilot's files
+        params = (item.param1, item.param2, item.param3, item.param4)
+        place = (item.x, item.y, item.z)
+        rows.append(
+            line(seq, frame, item.command, params, place, item.frame in GLOBAL_FRAMES, item.autocontinue)
+        )
+    return text_of(rows).encode("ascii")
 
 
-def _row(seq: int, item: MissionItem) -> str:
-    frame = 0 if seq == 0 else item.frame  # home is absolute in ArduPilot's files
-    is_global = item.frame in GLOBAL_FRAMES
-    place = [f"{e7_to_deg(value):.7f}" if is_global else value for value in (item.x, item.y)]
-    params = (item.param1, item.param2, item.param3, item.param4)
-    fields = (seq, int(seq == 0), frame, item.command, *params, *place, item.z, item.autocontinue)
-    return "\t".join(map(str, fields))
+def _shape(geometry: Mapping[str, Any]) -> dict[str, Any]:
+    return {"geometry": geometry["type"], "coordinates": geometry["coordinates"]}
 
 
-def _feature(properties: dict[str, Any], geometry: Mapping[str, Any]) -> dict[str, Any]:
-    return {"type": "Feature", "properties": properties, "geometry": geometry}
-
-
-def _collection(features: list[dict[str, Any]]) -> bytes | None:
-    return msgspec.json.encode({"type": "FeatureCollection", "features": features}) if features else None
+def _encoded(features: list[dict[str, Any]]) -> bytes | None:
+    return msgspec.json.encode(collection(features)) if features else None
