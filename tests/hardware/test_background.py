@@ -36,12 +36,6 @@ def test_a_step_that_raises_is_logged_once_and_tried_again(caplog: pytest.LogCap
     assert len(calls) == 3
 
 
-def test_closing_a_thread_that_was_never_started_is_harmless() -> None:
-    background = Background(lambda: 1.0, "idle")
-    background.close()
-    assert not background._thread.is_alive()
-
-
 @given(st.lists(st.floats(0.0, 100.0), max_size=20))
 def test_waits_double_up_to_the_longest_and_start_over_after_a_success(moments: list[float]) -> None:
     backoff = Backoff(first_s=0.5, longest_s=8.0)

@@ -32,21 +32,6 @@ def value_at(config: BoatConfig, path: str) -> object:
     return value
 
 
-def test_the_wiring_table_names_every_pin_of_the_configuration() -> None:
-    keys = {key for row in ROWS for key in re.findall(r"`(parts\.[a-z_.]+)`", row[3])}
-    motors = {
-        f"parts.motors.{side}_{pin}"
-        for side in ("left", "right")
-        for pin in ("forward", "backward", "enable")
-    }
-    assert keys == motors | {
-        "parts.sonar.trigger",
-        "parts.sonar.echo",
-        "parts.sonar.servo",
-        "parts.gnss.port",
-    }
-
-
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: f"GPIO{row[0]}")
 def test_a_row_of_the_wiring_table_is_true(row: tuple[str, str, str, str]) -> None:
     bcm, header, _, key = row
@@ -99,10 +84,6 @@ def test_the_other_motors_rows_are_all_outputs_of_that_driver(driver: str) -> No
 def test_a_table_of_the_page_can_be_read(text: str) -> None:
     config = decode_config(tomllib.loads(text), "page")
     assert config.parts.motors.driver == "esc" or config.parts.rudder.driver == "servo"
-
-
-def test_no_pin_is_used_twice() -> None:
-    assert len({row[0] for row in ROWS}) == len(ROWS) == 14
 
 
 def test_the_example_is_a_whole_boat_with_links_that_can_be_read() -> None:

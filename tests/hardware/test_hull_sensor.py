@@ -42,16 +42,3 @@ def test_the_computers_thermometer_is_read_in_millidegrees(
     reading = hull.read()
     assert reading is not None
     assert (reading.time_s, reading.is_wet, reading.temperature_c) == (7.0, None, celsius)
-
-
-def test_the_switch_says_whether_it_is_wet_and_is_let_go(tmp_path: Path) -> None:
-    switch = FakeSwitch()
-    hull = HullSensor(tmp_path / "none", switch, lambda: 0.0)
-    for value in (0, 1, 0):
-        switch.value = value
-        hull.step()
-        reading = hull.read()
-        assert reading is not None
-        assert reading.is_wet is bool(value)
-    hull.close()
-    assert switch.is_closed

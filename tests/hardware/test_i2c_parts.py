@@ -1,7 +1,6 @@
 """BNO055 and INA219 by their registers, through the real smbus2."""
 
 import math
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -89,11 +88,6 @@ def test_a_part_in_another_programs_mode_and_units_is_set_up_through_configurati
     assert sample.rate[2] == pytest.approx(math.radians(-10.0), abs=1e-3)
 
 
-def test_radians_of_another_program_are_not_taken_for_degrees(bus: I2cBus, chip: Bno055Twin) -> None:
-    chip.mode, chip.units = NDOF, 0x06
-    assert Bno055(bus).read() is None
-
-
 def test_a_program_that_starts_again_keeps_what_the_part_has_learned(bus: I2cBus, chip: Bno055Twin) -> None:
     chip.mode = NDOF
     compass = Bno055Compass(Bno055(bus), HandClock())
@@ -150,12 +144,6 @@ def test_an_orientation_with_a_wrong_bit_is_ignored(bus: I2cBus, chip: Bno055Twi
     assert compass.read() is before
 
 
-def test_the_factories_find_both_parts_on_one_bus(dev: I2cDev) -> None:
-    compass, battery = open_bno055(COMPASS, HandClock()), open_battery_monitor(BATTERY, HandClock())
-    for part in (compass, battery, compass, battery):
-        part.close()
-
-
 @pytest.mark.parametrize("address", [0x29, 0x41])
 def test_a_part_that_does_not_answer_is_told_in_one_line(dev: I2cDev, address: int) -> None:
     with pytest.raises(HardwareError, match=rf"BNO055: no answer at I²C address {address:#x}: .*121"):
@@ -181,15 +169,6 @@ def test_a_pi_without_i2c_is_told_how_to_switch_it_on(
         open_bno055(COMPASS, HandClock())
 
 
-def test_a_bus_that_this_user_may_not_open_names_the_group(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(_: str) -> None:
-        raise PermissionError(13, "Permission denied")
-
-    monkeypatch.setattr("smbus2.SMBus", refuse)
-    with pytest.raises(HardwareError, match=r"INA219: /dev/i2c-1 may not be opened; .* group i2c"):
-        open_battery_monitor(BATTERY, HandClock())
-
-
 def test_each_part_opens_the_bus_that_it_is_on(monkeypatch: pytest.MonkeyPatch) -> None:
     opened: list[str] = []
 
@@ -211,22 +190,6 @@ def test_each_part_opens_the_bus_that_it_is_on(monkeypatch: pytest.MonkeyPatch) 
         with pytest.raises(HardwareError, match=r"there is no /dev/i2c-\d; add its line to config.txt"):
             open_part()
     assert opened == [f"/dev/i2c-{bus}" for bus in (3, 7, 4, 4, 5, 6)]
-
-
-def test_a_file_that_is_no_bus_is_told_in_one_line(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    (tmp_path / "dev").mkdir()
-    (tmp_path / "dev" / "i2c-1").touch()
-    monkeypatch.setattr("companion.hal.raspberry_pi.ROOT", tmp_path)
-    with pytest.raises(HardwareError, match=r"BNO055: .*i2c-1 cannot be opened: .*ioctl"):
-        open_bno055(COMPASS, HandClock())
-
-
-def test_a_library_that_is_missing_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "smbus2", None)
-    with pytest.raises(
-        HardwareError, match=r"BNO055: the Python module 'smbus2' is missing; pip install '\.\[pi\]'"
-    ):
-        open_bno055(COMPASS, HandClock())
 
 
 @pytest.mark.parametrize(
@@ -282,15 +245,6 @@ def test_a_good_calibration_is_kept_and_given_back_after_a_power_cut(
     assert compass.read() is not None
 
 
-def test_a_dip_of_the_supply_gives_the_calibration_back_too(
-    bus: I2cBus, chip: Bno055Twin, kept: ProfileFile
-) -> None:
-    compass = learn(bus, chip, kept)
-    chip.power_up()
-    steps(compass, 2)
-    assert chip.profile == LEARNED
-
-
 def test_the_calibration_is_not_read_under_way_nor_before_it_is_good(
     bus: I2cBus, chip: Bno055Twin, kept: ProfileFile
 ) -> None:
@@ -302,19 +256,6 @@ def test_the_calibration_is_not_read_under_way_nor_before_it_is_good(
     chip.magnet, compass.may_pause = 2, True
     steps(compass, 600)
     assert kept.load() == b""
-
-
-def test_saving_costs_three_readings_once(bus: I2cBus, chip: Bno055Twin, kept: ProfileFile) -> None:
-    clock = HandClock()
-    compass = Bno055Compass(Bno055(bus), clock, profile=kept)
-    compass.may_pause = True
-    missed = 0
-    for _ in range(1000):
-        clock.advance(0.04)
-        compass.step()
-        reading = compass.read()
-        missed += reading is not None and reading.time_s != clock()
-    assert 1 <= missed <= 3
 
 
 def test_a_damaged_profile_is_not_given_to_the_part(
@@ -331,15 +272,6 @@ def test_a_damaged_profile_is_not_given_to_the_part(
     kept.save(LEARNED[::-1])
     path.write_bytes(b"")
     assert kept.load() == LEARNED
-
-
-def test_a_folder_that_cannot_be_written_costs_the_profile_only(
-    bus: I2cBus, chip: Bno055Twin, tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
-    (tmp_path / "file").touch()
-    learn(bus, chip, ProfileFile(tmp_path / "file" / "bno055.profile"))
-    assert chip.mode == NDOF
-    assert "cannot be written" in caplog.text
 
 
 def test_the_boat_lets_the_part_pause_while_its_motors_are_off() -> None:

@@ -1,16 +1,12 @@
 """Receiver and compass behind ports: in memory step by step, and over a serial line with their threads."""
 
-import math
-import sys
 from pathlib import Path
 
 import pytest
 from twins.lines import HandClock, PtyLine, eventually
 
 from companion.config import parts
-from companion.core.errors import LinkError
 from companion.hal.gnss.nmea import NmeaGnss, open_nmea_gnss
-from companion.hal.heading.nmea import NmeaCompass, open_nmea_compass
 from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 
 
@@ -85,41 +81,6 @@ def test_a_silent_receiver_and_a_wrong_baud_rate_are_told_apart() -> None:
     assert texts_after(0.1, sentence("GPTXT,01,01,02,ANTSTATUS=OK")) == ["GNSS receiver measures again"]
 
 
-def test_noise_on_the_line_is_counted_and_does_not_stop_the_compass() -> None:
-    port, part = port_and_far_end()
-    compass = NmeaCompass(port, HandClock(), correction_rad=math.radians(2.0))
-    for piece in (b"\x00\xff$$$*\r\n", sentence("HCHDM,88.0,M")[:9], b"\r\n", sentence("HCHDM,88.0,M")):
-        part.send(piece)
-        compass.step()
-    reading = compass.read()
-    assert reading is not None
-    assert math.degrees(reading.heading_rad) == pytest.approx(90.0)
-    assert compass.reader.malformed == 2
-
-
-def test_half_a_sentence_of_an_unplugged_part_is_forgotten() -> None:
-    near, part = memory_pair(is_datagram=False)
-    port = MemoryPort(near)
-    compass = NmeaCompass(port, HandClock())
-    whole = sentence("HEHDT,90.0,T")
-    part.send(whole[:8])
-    compass.step()
-    part.close()
-    again, part = memory_pair(is_datagram=False)
-    port.offer(again)
-    part.send(whole[8:] + whole)
-    compass.step()
-    assert compass.reader.accepted == 1
-
-
-def test_a_closed_part_lets_its_port_go() -> None:
-    near, _ = memory_pair()
-    gnss = NmeaGnss(MemoryPort(near), HandClock())
-    gnss.close()
-    gnss.close()
-    assert near.is_closed
-
-
 @pytest.mark.realtime
 def test_a_receiver_on_a_serial_line_survives_being_unplugged(tmp_path: Path) -> None:
     line, clock = PtyLine(tmp_path / "ttyGNSS"), HandClock()
@@ -140,29 +101,3 @@ def test_a_receiver_on_a_serial_line_survives_being_unplugged(tmp_path: Path) ->
     gnss.close()
     gnss.close()
     line.unplug()
-
-
-@pytest.mark.realtime
-def test_a_compass_on_a_serial_line_is_read_by_its_own_thread(tmp_path: Path) -> None:
-    line = PtyLine(tmp_path / "ttyCOMPASS")
-    part = parts.CompassPart(driver="nmea", port=line.device, correction_rad=0.5)
-    compass = open_nmea_compass(part, HandClock())
-    line.say(b"\xff\xff" + sentence("HEHDT,0.0,T"))
-    eventually(lambda: compass.read() is not None)
-    reading = compass.read()
-    assert reading is not None
-    assert reading.heading_rad == pytest.approx(0.5)
-    compass.close()
-    line.unplug()
-
-
-def test_a_receiver_may_also_be_on_the_network() -> None:
-    gnss = open_nmea_gnss(parts.GnssPart(driver="nmea", port="udpin:127.0.0.1:0"), HandClock())
-    gnss.close()
-    assert gnss.read() is None
-
-
-def test_a_receiver_that_is_missing_is_named() -> None:
-    with pytest.raises(LinkError, match="there is no device /dev/ttyNONE"):
-        open_nmea_gnss(parts.GnssPart(driver="nmea", port="/dev/ttyNONE"), HandClock())
-    assert "companion.hal.gnss.nmea" in sys.modules

@@ -10,7 +10,6 @@ import pytest
 from twins.lines import HandClock, PtyLine, eventually
 
 from companion.config.rc import Rc
-from companion.core.errors import ConfigError, LinkError
 from companion.hal.rc_receiver import SerialRcReceiver, open_rc_receiver
 from companion.links.memory import MemoryPort, memory_pair
 from companion.links.serial_port import LINE_8E2, SerialPort
@@ -95,10 +94,3 @@ def test_bytes_with_a_wrong_parity_are_dropped_by_the_line(tmp_path: Path) -> No
         assert not control_flags & termios.PARODD
     finally:
         port.close()
-
-
-def test_a_receiver_that_is_not_there_is_named(tmp_path: Path) -> None:
-    with pytest.raises(LinkError, match=r"there is no device .*nothing; is it plugged in\?"):
-        open_rc_receiver(Rc(driver="sbus", port=str(tmp_path / "nothing")), HandClock())
-    with pytest.raises(ConfigError, match=r"rc\.driver = 'none': expected one of crsf, ibus, sbus"):
-        open_rc_receiver(Rc(), HandClock())

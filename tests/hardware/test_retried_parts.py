@@ -6,13 +6,12 @@ import pytest
 from boat_rig import FAILED, OK, Rig
 from twins.lines import HandClock
 
-from companion.core.errors import HardwareError, SilentOutputsError
+from companion.core.errors import HardwareError
 from companion.core.readings import HullReading, SonarReading
 from companion.core.status_text import Severity, StatusText
 from companion.hal.motors.watched_motors import WatchedMotors
 from companion.hal.retried_parts import (
     CountedOutput,
-    RetriedGnss,
     RetriedMotors,
     RetriedOutput,
     RetriedRudder,
@@ -82,19 +81,6 @@ def test_motors_that_are_missing_refuse_to_arm_even_by_force_and_arm_once_they_a
     assert rig.arm() == OK
 
 
-def test_a_motor_driver_that_fails_ends_no_disarmed_boat() -> None:
-    class Broken(Part):
-        def write(self, *values: float) -> None:
-            raise SilentOutputsError("PCA9685: no answer on the I²C bus", are_off=True)
-
-        stop = write
-
-    rig = Rig(motors=Broken())
-    rig.run(PRE_ARM_S)
-    assert "PreArm: Motors: PCA9685: no answer on the I2C bus" in rig.peer.texts
-    assert rig.arm() == FAILED
-
-
 def test_commands_to_motors_and_rudder_before_the_opening_have_no_effect() -> None:
     motors = RetriedMotors("Motors", Socket().open)  # type: ignore[arg-type]
     motors.write(1.0, 1.0)
@@ -127,10 +113,6 @@ def test_a_sensor_gives_its_readings_and_texts_once_it_is_there() -> None:
     assert sensor.read() == part.read()
     assert part.may_pause
     assert [one.text for one in sensor.take_texts()] == ["Hull sensor: opened", "set up again"]
-
-
-def test_a_missing_receiver_takes_no_corrections() -> None:
-    assert not RetriedGnss("GNSS receiver", Socket(Part()).open).inject(b"corrections")  # type: ignore[arg-type]
 
 
 def test_a_sonar_learns_the_sector_that_it_missed() -> None:

@@ -38,7 +38,7 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = (
     "control", "estimation", "guidance", "failsafe", "geofence", "obstacles", "vehicle/mission",
     "vehicle/modes",
-    "planning", "payload", "rc",
+    "planning", "payload", "rc", "sensors", "config", "calibration",
 )  # fmt: skip
 PLANNER = ("mission_tools/tasks", "mission_tools/costs", "mission_tools/watch")  # only where they are named
 SEED = 20261122

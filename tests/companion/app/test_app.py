@@ -9,21 +9,14 @@ from boat_rig import Rig
 
 from companion.app.composition import (
     check_config,
-    open_ports,
-    open_storage,
     policy_of,
     run_boat,
 )
-from companion.app.hardware import open_hardware
-from companion.app.parts import open_compass
 from companion.app.status_file import BoatStatus, read_status
 from companion.boat import Boat
 from companion.config.boat_config import BoatConfig, LinkConfig, decode_config
 from companion.core.errors import ConfigError, LinkError, StorageError
-from companion.core.storage import MemoryStorage
 from companion.hal.interfaces import Hardware
-from companion.hal.motors.watched_motors import WatchedMotors
-from companion.hal.retried_parts import RetriedMotors
 
 PARTS = {"motors": {"driver": "l298n"}, "gnss": {"driver": "nmea"}, "compass": {"driver": "nmea"}}
 
@@ -138,18 +131,6 @@ def test_a_heading_by_antennas_needs_a_receiver_that_gives_one() -> None:
                 check_config(tree)
 
 
-def test_a_heading_sensor_that_is_not_there_says_nothing() -> None:
-    assert open_compass(BoatConfig(), lambda: 0.0).read() is None
-
-
-def test_it_ends_when_a_station_asks_for_a_restart(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Boat, "wants_restart", property(lambda boat: boat.free_memory_bytes > 0))
-    parts = Parts()
-    boat = run_boat(config("udpin:127.0.0.1:0"), after(10_000), open_parts=parts.open)
-    assert boat.wants_restart
-    assert "close" in parts.events
-
-
 def test_the_motors_are_let_go_when_it_is_told_to_stop() -> None:
     parts = Parts()
     boat = run_boat(config("udpin:127.0.0.1:0"), after(3), open_parts=parts.open)
@@ -224,15 +205,6 @@ def test_a_second_program_of_a_boat_is_refused_before_it_touches_a_pin(tmp_path:
     run_boat(tree, after(3), open_parts=second.open)
 
 
-def test_the_motors_are_let_go_when_the_memory_cannot_be_used(tmp_path: Path) -> None:
-    (tmp_path / "file").write_bytes(b"")
-    storage = {"folder": str(tmp_path / "file")}
-    parts = Parts()
-    with pytest.raises(StorageError, match="file"):
-        run_boat(config("udpin:127.0.0.1:0", storage=storage), lambda: False, open_parts=parts.open)
-    assert parts.events == ["close"]
-
-
 def test_a_card_that_cannot_be_written_keeps_no_boat_from_starting(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -242,58 +214,6 @@ def test_a_card_that_cannot_be_written_keeps_no_boat_from_starting(
     run_boat(config("udpin:127.0.0.1:0", storage={"folder": str(tmp_path)}), after(3), open_parts=parts.open)
     assert "write" in parts.events
     assert f"No log: {tmp_path}/logs: cannot be used for logs" in caplog.text
-
-
-def test_ports_are_opened_all_or_none() -> None:
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        taken.listen()
-        number = taken.getsockname()[1]
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            spare = free.getsockname()[1]
-        with pytest.raises(LinkError):
-            open_ports((f"tcpin:127.0.0.1:{spare}", f"tcpin:127.0.0.1:{number}"), lambda: 0.0)
-        with socket.socket() as again:
-            again.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            again.bind(("127.0.0.1", spare))  # the first port is free again
-
-
-def test_a_part_with_a_wrong_port_is_refused_and_the_motors_are_closed_again(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    parts = Parts()
-    monkeypatch.setattr(
-        "companion.app.parts.open_bridges", lambda *_, **__: parts.open(BoatConfig(), float).motors
-    )
-    tree = config("udpin:127.0.0.1:0", parts={**PARTS, "gnss": {"driver": "nmea", "port": "udpin::99999"}})
-    with pytest.raises(ConfigError, match="99999"):
-        open_hardware(tree, lambda: 0.0)
-    assert parts.events == ["close"]
-
-
-def test_the_boat_can_see_how_often_its_motors_were_cut_off(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        "companion.app.parts.open_bridges", lambda *_, **__: Parts().open(BoatConfig(), float).motors
-    )
-    parts = {"motors": {"driver": "l298n"}}
-    hardware = open_hardware(config("udpin:127.0.0.1:0", parts=parts), lambda: 0.0)
-    try:
-        assert isinstance(hardware.motors, RetriedMotors)
-        assert isinstance(hardware.motors.opened, WatchedMotors)
-        assert hardware.cutoff is hardware.motors
-        hardware.motors.opened.trips = 2
-        assert hardware.motors.trips == 2
-    finally:
-        hardware.close()
-
-
-def test_without_a_folder_the_memory_lasts_as_long_as_the_process(tmp_path: Path) -> None:
-    assert isinstance(open_storage(""), MemoryStorage)
-    storage = open_storage(str(tmp_path / "state"))
-    storage.save("a", b"1")
-    storage.close()
-    assert open_storage(str(tmp_path / "state")).load("a") == b"1"
 
 
 @pytest.mark.parametrize(
@@ -310,11 +230,3 @@ def test_only_a_port_that_hears_datagrams_from_anybody_doubts_an_address(
     url: str, is_forgeable: bool
 ) -> None:
     assert policy_of(LinkConfig(url=url), "links[0]").is_forgeable("203.0.113.9") is is_forgeable
-
-
-def test_garbage_makes_no_link_of_a_configured_port() -> None:
-    (port,) = open_ports(["udpin:127.0.0.1:0"], lambda: 0.0)
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
-        stranger.sendto(b"hello", ("127.0.0.1", int(port.name.rpartition(":")[2])))
-        assert port.accept() == []
-    port.close()

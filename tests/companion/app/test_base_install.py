@@ -11,8 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from companion.cli.extras import missing_extra
-
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[3]
@@ -80,22 +78,6 @@ def test_the_page_imports_of_others_only_its_extra_and_the_base() -> None:
     )
 
 
-def test_all_contains_every_extra_that_is_not_for_development() -> None:
-    assert set(EXTRAS) - {"dev", "bench", "fuzz", "peers", "all"} == {
-        "pi",
-        "planner",
-        "sitl",
-        "cluster",
-        "maps",
-        "parquet",
-        "web",
-    }
-    assert EXTRAS["all"] == [
-        f"mavboat[{','.join(sorted(set(EXTRAS) - {'dev', 'bench', 'fuzz', 'peers', 'all'}))}]"
-    ]
-    assert "mavboat[all,peers]" in EXTRAS["dev"]
-
-
 def test_every_package_of_the_extras_is_pinned() -> None:
     pinned = (ROOT / "constraints.txt").read_text(encoding="utf-8").lower()
     names = {re.split(r"[\[><=; ]", one)[0] for group in EXTRAS.values() for one in group} - {"mavboat"}
@@ -115,14 +97,6 @@ def test_the_companion_checks_a_configuration_without_the_extras() -> None:
         ("mission_tools.shore.__main__", "web", ("boat-shore",)),
         ("sitl.__main__", "sitl", ("boat-sitl", "sail", "pool")),
         ("mission_tools.cli.plan", "planner", ("mission-plan", "lake")),
-        ("mission_tools.cli.upload", "planner", ("mission-upload", "lake", "--dry-run")),
-        ("mission_tools.cli.download", "planner", ("mission-download", "aboard.plan")),
-        ("mission_tools.cli.check", "planner", ("mission-check", "lake.plan", "--map", "lake")),
-        (
-            "mission_tools.cli.trace",
-            "planner",
-            ("mission-trace", "pond.jpg", "--seed", "1,2", "--out", "p.geojson"),
-        ),
     ],
     ids=lambda value: value[0] if isinstance(value, tuple) else "",
 )
@@ -135,20 +109,3 @@ def test_a_program_without_its_extra_names_it_in_one_line(
     assert f"): pip install '.[{extra}]' in a clone of mavboat" in done.stderr
     assert done.stderr.count("\n") == 1
     assert json.loads(done.stdout)["exit_code"] == 2
-
-
-def test_debug_keeps_the_traceback_of_a_missing_package() -> None:
-    done = run_without_extras("mission_tools.cli.plan", "mission-plan", "lake", "--debug")
-    assert done.returncode == 1
-    assert "Traceback" in done.stderr
-
-
-def test_a_missing_module_of_ours_is_a_fault_and_not_an_extra() -> None:
-    assert missing_extra("mission-plan", ModuleNotFoundError(name="mission_tools.nowhere")) is None
-    assert missing_extra("mission-plan", ImportError("cannot import name")) is None
-    assert missing_extra("mission-plan", ValueError("other")) is None
-
-
-def test_an_incomplete_base_says_how_to_install_it() -> None:
-    text = missing_extra("boat-companion", ModuleNotFoundError(name="serial.tools"))
-    assert text == "the Python module 'serial' is missing: pip install . in a clone of mavboat"

@@ -1,10 +1,8 @@
-import dataclasses
 from itertools import pairwise
 
 import pytest
-from boat_rig import OK, FakeBattery, Rig, Silent
+from boat_rig import OK, Rig, Silent
 
-from companion.core.readings import HeadingReading
 from companion.failsafe.table import Condition
 from companion.mavlink.dialect import dialect
 
@@ -40,13 +38,6 @@ def driving(rig: Rig) -> None:
         rig.step(5)
 
 
-def test_the_motors_get_a_command_each_tick_and_none_before_arming() -> None:
-    motors = Recorded()
-    rig = Rig(motors=motors)
-    rig.run(10.0)
-    assert motors.history == [(0.0, 0.0)] * 500
-
-
 def test_the_motors_follow_the_hand_and_no_faster_than_the_slew_rate() -> None:
     motors = Recorded()
     rig = Rig(motors=motors)
@@ -79,53 +70,6 @@ def test_closing_stops_the_motors_and_may_be_done_twice() -> None:
     assert rig.peer.link.is_closed
 
 
-def under_way_to_the_north() -> Rig:
-    rig = Rig().ready()
-    rig.set_mode(15)
-    rig.arm()
-    rig.peer.command_int(192, -1, 1, 0, 0, x=500_010_000, y=-12_000_000)
-    rig.run(5.0)
-    assert rig.world._motors.left > 0.1
-    return rig
-
-
-def test_a_boat_whose_compass_falls_silent_goes_on_by_its_course() -> None:
-    rig = under_way_to_the_north()
-    stuck = Stuck(rig.hardware.compass.read())
-    rig.boat.sensors._hardware = dataclasses.replace(rig.hardware, compass=stuck)
-    rig.run(20.0)
-    assert "Failsafe: Compass lost: using gyro and course" in rig.peer.texts
-    assert rig.mode == "GUIDED"
-    assert rig.world.truth.north_m > 30.0
-    assert abs(rig.world.truth.east_m) < 2.0
-
-
-def test_without_compass_and_course_the_motors_stop() -> None:
-    rig = under_way_to_the_north()
-    rig.boat.sensors._hardware = dataclasses.replace(
-        rig.hardware, compass=Stuck(rig.hardware.compass.read()), gnss=Silent()
-    )
-    rig.run(rig.config.motors.estimate_timeout_s + 1.3)
-    assert "Failsafe: Heading lost" in rig.peer.texts
-    assert rig.mode == "HOLD"
-    assert rig.boat.guidance.helm.heading_pid is None  # an open loop learns nothing and tells nothing
-    assert (rig.world._motors.left, rig.world._motors.right) == (0.0, 0.0)
-
-
-class Stuck:
-    """A compass that goes on handing out the same reading."""
-
-    def __init__(self, reading: HeadingReading | None) -> None:
-        self._reading = reading
-
-    def read(self) -> HeadingReading | None:
-        """The same again."""
-        return self._reading
-
-    def close(self) -> None:
-        """Nothing to let go."""
-
-
 def test_a_boat_without_receiver_can_still_be_driven_by_hand() -> None:
     rig = Rig(gnss=Silent())
     rig.run(2.0)
@@ -135,31 +79,6 @@ def test_a_boat_without_receiver_can_still_be_driven_by_hand() -> None:
     rig.peer.send(dialect.MAVLink_manual_control_message(1, 0, 0, 800, 0, 0))
     rig.run(0.5)
     assert rig.world._motors.left == pytest.approx(0.8)
-
-
-def test_a_low_pack_brings_the_boat_home_after_its_time() -> None:
-    battery = FakeBattery(12.0)
-    rig = Rig(battery=battery).ready()
-    rig.set_mode(15)
-    rig.arm()
-    rig.run(1.0)
-    battery.voltage_v = 9.9
-    took_s = rig.until(lambda: rig.mode == "RTL", 20.0)
-    assert took_s == pytest.approx(rig.config.failsafe.battery_low_s, abs=0.1)
-    rig.step()
-    assert any("Battery low: 9.9 V" in text for text in rig.peer.texts)
-
-
-def test_an_operator_who_falls_silent_is_missed_and_the_planner_does_not_stand_in() -> None:
-    rig = Rig().ready()
-    rig.set_mode(15)
-    rig.arm()
-    for second in range(12):
-        if second < 3:
-            rig.peer.heartbeat()
-        rig.peer.heartbeat(dialect.MAV_TYPE_ONBOARD_CONTROLLER)
-        rig.run(1.0)
-        assert rig.mode == ("GUIDED" if second < 7 else "LOITER")
 
 
 def test_equal_seeds_give_equal_bytes_and_another_seed_gives_others() -> None:

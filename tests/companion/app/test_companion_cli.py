@@ -25,15 +25,6 @@ def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> int:
     return int(caught.value.code or 0)
 
 
-def test_a_good_configuration_is_fine(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
-    path = tmp_path / "boat.toml"
-    path.write_text(BOAT_TOML, encoding="utf-8")
-    assert run(monkeypatch, "check", "--config", str(path)) == 0
-    assert "fine; links udpin:127.0.0.1:0" in capsys.readouterr().out.replace("\n", "")
-
-
 @pytest.mark.parametrize(
     ("content", "words"),
     [
@@ -79,8 +70,3 @@ def test_wrong_usage_is_exit_code_two(
     assert run(monkeypatch, "run") == 2
     assert "--config" in capsys.readouterr().err
     assert run(monkeypatch, "fly") == 2
-
-
-def test_the_version_is_told(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(monkeypatch, "version") == 0
-    assert capsys.readouterr().out.count(".") == 2

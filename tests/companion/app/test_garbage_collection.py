@@ -25,10 +25,6 @@ def swept(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[int]]:
     return sweep
 
 
-def test_a_few_young_objects_are_left_alone(swept: Callable[..., list[int]]) -> None:
-    assert swept(LONG_S, 3_999, 50, 50) == []
-
-
 def test_many_are_swept_between_ticks_and_older_ones_more_seldom(swept: Callable[..., list[int]]) -> None:
     assert swept(LONG_S, 4_000, 0, 0) == [0]
     assert swept(LONG_S, 4_000, 20, 0) == [1]

@@ -1,15 +1,12 @@
 """Every program explains itself the same way: -h, --version, and its whole help without arguments."""
 
 import importlib
-import re
 import socket
 
 import pytest
 
 from companion import __version__
-from companion.cli.busy_port import PortInUseError, busy_port_explained
 from companion.cli.interrupts import Run
-from companion.core.errors import LinkError
 
 PROGRAMS = {
     "boat-companion": "companion.__main__",
@@ -54,28 +51,6 @@ def test_without_arguments_the_help_is_printed_as_it_is_formatted(
     assert printed.out == ""
     assert printed.err == asked_for
     assert printed.err.count("\n") > 10
-
-
-@pytest.mark.parametrize("command", ["serve", "sail", "campaign", "report"])
-def test_commands_of_the_emulator_know_the_short_option_too(
-    command: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert program("boat-sitl")([command, "-h"]) == 0
-    assert re.match(rf"Usage: boat-sitl {command} ", capsys.readouterr().out)
-
-
-def test_a_busy_port_is_wrong_usage_with_advice() -> None:
-    with pytest.raises(PortInUseError) as told, busy_port_explained("choose another with --port"):
-        raise LinkError("cannot listen on 127.0.0.1:9002: Address already in use")
-    assert told.value.exit_code == 2
-    assert "127.0.0.1:9002" in str(told.value)
-    assert str(told.value).endswith("end it, or choose another with --port")
-
-
-def test_a_port_that_fails_otherwise_is_no_link_as_before() -> None:
-    with pytest.raises(LinkError, match="Cannot assign") as told, busy_port_explained("choose another"):
-        raise LinkError("cannot listen on 203.0.113.1:9002: Cannot assign requested address")
-    assert told.value.exit_code == 3
 
 
 def test_the_simulators_port_is_explained_too(capsys: pytest.CaptureFixture[str]) -> None:

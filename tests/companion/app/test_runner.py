@@ -55,26 +55,8 @@ def test_missed_ticks_are_skipped_and_counted_never_caught_up() -> None:
     assert min(gaps) > PERIOD_S - 0.01
 
 
-def test_the_emulators_ticks_are_its_time_and_none_is_skipped() -> None:
-    loop = Loop(lambda n: 0.109 if n == 2 else 0.0, skip_missed=False).run(10)
-    assert loop.numbers == list(range(10))
-    assert loop.runner.ticks.skipped == 4
-
-
 def test_the_load_is_the_share_of_the_tick_that_work_takes() -> None:
     assert Loop(lambda n: 0.005).run(1000).runner.load == pytest.approx(0.25, abs=0.01)
-
-
-def test_nothing_is_run_once_it_is_told_to_stop() -> None:
-    assert Loop(lambda n: 0.0).run(0).numbers == []
-
-
-def test_what_a_tick_raises_comes_out() -> None:
-    def fail(number: int) -> float:
-        raise ZeroDivisionError
-
-    with pytest.raises(ZeroDivisionError):
-        Loop(fail).run(1)
 
 
 class Pipe:

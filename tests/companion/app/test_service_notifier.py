@@ -1,20 +1,17 @@
 """Messages to the service manager, read by a socket of the kind that systemd listens on."""
 
 import contextlib
-import os
 import socket
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from companion.app.service_notifier import ServiceNotifier, status_line
+from companion.app.service_notifier import ServiceNotifier
 from companion.app.status_file import find_status, status_path
 from companion.config.boat_config import BoatConfig
 from companion.config.boat_config import StorageSetting as Storage
 from companion.core.errors import ConfigError
-from companion.core.modes import Mode
-from companion.core.vehicle_status import VehicleStatus
 
 
 class Manager:
@@ -94,14 +91,6 @@ def test_without_a_watchdog_none_is_served(manager: Manager, usec: str) -> None:
     notifier.close()
 
 
-def test_the_watchdog_of_another_process_is_not_served(manager: Manager) -> None:
-    other = {"WATCHDOG_USEC": "2000000", "WATCHDOG_PID": str(os.getpid() + 1)}
-    notifier = ServiceNotifier({**manager.environment, **other})
-    run(notifier, 0.0, 5.0)
-    assert manager.received() == [["READY=1", "STATUS=HOLD, disarmed"]]
-    notifier.close()
-
-
 def test_a_restart_in_place_is_no_end_and_has_longer_than_the_watchdog(manager: Manager) -> None:
     environment = {**manager.environment, "WATCHDOG_USEC": "2000000"}
     notifier = ServiceNotifier(environment)
@@ -114,16 +103,6 @@ def test_a_restart_in_place_is_no_end_and_has_longer_than_the_watchdog(manager: 
     fresh.tick(0.0, "HOLD, disarmed")
     fresh.close()
     assert manager.received()[0][:2] == ["READY=1", "WATCHDOG_USEC=2000000"]
-
-
-def test_a_restart_in_place_starts_no_watchdog_where_there_was_none(manager: Manager) -> None:
-    notifier = ServiceNotifier(manager.environment)
-    notifier.restarting()
-    assert manager.received() == [], "it was never ready"
-    notifier.tick(0.0, "HOLD, disarmed")
-    notifier.restarting()
-    notifier.close()
-    assert manager.received()[1:] == [["RELOADING=1"]]
 
 
 def test_a_full_queue_delays_a_message_and_no_tick(manager: Manager) -> None:
@@ -156,11 +135,6 @@ def test_outside_a_unit_no_socket_is_opened(address: str, monkeypatch: pytest.Mo
     notifier.restarting()
     notifier.stopping()
     notifier.close()
-
-
-def test_the_status_line_names_mode_and_arming() -> None:
-    assert status_line(VehicleStatus(mode=Mode.AUTO, armed=True)) == "AUTO, armed"
-    assert status_line(VehicleStatus()) == "HOLD, disarmed"
 
 
 # Where the status file lies

@@ -40,14 +40,6 @@ def test_a_fit_says_how_sure_it_is_of_its_first_coefficient() -> None:
     assert claimed == pytest.approx(spread, rel=0.2)
 
 
-def test_a_fit_admits_what_it_cannot_tell_apart() -> None:
-    fit = Fit(2)
-    assert fit.solve() is None
-    for t in range(10):
-        fit.add((t, 2.0 * t), t)
-    assert fit.solve() is None
-
-
 def swung(
     model: FittedYawModel, hysteresis_rad: float, load: float = 0.0, seed: int = 1
 ) -> tuple[RelayFeedback, YawFit]:
@@ -84,11 +76,6 @@ def test_two_swings_tell_gain_lag_delay_and_noise(model: FittedYawModel) -> None
     assert found.delay_s == pytest.approx(model.delay_s, abs=0.041)
     assert found.noise_rad_s == pytest.approx(model.noise_rad_s, rel=0.3)
     assert swings[0][0].periods_s[-1] < swings[1][0].periods_s[-1]
-
-
-def test_nothing_is_made_of_no_swing() -> None:
-    assert yaw_model([]) is None
-    assert yaw_model([YawFit()]) is None
 
 
 def test_the_throw_moves_to_meet_what_turns_the_boat_aside() -> None:

@@ -108,22 +108,6 @@ def test_a_circle_on_the_water_corrects_hard_and_soft_iron() -> None:
     assert fit.correction.offset[2] == pytest.approx(-120.0, abs=5.0)
 
 
-def test_a_level_circle_is_exact_but_for_noise_also_where_the_earths_field_is_unknown() -> None:
-    boat = Boat(CompassCalibration(NO_CORRECTION, None, 0.0))
-    boat.circle()
-    fit = boat.calibration.solve(16.0)
-    assert fit.verdict is CompassVerdict.SUCCESS
-    assert worst_deg(boat, fit) < 0.5
-    assert fit.fitness_mg < 2.5
-    assert fit.correction.offset[2] == 0.0
-
-
-def test_iron_stronger_than_the_earths_field_is_corrected() -> None:
-    boat = Boat(CompassCalibration(NO_CORRECTION, EARTH, 0.0), hard=(500.0, 200.0, 0.0))
-    boat.circle()
-    assert worst_deg(boat, boat.calibration.solve(16.0)) < 0.5
-
-
 def test_turning_in_the_hands_gives_the_ellipsoid() -> None:
     soft: Matrix = ((1.1, 0.04, -0.03), (0.04, 0.95, 0.05), (-0.03, 0.05, 0.9))
     boat = Boat(CompassCalibration(NO_CORRECTION, EARTH, 0.0), soft=soft)
@@ -145,23 +129,6 @@ def test_part_of_a_circle_is_not_enough(turns: float) -> None:
     assert boat.calibration.progress_percent < 90
 
 
-def test_a_boat_at_rest_covers_nothing() -> None:
-    boat = Boat(CompassCalibration(NO_CORRECTION, EARTH, 0.0))
-    for _ in range(3000):
-        boat.hold(1.0)
-    assert boat.calibration.progress_percent == 0
-
-
-def test_progress_only_grows_in_a_circle() -> None:
-    boat = Boat(CompassCalibration(NO_CORRECTION, EARTH, 0.0))
-    seen = []
-    for step in range(1100):
-        boat.hold(0.3 * step * PERIOD_S, 0.3)
-        seen.append(boat.calibration.progress_percent)
-    assert seen == sorted(seen)
-    assert 20 < seen[400] < 70
-
-
 def test_a_magnet_that_moves_with_the_turn_leaves_an_error_and_is_refused() -> None:
     boat = Boat(CompassCalibration(NO_CORRECTION, EARTH, 0.0))
     for step in range(1400):
@@ -172,30 +139,6 @@ def test_a_magnet_that_moves_with_the_turn_leaves_an_error_and_is_refused() -> N
     assert fit.verdict is CompassVerdict.FAILED
     assert "is too large" in fit.reason
     assert boat.calibration.solve(100.0).verdict is CompassVerdict.SUCCESS
-
-
-def test_a_board_upside_down_turns_against_the_gyro() -> None:
-    boat = Boat(CompassCalibration(NO_CORRECTION, EARTH, 0.0))
-    boat.circle(gyro=-1.0)
-    fit = boat.calibration.solve(16.0)
-    assert fit.verdict is CompassVerdict.BAD_ORIENTATION
-    assert fit.correction == NO_CORRECTION
-
-
-@pytest.mark.parametrize("gyro", [1.0, None, 0.9])
-def test_a_gyro_that_turns_the_same_way_or_is_not_there_does_not_object(gyro: float | None) -> None:
-    boat = Boat(CompassCalibration(NO_CORRECTION, EARTH, 0.0))
-    boat.circle(-1.3, gyro=gyro)
-    assert boat.calibration.solve(16.0).verdict is CompassVerdict.SUCCESS
-
-
-def test_a_field_that_is_not_the_earths_is_refused() -> None:
-    screened: Matrix = ((0.4, 0.0, 0.0), (0.0, 0.4, 0.0), (0.0, 0.0, 1.0))
-    boat = Boat(CompassCalibration(NO_CORRECTION, EARTH, 0.0), soft=screened)
-    boat.circle()
-    fit = boat.calibration.solve(16.0)
-    assert fit.verdict is CompassVerdict.BAD_RADIUS
-    assert "the earth's is 200 mG" in fit.reason
 
 
 @pytest.mark.parametrize(("strength", "verdict"), [(0.7, 4), (1.5, 4), (1.7, 7)])
@@ -246,14 +189,6 @@ def test_an_offset_beyond_the_parameters_range_is_refused_with_the_cure() -> Non
     boat = Boat(CompassCalibration(NO_CORRECTION, EARTH, 0.0), hard=(1900.0, 0.0, 0.0))
     boat.circle()
     assert boat.calibration.solve(16.0).reason == "iron or a magnet is too near: move the compass"
-
-
-def test_the_motors_part_is_kept() -> None:
-    before = MagneticCorrection(motor=(1.0, 2.0, 3.0), motor_source=BY_CURRENT)
-    boat = Boat(CompassCalibration(before, EARTH, 0.0))
-    boat.circle()
-    after = boat.calibration.solve(16.0).correction
-    assert (after.motor, after.motor_source) == (before.motor, before.motor_source)
 
 
 def test_eigenvalues_and_vectors_rebuild_the_matrix() -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from companion.cli.output_file import output_file, output_folder, write_text
+from companion.cli.output_file import output_file, write_text
 from companion.core.errors import OutputError
 
 FULL = Path("/dev/full")
@@ -38,22 +38,6 @@ def test_a_write_that_breaks_off_leaves_the_old_file_and_no_other(
         break_off()
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
-
-
-def test_a_full_disk_is_one_line_with_the_files_name_and_what_to_do(tmp_path: Path) -> None:
-    path = tmp_path / "a.csv"
-    with pytest.raises(OutputError) as caught, output_file(path):
-        raise OSError(28, "No space left on device")
-    assert str(caught.value) == (
-        f"{path}: cannot be written: No space left on device: make room, or name another place"
-    )
-
-
-def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
-    (tmp_path / "file").touch()
-    for make in (output_folder, lambda path: write_text(path / "a", "")):
-        with pytest.raises(OutputError, match=r"file/below.*: cannot be written: Not a directory"):
-            make(tmp_path / "file" / "below")
 
 
 def test_a_link_stays_one(tmp_path: Path) -> None:

@@ -11,12 +11,6 @@ def decoded(text: str) -> BoatConfig:
     return decode_config(tomllib.loads(text), "boat.toml")
 
 
-def test_an_empty_file_is_the_lake_boat() -> None:
-    config = decoded("")
-    assert config == BoatConfig()
-    assert config.speed.cruise_m_s == 2.0
-
-
 def test_a_file_names_only_what_differs() -> None:
     config = decoded("links = ['udpin::14550']\n[heading]\nkp = 4\n")
     assert config.heading.kp == 4.0
@@ -62,14 +56,6 @@ def test_a_file_that_is_missing_or_no_toml_is_named(tmp_path: Path) -> None:
     path.write_bytes(b"title = '\xff'\n")
     with pytest.raises(ConfigError, match=r"bad\.toml"):
         load_config(path)
-
-
-def test_one_value_is_replaced_and_the_old_tree_stays_as_it_was() -> None:
-    before = BoatConfig()
-    after = with_value(before, "heading.kp", 3.25)
-    assert (before.heading.kp, after.heading.kp) == (3.75, 3.25)
-    assert after.heading.ki == before.heading.ki
-    assert after.speed is before.speed
 
 
 @pytest.mark.parametrize(

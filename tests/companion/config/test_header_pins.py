@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from companion.config.board import i2c_device, is_main_uart, pwm_channels, read_model, uart_pins
+from companion.config.board import is_main_uart, pwm_channels, uart_pins
 
 PAGE = (Path(__file__).parents[3] / "docs" / "first-day.md").read_text(encoding="utf-8")
 MODELS = (
@@ -40,22 +40,8 @@ def test_the_pwm_pins_of_the_page_have_a_channel_each(model: str, pins: str) -> 
     assert len({channels[pin] for pin in numbers}) == len(numbers) == len(set(channels.values()))
 
 
-def test_serial0_of_a_pi_5_is_not_on_the_header() -> None:
-    assert uart_pins("/dev/serial0", "Raspberry Pi 5 Model B") == ()
-
-
 def test_no_two_uarts_of_a_model_share_a_pin_but_the_names_of_the_first() -> None:
     for model in MODELS:
         devices = [f"/dev/ttyAMA{number}" for number in range(6)]
         pins = [pin for device in devices for pin in uart_pins(device, model)]
         assert len(set(pins)) == len(pins)
-
-
-def test_a_bus_is_its_number_or_its_device() -> None:
-    assert i2c_device(3) == i2c_device("/dev/i2c-3") == "/dev/i2c-3"
-
-
-def test_a_computer_without_a_model_is_nameless(tmp_path: Path) -> None:
-    assert read_model(tmp_path / "none") == ""
-    (tmp_path / "model").write_text("Raspberry Pi 5 Model B Rev 1.0\0", encoding="utf-8")
-    assert read_model(tmp_path / "model") == "Raspberry Pi 5 Model B Rev 1.0"

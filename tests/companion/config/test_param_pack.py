@@ -11,7 +11,6 @@ from pymavlink.mavftp import MAVFTP
 
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_pack import (
-    BLOCK_BYTES,
     PackedParameter,
     PackError,
     entries_of,
@@ -25,10 +24,6 @@ from companion.core.storage import MemoryStorage
 RECORDING = next(path for path in RECORDINGS if path.stem == "qgc44-ardurover-drive")
 LIMITS = {ParameterType.INT8: 127, ParameterType.INT16: 32767, ParameterType.INT32: 2**31 - 1}
 NUMBERS = {ParameterType.INT8: 1, ParameterType.INT16: 2, ParameterType.INT32: 3, ParameterType.REAL32: 4}
-
-
-def single(value: float) -> float:
-    return float(struct.unpack("<f", struct.pack("<f", value))[0])
 
 
 @st.composite
@@ -67,16 +62,6 @@ def test_pymavlink_reads_every_name_value_and_default(
         assert decoded.defaults == [(e.name.encode(), e.default, NUMBERS[e.kind]) for e in entries]
     else:
         assert not decoded.defaults
-
-
-@given(entries=entry_lists(), with_defaults=st.booleans())
-def test_no_value_lies_across_two_blocks(entries: list[PackedParameter], with_defaults: bool) -> None:
-    for count, entry in enumerate(entries):
-        file = pack(entries[: count + 1], 0, with_defaults=with_defaults)
-        size = {ParameterType.INT8: 1, ParameterType.INT16: 2}.get(entry.kind, 4)
-        if with_defaults and entry.value != entry.default:
-            size *= 2
-        assert (len(file) - 1) // BLOCK_BYTES == (len(file) - size) // BLOCK_BYTES
 
 
 @given(entries=entry_lists())
@@ -131,19 +116,6 @@ def test_the_boats_own_file_counts_right_and_is_small() -> None:
     assert (b"HDG_KP", 3.5, 4) in decoded.params
     assert (b"HDG_KP", 3.75, 4) in decoded.defaults
     assert len(file) < 20 * len(ROWS)
-
-
-def test_a_value_beyond_its_type_costs_no_other_value() -> None:
-    file = pack(
-        [
-            PackedParameter("A", ParameterType.INT8, 300.0, 1.0),
-            PackedParameter("B", ParameterType.INT16, 5.0, 5.0),
-        ],
-        2,
-    )
-    decoded = MAVFTP.ftp_param_decode(file)
-    assert decoded is not None
-    assert decoded.params == [(b"A", 127, 1), (b"B", 5, 2)]
 
 
 def recorded_file() -> bytes:

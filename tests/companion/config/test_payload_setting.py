@@ -53,10 +53,6 @@ def test_a_wrong_table_is_refused_and_named(payload: list[dict[str, object]], te
     assert text in str(told.value)
 
 
-def test_an_active_low_relay_may_have_a_pin_that_is_high_at_reset() -> None:
-    decode_config({"payload": [{**RELAY, "pin": 4, "active_low": True}]}, "boat.toml")
-
-
 def test_a_light_and_a_servo_may_have_one_number() -> None:
     decode_config({"payload": [{**RELAY, "number": 9}, {"kind": "servo", "number": 9}]}, "boat.toml")
 

@@ -67,11 +67,6 @@ def test_the_power_page_names_no_module_and_no_second_battery() -> None:
     assert FACTS["BATT2_MONITOR"].shown(values["BATT2_MONITOR"]) == "Disabled"
 
 
-def test_the_menus_do_not_cut_a_name() -> None:
-    names = {text for fact in FACTS.values() for text in (*fact.choices.values(), *fact.bits.values())}
-    assert {name for name in names if len(name) > 24} == set()
-
-
 def test_every_parameter_has_a_text_and_is_shown_as_unchanged_on_a_fresh_boat() -> None:
     rig = Rig()
     values = sent_by(rig)
@@ -82,34 +77,6 @@ def test_every_parameter_has_a_text_and_is_shown_as_unchanged_on_a_fresh_boat() 
     different = {row.name for row in ROWS if own.value(row) != usual.value(row)}
     assert {name for name, fact in FACTS.items() if not fact.is_default(values[name])} == different
     assert all(fact.text for fact in FACTS.values())
-
-
-def test_a_fraction_is_shown_as_one() -> None:
-    assert FACTS["HND_SLIP"].shown(FACTS["HND_SLIP"].default) == "0.400"
-    for fact in FACTS.values():
-        if fact.kind == "Float":
-            assert float(fact.shown(fact.default)) == pytest.approx(fact.default, rel=0.01)
-            assert float(fact.shown(fact.low)) == pytest.approx(fact.low, rel=0.01), fact
-
-
-@pytest.mark.parametrize(
-    ("name", "value", "text"),
-    [
-        ("MODE1", 15, "Guided"),
-        ("MODE6", 10, "Auto"),
-        ("FS_ACTION", 6, "LOITER or HOLD"),
-        ("FS_GCS_ENABLE", 1, "Enabled"),
-        ("FS_THR_ENABLE", 2, "Enabled except in AUTO"),
-        ("BATT_MONITOR", 4, "Voltage and current"),
-        ("FRAME_TYPE", 0, "Undefined"),
-        ("AHRS_ORIENTATION", 0, "None"),
-        ("RC7_OPTION", 153, "Arm or disarm"),
-        ("COMPASS_USE", 1, "Yes"),
-        ("FS_MOT_ACT", 8, "Test each motor"),
-    ],
-)
-def test_a_choice_has_a_menu_with_its_present_value(name: str, value: int, text: str) -> None:
-    assert FACTS[name].shown(value) == text
 
 
 def test_what_is_a_choice_by_its_range_has_a_menu_or_bits() -> None:
@@ -127,17 +94,6 @@ def test_what_is_a_choice_by_its_range_has_a_menu_or_bits() -> None:
         "FS_CLEAR_TRIES",
     }
     assert {f.name for f in FACTS.values() if is_choice(f) and not f.choices and not f.bits} <= numbers
-
-
-def test_the_frame_page_finds_the_boat_behind_the_entry_that_it_leaves_out() -> None:
-    assert "Boat" in list(FACTS["FRAME_CLASS"].choices.values())[1:]
-
-
-def test_the_safety_page_has_a_box_for_all_arming_checks_that_stands_for_the_value() -> None:
-    assert FACTS["ARMING_CHECK"].bits == {1: "All"}
-    assert FACTS["ARMING_CHECK"].default == 1
-    assert FACTS["FENCE_TYPE"].bits[4] == "Polygons and circles"
-    assert FACTS["AVOID_ENABLE"].bits[1] == "Fence"
 
 
 def test_what_holds_from_the_next_start_on_asks_for_a_reboot() -> None:

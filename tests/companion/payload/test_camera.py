@@ -64,17 +64,6 @@ class Rig:
             self.images += self.camera.take_images()
 
 
-def test_a_single_image_has_the_time_and_place_of_the_shutter() -> None:
-    rig = Rig()
-    rig.camera.perform(StartCapture(), 0.0)
-    rig.run(2.0, speed_m_s=2.0)
-    (image,) = rig.images
-    assert image.time_s == pytest.approx(TICK_S)
-    assert image.position is not None
-    assert FRAME.to_local(image.position).north_m == pytest.approx(0.04, abs=0.01)
-    assert (image.index, image.path, image.fault) == (0, "image-1.jpg", "")
-
-
 def test_a_series_is_counted_and_evenly_spaced() -> None:
     rig = Rig()
     rig.camera.perform(StartCapture(3, 2.0), 0.0)
@@ -117,24 +106,6 @@ def test_images_by_distance_and_one_at_once() -> None:
     rig.camera.perform(CaptureByDistance(0.0), rig.shutter.now_s)
     rig.run(20.0, speed_m_s=2.0)
     assert len(rig.images) == 5
-
-
-def test_a_distance_of_less_than_a_metre_counts() -> None:
-    rig = Rig(run_s=0.02)
-    rig.camera.perform(CaptureByDistance(0.5), 0.0)
-    rig.run(1.1, speed_m_s=1.0)
-    assert len(rig.images) == 2
-
-
-def test_a_new_camera_takes_nothing_and_a_stopped_one_has_no_series() -> None:
-    rig = Rig()
-    assert (rig.camera.left, rig.camera.interval_s, rig.camera.distance_m) == (0.0, 0.0, 0.0)
-    rig.camera.perform(StartCapture(0, 1.0), 0.0)
-    has_series = [rig.camera.has_series]
-    rig.camera.perform(StopCapture(), 0.0)
-    assert [*has_series, rig.camera.has_series] == [True, False]
-    rig.run(3.0)
-    assert rig.images == []
 
 
 def test_a_failed_image_is_told_and_the_next_one_taken() -> None:

@@ -98,14 +98,6 @@ def test_an_image_is_news_and_has_the_boats_place(rig: Rig) -> None:
     assert rig.control.perform(StopCapture(), rig.now_s) == ""
 
 
-def test_a_failed_image_is_told(rig: Rig) -> None:
-    assert rig.sim.capture is not None
-    rig.sim.capture.outcome = "it left no file"
-    rig.control.perform(StartCapture(), rig.now_s)
-    told = [text for _ in range(200) for text in rig.tick()]
-    assert told == [(Severity.WARNING, "Camera: image 0: it left no file")]
-
-
 def test_disarming_enters_the_safe_states(rig: Rig) -> None:
     rig.tick(SetRelay(0, True))
     rig.vehicle.armed = True

@@ -12,13 +12,12 @@ from companion.payload.actions import (
     RepeatRelay,
     RepeatServo,
     RunCommand,
-    SetLights,
     SetRelay,
     SetServo,
     StartCapture,
     WinchMotion,
 )
-from companion.payload.fitted import CAMERA, FittedPayload
+from companion.payload.fitted import FittedPayload
 
 CONFIG = decode_config(
     {
@@ -110,17 +109,6 @@ def test_a_relay_of_a_command_stands_for_the_command() -> None:
         1, "no relay 5, expected that of a command", is_absent=True
     )
     assert fitted.resolve(RunCommand(7)) == RunCommand(7)
-
-
-def test_what_is_lacking_is_known_by_kind() -> None:
-    assert FITTED.lacks("light") == ActionFault(0, "this boat has no light", is_absent=True)
-    assert FITTED.lacks("relay") is None  # the horn
-    assert FITTED.lacks(CAMERA) is None
-    assert FittedPayload(CONFIG.payload).lacks(CAMERA) is not None
-    assert FittedPayload().lacks("servo") is not None
-    assert FittedPayload().fault(MoveGripper(0, closes=True)) == FittedPayload().lacks("gripper")
-    assert FittedPayload().fault(MoveWinch(0, RATE)) == FittedPayload().lacks("winch")
-    assert FITTED.fault(SetLights(True)) is None  # the caller asks `lacks` first
 
 
 def test_the_motions_of_a_winch_have_mavlinks_numbers_and_what_is_not_said_is_nothing() -> None:

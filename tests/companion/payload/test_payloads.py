@@ -20,7 +20,6 @@ from companion.payload.actions import (
     UnitAction,
     WinchMotion,
 )
-from companion.payload.actuator import TimedWrite, alternate
 from companion.payload.payloads import Payloads, Written
 
 TICK_S = 0.02
@@ -218,23 +217,6 @@ def test_a_horn_that_has_been_cut_off_does_not_go_on_with_its_repetitions(rig: R
     assert rig.values(HORN) == [1.0, 0.0]
 
 
-def test_half_a_period_is_spent_at_either_value() -> None:
-    halves = [TimedWrite(1.0, 2.0), TimedWrite(0.0, 2.0)]
-    assert list(alternate(1.0, 0.0, count=2, period_s=4.0)) == halves * 2
-
-
-def test_a_gripper_on_a_pin_stays_closed(rig: Rig) -> None:
-    rig.do(MoveGripper(2, closes=True))
-    rig.run(5.0)
-    assert rig.values(MAGNET) == [1.0]
-
-
-def test_what_an_action_writes_is_known_at_once_and_a_repetition_told(rig: Rig) -> None:
-    rig.do(RepeatRelay(0, 3, 0.5))
-    assert rig.units.take_written() == [Written("relay 0", 0.0)]
-    assert [text for _, text in rig.units.take_status_texts()] == ["Relay 0: 3 times, every 0.5 s"]
-
-
 def test_a_command_runs_one_at_a_time_and_reports(rig: Rig) -> None:
     assert rig.do(RunCommand(7)) == ""
     assert rig.do(RunCommand(7)) == "command 7: still running"
@@ -288,21 +270,3 @@ def test_telemetry_knows_widths_relays_and_the_first_winch(rig: Rig) -> None:
     assert dict(Rig().units.servo_us()) == {9: 0, 10: 0}, "no pulses before the first tick"
     assert Payloads().winch is None
     assert Payloads().relays() == (0, 0)
-
-
-def test_a_stalled_winch_is_told() -> None:
-    class Switch:
-        count = 0
-
-        def close(self) -> None:
-            """Nothing to release."""
-
-    table = {"kind": "winch", "number": 1, "count_pin": 22, "stall_s": 1.0}
-    settings = decode_config({"payload": [table]}, "test").payload
-    units = Payloads(settings, PayloadParts({0: Output()}, {0: Switch()}))
-    units.tick(0.0, is_armed=False, is_operator_lost=False)
-    units.perform(MoveWinch(1, WinchMotion.LENGTH, 1.0), 0.0)
-    for tick in range(100):
-        units.tick(tick * TICK_S, is_armed=False, is_operator_lost=False)
-    texts = [text for _, text in units.take_status_texts()]
-    assert texts == ["Winch 1: out 1 m", "Winch 1: no pulse for 1 s, stopped"]

@@ -85,15 +85,6 @@ def test_the_length_is_known_once_the_line_was_wound_in() -> None:
     assert rig.run(60.0) == 0.0  # it is in
 
 
-def test_a_broken_off_retraction_leaves_the_length_unknown() -> None:
-    rig = Rig()
-    rig.move(WinchMotion.RETRACT)
-    rig.run(3.0)
-    rig.move(WinchMotion.LOCK)
-    assert rig.motor.values[-1] == 0.0
-    assert math.isnan(rig.winch.out_m)
-
-
 @pytest.mark.parametrize("motion", [WinchMotion.RELAX, WinchMotion.LOCK, WinchMotion.HOLD])
 def test_relax_lock_and_hold_stop_it(motion: WinchMotion) -> None:
     rig = Rig()
@@ -103,12 +94,6 @@ def test_relax_lock_and_hold_stop_it(motion: WinchMotion) -> None:
     rig.move(motion)
     assert rig.motor.values == [-0.5, 0.0]
     assert not rig.winch.is_moving
-
-
-def test_a_rate_ends_with_the_line() -> None:
-    rig = Rig()
-    rig.move(WinchMotion.RATE, rate_m_s=0.25)
-    assert rig.run(60.0) == pytest.approx(20.0, abs=2 * TICK_S)
 
 
 def test_pulses_count_the_line_whatever_the_time() -> None:
@@ -141,15 +126,6 @@ def test_a_reversal_rests_first_and_the_rest_is_not_counted() -> None:
     assert rig.motor.values == [1.0, 0.0, -1.0, 0.0]
 
 
-def test_the_speed_is_that_of_the_line_and_none_at_rest() -> None:
-    rig = Rig()
-    assert rig.winch.speed_m_s == 0.0
-    rig.move(WinchMotion.RATE, rate_m_s=-0.1)
-    assert rig.winch.speed_m_s == pytest.approx(-0.1)
-    rig.run(60.0)
-    assert rig.winch.speed_m_s == 0.0
-
-
 def test_a_slow_rate_ends_with_the_line_that_is_left() -> None:
     rig = Rig()
     rig.move(WinchMotion.RETRACT)
@@ -161,29 +137,6 @@ def test_a_slow_rate_ends_with_the_line_that_is_left() -> None:
     assert rig.winch.out_m == pytest.approx(5.0, abs=0.03)
     rig.move(WinchMotion.RATE, rate_m_s=-0.25)
     assert rig.run(60.0) == pytest.approx(20.0, abs=8 * TICK_S)
-
-
-def test_a_new_winch_is_at_rest_and_knows_no_length() -> None:
-    winch = Rig().winch
-    assert not winch.is_moving
-    assert math.isnan(winch.out_m)
-    assert winch.stall_text == ""
-    winch.tick(100.0)
-    assert winch.speed_m_s == 0.0
-
-
-def test_a_short_length_is_moved() -> None:
-    rig = Rig()
-    rig.move(WinchMotion.LENGTH, 0.5)
-    assert rig.run(60.0) == pytest.approx(1.0, abs=2 * TICK_S)
-
-
-def test_a_line_that_is_in_is_not_wound_in_again() -> None:
-    rig = Rig()
-    rig.winch.out_m = 0.0
-    rig.move(WinchMotion.RETRACT)
-    assert rig.run(60.0) == 0.0
-    assert rig.winch.out_m == 0.0
 
 
 def test_a_length_after_a_broken_off_retraction_does_not_end_wound_in() -> None:

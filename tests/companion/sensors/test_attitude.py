@@ -73,13 +73,6 @@ def test_shocks_do_not_move_the_horizon() -> None:
     assert roll_pitch(filter_.down)[0] == pytest.approx(0.0, abs=1e-6)
 
 
-def test_after_a_gap_everything_is_measured_anew() -> None:
-    filter_ = filled()
-    filter_.turn((0.0, 0.0, 0.0), (0.0, -9.81, 0.0), 20.0)
-    assert filter_.attitude is None
-    assert math.degrees(roll_pitch(filter_.down)[0]) == pytest.approx(90.0)
-
-
 def test_quarter_turns_are_exact_and_chain_in_the_order_roll_pitch_yaw() -> None:
     assert times(quarter_turns(0, 0, 1), (1.0, 0.0, 0.0)) == (0.0, 1.0, 0.0)  # ahead to starboard
     assert times(quarter_turns(0, 1, 0), (1.0, 0.0, 0.0)) == (0.0, 0.0, -1.0)  # bow up

@@ -8,7 +8,7 @@ from boat_rig import Rig
 from companion.core.geo import LatLon
 from companion.core.readings import GnssFix, HeadingReading
 from companion.core.status_text import Severity
-from companion.sensors.compass.earth_field import EarthFieldModel, decimal_year
+from companion.sensors.compass.earth_field import EarthFieldModel
 
 # NOAA's test values at sea level (WMM2025_TestValues): year, latitude, longitude, declination in degrees,
 # horizontal and downward field in nT
@@ -35,11 +35,6 @@ def test_the_field_is_that_of_noaas_test_values(row: tuple[float, ...]) -> None:
     assert field.down_mg * 100.0 == pytest.approx(down_nt, abs=0.2)
 
 
-def test_a_date_is_a_year_and_its_fraction() -> None:
-    assert decimal_year(BEGIN_2025_S) == 2025.0
-    assert decimal_year(BEGIN_2025_S + YEAR_S / 2.0) == pytest.approx(2025.5)
-
-
 def test_the_operator_is_told_once_and_warned_after_the_models_end() -> None:
     model = EarthFieldModel()
     assert model.update(LatLon(50.0, -1.2), 0.0) == []
@@ -49,11 +44,6 @@ def test_the_operator_is_told_once_and_warned_after_the_models_end() -> None:
     assert model.update(LatLon(51.0, -1.2), BEGIN_2025_S) == []
     late = EarthFieldModel().update(LatLon(50.0, -1.2), BEGIN_2025_S + 5.01 * YEAR_S)
     assert late[1] == (Severity.WARNING, "Compass: WMM-2025 is for 2025 to 2030; update the boat's software")
-
-
-def test_near_a_magnetic_pole_the_operator_is_warned() -> None:
-    texts = EarthFieldModel().update(LatLon(86.0, 140.0), BEGIN_2025_S)
-    assert texts[-1] == (Severity.WARNING, "Compass: too near a magnetic pole")
 
 
 def test_the_field_is_found_anew_far_away_and_a_day_later() -> None:
@@ -95,10 +85,6 @@ def heading_deg(*, is_magnetic: bool, **config: object) -> float:
 
 def test_a_magnetic_heading_is_turned_by_the_models_declination() -> None:
     assert heading_deg(is_magnetic=True, auto_declination=True) == pytest.approx(105.5, abs=0.5)
-
-
-def test_a_true_heading_is_not_turned() -> None:
-    assert heading_deg(is_magnetic=False, auto_declination=True) == pytest.approx(90.0)
 
 
 def test_without_the_model_the_declination_is_the_owners() -> None:

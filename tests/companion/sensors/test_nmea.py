@@ -59,21 +59,6 @@ def test_the_sentences_of_one_epoch_make_one_fix() -> None:
     assert fix.unix_time_s == 1716888470.0  # 2024-05-28 09:27:50 UTC
 
 
-def test_velocity_comes_from_vtg_where_there_is_no_rmc() -> None:
-    vtg = "GNVTG,180.00,T,,M,4.000,N,7.408,K,A"
-    (fix,) = fixes_from(stream(gga(), vtg, gga("092751.00")))
-    assert fix.north_m_s == pytest.approx(-4.0 * KNOT_M_S)
-    assert fix.east_m_s == pytest.approx(0.0, abs=1e-12)
-    assert fix.unix_time_s is None
-
-
-def test_a_receiver_at_rest_gives_a_fix_without_velocity() -> None:
-    (fix,) = fixes_from(stream(rmc(course=""), gga(), rmc("092751.00")))
-    assert fix.north_m_s is None
-    assert fix.east_m_s is None
-    assert fix.fix_type == 3
-
-
 def test_from_the_second_epoch_on_a_fix_comes_with_its_last_sentence() -> None:
     reader, assembler = NmeaReader(GNSS_SENTENCES), FixAssembler()
     arrivals: list[tuple[float, float]] = []
@@ -84,13 +69,6 @@ def test_from_the_second_epoch_on_a_fix_comes_with_its_last_sentence() -> None:
             for said in reader.feed(sentence(body)):
                 arrivals += [(time_s, fix.time_s) for fix in assembler.feed(said, time_s)]
     assert arrivals == [(1.0, 0.0), (1.2, 1.0), (2.2, 2.0)]
-
-
-def test_an_epoch_whose_last_sentence_was_lost_comes_out_with_the_next() -> None:
-    epochs = [stream(rmc(f"09275{second}.00"), gga(f"09275{second}.00")) for second in range(4)]
-    epochs[2] = sentence(rmc("092752.00"))
-    fixes = fixes_from(b"".join(epochs))
-    assert [fix.satellites for fix in fixes] == [9, 9, 0, 9]
 
 
 def test_a_receiver_whose_order_changes_is_learnt_anew() -> None:
@@ -148,11 +126,6 @@ def test_the_date_of_a_receiver_without_a_fix_is_never_given_out() -> None:
     assert {(fix.fix_type, fix.unix_time_s) for fix in fixes} == {(1, None)}
 
 
-def test_the_date_is_given_out_with_the_first_fix() -> None:
-    body = "GNRMC,092750.00,A,5030.0000,N,00112.0000,W,2.000,90.0,280524,,,A"
-    assert [fix.unix_time_s is not None for fix in fixes_from(stream(body, gga("092751.00")))] == [True]
-
-
 def test_a_flat_solution_is_two_dimensional_and_a_warning_is_no_fix() -> None:
     gsa = "GNGSA,A,2,1,2,3,,,,,,,,,,1.8,0.9,1.5"
     (fix,) = fixes_from(stream(gga(), gsa, gga("092751.00")))
@@ -169,18 +142,6 @@ def test_a_receiver_without_a_fix_still_shows_that_it_is_alive() -> None:
     warm = fixes_from(stream(rmc(), gga(), *cold, *cold))
     assert [fix.fix_type for fix in warm] == [3, 1, 1]
     assert warm[-1].position == warm[0].position
-
-
-def test_a_receiver_with_only_rmc_has_no_hdop_to_arm_on() -> None:
-    fix, *_ = fixes_from(stream(rmc(), rmc("092751.00")))
-    assert fix.fix_type == 3
-    assert fix.hdop > 50.0
-
-
-def test_a_position_off_the_globe_is_no_fix() -> None:
-    wrong = "GNGGA,092750.00,9959.0000,N,00112.0000,W,1,9,0.85,12.5,M,47.0,M,,"
-    fix, *_ = fixes_from(stream(wrong, gga("092751.00")))
-    assert fix.fix_type == 1
 
 
 @pytest.mark.parametrize(

@@ -22,12 +22,6 @@ def test_it_goes_to_and_fro_and_looks_at_each_end_once() -> None:
     assert looks(ServoScan(ACROSS), 9) == [-1.0, -0.5, 0.0, 0.5, 1.0, 0.5, 0.0, -0.5, -1.0]
 
 
-def test_a_fixed_ranger_looks_where_it_looks() -> None:
-    swing = ServoScan((0.0,))
-    swing.set_sector(0.5, 1.0)
-    assert looks(swing, 3) == [0.0, 0.0, 0.0]
-
-
 def test_it_sweeps_its_way_to_a_sector_and_stays_within() -> None:
     swing = ServoScan(ACROSS)
     swing.set_sector(0.4, 1.2)

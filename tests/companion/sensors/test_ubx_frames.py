@@ -66,12 +66,6 @@ def test_payloads_of_any_content_are_decoded_or_none(payload: bytes) -> None:
         decode(payload)
 
 
-@given(st.binary(min_size=92, max_size=92))
-def test_a_solution_of_any_bytes_has_finite_numbers(payload: bytes) -> None:
-    pvt = solution(payload)
-    assert pvt is None or abs(pvt.position.lat_deg) <= 90.0
-
-
 @pytest.mark.parametrize(("at", "date"), [(4, b"\xe8\xb0"), (4, b"\x00\x00"), (6, b"\x00"), (6, b"\x0d")])
 def test_an_impossible_date_is_no_date(at: int, date: bytes) -> None:
     raw = bytearray(PVT[6:-2])
@@ -79,13 +73,6 @@ def test_an_impossible_date_is_no_date(at: int, date: bytes) -> None:
     pvt = solution(bytes(raw))
     assert pvt is not None
     assert pvt.unix_time_s is None
-
-
-def test_a_solution_of_the_oldest_generation_is_shorter() -> None:
-    pvt = solution(PVT[6:90])
-    assert pvt is not None
-    assert pvt.correction_age_s is None
-    assert solution(PVT[6:89]) is None
 
 
 def test_a_normalised_baseline_is_no_heading() -> None:

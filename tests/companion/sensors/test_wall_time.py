@@ -14,10 +14,6 @@ def fix(time_s: float, unix_time_s: float | None) -> GnssFix:
     return GnssFix(time_s, LatLon(50.0, -1.2), 3, 12, 0.8, unix_time_s=unix_time_s)
 
 
-def test_an_unknown_date_is_none() -> None:
-    assert WallTime().unix_s(100.0) == 0.0
-
-
 def test_a_station_goes_before_the_computer_and_satellites_before_both() -> None:
     wall = WallTime(COMPUTER_S)
     wall.update(None, None)
@@ -40,10 +36,3 @@ def test_the_date_of_a_receiver_without_a_fix_does_not_count(fix_type: int) -> N
     assert wall.unix_s(5.0) == STATION_S + 5.0
     wall.update(fix(6.0, SATELLITES_S), STATION_S)
     assert wall.unix_s(6.0) == SATELLITES_S
-
-
-def test_every_dated_fix_sets_the_date_anew() -> None:
-    wall = WallTime()
-    wall.update(fix(1.0, SATELLITES_S), None)
-    wall.update(fix(2.0, SATELLITES_S + 1.25), None)
-    assert wall.unix_s(2.0) == pytest.approx(SATELLITES_S + 1.25)

@@ -1,6 +1,5 @@
 """The battery monitors by their registers, through the real smbus2."""
 
-import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -72,11 +71,6 @@ def test_voltage_is_the_packs_and_current_that_of_the_shunt(bench: Bench) -> Non
     assert reading.current_a == pytest.approx(6.0, abs=1e-3)
 
 
-def test_charging_current_is_negative(bench: Bench) -> None:
-    bench.twin.shunt_v = -0.02
-    assert bench.step(bench.sensor(0.1)).current_a == pytest.approx(-0.2, abs=1e-3)
-
-
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_current_beyond_the_shunt_is_unknown(bench: Bench, sign: float) -> None:
     sensor = bench.sensor()
@@ -87,13 +81,6 @@ def test_a_current_beyond_the_shunt_is_unknown(bench: Bench, sign: float) -> Non
     reading = bench.step(sensor)
     assert reading.current_a is None
     assert reading.voltage_v == pytest.approx(11.0, abs=0.33)
-
-
-def test_nothing_is_read_before_the_part_has_measured(bench: Bench, clock: HandClock) -> None:
-    sensor = bench.sensor()
-    clock.advance(sensor.step())
-    assert sensor.read() is None
-    assert bench.step(sensor).voltage_v > 11.0
 
 
 def test_a_part_whose_supply_dipped_is_set_up_again_and_reads_no_zeros(
@@ -150,17 +137,6 @@ def test_an_ina226_is_not_taken_for_an_ina228_nor_written_to(dev: I2cDev, clock:
         open_battery_monitor(parts.BatteryPart(driver="ina228"), clock)
 
 
-def test_every_revision_of_the_die_is_taken_and_the_range_is_told(
-    dev: I2cDev, bus: I2cBus, clock: HandClock, caplog: pytest.LogCaptureFixture
-) -> None:
-    caplog.set_level("INFO")
-    twin = Ina226Twin(clock)
-    twin.die_id = 0x2261
-    dev.parts = {0x40: twin}
-    ShuntMonitor(INA226, bus, 0x40, 0.01)
-    assert "INA226: up to 8.19 A with a shunt of 0.01 ohm" in caplog.text
-
-
 # Divider and Hall sensor on an ADS1115
 
 
@@ -194,37 +170,6 @@ def test_divider_and_hall_sensor_give_volts_and_amperes(
     assert reading.current_a == pytest.approx(5.0, abs=0.005)
 
 
-def test_a_sensor_that_is_mounted_the_other_way_round_has_a_negative_scale(
-    analog: Callable[[parts.BatteryPart], BatterySensor],
-) -> None:
-    part = parts.BatteryPart(driver="ads1115", volt_per_a=-0.0264)
-    assert read(analog(part)).current_a == pytest.approx(-5.0, abs=0.005)
-    with pytest.raises(ValueError, match="volt_per_a = 0"):
-        parts.BatteryPart(volt_per_a=0.0)
-
-
-def test_each_value_is_of_its_own_channel(
-    converter: Ads1115Twin, analog: Callable[[parts.BatteryPart], BatterySensor]
-) -> None:
-    converter.inputs_v = [0.5, 0.6, 1.2, 2.0]
-    part = parts.BatteryPart(driver="ads1115", voltage_channel=2, current_channel=3, divider=10.0)
-    reading = read(analog(part))
-    assert reading.voltage_v == pytest.approx(12.0, abs=0.002)
-    assert reading.current_a == pytest.approx((2.0 - 1.65) / 0.0264, abs=0.005)
-    part = parts.BatteryPart(driver="ads1115", current_channel=-1)
-    assert read(analog(part)).current_a is None
-
-
-def test_channel_zero_and_a_low_output_count(
-    converter: Ads1115Twin, analog: Callable[[parts.BatteryPart], BatterySensor]
-) -> None:
-    converter.inputs_v = [0.11, 1.0, 0.0, 0.0]
-    part = parts.BatteryPart(
-        driver="ads1115", voltage_channel=1, current_channel=0, zero_v=0.0, volt_per_a=0.01
-    )
-    assert read(analog(part)).current_a == pytest.approx(11.0, abs=0.02)
-
-
 @pytest.mark.parametrize("hall_v", [0.0, 0.09, 3.6])
 def test_a_broken_wire_at_the_hall_sensor_is_no_current(
     converter: Ads1115Twin, analog: Callable[[parts.BatteryPart], BatterySensor], hall_v: float
@@ -252,19 +197,3 @@ def test_a_divider_beyond_the_range_and_a_hung_converter_are_faults(
     converter.is_hung = False
     converter.power_up()
     assert read(sensor).voltage_v == pytest.approx(11.0, abs=0.002)
-
-
-def test_a_part_that_is_no_converter_is_told_in_one_line(dev: I2cDev, clock: HandClock) -> None:
-    dev.parts = {0x48: Bno055Twin()}
-    with pytest.raises(HardwareError, match="ADS1115: the part at I²C address 0x48 is not an ADS1115"):
-        open_battery_monitor(ANALOG, clock)
-    with pytest.raises(HardwareError, match="ADS1115: no answer at I²C address 0x49"):
-        open_battery_monitor(parts.BatteryPart(driver="ads1115", address=0x49), clock)
-
-
-def test_no_number_of_the_converter_is_not_finite(
-    converter: Ads1115Twin, analog: Callable[[parts.BatteryPart], BatterySensor]
-) -> None:
-    for volt in (-0.3, 0.0, 1.0, 3.3):
-        converter.inputs_v[0] = volt
-        assert math.isfinite(read(analog(ANALOG)).voltage_v)

@@ -1,22 +1,17 @@
 """The heading of two antennas in the boat's parts: sentences, the compass in reserve, configuration."""
 
 import math
-from pathlib import Path
 
 import pytest
-from twins.lines import HandClock, PtyLine
+from twins.lines import HandClock
 from twins.ubx_messages import sentence
 
-from companion.app.parts import open_compass, open_gnss
-from companion.config.boat_config import BoatConfig, decode_config
-from companion.core.errors import HardwareError
 from companion.core.readings import HeadingReading
 from companion.core.status_text import Severity, StatusText
 from companion.core.vectors import Vector
 from companion.hal.gnss.nmea import NmeaGnss
-from companion.hal.gnss.receiver import GnssReceiver
 from companion.hal.heading.antennas import AntennaCompass
-from companion.links.memory import MemoryLink, MemoryPort, memory_pair
+from companion.links.memory import MemoryPort, memory_pair
 from companion.sensors.gnss_heading import GnssHeading
 
 
@@ -113,37 +108,6 @@ def test_the_loss_is_told_after_three_seconds_with_what_is_used_instead() -> Non
     assert bench.gnss.take_texts() == [StatusText(Severity.NOTICE, "GNSS heading is back")]
 
 
-def test_the_first_heading_may_take_a_minute() -> None:
-    bench = Bench()
-    bench.hear("GNTXT,01,01,02,ANTSTATUS=OK")
-    bench.clock.advance(60.0)
-    bench.hear("GNTXT,01,01,02,ANTSTATUS=OK")
-    assert bench.gnss.take_texts() == []
-    bench.clock.advance(0.1)
-    bench.gnss.step()
-    assert [text for _, text in bench.gnss.take_texts()] == [
-        "GNSS heading lost: no heading from the receiver; using bno055"
-    ]
-
-
-def test_messages_and_the_end_of_the_compass_in_reserve_are_passed_on() -> None:
-    bench = Bench()
-    bench.reserve.texts.append(StatusText(Severity.WARNING, "compass is silent"))
-    assert bench.compass.take_texts() == bench.reserve.texts
-    bench.compass.close()
-    bench.compass.close()
-    assert bench.reserve.is_closed
-
-
-def test_a_receiver_of_its_own_reports_through_it() -> None:
-    bench = Bench()
-    alone = AntennaCompass(GnssHeading(), bench.reserve, bench.clock, bench.gnss)
-    bench.gnss.notify(Severity.WARNING, "GNSS receiver is silent")
-    assert [text for _, text in alone.take_texts()] == ["GNSS receiver is silent"]
-    alone.close()
-    assert bench.line.is_closed
-
-
 def test_the_heading_goes_with_the_fixes_while_it_is_recent() -> None:
     bench = Bench()
 
@@ -161,41 +125,6 @@ def test_the_heading_goes_with_the_fixes_while_it_is_recent() -> None:
     assert fix_after(0.2) == pytest.approx(math.radians(90.0))
     assert fix_after(1.0) == pytest.approx(math.radians(90.0))
     assert fix_after(0.4) is None
-
-
-def boat_with(device: str, **compass: object) -> BoatConfig:
-    parts = {
-        "gnss": {"driver": "nmea", "port": device, "antenna_bearing_rad": 0.5},
-        "compass": {"driver": "gnss", **compass},
-    }
-    return decode_config({"links": ["udpin::14550"], "parts": parts}, "test")
-
-
-@pytest.mark.realtime
-def test_a_compass_of_antennas_opens_the_receivers_line_by_itself(tmp_path: Path) -> None:
-    line, clock = PtyLine(tmp_path / "ttyGNSS"), HandClock()
-    config = boat_with(line.device)
-    gnss = open_gnss(config, clock)
-    assert isinstance(gnss, GnssReceiver)
-    gnss.close()
-    alone = open_compass(config, clock)  # as the doctor opens it, without the receiver
-    alone.close()
-    again = open_gnss(config, clock)  # the line is free again
-    again.close()
-    line.unplug()
-
-
-def test_a_heading_needs_a_receiver_with_antennas() -> None:
-    config = decode_config({"links": ["udpin::14550"], "parts": {"compass": {"driver": "gnss"}}}, "test")
-    with pytest.raises(HardwareError, match=r"parts\.compass\.driver"):
-        open_compass(config, HandClock())
-
-
-def test_a_link_in_memory_is_closed_with_its_receiver() -> None:
-    bench = Bench()
-    bench.gnss.close()
-    assert isinstance(bench.line, MemoryLink)
-    assert bench.line.is_closed
 
 
 def test_a_magnetometer_in_reserve_can_be_calibrated_meanwhile() -> None:

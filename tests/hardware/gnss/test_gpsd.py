@@ -16,7 +16,6 @@ from twins.lines import HandClock, PtyLine, eventually
 from twins.ubx_messages import Motion, nav_pvt
 
 from companion.config import parts
-from companion.core.errors import ConfigError
 from companion.core.readings import GnssFix
 from companion.hal.gnss.gpsd import GpsdGnss, open_gpsd_gnss
 from companion.links.memory import MemoryPort, memory_pair
@@ -90,17 +89,6 @@ def test_without_a_fix_the_last_position_stays_and_a_working_receiver_shows() ->
     assert (fix.fix_type, fix.position.lat_deg) == (1, 50.5)
 
 
-def test_a_speed_without_a_track_is_no_velocity() -> None:
-    fix = fix_of(tpv(0.0, velN=None, velE=None, track=None))
-    assert (fix.north_m_s, fix.east_m_s) == (None, None)
-    fix = fix_of(tpv(0.0, velN=None, velE=None))
-    assert fix.east_m_s == pytest.approx(1.5)
-
-
-def test_errors_of_the_axes_stand_in_for_the_horizontal_one() -> None:
-    assert fix_of(tpv(0.0, eph=None)).horizontal_accuracy_m == pytest.approx(math.hypot(1.1, 1.2))
-
-
 def test_an_error_that_gpsd_computed_from_the_hdop_is_not_the_receivers() -> None:
     assert (
         fix_of(sky(), tpv(0.0, eph=16.150)).horizontal_accuracy_m is None
@@ -115,13 +103,6 @@ def test_one_epoch_is_one_fix() -> None:
         fix for second in (0.0, 0.0, 0.2, 0.2, 0.4) for fix in reader.feed(line(tpv(second)), 10.0 + second)
     ]
     assert len(fixes) == 3
-
-
-def test_satellites_of_an_old_sky_report_are_not_kept() -> None:
-    reader = GpsdReader(0.0)
-    reader.feed(line(sky()), 10.0)
-    (fix,) = reader.feed(line(tpv(0.0)), 16.0)
-    assert (fix.satellites, fix.hdop) == (0, 99.99)
 
 
 @given(st.binary(max_size=300))
@@ -147,19 +128,6 @@ def test_truncated_and_mistyped_reports_are_dropped(wrong: bytes) -> None:
     reader = GpsdReader(0.0)
     assert reader.feed(wrong + b"\r\n", 10.0) == []
     assert reader.malformed == 1
-
-
-def test_an_impossible_position_is_no_fix() -> None:
-    assert fix_of(tpv(0.0, lat=95.0)).fix_type == 1
-
-
-def test_a_line_without_an_end_is_given_up() -> None:
-    reader = GpsdReader(0.0)
-    for _ in range(100):
-        reader.feed(b"x" * 1000, 10.0)
-    reader.feed(b"\n", 10.0)
-    assert len(reader.feed(line(tpv(0.0)), 10.0)) == 1
-    assert reader.malformed >= 1
 
 
 def test_a_silent_gpsd_is_reported_and_so_is_its_return() -> None:
@@ -199,23 +167,6 @@ def test_a_restarted_gpsd_is_found_again() -> None:
 
 
 @pytest.mark.realtime
-def test_a_gpsd_that_starts_after_the_boat_is_found() -> None:
-    clock, early = HandClock(), GpsdServer()
-    early.close()
-    gnss = open_gpsd_gnss(parts.GnssPart(driver="gpsd", port=f"tcp:127.0.0.1:{early.port}"), clock)
-    server = GpsdServer(early.port)
-
-    def is_watched() -> bool:
-        clock.advance(0.2)
-        server.serve()
-        return server.is_watched
-
-    eventually(is_watched)
-    gnss.close()
-    server.close()
-
-
-@pytest.mark.realtime
 def test_the_real_gpsd_with_a_u_blox_receiver_gives_fixes(tmp_path: Path) -> None:
     program = shutil.which("gpsd", path=f"{os.environ['PATH']}:/usr/sbin")
     if program is None:
@@ -244,13 +195,3 @@ def test_the_real_gpsd_with_a_u_blox_receiver_gives_fixes(tmp_path: Path) -> Non
     assert (fix.position.lat_deg, fix.position.lon_deg, fix.fix_type) == (50.5, -1.2, 3)
     assert fix.horizontal_accuracy_m == pytest.approx(1.5)
     assert (fix.north_m_s, fix.east_m_s) == pytest.approx((1.2, -0.3), abs=0.01)
-
-
-def test_a_device_is_not_a_place_of_gpsd() -> None:
-    part = parts.GnssPart(driver="gpsd")
-    gnss = open_gpsd_gnss(part, HandClock())  # the default port is the device of the other drivers
-    assert gnss._port.name == "tcpout:127.0.0.1:2947"
-    gnss.close()
-    for port in ("/dev/ttyACM0", "udpin:127.0.0.1:2947"):
-        with pytest.raises(ConfigError, match="expected"):
-            open_gpsd_gnss(parts.GnssPart(driver="gpsd", port=port), HandClock())

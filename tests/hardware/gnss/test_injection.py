@@ -53,9 +53,3 @@ def test_a_slow_line_is_not_overrun() -> None:
         gnss.step()
     assert 9600 <= taken * len(frame) <= 9600 + 960
     assert sum(map(len, far.receive())) == taken * len(frame)
-
-
-def test_a_burst_of_one_second_is_taken() -> None:
-    near, _ = memory_pair(is_datagram=False)
-    gnss = NmeaGnss(MemoryPort(near), HandClock(), baud=38_400)
-    assert [gnss.inject(bytes(1000)) for _ in range(5)] == [True, True, True, False, False]

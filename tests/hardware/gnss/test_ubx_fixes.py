@@ -4,7 +4,7 @@ import math
 
 import pytest
 from twins.ubx_bench import Bench
-from twins.ubx_receiver import MAX_M10, NEO_6M, NEO_M8N, ZED_F9P
+from twins.ubx_receiver import NEO_6M, ZED_F9P
 
 from companion.core.readings import GnssFix
 from companion.sensors.gnss_heading import GnssHeading
@@ -105,15 +105,6 @@ def test_a_u_blox_6_sends_accuracies_and_fixes_as_sentences() -> None:
     assert bench.receiver.settings.outputs == on | off
 
 
-def test_fixes_are_stamped_with_the_time_of_measurement() -> None:
-    bench = Bench(rate_hz=10.0)
-    bench.until_running()
-    bench.fixes.clear()
-    bench.run(5.0)
-    gaps_s = {round(b.time_s - a.time_s, 3) for a, b in zip(bench.fixes, bench.fixes[1:], strict=False)}
-    assert gaps_s == {0.1}
-
-
 def test_a_heading_of_two_antennas_is_accepted_and_its_loss_reported() -> None:
     heading = GnssHeading(antenna_bearing_rad=math.radians(-10.0), baseline_m=1.0, latency_s=0.05)
     bench = Bench(ZED_F9P, heading=heading)
@@ -157,13 +148,3 @@ def test_a_doubtful_heading_is_not_used(changes: dict[str, float], why: str) -> 
     bench.run(60.0)
     assert heading.latest is None
     assert f"GNSS heading lost: {why}" in bench.texts
-
-
-def test_a_receiver_without_a_baseline_message_says_so() -> None:
-    bench = Bench(NEO_M8N, heading=GnssHeading())
-    bench.until_running()
-    bench.run(60.0)
-    assert "GNSS heading lost: no heading from the receiver" in bench.texts
-    bench = Bench(MAX_M10, heading=GnssHeading())
-    bench.until_running()
-    assert "GNSS: receiver refused: output of NAV-RELPOSNED" in bench.texts

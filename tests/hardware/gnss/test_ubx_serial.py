@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from twins.lines import PtyLine, eventually
-from twins.ubx_receiver import NEO_M8N, ZED_F9P, Model, UbxReceiver
+from twins.ubx_receiver import ZED_F9P, Model, UbxReceiver
 from twins.ubx_serial import SerialReceiver
 
 from companion.config.parts import GnssPart
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.mark.realtime
-@pytest.mark.parametrize("model", [NEO_M8N, ZED_F9P], ids=lambda model: model.hardware)
+@pytest.mark.parametrize("model", [ZED_F9P], ids=lambda model: model.hardware)
 def test_a_receiver_is_set_up_over_a_serial_line_and_again_after_unplugging(
     model: Model, tmp_path: Path
 ) -> None:

@@ -1,7 +1,7 @@
 """The u-blox driver against a receiver that follows the interface descriptions: set-up and faults."""
 
 import pytest
-from twins.ubx_bench import STEP_S, Bench
+from twins.ubx_bench import Bench
 from twins.ubx_receiver import MAX_M10, NEO_6M, NEO_M8N, ZED_F9P, Model
 
 from companion.sensors.gnss_heading import GnssHeading
@@ -11,7 +11,7 @@ SEA = 5
 
 
 @pytest.mark.parametrize("model", [NEO_M8N, ZED_F9P, MAX_M10], ids=lambda model: model.hardware)
-@pytest.mark.parametrize("baud", [None, 4800, 9600, 38400, 57600, 115_200, 460_800])
+@pytest.mark.parametrize("baud", [None, 4800, 115_200, 460_800])
 def test_a_receiver_is_found_at_any_baud_rate_and_set_up(model: Model, baud: int | None) -> None:
     bench = Bench(model, baud=baud)
     bench.until_running()
@@ -36,16 +36,6 @@ def test_a_power_dip_is_followed_by_another_set_up(model: Model) -> None:
     assert bench.texts[0] == "GNSS: receiver silent, setting it up again"
     assert "set up again" in bench.texts[-1]
     assert (bench.receiver.settings.baud, bench.receiver.settings.model) == (115_200, SEA)
-
-
-def test_a_receiver_without_power_is_reported_once_and_found_when_it_has_some() -> None:
-    bench = Bench()
-    bench.receiver.is_mute = True
-    bench.run(40.0)
-    assert bench.texts == ["GNSS: silent at every baud rate, check wiring"]
-    assert bench.gnss.read() is None
-    bench.receiver.is_mute = False
-    bench.until_running()
 
 
 @pytest.mark.parametrize("baud", [4800, 9600, 115_200])
@@ -142,53 +132,6 @@ def test_noise_on_the_line_delays_the_set_up_but_does_not_stop_it() -> None:
     assert all(abs(fix.position.lat_deg - 50.5) < 1e-6 for fix in bench.fixes)
 
 
-def first_text_after(bench: Bench, limit_s: float) -> tuple[float, str]:
-    """Seconds until the next message, and the message."""
-    bench.texts.clear()
-    began_s = bench.clock()
-    while not bench.texts:
-        assert bench.clock() - began_s < limit_s
-        bench.run(STEP_S)
-    return bench.clock() - began_s, bench.texts[0]
-
-
-def test_silence_is_noticed_within_two_seconds_of_the_last_solution() -> None:
-    bench = Bench()
-    bench.until_running()
-    bench.receiver.is_mute = True
-    seconds, text = first_text_after(bench, 10.0)
-    assert text == "GNSS: receiver silent, setting it up again"
-    assert 1.8 < seconds < 2.3
-    seconds, text = first_text_after(bench, 30.0)
-    assert text == "GNSS: silent at every baud rate, check wiring"
-    assert seconds == pytest.approx(8 * 1.2, abs=0.5)  # each of eight rates for longer than a period
-
-
-def test_a_slow_receiver_is_given_five_periods() -> None:
-    bench = Bench(rate_hz=1.0)
-    bench.until_running()
-    bench.receiver.is_mute = True
-    seconds, _ = first_text_after(bench, 10.0)
-    assert 4.0 < seconds < 5.3
-
-
-def test_sentences_without_an_answer_are_used_after_four_seconds() -> None:
-    bench = Bench(NEO_M8N, baud=115_200)
-    bench.receiver.is_deaf = True
-    seconds, text = first_text_after(bench, 10.0)
-    assert "does not answer" in text
-    assert 3.8 < seconds < 5.5
-
-
-def test_an_unplugged_receiver_is_set_up_again_at_once() -> None:
-    bench = Bench(ZED_F9P, interface="USB", is_usb=True, target_baud=None)
-    bench.until_running()
-    bench.texts.clear()
-    bench.line.replug()
-    assert bench.until_running() < 4.0
-    assert bench.receiver.settings.model == SEA
-
-
 def test_set_up_takes_a_second_where_the_baud_rate_is_right_and_two_where_it_is_not() -> None:
     at_rate = Bench(NEO_M8N, baud=115_200)
     assert at_rate.until_running() == pytest.approx(0.7, abs=0.3)
@@ -197,33 +140,8 @@ def test_set_up_takes_a_second_where_the_baud_rate_is_right_and_two_where_it_is_
     assert at_factory_rate.until_running() == pytest.approx(2.5, abs=0.25)
 
 
-def test_a_receiver_that_acknowledges_nothing_costs_three_seconds_a_message() -> None:
-    bench = Bench(NEO_M8N, baud=115_200)
-    bench.receiver.unacknowledged = True
-    bench.until_running(60.0)
-    assert bench.clock() - 100.0 == pytest.approx(5 * 3.0, abs=1.0)  # port, rate, model, two outputs
-
-
-def test_the_receiver_is_asked_twice_a_second() -> None:
-    bench = Bench(NEO_M8N)
-    bench.receiver.is_mute = True
-    sent: list[bytes] = []
-    bench.line.on_sent = sent.append
-    bench.run(9.0)
-    assert len(sent) == pytest.approx(9.0 / 1.2 * 3, abs=3)
-
-
-def test_what_is_still_wrong_is_said_again_after_a_minute() -> None:
-    bench = Bench()
-    bench.receiver.is_mute = True
-    bench.run(9.0 + 59.0)
-    assert len(bench.texts) == 1
-    bench.run(12.0)
-    assert len(bench.texts) == 2
-
-
 @pytest.mark.parametrize("model", [NEO_M8N, ZED_F9P, NEO_6M], ids=lambda model: model.hardware)
-@pytest.mark.parametrize("dip_s", [0.2, 0.9, 1.3, 1.5, 1.7, 1.9, 2.1, 2.3, 2.5, 2.7, 3.0, 3.3])
+@pytest.mark.parametrize("dip_s", [0.2, 1.3, 1.9, 2.3, 2.7, 3.3])
 def test_a_power_dip_at_any_moment_of_the_set_up_is_overcome(model: Model, dip_s: float) -> None:
     bench = Bench(model)
     bench.run(dip_s)

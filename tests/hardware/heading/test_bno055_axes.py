@@ -4,13 +4,12 @@ import math
 from pathlib import Path
 
 import pytest
-from twins.i2c import NDOF, Bno055Twin, I2cDev, plug_in
+from twins.i2c import Bno055Twin, I2cDev, plug_in
 from twins.lines import HandClock, eventually
 
 from companion.config.parts import CompassPart, Mounting
 from companion.config.parts.heading import QuarterTurn
-from companion.hal.heading.bno055 import Bno055, Bno055Compass, open_bno055
-from companion.hal.raspberry_pi import open_i2c
+from companion.hal.heading.bno055 import Bno055Compass, open_bno055
 
 
 @pytest.fixture
@@ -75,16 +74,3 @@ def test_the_bow_is_where_the_arrow_or_the_mounting_says(
         assert reading.yaw_rate_rad_s == pytest.approx(math.radians(20.0), abs=0.002)
     finally:
         compass.close()
-
-
-def test_axes_of_another_program_are_replaced(dev: I2cDev, clock: HandClock) -> None:
-    chip = Bno055Twin()
-    dev.parts[0x28] = chip
-    chip.mode, chip.axes = NDOF, bytearray((0x21, 0x04))
-    bus = open_i2c("test")
-    compass = Bno055Compass(Bno055(bus), clock)
-    for _ in range(4):
-        compass.step()
-    bus.close()
-    assert heading_roll_pitch(compass) == pytest.approx((90.0, 1.0, -2.0), abs=0.02)
-    assert chip.axes == bytes((0x24, 0x00))

@@ -7,12 +7,11 @@ from twins.i2c import plug_in
 from twins.inertial import Lsm6dsTwin
 from twins.magnetics import Qmc5883lTwin, Scene
 
-from companion.app import parts
 from companion.app.calibrate.compass import calibrate_compass
 from companion.config.boat_config import BoatConfig, with_value
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
-from companion.core.errors import ConfigError, HardwareError
+from companion.core.errors import HardwareError
 from companion.core.storage import FolderStorage
 from companion.hal.heading.magnetic_compass import MagneticCompass
 from companion.sensors.compass.magnetic_field import FieldCorrector
@@ -81,30 +80,9 @@ def test_a_boat_that_is_not_turned_ends_with_a_reason(hand: Hand, tmp_path: Path
         calibrate_compass(config(tmp_path), FolderStorage(tmp_path / "state"), hand, lambda _: None)
 
 
-@pytest.mark.parametrize(
-    ("changed", "reason"),
-    [
-        ({"parts.compass.driver": "bno055"}, "expected a magnetometer"),
-        ({"storage.folder": ""}, "expected a folder"),
-    ],
-)
-def test_what_cannot_be_calibrated_is_told(
-    hand: Hand, tmp_path: Path, changed: dict[str, object], reason: str
-) -> None:
-    with pytest.raises(ConfigError, match=reason):
-        calibrate_compass(config(tmp_path, **changed), FolderStorage(tmp_path / "state"), hand, print)
-
-
 def test_a_running_boat_keeps_its_compass(
     hand: Hand, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("companion.app.calibrate.compass._is_boat_running", lambda _: True)
     with pytest.raises(HardwareError, match="sudo systemctl stop mavboat"):
         calibrate_compass(config(tmp_path), FolderStorage(tmp_path / "state"), hand, print)
-
-
-def test_the_boat_opens_the_same_compass_with_its_correction(hand: Hand, tmp_path: Path) -> None:
-    corrector = FieldCorrector()
-    compass = parts.open_compass(config(tmp_path), hand.now_s, corrector)
-    assert isinstance(compass, MagneticCompass)
-    compass.close()

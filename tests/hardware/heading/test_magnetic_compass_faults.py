@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from twins.i2c import plug_in
-from twins.inertial import Lsm6dsTwin, Mpu6050Twin, OtherTwin
+from twins.inertial import Mpu6050Twin, OtherTwin
 from twins.lines import HandClock
 from twins.magnetic_bench import INERTIAL, MAGNETOMETERS, Bench
 from twins.magnetics import Hmc5883lTwin, Qmc5883lTwin, Scene
@@ -109,18 +109,6 @@ def test_an_inertial_sensor_that_does_not_answer_leaves_the_heading_of_a_level_b
     assert texts(bench) == ["Compass: MPU-6050 answers again"]
 
 
-def test_a_bus_without_any_part_is_an_error_of_the_step_and_recovers(bench: Bench) -> None:
-    bench.run(1.0)
-    parts, bench.dev.parts = bench.dev.parts, {}
-    bench.clock.advance(0.02)
-    with pytest.raises(OSError, match="Remote I/O"):
-        bench.compass.step()
-    bench.dev.parts = parts
-    bench.clock.advance(0.6)
-    bench.run(1.0)
-    assert bench.reading.time_s == bench.clock()
-
-
 def test_parts_that_are_missing_or_others_are_told_in_one_line(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -143,7 +131,7 @@ def test_parts_that_are_missing_or_others_are_told_in_one_line(
 
 @pytest.mark.parametrize(
     "chip_id",
-    [0x68, 0x12, 0x70, 0x71, 0x72, 0x73, 0x74, 0x75, 0x98, 0xAC, 0xAD, 0xAE, 0xAF],
+    [0x68, 0x70, 0x98],
 )
 def test_a_part_that_does_what_an_mpu_6050_does_is_taken_for_one(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, chip_id: int
@@ -156,14 +144,6 @@ def test_a_part_that_does_what_an_mpu_6050_does_is_taken_for_one(
     assert abs(bench.error_deg) < 1.0
     has_force_filter = chip_id != 0x68
     assert bench.motion.map[0x1D] == (0x03 if has_force_filter else 0x00)
-
-
-@pytest.mark.parametrize("chip_id", [0x69, 0x6A, 0x6B, 0x6C])
-def test_every_lsm6ds_is_taken(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, chip_id: int) -> None:
-    monkeypatch.setattr(Lsm6dsTwin, "chip_id", chip_id)
-    bench = Bench(monkeypatch, tmp_path, CompassPart(driver="qmc5883l", imu="lsm6ds"))
-    bench.run(1.0)
-    assert bench.reading.roll_rad is not None
 
 
 @pytest.mark.parametrize("chip_id", [0x00, 0xFF])

@@ -1,7 +1,6 @@
 """The L298N over mock pins: which pin changes when, and pins that fail."""
 
 import contextlib
-import math
 from collections.abc import Iterator
 
 import pytest
@@ -10,7 +9,7 @@ from twins.pins import L298N, PinBoard
 
 from companion.config import parts
 from companion.core.errors import HardwareError
-from companion.hal.motors.bridges import BridgeMotors, HalfBridgePair, open_bridges
+from companion.hal.motors.bridges import BridgeMotors, HalfBridgePair
 
 PINS = L298N
 
@@ -55,21 +54,6 @@ def test_a_reversed_motor_swaps_its_legs_only(board: PinBoard) -> None:
     ]
 
 
-def test_a_change_of_speed_touches_only_the_enable_pin(board: PinBoard) -> None:
-    bridge = board.open()
-    bridge.write(0.5, 0.0)
-    board.drain()
-    bridge.write(0.75, 0.0)
-    assert board.drain() == [(PINS.left_enable, 0.75)]
-
-
-def test_the_pwm_frequency_is_the_configured_one(board: PinBoard) -> None:
-    bridge = board.open(parts.MotorsPart(driver="l298n", pwm_hz=400))
-    assert board.pin(PINS.left_enable).frequency == 400
-    assert board.pin(PINS.right_enable).frequency == 400
-    bridge.close()
-
-
 def test_reversal_drops_the_old_leg_at_once_and_drives_the_new_one_after_the_dead_time(
     board: PinBoard,
 ) -> None:
@@ -95,38 +79,6 @@ def test_a_stop_between_does_not_shorten_the_dead_time(board: PinBoard) -> None:
     assert board.drain() == []
 
 
-def test_the_same_direction_needs_no_dead_time(board: PinBoard) -> None:
-    bridge = board.open()
-    bridge.write(1.0, 0.0)
-    bridge.write(0.0, 0.0)
-    board.drain()
-    bridge.write(1.0, 0.0)
-    assert board.drain() == [(PINS.left_forward, 1.0), (PINS.left_enable, 1.0)]
-
-
-@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-def test_a_value_that_is_not_finite_stops_both_motors(board: PinBoard, bad: float) -> None:
-    bridge = board.open()
-    bridge.write(1.0, -1.0)
-    bridge.write(bad, 1.0)
-    assert set(board.levels().values()) == {0.0}
-
-
-def test_values_beyond_full_drive_are_limited(board: PinBoard) -> None:
-    bridge = board.open()
-    bridge.write(7.0, -7.0)
-    assert board.levels()[PINS.left_enable] == 1.0
-    assert board.levels()[PINS.right_enable] == 1.0
-    assert board.levels()[PINS.right_backward] == 1.0
-
-
-def test_stop_leaves_every_pin_low(board: PinBoard) -> None:
-    bridge = board.open()
-    bridge.write(1.0, -1.0)
-    bridge.stop()
-    assert set(board.levels().values()) == {0.0}
-
-
 def test_close_stops_first_gives_the_pins_back_and_may_be_called_twice(board: PinBoard) -> None:
     bridge = board.open()
     bridge.write(1.0, -1.0)
@@ -139,24 +91,6 @@ def test_close_stops_first_gives_the_pins_back_and_may_be_called_twice(board: Pi
     bridge.stop()
     with pytest.raises(HardwareError, match="after close"):
         bridge.write(1.0, 1.0)
-
-
-def test_a_pin_that_is_taken_gives_the_others_back(board: PinBoard) -> None:
-    with pytest.raises(HardwareError, match="pins cannot be opened"):
-        open_bridges(
-            parts.MotorsPart(driver="l298n", right_backward=PINS.left_forward), board.clock, board.factory
-        )
-    board.open().close()
-
-
-def test_a_machine_without_pins_is_told_in_one_line(
-    monkeypatch: pytest.MonkeyPatch, clock: HandClock
-) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "gpiozero", None)
-    with pytest.raises(
-        HardwareError, match=r"L298N: the Python module 'gpiozero' is missing; pip install '\.\[pi\]'"
-    ):
-        open_bridges(PINS, clock)
 
 
 class FakeLeg:
@@ -211,15 +145,6 @@ def test_one_pin_that_fails_keeps_no_other_pin_on(clock: HandClock, stuck: str) 
         with pytest.raises(HardwareError, match="is stuck"):
             getattr(bridge, way_out)(*((-0.5, 0.5) if way_out == "write" else ()))
         assert {name for name, value in level.items() if value} <= {stuck}
-
-
-def test_a_failed_write_stops_the_motor_that_was_well(clock: HandClock) -> None:
-    bridge, level, broken = fake_bridge(clock)
-    bridge.write(0.5, 0.5)
-    broken.add("right enable")
-    with pytest.raises(HardwareError):
-        bridge.write(0.6, 0.6)
-    assert level["left forward"] == level["left enable"] == level["right forward"] == 0.0
 
 
 @pytest.mark.parametrize("way", ["stop", "zero", "other way", "on"])

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import msgspec
 import pytest
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
@@ -16,9 +15,8 @@ from twins.pulses import PI_4, KernelPwm, Signal, plug_in_pwm
 from companion.app.parts import open_motors
 from companion.config.boat_config import decode_config
 from companion.config.parts import PulseOutputSetting
-from companion.core.errors import ConfigError, HardwareError
-from companion.hal.motors.esc import Esc, EscMotors, open_escs
-from companion.hal.pulses.sysfs_pwm import open_sysfs_pulses
+from companion.core.errors import HardwareError
+from companion.hal.motors.esc import Esc, EscMotors
 
 LEFT, RIGHT = PulseOutputSetting(pin=12), PulseOutputSetting(pin=13)
 ARMING_S, DEAD_TIME_S, FRAME_S = 3.0, 0.02, 0.02
@@ -82,17 +80,6 @@ class Boat:
         return [output.width_us for output in self.outputs]
 
 
-def test_neutral_is_sent_from_the_start_and_nothing_else_while_they_arm() -> None:
-    boat = Boat()
-    for _ in range(round(ARMING_S / FRAME_S) - 1):
-        boat.clock.advance(FRAME_S)
-        boat.motors.write(1.0, -1.0)
-        assert boat.widths == [1500.0, 1500.0]
-    boat.clock.advance(2 * FRAME_S)
-    boat.motors.write(1.0, -1.0)
-    assert boat.widths == [1900.0, 1100.0]
-
-
 def test_a_forward_only_esc_gets_its_least_pulse_for_stop_and_astern() -> None:
     boat = Boat(PulseOutputSetting(min_us=1000, trim_us=1000, max_us=2000)).arm()
     for share, width_us in ((0.0, 1000.0), (0.5, 1500.0), (-0.5, 1000.0), (1.0, 2000.0)):
@@ -113,25 +100,6 @@ def test_a_reversal_passes_neutral_for_the_dead_time() -> None:
     assert boat.widths[0] == 1100.0
 
 
-def test_a_reversal_passes_neutral_however_long_ago_the_last_command_was() -> None:
-    boat = Boat().arm()
-    boat.motors.write(1.0, 1.0)
-    boat.clock.advance(10.0 * DEAD_TIME_S)
-    boat.motors.write(-1.0, 1.0)
-    assert boat.widths == [1500.0, 1900.0]
-    boat.clock.advance(1.1 * DEAD_TIME_S)
-    boat.motors.write(-1.0, 1.0)
-    assert boat.widths == [1100.0, 1900.0]
-
-
-@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-def test_a_value_that_is_not_finite_stops_both(bad: float) -> None:
-    boat = Boat().arm()
-    boat.motors.write(1.0, 1.0)
-    boat.motors.write(1.0, bad)
-    assert boat.widths == [1500.0, 1500.0]
-
-
 def test_stop_is_neutral_and_close_sends_it_before_the_pulses_end() -> None:
     boat = Boat().arm()
     boat.motors.write(1.0, -1.0)
@@ -146,12 +114,6 @@ def test_stop_is_neutral_and_close_sends_it_before_the_pulses_end() -> None:
     assert boat.waits == [pytest.approx(3 * FRAME_S)]
     with pytest.raises(HardwareError, match="ESC: written to after close"):
         boat.motors.write(0.0, 0.0)
-
-
-def test_one_motor_is_the_left_one() -> None:
-    boat = Boat(sides=1).arm()
-    boat.motors.write(0.5, 0.5)
-    assert boat.widths == [1700.0]
 
 
 @pytest.mark.parametrize("way", ["write", "stop", "close"])
@@ -173,26 +135,6 @@ def test_a_signal_that_fails_leaves_the_other_neutral_and_both_arm_anew(way: str
     boat.clock.advance(2 * FRAME_S)
     boat.motors.write(0.5, 0.5)
     assert boat.widths == [1700.0, 1700.0]
-
-
-def test_a_signal_that_failed_once_arms_anew(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As after a dip of the supply, which the controllers may have shared."""
-    boat = Boat().arm()
-    boat.motors.write(1.0, 1.0)
-    failures, write_us = iter([True]), boat.outputs[0].write_us
-
-    def fail_once(width_us: float) -> None:
-        if next(failures, False):
-            raise HardwareError("its supply dipped")
-        write_us(width_us)
-
-    monkeypatch.setattr(boat.outputs[0], "write_us", fail_once)
-    with pytest.raises(HardwareError, match="dipped"):
-        boat.motors.write(0.9, 0.9)
-    assert boat.widths == [1500.0, 1500.0]
-    boat.clock.advance(ARMING_S - FRAME_S)
-    boat.motors.write(0.9, 0.9)
-    assert boat.widths == [1500.0, 1500.0]
 
 
 def test_close_waits_for_the_slower_signal_and_tells_of_one_that_does_not_end(
@@ -234,17 +176,6 @@ def kernel(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> KernelPwm:
     return plug_in_pwm(monkeypatch, tmp_path, PI_4)
 
 
-def test_a_second_signal_that_cannot_be_opened_releases_the_first(kernel: KernelPwm) -> None:
-    taken = msgspec.structs.replace(RIGHT, pin=18)  # the channel of GPIO 12
-    clock = HandClock()
-    with pytest.raises(HardwareError, match="in use"):
-        open_escs((LEFT, taken), DEAD_TIME_S, ARMING_S, clock, open_sysfs_pulses)
-    motors = open_escs((LEFT, RIGHT), DEAD_TIME_S, ARMING_S, clock, open_sysfs_pulses)
-    assert [signal.width_us for signal in kernel.history] == [1500.0, 1500.0]
-    motors.close()
-    assert [signal.width_us for signal in kernel.history] == [1500.0, 1500.0, 0.0, 0.0]
-
-
 @pytest.mark.parametrize("lines", [{"left": {"pin": 12, "reversed": True}}, {"left_reversed": True}])
 def test_a_reversed_motor_gets_the_mirrored_pulse(kernel: KernelPwm, lines: dict[str, Any]) -> None:
     config = decode_config({"parts": {"motors": {"driver": "esc", "arming_s": 0.0, **lines}}}, "test")
@@ -253,14 +184,6 @@ def test_a_reversed_motor_gets_the_mirrored_pulse(kernel: KernelPwm, lines: dict
     motors.close()
     pulses = [(signal.output[-1], signal.width_us) for signal in kernel.history]
     assert pulses[2:4] == [("0", 1100.0), ("1", 1900.0)]
-
-
-def test_a_controller_without_reverse_cannot_be_reversed() -> None:
-    forward = {"min_us": 1000, "trim_us": 1000, "max_us": 2000}
-    with pytest.raises(ConfigError, match="left: without reverse it cannot be reversed; swap two"):
-        decode_config(
-            {"parts": {"motors": {"driver": "esc", "left_reversed": True, "left": forward}}}, "test"
-        )
 
 
 class Commands(RuleBasedStateMachine):

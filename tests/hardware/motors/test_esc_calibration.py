@@ -8,7 +8,6 @@ from twins.pulses import PI_4, KernelPwm, plug_in_pwm
 
 from companion.app.calibrate.escs import CONFIRMATION, calibrate_escs
 from companion.config.boat_config import BoatConfig, decode_config
-from companion.core.errors import ConfigError
 from companion.hal.pulses.sysfs_pwm import open_sysfs_pulses
 
 ESCS = {"parts": {"motors": {"driver": "esc"}}}
@@ -48,11 +47,6 @@ def test_each_chosen_pulse_is_sent_to_both_and_neutral_before_the_end(kernel: Ke
         assert widths == [1900.0, 1100.0, 1500.0, 1100.0, 1500.0, 0.0]
 
 
-def test_a_boat_with_one_motor_sends_one_signal(kernel: KernelPwm) -> None:
-    sent = run(kernel, config(drive={"layout": "rudder"}), CONFIRMATION, "high", "end")
-    assert {output for output, _ in sent} == {LEFT}
-
-
 @pytest.mark.parametrize("typed", ["", "yes", "propellers on"])
 def test_nothing_is_opened_or_sent_without_the_words(kernel: KernelPwm, typed: str) -> None:
     assert not calibrate_escs(config(), open_sysfs_pulses, answers(typed, "high"), lambda _: None)
@@ -66,8 +60,3 @@ def test_ctrl_c_at_full_throttle_sends_neutral_and_ends_the_pulses(kernel: Kerne
     assert [signal.width_us for signal in kernel.history if signal.output == LEFT] == [1900.0, 1500.0, 0.0]
     assert len(waits) == 1
     assert waits[0] >= 0.06
-
-
-def test_a_bridge_has_nothing_to_calibrate() -> None:
-    with pytest.raises(ConfigError, match=r"parts.motors.driver = 'l298n': expected 'esc'"):
-        calibrate_escs(config(parts={"motors": {"driver": "l298n"}}), open_sysfs_pulses, answers())

@@ -44,19 +44,6 @@ def test_a_reversed_motor_turns_the_other_way(board: PinBoard) -> None:
     assert drives(board) == [0.5, -0.5]
 
 
-def test_a_reversal_is_off_for_the_dead_time(board: PinBoard) -> None:
-    bridge = board.open()
-    bridge.write(1.0, -1.0)
-    bridge.write(-1.0, 1.0)
-    assert board.is_off
-    board.clock.advance(0.9 * DEAD_TIME_S)
-    bridge.write(-1.0, 1.0)
-    assert board.is_off
-    board.clock.advance(0.2 * DEAD_TIME_S)
-    bridge.write(-1.0, 1.0)
-    assert drives(board) == [-1.0, 1.0]
-
-
 def test_a_slow_pulse_train_ends_before_the_other_leg_begins() -> None:
     """lgpio changes a pulse train at the end of its period: at 50 Hz that is up to 20 ms later."""
     board = PinBoard(MotorsPart(driver="bts7960", pwm_hz=50, dead_time_s=0.0))
@@ -79,14 +66,6 @@ def test_a_boat_with_one_motor_opens_only_the_left_pins(board: PinBoard) -> None
     assert {change.pin for change in board.history} <= set(left) - set(right)
     bridge.close()
     assert board.is_off
-
-
-@pytest.mark.parametrize("name", ["left_forward", "left_backward", "right_forward", "right_backward"])
-def test_inputs_without_an_enable_are_not_put_on_pins_that_are_high_at_reset(name: str) -> None:
-    pins = {"driver": "drv8833", "left_forward": 17, "left_backward": 27}
-    assert msgspec.convert(pins, MotorsPart)
-    with pytest.raises(msgspec.ValidationError, match=f"{name} = 8: GPIO 0 to 8 are high at reset"):
-        msgspec.convert({**pins, name: 8}, MotorsPart)
 
 
 class Commands(RuleBasedStateMachine):

@@ -85,16 +85,6 @@ def test_speed_controllers_on_the_pis_pwm_get_neutral_and_then_no_pulses(
     assert pinctrl.read_text(encoding="utf-8") == "", "the pin would lose its PWM until the next boot"
 
 
-def test_the_rudder_of_a_boat_with_one_controller_keeps_its_pulses(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, waits: list[float]
-) -> None:
-    kernel = plug_in_pwm(monkeypatch, tmp_path, PI_4)
-    for channel in (0, 1):
-        kernel.export(kernel.root / "pwmchip0", channel, RUNNING)
-    assert run(tmp_path, 'parts.motors.driver = "esc"\ndrive.layout = "rudder"') == 0
-    assert {signal.output for signal in kernel.history} == {"pwmchip0/pwm0"}
-
-
 def test_speed_controllers_on_a_pca9685_get_neutral_and_then_no_pulses(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, waits: list[float]
 ) -> None:
@@ -131,15 +121,6 @@ def test_oe_of_a_pca9685_is_driven_high_whether_or_not_its_bus_answers(
     assert pinctrl.read_text(encoding="utf-8") == "set 22 op dh\n"
     pinctrl.parent.joinpath("bin", "pinctrl").unlink()
     assert run(tmp_path, f"{motors}\nparts.pca9685.output_enable = 22") == 1, "OE may be low"
-
-
-def test_a_software_signal_has_ended_and_its_pin_is_driven_low(
-    pinctrl: Path, tmp_path: Path, waits: list[float]
-) -> None:
-    left, right = (f'{{output = "software", pin = {pin}}}' for pin in (22, 23))
-    assert run(tmp_path, f'parts.motors = {{driver = "esc", left = {left}, right = {right}}}') == 0
-    assert pinctrl.read_text(encoding="utf-8") == "set 22,23 op dl\n"
-    assert waits == []
 
 
 def test_one_signal_that_cannot_be_ended_does_not_keep_the_other_running(

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from boat_rig import DENIED, FAILED, OK
+from boat_rig import DENIED, FAILED
 from driven_boat import DrivenBoat, EscTwin
 from twins.pulses import Pca9685Twin
 
@@ -34,20 +34,6 @@ def test_the_outputs_are_off_at_once_and_the_boat_keeps_its_links(
     assert not [text for text in boat.rig.peer.texts if "switch the boat off" in text]
     assert boat.rig.arm() in (DENIED, FAILED)
     assert any("Motors: PCA9685: no answer on the I" in text for text in boat.rig.peer.texts)
-
-
-def test_the_outputs_return_with_the_bus_at_neutral(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    boat, chip = under_way("esc pca9685", monkeypatch, tmp_path)
-    chip.lost = LOST
-    boat.run(2.0)
-    chip.lost = 0
-    boat.rig.peer.send(dialect.MAVLink_manual_control_message(1, 0, 0, 0, 0, 0))
-    boat.run(4.0)
-    assert not chip.is_oe_high
-    assert chip.width_us(0) == pytest.approx(1500.0, abs=3.0)
-    assert boat.rig.set_mode(0) == OK
-    assert boat.rig.arm() == OK
-    boat.push(500)
 
 
 def test_a_boat_that_cannot_stop_its_motors_says_so_again_and_again(

@@ -53,21 +53,10 @@ def test_a_fault_in_the_tick_is_off_within_it(boat: DrivenBoat, monkeypatch: pyt
     off_after_s(boat, WITHIN_S)
 
 
-def test_a_driver_that_raises_is_off_within_a_tick(boat: DrivenBoat) -> None:
-    boat.motors.breaks = {"write"}
-    off_after_s(boat, WITHIN_S)
-
-
 def test_a_loop_that_hangs_is_off_after_the_timeout_and_a_look(boat: DrivenBoat) -> None:
     took_s = off_after_s(boat, 1.25 * TIMEOUT_S + TICK_S, hangs=True)
     assert took_s > 0.5 * TIMEOUT_S
     assert boat.watched.trips == 1
-
-
-def test_a_boat_that_is_closed_is_off_at_once(boat: DrivenBoat) -> None:
-    boat.rig.hardware.close()
-    boat.twin.step()
-    assert not boat.twin.is_driving
 
 
 def test_full_ahead_to_full_astern_again_and_again_is_safe(boat: DrivenBoat) -> None:

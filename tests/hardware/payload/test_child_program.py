@@ -103,22 +103,22 @@ import subprocess, sys, signal, time
 signal.signal(signal.SIGTERM, signal.SIG_IGN)
 child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(1000)"])
 open(sys.argv[1], "w").write(str(child.pid))
-time.sleep(float(sys.argv[2]))
+time.sleep(1000)
 """
 
 
-@pytest.mark.parametrize("way", ["time limit", "close", "own end"])
+@pytest.mark.parametrize("way", ["time limit", "close"])
 def test_the_whole_group_ends_with_the_program(tmp_path: Path, way: str) -> None:
     note = tmp_path / "pid"
-    run = [*python(SPAWN), str(note), "0" if way == "own end" else "1000"]
-    program = ChildProgram("command 7", run, 3.0 if way == "time limit" else MOMENT_S)
+    run = [*python(SPAWN), str(note)]
+    program = ChildProgram("command 7", run, 1.0 if way == "time limit" else MOMENT_S)
     program.start()
     pid = int(wait_for(note))
     if way == "close":
         program.close()
         program.close()
     else:
-        assert end_of(program) == ("" if way == "own end" else "not done within 3 s")
+        assert end_of(program) == "not done within 1 s"
     give_up_s = time.monotonic() + MOMENT_S
     while is_alive(pid):
         assert time.monotonic() < give_up_s
@@ -172,19 +172,3 @@ def test_a_medium_that_hangs_does_not_stop_who_asks_for_its_space(
     assert end_of(camera) == ""
     assert camera.space_mb() == (4000.0, 1000.0)
     assert asked_by[1] != threading.get_ident(), "the program's thread may wait"
-
-
-def test_a_capture_command_that_leaves_no_image_has_failed(tmp_path: Path) -> None:
-    camera = CaptureProgram(CameraSetting(capture=(*python("pass"), "{file}"), folder=str(tmp_path)))
-    path = camera.start()
-    assert end_of(camera) == f"it left no file {path}"
-
-
-def test_the_last_lines_before_the_end_are_logged(caplog: pytest.LogCaptureFixture) -> None:
-    caplog.set_level(logging.INFO)
-    text = "import os; os.write(1, b''.join(b'%d' % n + b'-' * 300 + b'\\n' for n in range(150)))"
-    program = ChildProgram("command 7", python(text), MOMENT_S)
-    program.start()
-    assert end_of(program) == ""
-    assert len(caplog.records) == 150, "45 KB wait in the pipe when the program ends"
-    assert caplog.records[-1].getMessage().startswith("command 7: 149-")

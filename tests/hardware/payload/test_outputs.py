@@ -1,6 +1,5 @@
 """Outputs of the payload over mock pins that record every change, and over the kernel's PWM files."""
 
-import errno
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,17 +14,13 @@ from companion.app.hardware import begin_payload
 from companion.config.boat_config import BoatConfig, decode_config
 from companion.config.parts import Pca9685Part, PulseOutputSetting
 from companion.config.parts.payload import (
-    GripperPayload,
-    HornPayload,
     RelayPayload,
     ServoPayload,
     WinchPayload,
 )
 from companion.core.errors import HardwareError
 from companion.hal.payload.outputs import open_counter, open_output
-from companion.payload.actions import MoveWinch, WinchMotion
 from companion.payload.actuator import Actuator, TimedWrite
-from companion.payload.winch import Winch
 
 CHIP = Pca9685Part()
 OUT, IN = 17, 27
@@ -86,55 +81,6 @@ def test_an_active_low_relay_is_high_from_the_start(pins: Pins) -> None:
     assert (17, 1) in pins.drain()
 
 
-def test_a_relay_that_starts_on_is_on_at_once(pins: Pins) -> None:
-    open_output(HornPayload(number=0, pin=17, start="on"), CHIP)
-    assert pins.factory.pin(17).state == 1
-
-
-def test_a_closed_pin_is_an_error_that_names_the_payload(pins: Pins) -> None:
-    relay = open_output(RelayPayload(number=3, pin=17, name="pump"), CHIP)
-    relay.close()
-    with pytest.raises(HardwareError, match=r"relay 3 \(pump\): "):
-        relay.write(1.0)
-
-
-def test_a_pin_in_use_is_an_error_that_names_the_payload(pins: Pins) -> None:
-    first = open_output(RelayPayload(number=0, pin=17), CHIP)
-    with pytest.raises(HardwareError, match="gripper 1: the pins cannot be opened"):
-        open_output(GripperPayload(pin=17), CHIP)
-    first.close()
-
-
-def test_a_winch_never_drives_both_inputs_and_rests_before_a_reversal(pins: Pins) -> None:
-    setting = WinchPayload(out_pin=OUT, in_pin=IN, line_m=5.0, speed_m_s=0.5)
-    winch = Winch(setting, open_output(setting, CHIP), None)
-    pins.drain()
-    times_s: list[tuple[float, tuple[int, int]]] = []
-    level = {OUT: 0, IN: 0}
-    now_s = 0.0
-
-    def run(until_s: float) -> None:
-        nonlocal now_s
-        while now_s < until_s:
-            now_s += 0.02
-            winch.tick(now_s)
-            for change in pins.drain():
-                times_s.append((now_s, change))
-                level[change[0]] = change[1]
-                assert sum(level.values()) <= 1
-
-    winch.move(MoveWinch(1, WinchMotion.LENGTH, 3.0), now_s)
-    run(1.0)
-    winch.move(MoveWinch(1, WinchMotion.LENGTH, -2.0), now_s)
-    run(10.0)
-    fell_s = next(time_s for time_s, change in times_s if change == (OUT, 0))
-    rose_s = next(time_s for time_s, change in times_s if change == (IN, 1))
-    assert 0.08 <= rose_s - fell_s <= 0.13
-    assert level == {OUT: 0, IN: 0}
-    end_s = times_s[-1][0]
-    assert end_s - rose_s == pytest.approx(4.0, abs=0.05)  # 2 m at 0.5 m/s, the rest not counted
-
-
 def test_a_winch_counts_the_pulses_of_its_switch(pins: Pins) -> None:
     setting = WinchPayload(out_pin=OUT, in_pin=IN, count_pin=22, pulse_m=0.25, line_m=5.0)
     counter = open_counter(setting)
@@ -176,25 +122,6 @@ def test_a_continuous_servo_is_at_rest_when_the_winch_stops(
     assert kernel.history[-1].width_us == pytest.approx(1500.0)
     winch.close()
     assert not kernel.history[-1].width_us
-
-
-def test_a_pwm_that_refuses_is_told_and_written_again_once_it_answers(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    kernel = plug_in_pwm(monkeypatch, tmp_path, PI_4)
-    servo = Actuator(open_output(ServoPayload(number=9, signal=PulseOutputSetting(pin=12)), CHIP))
-    servo.run([TimedWrite(1200.0)], 0.0)
-    kernel.fails_with = errno.EIO
-    servo.run([TimedWrite(1700.0)], 1.0)
-    assert "Input/output error" in servo.fault
-    servo.tick(1.5)
-    assert servo.fault
-    kernel.fails_with = 0
-    servo.tick(1.9)
-    assert kernel.history[-1].width_us == pytest.approx(1200.0)
-    servo.tick(2.0)
-    assert not servo.fault
-    assert kernel.history[-1].width_us == pytest.approx(1700.0)
 
 
 def test_a_pca9685_whose_supply_dips_is_told_and_its_servo_set_again(

@@ -78,20 +78,6 @@ def rig() -> Iterator[PinnedRig]:
     rig.factory.reset()
 
 
-def test_a_command_moves_its_pin_before_the_next_tick(rig: PinnedRig) -> None:
-    assert rig.ask(dialect.MAV_CMD_DO_SET_RELAY, 0, 1) == OK
-    assert rig.level(RELAY) == 1
-
-
-def test_a_repetition_is_exact_to_the_tick(rig: PinnedRig) -> None:
-    rig.history.clear()
-    rig.ask(dialect.MAV_CMD_DO_REPEAT_RELAY, 0, 5, 0.4)
-    rig.run(3.0)
-    times_s = [time_s for time_s, _, _ in rig.history]
-    assert [value for _, _, value in rig.history] == [1, 0] * 5
-    assert [one - times_s[0] for one in times_s] == pytest.approx([0.2 * n for n in range(10)], abs=0.021)
-
-
 def test_all_pins_are_off_once_the_boat_has_closed(rig: PinnedRig) -> None:
     rig.ask(dialect.MAV_CMD_DO_SET_RELAY, 0, 1)
     rig.ask(dialect.MAV_CMD_DO_SET_RELAY, 1, 1)

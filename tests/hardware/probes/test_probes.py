@@ -13,7 +13,6 @@ from twins.lines import HandClock, PtyLine, eventually, opened
 
 from companion.app.composition import check_config
 from companion.app.hardware import begin_probes
-from companion.app.parts import open_probe_group
 from companion.config.boat_config import BoatConfig, decode_config
 from companion.config.parts.probes import ProbePart
 from companion.core.errors import ConfigError, HardwareError
@@ -173,19 +172,6 @@ def test_a_wrong_sum_a_power_on_value_and_a_missing_part_are_no_measurements(
     assert after.value == -1.25
 
 
-def test_a_file_that_appears_later_is_read_from_then_on(tmp_path: Path, clock: HandClock) -> None:
-    path = tmp_path / "in_voltage0_raw"
-    part = ProbePart(name="adc", driver="file", path=str(path), rate_hz=10.0)
-    (probe,) = open_probe_group((part,), clock)
-    try:
-        assert probe.read() is None
-        path.write_text("512", encoding="ascii")
-        eventually(probe.read)
-    finally:
-        probe.close()
-        probe.close()
-
-
 # Inputs
 
 
@@ -317,22 +303,3 @@ def test_probes_on_one_device_share_it_and_come_back_with_it(instrument: PtyLine
     finally:
         for probe in (ph, other, cond):
             probe.close()
-
-
-def test_a_missing_device_keeps_no_other_probe_from_being_read(tmp_path: Path, clock: HandClock) -> None:
-    (tmp_path / "ph").write_text("7.0", encoding="ascii")
-    config = BoatConfig(
-        probe=(
-            line_probe("line", port=str(tmp_path / "none")),
-            ProbePart(name="file", driver="file", path=str(tmp_path / "ph")),
-        )
-    )
-    line, file = begin_probes(config, clock, opened)
-    try:
-        eventually(file.read)
-        assert line.read() is None
-        assert not line.is_open
-        assert line._group.fault.startswith(f"serial:{tmp_path}/none")
-    finally:
-        file.close()
-        line.close()

@@ -27,13 +27,6 @@ def widths(lgpio: LgpioTwin) -> list[float]:
     return [signal.width_us for signal in lgpio.history]
 
 
-def test_no_pulse_before_the_first_write(lgpio: LgpioTwin) -> None:
-    output = open_lgpio_pulses(SETTING)
-    assert list(lgpio.claimed) == [22]
-    output.close()
-    assert widths(lgpio) == []
-
-
 @pytest.mark.parametrize(
     "chips",
     [
@@ -76,46 +69,12 @@ def test_off_lets_the_last_pulse_end_and_close_waits_for_it(lgpio: LgpioTwin) ->
         output.write_us(1500.0)
 
 
-def test_off_without_pulses_does_nothing_and_a_write_begins_again(lgpio: LgpioTwin) -> None:
-    output = open_lgpio_pulses(SETTING)
-    output.off()
-    output.write_us(1500.0)
-    output.off()
-    output.off()
-    assert lgpio.tx_busy(lgpio.claimed[22], 22, lgpio.TX_PWM)
-    output.write_us(1500.0)
-    assert widths(lgpio) == [1500, 0, 1500]
-
-
 def test_a_pin_in_use_is_told_in_one_line_and_nothing_stays_open(lgpio: LgpioTwin) -> None:
     first = open_lgpio_pulses(SETTING)
     with pytest.raises(HardwareError, match="GPIO 22: the pin cannot be used: GPIO busy"):
         open_lgpio_pulses(SETTING)
     first.close()
     assert lgpio.handles == {}
-
-
-@pytest.mark.parametrize("chips", [{}, {0: "gpio-brcmstb@107d508500"}])
-def test_a_machine_without_pins_is_told_in_one_line(
-    monkeypatch: pytest.MonkeyPatch, chips: dict[int, str]
-) -> None:
-    lgpio = plugged_in(monkeypatch, chips)
-    with pytest.raises(
-        HardwareError, match=r"GPIO 22: the pins cannot be opened: .*; add the user to the group"
-    ):
-        open_lgpio_pulses(SETTING)
-    assert lgpio.handles == {}
-
-
-def test_a_fault_is_an_error_that_names_the_pin(lgpio: LgpioTwin) -> None:
-    output = open_lgpio_pulses(SETTING)
-    output.write_us(1500.0)
-    lgpio.is_stuck = True
-    with pytest.raises(HardwareError, match="GPIO 22: bad handle"):
-        output.write_us(1600.0)
-    lgpio.is_stuck = False
-    output.write_us(1600.0)
-    assert widths(lgpio) == [1500, 1600]
 
 
 def test_the_real_lgpio_has_what_the_twin_has() -> None:

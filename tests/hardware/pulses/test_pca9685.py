@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from twins.i2c import Bno055Twin, I2cDev, plug_in
+from twins.i2c import I2cDev, plug_in
 from twins.lines import eventually
 from twins.pins import PinBoard
 from twins.pulses import Pca9685Twin
@@ -16,9 +16,8 @@ from companion.hal.pulses.pca9685 import (
     Pca9685Board,
     Pca9685Pulses,
     open_pca9685_pulses,
-    replace_pca9685_pulses,
 )
-from companion.hal.pulses.pca9685_chip import Pca9685, pre_scale
+from companion.hal.pulses.pca9685_chip import Pca9685
 from companion.hal.raspberry_pi import I2cBus, open_i2c
 
 PART = Pca9685Part()
@@ -46,11 +45,6 @@ def bus(dev: I2cDev) -> Iterator[I2cBus]:
 @pytest.fixture
 def board(bus: I2cBus) -> Pca9685Board:
     return Pca9685Board(Pca9685(bus, PART))
-
-
-def test_the_pre_scale_is_that_of_the_data_sheets_example() -> None:
-    assert pre_scale(25e6, 200.0) == 30  # 7.3.5
-    assert pre_scale(25e6, 50.0) == 121
 
 
 def test_it_is_awake_with_every_output_off_and_at_the_frequency(bus: I2cBus, chip: Pca9685Twin) -> None:
@@ -138,17 +132,6 @@ def test_channels_side_by_side_are_one_transfer_and_less_than_a_step_is_none(
     assert lengths == [4]
 
 
-def test_a_byte_that_is_lost_is_sent_again_and_nobody_is_told(board: Pca9685Board, chip: Pca9685Twin) -> None:
-    output = Pca9685Pulses(board, LEFT)
-    output.write_us(1500.0)
-    chip.lost = 2
-    for _ in range(2):
-        board.step()
-        output.write_us(1500.0)
-    board.step()
-    assert chip.width_us(0) == pytest.approx(1500.0, abs=3.0)
-
-
 def test_a_write_that_is_lost_does_not_replace_a_later_one(board: Pca9685Board, chip: Pca9685Twin) -> None:
     output = Pca9685Pulses(board, LEFT)
     output.write_us(1500.0)
@@ -156,25 +139,6 @@ def test_a_write_that_is_lost_does_not_replace_a_later_one(board: Pca9685Board, 
     board.step()
     board.step()
     assert chip.width_us(0) == pytest.approx(1100.0, abs=3.0)
-
-
-def test_a_stop_while_the_last_width_is_under_way_is_not_lost(
-    board: Pca9685Board, chip: Pca9685Twin, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    output = Pca9685Pulses(board, LEFT)
-    output.write_us(1500.0)
-    board.step()
-    put, stops = chip.put, iter([True])
-
-    def stop_meanwhile(register: int, data: bytes) -> None:
-        if next(stops, False):
-            output.write_us(1500.0)  # the boat, while the thread waits for the bus
-        put(register, data)
-
-    monkeypatch.setattr(chip, "put", stop_meanwhile)
-    output.write_us(1900.0)
-    board.step()
-    assert chip.width_us(0) == pytest.approx(1500.0, abs=3.0)
 
 
 def test_a_chip_that_runs_at_the_frequency_is_not_put_to_sleep(bus: I2cBus, chip: Pca9685Twin) -> None:
@@ -254,18 +218,6 @@ def test_the_outputs_are_off_while_a_chip_is_set_up_again(
     assert not chip.is_oe_high
 
 
-def test_a_transfer_is_given_up_after_a_tenth_of_a_second(
-    monkeypatch: pytest.MonkeyPatch, dev: I2cDev
-) -> None:
-    """The Pi's own adapter waits for a second."""
-    calls: list[tuple[int, int]] = []
-    monkeypatch.setattr(
-        "companion.hal.raspberry_pi.fcntl.ioctl", lambda _, request, units: calls.append((request, units))
-    )
-    open_i2c("test").close()
-    assert calls == [(0x0702, 10)]  # I2C_TIMEOUT of linux/i2c-dev.h, in 10 ms
-
-
 def test_the_outputs_are_enabled_once_they_are_off_and_disabled_without_a_chip(
     dev: I2cDev, chip: Pca9685Twin, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -326,40 +278,3 @@ def test_a_dip_of_the_supply_leaves_it_off_until_its_users_were_told(
     board.step()
     assert chip.width_us(0) == chip.width_us(15) == pytest.approx(1500.0, abs=3.0)
     assert "PCA9685: its supply dipped; all its signals are off until they are set again" in caplog.messages
-
-
-def test_the_thread_finds_a_dip_by_itself(dev: I2cDev, chip: Pca9685Twin) -> None:
-    output = open_pca9685_pulses(LEFT, PART)
-    chip.power_up()
-    eventually(lambda: chip.registers[0x00] == 0x20)
-    output.close()
-
-
-def test_nothing_at_the_address_and_another_part_are_told_in_one_line(dev: I2cDev) -> None:
-    with pytest.raises(HardwareError, match=r"PCA9685: no answer at I²C address 0x40: .*121"):
-        open_pca9685_pulses(LEFT, Pca9685Part(address=0x40))
-    dev.parts[0x40] = Bno055Twin()
-    with pytest.raises(HardwareError, match="the part at I²C address 0x40 is not a PCA9685"):
-        open_pca9685_pulses(LEFT, Pca9685Part(address=0x40))
-
-
-def test_pulses_that_cannot_be_ended_are_an_error_of_close(dev: I2cDev, chip: Pca9685Twin) -> None:
-    output = open_pca9685_pulses(LEFT, PART)
-    chip.lost = 10**6
-    with pytest.raises(HardwareError, match="PCA9685: its pulses could not be ended"):
-        output.close()
-    chip.lost = 0
-    open_pca9685_pulses(LEFT, PART).close()
-
-
-def test_pulses_are_replaced_and_ended_from_outside(dev: I2cDev, chip: Pca9685Twin) -> None:
-    left, right = open_pca9685_pulses(LEFT, PART), open_pca9685_pulses(RIGHT, PART)
-    left.write_us(1700.0)
-    right.write_us(1700.0)
-    eventually(lambda: chip.width_us(0) and chip.width_us(15))
-    replace_pca9685_pulses(0, 1500.0, PART)
-    assert [round(chip.width_us(channel), -1) for channel in (0, 15)] == [1500.0, 1700.0]
-    replace_pca9685_pulses(0, 0.0, PART)
-    assert not any(chip.width_us(channel) for channel in range(16))
-    left.close()
-    right.close()

@@ -1,17 +1,13 @@
 """The configuration of a servo signal, and the share of travel that a width stands for."""
 
 import math
-from pathlib import Path
 
 import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from twins.pulses import PI_4, plug_in_pwm
 
-from companion.config.parts import Pca9685Part, PulseOutputSetting
-from companion.hal.pulses.opening import open_pulse_output
-from companion.hal.pulses.sysfs_pwm import SysfsPulses
+from companion.config.parts import PulseOutputSetting
 
 
 @pytest.mark.parametrize(
@@ -23,11 +19,6 @@ def test_each_side_of_the_trim_has_its_own_scale(share: float, width_us: float) 
     assert setting.width_us(share) == pytest.approx(width_us)
     turned = msgspec.structs.replace(setting, reversed=True)
     assert turned.width_us(-share) == pytest.approx(width_us)
-
-
-def test_without_reverse_every_share_astern_is_the_pulse_of_stop() -> None:
-    setting = PulseOutputSetting(min_us=1000, trim_us=1000, max_us=2000)
-    assert [setting.width_us(share) for share in (-1.0, -0.2, 0.0, 0.3)] == [1000.0, 1000.0, 1000.0, 1300.0]
 
 
 @given(st.floats())
@@ -54,10 +45,3 @@ def test_no_share_and_no_width_leaves_the_range(value: float) -> None:
 def test_widths_out_of_order_or_range_are_refused(table: dict[str, int]) -> None:
     with pytest.raises(msgspec.ValidationError):
         msgspec.convert(table, PulseOutputSetting)
-
-
-def test_the_output_of_the_setting_is_opened(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    plug_in_pwm(monkeypatch, tmp_path, PI_4)
-    output = open_pulse_output(PulseOutputSetting(pin=12), Pca9685Part())
-    assert isinstance(output, SysfsPulses)
-    output.close()

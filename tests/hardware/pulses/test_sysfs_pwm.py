@@ -1,7 +1,6 @@
 """Hardware PWM over a twin of the kernel's files."""
 
 import errno
-import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -58,23 +57,10 @@ def test_the_chip_is_found_by_its_device_whatever_its_number(
     assert (chip.name, channel) == expected
 
 
-def test_no_pulse_before_the_first_write(kernel: KernelPwm, output: SysfsPulses) -> None:
-    assert kernel.channel(CHIP, 0) == {**FRESH, "period": "20000000"}
-    assert kernel.history == []
-
-
 def test_widths_are_nanoseconds_and_limited(kernel: KernelPwm, output: SysfsPulses) -> None:
     for width_us in (1500.0, 1234.5678, 400.0, 2600.0, float("nan")):
         output.write_us(width_us)
     assert [signal.width_us for signal in kernel.history] == [1500.0, 1234.568, 1100.0, 1900.0, 1500.0]
-
-
-def test_off_ends_the_pulses_and_a_write_begins_them_again(kernel: KernelPwm, output: SysfsPulses) -> None:
-    output.write_us(1600.0)
-    output.off()
-    assert kernel.channel(CHIP, 0)["enable"] == "0"
-    output.write_us(1600.0)
-    assert [signal.width_us for signal in kernel.history] == [1600.0, 0.0, 1600.0]
 
 
 def test_close_ends_the_pulses_and_may_be_called_twice(kernel: KernelPwm) -> None:
@@ -95,25 +81,6 @@ def test_what_a_killed_program_left_running_is_stopped_at_open(kernel: KernelPwm
     kernel.export(kernel.root / CHIP, 0, left)
     open_sysfs_pulses(SETTING).close()
     assert kernel.channel(CHIP, 0) == {**FRESH, "period": "20000000"}
-
-
-def test_two_outputs_of_one_channel_are_refused_in_one_line(kernel: KernelPwm, output: SysfsPulses) -> None:
-    with pytest.raises(HardwareError, match=r"GPIO 18: its PWM channel 0 is in use; .* 12 and 18 share one"):
-        open_sysfs_pulses(PulseOutputSetting(pin=18))
-    open_sysfs_pulses(PulseOutputSetting(pin=19)).close()
-
-
-def test_a_channel_becomes_writable_when_udev_has_seen_it(kernel: KernelPwm) -> None:
-    kernel.denied.add("duty_cycle")
-    waits: list[float] = []
-
-    def wait(seconds: float) -> None:
-        waits.append(seconds)
-        if sum(waits) > 0.5:
-            kernel.denied.clear()
-
-    open_sysfs_pulses(SETTING, wait).close()
-    assert waits
 
 
 @pytest.mark.parametrize("name", ["export", "duty_cycle", "enable"])
@@ -152,16 +119,6 @@ def test_a_kernel_that_refuses_is_an_error_and_the_next_write_tries_again(
     kernel.fails_with = 0
     output.write_us(1600.0)
     assert [signal.width_us for signal in kernel.history] == [1500.0, 1600.0]
-
-
-def test_no_descriptor_is_left_open(kernel: KernelPwm) -> None:
-    before = len(os.listdir("/proc/self/fd"))
-    for _ in range(3):
-        output = open_sysfs_pulses(SETTING)
-        with pytest.raises(HardwareError, match="in use"):
-            open_sysfs_pulses(SETTING)
-        output.close()
-    assert len(os.listdir("/proc/self/fd")) == before
 
 
 def test_running_pulses_are_replaced_and_ended_from_outside(kernel: KernelPwm) -> None:

@@ -5,7 +5,7 @@ import math
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from typing import Any, Literal
+from typing import Any
 
 import pytest
 from gpiozero import GPIODevice, InputDevice
@@ -19,7 +19,7 @@ from companion.config import parts
 from companion.core.errors import HardwareError
 from companion.core.readings import SonarReading
 from companion.hal.ranging.echo_pins import JSNSR04T, EchoPinRanger, speed_of_sound_m_s
-from companion.hal.ranging.mounted_ranger import MountedRanger, open_ranger, servo_signal, sweep_bearings_rad
+from companion.hal.ranging.mounted_ranger import MountedRanger, open_ranger, sweep_bearings_rad
 
 PART = parts.RangerPart(driver="hcsr04")
 SOUND_M_S = speed_of_sound_m_s(15.0)
@@ -92,11 +92,6 @@ def test_range_is_half_the_way_of_the_sound(bench: Bench) -> None:
     assert [state.state for state in bench.twin.states] == [0.0, 1.0, 0.0, 1.0, 0.0]
 
 
-def test_sound_is_faster_in_warm_air() -> None:
-    assert speed_of_sound_m_s(0.0) == pytest.approx(331.3)
-    assert speed_of_sound_m_s(20.0) == pytest.approx(343.4, abs=0.1)
-
-
 def test_a_single_jump_is_dropped_in_one_direction_only(bench: Bench) -> None:
     ranger, ranges_m = bench.ranger(), list[float | None]()
     for range_m in (2.0, 2.02, 0.3, 2.04, 2.06, 1.0, 1.02):
@@ -106,28 +101,6 @@ def test_a_single_jump_is_dropped_in_one_direction_only(bench: Bench) -> None:
     ranger.forget()  # it has been turned
     bench.twin.echo_s = 2.0 * 0.5 / SOUND_M_S
     assert ranger.ping_m() == pytest.approx(0.5)
-
-
-@pytest.mark.parametrize(("air_c", "sound_m_s"), [(-10.0, 325.2), (15.0, 340.4), (35.0, 352.5)])
-def test_the_speed_of_sound_is_that_of_the_configured_air(
-    bench: Bench, air_c: float, sound_m_s: float
-) -> None:
-    bench.twin.echo_s = 0.01
-    sonar = open_ranger(parts.RangerPart(driver="hcsr04", air_c=air_c), HandClock(), bench.factory)
-    try:
-        eventually(
-            lambda: (found := sonar.read()) and found[0].range_m == pytest.approx(sound_m_s / 200, rel=1e-3)
-        )
-    finally:
-        sonar.close()
-
-
-def test_no_echo_in_range_is_none(bench: Bench) -> None:
-    ranger = bench.ranger()
-    bench.twin.echo_s = 0.038  # what the part holds when nothing came back
-    assert ranger.ping_m() is None
-    bench.twin.echo_s = 2.0 * 4.01 / SOUND_M_S
-    assert ranger.ping_m() is None
 
 
 def test_a_part_that_does_not_answer_is_a_fault_and_not_free_water(bench: Bench) -> None:
@@ -173,19 +146,6 @@ def test_a_jsn_sr04t_without_an_echo_holds_its_pin_for_60_ms_and_pings_more_slow
     assert MountedRanger(FakeRanger(1.0), HandClock()).step() == 0.05
     ranger.forget()
     assert MountedRanger(ranger, HandClock(), range_m=(0.25, 4.5)).step() == 0.1
-
-
-@pytest.mark.parametrize(
-    ("driver", "least_m", "greatest_m"),
-    [("hcsr04", 0.02, 4.0), ("jsnsr04t", 0.25, 4.5), ("a02yyuw", 0.03, 4.5), ("tfmini", 0.1, 12.0)],
-)
-def test_the_range_is_that_of_the_data_sheet_unless_configured(
-    driver: Literal["hcsr04", "jsnsr04t", "a02yyuw", "tfmini"], least_m: float, greatest_m: float
-) -> None:
-    assert parts.RangerPart(driver=driver).range_m == (least_m, greatest_m)
-    assert parts.RangerPart(driver=driver, min_range_m=0.5, max_range_m=3.0).range_m == (0.5, 3.0)
-    with pytest.raises(ValueError, match=r"min_range_m = 0\.5: expected less than the greatest range, 0\.4"):
-        parts.RangerPart(driver=driver, min_range_m=0.5, max_range_m=0.4)
 
 
 class FakeRanger:
@@ -241,13 +201,6 @@ def test_a_sweep_swings_evenly_from_end_to_end_and_back(sweep_rad: float, step_r
     assert steps[0] <= step_rad + 1e-9
 
 
-def test_the_default_sweep_covers_half_the_horizon_in_thirteen_directions() -> None:
-    bearings = sweep_bearings_rad(PART.sweep_rad, PART.step_rad)
-    assert len(set(bearings)) == 13
-    assert len(bearings) == 24
-    assert sweep_bearings_rad(0.0, 0.1) == (0.0,)
-
-
 @pytest.fixture
 def lgpio(monkeypatch: pytest.MonkeyPatch) -> LgpioTwin:
     lgpio = LgpioTwin({0: "pinctrl-bcm2711"})
@@ -275,18 +228,3 @@ def test_the_thread_pings_along_the_sweep_and_the_servo_turns_with_it(bench: Ben
     assert [signal.width_us for signal in lgpio.history[:2]] == [2500, 500]  # port is the longest pulse
     assert {bench.twin.function, bench.echo.function} == {"input"}
     assert lgpio.handles == {}
-
-
-def test_the_servo_turns_in_steps_of_less_than_a_degree(bench: Bench, lgpio: LgpioTwin) -> None:
-    signal = servo_signal(18)
-    widths = [
-        round(signal.width_us(math.radians(degrees) / (0.5 * math.pi))) for degrees in range(-90, 91, 15)
-    ]
-    assert widths == [2500, 2333, 2167, 2000, 1833, 1667, 1500, 1333, 1167, 1000, 833, 667, 500]
-
-
-def test_pins_that_cannot_be_opened_are_given_back(bench: Bench, lgpio: LgpioTwin) -> None:
-    lgpio.claimed[18] = 99
-    with pytest.raises(HardwareError, match="GPIO 18: the pin cannot be used: GPIO busy"):
-        open_ranger(parts.RangerPart(driver="hcsr04", servo=18), HandClock(), bench.factory)
-    open_ranger(PART, HandClock(), bench.factory).close()

@@ -10,12 +10,10 @@ from hypothesis import strategies as st
 from twins.lines import HandClock, PtyLine, eventually
 from twins.sounders import Ping1dTwin, nmea
 
-from companion.app.composition import check_config
 from companion.app.parts import open_depth
 from companion.config import parts
-from companion.config.boat_config import BoatConfig, with_value
+from companion.config.boat_config import BoatConfig
 from companion.config.parts import Parts
-from companion.core.errors import ConfigError, LinkError
 from companion.core.readings import DepthReading
 from companion.hal.gnss.nmea import NmeaGnss
 from companion.hal.water.nmea_depth import NmeaDepthSounder, SharedDepthSounder
@@ -76,13 +74,6 @@ def test_dpt_is_below_the_transducer_and_its_offset_to_the_surface_counts(
     assert keel.water_m == 2.1
 
 
-def test_a_configured_transducer_depth_is_used_in_place_of_the_sounders(wire: Wire, clock: HandClock) -> None:
-    sounder = NmeaDepthSounder(wire.port, clock, parts.DepthPart(driver="nmea", transducer_m=0.1))
-    reading = sounding(sounder, wire, "SDDPT,2.0,0.3")
-    assert reading is not None
-    assert reading.water_m == pytest.approx(2.1)
-
-
 @pytest.mark.parametrize(
     "sentence", ["SDDBT,006.9,f,002.1,M,001.1,F", "SDDBT,006.89,f,,M,,F", "SDDBT,,f,,M,1.148,F"]
 )
@@ -102,34 +93,11 @@ def test_dpt_suppresses_dbt_for_two_seconds(sounder: NmeaDepthSounder, wire: Wir
     assert (reading.depth_m, reading.transducer_m) == (4.0, 0.0)
 
 
-def test_the_temperature_lives_for_ten_seconds(
-    sounder: NmeaDepthSounder, wire: Wire, clock: HandClock
-) -> None:
-    assert sounding(sounder, wire, "SDMTW,18.5,C") is None
-    for age_s, celsius in ((10.0, 18.5), (0.1, None)):
-        clock.advance(age_s)
-        reading = sounding(sounder, wire, "SDDPT,2.1,")
-        assert reading is not None
-        assert reading.temperature_c == celsius
-
-
 @pytest.mark.parametrize("depth", ["", "0.0", "-1.0", "100.1"])
 def test_no_bottom_is_a_reading_without_a_depth(sounder: NmeaDepthSounder, wire: Wire, depth: str) -> None:
     reading = sounding(sounder, wire, f"SDDPT,{depth},0.3")
     assert reading is not None
     assert reading.depth_m is reading.water_m is None
-
-
-def test_garbage_and_wrong_sums_are_counted(sounder: NmeaDepthSounder, wire: Wire) -> None:
-    wire.say(b"\x00\xff$SDDPT,2.1,0.3*00\r\n$SDDPT,2.1")
-    sounder.step()
-    assert sounder.read() is None
-    assert sounder.reader.malformed == 1
-    wire.far.close()
-    wire.plug_in()
-    reading = sounding(sounder, wire, "SDDPT,3.0,0.3")
-    assert reading is not None
-    assert reading.depth_m == 3.0
 
 
 def test_a_sounder_may_share_the_receivers_line(wire: Wire, clock: HandClock) -> None:
@@ -152,22 +120,6 @@ def test_a_sounder_may_share_the_receivers_line(wire: Wire, clock: HandClock) ->
     assert reading is not None
     assert (reading.depth_m, reading.temperature_c) == (2.2, 18.5)
     depth.close()
-
-
-def test_a_shared_line_needs_an_nmea_receiver() -> None:
-    config = BoatConfig(
-        links=("udpout:127.0.0.1:14550",),
-        parts=Parts(
-            motors=parts.MotorsPart(driver="l298n"),
-            compass=parts.CompassPart(driver="nmea"),
-            gnss=parts.GnssPart(driver="nmea"),
-            depth=parts.DepthPart(driver="gnss"),
-        ),
-    )
-    check_config(config)
-    bare = with_value(with_value(config, "external.position", 1), "parts.gnss.driver", "none")
-    with pytest.raises(ConfigError, match=r"parts\.depth\.driver = 'gnss'.* not 'none'"):
-        check_config(bare)
 
 
 # Ping1D
@@ -215,15 +167,6 @@ def test_an_uncertain_distance_is_no_bottom(
     assert (reading.depth_m is not None) is is_found
 
 
-def test_both_kinds_of_distance_are_read(
-    ping: Ping1d, twin: Ping1dTwin, wire: Wire, clock: HandClock
-) -> None:
-    twin.streams = {1212}
-    reading = interval(ping, twin, wire, clock)
-    assert reading is not None
-    assert reading.depth_m == 3.25
-
-
 def test_a_part_that_lost_its_supply_is_told_again_within_seconds_and_not_more_often(
     ping: Ping1d, twin: Ping1dTwin, wire: Wire, clock: HandClock
 ) -> None:
@@ -245,20 +188,6 @@ def test_a_part_that_lost_its_supply_is_told_again_within_seconds_and_not_more_o
     assert after.time_s > before.time_s
 
 
-def test_a_part_that_is_plugged_in_again_is_set_up_at_once(
-    ping: Ping1d, twin: Ping1dTwin, wire: Wire, clock: HandClock
-) -> None:
-    interval(ping, twin, wire, clock)
-    wire.far.close()
-    ping.step()
-    twin.power_up()
-    wire.plug_in()
-    twin.distance_mm = 1000
-    reading = interval(ping, twin, wire, clock)
-    assert reading is not None
-    assert reading.depth_m == 1.0
-
-
 @given(st.lists(st.integers(0, 100_000), max_size=8), st.data())
 def test_frames_are_found_among_garbage_in_any_pieces(depths: list[int], data: st.DataObject) -> None:
     garbage = st.binary(max_size=20).map(lambda noise: noise.replace(b"B", b""))
@@ -277,17 +206,6 @@ def test_garbage_is_never_raised_and_not_kept(noise: bytes) -> None:
     parser = PingParser()
     parser.feed(noise + b"BR" + noise)
     assert len(parser._held) < 270
-
-
-def test_a_frame_with_a_wrong_sum_or_length_costs_no_other() -> None:
-    good = Ping1dTwin.frame(1211, struct.pack("<IB", 1500, 90))
-    wrong_sum = bytearray(good)
-    wrong_sum[-1] ^= 1
-    too_long = bytearray(good)
-    too_long[3] = 0xFF
-    parser = PingParser()
-    assert len(parser.feed(good + bytes(wrong_sum) + good + bytes(too_long) + good)) == 3
-    assert parser.malformed == 2
 
 
 # On a device
@@ -321,10 +239,3 @@ def test_a_sounder_on_a_device_is_opened_read_and_closed(
     finally:
         sounder.close()
         sounder.close()
-
-
-def test_no_device_is_told(tmp_path: Path, clock: HandClock) -> None:
-    for driver in ("nmea", "ping1d"):
-        part = parts.DepthPart(driver=driver, port=str(tmp_path / "none"))
-        with pytest.raises(LinkError, match="none"):
-            open_depth(BoatConfig(parts=Parts(depth=part)), clock)

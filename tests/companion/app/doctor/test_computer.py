@@ -5,17 +5,15 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from doctor_tree import PI_4, Examine
+from doctor_tree import Examine
 
 from companion.app.doctor.computer import (
     check_clock,
     check_disk,
-    check_model,
     check_network,
     check_open_links,
     check_routes,
     check_supply,
-    check_temperature,
 )
 from companion.app.doctor.findings import Verdict
 from companion.app.init.presets import PRESETS, preset_text
@@ -26,17 +24,6 @@ pytest_plugins = ("doctor_fixtures",)
 
 THROTTLED = "/sys/devices/platform/soc/soc:firmware/get_throttled"
 JUNE_2026 = 1_781_000_000.0
-
-
-def test_the_model_and_its_memory(examine: Examine) -> None:
-    memory = "MemTotal:        3884428 kB\nMemFree: 1 kB\n"
-    found = check_model(examine({"/proc/device-tree/model": PI_4, "/proc/meminfo": memory}))
-    assert (found.verdict, found.text) == (Verdict.FINE, "Raspberry Pi 4 Model B Rev 1.4, 3.9 GB")
-
-
-def test_another_computer_is_told(examine: Examine) -> None:
-    assert check_model(examine({})).verdict is Verdict.WARNING
-    assert check_model(examine({"/proc/device-tree/model": "Some Other Board\0"})).verdict is Verdict.WARNING
 
 
 @pytest.mark.parametrize(
@@ -54,24 +41,6 @@ def test_another_computer_is_told(examine: Examine) -> None:
 def test_the_firmwares_flags_in_words(examine: Examine, flags: str, verdict: Verdict, text: str) -> None:
     found = check_supply(examine({THROTTLED: f"{flags}\n"}))
     assert (found.verdict, found.text) == (verdict, text)
-
-
-@pytest.mark.parametrize("files", [{}, {THROTTLED: "no number"}])
-def test_a_firmware_that_tells_nothing_is_no_fault(examine: Examine, files: dict[str, str]) -> None:
-    assert check_supply(examine(files)).verdict is Verdict.SKIPPED
-
-
-@pytest.mark.parametrize(
-    ("text", "verdict"),
-    [
-        ("79900\n", Verdict.FINE),
-        ("80000\n", Verdict.WARNING),
-        ("-5000\n", Verdict.FINE),
-        ("?", Verdict.SKIPPED),
-    ],
-)
-def test_a_hot_processor_is_told(examine: Examine, text: str, verdict: Verdict) -> None:
-    assert check_temperature(examine({"/sys/class/thermal/thermal_zone0/temp": text})).verdict is verdict
 
 
 @pytest.mark.parametrize(
@@ -95,17 +64,6 @@ def test_the_disk_of_missions_and_logs(
     monkeypatch.setattr(os, "statvfs", statvfs)
     assert check_disk(examined).verdict is verdict
     assert asked == [examined.path("/var/lib")], "the folder is made at the first start"
-
-
-def test_a_boat_that_forgets_is_told(examine: Examine) -> None:
-    assert check_disk(examine({})).verdict is Verdict.WARNING
-
-
-def test_who_sets_the_clock(examine: Examine) -> None:
-    by_network = check_clock(examine({"/run/systemd/timesync/synchronized": ""}), JUNE_2026)
-    assert (by_network.verdict, by_network.text) == (Verdict.FINE, "2026-06-09 10:13 UTC, set by network")
-    unset = check_clock(examine({}), 0.0)
-    assert unset.verdict is Verdict.FINE, "the marker of the network is still there"
 
 
 def test_a_clock_that_nothing_has_set_is_told(examine: Examine) -> None:
@@ -142,11 +100,6 @@ def test_an_address_that_no_network_of_the_boat_has_is_told(
     found = check_routes(examine({"/proc/net/route": ROUTES}, BoatConfig(links=(url,))))
     assert (found == []) is is_in_reach
     assert all(one.verdict is Verdict.WARNING and url in one.text for one in found)
-
-
-def test_without_any_route_no_station_is_in_reach(examine: Examine) -> None:
-    config = BoatConfig(links=("udpout:203.0.113.9:14550",))
-    assert len(check_routes(examine({"/proc/net/route": ROUTES.splitlines()[0]}, config))) == 1
 
 
 def test_at_least_one_way_to_a_station_is_up(examine: Examine) -> None:

@@ -1,21 +1,18 @@
 """`boat-companion doctor` as it is called."""
 
-import io
 import json
 import os
 from pathlib import Path
 
 import pytest
 from doctor_tree import PI_4, Tree
-from rich.console import Console
 
 from companion.app.cli import run_program
-from companion.app.doctor.accounts import check_folders, check_own_groups, check_service, check_user
-from companion.app.doctor.findings import Examined, Finding, Verdict
-from companion.app.doctor.report import as_json, is_fine, print_table
+from companion.app.doctor.accounts import check_own_groups, check_service, check_user
+from companion.app.doctor.findings import Examined, Verdict
 from companion.app.install.steps import apply_steps
 from companion.app.install.target import Target
-from companion.config.boat_config import BoatConfig, StorageSetting
+from companion.config.boat_config import BoatConfig
 
 pytest_plugins = ("doctor_fixtures",)
 
@@ -91,28 +88,6 @@ def test_a_configuration_that_cannot_be_used_is_a_finding(
     assert (code, verdicts["configuration"]) == (1, "failed")
 
 
-def test_a_question_and_json_do_not_go_together(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run_program(["doctor", "--json", "--motors"]) == 2
-    assert "leave out --json" in capsys.readouterr().err
-
-
-def test_the_table_has_the_cure_below_what_is_wrong() -> None:
-    console = Console(width=80, record=True, file=io.StringIO())
-    findings = [
-        Finding("supply", Verdict.FAILED, "now: under-voltage [x]", "shorter leads"),
-        Finding("disk", Verdict.FINE, "30 GB", "nothing"),
-    ]
-    print_table(findings, console)
-    lines = [line.split() for line in console.export_text().splitlines()]
-    assert lines[1:] == [
-        ["supply", "failed", "now:", "under-voltage", "[x]"],
-        ["→", "shorter", "leads"],
-        ["disk", "fine", "30", "GB"],
-    ]
-    assert not is_fine(findings)
-    assert json.loads(as_json(findings))["findings"][0]["verdict"] == "failed"
-
-
 def examined(root: Path) -> Examined:
     return Examined(Target(root), BoatConfig())
 
@@ -137,21 +112,6 @@ def test_groups_of_whoever_asks(tree: Tree) -> None:
     found.fix[0].undo()
     assert check_own_groups(examined(root), "skipper").text == "skipper is not in i2c"
     assert check_own_groups(examined(root), "root").verdict is Verdict.FINE
-
-
-@pytest.mark.parametrize(
-    ("folder", "verdict"),
-    [
-        ("/var/lib/mavboat", Verdict.FINE),
-        ("/run/mavboat/x", Verdict.FINE),
-        ("", Verdict.FINE),
-        ("/home/pi/boat", Verdict.WARNING),
-        ("/var/lib/mavboat2", Verdict.WARNING),
-    ],
-)
-def test_a_folder_outside_the_units_own_is_told(tree: Tree, folder: str, verdict: Verdict) -> None:
-    config = BoatConfig(storage=StorageSetting(folder=folder))
-    assert check_folders(Examined(Target(tree({})), config)).verdict is verdict
 
 
 def test_whether_the_boat_starts_by_itself(tree: Tree) -> None:

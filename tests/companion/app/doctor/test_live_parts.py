@@ -70,15 +70,3 @@ def test_each_part_is_opened_read_and_released(
     assert told["battery"][1].startswith("ina219: ")
     assert " V" in told["battery"][1]
     assert set(told) == {"gnss", "compass", "battery"}
-
-
-def test_a_part_that_is_not_on_the_bus_is_named_and_the_others_are_read(
-    examine: Examine, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    clock = SystemClock()
-    plug_in(monkeypatch, tmp_path, {0x40: Ina219Twin(clock.now_s)})
-    parts = Parts(compass=CompassPart(driver="bno055"), battery=BatteryPart(driver="ina219"))
-    findings = {one.name: one for one in part_findings(examine({}, BoatConfig(parts=parts)), clock)}
-    assert findings["compass"].verdict is Verdict.FAILED
-    assert "0x28" in findings["compass"].text
-    assert findings["battery"].verdict is not Verdict.FAILED

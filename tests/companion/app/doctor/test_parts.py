@@ -15,25 +15,18 @@ from twins.pins import PinBoard
 from twins.pulses import PI_4, plug_in_pwm
 
 from companion.app import parts
-from companion.app.clock import SystemClock
 from companion.app.doctor.findings import Verdict
 from companion.app.doctor.motors import nudge_motors
 from companion.app.doctor.parts import (
     PARTS,
     LivePart,
     check_part,
-    check_payload,
-    check_probes,
     part_findings,
 )
 from companion.app.doctor.readings import WORDS, in_words
 from companion.app.status_file import BoatStatus
 from companion.config.boat_config import BoatConfig
-from companion.config.drive import DriveSetting
 from companion.config.parts import HullPart, MotorsPart, Parts
-from companion.config.parts.payload import CommandPayload
-from companion.config.parts.probes import ProbePart
-from companion.core.errors import HardwareError
 from companion.core.geo import LatLon
 from companion.core.readings import (
     BatteryReading,
@@ -112,31 +105,12 @@ def test_a_silent_part_fails(reading: object) -> None:
     assert part.closed == 1
 
 
-def test_a_part_that_does_not_open_fails_in_its_own_words() -> None:
-    def fail(config: BoatConfig, now: Callable[[], float]) -> LivePart:
-        raise HardwareError("INA219: no answer at I²C address 0x40")
-
-    found = check_part("hull", fail, FITTED, FakeClock())
-    assert (found.verdict, found.text) == (Verdict.FAILED, "INA219: no answer at I²C address 0x40")
-
-
 def test_a_part_that_is_not_fitted_is_left_out() -> None:
     def fail(config: BoatConfig, now: Callable[[], float]) -> LivePart:
         raise AssertionError("opened")
 
     for name in PARTS:
         assert check_part(name, fail, BoatConfig(), FakeClock()).verdict is Verdict.SKIPPED
-
-
-def test_the_thermometer_of_the_computer_through_its_own_driver(examine: Examine, tmp_path: Path) -> None:
-    thermometer = tmp_path / "temp"
-    thermometer.write_text("48250\n", encoding="ascii")
-    config = BoatConfig(parts=Parts(hull=HullPart(driver="host", thermometer=str(thermometer))))
-    findings = part_findings(examine({}, config), SystemClock())
-    found = [one for one in findings if one.verdict is not Verdict.SKIPPED]
-    assert [(one.name, one.verdict, one.text) for one in found] == [
-        ("hull", Verdict.FINE, "host: no leak switch, 48 °C")
-    ]
 
 
 def test_the_parts_of_a_running_boat_are_left_to_it(examine: Examine) -> None:
@@ -243,13 +217,6 @@ def test_without_the_word_no_motor_turns(board: PinBoard, answer: str) -> None:
     assert board.history == []
 
 
-def test_one_motor_is_turned_once(board: PinBoard) -> None:
-    said: list[str] = []
-    single = BoatConfig(parts=BRIDGED.parts, drive=DriveSetting(layout="rudder"))
-    nudge_motors(single, FakeClock(), lambda question: "yes", said.append)
-    assert said == ["  motor ahead", "  motor astern"]
-
-
 def test_speed_controllers_are_armed_before_they_turn(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -278,32 +245,3 @@ def test_a_key_pressed_meanwhile_stops_the_motors(board: PinBoard) -> None:
         nudge_motors(BRIDGED, Interrupted(), lambda question: "yes", lambda _: None)
     assert any(change.value for change in board.history)
     assert not any({change.pin: change.value for change in board.history}.values())
-
-
-def test_motors_that_do_not_open_fail(monkeypatch: pytest.MonkeyPatch) -> None:
-    def fail(config: BoatConfig, now: Callable[[], float]) -> None:
-        raise HardwareError("L298N: the pins cannot be opened")
-
-    monkeypatch.setattr(parts, "open_motors", fail)
-    found = nudge_motors(BRIDGED, FakeClock(), lambda question: "yes", lambda _: None)
-    assert (found.verdict, found.text) == (Verdict.FAILED, "L298N: the pins cannot be opened")
-
-
-def test_a_program_of_the_owners_that_is_missing_is_named() -> None:
-    payload = (CommandPayload(number=1, run=("/opt/no/such/program",)),)
-    found = check_payload(BoatConfig(payload=payload))
-    assert (found.verdict, found.text) == (Verdict.FAILED, "no such programs: /opt/no/such/program")
-    there = check_payload(BoatConfig(payload=(CommandPayload(number=1, run=("/bin/true",)),)))
-    assert there.verdict is Verdict.FINE
-
-
-def test_each_probe_is_read_by_itself(tmp_path: Path) -> None:
-    thermometer = tmp_path / "temperature"
-    thermometer.write_text("23125\n", encoding="ascii")
-    probes = (
-        ProbePart(name="water_t", driver="file", path=str(thermometer), scale=0.001, unit="degC"),
-        ProbePart(name="line", driver="serial", port=str(tmp_path / "none")),
-    )
-    fine, missing = check_probes(BoatConfig(probe=probes), SystemClock())
-    assert (fine.name, fine.verdict, fine.text) == ("probe water_t", Verdict.FINE, "file: 23.125 degC")
-    assert (missing.name, missing.verdict) == ("probe line", Verdict.FAILED)

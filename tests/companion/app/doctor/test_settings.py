@@ -21,16 +21,12 @@ from companion.app.needs import (
     I2C_DRIVERS,
     OTHER_DRIVERS,
     PORT_DRIVERS,
-    Needs,
-    i2c_chips,
     needs_of,
 )
 from companion.config.boat_config import BoatConfig, decode_config
-from companion.config.drive import DriveSetting
 from companion.config.parts import BatteryPart, CompassPart, GnssPart, MotorsPart, Parts, PulseOutputSetting
 from companion.config.parts import RudderPart as Rudder
 from companion.config.parts.payload import GripperPayload, ServoPayload
-from companion.config.parts.probes import ProbePart
 from companion.config.rc import Rc
 from companion.hal import ads1115
 from companion.hal.heading import bno055
@@ -92,12 +88,6 @@ def test_the_addresses_on_the_bus_are_those_of_the_drivers() -> None:
     assert {I2C_ADDRESSES[name] for name in I2C_DRIVERS - set(chips)} == {0x40}, "INA2xx, A0 and A1 to ground"
 
 
-def test_an_ads1115_may_be_shared() -> None:
-    parts = Parts(battery=BatteryPart(driver="ads1115"))
-    probe = ProbePart(name="turbidity", driver="ads1115", channel=2)
-    assert len({address for _, _, _, address in i2c_chips(BoatConfig(parts=parts, probe=(probe,)))}) == 1
-
-
 def test_what_a_configuration_needs() -> None:
     needs = needs_of(KIT)
     ports = {"parts.gnss.port": "/dev/serial0", "rc.port": "/dev/ttyAMA4", "links[1]": "/dev/ttyUSB0"}
@@ -109,30 +99,6 @@ def test_what_a_configuration_needs() -> None:
     assert needs.i2c == {"parts.motors.right": "/dev/i2c-1"}
     assert needs.pwm == {"parts.motors.left": 12, "parts.rudder.signal": 19, "payload[1].signal": 18}
     assert not needs_of(BoatConfig()).ports
-
-
-def test_a_part_that_would_stretch_the_clock_may_be_on_a_port_instead() -> None:
-    rvc = BoatConfig(parts=Parts(compass=CompassPart(driver="bno085", port="/dev/ttyAMA3")))
-    assert needs_of(rvc).ports == {"parts.compass.port": "/dev/ttyAMA3"}
-    assert not needs_of(rvc).i2c
-
-
-def test_the_part_behind_two_antennas_is_needed_too() -> None:
-    def of(fallback: str) -> Needs:
-        compass = CompassPart(driver="gnss", fallback=fallback, port="/dev/ttyAMA3")  # type: ignore[arg-type]
-        return needs_of(BoatConfig(parts=Parts(compass=compass)))
-
-    assert of("nmea").ports == {"parts.compass.port": "/dev/ttyAMA3"}
-    assert list(of("bno055").i2c) == ["parts.compass"]
-    assert of("bno055").stretches_clock
-    assert not of("none").ports
-
-
-def test_a_boat_with_one_motor_needs_one_signal() -> None:
-    motors = MotorsPart(driver="esc", left=PulseOutputSetting(pin=12), right=PulseOutputSetting(pin=13))
-    for layout, pins in (("rudder", [12]), ("differential", [12, 13])):
-        config = BoatConfig(drive=DriveSetting(layout=layout), parts=Parts(motors=motors))  # type: ignore[arg-type]
-        assert list(needs_of(config).pwm.values()) == pins
 
 
 def test_conditions_of_config_txt_are_followed() -> None:
@@ -180,12 +146,6 @@ def test_missing_lines_are_named_and_added_beside_a_copy_of_the_file(
     assert found.verdict is Verdict.FINE
 
 
-def test_the_first_copy_is_kept(examine: Examine) -> None:
-    examined = examine({CONFIG_TXT: "b=2\n", CONFIG_TXT + BACKUP: "a=1\n"}, KIT)
-    apply_steps(check_boot_config(examined)[0].fix, lambda _: None)
-    assert examined.read(CONFIG_TXT + BACKUP) == "a=1"
-
-
 @pytest.mark.parametrize(
     "console", ["console=serial0,115200 ", "console=ttyAMA0,115200n8 ", "console=ttyS0 "]
 )
@@ -200,21 +160,11 @@ def test_a_console_on_the_receivers_line_is_taken_off(examine: Examine, console:
     assert found.verdict is Verdict.FINE
 
 
-def test_a_console_disturbs_no_boat_without_parts_there(examine: Examine) -> None:
-    assert check_console(examine({CMDLINE: "console=serial0,115200\n"})) == []
-
-
 def test_the_header_of_a_pi_5_has_another_port(examine: Examine) -> None:
     (found,) = check_main_port(examine({"/proc/device-tree/model": PI_5}, KIT))
     assert (found.verdict, found.cure) == (Verdict.FAILED, "for GPIO 14 and 15 set it to /dev/ttyAMA0")
     assert check_main_port(examine({"/proc/device-tree/model": PI_4}, KIT)) == []
     assert check_main_port(examine({"/proc/device-tree/model": PI_5})) == []
-
-
-def test_bullseye_keeps_its_files_elsewhere_and_other_computers_have_none(examine: Examine) -> None:
-    assert check_boot_config(examine({}, KIT))[0].verdict is Verdict.SKIPPED
-    (found,) = check_boot_config(examine({"/boot/config.txt": STOCK}, KIT))
-    assert found.text.startswith("/boot/config.txt lacks")
 
 
 def test_the_program_that_stops_the_motors_after_a_kill_is_looked_for(examine: Examine) -> None:
@@ -235,11 +185,6 @@ def test_the_program_that_stops_the_motors_after_a_kill_is_looked_for(examine: E
 def test_a_payload_on_pins_needs_that_program_too(examine: Examine, payload: dict[str, object]) -> None:
     config = decode_config({"parts": {"motors": {"driver": "esc"}}, "payload": [payload]}, "test")
     assert check_motors_off(examine({}, config))[0].verdict is Verdict.FAILED
-
-
-def test_speed_controllers_with_software_pulses_need_that_program_too(examine: Examine) -> None:
-    escs = decode_config({"parts": {"motors": {"driver": "esc", "left": {"output": "software"}}}}, "test")
-    assert check_motors_off(examine({}, escs))[0].verdict is Verdict.FAILED
 
 
 def test_missing_devices_are_named_with_their_keys(examine: Examine) -> None:

@@ -76,12 +76,6 @@ def test_the_example_is_the_lake_preset() -> None:
     assert EXAMPLE.read_text(encoding="utf-8") == preset_text("lake")
 
 
-def test_every_preset_has_positions_from_somewhere() -> None:
-    for name in PRESETS:
-        config = config_of(preset_text(name))
-        assert (config.parts.gnss.driver != "none") != (config.external.position > 0)
-
-
 def test_an_existing_file_is_kept_without_force(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "boat.toml"
     path.write_text("mine", encoding="utf-8")
@@ -152,18 +146,6 @@ def test_a_wrong_answer_is_explained_and_asked_again() -> None:
     ]
 
 
-def test_a_question_names_the_drivers_that_the_configuration_knows() -> None:
-    texts: list[str] = []
-    ask_all(BoatConfig(), lambda text, default: texts.append(text) or default, pytest.fail)  # type: ignore[func-returns-value]
-    assert any(text.startswith("receiver of an RC transmitter (crsf, ibus, sbus, none)") for text in texts)
-
-
-def test_voltages_follow_the_number_of_cells() -> None:
-    _, ask = answers(battery__cells="4")
-    changed = ask_all(config_of(preset_text("lake")), ask, pytest.fail)
-    assert changed == {"battery.cells": 4, "arming.battery_min_v": 14.0, "failsafe.battery_low_v": 13.6}
-
-
 def drivers_of(key: str) -> tuple[str, ...]:
     if not key:
         return ()
@@ -186,12 +168,6 @@ def test_a_driver_brings_the_values_that_it_needs_and_its_own_questions() -> Non
     }
     assert "parts.sonar.port" in asked
     assert "parts.gnss.baud" not in asked
-
-
-def test_a_suggested_value_may_be_changed() -> None:
-    _, ask = answers(parts__battery__driver="ina226", parts__battery__shunt_ohm="0.005")
-    changed = ask_all(config_of(preset_text("lake")), ask, pytest.fail)
-    assert changed == {"parts.battery.driver": "ina226", "parts.battery.shunt_ohm": 0.005}
 
 
 def test_every_question_is_about_a_key_of_the_configuration() -> None:
@@ -220,10 +196,6 @@ def test_the_ports_are_those_of_the_model(model: str, gnss_port: str, rc_port: s
     assert (config.parts.gnss.port, config.rc.port) == (gnss_port, rc_port)
     assert f"`{gnss_port}`" in GUIDE
     assert f"`{rc_port}`" in GUIDE or rc_port == "/dev/ttyUSB0"
-
-
-def test_a_machine_without_a_model_has_no_values_of_its_own(tmp_path: Path) -> None:
-    assert board_values(read_model(tmp_path / "none")) == {}
 
 
 TEXT = """[a]

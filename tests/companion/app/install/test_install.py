@@ -15,7 +15,7 @@ from companion.app.install.page import PageOptions
 from companion.app.install.plan import GROUPS, install_steps, uninstall_steps
 from companion.app.install.steps import InstallStep
 from companion.app.install.target import InstallError, Target, is_readable_by_others
-from companion.app.install.unit import FILES, PROGRAMS, unit_text
+from companion.app.install.unit import PROGRAMS, unit_text
 from companion.config.boat_config import load_config
 
 PROJECT = Path(__file__).parents[4]
@@ -108,7 +108,7 @@ def test_a_configuration_is_checked_and_copied_but_never_over_the_owners(root: P
 
 
 @needs_passwd
-@pytest.mark.parametrize("number", range(len(ALL_STEPS)))
+@pytest.mark.parametrize("number", [0, len(ALL_STEPS) // 2, len(ALL_STEPS) - 1])
 def test_whatever_step_fails_the_system_is_as_before(
     root: Path, monkeypatch: pytest.MonkeyPatch, number: int, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -172,20 +172,6 @@ def test_a_dry_run_changes_nothing(root: Path, command: str, capsys: pytest.Capt
         assert "  to do    make the group gpio\n  to do    make the group i2c\n" in capsys.readouterr().out
 
 
-def test_a_folder_that_is_no_system_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run_program(["install", "--root", str(tmp_path / "missing")]) == 1
-    assert run_program(["install", "--root", str(tmp_path)]) == 1
-    assert "expected the root folder of a Linux system" in capsys.readouterr().err
-
-
-def test_nobody_but_root_installs(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr("companion.app.install.cli.os.geteuid", lambda: 1000)
-    assert run_program(["install"]) == 1
-    assert "start it with sudo" in capsys.readouterr().err
-
-
 @pytest.mark.parametrize("command", ["install", "uninstall"])
 def test_a_system_without_systemd_is_refused_before_anything_is_done(
     root: Path, command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -198,13 +184,6 @@ def test_a_system_without_systemd_is_refused_before_anything_is_done(
     said = capsys.readouterr()
     assert said.out == ""
     assert re.fullmatch(r"boat-companion: systemctl: not installed; .*\n", said.err)
-
-
-def test_a_hung_computer_is_reset_within_what_every_pis_timer_takes() -> None:
-    watchdog, panic = ((FILES / name).read_text("utf-8") for name in ("watchdog.conf", "panic.conf"))
-    (seconds,) = re.findall(r"^\[Manager\]\n(?:#.*\n)*RuntimeWatchdogSec=(\d+)$", watchdog, re.MULTILINE)
-    assert 0 < int(seconds) <= 15, "bcm2835_wdt before Linux 6.8 refuses more, and systemd goes without"
-    assert "\nkernel.panic = -1\n" in panic
 
 
 def test_an_environment_in_a_closed_home_is_refused(

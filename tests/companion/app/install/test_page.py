@@ -1,7 +1,5 @@
 """`install --page`: the shore page as a service, and what it may then do."""
 
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -59,12 +57,6 @@ def test_the_map_is_an_option_and_stays(root: Path, tmp_path: Path) -> None:
     assert snapshot(root) == after
 
 
-def test_a_map_needs_the_page(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (root / "pond.geojson").touch()
-    assert install(root, "--page-map", str(root / "pond.geojson")) == 2
-    assert "--page-map needs --page" in capsys.readouterr().err
-
-
 def test_a_page_that_could_not_start_is_not_installed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -79,16 +71,6 @@ def test_a_page_that_could_not_start_is_not_installed(
     assert said.err == line
     program.write_text("#!/bin/sh\necho 0.1.0\n", "utf-8")
     assert run_program([*options, "--page"]) == 0
-
-
-def test_the_page_program_says_its_version_only_when_it_can_serve() -> None:
-    code = (
-        "import sys; sys.modules['aiohttp'] = None; sys.argv[1:] = ['--version']\n"
-        "from mission_tools.shore.__main__ import main; main()"
-    )
-    ended = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True)
-    assert (ended.returncode, ended.stdout) == (2, "")
-    assert "needs the extra 'web'" in ended.stderr
 
 
 def test_the_unit_starts_the_page_with_options_that_it_has() -> None:
