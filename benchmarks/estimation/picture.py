@@ -4,12 +4,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from benchmarks.estimation.consistency import GROUPS, ROW_HZ, SETTLED_S, Average
-from mission_tools.drawing.legend import INK, PAPER
-from sitl.reports.panels import style_panel
+from mission_tools.drawing.style import INK, new_figure, style_panel
 
 _COLOURS = ("#31688e", "#d08a2e", "#2a7f62", "#8a4f7d")
 
@@ -17,8 +14,7 @@ _COLOURS = ("#31688e", "#d08a2e", "#2a7f62", "#8a4f7d")
 def draw_nees(found: Mapping[str, Mapping[str, Average]], path: Path) -> None:
     """A panel for each group, a line for each campaign by title, and the 95 % bounds of the first."""
     names = [name for name in GROUPS if any(name in averages for averages in found.values())]
-    figure = Figure(figsize=(11.0, 2.3 * len(names) + 0.5), facecolor=PAPER, layout="constrained", dpi=100)
-    FigureCanvasAgg(figure)
+    figure = new_figure(11.0, 2.3 * len(names) + 0.5, dpi=100)
     columns = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
     for axes, name in zip(columns, names, strict=True):
         shown = [(title, averages[name]) for title, averages in found.items() if name in averages]

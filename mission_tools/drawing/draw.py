@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import shapely
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from shapely.geometry import MultiPolygon, Polygon
@@ -19,18 +18,8 @@ from shapely.geometry import MultiPolygon, Polygon
 from companion.cli.output_file import output_file
 from companion.core.geo import Point
 from mission_tools.drawing.features import LAND_EDGE, arrange_names, draw_feature, fill
-from mission_tools.drawing.legend import (
-    BAND,
-    INK,
-    PAPER,
-    PLAN_STYLE,
-    SAILED,
-    View,
-    draw_frame,
-    draw_legend,
-    draw_north_arrow,
-    draw_scale_bar,
-)
+from mission_tools.drawing.legend import View, draw_frame, draw_legend, draw_north_arrow, draw_scale_bar
+from mission_tools.drawing.style import BAND, INK, PLAN_STYLE, SAILED, new_figure
 from mission_tools.drawing.view import view_of
 from mission_tools.drawing.waypoints import MANY, draw_lengths, draw_tightest, draw_waypoints
 from mission_tools.maps.chart import Chart
@@ -115,8 +104,7 @@ def draw_picture(
     view is the whole chart, or the surroundings of route and track where those are far smaller.
     """
     layout = _Layout.of(view_of(chart, route, track))
-    figure = Figure(figsize=(layout.width_in, HEIGHT_IN), dpi=125, facecolor=PAPER)
-    FigureCanvasAgg(figure)
+    figure = new_figure(layout.width_in, HEIGHT_IN, dpi=125, layout=None)
     axes = figure.add_axes(layout.box(LEFT_IN, BOTTOM_IN, layout.map_in, MAP_HEIGHT_IN))
     view = view_of(chart, route, track, aspect=layout.map_in / MAP_HEIGHT_IN)
     west, south, east, north = view

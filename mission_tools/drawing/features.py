@@ -15,7 +15,7 @@ from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from companion.core.geo import Point, distance_m
-from mission_tools.drawing.legend import HALO, INK, KEEP_OUT, KEEP_OUT_TINT
+from mission_tools.drawing.style import HALO, INK, KEEP_OUT, KEEP_OUT_TINT
 from mission_tools.geojson import KEPT_OUT
 from mission_tools.maps.chart import Chart, Feature
 

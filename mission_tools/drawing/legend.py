@@ -6,16 +6,22 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
-from matplotlib.patheffects import withStroke
 
 from companion.core.geo import Point, longitude_difference_deg
+from mission_tools.drawing.style import (
+    BAND,
+    HALO,
+    INK,
+    KEEP_OUT,
+    KEEP_OUT_TINT,
+    PAPER,
+    PLAN_STYLE,
+    PLANNED,
+    SAILED,
+)
 from mission_tools.geojson import KEPT_OUT
 from mission_tools.maps.chart import Chart
 
-BAND, KEEP_OUT, KEEP_OUT_TINT = "#94c1dd", "#c2413b", "#f6d5d0"
-PLANNED, SAILED, INK, PAPER = "#cf3a2e", "#12395b", "#2b2b2b", "#fbf9f4"
-PLAN_STYLE: dict[str, Any] = {"color": PLANNED, "linewidth": 4.6, "alpha": 0.6, "dashes": (2.2, 1.1)}
-HALO = [withStroke(linewidth=2.6, foreground="white", alpha=0.85)]
 SCALE_STEPS_M = tuple(step * 10.0**power for power in range(-2, 6) for step in (1.0, 2.0, 5.0))
 SMALL_VIEW_M = 20.0
 

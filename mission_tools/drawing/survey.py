@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import shapely
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -21,7 +20,8 @@ from mission_tools.drawing.draw import (
     draw_chart,
 )
 from mission_tools.drawing.features import arrange_names, fill
-from mission_tools.drawing.legend import INK, PAPER, SAILED, draw_frame, draw_north_arrow, draw_scale_bar
+from mission_tools.drawing.legend import draw_frame, draw_north_arrow, draw_scale_bar
+from mission_tools.drawing.style import INK, SAILED, new_figure
 from mission_tools.drawing.view import view_of
 from mission_tools.drawing.waypoints import draw_waypoints
 from mission_tools.maps.chart import Chart
@@ -45,8 +45,7 @@ def draw_survey(
     The view is the whole chart, or the surroundings of the route where those are far smaller.
     """
     route = survey.route.points
-    figure = Figure(figsize=(WIDTH_IN, HEIGHT_IN), dpi=125, facecolor=PAPER)
-    FigureCanvasAgg(figure)
+    figure = new_figure(WIDTH_IN, HEIGHT_IN, dpi=125, layout=None)
     box = (LEFT_IN / WIDTH_IN, BOTTOM_IN / HEIGHT_IN, MAP_WIDTH_IN / WIDTH_IN, MAP_HEIGHT_IN / HEIGHT_IN)
     axes = figure.add_axes(box)
     view = view_of(chart, route, track, aspect=MAP_WIDTH_IN / MAP_HEIGHT_IN)

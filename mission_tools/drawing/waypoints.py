@@ -8,7 +8,7 @@ import shapely
 from matplotlib.axes import Axes
 
 from companion.core.geo import Point, distance_m
-from mission_tools.drawing.legend import HALO, INK, PLANNED
+from mission_tools.drawing.style import HALO, INK, PLANNED
 from mission_tools.maps.chart import Chart
 from mission_tools.wording import distance
 

@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from mission_tools.drawing.legend import INK, PAPER, PLANNED, SAILED
+from mission_tools.drawing.style import FAULT, INK, PLANNED, SAILED, new_figure, style_axes
 from sitl.courses.courses import COURSES
 from sitl.experiments.campaign.expect import Expectation
 from sitl.experiments.trial import TrialResult
@@ -21,7 +20,7 @@ _MOST_GROUPS = 24
 _MOST_TRACKS = 400
 _NAME_COLUMNS = 44  # letters that fit over a small chart
 _COLUMNS = 3
-_MISSED = "#b3261e"
+
 
 Row = Mapping[str, Any]
 
@@ -36,10 +35,8 @@ def draw_expectation(expectation: Expectation, table: Sequence[Row]) -> Figure |
     if not groups:
         return None
     groups = groups[:_MOST_GROUPS]
-    figure = Figure(figsize=(11.0, 0.42 * len(groups) + 1.5), facecolor=PAPER, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(11.0, 0.42 * len(groups) + 1.5)
     axes = figure.subplots()
-    axes.set_facecolor("white")
     for place, (_, values) in enumerate(groups):
         # Spread evenly over the row, in the runs' own order: a picture has no dice either.
         heights = place + 0.28 * np.sin(2.4 * np.arange(len(values)))
@@ -67,9 +64,7 @@ def draw_expectation(expectation: Expectation, table: Sequence[Row]) -> Figure |
     axes.set_yticks(range(len(groups)), names, fontsize=9)
     axes.set_ylim(len(groups) - 0.4, -0.6)
     axes.set_xlabel(label(expectation.figure), fontsize=9.5)
-    axes.grid(axis="x", color="#d8d2c4", linewidth=0.6)
-    for edge in ("top", "right", "left"):
-        axes.spines[edge].set_visible(False)
+    style_axes(axes, grid="x", without=("top", "right", "left"))
     return figure
 
 
@@ -97,8 +92,7 @@ def draw_tracks(named: Sequence[tuple[str, Sequence[TrialResult]]]) -> Figure | 
         return None
     rows = math.ceil(len(named) / _COLUMNS)
     columns = min(len(named), _COLUMNS)
-    figure = Figure(figsize=(12.0, 4.1 * rows), dpi=110, facecolor=PAPER, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(12.0, 4.1 * rows, dpi=110)
     panels = figure.subplots(rows, columns, squeeze=False)
     for axes in panels.flat[len(named) :]:
         axes.set_axis_off()
@@ -114,7 +108,7 @@ def _draw_group(axes: Axes, name: str, results: Sequence[TrialResult]) -> None:
         axes.plot(
             [p.east_m for p in course], [p.north_m for p in course], color=PLANNED, linewidth=1.2, alpha=0.7
         )
-    for colour, picked in ((SAILED, True), (_MISSED, False)):
+    for colour, picked in ((SAILED, True), (FAULT, False)):
         lines = [o.track for o in results[:_MOST_TRACKS] if (o.ended == "completed") is picked]
         axes.add_collection(
             LineCollection(lines, colors=colour, linewidths=0.9, alpha=max(0.2, 1.0 / len(results) ** 0.5))
@@ -133,10 +127,8 @@ def draw_clearances(table: Sequence[Row]) -> Figure | None:
     rows = [row for row in table if isinstance(row.get("min_clearance_m"), float)]
     if not rows:
         return None
-    figure = Figure(figsize=(11.0, 4.2), facecolor=PAPER, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(11.0, 4.2)
     axes = figure.subplots()
-    axes.set_facecolor("white")
     for word, colour, is_faulty in (("no fault", SAILED, False), ("one fault", "#d08a2e", True)):
         picked = [row for row in rows if bool(row.get("fault")) is is_faulty]
         if picked:
@@ -147,15 +139,13 @@ def draw_clearances(table: Sequence[Row]) -> Figure | None:
     touched = [row for row in rows if row.get("touched")]
     axes.plot(
         [row["current_m_s"] for row in touched], [row["min_clearance_m"] for row in touched], "x",
-        color=_MISSED, ms=8, mew=1.8, label=f"touched (n = {len(touched)})",
+        color=FAULT, ms=8, mew=1.8, label=f"touched (n = {len(touched)})",
     )  # fmt: skip
     axes.set_ylim(bottom=-0.15)
     axes.set_xlabel("current, m/s", fontsize=9.5)
     axes.set_ylabel("nearest to shore or obstacle, m", fontsize=9.5)
     axes.legend(fontsize=9, frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3)
-    axes.grid(color="#d8d2c4", linewidth=0.6)
-    for edge in ("top", "right"):
-        axes.spines[edge].set_visible(False)
+    style_axes(axes)
     return figure
 
 

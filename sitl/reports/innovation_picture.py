@@ -2,17 +2,15 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from mission_tools.drawing.legend import INK, PAPER
-from sitl.reports.panels import style_panel
+from mission_tools.drawing.style import FAULT, INK, new_figure, style_panel
 from sitl.reports.run_series import fault_spans
 from sitl.run.run_record import Numbers, RunRecord
 
 _BAND = 1.96  # standard deviations: 95 %
 _MOST = 6.0
-_REJECTED = "#b3261e"
+_REJECTED = FAULT
 _PANELS = (
     ("position", (("north", "#31688e"), ("east", "#8a4f7d"))),
     ("velocity", (("north", "#31688e"), ("east", "#8a4f7d"))),
@@ -26,8 +24,7 @@ def draw_innovations(record: RunRecord) -> Figure | None:
     estimates = record.estimates
     if "position_north_nu" not in estimates or np.isnan(estimates["position_north_nu"]).all():
         return None
-    figure = Figure(figsize=(12.0, 8.4), facecolor=PAPER, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(12.0, 8.4)
     *columns, last = figure.subplots(len(_PANELS) + 1, 1, sharex=True)
     for axes, (sensor, components) in zip(columns, _PANELS, strict=True):
         _innovations(axes, estimates, sensor, components)

@@ -5,12 +5,10 @@ from collections.abc import Callable
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from mission_tools.drawing.draw import draw_chart, draw_picture
-from mission_tools.drawing.legend import HALO, INK, PAPER, PLANNED, SAILED
-from sitl.reports.panels import style_panel
+from mission_tools.drawing.style import FAULT, HALO, INK, PLANNED, SAILED, new_figure, style_panel
 from sitl.reports.run_series import (
     at_estimates,
     brakes,
@@ -27,7 +25,7 @@ _SIDES = (("left", LEFT), ("right", RIGHT))
 _MODE_TINTS = ("#eef3f7", "#f7f0e2", "#eaf3ea", "#f6e9ee", "#eeeaf6")
 _MOST_DRAWN = 4000
 _MAP_ASPECT = 1.3
-_FAULT = "#b3261e"
+
 _BRAKE = "#e07a1f"
 
 
@@ -62,8 +60,7 @@ def draw_panels(record: RunRecord) -> Figure:
         ("position error\nof the estimate, m", _position_error),
         ("pack", _pack),
     ]
-    figure = Figure(figsize=(12.0, 2.05 * len(panels) + 0.6), facecolor=PAPER, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(12.0, 2.05 * len(panels) + 0.6)
     columns = figure.subplots(len(panels), 1, sharex=True)
     for axes, (label, draw) in zip(columns, panels, strict=True):
         draw(axes, record)
@@ -73,7 +70,7 @@ def draw_panels(record: RunRecord) -> Figure:
     _mark_brakes(columns[2], record)
     _mark_brakes(columns[3], record)
     _name_spans(columns[0], mode_spans(record), 1.0, INK)
-    _name_spans(columns[0], fault_spans(record), 0.0, _FAULT)
+    _name_spans(columns[0], fault_spans(record), 0.0, FAULT)
     columns[-1].set_xlabel("time since boot, s", fontsize=9.5)
     times = record.truth["time_s"]
     columns[-1].set_xlim(times[0], max(times[-1], times[0] + 1.0))
@@ -84,8 +81,7 @@ def draw_sonar_map(record: RunRecord) -> Figure | None:
     """Every echo where the boat took it to be, over the true chart; None where nothing was heard."""
     if not len(record.echoes):
         return None
-    figure = Figure(figsize=(9.6, 7.2), dpi=125, facecolor=PAPER, layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = new_figure(9.6, 7.2, dpi=125)
     axes = figure.subplots()
     draw_chart(axes, record.chart)
     north_m, east_m = record.truth["north_m"], record.truth["east_m"]
@@ -184,8 +180,8 @@ def _modes(axes: Axes, record: RunRecord) -> None:
     for number, (begin_s, end_s, _) in enumerate(mode_spans(record)):
         axes.axvspan(begin_s, end_s, color=_MODE_TINTS[number % len(_MODE_TINTS)], zorder=0, linewidth=0)
     for begin_s, end_s, _ in fault_spans(record):
-        axes.axvspan(begin_s, end_s, color=_FAULT, alpha=0.09, zorder=0.5, linewidth=0)
-        axes.axvline(begin_s, color=_FAULT, linewidth=1.3)
+        axes.axvspan(begin_s, end_s, color=FAULT, alpha=0.09, zorder=0.5, linewidth=0)
+        axes.axvline(begin_s, color=FAULT, linewidth=1.3)
     for event in record.events:
         if event.kind == "waypoint":
             axes.axvline(event.time_s, color="#9a9482", linewidth=0.7, linestyle="-", alpha=0.6)
@@ -219,8 +215,8 @@ def _mark_track(axes: Axes, record: RunRecord) -> None:
         axes.plot(*where(begin_s), "v", ms=8, mfc=_BRAKE, mec="white", mew=0.8, zorder=15)
     for begin_s, _, name in fault_spans(record):
         at = where(begin_s)
-        axes.plot(*at, "X", ms=10, mfc=_FAULT, mec="white", mew=0.9, zorder=16)
+        axes.plot(*at, "X", ms=10, mfc=FAULT, mec="white", mew=0.9, zorder=16)
         axes.annotate(
-            name, at, xytext=(9, 6), textcoords="offset points", fontsize=9, color=_FAULT, path_effects=HALO,
+            name, at, xytext=(9, 6), textcoords="offset points", fontsize=9, color=FAULT, path_effects=HALO,
             zorder=16, annotation_clip=True,
         )  # fmt: skip

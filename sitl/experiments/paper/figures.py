@@ -5,13 +5,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from companion.core.geo import Point
 from mission_tools.drawing.draw import draw_chart, save_figure
 from mission_tools.drawing.features import arrange_names
-from mission_tools.drawing.legend import INK, PAPER
+from mission_tools.drawing.style import INK, new_figure
 from sitl.experiments.paper.conditions import CASES, Method, conditions
 from sitl.experiments.paper.run import planned
 from sitl.experiments.paper.step_response import STEP_RAD, StepResponse
@@ -154,9 +153,7 @@ def _easts_norths(points: Sequence[Point]) -> tuple[list[float], list[float]]:
 
 
 def _figure(size: tuple[float, float]) -> Figure:
-    figure = Figure(figsize=size, dpi=_DPI, facecolor=PAPER, layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure
+    return new_figure(*size, dpi=_DPI)
 
 
 def _save(figure: Figure, path: Path, title: str) -> None:

@@ -4,9 +4,8 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from matplotlib.figure import Figure
-
 from companion.cli.output_file import output_file
+from mission_tools.drawing.style import new_figure
 from sitl.experiments.tuning.comparison import GainComparison
 from sitl.experiments.tuning.search import Ranking
 
@@ -15,7 +14,7 @@ _MOST_SHOWN = 3.0  # higher costs are drawn at the upper edge
 
 def draw_search(rankings: Sequence[Ranking], verdict: GainComparison, title: str, path: Path) -> None:
     """Write it as PNG."""
-    figure = Figure(figsize=(8.0, 4.5), layout="constrained")
+    figure = new_figure(8.0, 4.5)
     axes = figure.subplots()
     places = range(1, len(rankings) + 1)
     for place, ranking in zip(places, rankings, strict=True):
