@@ -8,7 +8,7 @@ STAMP  := $(VENV)/.installed
 .PHONY: help setup wheel demo survey pictures test test-quick check lint types contracts mutate bench fuzz fast slow clean
 
 help:  ## list the targets
-	@awk -F':.*## ' '/^[a-z]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 
 setup: $(STAMP)  ## create .venv with the tested set of packages
 
@@ -41,6 +41,12 @@ pictures: demo survey  ## make the pictures of the documents anew
 	$(BIN)/boat-sitl sail pool --case 2 --png docs/pictures/pool.png
 	$(BIN)/boat-sitl sail random --seed 8 --fence --png docs/pictures/random.png
 
+QUICK := $(addprefix tests/companion/,control core estimation guidance geofence obstacles payload rc router sensors) \
+	$(addprefix tests/companion/,failsafe vehicle calibration links log mavlink config)
+
+test-quick: setup  ## the boat's unit tests, in a minute
+	$(BIN)/python -m pytest -q -n 2 --dist worksteal $(QUICK)
+
 test: setup  ## all tests
 	$(BIN)/python -m pytest -n 3 --dist worksteal
 
@@ -59,7 +65,7 @@ contracts: setup
 
 check: lint types contracts test  ## lint, types, import contracts, tests
 
-mutate: setup  ## mutation testing of the boat's packages; also SAMPLE=200 (0: all), SEED=1, PACKAGE=control
+mutate: setup  ## mutation testing of the boat's packages; also SAMPLE=200 (0: all), SEED=1, PACKAGE='control services/ftp'
 	$(BIN)/python tests/mutation --sample '$(or $(SAMPLE),200)' $(if $(SEED),--seed $(SEED)) $(addprefix --package ,$(PACKAGE))
 
 bench: setup  ## side by side with peers; writes out/benchmarks.md
