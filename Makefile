@@ -41,17 +41,14 @@ pictures: demo survey  ## make the pictures of the documents anew
 	$(BIN)/boat-sitl sail pool --case 2 --png docs/pictures/pool.png
 	$(BIN)/boat-sitl sail random --seed 8 --fence --png docs/pictures/random.png
 
-QUICK := $(addprefix tests/companion/,control core estimation guidance geofence obstacles payload rc router sensors) \
-	$(addprefix tests/companion/,failsafe vehicle calibration links log mavlink config)
+QUICK := control core estimation guidance geofence obstacles payload rc sensors failsafe calibration links mavlink
 
-test-quick: setup  ## the boat's unit tests, in a minute
-	$(BIN)/python -m pytest -q -n 2 --dist worksteal $(QUICK)
+test-quick: setup  ## unit tests of the boat's arithmetic and rules, with a few examples a property, in a minute
+	$(BIN)/python -m pytest -q -n 2 --dist worksteal --hypothesis-profile=quick -m "not slow and not realtime" \
+		$(addprefix tests/companion/,$(QUICK))
 
 test: setup  ## all tests
 	$(BIN)/python -m pytest -n 3 --dist worksteal
-
-test-quick: setup  ## the unit tests that take no voyage and no process
-	$(BIN)/python -m pytest -q -n 3 --dist worksteal -m "not slow and not realtime" tests/companion tests/mission_tools tests/sitl tests/hardware
 
 lint: setup
 	$(BIN)/ruff check .

@@ -21,6 +21,7 @@ settings.register_profile(
 settings.register_profile(
     "search", parent=settings.get_profile("default"), derandomize=False, max_examples=200
 )
+settings.register_profile("quick", parent=settings.get_profile("default"), max_examples=8)
 settings.load_profile("search" if os.environ.get("MAVBOAT_SEARCH") else "default")
 
 # A shell's background job ignores SIGINT, and so would the programs that the tests start and interrupt
