@@ -24,6 +24,10 @@ settings.register_profile(
 settings.register_profile("quick", parent=settings.get_profile("default"), max_examples=8)
 settings.load_profile("search" if os.environ.get("MAVBOAT_SEARCH") else "default")
 
+# Else each worker and each program that the tests start compiles all modules anew
+sys.dont_write_bytecode = False
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+
 # A shell's background job ignores SIGINT, and so would the programs that the tests start and interrupt
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
