@@ -18,7 +18,7 @@ import msgspec
 import numpy as np
 
 from companion.estimation.estimator import Estimator
-from sitl.run.log_replay import read_log
+from sitl.run.recording.log_replay import read_log
 
 LOG = Path(sys.argv[1] if sys.argv[1:] and sys.argv[1].endswith(".bin") else "out/zigzag.bin")
 PICTURE = LOG.with_suffix(".png")

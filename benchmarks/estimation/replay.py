@@ -16,7 +16,7 @@ from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import MotorCommand, NavState
 from companion.estimation.estimator import Estimator
 from companion.estimation.report import EstimatorReport
-from sitl.run.sensor_recorder import SensorRecording
+from sitl.run.recording.sensor_recorder import SensorRecording
 
 NAV = (
     "time_s", "north_m", "east_m", "heading_rad", "yaw_rate_rad_s", "north_m_s", "east_m_s", "surge_m_s",

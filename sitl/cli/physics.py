@@ -11,7 +11,7 @@ from companion.core.errors import BoatError
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
 from sitl.physics.backend import Backend
 from sitl.physics.udp_server import PORT, PhysicsServer
-from sitl.run.recorder import Recorder
+from sitl.run.recording.recorder import Recorder
 
 _MOST_STEPS_A_ROW = 100  # a row a tenth of a second even at a thousand steps a second
 

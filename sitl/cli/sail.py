@@ -19,7 +19,7 @@ from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scena
 from sitl.courses.missions import course_names, fence_along, lay_out, plan_mission, wire_items
 from sitl.reports.run_figures import as_json, draw, print_table
 from sitl.run.mission_run import MissionRun, Result
-from sitl.run.run_record import RunRecord
+from sitl.run.recording.run_record import RunRecord
 from sitl.run.station_commands import RunError
 
 

@@ -26,7 +26,7 @@ from companion.core.geo import Line, LocalFrame, Point
 from companion.core.units import wrap_pi
 from mission_tools.mission.mission import Mission
 from mission_tools.mission.route import mission_along
-from sitl.run.recorder import Recorder
+from sitl.run.recording.recorder import Recorder
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

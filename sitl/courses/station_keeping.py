@@ -6,7 +6,7 @@ import numpy as np
 
 from companion.core.geo import LocalFrame, Point, distance_m
 from mission_tools.mission.mission import Command, Mission, MissionItem
-from sitl.run.recorder import Recorder
+from sitl.run.recording.recorder import Recorder
 
 STATION = "station"
 AWAY_M = 10.0

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from mission_tools.drawing.style import FAULT, INK, new_figure, style_panel
 from sitl.reports.run_series import fault_spans
-from sitl.run.run_record import Numbers, RunRecord
+from sitl.run.recording.run_record import Numbers, RunRecord
 
 _BAND = 1.96  # standard deviations: 95 %
 _MOST = 6.0

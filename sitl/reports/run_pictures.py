@@ -17,7 +17,7 @@ from sitl.reports.run_series import (
     mode_spans,
     wrapped_deg,
 )
-from sitl.run.run_record import Numbers, RunRecord
+from sitl.run.recording.run_record import Numbers, RunRecord
 
 LEFT, RIGHT = "#b5651d", "#2a7f62"
 ESTIMATED = "#d08a2e"

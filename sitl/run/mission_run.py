@@ -13,10 +13,10 @@ from companion.mavlink.items import MissionItem, MissionType
 from companion.vehicle.mission.places import locate
 from companion.vehicle.mission.steps import Wait, Waypoint
 from companion.vehicle.vehicle import Vehicle
-from sitl.run.estimate_recorder import EstimateRecorder
 from sitl.run.lockstep import Lockstep
-from sitl.run.recorder import NO_LEG, Recorder, Rows
-from sitl.run.sensor_recorder import SensorRecorder
+from sitl.run.recording.estimate_recorder import EstimateRecorder
+from sitl.run.recording.recorder import NO_LEG, Recorder, Rows
+from sitl.run.recording.sensor_recorder import SensorRecorder
 from sitl.run.station_commands import BOOT_S, StationCommands
 from sitl.run.timeline import Timeline
 from sitl.world.scenario import Scenario

@@ -10,8 +10,8 @@ import numpy as np
 
 from companion.core.state import EstimateFault
 from sitl.courses.courses import off_path_m
-from sitl.run.estimate_recorder import Estimate
 from sitl.run.mission_run import MissionRun
+from sitl.run.recording.estimate_recorder import Estimate
 from sitl.world.world import Truth
 
 _GNSS: Final = (

@@ -13,8 +13,8 @@ from sitl.experiments.campaign.fault_figures import fault_figures
 from sitl.experiments.campaign.motor_figures import motor_figures
 from sitl.experiments.campaign.unavoidable import unavoidable_cause
 from sitl.experiments.trial import Figures
-from sitl.run.estimate_recorder import Estimate
 from sitl.run.mission_run import MissionRun, Result
+from sitl.run.recording.estimate_recorder import Estimate
 
 _OF_THE_MACHINE = frozenset(("cpu_seconds", "real_time_factor"))
 _OF_THE_RUN = frozenset(("scenario", "seed"))  # columns of the run already

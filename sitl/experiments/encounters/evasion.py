@@ -16,7 +16,7 @@ from typing import Final, NamedTuple
 
 from companion.boat import TICK_S
 from companion.core.units import wrap_pi
-from sitl.run.recorder import Rows
+from sitl.run.recording.recorder import Rows
 from sitl.world.drive.thruster import Thrusters
 from sitl.world.hull import Hull
 from sitl.world.movers import Movers

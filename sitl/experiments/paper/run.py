@@ -24,7 +24,7 @@ from sitl.experiments.paper.shore_steering import (
 )
 from sitl.experiments.trial import Trial, TrialResult
 from sitl.run.lockstep import Lockstep
-from sitl.run.recorder import Recorder
+from sitl.run.recording.recorder import Recorder
 from sitl.run.station_commands import BOOT_S, StationCommands
 from sitl.world.scenario import Scenario
 

@@ -7,7 +7,7 @@ import pytest
 
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from sitl.courses.courses import COURSES, course_mission, overshoots_m, tracking
-from sitl.run.recorder import Recorder
+from sitl.run.recording.recorder import Recorder
 from sitl.world.world import Truth
 
 PLANNED = [Point(0.0, 0.0), Point(10.0, 0.0), Point(10.0, 10.0)]  # a right angle to starboard

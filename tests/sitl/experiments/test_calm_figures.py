@@ -9,7 +9,7 @@ from boat_rig import scenario
 from companion.core.geo import Point
 from sitl.experiments.campaign.calm_figures import calm_figures
 from sitl.run.mission_run import MissionRun
-from sitl.run.recorder import Recorder
+from sitl.run.recording.recorder import Recorder
 from sitl.world.world import Truth, World
 
 TICK_S = 0.02

@@ -25,7 +25,7 @@ from sitl.reports.run_page import run_page
 from sitl.reports.run_pictures import draw_panels, draw_track_chart
 from sitl.reports.run_series import brakes, fault_spans
 from sitl.run.mission_run import MissionRun
-from sitl.run.run_record import RunRecord, load_record
+from sitl.run.recording.run_record import RunRecord, load_record
 
 pytestmark = pytest.mark.slow
 

@@ -10,8 +10,8 @@ from companion.log.logbook import Logbook
 from companion.log.sink import SingleFile
 from companion.log.worker import InlineWorker
 from sitl.courses.missions import lay_out, wire_items
-from sitl.run.log_replay import LoggedRun, read_log
 from sitl.run.mission_run import MissionRun
+from sitl.run.recording.log_replay import LoggedRun, read_log
 from sitl.scenarios.scenario import load_scenario
 
 

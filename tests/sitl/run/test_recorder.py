@@ -9,7 +9,7 @@ import shapely
 
 from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.maps.chart import build_chart
-from sitl.run.recorder import Recorder
+from sitl.run.recording.recorder import Recorder
 from sitl.world.shore import Shore
 from sitl.world.world import Truth
 

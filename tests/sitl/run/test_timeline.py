@@ -5,9 +5,9 @@ from payload_rig import CAMERA, PAYLOAD
 
 from companion.core.modes import Mode
 from companion.mavlink.items import MissionItem
-from sitl.run.estimate_recorder import EVERY_S, Estimate
 from sitl.run.lockstep import Lockstep
 from sitl.run.mission_run import MissionRun
+from sitl.run.recording.estimate_recorder import EVERY_S, Estimate
 from sitl.run.timeline import MOST_EVENTS, Timeline
 
 ITEMS = [HOME_ITEM, waypoint(20.0, 0.0), waypoint(20.0, 20.0)]

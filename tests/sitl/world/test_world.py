@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 from companion.hal.interfaces import Battery, Motors
-from sitl.run.recorder import Recorder
+from sitl.run.recording.recorder import Recorder
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.sensors.battery_monitor import SimBattery
 from sitl.world.simulated_hardware import SimMotors

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.maps.chart import Area, Chart, Feature, build_chart
-from sitl.run.arrays_file import load_arrays, save_arrays
-from sitl.run.estimate_recorder import Estimate
 from sitl.run.mission_run import MissionRun, Result
+from sitl.run.recording.arrays_file import load_arrays, save_arrays
+from sitl.run.recording.estimate_recorder import Estimate
 from sitl.run.timeline import Event
 from sitl.world.world import Truth
 

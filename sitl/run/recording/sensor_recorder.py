@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import MotorCommand
-from sitl.run.arrays_file import load_arrays, save_arrays
 from sitl.run.lockstep import Lockstep
+from sitl.run.recording.arrays_file import load_arrays, save_arrays
 from sitl.world.scenario import Scenario
 from sitl.world.world import Truth
 
