@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from companion.app.doctor.findings import Examined, Finding, Verdict
-from companion.app.install.accounts import USER, Member, User
+from companion.app.install.accounts import USER, member_step, user_step
 from companion.app.install.page import PAGE_PORT, PIN_FILE, SHORE_UNIT_FILE, page_enabled
 from companion.app.install.plan import GROUPS, STATE
-from companion.app.install.service import UNIT, Enabled
+from companion.app.install.service import UNIT, enabled_step
 from companion.app.install.target import InstallError, Target
 from companion.app.status_file import RUNTIME_DIRECTORY
 from companion.links.port_url import parse_port_url
@@ -21,7 +21,7 @@ NEEDED = ("gpio", "i2c", "dialout")  # to run the boat, or its doctor, by hand
 def check_user(examined: Examined) -> Finding:
     """The service's user and its groups."""
     target = examined.target
-    user = User(target, USER, GROUPS, STATE)
+    user = user_step(target, USER, GROUPS, STATE)
     if USER not in target.users():
         return Finding(
             "boat's user", Verdict.WARNING, f"there is no user {USER}", "sudo boat-companion install"
@@ -38,7 +38,7 @@ def check_own_groups(examined: Examined, user: str) -> Finding:
     lacks = [name for name in NEEDED if user not in groups.get(name, ())]
     if user == "root" or not lacks:
         return Finding("your groups", Verdict.FINE, f"{user} may use pins, I²C and serial ports")
-    steps = tuple(Member(examined.target, user, name) for name in lacks if name in groups)
+    steps = tuple(member_step(examined.target, user, name) for name in lacks if name in groups)
     text = f"{user} is not in {', '.join(lacks)}"
     return Finding("your groups", Verdict.WARNING, text, f"sudo usermod -aG {','.join(lacks)} {user}", steps)
 
@@ -54,7 +54,7 @@ def check_service(examined: Examined, state: Mapping[str, str]) -> Finding:
         return Finding("service", Verdict.FAILED, f"fails, and was started again {restarts} times", why)
     if is_active == "failed":
         return Finding("service", Verdict.WARNING, f"has failed: {state.get('Result', '')}", why)
-    if not Enabled(examined.target, is_wanted=True).is_done():
+    if not enabled_step(examined.target, is_wanted=True).is_done():
         text = "does not start with the computer"
         return Finding("service", Verdict.WARNING, text, "sudo boat-companion install")
     now = f", runs now: {state.get('StatusText')}" if is_active == "active" else ""

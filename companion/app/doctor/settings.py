@@ -8,7 +8,8 @@ import re
 from pathlib import Path
 
 from companion.app.doctor.findings import Examined, Finding, Verdict
-from companion.app.install.files import FileText
+from companion.app.install.files import file_step
+from companion.app.install.steps import InstallStep
 from companion.app.motors_off import outputs_to_end
 from companion.app.needs import Needs, needs_of
 from companion.config.board import HEADER_I2C, is_main_uart, is_pi_5, uart_pins
@@ -149,6 +150,6 @@ def _boot_file(examined: Examined, name: str) -> str | None:
     return next((path for path in paths if examined.path(path).is_file()), None)
 
 
-def _replace(examined: Examined, path: str, old: str, new: str, what: str) -> tuple[FileText, ...]:
-    backup = FileText(examined.target, Path(path + BACKUP), old, "the file as it was", keeps=True)
-    return backup, FileText(examined.target, Path(path), new, what)
+def _replace(examined: Examined, path: str, old: str, new: str, what: str) -> tuple[InstallStep, ...]:
+    backup = file_step(examined.target, Path(path + BACKUP), old, "the file as it was", keeps=True)
+    return backup, file_step(examined.target, Path(path), new, what)

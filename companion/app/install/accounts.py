@@ -3,128 +3,69 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from companion.app.install.steps import InstallStep
 from companion.app.install.target import Target
 
 USER = "mavboat"
 _NO_LOGIN = "/usr/sbin/nologin"
 
 
-class Group:
-    """A system group."""
-
-    def __init__(self, target: Target, name: str) -> None:
-        self._target = target
-        self._name = name
-
-    def describe(self) -> str:
-        """What it does."""
-        return f"make the group {self._name}"
-
-    def is_done(self) -> bool:
-        """Whether there is such a group."""
-        return self._name in self._target.groups()
-
-    def apply(self) -> None:
-        """Make it."""
-        self._target.run("groupadd", "--system", *self._target.accounts_option(), self._name)
-
-    def undo(self) -> None:
-        """Remove it."""
-        self._target.run("groupdel", *self._target.accounts_option(), self._name)
+def group_step(target: Target, name: str) -> InstallStep:
+    """Make a system group."""
+    option = target.accounts_option()
+    return InstallStep(
+        f"make the group {name}",
+        lambda: name in target.groups(),
+        lambda: target.run("groupadd", "--system", *option, name),
+        lambda: target.run("groupdel", *option, name),
+    )
 
 
-class User:
-    """A system user that cannot log in, with a group of its own, as a member of other groups."""
+def user_step(target: Target, name: str, groups: Sequence[str], home: Path) -> InstallStep:
+    """Make a system user that cannot log in, with a group of its own, as a member of other groups; one that
+    exists is added to the groups that it lacks.
+    """
+    option = target.accounts_option()
+    added: list[str] | None = None  # groups that an existing user lacked; None: there was no user
 
-    def __init__(self, target: Target, name: str, groups: Sequence[str], home: Path) -> None:
-        self._target = target
-        self._name = name
-        self._groups = groups
-        self._home = home
-        self._missing: list[str] | None = None  # groups that an existing user lacked; None: there was no user
+    def lacks() -> list[str]:
+        members = target.groups()
+        return [group for group in groups if name not in members.get(group, ())]
 
-    def describe(self) -> str:
-        """What it does."""
-        return f"make the user {self._name}, in the groups {', '.join(self._groups)}"
-
-    def is_done(self) -> bool:
-        """Whether it exists and is in its groups."""
-        return self._name in self._target.users() and not self._lacks()
-
-    def apply(self) -> None:
-        """Make it, or add it to the groups that it lacks."""
-        target, groups = self._target, ",".join(self._groups)
-        if self._name in target.users():
-            self._missing = self._lacks()
-            target.run("usermod", *target.accounts_option(), "--append", "--groups", groups, self._name)
+    def apply() -> None:
+        nonlocal added
+        added = lacks() if name in target.users() else None
+        if added is not None:
+            target.run("usermod", *option, "--append", "--groups", ",".join(groups), name)
             return
-        self._missing = None
-        options = ["--system", "--user-group", "--groups", groups, "--no-create-home"]
-        options += ["--home-dir", str(self._home), "--shell", _NO_LOGIN, "--comment", "mavboat companion"]
-        target.run("useradd", *target.accounts_option(), *options, self._name)
+        options = ["--system", "--user-group", "--groups", ",".join(groups), "--no-create-home"]
+        options += ["--home-dir", str(home), "--shell", _NO_LOGIN, "--comment", "mavboat companion"]
+        target.run("useradd", *option, *options, name)
 
-    def undo(self) -> None:
-        """Remove it, or take it out of the groups again."""
-        target = self._target
-        if self._missing is None:
-            target.run("userdel", *target.accounts_option(), self._name)
-            if self._name in target.groups():  # userdel removes it where login.defs says so
-                target.run("groupdel", *target.accounts_option(), self._name)
+    def undo() -> None:
+        if added is not None:
+            target.run("usermod", *option, "--remove", "--groups", ",".join(added), name)
             return
-        groups = ",".join(self._missing)
-        target.run("usermod", *target.accounts_option(), "--remove", "--groups", groups, self._name)
+        target.run("userdel", *option, name)
+        if name in target.groups():  # userdel removes it where login.defs says so
+            target.run("groupdel", *option, name)
 
-    def _lacks(self) -> list[str]:
-        members = self._target.groups()
-        return [name for name in self._groups if self._name not in members.get(name, ())]
-
-
-class NoUser:
-    """A user and its own group are removed."""
-
-    def __init__(self, target: Target, user: User, name: str) -> None:
-        self._target = target
-        self._user = user
-        self._name = name
-
-    def describe(self) -> str:
-        """What it does."""
-        return f"remove the user {self._name} and its group"
-
-    def is_done(self) -> bool:
-        """Whether there is no such user."""
-        return self._name not in self._target.users()
-
-    def apply(self) -> None:
-        """Remove it."""
-        self._user.undo()
-
-    def undo(self) -> None:
-        """Make it again."""
-        self._user.apply()
+    text = f"make the user {name}, in the groups {', '.join(groups)}"
+    return InstallStep(text, lambda: name in target.users() and not lacks(), apply, undo)
 
 
-class Member:
-    """A user is a member of a group."""
+def no_user_step(target: Target, name: str, user: InstallStep) -> InstallStep:
+    """Remove the user that a step makes."""
+    text = f"remove the user {name} and its group"
+    return InstallStep(text, lambda: name not in target.users(), user.undo, user.apply)
 
-    def __init__(self, target: Target, user: str, group: str) -> None:
-        self._target = target
-        self._user = user
-        self._group = group
 
-    def describe(self) -> str:
-        """What it does."""
-        return f"add {self._user} to the group {self._group}"
-
-    def is_done(self) -> bool:
-        """Whether it is one already."""
-        return self._user in self._target.groups().get(self._group, ())
-
-    def apply(self) -> None:
-        """Add it."""
-        self._target.run("usermod", *self._target.accounts_option(), "-aG", self._group, self._user)
-
-    def undo(self) -> None:
-        """Take it out again."""
-        options = [*self._target.accounts_option(), "--remove", "--groups", self._group]
-        self._target.run("usermod", *options, self._user)
+def member_step(target: Target, user: str, group: str) -> InstallStep:
+    """Add a user to a group."""
+    option = target.accounts_option()
+    return InstallStep(
+        f"add {user} to the group {group}",
+        lambda: user in target.groups().get(group, ()),
+        lambda: target.run("usermod", *option, "-aG", group, user),
+        lambda: target.run("usermod", *option, "--remove", "--groups", group, user),
+    )

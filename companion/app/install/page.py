@@ -5,8 +5,8 @@ from pathlib import Path
 from string import Template
 from typing import Final
 
-from companion.app.install.files import FileText
-from companion.app.install.service import Enabled
+from companion.app.install.files import file_step
+from companion.app.install.service import enabled_step
 from companion.app.install.steps import InstallStep
 from companion.app.install.target import InstallError, Target, UnmetError
 from companion.app.install.unit import CONFIG, FILES
@@ -56,20 +56,20 @@ def page_steps(target: Target, programs: Path, options: PageOptions) -> list[Ins
     """The steps after those of the boat."""
     steps: list[InstallStep] = []
     if options.map_text is not None:
-        steps.append(FileText(target, MAP_FILE, options.map_text, "the map of the page"))
+        steps.append(file_step(target, MAP_FILE, options.map_text, "the map of the page"))
     has_map = options.map_text is not None or target.path(MAP_FILE).exists()
     text = shore_unit_text(programs, has_map=has_map)
-    return [*steps, FileText(target, SHORE_UNIT_FILE, text, _UNIT_TEXT)]
+    return [*steps, file_step(target, SHORE_UNIT_FILE, text, _UNIT_TEXT)]
 
 
 def page_enabled(target: Target, *, is_wanted: bool) -> InstallStep:
     """The page starts with the machine, or does not."""
-    return Enabled(target, is_wanted=is_wanted, unit=SHORE_UNIT)
+    return enabled_step(target, is_wanted=is_wanted, unit=SHORE_UNIT)
 
 
 def no_page_steps(target: Target) -> list[InstallStep]:
     """The steps that remove it again."""
     return [
         page_enabled(target, is_wanted=False),
-        FileText(target, SHORE_UNIT_FILE, None, _UNIT_TEXT),
+        file_step(target, SHORE_UNIT_FILE, None, _UNIT_TEXT),
     ]

@@ -1,29 +1,23 @@
 """An installation as a list of steps. A step that fails has the steps before it undone, in reverse order."""
 
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from dataclasses import dataclass
 
 Say = Callable[[str], None]
 
 
-class InstallStep(Protocol):
-    """One change of the system to a wanted state, or none where the system has it already."""
+@dataclass(slots=True)
+class InstallStep:
+    """One change of the system to a wanted state, or none where the system has it already.
 
-    def describe(self) -> str:
-        """What it does, as a sentence without a full stop."""
+    text: what it does, as a sentence without a full stop. apply: leaves nothing half done if it raises
+    OSError. undo: restores what was there before `apply`.
+    """
 
-    def is_done(self) -> bool:
-        """Whether the system is as wanted."""
-
-    def apply(self) -> None:
-        """Change the system. Leaves nothing half done if it raises.
-
-        Raises:
-            OSError: it cannot be changed.
-        """
-
-    def undo(self) -> None:
-        """Restore what was there before `apply`."""
+    text: str
+    is_done: Callable[[], bool]
+    apply: Callable[[], object]
+    undo: Callable[[], object]
 
 
 def apply_steps(steps: Sequence[InstallStep], say: Say) -> None:
@@ -36,22 +30,22 @@ def apply_steps(steps: Sequence[InstallStep], say: Say) -> None:
     try:
         for step in steps:
             if step.is_done():
-                say(f"  already  {step.describe()}")
+                say(f"  already  {step.text}")
                 continue
             step.apply()
             applied.append(step)
-            say(f"  done     {step.describe()}")
+            say(f"  done     {step.text}")
     except BaseException:
         for step in reversed(applied):
             try:
                 step.undo()
-                say(f"  undone   {step.describe()}")
+                say(f"  undone   {step.text}")
             except OSError as error:
-                say(f"  NOT undone  {step.describe()}: {error}")
+                say(f"  NOT undone  {step.text}: {error}")
         raise
 
 
 def describe_steps(steps: Sequence[InstallStep], say: Say) -> None:
     """Say what `apply_steps` would do."""
     for step in steps:
-        say(f"  {'already ' if step.is_done() else 'to do   '} {step.describe()}")
+        say(f"  {'already ' if step.is_done() else 'to do   '} {step.text}")

@@ -137,7 +137,7 @@ def test_an_existing_user_gets_its_groups_and_loses_them_again(root: Path) -> No
     group = root / "etc/group"
     group.write_text(group.read_text().replace("skipper,mavboat", "skipper"), encoding="utf-8")
     (step,) = [one for one in install_steps(Target(root), PROGRAMS, "") if not one.is_done()]
-    assert step.describe() == "make the user mavboat, in the groups gpio, i2c, dialout, video"
+    assert step.text == "make the user mavboat, in the groups gpio, i2c, dialout, video"
     step.apply()
     assert "mavboat" in Target(root).groups()["video"]
     step.undo()

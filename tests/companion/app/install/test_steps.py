@@ -2,37 +2,24 @@
 
 import pytest
 
-from companion.app.install.steps import apply_steps, describe_steps
+from companion.app.install.steps import InstallStep, apply_steps, describe_steps
 
 
-class Recorded:
+def recorded(record: list[str], name: str, *, is_done: bool = False, fails: str = "") -> InstallStep:
     """A step that records its calls."""
 
-    def __init__(self, record: list[str], name: str, *, is_done: bool = False, fails: str = "") -> None:
-        self._record, self._name, self._is_done, self._fails = record, name, is_done, fails
+    def call(verb: str) -> None:
+        record.append(f"{verb} {name}")
+        if verb == fails:
+            raise OSError(f"{name} fails")
 
-    def describe(self) -> str:
-        return self._name
-
-    def is_done(self) -> bool:
-        return self._is_done
-
-    def apply(self) -> None:
-        self._call("apply")
-
-    def undo(self) -> None:
-        self._call("undo")
-
-    def _call(self, verb: str) -> None:
-        self._record.append(f"{verb} {self._name}")
-        if verb == self._fails:
-            raise OSError(f"{self._name} fails")
+    return InstallStep(name, lambda: is_done, lambda: call("apply"), lambda: call("undo"))
 
 
 def test_steps_are_applied_in_order_and_those_already_done_left_out() -> None:
     record: list[str] = []
     said: list[str] = []
-    steps = [Recorded(record, "a"), Recorded(record, "b", is_done=True), Recorded(record, "c")]
+    steps = [recorded(record, "a"), recorded(record, "b", is_done=True), recorded(record, "c")]
     apply_steps(steps, said.append)
     assert record == ["apply a", "apply c"]
     assert said == ["  done     a", "  already  b", "  done     c"]
@@ -42,11 +29,11 @@ def test_a_step_that_fails_has_the_steps_before_it_undone_last_first() -> None:
     record: list[str] = []
     said: list[str] = []
     steps = [
-        Recorded(record, "a"),
-        Recorded(record, "b", is_done=True),
-        Recorded(record, "c", fails="undo"),
-        Recorded(record, "d", fails="apply"),
-        Recorded(record, "e"),
+        recorded(record, "a"),
+        recorded(record, "b", is_done=True),
+        recorded(record, "c", fails="undo"),
+        recorded(record, "d", fails="apply"),
+        recorded(record, "e"),
     ]
     with pytest.raises(OSError, match="d fails"):
         apply_steps(steps, said.append)
@@ -57,6 +44,6 @@ def test_a_step_that_fails_has_the_steps_before_it_undone_last_first() -> None:
 def test_a_dry_run_calls_nothing() -> None:
     record: list[str] = []
     said: list[str] = []
-    describe_steps([Recorded(record, "a"), Recorded(record, "b", is_done=True)], said.append)
+    describe_steps([recorded(record, "a"), recorded(record, "b", is_done=True)], said.append)
     assert record == []
     assert said == ["  to do    a", "  already  b"]
