@@ -4,7 +4,7 @@ import logging
 import math
 import time
 from collections.abc import Callable
-from typing import Final, Generic, Protocol, TypeVar
+from typing import Final, Generic, TypeVar
 
 from companion.config import parts
 from companion.core.errors import HardwareError
@@ -15,15 +15,14 @@ from companion.core.vectors import Vector, times
 from companion.hal.background import BackgroundSensor
 from companion.hal.heading.inertial import Lsm6ds, Mpu6050
 from companion.hal.heading.magnetometers import Hmc5883l, Lis3mdl, Qmc5883l, Qmc5883p
-from companion.hal.heading.registers import InertialSensor, Magnetometer, Motion, board_to_body
-from companion.hal.raspberry_pi import I2cBus, open_i2c
+from companion.hal.heading.registers import Chip, InertialSensor, Magnetometer, Motion, board_to_body
+from companion.hal.raspberry_pi import open_i2c
 from companion.sensors.compass.attitude import AttitudeFilter, magnetic_heading
 from companion.sensors.compass.magnetic_field import FieldCorrector
 
 _log = logging.getLogger(__name__)
 
 Sample = TypeVar("Sample")
-Sample_co = TypeVar("Sample_co", covariant=True)
 
 PERIOD_S: Final = 0.02
 SILENT_S: Final = 0.5  # without a new sample a part is set up again: after a supply dip it does not measure
@@ -31,26 +30,13 @@ STUCK: Final = 50  # equal samples, a second of them: a working part has a noise
 LOST_S: Final = 2.0  # the gyro bridges a magnetometer without a field for this long
 RETRY_S: Final = 0.5  # after an error of one part; the other goes on meanwhile
 _LEVEL: Final = (0.0, 0.0, 1.0)
-_Wait = Callable[[float], None]
-_MAGNETOMETERS: Final[dict[str, Callable[[I2cBus, int, _Wait], Magnetometer]]] = {
+_MAGNETOMETERS: Final[dict[str, type[Magnetometer]]] = {
     "qmc5883l": Qmc5883l,
     "qmc5883p": Qmc5883p,
-    "hmc5883l": lambda bus, address, _: Hmc5883l(bus, address),
-    "lis3mdl": lambda bus, address, _: Lis3mdl(bus, address),
+    "hmc5883l": Hmc5883l,
+    "lis3mdl": Lis3mdl,
 }
-_INERTIAL: Final[dict[str, Callable[[I2cBus, int, _Wait], InertialSensor]]] = {
-    "mpu6050": Mpu6050,
-    "lsm6ds": lambda bus, address, _: Lsm6ds(bus, address),
-}
-
-
-class _Part(Protocol[Sample_co]):
-    """A magnetometer or an inertial sensor."""
-
-    name: str
-
-    def set_up(self) -> None: ...
-    def read(self) -> Sample_co | None: ...
+_INERTIAL: Final[dict[str, type[InertialSensor]]] = {"mpu6050": Mpu6050, "lsm6ds": Lsm6ds}
 
 
 class _Watched(Generic[Sample]):
@@ -60,7 +46,7 @@ class _Watched(Generic[Sample]):
     """
 
     def __init__(
-        self, part: _Part[Sample], notify: Callable[[int, str], None], consequence: str, now_s: float
+        self, part: Chip[Sample], notify: Callable[[int, str], None], consequence: str, now_s: float
     ) -> None:
         self.is_lost = False
         self.error: OSError | None = None
@@ -207,7 +193,7 @@ def open_magnetic_compass(
         if part.imu != "none":  # first: it connects its auxiliary bus through
             inertial = _INERTIAL[part.imu](bus, part.imu_address, wait)
             _start(inertial)
-        magnetometer: Magnetometer = _MAGNETOMETERS[part.driver](bus, part.address, wait)
+        magnetometer = _MAGNETOMETERS[part.driver](bus, part.address, wait)
         _start(magnetometer)
     except HardwareError:
         bus.close()

@@ -1,10 +1,15 @@
 """What the drivers of magnetometers and inertial sensors share: board axes, registers, samples."""
 
-from typing import NamedTuple, Protocol
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import Generic, NamedTuple, TypeVar
 
 from companion.config.parts import Mounting
 from companion.core.vectors import Matrix, Vector, product, quarter_turns
 from companion.hal.raspberry_pi import I2cBus
+
+Sample_co = TypeVar("Sample_co", covariant=True)
 
 # A board's axes are x along its arrow, y to its left, z up; half a turn about x makes them body axes
 _BOARD = quarter_turns(2, 0, 0)
@@ -39,33 +44,39 @@ class Motion(NamedTuple):
     force: Vector
 
 
-class Magnetometer(Protocol):
-    """A magnetometer in board axes."""
+class Chip(ABC, Generic[Sample_co]):
+    """A part at one bus address, whose samples are in board axes. Every call raises OSError if it does not
+    answer.
+
+    ID_AT, IDS: the register of its number, and the numbers of the parts that it may be. SET_UP: what makes it
+    measure, as registers with the bytes to write from there on.
+    """
 
     name: str
-    address: int
+    ADDRESS: int
+    ID_AT: int
+    IDS: tuple[int, ...]
+    SET_UP: tuple[tuple[int, ...], ...]
+
+    def __init__(self, bus: I2cBus, address: int = 0, wait: Callable[[float], None] = time.sleep) -> None:
+        self.address = address or self.ADDRESS
+        self._registers = Registers(bus, self.address)
+        self._wait = wait
 
     def identify(self) -> str:
-        """What answers instead of the part, empty if it is the part. Raises OSError."""
+        """What answers instead of the part; empty if it is the part."""
+        (found,) = self._registers.read(self.ID_AT, 1)
+        return "" if found in self.IDS else f"{found:#x}, not {self.IDS[0]:#x}"
 
     def set_up(self) -> None:
-        """Start measuring. Raises OSError."""
+        """Start measuring."""
+        for register, *values in self.SET_UP:
+            self._registers.write(register, *values)
 
-    def read(self) -> Vector | None:
-        """A new field in mG; None without a new one, or one out of range. Raises OSError."""
+    @abstractmethod
+    def read(self) -> Sample_co | None:
+        """A new sample, a field in mG or `Motion`; None without a new one, or one out of range."""
 
 
-class InertialSensor(Protocol):
-    """Gyro and accelerometer in board axes."""
-
-    name: str
-    address: int
-
-    def identify(self) -> str:
-        """What answers instead of the part, empty if it is the part. Raises OSError."""
-
-    def set_up(self) -> None:
-        """Start measuring. Raises OSError."""
-
-    def read(self) -> Motion | None:
-        """A new sample; None without a new one. Raises OSError."""
+Magnetometer = Chip[Vector]
+InertialSensor = Chip[Motion]
