@@ -1,9 +1,10 @@
 """Mutation testing: does a test of the package notice each small fault in it?
 
-Each mutant runs the tests of its own package only (tests/companion/<package>/), in a forked process, until
-the first one fails. The working tree is never written to. Within a function, the fault is put into the
-functions of a process that has collected the tests already, and only the tests that call the function run. A
-fault outside of functions is imported in a process of its own. Of planning, the twins in Python are tested.
+Each mutant runs the tests of its own package only (tests/companion/<package>/, or `TESTED_IN`), in a forked
+process, until the first one fails. The working tree is never written to. Within a function, the fault is put
+into the functions of a process that has collected the tests already, and only the tests that call the
+function run. A fault outside of functions is imported in a process of its own. Of planning, the twins in
+Python are tested.
 
     python tests/mutation                       200 mutants, spread over all packages
     python tests/mutation --package control --sample 0        all mutants of one package
@@ -38,8 +39,17 @@ ROOT = Path(__file__).parents[2]
 # Of the boat, below companion/. --package takes any other folder with tests, too, such as sitl/world
 PACKAGES = (
     "control", "estimation", "guidance", "failsafe", "geofence", "obstacles", "vehicle", "planning",
-    "payload", "rc", "router", "sensors", "persistence", "services", "links", "log", "config", "calibration",
+    "payload", "rc", "router", "sensors", "hal", "persistence", "services", "links", "log", "config",
+    "calibration",
 )  # fmt: skip
+TESTED_IN = {  # where it is not tests/companion/<package> alone
+    "hal": ("tests/hardware",),
+    "sensors": (
+        "tests/companion/sensors", "tests/hardware/gnss", "tests/hardware/heading", "tests/hardware/water",
+        "tests/hardware/test_nmea_parts.py", "tests/companion/services/test_external_pose.py",
+        "tests/companion/services/test_corrections.py",
+    ),
+}  # fmt: skip
 SEED = 20261122
 EXAMPLES = 25  # of Hypothesis for each property
 SPARE_CPU_S = 10.0  # beyond twice what a test takes without a fault: a loop that does not end is killed
@@ -215,7 +225,8 @@ def in_child(work: Callable[[], object]) -> object:
 
 def survivors(package: str, mutants: Sequence[Mutant], cores: int) -> tuple[set[Mutant], Baseline]:
     """The mutants of one package that its tests do not notice."""
-    tests, folder = f"tests/{folder_of(package)}", str(ROOT / folder_of(package)) + os.sep
+    tests = TESTED_IN.get(package, (f"tests/{folder_of(package)}",))
+    folder = str(ROOT / folder_of(package)) + os.sep
     survived: set[Mutant] = set()
     base = Baseline()
 
@@ -237,7 +248,7 @@ def survivors(package: str, mutants: Sequence[Mutant], cores: int) -> tuple[set[
         survived.update(run_all(jobs, 2.0 * sum(base.cpu_s) + SPARE_CPU_S, cores))
 
     def whole() -> tuple[set[Mutant], Baseline]:
-        pytest.main([tests, *OPTIONS], plugins=[Session(package, run)])
+        pytest.main([*tests, *OPTIONS], plugins=[Session(package, run)])
         return survived, base
 
     survived, base = in_child(whole)  # type: ignore[misc]  # this process imports nothing of ours
