@@ -157,15 +157,6 @@ def test_a_mission_that_is_ready_takes_no_task(plan: Any, capsys: pytest.Capture
     assert "--via, --return, --follow-shore would plan one" in capsys.readouterr().err
 
 
-def test_a_stretch_of_a_shore_is_followed_from_the_first_place_to_the_last(plan: Any) -> None:  # noqa: ANN401
-    north, south = "50.0012,-1.1990", "50.0008,-1.1990"
-    shore = ("--follow-shore", "50.0010,-1.1990", "--distance", "6", "--first", south)
-    there, back = (plan(*shore, "--last", north, "--shore-to", side) for side in ("port", "starboard"))
-    lengths_m = [length_of_m(report, "shore") for report in (there, back)]
-    assert sum(lengths_m) == pytest.approx(2.0 * (44.5 + 43.0) + 12.0 * 3.14, rel=0.05)
-    assert lengths_m[0] == pytest.approx(lengths_m[1], rel=0.05)
-
-
 def test_a_turn_radius_gives_a_survey_turns(plan: Any) -> None:  # noqa: ANN401
     straight = plan("--survey", "all", "--footprint", "6")
     rounded = plan("--survey", "all", "--footprint", "6", "--turn-radius", "5")
@@ -186,12 +177,6 @@ def test_the_quickest_route_in_a_current_is_told_with_its_time(plan: Any) -> Non
     still = plan("--goal", NORTH_EAST, "--boat", "lake")
     assert report["budget"]["charge_mah"] > 1.2 * still["budget"]["charge_mah"]
     assert report["budget"]["time_s"] == pytest.approx(still["budget"]["time_s"], rel=0.02)
-
-
-def test_a_route_off_the_shore_has_more_room(plan: Any) -> None:  # noqa: ANN401
-    near, off = (plan("--goal", NORTH_WEST, *more) for more in ((), ("--open-water", "10")))
-    assert off["plan"]["min_clearance_m"] >= near["plan"]["min_clearance_m"]
-    assert off["plan"]["length_m"] > near["plan"]["length_m"]
 
 
 @pytest.mark.parametrize(

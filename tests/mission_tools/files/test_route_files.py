@@ -116,6 +116,14 @@ def test_kml_polygons_are_closed_rings_of_four_or_more_tuples() -> None:
     rings = [ring.findtext(f"{kml}coordinates", "").split() for ring in root.iter(f"{kml}LinearRing")]
     assert [len(ring) for ring in rings] == [4, 65]
     assert all(ring[0] == ring[-1] for ring in rings)
+    named = {one.findtext(f"{kml}name"): one for one in root.iter(f"{kml}Placemark")}
+    assert named["Waypoint 2"].findtext(f"{kml}description") == "hold 1 min 00 s"
+    assert named["Waypoint 1"].find(f"{kml}description") is None
+    assert named["Rally point 1"].findtext(f"{kml}Point/{kml}coordinates") == "-1.1998000,50.0002000,0"
+    shown = [
+        one.findtext(f"{kml}styleUrl") for one in named.values() if one.find(f"{kml}Polygon") is not None
+    ]
+    assert shown == ["#inside", "#outside"]
     styles = {f"#{style.get('id')}" for style in root.iter(f"{kml}Style")}
     assert {url.text for url in root.iter(f"{kml}styleUrl")} <= styles
 
