@@ -118,8 +118,7 @@ def test_the_helm_sails_turns_at_several_speeds() -> None:
     assert abs(surge[:70]).max() < 0.3  # at rest at first
 
 
-@pytest.mark.parametrize("hull", ["known", "other"])
-def test_the_filter_is_not_over_confident(hull: str) -> None:
-    found, _ = campaign(range(1, 9), hull, "standard")
+def test_the_filter_is_not_over_confident_on_other_hulls() -> None:
+    found, _ = campaign(range(1, 9), "other", "standard")
     for name, one in found.items():
         assert one.mean / one.freedom < 1.5, name

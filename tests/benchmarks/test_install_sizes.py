@@ -23,12 +23,6 @@ def test_a_wheels_sizes_are_those_of_the_file_and_of_its_contents(tmp_path: Path
     assert found.download == path.stat().st_size < 1000
 
 
-def test_a_wheel_with_a_build_number_has_the_same_name_and_tags(tmp_path: Path) -> None:
-    path = tmp_path / "thing-1.2-3-py3-none-any.whl"
-    zipfile.ZipFile(path, "w").close()
-    assert (read_wheel(path).package, read_wheel(path).tags) == ("thing", "any")
-
-
 def test_packages_without_a_32_bit_wheel_are_named_in_order() -> None:
     wheels = [
         wheel("pymavlink", "manylinux_2_17_aarch64"),

@@ -12,7 +12,6 @@ from benchmarks.peers.interface import Deadline, Failed, Path, Planned, Sea, pla
 from benchmarks.peers.spline import pruned
 from companion.core.geo import LatLon, LocalFrame, Point, path_length_m
 from mission_tools.maps.chart import Chart, Feature, build_chart
-from sitl.scenarios.scenario import load_scenario
 
 BUDGET_S = 600.0
 START, GOAL = Point(-30.0, 0.0), Point(30.0, 0.0)
@@ -47,7 +46,9 @@ def least_distance_m(chart: Chart, points: Path) -> float:
 
 
 @pytest.mark.parametrize("name", PEERS)
-def test_a_path_round_a_rock_keeps_the_clearance_and_is_no_shorter_than_the_exact_one(name: str) -> None:
+def test_a_path_round_a_rock_is_valid_longer_than_the_exact_one_and_the_same_for_its_seed(
+    name: str,
+) -> None:
     needs_ompl(name)
     sea = Sea(basin(ROCK), 3.0)
     found = plan(planner(name), sea, START, GOAL, 5, BUDGET_S)
@@ -57,17 +58,9 @@ def test_a_path_round_a_rock_keeps_the_clearance_and_is_no_shorter_than_the_exac
     exact_m = sea.water.routes(3.0).route(START, GOAL).length_m
     assert exact_m - 1e-6 <= found.length_m <= 1.6 * exact_m
     assert found.length_m == pytest.approx(path_length_m(found.points))
-
-
-@pytest.mark.parametrize("name", PEERS)
-def test_the_same_seed_gives_the_same_path(name: str) -> None:
-    needs_ompl(name)
-    paths = []
-    for _ in range(2):
-        found = plan(planner(name), Sea(basin(ROCK), 3.0), START, GOAL, 7, BUDGET_S)
-        assert isinstance(found, Planned), found
-        paths.append(found.points)
-    assert paths[0] == paths[1]
+    again = plan(planner(name), Sea(basin(ROCK), 3.0), START, GOAL, 5, BUDGET_S)
+    assert isinstance(again, Planned)
+    assert again.points == found.points
 
 
 @pytest.mark.parametrize("name", PEERS)
@@ -84,21 +77,6 @@ def test_a_budget_that_is_over_is_a_failure(name: str) -> None:
     found = plan(planner(name), Sea(basin(ROCK), 3.0), START, GOAL, 5, -1.0)
     assert isinstance(found, Failed)
     assert found.reason == "out of time"
-
-
-@pytest.mark.parametrize("name", PEERS)
-@pytest.mark.parametrize("case", ["1", "3"])
-def test_in_the_pool_a_path_is_valid_or_there_is_none(name: str, case: str) -> None:
-    needs_ompl(name)
-    scenario = load_scenario("pool", (), case)
-    route = scenario.route
-    assert route.start is not None
-    assert route.goal is not None
-    assert route.clearance_m is not None
-    sea = Sea(scenario.chart, route.clearance_m)
-    found = plan(planner(name), sea, route.start, route.goal, 2, BUDGET_S)
-    if isinstance(found, Planned):
-        assert least_distance_m(sea.chart, found.points) >= route.clearance_m - 1e-9
 
 
 def test_a_path_that_does_not_keep_the_clearance_is_a_failure() -> None:
