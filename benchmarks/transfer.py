@@ -1,12 +1,17 @@
 """How fast does a mission go up and down over TCP loopback, with a plain pymavlink client?"""
 
+import contextlib
+import signal
+import subprocess
+import sys
 import time
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 from pymavlink import mavutil
 
 from benchmarks.measure import Row, alone
-from benchmarks.served_boat import served_boat
 
 _ROUNDS = 5
 
@@ -15,7 +20,7 @@ def rows() -> list[Row]:
     """Wall-clock seconds for 100, 500 and 5,000 items each way, and for the list of parameters."""
     note = "no peer: ArduPilot Rover's simulator is not installed"
     found: list[Row] = []
-    with served_boat() as (_, port):
+    with _served_boat() as port:
         vehicle = mavutil.mavlink_connection(f"tcp:127.0.0.1:{port}", source_system=245)
         vehicle.wait_heartbeat(timeout=10)
         for count in (100, 500, 5000):
@@ -69,3 +74,17 @@ def _parameters(vehicle: Any) -> float:  # noqa: ANN401  pymavlink is untyped
         heard.add(value.param_index)
         if len(heard) == value.param_count:
             return time.perf_counter() - began
+
+
+@contextlib.contextmanager
+def _served_boat() -> Iterator[int]:
+    """An emulated boat as a process of its own: its TCP port."""
+    program = str(Path(sys.executable).with_name("boat-sitl"))
+    command = [program, "serve", "open", "--tcp", "0", "--no-udp"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    try:
+        assert process.stdout is not None
+        yield int(process.stdout.readline().partition("tcpin:127.0.0.1:")[2].partition(",")[0])
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.wait(timeout=10)
