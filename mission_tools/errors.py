@@ -99,7 +99,7 @@ class LinkError(MissionToolsError):
 
 
 class NoVehicle(LinkError):
-    """No heartbeat came."""
+    """No heartbeat came within the patience."""
 
 
 class LinkLost(LinkError):

@@ -78,7 +78,7 @@ class Areas:
         return ", ".join(said)
 
     def lines(self) -> list[str]:
-        """For the user."""
+        """The summary and the notes as lines of output."""
         return [str(self), *(f"note: {note}" for note in self.notes)]
 
     def wire_lists(self) -> dict[MissionType, tuple[MissionItem, ...]]:

@@ -86,7 +86,7 @@ def open_source(text: str, options: PlanOptions, areas: Areas = NO_AREAS) -> "Mi
 
 
 class MissionFile:
-    """A finished mission."""
+    """A mission that is read from a file and needs no route planned."""
 
     wants_position = needs_position = False
 

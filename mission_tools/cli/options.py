@@ -15,7 +15,7 @@ class _Options(Protocol):
     """A parser, or a group of its options."""
 
     def add_argument(self, *names: str, action: str, help: str) -> object:
-        """Add one."""
+        """As `argparse.ArgumentParser.add_argument`."""
 
 
 def add_route(parser: Parser) -> None:
@@ -126,7 +126,7 @@ def add_costs(parser: Parser) -> None:
 
 
 def add_outputs(parser: Parser) -> None:
-    """Files to write."""
+    """The options of the files that are written."""
     group = parser.add_argument_group("files")
     group.add_argument(
         "--save",
@@ -215,7 +215,7 @@ def plan_options(given: Namespace) -> PlanOptions:
 
 
 def _via(text: str) -> Via:
-    """LAT,LON or LAT,LON@SECONDS."""
+    """The place on the way that LAT,LON or LAT,LON@SECONDS names."""
     place, at, seconds = text.partition("@")
     found = position("--via", place)
     assert found is not None  # noqa: S101  a text was given

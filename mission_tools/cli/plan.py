@@ -6,7 +6,7 @@ from companion.cli.interrupts import Run, run_interruptibly
 
 
 def load() -> Run:
-    """Import the program."""
+    """Import the program, which takes a second; returns it."""
     from mission_tools.cli.plan_command import run_program as run  # noqa: PLC0415 (may be interrupted)
 
     return run
@@ -18,7 +18,7 @@ def run_program(arguments: list[str]) -> int:
 
 
 def main() -> None:
-    """Entry point."""
+    """Run mission-plan and end the process with its exit code."""
     sys.exit(run_interruptibly("mission-plan", load))
 
 

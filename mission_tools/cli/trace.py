@@ -13,7 +13,7 @@ def load() -> Run:
 
 
 def main() -> None:
-    """Entry point."""
+    """Run mission-trace and end the process with its exit code."""
     sys.exit(run_interruptibly("mission-trace", load))
 
 

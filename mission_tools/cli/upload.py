@@ -18,7 +18,7 @@ def run_program(arguments: list[str]) -> int:
 
 
 def main() -> None:
-    """Entry point."""
+    """Run mission-upload and end the process with its exit code."""
     sys.exit(run_interruptibly("mission-upload", load))
 
 

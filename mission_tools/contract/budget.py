@@ -67,7 +67,7 @@ class Budget:
         return self.usable_mah - self.charge_mah
 
     def lines(self) -> list[str]:
-        """For a person."""
+        """The budget as lines of output: under way, home, point of no return."""
         said = f"budget: {duration(self.time_s)}"
         home = "from there no way home against the current"
         if math.isfinite(self.home_s):

@@ -40,7 +40,7 @@ class UniformCurrent:
         return cls(speed_m_s * math.cos(to_rad), speed_m_s * math.sin(to_rad))
 
     def at(self, north_m: Floats, east_m: Floats) -> tuple[Floats, Floats]:
-        """The one velocity."""
+        """The same velocity at every place."""
         return np.full_like(north_m, self.north_m_s), np.full_like(east_m, self.east_m_s)
 
 
@@ -97,7 +97,7 @@ class GriddedCurrent:
     table: CurrentTable
 
     def at(self, north_m: Floats, east_m: Floats) -> tuple[Floats, Floats]:
-        """Bilinear interpolation."""
+        """The velocities by bilinear interpolation in the grid."""
         table = self.table
         row, up = _piece(table.north_m, north_m)
         column, right = _piece(table.east_m, east_m)

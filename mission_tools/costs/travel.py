@@ -80,7 +80,7 @@ def _parts(current: Current, north_m: Floats, east_m: Floats, course_rad: Floats
 
 @dataclass(frozen=True, slots=True)
 class TravelTime:
-    """Seconds."""
+    """The cost is the time under way in seconds."""
 
     speed: BoatSpeed
     current: Current = STILL_WATER

@@ -43,7 +43,7 @@ class Itinerary:
 
     @property
     def length_m(self) -> float:
-        """Of all legs."""
+        """The length of all legs together."""
         return sum(leg.length_m for leg in self.legs)
 
     @property

@@ -20,7 +20,7 @@ class Waypoint(NamedTuple):
 
     @property
     def name(self) -> str:
-        """“Home”, “Waypoint 1”."""
+        """The name that files give it, such as “Home” or “Waypoint 1”."""
         return f"Waypoint {self.number}" if self.number else "Home"
 
 

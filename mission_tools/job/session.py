@@ -37,11 +37,11 @@ def run_session(
     Raises:
         MissionToolsError: what went wrong.
     """
-    session = _Session(request, link, report, say)
+    session = _UploadSession(request, link, report, say)
     asyncio.run(session.upload_areas(areas) if source is None else session.upload(source, areas))
 
 
-class _Session:
+class _UploadSession:
     def __init__(self, request: Request, link: LinkUrl, report: Report, say: Printer) -> None:
         self._request = request
         self._link = link

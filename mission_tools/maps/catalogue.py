@@ -48,7 +48,7 @@ def scenario_folder() -> Path | None:
 
 
 def scenario_names() -> tuple[str, ...]:
-    """The installed scenarios."""
+    """The names of the scenarios that come with the emulator."""
     folder = scenario_folder()
     return tuple(sorted(file.stem for file in folder.glob("*.toml"))) if folder else ()
 

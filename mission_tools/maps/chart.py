@@ -43,7 +43,7 @@ class Feature:
 
     @property
     def described(self) -> str:
-        """For messages."""
+        """The kind and, if it has one, the name, for messages."""
         return f'{self.kind} "{self.name}"' if self.name else f"an area of {self.kind} without a name"
 
 

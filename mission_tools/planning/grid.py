@@ -48,12 +48,6 @@ class Grid:
         """Whether a cell may be entered."""
         return bool(self.free.flat[cell])
 
-    def cell_at(self, point: Point) -> int:
-        """The cell that a point lies in; points outside fall into the nearest border cell."""
-        row = int((point.north_m - self.south_m) // self.cell_m)
-        column = int((point.east_m - self.west_m) // self.cell_m)
-        return min(max(row, 0), self.rows - 1) * self.columns + min(max(column, 0), self.columns - 1)
-
     def centre(self, cell: int) -> Point:
         """The middle of a cell."""
         row, column = divmod(cell, self.columns)

@@ -60,7 +60,7 @@ class PlanSettings:
 
     @property
     def required_m(self) -> float:
-        """Clearance and margin."""
+        """What a route keeps from shores: clearance and margin."""
         return self.clearance_m + self.margin_m
 
 

@@ -46,7 +46,7 @@ class TaskLeg:
 
     @property
     def length_m(self) -> float:
-        """Along its points."""
+        """The length along its points."""
         return path_length_m(self.points)
 
 
@@ -80,12 +80,12 @@ class TaskRoute:
 
     @property
     def length_m(self) -> float:
-        """Of all legs."""
+        """The length of all legs together."""
         return sum(leg.length_m for leg in self.legs)
 
     @property
     def hold_s(self) -> float:
-        """Of all stops."""
+        """The time at all stops together."""
         return sum(leg.hold_s for leg in self.legs)
 
     def length_of_m(self, kind: LegKind) -> float:

@@ -64,22 +64,22 @@ class TcpLink(asyncio.Protocol):
         self._transport: asyncio.Transport | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Somebody is there."""
+        """Replace the peer: the last caller counts."""
         if self._transport is not None:
             self._transport.abort()
         self._transport = cast(asyncio.Transport, transport)
 
     def data_received(self, data: bytes) -> None:
-        """Something was said."""
+        """Hand the bytes to the receiver."""
         self._on_bytes(data)
 
     def send(self, data: bytes) -> None:
-        """Send one frame."""
+        """Send one frame to the peer, if there is one."""
         if self._transport is not None and not self._transport.is_closing():
             self._transport.write(data)
 
     def close(self) -> None:
-        """Hang up."""
+        """Close the connection and stop listening."""
         if self._transport is not None:
             self._transport.close()
         if self.server is not None:
@@ -102,7 +102,7 @@ class UdpLink(asyncio.DatagramProtocol):
         self._peer = transport.get_extra_info("peername")
 
     def datagram_received(self, data: bytes, addr: tuple[str, int]) -> None:
-        """Something was said."""
+        """Hand the bytes to the receiver; the sender becomes the peer if it accepts them."""
         if self._on_bytes(data):
             self._peer = addr
 
@@ -110,7 +110,7 @@ class UdpLink(asyncio.DatagramProtocol):
         """Nobody there yet; what was sent is lost, as on any link."""
 
     def send(self, data: bytes) -> None:
-        """Send one frame."""
+        """Send one frame to the peer, if there is one."""
         if self._transport is not None and self._peer is not None and not self._transport.is_closing():
             connected = self._transport.get_extra_info("peername")
             self._transport.sendto(data, None if connected else self._peer)
@@ -146,7 +146,7 @@ class SerialLine:
             self._on_bytes(data)
 
     def send(self, data: bytes) -> None:
-        """Send one frame."""
+        """Send one frame to the peer, if there is one."""
         with contextlib.suppress(OSError):
             if self._line.is_open:
                 os.write(self._descriptor, data)

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from shapely import affinity
 
-from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.geo import LatLon, LocalFrame
 from mission_tools.maps import Chart, Feature, build_chart
 from mission_tools.planning.grid import Grid, grid_from_rows
 from mission_tools.planning.inflate import occupancy
@@ -22,13 +22,6 @@ FRAME = LocalFrame(LatLon(50.0, -1.2))
 def basin(*obstacles: shapely.Polygon) -> Chart:
     features = [Feature(f"rock {n}", "obstacle", shape) for n, shape in enumerate(obstacles)]
     return build_chart("Basin", FRAME, shapely.box(-20, -20, 20, 20), features)
-
-
-def test_a_point_lies_in_the_cell_whose_middle_is_nearest() -> None:
-    grid = grid_from_rows(["...", "..."], cell_m=2.0)
-    assert grid.centre(grid.cell_at(Point(0.1, 0.1))) == Point(1.0, 1.0)
-    assert grid.centre(grid.cell_at(Point(3.9, 5.9))) == Point(3.0, 5.0)
-    assert not grid.is_free(grid.cell_at(Point(1e9, -1e9)))
 
 
 def test_a_grid_needs_a_blocked_border_and_real_cells() -> None:
