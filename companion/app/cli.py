@@ -119,7 +119,7 @@ def params(
 
 
 def version() -> None:
-    """Print the version."""
+    """Print the version of the installed program."""
     echo(__version__)
 
 

@@ -11,7 +11,7 @@ class Clock(Protocol):
         """Seconds since boot; never goes back."""
 
     def sleep(self, seconds: float) -> None:
-        """Wait."""
+        """Wait these seconds."""
 
 
 class SystemClock:

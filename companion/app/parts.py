@@ -88,7 +88,7 @@ def open_motors(config: BoatConfig, now: Now) -> WatchedMotors:
 
 
 def open_rudder(config: BoatConfig) -> Rudder:
-    """The rudder, amidships."""
+    """The rudder's servo, which begins amidships."""
     part = config.parts.rudder
     return RudderServo(open_pulse_output(part.signal, config.parts.pca9685), part.signal)
 
@@ -148,12 +148,12 @@ def bare_compass(config: BoatConfig) -> BoatConfig:
 
 
 def open_sonar(config: BoatConfig, now: Now) -> Sonar:
-    """The ranger."""
+    """The ranger with its servo, which begins to ping."""
     return open_ranger(config.parts.sonar, now)
 
 
 def open_battery(config: BoatConfig, now: Now) -> Battery:
-    """The battery monitor."""
+    """The monitor of the battery pack."""
     return open_battery_monitor(config.parts.battery, now)
 
 
@@ -195,7 +195,7 @@ def open_probe_group(group: Sequence[ProbePart], now: Now) -> tuple[Probe, ...]:
 
 
 def open_rc(config: BoatConfig, now: Now) -> RcReceiver:
-    """The RC receiver."""
+    """The receiver of the RC transmitter."""
     return open_rc_receiver(config.rc, now)
 
 

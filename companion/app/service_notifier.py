@@ -68,7 +68,7 @@ class ServiceNotifier:
             self._send(lines)
 
     def stopping(self) -> None:
-        """The program ends."""
+        """Tell the manager that the program ends."""
         self._send(["STOPPING=1"])
 
     def close(self) -> None:

@@ -17,7 +17,7 @@ _NO_THRUST = Thrust(0.0, 0.0)
 
 
 class TestedMotor(IntEnum):
-    """Rover's numbers."""
+    """The motors, with the numbers of Rover's motor test."""
 
     THROTTLE = 1  # all ahead
     STEERING = 2  # to starboard: the rudder, or both motors without one
@@ -69,7 +69,7 @@ class MotorTest:
         return ""
 
     def stop(self) -> None:
-        """End it now."""
+        """End the test now."""
         self.is_running = False
         self._thrust = _NO_THRUST
 

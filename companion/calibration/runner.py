@@ -131,7 +131,7 @@ class CalibrationRunner:
         return result
 
     def progress_percent(self, now_s: float) -> int:
-        """Estimated progress."""
+        """Estimated from the usual time of this kind; 99 at most."""
         return min(int(100.0 * (now_s - self._began_s) / self.kind.usual_s), 99)
 
     def update(

@@ -165,12 +165,12 @@ class RunPair(NamedTuple):
 
     @property
     def left(self) -> float:
-        """Mean command."""
+        """Mean command of the left motor."""
         return 0.5 * (self.out.left + self.back.left)
 
     @property
     def right(self) -> float:
-        """Mean command."""
+        """Mean command of the right motor."""
         return 0.5 * (self.out.right + self.back.right)
 
     def current_along_m_s(self, run: Run) -> float:
@@ -250,5 +250,5 @@ def _misfit(
 
 
 def opposite(heading_rad: float) -> float:
-    """The way back."""
+    """The heading of the way back."""
     return wrap_pi(heading_rad + math.pi)

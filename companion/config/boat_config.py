@@ -156,7 +156,7 @@ class Follow(Section, frozen=True):
 
 
 class Arming(Section, frozen=True):
-    """Arming checks."""
+    """What is checked before arming."""
 
     check: bool = True
     min_fix_type: Annotated[int, Meta(ge=0, le=6)] = 3
@@ -234,7 +234,7 @@ class Log(Section, frozen=True):
 
 
 class BoatConfig(Section, frozen=True):
-    """The whole tree."""
+    """The whole tree of the boat's configuration."""
 
     links: tuple[str | LinkConfig, ...] = ()
     identity: Identity = Identity()

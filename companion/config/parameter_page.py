@@ -6,15 +6,8 @@ from collections.abc import Iterable
 from companion.config.boat_config import BoatConfig
 from companion.config.compass_rows import MAGNETOMETER_ROWS
 from companion.config.parameter_table import ROWS
-from companion.config.parameters import ParameterRow, Parameters, ParameterType
+from companion.config.parameters import ParameterRow, Parameters
 from companion.core.storage import MemoryStorage
-
-_TYPES = {
-    ParameterType.INT8: "INT8",
-    ParameterType.INT16: "INT16",
-    ParameterType.INT32: "INT32",
-    ParameterType.REAL32: "REAL32",
-}
 
 _INTRODUCTION = """\
 # Parameters
@@ -59,13 +52,13 @@ def parameter_page(rows: tuple[ParameterRow, ...] = ROWS) -> str:
             _range(row),
             row.unit,
             _key(row),
-            _TYPES[row.kind],
+            row.kind.name,
         )
         for row in rows
         if not row.read_only
     ]
     constants = [
-        (f"`{row.name}`", _meaning(row), _number(parameters.value(row)), row.unit, _TYPES[row.kind])
+        (f"`{row.name}`", _meaning(row), _number(parameters.value(row)), row.unit, row.kind.name)
         for row in rows
         if row.read_only
     ]
@@ -89,7 +82,7 @@ def parameter_page(rows: tuple[ParameterRow, ...] = ROWS) -> str:
 
 def _of_magnetometer() -> list[tuple[str, ...]]:
     return [
-        (f"`{row.name}`", row.text, _number(row.default), _range(row), row.unit, _TYPES[row.kind])
+        (f"`{row.name}`", row.text, _number(row.default), _range(row), row.unit, row.kind.name)
         for row in sorted(MAGNETOMETER_ROWS, key=lambda row: row.name)
     ]
 

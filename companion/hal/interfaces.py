@@ -60,7 +60,7 @@ class PulseOutput(Protocol):
         """Send pulses of this width, limited to the part's range; one that is not finite is its trim."""
 
     def off(self) -> None:
-        """No more pulses."""
+        """Send no more pulses until the next width."""
 
     def close(self) -> None:
         """No more pulses, then release the part. May be called twice."""
@@ -71,7 +71,7 @@ class MotorCutoff(Protocol):
 
     @property
     def trips(self) -> int:
-        """Number of cut-offs."""
+        """How often the motors were cut off."""
 
 
 class Sensor(Protocol[Reading_co]):

@@ -78,7 +78,7 @@ class I2cBus(Protocol):
         """Write bytes to a register."""
 
     def close(self) -> None:
-        """Close the bus."""
+        """Close the device of the bus."""
 
 
 def open_i2c(part: str, bus: int | str = 1) -> I2cBus:

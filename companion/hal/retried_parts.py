@@ -31,7 +31,6 @@ class RetriedMotors(RetriedPart[WatchedMotors]):
     """
 
     def write(self, left: float, right: float) -> None:
-        """Drive both motors."""
         if self.opened is not None:
             self.opened.write(left, right)
 
@@ -42,12 +41,11 @@ class RetriedMotors(RetriedPart[WatchedMotors]):
 
     @property
     def trips(self) -> int:
-        """Number of cut-offs."""
         return 0 if self.opened is None else self.opened.trips
 
 
 class RetriedRudder(RetriedPart[Rudder]):
-    """Satisfies `companion.hal.interfaces.Rudder`."""
+    """Satisfies `companion.hal.interfaces.Rudder`; commands before the opening have no effect."""
 
     def write(self, share: float) -> None:
         """Turn to a share of the full angle."""
@@ -79,7 +77,7 @@ class RetriedGnss(RetriedSensor[GnssFix]):
 
 
 class RetriedSonar(RetriedPart[Sonar]):
-    """Satisfies `companion.hal.interfaces.Sonar`."""
+    """Satisfies `companion.hal.interfaces.Sonar`; has no pings before the opening."""
 
     _sector: tuple[float, float] | None = None  # that the part has not been told yet
 

@@ -43,7 +43,7 @@ class SetRelay:
 
 @dataclass(frozen=True, slots=True)
 class SetLights:
-    """Switch all lights."""
+    """Switch all lights on or off."""
 
     is_on: bool
 

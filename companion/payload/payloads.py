@@ -20,7 +20,7 @@ from companion.config.parts.payload import (
     WinchPayload,
 )
 from companion.core.status_text import Severity, StatusText
-from companion.hal.payload.interfaces import PayloadParts, Program
+from companion.hal.payload.interfaces import OwnersProgram, PayloadParts
 from companion.payload.actions import (
     MoveGripper,
     MoveWinch,
@@ -59,11 +59,11 @@ class OwnerCommand(NamedTuple):
     """A program of the owner's."""
 
     setting: CommandPayload
-    program: Program
+    program: OwnersProgram
 
 
 class Payloads:
-    """The opened payload."""
+    """The opened units and commands, which carry out actions."""
 
     def __init__(self, settings: Iterable[PayloadSetting] = (), parts: PayloadParts | None = None) -> None:
         parts = parts or PayloadParts()

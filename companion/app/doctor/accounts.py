@@ -112,7 +112,7 @@ def check_folders(examined: Examined) -> Finding:
 
 
 def account_findings(examined: Examined, user: str = "") -> list[Finding]:
-    """All of them."""
+    """The findings of all checks above."""
     return [
         check_user(examined),
         check_own_groups(examined, user or os.environ.get("SUDO_USER") or getpass.getuser()),

@@ -46,7 +46,7 @@ def check_supply(examined: Examined) -> Finding:
 
 
 def check_temperature(examined: Examined) -> Finding:
-    """The processor's temperature."""
+    """Whether the processor is too hot."""
     text = examined.read("/sys/class/thermal/thermal_zone0/temp") or ""
     if not text.lstrip("-").isdigit():
         return Finding("temperature", Verdict.SKIPPED, "no thermometer")
@@ -167,7 +167,7 @@ def _ipv4(place: str) -> IPv4Address | None:
 
 
 def computer_findings(examined: Examined, unix_s: float) -> list[Finding]:
-    """All of them."""
+    """The findings of all checks above."""
     return [
         check_model(examined),
         check_supply(examined),

@@ -54,7 +54,7 @@ def heading_in_words(reading: HeadingReading, config: BoatConfig) -> Words:  # n
 
 
 def battery_in_words(reading: BatteryReading, config: BoatConfig) -> Words:
-    """Voltage and current."""
+    """Voltage, current, and whether it is enough to arm."""
     text = f"{reading.voltage_v:.2f} V"
     text += ", current not measured" if reading.current_a is None else f", {reading.current_a:.2f} A"
     if reading.voltage_v < config.arming.battery_min_v:
@@ -65,7 +65,7 @@ def battery_in_words(reading: BatteryReading, config: BoatConfig) -> Words:
 
 
 def hull_in_words(reading: HullReading, config: BoatConfig) -> Words:  # noqa: ARG001
-    """Water and temperature."""
+    """Whether there is water, and the temperature."""
     wet = {None: "no leak switch", False: "dry", True: "WATER"}[reading.is_wet]
     text = wet if reading.temperature_c is None else f"{wet}, {reading.temperature_c:.0f} °C"
     return Verdict.FAILED if reading.is_wet else Verdict.FINE, text
@@ -85,7 +85,7 @@ def probe_in_words(reading: ProbeReading, config: BoatConfig) -> Words:  # noqa:
 
 
 def rc_in_words(reading: RcReading, config: BoatConfig) -> Words:  # noqa: ARG001
-    """Channels and signal."""
+    """Channels and the strength of the signal."""
     if reading.is_failsafe:
         return Verdict.WARNING, "receiver answers, transmitter off"
     text = f"channels {' '.join(str(width) for width in reading.channels_us[:8])} µs"
@@ -93,7 +93,7 @@ def rc_in_words(reading: RcReading, config: BoatConfig) -> Words:  # noqa: ARG00
 
 
 def pings_in_words(pings: Sequence[SonarReading], config: BoatConfig) -> Words:  # noqa: ARG001
-    """The nearest echo."""
+    """The nearest echo and its bearing."""
     echoes = [(ping.range_m, ping.bearing_rad) for ping in pings if ping.range_m is not None]
     if not echoes:
         return (

@@ -17,7 +17,7 @@ _STYLES = {
 
 
 def is_fine(findings: Sequence[Finding]) -> bool:
-    """Whether nothing failed."""
+    """Whether no check has failed."""
     return all(finding.verdict is not Verdict.FAILED for finding in findings)
 
 

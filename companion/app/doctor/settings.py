@@ -140,7 +140,7 @@ def check_motors_off(examined: Examined) -> list[Finding]:
 
 
 def settings_findings(examined: Examined) -> list[Finding]:
-    """All of them."""
+    """The findings of all checks above."""
     checks = (check_boot_config, check_console, check_main_port, check_devices, check_motors_off)
     return [finding for check in checks for finding in check(examined)]
 

@@ -29,12 +29,12 @@ class _Payload(Section, frozen=True, kw_only=True, tag_field="kind"):
 
     @property
     def kind(self) -> str:
-        """The table's kind."""
+        """The kind of the table, such as servo."""
         return str(self.__struct_config__.tag)
 
     @property
     def title(self) -> str:
-        """For messages."""
+        """Its kind, number and name, for messages."""
         known_as = f"{self.kind} {self.number}"
         return f"{known_as} ({self.name})" if self.name else known_as
 
@@ -97,7 +97,7 @@ class ServoPayload(_Payload, frozen=True, kw_only=True, tag="servo"):
 
     @property
     def signal_in_use(self) -> PulseOutputSetting | None:
-        """Its servo signal."""
+        """The servo signal that it uses, if any."""
         return self.signal
 
     def __post_init__(self) -> None:

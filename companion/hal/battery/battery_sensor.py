@@ -30,7 +30,7 @@ class Monitor(Protocol):
 
 
 class BatterySensor(BackgroundSensor[BatteryReading]):
-    """Satisfies `companion.hal.interfaces.Battery`."""
+    """Reads a monitor in a thread. Satisfies `companion.hal.interfaces.Battery`."""
 
     def __init__(self, monitor: Monitor, now: Callable[[], float]) -> None:
         super().__init__(self.step, "battery monitor", now, monitor.bus.close)

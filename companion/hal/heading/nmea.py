@@ -12,7 +12,7 @@ from companion.sensors.nmea.sentences import Sentence
 
 
 class NmeaCompass(NmeaSensor[HeadingReading]):
-    """Satisfies `companion.hal.interfaces.Compass`."""
+    """A compass on a line of NMEA 0183. Satisfies `companion.hal.interfaces.Compass`."""
 
     def __init__(self, port: Port, now: Callable[[], float], correction_rad: float = 0.0) -> None:
         super().__init__(port, now, HEADING_SENTENCES)

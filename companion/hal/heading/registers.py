@@ -69,7 +69,7 @@ class Chip(ABC, Generic[Sample_co]):
         return "" if found in self.IDS else f"{found:#x}, not {self.IDS[0]:#x}"
 
     def set_up(self) -> None:
-        """Start measuring."""
+        """Write `SET_UP`: the part begins to measure."""
         for register, *values in self.SET_UP:
             self._registers.write(register, *values)
 

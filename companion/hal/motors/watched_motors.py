@@ -34,7 +34,7 @@ class WatchedMotors:
         self._background = Background(self.watch, "motor watch", retry_s=look_s, longest_retry_s=look_s)
 
     def start(self) -> None:
-        """Start the watch."""
+        """Begin to watch in a thread."""
         self._background.start()
 
     def write(self, left: float, right: float) -> None:

@@ -47,7 +47,7 @@ class ChildProgram:
 
     @property
     def is_running(self) -> bool:
-        """Whether it runs."""
+        """Whether a run has not ended yet."""
         return self._thread is not None and self._thread.is_alive()
 
     def start(self) -> str:

@@ -39,7 +39,7 @@ class PulseCounter(Protocol):
         """Release the part. May be called twice."""
 
 
-class Program(Protocol):
+class OwnersProgram(Protocol):
     """A program outside the boat's own, which is started by it."""
 
     def start(self) -> str:
@@ -53,7 +53,7 @@ class Program(Protocol):
 
     @property
     def is_running(self) -> bool:
-        """Whether it runs."""
+        """Whether a run has not ended yet."""
 
     def end(self) -> None:
         """Begin to end it, without waiting."""
@@ -62,7 +62,7 @@ class Program(Protocol):
         """End it, and wait for that. May be called twice."""
 
 
-class Capture(Program, Protocol):
+class Capture(OwnersProgram, Protocol):
     """A program that takes an image."""
 
     def space_mb(self) -> tuple[float, float]:
@@ -75,7 +75,7 @@ class PayloadParts:
 
     outputs: Mapping[int, PayloadOutput] = field(default_factory=dict)
     counters: Mapping[int, PulseCounter] = field(default_factory=dict)
-    programs: Mapping[int, Program] = field(default_factory=dict)
+    programs: Mapping[int, OwnersProgram] = field(default_factory=dict)
     capture: Capture | None = None
 
     def close(self) -> None:

@@ -47,7 +47,6 @@ class ServoOutput:
         self._is_closed = False
 
     def write(self, value: float) -> None:
-        """Set the width."""
         if value:
             self._pulses.write_us(value)
         else:
@@ -72,7 +71,6 @@ class ShareOutput:
         self._signal = signal
 
     def write(self, value: float) -> None:
-        """Set the speed."""
         self._pulses.write_us(self._signal.width_us(value))
 
     def close(self) -> None:
@@ -88,7 +86,6 @@ class PayloadPin:
         self._title = title
 
     def write(self, value: float) -> None:
-        """Switch it."""
         with _reporting(self._title):
             self._device.value = int(value > 0.5)
 

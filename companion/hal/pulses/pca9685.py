@@ -52,7 +52,7 @@ class Pca9685Board:
         self._background = Background(self._run, name, retry_s=_RETRY_S)
 
     def start(self) -> None:
-        """Start the thread."""
+        """Begin to write in a thread."""
         self._background.start()
 
     def put(self, channel: int, width_us: float) -> None:
@@ -176,7 +176,6 @@ class Pca9685Pulses:
         self._board.check()
 
     def off(self) -> None:
-        """No more pulses."""
         if not self._is_closed:
             self._put(0.0)
 

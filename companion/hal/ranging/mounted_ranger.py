@@ -89,7 +89,7 @@ class MountedRanger:
             turn(self._scan.bearing_rad)
 
     def start(self) -> None:
-        """Start pinging."""
+        """Begin to ping in a thread."""
         self._background.start()
 
     def step(self) -> float:

@@ -19,7 +19,7 @@ def _assembler(part: DepthPart) -> DepthAssembler:
 
 
 class NmeaDepthSounder(NmeaSensor[DepthReading]):
-    """Satisfies `companion.hal.interfaces.DepthSounder`."""
+    """A sounder on a line of NMEA 0183. Satisfies `companion.hal.interfaces.DepthSounder`."""
 
     def __init__(self, port: Port, now: Callable[[], float], part: DepthPart) -> None:
         super().__init__(port, now, DEPTH_SENTENCES)

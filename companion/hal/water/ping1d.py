@@ -23,7 +23,7 @@ _SIMPLE, _FULL = struct.Struct("<IB"), struct.Struct("<IH")
 
 
 class Ping1d(PortSensor[DepthReading]):
-    """Satisfies `companion.hal.interfaces.DepthSounder`."""
+    """A Ping1D on its serial line. Satisfies `companion.hal.interfaces.DepthSounder`."""
 
     def __init__(self, port: Port, now: Callable[[], float], part: DepthPart) -> None:
         super().__init__(port, now, _REST_S)
