@@ -35,6 +35,7 @@ PLACES = (LatLon(50.001, -1.199), LatLon(50.0015, -1.1985), LatLon(50.002, -1.19
 FENCE = Fence(
     (FencePolygon((LatLon(49.999, -1.201), LatLon(49.999, -1.196), LatLon(50.003, -1.197))),),
     (FenceCircle(LatLon(50.0012, -1.1988), 12.5, inclusion=False),),
+    return_point=LatLon(50.0003, -1.1995),
 )
 MISSION = Mission(
     (
@@ -48,7 +49,7 @@ MISSION = Mission(
     rally=(Rally(LatLon(50.0002, -1.1998)),),
 )
 LINE = [(-1.2, 50.0), (-1.199, 50.001), (-1.1985, 50.0015), (-1.1975, 50.002)]
-TITLE = 'Round <Goose> & "Alder" Island'
+TITLE = "Round <Goose> & “Alder” Island"
 GPX = "{http://www.topografix.com/GPX/1/1}"
 
 
@@ -134,6 +135,7 @@ def test_geojson_is_as_rfc_7946_has_it_and_its_fence_and_rally_points_are_read_b
     tree = json.loads(path.read_text(encoding="utf-8"))
     assert tree["type"] == "FeatureCollection"
     assert "crs" not in tree
+    assert "“Alder”" in path.read_text(encoding="utf-8")
     for feature in tree["features"]:
         assert feature["type"] == "Feature"
         assert set(feature) == {"type", "properties", "geometry"}
@@ -156,6 +158,7 @@ def test_a_line_across_the_antimeridian_is_cut_there() -> None:
     """RFC 7946, 3.1.9."""
     pieces = pieces_at_antimeridian([LatLon(-17.0, 179.9), LatLon(-17.2, -179.9), LatLon(-17.1, 179.95)])
     (lon_1, lat_1), (lon_2, lat_2) = (piece[0] for piece in pieces[1:])
+    assert [piece[-1] for piece in pieces[:2]] == [(180.0, lat_1), (-180.0, lat_2)]
     assert (lon_1, lon_2) == (-180.0, 180.0)
     assert lat_1 == pytest.approx(-17.1)
     assert lat_2 == pytest.approx(-17.2 + 0.1 * 2 / 3)
