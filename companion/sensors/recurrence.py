@@ -11,7 +11,7 @@ class Recurrence:
         self._share, self._too_often, self._seldom = share, too_often, seldom
 
     def update(self, happens: bool) -> None:
-        """Add an observation."""
+        """Add an observation: whether the event happens."""
         self._mean += self._share * (happens - self._mean)
         if self._mean > self._too_often:
             self.is_often = True

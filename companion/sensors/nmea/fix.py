@@ -186,5 +186,5 @@ class _Epoch:
 
 
 def _seconds(utc: datetime.time) -> float:
-    """Since midnight."""
+    """The time of day in seconds since midnight."""
     return 3600.0 * utc.hour + 60.0 * utc.minute + utc.second + 1e-6 * utc.microsecond

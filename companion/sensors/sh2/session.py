@@ -70,7 +70,7 @@ class Sh2Session:
 
     @property
     def dropped(self) -> int:
-        """Incomplete frames."""
+        """Number of incomplete frames so far."""
         return self._reader.dropped
 
     def feed(self, data: bytes, now_s: float) -> list[Rotation]:
@@ -113,7 +113,7 @@ class Sh2Session:
                 self._outbox.append(QUERY)
 
     def take_outbox(self) -> list[bytes]:
-        """Frames to send."""
+        """Frames to send since the last call."""
         frames, self._outbox = self._outbox, []
         return frames
 

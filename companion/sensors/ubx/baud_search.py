@@ -18,7 +18,7 @@ class BaudSearch:
         self._tried = 0
 
     def next(self) -> int | None:
-        """The next candidate."""
+        """The candidate after the present one."""
         self._tried += 1
         return self._rates[self._tried % len(self._rates)]
 

@@ -155,7 +155,7 @@ class LinePort(NamedTuple):
 
 
 def line_port(payload: bytes) -> LinePort | None:
-    """Decode a CFG-PRT."""
+    """Decode a CFG-PRT; None if it is malformed."""
     return LinePort(*_PRT.unpack(payload)) if len(payload) == _PRT.size else None
 
 

@@ -66,7 +66,7 @@ class Version(NamedTuple):
 
 
 def solution(payload: bytes) -> Solution | None:
-    """Decode a NAV-PVT."""
+    """Decode a NAV-PVT; None if it is malformed."""
     if len(payload) not in _PVT_LENGTHS:
         return None
     (
@@ -123,7 +123,7 @@ def baseline(payload: bytes) -> Baseline | None:
 
 
 def version(payload: bytes) -> Version:
-    """Decode a MON-VER."""
+    """Decode a MON-VER of any generation."""
     protocol, module = _PROTOCOL.search(payload), _MODULE.search(payload)
     number = float(protocol[1]) if protocol else 13.0
     return Version(number, module[1].decode() if module else "u-blox")

@@ -83,7 +83,7 @@ class UbxSetup:
         self._texts: list[StatusText] = []
 
     def take_outbox(self) -> list[bytes]:
-        """Frames to send."""
+        """Frames to send since the last call."""
         taken, self._outbox = self._outbox, []
         return taken
 

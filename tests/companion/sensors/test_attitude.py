@@ -6,6 +6,7 @@ import pytest
 
 from companion.core.vectors import Vector, product, quarter_turns, times
 from companion.sensors.compass.attitude import AttitudeFilter, level_field, magnetic_heading, roll_pitch
+from companion.sensors.compass.magnetic_field import BY_CURRENT, BY_THROTTLE, NO_MOTORS, MotorLoad
 
 LEVEL: Vector = (0.0, 0.0, 1.0)
 REST: Vector = (0.0, 0.0, -9.81)
@@ -80,3 +81,11 @@ def test_quarter_turns_are_exact_and_chain_in_the_order_roll_pitch_yaw() -> None
     assert quarter_turns(1, 2, 3) == product(
         quarter_turns(0, 0, 3), product(quarter_turns(0, 2, 0), quarter_turns(1, 0, 0))
     )
+
+
+@pytest.mark.parametrize(("source", "load"), [(BY_THROTTLE, 0.5), (BY_CURRENT, 4.0), (NO_MOTORS, 0.0)])
+def test_the_motors_load_is_that_of_its_source_and_zero_where_it_is_not_measured(
+    source: int, load: float
+) -> None:
+    assert MotorLoad(0.5, 4.0).of(source) == load
+    assert MotorLoad(0.5).of(source) == (0.5 if source == BY_THROTTLE else 0.0)

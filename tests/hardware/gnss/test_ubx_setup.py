@@ -151,3 +151,12 @@ def test_a_power_dip_at_any_moment_of_the_set_up_is_overcome(model: Model, dip_s
     settings = bench.receiver.settings
     assert (settings.baud, settings.period_ms, settings.model) == (115_200, 200, SEA)
     assert bench.clock() - bench.fixes[-1].time_s < 0.5
+
+
+def test_the_receiver_is_asked_twice_a_second() -> None:
+    bench = Bench(NEO_M8N)
+    bench.receiver.is_mute = True
+    sent: list[bytes] = []
+    bench.line.on_sent = sent.append
+    bench.run(9.0)
+    assert len(sent) == pytest.approx(9.0 / 1.2 * 3, abs=3)

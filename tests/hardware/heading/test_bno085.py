@@ -190,6 +190,8 @@ def test_frames_escape_the_flag_and_two_flags_in_a_row_are_one() -> None:
     frame = encode(2, 0x7E, payload)
     assert frame.count(0x7E) == 2
     assert FrameReader().feed(b"\x7e" + frame + frame[1:]) == [Packet(2, payload)] * 2
+    cut_off = frame[:3] + b"\x7d"
+    assert FrameReader().feed(cut_off + frame) == [Packet(2, payload)]
 
 
 def test_through_a_real_line_and_thread(tmp_path: Path) -> None:

@@ -93,6 +93,17 @@ def test_dpt_suppresses_dbt_for_two_seconds(sounder: NmeaDepthSounder, wire: Wir
     assert (reading.depth_m, reading.transducer_m) == (4.0, 0.0)
 
 
+def test_the_temperature_lives_for_ten_seconds(
+    sounder: NmeaDepthSounder, wire: Wire, clock: HandClock
+) -> None:
+    assert sounding(sounder, wire, "SDMTW,18.5,C") is None
+    for age_s, celsius in ((10.0, 18.5), (0.1, None)):
+        clock.advance(age_s)
+        reading = sounding(sounder, wire, "SDDPT,2.1,")
+        assert reading is not None
+        assert reading.temperature_c == celsius
+
+
 @pytest.mark.parametrize("depth", ["", "0.0", "-1.0", "100.1"])
 def test_no_bottom_is_a_reading_without_a_depth(sounder: NmeaDepthSounder, wire: Wire, depth: str) -> None:
     reading = sounding(sounder, wire, f"SDDPT,{depth},0.3")
