@@ -6,7 +6,7 @@ from importlib.util import find_spec
 import pytest
 import shapely
 
-from benchmarks.peers import PEERS, ants, planner
+from benchmarks.peers import PEERS, ants, planner, roadmap
 from benchmarks.peers.ants import Habits, colony
 from benchmarks.peers.interface import Deadline, Failed, Path, Planned, Sea, plan
 from benchmarks.peers.spline import pruned
@@ -28,6 +28,7 @@ def basin(*obstacles: shapely.Polygon) -> Chart:
 @pytest.fixture(autouse=True)
 def few_iterations(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ants, "ITERATIONS", 12)
+    monkeypatch.setattr(roadmap, "SAMPLES", 400)
 
 
 ROCK = shapely.box(-25.0, -10.0, 20.0, 10.0)
@@ -95,7 +96,10 @@ def test_a_path_that_does_not_keep_the_clearance_is_a_failure() -> None:
     assert found.reason == "the path does not join start and goal"
 
 
-def test_the_belief_roadmap_goes_round_where_the_roadmap_would_go_through_a_shadow() -> None:
+def test_the_belief_roadmap_goes_round_where_the_roadmap_would_go_through_a_shadow(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(roadmap, "SAMPLES", 1200)
     # A canal 60 m long and 10 m wide leaves a metre beside the clearance, but there is no GNSS in it.
     banks = (shapely.box(-60.0, -30.0, -5.0, 30.0), shapely.box(5.0, -30.0, 20.0, 30.0))
     start, goal = Point(-40.0, 0.0), Point(40.0, 0.0)
