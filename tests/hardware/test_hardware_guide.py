@@ -11,7 +11,6 @@ from pictures.wiring_table import wiring_rows
 
 from companion.config.boat_config import BoatConfig, decode_config, load_config
 from companion.config.wiring import pins_in_use
-from companion.links.port_url import parse_port_url
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "hardware.md").read_text(encoding="utf-8")
@@ -84,13 +83,3 @@ def test_the_other_motors_rows_are_all_outputs_of_that_driver(driver: str) -> No
 def test_a_table_of_the_page_can_be_read(text: str) -> None:
     config = decode_config(tomllib.loads(text), "page")
     assert config.parts.motors.driver == "esc" or config.parts.rudder.driver == "servo"
-
-
-def test_the_example_is_a_whole_boat_with_links_that_can_be_read() -> None:
-    config = load_config(EXAMPLE)
-    parts = config.parts
-    drivers = [part.driver for part in (parts.motors, parts.gnss, parts.compass, parts.sonar, parts.battery)]
-    assert "none" not in drivers
-    urls = [link if isinstance(link, str) else link.url for link in config.links]
-    assert [parse_port_url(url).kind for url in urls] == ["udpout", "tcpin"]
-    assert config.storage.folder

@@ -111,7 +111,7 @@ def test_a_silent_receiver_has_no_fix_after_four_seconds_and_the_boat_does_not_a
     health = rig.health()
     assert not health & dialect.MAV_SYS_STATUS_SENSOR_GPS
     assert not health & dialect.MAV_SYS_STATUS_PREARM_CHECK
-    for _ in range(3):  # it stays so, while dead reckoning goes on
+    for _ in range(2):  # it stays so, while dead reckoning goes on
         assert rig.arm() == FAILED
         assert not rig.boat.vehicle.armed
         rig.run(rig.config.arming.repeat_s + 1.0)

@@ -75,7 +75,10 @@ def test_one_turn_calibrates_and_the_boat_starts_with_it(hand: Hand, tmp_path: P
     assert corrector.correction.offset[:2] == pytest.approx((-120.0, 60.0), abs=6.0)
 
 
-def test_a_boat_that_is_not_turned_ends_with_a_reason(hand: Hand, tmp_path: Path) -> None:
+def test_a_boat_that_is_not_turned_ends_with_a_reason(
+    hand: Hand, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("companion.calibration.compass.TIMEOUT_S", 20.0)
     with pytest.raises(HardwareError, match=r"compass: only \d+ % of the directions were seen"):
         calibrate_compass(config(tmp_path), FolderStorage(tmp_path / "state"), hand, lambda _: None)
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import msgspec
 import pytest
+from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 from twins.pins import BRIDGES, PinBoard, assert_is_safe, motors_of
@@ -151,6 +152,8 @@ class CommandsDrv8833(Commands):
     part = BRIDGES[3]
 
 
+for machine in (CommandsTb6612, CommandsBts7960, CommandsDrv8833):
+    machine.TestCase.settings = settings(max_examples=20)
 TestCommandsL298N = Commands.TestCase
 TestCommandsTb6612 = CommandsTb6612.TestCase
 TestCommandsBts7960 = CommandsBts7960.TestCase

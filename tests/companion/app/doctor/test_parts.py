@@ -4,7 +4,6 @@ import inspect
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import get_args
 
 import gpiozero
 import pytest
@@ -23,7 +22,7 @@ from companion.app.doctor.parts import (
     check_part,
     part_findings,
 )
-from companion.app.doctor.readings import WORDS, in_words
+from companion.app.doctor.readings import in_words
 from companion.app.status_file import BoatStatus
 from companion.config.boat_config import BoatConfig
 from companion.config.parts import HullPart, MotorsPart, Parts
@@ -38,7 +37,6 @@ from companion.core.readings import (
     SonarReading,
 )
 from companion.core.status_text import Severity, StatusText
-from companion.hal import interfaces
 from companion.router.status import LinksStatus
 
 pytest_plugins = ("doctor_fixtures",)
@@ -83,12 +81,6 @@ def test_every_part_that_the_boat_can_open_is_checked() -> None:
     assert set(PARTS.values()) == own - apart
 
 
-def test_every_kind_of_reading_has_its_words() -> None:
-    sensors = (getattr(interfaces, name) for name in vars(interfaces))
-    readings = {get_args(one)[0] for one in sensors if getattr(one, "__origin__", None) is interfaces.Sensor}
-    assert readings <= set(WORDS)
-
-
 def test_a_part_is_waited_for_and_closed() -> None:
     part = Part(HullReading(0.0, is_wet=False, temperature_c=41.2), after=20, texts=("set up again",))
     found = check_part("hull", opening(part), FITTED, FakeClock())
@@ -103,14 +95,6 @@ def test_a_silent_part_fails(reading: object) -> None:
     assert (found.verdict, found.text) == (Verdict.FAILED, "host: no reading within 10 s")
     assert 10.0 <= clock.time_s < 10.5
     assert part.closed == 1
-
-
-def test_a_part_that_is_not_fitted_is_left_out() -> None:
-    def fail(config: BoatConfig, now: Callable[[], float]) -> LivePart:
-        raise AssertionError("opened")
-
-    for name in PARTS:
-        assert check_part(name, fail, BoatConfig(), FakeClock()).verdict is Verdict.SKIPPED
 
 
 def test_the_parts_of_a_running_boat_are_left_to_it(examine: Examine) -> None:
