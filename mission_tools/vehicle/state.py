@@ -38,6 +38,8 @@ MISSION_REFUSALS = {
     15: "the transfer was cancelled",
 }
 
+CANCELLED = 15  # it gave up for want of answers
+
 COMMAND_RESULTS = {
     1: "not now",
     2: "denied",
@@ -74,6 +76,11 @@ class VehicleState:
     def is_ardupilot(self) -> bool:
         """Whether item 0 is home and modes are Rover's."""
         return self.autopilot == MAV_AUTOPILOT_ARDUPILOTMEGA
+
+    @property
+    def has_refused(self) -> bool:
+        """Whether it does not take what was sent; one that gave up waiting may take it at another try."""
+        return self.refused not in (0, CANCELLED)
 
     @property
     def mode(self) -> str:

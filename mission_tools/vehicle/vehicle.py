@@ -130,7 +130,7 @@ class Vehicle:
                 return []
             await asyncio.sleep(TEXT_DELAY_S)
             item = f" item {self.state.requested_item}" if self.state.requested_item >= 0 else ""
-            if result is not MissionRawResult.TIMEOUT and self.state.refused:
+            if result is not MissionRawResult.TIMEOUT and self.state.has_refused:
                 text = self.state.last_warning(began_s)
                 reason = _refusal(self.state.refused) + (f" ({text})" if text else "")
                 raise UploadRejected(f"{doing}: the vehicle refused{item}: {reason}")

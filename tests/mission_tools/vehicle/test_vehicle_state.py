@@ -69,3 +69,10 @@ def test_a_failsafe_that_fires_meanwhile_is_no_reason_for_a_refusal() -> None:
     assert state.last_warning(0.0) == "Failsafe: Battery low: 9.6 V"
     assert state.refusal(0.0) == "Arm: Battery: 9.6 V is below 10.5 V"
     assert state.refusal(1.1) == ""
+
+
+def test_a_vehicle_that_gave_up_waiting_has_not_refused() -> None:
+    state = VehicleState()
+    for result, has_refused in ((0, False), (15, False), (13, True)):
+        state.handle("MISSION_ACK", 1, {"type": result}, 1.0)
+        assert state.has_refused is has_refused
