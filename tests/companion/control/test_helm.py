@@ -143,3 +143,12 @@ def test_without_braking_no_motor_turns_astern(heading_rad: float) -> None:
 def test_without_braking_a_hard_turn_keeps_its_thrust() -> None:
     eased = Helm().update(Demand(1.5, 0.4, brakes=False), CRUISING, CONFIG, 0.02)
     assert (eased.left, eased.right) == (1.0, -1.0)
+
+
+def test_a_following_current_changes_nothing_at_the_same_speed_through_the_water() -> None:
+    config = with_value(CONFIG, "drive.layout", "rudder")
+    with_the_water = replace(CRUISING, north_m_s=2.5, surge_m_s=2.5, current_north_m_s=0.5)
+    still = Helm().update(Demand(0.1, 2.0), CRUISING, config, 0.02)
+    carried = Helm().update(Demand(0.1, 2.5), with_the_water, config, 0.02)
+    assert (carried.left, carried.rudder) == pytest.approx((still.left, still.rudder))
+    assert still.rudder > 0.0
