@@ -10,17 +10,15 @@ from rich.console import Console
 from rich.table import Table
 
 from companion import __version__
-from companion.app.calibrate.compass import calibrate_compass as run_compass_calibration
-from companion.app.calibrate.escs import calibrate_escs as run_calibration
-from companion.app.clock import SystemClock
+from companion.app.calibrate import calibrate_compass as run_compass_calibration
+from companion.app.calibrate import calibrate_escs as run_calibration
 from companion.app.composition import check_config, open_storage, run_boat
 from companion.app.doctor.cli import doctor
-from companion.app.init.cli import init
+from companion.app.init.questions import init
 from companion.app.install.cli import install, uninstall
-from companion.app.links_view import watch
-from companion.app.restart import restart_program
-from companion.app.shutdown import Shutdown
-from companion.app.status_file import find_status, read_status
+from companion.app.process import Shutdown, restart_program
+from companion.app.runner import SystemClock
+from companion.app.status_file import find_status, read_status, watch
 from companion.cli.busy_port import busy_port_explained
 from companion.cli.command_line import Option, Program, echo
 from companion.config.boat_config import BoatConfig, load_config

@@ -8,11 +8,10 @@ from functools import partial
 from pathlib import Path
 
 from companion.app import garbage_collection as garbage
-from companion.app.clock import SystemClock
 from companion.app.hardware import open_hardware
 from companion.app.needs import check_needs
-from companion.app.only_program import only_program
-from companion.app.runner import Runner
+from companion.app.process import only_program
+from companion.app.runner import Runner, SystemClock
 from companion.app.service_notifier import ServiceNotifier, status_line
 from companion.app.status_file import StatusFile, status_path
 from companion.boat import TICK_S, Boat

@@ -2,14 +2,15 @@
 
 A ground station that uploads item by item must not wait a tick for each answer, so the time left in a tick is
 spent waiting for the links' descriptors. A tick that starts late is counted; whole ticks that were missed are
-skipped, never caught up.
+skipped, never caught up. A clock is read nowhere else.
 """
 
 import select
+import time
 from collections.abc import Callable, Collection
+from typing import Protocol
 
 from companion.app import garbage_collection as garbage
-from companion.app.clock import Clock
 from companion.core.tick_count import TickCount
 
 LATE_S = 0.005
@@ -17,6 +18,37 @@ _MAX_RECEIVES = 200  # between two ticks: a flood of bytes must not eat the loop
 _BUSY_FRAMES = 60  # in one period; from there on it pays to let frames gather instead of waking for each
 _FEW_FRAMES = 20  # at once; with more there is no need to wait for others
 _GATHER_S = 0.001
+
+
+class Clock(Protocol):
+    """Time as the boat counts it, and a way to wait."""
+
+    def now_s(self) -> float:
+        """Seconds since boot; never goes back."""
+
+    def sleep(self, seconds: float) -> None:
+        """Wait these seconds."""
+
+
+class SystemClock:
+    """Monotonic seconds since the clock was made."""
+
+    def __init__(self) -> None:
+        self._start_s = time.monotonic()
+
+    def now_s(self) -> float:
+        """Seconds since the clock was made."""
+        return time.monotonic() - self._start_s
+
+    def sleep(self, seconds: float) -> None:
+        """Wait; a time in the past is no wait."""
+        if seconds > 0.0:
+            time.sleep(seconds)
+
+    def unix_offset_s(self) -> float:
+        """What to add to `now_s` for the date; 0 while the computer's own date is plainly unset."""
+        unix_s = time.time()
+        return unix_s - self.now_s() if unix_s > 1.6e9 else 0.0
 
 
 class Runner:

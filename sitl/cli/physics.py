@@ -4,7 +4,7 @@ import math
 import sys
 from typing import Annotated
 
-from companion.app.shutdown import Shutdown
+from companion.app.process import Shutdown
 from companion.cli.busy_port import busy_port_explained
 from companion.cli.command_line import Option, echo
 from companion.core.errors import BoatError

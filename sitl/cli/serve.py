@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Annotated
 
 from companion.app import garbage_collection as garbage
-from companion.app.clock import SystemClock
-from companion.app.restart import restart_program
-from companion.app.shutdown import Shutdown
+from companion.app.process import Shutdown, restart_program
+from companion.app.runner import SystemClock
 from companion.cli.busy_port import busy_port_explained
 from companion.cli.command_line import Option, echo
 from companion.config.boat_config import LinkConfig

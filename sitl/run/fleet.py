@@ -7,7 +7,7 @@ from functools import partial
 
 import msgspec
 
-from companion.app.clock import Clock
+from companion.app.runner import Clock
 from companion.config.boat_config import LinkConfig
 from companion.core.errors import ConfigError
 from companion.core.geo import Point

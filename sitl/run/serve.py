@@ -3,8 +3,7 @@
 from collections.abc import Callable, Collection, Sequence
 from operator import attrgetter
 
-from companion.app.clock import Clock
-from companion.app.runner import Runner
+from companion.app.runner import Clock, Runner
 from companion.boat import TICK_S
 from companion.config.boat_config import BoatConfig, with_value
 from sitl.run.simulated_boat import SimulatedBoat

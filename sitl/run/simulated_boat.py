@@ -7,9 +7,8 @@ from pathlib import Path
 
 import msgspec
 
-from companion.app.clock import Clock
 from companion.app.composition import open_log, open_ports
-from companion.app.runner import Runner
+from companion.app.runner import Clock, Runner
 from companion.app.status_file import StatusFile
 from companion.boat import TICK_S, Boat
 from companion.config.boat_config import LinkConfig

@@ -15,7 +15,7 @@ import pytest
 from patience import JOB_S
 from programs import SCRIPTS, RunProgram
 
-from companion.app.install.unit import unit_text
+from companion.app.install.plan import unit_text
 from companion.app.motors_off import main
 from companion.app.status_file import RUNTIME_DIRECTORY
 from companion.config.boat_config import load_config

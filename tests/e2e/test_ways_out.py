@@ -18,7 +18,7 @@ from programs import until
 from pymavlink.dialects.v20 import all as dialect
 
 from companion.app.composition import run_boat
-from companion.app.shutdown import Shutdown
+from companion.app.process import Shutdown
 from companion.autopilot.safety_net import GIVE_UP_LEVEL
 from companion.boat import Boat
 from companion.config.boat_config import BoatConfig

@@ -6,10 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from companion.app.doctor.findings import Examined, Finding, Verdict
-from companion.app.install.accounts import USER, member_step, user_step
-from companion.app.install.page import PAGE_PORT, PIN_FILE, SHORE_UNIT_FILE, page_enabled
-from companion.app.install.plan import GROUPS, STATE
-from companion.app.install.service import UNIT, enabled_step
+from companion.app.install.plan import GROUPS, PAGE_PORT, PIN_FILE, SHORE_UNIT, SHORE_UNIT_FILE, STATE
+from companion.app.install.steps import UNIT, USER, enabled_step, member_step
 from companion.app.install.target import InstallError, Target
 from companion.app.status_file import RUNTIME_DIRECTORY
 from companion.links.port_url import parse_port_url
@@ -21,15 +19,15 @@ NEEDED = ("gpio", "i2c", "dialout")  # to run the boat, or its doctor, by hand
 def check_user(examined: Examined) -> Finding:
     """The service's user and its groups."""
     target = examined.target
-    user = user_step(target, USER, GROUPS, STATE)
+    member = member_step(target, USER, GROUPS)
     if USER not in target.users():
         return Finding(
             "boat's user", Verdict.WARNING, f"there is no user {USER}", "sudo boat-companion install"
         )
-    if user.is_done():
+    if member.is_done():
         return Finding("boat's user", Verdict.FINE, f"{USER}, in {', '.join(GROUPS)}")
     text = f"{USER} is not in all of {', '.join(GROUPS)}"
-    return Finding("boat's user", Verdict.FAILED, text, "sudo boat-companion doctor --fix", (user,))
+    return Finding("boat's user", Verdict.FAILED, text, "sudo boat-companion doctor --fix", (member,))
 
 
 def check_own_groups(examined: Examined, user: str) -> Finding:
@@ -38,7 +36,8 @@ def check_own_groups(examined: Examined, user: str) -> Finding:
     lacks = [name for name in NEEDED if user not in groups.get(name, ())]
     if user == "root" or not lacks:
         return Finding("your groups", Verdict.FINE, f"{user} may use pins, I²C and serial ports")
-    steps = tuple(member_step(examined.target, user, name) for name in lacks if name in groups)
+    known = [name for name in lacks if name in groups]
+    steps = (member_step(examined.target, user, known),) if known else ()
     text = f"{user} is not in {', '.join(lacks)}"
     return Finding("your groups", Verdict.WARNING, text, f"sudo usermod -aG {','.join(lacks)} {user}", steps)
 
@@ -54,7 +53,7 @@ def check_service(examined: Examined, state: Mapping[str, str]) -> Finding:
         return Finding("service", Verdict.FAILED, f"fails, and was started again {restarts} times", why)
     if is_active == "failed":
         return Finding("service", Verdict.WARNING, f"has failed: {state.get('Result', '')}", why)
-    if not enabled_step(examined.target, is_wanted=True).is_done():
+    if not enabled_step(examined.target).is_done():
         text = "does not start with the computer"
         return Finding("service", Verdict.WARNING, text, "sudo boat-companion install")
     now = f", runs now: {state.get('StatusText')}" if is_active == "active" else ""
@@ -66,7 +65,7 @@ def check_page(examined: Examined) -> list[Finding]:
     target = examined.target
     if not target.path(SHORE_UNIT_FILE).exists():
         return []
-    if not page_enabled(target, is_wanted=True).is_done():
+    if not enabled_step(target, SHORE_UNIT).is_done():
         text, cure = "does not start with the computer", "sudo boat-companion install --page"
         return [Finding("page", Verdict.WARNING, text, cure)]
     if not any(

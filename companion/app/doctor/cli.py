@@ -6,19 +6,18 @@ from typing import Annotated
 
 from rich.console import Console
 
-from companion.app.clock import SystemClock
 from companion.app.composition import check_config
 from companion.app.doctor.accounts import account_findings
-from companion.app.doctor.by_hand import turn_by_hand
+from companion.app.doctor.by_hand import nudge_motors, turn_by_hand
 from companion.app.doctor.computer import computer_findings
-from companion.app.doctor.findings import Examined, Finding, Verdict
-from companion.app.doctor.motors import nudge_motors
-from companion.app.doctor.parts import part_findings, running_boat
-from companion.app.doctor.report import as_json, is_fine, print_table
+from companion.app.doctor.findings import Examined, Finding, Verdict, as_json, is_fine, print_table
+from companion.app.doctor.parts import part_findings
 from companion.app.doctor.settings import settings_findings
+from companion.app.install.plan import CONFIG
 from companion.app.install.steps import apply_steps
 from companion.app.install.target import Target
-from companion.app.install.unit import CONFIG
+from companion.app.runner import SystemClock
+from companion.app.status_file import running_boat
 from companion.cli.command_line import Option, ask, echo
 from companion.config.boat_config import BoatConfig, load_config
 from companion.core.errors import BoatError, UsageError
@@ -52,7 +51,7 @@ def doctor(
     findings += settings_findings(examined)
     if target.is_this_machine:
         findings += part_findings(examined, clock)
-        is_free = running_boat(examined) is None
+        is_free = running_boat(tree) is None
         if compass and is_free:
             findings.append(turn_by_hand(tree, clock, _enter, echo))
         if motors and is_free:

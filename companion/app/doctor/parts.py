@@ -1,23 +1,41 @@
 """Checks of the configured parts, one after the other, with their live readings."""
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack, closing
 from functools import partial
+from pathlib import Path
 from shutil import which
 from types import MappingProxyType
 from typing import Any, Protocol
 
 from companion.app import parts
-from companion.app.clock import Clock
-from companion.app.doctor.compass import check_compass_calibration
 from companion.app.doctor.findings import Examined, Finding, Verdict
-from companion.app.doctor.readings import in_words
-from companion.app.status_file import RUNTIME_DIRECTORY, BoatStatus, find_status, read_status
+from companion.app.runner import Clock
+from companion.app.status_file import running_boat
 from companion.config.boat_config import BoatConfig
+from companion.config.parameter_table import ROWS
+from companion.config.parameters import PARAMETER_FILE, Parameters
 from companion.config.parts.payload import CommandPayload
 from companion.config.parts.probes import ProbePart
 from companion.core.errors import BoatError
+from companion.core.generations import find_newest
+from companion.core.readings import (
+    BatteryReading,
+    DepthReading,
+    GnssFix,
+    HeadingReading,
+    HullReading,
+    ProbeReading,
+    RcReading,
+    SonarReading,
+)
+from companion.core.storage import MemoryStorage
+from companion.core.units import wrap_two_pi
 from companion.hal.interfaces import ReportingPart
+from companion.sensors.charge import cells_fault
+from companion.sensors.compass.magnetic_field import BY_CURRENT, NO_MOTORS, FieldCorrector
+from companion.sensors.compass.parameters import compass_hooks
 
 _PATIENCE_S = (
     10.0  # for a first reading: a BNO055 starts in 0.7 s, a receiver without a fix speaks every second
@@ -114,21 +132,140 @@ def check_payload(config: BoatConfig) -> Finding:
     return Finding("payload", Verdict.FINE, ", ".join(one.title for one in config.payload))
 
 
-def running_boat(examined: Examined) -> BoatStatus | None:
-    """The status of the boat that uses the parts now, None without one."""
-    try:
-        status = read_status(find_status(examined.config, examined.target.path(RUNTIME_DIRECTORY)))
-    except BoatError:
-        return None
-    return status if examined.path(f"/proc/{status.process}").exists() else None
-
-
 def part_findings(examined: Examined, clock: Clock) -> list[Finding]:
     """All parts except the motors."""
-    if (boat := running_boat(examined)) is not None:
+    if (boat := running_boat(examined.config, examined.target.root)) is not None:
         missing = [Finding(name, Verdict.FAILED, fault) for name, fault in boat.missing.items()]
         text = "the running boat uses " + ("the others" if missing else "them")
         return [*missing, Finding("parts", Verdict.SKIPPED, text, "sudo systemctl stop mavboat")]
     found = [check_part(name, open_part, examined.config, clock) for name, open_part in PARTS.items()]
     found += check_compass_calibration(examined)
     return [*found, *check_probes(examined.config, clock), check_payload(examined.config)]
+
+
+def check_compass_calibration(examined: Examined) -> list[Finding]:
+    """Nothing for parts that calibrate themselves."""
+    config = examined.config
+    if not config.parts.compass.is_magnetometer or not config.storage.folder:
+        return []
+    storage, corrector = MemoryStorage(), FieldCorrector()
+    path = examined.path(str(Path(config.storage.folder).expanduser() / PARAMETER_FILE))
+    try:
+        storage.save(PARAMETER_FILE, find_newest(path).generation.content)
+    except OSError as error:
+        return [Finding("compass calibration", Verdict.WARNING, f"{path}: {error.strerror}")]
+    Parameters(config, ROWS, storage, compass_hooks(corrector))
+    correction = corrector.correction
+    if not correction.is_calibrated:
+        cure = "turn the boat with boat-companion calibrate-compass, or from QGroundControl's compass page"
+        return [Finding("compass calibration", Verdict.WARNING, "none: only MANUAL and HOLD arm", cure)]
+    offsets = ", ".join(f"{one:.0f}" for one in correction.offset)
+    source = "current" if correction.motor_source == BY_CURRENT else "throttle"
+    motors = "not measured" if correction.motor_source == NO_MOTORS else f"by {source}"
+    return [Finding("compass calibration", Verdict.FINE, f"offsets {offsets} mG; motors' field {motors}")]
+
+
+Words = tuple[Verdict, str]
+_FIX_NAMES = ("no receiver", "no fix", "2-D fix", "3-D fix", "DGNSS fix", "RTK float", "RTK fixed")
+
+
+def _degrees(angle_rad: float) -> str:
+    return f"{math.degrees(angle_rad):.0f}°"
+
+
+def fix_in_words(fix: GnssFix, config: BoatConfig) -> Words:
+    """Kind of fix, satellites, place."""
+    name = _FIX_NAMES[min(fix.fix_type, len(_FIX_NAMES) - 1)]
+    text = f"{name}, {fix.satellites} satellites"
+    if fix.fix_type >= 2:
+        text += f", HDOP {fix.hdop:.1f}, {fix.position.lat_deg:.6f} {fix.position.lon_deg:.6f}"
+        if fix.horizontal_accuracy_m is not None:
+            text += f" ±{fix.horizontal_accuracy_m:.2g} m"
+    good = fix.fix_type >= config.arming.min_fix_type and fix.hdop <= config.arming.max_hdop
+    return (Verdict.FINE, text) if good else (Verdict.WARNING, f"{text}; not enough to arm")
+
+
+def heading_in_words(reading: HeadingReading, config: BoatConfig) -> Words:  # noqa: ARG001 — one signature
+    """Heading, rate and tilt, if measured."""
+    north = "magnetic" if reading.is_magnetic else "true"
+    text = f"heading {_degrees(wrap_two_pi(reading.heading_rad))} {north}"
+    if reading.yaw_rate_rad_s is not None:
+        text += f", turning {math.degrees(reading.yaw_rate_rad_s):+.1f}°/s"
+    if reading.roll_rad is not None and reading.pitch_rad is not None:
+        text += f", roll {_degrees(reading.roll_rad)}, pitch {_degrees(reading.pitch_rad)}"
+    if reading.field_mg is not None:
+        text += f", field {math.hypot(*reading.field_mg):.0f} mG"
+    return Verdict.FINE, text
+
+
+def battery_in_words(reading: BatteryReading, config: BoatConfig) -> Words:
+    """Voltage, current, and whether it is enough to arm."""
+    text = f"{reading.voltage_v:.2f} V"
+    text += ", current not measured" if reading.current_a is None else f", {reading.current_a:.2f} A"
+    if reading.voltage_v < config.arming.battery_min_v:
+        return Verdict.WARNING, f"{text}; below arming.battery_min_v = {config.arming.battery_min_v:g} V"
+    if fault := cells_fault(reading.voltage_v, config.battery.cells):
+        return Verdict.WARNING, f"{text}; {fault}"
+    return Verdict.FINE, text
+
+
+def hull_in_words(reading: HullReading, config: BoatConfig) -> Words:  # noqa: ARG001
+    """Whether there is water, and the temperature."""
+    wet = {None: "no leak switch", False: "dry", True: "WATER"}[reading.is_wet]
+    text = wet if reading.temperature_c is None else f"{wet}, {reading.temperature_c:.0f} °C"
+    return Verdict.FAILED if reading.is_wet else Verdict.FINE, text
+
+
+def depth_in_words(reading: DepthReading, config: BoatConfig) -> Words:  # noqa: ARG001
+    """Depth below the transducer and of the water."""
+    if reading.depth_m is None or reading.water_m is None:
+        return Verdict.WARNING, "the sounder answers, no bottom found"
+    text = f"{reading.depth_m:.2f} m below the transducer, water {reading.water_m:.2f} m"
+    return Verdict.FINE, text if reading.temperature_c is None else f"{text}, {reading.temperature_c:.1f} °C"
+
+
+def probe_in_words(reading: ProbeReading, config: BoatConfig) -> Words:  # noqa: ARG001
+    """The value with its unit."""
+    return Verdict.FINE, f"{reading.value:.6g} {reading.unit}".rstrip()
+
+
+def rc_in_words(reading: RcReading, config: BoatConfig) -> Words:  # noqa: ARG001
+    """Channels and the strength of the signal."""
+    if reading.is_failsafe:
+        return Verdict.WARNING, "receiver answers, transmitter off"
+    text = f"channels {' '.join(str(width) for width in reading.channels_us[:8])} µs"
+    return Verdict.FINE, text if reading.rssi_dbm is None else f"{text}, {reading.rssi_dbm:.0f} dBm"
+
+
+def pings_in_words(pings: Sequence[SonarReading], config: BoatConfig) -> Words:  # noqa: ARG001
+    """The nearest echo and its bearing."""
+    echoes = [(ping.range_m, ping.bearing_rad) for ping in pings if ping.range_m is not None]
+    if not echoes:
+        return (
+            Verdict.FINE,
+            f"{len(pings)} pings, no echo within {max(ping.max_range_m for ping in pings):.1f} m",
+        )
+    range_m, bearing_rad = min(echoes)
+    side = "to starboard" if bearing_rad > 0.0 else "to port"
+    where = "ahead" if abs(bearing_rad) < math.radians(1.0) else f"{_degrees(abs(bearing_rad))} {side}"
+    return Verdict.FINE, f"nearest echo {range_m:.2f} m {where}"
+
+
+WORDS: Mapping[type, Callable[[Any, BoatConfig], Words]] = MappingProxyType(
+    {
+        GnssFix: fix_in_words,
+        HeadingReading: heading_in_words,
+        BatteryReading: battery_in_words,
+        HullReading: hull_in_words,
+        DepthReading: depth_in_words,
+        ProbeReading: probe_in_words,
+        RcReading: rc_in_words,
+        list: pings_in_words,
+    }
+)
+
+
+def in_words(reading: object, config: BoatConfig) -> Words:
+    """Any reading; one without a row as it prints itself."""
+    words = WORDS.get(type(reading))
+    return words(reading, config) if words is not None else (Verdict.FINE, str(reading))

@@ -8,8 +8,7 @@ import re
 from pathlib import Path
 
 from companion.app.doctor.findings import Examined, Finding, Verdict
-from companion.app.install.files import file_step
-from companion.app.install.steps import InstallStep
+from companion.app.install.steps import InstallStep, file_step
 from companion.app.motors_off import outputs_to_end
 from companion.app.needs import Needs, needs_of
 from companion.config.board import HEADER_I2C, is_main_uart, is_pi_5, uart_pins

@@ -4,14 +4,16 @@ A boat's file is the preset's own text (motors, hull) between the parts that all
 identity; sensors, arming, failsafe, storage), with some other values.
 """
 
+import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from companion.app.init.toml_edit import Value, with_values
 from companion.config.board import uart_on
 
+Value = str | bool | int | float
 _TEXTS = Path(__file__).parent / "texts"
 _STATIONS: Final = "udpout:192.168.4.255:"
 _RADIO: Final = '# "serial:/dev/ttyUSB0:57600", # a SiK radio'
@@ -77,3 +79,31 @@ def with_links(text: str, stations: str, radio: str) -> str:
 
 def _read(name: str) -> str:
     return (_TEXTS / f"{name}.toml").read_text(encoding="utf-8")
+
+
+def with_values(text: str, values: Mapping[str, Value]) -> str:
+    """The text with other values. values: by dotted key, such as `parts.gnss.port`.
+
+    A key that has no line gets one, at the head of its table; a missing table is added at the end. Only
+    values on one line that contain no `#` can be replaced.
+    """
+    lines = text.splitlines()
+    for path, value in values.items():
+        table, _, key = path.rpartition(".")
+        _set(lines, table, key, json.dumps(value, ensure_ascii=False))
+    return "\n".join(lines) + "\n"
+
+
+def _set(lines: list[str], table: str, key: str, value: str) -> None:
+    if f"[{table}]" not in (line.partition("#")[0].strip() for line in lines):
+        lines += ["", f"[{table}]"]
+    start = next(n for n, line in enumerate(lines) if line.partition("#")[0].strip() == f"[{table}]") + 1
+    end = next((n for n in range(start, len(lines)) if lines[n].startswith("[")), len(lines))
+    pattern = re.compile(rf"({re.escape(key)} *= *)([^#]*[^# ])( *#.*)?$")
+    for number in range(start, end):
+        if found := pattern.match(lines[number]):
+            before, old, comment = found.groups()
+            padding = " " * max(2, len(old) + len(comment or "") - len((comment or "").lstrip()) - len(value))
+            lines[number] = before + value + (padding + comment.lstrip() if comment else "")
+            return
+    lines.insert(start, f"{key} = {value}")

@@ -7,13 +7,19 @@ from typing import Annotated
 
 from companion.app.composition import check_config
 from companion.app.init.presets import preset_text
-from companion.app.install.accounts import USER
-from companion.app.install.page import PIN_FILE, SHORE_UNIT, PageOptions, check_page_program, page_of
-from companion.app.install.plan import USB_FILE, install_steps, uninstall_steps
-from companion.app.install.service import UNIT
-from companion.app.install.steps import apply_steps, describe_steps
+from companion.app.install.plan import (
+    CONFIG,
+    PIN_FILE,
+    PROGRAMS,
+    SHORE_UNIT,
+    SHORE_UNIT_FILE,
+    USB_FILE,
+    check_page_program,
+    install_steps,
+    uninstall_steps,
+)
+from companion.app.install.steps import UNIT, USER, apply_steps, describe_steps
 from companion.app.install.target import InstallError, Target, is_readable_by_others, need_programs
-from companion.app.install.unit import CONFIG, PROGRAMS
 from companion.app.install.usb_names import usb_rules
 from companion.cli.command_line import Option, echo
 from companion.config.boat_config import load_config
@@ -48,12 +54,15 @@ def install(
     if config is not None:
         check_config(load_config(config))
     text = config.read_text(encoding="utf-8") if config else preset_text("lake")
-    wanted = page_of(target, _page_options(page_map) if page else None)
-    if wanted is None and page_map is not None:
+    has_page = page or target.path(SHORE_UNIT_FILE).exists()  # one that is installed stays
+    if page_map is not None and not page:
         raise UsageError("--page-map needs --page")
+    map_text = page_map.read_text(encoding="utf-8") if page_map else "" if has_page else None
     if page and target.is_this_machine:
         check_page_program(target, programs)
-    steps = install_steps(target, programs, text, _usb_text(target, usb or []), wanted)
+    steps = install_steps(
+        target, programs, text, _usb_text(target, usb or []), map_text if has_page else None
+    )
     program = programs / "boat-companion"
     if dry_run:
         describe_steps(steps, echo)
@@ -67,14 +76,10 @@ def install(
     if not target.path(program).exists():
         echo(f"{program} is missing in {target.root}: install mavboat there before the first start")
     if target.is_this_machine:
-        units = UNIT if wanted is None else f"{UNIT} {SHORE_UNIT}"
+        units = UNIT if not has_page else f"{UNIT} {SHORE_UNIT}"
         echo(f"Edit {CONFIG}, run `boat-companion doctor`, then: sudo systemctl restart {units}")
-    if wanted is not None and not target.path(PIN_FILE).exists():
+    if has_page and not target.path(PIN_FILE).exists():
         echo(f"Set the page's PIN: sudo -u {USER} {programs}/boat-shore pin --pin-file {PIN_FILE}")
-
-
-def _page_options(page_map: Path | None) -> PageOptions:
-    return PageOptions(None if page_map is None else page_map.read_text(encoding="utf-8"))
 
 
 def uninstall(

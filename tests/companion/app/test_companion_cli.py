@@ -44,7 +44,7 @@ def test_a_bad_configuration_is_one_line_and_exit_code_two(
     content: str | None,
     words: str,
 ) -> None:
-    monkeypatch.setattr("companion.app.shutdown.signal.signal", lambda *_: None)
+    monkeypatch.setattr("companion.app.process.signal.signal", lambda *_: None)
     path = tmp_path / "boat.toml"
     if content is not None:
         path.write_text(content, encoding="utf-8")

@@ -7,7 +7,7 @@ from twins.i2c import plug_in
 from twins.inertial import Lsm6dsTwin
 from twins.magnetics import Qmc5883lTwin, Scene
 
-from companion.app.calibrate.compass import calibrate_compass
+from companion.app.calibrate import calibrate_compass
 from companion.config.boat_config import BoatConfig, with_value
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
@@ -86,6 +86,6 @@ def test_a_boat_that_is_not_turned_ends_with_a_reason(
 def test_a_running_boat_keeps_its_compass(
     hand: Hand, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("companion.app.calibrate.compass._is_boat_running", lambda _: True)
+    monkeypatch.setattr("companion.app.calibrate.running_boat", lambda _: object())
     with pytest.raises(HardwareError, match="sudo systemctl stop mavboat"):
         calibrate_compass(config(tmp_path), FolderStorage(tmp_path / "state"), hand, print)

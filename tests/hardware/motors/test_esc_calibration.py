@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from twins.pulses import PI_4, KernelPwm, plug_in_pwm
 
-from companion.app.calibrate.escs import CONFIRMATION, calibrate_escs
+from companion.app.calibrate import CONFIRMATION, calibrate_escs
 from companion.config.boat_config import BoatConfig, decode_config
 from companion.hal.pulses.sysfs_pwm import open_sysfs_pulses
 

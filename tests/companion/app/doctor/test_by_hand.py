@@ -6,9 +6,9 @@ from typing import Literal
 import pytest
 from twins.i2c import Bno055Twin, plug_in
 
-from companion.app.clock import SystemClock
 from companion.app.doctor.by_hand import turn_by_hand
 from companion.app.doctor.findings import Finding, Verdict
+from companion.app.runner import SystemClock
 from companion.config.boat_config import BoatConfig
 from companion.config.parts import CompassPart, Mounting, Parts
 

@@ -3,8 +3,8 @@
 import pytest
 from doctor_tree import Examine
 
-from companion.app.doctor.compass import check_compass_calibration
 from companion.app.doctor.findings import Verdict
+from companion.app.doctor.parts import check_compass_calibration
 from companion.config.boat_config import BoatConfig, StorageSetting
 from companion.config.parts import CompassPart, Parts
 from companion.core.generations import Generation, seal

@@ -13,9 +13,9 @@ from twins.battery import Ina219Twin
 from twins.i2c import Bno055Twin, plug_in
 from twins.lines import PtyLine
 
-from companion.app.clock import SystemClock
 from companion.app.doctor.findings import Verdict
 from companion.app.doctor.parts import part_findings
+from companion.app.runner import SystemClock
 from companion.config.boat_config import BoatConfig
 from companion.config.parts import BatteryPart, CompassPart, GnssPart, Parts
 

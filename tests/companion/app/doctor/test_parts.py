@@ -14,15 +14,15 @@ from twins.pins import PinBoard
 from twins.pulses import PI_4, plug_in_pwm
 
 from companion.app import parts
+from companion.app.doctor.by_hand import nudge_motors
 from companion.app.doctor.findings import Verdict
-from companion.app.doctor.motors import nudge_motors
 from companion.app.doctor.parts import (
     PARTS,
     LivePart,
     check_part,
+    in_words,
     part_findings,
 )
-from companion.app.doctor.readings import in_words
 from companion.app.status_file import BoatStatus
 from companion.config.boat_config import BoatConfig
 from companion.config.parts import HullPart, MotorsPart, Parts

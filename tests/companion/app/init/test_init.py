@@ -8,9 +8,8 @@ from typing import Any, get_args, get_type_hints
 import pytest
 
 from companion.app.cli import run_program
-from companion.app.init.presets import PRESETS, STATIONS, board_values, preset_text, with_links
+from companion.app.init.presets import PRESETS, STATIONS, board_values, preset_text, with_links, with_values
 from companion.app.init.questions import QUESTIONS, ask_all, value_at
-from companion.app.init.toml_edit import with_values
 from companion.config.board import read_model
 from companion.config.boat_config import BoatConfig, decode_config, load_config
 
@@ -107,7 +106,7 @@ def test_the_answers_are_in_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyP
         is_of_a_key = any(text.startswith(question.text) for question in QUESTIONS)
         return str(by_key(text, default)) if is_of_a_key else next(replies)
 
-    monkeypatch.setattr("companion.app.init.cli.ask", prompt)
+    monkeypatch.setattr("companion.app.init.questions.ask", prompt)
     path = tmp_path / "boat.toml"
     assert run_program(["init", "--output", str(path)]) == 0
     config = load_config(path)

@@ -11,11 +11,15 @@ import pytest
 
 from companion.app.cli import run_program
 from companion.app.init.presets import preset_text
-from companion.app.install.page import PageOptions
-from companion.app.install.plan import GROUPS, install_steps, uninstall_steps
+from companion.app.install.plan import (
+    GROUPS,
+    PROGRAMS,
+    install_steps,
+    uninstall_steps,
+    unit_text,
+)
 from companion.app.install.steps import InstallStep
 from companion.app.install.target import InstallError, Target, is_readable_by_others
-from companion.app.install.unit import PROGRAMS, unit_text
 from companion.config.boat_config import load_config
 
 PROJECT = Path(__file__).parents[4]
@@ -25,7 +29,7 @@ needs_passwd = pytest.mark.skipif(
 )
 ROOT_LINE = "root:x:0:0:root:/root:/bin/bash\n"
 GROUP = "root:x:0:\ndialout:x:20:\nvideo:x:44:skipper\n"
-ALL_STEPS = install_steps(Target(Path("/image")), PROGRAMS, "", page=PageOptions())
+ALL_STEPS = install_steps(Target(Path("/image")), PROGRAMS, "", page_map="")
 FILES_MADE = {
     "etc/mavboat/boat.toml",
     "etc/udev/rules.d/60-mavboat.rules",
@@ -137,7 +141,7 @@ def test_an_existing_user_gets_its_groups_and_loses_them_again(root: Path) -> No
     group = root / "etc/group"
     group.write_text(group.read_text().replace("skipper,mavboat", "skipper"), encoding="utf-8")
     (step,) = [one for one in install_steps(Target(root), PROGRAMS, "") if not one.is_done()]
-    assert step.text == "make the user mavboat, in the groups gpio, i2c, dialout, video"
+    assert step.text == "add mavboat to the groups gpio, i2c, dialout, video"
     step.apply()
     assert "mavboat" in Target(root).groups()["video"]
     step.undo()

@@ -8,7 +8,7 @@ from test_install import FILES_MADE, files, needs_passwd, root, snapshot
 from companion.app.cli import run_program
 from companion.app.doctor.accounts import check_page
 from companion.app.doctor.findings import Examined
-from companion.app.install.page import PIN_FILE, shore_unit_text
+from companion.app.install.plan import PIN_FILE, shore_unit_text
 from companion.app.install.target import Target
 from companion.config.boat_config import load_config
 from mission_tools.shore.command_line import read_arguments
