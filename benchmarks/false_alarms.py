@@ -19,6 +19,7 @@ from companion.boat import TICK_S
 from companion.core.geo import Point
 from companion.core.units import deg_to_e7
 from companion.mavlink.dialect import dialect
+from mission_tools.station.wire import command_long
 from sitl.run.lockstep import Lockstep
 from sitl.run.station_commands import StationCommands
 from sitl.scenarios.scenario import load_scenario
@@ -57,7 +58,7 @@ def alarms(hours: float, seed: int, *settings: str) -> Iterator[Alarm | float]:
         if tick % round(_TARGET_S / TICK_S) == 0:
             target += 1
             if target % _STAYS == 0:
-                station.command(dialect.MAV_CMD_DO_SET_MODE, 1.0, _LOITER)
+                station.send(command_long(station.boat, dialect.MAV_CMD_DO_SET_MODE, 1.0, _LOITER))
             else:
                 _send_to(lockstep, _place(scenario.start, target))
         lockstep.step()
@@ -80,7 +81,7 @@ def _place(start: Point, target: int) -> Point:
 def _send_to(lockstep: Lockstep, at: Point) -> None:
     station, place = lockstep.station, lockstep.world.scenario.frame.to_global(at)
     x, y = deg_to_e7(place.lat_deg), deg_to_e7(place.lon_deg)
-    station.command(dialect.MAV_CMD_DO_SET_MODE, 1.0, _GUIDED)
+    station.send(command_long(station.boat, dialect.MAV_CMD_DO_SET_MODE, 1.0, _GUIDED))
     number = dialect.MAV_CMD_DO_REPOSITION
     station.send(
         dialect.MAVLink_command_int_message(*station.boat, 3, number, 0, 0, -1.0, 1.0, 0.0, 0.0, x, y, 0.0)

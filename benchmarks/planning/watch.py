@@ -5,8 +5,8 @@ import tempfile
 from pathlib import Path
 
 from benchmarks.measure import Row, alone
+from benchmarks.planning.watched_run import SailedWatched, sail_watched
 from companion.core.geo import Point, distance_m, path_length_m
-from sitl.experiments.watched_run import SailedWatched, sail_watched
 
 ROUTE = (Point(0.0, 0.0), Point(0.0, 60.0))
 RAFT = ((30.0, -1.5, 1.0), (30.0, 0.0, 1.0), (30.0, 1.5, 1.0))

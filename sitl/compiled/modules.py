@@ -63,7 +63,6 @@ PATTERNS: Final = (
     "sitl/run/lockstep.py",
     "sitl/run/program.py",
     "sitl/run/recording/recorder.py",
-    "sitl/run/station.py",
     "sitl/run/timeline.py",
     "sitl/world/contact.py",
     "sitl/world/drive/thruster.py",

@@ -9,7 +9,7 @@ from companion.boat import TICK_S
 from companion.core.geo import Point, distance_m
 from companion.core.modes import Mode
 from companion.log.logbook import Logbook
-from companion.mavlink.items import MissionItem, MissionType
+from companion.mavlink.items import MissionItem
 from companion.vehicle.mission.places import locate
 from companion.vehicle.mission.steps import Wait, Waypoint
 from companion.vehicle.vehicle import Vehicle
@@ -128,7 +128,7 @@ class MissionRun:
         orders = StationCommands(lockstep, self._step)
         orders.until_armable()
         if self._fence:
-            orders.upload(self._fence, MissionType.FENCE)
+            orders.upload(self._fence, "fence")
         orders.upload(self.items)
         orders.arm()
         orders.start_mission()

@@ -4,12 +4,13 @@ from collections.abc import Callable, Sequence
 
 from companion.core.errors import BoatError
 from companion.mavlink.dialect import dialect
-from companion.mavlink.items import MissionItem, MissionType
+from companion.mavlink.items import MissionItem
+from mission_tools.station.items import Kind
+from mission_tools.station.outcome import Accepted, Answered, Outcome, Refused
+from mission_tools.station.requests import BoatCommand, build_command
 from sitl.run.lockstep import Lockstep
 
 BOOT_S = 60.0  # longest wait for the boat to become armable
-UPLOAD_S = 60.0
-ANSWER_S = 5.0
 
 
 class RunError(BoatError):
@@ -21,6 +22,7 @@ class StationCommands:
 
     def __init__(self, lockstep: Lockstep, step: Callable[[], None]) -> None:
         self._lockstep = lockstep
+        self._station = lockstep.station
         self._step = step
 
     def wait(self, is_so: Callable[[], bool], limit_s: float, failure: str) -> None:
@@ -31,42 +33,58 @@ class StationCommands:
                 raise RunError(f"{failure} within {limit_s:g} simulated seconds")
             self._step()
 
-    def command(self, number: int, *params: float, what: str) -> None:
+    def command(self, command: BoatCommand, what: str) -> None:
         """Send a command and wait until it is accepted."""
-        station = self._lockstep.station
-        station.command(number, *params)
-        self.wait(lambda: station.answer(number) is not None, ANSWER_S, f"{what} was not answered")
-        if station.answer(number) != dialect.MAV_RESULT_ACCEPTED:
-            said = station.texts[-1] if station.texts else "it did not say why"
-            raise RunError(f"the boat refused {what}: {said}")
+
+        def send(answered: Answered) -> None:
+            self._station.command(command, answered, self._lockstep.time_s)
+
+        outcome = self._outcome(send)
+        if not isinstance(outcome, Accepted):
+            raise RunError(f"the boat refused {what}: {outcome.text}")
 
     def until_armable(self) -> None:
         """Wait until the boat reports that it may be armed and has a position, which arming does not need."""
         self.wait(self._is_armable, BOOT_S, "the boat did not become armable")
 
-    def upload(self, items: Sequence[MissionItem], kind: MissionType = MissionType.MISSION) -> None:
+    def upload(self, items: Sequence[MissionItem], kind: Kind = "mission") -> None:
         """Upload a mission, or another list."""
-        station = self._lockstep.station
-        station.upload(items, self._lockstep.time_s, kind)
-        self.wait(lambda: station.uploaded is not None, UPLOAD_S, "the upload did not end")
-        if not station.uploaded:
-            raise RunError(f"the boat refused the {kind.name.lower()}: {station.refusal}")
+
+        def send(answered: Answered) -> None:
+            self._station.upload(items, answered, self._lockstep.time_s, kind)
+
+        outcome = self._outcome(send)
+        if not isinstance(outcome, Accepted):
+            raise RunError(f"the boat refused the {kind}: {self._reason(outcome)}")
 
     def arm(self) -> None:
         """Arm the motors."""
-        self.command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, what="arming")
+        self.command(build_command("arm", {}, {}), "arming")
 
     def start_mission(self) -> None:
         """Start the mission."""
-        self.command(dialect.MAV_CMD_MISSION_START, what="the start of the mission")
+        self.command(build_command("start", {}, {}), "the start of the mission")
 
     def change_mode(self, number: int) -> None:
         """Enter a mode by its Rover number."""
-        flag = float(dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
-        self.command(dialect.MAV_CMD_DO_SET_MODE, flag, float(number), what=f"mode {number}")
+        name = f"mode {number}"
+        self.command(build_command("set_mode", {"mode": name}, {name: number}), name)
+
+    def _outcome(self, send: Callable[[Answered], None]) -> Outcome:
+        """Step until the client has the answer, or gives up."""
+        outcomes: list[Outcome] = []
+        send(outcomes.append)
+        while not outcomes:
+            self._step()
+        return outcomes[0]
+
+    def _reason(self, outcome: Outcome) -> str:
+        """The boat's own message, if there is one."""
+        said = [text for text in self._station.texts if "upload failed" in text or "refused" in text]
+        return said[-1] if said and isinstance(outcome, Refused) else outcome.text
 
     def _is_armable(self) -> bool:
-        status = self._lockstep.station.latest.get("SYS_STATUS")
+        status = self._station.latest.get("SYS_STATUS")
         if status is None:
             return False
         bits = dialect.MAV_SYS_STATUS_PREARM_CHECK | dialect.MAV_SYS_STATUS_SENSOR_XY_POSITION_CONTROL

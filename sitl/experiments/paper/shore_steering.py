@@ -13,6 +13,7 @@ from companion.core.modes import Mode
 from companion.core.units import wrap_pi
 from companion.mavlink.dialect import Message, dialect
 from companion.rc.manual_input import top_speed_m_s
+from mission_tools.station.wire import command_long
 from sitl.run.station import Station
 from sitl.world.scenario import Scenario
 
@@ -98,7 +99,8 @@ class ShoreSteering:
         station.listen_to(dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED, dialect.MAVLINK_MSG_ID_ATTITUDE)
         interval_us = 1e6 * SAMPLE_S
         for message_id in (dialect.MAVLINK_MSG_ID_LOCAL_POSITION_NED, dialect.MAVLINK_MSG_ID_ATTITUDE):
-            station.command(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, message_id, interval_us)
+            number = dialect.MAV_CMD_SET_MESSAGE_INTERVAL
+            station.send(command_long(station.boat, number, message_id, interval_us))
         self._next = 1
         self._station = station
         self._law = law

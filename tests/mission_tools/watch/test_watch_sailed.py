@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.planning.watched_run import sail_watched
 from companion.core.geo import Point
-from sitl.experiments.watched_run import sail_watched
 
 pytestmark = pytest.mark.slow
 

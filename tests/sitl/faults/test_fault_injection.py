@@ -7,6 +7,8 @@ import pytest
 from companion.core.storage import MemoryStorage
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem
+from mission_tools.station.outcome import Accepted, Outcome
+from mission_tools.station.wire import command_long
 from sitl.run.lockstep import Lockstep
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.world import Truth
@@ -28,12 +30,16 @@ def run(boat: Lockstep, seconds: float) -> None:
 
 
 def inject(boat: Lockstep, unit: float, failure: float, instance: float = 0.0) -> int:
-    boat.station.command(dialect.MAV_CMD_INJECT_FAILURE, unit, failure, instance)
+    order(boat, dialect.MAV_CMD_INJECT_FAILURE, unit, failure, instance)
+    boat.station.latest.pop("COMMAND_ACK", None)
     for _ in range(10):
         boat.step()
-    answer = boat.station.answer(dialect.MAV_CMD_INJECT_FAILURE)
-    assert answer is not None
+    answer: int = boat.station.latest["COMMAND_ACK"].result
     return answer
+
+
+def order(boat: Lockstep, number: int, *params: float) -> None:
+    boat.station.send(command_long(boat.station.boat, number, *params))
 
 
 def set_parameter(boat: Lockstep, name: str, value: float) -> None:
@@ -133,7 +139,7 @@ def test_injection_can_be_forbidden_by_parameter() -> None:
 def test_a_link_that_is_cut_by_a_station_comes_back_by_itself() -> None:
     boat = lockstep()
     run(boat, 1.0)
-    boat.station.command(dialect.MAV_CMD_INJECT_FAILURE, LINK, OFF)
+    order(boat, dialect.MAV_CMD_INJECT_FAILURE, LINK, OFF)
     run(boat, 1.0)
     boat.station.latest.pop("SYS_STATUS", None)
     run(boat, 8.0)
@@ -199,9 +205,10 @@ def test_a_power_cut_stops_the_motors_and_the_program_begins_anew_with_what_was_
     run(boat, 2.0)
     set_parameter(boat, "WP_RADIUS", 3.25)
     items = [MissionItem(frame=0, command=16, x=500000000, y=-12000000)] * 2
-    boat.station.upload(items, boat.time_s)
+    answers: list[Outcome] = []
+    boat.station.upload(items, answers.append, boat.time_s)
     run(boat, 1.0)
-    assert boat.station.uploaded
+    assert isinstance(answers[0], Accepted)
     boat.world.hardware.motors.write(0.5, 0.5)
     before = boat.boat
     run(boat, 5.2)
@@ -233,7 +240,7 @@ def test_a_station_may_restart_the_program_in_lockstep() -> None:
     boat = lockstep()
     run(boat, 3.0)
     before = boat.boat
-    boat.station.command(dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0)
+    order(boat, dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0)
     run(boat, 2.0)
     assert boat.boat is not before
     assert boat.world.clock_s < 2.0
@@ -282,12 +289,11 @@ def test_a_computer_that_is_too_slow_for_the_program_is_overloaded_until_it_is_w
 def test_an_upload_survives_a_bad_link(link: str) -> None:
     boat = lockstep(f"link.{link}")
     items = [MissionItem(frame=0, command=16, x=500000000, y=-12000000)] * 5
-    boat.station.upload(items, boat.time_s)
-    for _ in range(3000):
+    answers: list[Outcome] = []
+    boat.station.upload(items, answers.append, boat.time_s)
+    while not answers:
         boat.step()
-        if boat.station.uploaded is not None:
-            break
-    assert boat.station.uploaded
+    assert isinstance(answers[0], Accepted)
     assert len(boat.boat.endpoint.mission_items()) == 5
 
 

@@ -10,6 +10,8 @@ from companion.vehicle.vehicle import Vehicle
 from mission_tools.errors import NoRoute
 from mission_tools.mission.mission import Mission
 from mission_tools.mission.route import mission_along
+from mission_tools.station.outcome import Accepted, Outcome
+from mission_tools.station.requests import BoatCommand
 from mission_tools.watch.watcher import WATCHED_HZ, Watcher
 from sitl.courses.missions import wire_items
 from sitl.run.lockstep import Lockstep
@@ -87,6 +89,7 @@ def sail_watched(
     orders = StationCommands(lockstep, step)
     _start(orders, mission)
     taken: dict[str, object] = {}
+    answers: list[Outcome] = []
     uploading, blocked_s, wait_until_s = False, 0.0, 0.0
     deadline_s = lockstep.time_s + limit_s
     vehicle: Vehicle = lockstep.boat.vehicle
@@ -101,9 +104,10 @@ def sail_watched(
                 taken[name] = message
                 watcher.take(name, message.to_dict(), now_s)
         current = station.latest.get("MISSION_CURRENT")
-        if uploading and station.uploaded is not None:
-            if not station.uploaded:
-                raise RunError(f"the boat refused the mission: {station.refusal}")
+        if answers:
+            if not isinstance(answers[-1], Accepted):
+                raise RunError(f"the boat refused the mission: {answers[-1].text}")
+            answers.clear()
             uploading, wait_until_s = False, now_s + 0.5  # until MISSION_CURRENT is of the new mission
             sailed.uploads.append((now_s, now_s - blocked_s))
         if uploading or current is None or now_s < wait_until_s:
@@ -114,7 +118,7 @@ def sail_watched(
             sailed.failures.append(str(error))
             continue
         if found is not None:
-            station.upload(wire_items(found), now_s)
+            station.upload(wire_items(found), answers.append, now_s)
             uploading, blocked_s = True, now_s
             sailed.missions.append(tuple(scenario.frame.to_local(place) for place in found.places))
     sailed.completed = vehicle.progress.finished
@@ -127,7 +131,12 @@ def _start(orders: StationCommands, mission: Mission) -> None:
     orders.until_armable()
     orders.upload(wire_items(mission))
     for name, rate_hz in WATCHED_HZ.items():
-        orders.command(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, IDS[name], 1e6 / rate_hz, what=name)
-    orders.command(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, IDS["MISSION_CURRENT"], 2e5, what="MISSION_CURRENT")
+        orders.command(_interval(name, rate_hz), name)
+    orders.command(_interval("MISSION_CURRENT", 5.0), "MISSION_CURRENT")
     orders.arm()
     orders.start_mission()
+
+
+def _interval(name: str, rate_hz: float) -> BoatCommand:
+    number = dialect.MAV_CMD_SET_MESSAGE_INTERVAL
+    return BoatCommand(number, (float(IDS[name]), 1e6 / rate_hz), name, steers=False)
