@@ -32,7 +32,7 @@ from companion.persistence.signing_store import SigningStore
 from companion.rc.rc_control import RcControl
 from companion.router.channels import Channels
 from companion.router.policy import ConfiguredPort
-from companion.sensors.compass.parameters import compass_hooks
+from companion.sensors.compass.magnetic_field import compass_hooks
 from companion.sensors.external import ExternalSensors
 from companion.sensors.wall_time import WallTime
 from companion.services.endpoint import Endpoint

@@ -21,8 +21,7 @@ from companion.config.parts import PulseOutputSetting
 from companion.core.errors import ConfigError, HardwareError
 from companion.core.storage import Storage
 from companion.hal.interfaces import PulseOutput
-from companion.sensors.compass.magnetic_field import FieldCorrector
-from companion.sensors.compass.parameters import compass_hooks, parameter_values
+from companion.sensors.compass.magnetic_field import FieldCorrector, compass_hooks, parameter_values
 
 _PERIOD_S = 0.02
 _STEP_PERCENT = 10

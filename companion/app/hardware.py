@@ -11,10 +11,10 @@ from companion.config.boat_config import BoatConfig
 from companion.config.parts.payload import CommandPayload, WinchPayload
 from companion.hal.gnss.receiver import GnssReceiver
 from companion.hal.heading.antennas import AntennaCompass
-from companion.hal.interfaces import Compass, Gnss, Hardware, Sensor
+from companion.hal.interfaces import Compass, Gnss, Hardware, PayloadParts, Sensor
 from companion.hal.motors.watched_motors import WatchedMotors
+from companion.hal.nmea_sensor import SharedDepthSounder
 from companion.hal.payload.child_program import CaptureProgram, ChildProgram
-from companion.hal.payload.interfaces import PayloadParts
 from companion.hal.retried_parts import (
     RetriedGnss,
     RetriedMotors,
@@ -25,7 +25,6 @@ from companion.hal.retried_parts import (
     RetriedSensor,
     RetriedSonar,
 )
-from companion.hal.water.nmea_depth import SharedDepthSounder
 from companion.links.retried import PACE, Pace, Retried, await_first
 from companion.sensors.compass.magnetic_field import FieldCorrector
 from companion.sensors.gnss_heading import GnssHeading

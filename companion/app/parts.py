@@ -14,16 +14,14 @@ from companion.config.parts import Pca9685Part
 from companion.config.parts.payload import PayloadSetting, WinchPayload
 from companion.config.parts.probes import ProbePart
 from companion.core.errors import HardwareError
-from companion.hal.battery.battery_sensor import open_battery_monitor
+from companion.hal.battery import open_battery_monitor
 from companion.hal.gnss.gpsd import open_gpsd_gnss
-from companion.hal.gnss.nmea import open_nmea_gnss
-from companion.hal.gnss.receiver import GnssReceiver
+from companion.hal.gnss.receiver import GnssReceiver, open_nmea_gnss
 from companion.hal.gnss.ubx import open_ubx_gnss
 from companion.hal.heading.antennas import AntennaCompass
 from companion.hal.heading.bno055 import open_bno055
 from companion.hal.heading.bno085 import open_bno085
 from companion.hal.heading.magnetic_compass import open_magnetic_compass
-from companion.hal.heading.nmea import open_nmea_compass
 from companion.hal.hull import open_hull
 from companion.hal.interfaces import (
     Battery,
@@ -40,16 +38,14 @@ from companion.hal.interfaces import (
 from companion.hal.motors.bridges import open_bridges
 from companion.hal.motors.esc import open_escs
 from companion.hal.motors.watched_motors import WatchedMotors
+from companion.hal.nmea_sensor import open_nmea_compass, open_nmea_depth
 from companion.hal.payload.outputs import open_counter, open_output
-from companion.hal.probes.polled import open_analog_probe, open_file_probe
-from companion.hal.probes.serial_line import open_serial_probes
-from companion.hal.pulses.opening import open_pulse_output
-from companion.hal.pulses.rudder_servo import RudderServo
+from companion.hal.ping1d import open_ping1d
+from companion.hal.probes import open_analog_probe, open_file_probe, open_serial_probes
+from companion.hal.pulses.opening import RudderServo, open_pulse_output
 from companion.hal.ranging.mounted_ranger import open_ranger
 from companion.hal.rc_receiver import open_rc_receiver
 from companion.hal.retried_parts import CountedOutput
-from companion.hal.water.nmea_depth import open_nmea_depth
-from companion.hal.water.ping1d import open_ping1d
 from companion.persistence.profile import ProfileFile
 from companion.sensors.compass.magnetic_field import FieldCorrector
 from companion.sensors.gnss_heading import GnssHeading

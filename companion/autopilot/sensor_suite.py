@@ -20,17 +20,16 @@ from companion.core.readings import (
 )
 from companion.core.state import STOPPED, MotorCommand
 from companion.core.status_text import Severity, StatusText
-from companion.hal.interfaces import Hardware, LatePart, PausingPart
+from companion.hal.interfaces import Hardware, PausingPart
 from companion.obstacles.perception.sonar_scan import SonarScan
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector
-from companion.sensors.charge import cells_fault
 from companion.sensors.compass.attitude import down_axis, level_field
 from companion.sensors.compass.earth_field import EarthFieldModel
 from companion.sensors.compass.magnetic_field import MotorLoad
 from companion.sensors.external import ExternalSensors
-from companion.sensors.fuel_gauge import FuelGauge
+from companion.sensors.fuel_gauge import FuelGauge, cells_fault
 from companion.sensors.plausibility import BATTERY, DEPTH, FIX, HEADING, ReadingGate
-from companion.sensors.silence import SilenceMonitor, fresh
+from companion.sensors.silence import LatePart, SilenceMonitor, fresh
 
 _FIX_2D = 2
 _FIELD_RATIO = (0.6, 1.5)  # of the horizontal field to the earth's; beyond, iron is near

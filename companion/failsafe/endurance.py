@@ -6,7 +6,7 @@ from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.readings import BatteryReading
 from companion.core.state import NavState
-from companion.sensors.charge import resting_share
+from companion.sensors.fuel_gauge import resting_share
 
 _PERIOD_S = 1.0  # between two comparisons of the charge with the way home
 _SAILING_M_S = 0.3  # through the water: a slower boat says nothing about what sailing draws

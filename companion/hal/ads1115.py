@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Final
 
 from companion.core.errors import HardwareError
-from companion.hal.raspberry_pi import I2cBus
+from companion.hal.raspberry_pi import I2cBus, Registers
 
 ADDRESS: Final = 0x48  # ADDR pin to ground
 _CONVERSION_AT, _CONFIG_AT = 0x00, 0x01  # 8.1.1
@@ -33,11 +33,11 @@ class Ads1115:
             OSError: nothing answers.
         """
         self.bus = bus
-        self._address = address
+        self._registers = Registers(bus, address)
         self._pause = pause
         with _LOCKS[address]:
             self._start(0)
-            kept = self._read(_CONFIG_AT)
+            kept = self._registers.read_word(_CONFIG_AT)
         if kept & 0x7FFF != _START & 0x7FFF:
             raise HardwareError(f"ADS1115: the part at I²C address {address:#x} is not an ADS1115")
 
@@ -48,26 +48,21 @@ class Ads1115:
             HardwareError: the conversion does not end.
             OSError: it does not answer.
         """
-        with _LOCKS[self._address]:
+        with _LOCKS[self._registers.address]:
             return self._convert_v(channel)
 
     def _convert_v(self, channel: int) -> float | None:
         self._start(channel)
         waited_s = _CONVERSION_S
         self._pause(_CONVERSION_S)
-        while not self._read(_CONFIG_AT) & 0x8000:
+        while not self._registers.read_word(_CONFIG_AT) & 0x8000:
             if waited_s > _LATE * _CONVERSION_S:
                 raise HardwareError("ADS1115: a conversion does not end")
             self._pause(_POLL_S)
             waited_s += _POLL_S
-        steps = self._read(_CONVERSION_AT)
+        steps = self._registers.read_word(_CONVERSION_AT)
         steps -= 0x10000 if steps & 0x8000 else 0
         return None if abs(steps) >= _FULL_SCALE else steps * _VOLT
 
     def _start(self, channel: int) -> None:
-        self.bus.write_i2c_block_data(
-            self._address, _CONFIG_AT, list((_START | channel << 12).to_bytes(2, "big"))
-        )
-
-    def _read(self, register: int) -> int:
-        return int.from_bytes(self.bus.read_i2c_block_data(self._address, register, 2), "big")
+        self._registers.write(_CONFIG_AT, *(_START | channel << 12).to_bytes(2, "big"))

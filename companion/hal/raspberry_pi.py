@@ -81,6 +81,26 @@ class I2cBus(Protocol):
         """Close the device of the bus."""
 
 
+class Registers:
+    """The registers of the part at one bus address. Every call raises OSError if it does not answer."""
+
+    def __init__(self, bus: I2cBus, address: int) -> None:
+        self.bus = bus
+        self.address = address
+
+    def read(self, register: int, length: int) -> bytes:
+        """Read bytes."""
+        return bytes(self.bus.read_i2c_block_data(self.address, register, length))
+
+    def read_word(self, register: int) -> int:
+        """Read two bytes, the higher one first."""
+        return int.from_bytes(self.read(register, 2), "big")
+
+    def write(self, register: int, *values: int) -> None:
+        """Write bytes."""
+        self.bus.write_i2c_block_data(self.address, register, values)
+
+
 def open_i2c(part: str, bus: int | str = 1) -> I2cBus:
     """Open the bus, by its number or its device, for one part. Each part opens its own: the address belongs
     to the file, not to the call.

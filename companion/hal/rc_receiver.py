@@ -10,24 +10,20 @@ from companion.hal.port_sensor import PortSensor
 from companion.links.interfaces import Port
 from companion.links.port_url import open_port
 from companion.links.serial_port import LINE_8E2, LINE_8N1, LineFormat, SerialPort
-from companion.rc import crsf as rc_crsf
-from companion.rc import ibus as rc_ibus
-from companion.rc import sbus as rc_sbus
-from companion.rc.parser import RcParser
+from companion.rc.parsers import CrsfParser, IbusParser, RcParser, SbusParser
 
 
 class _Protocol(NamedTuple):
-    parser: Callable[[], RcParser]
-    baud: int
+    parser: type[RcParser]
     line: LineFormat
     rest_s: float
 
 
 _PROTOCOLS = {
     # A rest shorter than the boat's tick: of up to 500 frames a second the boat uses 50.
-    "crsf": _Protocol(rc_crsf.CrsfParser, rc_crsf.BAUD, LINE_8N1, 0.015),
-    "ibus": _Protocol(rc_ibus.IbusParser, rc_ibus.BAUD, LINE_8N1, 0.015),
-    "sbus": _Protocol(rc_sbus.SbusParser, rc_sbus.BAUD, LINE_8E2, 0.0),  # frames are separated by pauses
+    "crsf": _Protocol(CrsfParser, LINE_8N1, 0.015),
+    "ibus": _Protocol(IbusParser, LINE_8N1, 0.015),
+    "sbus": _Protocol(SbusParser, LINE_8E2, 0.0),  # frames are separated by pauses
 }
 
 
@@ -57,7 +53,7 @@ def open_rc_receiver(setting: Rc, now: Callable[[], float]) -> SerialRcReceiver:
     if protocol is None:
         raise ConfigError(f"rc.driver = {setting.driver!r}: expected one of {', '.join(_PROTOCOLS)}")
     if setting.port.startswith("/"):
-        port: Port = SerialPort(setting.port, protocol.baud, now, line=protocol.line)
+        port: Port = SerialPort(setting.port, protocol.parser.baud, now, line=protocol.line)
     else:
         port = open_port(setting.port, now)
     return SerialRcReceiver(port, now, protocol.parser(), protocol.rest_s).start()

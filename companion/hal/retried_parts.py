@@ -7,9 +7,17 @@ from companion.core.errors import HardwareError
 from companion.core.readings import GnssFix, ProbeReading, SonarReading
 from companion.core.status_text import StatusText
 from companion.hal.gnss.receiver import GnssReceiver
-from companion.hal.interfaces import PausingPart, Probe, ReportingPart, Rudder, Sensor, Sonar
+from companion.hal.interfaces import (
+    PausingPart,
+    PayloadOutput,
+    Probe,
+    PulseCounter,
+    ReportingPart,
+    Rudder,
+    Sensor,
+    Sonar,
+)
 from companion.hal.motors.watched_motors import WatchedMotors
-from companion.hal.payload.interfaces import PayloadOutput, PulseCounter
 from companion.links.retried import ClosablePort, Pace, Retried
 
 Part = TypeVar("Part", bound=ClosablePort)
@@ -145,7 +153,7 @@ class CountedOutput:
 
 
 class RetriedOutput(Retried[CountedOutput]):
-    """Satisfies `PayloadOutput` and `PulseCounter` of `companion.hal.payload.interfaces`."""
+    """Satisfies `PayloadOutput` and `PulseCounter` of `companion.hal.interfaces`."""
 
     def write(self, value: float) -> None:
         """Set it.

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from companion.core.geo import LatLon, Point, distance_m
 from companion.core.state import NavState
-from companion.hal.payload.interfaces import Capture
+from companion.hal.interfaces import Capture
 from companion.payload.actions import CameraAction, CaptureByDistance, StartCapture, StopCapture
 
 

@@ -20,7 +20,7 @@ from companion.config.parts.payload import (
     WinchPayload,
 )
 from companion.core.status_text import Severity, StatusText
-from companion.hal.payload.interfaces import OwnersProgram, PayloadParts
+from companion.hal.interfaces import OwnersProgram, PayloadParts
 from companion.payload.actions import (
     MoveGripper,
     MoveWinch,
@@ -33,8 +33,7 @@ from companion.payload.actions import (
     UnitAction,
     WinchMotion,
 )
-from companion.payload.actuator import Actuator, TimedWrite, alternate
-from companion.payload.winch import Winch
+from companion.payload.actuator import Actuator, TimedWrite, Winch, alternate
 
 _ALL = 0
 _ON, _OFF = 1.0, 0.0

@@ -1,6 +1,6 @@
 """Silent parts: what they measured last is no reading, and the operator is told."""
 
-from typing import Protocol, TypeVar
+from typing import Protocol, TypeVar, runtime_checkable
 
 from companion.core.status_text import Severity, StatusText
 
@@ -20,17 +20,18 @@ def fresh(reading: Reading | None, timeout_s: float, now_s: float) -> Reading | 
     return None if reading is None or now_s - reading.time_s > timeout_s else reading
 
 
-class WatchedPart(Protocol):
+@runtime_checkable
+class LatePart(Protocol):
     """A part that may open later, and tells by itself that it is missing."""
 
     @property
-    def is_open(self) -> bool: ...
+    def is_open(self) -> bool: ...  # whether it has been opened
 
 
 class SilenceMonitor:
     """Tells once that a part is silent, and once that it measures again. A missing part is not silent."""
 
-    def __init__(self, name: str, part: WatchedPart | None = None) -> None:
+    def __init__(self, name: str, part: LatePart | None = None) -> None:
         self._name = name
         self._part = part
         self._began_s: float | None = None

@@ -4,7 +4,7 @@ from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon
 from companion.core.status_text import Severity
 from companion.failsafe.table import Condition
-from companion.hal.payload.interfaces import Capture, PayloadParts
+from companion.hal.interfaces import Capture, PayloadParts
 from companion.payload.actions import CaptureByDistance, PayloadAction, StartCapture, StopCapture
 from companion.payload.camera import Camera, Image
 from companion.payload.fitted import FittedPayload

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from companion.config.boat_config import BoatConfig
 from companion.config.parts.payload import CommandPayload, WinchPayload
 from companion.core.errors import HardwareError
-from companion.hal.payload.interfaces import PayloadParts
+from companion.hal.interfaces import PayloadParts
 
 RUN_S = 1.0  # time that a simulated program takes
 _MEDIUM_MB, _IMAGE_MB = 16_000.0, 4.0

@@ -15,7 +15,7 @@ from mavutil_station import MavutilStation, OpenStation
 from programs import Program, RunProgram, until
 from pymavlink.dialects.v20 import all as dialect
 
-from companion.rc.crsf import crc8
+from companion.rc.parsers import crc8
 
 pytestmark = pytest.mark.realtime
 pytest_plugins = ("program_fixtures",)

@@ -15,7 +15,7 @@ from companion.config.rc import Rc
 from companion.core.storage import MemoryStorage
 from companion.hal.rc_receiver import SerialRcReceiver
 from companion.links.memory import MemoryPort, memory_pair
-from companion.rc.crsf import CrsfParser, crc8
+from companion.rc.parsers import CrsfParser, crc8
 
 CONFIG = BoatConfig(parts=Parts(motors=PINS), rc=Rc(driver="crsf", arm_channel=5, mode_channel=6))
 REST, AHEAD, DOWN, UP, MANUAL, HOLD = 1500, 2000, 1000, 2000, 1000, 1300

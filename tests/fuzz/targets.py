@@ -14,30 +14,27 @@ from companion.config.parameter_pack import PackError, unpack_upload
 from companion.config.parts.probes import ProbePart
 from companion.config.rc import Rc
 from companion.core.errors import ConfigError, HardwareError
-from companion.hal.ranging.serial_frames import (
+from companion.hal.ping1d import PingReader
+from companion.hal.probes import raw_number, value_of
+from companion.hal.ranging.serial_ranger import (
     A02YYUW,
     TFMINI,
-    FrameParser,
+    RangerReader,
     a02yyuw_range_m,
     tfmini_range_m,
 )
-from companion.hal.water.ping_frames import PingParser
 from companion.mavlink.codec import Decoder
-from companion.rc.crsf import CrsfParser, crc8
-from companion.rc.ibus import IbusParser
+from companion.rc.parsers import CrsfParser, IbusParser, SbusParser, crc8
 from companion.rc.rc_control import RcControl
-from companion.rc.sbus import SbusParser
 from companion.sensors.gnss_heading import GnssHeading
 from companion.sensors.gpsd import GpsdReader
 from companion.sensors.nmea.depth import DEPTH_SENTENCES, DepthAssembler
 from companion.sensors.nmea.fix import FixAssembler
 from companion.sensors.nmea.heading import HeadingAssembler
 from companion.sensors.nmea.sentences import NmeaReader
-from companion.sensors.probe_values import raw_number, value_of
 from companion.sensors.rtcm import RtcmReader, crc24q
-from companion.sensors.ubx.fix import UbxFixAssembler
 from companion.sensors.ubx.frames import NAV_RELPOSNED, UbxReader, encode
-from companion.sensors.ubx.messages import baseline
+from companion.sensors.ubx.messages import UbxFixAssembler, baseline
 from companion.sensors.ubx.setup import UbxSetup
 from companion.vehicle.vehicle import Vehicle
 from fuzz.frames import frame
@@ -158,19 +155,19 @@ def sounders(data: bytes) -> None:
     which, said = data[0] % 5 if data else 0, data[1:]
     if which < 2:
         kind = (A02YYUW, TFMINI)[which]
-        frames = FrameParser(kind)
+        frames = RangerReader(kind)
         for at in range(0, len(said), kind.length - 2):
             body = kind.header + said[at : at + kind.length - 1 - len(kind.header)]
-            for found in frames.feed(body + bytes([sum(body) & 0xFF])):
+            for found in frames.split(body + bytes([sum(body) & 0xFF])):
                 with contextlib.suppress(HardwareError):
                     range_m = a02yyuw_range_m(found) if which == 0 else tfmini_range_m(found, 100)
                     assert range_m is None or 0.0 <= range_m <= 656.0
         assert len(frames._held) < kind.length
     elif which == 2:
-        ping = PingParser()
+        ping = PingReader()
         for at in range(0, len(said), 7):
             body = b"BR" + said[at : at + 7]
-            ping.feed(body + (sum(body) & 0xFFFF).to_bytes(2, "little"))
+            ping.split(body + (sum(body) & 0xFFFF).to_bytes(2, "little"))
         assert len(ping._held) < 270
     elif which == 3:
         reader, depths = NmeaReader(DEPTH_SENTENCES), DepthAssembler(0.0, 0.3, 100.0)

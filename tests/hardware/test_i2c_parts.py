@@ -14,10 +14,10 @@ from companion.config import parts
 from companion.config.parts.probes import ProbePart
 from companion.core.errors import HardwareError
 from companion.core.state import MotorCommand
-from companion.hal.battery.battery_sensor import open_battery_monitor
+from companion.hal.battery import open_battery_monitor
 from companion.hal.heading.bno055 import Bno055, Bno055Compass, open_bno055
 from companion.hal.heading.magnetic_compass import open_magnetic_compass
-from companion.hal.probes.polled import open_analog_probe
+from companion.hal.probes import open_analog_probe
 from companion.hal.pulses.pca9685 import open_pca9685_pulses, replace_pca9685_pulses
 from companion.hal.raspberry_pi import I2cBus, import_optional, open_i2c
 from companion.persistence.profile import ProfileFile

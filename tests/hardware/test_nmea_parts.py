@@ -6,7 +6,7 @@ import pytest
 from twins.lines import HandClock, PtyLine, eventually
 
 from companion.config import parts
-from companion.hal.gnss.nmea import NmeaGnss, open_nmea_gnss
+from companion.hal.gnss.receiver import NmeaGnss, open_nmea_gnss
 from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 
 

@@ -13,7 +13,7 @@ from companion.config.rc import Rc
 from companion.hal.rc_receiver import SerialRcReceiver, open_rc_receiver
 from companion.links.memory import MemoryPort, memory_pair
 from companion.links.serial_port import LINE_8E2, SerialPort
-from companion.rc.crsf import CrsfParser
+from companion.rc.parsers import CrsfParser
 
 CRSF = bytes.fromhex("c81816e0031ff8c0073ef0810f7ce0031ff8c0073ef0810f7cad")
 IBUS = bytes.fromhex("2040" + "dc05" * 14 + "51f3")

@@ -33,9 +33,8 @@ from companion.core.readings import (
 from companion.core.storage import MemoryStorage
 from companion.core.units import wrap_two_pi
 from companion.hal.interfaces import ReportingPart
-from companion.sensors.charge import cells_fault
-from companion.sensors.compass.magnetic_field import BY_CURRENT, NO_MOTORS, FieldCorrector
-from companion.sensors.compass.parameters import compass_hooks
+from companion.sensors.compass.magnetic_field import BY_CURRENT, NO_MOTORS, FieldCorrector, compass_hooks
+from companion.sensors.fuel_gauge import cells_fault
 
 _PATIENCE_S = (
     10.0  # for a first reading: a BNO055 starts in 0.7 s, a receiver without a fix speaks every second

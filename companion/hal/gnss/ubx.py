@@ -12,9 +12,8 @@ from companion.links.interfaces import Port
 from companion.links.port_url import open_line
 from companion.links.serial_port import SerialPort
 from companion.sensors.gnss_heading import GnssHeading
-from companion.sensors.ubx.fix import UbxFixAssembler
 from companion.sensors.ubx.frames import NAV_RELPOSNED, UbxFrame, UbxReader
-from companion.sensors.ubx.messages import baseline
+from companion.sensors.ubx.messages import UbxFixAssembler, baseline
 from companion.sensors.ubx.setup import UbxSetup
 
 # 10 Hz of NAV-PVT, NAV-DOP and NAV-RELPOSNED are 1980 bytes/s; 115,200 baud carry 11,520.

@@ -21,9 +21,8 @@ from companion.core.readings import HeadingReading
 from companion.core.status_text import Severity
 from companion.core.vectors import Vector
 from companion.hal.background import BackgroundSensor
-from companion.hal.heading.orientation import Quaternion, heading_reading
-from companion.hal.heading.registers import board_to_body
-from companion.hal.raspberry_pi import I2cBus, open_i2c_part
+from companion.hal.heading.orientation import Quaternion, board_to_body, heading_reading
+from companion.hal.raspberry_pi import I2cBus, Registers, open_i2c_part
 from companion.persistence.profile import ProfileFile
 
 ADDRESS: Final = 0x28  # 0x29 where its COM3 pin is high
@@ -69,8 +68,8 @@ class Bno055:
         HardwareError: another part answers.
         """
         self.bus = bus
-        self._address = address
-        (found,) = self._read(_CHIP_ID_AT, 1)
+        self._registers = Registers(bus, address)
+        (found,) = self._registers.read(_CHIP_ID_AT, 1)
         if found != CHIP_ID:
             raise HardwareError(
                 f"BNO055: the part at I²C address {address:#x} says {found:#x}, not {CHIP_ID:#x}"
@@ -82,8 +81,8 @@ class Bno055:
         Raises:
             OSError: it does not answer.
         """
-        p, q, r, w, x, y, z = _DATA.unpack(self._read(_DATA_AT, _DATA.size))
-        status = self._read(_STATUS_AT, _STATUS_BYTES)  # read after the data
+        p, q, r, w, x, y, z = _DATA.unpack(self._registers.read(_DATA_AT, _DATA.size))
+        status = self._registers.read(_STATUS_AT, _STATUS_BYTES)  # read after the data
         is_set_up = status[_MODE_AT - _STATUS_AT] & _MODE_BITS == NDOF_MODE
         if (
             not is_set_up
@@ -105,31 +104,25 @@ class Bno055:
         Raises:
             OSError: it does not answer.
         """
-        (mode,) = self._read(_MODE_AT, 1)
+        (mode,) = self._registers.read(_MODE_AT, 1)
         if mode & _MODE_BITS != CONFIG_MODE:
             self.stop()
             return
-        self._write(_PAGE_AT, 0)
+        self._registers.write(_PAGE_AT, 0)
         if len(profile) == PROFILE_BYTES:
-            self.bus.write_i2c_block_data(self._address, _PROFILE_AT, profile)
-        self._write(_POWER_AT, 0)  # normal power
-        self._write(_UNITS_AT, UNITS)
-        self._write(_AXES_AT, *AXES)
-        self._write(_MODE_AT, NDOF_MODE)  # it takes 7 ms
+            self._registers.write(_PROFILE_AT, *profile)
+        self._registers.write(_POWER_AT, 0)  # normal power
+        self._registers.write(_UNITS_AT, UNITS)
+        self._registers.write(_AXES_AT, *AXES)
+        self._registers.write(_MODE_AT, NDOF_MODE)  # it takes 7 ms
 
     def stop(self) -> None:
         """Go to CONFIG mode, which takes 19 ms (table 3-6). Raises OSError."""
-        self._write(_MODE_AT, CONFIG_MODE)
+        self._registers.write(_MODE_AT, CONFIG_MODE)
 
     def read_profile(self) -> bytes:
         """The calibration profile, in CONFIG mode. Raises OSError."""
-        return self._read(_PROFILE_AT, PROFILE_BYTES)
-
-    def _read(self, register: int, length: int) -> bytes:
-        return bytes(self.bus.read_i2c_block_data(self._address, register, length))
-
-    def _write(self, register: int, *values: int) -> None:
-        self.bus.write_i2c_block_data(self._address, register, values)
+        return self._registers.read(_PROFILE_AT, PROFILE_BYTES)
 
 
 class Bno055Compass(BackgroundSensor[HeadingReading]):

@@ -12,12 +12,11 @@ from typing import Final
 from companion.config.parts import CompassPart
 from companion.core.readings import HeadingReading
 from companion.core.status_text import Severity
-from companion.hal.heading.orientation import heading_reading
-from companion.hal.heading.registers import board_to_body
+from companion.hal.heading.orientation import board_to_body, heading_reading
 from companion.hal.port_sensor import PortSensor
 from companion.links.interfaces import Port
 from companion.links.port_url import open_line
-from companion.sensors.sh2.session import Sh2Session
+from companion.sensors.sh2 import Sh2Session
 
 BAUD: Final = 3_000_000
 # The part needs 100 µs from one byte to the next (data sheet 1000-3927, 1.2.3.1)

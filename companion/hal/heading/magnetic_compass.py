@@ -13,9 +13,19 @@ from companion.core.status_text import Severity
 from companion.core.units import wrap_pi
 from companion.core.vectors import Vector, times
 from companion.hal.background import BackgroundSensor
-from companion.hal.heading.inertial import Lsm6ds, Mpu6050
-from companion.hal.heading.magnetometers import Hmc5883l, Lis3mdl, Qmc5883l, Qmc5883p
-from companion.hal.heading.registers import Chip, InertialSensor, Magnetometer, Motion, board_to_body
+from companion.hal.heading.chips import (
+    Chip,
+    Hmc5883l,
+    InertialSensor,
+    Lis3mdl,
+    Lsm6ds,
+    Magnetometer,
+    Motion,
+    Mpu6050,
+    Qmc5883l,
+    Qmc5883p,
+)
+from companion.hal.heading.orientation import board_to_body
 from companion.hal.raspberry_pi import open_i2c
 from companion.sensors.compass.attitude import AttitudeFilter, magnetic_heading
 from companion.sensors.compass.magnetic_field import FieldCorrector

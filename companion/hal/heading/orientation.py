@@ -1,14 +1,25 @@
-"""The orientation that a part has fused, as a heading reading of the boat."""
+"""From the axes of a board to those of the boat, and the orientation that a part has fused as a reading."""
 
 import math
 
+from companion.config.parts import Mounting
 from companion.core.readings import HeadingReading
 from companion.core.units import wrap_pi
-from companion.core.vectors import Matrix, Vector, dot, times
+from companion.core.vectors import Matrix, Vector, dot, product, quarter_turns, times
 from companion.sensors.compass.attitude import roll_pitch
 
 Quaternion = tuple[float, float, float, float]
 """x, y, z, w; turns board axes into east, north, up."""
+
+
+# A board's axes are x along its arrow, y to its left, z up; half a turn about x makes them body axes
+_BOARD = quarter_turns(2, 0, 0)
+
+
+def board_to_body(mounting: Mounting) -> Matrix:
+    """Turns vectors in the axes printed on a board into body axes."""
+    turns = (mounting.roll_deg // 90, mounting.pitch_deg // 90, mounting.yaw_deg // 90)
+    return product(quarter_turns(*turns), _BOARD)
 
 
 def heading_reading(

@@ -15,8 +15,7 @@ from companion.config.parts.payload import (
     WinchPayload,
 )
 from companion.core.errors import HardwareError
-from companion.hal.interfaces import PulseOutput
-from companion.hal.payload.interfaces import PayloadOutput
+from companion.hal.interfaces import PayloadOutput, PulseOutput
 from companion.hal.pulses.opening import open_pulse_output
 from companion.hal.raspberry_pi import opening_pins
 

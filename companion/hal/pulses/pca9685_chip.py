@@ -6,7 +6,7 @@ from typing import Final
 
 from companion.config.parts import Pca9685Part
 from companion.core.errors import HardwareError
-from companion.hal.raspberry_pi import I2cBus
+from companion.hal.raspberry_pi import I2cBus, Registers
 
 MODE1: Final = 0x00
 MODE2: Final = 0x01
@@ -40,7 +40,7 @@ class Pca9685:
             OSError: it does not answer.
         """
         self.bus = bus
-        self._address = part.address
+        self._registers = Registers(bus, part.address)
         self._wait = wait
         self._pre_scale = pre_scale(part.oscillator_hz, part.frequency_hz)
         self._step_us = 1e6 * (self._pre_scale + 1) / part.oscillator_hz
@@ -54,17 +54,17 @@ class Pca9685:
         that has the frequency goes on running.
         """
         self.all_off()
-        if self._read(PRE_SCALE) != self._pre_scale:
-            self._write(MODE1, SLEEP | AUTO_INCREMENT)
-            self._write(PRE_SCALE, self._pre_scale)
-        self._write(MODE2, TOTEM_POLE)
-        self._write(MODE1, AUTO_INCREMENT)
+        if self._registers.read(PRE_SCALE, 1)[0] != self._pre_scale:
+            self._registers.write(MODE1, SLEEP | AUTO_INCREMENT)
+            self._registers.write(PRE_SCALE, self._pre_scale)
+        self._registers.write(MODE2, TOTEM_POLE)
+        self._registers.write(MODE1, AUTO_INCREMENT)
         self._wait(_OSCILLATOR_STARTS_S)
 
     def is_set_up(self) -> bool:
         """False after a dip of its supply, which puts it to sleep with all channels off (7.3.1, table 4)."""
         expected = ((MODE1, AUTO_INCREMENT), (MODE2, TOTEM_POLE), (PRE_SCALE, self._pre_scale))
-        return all(self._read(register) == value for register, value in expected)
+        return all(self._registers.read(register, 1)[0] == value for register, value in expected)
 
     def steps(self, width_us: float) -> int:
         """A width in the chip's steps."""
@@ -75,18 +75,11 @@ class Pca9685:
         data: list[int] = []
         for steps in widths:
             data += (0, 0, steps & 0xFF, steps >> 8) if steps else (0, 0, 0, FULL_OFF)
-        self.bus.write_i2c_block_data(self._address, LED0 + 4 * channel, data)
+        self._registers.write(LED0 + 4 * channel, *data)
 
     def all_off(self) -> None:
         """No pulses on any channel."""
-        self._write(ALL_LED_OFF_H, FULL_OFF)
-
-    def _read(self, register: int) -> int:
-        (value,) = self.bus.read_i2c_block_data(self._address, register, 1)
-        return value
-
-    def _write(self, register: int, value: int) -> None:
-        self.bus.write_i2c_block_data(self._address, register, [value])
+        self._registers.write(ALL_LED_OFF_H, FULL_OFF)
 
 
 def pre_scale(oscillator_hz: float, frequency_hz: float) -> int:

@@ -12,7 +12,7 @@ from companion.config.parts.ranging import RangerPart
 from companion.core.readings import SonarReading
 from companion.hal.background import Background
 from companion.hal.pulses.lgpio_pulses import open_lgpio_pulses
-from companion.hal.ranging import serial_frames
+from companion.hal.ranging import serial_ranger as serial_frames
 from companion.hal.ranging.echo_pins import HCSR04, JSNSR04T, EchoPinRanger
 from companion.hal.ranging.serial_ranger import SerialRanger
 from companion.hal.raspberry_pi import opening_pins

@@ -1,10 +1,4 @@
-"""The configuration of a u-blox receiver, as messages to send one after another.
-
-Everything is set in the volatile layer only: a power cycle returns the receiver to its owner's configuration.
-
-Sources: UBX-13003221 (M8), section 32.11 "UBX-CFG"; UBX-22008968 (ZED-F9P), sections 3.10 "UBX-CFG" and 5
-"Configuration interface".
-"""
+"""Candidates for the baud rate of a receiver."""
 
 from struct import Struct
 from typing import Final, NamedTuple
@@ -19,6 +13,32 @@ from companion.sensors.ubx.frames import (
     NAV_PVT,
     encode,
 )
+
+# Factory rates (u-blox 9: 38,400; before: 9600), then those that people set
+BAUD_RATES: Final = (9600, 38400, 115200, 57600, 230400, 19200, 460800, 4800)
+
+
+class BaudSearch:
+    """Goes round all rates, the present one first, then the wanted one."""
+
+    def __init__(self, present: int | None, wanted: int | None) -> None:
+        """None for a line without a baud rate."""
+        self._rates: list[int | None] = [present]
+        if present is not None:
+            others = dict.fromkeys((wanted, *BAUD_RATES))
+            self._rates += [rate for rate in others if rate != present]
+        self._tried = 0
+
+    def next(self) -> int | None:
+        """The candidate after the present one."""
+        self._tried += 1
+        return self._rates[self._tried % len(self._rates)]
+
+    @property
+    def is_round(self) -> bool:
+        """Whether all rates have been tried equally often."""
+        return self._tried % len(self._rates) == 0
+
 
 KEYS_FROM: Final = 27.0  # protocol version with CFG-VALSET: u-blox 9 and later
 PVT_FROM: Final = 14.0  # with NAV-PVT: u-blox 7 and later

@@ -12,13 +12,13 @@ from enum import Enum
 from typing import Final
 
 from companion.core.status_text import Severity, StatusText
-from companion.sensors.ubx.baud_search import BaudSearch
 from companion.sensors.ubx.configuration import (
     KEYS_FROM,
     PVT_FROM,
     UART1,
     UART2,
     USB,
+    BaudSearch,
     Interface,
     LinePort,
     UbxStep,

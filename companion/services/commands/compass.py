@@ -16,8 +16,12 @@ from companion.config.compass_rows import MOST_OFFSET_MG
 from companion.core.status_text import Severity
 from companion.core.vectors import UNIT
 from companion.mavlink.dialect import Message, dialect
-from companion.sensors.compass.magnetic_field import BY_CURRENT, MagneticCorrection, MotorLoad
-from companion.sensors.compass.parameters import parameter_values
+from companion.sensors.compass.magnetic_field import (
+    BY_CURRENT,
+    MagneticCorrection,
+    MotorLoad,
+    parameter_values,
+)
 from companion.services.commands.command import (
     ACCEPTED,
     CANCELLED,

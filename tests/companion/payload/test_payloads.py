@@ -7,7 +7,7 @@ import pytest
 from companion.config.boat_config import decode_config
 from companion.core.errors import HardwareError
 from companion.core.status_text import Severity
-from companion.hal.payload.interfaces import PayloadParts
+from companion.hal.interfaces import PayloadParts
 from companion.payload.actions import (
     MoveGripper,
     MoveWinch,

@@ -6,7 +6,7 @@ import pytest
 
 from companion.config.parts.payload import WinchPayload
 from companion.payload.actions import MoveWinch, WinchMotion
-from companion.payload.winch import Winch
+from companion.payload.actuator import Winch
 
 TICK_S = 0.02
 SETTING = WinchPayload(line_m=5.0, speed_m_s=0.5, pulse_m=0.1, stall_s=2.0)

@@ -8,9 +8,8 @@ from companion.core.modes import Mode
 from companion.core.readings import RcReading
 from companion.core.requests import Arm, ChangeMode, Disarm, ManualControl
 from companion.core.vehicle_status import VehicleStatus
-from companion.rc.crsf import _crc_table, crc8
 from companion.rc.manual_input import ManualInput, top_speed_m_s
-from companion.rc.noise import RcNoise
+from companion.rc.parsers import PAUSE_S, SbusParser, _crc_table, crc8
 from companion.rc.pulses import (
     HIGH,
     LOW,
@@ -22,8 +21,7 @@ from companion.rc.pulses import (
     switch_position,
 )
 from companion.rc.rc_control import RcActions, RcControl
-from companion.rc.rc_input import RcInput
-from companion.rc.sbus import PAUSE_S, SbusParser
+from companion.rc.rc_input import RcInput, RcNoise
 from companion.rc.switches import SETTLE_S, Switches
 
 CONFIG = BoatConfig()

@@ -7,10 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.core.readings import RcReading
-from companion.rc.crsf import CrsfParser, crc8
-from companion.rc.ibus import IbusParser
-from companion.rc.parser import RcParser
-from companion.rc.sbus import PAUSE_S, SbusParser
+from companion.rc.parsers import PAUSE_S, CrsfParser, IbusParser, RcParser, SbusParser, crc8
 
 CENTRED = bytes.fromhex(
     "c81816e0031ff8c0073ef0810f7ce0031ff8c0073ef0810f7cad"
@@ -97,7 +94,7 @@ def test_crsf_frames_of_other_kinds_are_passed_over_whole() -> None:
     parser = CrsfParser()
     gps = crsf(0x02, b"\xc8" * 15)
     assert parser.feed(gps + CENTRED, 0.0) is not None
-    assert (parser.frames, parser.skipped) == (2, 0)
+    assert parser.skipped == 0
 
 
 @given(st.lists(st.integers(0, 0x0FFF), min_size=14, max_size=14))
@@ -149,8 +146,7 @@ def test_sbus_with_unknown_flags_or_another_end_is_no_frame(flags: int, end: int
 def test_an_ibus_frame_of_another_command_is_no_frame() -> None:
     body = ibus([1500] * 14)[:-2].replace(b"\x20\x40", b"\x20\x41", 1)
     parser = IbusParser()
-    assert parser.feed(body + (0xFFFF - sum(body)).to_bytes(2, "little"), 0.0) is None
-    assert parser.frames == 0
+    assert parser.split(body + (0xFFFF - sum(body)).to_bytes(2, "little")) == []
 
 
 def test_sbus_tells_its_failsafe_also_with_a_lost_frame() -> None:
@@ -199,9 +195,10 @@ def test_frames_may_come_in_any_pieces(kind: str, cuts: list[int]) -> None:
     stream = FRAMES[kind] * 6
     places = sorted({0, len(stream), *(min(cut, len(stream)) for cut in cuts)})
     parser = PARSERS[kind]()
-    for begin, end in pairwise(places):
-        parser.feed(stream[begin:end], 1.0)
-    assert (parser.frames, parser.skipped) == (6, 0)
+    assert [frame for begin, end in pairwise(places) for frame in parser.split(stream[begin:end])] == [
+        FRAMES[kind]
+    ] * 6
+    assert parser.skipped == 0
 
 
 @pytest.mark.parametrize("kind", ["crsf", "ibus"])
@@ -209,11 +206,9 @@ def test_frames_may_come_in_any_pieces(kind: str, cuts: list[int]) -> None:
 def test_one_wrong_byte_costs_its_frame_and_no_other(kind: str, place: int, flip: int) -> None:
     frame = bytearray(FRAMES[kind])
     frame[place] ^= flip
-    parser = PARSERS[kind]()
-    for piece in (FRAMES[kind], bytes(frame), FRAMES[kind], FRAMES[kind], FRAMES[kind], FRAMES[kind]):
-        parser.feed(piece, 0.0)
-    assert parser.frames >= 3
-    assert parser.frames + (parser.skipped > 0) <= 6
+    parser, good = PARSERS[kind](), FRAMES[kind]
+    assert 3 <= len(parser.split(good + bytes(frame) + 4 * good)) <= 5
+    assert parser.skipped > 0
 
 
 def test_half_a_frame_of_before_is_forgotten_with_the_line() -> None:

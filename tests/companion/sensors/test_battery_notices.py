@@ -3,7 +3,7 @@
 import pytest
 
 from companion.core.status_text import Severity
-from companion.sensors.charge import cells_fault
+from companion.sensors.fuel_gauge import cells_fault
 from companion.sensors.silence import SilenceMonitor
 
 

@@ -12,9 +12,16 @@ from companion.config import parts
 from companion.core.errors import HardwareError
 from companion.core.readings import BatteryReading
 from companion.hal.ads1115 import Ads1115
-from companion.hal.battery.analog_monitor import AnalogMonitor
-from companion.hal.battery.battery_sensor import BatterySensor, open_battery_monitor
-from companion.hal.battery.shunt_monitor import INA219, INA226, INA228, ShuntChip, ShuntMonitor
+from companion.hal.battery import (
+    INA219,
+    INA226,
+    INA228,
+    AnalogMonitor,
+    BatterySensor,
+    ShuntChip,
+    ShuntMonitor,
+    open_battery_monitor,
+)
 from companion.hal.raspberry_pi import I2cBus, open_i2c
 
 CHIPS = {"ina219": (Ina219Twin, INA219), "ina226": (Ina226Twin, INA226), "ina228": (Ina228Twin, INA228)}

@@ -9,7 +9,7 @@ from twins.ubx_messages import sentence
 from companion.core.readings import HeadingReading
 from companion.core.status_text import Severity, StatusText
 from companion.core.vectors import Vector
-from companion.hal.gnss.nmea import NmeaGnss
+from companion.hal.gnss.receiver import NmeaGnss
 from companion.hal.heading.antennas import AntennaCompass
 from companion.links.memory import MemoryPort, memory_pair
 from companion.sensors.gnss_heading import GnssHeading

@@ -4,7 +4,7 @@ from twins.lines import HandClock
 from twins.ubx_line import BaudLine
 from twins.ubx_receiver import ZED_F9P, UbxReceiver
 
-from companion.hal.gnss.nmea import NmeaGnss
+from companion.hal.gnss.receiver import NmeaGnss
 from companion.hal.gnss.ubx import UbxGnss
 from companion.links.memory import MemoryPort, memory_pair
 from companion.sensors.ubx.setup import Phase, UbxSetup

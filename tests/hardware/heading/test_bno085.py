@@ -15,8 +15,7 @@ from companion.config.parts import CompassPart, Mounting
 from companion.core.readings import HeadingReading
 from companion.hal.heading.bno085 import BYTE_S, Bno085Compass
 from companion.links.memory import MemoryLink, MemoryPort, memory_pair
-from companion.sensors.sh2.frames import FrameReader, Packet, encode
-from companion.sensors.sh2.session import Sh2Session
+from companion.sensors.sh2 import FrameReader, Packet, Sh2Session, encode
 
 HALF = math.sqrt(0.5)
 

@@ -18,11 +18,9 @@ from companion.config.parts.probes import ProbePart
 from companion.core.errors import ConfigError, HardwareError
 from companion.core.readings import ProbeReading
 from companion.hal.ads1115 import Ads1115
-from companion.hal.probes.polled import PolledProbe, file_number
-from companion.hal.probes.serial_line import SerialLine
+from companion.hal.probes import PolledProbe, SerialLine, file_number, raw_number, value_of
 from companion.hal.raspberry_pi import open_i2c
 from companion.links.memory import MemoryPort, memory_pair
-from companion.sensors.probe_values import raw_number, value_of
 
 W1_SLAVE = "72 01 4b 46 7f ff 0e 10 57 : crc=57 {crc}\n72 01 4b 46 7f ff 0e 10 57 t={milli}\n"
 """Linux, Documentation/w1/slaves/w1_therm.rst."""

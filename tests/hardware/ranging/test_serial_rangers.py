@@ -19,14 +19,14 @@ from companion.core.errors import HardwareError
 from companion.core.geo import Point
 from companion.core.readings import SonarReading
 from companion.hal.ranging.mounted_ranger import MountedRanger, open_ranger
-from companion.hal.ranging.serial_frames import (
+from companion.hal.ranging.serial_ranger import (
     A02YYUW,
     TFMINI,
-    FrameParser,
+    RangerReader,
+    SerialRanger,
     a02yyuw_range_m,
     tfmini_range_m,
 )
-from companion.hal.ranging.serial_ranger import SerialRanger
 from companion.links.memory import MemoryPort, memory_pair
 from companion.links.port_url import open_line
 from companion.obstacles.perception.perception import ObstaclePerception
@@ -35,7 +35,7 @@ tfmini = partial(tfmini_range_m, min_strength=100)
 
 
 def test_the_frames_of_the_data_sheets() -> None:
-    assert FrameParser(A02YYUW).feed(bytes.fromhex("FF07A1A7")) == [bytes.fromhex("FF07A1A7")]
+    assert RangerReader(A02YYUW).split(bytes.fromhex("FF07A1A7")) == [bytes.fromhex("FF07A1A7")]
     assert a02yyuw_range_m(bytes.fromhex("FF07A1A7")) == 1.953  # the example of the data sheet
     assert a02yyuw_frame(1953) == bytes.fromhex("FF07A1A7")
     assert tfmini(tfmini_frame(1000)) == 10.0
@@ -59,10 +59,10 @@ def test_a_blinded_lidar_is_a_fault_and_not_free_water(centimetres: int, strengt
 def test_frames_are_found_among_garbage_in_any_pieces(ranges: list[int], data: st.DataObject) -> None:
     garbage = st.binary(max_size=12).map(lambda noise: noise.replace(b"\xff", b""))
     stream = b"".join(data.draw(garbage) + a02yyuw_frame(one) for one in ranges)
-    parser, found = FrameParser(A02YYUW), list[bytes]()
+    parser, found = RangerReader(A02YYUW), list[bytes]()
     while stream:
         size = data.draw(st.integers(1, 9))
-        found += parser.feed(stream[:size])
+        found += parser.split(stream[:size])
         stream = stream[size:]
     assert found == [a02yyuw_frame(one) for one in ranges]
 
@@ -70,15 +70,15 @@ def test_frames_are_found_among_garbage_in_any_pieces(ranges: list[int], data: s
 @given(st.binary(max_size=200))
 def test_garbage_is_never_raised_and_not_kept(noise: bytes) -> None:
     for kind in (A02YYUW, TFMINI):
-        parser = FrameParser(kind)
-        for frame in parser.feed(noise):
+        parser = RangerReader(kind)
+        for frame in parser.split(noise):
             assert sum(frame[:-1]) & 0xFF == frame[-1]
         assert len(parser._held) < kind.length
 
 
 def test_a_stray_header_costs_no_frame() -> None:
     good = a02yyuw_frame(1953)
-    assert FrameParser(A02YYUW).feed(b"\xff" + good + b"\xff\xff" + good) == [good, good]
+    assert RangerReader(A02YYUW).split(b"\xff" + good + b"\xff\xff" + good) == [good, good]
 
 
 @pytest.fixture

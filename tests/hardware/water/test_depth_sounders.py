@@ -15,11 +15,11 @@ from companion.config import parts
 from companion.config.boat_config import BoatConfig
 from companion.config.parts import Parts
 from companion.core.readings import DepthReading
-from companion.hal.gnss.nmea import NmeaGnss
-from companion.hal.water.nmea_depth import NmeaDepthSounder, SharedDepthSounder
-from companion.hal.water.ping1d import Ping1d
-from companion.hal.water.ping_frames import PingParser
+from companion.hal.gnss.receiver import NmeaGnss
+from companion.hal.nmea_sensor import NmeaSensor, SharedDepthSounder, depth_assembler
+from companion.hal.ping1d import Ping1d, PingReader
 from companion.links.memory import MemoryPort, memory_pair
+from companion.sensors.nmea.depth import DEPTH_SENTENCES
 
 PART = parts.DepthPart(driver="nmea")
 
@@ -47,7 +47,7 @@ class Wire:
         return b"".join(self.far.receive())
 
 
-def sounding(sounder: NmeaDepthSounder, wire: Wire, *sentences: str) -> DepthReading | None:
+def sounding(sounder: NmeaSensor[DepthReading], wire: Wire, *sentences: str) -> DepthReading | None:
     wire.say(b"".join(map(nmea, sentences)))
     sounder.step()
     return sounder.read()
@@ -59,12 +59,12 @@ def wire() -> Wire:
 
 
 @pytest.fixture
-def sounder(wire: Wire, clock: HandClock) -> NmeaDepthSounder:
-    return NmeaDepthSounder(wire.port, clock, PART)
+def sounder(wire: Wire, clock: HandClock) -> NmeaSensor[DepthReading]:
+    return NmeaSensor(wire.port, clock, DEPTH_SENTENCES, depth_assembler(PART).feed)
 
 
 def test_dpt_is_below_the_transducer_and_its_offset_to_the_surface_counts(
-    sounder: NmeaDepthSounder, wire: Wire, clock: HandClock
+    sounder: NmeaSensor[DepthReading], wire: Wire, clock: HandClock
 ) -> None:
     reading = sounding(sounder, wire, "SDDPT,2.1,0.3")
     assert reading == DepthReading(clock(), 2.1, None, 0.3, 0.3, 100.0)
@@ -77,13 +77,17 @@ def test_dpt_is_below_the_transducer_and_its_offset_to_the_surface_counts(
 @pytest.mark.parametrize(
     "sentence", ["SDDBT,006.9,f,002.1,M,001.1,F", "SDDBT,006.89,f,,M,,F", "SDDBT,,f,,M,1.148,F"]
 )
-def test_dbt_is_read_in_whichever_unit_it_has(sounder: NmeaDepthSounder, wire: Wire, sentence: str) -> None:
+def test_dbt_is_read_in_whichever_unit_it_has(
+    sounder: NmeaSensor[DepthReading], wire: Wire, sentence: str
+) -> None:
     reading = sounding(sounder, wire, sentence)
     assert reading is not None
     assert reading.depth_m == pytest.approx(2.1, abs=0.005)
 
 
-def test_dpt_suppresses_dbt_for_two_seconds(sounder: NmeaDepthSounder, wire: Wire, clock: HandClock) -> None:
+def test_dpt_suppresses_dbt_for_two_seconds(
+    sounder: NmeaSensor[DepthReading], wire: Wire, clock: HandClock
+) -> None:
     reading = sounding(sounder, wire, "SDDPT,2.1,0.3", "SDDBT,6.9,f,2.1,M,1.1,F")
     assert reading is not None
     assert reading.transducer_m == 0.3
@@ -94,7 +98,7 @@ def test_dpt_suppresses_dbt_for_two_seconds(sounder: NmeaDepthSounder, wire: Wir
 
 
 def test_the_temperature_lives_for_ten_seconds(
-    sounder: NmeaDepthSounder, wire: Wire, clock: HandClock
+    sounder: NmeaSensor[DepthReading], wire: Wire, clock: HandClock
 ) -> None:
     assert sounding(sounder, wire, "SDMTW,18.5,C") is None
     for age_s, celsius in ((10.0, 18.5), (0.1, None)):
@@ -105,7 +109,9 @@ def test_the_temperature_lives_for_ten_seconds(
 
 
 @pytest.mark.parametrize("depth", ["", "0.0", "-1.0", "100.1"])
-def test_no_bottom_is_a_reading_without_a_depth(sounder: NmeaDepthSounder, wire: Wire, depth: str) -> None:
+def test_no_bottom_is_a_reading_without_a_depth(
+    sounder: NmeaSensor[DepthReading], wire: Wire, depth: str
+) -> None:
     reading = sounding(sounder, wire, f"SDDPT,{depth},0.3")
     assert reading is not None
     assert reading.depth_m is reading.water_m is None
@@ -165,7 +171,7 @@ def test_the_part_is_set_up_and_its_distance_is_the_depth(
     assert reading is not None
     assert (reading.depth_m, reading.quality) == (3.25, 0.97)
     assert reading.water_m == pytest.approx(3.4)
-    assert twin.wrong_sums == ping.parser.malformed == 0
+    assert twin.wrong_sums == ping.reader.skipped == 0
 
 
 @pytest.mark.parametrize(("confidence", "is_found"), [(50, True), (49, False), (0, False)])
@@ -204,18 +210,18 @@ def test_frames_are_found_among_garbage_in_any_pieces(depths: list[int], data: s
     garbage = st.binary(max_size=20).map(lambda noise: noise.replace(b"B", b""))
     frames = [Ping1dTwin.frame(1211, struct.pack("<IB", depth, 90)) for depth in depths]
     stream = b"".join(data.draw(garbage) + frame for frame in frames)
-    parser, found = PingParser(), list[bytes]()
+    parser, found = PingReader(), list[bytes]()
     while stream:
         size = data.draw(st.integers(1, 30))
-        found += [payload for _, payload in parser.feed(stream[:size])]
+        found += [frame[8:-2] for frame in parser.split(stream[:size])]
         stream = stream[size:]
     assert found == [frame[8:-2] for frame in frames]
 
 
 @given(st.binary(max_size=600))
 def test_garbage_is_never_raised_and_not_kept(noise: bytes) -> None:
-    parser = PingParser()
-    parser.feed(noise + b"BR" + noise)
+    parser = PingReader()
+    parser.split(noise + b"BR" + noise)
     assert len(parser._held) < 270
 
 

@@ -30,8 +30,7 @@ from companion.config.parts.payload import GripperPayload, ServoPayload
 from companion.config.rc import Rc
 from companion.hal import ads1115
 from companion.hal.heading import bno055
-from companion.hal.heading.inertial import Lsm6ds, Mpu6050
-from companion.hal.heading.magnetometers import Hmc5883l, Lis3mdl, Qmc5883l, Qmc5883p
+from companion.hal.heading.chips import Hmc5883l, Lis3mdl, Lsm6ds, Mpu6050, Qmc5883l, Qmc5883p
 
 pytest_plugins = ("doctor_fixtures",)
 

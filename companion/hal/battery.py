@@ -1,5 +1,6 @@
-"""Battery monitors of Texas Instruments that measure across a shunt, register by register as in their data
-sheets: INA219 (SBOS448G), INA226 (SBOS547A) and INA228 (SBOSA20A).
+"""Battery monitors. Those of Texas Instruments measure across a shunt, register by register as in their data
+sheets: INA219 (SBOS448G), INA226 (SBOS547A) and INA228 (SBOSA20A). The other is an ADS1115 with a divider and
+a Hall sensor.
 
 The shunt voltage is divided by the resistance here: the parts' own calculation of current, power and charge
 needs a calibration register that a supply dip clears, and then reports zero. So the charge accumulator of the
@@ -7,10 +8,16 @@ INA228 is not used either; the boat integrates the averages of all monitors in t
 """
 
 import logging
-from typing import Final, NamedTuple
+from collections.abc import Callable
+from typing import Final, NamedTuple, Protocol
 
+from companion.config.parts.battery import BatteryPart
 from companion.core.errors import HardwareError
-from companion.hal.raspberry_pi import I2cBus
+from companion.core.readings import BatteryReading
+from companion.hal import ads1115
+from companion.hal.ads1115 import Ads1115
+from companion.hal.background import BackgroundSensor
+from companion.hal.raspberry_pi import I2cBus, Registers, open_i2c_part
 
 _log = logging.getLogger(__name__)
 
@@ -99,10 +106,10 @@ class ShuntMonitor:
         """
         self.bus = bus
         self._chip = chip
-        self._address = address
+        self._registers = Registers(bus, address)
         self._shunt_ohm = shunt_ohm
         self._has_measured = False
-        identities = [self._read(at) & mask == value for at, mask, value in chip.identity]
+        identities = [self._registers.read_word(at) & mask == value for at, mask, value in chip.identity]
         if all(identities):
             self._set_up()
         if not all(identities) or not self._is_set_up():
@@ -130,17 +137,94 @@ class ShuntMonitor:
         return Measurement(voltage_v, shunt_v / self._shunt_ohm if is_known else None)
 
     def _is_set_up(self) -> bool:
-        return all(self._read(at) == value for at, value in self._chip.setup)
+        return all(self._registers.read_word(at) == value for at, value in self._chip.setup)
 
     def _set_up(self) -> None:
         self._has_measured = False
         for at, value in self._chip.setup:
-            self.bus.write_i2c_block_data(self._address, at, list(value.to_bytes(2, "big")))
-
-    def _read(self, register: int) -> int:
-        return int.from_bytes(self.bus.read_i2c_block_data(self._address, register, 2), "big")
+            self._registers.write(at, *value.to_bytes(2, "big"))
 
     def _steps(self, register: Register) -> int:
-        return register.steps(
-            bytes(self.bus.read_i2c_block_data(self._address, register.at, register.length))
-        )
+        return register.steps(self._registers.read(register.at, register.length))
+
+
+# Without a current a Hall sensor gives half its supply, one for a single direction 0.12 of it: 0.39 V at
+# 3.3 V. An input below this is a broken wire, or a sensor without its supply
+_LEAST_HALL_V: Final = 0.1
+
+
+class AnalogMonitor:
+    """Pack voltage by a resistive divider and current by a Hall sensor (ACS712, ACS758), on an ADS1115."""
+
+    def __init__(self, converter: Ads1115, part: BatteryPart) -> None:
+        self.bus = converter.bus
+        self._converter = converter
+        self._part = part
+
+    def read(self) -> Measurement:
+        """One conversion of each input. The current is None without a sensor, or beyond the input's range.
+
+        Raises:
+            HardwareError: the pack's voltage is beyond the divider's range, or the converter hangs.
+            OSError: it does not answer.
+        """
+        part = self._part
+        input_v = self._converter.read_v(part.voltage_channel)
+        if input_v is None:
+            raise HardwareError("ADS1115: the divider's voltage is beyond the input's range")
+        current_a = None
+        if part.current_channel >= 0:
+            hall_v = self._converter.read_v(part.current_channel)
+            if hall_v is not None and hall_v >= _LEAST_HALL_V:
+                current_a = (hall_v - part.zero_v) / part.volt_per_a
+        return Measurement(input_v * part.divider, current_a)
+
+
+_PERIOD_S: Final = 0.1
+_SHUNT_CHIPS: Final = {"ina219": INA219, "ina226": INA226, "ina228": INA228}
+_SHUNT_ADDRESS: Final = 0x40  # A0 and A1 to ground
+
+
+class Monitor(Protocol):
+    """A part on the bus."""
+
+    bus: I2cBus
+
+    def read(self) -> Measurement | None:
+        """The latest measurement, None if there is none yet.
+
+        Raises:
+            HardwareError, OSError: it does not answer.
+        """
+
+
+class BatterySensor(BackgroundSensor[BatteryReading]):
+    """Reads a monitor in a thread. Satisfies `companion.hal.interfaces.Battery`."""
+
+    def __init__(self, monitor: Monitor, now: Callable[[], float]) -> None:
+        super().__init__(self.step, "battery monitor", now, monitor.bus.close)
+        self._monitor = monitor
+
+    def step(self) -> float:
+        """Read the part once; returns the seconds to wait before the next reading."""
+        measured = self._monitor.read()
+        if measured is not None:
+            self._latest = BatteryReading(self._now(), measured.voltage_v, measured.current_a)
+        return _PERIOD_S
+
+
+def open_battery_monitor(part: BatteryPart, now: Callable[[], float]) -> BatterySensor:
+    """Open the monitor on the Pi's I²C bus and start reading.
+
+    Raises:
+        HardwareError: smbus2 is missing, there is no bus, or nothing answers at the address.
+    """
+
+    def create(bus: I2cBus) -> Monitor:
+        if chip is None:
+            return AnalogMonitor(ads1115.Ads1115(bus, address), part)
+        return ShuntMonitor(chip, bus, address, part.shunt_ohm)
+
+    chip = _SHUNT_CHIPS.get(part.driver)
+    address = part.address or (ads1115.ADDRESS if chip is None else _SHUNT_ADDRESS)
+    return BatterySensor(open_i2c_part(part.driver.upper(), part.i2c_bus, address, create), now).start()
