@@ -15,7 +15,7 @@ from companion.control.allocation import (
     pair_thrust,
     to_pwm,
 )
-from companion.core.state import HEALTHY_MOTORS, MotorCommand, MotorState, MotorStates, Thrust
+from companion.core.state import HEALTHY_MOTORS, MotorCommand, MotorState, MotorStates
 
 FAILED, REVERSED = MotorState.FAILED, MotorState.REVERSED
 SHARES = st.floats(-1.0, 1.0)
@@ -53,12 +53,6 @@ def test_yaw_is_kept_and_nothing_saturates(surge: float, yaw: float) -> None:
     assert mean * surge >= 0.0 or abs(mean) < 1e-12
 
 
-@given(SHARES, SHARES)
-def test_mirrored_steering_swaps_the_sides(surge: float, yaw: float) -> None:
-    thrust = pair_thrust(surge, yaw)
-    assert pair_thrust(surge, -yaw) == Thrust(thrust.right, thrust.left)
-
-
 @given(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5), STATES)
 def test_unsaturated_thrust_is_the_pseudo_inverse_of_the_motors_that_work(
     surge: float, yaw: float, motors: MotorStates
@@ -76,18 +70,6 @@ def test_nan_reaches_the_gate(surge: float, yaw: float) -> None:
     thrust = pair_thrust(surge, yaw)
     assert math.isnan(thrust.left)
     assert math.isnan(thrust.right)
-
-
-@pytest.mark.parametrize("state", MotorState)
-def test_the_pair_knows_whether_either_motor_has_failed_or_reversed(state: MotorState) -> None:
-    for pair in (MotorStates(left=state), MotorStates(right=state)):
-        assert pair.has_failed is (state is FAILED)
-        assert pair.has_reversed is (state is REVERSED)
-
-
-def test_uncalibrated_motors_get_the_thrust_share_itself() -> None:
-    command = MotorCommand(0.123456789, -0.987654321)
-    assert motor_pwm(command, HEALTHY_MOTORS, Thrusters()) == (0.123456789, -0.987654321)
 
 
 def test_each_side_has_its_own_dead_band_ahead_and_astern() -> None:
@@ -119,12 +101,6 @@ def test_a_reversed_motor_has_the_dead_band_of_its_command_and_the_asymmetry_of_
 def test_a_failed_motor_that_is_tried_gets_its_command() -> None:
     command = MotorCommand(0.5, -0.3)
     assert motor_pwm(command, MotorStates(FAILED, FAILED), Thrusters()) == (0.5, -0.3)
-
-
-@given(BANDS, BANDS, GAINS, ASYMMETRIES)
-def test_zero_stays_zero(ahead: float, astern: float, gain: float, asymmetry: float) -> None:
-    assert to_pwm(0.0, ahead, astern, gain, asymmetry) == 0.0
-    assert to_pwm(math.nan, ahead, astern, gain, asymmetry) == 0.0
 
 
 @given(SHARES, BANDS, BANDS, GAINS, ASYMMETRIES)

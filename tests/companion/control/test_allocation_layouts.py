@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.config.boat_config import BoatConfig, decode_config
-from companion.control.allocation import Effort, allocate, by_hand, pair_thrust, rudder_effect
+from companion.control.allocation import Effort, allocate, by_hand, rudder_effect
 from companion.core.state import MotorState, MotorStates, Thrust
 
 SHARES = st.floats(-1.0, 1.0)
@@ -129,11 +129,6 @@ def test_the_shares_add_up_to_the_whole(surge: float, yaw: float, water_m_s: flo
     effect = effect_of(setting, surge, water_m_s)
     if effect >= 0.05:
         assert 0.5 * (thrust.left - thrust.right) + effect * thrust.rudder == pytest.approx(yaw, abs=1e-9)
-
-
-@given(SHARES, SHARES, SPEEDS)
-def test_two_motors_are_allocated_as_without_layouts(surge: float, yaw: float, water_m_s: float) -> None:
-    assert allocate(Effort(surge, yaw, water_m_s), BoatConfig()) == pair_thrust(surge, yaw)
 
 
 @pytest.mark.parametrize(

@@ -56,10 +56,6 @@ def test_a_good_command_arrives_at_the_slew_rate() -> None:
     assert lefts == pytest.approx([min(STEP * tick, 0.6) for tick in range(1, 10)])
 
 
-def test_the_way_down_is_slewed_too() -> None:
-    assert _check(_running(), Thrust(0.0, 0.0)).left == pytest.approx(0.6 - STEP)
-
-
 @pytest.mark.parametrize(
     ("faults", "reason"),
     [
@@ -159,11 +155,6 @@ def test_the_motors_get_valid_values_for_any_input(
             assert (now.left, now.right) == (0.0, 0.0)
         assert bool(now.reason) or (armed and 0.0 <= age_s <= 0.5)
         before = now
-
-
-def test_manual_control_needs_no_estimate() -> None:
-    setting = MotorLimits(slew_per_s=4.0, estimate_timeout_s=0.5)
-    assert _check(Gate(), nav=None, needs_estimate=False, setting=setting).reason == ""
 
 
 @pytest.mark.parametrize(("share", "reached"), [(2.0, 1.0), (-2.0, -1.0)])

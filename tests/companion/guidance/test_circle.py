@@ -64,12 +64,6 @@ def test_half_a_radius_off_half_of_the_curvature_counts_and_a_radius_off_none() 
         assert rate == pytest.approx(share * 2.0 / 20.0)
 
 
-def test_far_away_the_boat_goes_for_the_circle() -> None:
-    circle = FollowCircle(CENTRE, 20.0, True, 1.0)
-    course, _, _ = circle_course_rad(circle, nav_on(0.0, 500.0), CONFIG)
-    assert math.cos(course) < -0.9
-
-
 def test_a_small_circle_is_led_by_a_radian_at_most() -> None:
     assert lead_rad(0.2, 2.0) > 1.0
     course, _, _ = circle_course_rad(

@@ -20,10 +20,6 @@ def made_good(
     return math.atan2(east, north), math.hypot(north, east)
 
 
-def test_still_water_asks_for_the_course_itself() -> None:
-    assert course_to_steer(0.7, 2.0, 0.0, 0.0, 0.4, 3.0) == pytest.approx((0.7, 2.0))
-
-
 @given(courses, st.floats(-0.7, 0.7), st.floats(-0.7, 0.7))
 def test_course_and_speed_are_made_good_within_the_boats_means(
     course: float, current_north: float, current_east: float

@@ -66,6 +66,9 @@ def test_the_hull_is_asked_for_no_more_than_it_has(
     assert fillet is not None
     step_s = fillet.time_s / STEPS
     water = through_water(at, fillet)
+    least = LEAST_AHEAD_SHARE * CONFIG.guidance.min_speed_m_s
+    for (bow, speed), along in ((water[0], course), (water[-1], course + turn)):
+        assert speed * math.cos(bow - along) >= least - 1e-9, "the bow points ahead along both legs"
     for (bow, speed), (next_bow, next_speed) in pairwise(water):
         rate = abs(wrap_pi(next_bow - bow)) / step_s
         assert rate <= TURN_SHARE * CONFIG.handling.turn_rate_rad_s * 1.001
@@ -75,7 +78,7 @@ def test_the_hull_is_asked_for_no_more_than_it_has(
 
 
 @given(turns, currents, angles)
-def test_it_leaves_the_first_leg_and_joins_the_second_one_along_their_courses(
+def test_it_leads_from_leg_to_leg_inside_of_the_corner_and_past_the_waypoint(
     turn: float, current_m_s: float, current_to: float
 ) -> None:
     fillet = best_fillet(bend(turn, current_m_s, current_to), CONFIG)
@@ -87,37 +90,13 @@ def test_it_leaves_the_first_leg_and_joins_the_second_one_along_their_courses(
     assert (last.north_m, last.east_m) == pytest.approx(joins, abs=1e-6)
     assert first.turned_rad == pytest.approx(0.0, abs=1e-9)
     assert wrap_pi(last.turned_rad - turn) == pytest.approx(0.0, abs=1e-6)
-
-
-@given(turns, currents, angles)
-def test_it_stays_on_the_inside_of_the_corner(turn: float, current_m_s: float, current_to: float) -> None:
-    fillet = best_fillet(bend(turn, current_m_s, current_to), CONFIG)
-    assume(fillet is not None)
-    assert fillet is not None
     side = math.copysign(1.0, turn)
     for node in fillet.nodes:
         assert side * node.east_m >= -OUTSIDE_M
         assert side * (node.east_m * math.cos(turn) - node.north_m * math.sin(turn)) >= -OUTSIDE_M
-
-
-@given(turns, st.floats(0.0, 0.25), angles)
-def test_it_passes_the_waypoint_within_its_radius(turn: float, current_m_s: float, current_to: float) -> None:
-    fillet = best_fillet(bend(turn, current_m_s, current_to), CONFIG)
-    assume(fillet is not None)
-    assert fillet is not None
     nearest = min(math.hypot(node.north_m, node.east_m) for node in fillet.nodes)
     assert fillet.cut_m == pytest.approx(nearest)
-    assert nearest <= RADIUS_M
-
-
-@given(turns, st.floats(0.0, 2.0), angles)
-def test_no_fillet_passes_its_waypoint_farther_off_than_counts_as_passing(
-    turn: float, current_m_s: float, current_to: float
-) -> None:
-    fillet = best_fillet(bend(turn, current_m_s, current_to), CONFIG)
-    assume(fillet is not None)
-    assert fillet is not None
-    assert fillet.cut_m <= (2.0 * RADIUS_M if abs(turn) <= 2.0 else RADIUS_M)
+    assert nearest <= (2.0 * RADIUS_M if current_m_s > 0.25 and abs(turn) <= 2.0 else RADIUS_M)
 
 
 @given(st.floats(0.05, 2.3), currents, st.floats(0.01, 3.1))
@@ -132,13 +111,13 @@ def test_a_corner_to_port_is_sailed_like_its_mirror_image(
         assert other.nodes[5].east_m == pytest.approx(-one.nodes[5].east_m)
 
 
-@given(turns, st.floats(0.3, 30.0))
-def test_it_takes_no_more_of_the_legs_than_it_may(turn: float, room_m: float) -> None:
-    fillet = best_fillet(bend(turn, room_m=room_m), CONFIG)
+@given(turns, st.floats(0.3, 30.0), st.floats(0.3, 30.0))
+def test_it_takes_no_more_of_either_leg_than_it_may(turn: float, entry_m: float, exit_m: float) -> None:
+    fillet = best_fillet(bend(turn)._replace(entry_room_m=entry_m, exit_room_m=exit_m), CONFIG)
     assume(fillet is not None)
     assert fillet is not None
-    assert 0.0 <= fillet.entry_m <= room_m
-    assert 0.0 <= fillet.exit_m <= room_m
+    assert 0.0 <= fillet.entry_m <= entry_m
+    assert 0.0 <= fillet.exit_m <= exit_m
 
 
 def test_the_boat_can_lose_its_speed_before_the_way_onward_asks_for_it() -> None:
@@ -176,47 +155,21 @@ def test_a_gentle_turn_costs_no_speed() -> None:
     assert [node.speed_m_s for node in fillet.nodes] == pytest.approx([2.0] * (STEPS + 1))
 
 
-def test_the_bow_points_ahead_along_both_legs_whatever_the_water_does() -> None:
-    for degrees in range(0, 360, 15):
-        at = bend(0.5 * math.pi, 1.0, math.radians(degrees))
-        fillet = best_fillet(at, CONFIG)
-        assert fillet is not None, degrees
-        water = through_water(at, fillet)
-        for (bow, speed), course in ((water[0], 0.0), (water[-1], at.turn_rad)):
-            least = LEAST_AHEAD_SHARE * CONFIG.guidance.min_speed_m_s
-            assert speed * math.cos(bow - course) >= least - 1e-9
-
-
-def test_a_following_current_is_cut_more_than_still_water_and_only_a_fast_one_beyond_the_radius() -> None:
-    cuts = []
-    for current_m_s in (0.0, 0.5, 1.0):
-        fillet = best_fillet(bend(0.5 * math.pi, current_m_s, math.radians(45.0)), CONFIG)
-        assert fillet is not None
-        cuts.append(fillet.cut_m)
-    assert cuts == sorted(cuts)
-    assert cuts[1] <= RADIUS_M < cuts[2] < 1.5 * RADIUS_M
-
-
-def test_where_legs_are_too_short_for_ramps_the_rate_changes_hastily() -> None:
+def test_where_legs_are_too_short_for_ramps_the_rate_changes_ten_times_as_fast() -> None:
     short = bend(math.radians(6.0), room_m=0.5)
     fillet = best_fillet(short, CONFIG)
     assert fillet is not None
     assert fillet.nodes[0].speed_m_s == SPEED_M_S
     assert fillet_between(short, 2.0, 2.0, RAMP_S, CONFIG) is None
     assert fillet == fillet_between(short, 2.0, 2.0, HASTY_SHARE * RAMP_S, CONFIG)
+    rate = CONFIG.guidance.corner_accel_m_s2 / SPEED_M_S
+    growth = 10.0 * TURN_SHARE * CONFIG.handling.turn_rate_rad_s / RAMP_S
+    assert fillet.time_s == pytest.approx(math.radians(6.0) / rate + rate / growth)
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.005, 2.5, -3.1, math.pi])
 def test_no_turn_and_a_turn_back_have_no_fillet(turn: float) -> None:
     assert best_fillet(bend(turn), CONFIG) is None
-
-
-def test_a_hull_that_turns_slowly_takes_the_corner_slower() -> None:
-    slow = with_value(CONFIG, "handling.turn_rate_rad_s", 0.3)
-    lazy, able = best_fillet(bend(1.5), slow), best_fillet(bend(1.5), CONFIG)
-    assert lazy is not None
-    assert able is not None
-    assert lazy.time_s > 1.3 * able.time_s
 
 
 @pytest.mark.parametrize(("radius_m", "expected"), [(2.0, 17.0 * 0.5 + 20.0), (4.0, 17.0 * 0.125)])
@@ -242,14 +195,13 @@ def test_speed_is_regained_slowly_against_the_current_of_the_second_leg(
 
 
 @pytest.mark.parametrize(("turn", "current"), [
-    (1.3, (0.0, 0.0)), (1.3, (0.5, 1.0)), (-1.3, (0.5, -1.0)), (1.3, (0.4, -2.0)), (-1.57, (0.5, 1.0)),
-    (-1.57, (0.4, -2.0)), (1.9, (0.0, 0.0)), (1.9, (0.5, 1.0)),
+    (1.3, (0.5, 1.0)), (-1.57, (0.4, -2.0)), (1.9, (0.0, 0.0)),
 ])  # fmt: skip
 def test_no_other_entry_and_exit_speed_costs_notably_less(turn: float, current: tuple[float, float]) -> None:
     at = bend(turn, *current)
     best = best_fillet(at, CONFIG)
     assert best is not None
-    shares = [number * 0.04 for number in range(3, 26)]
+    shares = [number * 0.08 for number in range(2, 13)]
     tried = [
         fillet_between(at, one * SPEED_M_S, other * SPEED_M_S, RAMP_S, CONFIG)
         for one in shares
@@ -257,18 +209,6 @@ def test_no_other_entry_and_exit_speed_costs_notably_less(turn: float, current: 
     ]
     least_s = min(cost_s(fillet, at, CONFIG) for fillet in tried if fillet is not None)
     assert cost_s(best, at, CONFIG) <= least_s + 0.04
-
-
-@pytest.mark.parametrize(("entry_room_m", "exit_room_m"), [(0.9, 25.0), (25.0, 0.9)])
-def test_each_leg_has_room_of_its_own(entry_room_m: float, exit_room_m: float) -> None:
-    at = bend(1.2)._replace(entry_room_m=entry_room_m, exit_room_m=exit_room_m)
-    fillet = best_fillet(at, CONFIG)
-    assert fillet is not None
-    assert fillet.entry_m <= entry_room_m
-    assert fillet.exit_m <= exit_room_m
-    free = best_fillet(bend(1.2), CONFIG)
-    assert free is not None
-    assert min(free.entry_m, free.exit_m) > 0.9
 
 
 @pytest.mark.parametrize(
@@ -294,11 +234,3 @@ def test_the_yaw_rate_grows_within_the_ramp(yaw_time_s: float, share: float) -> 
         is_triangle = turn < fastest * ramp_s
         expected_s = 2.0 * math.sqrt(turn * ramp_s / fastest) if is_triangle else turn / fastest + ramp_s
         assert fillet.time_s == pytest.approx(expected_s)
-
-
-def test_on_short_legs_the_yaw_rate_grows_ten_times_as_fast() -> None:
-    fillet = best_fillet(bend(math.radians(6.0), room_m=0.5), CONFIG)
-    assert fillet is not None
-    rate = CONFIG.guidance.corner_accel_m_s2 / SPEED_M_S
-    growth = 10.0 * TURN_SHARE * CONFIG.handling.turn_rate_rad_s / CONFIG.handling.yaw_time_s
-    assert fillet.time_s == pytest.approx(math.radians(6.0) / rate + rate / growth)

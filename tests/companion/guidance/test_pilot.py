@@ -12,7 +12,7 @@ from companion.core.geo import Point
 from companion.core.intent import Drive, FollowLeg, KeepStation, Stop
 from companion.core.state import Demand, NavState
 from companion.guidance.fillet import TURN_SHARE
-from companion.guidance.path_following import NEW_CURRENT_SHARE, REACH_BRAKINGS, PathFollowing
+from companion.guidance.path_following import REACH_BRAKINGS, PathFollowing
 from companion.guidance.pilot import Pilot
 
 CONFIG = BoatConfig()
@@ -48,19 +48,6 @@ def test_beside_the_leg_it_steers_back_and_says_how_far_off_it_is() -> None:
     assert demand.heading_rad == pytest.approx(-math.atan(3.0 / CONFIG.guidance.lookahead_m))
     assert demand.cross_track_m == pytest.approx(3.0)
     assert _demand(Pilot(), LEG, replace(NORTHBOUND, east_m=-3.0)).heading_rad == -demand.heading_rad
-
-
-def test_it_slows_for_the_end_and_not_for_a_straight_junction() -> None:
-    near = replace(NORTHBOUND, north_m=98.0)
-    assert _demand(Pilot(), LEG, near).speed_m_s < 1.0
-    assert _demand(Pilot(), FollowLeg(LEG.start, LEG.end, 2.0, Point(200.0, 0.0)), near).speed_m_s == 2.0
-
-
-def test_it_turns_onto_the_next_leg_before_the_corner() -> None:
-    assert _demand(Pilot(), CORNER, replace(NORTHBOUND, north_m=90.0)).heading_rad == pytest.approx(0.0)
-    early = _demand(Pilot(), CORNER, replace(NORTHBOUND, north_m=98.0))
-    assert 0.2 < early.heading_rad < math.pi / 2
-    assert early.cross_track_m == pytest.approx(0.0)  # still told of the leg it is on
 
 
 def test_it_turns_with_the_fillet_and_says_how_fast() -> None:
@@ -160,42 +147,12 @@ def test_a_leg_that_does_not_go_on_from_the_corner_owes_it_nothing() -> None:
     assert _demand(pilot, elsewhere, near) == Demand(0.0, 2.0, 0.0, 101.5)
 
 
-def test_a_bow_that_points_elsewhere_turns_on_the_spot() -> None:
-    assert _demand(Pilot(), LEG, replace(NORTHBOUND, heading_rad=2.0)).speed_m_s == 0.0
-
-
 def test_the_bow_is_held_against_the_set() -> None:
     in_a_current = replace(NORTHBOUND, current_east_m_s=0.5)
     demand = _demand(Pilot(), LEG, in_a_current)
     assert demand.heading_rad == pytest.approx(-math.atan(0.5 / 2.0))
     # Along the bow, over ground: what it takes through the water, and the set's part of it.
     assert demand.speed_m_s == pytest.approx(math.hypot(2.0, 0.5))
-
-
-def test_the_path_is_made_anew_for_another_current_and_not_for_a_little_change() -> None:
-    share = NEW_CURRENT_SHARE * CONFIG.guidance.min_speed_m_s
-    assert share == pytest.approx(0.1)
-    far = replace(NORTHBOUND, north_m=40.0)
-    near = replace(NORTHBOUND, north_m=96.4, current_north_m_s=0.5)
-    speeds = []
-    for learned in (0.0, 0.5 - 1.01 * share, 0.5 - 0.99 * share, 0.5):
-        pilot = Pilot()
-        _demand(pilot, CORNER, replace(far, current_north_m_s=learned))
-        # Within a radius of the fillet it is too late, so this is sailed on the path for what was learned.
-        speeds.append(_demand(pilot, CORNER, near).speed_m_s)
-    pilot = Pilot()
-    _demand(pilot, CORNER, far)
-    for _ in range(round(20.0 / DT)):
-        _demand(pilot, CORNER, replace(far, current_north_m_s=0.5))
-    assert _demand(pilot, CORNER, near).speed_m_s == pytest.approx(speeds[3], abs=1e-4)
-    assert speeds[0] != speeds[3]
-    for changed, is_new in ((1.01 * share, True), (0.99 * share, False)):
-        pilot = Pilot()
-        _demand(pilot, CORNER, replace(far, current_north_m_s=0.5 - changed))
-        for _ in range(round(20.0 / DT)):
-            _demand(pilot, CORNER, replace(far, current_north_m_s=0.5))
-        is_same = _demand(pilot, CORNER, near).speed_m_s == pytest.approx(speeds[3], abs=1e-4)
-        assert is_same is is_new
 
 
 def test_a_boat_at_rest_is_pointed_for_the_speed_that_it_has_and_not_for_the_one_it_will_have() -> None:
@@ -248,16 +205,6 @@ def test_a_leg_without_length_is_sailed_straight_to_its_end() -> None:
     assert demand.distance_m == pytest.approx(math.hypot(10.0, 10.0))
 
 
-def test_a_set_from_astern_turns_the_boat_about_before_its_stop() -> None:
-    carried = replace(NORTHBOUND, current_north_m_s=1.0)
-    assert _demand(Pilot(), LEG, replace(carried, north_m=80.0)).heading_rad == pytest.approx(0.0)
-    early = _demand(Pilot(), LEG, replace(carried, north_m=92.0))
-    assert early.speed_m_s < 2.0
-    near = _demand(Pilot(), LEG, replace(carried, north_m=96.0))
-    assert abs(near.heading_rad) == pytest.approx(math.pi)
-    assert _demand(Pilot(), CORNER, replace(carried, north_m=96.0)).heading_rad < 2.0
-
-
 def test_the_path_is_made_as_far_ahead_as_the_boat_may_have_to_brake() -> None:
     """Four braking distances of 5 m: a turn back 18 m beyond the leg counts, one 22 m beyond does not."""
     braking_m = LEG.speed_m_s**2 / (2.0 * CONFIG.guidance.accel_m_s2)
@@ -269,14 +216,6 @@ def test_the_path_is_made_as_far_ahead_as_the_boat_may_have_to_brake() -> None:
         following.update(leg, NORTHBOUND, CONFIG)
         assert following._plan is not None
         assert len(following._plan.places) == 3 + is_known
-
-
-def test_the_speed_is_what_the_path_allows_where_less_throttle_will_have_shown() -> None:
-    late_m = CONFIG.handling.surge_time_s * 2.0
-    for to_go_m in (5.0, 6.0, 8.0):
-        demand = _demand(Pilot(), LEG, replace(NORTHBOUND, north_m=100.0 - to_go_m))
-        allowed = math.sqrt(2.0 * CONFIG.guidance.accel_m_s2 * (to_go_m - late_m))
-        assert demand.speed_m_s == pytest.approx(min(allowed, 2.0), rel=1e-3)
 
 
 @pytest.mark.parametrize("to_starboard", [1.0, -1.0])

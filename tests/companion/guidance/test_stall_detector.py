@@ -29,17 +29,6 @@ def judged(
     return headway.verdict
 
 
-def test_a_boat_under_way_makes_way() -> None:
-    assert judged(StallDetector(), UNDER_WAY, 60.0) is StallVerdict.MAKING_WAY
-
-
-def test_full_throttle_without_way_in_still_water_is_stuck() -> None:
-    headway = StallDetector()
-    judged(headway, UNDER_WAY, 60.0)
-    assert judged(headway, STILL, 0.9 * STALL_S) is StallVerdict.MAKING_WAY
-    assert judged(headway, STILL, 0.2 * STALL_S) is StallVerdict.STUCK
-
-
 def test_a_current_as_fast_as_the_boat_leaves_no_headway() -> None:
     headway = StallDetector()
     judged(headway, replace(UNDER_WAY, north_m_s=0.2, current_north_m_s=-2.9), 120.0)
@@ -56,28 +45,6 @@ def test_way_made_good_clears_the_verdict() -> None:
     headway = StallDetector()
     assert judged(headway, STILL, 2.0 * STALL_S) is StallVerdict.STUCK
     assert judged(headway, UNDER_WAY, DT) is StallVerdict.MAKING_WAY
-
-
-@pytest.mark.parametrize(
-    ("command", "demand", "heading_rad"),
-    [
-        (MotorCommand(0.3, 0.3), NORTH, 0.0),
-        (STOPPED, NORTH, 0.0),
-        (FULL, Demand(0.0, 0.0), 0.0),
-        (FULL, NORTH, 2.0),
-    ],
-    ids=["little thrust", "none", "nothing asked", "still turning"],
-)
-def test_who_does_not_try_is_not_judged(command: MotorCommand, demand: Demand, heading_rad: float) -> None:
-    nav = replace(STILL, heading_rad=heading_rad)
-    assert judged(StallDetector(), nav, 60.0, command, demand) is StallVerdict.MAKING_WAY
-
-
-def test_opening_the_loops_begins_anew() -> None:
-    headway = StallDetector()
-    judged(headway, STILL, 0.9 * STALL_S)
-    headway.update(None, STOPPED, STILL, CONFIG, DT)
-    assert headway.stalled_s == 0.0
 
 
 TURNING = MotorCommand(-1.0, 1.0)
@@ -103,32 +70,14 @@ def test_steering_that_turns_nothing_at_the_shore_is_a_boat_aground() -> None:
     assert held(headway, TURNING, 0.9 * HELD_S) is StallVerdict.MAKING_WAY
     assert headway.held_s > 5.0
     assert held(headway, TURNING, 0.2 * HELD_S) is StallVerdict.AGROUND
-
-
-def test_thrust_that_moves_nothing_at_the_shore_is_a_boat_aground() -> None:
-    assert held(StallDetector(), FULL, 1.1 * HELD_S) is StallVerdict.AGROUND
-
-
-@pytest.mark.parametrize(("turn", "drift"), [(0.1, 0.0), (0.0, 0.3)])
-def test_a_boat_that_turns_or_drifts_is_afloat(turn: float, drift: float) -> None:
-    assert held(StallDetector(), TURNING, 60.0, turn, drift) is StallVerdict.MAKING_WAY
-
-
-def test_a_boat_that_holds_its_place_with_little_thrust_is_afloat() -> None:
-    assert held(StallDetector(), MotorCommand(0.1, 0.1), 60.0) is StallVerdict.MAKING_WAY
+    assert headway.update(NO_WAY, TURNING, STILL, CONFIG, DT, is_at_line=True) is StallVerdict.AGROUND
 
 
 def test_away_from_every_line_nothing_is_said_of_the_shore() -> None:
     assert judged(StallDetector(), STILL, 60.0, TURNING, NO_WAY) is StallVerdict.MAKING_WAY
 
 
-def test_each_verdict_has_a_number_of_its_own() -> None:
-    assert [(one.name, one.value) for one in StallVerdict] == [
-        ("MAKING_WAY", 0), ("NO_HEADWAY", 1), ("STUCK", 2), ("AGROUND", 3),
-    ]  # fmt: skip
-
-
-@pytest.mark.parametrize("heading_deg", [0, 90, 180, -90, 30])
+@pytest.mark.parametrize("heading_deg", [0, 120])
 @pytest.mark.parametrize(
     ("seconds", "verdict"), [(43.0, StallVerdict.STUCK), (48.0, StallVerdict.NO_HEADWAY)]
 )
@@ -195,7 +144,7 @@ def test_a_boat_is_driven_by_steering_of_one_or_six_tenths_of_a_metre_a_second(
     assert (held(StallDetector(), command, 6.1) is StallVerdict.AGROUND) is is_driven
 
 
-@pytest.mark.parametrize("heading_deg", [0, 90, -135])
+@pytest.mark.parametrize("heading_deg", [0, -135])
 @pytest.mark.parametrize(("along_m_s", "is_driven"), [(-0.4, False), (0.4, True), (-1.6, True)])
 def test_the_known_current_counts_with_the_thrust(
     heading_deg: int, along_m_s: float, is_driven: bool
@@ -248,13 +197,8 @@ def test_open_loops_are_judged_to_make_way() -> None:
     headway = StallDetector()
     assert judged(headway, STILL, 2.0 * STALL_S) is StallVerdict.STUCK
     assert headway.update(None, STOPPED, STILL, CONFIG, DT) is StallVerdict.MAKING_WAY
+    assert headway.stalled_s == 0.0
     assert headway.update(NORTH, FULL, None, CONFIG, DT) is StallVerdict.MAKING_WAY
-
-
-def test_a_boat_aground_is_told_to_whoever_asks_each_tick() -> None:
-    headway = StallDetector()
-    assert held(headway, TURNING, 1.1 * HELD_S) is StallVerdict.AGROUND
-    assert headway.update(NO_WAY, TURNING, STILL, CONFIG, DT, is_at_line=True) is StallVerdict.AGROUND
 
 
 def test_one_motor_without_thrust_is_found_though_the_estimate_shows_some_way() -> None:

@@ -68,15 +68,6 @@ def test_no_fillet_is_tighter_than_the_least_radius_through_the_water(
         assert turned * RADIUS_M <= 1.02 * step_s * max(speed, later_speed) + 1e-3
 
 
-def test_a_right_angle_is_rounded_by_the_radius_where_a_pair_of_motors_cuts_it_finer() -> None:
-    bend = Bend(0.0, 0.5 * math.pi, 25.0, 25.0, 2.0, 1.2, 0.0, 0.0, 50.0, 0.0)
-    wide, tight = best_fillet(bend, RUDDER), best_fillet(bend, PAIR)
-    assert wide is not None
-    assert tight is not None
-    assert wide.cut_m >= 0.9 * (math.sqrt(2.0) - 1.0) * RADIUS_M
-    assert tight.cut_m < wide.cut_m
-
-
 def test_turning_around_takes_the_time_of_half_a_circle() -> None:
     assert turning_s(RUDDER) == pytest.approx(math.pi * RADIUS_M / 1.2 + 0.6)
     assert turning_s(PAIR) == pytest.approx(math.pi / 0.8 + 0.6)
@@ -128,12 +119,6 @@ def test_within_the_radius_the_rudder_boat_drifts() -> None:
     assert station(1.4, 0.0, 0.8) == Demand(0.8, 0.0, 0.0, 1.4)
 
 
-def test_from_far_it_sails_ahead_to_the_point() -> None:
-    demand = station(-30.0, 0.0)
-    assert demand.heading_rad == pytest.approx(0.0)
-    assert demand.speed_m_s == 1.2
-
-
 def test_a_point_behind_is_turned_to_with_way_on() -> None:
     demand = station(3.0, 0.0)
     assert abs(demand.heading_rad) == pytest.approx(math.pi)
@@ -158,8 +143,8 @@ def test_it_sails_on_into_the_inner_half_of_the_radius_then_drifts() -> None:
     assert [speed > 0.0 for speed in speeds] == [True, True, True, False, False, False]
 
 
-@pytest.mark.parametrize("bearing_deg", range(0, 360, 30))
-@pytest.mark.parametrize("away_m", [1.6, 3.0, 6.0])
+@pytest.mark.parametrize("bearing_deg", range(0, 360, 60))
+@pytest.mark.parametrize("away_m", [1.6, 6.0])
 def test_it_comes_back_within_three_turning_radii(bearing_deg: int, away_m: float) -> None:
     """A point that turns by no less than its radius, at the demanded speed."""
     keeping, dt_s = StationKeeping(), 0.1

@@ -1,8 +1,5 @@
 """The risk of a collision with what may move."""
 
-import math
-import random
-
 import pytest
 from avoidance_rig import boat, mover
 
@@ -101,19 +98,3 @@ def test_the_middle_of_a_mover_lies_beyond_its_echo(here: Point) -> None:
 
 def test_a_sooner_collision_counts_more() -> None:
     assert risk(mover(2.5, 0.0, -0.3, 0.0)) > risk(mover(4.5, 0.0, -0.3, 0.0)) > 0.0
-
-
-def test_a_new_echo_may_come() -> None:
-    assert 0.1 < risk(new(4.0, 0.0)) < 0.6
-    assert risk(new(4.0, 0.0), 0.0, 1.0) < risk(new(4.0, 0.0))
-
-
-def test_the_expected_number_of_collisions_is_that_of_samples() -> None:
-    """Roughly: the disc is a Gaussian, and the spread is limited."""
-    chance, track, hits = random.Random(3), mover(4.0, 0.0, -0.4, 0.0), 0
-    track._covariance[2][2] = track._covariance[3][3] = 0.01
-    for _ in range(400):
-        v_n, v_e = -0.4 + 0.1 * chance.gauss(0.0, 1.0), 0.1 * chance.gauss(0.0, 1.0)
-        steps = (0.05 * step for step in range(100))
-        hits += any(math.hypot(4.4 + (v_n - 1.0) * time_s, v_e * time_s) < 1.0 for time_s in steps)
-    assert risk(track) == pytest.approx(hits / 400.0, abs=0.4)

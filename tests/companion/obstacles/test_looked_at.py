@@ -56,13 +56,6 @@ def test_water_inside_an_inclusion_fence_is_known(bounds: Fence, is_limited: boo
     assert looked().is_limited(Point(20.0, 0.0), 1, bounds)
 
 
-def test_the_circle_around_home_says_nothing_about_the_water() -> None:
-    home = Fence()
-    home.update(FRAME, FRAME.origin, FenceSetting(enabled=True, kinds=2, radius_m=100.0))
-    assert home.is_active
-    assert not home.is_charted(HERE)
-
-
 @pytest.mark.parametrize(("distance_m", "is_limited"), [(39.9, True), (40.1, False)])
 @pytest.mark.parametrize("by_sight", [2, 3])
 def test_within_forty_metres_of_what_no_map_has_the_chart_is_not_trusted(

@@ -1,3 +1,5 @@
+"""The occupancy grid: the evidence of its cells in figures, and what holds for any beams."""
+
 import math
 
 import pytest
@@ -5,129 +7,188 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.core.geo import Point, distance_m
-from companion.obstacles.perception.occupancy import MAX_CELLS, SOLID, SUSPECT, Beam, Occupancy
+from companion.obstacles.perception.occupancy import MAX_CELLS, SUSPECT, Beam, Occupancy
 
 HERE = Point(0.0, 0.0)
 WIDTH_RAD = math.radians(15.0)
+FREE = math.inf
+ROCK = Point(3.1, 0.1)  # the centre of a cell
 
 
-def look(
-    range_m: float, time_s: float, bearing_rad: float = 0.0, at: Point = HERE, reach_m: float = 4.0
-) -> Beam:
-    return Beam(time_s, at, bearing_rad, WIDTH_RAD, range_m, reach_m)
+def look(range_m: float, time_s: float = 0.0, bearing_rad: float = 0.0, width_rad: float = WIDTH_RAD) -> Beam:
+    return Beam(time_s, HERE, bearing_rad, width_rad, range_m, 4.0)
 
 
-def water() -> Occupancy:
-    return Occupancy(0.2, 25.0)
+def grid(*beams: Beam) -> Occupancy:
+    found = Occupancy(0.2, 25.0)
+    for beam in beams:
+        found.add(beam)
+    return found
 
 
-def test_one_echo_makes_a_suspect_and_a_second_one_makes_it_solid() -> None:
-    seen = water()
-    seen.add(look(3.0, 0.0))
-    assert seen.obstacles(0.0) == []
-    assert seen.obstacles(0.0, SUSPECT)
-    seen.add(look(3.05, 0.72))
-    solid = seen.obstacles(0.72)
-    assert solid
-    assert all(abs(distance_m(HERE, thing) - 3.0) < 0.3 for thing in solid)
+@pytest.mark.parametrize(
+    ("bearing_rad", "cells"),
+    [
+        (0.0, {(3.9, -0.3), (3.9, -0.1), (3.9, 0.1), (3.9, 0.3)}),  # ±0.36 m, of 0.7 of the beam
+        (0.5 * math.pi, {(-0.3, 3.9), (-0.1, 3.9), (0.1, 3.9), (0.3, 3.9)}),
+        (math.pi, {(-3.9, -0.3), (-3.9, -0.1), (-3.9, 0.1), (-3.9, 0.3)}),
+    ],
+)
+def test_an_echo_marks_the_cells_across_the_core_of_its_beam(
+    bearing_rad: float, cells: set[tuple[float, float]]
+) -> None:
+    found = grid(look(3.95, 0.0, bearing_rad)).obstacles(0.0, SUSPECT)
+    assert {(round(at.north_m, 6), round(at.east_m, 6)) for at in found} == cells
 
 
-def test_echoes_of_spray_here_and_there_never_become_solid() -> None:
-    seen = water()
-    for number, range_m in enumerate((3.8, 0.6, 2.9, 1.7, 0.9, 2.2)):
-        seen.add(look(range_m, 0.72 * number))
-    assert seen.obstacles(3.6) == []
+def test_evidence_grows_by_one_an_echo_up_to_four_and_decays_in_ten_seconds_a_piece() -> None:
+    seen = grid(look(3.1))
+    assert seen.evidence_at(ROCK, 0.0) == 1.0
+    assert seen.evidence_at(ROCK, 4.0) == pytest.approx(0.6)
+    seen.add(look(3.1, 1.0))
+    assert seen.evidence_at(ROCK, 1.0) == pytest.approx(1.9)
+    for number in range(8):
+        seen.add(look(3.1, 1.1 + 0.1 * number))
+    assert seen.evidence_at(ROCK, 1.8) == pytest.approx(4.0)
+    assert seen.evidence_at(ROCK, 26.7) == pytest.approx(1.51)
+    assert ROCK in [Point(round(at.north_m, 6), round(at.east_m, 6)) for at in seen.obstacles(26.7)]
+    assert seen.obstacles(26.9) == []
+    assert seen.evidence_at(ROCK, 99.0) == 0.0
+    assert seen.evidence_at(Point(3.1, 3.1), 0.0) is None
 
 
-def test_an_echo_lies_somewhere_on_the_arc_across_the_beam() -> None:
-    seen = water()
-    seen.add(look(4.0, 0.0))
-    arc = seen.obstacles(0.0, SUSPECT)
-    assert max(thing.east_m for thing in arc) - min(thing.east_m for thing in arc) > 0.5
-    assert all(abs(math.atan2(thing.east_m, thing.north_m)) < WIDTH_RAD for thing in arc)
+def test_a_ping_has_a_suspect_until_its_cells_are_observed_again() -> None:
+    single = look(3.1, 1.0)
+    assert grid(single).has_suspect_of(single)
+    assert not grid(single).has_suspect_of(look(3.1, 0.9))
+    assert not grid(single, look(3.1, 1.1)).has_suspect_of(single)
+    assert not grid(single, look(FREE, 1.1)).has_suspect_of(single)
+    assert not grid(look(3.1, 0.9), single).has_suspect_of(single), "it has confirmed another"
 
 
-@pytest.mark.parametrize("range_m", [3.5, math.inf])
-def test_what_is_closer_than_the_ranger_sees_stays(range_m: float) -> None:
-    seen = water()
-    for distance in (1.1, 0.5):
-        for time_s in (0.0, 0.7):
-            seen.add(look(distance, time_s))
-    before = seen.evidence_at(Point(0.5, 0.01), 1.4)
+def test_what_was_seen_through_is_doubted_down_to_minus_one_which_decays_too() -> None:
+    seen = grid(look(3.1))
+    seen.add(look(3.9, 1.0))
+    assert seen.evidence_at(ROCK, 1.0) == pytest.approx(-0.1)
+    seen.add(look(FREE, 2.0))
+    assert seen.evidence_at(ROCK, 2.0) == pytest.approx(-0.5)
+    seen.add(look(3.9, 3.0))
+    assert seen.evidence_at(ROCK, 3.0) == -1.0
+    assert seen.evidence_at(ROCK, 7.0) == pytest.approx(-0.6)
+    assert seen.evidence_at(ROCK, 99.0) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("range_m", "is_seen_through"), [(3.38, True), (3.22, False), (FREE, True), (0.1, False)]
+)
+def test_a_beam_clears_up_to_a_cell_before_its_echo(range_m: float, is_seen_through: bool) -> None:
+    seen = grid(look(3.1, width_rad=0.01))
+    seen.add(look(range_m, 1.0, 0.03, 0.2))
+    evidence = seen.evidence_at(ROCK, 1.0)
+    assert evidence is not None
+    assert (evidence < 0.6) is is_seen_through
+
+
+@pytest.mark.parametrize(
+    ("off_rad", "is_cleared"),
+    [(0.0, True), (0.08, True), (-0.08, True), (0.1, False), (-0.1, False), (3.1, False)],
+)
+@pytest.mark.parametrize("range_m", [0.5, 3.1])
+def test_a_beam_clears_of_solid_cells_its_core_alone(
+    off_rad: float, is_cleared: bool, range_m: float
+) -> None:
+    for at in grid(look(range_m, width_rad=0.01)).obstacles(0.0, SUSPECT):
+        other = grid(look(range_m, width_rad=0.01), look(range_m, 0.1, width_rad=0.01))
+        other.add(look(FREE, 0.1, math.atan2(at.east_m, at.north_m) + off_rad))  # half of the core: 0.092 rad
+        assert (other.evidence_at(at, 0.1) == pytest.approx(1.49)) is is_cleared
+
+
+@pytest.mark.parametrize(
+    ("off_m", "is_cleared"),
+    [(0.0, True), (0.40, True), (-0.40, True), (0.45, False), (-0.45, False)],
+)
+def test_a_beam_clears_suspect_cells_of_which_a_corner_is_in_its_core(off_m: float, is_cleared: bool) -> None:
+    seen = grid(
+        look(3.1, width_rad=0.01)
+    )  # half of the core: 0.28 m there; half of a cell's diagonal: 0.14 m
+    at = math.atan2(ROCK.east_m, ROCK.north_m) + math.asin(off_m / 3.1)
+    seen.add(look(FREE, 0.0, at))
+    assert (seen.evidence_at(ROCK, 0.0) == 0.5) is is_cleared
+
+
+def test_beside_a_solid_cell_a_beam_clears_its_core_alone() -> None:
+    rock = look(2.1, 0.0, math.pi, 0.01)
+    seen = grid(rock, look(2.1, 0.1, math.pi, 0.01), look(3.1, 0.1, width_rad=0.01))
+    seen.add(look(FREE, 0.1, math.atan2(ROCK.east_m, ROCK.north_m) + 0.1))
+    assert seen.evidence_at(ROCK, 0.1) == 1.0
+
+
+@pytest.mark.parametrize("range_m", [0.7, 1.5, 2.3, 3.1])
+@pytest.mark.parametrize("turned_rad", [0.0, 0.02, -0.02])
+def test_a_second_look_at_the_place_of_a_single_echo_leaves_no_suspect(
+    range_m: float, turned_rad: float
+) -> None:
+    for number in range(24):
+        bearing = number * math.pi / 12.0 + 0.03
+        seen = grid(look(range_m, 0.0, bearing))
+        seen.add(look(FREE, 0.12, bearing + turned_rad))  # the boat has turned by a degree
+        assert seen.obstacles(0.12, SUSPECT) == []
+
+
+@pytest.mark.parametrize(("range_m", "evidence"), [(3.3, 1.99), (2.9, 1.99), (3.5, 1.0)])
+def test_an_echo_in_a_neighbouring_cell_counts_as_a_second_look(range_m: float, evidence: float) -> None:
+    seen = grid(look(3.1, width_rad=0.01))
+    seen.add(look(range_m, 0.1, 0.02, 0.01))
+    assert seen.evidence_at(Point(range_m, 0.02 * range_m), 0.1) == pytest.approx(evidence)
+
+
+@pytest.mark.parametrize(("east_m", "evidence"), [(0.3, 1.99), (-0.3, 1.99), (0.5, 1.0), (-0.5, 1.0)])
+def test_neighbours_lie_to_the_side_as_well(east_m: float, evidence: float) -> None:
+    seen = grid(Beam(0.0, Point(0.0, 0.1 if east_m > 0.0 else -0.1), 0.0, 0.001, 3.1, 4.0))
+    seen.add(Beam(0.1, Point(0.0, east_m), 0.0, 0.001, 3.1, 4.0))
+    assert seen.evidence_at(Point(3.1, east_m), 0.1) == pytest.approx(evidence)
+
+
+@pytest.mark.parametrize(
+    ("at", "now_s", "is_kept"),
+    [
+        (HERE, 2.9, True),
+        (HERE, 3.1, False),  # one look alone
+        (Point(-1.7, 0.0), 0.1, True),
+        (Point(-2.1, 0.0), 0.1, False),
+        (Point(0.0, 4.8), 0.1, True),
+        (Point(0.0, 5.2), 0.1, False),
+        (Point(0.0, -5.2), 0.1, False),
+    ],
+)
+def test_cells_are_forgotten_by_age_and_distance(at: Point, now_s: float, is_kept: bool) -> None:
+    seen = grid(look(3.1, width_rad=0.001))
+    seen.forget(at, 5.0, now_s)
+    assert (len(seen) > 0) is is_kept
+
+
+@pytest.mark.parametrize(
+    ("at", "is_near"), [((3.1, 0.0), True), ((8.0, 0.0), True), ((8.3, 0.0), False), ((3.1, 5.3), False)]
+)
+def test_near_is_measured_along_either_axis(at: tuple[float, float], is_near: bool) -> None:
+    assert grid(look(3.1, width_rad=0.001)).is_near(Point(*at), 5.0) is is_near
+
+
+@pytest.mark.parametrize("range_m", [3.5, FREE])
+def test_what_is_closer_than_the_ranger_sees_only_fades(range_m: float) -> None:
+    near = Point(0.5, 0.01)
+    seen = grid(look(0.5), look(0.5, 0.7))
     for time_s in (1.4, 2.1, 2.8):
         seen.add(Beam(time_s, HERE, 0.0, WIDTH_RAD, range_m, 4.0, 0.6))
-    after = seen.evidence_at(Point(0.5, 0.01), 2.8)
-    assert before is not None
-    assert after is not None
-    assert after > before - 0.2, "only faded"
-    assert all(thing.north_m < 0.7 for thing in seen.obstacles(2.8, SUSPECT) if thing.north_m < 3.0)
-
-
-def test_what_a_beam_reaches_beyond_is_gone() -> None:
-    seen = water()
-    for time_s in (0.0, 0.7):
-        seen.add(look(2.0, time_s))
-    assert seen.obstacles(0.7)
-    for time_s in (1.4, 2.1):
-        seen.add(look(3.5, time_s))
-    assert all(thing.north_m > 3.0 for thing in seen.obstacles(2.1, SUSPECT))
-    looks = seen.evidence_at(Point(2.0, 0.0), 2.1)
-    assert looks is not None
-    assert looks <= 0.0
-
-
-def test_silence_takes_away_less_than_an_echo_from_beyond() -> None:
-    silent, beyond = water(), water()
-    for seen, range_m in ((silent, math.inf), (beyond, 3.5)):
-        seen.add(look(2.0, 0.0))
-        seen.add(look(2.0, 0.7))
-        seen.add(look(range_m, 1.4))
-    assert silent.obstacles(1.4, SOLID - 0.5)
-    assert not any(thing.north_m < 3.0 for thing in beyond.obstacles(1.4, SOLID - 0.5))
-
-
-def test_a_look_elsewhere_takes_nothing_away() -> None:
-    seen = water()
-    for time_s in (0.0, 0.7):
-        seen.add(look(2.0, time_s))
-    before = seen.obstacles(0.8)
-    seen.add(look(math.inf, 0.8, bearing_rad=0.5))
-    assert seen.obstacles(0.8) == before
-
-
-def test_what_was_seen_often_is_remembered_longer_and_forgotten_in_the_end() -> None:
-    twice, often = water(), water()
-    for number in range(2):
-        twice.add(look(2.0, 0.1 * number))
-    for number in range(8):
-        often.add(look(2.0, 0.1 * number))
-    assert not twice.obstacles(15.0)
-    assert often.obstacles(15.0)
-    assert not often.obstacles(30.0)
-    often.forget(HERE, 100.0, 60.0)
-    assert len(often) == 0
-
-
-def test_what_is_far_behind_is_dropped() -> None:
-    seen = water()
-    seen.add(look(2.0, 0.0))
-    seen.forget(Point(50.0, 0.0), 18.0, 0.0)
-    assert len(seen) == 0
-
-
-def test_open_water_is_not_stored() -> None:
-    seen = water()
-    for number in range(100):
-        seen.add(look(math.inf, 0.06 * number, bearing_rad=0.1 * number))
-    assert len(seen) == 0
+    assert seen.evidence_at(near, 2.8) == grid(look(0.5), look(0.5, 0.7)).evidence_at(near, 2.8)
 
 
 @given(
     st.lists(
         st.tuples(
             st.floats(-7.0, 7.0),
-            st.one_of(st.just(math.inf), st.floats(0.02, 4.0)),
-            st.floats(-100.0, 100.0),
+            st.just(FREE) | st.floats(0.02, 4.0),
+            st.floats(-99.0, 99.0),
             st.floats(0.01, 3.0),
         ),
         max_size=80,
@@ -137,49 +198,21 @@ def test_memory_is_bounded_and_every_thing_was_within_reach(
     looks: list[tuple[float, float, float, float]],
 ) -> None:
     seen = Occupancy(0.05, 25.0)
-    eyes = []
     for number, (bearing, range_m, north_m, width) in enumerate(looks):
-        eyes.append(Point(north_m, 0.0))
-        seen.add(Beam(0.06 * number, eyes[-1], bearing, width, range_m, 4.0))
+        seen.add(Beam(0.06 * number, Point(north_m, 0.0), bearing, width, range_m, 4.0))
     assert len(seen) <= MAX_CELLS
     for thing in seen.obstacles(5.0, SUSPECT):
-        assert min(distance_m(eye, thing) for eye in eyes) < 4.0 + 0.1
+        assert min(distance_m(Point(north_m, 0.0), thing) for _, _, north_m, _ in looks) < 4.0 + 0.1
 
 
-@pytest.mark.parametrize("range_m", [0.02, 1.0, 3.99])
-def test_an_arc_counts_once_for_each_of_its_cells(range_m: float) -> None:
-    seen = water()
-    seen.add(look(range_m, 0.0))
-    assert all(seen.evidence_at(thing, 0.0) == 1.0 for thing in seen.obstacles(0.0, SUSPECT))
-
-
-@pytest.mark.parametrize("origin", [Point(40.0, -60.0), Point(-128.0, 64.0)])
-def test_the_map_knows_no_origin(origin: Point) -> None:
-    here, there = water(), water()
+def test_the_map_knows_no_origin() -> None:
+    here, there = grid(), grid()
     for number in range(200):
-        bearing, range_m = 0.3 * number, (1.0 + 0.013 * number if number % 3 else math.inf)
-        at = Point(0.01 * number + 0.003, -0.007 * number - 0.001)
-        here.add(look(range_m, 100.0 + 0.1 * number, bearing, at))
-        moved = Point(at.north_m + origin.north_m, at.east_m + origin.east_m)
-        there.add(look(range_m, 100.0 + 0.1 * number, bearing, moved))
+        bearing, range_m = 0.3 * number, (1.0 + 0.013 * number if number % 3 else FREE)
+        for seen, north_m, east_m in ((here, 0.003, -0.001), (there, 40.003, -60.001)):
+            at = Point(north_m + 0.01 * number, east_m - 0.007 * number)
+            seen.add(Beam(100.0 + 0.1 * number, at, bearing, WIDTH_RAD, range_m, 4.0))
     for least in (SUSPECT, 1.0):
-        one, other = here.obstacles(120.0, least), there.obstacles(120.0, least)
-        assert len(one) == len(other) > 0
-        back = [(at.north_m - origin.north_m, at.east_m - origin.east_m) for at in other]
-        for a, b in zip(sorted(one), sorted(back), strict=True):
-            assert b == pytest.approx(a, abs=0.02)
-
-
-def test_a_cleared_map_is_empty() -> None:
-    seen = water()
-    seen.add(look(3.0, 0.0))
-    seen.clear()
-    assert len(seen) == 0
-
-
-def test_what_was_just_seen_late_in_a_voyage_is_not_forgotten() -> None:
-    seen = water()
-    for time_s in (1000.0, 1000.7):
-        seen.add(look(3.0, time_s))
-    seen.forget(HERE, 10.0, 1001.0)
-    assert seen.obstacles(1001.0)
+        one, other = (sorted(seen.obstacles(120.0, least)) for seen in (here, there))
+        assert [Point(n - 40.0, e + 60.0) for n, e in other] == [pytest.approx(at, abs=0.02) for at in one]
+        assert one

@@ -1,5 +1,3 @@
-import math
-
 import msgspec
 import pytest
 from boat_rig import nav_at
@@ -28,25 +26,12 @@ def seen_from(
     return perception
 
 
-def test_an_echo_is_put_where_the_boat_was_and_pointed() -> None:
-    nav = msgspec.structs.replace(nav_at(10.0, 5.0), heading_rad=math.pi / 2)
-    (thing, *_) = seen_from(nav, ping(bearing_rad=math.pi / 2)).occupancy.obstacles(0.0, SUSPECT)
-    assert distance_m(thing, Point(7.0, 5.0)) < 0.5
-
-
 def test_the_sight_is_that_of_the_longest_ranger_until_that_is_silent_for_a_sweep() -> None:
     perception = ObstaclePerception(SETTING)
     for time_s, reach_m, expected_m in ((9.0, 4.0, 4.0), (9.5, 2.0, 4.0), (10.2, 2.0, 2.0), (10.3, 4.0, 4.0)):
         one = SonarReading(time_s, 0.0, None, max_range_m=reach_m)
         perception.ingest([(one, None)], nav_at(), SETTING, time_s)
         assert perception.reach_m == expected_m
-
-
-def test_a_ping_is_taken_back_to_the_time_it_was_sent() -> None:
-    nav = msgspec.structs.replace(nav_at(10.0), north_m_s=2.0, surge_m_s=2.0)
-    seen = seen_from(nav, ping(time_s=0.0, range_m=3.0), now_s=0.5)
-    things = seen.occupancy.obstacles(0.5, SUSPECT)
-    assert max(abs(thing.north_m - 12.0) for thing in things) < 0.3
 
 
 @pytest.mark.parametrize(("range_m", "counts"), [(3.0, True), (1.8, True), (1.4, False)])
@@ -65,50 +50,12 @@ def test_beside_something_solid_a_single_echo_counts() -> None:
     assert min(distance_m(thing, Point(0.53, 1.93)) for thing in seen.suspects(0.18)) < 0.2
 
 
-@pytest.mark.parametrize(
-    "bad",
-    [
-        ping(range_m=math.nan),
-        ping(range_m=-1.0),
-        ping(bearing_rad=math.nan),
-        ping(bearing_rad=math.inf),
-        ping(time_s=math.nan),
-        ping(time_s=5.0),
-        ping(time_s=-5.0),
-        SonarReading(0.0, 0.0, 1.0, 0.02, math.nan),
-    ],
-)
-def test_pings_that_cannot_be_are_dropped_and_counted(bad: SonarReading) -> None:
-    perception = seen_from(nav_at(), bad)
-    assert perception.dropped == 1
-    assert perception.is_empty
-
-
 def test_a_boat_that_does_not_know_where_it_is_puts_nothing_on_the_map() -> None:
     assert seen_from(nav_at(age_s=10.0), ping()).is_empty
     lost = ObstaclePerception(SETTING)
     lost.ingest([(ping(), None)], None, SETTING, 0.0)
     assert lost.is_empty
     assert lost.dropped == 1
-
-
-def test_what_is_beyond_the_lookahead_is_left_alone() -> None:
-    near = msgspec.structs.replace(SETTING, lookahead_m=2.0)
-    assert seen_from(nav_at(), ping(range_m=3.0), setting=near).is_empty
-    assert not seen_from(nav_at(), ping(range_m=1.9), setting=near).is_empty
-
-
-def test_another_margin_begins_another_map() -> None:
-    perception = seen_from(nav_at(), ping())
-    wider = msgspec.structs.replace(SETTING, margin_m=2.0)
-    perception.ingest([], nav_at(), wider, 0.1)
-    assert perception.is_empty
-
-
-def test_what_lies_far_behind_is_forgotten_in_time() -> None:
-    perception = seen_from(nav_at(), ping())
-    perception.ingest([(ping(2.0, range_m=None), None)], nav_at(100.0, time_s=2.0), SETTING, 2.0)
-    assert perception.is_empty
 
 
 @given(

@@ -131,14 +131,6 @@ def test_silence_says_how_far_the_water_is_free(ping: SonarReading, reach_m: flo
     assert seen.dropped == (reach_m == 0.0)
 
 
-def test_a_new_perception_has_heard_nothing() -> None:
-    seen = ObstaclePerception(SETTING)
-    assert (seen.heard_s, seen.reach_m, seen.dropped) == (-math.inf, 0.0, 0)
-    assert seen.is_empty
-    assert not seen.is_near(Point(0.0, 0.0))
-    assert not seen.is_noisy
-
-
 @pytest.mark.parametrize(("east_m", "is_near"), [(4.9, True), (5.2, False)])
 def test_near_is_within_sight_and_the_margin(east_m: float, is_near: bool) -> None:
     seen = ObstaclePerception(SETTING)

@@ -77,22 +77,16 @@ def test_the_filter_is_the_textbooks(looks: list[Beam]) -> None:
     assert track.point(now_s + 2.0) == pytest.approx((x[0] + 2.0 * x[2], x[1] + 2.0 * x[3]), abs=1e-5)
 
 
-def test_a_new_track_is_at_rest_and_stays_put() -> None:
-    track = Track(7, 3.0, Point(4.0, 5.0), 0.3)
-    assert (track.number, track.created_s, track.seen_s, track.radius_m) == (7, 3.0, 3.0, 0.3)
-    assert (track.north_m_s, track.east_m_s, track.speed_m_s) == (0.0, 0.0, 0.0)
-    assert (track.observations, track.isolated_count) == (1, 0)
-    assert (track.whole_count, track.is_mover) == (0, False)
-    assert track.speed_sigma_m_s == pytest.approx(0.5)
-    assert track.covariance(3.0) == pytest.approx((100.0, 0.0, 100.0))
-    assert track.rest_ratio() == pytest.approx(1.0)
-    assert track.point(100.0) == Point(4.0, 5.0)
-
-
 def moving(
-    north_m_s: float, east_m_s: float, *, looks: int = 5, start: Point = ORIGIN, is_alone: bool = True
+    north_m_s: float,
+    east_m_s: float,
+    *,
+    looks: int = 5,
+    start: Point = ORIGIN,
+    is_alone: bool = True,
+    beam_rad: float = 0.0,
 ) -> Track:
-    """Observed exactly every 0.3 s, by a beam that points north."""
+    """Observed exactly every 0.3 s."""
     track = Track(1, 0.0, start, 0.3)
     for axis in ((1.0, 0.0), (0.0, 1.0)):
         track.correct(start, *axis, 0.02)
@@ -102,7 +96,7 @@ def moving(
         at = Point(start.north_m + north_m_s * now_s, start.east_m + east_m_s * now_s)
         for axis in ((1.0, 0.0), (0.0, 1.0)):
             track.correct(at, *axis, 0.02)
-        track.complete_observation(0.3, 1.0, 0.0, is_alone=is_alone)
+        track.complete_observation(0.3, math.cos(beam_rad), math.sin(beam_rad), is_alone=is_alone)
     return track
 
 
@@ -156,10 +150,23 @@ def judged(track: Track) -> Track:
     return track
 
 
-@pytest.mark.parametrize(("north_m_s", "is_mover"), [(-1.0, True), (1.0, False), (-0.1, False)])
-def test_what_approaches_along_the_beam_moves(north_m_s: float, is_mover: bool) -> None:
-    track = judged(moving(north_m_s, 0.0))
-    assert track.is_mover is is_mover
+@pytest.mark.parametrize("beam_rad", [0.0, 0.8, 0.5 * math.pi, -2.0])
+@pytest.mark.parametrize(
+    ("off_rad", "speed_m_s", "is_mover"),
+    [
+        (math.pi, 1.0, True),
+        (math.pi - 0.8, 1.0, True),
+        (math.pi, 0.1, False),
+        (0.0, 1.0, False),
+        (1.5, 1.0, False),
+    ],
+)
+def test_what_approaches_along_the_beam_moves(
+    beam_rad: float, off_rad: float, speed_m_s: float, is_mover: bool
+) -> None:
+    course = beam_rad + off_rad
+    track = moving(speed_m_s * math.cos(course), speed_m_s * math.sin(course), beam_rad=beam_rad)
+    assert judged(track).is_mover is is_mover
 
 
 def test_two_looks_in_free_water_may_be_two_false_echoes() -> None:

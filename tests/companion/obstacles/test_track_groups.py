@@ -38,7 +38,7 @@ class Sweep:
         return Point(HERE.north_m + range_m * math.cos(angle), HERE.east_m + range_m * math.sin(angle))
 
 
-@pytest.mark.parametrize("bow_rad", [0.0, 1.0, 3.1, -2.0])
+@pytest.mark.parametrize("bow_rad", [0.0, -2.0])
 @pytest.mark.parametrize(
     ("ranges_m", "bearing_rad", "range_m", "radius_m", "seen"),
     [

@@ -7,8 +7,7 @@ import pytest
 
 from companion.core.geo import Point
 from companion.obstacles.perception.occupancy import Beam
-from companion.obstacles.perception.track import Track
-from companion.obstacles.perception.tracks import MAX_TRACKS, ObstacleTracks
+from companion.obstacles.perception.tracks import ObstacleTracks
 from sitl.world.sensors.sampling import generator
 
 WIDTH_RAD = math.radians(15.0)
@@ -57,8 +56,8 @@ def moving(north_m: float, east_m: float, north_m_s: float, east_m_s: float) -> 
     return lambda now_s: Point(north_m + north_m_s * now_s, east_m + east_m_s * now_s)
 
 
-@pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("east_m", [-2.0, -0.9, 0.9, 2.0])
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("east_m", [-2.0, 0.9])
 def test_a_rock_that_the_boat_sails_past_stands_still(east_m: float, seed: int) -> None:
     _, moved = follow(still(4.0, east_m), moving(0.0, 0.0, 0.9, 0.0), 6.0, seed)
     assert not any(moved)
@@ -73,47 +72,6 @@ def test_what_comes_towards_a_boat_at_rest_moves_and_approaches() -> None:
     assert mover.distance_m(Point(0.0, 0.0), 5.0) == pytest.approx(4.4 - 2.5 - RADIUS_M, abs=0.3)
 
 
-def test_the_speed_of_a_mover_is_reported_with_its_uncertainty() -> None:
-    errors = []
-    for seed in range(10):
-        tracks, _ = follow(moving(4.4, 0.0, -0.5, 0.0), still(0.0, 0.0), 4.0, seed)
-        track = tracks.all[0]
-        errors.append((track.speed_m_s - 0.5) / track.speed_sigma_m_s)
-    assert max(abs(error) for error in errors) < 3.0
-
-
-def test_a_long_shore_is_not_followed() -> None:
-    tracks = ObstacleTracks(1.0)
-    for number in range(48):
-        bearing = sweep_rad(number)
-        range_m = 2.0 / math.cos(bearing) if abs(bearing) < 1.0 else math.inf
-        tracks.add(Beam(0.06 * number, Point(0.0, 0.0), bearing, WIDTH_RAD, range_m, 4.0))
-    assert tracks.all == []
-
-
-def test_what_is_out_of_sight_for_long_is_forgotten() -> None:
-    tracks, _ = follow(moving(4.4, 0.0, -0.5, 0.0), still(0.0, 0.0), 4.0)
-    assert tracks.movers(4.0)
-    assert tracks.movers(12.0) == []
-    assert tracks.all == []
-
-
-def test_there_are_never_more_tracks_than_there_is_room_for() -> None:
-    tracks = ObstacleTracks(0.05)
-    for number in range(200):
-        bearing = 0.5 * number
-        beam = Beam(0.06 * number, Point(3.0 * number, 0.0), bearing, WIDTH_RAD, 2.0, 4.0)
-        tracks.add(beam)
-    assert 0 < len(tracks.all) <= MAX_TRACKS
-
-
-def test_doubt_about_the_place_grows_with_time() -> None:
-    track = Track(1, 0.0, Point(2.0, 0.0), 0.3)
-    track.correct(Point(2.0, 0.0), 1.0, 0.0, 0.05)
-    track.correct(Point(2.0, 0.0), 0.0, 1.0, 0.3)
-    assert track.covariance(0.0)[0] < track.covariance(1.0)[0] < track.covariance(3.0)[0]
-
-
 @pytest.mark.parametrize(
     ("thing", "boat"),
     [
@@ -122,7 +80,7 @@ def test_doubt_about_the_place_grows_with_time() -> None:
         (moving(2.0, -3.0, 0.0, 0.8), moving(0.0, 0.0, 0.3, 0.1)),
     ],
 )
-@pytest.mark.parametrize("origin", [(40.0, -60.0), (-128.0, 64.0)])
+@pytest.mark.parametrize("origin", [(40.0, -60.0)])
 def test_tracks_know_no_origin(thing: Path, boat: Path, origin: tuple[float, float]) -> None:
     def moved(path: Path) -> Path:
         return lambda now_s: Point(path(now_s).north_m + origin[0], path(now_s).east_m + origin[1])

@@ -80,10 +80,5 @@ def test_reasons_are_told_five_seconds_after_boot_and_then_every_thirty() -> Non
     assert told_at(0.0, 5000) == pytest.approx([5.0, 35.0, 65.0, 95.0], abs=0.03)
 
 
-def test_where_the_boats_time_is_stretched_so_is_the_pause_between_reports() -> None:
-    """At five times real time, 150 of the boat's seconds are 30 of its station's."""
-    assert told_at(0.0, 10_000, 150.0) == pytest.approx([5.0, 155.0], abs=0.03)
-
-
 def test_a_reason_that_comes_up_later_is_told_within_a_second() -> None:
     assert told_at(12.3, 1000) == pytest.approx([12.8], abs=0.6)

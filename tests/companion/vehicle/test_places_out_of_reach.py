@@ -59,18 +59,6 @@ def test_a_mission_that_is_called_off_on_its_way_home_is_not_complete() -> None:
     assert "Mission complete" not in told
 
 
-def test_stations_see_the_mission_active_until_the_boat_is_home() -> None:
-    rig = Rig().sail(waypoint(20.0, 0.0), MissionItem(frame=2, command=20))
-    rig.until(lambda: rig.mode == "RTL", 60.0)
-    assert "Mission complete" not in rig.peer.texts
-    assert rig.ask(CMD.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_MISSION_CURRENT) == OK
-    assert rig.peer.said("MISSION_CURRENT")[-1].mission_state == dialect.MISSION_STATE_ACTIVE
-    rig.until(lambda: "Mission complete" in rig.peer.texts, 60.0)
-    assert rig.offset_m(0.0, 0.0) < 5.0
-    assert rig.ask(CMD.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_MISSION_CURRENT) == OK
-    assert rig.peer.said("MISSION_CURRENT")[-1].mission_state == dialect.MISSION_STATE_COMPLETE
-
-
 # Homes
 
 
@@ -112,13 +100,6 @@ def test_item_0_comes_back_as_home_and_not_as_a_station_has_put_it(rig: Rig) -> 
     assert (item.seq, item.frame, item.command) == (0, 0, 16)
     assert (item.x, item.y) == (deg_to_e7(home.lat_deg), deg_to_e7(home.lon_deg))
     assert rig.items()[0] == invented  # what is stored is what came
-
-
-def test_an_empty_mission_stays_empty(rig: Rig) -> None:
-    rig.peer.forget()
-    rig.peer.send(dialect.MAVLink_mission_request_list_message(*BOAT, 0))
-    rig.receive()
-    assert [one.count for one in rig.peer.said("MISSION_COUNT")] == [0]
 
 
 # Rally points and altitudes

@@ -42,19 +42,6 @@ def test_a_straight_track_is_remembered_by_its_ends() -> None:
     assert trail.points == [Point(0, 0)]  # where the boat is now is known anyway
 
 
-def test_a_corner_is_remembered() -> None:
-    trail, shown = sailed([Point(0, 0), Point(50, 0), Point(50, 50)])
-    assert len(trail.points) <= 4
-    assert all(off_m([*trail.points, shown[-1]], at) <= 1.05 * ACCURACY_M for at in shown)
-
-
-def test_a_bend_is_remembered_within_the_accuracy() -> None:
-    bend = [Point(30 * math.sin(n / 20), 30 - 30 * math.cos(n / 20)) for n in range(80)]
-    trail, shown = sailed(bend)
-    assert len(trail.points) < 15
-    assert max(off_m([*trail.points, shown[-1]], at) for at in shown) <= 1.05 * ACCURACY_M
-
-
 def test_going_back_and_forth_over_the_same_water_needs_no_more_points() -> None:
     there_and_back = [Point(0, 0), Point(40, 0)] * 30
     trail, _ = sailed(there_and_back)

@@ -96,22 +96,6 @@ def test_a_boat_cut_on_its_way_back_goes_on_along_its_track_by_itself() -> None:
     assert sails_home_along_its_track(rig)
 
 
-def test_a_second_cut_before_anybody_has_armed_the_boat_loses_nothing() -> None:
-    rig = cut(cut(on_the_last_leg()))
-    assert len(rig.boat.vehicle.track.points) >= 4
-
-
-def test_the_track_goes_on_with_the_mission_and_over_another_cut() -> None:
-    rig = cut(on_the_last_leg())
-    assert rig.arm() == OK
-    assert rig.ask(dialect.MAV_CMD_MISSION_START) == OK
-    rig.run(3.0)
-    cut(rig)
-    assert rig.arm() == OK
-    assert rig.set_mode(Mode.SMART_RTL) == OK
-    assert sails_home_along_its_track(rig)
-
-
 def test_a_boat_that_is_to_forget_forgets_its_track_too() -> None:
     rig = cut(on_the_last_leg({"failsafe.resume": 0}))
     assert not rig.boat.vehicle.track.points
@@ -175,19 +159,6 @@ def test_the_medium_is_written_seldom_however_the_boat_winds() -> None:
     rig.run(120.0)
     assert 6 <= len(storage.sizes) <= 13
     assert sum(storage.sizes) <= 120.0 * 1000.0
-
-
-def test_on_a_straight_leg_the_end_of_the_track_is_never_far_behind() -> None:
-    rig = Rig(storage=Recording()).sail(waypoint(400.0, 0.0))
-    frame = rig.boat.vehicle.frame
-    assert frame is not None
-    for _ in range(80):
-        rig.run(1.0)
-        trail = SailedTrack()
-        TrackRecord(rig.storage, trail, 1).restore(frame, armed=False)
-        end = rig.boat.vehicle.nav
-        assert end is not None
-        assert math.dist(trail.points[-1], end.point) <= 46.0
 
 
 def test_a_track_of_the_most_points_is_written_no_faster_than_a_kilobyte_a_second() -> None:

@@ -2,7 +2,6 @@ import pytest
 from boat_rig import FRAME, GOOD_FIX, nav_at, place
 
 from companion.config.boat_config import BoatConfig
-from companion.core.geo import Point
 from companion.core.intent import Drive, FollowLeg, KeepStation, Stop
 from companion.core.modes import Mode, mode_from_number
 from companion.core.requests import (
@@ -19,7 +18,7 @@ from companion.core.requests import (
 )
 from companion.core.state import NavState
 from companion.vehicle.failsafes import failsafe_inputs
-from companion.vehicle.mission.steps import Home, Mission, ReturnHome, Waypoint
+from companion.vehicle.mission.steps import Home, Mission, Waypoint
 from companion.vehicle.vehicle import Vehicle
 
 MISSION: Mission = (Home(), Waypoint(place(50.0, 0.0)), Waypoint(place(50.0, 50.0)))
@@ -45,23 +44,6 @@ def texts(vehicle: Vehicle) -> list[str]:
     return [notice.text for notice in vehicle.take_status_texts()]
 
 
-def test_the_boats_modes_have_rovers_numbers() -> None:
-    assert {mode.name: mode.value for mode in Mode} == {
-        "MANUAL": 0,
-        "ACRO": 1,
-        "STEERING": 3,
-        "HOLD": 4,
-        "LOITER": 5,
-        "FOLLOW": 6,
-        "SIMPLE": 7,
-        "CIRCLE": 9,
-        "AUTO": 10,
-        "RTL": 11,
-        "SMART_RTL": 12,
-        "GUIDED": 15,
-    }
-
-
 @pytest.mark.parametrize("number", [2, 13, 14, 16, -1, 2**31])
 def test_a_mode_that_this_boat_does_not_have_is_refused_and_not_pretended(number: int) -> None:
     assert mode_from_number(number) is None
@@ -82,23 +64,6 @@ def test_a_disarmed_boat_gives_no_thrust_in_any_mode(mode: Mode) -> None:
     assert vehicle.request(ChangeMode(mode)).accepted
     vehicle.request(ManualControl(1.0, 0.0))
     assert tick(vehicle, nav_at(), 0.02) == Stop()
-
-
-@pytest.mark.parametrize("mode", [mode for mode in Mode if mode not in (Mode.MANUAL, Mode.HOLD)])
-def test_a_mode_that_steers_by_position_is_refused_without_one(mode: Mode) -> None:
-    vehicle = Vehicle(BoatConfig())
-    vehicle.set_mission(MISSION)
-    assert vehicle.request(ChangeMode(mode)).reason == f"{mode.name}: no position yet"
-    tick(vehicle, nav_at(age_s=10.0), 0.0)
-    assert vehicle.request(ChangeMode(mode)).reason == f"{mode.name}: position is stale"
-    assert vehicle.mode is Mode.HOLD
-
-
-def test_auto_needs_a_mission() -> None:
-    vehicle = vehicle_at()
-    assert vehicle.request(ChangeMode(Mode.AUTO)).reason == "AUTO: no mission"
-    vehicle.set_mission((Home(),))
-    assert vehicle.request(ChangeMode(Mode.AUTO)).reason == "AUTO: no mission"
 
 
 def test_sticks_are_thrust_until_they_are_stale() -> None:
@@ -124,30 +89,6 @@ def test_loiter_keeps_the_place_where_it_began() -> None:
     assert intent.point == pytest.approx((3.0, 4.0), abs=1e-3)
     vehicle.request(ChangeMode(Mode.LOITER))  # asked for again, it does not move the anchor
     assert vehicle.decide() == intent
-
-
-def test_guided_sails_to_its_target_and_stays_there() -> None:
-    vehicle = vehicle_at(mode=Mode.GUIDED)
-    assert isinstance(tick(vehicle, nav_at(), 0.02), KeepStation)
-    assert vehicle.request(GoTo(place(20.0, 0.0), 1.5)).accepted
-    leg = tick(vehicle, nav_at(), 0.04)
-    assert isinstance(leg, FollowLeg)
-    assert (leg.start, leg.speed_m_s, leg.next_end) == (Point(0.0, 0.0), 1.5, None)
-    assert leg.end == pytest.approx((20.0, 0.0), abs=1e-3)
-    stay = tick(vehicle, nav_at(19.0, 0.0), 10.0)
-    assert isinstance(stay, KeepStation)
-    assert stay.point == pytest.approx((20.0, 0.0), abs=1e-3)
-    assert texts(vehicle) == ["GUIDED: arrived"]
-
-
-def test_a_target_that_was_missed_is_aimed_at_again() -> None:
-    vehicle = vehicle_at(mode=Mode.GUIDED)
-    vehicle.request(GoTo(place(20.0, 0.0)))
-    tick(vehicle, nav_at(), 0.02)
-    swept = nav_at(21.0, 9.0)
-    again = tick(vehicle, swept, 10.0)
-    assert isinstance(again, FollowLeg)
-    assert again.start == swept.point
 
 
 def test_a_mode_asked_for_again_keeps_the_target() -> None:
@@ -235,16 +176,6 @@ def test_after_the_mission_the_boat_does_as_it_was_told(behave: int, mode: Mode)
     if isinstance(intent, KeepStation):
         assert intent.point == pytest.approx((50.0, 50.0), abs=1e-3)
     assert "Mission complete" in texts(vehicle)
-
-
-def test_a_mission_may_end_with_the_way_home() -> None:
-    vehicle = vehicle_at(mode=Mode.HOLD)
-    vehicle.set_mission((*MISSION, ReturnHome()))
-    vehicle.request(StartMission(2))
-    leg = tick(vehicle, nav_at(50.0, 50.0), 2.0)
-    assert vehicle.mode is Mode.RTL
-    assert isinstance(leg, FollowLeg)
-    assert leg.end == pytest.approx((0.0, 0.0), abs=1e-3)
 
 
 def test_a_speed_lasts_until_the_mode_changes() -> None:

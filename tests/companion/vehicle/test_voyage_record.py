@@ -148,12 +148,6 @@ def test_a_boat_that_is_to_forget_begins_at_the_first_item() -> None:
     assert not any("Power lost" in text for text in rig.peer.texts)
 
 
-def test_a_second_cut_before_anybody_came_loses_nothing() -> None:
-    rig = cut(cut(in_mid_leg()))
-    rig.run(10.0)
-    assert cut(rig).boat.vehicle.progress.current_seq == 2
-
-
 def test_a_boat_that_was_disarmed_or_done_has_nothing_to_take_up() -> None:
     rig = in_mid_leg()
     rig.ask(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0)

@@ -31,16 +31,6 @@ def test_a_mission_that_leaves_the_fence_is_told_and_not_sailed(items: list[Miss
         assert f"AUTO: {fault}" in rig.peer.texts
 
 
-def test_a_fence_that_comes_after_the_mission_is_looked_at_too() -> None:
-    rig = Rig().ready()
-    assert isinstance(rig.upload([HOME_ITEM, waypoint(50.0, 0.0)]), Completed)
-    rig.run(0.2)
-    assert not any(text.startswith("Mission: ") for text in rig.peer.texts)
-    fenced(rig, *polygon(box(-20.0, -20.0, 20.0, 20.0)))
-    rig.run(0.2)
-    assert "Mission: item 1 is outside the fence" in rig.peer.texts
-
-
 def test_a_go_to_outside_the_fence_is_refused() -> None:
     rig = fenced(Rig().ready(), *polygon(box(-20.0, -20.0, 20.0, 20.0)))
     rig.run(0.1)

@@ -1,5 +1,3 @@
-import math
-
 import pytest
 from boat_rig import FRAME, nav_at, place
 from hypothesis import given
@@ -7,7 +5,7 @@ from hypothesis import strategies as st
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
-from companion.core.intent import FollowCircle, FollowLeg, HoldHeading, Intent, KeepStation
+from companion.core.intent import FollowLeg, Intent, KeepStation
 from companion.vehicle.mission.places import Offset
 from companion.vehicle.mission.progress import MissionProgress
 from companion.vehicle.mission.steps import (
@@ -73,64 +71,6 @@ def test_the_next_leg_begins_at_the_waypoint_not_at_the_boat() -> None:
     assert progress.take_reached() == []
 
 
-def test_a_waypoints_own_radius_counts_before_the_boats() -> None:
-    progress = begun(Waypoint(A.position, radius_m=5.0), B)
-    assert leg_at(progress, 0.0, 0.0).radius_m == 5.0
-    leg_at(progress, 45.5, 0.0)
-    assert progress.current_seq == 1  # the corner is sailed to its middle
-    leg_at(progress, 47.0, 3.1)
-    assert progress.current_seq == 2
-
-
-def test_a_corner_whose_circle_was_left_again_is_behind() -> None:
-    progress = begun(A, B)
-    leg_at(progress, 0.0, 0.0)
-    leg_at(progress, 48.5, 0.0)
-    leg_at(progress, 47.5, -1.0)
-    assert progress.take_reached() == [1]
-
-
-def test_a_waypoint_passed_close_by_counts_and_one_missed_by_far_is_aimed_at_again() -> None:
-    near = begun(A, B)
-    leg_at(near, 0.0, 0.0)
-    leg_at(near, 50.5, 3.5)
-    assert near.take_reached() == [1]
-    far = begun(A, B)
-    leg_at(far, 0.0, 0.0)
-    again = leg_at(far, 50.5, 8.0)
-    assert far.take_reached() == []
-    assert again.start == (50.5, 8.0)
-
-
-def test_a_waypoint_with_a_time_is_stayed_at_and_reported_once() -> None:
-    progress = begun(Waypoint(A.position, hold_s=10.0), B)
-    assert leg_at(progress, 0.0, 0.0).next_end is None
-    for now_s in range(100, 110):
-        stay = at(progress, 49.5, 0.0, float(now_s))
-        assert isinstance(stay, KeepStation)
-        assert stay.point == pytest.approx(PLACES["A"], abs=1e-3)
-    leg_at(progress, 49.5, 0.0, 110.0)
-    assert progress.take_reached() == [1]
-
-
-def test_a_delay_keeps_the_boat_where_the_last_leg_ended() -> None:
-    progress = begun(A, Wait(5.0), B)
-    leg_at(progress, 0.0, 0.0)
-    stay = at(progress, 48.5, 0.0, 20.0)
-    assert isinstance(stay, KeepStation)
-    leg = leg_at(progress, 48.5, 0.0, 25.0)
-    assert leg.start == pytest.approx(PLACES["A"], abs=1e-3)
-    assert progress.take_reached() == [1, 2]
-
-
-def test_a_speed_holds_for_the_legs_that_follow_until_zero_takes_it_back() -> None:
-    progress = begun(SetSpeed(1.2), A, SetSpeed(0.0), B)
-    leg = leg_at(progress, 0.0, 0.0)
-    assert leg.speed_m_s == 1.2
-    assert leg.next_end == pytest.approx(PLACES["B"], abs=1e-3)
-    assert leg_at(progress, 50.0, 0.0).speed_m_s == CRUISE_M_S
-
-
 def visit(progress: MissionProgress, limit: int = 100) -> list[int]:
     """Put the boat on the end of each leg until the mission is over; the sequences that it reports."""
     here = (0.0, 0.0)
@@ -171,21 +111,6 @@ def test_a_loop_with_nothing_to_sail_neither_hangs_the_boat_nor_floods_the_stati
     assert len(progress.take_reached()) <= 100
 
 
-def test_the_way_home_ends_the_mission() -> None:
-    progress = begun(A, ReturnHome(), B)
-    leg_at(progress, 0.0, 0.0)
-    at(progress, 50.0, 0.0)
-    assert progress.finished
-    assert progress.go_home
-
-
-def test_a_waypoint_for_ever_is_never_left() -> None:
-    progress = begun(Waypoint(A.position, hold_s=math.inf), B)
-    assert isinstance(at(progress, 50.0, 0.0, 0.0), KeepStation)
-    assert isinstance(at(progress, 50.0, 0.0, 1e9), KeepStation)
-    assert not progress.finished
-
-
 def test_an_item_made_current_is_sailed_to_from_here() -> None:
     progress = begun(A, B, C)
     leg_at(progress, 0.0, 0.0)
@@ -196,14 +121,6 @@ def test_an_item_made_current_is_sailed_to_from_here() -> None:
     assert not progress.set_current(4)
     assert not progress.set_current(-1)
     assert progress.current_seq == 3
-
-
-def test_an_item_made_current_after_the_end_takes_the_mission_up_again() -> None:
-    progress = begun(A)
-    visit(progress)
-    assert progress.finished
-    assert progress.set_current(1)
-    assert not progress.finished
 
 
 def test_an_interrupted_leg_goes_on_from_where_the_boat_is() -> None:
@@ -267,35 +184,6 @@ def test_an_item_made_current_drops_what_waited() -> None:
     assert leg_at(progress, 0.0, 0.0, 10.0).speed_m_s == CRUISE_M_S
 
 
-@pytest.mark.parametrize(("limit", "ends_s"), [((5.0, 0.0), 5.0), ((0.0, 10.0), 3.0), ((0.0, 0.0), None)])
-def test_a_hand_over_ends_by_its_limit_or_not_at_all(
-    limit: tuple[float, float], ends_s: float | None
-) -> None:
-    progress = begun(LimitHandOver(*limit), HandOver(True), B)
-    ended = None
-    for now_s in range(60):
-        at(progress, 4.0 * now_s, 0.0, float(now_s))
-        if not progress.is_handed_over:
-            ended = now_s
-            break
-    assert ended == ends_s
-
-
-def test_a_turn_that_the_wind_does_not_allow_ends_in_time() -> None:
-    progress = begun(Turn(2.0), B)
-    for now_s in range(30):
-        assert isinstance(at(progress, 0.0, 0.0, float(now_s)), HoldHeading)
-    leg_at(progress, 0.0, 0.0, 31.0)
-
-
-def test_homes_are_handed_to_the_owner() -> None:
-    there = place(50.0, 0.0)
-    progress = begun(MoveHome(there), MoveHome(None), B)
-    leg_at(progress, 0.0, 0.0)
-    assert progress.take_homes() == [there, None]
-    assert progress.take_homes() == []
-
-
 def test_a_new_mission_goes_on_only_where_the_way_to_here_is_the_same() -> None:
     progress = begun(A, B, C)
     leg_at(progress, 0.0, 0.0)
@@ -311,18 +199,6 @@ def test_a_new_mission_goes_on_only_where_the_way_to_here_is_the_same() -> None:
     assert not progress.replace(())
     assert progress.finished is False
     assert progress.current_seq == 0
-
-
-def test_a_corner_that_fast_water_makes_the_boat_cut_is_passed_within_two_radii() -> None:
-    for off_m, seq in ((2.6, 2), (3.2, 1)):  # 3.7 m and 4.5 m inside of the waypoint
-        progress = begun(A, B)
-        leg_at(progress, 0.0, 0.0)
-        leg_at(progress, 50.0 - off_m - 0.1, off_m + 0.1)
-        assert progress.current_seq == seq
-    sharp = begun(A, Waypoint(place(0.0, 1.0)))
-    leg_at(sharp, 0.0, 0.0)
-    leg_at(sharp, 46.5, 0.5)
-    assert sharp.current_seq == 1
 
 
 # Taking a voyage up again, and what is kept between items
@@ -359,16 +235,6 @@ def test_only_an_item_of_the_mission_can_be_made_current(seq: int, is_there: boo
     assert not MissionProgress().set_current(1)
 
 
-def test_a_fresh_progress_has_nothing_to_sail() -> None:
-    progress = MissionProgress()
-    assert (progress.is_empty, progress.last_seq, progress.current_seq) == (True, 0, 0)
-    assert (progress.finished, progress.has_started, progress.go_home) == (False, False, False)
-    assert progress.leg_line() is None
-    assert progress.loose_leg is None
-    assert not progress.is_handed_over
-    assert (begun(A, B).is_empty, begun(A, B).last_seq) == (False, 2)
-
-
 def test_the_line_of_the_leg_is_from_where_it_begins_to_its_waypoint() -> None:
     progress = begun(A, B)
     leg_at(progress, 3.0, 4.0)
@@ -399,13 +265,6 @@ def test_a_leg_after_a_turn_on_the_spot_is_loose() -> None:
     assert progress.loose_leg is not None
 
 
-def test_a_leg_that_begins_at_a_waypoint_is_not_loose() -> None:
-    progress = begun(A, B)
-    leg_at(progress, 3.0, 4.0)
-    leg_at(progress, 49.9, 0.6)
-    assert progress.loose_leg is None
-
-
 def test_a_leg_that_is_begun_elsewhere_is_loose_no_more() -> None:
     progress = begun(A, B)
     leg_at(progress, 3.0, 4.0)
@@ -424,32 +283,6 @@ def test_after_the_last_item_the_boat_stays_where_that_was() -> None:
     empty = MissionProgress()
     assert at(empty, 5.0, 6.0) == KeepStation(Point(5.0, 6.0))
     assert at(empty, 9.0, 9.0) == KeepStation(Point(5.0, 6.0))
-
-
-@pytest.mark.parametrize(("speed", "expected"), [(None, CRUISE_M_S), (0.6, 0.6)])
-def test_a_circle_is_sailed_round_as_often_as_asked_and_at_the_speed_asked(
-    speed: float | None, expected: float
-) -> None:
-    steps: list[Step] = [GoRound(place(0.0, 20.0), 1.0, radius_m=10.0), A]
-    progress = begun(*([SetSpeed(speed), *steps] if speed else steps))
-    intents = []
-    for degree in range(0, 400, 5):
-        angle = math.radians(degree)
-        intents.append(at(progress, -10.0 * math.cos(angle), 20.0 - 10.0 * math.sin(angle)))
-        if progress.reached:
-            break
-    assert 355 <= degree <= 365
-    circle = intents[0]
-    assert isinstance(circle, FollowCircle)
-    assert circle.centre == pytest.approx((0.0, 20.0), abs=1e-3)
-    assert (circle.radius_m, circle.clockwise, circle.speed_m_s) == (10.0, True, expected)
-    assert isinstance(intents[-1], FollowLeg)
-
-
-def test_a_circle_without_a_radius_has_the_boats_own() -> None:
-    circle = at(begun(GoRound(place(0.0, 20.0), 1.0)), 0.0, 0.0)
-    assert isinstance(circle, FollowCircle)
-    assert circle.radius_m == CONFIG.modes.circle_radius_m
 
 
 def test_a_hand_over_is_told_while_it_lasts_and_the_next_leg_begins_at_the_boat() -> None:
@@ -472,12 +305,6 @@ def test_a_restart_forgets_speed_limits_and_jumps() -> None:
     at(progress, 0.0, 0.0, 0.0)
     at(progress, 0.0, 0.0, 1000.0)
     assert progress.is_handed_over, "the limit is forgotten"
-
-
-def test_a_voyage_may_be_taken_up_at_the_first_item() -> None:
-    progress = begun(A, B)
-    assert progress.restore(1, None, None, {})
-    assert progress.current_seq == 1
 
 
 def test_an_item_made_current_after_a_restart_does_not_begin_on_the_interrupted_leg() -> None:

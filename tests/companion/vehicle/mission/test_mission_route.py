@@ -88,29 +88,12 @@ def test_it_does_not_look_through_the_whole_of_a_long_mission() -> None:
 # What is sailed
 
 
-def test_stairs_are_sailed_as_one_leg_and_every_waypoint_is_reported() -> None:
-    progress = mission(*stairs(30))
-    legs = sailed(progress, Point(0.0, 0.0))
-    assert len(legs) == 1
-    assert legs[0].end == pytest.approx((30.0, 15.0), abs=1e-3)
-    assert progress.take_reached() == list(range(1, 31))
-
-
 def test_a_long_mission_is_looked_through_piece_by_piece_without_a_bend_where_they_join() -> None:
     progress = mission(*stairs(200))
     legs = sailed(progress, Point(0.0, 0.0))
     courses = [leg.line.course_rad for leg in legs]
     assert max(courses) - min(courses) < math.radians(5.0)
     assert progress.take_reached() == list(range(1, 201))
-
-
-def test_legs_of_a_mission_with_long_legs_are_sailed_as_they_are() -> None:
-    places = [(50.0, 0.0), (50.0, 50.0), (0.0, 50.0)]
-    legs = sailed(mission(*places), Point(0.0, 0.0))
-    assert [tuple(leg.end) for leg in legs] == [pytest.approx(at, abs=1e-3) for at in places]
-    assert legs[0].next_end == pytest.approx(places[1], abs=1e-3)
-    assert [tuple(at) for at in legs[0].onward] == [pytest.approx(places[2], abs=1e-3)]
-    assert legs[2].next_end is None
 
 
 def test_a_leg_begins_where_the_one_before_it_was_told_to_lead() -> None:
@@ -130,18 +113,6 @@ def test_a_speed_between_two_waypoints_does_not_count_as_one() -> None:
     assert [leg.speed_m_s for leg in legs] == [2.0, 1.0, 2.0, 2.0]
     assert [tuple(leg.end) for leg in legs[:3]] == [pytest.approx((12.0, 0.0), abs=1e-3)] * 3
     assert progress.take_reached() == [1, 3, 5, 6]
-
-
-def test_a_waypoints_own_radius_goes_with_its_corner() -> None:
-    progress = progress_of(Waypoint(place(50.0, 0.0), radius_m=5.0), Waypoint(place(50.0, 50.0)))
-    assert [leg.radius_m for leg in sailed(progress, Point(0.0, 0.0))] == [5.0, 0.0]
-
-
-def test_a_first_waypoint_just_behind_the_boat_is_passed_without_turning_back() -> None:
-    progress = mission((-1.0, 0.3), (20.0, 0.0))
-    legs = sailed(progress, Point(0.0, 0.0))
-    assert [leg.end.north_m for leg in legs] == [pytest.approx(20.0, abs=1e-3)] * len(legs)
-    assert progress.take_reached() == [1, 2]
 
 
 def test_a_boat_that_was_swept_away_from_a_short_leg_aims_at_its_waypoint_again() -> None:
@@ -167,26 +138,6 @@ def test_a_boat_that_passes_the_end_of_a_short_last_leg_turns_back_to_it() -> No
         assert intent.end == pytest.approx((39.0, 1.0), abs=1e-3)
         along_m, _ = intent.line.along_and_cross_track_m(Point(north, east))
         assert along_m < intent.line.length_m
-
-
-def test_a_ring_of_short_legs_is_sailed_round_and_round() -> None:
-    ring = [(4.0 * math.sin(n * math.pi / 4), 4.0 * math.cos(n * math.pi / 4)) for n in range(8)]
-    progress = progress_of(*(Waypoint(place(*at)) for at in ring), Jump(1, 2))
-    legs = sailed(progress, Point(0.0, 4.0))
-    assert progress.take_reached() == list(range(1, 9)) * 3
-    assert len(legs) > 20
-    assert all(leg.next_end is not None for leg in legs[:-1])
-
-
-def test_with_long_legs_each_corner_has_the_radius_of_its_own_waypoint_far_into_the_mission() -> None:
-    zigzag = [(50.0 * n, 40.0 * (n % 2)) for n in range(1, 120)]
-    progress = progress_of(*(Waypoint(place(*at), radius_m=2.0 + 0.01 * n) for n, at in enumerate(zigzag)))
-    legs = sailed(progress, Point(0.0, 0.0), step_m=1.0)
-    assert len(legs) == len(zigzag)
-    for leg, at, n in zip(legs, zigzag, range(120), strict=False):
-        assert leg.end == pytest.approx(at, abs=0.01)
-        assert leg.radius_m == pytest.approx(2.0 + 0.01 * n)
-    assert progress.take_reached() == list(range(1, 120))
 
 
 def test_with_short_legs_each_corner_has_the_radius_of_the_waypoint_that_it_stands_for() -> None:

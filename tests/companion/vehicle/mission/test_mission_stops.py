@@ -8,22 +8,18 @@ from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
-from companion.core.intent import FollowCircle, FollowLeg, HoldHeading, Intent, KeepStation
+from companion.core.intent import FollowCircle, FollowLeg, Intent, KeepStation
 from companion.vehicle.mission.progress import MissionProgress
 from companion.vehicle.mission.steps import (
     AfterDelay,
     GoRound,
-    HandOver,
     Home,
-    LimitHandOver,
     MoveHome,
     ReturnHome,
     SetSpeed,
     Step,
-    Turn,
     Wait,
     Waypoint,
-    WithinDistance,
 )
 
 CONFIG = BoatConfig()
@@ -41,15 +37,6 @@ def at(
 ) -> Intent:
     nav = replace(nav_at(north_m, east_m), heading_rad=heading)
     return progress.update(nav, FRAME, CONFIG, now_s)
-
-
-def test_a_fresh_progress_has_begun_and_finished_nothing() -> None:
-    progress = MissionProgress()
-    assert (progress.current_seq, progress.last_seq) == (0, 0)
-    flags = (progress.finished, progress.has_started, progress.go_home, progress.is_handed_over)
-    assert flags == (False, False, False, False)
-    assert (progress.leg_line(), progress.loose_leg, progress.speed_m_s) == (None, None, None)
-    assert (progress.take_reached(), progress.take_homes(), progress.jumps) == ([], [], {})
 
 
 def test_what_waits_for_a_time_is_done_while_the_boat_stays_at_a_waypoint() -> None:
@@ -79,49 +66,6 @@ def test_a_wait_keeps_its_station_and_the_next_leg_begins_where_the_last_one_end
     assert isinstance(leg, FollowLeg)
     assert leg.start == pytest.approx((50.0, 0.0), abs=1e-3)
     assert progress.take_reached() == [2]
-
-
-@pytest.mark.parametrize(
-    ("turn", "heading"), [(Turn(1.0), 1.0), (Turn(1.0, is_relative=True), 1.5), (Turn(-2.0), -2.0)]
-)
-def test_a_turn_ends_within_five_degrees_and_the_next_leg_begins_at_the_boat(
-    turn: Turn, heading: float
-) -> None:
-    progress = begun(turn, A)
-    assert at(progress, 1.0, 2.0, 0.0, 0.5) == HoldHeading(heading, 0.0, math.radians(5.0))
-    off_rad = math.radians(5.2)
-    assert at(progress, 1.0, 2.0, 29.0, heading - off_rad) == HoldHeading(heading, 0.0, math.radians(5.0))
-    assert at(progress, 1.0, 2.0, 29.0, heading + off_rad) == HoldHeading(heading, 0.0, math.radians(5.0))
-    leg = at(progress, 2.0, 3.0, 29.5, heading - math.radians(4.8))
-    assert isinstance(leg, FollowLeg)
-    assert leg.start == (2.0, 3.0)
-    assert progress.take_reached() == [1]
-
-
-def test_a_turn_that_is_not_made_ends_after_half_a_minute() -> None:
-    progress = begun(Turn(2.0), A)
-    for now_s in (100.0, 129.9):
-        assert at(progress, 0.0, 0.0, now_s) == HoldHeading(2.0, 0.0, math.radians(5.0))
-    assert isinstance(at(progress, 0.0, 0.0, 130.1), FollowLeg)
-
-
-def test_a_hand_over_lasts_until_the_boat_is_farther_than_its_limit() -> None:
-    progress = begun(LimitHandOver(0.0, 10.0), HandOver(is_on=True), A)
-    told = [progress.is_handed_over]
-    assert at(progress, 3.0, 4.0, 0.0) == KeepStation(Point(3.0, 4.0))
-    told.append(progress.is_handed_over)
-    assert at(progress, 3.0, 13.9, 999.0) == KeepStation(Point(3.0, 4.0))
-    leg = at(progress, 3.0, 14.1, 999.0)
-    assert isinstance(leg, FollowLeg)
-    assert leg.start == (3.0, 14.1)
-    told.append(progress.is_handed_over)
-    assert told == [False, True, False]
-
-
-def test_a_hand_over_that_is_off_is_over_at_once() -> None:
-    progress = begun(HandOver(is_on=False), A)
-    assert isinstance(at(progress, 0.0, 0.0, 0.0), FollowLeg)
-    assert progress.take_reached() == [1]
 
 
 @pytest.mark.parametrize("clockwise", [True, False])
@@ -158,13 +102,3 @@ def test_commands_are_done_in_their_order_as_the_next_leg_begins() -> None:
     assert (progress.go_home, progress.finished, progress.take_reached()) == (True, True, [3, 6])
     assert progress.set_current(1)
     assert (progress.go_home, progress.finished) == (False, False)
-
-
-@pytest.mark.parametrize(("north_m", "speed_m_s"), [(39.0, None), (41.0, 0.8)])
-def test_a_distance_to_the_waypoint_is_kept_before_the_command_behind_it(
-    north_m: float, speed_m_s: float | None
-) -> None:
-    progress = begun(WithinDistance(10.0), SetSpeed(0.8), A)
-    at(progress, 0.0, 0.0, 0.0)
-    at(progress, north_m, 0.0, 1.0)
-    assert progress.speed_m_s == speed_m_s

@@ -49,18 +49,6 @@ def test_a_zigzag_from_cell_to_cell_becomes_one_leg() -> None:
     assert corners(*stairs) == [Point(0.0, 0.0), Point(9.0, 4.5)]
 
 
-def test_waypoints_in_a_row_are_no_corners() -> None:
-    assert corners(*((float(n), 0.0) for n in range(9))) == [Point(0.0, 0.0), Point(8.0, 0.0)]
-
-
-def test_a_bend_keeps_one_corner_on_the_inside_of_its_waypoint() -> None:
-    row = [(float(n), 0.0) for n in range(6)] + [(5.0 + n, float(n)) for n in range(1, 6)]
-    start, corner, end = corners(*row)
-    assert (start, end) == (Point(0.0, 0.0), Point(10.0, 5.0))
-    assert distance_m(corner, Point(5.0, 0.0)) == pytest.approx(0.5)  # half of the shorter leg
-    assert corner.east_m > 0.0
-
-
 def test_a_drawn_curve_is_kept_as_it_is() -> None:
     """Gentle turns to one side are no zigzag, and the shortest line would hug the inside."""
     curve = [(25.0 * math.sin(0.1 * n), 25.0 - 25.0 * math.cos(0.1 * n)) for n in range(30)]
@@ -72,16 +60,6 @@ def test_corners_between_long_legs_stay_where_they_are() -> None:
     assert corners(*lanes) == [Point(*at) for at in lanes]
     assert is_short(2.5, RADIUS_M)
     assert not is_short(50.0, RADIUS_M)
-
-
-def test_a_place_that_the_way_only_turns_back_to_from_its_start_or_end_is_left_out() -> None:
-    assert corners((0.0, 0.0), (-1.5, 0.5), (20.0, 0.0)) == [Point(0.0, 0.0), Point(20.0, 0.0)]
-    assert corners((0.0, 0.0), (21.5, 0.5), (20.0, 0.0)) == [Point(0.0, 0.0), Point(20.0, 0.0)]
-
-
-def test_a_place_further_back_is_sailed_to() -> None:
-    there = [(0.0, 0.0), (-2.5, 0.5), (20.0, 0.0)]
-    assert corners(*there) == [Point(*at) for at in there]
 
 
 @given(cell_walks())
@@ -148,11 +126,6 @@ def test_the_shift_is_half_of_the_shorter_leg_at_most_and_none_at_legs_over_thre
     ):
         at = next(corner for corner in corners(*places) if distance_m(corner, Point(5.5, 0.0)) < 1.0)
         assert distance_m(at, Point(5.5, 0.0)) == pytest.approx(off_m)
-
-
-def test_a_leg_is_short_up_to_three_radii() -> None:
-    assert is_short(6.0, 2.0)
-    assert not is_short(6.01, 2.0)
 
 
 @pytest.mark.parametrize(("back_m", "is_left_out"), [(1.85, True), (1.95, False)])

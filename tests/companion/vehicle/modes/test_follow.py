@@ -65,19 +65,6 @@ def test_the_offset_is_seen_from_north_or_from_the_leads_bow(
     assert intent.point == pytest.approx((north_m, east_m), abs=0.01)
 
 
-def test_a_boat_in_its_place_does_as_the_lead_does_and_one_behind_hurries() -> None:
-    one = following(seen(10.0, 0.0, 1.0, 0.0))
-    in_place = one.intent(mode_inputs(nav_at()))
-    assert isinstance(in_place, HoldCourse)
-    assert (in_place.course_rad, in_place.speed_m_s) == pytest.approx((0.0, 1.0), abs=0.01)
-    behind = one.intent(mode_inputs(nav_at(-2.0)))
-    assert isinstance(behind, HoldCourse)
-    assert behind.speed_m_s == pytest.approx(1.6, abs=0.01)
-    ahead = one.intent(mode_inputs(nav_at(20.0)))
-    assert isinstance(ahead, HoldCourse)
-    assert (ahead.course_rad, ahead.speed_m_s) == pytest.approx((0.0, 0.0))
-
-
 speeds, places = st.floats(-3.0, 3.0), st.floats(-80.0, 80.0)
 
 
@@ -154,16 +141,6 @@ def test_the_leads_position_is_extrapolated_for_a_second_at_most() -> None:
         assert intent.point == pytest.approx((20.0, east_m), abs=1e-3)
 
 
-def test_an_offset_turns_with_the_leads_bow() -> None:
-    config = BoatConfig(follow=Follow(offset_type=1, offset_x_m=-4.0, offset_y_m=3.0))
-    one = following(OtherVehicle(2, place(10.0, 20.0), 0.0, 0.0, 1.0))
-    intent = one.intent(mode_inputs(config=config))
-    assert isinstance(intent, KeepStation)
-    ahead, aside = (math.cos(1.0), math.sin(1.0)), (-math.sin(1.0), math.cos(1.0))
-    expected = [base - 4.0 * a + 3.0 * b for base, a, b in zip((10.0, 20.0), ahead, aside, strict=True)]
-    assert tuple(intent.point) == pytest.approx(expected, abs=1e-3)
-
-
 def test_the_course_adds_what_closes_the_gap_to_the_leads_velocity() -> None:
     gain = CONFIG.follow.gain_per_s
     one = following(seen(0.0, 0.0, 0.8, 0.6))
@@ -191,10 +168,3 @@ def test_a_slow_lead_is_followed_from_half_the_least_speed_on() -> None:
     crawling = following(seen(0.0, 0.0, 0.45 * least_m_s)).intent(mode_inputs())
     assert isinstance(crawling, KeepStation)
     assert isinstance(following(seen(0.0, 0.0, 0.55 * least_m_s)).intent(mode_inputs()), HoldCourse)
-
-
-def test_a_lead_is_not_left_for_another_while_it_is_heard() -> None:
-    one = following(seen(0, 0), now_s=100.0)
-    for now_s in (101.0, 103.0):
-        assert not one.ingest(seen(5, 5, system=3), CONFIG.follow, now_s)
-    assert one.ingest(seen(5, 5, system=3), CONFIG.follow, 103.1)

@@ -8,7 +8,7 @@ from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon
-from companion.core.modes import RULES, Mode
+from companion.core.modes import Mode
 from companion.core.requests import Arm, ChangeMode, Disarm, OtherVehicle
 from companion.geofence.fence import FenceCircle
 from companion.vehicle.mission.steps import Home, Waypoint
@@ -79,23 +79,3 @@ def test_a_boat_without_gnss_arms_only_in_manual_and_hold(mode: Mode) -> None:
     vehicle.force_mode(mode, "test")
     vehicle.update_state(nav_at(), FRAME, None, None, 1.0)
     assert vehicle.request(Arm()).accepted is (mode in (Mode.MANUAL, Mode.HOLD))
-
-
-@pytest.mark.parametrize("mode", Mode)
-def test_every_mode_has_a_row_and_a_controller(mode: Mode) -> None:
-    assert mode.rules is RULES[mode]
-    assert type(Vehicle(BoatConfig()).modes.controllers[mode]).__name__.upper() == (
-        mode.name.replace("_", "") + "MODE"
-    )
-
-
-def test_the_columns_of_the_table() -> None:
-    def those(column: str) -> set[str]:
-        return {mode.name for mode in Mode if getattr(mode.rules, column)}
-
-    assert those("is_by_hand") == {"MANUAL", "ACRO", "STEERING", "SIMPLE"}
-    assert those("needs_position") == {mode.name for mode in STEERED_BY_POSITION}
-    assert those("comes_inside") == {"LOITER", "RTL"}
-    assert those("returns_home") == {"RTL", "SMART_RTL"}
-    assert those("keeps_station") == {"LOITER", "GUIDED"}
-    assert those("is_resumable") == {"AUTO", "RTL", "SMART_RTL"}

@@ -4,8 +4,7 @@ import math
 
 import pytest
 from boat_rig import FRAME, nav_at, place
-from mode_inputs import fenced, held, mode_inputs, turned
-from msgspec.structs import replace
+from mode_inputs import fenced, mode_inputs, turned
 
 from companion.config.boat_config import BoatConfig, with_value
 from companion.core.geo import Point
@@ -21,10 +20,7 @@ from companion.vehicle.mission.progress import MissionProgress
 from companion.vehicle.mission.steps import HandOver, Home, Waypoint
 from companion.vehicle.modes.auto import AutoMode
 from companion.vehicle.modes.circle import CircleMode
-from companion.vehicle.modes.controller import ModeController
 from companion.vehicle.modes.guided import GuidedMode
-from companion.vehicle.modes.hold import HoldMode
-from companion.vehicle.modes.manual import ManualMode
 from companion.vehicle.modes.rtl import RtlMode
 from companion.vehicle.modes.smart_rtl import SmartRtlMode
 from companion.vehicle.return_route import ReturnRoute
@@ -161,21 +157,6 @@ def test_auto_keeps_station_where_a_hand_over_begins() -> None:
     assert isinstance(mode.intent(mode_inputs(nav_at(7.0, 0.0))), FollowLeg)  # entered once, not each tick
     mode.exit()
     assert guided.target is None
-
-
-@pytest.mark.parametrize("mode", [HoldMode(), CircleMode(), ManualMode(held(1.0, 0.0))])
-def test_a_mode_without_needs_has_no_fault_and_no_destination(mode: ModeController) -> None:
-    assert mode.fault(mode_inputs()) == ""
-    assert mode.destination is None
-
-
-def test_circle_has_its_centre_ahead_of_the_bow() -> None:
-    mode = CircleMode()
-    mode.enter(mode_inputs())
-    intent = mode.intent(mode_inputs(replace(nav_at(1.0, 2.0), heading_rad=1.0)))
-    assert isinstance(intent, FollowCircle)
-    radius_m = CONFIG.modes.circle_radius_m
-    assert intent.centre == pytest.approx((1.0 + radius_m * math.cos(1.0), 2.0 + radius_m * math.sin(1.0)))
 
 
 def test_smart_rtl_begins_anew_when_it_is_entered_again() -> None:

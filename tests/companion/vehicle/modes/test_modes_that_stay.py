@@ -27,7 +27,6 @@ from companion.rc.manual_input import top_speed_m_s
 from companion.vehicle.modes.acro import AcroMode
 from companion.vehicle.modes.follow import FollowMode
 from companion.vehicle.modes.guided import GuidedMode
-from companion.vehicle.modes.hold import HoldMode
 from companion.vehicle.modes.loiter import LoiterMode
 from companion.vehicle.modes.manual import ManualMode
 from companion.vehicle.modes.simple import SimpleMode
@@ -58,10 +57,6 @@ def local(intent: Intent) -> Point:
 
 
 # By hand
-
-
-def test_hold_gives_no_thrust() -> None:
-    assert HoldMode().intent(mode_inputs()) == Stop()
 
 
 @pytest.mark.parametrize("mode", [ManualMode, AcroMode, SteeringMode, SimpleMode])
@@ -174,18 +169,6 @@ def test_loiter_without_a_heading_drifts_in_a_slow_current() -> None:
     assert mode.intent(mode_inputs(without_heading(0.25))) == Stop()
 
 
-def test_guided_holds_a_set_point_until_it_is_stale() -> None:
-    texts: list[StatusText] = []
-    mode = GuidedMode(Fence(), texts)
-    mode.enter(mode_inputs())
-    mode.hold(SetPoint(HoldCourse(1.0, 2.0)), 0.0)
-    timeout_s = CONFIG.modes.set_point_timeout_s
-    assert mode.intent(mode_inputs(now_s=timeout_s)) == HoldCourse(1.0, 2.0)
-    stays = mode.intent(mode_inputs(nav_at(9.0, 0.0), now_s=timeout_s + 0.1))
-    assert local(stays) == pytest.approx((9.0, 0.0), abs=1e-3)
-    assert [one.text for one in texts] == ["GUIDED: set-point is stale, keeping station"]
-
-
 def test_guided_sails_to_its_target_then_stays_there() -> None:
     texts: list[StatusText] = []
     mode = GuidedMode(Fence(), texts)
@@ -231,25 +214,6 @@ def test_simple_moves_from_a_small_push_on() -> None:
     mode.enter(None)
     intent = mode.intent(mode_inputs(turned(2.0)))
     assert intent == HoldHeading(0.0, 0.06 * TOP_M_S)
-
-
-def test_loiter_holds_into_a_current_from_any_side() -> None:
-    mode = LoiterMode(Fence())
-    mode.enter(mode_inputs())
-    into = mode.intent(mode_inputs(without_position(east_m_s=0.3)))
-    assert isinstance(into, HoldHeading)
-    assert into.heading_rad == pytest.approx(-math.pi / 2.0)
-    mode.enter(mode_inputs())
-    assert mode.needs_position
-
-
-def test_loiter_stays_where_its_search_for_the_heading_ends() -> None:
-    mode = LoiterMode(Fence())
-    mode.enter(mode_inputs())
-    mode.intent(mode_inputs(replace(without_heading(0.5), north_m=8.0)))
-    assert local(mode.intent(mode_inputs(nav_at(30.0, 0.0), now_s=1.0))) == pytest.approx(
-        (8.0, 0.0), abs=1e-3
-    )
 
 
 def test_loiter_begins_a_new_search_when_the_heading_is_lost_again() -> None:
