@@ -13,7 +13,7 @@ from companion.core.geo import Point
 from companion.core.intent import FollowCircle, FollowLeg, HoldCourse, HoldHeading, HoldTurn, Intent
 from companion.core.state import Demand, NavState
 from companion.guidance.path_following import PathFollowing
-from companion.guidance.pilot import Pilot
+from companion.guidance.pilot import Pilot, Turning
 
 CONFIG = BoatConfig()
 TURNING_S = math.pi / 0.65 + 0.6
@@ -187,3 +187,11 @@ def test_a_turn_rate_moves_the_heading_from_tick_to_tick_until_something_else_is
         assert isinstance(demand, Demand)
         headings.append(demand.heading_rad)
     assert headings == pytest.approx([0.05, 0.10, 2.0, 0.05])
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_bow_that_does_not_keep_up_with_a_turn_is_led_by_a_radian_at_most(side: float) -> None:
+    turning, nav = Turning(), replace(NORTHBOUND, heading_rad=side * 3.0)
+    for _ in range(100):
+        heading = turning.update(side * 0.5, nav, 0.1)
+    assert heading == pytest.approx(side * (4.0 - math.tau)), "and the heading is wrapped"

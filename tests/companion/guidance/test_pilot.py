@@ -11,7 +11,6 @@ from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.intent import Drive, FollowLeg, KeepStation, Stop
 from companion.core.state import Demand, NavState
-from companion.guidance.fillet import TURN_SHARE
 from companion.guidance.path_following import REACH_BRAKINGS, PathFollowing
 from companion.guidance.pilot import Pilot
 
@@ -39,43 +38,11 @@ def test_without_an_estimate_the_boat_stops(intent: FollowLeg | KeepStation) -> 
     assert Pilot().update(intent, None, CONFIG, DT) == Stop()
 
 
-def test_on_the_leg_it_holds_course_and_speed() -> None:
-    assert _demand(Pilot(), LEG, NORTHBOUND) == Demand(0.0, 2.0, 0.0, 100.0)
-
-
 def test_beside_the_leg_it_steers_back_and_says_how_far_off_it_is() -> None:
     demand = _demand(Pilot(), LEG, replace(NORTHBOUND, east_m=3.0))
     assert demand.heading_rad == pytest.approx(-math.atan(3.0 / CONFIG.guidance.lookahead_m))
     assert demand.cross_track_m == pytest.approx(3.0)
     assert _demand(Pilot(), LEG, replace(NORTHBOUND, east_m=-3.0)).heading_rad == -demand.heading_rad
-
-
-def test_it_turns_with_the_fillet_and_says_how_fast() -> None:
-    pilot = Pilot()
-    assert _demand(pilot, CORNER, replace(NORTHBOUND, north_m=80.0)).yaw_rate_rad_s == 0.0
-    turning = replace(NORTHBOUND, north_m=98.3, east_m=0.1, heading_rad=0.4, north_m_s=1.3, surge_m_s=1.3)
-    demand = _demand(pilot, CORNER, turning)
-    fastest = TURN_SHARE * CONFIG.handling.turn_rate_rad_s
-    assert 0.9 * fastest < demand.yaw_rate_rad_s <= 1.01 * fastest
-    assert demand.speed_m_s == pytest.approx(1.32)
-
-
-def test_the_fillet_is_sailed_out_on_the_next_leg_and_then_forgotten() -> None:
-    pilot = Pilot()
-    onward = FollowLeg(LEG.end, Point(100.0, 50.0), 2.0)
-    middle = replace(
-        NORTHBOUND, north_m=99.34, east_m=0.66, heading_rad=math.pi / 4, north_m_s=0.9, east_m_s=0.9
-    )
-    _demand(pilot, CORNER, middle)
-    demand = _demand(pilot, onward, middle)
-    assert math.pi / 4 < demand.heading_rad < math.pi / 2
-    assert demand.speed_m_s < 1.4
-    assert demand.yaw_rate_rad_s > 0.3
-    beyond = replace(middle, north_m=100.0, east_m=10.0, heading_rad=math.pi / 2, north_m_s=0.0, east_m_s=1.9)
-    demand = _demand(pilot, onward, replace(beyond, surge_m_s=1.9, time_s=20.0))
-    assert demand.heading_rad == pytest.approx(math.pi / 2)
-    assert demand.speed_m_s == pytest.approx(2.0)
-    assert demand.yaw_rate_rad_s == 0.0
 
 
 def test_noise_of_the_fixes_is_smoothed_out_of_the_heading() -> None:

@@ -119,12 +119,6 @@ def test_within_the_radius_the_rudder_boat_drifts() -> None:
     assert station(1.4, 0.0, 0.8) == Demand(0.8, 0.0, 0.0, 1.4)
 
 
-def test_a_point_behind_is_turned_to_with_way_on() -> None:
-    demand = station(3.0, 0.0)
-    assert abs(demand.heading_rad) == pytest.approx(math.pi)
-    assert demand.speed_m_s >= 0.4
-
-
 @pytest.mark.parametrize(
     ("east_m", "goes_straight"), [(-5.9, True), (-6.1, False), (5.9, True), (6.1, False)]
 )

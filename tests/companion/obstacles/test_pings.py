@@ -182,11 +182,3 @@ def test_the_map_is_tidied_once_a_second_around_three_lookaheads() -> None:
     assert len(seen.occupancy) > 0
     seen.ingest([], far, SETTING, NOW_S + 2.2)
     assert len(seen.occupancy) == 0
-
-
-def test_the_map_is_tidied_from_the_start() -> None:
-    seen = ObstaclePerception(SETTING)
-    seen.ingest([(SonarReading(0.5, 0.0, 3.0), None)], nav_at(), SETTING, 0.5)
-    for now_s, is_kept in ((1.2, True), (1.6, False)):
-        seen.ingest([], nav_at(-15.5), SETTING, now_s)
-        assert (len(seen.occupancy) > 0) is is_kept

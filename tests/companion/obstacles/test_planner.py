@@ -61,12 +61,6 @@ def test_a_rock_ahead_is_passed_to_starboard_whatever_leads_there(intent: Intent
     assert voyage.said == ["Obstacle: passing to starboard"]
 
 
-def test_a_rock_beside_the_path_changes_nothing() -> None:
-    voyage = Voyage(Point(3.0, 1.8))
-    assert voyage.at(0.0, intent=LEG) is LEG
-    assert voyage.stage() is Stage.CLEAR
-
-
 def test_a_rock_to_starboard_is_passed_to_port() -> None:
     voyage = Voyage(*(Point(3.0, 0.7 + 0.2 * step) for step in range(10)))
     assert heading_deg(voyage.at(0.0, intent=LEG)) < -5.0
@@ -148,13 +142,6 @@ def test_the_decision_holds_for_a_tenth_of_a_second() -> None:
     voyage.chart.rocks = []
     assert voyage.at(0.5 * PERIOD_S, intent=LEG) is first
     assert voyage.at(1.1 * PERIOD_S, intent=LEG) is LEG
-
-
-def test_the_intent_is_taken_up_again_behind_the_rock() -> None:
-    voyage = Voyage(*ROCK)
-    voyage.at(0.0, intent=LEG)
-    assert voyage.at(0.2, boat(5.5, 0.5), LEG) is LEG
-    assert voyage.stage() is Stage.CLEAR
 
 
 def test_between_walls_the_boat_waits_tries_again_and_goes_on_when_they_are_gone() -> None:
@@ -315,12 +302,6 @@ def test_crossing_traffic_is_not_passed_ahead(side: float) -> None:
         there = (3.5, -2.5 * side + 0.6 * side * 0.25 * (step + 1))
         assert math.dist(at, there) > 0.8
         assert not (at[0] > there[0] and 0.0 < (at[1] - there[1]) * side < 1.2)
-
-
-def test_a_mover_that_goes_away_changes_nothing() -> None:
-    voyage = crossing((3.0, 3.5, 0.0, 0.6))
-    assert voyage.at(0.9, intent=NORTH_1) is NORTH_1
-    assert voyage.said == []
 
 
 def test_without_a_position_nothing_is_decided() -> None:

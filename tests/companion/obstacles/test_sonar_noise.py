@@ -2,6 +2,8 @@
 
 from random import Random
 
+import pytest
+
 from companion.obstacles.perception.sonar_noise import SonarNoiseMonitor
 
 
@@ -20,3 +22,11 @@ def test_a_rock_in_every_other_direction_is_no_nonsense() -> None:
     for n in range(500):
         babble.update((1.0, 1.1, 3.5, 3.4, None)[n % 5], 4.0)
         assert not babble.is_noisy
+
+
+@pytest.mark.parametrize(("leap_m", "is_noisy"), [(0.45, False), (0.55, True)])
+def test_leaps_of_more_than_an_eighth_of_the_reach_are_noise(leap_m: float, is_noisy: bool) -> None:
+    monitor = SonarNoiseMonitor()
+    for number in range(100):
+        monitor.update(1.0 + (leap_m if number % 2 else 0.0), 4.0)
+    assert monitor.is_noisy is is_noisy

@@ -250,6 +250,28 @@ def test_tracks_are_known_movers_or_may_be() -> None:
     assert tracks.all == [rock]
 
 
+@pytest.mark.parametrize(("unseen_s", "observations"), [(1.4, 2), (1.6, 1)])
+def test_a_single_echo_is_forgotten_after_a_sweep_and_gives_no_speed_to_the_next(
+    unseen_s: float, observations: int
+) -> None:
+    sweep = Sweep()
+    sweep.over([FREE, 3.5, FREE])
+    sweep.now_s += unseen_s - 3.0 * STEP_S
+    (track,) = sweep.over([FREE, 3.0, FREE])
+    assert track.observations == observations
+
+
+@pytest.mark.parametrize(("looks", "is_kept"), [(1, True), (2, False)])
+def test_a_single_echo_that_two_looks_refute_is_no_track(looks: int, is_kept: bool) -> None:
+    """The next false echo must not make a mover of it."""
+    sweep = Sweep()
+    sweep.look(0.0, 2.0)
+    sweep.look(0.3, FREE)  # beside it: refutes nothing
+    for _ in range(looks):
+        sweep.look(0.03, FREE)
+    assert bool(sweep.tracks.all) is is_kept
+
+
 def test_a_sweep_that_stands_still_has_not_turned_back() -> None:
     sweep = Sweep()
     for bearing_rad, range_m in ((-0.25, FREE), (0.0, 3.0), (0.25, 3.0), (0.25, FREE)):

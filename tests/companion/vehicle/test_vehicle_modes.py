@@ -17,6 +17,7 @@ from companion.core.requests import (
     StartMission,
 )
 from companion.core.state import NavState
+from companion.geofence.fence import FenceCircle
 from companion.vehicle.failsafes import failsafe_inputs
 from companion.vehicle.mission.steps import Home, Mission, Waypoint
 from companion.vehicle.vehicle import Vehicle
@@ -103,6 +104,18 @@ def test_a_go_to_outside_guided_needs_leave_to_change_the_mode() -> None:
     vehicle = vehicle_at(mode=Mode.LOITER)
     assert vehicle.request(GoTo(place(20.0, 0.0))).reason == "Go to: not in GUIDED"
     assert vehicle.request(GoTo(place(20.0, 0.0), change_mode=True)).accepted
+
+
+def test_nothing_outside_the_fence_is_sailed_to() -> None:
+    vehicle = vehicle_at(mode=Mode.GUIDED)
+    vehicle.set_fence([FenceCircle(place(0.0, 0.0), 60.0, is_inclusion=True)])
+    assert vehicle.request(GoTo(place(61.0, 0.0))).reason == "Go to: outside the fence"
+    assert vehicle.request(GoTo(place(59.0, 0.0))).accepted
+    vehicle.set_mission(MISSION)
+    tick(vehicle, nav_at(), 0.1)
+    fault = "item 2 is outside the fence"
+    assert vehicle.request(ChangeMode(Mode.AUTO)).reason == f"AUTO: {fault}"
+    assert f"Mission: {fault}" in texts(vehicle)
 
 
 def test_a_target_from_before_arming_is_forgotten() -> None:
