@@ -13,10 +13,10 @@ from companion.autopilot.sensor_suite import SensorSuite
 from companion.autopilot.snapshot import Snapshot
 from companion.calibration.motor_test import MotorTest
 from companion.calibration.runner import CalibrationRunner
+from companion.config.actuators import Thrusters
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
-from companion.config.thrusters import Thrusters
 from companion.core.errors import HardwareError, SilentOutputsError
 from companion.core.state import MotorCommand, NavState
 from companion.core.status_text import Severity

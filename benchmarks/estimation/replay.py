@@ -8,9 +8,8 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from companion.config.boat_config import Speed
-from companion.config.drive import DriveSetting
-from companion.config.estimation import Estimation
+from companion.config.actuators import DriveSetting
+from companion.config.tuning import Estimation, Speed
 from companion.core.geo import LatLon, LocalFrame
 from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import MotorCommand, NavState

@@ -14,10 +14,10 @@ from companion.app.parts import open_compass
 from companion.app.runner import Clock
 from companion.app.status_file import running_boat
 from companion.calibration.compass import CompassCalibration, CompassVerdict
+from companion.config.actuators import PulseOutputSetting
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
-from companion.config.parts import PulseOutputSetting
 from companion.core.errors import ConfigError, HardwareError
 from companion.core.storage import Storage
 from companion.hal.interfaces import PulseOutput

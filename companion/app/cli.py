@@ -21,11 +21,11 @@ from companion.app.runner import SystemClock
 from companion.app.status_file import find_status, read_status, watch
 from companion.cli.busy_port import busy_port_explained
 from companion.cli.command_line import Option, Program, echo
+from companion.config.actuators import PulseOutputSetting
 from companion.config.boat_config import BoatConfig, load_config
 from companion.config.parameter_page import parameter_page
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
-from companion.config.parts import PulseOutputSetting
 from companion.core.errors import BoatError
 from companion.core.storage import MemoryStorage
 from companion.hal.interfaces import PulseOutput

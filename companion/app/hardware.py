@@ -8,7 +8,7 @@ from typing import Any, Protocol, TypeVar
 from companion.app import parts
 from companion.app.parts import Now
 from companion.config.boat_config import BoatConfig
-from companion.config.parts.payload import CommandPayload, WinchPayload
+from companion.config.payload import CommandPayload, WinchPayload
 from companion.hal.gnss.receiver import GnssReceiver
 from companion.hal.heading.antennas import AntennaCompass
 from companion.hal.interfaces import Compass, Gnss, Hardware, PayloadParts, Sensor

@@ -19,9 +19,9 @@ from pathlib import Path
 from time import sleep
 from typing import NamedTuple
 
-from companion.config.boat_config import BoatConfig, load_config
-from companion.config.parts import MotorsPart, Parts, Pca9685Part, PulseOutputSetting
-from companion.config.parts.payload import RelayPayload, WinchPayload
+from companion.config.actuators import MotorsPart, Pca9685Part, PulseOutputSetting
+from companion.config.boat_config import BoatConfig, Parts, load_config
+from companion.config.payload import RelayPayload, WinchPayload
 from companion.core.errors import ConfigError, HardwareError
 
 _PINCTRL = "pinctrl"  # of Raspberry Pi OS; "op dl" is output, driven low

@@ -7,9 +7,9 @@ from typing import Final
 
 from companion.config.board import HEADER_I2C, I2C_PINS, i2c_device, pwm_channels, uart_pins
 from companion.config.boat_config import BoatConfig
-from companion.config.parts import CompassPart
-from companion.config.parts.payload import WinchPayload
+from companion.config.payload import WinchPayload
 from companion.config.section import Section
+from companion.config.sensors import CompassPart
 from companion.config.wiring import PinUse, pins_in_use, signals_in_use
 from companion.core.errors import ConfigError
 from companion.links.port_url import parse_port_url

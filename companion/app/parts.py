@@ -9,10 +9,10 @@ from pathlib import Path
 
 from msgspec.structs import replace
 
+from companion.config.actuators import Pca9685Part
 from companion.config.boat_config import BoatConfig, with_value
-from companion.config.parts import Pca9685Part
-from companion.config.parts.payload import PayloadSetting, WinchPayload
-from companion.config.parts.probes import ProbePart
+from companion.config.payload import PayloadSetting, WinchPayload
+from companion.config.sensors import ProbePart
 from companion.core.errors import HardwareError
 from companion.hal.battery import open_battery_monitor
 from companion.hal.gnss.gpsd import open_gpsd_gnss

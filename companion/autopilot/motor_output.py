@@ -5,7 +5,7 @@ import logging
 import math
 from typing import Final
 
-from companion.config.thrusters import Thrusters
+from companion.config.actuators import Thrusters
 from companion.control.allocation import motor_pwm
 from companion.core.errors import SilentOutputsError
 from companion.core.state import STOPPED, MotorCommand, MotorStates

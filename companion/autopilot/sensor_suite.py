@@ -7,7 +7,7 @@ configuration has no reading, and all that use one need only handle None.
 import math
 
 from companion.config.boat_config import BoatConfig, Trim
-from companion.config.parts import CompassPart
+from companion.config.sensors import CompassPart
 from companion.core.readings import (
     BatteryReading,
     DepthReading,

@@ -7,7 +7,7 @@ failsafes change. The command service also ends it at any other command.
 import math
 from enum import IntEnum
 
-from companion.config.drive import DIFFERENTIAL, DriveSetting
+from companion.config.actuators import DIFFERENTIAL, DriveSetting
 from companion.core.state import Thrust
 from companion.core.units import clamp
 from companion.core.vehicle_status import VehicleStatus

@@ -22,8 +22,8 @@ from companion.calibration.routine import (
     come_back,
 )
 from companion.calibration.runs import HardTurn, Run, RunPair, StraightRun, go_to_edge, opposite, surge_time_s
+from companion.config.actuators import Thrusters
 from companion.config.boat_config import BoatConfig
-from companion.config.thrusters import Thrusters
 from companion.control.allocation import from_pwm, motor_pwm
 from companion.core.intent import Drive
 from companion.core.state import HEALTHY_MOTORS, MotorCommand

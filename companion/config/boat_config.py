@@ -13,21 +13,48 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
-from companion.config.avoidance import AvoidanceSetting
-from companion.config.drive import DriveSetting
-from companion.config.estimation import Estimation
-from companion.config.failsafe import Failsafe
-from companion.config.fence import FenceSetting
-from companion.config.handling import Handling
-from companion.config.parts import Parts
-from companion.config.parts.camera import CameraSetting
-from companion.config.parts.payload import PayloadSetting, check_payloads
-from companion.config.parts.probes import ProbePart, check_probes
+from companion.config.actuators import DriveSetting, Handling, MotorsPart, Pca9685Part, RudderPart, Thrusters
+from companion.config.board import I2cBus
+from companion.config.payload import CameraSetting, PayloadSetting, check_payloads
 from companion.config.rc import Rc
-from companion.config.section import NonNegative, Positive, Section, Share, SystemId, replaced
-from companion.config.thrusters import Thrusters
+from companion.config.section import NonNegative, Positive, Section, SystemId, replaced
+from companion.config.sensors import (
+    BatteryPart,
+    CompassPart,
+    DepthPart,
+    GnssPart,
+    HullPart,
+    ProbePart,
+    RangerPart,
+    check_probes,
+)
+from companion.config.tuning import (
+    AvoidanceSetting,
+    Estimation,
+    Failsafe,
+    FenceSetting,
+    Guidance,
+    Heading,
+    MotorLimits,
+    Speed,
+)
 from companion.core.errors import ConfigError
 from companion.core.toml_text import parse_toml
+
+
+class Parts(Section, frozen=True):
+    """The hardware of the boat. i2c_bus: of all parts that do not name another."""
+
+    i2c_bus: I2cBus = 1
+    motors: MotorsPart = MotorsPart()
+    rudder: RudderPart = RudderPart()
+    gnss: GnssPart = GnssPart()
+    compass: CompassPart = CompassPart()
+    sonar: RangerPart = RangerPart()
+    battery: BatteryPart = BatteryPart()
+    hull: HullPart = HullPart()
+    depth: DepthPart = DepthPart()
+    pca9685: Pca9685Part = Pca9685Part()
 
 
 class LinkConfig(Section, frozen=True):
@@ -62,61 +89,6 @@ class Identity(Section, frozen=True):
     system_id: SystemId = 1  # 0: the first vehicle heard
     operator_system_id: Annotated[int, Meta(ge=0, le=255)] = 0
     only_operator: bool = False
-
-
-class Heading(Section, frozen=True):
-    """Heading PID in the paper's form, Gc = Kp (1 + 1/(Ti s) + Td s), given as Kp, Ki = Kp/Ti, Kd = Kp Td.
-
-    Input rad, output share of full differential thrust: kp is 1/rad, ki 1/(rad s), kd s/rad. The gains apply
-    from cruise speed upwards; at rest they are multiplied by slow_gain, linear in between.
-
-    Defaults, by pole placement (Fossen 2021, chapter 15) for the lake boat, T = 0.8 s, K = 0.6 rad/s:
-    ω = √(K kp / T) = 1.6 rad/s, twice that of the path, 2 m/s over 3 m; ζ = (1 + K kd) / (2 ω T) = 1.2, so
-    that a hull with 30 % less skeg does not swing.
-    """
-
-    kp: NonNegative = 3.75
-    ki: NonNegative = 1.0
-    kd: NonNegative = 3.75
-    integral_band_rad: NonNegative = 0.15  # the integral is active within this error; 0: always
-    max_steering: Share = 1.0
-    slow_gain: Annotated[float, Meta(ge=0.2, le=5.0)] = 1.0  # 1: constant gains
-
-
-class Speed(Section, frozen=True):
-    """Speed loop: feed-forward throttle at cruise speed, then PI on the speed error.
-
-    The default of kp closes the loop at (1 + 3.3 kp) / 3 s = 1.7 rad/s, with the lake boat's time constant of
-    3 s. With 0.8, the motors' commands travel a tenth less (campaign calm_hands), but the boat turns round
-    nearer to a shore that it finds late; with 2.0, the noise of GNSS velocities is passed to the motors.
-    """
-
-    cruise_m_s: Positive = 2.0
-    cruise_throttle: Share = 0.6
-    kp: NonNegative = 1.2  # share of full throttle per m/s
-    ki: NonNegative = 0.2
-    max_throttle: Share = 1.0
-
-
-class MotorLimits(Section, frozen=True):
-    """Limits of the gate, and the lifetime of a thrust command."""
-
-    slew_per_s: Positive = 4.0  # full scale per second; reversal passes through zero
-    deadband: Share = 0.0  # smaller commands are not sent: the propeller would only hum
-    command_timeout_s: Positive = 0.5
-    estimate_timeout_s: Positive = 3.0
-
-
-class Guidance(Section, frozen=True):
-    """Line of sight, corners and station keeping."""
-
-    waypoint_radius_m: Positive = 2.0
-    lookahead_m: Positive = 3.0
-    accel_m_s2: Positive = 0.4  # deceleration for corners and stops
-    corner_accel_m_s2: Positive = 0.8  # centripetal acceleration in corners
-    min_speed_m_s: Positive = 0.4  # slowest speed with steerage way
-    pivot_angle_rad: Annotated[float, Meta(gt=0.0, le=math.pi)] = 1.05  # beyond it, it turns on the spot
-    station_radius_m: Positive = 1.5
 
 
 class Mission(Section, frozen=True):

@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from companion.config.actuators import PulseOutputSetting
 from companion.config.board import ONE_WIRE
 from companion.config.boat_config import BoatConfig
-from companion.config.parts import PulseOutputSetting
 
 _ECHO_PINS = ("hcsr04", "jsnsr04t")
 _ONE_WIRE_FILES = "/sys/bus/w1/"

@@ -38,9 +38,9 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
-from companion.config.boat_config import BoatConfig, Speed
-from companion.config.drive import DriveSetting
-from companion.config.thrusters import Thrusters
+from companion.config.actuators import DriveSetting, Thrusters
+from companion.config.boat_config import BoatConfig
+from companion.config.tuning import Speed
 from companion.core.state import HEALTHY_MOTORS, MotorCommand, MotorState, MotorStates, Thrust
 from companion.core.units import clamp
 

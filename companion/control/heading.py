@@ -14,7 +14,7 @@ the errors of a turn; and since that moment is another one on another heading, a
 
 from typing import Final
 
-from companion.config.boat_config import Heading
+from companion.config.tuning import Heading
 from companion.control.pid import Pid
 from companion.core.state import PidOutput
 from companion.core.units import clamp, wrap_pi

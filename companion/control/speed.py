@@ -1,6 +1,6 @@
 """The speed loop: feed-forward throttle, and a PI on what it leaves."""
 
-from companion.config.boat_config import Speed
+from companion.config.tuning import Speed
 from companion.control.pid import Pid
 from companion.core.state import PidOutput
 from companion.core.units import clamp

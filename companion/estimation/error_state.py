@@ -22,10 +22,8 @@ Without a gyro ψ̇ is that of the yaw model, and b is its error.
 import math
 from typing import Final
 
-from companion.config.boat_config import Speed
-from companion.config.drive import DIFFERENTIAL, DriveSetting
-from companion.config.estimation import Estimation
-from companion.config.handling import Handling
+from companion.config.actuators import DIFFERENTIAL, DriveSetting, Handling
+from companion.config.tuning import Estimation, Speed
 from companion.core.units import wrap_pi
 from companion.estimation.covariance import (
     COMPASS_OFFSET,

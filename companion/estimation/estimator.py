@@ -14,10 +14,8 @@ a current. Positions that drift away from their own velocities are detected.
 import math
 from typing import Final
 
-from companion.config.boat_config import Speed
-from companion.config.drive import DIFFERENTIAL, DriveSetting
-from companion.config.estimation import Estimation
-from companion.config.handling import Handling
+from companion.config.actuators import DIFFERENTIAL, DriveSetting, Handling
+from companion.config.tuning import Estimation, Speed
 from companion.core.geo import LocalFrame, Point
 from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import EstimateFault, MotorCommand, NavState

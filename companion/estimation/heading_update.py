@@ -4,7 +4,7 @@ import cmath
 import math
 from typing import Final
 
-from companion.config.estimation import Estimation
+from companion.config.tuning import Estimation
 from companion.core.readings import HeadingReading
 from companion.core.state import EstimateFault
 from companion.core.units import wrap_pi

@@ -21,7 +21,7 @@ from collections import deque
 from enum import IntEnum, auto
 from typing import Final
 
-from companion.config.estimation import Estimation
+from companion.config.tuning import Estimation
 from companion.core.evidence import LEARNING, MOST_SQUARE, FaultEvidence
 from companion.estimation.innovation import square
 

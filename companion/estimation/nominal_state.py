@@ -9,10 +9,8 @@ import math
 from collections import deque
 from typing import Final
 
-from companion.config.boat_config import Speed
-from companion.config.drive import DriveSetting
-from companion.config.estimation import Estimation
-from companion.config.handling import Handling
+from companion.config.actuators import DriveSetting, Handling
+from companion.config.tuning import Estimation, Speed
 from companion.control.allocation import rudder_effect
 from companion.core.state import MotorCommand
 from companion.core.units import wrap_pi

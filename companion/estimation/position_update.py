@@ -8,7 +8,7 @@ With neither, the model alone propagates the position and the uncertainty grows 
 import math
 from typing import Final
 
-from companion.config.estimation import Estimation
+from companion.config.tuning import Estimation
 from companion.core.evidence import MOST_SQUARE
 from companion.core.state import EstimateFault
 from companion.estimation.covariance import EAST, NORTH, SURGE, SWAY

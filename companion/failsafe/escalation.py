@@ -3,7 +3,7 @@
 import math
 from enum import Enum
 
-from companion.config.failsafe import Failsafe
+from companion.config.tuning import Failsafe
 from companion.failsafe.actions import Action
 from companion.failsafe.table import Row, Step
 

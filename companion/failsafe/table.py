@@ -3,7 +3,7 @@
 A row fires once when its condition has held for `after` seconds without a break. While it lasts, the steps of
 `then` follow, each so long after the one before, unless the operator has chosen a mode since. The row is over
 after `clear_s` seconds without the condition; the boat stays in its mode until the operator chooses another.
-Strings name fields of `config/failsafe.py`.
+Strings name fields of `config/tuning.py`.
 """
 
 from collections.abc import Callable

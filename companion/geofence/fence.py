@@ -9,7 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from companion.config.fence import AREAS_KIND, CIRCLE_KIND, FenceSetting
+from companion.config.tuning import AREAS_KIND, CIRCLE_KIND, FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from companion.planning.areas import Area, Disc, Ring
 

@@ -1,6 +1,6 @@
 """Counts the breaches of the fence."""
 
-from companion.config.boat_config import MotorLimits
+from companion.config.tuning import MotorLimits
 from companion.core.health import lacks_position
 from companion.core.state import NavState
 from companion.geofence.fence import Fence

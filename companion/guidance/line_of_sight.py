@@ -7,7 +7,7 @@ estimated current, and says why there is no integral of the cross-track error.
 
 import math
 
-from companion.config.boat_config import Guidance
+from companion.config.tuning import Guidance
 from companion.core.units import clamp
 
 RESPONSE_S = 0.7  # response time of hull and heading loop

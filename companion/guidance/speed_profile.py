@@ -4,7 +4,8 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
-from companion.config.boat_config import BoatConfig, Guidance
+from companion.config.boat_config import BoatConfig
+from companion.config.tuning import Guidance
 from companion.guidance.path import Node
 
 REACTION_S = 1.0  # response time of the speed

@@ -17,7 +17,8 @@ within station_radius_m and three turning radii of the point.
 
 import math
 
-from companion.config.boat_config import BoatConfig, Guidance
+from companion.config.boat_config import BoatConfig
+from companion.config.tuning import Guidance
 from companion.core.geo import Point
 from companion.core.state import Demand, NavState
 from companion.core.units import clamp, wrap_pi

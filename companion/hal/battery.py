@@ -11,7 +11,7 @@ import logging
 from collections.abc import Callable
 from typing import Final, NamedTuple, Protocol
 
-from companion.config.parts.battery import BatteryPart
+from companion.config.sensors import BatteryPart
 from companion.core.errors import HardwareError
 from companion.core.readings import BatteryReading
 from companion.hal import ads1115

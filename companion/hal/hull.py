@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Protocol
 
-from companion.config import parts
+from companion.config.sensors import HullPart
 from companion.core.readings import HullReading
 from companion.hal.background import BackgroundSensor
 from companion.hal.raspberry_pi import opening_pins
@@ -54,7 +54,7 @@ def _celsius(thermometer: Path) -> float | None:
         return None
 
 
-def open_hull(part: parts.HullPart, now: Callable[[], float]) -> HullSensor:
+def open_hull(part: HullPart, now: Callable[[], float]) -> HullSensor:
     """Open the thermometer, and the switch if configured, and start reading.
 
     Raises:

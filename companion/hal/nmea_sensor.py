@@ -2,8 +2,7 @@
 
 from collections.abc import Callable, Iterator
 
-from companion.config.parts import CompassPart
-from companion.config.parts.depth import DepthPart
+from companion.config.sensors import CompassPart, DepthPart
 from companion.core.readings import DepthReading, HeadingReading
 from companion.hal.background import Reading
 from companion.hal.gnss.receiver import GnssReceiver

@@ -10,7 +10,7 @@ import struct
 from collections.abc import Callable, Iterator
 from typing import Final
 
-from companion.config.parts.depth import DepthPart
+from companion.config.sensors import DepthPart
 from companion.core.readings import DepthReading
 from companion.hal.port_sensor import PortSensor
 from companion.links.interfaces import Port

@@ -6,8 +6,8 @@ from glob import glob
 from pathlib import Path
 from typing import Final
 
-from companion.config.parts.probes import ProbePart
 from companion.config.section import FLOAT32_MAX
+from companion.config.sensors import ProbePart
 from companion.core.errors import HardwareError
 from companion.core.readings import ProbeReading
 from companion.hal.ads1115 import Ads1115

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from companion.config.parts.payload import WinchPayload
+from companion.config.payload import WinchPayload
 from companion.core.units import clamp
 from companion.hal.interfaces import PayloadOutput, PulseCounter
 from companion.payload.actions import MoveWinch, WinchMotion

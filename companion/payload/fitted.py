@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import TypeVar
 
-from companion.config.parts.camera import CameraSetting
-from companion.config.parts.payload import (
+from companion.config.payload import (
+    CameraSetting,
     CommandPayload,
     GripperPayload,
     LightPayload,

@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from companion.config.parts.payload import (
+from companion.config.payload import (
     CommandPayload,
     GripperPayload,
     LightPayload,

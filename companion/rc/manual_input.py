@@ -7,7 +7,8 @@ import math
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
-from companion.config.boat_config import BoatConfig, Speed
+from companion.config.boat_config import BoatConfig
+from companion.config.tuning import Speed
 from companion.core.requests import ManualControl
 from companion.rc.pulses import pulse_of
 from companion.rc.rc_input import RcInput

@@ -3,7 +3,8 @@
 from collections.abc import Callable
 from typing import Final
 
-from companion.config.boat_config import Arming, BoatConfig, MotorLimits
+from companion.config.boat_config import Arming, BoatConfig
+from companion.config.tuning import MotorLimits
 from companion.core.modes import Mode
 from companion.core.readings import BatteryReading, GnssFix
 from companion.core.state import NavState

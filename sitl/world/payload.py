@@ -5,7 +5,7 @@ from collections import deque
 from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig
-from companion.config.parts.payload import CommandPayload, WinchPayload
+from companion.config.payload import CommandPayload, WinchPayload
 from companion.core.errors import HardwareError
 from companion.hal.interfaces import PayloadParts
 

@@ -12,7 +12,7 @@ from twins.i2c import Part, plug_in
 from twins.inertial import Mpu6050Twin
 from twins.magnetics import Qmc5883lTwin, Scene
 
-from companion.config.parts import CompassPart
+from companion.config.sensors import CompassPart
 from companion.core.readings import HeadingReading
 from companion.core.requests import ManualControl
 from companion.core.units import wrap_pi

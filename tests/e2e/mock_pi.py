@@ -5,8 +5,8 @@ from typing import Any, NamedTuple
 
 from gpiozero.pins.mock import MockFactory, MockPWMPin
 
+from companion.config.actuators import MotorsPart
 from companion.config.boat_config import BoatConfig
-from companion.config.parts import MotorsPart
 from companion.core.geo import LatLon
 from companion.core.readings import GnssFix, HeadingReading
 from companion.hal.interfaces import Hardware

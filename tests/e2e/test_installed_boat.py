@@ -16,7 +16,7 @@ from programs import until
 from systemd_machine import SystemdMachine, bound_folders, why_not
 from twins.pin_files import PINCTRL, write_entry_point
 
-from companion.config.parts.motors import MotorsPart
+from companion.config.actuators import MotorsPart
 from companion.mavlink.dialect import dialect
 
 REASON = why_not()

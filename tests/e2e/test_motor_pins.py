@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from mock_pi import LEGS, PINS, MockPi
 
 from companion.boat import TICK_S, Boat
-from companion.config.boat_config import BoatConfig
-from companion.config.parts import Parts
+from companion.config.boat_config import BoatConfig, Parts
 from companion.core.storage import MemoryStorage
 from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.dialect import dialect

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from mock_pi import PINS, MockPi
 
 from companion.boat import TICK_S, Boat
-from companion.config.boat_config import BoatConfig
-from companion.config.parts import Parts
+from companion.config.boat_config import BoatConfig, Parts
 from companion.config.rc import Rc
 from companion.core.storage import MemoryStorage
 from companion.hal.rc_receiver import SerialRcReceiver

@@ -21,9 +21,9 @@ from companion.app.composition import run_boat
 from companion.app.process import Shutdown
 from companion.autopilot.safety_net import GIVE_UP_LEVEL
 from companion.boat import Boat
-from companion.config.boat_config import BoatConfig
-from companion.config.failsafe import Failsafe
-from companion.config.parts import CompassPart, GnssPart, Parts
+from companion.config.boat_config import BoatConfig, Parts
+from companion.config.sensors import CompassPart, GnssPart
+from companion.config.tuning import Failsafe
 from companion.core.errors import LinkError
 from companion.hal.interfaces import Hardware
 

@@ -10,8 +10,8 @@ from twins.battery import Ina219Twin
 from twins.i2c import AMG, CONFIG, NDOF, Bno055Twin, I2cDev, plug_in
 from twins.lines import HandClock
 
-from companion.config import parts
-from companion.config.parts.probes import ProbePart
+from companion.config.actuators import Pca9685Part, PulseOutputSetting
+from companion.config.sensors import BatteryPart, CompassPart, ProbePart
 from companion.core.errors import HardwareError
 from companion.core.state import MotorCommand
 from companion.hal.battery import open_battery_monitor
@@ -23,7 +23,7 @@ from companion.hal.raspberry_pi import I2cBus, import_optional, open_i2c
 from companion.persistence.profile import ProfileFile
 from companion.sensors.compass.magnetic_field import FieldCorrector
 
-COMPASS, BATTERY = parts.CompassPart(driver="bno055"), parts.BatteryPart(driver="ina219")
+COMPASS, BATTERY = CompassPart(driver="bno055"), BatteryPart(driver="ina219")
 
 
 @pytest.fixture
@@ -147,9 +147,9 @@ def test_an_orientation_with_a_wrong_bit_is_ignored(bus: I2cBus, chip: Bno055Twi
 @pytest.mark.parametrize("address", [0x29, 0x41])
 def test_a_part_that_does_not_answer_is_told_in_one_line(dev: I2cDev, address: int) -> None:
     with pytest.raises(HardwareError, match=rf"BNO055: no answer at I²C address {address:#x}: .*121"):
-        open_bno055(parts.CompassPart(address=address), HandClock())
+        open_bno055(CompassPart(address=address), HandClock())
     with pytest.raises(HardwareError, match=rf"INA219: no answer at I²C address {address:#x}: .*121"):
-        open_battery_monitor(parts.BatteryPart(driver="ina219", address=address), HandClock())
+        open_battery_monitor(BatteryPart(driver="ina219", address=address), HandClock())
 
 
 def test_a_part_of_another_kind_is_told_in_one_line(dev: I2cDev) -> None:
@@ -178,11 +178,11 @@ def test_each_part_opens_the_bus_that_it_is_on(monkeypatch: pytest.MonkeyPatch) 
 
     monkeypatch.setattr("smbus2.SMBus", refuse)
     clock = HandClock()
-    chip, magnetometer = parts.Pca9685Part(i2c_bus=4), parts.CompassPart(driver="lis3mdl", i2c_bus=5)
+    chip, magnetometer = Pca9685Part(i2c_bus=4), CompassPart(driver="lis3mdl", i2c_bus=5)
     for open_part in (
-        lambda: open_bno055(parts.CompassPart(driver="bno055", i2c_bus=3), clock),
-        lambda: open_battery_monitor(parts.BatteryPart(driver="ina219", i2c_bus="/dev/i2c-7"), clock),
-        lambda: open_pca9685_pulses(parts.PulseOutputSetting(output="pca9685"), chip),
+        lambda: open_bno055(CompassPart(driver="bno055", i2c_bus=3), clock),
+        lambda: open_battery_monitor(BatteryPart(driver="ina219", i2c_bus="/dev/i2c-7"), clock),
+        lambda: open_pca9685_pulses(PulseOutputSetting(output="pca9685"), chip),
         lambda: replace_pca9685_pulses(0, 0.0, chip),
         lambda: open_magnetic_compass(magnetometer, clock, FieldCorrector()),
         lambda: open_analog_probe(ProbePart(name="ph", driver="ads1115", i2c_bus=6), clock),

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from twins.lines import HandClock, PtyLine, eventually
 
-from companion.config import parts
+from companion.config.sensors import GnssPart
 from companion.hal.gnss.receiver import NmeaGnss, open_nmea_gnss
 from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 
@@ -84,7 +84,7 @@ def test_a_silent_receiver_and_a_wrong_baud_rate_are_told_apart() -> None:
 @pytest.mark.realtime
 def test_a_receiver_on_a_serial_line_survives_being_unplugged(tmp_path: Path) -> None:
     line, clock = PtyLine(tmp_path / "ttyGNSS"), HandClock()
-    gnss = open_nmea_gnss(parts.GnssPart(driver="nmea", port=line.device), clock)
+    gnss = open_nmea_gnss(GnssPart(driver="nmea", port=line.device), clock)
     line.say(epoch(0)[:30])
     line.say(epoch(0)[30:] + epoch(1, satellites=7))
     eventually(lambda: (fix := gnss.read()) is not None and fix.satellites == 7)

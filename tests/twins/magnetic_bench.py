@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from companion.config.parts import CompassPart
+from companion.config.sensors import CompassPart
 from companion.core.readings import HeadingReading
 from companion.core.units import wrap_pi
 from companion.hal.heading import magnetic_compass

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from gpiozero.pins.mock import MockFactory, MockPWMPin
 
-from companion.config.parts import MotorsPart
+from companion.config.actuators import MotorsPart
 from companion.hal.motors.bridges import PLANS, BridgeMotors, open_bridges
 from twins.lines import HandClock
 

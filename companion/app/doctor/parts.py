@@ -16,8 +16,8 @@ from companion.app.status_file import running_boat
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import PARAMETER_FILE, Parameters
-from companion.config.parts.payload import CommandPayload
-from companion.config.parts.probes import ProbePart
+from companion.config.payload import CommandPayload
+from companion.config.sensors import ProbePart
 from companion.core.errors import BoatError
 from companion.core.generations import find_newest
 from companion.core.readings import (

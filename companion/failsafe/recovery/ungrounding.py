@@ -9,8 +9,8 @@ held at full thrust overheats. Once off, the boat stands off into open water.
 
 import math
 
+from companion.config.actuators import DriveSetting
 from companion.config.boat_config import BoatConfig
-from companion.config.drive import DriveSetting
 from companion.core.geo import Point, bearing_rad, distance_m
 from companion.core.health import lacks_heading, lacks_position
 from companion.core.intent import Drive, HoldCourse, Intent, Stop

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable
 from typing import Final
 
-from companion.config.parts import GnssPart
+from companion.config.sensors import GnssPart
 from companion.core.errors import ConfigError
 from companion.core.readings import GnssFix
 from companion.hal.port_sensor import PortSensor

@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Final
 
-from companion.config.parts import GnssPart
+from companion.config.sensors import GnssPart
 from companion.core.readings import GnssFix
 from companion.core.status_text import Severity
 from companion.hal.port_sensor import PortSensor

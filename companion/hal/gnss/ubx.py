@@ -5,7 +5,7 @@ import os
 from collections.abc import Callable, Iterator
 from typing import Final
 
-from companion.config.parts import GnssPart
+from companion.config.sensors import GnssPart
 from companion.core.readings import GnssFix
 from companion.hal.gnss.receiver import GnssReceiver
 from companion.links.interfaces import Port

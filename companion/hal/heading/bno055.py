@@ -15,7 +15,7 @@ import struct
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
-from companion.config import parts
+from companion.config.sensors import CompassPart, Mounting
 from companion.core.errors import HardwareError
 from companion.core.readings import HeadingReading
 from companion.core.status_text import Severity
@@ -42,7 +42,7 @@ _MODE_BITS: Final = 0x0F
 _PERIOD_S: Final = 0.04
 _CALIBRATED: Final = 3
 _GOOD_SAMPLES: Final = 250  # ten seconds
-_USUAL: Final = parts.Mounting()
+_USUAL: Final = Mounting()
 
 _log = logging.getLogger(__name__)
 
@@ -141,7 +141,7 @@ class Bno055Compass(BackgroundSensor[HeadingReading]):
         now: Callable[[], float],
         correction_rad: float = 0.0,
         profile: ProfileFile | None = None,
-        mounting: parts.Mounting = _USUAL,
+        mounting: Mounting = _USUAL,
     ) -> None:
         super().__init__(self.step, "BNO055", now, part.bus.close)
         self.may_pause = False
@@ -190,7 +190,7 @@ class Bno055Compass(BackgroundSensor[HeadingReading]):
 
 
 def open_bno055(
-    part: parts.CompassPart, now: Callable[[], float], profile: ProfileFile | None = None
+    part: CompassPart, now: Callable[[], float], profile: ProfileFile | None = None
 ) -> Bno055Compass:
     """Open the part on its I²C bus and start reading. profile: its calibration.
 

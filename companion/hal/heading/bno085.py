@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable, Iterable
 from typing import Final
 
-from companion.config.parts import CompassPart
+from companion.config.sensors import CompassPart
 from companion.core.readings import HeadingReading
 from companion.core.status_text import Severity
 from companion.hal.heading.orientation import board_to_body, heading_reading

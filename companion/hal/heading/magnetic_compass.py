@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Final, Generic, TypeVar
 
-from companion.config import parts
+from companion.config.sensors import CompassPart
 from companion.core.errors import HardwareError
 from companion.core.readings import HeadingReading
 from companion.core.status_text import Severity
@@ -113,7 +113,7 @@ class MagneticCompass(BackgroundSensor[HeadingReading]):
         self,
         magnetometer: Magnetometer,
         inertial: InertialSensor | None,
-        part: parts.CompassPart,
+        part: CompassPart,
         now: Callable[[], float],
         corrector: FieldCorrector,
         release: Callable[[], None] = lambda: None,
@@ -187,7 +187,7 @@ class MagneticCompass(BackgroundSensor[HeadingReading]):
 
 
 def open_magnetic_compass(
-    part: parts.CompassPart,
+    part: CompassPart,
     now: Callable[[], float],
     corrector: FieldCorrector,
     wait: Callable[[float], None] = time.sleep,

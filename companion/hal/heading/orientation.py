@@ -2,7 +2,7 @@
 
 import math
 
-from companion.config.parts import Mounting
+from companion.config.sensors import Mounting
 from companion.core.readings import HeadingReading
 from companion.core.units import wrap_pi
 from companion.core.vectors import Matrix, Vector, dot, product, quarter_turns, times

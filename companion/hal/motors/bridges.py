@@ -20,7 +20,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from typing import NamedTuple, Protocol
 
-from companion.config import parts
+from companion.config.actuators import MotorsPart
 from companion.core.errors import HardwareError
 from companion.core.units import clamp
 from companion.hal.raspberry_pi import opening_pins
@@ -191,7 +191,7 @@ class BridgeMotors:
 
 
 def open_bridges(
-    part: parts.MotorsPart,
+    part: MotorsPart,
     now: Callable[[], float],
     pin_factory: object = None,
     *,

@@ -9,7 +9,7 @@ import math
 import time
 from collections.abc import Callable
 
-from companion.config.parts import PulseOutputSetting
+from companion.config.actuators import PulseOutputSetting
 from companion.core.errors import HardwareError
 from companion.core.units import clamp
 from companion.hal.interfaces import PulseOutput

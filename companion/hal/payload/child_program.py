@@ -16,7 +16,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from companion.config.parts.camera import CameraSetting
+from companion.config.payload import CameraSetting
 from companion.core.status_text import one_line
 
 logger = logging.getLogger(__name__)

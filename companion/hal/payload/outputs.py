@@ -5,8 +5,8 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing, contextmanager
 from typing import Any
 
-from companion.config.parts import Pca9685Part, PulseOutputSetting
-from companion.config.parts.payload import (
+from companion.config.actuators import Pca9685Part, PulseOutputSetting
+from companion.config.payload import (
     CommandPayload,
     GripperPayload,
     PayloadSetting,

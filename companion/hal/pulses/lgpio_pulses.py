@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from types import ModuleType
 
-from companion.config.parts import PulseOutputSetting
+from companion.config.actuators import PulseOutputSetting
 from companion.core.errors import HardwareError
 from companion.hal.raspberry_pi import import_optional
 

@@ -1,6 +1,6 @@
 """Opens a servo signal, whatever makes it; a rudder on one."""
 
-from companion.config.parts import Pca9685Part, PulseOutputSetting
+from companion.config.actuators import Pca9685Part, PulseOutputSetting
 from companion.hal.interfaces import PulseOutput
 from companion.hal.pulses.lgpio_pulses import open_lgpio_pulses
 from companion.hal.pulses.pca9685 import open_pca9685_pulses

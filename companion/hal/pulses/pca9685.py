@@ -11,7 +11,7 @@ import threading
 from collections.abc import Callable
 from typing import Final, Protocol
 
-from companion.config.parts import Pca9685Part, PulseOutputSetting
+from companion.config.actuators import Pca9685Part, PulseOutputSetting
 from companion.core.errors import HardwareError, SilentOutputsError
 from companion.hal.background import Background
 from companion.hal.pulses.pca9685_chip import AT_ONCE, Pca9685

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 from typing import Final
 
-from companion.config.parts import Pca9685Part
+from companion.config.actuators import Pca9685Part
 from companion.core.errors import HardwareError
 from companion.hal.raspberry_pi import I2cBus, Registers
 

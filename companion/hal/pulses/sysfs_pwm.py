@@ -13,8 +13,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from companion.config.actuators import PulseOutputSetting
 from companion.config.board import pwm_channels
-from companion.config.parts import PulseOutputSetting
 from companion.core.errors import HardwareError
 
 ROOT = Path("/sys/class/pwm")

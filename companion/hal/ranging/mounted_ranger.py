@@ -7,8 +7,8 @@ from contextlib import ExitStack
 from functools import partial
 from typing import Final, Protocol
 
-from companion.config.parts.pulses import PulseOutputSetting
-from companion.config.parts.ranging import RangerPart
+from companion.config.actuators import PulseOutputSetting
+from companion.config.sensors import RangerPart
 from companion.core.readings import SonarReading
 from companion.hal.background import Background
 from companion.hal.pulses.lgpio_pulses import open_lgpio_pulses

@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from companion.config.avoidance import AvoidanceSetting
+from companion.config.tuning import AvoidanceSetting
 from companion.core.geo import Point
 from companion.core.readings import SonarReading
 from companion.core.state import NavState

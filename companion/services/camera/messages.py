@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 from companion import __version__
 from companion.autopilot.snapshot import Snapshot
-from companion.config.parts.camera import CameraSetting
+from companion.config.payload import CameraSetting
 from companion.core.units import deg_to_e7
 from companion.mavlink.dialect import Message, dialect
 from companion.payload.camera import Camera, Image

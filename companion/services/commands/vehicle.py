@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable
 
-from companion.config.fence import CIRCLE_KIND
+from companion.config.tuning import CIRCLE_KIND
 from companion.core.modes import Mode
 from companion.core.requests import (
     Arm,

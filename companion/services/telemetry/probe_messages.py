@@ -6,7 +6,7 @@ from typing import Final
 
 from companion.autopilot.sensor_suite import READ_S
 from companion.autopilot.snapshot import Snapshot
-from companion.config.parts.probes import ProbePart
+from companion.config.sensors import ProbePart
 from companion.core.readings import ProbeReading
 from companion.mavlink.dialect import Message, dialect
 

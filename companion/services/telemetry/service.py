@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from companion.autopilot.snapshot import Snapshot
-from companion.config.parts.probes import ProbePart
+from companion.config.sensors import ProbePart
 from companion.mavlink.dialect import Message, dialect
 from companion.services import component_metadata as metadata
 from companion.services.outbox import Outbox

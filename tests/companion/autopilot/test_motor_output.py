@@ -1,7 +1,7 @@
 """Motors and rudder as the boat's tick writes them."""
 
 from companion.autopilot.motor_output import MotorOutput
-from companion.config.thrusters import Thrusters
+from companion.config.actuators import Thrusters
 from companion.core.state import HEALTHY_MOTORS, STOPPED, MotorCommand
 from companion.hal.interfaces import Hardware
 

@@ -7,7 +7,7 @@ from msgspec.structs import replace
 
 from companion.autopilot.pipeline import GUIDANCE_S, GuidancePipeline
 from companion.config.boat_config import BoatConfig
-from companion.config.fence import FenceSetting
+from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.intent import Drive, HoldCourse, Intent, Stop
 from companion.core.modes import Mode

@@ -3,7 +3,7 @@
 import pytest
 
 from companion.config.boat_config import decode_config
-from companion.config.parts.payload import HornPayload, ServoPayload
+from companion.config.payload import HornPayload, ServoPayload
 from companion.core.errors import ConfigError
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config.thrusters import Thrusters
+from companion.config.actuators import Thrusters
 from companion.control.allocation import (
     FAINT,
     from_pwm,

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from companion.config.boat_config import MotorLimits
+from companion.config.tuning import MotorLimits
 from companion.control.gate import Gate
 from companion.core.state import MotorCommand, NavState, Thrust
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config.boat_config import Heading
+from companion.config.tuning import Heading
 from companion.control.heading import heading_effort
 from companion.control.pid import Pid
 from companion.core.units import wrap_pi

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config.boat_config import Speed
+from companion.config.tuning import Speed
 from companion.control.pid import Pid
 from companion.control.speed import ASTERN_SHARE, feed_forward, speed_effort
 

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from companion.config.boat_config import Speed
-from companion.config.estimation import Estimation
+from companion.config.tuning import Estimation, Speed
 from companion.core.state import MotorCommand
 from companion.core.units import wrap_pi
 from companion.estimation.covariance import COMPASS_OFFSET, HEADING, NORTH

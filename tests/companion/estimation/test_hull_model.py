@@ -7,10 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config.boat_config import Speed
-from companion.config.drive import DriveSetting
-from companion.config.estimation import Estimation
-from companion.config.handling import Handling
+from companion.config.actuators import DriveSetting, Handling
+from companion.config.tuning import Estimation, Speed
 from companion.core.state import MotorCommand
 from companion.estimation.hull_model import SurgeModel, YawModel
 from companion.estimation.nominal_state import NominalState

@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from companion.config.estimation import Estimation
+from companion.config.tuning import Estimation
 from companion.estimation.hypotheses import GAP_RAD, THRESHOLDS, SensorBank, SuspectedSensor
 
 TICK_S = 0.2

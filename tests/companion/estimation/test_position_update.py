@@ -5,8 +5,7 @@ from unittest import mock
 
 import pytest
 
-from companion.config.boat_config import Speed
-from companion.config.estimation import Estimation
+from companion.config.tuning import Estimation, Speed
 from companion.core.readings import HeadingReading
 from companion.core.state import EstimateFault, MotorCommand
 from companion.estimation.covariance import HEADING

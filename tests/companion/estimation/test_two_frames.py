@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import pytest
 
-from companion.config.handling import Handling
+from companion.config.actuators import Handling
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import EstimateFault, MotorCommand

@@ -6,7 +6,7 @@ from failsafe_scenarios import with_verdict
 from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig, decode_config, with_value
-from companion.config.fence import FenceSetting
+from companion.config.tuning import FenceSetting
 from companion.core.geo import Point
 from companion.core.modes import Mode
 from companion.core.status_text import Severity

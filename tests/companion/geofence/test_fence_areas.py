@@ -9,7 +9,7 @@ import shapely
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from companion.config.fence import FenceSetting
+from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.geofence.fence import Fence, FenceArea, FenceCircle, FencePolygon
 from companion.planning.areas import Disc, Ring

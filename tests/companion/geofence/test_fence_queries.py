@@ -8,7 +8,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from test_fence_areas import ANGLE, FRAME, POINT, globe, laid, shape_of, square, stars
 
-from companion.config.fence import FenceSetting
+from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.geofence.fence import Fence, FenceCircle, FencePolygon
 from companion.planning.areas import Disc, Ring

@@ -3,7 +3,7 @@
 import pytest
 from test_fence_areas import laid, square
 
-from companion.config.boat_config import MotorLimits
+from companion.config.tuning import MotorLimits
 from companion.core.state import NavState
 from companion.geofence.monitor import FenceMonitor
 

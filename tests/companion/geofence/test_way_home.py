@@ -10,7 +10,7 @@ from test_fence_areas import FRAME, globe, laid, square
 from test_fence_water import L_WATER
 
 from companion.config.boat_config import BoatConfig, with_value
-from companion.config.fence import FenceSetting
+from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, Point, distance_m
 from companion.core.intent import FollowLeg, KeepStation
 from companion.core.state import NavState

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config.boat_config import Guidance
+from companion.config.tuning import Guidance
 from companion.guidance.line_of_sight import RESPONSE_S, desired_course_rad, lookahead_m
 
 SETTING = Guidance(lookahead_m=4.0)

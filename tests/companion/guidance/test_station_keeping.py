@@ -5,7 +5,8 @@ import math
 import pytest
 from msgspec.structs import replace
 
-from companion.config.boat_config import BoatConfig, Guidance
+from companion.config.boat_config import BoatConfig
+from companion.config.tuning import Guidance
 from companion.core.geo import Point
 from companion.core.state import NavState
 from companion.guidance.station_keeping import StationKeeping

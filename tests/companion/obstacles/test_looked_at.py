@@ -7,7 +7,7 @@ from avoidance_rig import CONFIG, boat
 from msgspec.structs import replace
 
 from companion.config.boat_config import with_value
-from companion.config.fence import FenceSetting
+from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.geofence.fence import Fence, FenceCircle
 from companion.obstacles.perception.looked_at import LookedAtWater, allowed_speed_m_s

@@ -4,7 +4,7 @@ from boat_rig import nav_at
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config.avoidance import AvoidanceSetting
+from companion.config.tuning import AvoidanceSetting
 from companion.core.geo import Point, distance_m
 from companion.core.readings import SonarReading
 from companion.core.state import NavState

@@ -6,7 +6,7 @@ import pytest
 from boat_rig import nav_at
 from msgspec.structs import replace
 
-from companion.config.avoidance import AvoidanceSetting
+from companion.config.tuning import AvoidanceSetting
 from companion.core.geo import Point
 from companion.core.readings import SonarReading
 from companion.core.state import NavState

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from companion.config.parts.payload import WinchPayload
+from companion.config.payload import WinchPayload
 from companion.payload.actions import MoveWinch, WinchMotion
 from companion.payload.actuator import Winch
 

@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 from boat_rig import BOAT, DENIED, FAILED, HOME_ITEM, OK, QGC, Peer, Rig, Silent, waypoint
 
-from companion.config.boat_config import BoatConfig, with_value
-from companion.config.parts import Parts, RangerPart
+from companion.config.boat_config import BoatConfig, Parts, with_value
+from companion.config.sensors import RangerPart
 from companion.core.geo import LatLon
 from companion.core.readings import GnssFix, SonarReading
 from companion.mavlink.address import Address

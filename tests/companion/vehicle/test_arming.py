@@ -4,7 +4,8 @@ import msgspec
 import pytest
 from boat_rig import GOOD_FIX, nav_at
 
-from companion.config.boat_config import Arming, MotorLimits
+from companion.config.boat_config import Arming
+from companion.config.tuning import MotorLimits
 from companion.core.modes import Mode
 from companion.core.readings import BatteryReading, GnssFix
 from companion.core.state import NavState

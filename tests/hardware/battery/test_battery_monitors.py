@@ -8,7 +8,7 @@ from twins.battery import Ads1115Twin, Ina219Twin, Ina226Twin, Ina228Twin, Monit
 from twins.i2c import Bno055Twin, I2cDev, plug_in
 from twins.lines import HandClock, eventually
 
-from companion.config import parts
+from companion.config.sensors import BatteryPart
 from companion.core.errors import HardwareError
 from companion.core.readings import BatteryReading
 from companion.hal.ads1115 import Ads1115
@@ -25,7 +25,7 @@ from companion.hal.battery import (
 from companion.hal.raspberry_pi import I2cBus, open_i2c
 
 CHIPS = {"ina219": (Ina219Twin, INA219), "ina226": (Ina226Twin, INA226), "ina228": (Ina228Twin, INA228)}
-ANALOG = parts.BatteryPart(driver="ads1115")
+ANALOG = BatteryPart(driver="ads1115")
 
 
 @pytest.fixture
@@ -111,7 +111,7 @@ def test_a_part_that_is_pulled_off_the_bus_is_read_again_when_it_is_back(
 ) -> None:
     twin = Ina226Twin(clock)
     dev.parts = {0x40: twin}
-    sensor = open_battery_monitor(parts.BatteryPart(driver="ina226"), clock)
+    sensor = open_battery_monitor(BatteryPart(driver="ina226"), clock)
     try:
         clock.advance(1.0)
         eventually(sensor.read)
@@ -130,7 +130,7 @@ def test_a_part_that_is_pulled_off_the_bus_is_read_again_when_it_is_back(
 @pytest.mark.parametrize("driver", CHIPS)
 def test_a_part_of_another_kind_is_told_in_one_line(dev: I2cDev, clock: HandClock, driver: str) -> None:
     dev.parts = {0x40: Bno055Twin()}
-    part = parts.BatteryPart(driver=driver)  # type: ignore[arg-type]
+    part = BatteryPart(driver=driver)  # type: ignore[arg-type]
     name = driver.upper()
     with pytest.raises(HardwareError, match=f"{name}: the part at I²C address 0x40 is not an {name}"):
         open_battery_monitor(part, clock)
@@ -141,7 +141,7 @@ def test_an_ina226_is_not_taken_for_an_ina228_nor_written_to(dev: I2cDev, clock:
     twin.put = pytest.fail  # type: ignore[method-assign,assignment]
     dev.parts = {0x40: twin}
     with pytest.raises(HardwareError, match="not an INA228"):
-        open_battery_monitor(parts.BatteryPart(driver="ina228"), clock)
+        open_battery_monitor(BatteryPart(driver="ina228"), clock)
 
 
 # Divider and Hall sensor on an ADS1115
@@ -156,9 +156,7 @@ def converter(dev: I2cDev, clock: HandClock) -> Ads1115Twin:
 
 
 @pytest.fixture
-def analog(
-    converter: Ads1115Twin, bus: I2cBus, clock: HandClock
-) -> Callable[[parts.BatteryPart], BatterySensor]:
+def analog(converter: Ads1115Twin, bus: I2cBus, clock: HandClock) -> Callable[[BatteryPart], BatterySensor]:
     return lambda part: BatterySensor(AnalogMonitor(Ads1115(bus, 0x48, clock.advance), part), clock)
 
 
@@ -170,7 +168,7 @@ def read(sensor: BatterySensor) -> BatteryReading:
 
 
 def test_divider_and_hall_sensor_give_volts_and_amperes(
-    analog: Callable[[parts.BatteryPart], BatterySensor],
+    analog: Callable[[BatteryPart], BatterySensor],
 ) -> None:
     reading = read(analog(ANALOG))
     assert reading.voltage_v == pytest.approx(11.0, abs=0.002)
@@ -179,7 +177,7 @@ def test_divider_and_hall_sensor_give_volts_and_amperes(
 
 @pytest.mark.parametrize("hall_v", [0.0, 0.09, 3.6])
 def test_a_broken_wire_at_the_hall_sensor_is_no_current(
-    converter: Ads1115Twin, analog: Callable[[parts.BatteryPart], BatterySensor], hall_v: float
+    converter: Ads1115Twin, analog: Callable[[BatteryPart], BatterySensor], hall_v: float
 ) -> None:
     converter.supply_v = 5.0
     converter.inputs_v[1] = hall_v if hall_v < 3.0 else 4.2  # beyond the input's range
@@ -189,7 +187,7 @@ def test_a_broken_wire_at_the_hall_sensor_is_no_current(
 
 
 def test_a_divider_beyond_the_range_and_a_hung_converter_are_faults(
-    converter: Ads1115Twin, analog: Callable[[parts.BatteryPart], BatterySensor], clock: HandClock
+    converter: Ads1115Twin, analog: Callable[[BatteryPart], BatterySensor], clock: HandClock
 ) -> None:
     sensor = analog(ANALOG)
     converter.supply_v, converter.inputs_v[0] = 5.0, 4.5

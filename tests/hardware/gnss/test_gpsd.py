@@ -15,7 +15,7 @@ from twins.gpsd import DEVICES, GREETING, GpsdServer, line, sky, tpv
 from twins.lines import HandClock, PtyLine, eventually
 from twins.ubx_messages import Motion, nav_pvt
 
-from companion.config import parts
+from companion.config.sensors import GnssPart
 from companion.core.readings import GnssFix
 from companion.hal.gnss.gpsd import GpsdGnss, open_gpsd_gnss
 from companion.links.memory import MemoryPort, memory_pair
@@ -147,7 +147,7 @@ def test_a_silent_gpsd_is_reported_and_so_is_its_return() -> None:
 @pytest.mark.realtime
 def test_a_restarted_gpsd_is_found_again() -> None:
     clock, server = HandClock(), GpsdServer()
-    part = parts.GnssPart(driver="gpsd", port=f"127.0.0.1:{server.port}")
+    part = GnssPart(driver="gpsd", port=f"127.0.0.1:{server.port}")
     gnss = open_gpsd_gnss(part, clock)
 
     def hears(satellites: int) -> bool:
@@ -176,7 +176,7 @@ def test_the_real_gpsd_with_a_u_blox_receiver_gives_fixes(tmp_path: Path) -> Non
         port = free.getsockname()[1]
     command = [program, "-N", "-n", "-S", str(port), os.path.realpath(device.device)]
     with subprocess.Popen(command, stderr=subprocess.DEVNULL) as process:
-        gnss = open_gpsd_gnss(parts.GnssPart(driver="gpsd", port=f"127.0.0.1:{port}"), time.monotonic)
+        gnss = open_gpsd_gnss(GnssPart(driver="gpsd", port=f"127.0.0.1:{port}"), time.monotonic)
 
         def has_fix() -> bool:
             if time.monotonic() - began_s > 0.1 * sent[0]:

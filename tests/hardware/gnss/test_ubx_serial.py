@@ -10,7 +10,7 @@ from twins.lines import PtyLine, eventually
 from twins.ubx_receiver import ZED_F9P, Model, UbxReceiver
 from twins.ubx_serial import SerialReceiver
 
-from companion.config.parts import GnssPart
+from companion.config.sensors import GnssPart
 from companion.hal.gnss.ubx import open_ubx_gnss
 
 pytestmark = pytest.mark.slow

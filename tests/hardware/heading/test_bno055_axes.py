@@ -7,8 +7,7 @@ import pytest
 from twins.i2c import Bno055Twin, I2cDev, plug_in
 from twins.lines import HandClock, eventually
 
-from companion.config.parts import CompassPart, Mounting
-from companion.config.parts.heading import QuarterTurn
+from companion.config.sensors import CompassPart, Mounting, QuarterTurn
 from companion.hal.heading.bno055 import Bno055Compass, open_bno055
 
 

@@ -11,7 +11,7 @@ from twins.lines import HandClock, PtyLine, eventually
 
 from companion.app.parts import open_compass
 from companion.config.boat_config import BoatConfig, with_value
-from companion.config.parts import CompassPart, Mounting
+from companion.config.sensors import CompassPart, Mounting
 from companion.core.readings import HeadingReading
 from companion.hal.heading.bno085 import BYTE_S, Bno085Compass
 from companion.links.memory import MemoryLink, MemoryPort, memory_pair

@@ -8,7 +8,7 @@ import pytest
 from twins.magnetic_bench import INERTIAL, MAGNETOMETERS, Bench
 from twins.magnetics import Triple
 
-from companion.config.parts import CompassPart, Mounting
+from companion.config.sensors import CompassPart, Mounting
 
 
 @pytest.fixture

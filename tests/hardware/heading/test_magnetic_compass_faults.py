@@ -11,7 +11,7 @@ from twins.lines import HandClock
 from twins.magnetic_bench import INERTIAL, MAGNETOMETERS, Bench
 from twins.magnetics import Hmc5883lTwin, Qmc5883lTwin, Scene
 
-from companion.config.parts import CompassPart
+from companion.config.sensors import CompassPart
 from companion.core.errors import HardwareError
 from companion.hal.heading.magnetic_compass import open_magnetic_compass
 from companion.sensors.compass.magnetic_field import FieldCorrector

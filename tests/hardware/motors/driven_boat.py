@@ -14,7 +14,7 @@ from twins.pins import BRIDGES, PinBoard, assert_is_safe, motors_of
 from twins.pulses import PI_4, LgpioTwin, Pca9685Twin, Signal, plug_in_pwm
 
 from companion.boat import TICK_S
-from companion.config.parts import MotorsPart, Pca9685Part, PulseOutputSetting
+from companion.config.actuators import MotorsPart, Pca9685Part, PulseOutputSetting
 from companion.core.errors import HardwareError
 from companion.hal.interfaces import Motors
 from companion.hal.motors.esc import open_escs

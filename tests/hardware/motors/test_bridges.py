@@ -7,7 +7,7 @@ import pytest
 from twins.lines import HandClock
 from twins.pins import L298N, PinBoard
 
-from companion.config import parts
+from companion.config.actuators import MotorsPart
 from companion.core.errors import HardwareError
 from companion.hal.motors.bridges import BridgeMotors, HalfBridgePair
 
@@ -44,7 +44,7 @@ def test_each_side_and_direction_has_its_own_pins(board: PinBoard) -> None:
 
 
 def test_a_reversed_motor_swaps_its_legs_only(board: PinBoard) -> None:
-    bridge = board.open(parts.MotorsPart(driver="l298n", left_reversed=True))
+    bridge = board.open(MotorsPart(driver="l298n", left_reversed=True))
     bridge.write(0.5, 0.5)
     assert board.drain() == [
         (PINS.left_backward, 1.0),

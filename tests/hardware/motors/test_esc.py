@@ -13,8 +13,8 @@ from twins.lines import HandClock
 from twins.pulses import PI_4, KernelPwm, Signal, plug_in_pwm
 
 from companion.app.parts import open_motors
+from companion.config.actuators import PulseOutputSetting
 from companion.config.boat_config import decode_config
-from companion.config.parts import PulseOutputSetting
 from companion.core.errors import HardwareError
 from companion.hal.motors.esc import Esc, EscMotors
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 from twins.pins import BRIDGES, PinBoard, assert_is_safe, motors_of
 
-from companion.config.parts import MotorsPart
+from companion.config.actuators import MotorsPart
 from companion.core.errors import HardwareError
 
 SHARES = st.one_of(

@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import pytest
 from patience import MOMENT_S
 
-from companion.config.parts.camera import CameraSetting
+from companion.config.payload import CameraSetting
 from companion.hal.payload.child_program import CaptureProgram, ChildProgram
 
 pytestmark = pytest.mark.slow

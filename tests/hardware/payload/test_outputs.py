@@ -11,13 +11,9 @@ from twins.lines import eventually, opened
 from twins.pulses import PI_4, Pca9685Twin, plug_in_pwm
 
 from companion.app.hardware import begin_payload
+from companion.config.actuators import Pca9685Part, PulseOutputSetting
 from companion.config.boat_config import BoatConfig, decode_config
-from companion.config.parts import Pca9685Part, PulseOutputSetting
-from companion.config.parts.payload import (
-    RelayPayload,
-    ServoPayload,
-    WinchPayload,
-)
+from companion.config.payload import RelayPayload, ServoPayload, WinchPayload
 from companion.core.errors import HardwareError
 from companion.hal.payload.outputs import open_counter, open_output
 from companion.payload.actuator import Actuator, TimedWrite

@@ -14,7 +14,7 @@ from twins.lines import HandClock, PtyLine, eventually, opened
 from companion.app.composition import check_config
 from companion.app.hardware import begin_probes
 from companion.config.boat_config import BoatConfig, decode_config
-from companion.config.parts.probes import ProbePart
+from companion.config.sensors import ProbePart
 from companion.core.errors import ConfigError, HardwareError
 from companion.core.readings import ProbeReading
 from companion.hal.ads1115 import Ads1115

@@ -5,7 +5,7 @@ import sys
 import pytest
 from twins.pulses import LgpioTwin
 
-from companion.config.parts import PulseOutputSetting
+from companion.config.actuators import PulseOutputSetting
 from companion.core.errors import HardwareError
 from companion.hal.pulses.lgpio_pulses import LgpioPulses, open_lgpio_pulses
 

@@ -10,7 +10,7 @@ from twins.lines import eventually
 from twins.pins import PinBoard
 from twins.pulses import Pca9685Twin
 
-from companion.config.parts import Pca9685Part, PulseOutputSetting
+from companion.config.actuators import Pca9685Part, PulseOutputSetting
 from companion.core.errors import HardwareError, SilentOutputsError
 from companion.hal.pulses.pca9685 import (
     Pca9685Board,

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config.parts import PulseOutputSetting
+from companion.config.actuators import PulseOutputSetting
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from twins.pulses import FRESH, PI_4, PI_5, PI_5_NEW_KERNEL, KernelPwm, plug_in_pwm
 
-from companion.config.parts import PulseOutputSetting
+from companion.config.actuators import PulseOutputSetting
 from companion.core.errors import HardwareError
 from companion.hal.pulses.sysfs_pwm import (
     SysfsPulses,

@@ -15,13 +15,13 @@ from hypothesis import strategies as st
 from twins.lines import HandClock, eventually
 from twins.pulses import LgpioTwin
 
-from companion.config import parts
+from companion.config.sensors import RangerPart
 from companion.core.errors import HardwareError
 from companion.core.readings import SonarReading
 from companion.hal.ranging.echo_pins import JSNSR04T, EchoPinRanger, speed_of_sound_m_s
 from companion.hal.ranging.mounted_ranger import MountedRanger, open_ranger, sweep_bearings_rad
 
-PART = parts.RangerPart(driver="hcsr04")
+PART = RangerPart(driver="hcsr04")
 SOUND_M_S = speed_of_sound_m_s(15.0)
 
 
@@ -210,7 +210,7 @@ def lgpio(monkeypatch: pytest.MonkeyPatch) -> LgpioTwin:
 
 @pytest.mark.realtime
 def test_the_thread_pings_along_the_sweep_and_the_servo_turns_with_it(bench: Bench, lgpio: LgpioTwin) -> None:
-    part = parts.RangerPart(driver="hcsr04", servo=18, sweep_rad=math.pi, step_rad=math.pi)
+    part = RangerPart(driver="hcsr04", servo=18, sweep_rad=math.pi, step_rad=math.pi)
     bench.twin.echo_s = 2.0 * 2.0 / SOUND_M_S
     sonar = open_ranger(part, HandClock(), bench.factory)
     readings: list[SonarReading] = []

@@ -13,8 +13,8 @@ from msgspec.structs import replace
 from twins.lines import HandClock, PtyLine, eventually
 from twins.rangers import a02yyuw_frame, tfmini_frame
 
-from companion.config import parts
-from companion.config.avoidance import AvoidanceSetting
+from companion.config.sensors import RangerPart
+from companion.config.tuning import AvoidanceSetting
 from companion.core.errors import HardwareError
 from companion.core.geo import Point
 from companion.core.readings import SonarReading
@@ -133,7 +133,7 @@ def readings(sonar: MountedRanger, into: list[SonarReading]) -> list[SonarReadin
 @pytest.mark.realtime
 def test_an_unplugged_ranger_pings_again_when_it_is_back(line: PtyLine) -> None:
     clock = HandClock()
-    part = parts.RangerPart(driver="tfmini", port=line.device)
+    part = RangerPart(driver="tfmini", port=line.device)
     sonar = open_ranger(part, clock)
     seen: list[SonarReading] = []
     try:

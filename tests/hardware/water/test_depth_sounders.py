@@ -11,9 +11,8 @@ from twins.lines import HandClock, PtyLine, eventually
 from twins.sounders import Ping1dTwin, nmea
 
 from companion.app.parts import open_depth
-from companion.config import parts
-from companion.config.boat_config import BoatConfig
-from companion.config.parts import Parts
+from companion.config.boat_config import BoatConfig, Parts
+from companion.config.sensors import DepthPart
 from companion.core.readings import DepthReading
 from companion.hal.gnss.receiver import NmeaGnss
 from companion.hal.nmea_sensor import NmeaSensor, SharedDepthSounder, depth_assembler
@@ -21,7 +20,7 @@ from companion.hal.ping1d import Ping1d, PingReader
 from companion.links.memory import MemoryPort, memory_pair
 from companion.sensors.nmea.depth import DEPTH_SENTENCES
 
-PART = parts.DepthPart(driver="nmea")
+PART = DepthPart(driver="nmea")
 
 
 @pytest.fixture
@@ -119,7 +118,7 @@ def test_no_bottom_is_a_reading_without_a_depth(
 
 def test_a_sounder_may_share_the_receivers_line(wire: Wire, clock: HandClock) -> None:
     gnss = NmeaGnss(wire.port, clock)
-    depth = SharedDepthSounder(parts.DepthPart(driver="gnss"))
+    depth = SharedDepthSounder(DepthPart(driver="gnss"))
     depth.listen_to(gnss)
     assert depth.read() is None
     for second in ("00", "01"):
@@ -149,7 +148,7 @@ def twin() -> Ping1dTwin:
 
 @pytest.fixture
 def ping(wire: Wire, clock: HandClock) -> Ping1d:
-    return Ping1d(wire.port, clock, parts.DepthPart(driver="ping1d", transducer_m=0.15))
+    return Ping1d(wire.port, clock, DepthPart(driver="ping1d", transducer_m=0.15))
 
 
 def interval(ping: Ping1d, twin: Ping1dTwin, wire: Wire, clock: HandClock) -> DepthReading | None:
@@ -240,7 +239,7 @@ def line(tmp_path: Path) -> Iterator[PtyLine]:
 def test_a_sounder_on_a_device_is_opened_read_and_closed(
     line: PtyLine, twin: Ping1dTwin, clock: HandClock, driver: str
 ) -> None:
-    part = parts.DepthPart(driver=driver, port=line.device)  # type: ignore[arg-type]
+    part = DepthPart(driver=driver, port=line.device)  # type: ignore[arg-type]
     sounder = open_depth(BoatConfig(parts=Parts(depth=part)), clock)
 
     def has_sounded() -> bool:

@@ -12,7 +12,7 @@ from data_files import SHORES
 from shapely.geometry import LineString, Polygon
 
 import mission_tools as mt
-from companion.config.fence import FenceSetting
+from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from companion.geofence import fence as aboard
 from companion.mavlink.items import MissionItem

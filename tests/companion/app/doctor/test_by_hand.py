@@ -9,8 +9,8 @@ from twins.i2c import Bno055Twin, plug_in
 from companion.app.doctor.by_hand import turn_by_hand
 from companion.app.doctor.findings import Finding, Verdict
 from companion.app.runner import SystemClock
-from companion.config.boat_config import BoatConfig
-from companion.config.parts import CompassPart, Mounting, Parts
+from companion.config.boat_config import BoatConfig, Parts
+from companion.config.sensors import CompassPart, Mounting
 
 POSITIONS = {  # heading, roll, pitch, by a word of the question
     "north": (2.0, 0.0, 0.0),

@@ -5,8 +5,8 @@ from doctor_tree import Examine
 
 from companion.app.doctor.findings import Verdict
 from companion.app.doctor.parts import check_compass_calibration
-from companion.config.boat_config import BoatConfig, StorageSetting
-from companion.config.parts import CompassPart, Parts
+from companion.config.boat_config import BoatConfig, Parts, StorageSetting
+from companion.config.sensors import CompassPart
 from companion.core.generations import Generation, seal
 
 pytest_plugins = ("doctor_fixtures",)

@@ -16,8 +16,8 @@ from twins.lines import PtyLine
 from companion.app.doctor.findings import Verdict
 from companion.app.doctor.parts import part_findings
 from companion.app.runner import SystemClock
-from companion.config.boat_config import BoatConfig
-from companion.config.parts import BatteryPart, CompassPart, GnssPart, Parts
+from companion.config.boat_config import BoatConfig, Parts
+from companion.config.sensors import BatteryPart, CompassPart, GnssPart
 
 pytest_plugins = ("doctor_fixtures",)
 

@@ -24,8 +24,9 @@ from companion.app.doctor.parts import (
     part_findings,
 )
 from companion.app.status_file import BoatStatus
-from companion.config.boat_config import BoatConfig
-from companion.config.parts import HullPart, MotorsPart, Parts
+from companion.config.actuators import MotorsPart
+from companion.config.boat_config import BoatConfig, Parts
+from companion.config.sensors import HullPart
 from companion.core.geo import LatLon
 from companion.core.readings import (
     BatteryReading,

@@ -23,11 +23,12 @@ from companion.app.needs import (
     PORT_DRIVERS,
     needs_of,
 )
-from companion.config.boat_config import BoatConfig, decode_config
-from companion.config.parts import BatteryPart, CompassPart, GnssPart, MotorsPart, Parts, PulseOutputSetting
-from companion.config.parts import RudderPart as Rudder
-from companion.config.parts.payload import GripperPayload, ServoPayload
+from companion.config.actuators import MotorsPart, PulseOutputSetting
+from companion.config.actuators import RudderPart as Rudder
+from companion.config.boat_config import BoatConfig, Parts, decode_config
+from companion.config.payload import GripperPayload, ServoPayload
 from companion.config.rc import Rc
+from companion.config.sensors import BatteryPart, CompassPart, GnssPart
 from companion.hal import ads1115
 from companion.hal.heading import bno055
 from companion.hal.heading.chips import Hmc5883l, Lis3mdl, Lsm6ds, Mpu6050, Qmc5883l, Qmc5883p

@@ -10,7 +10,7 @@ from log_rig import LogRig, of_kind, read_log
 from msgspec.structs import replace
 
 from companion.boat import Boat
-from companion.config.parts.probes import ProbePart
+from companion.config.sensors import ProbePart
 from companion.core.readings import ProbeReading
 from companion.mavlink.dialect import dialect
 

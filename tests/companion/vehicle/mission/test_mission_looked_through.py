@@ -2,7 +2,7 @@
 
 import pytest
 
-from companion.config.fence import FenceSetting
+from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.status_text import Severity, StatusText
 from companion.geofence.fence import Fence, FencePolygon

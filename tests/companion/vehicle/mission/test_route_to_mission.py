@@ -6,7 +6,7 @@ import pytest
 from boat_rig import FRAME, nav_at, place
 
 from companion.config.boat_config import BoatConfig
-from companion.config.fence import FenceSetting
+from companion.config.tuning import FenceSetting
 from companion.core.geo import Point
 from companion.core.intent import FollowLeg, HoldCourse, Intent, KeepStation
 from companion.core.status_text import StatusText
