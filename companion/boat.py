@@ -4,13 +4,11 @@ import logging
 import math
 from collections.abc import Collection, Sequence
 
-from companion.autopilot.board_readings import board_readings
-from companion.autopilot.motor_output import MotorOutput
+from companion.autopilot.motor_output import Fall, MotorOutput, SafetyNet
 from companion.autopilot.origin import OriginMonitor
 from companion.autopilot.pipeline import GuidancePipeline
-from companion.autopilot.safety_net import Fall, SafetyNet
 from companion.autopilot.sensor_suite import SensorSuite
-from companion.autopilot.snapshot import Snapshot
+from companion.autopilot.snapshot import Snapshot, board_readings
 from companion.calibration.motor_test import MotorTest
 from companion.calibration.runner import CalibrationRunner
 from companion.config.actuators import Thrusters

@@ -8,7 +8,7 @@ the path. Legs are tested exactly, not by samples on them.
 from typing import Any
 
 from benchmarks.peers.interface import Deadline, NoPath, Path, Sea
-from companion.cli.extras import how_to_install
+from companion.cli.program_end import how_to_install
 from companion.core.geo import Point
 
 ITERATIONS = 4000

@@ -19,8 +19,8 @@ from companion.app.install.cli import install, uninstall
 from companion.app.process import Shutdown, restart_program
 from companion.app.runner import SystemClock
 from companion.app.status_file import find_status, read_status, watch
-from companion.cli.busy_port import busy_port_explained
 from companion.cli.command_line import Option, Program, echo
+from companion.cli.program_end import busy_port_explained
 from companion.config.actuators import PulseOutputSetting
 from companion.config.boat_config import BoatConfig, load_config
 from companion.config.parameter_page import parameter_page

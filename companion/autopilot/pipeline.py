@@ -31,11 +31,6 @@ _STOP = Stop()
 class GuidancePipeline:
     """demand: set-points of the loops, None while they are open. headway: the stall detector."""
 
-    __slots__ = (
-        "_command", "_drift_heading", "_due_s", "_fence_brake", "_guided_s", "_pilot", "_steered",
-        "avoidance", "demand", "gate", "headway", "helm", "perception",
-    )  # fmt: skip
-
     def __init__(self, config: BoatConfig, status_texts: list[StatusText]) -> None:
         """status_texts: where messages to the operator are appended."""
         self.perception = ObstaclePerception(config.avoidance)

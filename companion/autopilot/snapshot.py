@@ -1,4 +1,4 @@
-"""The state of the boat at one tick, for telemetry and logs."""
+"""The state of the boat at one tick, for telemetry and logs, and what of it the failsafes look at."""
 
 from msgspec import Struct
 
@@ -8,6 +8,8 @@ from companion.config.boat_config import BoatConfig
 from companion.config.parameters import ParameterRow
 from companion.core.state import MotorCommand
 from companion.estimation.estimator import Estimator
+from companion.failsafe.inputs import HELD_S, BoardReadings
+from companion.obstacles.planning.planner import Stage
 from companion.vehicle.payload_control import PayloadControl
 from companion.vehicle.vehicle import Vehicle
 
@@ -57,3 +59,38 @@ class Snapshot(Struct, frozen=True):
     def boot_us(self) -> int:
         """Microseconds since boot."""
         return round(self.now_s * 1e6)
+
+
+def board_readings(
+    before: BoardReadings,
+    sensors: SensorSuite,
+    guidance: GuidancePipeline,
+    command: MotorCommand,
+    *,
+    is_calibrating: bool,
+    is_armed: bool,
+    min_depth_m: float,
+    load: float,
+    storage_fault: str,
+) -> BoardReadings:
+    """What the vehicle does not know itself, in this cycle. before: in the last."""
+    gives_way = guidance.avoidance.stage in (Stage.BACK, Stage.BLOCKED)
+    is_held = guidance.headway.held_s > HELD_S
+    water_m = None if sensors.bottom is None else sensors.bottom.water_m
+    is_deep = water_m is not None and water_m >= min_depth_m
+    return BoardReadings(
+        left=command.left,
+        right=command.right,
+        rudder=command.rudder,
+        judges_motors=not (gives_way or is_held or is_calibrating),
+        stall=guidance.headway.verdict,
+        held_s=guidance.headway.held_s,
+        load=load,
+        consumed_mah=sensors.consumed_mah,
+        heading=sensors.compass,
+        hull=sensors.hull,
+        depth=sensors.bottom,
+        was_deep=is_armed and (before.was_deep or is_deep),
+        has_lost_sonar=sensors.has_sonar and (sensors.sonar is None or guidance.perception.is_noisy),
+        storage_fault=storage_fault,
+    )

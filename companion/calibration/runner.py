@@ -13,10 +13,9 @@ from companion.calibration.heading import tune_heading
 from companion.calibration.routine import CalibrationError, Routine, RoutineInputs, TrialFinding
 from companion.calibration.thrusters import calibrate
 from companion.config.boat_config import BoatConfig
-from companion.core.health import lacks_heading, lacks_position
 from companion.core.intent import Intent, KeepStation
 from companion.core.readings import GnssFix
-from companion.core.state import MotorCommand, NavState
+from companion.core.state import MotorCommand, NavState, lacks_heading, lacks_position
 from companion.core.vehicle_status import VehicleStatus
 from companion.geofence.fence import Fence
 

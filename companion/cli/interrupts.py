@@ -11,8 +11,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-from companion.cli.extras import missing_extra
-from companion.cli.program_end import INTERRUPTED, end
+from companion.cli.program_end import INTERRUPTED, end, missing_extra
 
 Run = Callable[[list[str]], int]
 Handler = Callable[[int, FrameType | None], None]

@@ -3,11 +3,15 @@
 0 done, 1 the job failed, 2 wrong usage or input, 3 no vehicle or link, 130 interrupted.
 """
 
+import errno
 import json
+import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Final
 
-from companion.cli.extras import missing_extra
+from companion.core.errors import BoatError, LinkError
 
 INTERRUPTED = 130  # 128 + SIGINT, as in shells
 
@@ -40,3 +44,51 @@ def end_with(
     if isinstance(error, OSError) and isinstance(error.filename, str):
         return end(name, f"{error.filename}: {error.strerror}", 1, is_json=is_json)
     return end(name, f"unexpected {error!r}: please report it, with what --debug says", 1, is_json=is_json)
+
+
+_OURS: Final = ("companion", "mission_tools", "sitl")
+_OF_PROGRAM: Final = {"boat-shore": "web", "boat-sitl": "sitl"} | {
+    f"mission-{name}": "planner" for name in ("check", "download", "plan", "trace", "upload")
+}
+
+
+def how_to_install(extra: str) -> str:
+    """What installs an extra. The package is on no index: its sources or its wheel are at hand."""
+    return f"pip install '.[{extra}]' in a clone of mavboat, or 'FILE.whl[{extra}]' with its wheel"
+
+
+def missing_extra(program: str, error: BaseException) -> str | None:
+    """The message about the extra that a program needs; None unless a package of others is missing."""
+    if not isinstance(error, ModuleNotFoundError) or error.name is None:
+        return None
+    package = error.name.partition(".")[0]
+    if package in _OURS:
+        return None
+    extra = _OF_PROGRAM.get(program)
+    if extra is None:  # the base of the package is incomplete
+        return f"the Python module {package!r} is missing: pip install . in a clone of mavboat"
+    return f"needs the extra {extra!r} (no module {package!r}): {how_to_install(extra)}"
+
+
+class PortInUseError(BoatError):
+    """Another program uses the port."""
+
+    exit_code = 2
+
+
+@contextmanager
+def busy_port_explained(advice: str) -> Iterator[None]:
+    """Explain what to do about a port in use. advice: how to choose another port.
+
+    Raises:
+        PortInUseError: in place of the LinkError.
+    """
+    try:
+        yield
+    except LinkError as error:
+        if os.strerror(errno.EADDRINUSE) not in str(error):
+            raise
+        raise PortInUseError(
+            f"{error}: another program has this port, perhaps an earlier start of this one (ss -tulpn lists "
+            f"them): end it, or {advice}"
+        ) from None

@@ -20,8 +20,8 @@ from typing import NamedTuple
 from companion.config.boat_config import BoatConfig, with_value
 from companion.config.parameter_values import Names
 from companion.core.errors import ConfigError
-from companion.core.float32 import LARGEST, as_float32, shortest
 from companion.core.storage import Saving, Storage
+from companion.core.units import LARGEST, as_float32, shortest
 
 logger = logging.getLogger(__name__)
 

@@ -11,8 +11,7 @@ ahead when the motors run again.
 import math
 
 from companion.config.tuning import MotorLimits
-from companion.core.health import lacks_heading, lacks_position
-from companion.core.state import MotorCommand, NavState, Thrust
+from companion.core.state import MotorCommand, NavState, Thrust, lacks_heading, lacks_position
 from companion.core.units import clamp
 
 

@@ -1,6 +1,8 @@
 """Unit conversions and angle arithmetic. SI and radians inside, degrees and scaled integers at the edges."""
 
 import math
+import struct
+from typing import Final
 
 TAU = 2.0 * math.pi
 
@@ -31,3 +33,22 @@ def deg_to_e7(angle_deg: float) -> int:
 def e7_to_deg(angle_e7: int) -> float:
     """MAVLink's 1e-7 degree integers to degrees."""
     return angle_e7 / 1e7
+
+
+LARGEST: Final = (2.0 - 2.0**-23) * 2.0**127
+
+
+def as_float32(value: float) -> float:
+    """The nearest 32-bit float; beyond the largest, the largest."""
+    value = max(-LARGEST, min(value, LARGEST))
+    result: float = struct.unpack("<f", struct.pack("<f", value))[0]
+    return result
+
+
+def shortest(value: float) -> str:
+    """The shortest decimal with the same 32-bit float."""
+    for digits in range(1, 10):
+        short = float(f"{value:.{digits}g}")
+        if as_float32(short) == as_float32(value):
+            return repr(short).removesuffix(".0")
+    return repr(value)

@@ -3,9 +3,8 @@
 import math
 from typing import Final
 
-from companion.core.health import fault_texts, lacks_heading, lacks_position
 from companion.core.modes import Mode
-from companion.core.state import EstimateFault
+from companion.core.state import EstimateFault, fault_texts, lacks_heading, lacks_position
 from companion.failsafe.inputs import FailsafeInputs
 from companion.failsafe.motors.hypotheses import Fault
 from companion.guidance.stall_detector import StallVerdict

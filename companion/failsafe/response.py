@@ -16,10 +16,8 @@ from companion.failsafe.actions import (
     Retreat,
     StopMotors,
 )
-from companion.failsafe.escalation import Change
-from companion.failsafe.guards import may_drift
-from companion.failsafe.inputs import FailsafeInputs
-from companion.failsafe.monitor import Alarm
+from companion.failsafe.inputs import FailsafeInputs, may_drift
+from companion.failsafe.monitor import Alarm, Change
 from companion.failsafe.recovery.transition_table import TRANSITIONS, State, Trigger
 from companion.failsafe.table import Condition, Row
 

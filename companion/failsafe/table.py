@@ -11,9 +11,19 @@ from enum import IntFlag
 from typing import NamedTuple
 
 from companion.core.modes import Mode
-from companion.failsafe import conditions, guards
+from companion.failsafe import conditions
 from companion.failsafe.actions import Action
-from companion.failsafe.inputs import FailsafeInputs
+from companion.failsafe.inputs import (
+    ALL_MODES,
+    AUTONOMOUS_MODES,
+    POSITION_MODES,
+    FailsafeInputs,
+    heading_in_doubt,
+    held_at_shore,
+    never,
+    on_way_home,
+    on_way_home_or_inside,
+)
 
 _NEVER = float("inf")
 
@@ -62,10 +72,10 @@ class Guard(NamedTuple):
     waits: while this holds, the row does not fire.
     """
 
-    modes: frozenset[Mode] = guards.ALL_MODES
+    modes: frozenset[Mode] = ALL_MODES
     disarmed: bool = False
-    spares: Callable[[FailsafeInputs], bool] = guards.on_way_home
-    waits: Callable[[FailsafeInputs], bool] = guards.never
+    spares: Callable[[FailsafeInputs], bool] = on_way_home
+    waits: Callable[[FailsafeInputs], bool] = never
 
 
 class Row(NamedTuple):
@@ -94,10 +104,10 @@ _CHECK = Step(15.0, Action.CHECK_MOTORS)  # a motor check (6 s), and 8 s for the
 _GO_HOME = Step(15.0, Action.RTL)  # the same after the last clearing
 _GIVE_UP = Step(90.0, Action.LOITER_OR_HOLD)  # five clearings' time without leaving the place
 
-_ALWAYS = Guard(spares=guards.never)
+_ALWAYS = Guard(spares=never)
 _DISARMED_TOO = Guard(disarmed=True)
-_BY_POSITION = Guard(guards.POSITION_MODES, spares=guards.never)
-_AUTONOMOUS = Guard(guards.AUTONOMOUS_MODES, spares=guards.never)
+_BY_POSITION = Guard(POSITION_MODES, spares=never)
+_AUTONOMOUS = Guard(AUTONOMOUS_MODES, spares=never)
 
 # Where the delays come from. CAPSIZED outlasts the roll in a wave of 2 s, LEAK what such a wave splashes, and
 # FENCE_BREACHED and POSITION_LOST two fixes at 5 Hz. TOO_HOT and OUT_OF_RANGE see ten and five readings,
@@ -105,104 +115,53 @@ _AUTONOMOUS = Guard(guards.AUTONOMOUS_MODES, spares=guards.never)
 # OVERRUN three time constants of the averaged load. What a recovery acts on ends only once the recovery (6 to
 # 8 s) is over and has been judged.
 ROWS: tuple[Row, ...] = (
-    Row(
-        Condition.CAPSIZED, conditions.capsized, "capsize_action", "upright again",
-        after=2.0, guard=_ALWAYS, clear_s=5.0,
-    ),
-    Row(
-        Condition.HEADING_LOST, conditions.heading_lost, "heading_action", "heading known again",
-        guard=_BY_POSITION,
-    ),
-    Row(
-        Condition.POSITION_LOST, conditions.position_lost, "position_action", "position known again",
-        after=0.5, guard=_BY_POSITION._replace(waits=guards.heading_in_doubt),
-        then=(Step("dead_reckoning_s", Action.HOLD),), clear_s=2.0,
-    ),
-    Row(
-        Condition.LEAK, conditions.leak, "leak_action", "hull dry again",
-        after=2.0, clear_s=10.0,
-    ),
-    Row(
-        Condition.TOO_HOT, conditions.too_hot, "temperature_action", "cool again",
-        after=10.0, clear_s=30.0,
-    ),
-    Row(
-        Condition.BATTERY_CRITICAL, conditions.battery_critical, "battery_critical_action", "",
-        after="battery_low_s", guard=_DISARMED_TOO, clear_s=_NEVER,
-    ),
-    Row(
-        Condition.BATTERY_LOW, conditions.battery_low, "battery_action", "",
-        after="battery_low_s", guard=_DISARMED_TOO, clear_s=_NEVER,
-    ),
-    Row(
-        Condition.OUT_OF_RANGE, conditions.out_of_range, "range_action", "",
-        after=5.0, clear_s=_NEVER,
-    ),
-    Row(
-        Condition.STEERING_LOST, conditions.steering_lost, "steering_action", "steering works again",
-        guard=_AUTONOMOUS, then=(_CHECK, Step(15.0, Action.LOITER_OR_HOLD)), clear_s=10.0, relapse_s=60.0,
-    ),
-    Row(
-        Condition.MOTOR_FAILING, conditions.motor_failing, "motor_action", "motors work again",
+    Row(Condition.CAPSIZED, conditions.capsized, "capsize_action", "upright again",
+        after=2.0, guard=_ALWAYS, clear_s=5.0),
+    Row(Condition.HEADING_LOST, conditions.heading_lost, "heading_action", "heading known again",
+        guard=_BY_POSITION),
+    Row(Condition.POSITION_LOST, conditions.position_lost, "position_action", "position known again",
+        after=0.5, guard=_BY_POSITION._replace(waits=heading_in_doubt),
+        then=(Step("dead_reckoning_s", Action.HOLD),), clear_s=2.0),
+    Row(Condition.LEAK, conditions.leak, "leak_action", "hull dry again", after=2.0, clear_s=10.0),
+    Row(Condition.TOO_HOT, conditions.too_hot, "temperature_action", "cool again", after=10.0, clear_s=30.0),
+    Row(Condition.BATTERY_CRITICAL, conditions.battery_critical, "battery_critical_action", "",
+        after="battery_low_s", guard=_DISARMED_TOO, clear_s=_NEVER),
+    Row(Condition.BATTERY_LOW, conditions.battery_low, "battery_action", "",
+        after="battery_low_s", guard=_DISARMED_TOO, clear_s=_NEVER),
+    Row(Condition.OUT_OF_RANGE, conditions.out_of_range, "range_action", "", after=5.0, clear_s=_NEVER),
+    Row(Condition.STEERING_LOST, conditions.steering_lost, "steering_action", "steering works again",
+        guard=_AUTONOMOUS, then=(_CHECK, Step(15.0, Action.LOITER_OR_HOLD)), clear_s=10.0, relapse_s=60.0),
+    Row(Condition.MOTOR_FAILING, conditions.motor_failing, "motor_action", "motors work again",
         guard=_AUTONOMOUS, then=(_CLEAR_AGAIN, _GO_HOME, _GIVE_UP), clear_s=15.0, relapse_s=60.0,
-        is_slow=True,
-    ),
-    Row(
-        Condition.AGROUND, conditions.aground, "aground_action", "afloat again",
-        guard=_AUTONOMOUS, clear_s=2.0,
-    ),
-    Row(
-        Condition.SHALLOW, conditions.shallow, "depth_action", "deep enough again",
-        after=1.5, guard=Guard(guards.AUTONOMOUS_MODES), clear_s=5.0,
-    ),
-    Row(
-        Condition.STUCK, conditions.stuck, "stuck_action", "free again",
+        is_slow=True),
+    Row(Condition.AGROUND, conditions.aground, "aground_action", "afloat again",
+        guard=_AUTONOMOUS, clear_s=2.0),
+    Row(Condition.SHALLOW, conditions.shallow, "depth_action", "deep enough again",
+        after=1.5, guard=Guard(AUTONOMOUS_MODES), clear_s=5.0),
+    Row(Condition.STUCK, conditions.stuck, "stuck_action", "free again",
         guard=_AUTONOMOUS, then=(_CLEAR_AGAIN, _GO_HOME, _GIVE_UP), clear_s=15.0, relapse_s=60.0,
-        is_slow=True,
-    ),
-    Row(
-        Condition.NO_HEADWAY, conditions.no_headway, "headway_action", "making way again",
-        guard=_AUTONOMOUS, then=(Step(60.0, Action.LOITER_OR_HOLD),), clear_s=10.0, relapse_s=60.0,
-    ),
-    Row(
-        Condition.OPERATOR_LOST, conditions.operator_lost, "action", "operator heard again",
-        guard=_DISARMED_TOO, then=(_LONG,),
-    ),
-    Row(
-        Condition.PLANNER_LOST, conditions.planner_lost, "planner_action", "planner heard again",
-        then=(_LONG,),
-    ),
-    Row(
-        Condition.HELM_LOST, conditions.helm_lost, "action", "stick input again",
-        after="rc_timeout_s", then=(_LONG,),
-    ),
-    Row(
-        Condition.RC_LOST, conditions.rc_lost, "action", "transmitter heard again",
-        after="rc_timeout_s", then=(_LONG,),
-    ),
-    Row(
-        Condition.GNSS_BAD, conditions.gnss_bad, "gnss_action", "GPS good again",
-        guard=Guard(guards.POSITION_MODES), clear_s=3.0,
-    ),
-    Row(
-        Condition.COMPASS_BAD, conditions.compass_bad, "compass_action", "compass good again",
-        guard=Guard(guards.POSITION_MODES), clear_s=3.0,
-    ),
-    Row(
-        Condition.SONAR_LOST, conditions.sonar_lost, "sonar_action", "sonar pings again",
-        guard=Guard(guards.AUTONOMOUS_MODES), clear_s=3.0,
-    ),
-    Row(
-        Condition.OVERRUN, conditions.overrun, "overrun_action", "computer load normal again",
-        after=3.0, clear_s=10.0,
-    ),
-    Row(
-        Condition.STORAGE_FAILED, conditions.storage_failed, "storage_action", "storage works again",
-        guard=_DISARMED_TOO, clear_s=10.0,
-    ),
-    Row(
-        Condition.FENCE_BREACHED, conditions.fence_breached, "fence_action", "inside the fence again",
-        after=0.5, guard=Guard(spares=guards.on_way_home_or_inside, waits=guards.held_at_shore), clear_s=2.0,
-    ),
+        is_slow=True),
+    Row(Condition.NO_HEADWAY, conditions.no_headway, "headway_action", "making way again",
+        guard=_AUTONOMOUS, then=(Step(60.0, Action.LOITER_OR_HOLD),), clear_s=10.0, relapse_s=60.0),
+    Row(Condition.OPERATOR_LOST, conditions.operator_lost, "action", "operator heard again",
+        guard=_DISARMED_TOO, then=(_LONG,)),
+    Row(Condition.PLANNER_LOST, conditions.planner_lost, "planner_action", "planner heard again",
+        then=(_LONG,)),
+    Row(Condition.HELM_LOST, conditions.helm_lost, "action", "stick input again",
+        after="rc_timeout_s", then=(_LONG,)),
+    Row(Condition.RC_LOST, conditions.rc_lost, "action", "transmitter heard again",
+        after="rc_timeout_s", then=(_LONG,)),
+    Row(Condition.GNSS_BAD, conditions.gnss_bad, "gnss_action", "GPS good again",
+        guard=Guard(POSITION_MODES), clear_s=3.0),
+    Row(Condition.COMPASS_BAD, conditions.compass_bad, "compass_action", "compass good again",
+        guard=Guard(POSITION_MODES), clear_s=3.0),
+    Row(Condition.SONAR_LOST, conditions.sonar_lost, "sonar_action", "sonar pings again",
+        guard=Guard(AUTONOMOUS_MODES), clear_s=3.0),
+    Row(Condition.OVERRUN, conditions.overrun, "overrun_action", "computer load normal again",
+        after=3.0, clear_s=10.0),
+    Row(Condition.STORAGE_FAILED, conditions.storage_failed, "storage_action", "storage works again",
+        guard=_DISARMED_TOO, clear_s=10.0),
+    Row(Condition.FENCE_BREACHED, conditions.fence_breached, "fence_action", "inside the fence again",
+        after=0.5, guard=Guard(spares=on_way_home_or_inside, waits=held_at_shore), clear_s=2.0),
 )  # fmt: skip
 """The gravest first: of two that fire at once, the later one sees the mode that the first has chosen."""

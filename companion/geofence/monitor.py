@@ -1,8 +1,7 @@
 """Counts the breaches of the fence."""
 
 from companion.config.tuning import MotorLimits
-from companion.core.health import lacks_position
-from companion.core.state import NavState
+from companion.core.state import NavState, lacks_position
 from companion.geofence.fence import Fence
 
 

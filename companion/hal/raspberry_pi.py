@@ -12,7 +12,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Protocol, TypeVar
 
-from companion.cli.extras import how_to_install
+from companion.cli.program_end import how_to_install
 from companion.config.board import i2c_device
 from companion.core.errors import HardwareError
 

@@ -17,8 +17,8 @@ from companion import __version__
 from companion.autopilot.snapshot import Snapshot
 from companion.config.boat_config import BoatConfig
 from companion.config.parameters import ParameterRow, Parameters, ParameterType
-from companion.core.float32 import shortest
 from companion.core.storage import MemoryStorage
+from companion.core.units import shortest
 from companion.mavlink.dialect import Message
 from companion.mavlink.metadata_messages import ComponentInformation, ComponentMetadata
 from companion.services.ftp.tree import checksum

@@ -7,7 +7,7 @@ from companion.config.parameters import Parameters
 from companion.core.status_text import Severity, StatusText
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.ftp_frames import Code, Refusal
-from companion.persistence.data_losses import DataLosses
+from companion.persistence.mission_store import DataLosses
 from companion.services.outbox import Origin, Outbox
 from companion.services.telemetry.statustext import StatusTextService
 

@@ -5,9 +5,9 @@ from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
-from companion.core.health import lacks_heading
 from companion.core.intent import Intent
 from companion.core.modes import Mode
+from companion.core.state import lacks_heading
 from companion.core.status_text import Severity
 from companion.failsafe.actions import (
     AssumeFailed,
@@ -18,10 +18,8 @@ from companion.failsafe.actions import (
     Retreat,
     StopMotors,
 )
-from companion.failsafe.escalation import Change
-from companion.failsafe.guards import may_drift
-from companion.failsafe.inputs import FailsafeInputs
-from companion.failsafe.monitor import PERIOD_S
+from companion.failsafe.inputs import FailsafeInputs, may_drift
+from companion.failsafe.monitor import PERIOD_S, Change
 from companion.failsafe.recovery.transition_table import Trigger
 from companion.failsafe.response import RECHECK_DRIFT_S, respond, routine_check
 from companion.failsafe.table import Condition

@@ -4,12 +4,11 @@ from collections.abc import Callable, Sequence
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon, LocalFrame, Point
-from companion.core.health import lacks_heading, lacks_position
 from companion.core.intent import Intent, Stop
 from companion.core.modes import Mode
 from companion.core.readings import BatteryReading, GnssFix
 from companion.core.requests import ACCEPTED, Outcome, Request
-from companion.core.state import NavState
+from companion.core.state import NavState, lacks_heading, lacks_position
 from companion.core.status_text import Severity, StatusText
 from companion.core.vehicle_status import VehicleStatus
 from companion.failsafe.inputs import BoardReadings
@@ -17,7 +16,7 @@ from companion.failsafe.monitor import Failsafes
 from companion.failsafe.recovery.recovery import RecoveryManeuvers
 from companion.failsafe.recovery.transition_table import Trigger
 from companion.geofence.fence import Fence, FenceArea
-from companion.persistence.data_losses import FENCE, DataLosses
+from companion.persistence.mission_store import FENCE, DataLosses
 from companion.rc.manual_input import ManualInput
 from companion.vehicle.arming import PreArmReport, absolute_faults, fence_faults, rc_fault, sensor_faults
 from companion.vehicle.commands import execute

@@ -11,8 +11,7 @@ from argparse import Namespace
 from pathlib import Path
 from typing import Final
 
-from companion.cli.busy_port import busy_port_explained
-from companion.cli.program_end import end_with
+from companion.cli.program_end import busy_port_explained, end_with
 from companion.core.errors import BoatError, ConfigError
 from companion.mavlink.signing_key import read_key_file
 from mission_tools.errors import MissionToolsError

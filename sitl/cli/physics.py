@@ -5,8 +5,8 @@ import sys
 from typing import Annotated
 
 from companion.app.process import Shutdown
-from companion.cli.busy_port import busy_port_explained
 from companion.cli.command_line import Option, echo
+from companion.cli.program_end import busy_port_explained
 from companion.core.errors import BoatError
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
 from sitl.physics.backend import Backend

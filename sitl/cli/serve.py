@@ -10,8 +10,8 @@ from typing import Annotated
 from companion.app import garbage_collection as garbage
 from companion.app.process import Shutdown, restart_program
 from companion.app.runner import SystemClock
-from companion.cli.busy_port import busy_port_explained
 from companion.cli.command_line import Option, echo
+from companion.cli.program_end import busy_port_explained
 from companion.config.boat_config import LinkConfig
 from companion.core.errors import BoatError, ConfigError
 from companion.mavlink.signing import SigningPolicy

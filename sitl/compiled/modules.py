@@ -28,7 +28,6 @@ PATTERNS: Final = (
     "companion/boat.py",
     "companion/control/*.py",
     "companion/core/geo.py",
-    "companion/core/health.py",
     "companion/core/intent.py",
     "companion/core/modes.py",
     "companion/core/readings.py",

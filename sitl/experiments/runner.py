@@ -6,7 +6,7 @@ from concurrent.futures import FIRST_COMPLETED, Executor, wait
 from contextlib import contextmanager
 from itertools import islice
 
-from companion.cli.extras import how_to_install
+from companion.cli.program_end import how_to_install
 from companion.core.errors import BoatError, ConfigError, LinkError
 from sitl.experiments.result_log import ResultLog
 from sitl.experiments.trial import Task, Trial, TrialResult, attempt

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import pytest
 from boat_rig import Rig, waypoint
 
-from companion.core.health import fault_texts
-from companion.core.state import EstimateFault, NavState
+from companion.core.state import EstimateFault, NavState, fault_texts
 
 CURRENT = ("environment.current_m_s=0.5", "environment.current_to_deg=90.0")
 AT_S = 45.0

@@ -13,8 +13,8 @@ from boat_rig import OK, PLANNER, Silent
 from msgspec.structs import replace
 from pinned_boat import LOOK_S, DriverError, PinnedBoat
 
+from companion.autopilot.motor_output import DISARM_LEVEL, GIVE_UP_LEVEL
 from companion.autopilot.pipeline import GUIDANCE_S, GuidancePipeline
-from companion.autopilot.safety_net import DISARM_LEVEL, GIVE_UP_LEVEL
 from companion.boat import TICK_S
 from companion.calibration.motor_test import MotorTest
 from companion.config.boat_config import BoatConfig

@@ -19,7 +19,7 @@ from pymavlink.dialects.v20 import all as dialect
 
 from companion.app.composition import run_boat
 from companion.app.process import Shutdown
-from companion.autopilot.safety_net import GIVE_UP_LEVEL
+from companion.autopilot.motor_output import GIVE_UP_LEVEL
 from companion.boat import Boat
 from companion.config.boat_config import BoatConfig, Parts
 from companion.config.sensors import CompassPart, GnssPart

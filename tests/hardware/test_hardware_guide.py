@@ -9,8 +9,8 @@ import pytest
 from gpiozero.pins.mock import MockFactory
 from pictures.wiring_table import wiring_rows
 
+from companion.app.needs import pins_in_use
 from companion.config.boat_config import BoatConfig, decode_config, load_config
-from companion.config.wiring import pins_in_use
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "hardware.md").read_text(encoding="utf-8")

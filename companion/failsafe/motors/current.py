@@ -31,11 +31,6 @@ class MotorCurrent:
     residual_a: what is measured beyond that, with its variance. stall_a, water_a: A and C.
     """
 
-    __slots__ = (
-        "_covariance", "_learned_s", "_noise", "_noise_share", "_regressors", "_theta", "drawn", "residual_a",
-        "stall_a", "variance", "water_a",
-    )  # fmt: skip
-
     def __init__(self) -> None:
         self._theta = [0.0] * _SIZE
         self._covariance = [

@@ -3,7 +3,7 @@
 For every measurement of turn rate, speed and current, each hypothesis has a residual with a known variance.
 So have healthy motors in an unknown wind, which may push and turn the hull within its rate of change. The
 log likelihood ratios are summed as `companion.core.evidence` does. How large a fault is, is learned meanwhile
-(`effect_size`). Neighbouring samples, whose errors are alike, count for WEIGHT of independent ones.
+(`EffectSize`). Neighbouring samples, whose errors are alike, count for WEIGHT of independent ones.
 
 A fix tells the speed of some time ago: the speed is predicted up to the time of the fix, and no further.
 """
@@ -17,8 +17,7 @@ from companion.core.evidence import LEARNING, MOST_SQUARE, FaultEvidence
 from companion.core.readings import BatteryReading, GnssFix
 from companion.core.state import EstimateFault, NavState
 from companion.failsafe.motors.current import MotorCurrent
-from companion.failsafe.motors.effect_size import WEIGHT, EffectSize
-from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault
+from companion.failsafe.motors.hypotheses import HYPOTHESES, WEIGHT, EffectSize, Fault
 from companion.failsafe.motors.motion_filter import MotionFilter
 
 # Tuned on sample seeds 21, 101 to 103, 301 and 302 of examples/campaigns/motors_*.toml
@@ -78,13 +77,6 @@ class _Push(NamedTuple):
 
 class MotorEvidence:
     """`against` has the evidence for each of HYPOTHESES, in nats. has_current: whether a current tells."""
-
-    __slots__ = (
-        "_advance_s_m", "_battery_s", "_changes_ahead", "_changes_turn", "_current",
-        "_current_a", "_duties", "_evidence", "_fix_s", "_heard_s", "_is_late", "_nav_faults", "_pending",
-        "_shafts", "_since_battery_s", "_since_fix_s", "_sizes", "_speed", "_spins", "_turn",
-        "_water_east_m_s", "_water_north_m_s", "against", "has_current",
-    )  # fmt: skip
 
     def __init__(self, config: BoatConfig) -> None:
         speed, handling = config.speed, config.handling

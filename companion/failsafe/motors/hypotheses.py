@@ -9,8 +9,11 @@ shaft that the water also turns. A motor that is blocked draws A d², which is 2
 turning: a loaded propeller lets a brushed motor reach half to 0.7 of its no-load speed.
 """
 
+import math
 from enum import IntEnum
 from typing import Final, NamedTuple
+
+from companion.core.evidence import MOST_SQUARE
 
 
 class Fault(IntEnum):
@@ -65,3 +68,41 @@ HYPOTHESES: Final = tuple(
         (Fault.REVERSED, -1.0, 0.1, 1.0, 0.1),
     )
 )
+
+
+WEIGHT: Final = 0.5  # of a sample, whose error is like that of its neighbour
+_MOST: Final = 2.0  # θ stays within two standard deviations: a fault of any size would explain anything
+
+
+class EffectSize:
+    """How large the effect of each hypothesis is: a factor θ, unknown, but the same for all measurements.
+
+    Weed takes more or less of the thrust, a reversed propeller pulls more or less well. With an expected
+    effect x of a hypothesis, a relative spread s of its size and θ, normal with variance 1 at first,
+
+        residual = x (1 + s θ) + noise
+
+    A scalar Kalman filter learns θ from the start of the supposed fault. Its innovations have the marginal
+    likelihood of the hypothesis, so that an uncertain size costs evidence once, not at every measurement.
+    """
+
+    def __init__(self, hypotheses: int) -> None:
+        self._theta, self._variance = [0.0] * hypotheses, [1.0] * hypotheses
+
+    def forget(self, hypothesis: int) -> None:
+        """The fault begins now at the earliest."""
+        self._theta[hypothesis], self._variance[hypothesis] = 0.0, 1.0
+
+    def cost(self, hypothesis: int, residual: float, effect: float, spread: float, variance: float) -> float:
+        """Negative log likelihood of a residual, up to what all hypotheses have in common; learns θ.
+
+        spread: one standard deviation of the effect, in the unit of the residual.
+        """
+        known = self._variance[hypothesis] * spread
+        wider = variance + known * spread
+        innovation = residual - effect - spread * self._theta[hypothesis]
+        gain = known / (variance / WEIGHT + known * spread)
+        theta = self._theta[hypothesis] + gain * innovation
+        self._theta[hypothesis] = min(max(theta, -_MOST), _MOST)
+        self._variance[hypothesis] -= gain * known
+        return 0.5 * min(innovation * innovation / wider + math.log(wider / variance), MOST_SQUARE)

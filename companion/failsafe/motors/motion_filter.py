@@ -35,12 +35,6 @@ class MotionFilter:
     All are from the last `correct`. gain: k, learned.
     """
 
-    __slots__ = (
-        "_correlation_s", "_decay_s", "_gain_0", "_information", "_is_begun", "_measured_var", "_noise",
-        "_p00", "_p01", "_p11", "_prior", "_push", "_responses", "_unit", "_value", "_wander",
-        "_wander_var_s", "_weighted", "gain", "residual", "residuals", "variance",
-    )  # fmt: skip
-
     def __init__(
         self,
         hypotheses: int,

@@ -29,8 +29,6 @@ class RudderWatch:
     has a reversed motor.
     """
 
-    __slots__ = ("_astern_s", "_helpless_s", "_most", "_steered", "_turn_rad_s", "fault")
-
     def __init__(self) -> None:
         self.fault = ""
         self.pause()

@@ -39,11 +39,6 @@ class MotorWatch:
     needs_comparison: whether a propeller seems fouled: each motor alone would prove it, and tell which one.
     """
 
-    __slots__ = (
-        "_cleared_until_s", "_compare_from_s", "_evidence", "_helpless_s", "_is_compared", "_proved_s",
-        "_steered", "_suspect", "_turn_rad_s", "needs_comparison", "verdict",
-    )  # fmt: skip
-
     def __init__(self, config: BoatConfig) -> None:
         self._evidence = MotorEvidence(config)
         self._cleared_until_s = -math.inf

@@ -3,16 +3,41 @@
 from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig
-from companion.core.intent import Intent, Stop
+from companion.core.intent import Drive, Intent, Stop
 from companion.core.state import NavState
 from companion.failsafe.recovery.motor_check import MotorCheck
-from companion.failsafe.recovery.motor_comparison import COMPARISON_S, comparison_intent
-from companion.failsafe.recovery.propeller_clearing import CLEARING_S, clearing_intent
 from companion.failsafe.recovery.transition_table import TRANSITIONS, UNGROUNDING, State, Trigger
 from companion.failsafe.recovery.ungrounding import Ungrounding
 from companion.geofence.fence import Fence
 
 _STOP = Stop()
+# Clearing the propellers: stop, pulses astern, then drift free of what came off
+_STOP_S = 1.5  # weed comes off a shaft that has stopped and turns backwards
+_PULSE_S = 1.0  # a shaft reaches its speed within some tenths of a second
+_PAUSE_S = 0.6  # it stops, so that each pulse jerks at the weed
+_PULSES = 3  # rather than one long one, which would gather way astern
+_DRIFT_S = 2.0  # at walking pace the wash and the weed in it are left behind
+_ASTERN = Drive(-1.0, 0.0)
+CLEARING_S = _STOP_S + _PULSES * (_PULSE_S + _PAUSE_S) + _DRIFT_S
+# Comparing the motors, under way, while they go on being judged. With both at a similar command the current
+# shows that a propeller is fouled, but not which one. One motor alone draws what that one draws.
+_ALONE_S = 1.2  # 0.4 s until shaft and current are steady, and eight samples
+_HALF = 0.45  # of throttle and of steering: together they drive one motor alone, at 0.9
+_LEFT, _RIGHT = Drive(_HALF, _HALF), Drive(_HALF, -_HALF)
+COMPARISON_S = 2.0 * _ALONE_S
+
+
+def clearing_intent(elapsed_s: float) -> Intent:
+    """What the motors do, so long after the start."""
+    pulse_s = elapsed_s - _STOP_S
+    if 0.0 <= pulse_s < _PULSES * (_PULSE_S + _PAUSE_S) and pulse_s % (_PULSE_S + _PAUSE_S) < _PULSE_S:
+        return _ASTERN
+    return _STOP
+
+
+def comparison_intent(elapsed_s: float, *, is_left_first: bool) -> Intent:
+    """What the motors do, so long after the start. The second one turns the boat back."""
+    return _LEFT if (elapsed_s < _ALONE_S) is is_left_first else _RIGHT
 
 
 class RecoveryStep(NamedTuple):

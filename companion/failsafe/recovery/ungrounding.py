@@ -12,9 +12,8 @@ import math
 from companion.config.actuators import DriveSetting
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point, bearing_rad, distance_m
-from companion.core.health import lacks_heading, lacks_position
 from companion.core.intent import Drive, HoldCourse, Intent, Stop
-from companion.core.state import NavState
+from companion.core.state import NavState, lacks_heading, lacks_position
 from companion.core.units import wrap_pi
 from companion.failsafe.recovery.transition_table import State, Trigger
 from companion.geofence.fence import Fence

@@ -8,8 +8,8 @@ import math
 from typing import Final
 
 from companion.core.geo import LatLon
-from companion.core.health import lacks_heading, lacks_position
 from companion.core.intent import Drive, HoldHeading, Intent, Stop
+from companion.core.state import lacks_heading, lacks_position
 from companion.geofence.fence import Fence
 from companion.vehicle.modes.controller import ModeController, ModeInputs
 from companion.vehicle.modes.station import Station, nearest_inside

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import shapely
 
-from companion.cli.extras import how_to_install
+from companion.cli.program_end import how_to_install
 from mission_tools.errors import MapError
 from mission_tools.maps.assemble import MOST_FEATURES
 from mission_tools.maps.formats import s57

@@ -4,7 +4,7 @@ from typing import Any, Final
 
 import msgspec
 
-from companion.core.float32 import as_float32
+from companion.core.units import as_float32
 from mission_tools.station.parameters.metadata import Description
 from mission_tools.station.parameters.parameter_table import TableSnapshot
 from mission_tools.station.parameters.values import Value

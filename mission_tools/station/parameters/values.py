@@ -9,7 +9,7 @@ import re
 import struct
 from typing import Final, NamedTuple
 
-from companion.core.float32 import as_float32, shortest
+from companion.core.units import as_float32, shortest
 from companion.mavlink.dialect import Message
 from mission_tools.station.words import say
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 import pytest
 from boat_rig import OK, Rig, waypoint
 
-from companion.autopilot.safety_net import Fall, SafetyNet
+from companion.autopilot.motor_output import Fall, SafetyNet
 from companion.core.errors import HardwareError
 from companion.core.intent import Intent
 
@@ -12,9 +12,9 @@ from companion.core.intent import Intent
 @pytest.fixture(autouse=True)
 def quiet() -> Iterator[None]:
     """The faults of these tests are meant."""
-    logging.getLogger("companion.autopilot.safety_net").disabled = True
+    logging.getLogger("companion.autopilot.motor_output").disabled = True
     yield
-    logging.getLogger("companion.autopilot.safety_net").disabled = False
+    logging.getLogger("companion.autopilot.motor_output").disabled = False
 
 
 class Trap:

@@ -6,7 +6,7 @@ from random import Random
 import pytest
 
 from companion.core.evidence import MOST_SQUARE
-from companion.failsafe.motors.effect_size import WEIGHT, EffectSize
+from companion.failsafe.motors.hypotheses import WEIGHT, EffectSize
 
 
 def test_an_unknown_size_costs_evidence_once() -> None:

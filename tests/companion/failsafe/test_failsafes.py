@@ -7,8 +7,8 @@ from companion.core.modes import Mode
 from companion.core.readings import BatteryReading
 from companion.core.requests import Arm, ChangeMode, Disarm, GoTo, ManualControl
 from companion.failsafe.actions import Action
-from companion.failsafe.escalation import Change, Escalation
 from companion.failsafe.inputs import BoardReadings
+from companion.failsafe.monitor import Change, Escalation
 from companion.failsafe.table import ROWS, Condition
 from companion.vehicle.vehicle import Vehicle
 

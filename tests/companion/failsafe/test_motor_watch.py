@@ -15,7 +15,7 @@ from companion.core.state import EstimateFault, NavState
 from companion.failsafe.motors.evidence import MotorEvidence
 from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault
 from companion.failsafe.motors.watch import MotorWatch
-from companion.failsafe.recovery.motor_comparison import COMPARISON_S, comparison_intent
+from companion.failsafe.recovery.recovery import COMPARISON_S, comparison_intent
 
 DT_S = 0.1
 HERE = LatLon(50.0, -1.2)

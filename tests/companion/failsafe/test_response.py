@@ -20,10 +20,8 @@ from companion.failsafe.actions import (
     Recover,
     Retreat,
 )
-from companion.failsafe.escalation import Change
-from companion.failsafe.guards import may_drift
-from companion.failsafe.inputs import FailsafeInputs
-from companion.failsafe.monitor import Alarm, Failsafes
+from companion.failsafe.inputs import FailsafeInputs, may_drift
+from companion.failsafe.monitor import Alarm, Change, Failsafes
 from companion.failsafe.motors.hypotheses import Fault
 from companion.failsafe.recovery.transition_table import State, Trigger
 from companion.failsafe.response import respond, routine_check

@@ -23,11 +23,10 @@ from failsafe_scenarios import (
 from companion.config.boat_config import BoatConfig, with_value
 from companion.core.modes import Mode
 from companion.core.status_text import Severity
-from companion.failsafe import guards
+from companion.failsafe import inputs as guards
 from companion.failsafe.actions import RECOVERIES, Action, LimitSpeed, Notify, Recover, Retreat, StopMotors
-from companion.failsafe.escalation import Change
 from companion.failsafe.inputs import FailsafeInputs
-from companion.failsafe.monitor import PERIOD_S, Alarm, Failsafes
+from companion.failsafe.monitor import PERIOD_S, Alarm, Change, Failsafes
 from companion.failsafe.response import respond
 from companion.failsafe.table import ROWS, Condition, Row
 from companion.geofence.fence import Fence

@@ -12,7 +12,7 @@ from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.signing_key import SigningKey
 from companion.mavlink.transfer import Completed
-from companion.persistence.data_losses import FIRST_S, REPEAT_S, DataLosses
+from companion.persistence.mission_store import FIRST_S, REPEAT_S, DataLosses
 from companion.persistence.signing_store import AHEAD, KEY_FILE, STAMPS_FILE, SigningStore
 from companion.services.ftp.mounts import InlineExecutor
 

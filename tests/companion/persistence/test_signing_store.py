@@ -18,8 +18,14 @@ from companion.mavlink.signing import (
     timestamp_at,
 )
 from companion.mavlink.signing_key import SigningKey, read_key_file
-from companion.persistence.signing_floors import MAX_KEYS, KeyFloors
-from companion.persistence.signing_store import AHEAD, KEY_FILE, STAMPS_FILE, SigningStore
+from companion.persistence.signing_store import (
+    AHEAD,
+    KEY_FILE,
+    MAX_KEYS,
+    STAMPS_FILE,
+    KeyFloors,
+    SigningStore,
+)
 
 KEY = SigningKey.from_passphrase("correct horse")
 UNIX_S = 1.8e9

@@ -8,13 +8,13 @@ from boat_rig import FakeBattery, Rig, Silent, waypoint
 from shore_rig import Shore
 
 import companion.vehicle.arming
-from companion.core.health import FAULT_TEXTS
+from companion.core.state import FAULT_TEXTS
 from companion.failsafe import conditions
 from companion.failsafe.motors import rudder_watch
 from companion.failsafe.motors.hypotheses import HYPOTHESES
 from companion.failsafe.table import ROWS
 from companion.mavlink.items import MissionItem, MissionType
-from companion.persistence.data_losses import DataLosses
+from companion.persistence.mission_store import DataLosses
 from mission_tools.station.messages import Battery
 from mission_tools.station.reasons import Reasons, words, words_for
 from mission_tools.station.texts import Text
