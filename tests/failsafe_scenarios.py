@@ -30,9 +30,8 @@ Inputs = Callable[[FailsafeInputs], FailsafeInputs]
 
 class Scenario(NamedTuple):
     """wrong: inputs just beyond the row's threshold; right: just within. then: seconds after the step before,
-    and the action. modes: those in which it acts. spared: those in which a retreat is left out. thresholds:
-    the parameters that wrong and right lie close to. waiting: what keeps the row from firing, just beyond its
-    threshold; ready: just within.
+    and the action. modes: those in which it acts. spared: those in which a retreat is left out. waiting: what
+    keeps the row from firing, just beyond its threshold; ready: just within.
     """
 
     wrong: Inputs
@@ -48,7 +47,6 @@ class Scenario(NamedTuple):
     is_watched_disarmed: bool = False
     relapse_s: float = 0.0
     is_slow: bool = False
-    thresholds: tuple[str, ...] = ()
     waiting: tuple[Inputs, ...] = ()
     ready: tuple[Inputs, ...] = ()
 
@@ -103,16 +101,15 @@ LOITER, RTL, NONE = Action.LOITER_OR_HOLD, Action.RTL, Action.NONE
 SCENARIOS: dict[Condition, Scenario] = {
     Condition.CAPSIZED: Scenario(
         with_roll(61.0), with_roll(59.0), "Capsized: roll 61, pitch 0", "upright again",
-        Action.DISARM, 2.0, 5.0,        thresholds=("failsafe.capsize_rad",),
+        Action.DISARM, 2.0, 5.0,
     ),
     Condition.HEADING_LOST: Scenario(
         with_nav(heading_age_s=3.1), with_nav(heading_age_s=2.9), "Heading lost", "heading known again",
-        LOITER, 0.0, 1.0, modes=BY_POSITION, spared=set(), thresholds=("motors.estimate_timeout_s",),
+        LOITER, 0.0, 1.0, modes=BY_POSITION, spared=set(),
     ),
     Condition.POSITION_LOST: Scenario(
         with_nav(position_age_s=3.1), with_nav(position_age_s=2.9), "Position lost", "position known again",
         LOITER, 0.5, 2.0, ((300.0, Action.HOLD),), modes=BY_POSITION, spared=set(),
-        thresholds=("motors.estimate_timeout_s", "failsafe.dead_reckoning_s"),
         waiting=(with_nav(position_age_s=3.1, heading_age_s=1.5),),
         ready=(
             with_nav(position_age_s=3.1, heading_age_s=1.4),
@@ -126,15 +123,14 @@ SCENARIOS: dict[Condition, Scenario] = {
     Condition.TOO_HOT: Scenario(
         with_hull(celsius=86.0), with_hull(celsius=84.0), "Too hot: 86 C", "cool again",
         RTL, 10.0, 30.0,
-        thresholds=("failsafe.max_temperature_c",),
     ),
     Condition.BATTERY_CRITICAL: Scenario(
         with_volts(9.58), with_volts(9.62), "Battery critical: 9.6 V", "", RTL, 10.0, INF,
-        is_watched_disarmed=True, thresholds=("failsafe.battery_critical_v", "failsafe.battery_low_s"),
+        is_watched_disarmed=True,
     ),
     Condition.BATTERY_LOW: Scenario(
         with_volts(10.18), with_volts(10.22), "Battery low: 10.2 V", "", RTL, 10.0, INF,
-        is_watched_disarmed=True, thresholds=("failsafe.battery_low_v", "failsafe.battery_low_s"),
+        is_watched_disarmed=True,
     ),
     Condition.OUT_OF_RANGE: Scenario(
         given(range_fault="Point of no return"), given(), "Point of no return", "", RTL, 5.0, INF,
@@ -148,7 +144,7 @@ SCENARIOS: dict[Condition, Scenario] = {
         with_verdict(Fault.BLOCKED), with_verdict(Fault.REVERSED),
         "Left motor is blocked", "motors work again",
         Action.CHECK_MOTORS, 0.0, 15.0, (CLEAR_AGAIN, CLEAR_AGAIN, HOME, GIVE_UP),
-        modes=AUTONOMOUS, spared=set(), relapse_s=60.0, is_slow=True, thresholds=("failsafe.clearing_tries",),
+        modes=AUTONOMOUS, spared=set(), relapse_s=60.0, is_slow=True,
     ),
     Condition.AGROUND: Scenario(
         with_board(stall=StallVerdict.AGROUND), with_board(stall=StallVerdict.STUCK),
@@ -158,13 +154,12 @@ SCENARIOS: dict[Condition, Scenario] = {
     Condition.SHALLOW: Scenario(
         with_depth(0.79, transducer_m=0.2), with_depth(0.81, transducer_m=0.2),
         "Shallow: 1.0 m", "deep enough again",
-        Action.SMART_RTL_OR_RTL, 1.5, 5.0, modes=AUTONOMOUS, thresholds=("failsafe.min_depth_m",),
+        Action.SMART_RTL_OR_RTL, 1.5, 5.0, modes=AUTONOMOUS,
     ),
     Condition.STUCK: Scenario(
         with_board(stall=StallVerdict.STUCK), with_board(stall=StallVerdict.NO_HEADWAY),
         "Stuck: something holds the boat", "free again", Action.CLEAR_PROPELLERS, 0.0, 15.0,
         (CLEAR_AGAIN, HOME, GIVE_UP), modes=AUTONOMOUS, spared=set(), relapse_s=60.0, is_slow=True,
-        thresholds=("failsafe.clearing_tries",),
     ),
     Condition.NO_HEADWAY: Scenario(
         with_board(stall=StallVerdict.NO_HEADWAY), with_board(stall=StallVerdict.STUCK),
@@ -175,23 +170,20 @@ SCENARIOS: dict[Condition, Scenario] = {
         given(operator_silent_s=5.1), given(operator_silent_s=4.9),
         "Operator lost for 5 s", "operator heard again",
         LOITER, 0.0, 1.0, (LONG,), is_watched_disarmed=True,
-        thresholds=("failsafe.gcs_timeout_s", "failsafe.long_timeout_s"),
     ),
     Condition.PLANNER_LOST: Scenario(
         given(planner_silent_s=5.1), given(planner_silent_s=4.9),
         "Planner lost for 5 s", "planner heard again",
-        LOITER, 0.0, 1.0, (LONG,), thresholds=("failsafe.planner_timeout_s", "failsafe.long_timeout_s"),
+        LOITER, 0.0, 1.0, (LONG,),
     ),
     Condition.HELM_LOST: Scenario(
         given(sticks_dropped=True), given(sticks_dropped=True, radio_heard=True),
         "RC lost: no stick input", "stick input again", LOITER, 1.5, 1.0, (LONG,),
-        thresholds=("failsafe.rc_timeout_s", "failsafe.long_timeout_s"),
     ),
     Condition.RC_LOST: Scenario(
         given(radio_heard=True, radio_fault="silent"),
         given(radio_heard=True, radio_fault="silent", has_station_sticks=True),
         "RC lost: silent", "transmitter heard again", LOITER, 1.5, 1.0, (LONG,),
-        thresholds=("failsafe.rc_timeout_s", "failsafe.long_timeout_s"),
     ),
     Condition.GNSS_BAD: Scenario(
         with_nav(faults=int(EstimateFault.GNSS_FROZEN)), with_nav(faults=int(EstimateFault.COMPASS_OFF)),

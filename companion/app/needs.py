@@ -14,7 +14,7 @@ from companion.config.sensors import CompassPart
 from companion.core.errors import ConfigError
 from companion.links.port_url import parse_port_url
 
-# How a driver is connected. A test compares them with the configuration's: a new driver needs its row here.
+# How a driver is connected: a new driver on a bus or a port needs its row here.
 I2C_ADDRESSES: Final = {  # where the configuration gives none
     "bno055": 0x28,
     "qmc5883l": 0x0D,
@@ -28,7 +28,6 @@ I2C_ADDRESSES: Final = {  # where the configuration gives none
     "ina228": 0x40,
     "ads1115": 0x48,
 }
-I2C_DRIVERS = frozenset(I2C_ADDRESSES)
 PORT_DRIVERS = frozenset(
     {"nmea", "bno085", "ubx", "gpsd", "a02yyuw", "tfmini", "ping1d", "serial", "crsf", "ibus", "sbus"}
 )
@@ -104,7 +103,7 @@ def needs_of(config: BoatConfig) -> Needs:
         elif signal.output == "hardware":
             pwm[key] = signal.pin
     for key, driver, section in _drivers(config):
-        if driver in I2C_DRIVERS:
+        if driver in I2C_ADDRESSES:
             i2c[key] = _bus(section)
         elif driver in PORT_DRIVERS:
             ports[f"{key}.port"] = getattr(section, "port", "")

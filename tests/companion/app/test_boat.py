@@ -1,7 +1,7 @@
 from itertools import pairwise
 
 import pytest
-from boat_rig import OK, Rig, Silent
+from boat_rig import OK, Rig
 
 from companion.failsafe.table import Condition
 from companion.mavlink.dialect import dialect
@@ -56,39 +56,6 @@ def test_a_disarm_between_two_ticks_stops_the_motors_at_once() -> None:
     assert motors.history[writes:] == [(0.0, 0.0)]
     rig.run(1.0)
     assert set(motors.history[writes:]) == {(0.0, 0.0)}
-
-
-def test_closing_stops_the_motors_and_may_be_done_twice() -> None:
-    motors = Recorded()
-    rig = Rig(motors=motors)
-    driving(rig)
-    rig.boat.close()
-    rig.boat.close()
-    assert motors.history[-1] == (0.0, 0.0)
-    assert motors.closed == 2
-    rig.peer.listen()
-    assert rig.peer.link.is_closed
-
-
-def test_a_boat_without_receiver_can_still_be_driven_by_hand() -> None:
-    rig = Rig(gnss=Silent())
-    rig.run(2.0)
-    assert rig.set_mode(15) != OK
-    assert rig.set_mode(0) == OK
-    assert rig.arm() == OK
-    rig.peer.send(dialect.MAVLink_manual_control_message(1, 0, 0, 800, 0, 0))
-    rig.run(0.5)
-    assert rig.world._motors.left == pytest.approx(0.8)
-
-
-def test_equal_seeds_give_equal_bytes_and_another_seed_gives_others() -> None:
-    def told(seed: int) -> bytes:
-        rig = Rig("open", f"seed={seed}")
-        rig.run(20.0)
-        return b"".join(rig.peer.link.receive())
-
-    assert told(1) == told(1)
-    assert told(1) != told(2)
 
 
 def test_failsafes_wait_for_a_second_and_a_half_after_a_leap_of_the_clock() -> None:

@@ -16,7 +16,7 @@ from mavutil_station import MavutilStation
 from patience import MOMENT_S
 from pymavlink import mavutil
 from pymavlink.dialects.v20 import all as dialect
-from twins.battery import Ads1115Twin, Ina219Twin, Ina226Twin
+from twins.battery import Ina219Twin, Ina226Twin
 from twins.i2c import Bno055Twin, Part, plug_in
 from twins.lines import PtyLine
 from twins.pulses import PI_4, LgpioTwin, plug_in_pwm
@@ -37,24 +37,6 @@ OK, FAILED = dialect.MAV_RESULT_ACCEPTED, dialect.MAV_RESULT_FAILED
 BATTERY = dialect.MAV_SYS_STATUS_SENSOR_BATTERY
 ECHO, FORWARD = 24, 5  # pins of the presets
 
-MORE = """
-[rc]
-driver = "crsf"
-port = "{folder}/rc"
-
-[parts.depth]
-driver = "nmea"
-port = "{folder}/depth"
-
-[parts.hull]
-driver = "host"
-
-[[probe]]
-name = "ph"
-driver = "ads1115"
-channel = 0
-"""
-
 
 class Pi:
     """A Pi with every part plugged in. unplug and plug_in take a part's name."""
@@ -65,17 +47,11 @@ class Pi:
         self._chips: dict[str, tuple[int, Part]] = {
             "Compass": (0x28, Bno055Twin()),
             "Battery monitor": (0x40, monitor(time.monotonic)),
-            "probe ph": (0x48, Ads1115Twin(time.monotonic)),
         }
         self._bus = plug_in(monkeypatch, folder, dict(self._chips.values()))
         self._lines = {
             name: PtyLine(folder / device)
-            for name, device in {
-                "GNSS receiver": "gnss",
-                "RC receiver": "rc",
-                "Depth sounder": "depth",
-                f"serial:{folder}/radio:57600": "radio",
-            }.items()
+            for name, device in (("GNSS receiver", "gnss"), (f"serial:{folder}/radio:57600", "radio"))
         }
         monkeypatch.setattr(gpiozero.Device, "pin_factory", MockFactory(pin_class=MockPWMPin))
         self._pins = {"Sonar": ECHO}
@@ -178,7 +154,7 @@ Bench = Callable[[str], tuple[Pi, Station, RunningBoat]]
 
 @pytest.fixture
 def bench(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Bench]:
-    """A preset with a transmitter, a sounder, a probe and a radio besides, which is not switched on yet."""
+    """A preset with a radio besides. The boat is not switched on yet."""
     opened: list[Pi | Station] = []
 
     def put_together(preset: str) -> tuple[Pi, Station, RunningBoat]:
@@ -187,7 +163,7 @@ def bench(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[Bench]:
         text = preset_text(
             preset, {"parts.gnss.port": f"{tmp_path}/gnss", "storage.folder": f"{tmp_path}/state"}
         )
-        tree = tomllib.loads(text + MORE.format(folder=tmp_path))
+        tree = tomllib.loads(text)
         tree["links"] = [f"udpout:127.0.0.1:{station.port}", f"serial:{tmp_path}/radio:57600"]
         tree["failsafe"]["overrun_action"] = 0  # the machine may be busy with other tests
         return pi, station, RunningBoat(decode_config(tree, preset))
@@ -204,11 +180,8 @@ NEEDED = {
     "Compass": "Compass: no heading",
     "Battery monitor": "Battery: unhealthy",
 }
-ALL = (
-    "Motors", "Compass", "Sonar", "Battery monitor", "GNSS receiver", "RC receiver", "Depth sounder",
-    "probe ph", RADIO,
-)  # fmt: skip
-ROWS = [*(("lake", name) for name in ALL), ("rudder", "Motors"), ("rudder", "Rudder")]
+ALL = ("Motors", "Compass", "Sonar", "Battery monitor", "GNSS receiver", RADIO)
+ROWS = [*(("lake", name) for name in ALL), ("rudder", "Rudder")]
 
 
 @pytest.mark.parametrize(("preset", "name"), ROWS)
@@ -240,20 +213,6 @@ def test_a_boat_answers_without_a_part_and_takes_it_when_it_comes(
         if name == "Battery monitor":
             station.wait_for("SYS_STATUS", lambda now: now.onboard_control_sensors_health & BATTERY)
         assert len([text for text in station.texts if text.startswith(f"{name}: ")]) == 2
-
-
-@pytest.mark.parametrize("preset", ["lake", "rudder"])
-def test_a_boat_answers_without_any_part(bench: Bench, preset: str, tmp_path: Path) -> None:
-    pi, station, boat = bench(preset)
-    names = [name.format(folder=tmp_path) for name in ALL]
-    for name in names:
-        pi.unplug(name)
-    with boat:
-        station.is_answered()
-        assert station.arm() == FAILED
-        for name in names:
-            pi.plug_in(name)
-        assert station.arms()
 
 
 def test_a_boat_answers_while_motors_parts_and_a_link_hang(

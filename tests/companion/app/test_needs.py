@@ -1,6 +1,5 @@
 """No two parts on one pin, signal, device or address; each pin does what it is used for."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -28,10 +27,6 @@ def config(parts: dict[str, Any], *payload: dict[str, Any], layout: str = "diffe
         (
             config({"motors": {"driver": "l298n", "right_enable": 5}}),
             r"right_enable: GPIO 5 belongs to .*left_forward",
-        ),
-        (
-            config({**ESC, "rudder": {"driver": "servo"}}),
-            "parts.rudder.signal: GPIO 13 belongs to parts.motors.right",
         ),
         (
             config({"motors": {"driver": "l298n"}, "sonar": {"driver": "tfmini", "servo": 12}}),
@@ -63,7 +58,6 @@ def config(parts: dict[str, Any], *payload: dict[str, Any], layout: str = "diffe
             config(ESC, {**WINCH, "signal": {"output": "pca9685", "channel": 1}}),
             r"payload\[0\].signal: .* goes on with its last pulse .* parts.pca9685.output_enable",
         ),
-        (config(ESC, SERVO), r"payload\[0\].signal.pin: expected the number of a pin"),
         (config(ESC, WINCH), r"payload\[0\].signal.pin: expected the number of a pin"),
     ],
 )
@@ -100,25 +94,6 @@ def with_forward(pin: int) -> dict[str, Any]:
     return {"motors": {"driver": "l298n", "left_forward": pin}}
 
 
-@pytest.mark.parametrize("pin", [-5, 28])
-@pytest.mark.parametrize(
-    "parts",
-    [
-        with_forward,
-        lambda pin: {"motors": {"driver": "esc", "left": {"pin": pin}}},
-        lambda pin: {"sonar": {"driver": "hcsr04", "echo": pin}},
-        lambda pin: {"sonar": {"driver": "tfmini", "servo": pin}},
-        lambda pin: {"hull": {"driver": "host", "leak": pin}},
-        lambda pin: {"pca9685": {"output_enable": pin}},
-    ],
-)
-def test_a_pin_that_the_header_does_not_have_is_refused(
-    parts: Callable[[int], dict[str, Any]], pin: int
-) -> None:
-    with pytest.raises(ConfigError, match=r"Expected `int` (<= 27|>= -?[01]) - at `\$\.parts\."):
-        config(parts(pin))
-
-
 @pytest.mark.parametrize(
     ("parts", "message"),
     [
@@ -131,16 +106,8 @@ def test_a_pin_that_the_header_does_not_have_is_refused(
             "parts.motors.right: GPIO 18 shares a PWM channel with parts.motors.left, GPIO 12",
         ),
         (
-            {"motors": {"driver": "esc", "left": {"pin": 19}, "right": {"pin": 13}}},
-            "parts.motors.right: GPIO 13 shares a PWM channel with parts.motors.left, GPIO 19",
-        ),
-        (
             {**with_forward(2), **COMPASS},
             "parts.motors.left_forward: GPIO 2 belongs to parts.compass, /dev/i2c-1",
-        ),
-        (
-            {**BRIDGE, "battery": {"driver": "ina219"}, "hull": {"driver": "host", "leak": 3}},
-            "parts.hull.leak: GPIO 3 belongs to parts.battery, /dev/i2c-1",
         ),
         (
             {**with_forward(14), "gnss": {"driver": "nmea", "port": "/dev/serial0"}},
@@ -152,10 +119,6 @@ def test_a_pin_that_the_header_does_not_have_is_refused(
                 "sonar": {"driver": "tfmini", "port": "/dev/ttyAMA0"},
             },
             "parts.sonar.port: GPIO 14 belongs to parts.gnss.port, /dev/serial0",
-        ),
-        (
-            {**BRIDGE, "sonar": {"driver": "tfmini", "port": "/dev/ttyAMA3"}},
-            "parts.motors.left_forward: GPIO 5 belongs to parts.sonar.port, /dev/ttyAMA3",
         ),
         (
             {**BRIDGE, "sonar": {"driver": "tfmini", "port": "/dev/ttyAMA5"}},

@@ -27,12 +27,6 @@ def program(name: str) -> Run:
 
 
 @programs
-def test_help_has_a_short_name_too(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert program(name)(["-h"]) == 0
-    assert capsys.readouterr().out.startswith(f"Usage: {name} ")
-
-
-@programs
 def test_the_version_is_one_line(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert program(name)(["--version"]) == 0
     assert capsys.readouterr().out == f"{__version__}\n"

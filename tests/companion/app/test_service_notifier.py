@@ -115,15 +115,6 @@ def test_a_full_queue_delays_a_message_and_no_tick(manager: Manager) -> None:
     notifier.close()
 
 
-def test_a_manager_that_is_gone_disturbs_nobody(manager: Manager) -> None:
-    notifier = ServiceNotifier({**manager.environment, "WATCHDOG_USEC": "2000000"})
-    manager.socket.close()
-    run(notifier, 0.0, 5.0)
-    notifier.stopping()
-    notifier.close()
-    notifier.tick(5.0, "after close")
-
-
 @pytest.mark.parametrize("address", ["", "relative", "vsock:2:1234"])
 def test_outside_a_unit_no_socket_is_opened(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(*arguments: object) -> None:

@@ -66,10 +66,6 @@ def test_the_page_names_no_parameter_that_is_not_there() -> None:
     assert named - names <= {"SMART_RTL", "MISSION_START"}
 
 
-def test_a_cell_of_a_table_has_at_most_fifteen_words() -> None:
-    assert [cell for line in TABLE_LINES for cell in line.split("|") if len(cell.split()) > 15] == []
-
-
 def test_what_a_failsafe_tells_fits_one_statustext() -> None:
     texts = [*(one.text for one in SCENARIOS.values()), *(one.text for one in HYPOTHESES)]
     assert [text for text in texts if len(f"Failsafe: {text}") > 50] == []

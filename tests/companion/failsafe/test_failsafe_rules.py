@@ -210,4 +210,4 @@ class Failsafes(RuleBasedStateMachine):
 
 
 TestFailsafes = Failsafes.TestCase
-TestFailsafes.settings = settings(max_examples=40, stateful_step_count=20, deadline=None)
+TestFailsafes.settings = settings(max_examples=20, stateful_step_count=20, deadline=None)

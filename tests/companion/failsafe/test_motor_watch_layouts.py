@@ -3,7 +3,6 @@
 import math
 
 import pytest
-from boat_rig import Rig, waypoint
 from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig, decode_config
@@ -11,18 +10,11 @@ from companion.core.readings import BatteryReading
 from companion.core.state import NavState
 from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault
 from companion.failsafe.motors.watch import MotorWatch
-from sitl.world.faults.catalogue import FaultSetting
 
 pytestmark = pytest.mark.slow
 
 STILL = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.02)
 DT = 0.1
-PAIR_AND_RUDDER = (
-    "boat.model=catamaran",
-    "thrusters.rudder={area_m2=0.004,arm_m=0.6,washed=0.0}",
-    "vehicle.drive.layout=differential_rudder",
-    "vehicle.drive.wash=0.0",
-)
 
 
 def config(layout: str = "differential", driver: str = "l298n") -> BoatConfig:
@@ -65,13 +57,3 @@ def test_the_current_of_a_speed_controller_tells_nothing(driver: str, has_curren
     watch = evidence(config(driver=driver), ampere=3.0)
     assert watch._evidence.has_current is has_current
     assert watch._evidence.knows_current is has_current
-
-
-def test_two_motors_and_a_rudder_sail_corners_without_an_alarm_and_find_a_dead_motor() -> None:
-    rig = Rig("open", *PAIR_AND_RUDDER).sail(waypoint(40.0, 0.0), waypoint(40.0, 40.0), waypoint(0.0, 40.0))
-    rig.run(70.0)
-    assert not any(text.startswith("Failsafe") for text in rig.peer.texts)
-    rig.world.electronics.faults.begin(FaultSetting(what="motor_left", kind="off"))
-    rig.until(lambda: any("motor" in text for text in rig.peer.texts), 60.0)
-    rig.run(30.0)
-    assert rig.boat.vehicle.recovery.motor_check.motors.has_failed

@@ -101,10 +101,6 @@ def test_the_current_may_turn_by_seventeen_degrees_meanwhile(room_m: float, has_
     assert may_drift(seen.nav, seen.fence, 60.0) is has_room
 
 
-def test_a_boat_that_does_not_know_where_it_is_may_drift() -> None:
-    assert may_drift(None, water_south_of(1.0), 60.0)
-
-
 def test_steering_without_effect_has_the_motors_checked() -> None:
     wanted = [Recover(Trigger.CHECK, Severity.NOTICE, "Steering has no effect: checking the motors")]
     assert routine_check(inputs(1.95, needs_motor_check=True)) == wanted

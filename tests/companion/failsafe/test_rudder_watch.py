@@ -44,16 +44,6 @@ def test_hard_over_in_vain_is_a_fault_after_seconds(side: float) -> None:
     assert fault_after(6.0, rudder=side) == HELPLESS
 
 
-@pytest.mark.parametrize("turn_rad_s", [-0.3, 0.0, 0.04])
-def test_a_turn_the_other_way_or_next_to_none_proves_nothing_better(turn_rad_s: float) -> None:
-    assert fault_after(6.0, turn_rad_s=turn_rad_s) == HELPLESS
-
-
-def test_a_boat_that_follows_has_no_fault() -> None:
-    assert fault_after(60.0, turn_rad_s=0.06) == ""
-    assert fault_after(60.0, rudder=-1.0, turn_rad_s=-0.06) == ""
-
-
 def test_a_rudder_that_holds_a_course_against_wind_or_a_trim_has_no_fault() -> None:
     assert fault_after(300.0, rudder=0.7) == ""
 

@@ -209,26 +209,6 @@ def mutants() -> Iterator[tuple[Condition, str, tuple[Row, ...]]]:
 
 
 @pytest.mark.parametrize(
-    ("condition", "rows"),
-    [pytest.param(one, rows, id=f"{one.name} {name}") for one, name, rows in mutants()],
-)
-def test_every_mutant_of_a_row_is_noticed(condition: Condition, rows: tuple[Row, ...]) -> None:
-    with pytest.raises(AssertionError):
-        check(condition, rows)
-
-
-THRESHOLDS = [(one, path) for one, scenario in SCENARIOS.items() for path in scenario.thresholds]
-
-
-@pytest.mark.parametrize(("condition", "path"), THRESHOLDS, ids=lambda one: getattr(one, "name", one))
-def test_every_doubled_threshold_is_noticed(condition: Condition, path: str) -> None:
-    section, field = path.split(".")
-    value = getattr(getattr(CONFIG, section), field)
-    with pytest.raises(AssertionError):
-        check(condition, config=with_value(CONFIG, path, 2 * value))
-
-
-@pytest.mark.parametrize(
     "reading", [with_depth(None), with_board(was_deep=True), with_depth(0.5, was_deep=False)]
 )
 def test_no_bottom_a_silent_sounder_and_the_start_from_a_beach_are_no_shallow_water(reading: Inputs) -> None:
@@ -238,13 +218,6 @@ def test_no_bottom_a_silent_sounder_and_the_start_from_a_beach_are_no_shallow_wa
 def test_the_limit_of_the_depth_is_off_at_zero() -> None:
     off = with_value(CONFIG, "failsafe.min_depth_m", 0.0)
     assert Run(Condition.SHALLOW, ROWS, off).live(with_depth(0.1), 20.0) == []
-
-
-@pytest.mark.parametrize("held_s", [1.0, 4.0])
-def test_another_time_at_the_shore_is_noticed(held_s: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(guards, "HELD_S", held_s)
-    with pytest.raises(AssertionError):
-        check(Condition.FENCE_BREACHED)
 
 
 def test_every_condition_has_one_row_and_one_scenario() -> None:

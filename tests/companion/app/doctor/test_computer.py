@@ -32,9 +32,7 @@ JUNE_2026 = 1_781_000_000.0
         ("0", Verdict.FINE, "no under-voltage and no throttling since the start"),
         ("1", Verdict.FAILED, "now: under-voltage"),
         ("50005", Verdict.FAILED, "now: under-voltage, throttled"),
-        ("8", Verdict.WARNING, "now: soft temperature limit"),
         ("e0008", Verdict.WARNING, "now: soft temperature limit"),
-        ("50000", Verdict.WARNING, "since the start: under-voltage, throttled"),
         ("a0000", Verdict.WARNING, "since the start: frequency capped, soft temperature limit"),
     ],
 )
@@ -115,11 +113,9 @@ def test_at_least_one_way_to_a_station_is_up(examine: Examine) -> None:
     ("link", "is_open"),
     [
         (LinkConfig(url="udpout:192.168.4.255:14550"), True),
-        (LinkConfig(url="udpout:192.168.4.255:14550", signing="off"), True),
         (LinkConfig(url="udpout:192.168.4.255:14550", signing="accept", key_file="k"), True),
         (LinkConfig(url="udpout:192.168.4.255:14550", signing="required", key_file="k"), False),
         (LinkConfig(url="tcpin:0.0.0.0:5760"), True),
-        (LinkConfig(url="tcpin::5760"), True),
         (LinkConfig(url="udpin:[::]:14550"), True),
         (LinkConfig(url="tcpin:127.0.0.1:5760"), False),
         (LinkConfig(url="udpin:localhost:14550"), False),

@@ -16,13 +16,11 @@ from companion.app.install.plan import (
     PROGRAMS,
     install_steps,
     uninstall_steps,
-    unit_text,
 )
 from companion.app.install.steps import InstallStep
 from companion.app.install.target import InstallError, Target, is_readable_by_others
 from companion.config.boat_config import load_config
 
-PROJECT = Path(__file__).parents[4]
 needs_passwd = pytest.mark.skipif(
     os.geteuid() != 0 or any(shutil.which(name) is None for name in ("useradd", "systemctl")),
     reason="only root can make accounts, with useradd; and systemctl enables the unit",
@@ -201,9 +199,3 @@ def test_an_environment_in_a_closed_home_is_refused(
     monkeypatch.setattr("companion.app.install.cli.os.geteuid", lambda: 0)
     assert run_program(["install", "--programs", str(program.parent)]) == 1
     assert "make the environment in /opt/mavboat" in capsys.readouterr().err
-
-
-def test_the_unit_names_the_programs_of_the_environment() -> None:
-    unit = unit_text(Path("/srv/boat/bin"), Path("/srv/boat.toml"))
-    assert "ExecStart=/srv/boat/bin/boat-companion run --config /srv/boat.toml\n" in unit
-    assert "ExecStopPost=+/srv/boat/bin/python -I -m companion.app.motors_off /srv/boat.toml\n" in unit

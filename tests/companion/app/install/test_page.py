@@ -84,13 +84,6 @@ def test_the_unit_starts_the_page_with_options_that_it_has() -> None:
     assert "$" not in unit
 
 
-def test_the_page_may_write_nothing_that_the_boat_reads_as_its_configuration() -> None:
-    unit = shore_unit_text(Path("/opt/mavboat/.venv/bin"), has_map=False)
-    assert [line for line in unit.splitlines() if line.startswith("ReadWritePaths=")] == [
-        "ReadWritePaths=/var/lib/mavboat"
-    ]
-
-
 @needs_passwd
 def test_the_doctor_misses_a_pin_a_link_and_the_start(root: Path) -> None:
     def told() -> list[str]:

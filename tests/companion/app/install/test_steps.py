@@ -2,7 +2,7 @@
 
 import pytest
 
-from companion.app.install.steps import InstallStep, apply_steps, describe_steps
+from companion.app.install.steps import InstallStep, apply_steps
 
 
 def recorded(record: list[str], name: str, *, is_done: bool = False, fails: str = "") -> InstallStep:
@@ -39,11 +39,3 @@ def test_a_step_that_fails_has_the_steps_before_it_undone_last_first() -> None:
         apply_steps(steps, said.append)
     assert record == ["apply a", "apply c", "apply d", "undo c", "undo a"]
     assert said[-2:] == ["  NOT undone  c: c fails", "  undone   a"]
-
-
-def test_a_dry_run_calls_nothing() -> None:
-    record: list[str] = []
-    said: list[str] = []
-    describe_steps([recorded(record, "a"), recorded(record, "b", is_done=True)], said.append)
-    assert record == []
-    assert said == ["  to do    a", "  already  b"]
