@@ -31,6 +31,13 @@ class Point(NamedTuple):
             self.east_m + distance_m * math.sin(bearing_rad),
         )
 
+    def towards(self, other: "Point", share: float) -> "Point":
+        """The place at a share of the straight way to another point."""
+        return Point(
+            self.north_m + share * (other.north_m - self.north_m),
+            self.east_m + share * (other.east_m - self.east_m),
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class LatLon:

@@ -12,49 +12,56 @@ steady cross-track error either.
 
 import math
 
-from companion.core.units import clamp
+from companion.config.boat_config import BoatConfig
+from companion.core.state import Demand, NavState
+from companion.core.units import clamp, wrap_pi
+from companion.guidance.speed_profile import steered_speed_m_s
 
 MAX_CRAB_SINE = math.sin(1.0)  # beyond this crab angle little speed is left along the course
 
 
 def course_to_steer(
-    course_rad: float,
-    speed_m_s: float,
-    current_north_m_s: float,
-    current_east_m_s: float,
-    slow_m_s: float,
-    top_m_s: float,
+    course_rad: float, speed_m_s: float, nav: NavState, config: BoatConfig
 ) -> tuple[float, float]:
     """Heading, not wrapped, and speed through the water for a course and speed over ground.
 
-    The course has priority: the speed through the water is at most top_m_s, and along the course at least
-    slow_m_s, so the bow does not turn around where the current alone is faster than requested.
+    The course has priority: the speed through the water is at most the top speed, and along the course at
+    least min_speed_m_s, so the bow does not turn around where the current alone is faster than requested.
     """
-    c, s = math.cos(course_rad), math.sin(course_rad)
-    limit = MAX_CRAB_SINE * top_m_s
-    across = clamp(current_north_m_s * s - current_east_m_s * c, -limit, limit)
-    room = math.sqrt(top_m_s * top_m_s - across * across)
-    ahead = clamp(speed_m_s - current_north_m_s * c - current_east_m_s * s, min(slow_m_s, room), room)
+    c, s, top = math.cos(course_rad), math.sin(course_rad), config.handling.top_speed_m_s
+    limit = MAX_CRAB_SINE * top
+    across = clamp(nav.current_north_m_s * s - nav.current_east_m_s * c, -limit, limit)
+    room = math.sqrt(top * top - across * across)
+    ahead = speed_m_s - nav.current_north_m_s * c - nav.current_east_m_s * s
+    ahead = clamp(ahead, min(config.guidance.min_speed_m_s, room), room)
     return course_rad + math.atan2(across, ahead), math.hypot(across, ahead)
 
 
-def steerable_speed_m_s(
+def make_good(
     course_rad: float,
     speed_m_s: float,
-    water_m_s: float,
-    change_m_s: float,
-    current_north_m_s: float,
-    current_east_m_s: float,
-) -> float:
+    nav: NavState,
+    config: BoatConfig,
+    cross_track_m: float = 0.0,
+    distance_m: float = 0.0,
+) -> Demand:
+    """The heading and speed along the bow that make good a course and speed over ground."""
+    heading, water = course_to_steer(course_rad, speed_m_s, nav, config)
+    heading = wrap_pi(heading)
+    water = steered_speed_m_s(water, wrap_pi(heading - nav.heading_rad), config)
+    return Demand(heading, water + nav.current_along_m_s(nav.heading_rad), cross_track_m, distance_m)
+
+
+def steerable_speed_m_s(course_rad: float, speed_m_s: float, change_m_s: float, nav: NavState) -> float:
     """The speed over ground for which to compute the heading: the requested one, within reach of the present
     one.
 
-    water_m_s: present speed through the water. With the crab angle of a higher speed the current would carry
-    the boat off the path; with that of a lower one it would steer up-current. change_m_s: how much the speed
-    may change before the bow has followed.
+    With the crab angle of a higher speed the current would carry the boat off the path; with that of a lower
+    one it would steer up-current. change_m_s: how much the speed may change before the bow has followed.
     """
     c, s = math.cos(course_rad), math.sin(course_rad)
-    across = current_north_m_s * s - current_east_m_s * c
+    across = nav.current_north_m_s * s - nav.current_east_m_s * c
+    water_m_s = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
     ahead = math.sqrt(max(water_m_s * water_m_s - across * across, 0.0))
-    makes = ahead + current_north_m_s * c + current_east_m_s * s
+    makes = ahead + nav.current_north_m_s * c + nav.current_east_m_s * s
     return clamp(speed_m_s, makes - change_m_s, makes + change_m_s)

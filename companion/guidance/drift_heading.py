@@ -12,15 +12,11 @@ _AGAIN_S: Final = 2.0  # time between two choices
 _ROOM_M: Final = 8.0  # from a line: a boat that steers with one motor swings to and fro
 
 
-class Bounds(Protocol):
-    """A region that the boat must stay within."""
+class Lines(Protocol):
+    """The fence, as far as it counts here."""
 
     def room_m(self, point: Point, course_rad: float, reach_m: float) -> float:
         """Free distance along a course, at most reach_m."""
-
-
-class Lines(Bounds, Protocol):
-    """The fence, as far as it counts here."""
 
     def is_near(self, point: Point, reach_m: float) -> bool:
         """Whether some line may be nearer than reach_m."""
@@ -28,8 +24,6 @@ class Lines(Bounds, Protocol):
 
 class DriftHeading:
     """Replaces the demand where the boat cannot hold it: near a line, or in a faster current."""
-
-    __slots__ = ("_demand", "_due_s")
 
     def __init__(self) -> None:
         self._demand: Demand | None = None
@@ -47,7 +41,7 @@ class DriftHeading:
         return self._demand
 
 
-def drift_demand(nav: NavState, bounds: Bounds, speed_m_s: float) -> Demand:
+def drift_demand(nav: NavState, bounds: Lines, speed_m_s: float) -> Demand:
     """The heading, at speed_m_s through the water, that stays clear of lines for longest.
 
     Ties go to the first candidate; the first is the bow into the current.

@@ -10,7 +10,6 @@ import math
 from companion.config.tuning import Guidance
 from companion.core.units import clamp
 
-RESPONSE_S = 0.7  # response time of hull and heading loop
 LOOKAHEAD_SPAN = (0.5, 1.5)  # of the configured lookahead, over speed
 
 
@@ -25,11 +24,7 @@ def lookahead_m(speed_m_s: float, cruise_m_s: float, setting: Guidance) -> float
 
 
 def desired_course_rad(
-    leg_rad: float,
-    cross_track_m: float,
-    cross_speed_m_s: float,
-    ahead_m: float,
-    response_s: float = RESPONSE_S,
+    leg_rad: float, cross_track_m: float, cross_speed_m_s: float, ahead_m: float, response_s: float
 ) -> float:
     """Course over ground that closes on the leg: (12.78) with Kp = 1/lookahead (12.79). Not wrapped.
 

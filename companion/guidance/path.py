@@ -102,10 +102,7 @@ class Path:
         """The place at an along-track distance."""
         n, share = self._between(along_m)
         one, other = self._nodes[n], self._nodes[n + 1]
-        return Point(
-            one.north_m + share * (other.north_m - one.north_m),
-            one.east_m + share * (other.east_m - one.east_m),
-        )
+        return Point(one.north_m, one.east_m).towards(Point(other.north_m, other.east_m), share)
 
     def _between(self, along_m: float) -> tuple[int, float]:
         """The node before an along-track distance, and the share of the way to the next, 0 to 1."""

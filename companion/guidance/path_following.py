@@ -54,8 +54,6 @@ class _Plan(NamedTuple):
 class PathFollowing:
     """Keeps the path of the present leg."""
 
-    __slots__ = ("_corrected_s", "_correction_rad", "_leg", "_plan")
-
     def __init__(self) -> None:
         self._leg: FollowLeg | None = None
         self._plan: _Plan | None = None

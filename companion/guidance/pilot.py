@@ -5,27 +5,17 @@ import math
 from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig
+from companion.core import intent as intents
 from companion.core.geo import Line, Point, distance_m
-from companion.core.intent import (
-    Drive,
-    FollowCircle,
-    FollowLeg,
-    HoldCourse,
-    HoldHeading,
-    HoldTurn,
-    Intent,
-    KeepStation,
-    Stop,
-)
 from companion.core.state import Demand, NavState
 from companion.core.units import clamp, wrap_pi
 from companion.guidance.circle import circle_course_rad, circle_speed_m_s
-from companion.guidance.course_to_steer import course_to_steer, steerable_speed_m_s
+from companion.guidance.course_to_steer import course_to_steer, make_good, steerable_speed_m_s
 from companion.guidance.path_following import GLIMPSE_S, Guide, PathFollowing
 from companion.guidance.speed_profile import GAINING_SHARE, leg_speed_m_s, steered_speed_m_s
 from companion.guidance.station_keeping import INTO_CURRENT_SHARE, StationKeeping, turning_s
 
-_STOP = Stop()
+_STOP = intents.Stop()
 _LEAP = 2.0  # times the fastest turn: a faster change is a new heading, not a turn
 _MOST_OFF_RAD = 1.2  # from the path, to either side: beyond it the boat makes no way along it
 _LEAD_RAD = 0.5  # of a turn in a current: leaves thrust for the speed
@@ -35,8 +25,6 @@ MAX_LEAD_RAD = 1.0  # beyond the saturation of the heading loop
 
 class Turning:
     """Keeps the heading set-point; None before the first update."""
-
-    __slots__ = ("_heading_rad",)
 
     def __init__(self) -> None:
         self._heading_rad: float | None = None
@@ -56,8 +44,6 @@ class Turning:
 class Pilot:
     """State of guidance: path, station, turn."""
 
-    __slots__ = ("_current_m_s", "_path", "_station", "_station_point", "_turning")
-
     def __init__(self) -> None:
         self._current_m_s: complex | None = None  # on legs, smoothed: north + i east
         self._path = PathFollowing()
@@ -66,71 +52,45 @@ class Pilot:
         self._turning = Turning()
 
     def update(
-        self, intent: Intent, nav: NavState | None, config: BoatConfig, dt_s: float
-    ) -> Demand | Drive | Stop:
+        self, intent: intents.Intent, nav: NavState | None, config: BoatConfig, dt_s: float
+    ) -> Demand | intents.Drive | intents.Stop:
         """The set-points. Stop and Drive pass through; without a NavState everything else is Stop."""
-        if not isinstance(intent, KeepStation | FollowLeg):
+        if not isinstance(intent, intents.KeepStation | intents.FollowLeg):
             self._station_point = None
-        if not isinstance(intent, FollowLeg):
+        if not isinstance(intent, intents.FollowLeg):
             self._path.forget()
             self._current_m_s = None
-        if not isinstance(intent, HoldTurn):
+        if not isinstance(intent, intents.HoldTurn):
             self._turning.reset()
-        if isinstance(intent, Stop | Drive):
+        if isinstance(intent, intents.Stop | intents.Drive):
             return intent
         if nav is None:
             return _STOP
-        if isinstance(intent, FollowLeg):
+        if isinstance(intent, intents.FollowLeg):
             return self._follow(intent, nav, config, dt_s)
-        if isinstance(intent, KeepStation):
+        if isinstance(intent, intents.KeepStation):
             return self._keep_station(intent.point, nav, config, dt_s)
-        if isinstance(intent, FollowCircle):
+        if isinstance(intent, intents.FollowCircle):
             if not config.drive.can_pivot and intent.radius_m < config.drive.turn_radius_m:
                 intent = replace(intent, radius_m=config.drive.turn_radius_m)
             course, cross_track, turn = circle_course_rad(intent, nav, config)
             distance = distance_m(nav.point, intent.centre)
             speed = circle_speed_m_s(intent, config)
-            later = course + turn * GLIMPSE_S
-            return self._make_good(course, speed, nav, config, cross_track, distance, later, speed)
-        if isinstance(intent, HoldCourse):
-            return self._make_good(intent.course_rad, intent.speed_m_s, nav, config)
+            demand = make_good(course, speed, nav, config, cross_track, distance)
+            later, _ = course_to_steer(course + turn * GLIMPSE_S, speed, nav, config)
+            return replace(demand, yaw_rate_rad_s=_yaw_rate_rad_s(demand.heading_rad, later, config))
+        if isinstance(intent, intents.HoldCourse):
+            return make_good(intent.course_rad, intent.speed_m_s, nav, config)
         heading = (
             intent.heading_rad
-            if isinstance(intent, HoldHeading)
+            if isinstance(intent, intents.HoldHeading)
             else self._turning.update(intent.yaw_rate_rad_s, nav, dt_s)
         )
         error = wrap_pi(heading - nav.heading_rad)
         speed = intent.speed_m_s
-        if isinstance(intent, HoldHeading) and abs(error) > intent.turns_beyond_rad:
+        if isinstance(intent, intents.HoldHeading) and abs(error) > intent.turns_beyond_rad:
             speed = max(speed, 0.0 if config.drive.can_pivot else config.guidance.min_speed_m_s)
         return Demand(heading, steered_speed_m_s(speed, error, config))
-
-    def _make_good(
-        self,
-        course_rad: float,
-        speed_m_s: float,
-        nav: NavState,
-        config: BoatConfig,
-        cross_track_m: float = 0.0,
-        distance_m: float = 0.0,
-        next_course_rad: float | None = None,
-        next_speed_m_s: float = 0.0,
-    ) -> Demand:
-        """The heading and speed that make good a course over ground.
-
-        next_course_rad, next_speed_m_s: those GLIMPSE_S later, if they change.
-        """
-        current_n, current_e = nav.current_north_m_s, nav.current_east_m_s
-        top, slow = config.handling.top_speed_m_s, config.guidance.min_speed_m_s
-        heading, water = course_to_steer(course_rad, speed_m_s, current_n, current_e, slow, top)
-        yaw_rate = 0.0
-        if next_course_rad is not None:
-            later, _ = course_to_steer(next_course_rad, next_speed_m_s, current_n, current_e, slow, top)
-            yaw_rate = _yaw_rate_rad_s(heading, later, config)
-        heading = wrap_pi(heading)
-        water = steered_speed_m_s(water, wrap_pi(heading - nav.heading_rad), config)
-        speed = water + nav.current_along_m_s(nav.heading_rad)
-        return Demand(heading, speed, cross_track_m, distance_m, yaw_rate)
 
     def _keep_station(self, point: Point, nav: NavState, config: BoatConfig, dt_s: float) -> Demand:
         last = self._station_point
@@ -146,15 +106,14 @@ class Pilot:
         self._current_m_s = smooth = smooth + (1.0 - math.exp(-dt_s / CURRENT_S)) * (current - smooth)
         return replace(nav, current_north_m_s=smooth.real, current_east_m_s=smooth.imag)
 
-    def _follow(self, leg: FollowLeg, nav: NavState, config: BoatConfig, dt_s: float) -> Demand:
+    def _follow(self, leg: intents.FollowLeg, nav: NavState, config: BoatConfig, dt_s: float) -> Demand:
         line = leg.line if leg.line.length_m > 1e-6 else Line(nav.point, leg.end)
         along_line, cross_track = line.along_and_cross_track_m(nav.point)
         to_go = line.length_m - along_line
         guide = self._path.update(leg, nav, config)
         speed = guide.speed_m_s
-        stops = (
-            guide.stops and config.drive.can_pivot
-        )  # else it passes the corner slowly, and turns behind it
+        # Without a turn on the spot it passes the corner slowly, and turns behind it
+        stops = guide.stops and config.drive.can_pivot
         if leg.next_line is None or stops:
             carried = nav.current_along_m_s(line.course_rad)
             if carried > INTO_CURRENT_SHARE * config.guidance.min_speed_m_s:
@@ -183,22 +142,19 @@ def _along_path(
     A boat that turns on the spot drifts in a current. It therefore keeps at least the current's speed through
     the water, and turns in steps that leave thrust for it.
     """
-    current_n, current_e = nav.current_north_m_s, nav.current_east_m_s
-    handling, setting = config.handling, config.guidance
-    top, slow = handling.top_speed_m_s, setting.min_speed_m_s
-    change = GAINING_SHARE * setting.accel_m_s2 * handling.yaw_time_s
-    has = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
-    _, water = course_to_steer(guide.course_rad, speed_m_s, current_n, current_e, slow, top)
-    makes = steerable_speed_m_s(guide.course_rad, speed_m_s, has, change, current_n, current_e)
+    setting = config.guidance
+    change = GAINING_SHARE * setting.accel_m_s2 * config.handling.yaw_time_s
+    _, water = course_to_steer(guide.course_rad, speed_m_s, nav, config)
+    makes = steerable_speed_m_s(guide.course_rad, speed_m_s, change, nav)
     later_makes = makes + later_speed_m_s - speed_m_s
-    heading, _ = course_to_steer(guide.course_rad, makes, current_n, current_e, slow, top)
-    later, _ = course_to_steer(guide.later_course_rad, later_makes, current_n, current_e, slow, top)
+    heading, _ = course_to_steer(guide.course_rad, makes, nav, config)
+    later, _ = course_to_steer(guide.later_course_rad, later_makes, nav, config)
     yaw_rate = _yaw_rate_rad_s(heading, later, config)
     heading = guide.tangent_rad + clamp(wrap_pi(heading - guide.tangent_rad), -_MOST_OFF_RAD, _MOST_OFF_RAD)
     error = wrap_pi(heading - nav.heading_rad)
     steered = steered_speed_m_s(water, error, config)
-    current_m_s = math.hypot(current_n, current_e)
-    if current_m_s > INTO_CURRENT_SHARE * slow and abs(error) < 0.5 * math.pi:
+    current_m_s = math.hypot(nav.current_north_m_s, nav.current_east_m_s)
+    if current_m_s > INTO_CURRENT_SHARE * setting.min_speed_m_s and abs(error) < 0.5 * math.pi:
         steered = max(steered, min(current_m_s, water))
         heading = nav.heading_rad + clamp(error, -_LEAD_RAD, _LEAD_RAD)
     demanded = steered + nav.current_along_m_s(nav.heading_rad)

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 from companion.config.boat_config import BoatConfig
 from companion.config.tuning import Guidance
+from companion.core.geo import Point
 from companion.guidance.path import Node
 
 REACTION_S = 1.0  # response time of the speed
@@ -104,13 +105,6 @@ def _straight(
     found = []
     for at_m in (grown_m, fallen_m) if fallen_m > grown_m + 1e-6 else (grown_m,):
         if 1e-6 < at_m < length_m - 1e-6:
-            share = at_m / length_m
-            found.append(
-                Node(
-                    start.north_m + share * (end.north_m - start.north_m),
-                    start.east_m + share * (end.east_m - start.east_m),
-                    start.course_rad,
-                    math.sqrt(max(top, 0.0)),
-                )
-            )
+            at = Point(*start[:2]).towards(Point(*end[:2]), at_m / length_m)
+            found.append(Node(*at, start.course_rad, math.sqrt(max(top, 0.0))))
     return found

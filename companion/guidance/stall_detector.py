@@ -43,17 +43,6 @@ class StallDetector:
     shore.
     """
 
-    __slots__ = (
-        "_ahead_m_s",
-        "_current_east_m_s",
-        "_current_north_m_s",
-        "_held_at",
-        "_held_rad",
-        "held_s",
-        "stalled_s",
-        "verdict",
-    )
-
     def __init__(self) -> None:
         self.verdict = StallVerdict.MAKING_WAY
         self.stalled_s = self.held_s = 0.0

@@ -22,7 +22,7 @@ from companion.config.tuning import Guidance
 from companion.core.geo import Point
 from companion.core.state import Demand, NavState
 from companion.core.units import clamp, wrap_pi
-from companion.guidance.course_to_steer import course_to_steer
+from companion.guidance.course_to_steer import make_good
 from companion.guidance.speed_profile import braking_speed_m_s, steered_speed_m_s
 
 STILL_SHARE = 0.5  # of the radius: position noise is ignored within it
@@ -31,9 +31,7 @@ TURN_RATE_RAD_S = 0.25  # of the line, per radius of lateral distance
 ASTERN_RADII = 2.0  # within this, a point behind is approached astern
 INTO_CURRENT_SHARE = 0.5  # of min_speed_m_s: current above which the bow points into it,
 LEAVING_SHARE = 0.3  # and below which it no longer does
-NEAR_RADII = (
-    2.0  # this near the boat lies with its bow into the set, or nearer than it is carried while turning
-)
+NEAR_RADII = 2.0  # this near it lies with its bow into the current, or as near as it is carried in a turn
 EASE_SHARE = 0.3  # of the current: least speed against it, to keep the bow into it
 LEARNING_PER_S2 = 0.03  # integral gain, speed per metre and second
 MAX_LEARNED_SHARE = 0.5  # of min_speed_m_s
@@ -44,23 +42,12 @@ _DIRECT_RAD = 0.3  # off the bow: a point nearly ahead is sailed at
 class StationKeeping:
     """Keeps the direction of the line, None before the first update, and the integral in m/s."""
 
-    __slots__ = (
-        "_is_into_current",
-        "_is_leaving",
-        "_is_returning",
-        "_learned_east",
-        "_learned_north",
-        "_line_rad",
-    )
-
     def __init__(self) -> None:
-        self._line_rad: float | None = None
-        self._is_into_current = self._is_returning = self._is_leaving = False
-        self._learned_north = self._learned_east = 0.0
+        self.reset()
 
     def reset(self) -> None:
         """Start again at the present heading."""
-        self._line_rad = None
+        self._line_rad: float | None = None
         self._is_into_current = self._is_returning = self._is_leaving = False
         self._learned_north = self._learned_east = 0.0
 
@@ -85,20 +72,10 @@ class StationKeeping:
 
     def _approach(self, bearing_rad: float, distance: float, nav: NavState, config: BoatConfig) -> Demand:
         """Sail towards the point, in a current."""
-        setting, c, s = config.guidance, math.cos(nav.heading_rad), math.sin(nav.heading_rad)
-        speed = min(config.speed.cruise_m_s, braking_speed_m_s(distance, 0.0, setting))
-        heading, water = course_to_steer(
-            bearing_rad,
-            speed,
-            nav.current_north_m_s,
-            nav.current_east_m_s,
-            setting.min_speed_m_s,
-            config.handling.top_speed_m_s,
-        )
-        heading = wrap_pi(heading)
-        self._line_rad = heading
-        water = steered_speed_m_s(water, wrap_pi(heading - nav.heading_rad), config)
-        return Demand(heading, water + nav.current_north_m_s * c + nav.current_east_m_s * s, 0.0, distance)
+        speed = min(config.speed.cruise_m_s, braking_speed_m_s(distance, 0.0, config.guidance))
+        demand = make_good(bearing_rad, speed, nav, config, 0.0, distance)
+        self._line_rad = demand.heading_rad
+        return demand
 
     def _hold_into_current(
         self,
@@ -133,8 +110,7 @@ class StationKeeping:
         water = up * math.cos(off) + across * math.sin(off) if abs(off) < 0.5 * math.pi else 0.0
         if not config.drive.can_pivot and abs(wrap_pi(heading - nav.heading_rad)) > setting.pivot_angle_rad:
             water = max(water, slow)  # it turns under way
-        c, s = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
-        return Demand(heading, water + nav.current_north_m_s * c + nav.current_east_m_s * s, 0.0, distance)
+        return Demand(heading, water + nav.current_along_m_s(nav.heading_rad), 0.0, distance)
 
     def _return(self, bearing_rad: float, distance: float, nav: NavState, config: BoatConfig) -> Demand:
         setting = config.guidance

@@ -41,9 +41,7 @@ class Ring:
         self._bands: list[list[Side]] = [[] for _ in range(count)]
         before = vertices[-1]
         for vertex in vertices:
-            north, east = vertex.north_m - before.north_m, vertex.east_m - before.east_m
-            squared = north * north + east * east
-            side = (*before, *vertex, north, east, 1.0 / squared if squared else 0.0)
+            side = _side(before, vertex)
             low, high = sorted((self._band(before.north_m), self._band(vertex.north_m)))
             for band in self._bands[low : high + 1]:
                 band.append(side)
@@ -111,9 +109,7 @@ class Ring:
 
     def is_near_way(self, start: Point, end: Point, within_m: float) -> bool:
         """Whether the line comes this near to a straight segment."""
-        way_n, way_e = end.north_m - start.north_m, end.east_m - start.east_m
-        squared = way_n * way_n + way_e * way_e
-        way = (*start, *end, way_n, way_e, 1.0 / squared if squared else 0.0)
+        way = _side(start, end)
         south_m, north_m = (
             min(start.north_m, end.north_m) - within_m,
             max(start.north_m, end.north_m) + within_m,
@@ -156,6 +152,12 @@ class Ring:
     def _band(self, north_m: float) -> int:
         number = int((north_m - self.south_m) / self._band_m)
         return 0 if number < 0 else min(number, len(self._bands) - 1)
+
+
+def _side(start: Point, end: Point) -> Side:
+    north, east = end.north_m - start.north_m, end.east_m - start.east_m
+    squared = north * north + east * east
+    return *start, *end, north, east, 1.0 / squared if squared else 0.0
 
 
 def _nearest_squared(sides: Sequence[Side], north_m: float, east_m: float, best: float) -> float:
@@ -230,9 +232,7 @@ class Disc:
 
     def is_near_way(self, start: Point, end: Point, within_m: float) -> bool:
         """Whether the line comes this near to a straight segment."""
-        way_n, way_e = end.north_m - start.north_m, end.east_m - start.east_m
-        squared = way_n * way_n + way_e * way_e
-        way = (*start, *end, way_n, way_e, 1.0 / squared if squared else 0.0)
+        way = _side(start, end)
         centre = self.centre
         nearest_m = math.sqrt(_nearest_squared((way,), centre.north_m, centre.east_m, math.inf))
         farthest_m = max(math.dist(centre, start), math.dist(centre, end))

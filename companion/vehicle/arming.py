@@ -3,8 +3,7 @@
 from collections.abc import Callable
 from typing import Final
 
-from companion.config.boat_config import Arming, BoatConfig
-from companion.config.tuning import MotorLimits
+from companion.config.boat_config import BoatConfig
 from companion.core.modes import Mode
 from companion.core.readings import BatteryReading, GnssFix
 from companion.core.state import NavState
@@ -30,8 +29,7 @@ def fence_faults(mode: Mode, *, is_outside: bool, is_lost: bool) -> list[str]:
 
 
 def sensor_faults(
-    setting: Arming,
-    motors: MotorLimits,
+    config: BoatConfig,
     mode: Mode,
     nav: NavState | None,
     fix: GnssFix | None,
@@ -43,6 +41,7 @@ def sensor_faults(
 
     MANUAL and HOLD arm without a position. Every mode needs a compass.
     """
+    setting, timeout_s = config.arming, config.motors.estimate_timeout_s
     if not setting.check:
         return []
     faults: list[str] = []
@@ -51,9 +50,9 @@ def sensor_faults(
             faults.append(f"GPS: no {'3-D ' if setting.min_fix_type >= 3 else ''}fix")
         elif fix.hdop > setting.max_hdop:
             faults.append(f"GPS: HDOP {fix.hdop:.1f} is above {setting.max_hdop:.1f}")
-        elif nav is None or nav.position_age_s > motors.estimate_timeout_s:
+        elif nav is None or nav.position_age_s > timeout_s:
             faults.append("GPS: position is stale")
-    if nav is None or nav.heading_age_s > motors.estimate_timeout_s:
+    if nav is None or nav.heading_age_s > timeout_s:
         faults.append("Compass: no heading")
     if battery is None:
         if has_battery_monitor:

@@ -9,15 +9,7 @@ from companion.core.intent import Intent
 from companion.core.modes import Mode
 from companion.core.state import lacks_heading
 from companion.core.status_text import Severity
-from companion.failsafe.actions import (
-    AssumeFailed,
-    Decision,
-    LimitSpeed,
-    Notify,
-    Recover,
-    Retreat,
-    StopMotors,
-)
+from companion.failsafe import actions
 from companion.failsafe.inputs import FailsafeInputs, may_drift
 from companion.failsafe.monitor import PERIOD_S, Change
 from companion.failsafe.recovery.transition_table import Trigger
@@ -118,27 +110,27 @@ def failsafe_inputs(vehicle: "Vehicle", now_s: float) -> FailsafeInputs:
     )
 
 
-def _carry_out(decision: Decision, vehicle: "Vehicle", now_s: float) -> None:
+def _carry_out(decision: actions.Decision, vehicle: "Vehicle", now_s: float) -> None:
     match decision:
-        case Notify(severity, text):
+        case actions.Notify(severity, text):
             vehicle.notify(severity, text)
-        case StopMotors():
+        case actions.StopMotors():
             vehicle.disarm("by failsafe")
-        case Retreat(modes):
+        case actions.Retreat(modes):
             vehicle.recovery.handle(Trigger.RETREAT if modes else Trigger.ABORT, now_s)
             before = vehicle.mode
             _retreat(modes, vehicle)
             if vehicle.mode is not before:
                 vehicle.retreated_from = vehicle.retreated_from or before
-        case LimitSpeed(share):
+        case actions.LimitSpeed(share):
             vehicle.speed_m_s = share * vehicle.config.speed.cruise_m_s
-        case Recover(trigger, severity, text):
+        case actions.Recover(trigger, severity, text):
             if vehicle.recovery.handle(trigger, now_s):
                 if text:
                     vehicle.notify(severity, text)
                 if trigger is Trigger.COMPARE:
                     vehicle.recovery.is_left_first = vehicle.failsafes.motors.compare(now_s)
-        case AssumeFailed(is_left):
+        case actions.AssumeFailed(is_left):
             vehicle.recovery.handle(Trigger.ABORT, now_s)
             vehicle.recovery.motor_check.assume_failed(is_left, now_s)
 

@@ -69,15 +69,7 @@ class VoyageResume:
             self._follow_up(self._offer, vehicle, now_s)
         # An open offer stays on the medium, for another restart
         if self._record.is_ready(vehicle.armed) and self._offer is None:
-            self._record.update(
-                vehicle.status,
-                vehicle.progress,
-                vehicle.nav,
-                vehicle.frame,
-                vehicle.home,
-                self._number,
-                now_s,
-            )
+            self._record.update(vehicle, self._number, now_s)
 
     def _follow_up(self, offer: Voyage, vehicle: Vehicle, now_s: float) -> None:
         is_mission = offer.mode == Mode.AUTO

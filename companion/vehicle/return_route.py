@@ -59,23 +59,17 @@ class ReturnRoute:
         places = self.rally
         if home is not None and (config.fence.rally_includes_home or not places):
             places = (*places, home)
-        basis, fence = self._basis, self._fence
-        if (
-            basis is None
-            or basis.fence_version != fence.version
-            or basis.frame is not frame
-            or basis.places != places
-            or basis.margin_m != config.fence.margin_m
-        ):
-            self._basis = _Basis(fence.version, frame, places, config.fence.margin_m)
-            margin_m = config.fence.margin_m
+        fence, margin_m = self._fence, config.fence.margin_m
+        basis = _Basis(fence.version, frame, places, margin_m)
+        if basis != self._basis:
+            self._basis = basis
             self._goals = tuple([fence.inside(frame.to_local(place), margin_m) for place in places])
             self._way = None
         elif self._water_version != fence.version:
             self._water = FenceWater(fence) if fence.is_active else None
             self._water_version = fence.version
         elif self._water is not None:
-            self._water.prepare(basis.margin_m)
+            self._water.prepare(margin_m)
 
     @property
     def water(self) -> FenceWater | None:

@@ -121,5 +121,4 @@ def _crossing(one: Line, other: Line) -> Point | None:
     along_m = start_m + share * (end_m - start_m)
     if not 0.0 <= along_m <= one.length_m:
         return None
-    north = other.start.north_m + share * (other.end.north_m - other.start.north_m)
-    return Point(north, other.start.east_m + share * (other.end.east_m - other.start.east_m))
+    return other.start.towards(other.end, share)

@@ -5,7 +5,6 @@ average, which an SD card endures for years. After a power cut the end of the tr
 2 m/s; a straight line from there to the boat is assumed.
 """
 
-import logging
 import math
 from collections.abc import Sequence
 from typing import Annotated
@@ -17,8 +16,7 @@ from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from companion.core.storage import Saving, Storage
 from companion.core.units import deg_to_e7, e7_to_deg
 from companion.vehicle.track import MOST_POINTS, SailedTrack
-
-logger = logging.getLogger(__name__)
+from companion.vehicle.voyage_record import load
 
 FILE = "trail.json"
 SOONEST_S = 10.0
@@ -48,7 +46,10 @@ class TrackRecord:
         self._kept: tuple[_Place, ...] = ()
         self.loss = ""  # the lost part of the stored track, and its substitute
         if cut_voyage is not None:
-            self._kept, self.loss = _load(storage, cut_voyage)
+            record, self.loss = load(storage, FILE, _Record)
+            # Written before the voyage's own record, it may be of the next voyage, which continues this one
+            if record is not None and record.voyage in (cut_voyage, cut_voyage + 1):
+                self._kept = record.places
         self._points: list[Point] = []  # points with known places,
         self._places: list[_Place] = []  # and these
         self._sign: tuple[int, Point | None] = (-1, None)
@@ -112,18 +113,3 @@ class TrackRecord:
             self._points.append(point)
             self._places.append((deg_to_e7(place.lat_deg), deg_to_e7(place.lon_deg)))
         return tuple(self._places)
-
-
-def _load(storage: Storage, voyage: int) -> tuple[tuple[_Place, ...], str]:
-    """The track and its loss."""
-    content = storage.load(FILE)
-    loss = storage.damage(FILE)
-    if not content:
-        return (), loss
-    try:
-        record = msgspec.json.decode(content, type=_Record)
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        logger.warning("%s ignored: %s", FILE, error)
-        return (), f"{FILE} cannot be read, none is in use"
-    # Written before the voyage's own record, it may belong to the next voyage, which continues this one
-    return record.places if record.voyage in (voyage, voyage + 1) else (), loss

@@ -19,11 +19,10 @@ from companion.geofence.fence import Fence, FenceArea
 from companion.persistence.mission_store import FENCE, DataLosses
 from companion.rc.manual_input import ManualInput
 from companion.vehicle.arming import PreArmReport, absolute_faults, fence_faults, rc_fault, sensor_faults
-from companion.vehicle.commands import execute
+from companion.vehicle.commands import execute, follow_mission
 from companion.vehicle.failsafes import NO_HEADING, recheck_motors, run_failsafes, run_recovery
 from companion.vehicle.mission.progress import MissionProgress
 from companion.vehicle.mission.steps import Mission
-from companion.vehicle.mission_end import follow_mission
 from companion.vehicle.modes.controller import ModeInputs
 from companion.vehicle.modes.registry import ModeRegistry
 from companion.vehicle.return_route import ReturnRoute
@@ -222,13 +221,7 @@ class Vehicle:
         """Why the boat cannot arm now, worst first; empty when it can."""
         config, mode = self.config, self.mode
         faults = sensor_faults(
-            config.arming,
-            config.motors,
-            mode,
-            self.nav,
-            self.fix,
-            self.battery,
-            has_battery_monitor=self.has_battery_monitor,
+            config, mode, self.nav, self.fix, self.battery, has_battery_monitor=self.has_battery_monitor
         )
         if config.arming.check:
             is_lost = bool(self.data_losses.text(FENCE))

@@ -6,19 +6,18 @@ A record is written when mode, arming or item change, and periodically along a l
 import hashlib
 import logging
 import math
+from typing import TypeVar
 
 import msgspec
 from msgspec import Struct
 
-from companion.core.geo import LatLon, LocalFrame
 from companion.core.modes import Mode
-from companion.core.state import NavState
 from companion.core.storage import Saving, Storage
-from companion.core.vehicle_status import VehicleStatus
-from companion.vehicle.mission.progress import MissionProgress
 from companion.vehicle.mission.steps import Mission
+from companion.vehicle.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)
+_Record = TypeVar("_Record", bound=Struct)
 
 FILE = "voyage.json"
 ALONG_M = 5.0  # progress along the leg that is worth a new record,
@@ -50,7 +49,7 @@ class VoyageRecord:
 
     def __init__(self, storage: Storage) -> None:
         self.fault = ""
-        self.voyage, self.loss = _load(storage)
+        self.voyage, self.loss = load(storage, FILE, Voyage)
         self._storage = storage
         self._saved_s = -math.inf
         self._saving: Saving | None = None
@@ -65,28 +64,20 @@ class VoyageRecord:
             self.fault, self._saving = self._saving.error(), None
         return is_armed or bool(self.fault) or (self.voyage is not None and self.voyage.is_armed)
 
-    def update(
-        self,
-        status: VehicleStatus,
-        progress: MissionProgress,
-        nav: NavState | None,
-        frame: LocalFrame | None,
-        home: LatLon | None,
-        number: int,
-        now_s: float,
-    ) -> None:
+    def update(self, vehicle: Vehicle, number: int, now_s: float) -> None:
         """Write a record if it differs enough from the latest. Only while `is_ready`."""
+        progress, nav, frame, home = vehicle.progress, vehicle.nav, vehicle.frame, vehicle.home
         if progress.mission is not self._mission:
             self._mission, self._plan = progress.mission, plan_id(progress.mission)
         start, along_m = None, 0.0
-        line = progress.leg_line() if status.mode is Mode.AUTO else None
+        line = progress.leg_line() if vehicle.mode is Mode.AUTO else None
         if nav is not None and frame is not None and line is not None:
             start = frame.to_global(line.start)
             along_m = round(line.along_and_cross_track_m(nav.point)[0], 1)
         voyage = Voyage(
             self._plan,
-            int(status.mode),
-            status.armed and not (status.mode is Mode.AUTO and progress.finished),
+            int(vehicle.mode),
+            vehicle.armed and not (vehicle.mode is Mode.AUTO and progress.finished),
             progress.current_seq,
             along_m,
             None if start is None else (start.lat_deg, start.lon_deg),
@@ -110,14 +101,13 @@ class VoyageRecord:
         return now_s - self._saved_s >= ALONG_S and abs(voyage.along_m - saved.along_m) >= ALONG_M
 
 
-def _load(storage: Storage) -> tuple[Voyage | None, str]:
-    """The record, and why it is lost."""
-    content = storage.load(FILE)
-    loss = storage.damage(FILE)
+def load(storage: Storage, file: str, kind: type[_Record]) -> tuple[_Record | None, str]:
+    """A record of this kind, and why it is lost."""
+    content, loss = storage.load(file), storage.damage(file)
     if not content:
         return None, loss
     try:
-        return msgspec.json.decode(content, type=Voyage), loss
+        return msgspec.json.decode(content, type=kind), loss
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        logger.warning("%s ignored: %s", FILE, error)
-        return None, f"{FILE} cannot be read, none is in use"
+        logger.warning("%s ignored: %s", file, error)
+        return None, f"{file} cannot be read, none is in use"

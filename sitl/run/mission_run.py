@@ -10,8 +10,7 @@ from companion.core.geo import Point, distance_m
 from companion.core.modes import Mode
 from companion.log.logbook import Logbook
 from companion.mavlink.items import MissionItem
-from companion.vehicle.mission.places import locate
-from companion.vehicle.mission.steps import Wait, Waypoint
+from companion.vehicle.mission.steps import Wait, Waypoint, locate
 from companion.vehicle.vehicle import Vehicle
 from sitl.run.lockstep import Lockstep
 from sitl.run.recording.estimate_recorder import EstimateRecorder

@@ -24,9 +24,7 @@ _SECTORS: Final = 24  # of 15°, a beam's width
 # time of the speed is added (`speed_profile.REACTION_S`).
 _CONFIRM_S: Final = 0.5
 _FRESH_S: Final = 1.0  # a sector looked at longer ago is not in sight: a full sweep takes 1.4 s
-_TURNS_S: Final = (
-    2.0  # a current carries the boat on while it turns its bow into it: a sharp turn takes so long
-)
+_TURNS_S: Final = 2.0  # of a sharp turn: a current carries the boat on while it turns its bow into it
 STILL_SHARE: Final = 0.25  # of the slowest speed with steerage way: slower, the course is noise
 
 
@@ -121,7 +119,6 @@ def allowed_speed_m_s(
     reaction_s = config.handling.surge_time_s + _CONFIRM_S
     most_m_s, margin_m = config.handling.top_speed_m_s, config.avoidance.margin_m
     stops_m = most_m_s * (reaction_s + 0.5 * most_m_s / config.guidance.accel_m_s2)
-    set_m_s = nav.current_north_m_s * math.cos(course_rad) + nav.current_east_m_s * math.sin(course_rad)
-    margin_m += _TURNS_S * max(set_m_s, 0.0)
+    margin_m += _TURNS_S * max(nav.current_along_m_s(course_rad), 0.0)
     room_m = water.room_m(nav.point, course_rad, margin_m + stops_m, now_s) - margin_m
     return max(braking_speed_m_s(room_m, 0.0, config.guidance, reaction_s), least_m_s)

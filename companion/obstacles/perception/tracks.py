@@ -106,7 +106,7 @@ class ObstacleTracks:
         group, self._group, before, scale_m = self._group, [], self._before, self._scale_m
         first, last = group[0], group[-1]
         turned = _turned_rad(first, last)
-        nearest = min(group, key=_range_m)
+        nearest = min(group, key=lambda beam: beam.range_m)
         range_m, along_m = nearest.range_m, _RANGE_SIGMA * scale_m
         if abs(turned) * range_m > _LONGEST * scale_m:
             return
@@ -151,15 +151,11 @@ class ObstacleTracks:
 
     def _begin(self, time_s: float, at: Point, radius_m: float) -> Track:
         if len(self.all) >= MAX_TRACKS:
-            self.all.remove(min(self.all, key=_last_seen_s))
+            self.all.remove(min(self.all, key=lambda track: track.seen_s))
         track = Track(self._next_number, time_s, at, radius_m)
         self.all.append(track)
         self._next_number += 1
         return track
-
-
-def _range_m(beam: Beam) -> float:
-    return beam.range_m
 
 
 def _turned_rad(first: Beam, then: Beam) -> float:
@@ -185,7 +181,3 @@ def _looks_through(beam: Beam, at: Point) -> bool:
     off_rad = math.remainder(math.atan2(east, north) - beam.bearing_rad, math.tau)
     is_in_reach = beam.blind_m <= math.hypot(north, east) < beam.reach_m
     return is_in_reach and abs(off_rad) < 0.5 * CORE * beam.width_rad
-
-
-def _last_seen_s(track: Track) -> float:
-    return track.seen_s

@@ -46,8 +46,6 @@ class ClearanceBounds(Protocol):
 class ClearanceField:
     """A square around `centre`; cells are numbered row by row from the south-west, `width` a row."""
 
-    __slots__ = ("_fenced", "cell_m", "cells", "centre", "half", "south_m", "west_m", "width")
-
     def __init__(self, at: Point, cell_m: float, reach_m: float) -> None:
         self.cell_m = cell_m
         side_m = COARSE * cell_m

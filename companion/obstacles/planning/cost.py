@@ -166,10 +166,7 @@ class CostModel:
         nav, config = self._nav, self._config
         surge = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
         least = config.guidance.min_speed_m_s
-        heading, water_m_s = course_to_steer(
-            self._wanted_rad, speed_m_s, nav.current_north_m_s, nav.current_east_m_s,
-            least, config.handling.top_speed_m_s,
-        )  # fmt: skip
+        heading, water_m_s = course_to_steer(self._wanted_rad, speed_m_s, nav, config)
         straight = roll(surge, nav.yaw_rate_rad_s, wrap_pi(heading - nav.heading_rad), water_m_s, config)
         keeps = math.inf
         if path is not None:

@@ -23,8 +23,6 @@ _INSIDE: Final = 3  # steps of the last wave, over all cells: what lies within a
 class CostToGo:
     """Computed once for a map and a goal."""
 
-    __slots__ = ("_south_m", "_west_m", "_width", "cells", "is_open", "side_m", "steps")
-
     def __init__(
         self, field: ClearanceField, here: Point, goal: Point, margin_m: float, hull_m: float
     ) -> None:

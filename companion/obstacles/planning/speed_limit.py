@@ -17,9 +17,7 @@ from companion.obstacles.planning.clearance import SOLID, ClearanceBounds, Clear
 
 _STEADIES: Final = 0.5  # steering per yaw rate of a crash stop,
 _LEAST_STEERING: Final = 0.2  # and most of it: the thrust is for braking
-_GENTLE_SHARE: Final = (
-    0.5  # of the room is planned for braking: near rest only the propellers brake, and weakly
-)
+_GENTLE_SHARE: Final = 0.5  # of the room is for braking: near rest only the propellers brake, and weakly
 
 
 def crash_stop(nav: NavState, config: BoatConfig) -> Drive:
@@ -32,7 +30,7 @@ class SpeedLimit:
     """ahead_m_s and astern_m_s: the limits, infinite for none; sight_m_s: by the water looked at."""
 
     def __init__(self) -> None:
-        self.ahead_m_s = self.astern_m_s = self.sight_m_s = math.inf
+        self.clear()
 
     def clear(self) -> None:
         """Remove the limits."""

@@ -3,16 +3,8 @@
 import math
 
 from companion.config.boat_config import BoatConfig
+from companion.core import intent as intents
 from companion.core.geo import Point, bearing_rad, distance_m
-from companion.core.intent import (
-    FollowCircle,
-    FollowLeg,
-    HoldCourse,
-    HoldHeading,
-    HoldTurn,
-    Intent,
-    KeepStation,
-)
 from companion.core.state import NavState
 from companion.guidance.speed_profile import braking_speed_m_s
 from companion.obstacles.planning.clearance import ClearanceField
@@ -20,26 +12,26 @@ from companion.obstacles.planning.clearance import ClearanceField
 _STEP_RAD = 0.35  # between corners on a circle
 
 
-def way_ahead(intent: Intent, nav: NavState, config: BoatConfig, reach_m: float) -> list[Point]:
+def way_ahead(intent: intents.Intent, nav: NavState, config: BoatConfig, reach_m: float) -> list[Point]:
     """Starts at the boat; a single corner for an intent without a destination."""
     here = nav.point
-    if isinstance(intent, FollowLeg):
+    if isinstance(intent, intents.FollowLeg):
         return _leg(intent, here, config.guidance.lookahead_m)
-    if isinstance(intent, KeepStation):
+    if isinstance(intent, intents.KeepStation):
         return [here, intent.point] if distance_m(here, intent.point) > 0.0 else [here]
-    if isinstance(intent, FollowCircle):
+    if isinstance(intent, intents.FollowCircle):
         return [here, *_arc(intent, here, reach_m)]
-    if isinstance(intent, HoldCourse):
-        return [here, _beyond(here, intent.course_rad, reach_m)]
-    if isinstance(intent, HoldHeading | HoldTurn):
-        heading = intent.heading_rad if isinstance(intent, HoldHeading) else nav.heading_rad
+    if isinstance(intent, intents.HoldCourse):
+        return [here, here.moved(intent.course_rad, reach_m)]
+    if isinstance(intent, intents.HoldHeading | intents.HoldTurn):
+        heading = intent.heading_rad if isinstance(intent, intents.HoldHeading) else nav.heading_rad
         if intent.speed_m_s < 0.0:
             heading += math.pi
-        return [here, _beyond(here, heading, reach_m)] if intent.speed_m_s else [here]
+        return [here, here.moved(heading, reach_m)] if intent.speed_m_s else [here]
     return [here]
 
 
-def _leg(leg: FollowLeg, here: Point, lookahead_m: float) -> list[Point]:
+def _leg(leg: intents.FollowLeg, here: Point, lookahead_m: float) -> list[Point]:
     """Back to the line, along it, and on to the next leg."""
     way = [here]
     line = leg.line
@@ -47,38 +39,34 @@ def _leg(leg: FollowLeg, here: Point, lookahead_m: float) -> list[Point]:
         along, cross = line.along_and_cross_track_m(here)
         joins = along + min(lookahead_m, 2.0 * abs(cross))
         if 0.0 < joins < line.length_m:
-            share = joins / line.length_m
-            way.append(
-                Point(
-                    line.start.north_m + share * (line.end.north_m - line.start.north_m),
-                    line.start.east_m + share * (line.end.east_m - line.start.east_m),
-                )
-            )
+            way.append(line.start.towards(line.end, joins / line.length_m))
     way.append(leg.end)
     if leg.next_end is not None:
         way.append(leg.next_end)
     return way
 
 
-def _arc(circle: FollowCircle, here: Point, reach_m: float) -> list[Point]:
+def _arc(circle: intents.FollowCircle, here: Point, reach_m: float) -> list[Point]:
     side = 1.0 if circle.clockwise else -1.0
     first = bearing_rad(circle.centre, here) if here != circle.centre else 0.0
     count = max(1, math.ceil(min(reach_m / (_STEP_RAD * circle.radius_m), math.tau / _STEP_RAD)))
     return [
-        _beyond(circle.centre, first + side * step * _STEP_RAD, circle.radius_m)
-        for step in range(1, count + 1)
+        circle.centre.moved(first + side * step * _STEP_RAD, circle.radius_m) for step in range(1, count + 1)
     ]
 
 
-def _beyond(start: Point, course_rad: float, way_m: float) -> Point:
-    return Point(start.north_m + way_m * math.cos(course_rad), start.east_m + way_m * math.sin(course_rad))
-
-
-def requested_m_s(intent: Intent, nav: NavState, config: BoatConfig) -> float:
+def requested_m_s(intent: intents.Intent, nav: NavState, config: BoatConfig) -> float:
     """The speed of an intent, 0 or more."""
-    if isinstance(intent, FollowLeg | FollowCircle | HoldCourse | HoldHeading | HoldTurn):
+    if isinstance(
+        intent,
+        intents.FollowLeg
+        | intents.FollowCircle
+        | intents.HoldCourse
+        | intents.HoldHeading
+        | intents.HoldTurn,
+    ):
         return abs(intent.speed_m_s)
-    if isinstance(intent, KeepStation):
+    if isinstance(intent, intents.KeepStation):
         away_m = distance_m(nav.point, intent.point)
         slow = config.guidance.min_speed_m_s
         return max(min(config.speed.cruise_m_s, braking_speed_m_s(away_m, 0.0, config.guidance)), slow)
@@ -100,13 +88,7 @@ def places_on(way: list[Point], step_m: float, most: int) -> list[Point]:
             length_m = distance_m(start, end)
         if at_m >= length_m:
             break
-        share = at_m / length_m
-        found.append(
-            Point(
-                start.north_m + share * (end.north_m - start.north_m),
-                start.east_m + share * (end.east_m - start.east_m),
-            )
-        )
+        found.append(start.towards(end, at_m / length_m))
     found += [way[-1]] * (most - len(found))
     return found
 
@@ -124,10 +106,10 @@ def free_m(way: list[Point], field: ClearanceField, clear_m: float) -> float:
     return math.inf
 
 
-def is_same_goal(intent: Intent, last: Intent | None) -> bool:
+def is_same_goal(intent: intents.Intent, last: intents.Intent | None) -> bool:
     """Whether the detour still applies."""
-    if isinstance(intent, FollowLeg) and isinstance(last, FollowLeg):
+    if isinstance(intent, intents.FollowLeg) and isinstance(last, intents.FollowLeg):
         return intent.end == last.end
-    if isinstance(intent, KeepStation) and isinstance(last, KeepStation):
+    if isinstance(intent, intents.KeepStation) and isinstance(last, intents.KeepStation):
         return distance_m(intent.point, last.point) < 1.0
     return type(intent) is type(last)

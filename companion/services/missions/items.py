@@ -10,7 +10,6 @@ from companion.mavlink.items import GLOBAL_FRAMES, ItemFault, MissionItem, Missi
 from companion.payload.actions import ActionFault
 from companion.payload.fitted import CAMERA, FittedPayload
 from companion.services.payload.rows import ROWS, read_action
-from companion.vehicle.mission.places import Offset, Place
 from companion.vehicle.mission.steps import (
     Act,
     AfterDelay,
@@ -21,6 +20,8 @@ from companion.vehicle.mission.steps import (
     Jump,
     LimitHandOver,
     MoveHome,
+    Offset,
+    Place,
     ReturnHome,
     SetSpeed,
     Skip,

@@ -12,30 +12,11 @@ from companion.core.intent import Intent, KeepStation
 from companion.core.state import NavState
 from companion.guidance.leg import Leg
 from companion.payload.actions import PayloadAction
+from companion.vehicle.mission import steps
 from companion.vehicle.mission.conditions import ConditionalCommand
-from companion.vehicle.mission.places import locate
 from companion.vehicle.mission.route import MissionRoute
 from companion.vehicle.mission.stationary_items import StationaryItem, StationaryStep
-from companion.vehicle.mission.steps import (
-    Act,
-    AfterDelay,
-    Done,
-    EnableFence,
-    GoRound,
-    HandOver,
-    Home,
-    Jump,
-    LimitHandOver,
-    Mission,
-    MoveHome,
-    ReturnHome,
-    SetSpeed,
-    Step,
-    Turn,
-    Wait,
-    Waypoint,
-    WithinDistance,
-)
+from companion.vehicle.mission.steps import Mission, Step, locate
 from companion.vehicle.orbit import Orbit
 
 _STEPS_A_TICK = 100  # bounds a loop of items without a leg
@@ -79,7 +60,9 @@ class MissionProgress:
     @property
     def is_handed_over(self) -> bool:
         """Whether the current item lets another program steer."""
-        return not self.finished and not math.isnan(self._begun_s) and isinstance(self._step(), HandOver)
+        return (
+            not self.finished and not math.isnan(self._begun_s) and isinstance(self._step(), steps.HandOver)
+        )
 
     def replace(self, mission: Mission) -> bool:
         """Take a new mission. Whether the boat continues: all items up to the current one are the same.
@@ -100,7 +83,7 @@ class MissionProgress:
         self.jumps.clear()
         self.has_started = False
         self.speed_m_s = None
-        self._stationary.limit = LimitHandOver(0.0, 0.0)
+        self._stationary.limit = steps.LimitHandOver(0.0, 0.0)
         self.set_current(1 if not self.is_empty else 0)
 
     def set_current(self, seq: int) -> bool:
@@ -194,19 +177,19 @@ class MissionProgress:
         self, nav: NavState, frame: LocalFrame, config: BoatConfig, now_s: float
     ) -> Intent | None:
         match self._step():
-            case Waypoint() as waypoint:
+            case steps.Waypoint() as waypoint:
                 return self._sail_to(waypoint, nav, frame, config, now_s)
-            case GoRound() as circle:
+            case steps.GoRound() as circle:
                 return self._go_round(circle, nav, frame, config)
-            case Wait() | Turn() | HandOver() as halt:
+            case steps.Wait() | steps.Turn() | steps.HandOver() as halt:
                 return self._stay(halt, nav, now_s)
-            case ReturnHome():
+            case steps.ReturnHome():
                 self.go_home = self.finished = True
-            case Jump(target, times):
+            case steps.Jump(target, times):
                 self._jump(target, times)
-            case Home():
+            case steps.Home():
                 self._advance(self._leg_start)
-            case AfterDelay() | WithinDistance() as condition:
+            case steps.AfterDelay() | steps.WithinDistance() as condition:
                 self._deferred.wait_for(condition, now_s)
                 self._advance(self._leg_start)
             case step:
@@ -216,7 +199,7 @@ class MissionProgress:
         return None
 
     def _sail_to(
-        self, waypoint: Waypoint, nav: NavState, frame: LocalFrame, config: BoatConfig, now_s: float
+        self, waypoint: steps.Waypoint, nav: NavState, frame: LocalFrame, config: BoatConfig, now_s: float
     ) -> Intent | None:
         under_way, own_radius_m = self._under_way, config.guidance.waypoint_radius_m
         leg = under_way.lay(waypoint, self._leg_start or nav.point, frame)
@@ -234,7 +217,7 @@ class MissionProgress:
         return None
 
     def _go_round(
-        self, circle: GoRound, nav: NavState, frame: LocalFrame, config: BoatConfig
+        self, circle: steps.GoRound, nav: NavState, frame: LocalFrame, config: BoatConfig
     ) -> Intent | None:
         orbit = self._orbit
         if orbit is None:
@@ -256,7 +239,7 @@ class MissionProgress:
         if (intent := self._stationary.intent(step, nav, now_s)) is not None:
             return intent
         self.reached.append(self.current_seq)
-        if isinstance(step, Wait):
+        if isinstance(step, steps.Wait):
             self._leave(self._leg_start)
         else:
             self._leave(None)
@@ -265,23 +248,23 @@ class MissionProgress:
 
     # Commands
 
-    def _do(self, step: Done) -> None:
+    def _do(self, step: steps.Done) -> None:
         match step:
-            case SetSpeed(speed_m_s):
+            case steps.SetSpeed(speed_m_s):
                 self.speed_m_s = speed_m_s or None
-            case MoveHome(position):
+            case steps.MoveHome(position):
                 self.homes.append(position)
-            case EnableFence(is_on):
+            case steps.EnableFence(is_on):
                 self.fence_switches.append(is_on)
-            case LimitHandOver():
+            case steps.LimitHandOver():
                 self._stationary.limit = step
-            case Act(action):
+            case steps.Act(action):
                 self.actions.append(action)
 
     # Sequence
 
     def _step(self) -> Step:
-        return self.mission[self.current_seq] if self.current_seq < len(self.mission) else Home()
+        return self.mission[self.current_seq] if self.current_seq < len(self.mission) else steps.Home()
 
     def _jump(self, target: int, times: int) -> None:
         done = self.jumps.get(self.current_seq, 0)

@@ -8,17 +8,8 @@ from collections.abc import Mapping, Sequence
 from companion.core.geo import Line, LocalFrame, Point
 from companion.core.intent import FollowLeg
 from companion.guidance.leg import Leg
-from companion.vehicle.mission.places import locate
-from companion.vehicle.mission.steps import (
-    GoRound,
-    HandOver,
-    Jump,
-    Mission,
-    ReturnHome,
-    Turn,
-    Wait,
-    Waypoint,
-)
+from companion.vehicle.mission import steps
+from companion.vehicle.mission.steps import Mission, Waypoint, locate
 from companion.vehicle.mission.straightening import straighten
 
 MOST = 48  # waypoints of look-ahead
@@ -148,12 +139,12 @@ def waypoints_ahead(mission: Mission, seq: int, jumps: Mapping[int, int]) -> tup
         match step:
             case Waypoint():
                 ahead.append(step)
-            case Jump(target, times):
+            case steps.Jump(target, times):
                 goes = times < 0 or jumps.get(seq, 0) < times
                 if goes and jumped:
                     return ahead, True
                 if goes:
                     seq, jumped = target - 1, True
-            case GoRound() | Wait() | Turn() | HandOver() | ReturnHome():
+            case steps.GoRound() | steps.Wait() | steps.Turn() | steps.HandOver() | steps.ReturnHome():
                 return ahead, False
     return ahead, True

@@ -58,11 +58,7 @@ class RouteToMission:
         margin_m, length_m = fence.margin_m(here), distance_m(here, end)
         if margin_m >= clearance_m or length_m <= _CAST_OFF * clearance_m:
             return is_clear(fence, here, end, clearance_m)
-        share = _CAST_OFF * clearance_m / length_m
-        off = Point(
-            here.north_m + share * (end.north_m - here.north_m),
-            here.east_m + share * (end.east_m - here.east_m),
-        )
+        off = here.towards(end, _CAST_OFF * clearance_m / length_m)
         return is_clear(fence, here, off, clearance_m) and is_clear(fence, off, end, clearance_m)
 
     def _find(self, here: Point, end: Point, config: BoatConfig) -> bool:
@@ -74,12 +70,8 @@ class RouteToMission:
         # With less clearance only where the straight line leaves the water
         shares = MARGIN_SHARES if self._fence.crosses(here, end) else MARGIN_SHARES[:1]
         self._way = way_by_water(self._fence, water, here, [end], config, shares)
-        if self._way is not None:
-            self._status_texts.append(
-                StatusText(Severity.INFO, "The way to the mission leads round the shore")
-            )
-        else:
-            self._status_texts.append(
-                StatusText(Severity.WARNING, "The way to the mission leads near the fence")
-            )
+        severity, where = (
+            (Severity.WARNING, "near the fence") if self._way is None else (Severity.INFO, "round the shore")
+        )
+        self._status_texts.append(StatusText(severity, f"The way to the mission leads {where}"))
         return True

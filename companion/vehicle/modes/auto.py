@@ -51,11 +51,6 @@ class AutoMode(ModeController):
         self._guided_seq = -1
         self._guided.exit()
 
-    @property
-    def is_handed_over(self) -> bool:
-        """Whether the current item lets another program steer."""
-        return self._progress.is_handed_over
-
     def intent(self, inputs: ModeInputs) -> Intent:
         """The current item's leg, by the water if its straight way is not clear."""
         progress = self._progress

@@ -1,10 +1,6 @@
 """CIRCLE: round a point ahead of where the mode began."""
 
-import math
-
-from companion.core.geo import Point
 from companion.core.intent import Intent
-from companion.core.state import NavState
 from companion.vehicle.modes.controller import ModeController, ModeInputs
 from companion.vehicle.orbit import Orbit
 
@@ -25,12 +21,6 @@ class CircleMode(ModeController):
         """Round the centre."""
         setting = inputs.config.modes
         if self._orbit is None:
-            centre = point_ahead(inputs.nav, setting.circle_radius_m)
+            centre = inputs.nav.point.moved(inputs.nav.heading_rad, setting.circle_radius_m)
             self._orbit = Orbit(centre, setting.circle_radius_m, setting.circle_direction == _CLOCKWISE)
         return self._orbit.intent(setting.circle_speed_m_s or inputs.speed_m_s)
-
-
-def point_ahead(nav: NavState, distance_m: float) -> Point:
-    """The point at a distance ahead of the bow."""
-    north_m = nav.north_m + distance_m * math.cos(nav.heading_rad)
-    return Point(north_m, nav.east_m + distance_m * math.sin(nav.heading_rad))

@@ -5,11 +5,8 @@ from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon, LocalFrame
-from companion.core.intent import Intent, Stop
+from companion.core.intent import Intent
 from companion.core.state import NavState
-from companion.rc.manual_input import ManualInput
-
-_STOP = Stop()
 
 
 class ModeInputs(NamedTuple):
@@ -49,22 +46,3 @@ class ModeController(ABC):
     def destination(self) -> LatLon | None:
         """The current waypoint, target or station, for telemetry; None without one."""
         return None
-
-
-class StickMode(ModeController):
-    """A mode that the operator steers by hand, with an estimate. No thrust while the sticks are stale."""
-
-    def __init__(self, sticks: ManualInput) -> None:
-        self._sticks = sticks
-
-    def intent(self, inputs: ModeInputs) -> Intent:
-        """What the sticks ask for."""
-        config, now_s = inputs.config, inputs.now_s
-        if not self._sticks.is_fresh(config, now_s):
-            return _STOP
-        throttle, steering = self._sticks.throttle_and_steering(config, now_s)
-        return self.steer(throttle, steering, inputs)
-
-    @abstractmethod
-    def steer(self, throttle: float, steering: float, inputs: ModeInputs) -> Intent:
-        """The intent for fresh sticks, each in [-1, 1]; steering positive to starboard."""

@@ -5,19 +5,15 @@ from companion.core.status_text import StatusText
 from companion.geofence.fence import Fence
 from companion.rc.manual_input import ManualInput
 from companion.vehicle.mission.progress import MissionProgress
-from companion.vehicle.modes.acro import AcroMode
 from companion.vehicle.modes.auto import AutoMode
+from companion.vehicle.modes.by_hand import AcroMode, HoldMode, ManualMode, SimpleMode, SteeringMode
 from companion.vehicle.modes.circle import CircleMode
 from companion.vehicle.modes.controller import ModeController
 from companion.vehicle.modes.follow import FollowMode
 from companion.vehicle.modes.guided import GuidedMode
-from companion.vehicle.modes.hold import HoldMode
 from companion.vehicle.modes.loiter import LoiterMode
-from companion.vehicle.modes.manual import ManualMode
 from companion.vehicle.modes.rtl import RtlMode
-from companion.vehicle.modes.simple import SimpleMode
 from companion.vehicle.modes.smart_rtl import SmartRtlMode
-from companion.vehicle.modes.steering import SteeringMode
 from companion.vehicle.return_route import ReturnRoute
 from companion.vehicle.track import SailedTrack
 

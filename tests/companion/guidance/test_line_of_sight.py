@@ -7,25 +7,28 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.config.tuning import Guidance
-from companion.guidance.line_of_sight import RESPONSE_S, desired_course_rad, lookahead_m
+from companion.guidance.line_of_sight import desired_course_rad, lookahead_m
 
+RESPONSE_S = 0.7
 SETTING = Guidance(lookahead_m=4.0)
 
 
 def test_one_lookahead_off_is_approached_at_45_degrees() -> None:
-    assert desired_course_rad(0.0, 4.0, 0.0, 4.0) == pytest.approx(-math.pi / 4)
-    assert desired_course_rad(0.0, -4.0, 0.0, 4.0) == pytest.approx(math.pi / 4)
+    assert desired_course_rad(0.0, 4.0, 0.0, 4.0, RESPONSE_S) == pytest.approx(-math.pi / 4)
+    assert desired_course_rad(0.0, -4.0, 0.0, 4.0, RESPONSE_S) == pytest.approx(math.pi / 4)
 
 
 def test_a_closing_boat_is_turned_back_early() -> None:
-    still = desired_course_rad(0.0, 2.0, 0.0, 4.0)
-    assert desired_course_rad(0.0, 2.0, -1.0, 4.0) == pytest.approx(-math.atan((2.0 - RESPONSE_S) / 4.0))
-    assert still < desired_course_rad(0.0, 2.0, -1.0, 4.0) < 0.0
+    still = desired_course_rad(0.0, 2.0, 0.0, 4.0, RESPONSE_S)
+    assert desired_course_rad(0.0, 2.0, -1.0, 4.0, RESPONSE_S) == pytest.approx(
+        -math.atan((2.0 - RESPONSE_S) / 4.0)
+    )
+    assert still < desired_course_rad(0.0, 2.0, -1.0, 4.0, RESPONSE_S) < 0.0
 
 
 @given(st.floats(-math.pi, math.pi), st.floats(-1e4, 1e4), st.floats(0.1, 20.0))
 def test_never_steers_further_than_square_to_the_leg(leg: float, cross: float, ahead: float) -> None:
-    offset = desired_course_rad(leg, cross, 0.0, ahead) - leg
+    offset = desired_course_rad(leg, cross, 0.0, ahead, RESPONSE_S) - leg
     assert abs(offset) <= math.pi / 2 + 1e-9
     assert offset * cross <= 0.0
 

@@ -4,8 +4,7 @@ import msgspec
 import pytest
 from boat_rig import GOOD_FIX, nav_at
 
-from companion.config.boat_config import Arming
-from companion.config.tuning import MotorLimits
+from companion.config.boat_config import Arming, BoatConfig
 from companion.core.modes import Mode
 from companion.core.readings import BatteryReading, GnssFix
 from companion.core.state import NavState
@@ -23,9 +22,8 @@ def faults(
     *,
     has_battery_monitor: bool = True,
 ) -> list[str]:
-    return sensor_faults(
-        setting, MotorLimits(), mode, nav, fix, battery, has_battery_monitor=has_battery_monitor
-    )
+    config = BoatConfig(arming=setting)
+    return sensor_faults(config, mode, nav, fix, battery, has_battery_monitor=has_battery_monitor)
 
 
 def test_a_boat_that_is_well_arms() -> None:

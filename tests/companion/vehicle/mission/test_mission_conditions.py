@@ -8,17 +8,18 @@ from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.intent import HoldHeading, KeepStation
 from companion.core.state import NavState
 from companion.vehicle.mission.conditions import ConditionalCommand
-from companion.vehicle.mission.places import Offset, locate
 from companion.vehicle.mission.stationary_items import StationaryItem
 from companion.vehicle.mission.steps import (
     AfterDelay,
     HandOver,
     LimitHandOver,
+    Offset,
     SetSpeed,
     Skip,
     Turn,
     Wait,
     WithinDistance,
+    locate,
 )
 
 HERE, END = Point(0.0, 0.0), Point(30.0, 0.0)

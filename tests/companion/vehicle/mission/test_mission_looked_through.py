@@ -7,8 +7,7 @@ from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.status_text import Severity, StatusText
 from companion.geofence.fence import Fence, FencePolygon
 from companion.vehicle.mission.check import MissionCheck
-from companion.vehicle.mission.places import Offset
-from companion.vehicle.mission.steps import GoRound, Home, SetSpeed, Step, Waypoint
+from companion.vehicle.mission.steps import GoRound, Home, Offset, SetSpeed, Step, Waypoint
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 CORNERS = [(-15.0, -15.0), (-15.0, 75.0), (75.0, 75.0), (75.0, 45.0), (15.0, 45.0), (15.0, -15.0)]

@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.intent import FollowCircle, FollowLeg, Intent, KeepStation
-from companion.vehicle.mission.places import Offset
 from companion.vehicle.mission.progress import MissionProgress
 from companion.vehicle.mission.steps import (
     AfterDelay,
@@ -19,6 +18,7 @@ from companion.vehicle.mission.steps import (
     LimitHandOver,
     Mission,
     MoveHome,
+    Offset,
     ReturnHome,
     Sailed,
     SetSpeed,

@@ -24,13 +24,10 @@ from companion.core.state import NavState
 from companion.core.status_text import StatusText
 from companion.geofence.fence import Fence
 from companion.rc.manual_input import top_speed_m_s
-from companion.vehicle.modes.acro import AcroMode
+from companion.vehicle.modes.by_hand import AcroMode, ManualMode, SimpleMode, SteeringMode
 from companion.vehicle.modes.follow import FollowMode
 from companion.vehicle.modes.guided import GuidedMode
 from companion.vehicle.modes.loiter import LoiterMode
-from companion.vehicle.modes.manual import ManualMode
-from companion.vehicle.modes.simple import SimpleMode
-from companion.vehicle.modes.steering import SteeringMode
 
 CONFIG = BoatConfig()
 TOP_M_S = top_speed_m_s(CONFIG.speed)
