@@ -4,26 +4,21 @@ import gc
 import statistics
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Row:
-    """One figure. better is "less" or "more"; ratio is ours ÷ peer's, the median over the paired rounds."""
+    """One figure. spread: half the distance between the quartiles; ratio: ours ÷ peer's."""
 
     question: str
     unit: str
-    better: str
     ours: float
-    spread: float  # half the distance between the quartiles
+    spread: float = 0.0
     peer_name: str = ""
     peer: float | None = None
     ratio: float | None = None
     note: str = ""
-
-    def as_dict(self) -> dict[str, object]:
-        """For JSON."""
-        return asdict(self)
 
 
 def cpu_seconds(work: Callable[[], object]) -> float:
@@ -47,29 +42,33 @@ def paired(
     peer: Callable[[], object],
     rounds: int = 9,
 ) -> Row:
-    """CPU time of both in turn, A B A B …, after one round that is not counted. Less is better."""
+    """CPU time of both in turn, A B A B …, after one round that is not counted."""
     ours()
     peer()
-    pairs = [(cpu_seconds(ours) * scale, cpu_seconds(peer) * scale) for _ in range(rounds)]
-    mine, theirs = zip(*pairs, strict=True)
-    return Row(
+    return of_pairs(
         question,
         unit,
-        "less",
-        statistics.median(mine),
-        spread(mine),
+        [(cpu_seconds(ours) * scale, cpu_seconds(peer) * scale) for _ in range(rounds)],
         peer_name,
-        statistics.median(theirs),
-        statistics.median(a / b for a, b in pairs),
     )
 
 
-def alone(question: str, unit: str, better: str, values: Sequence[float], note: str = "") -> Row:
+def of_pairs(
+    question: str, unit: str, pairs: Sequence[tuple[float, float]], peer_name: str, note: str = ""
+) -> Row:
+    """A figure beside its peer's. pairs: (ours, peer's) of each round."""
+    ours, theirs = zip(*pairs, strict=True)
+    ratio = statistics.median(a / b for a, b in pairs) if all(theirs) else None
+    middle = statistics.median
+    return Row(question, unit, middle(ours), _spread(ours), peer_name, middle(theirs), ratio, note)
+
+
+def alone(question: str, unit: str, values: Sequence[float], note: str = "") -> Row:
     """A figure that has no peer here."""
-    return Row(question, unit, better, statistics.median(values), spread(values), note=note)
+    return Row(question, unit, statistics.median(values), _spread(values), note=note)
 
 
-def spread(values: Sequence[float]) -> float:
+def _spread(values: Sequence[float]) -> float:
     """Half the distance between the quartiles; 0 for a single value."""
     if len(values) < 2:
         return 0.0

@@ -1,15 +1,13 @@
 """What does a message cost on its way from one UDP link to another, how long does it take, do all arrive?
 
-The bridge is a program of its own: our whole boat with two more links, MAVProxy, and mavlink-router where it
-is installed. CPU time is what the program used during the load less what it uses at rest.
+The bridge is a program of its own: our whole boat with two more links, and MAVProxy. CPU time is what the
+program used during the load less what it uses at rest.
 """
 
 import contextlib
 import os
 import select
-import shutil
 import socket
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -18,7 +16,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from benchmarks.measure import Row, alone, spread
+from benchmarks.measure import Row, alone, of_pairs
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import dialect
@@ -29,6 +27,7 @@ _REST_S = 2.0
 _PEERS_HZ = 1000  # what MAVProxy carries without losing any
 _OURS_HZ = 20_000
 _ROUNDS = 3
+_PEER = "MAVProxy"
 _GIVE_UP_S = 1.0  # without a message
 _NUMBER_AT = 10  # time_boot_ms, the first field of ATTITUDE, behind the header
 
@@ -43,27 +42,21 @@ class Carried:
     cpu_us: float  # a message
     loss: float  # share
     p50_us: float
-    p99_us: float
 
 
 def rows() -> list[Row]:
-    """This router at 20,000 messages a second; this router and the peers alternately at 1,000."""
+    """This router and MAVProxy in turn at 1,000 messages a second; this router alone at 20,000."""
+    pairs = [(carry(_ours, _PEERS_HZ), carry(_mavproxy, _PEERS_HZ)) for _ in range(_ROUNDS)]
     fast = [carry(_ours, _OURS_HZ) for _ in range(_ROUNDS)]
-    found = [
-        alone(f"CPU time per message at {_OURS_HZ}/s", "µs", "less", [one.cpu_us for one in fast]),
-        alone(f"messages lost at {_OURS_HZ}/s", "%", "less", [100.0 * one.loss for one in fast]),
-        alone(f"median delay of messages at {_OURS_HZ}/s", "µs", "less", [one.p50_us for one in fast]),
-        alone(f"99 % delay of messages at {_OURS_HZ}/s", "µs", "less", [one.p99_us for one in fast]),
+    at = f"at {_PEERS_HZ:,} a second"
+    return [
+        of_pairs(
+            f"CPU time to pass a message on, {at}", "µs", [(a.cpu_us, b.cpu_us) for a, b in pairs], _PEER
+        ),
+        of_pairs(f"median delay of a message, {at}", "µs", [(a.p50_us, b.p50_us) for a, b in pairs], _PEER),
+        alone(f"CPU time to pass a message on, at {_OURS_HZ:,} a second", "µs", [one.cpu_us for one in fast]),
+        alone(f"messages lost at {_OURS_HZ:,} a second", "%", [100.0 * one.loss for one in fast]),
     ]
-    for name, program, command in (
-        ("MAVProxy", _beside_python("mavproxy.py"), _mavproxy),
-        ("mavlink-router", shutil.which("mavlink-routerd"), _mavlink_router),
-    ):
-        if program is None:
-            sys.stdout.write(f"router: {name} is not installed; nothing to pair with\n")
-            continue
-        found += _paired(name, command)
-    return found
 
 
 def carry(command: Command, rate_hz: int, seconds: float = _SECONDS) -> Carried:
@@ -89,25 +82,7 @@ def carry(command: Command, rate_hz: int, seconds: float = _SECONDS) -> Carried:
         cpu_us=1e6 * cpu_s / len(frames),
         loss=1.0 - len(in_order) / len(frames),
         p50_us=in_order[len(in_order) // 2] if in_order else 0.0,
-        p99_us=in_order[len(in_order) * 99 // 100] if in_order else 0.0,
     )
-
-
-def _paired(name: str, command: Command) -> list[Row]:
-    pairs = [(carry(_ours, _PEERS_HZ), carry(command, _PEERS_HZ)) for _ in range(_ROUNDS)]
-
-    def row(question: str, unit: str, value: Callable[[Carried], float]) -> Row:
-        ours, theirs = zip(*[(value(a), value(b)) for a, b in pairs], strict=True)
-        ratio = statistics.median(a / b for a, b in zip(ours, theirs, strict=True)) if all(theirs) else None
-        middle = statistics.median
-        return Row(question, unit, "less", middle(ours), spread(ours), name, middle(theirs), ratio)
-
-    return [
-        row(f"CPU time per message at {_PEERS_HZ}/s", "µs", lambda one: one.cpu_us),
-        row(f"messages lost at {_PEERS_HZ}/s", "%", lambda one: 100.0 * one.loss),
-        row(f"median delay of messages at {_PEERS_HZ}/s", "µs", lambda one: one.p50_us),
-        row(f"99 % delay of messages at {_PEERS_HZ}/s", "µs", lambda one: one.p99_us),
-    ]
 
 
 def _frames(count: int) -> list[bytes]:
@@ -193,11 +168,6 @@ def _cpu_s(pid: int) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def _beside_python(name: str) -> str | None:
-    path = Path(sys.executable).with_name(name)
-    return str(path) if path.exists() else None
-
-
 def _ours(near: int, far: int) -> list[str]:
     program = str(Path(sys.executable).with_name("boat-sitl"))
     links = ["--link", f"udpin:127.0.0.1:{near}", "--link", f"udpout:127.0.0.1:{far}"]
@@ -208,12 +178,3 @@ def _mavproxy(near: int, far: int) -> list[str]:
     links = [f"--master=udpin:127.0.0.1:{near}", f"--out=udpout:127.0.0.1:{far}"]
     quiet = ["--daemon", "--non-interactive", "--nowait", "--default-modules="]
     return [sys.executable, str(Path(sys.executable).with_name("mavproxy.py")), *links, *quiet]
-
-
-def _mavlink_router(near: int, far: int) -> list[str]:
-    return ["mavlink-routerd", "-t", "0", "-e", f"127.0.0.1:{far}", f"127.0.0.1:{near}"]
-
-
-if __name__ == "__main__":
-    for one in sys.argv[1:] or ["20000"]:
-        sys.stdout.write(f"{one}/s: {carry(_ours, int(one))}\n")

@@ -2,11 +2,11 @@
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import Protocol, TypeAlias
+from typing import TypeAlias
 
 from companion.core.geo import Point, path_length_m
 from companion.planning.water import Water
@@ -108,24 +108,18 @@ class Sea:
         raise NoPath(f"start and goal lie in different water in cells of {grid.cell_m:.2g} m")
 
 
-class Planner(Protocol):
-    """One method of planning."""
-
-    def __call__(self, sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline) -> Path:
-        """A path from start to goal.
-
-        Raises:
-            NoPath: none was found.
-        """
-
-
 def plan(
-    planner: Planner, sea: Sea, start: Point, goal: Point, seed: int, budget_s: float
+    planner: Callable[[Sea, Point, Point, int, Deadline], Path],
+    sea: Sea,
+    start: Point,
+    goal: Point,
+    seed: int,
+    budget_s: float,
 ) -> Planned | Failed:
     """Run a planner and check its path against the true shores: an invalid one is a failure."""
     began_s = time.thread_time()
     try:
-        points = _straightened(planner(sea, start, goal, seed, Deadline(budget_s)))
+        points = planner(sea, start, goal, seed, Deadline(budget_s))
     except NoPath as error:
         return Failed(str(error), time.thread_time() - began_s)
     cpu_s = time.thread_time() - began_s
@@ -134,24 +128,3 @@ def plan(
     if not all(sea.is_clear(a, b) for a, b in pairwise(points)):
         return Failed("the path does not keep the clearance", cpu_s)
     return Planned(points, path_length_m(points), cpu_s)
-
-
-def _straightened(points: Sequence[Point]) -> Path:
-    """The same path without repeated points and points on its straight stretches."""
-    kept: list[Point] = []
-    for point in points:
-        if kept and point == kept[-1]:
-            continue
-        while len(kept) > 1 and _is_between(kept[-2], kept[-1], point):
-            kept.pop()
-        kept.append(point)
-    return tuple(kept)
-
-
-def _is_between(a: Point, b: Point, c: Point) -> bool:
-    to_b = (b.north_m - a.north_m, b.east_m - a.east_m)
-    to_c = (c.north_m - a.north_m, c.east_m - a.east_m)
-    cross = to_b[0] * to_c[1] - to_b[1] * to_c[0]
-    scale = math.hypot(*to_b) * math.hypot(*to_c)
-    along = to_b[0] * (to_c[0] - to_b[0]) + to_b[1] * (to_c[1] - to_b[1])
-    return abs(cross) <= 1e-12 * scale and along >= 0.0

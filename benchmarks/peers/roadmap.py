@@ -6,13 +6,11 @@ OMPL's PRM grows by the wall clock in a thread of its own, so that a seed does n
 plain.
 """
 
-import heapq
-import math
 import random
-from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from benchmarks.peers.interface import Deadline, NoPath, Path, Sea
@@ -23,16 +21,12 @@ NEIGHBOURS = 29  # e (1 + 1/2) ln 1200: PRM*'s number (Karaman and Frazzoli, 201
 _TRIES = 60  # per sample
 
 
-@dataclass(frozen=True, slots=True)
-class Roadmap:
-    """Points on the water, the start first and the goal second, and the clear legs between near ones."""
+def prm(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline) -> Path:
+    """Even samples of the free water, each joined to its nearest neighbours that it sees; the shortest way.
 
-    points: tuple[Point, ...]
-    legs: dict[int, list[int]]
-
-
-def build(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline) -> Roadmap:
-    """Even samples of the free water, each joined to its nearest neighbours that it sees."""
+    Raises:
+        NoPath: the roadmap does not join start and goal.
+    """
     draw = random.Random(seed)
     west, south, east, north = sea.bounds
     points = [start, goal]
@@ -43,44 +37,17 @@ def build(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline) ->
         if sea.is_free(at):
             points.append(at)
         deadline.check()
-    count = min(NEIGHBOURS + 1, len(points))
-    _, nearest = cKDTree(np.array(points)).query(np.array(points), k=count)
-    legs: dict[int, list[int]] = {n: [] for n in range(len(points))}
+    _, nearest = cKDTree(np.array(points)).query(np.array(points), k=min(NEIGHBOURS + 1, len(points)))
+    legs = set()
     for here, row in enumerate(nearest.tolist()):
         deadline.check()
-        for there in row:
-            if here != there and there not in legs[here] and sea.is_clear(points[here], points[there]):
-                legs[here].append(there)
-                legs[there].append(here)
-    return Roadmap(tuple(points), legs)
-
-
-def prm(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline) -> Path:
-    """The shortest way over a roadmap."""
-    roadmap = build(sea, start, goal, seed, deadline)
-    return shortest(roadmap, lambda a, b: distance_m(roadmap.points[a], roadmap.points[b]))
-
-
-def shortest(roadmap: Roadmap, length: Callable[[int, int], float]) -> Path:
-    """Dijkstra's algorithm from the first point to the second.
-
-    Raises:
-        NoPath: the roadmap does not join them.
-    """
-    costs, parents, open_list = {0: 0.0}, {0: 0}, [(0.0, 0)]
-    while open_list:
-        cost, here = heapq.heappop(open_list)
-        if here == 1:
-            points = [roadmap.points[1]]
-            while here:
-                here = parents[here]
-                points.append(roadmap.points[here])
-            return tuple(reversed(points))
-        if cost > costs[here]:
-            continue
-        for there in roadmap.legs[here]:
-            tentative = cost + length(here, there)
-            if tentative < costs.get(there, math.inf):
-                costs[there], parents[there] = tentative, here
-                heapq.heappush(open_list, (tentative, there))
-    raise NoPath("the roadmap does not join start and goal")
+        legs |= {(here, there) for there in row if sea.is_clear(points[here], points[there])}
+    lengths = [max(distance_m(points[a], points[b]), 1e-9) for a, b in legs]
+    graph = coo_matrix((lengths, tuple(zip(*legs, strict=True))), shape=(len(points), len(points)))
+    _, before = dijkstra(graph, directed=False, indices=0, return_predecessors=True)
+    way = [1]
+    while way[-1] > 0:
+        way.append(int(before[way[-1]]))
+    if way[-1] < 0:
+        raise NoPath("the roadmap does not join start and goal")
+    return tuple(points[n] for n in reversed(way))

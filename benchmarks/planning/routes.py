@@ -1,15 +1,16 @@
 """Exact routes on real shores: length, wrong answers, clearance and time, against independent oracles.
 
 Oracles: extremitypathfinder on the ponds, brute force (`route_oracle`) on cut-outs of the lakes, shapely's
-erosion for what is joined, and the distance to the shore in another projection for the clearance.
+erosion for what is joined, and the distance to the shore in another projection for the clearance. The picture
+has the time against the vertices of a lake, beside A* on the planner's own grid.
 """
 
 import math
 import random
-import statistics
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
@@ -18,76 +19,72 @@ import numpy as np
 import pyproj
 import shapely
 
-from benchmarks.measure import Row, alone, spread
+from benchmarks.measure import Row, alone, of_pairs
 from benchmarks.planning import route_oracle as oracle
-from companion.core.geo import LatLon, Point
+from companion.core.geo import LatLon, LocalFrame, Point
 from companion.planning.visibility import NoWay, Route
-from companion.planning.water import Shore, Water
+from companion.planning.water import Water
+from mission_tools.drawing.draw import save_figure
+from mission_tools.drawing.style import new_figure, style_panel
 from mission_tools.errors import NoRouteError
-from mission_tools.maps import Chart, load_geojson
+from mission_tools.maps import Chart, build_chart, load_geojson
 from mission_tools.planning.planner import PlanSettings, plan
 
 SHORE = Path("tests/data/shores")
+PICTURE = Path("docs/pictures/route_times.png")
 CLEARANCES_M = (1.0, 4.0, 10.0)
-QUERIES = 42  # for each of eight maps and three clearances: 1,008
+QUERIES = 42  # for each map and clearance
 CUT_OUT_M = 350.0  # half the side of the cut-outs
 CUT_OUTS = 6
 SAMPLE_M = 0.05
 SEED = 20261122
-VERTICES = (100, 1_000, 10_000, 20_000, 100_000)
+VERTICES = (100, 300, 1_000, 3_000, 10_000, 30_000, 100_000)
+GRID_CELL_M = 10.0
 
 
 def rows() -> list[Row]:
-    """Lakes by clearance, the oracles, the clearance, and time against vertices."""
-    found = list(_growth())
-    lengths, times = [], []
-    for path in sorted(SHORE.glob("*.geojson")):
+    """Times and answers on all maps, and the oracles' verdicts; draws the picture."""
+    lengths, least_m, samples, asked = [], math.inf, 0, _Asked()
+    maps = sorted(SHORE.glob("*.geojson"))
+    for path in maps:
         chart = load_geojson(path)
         for clearance_m in CLEARANCES_M:
-            times.append(_timed(path.stem, chart, clearance_m))
+            _ask(asked, chart, clearance_m)
         lengths += _excess(path.stem, chart)
-        found.append(_independent_clearance(path.stem, chart))
-    every = [ms for asked in times for ms in asked.cold_ms]
-    warm = [ms for asked in times for ms in asked.warm_ms]
-    found += [asked.row() for asked in times]
-    found.append(_spread_row(f"all {len(every)} cold queries", "ms", every))
-    found.append(_spread_row(f"all {len(warm)} warm queries", "ms", warm))
-    wrong = sum(asked.wrong for asked in times)
-    found.append(Row(f"wrong “no way” of {len(every)} queries", "", "less", wrong, 0.0))
-    back_m = max(asked.worst_back_m for asked in times)
-    found.append(Row("largest difference of there and back", "m", "less", back_m, 0.0))
-    found.append(_spread_row(f"excess over brute force, {len(lengths)} routes on cut-outs", "%", lengths))
-    found += _against_extremitypathfinder()
-    return found
+        near_m, count = _independent_clearance(chart)
+        least_m, samples = min(least_m, near_m), samples + count
+    draw(_growth(), PICTURE)
+    count = len(asked.cold_ms)
+    return [
+        *_against_extremitypathfinder(),
+        alone(
+            "a first query",
+            "ms",
+            asked.cold_ms,
+            f"{count} on {len(maps)} lakes; max {max(asked.cold_ms):.0f}",
+        ),
+        alone("the same query again", "ms", asked.warm_ms, f"max {max(asked.warm_ms):.2f}"),
+        Row("wrongly called “no way”", "queries", asked.wrong),
+        Row("largest difference of there and back", "m", asked.worst_back_m),
+        alone("excess over brute force", "%", lengths, f"{len(lengths)} cut-outs; max {max(lengths):.3g}"),
+        Row("least clearance, 4 m asked", "m", least_m, note=f"{samples:,} samples in another projection"),
+    ]
 
 
 @dataclass
 class _Asked:
-    """What the queries on one map with one clearance came to."""
+    """What all queries came to."""
 
-    name: str
-    vertices: int
-    clearance_m: float
     cold_ms: list[float] = field(default_factory=list)
     warm_ms: list[float] = field(default_factory=list)
     wrong: int = 0
-    no_way: int = 0
     worst_back_m: float = 0.0
 
-    def row(self) -> Row:
-        question = f"{self.name}, {self.vertices:,} vertices, {self.clearance_m:g} m: cold"
-        note = (
-            f"max {max(self.cold_ms):.0f}; warm {statistics.median(self.warm_ms):.2f}, "
-            f"max {max(self.warm_ms):.2f}; no way {self.no_way}, wrong {self.wrong}"
-        )
-        return alone(question, "ms", "less", self.cold_ms, note)
 
-
-def _timed(name: str, chart: Chart, clearance_m: float) -> _Asked:
+def _ask(asked: _Asked, chart: Chart, clearance_m: float) -> None:
     """Queries from scratch (index, graph and search) and again, half between random places, half coastal."""
     rng = random.Random(SEED)
     shores = oracle.shores_of(chart.navigable)
-    asked = _Asked(name, sum(len(shore.corners) for shore in shores), clearance_m)
     joined = list(shapely.get_parts(chart.navigable.buffer(-clearance_m - 1e-3)))
     joined = [part for part in joined if not part.is_empty]
     for part in joined:
@@ -97,22 +94,20 @@ def _timed(name: str, chart: Chart, clearance_m: float) -> _Asked:
         start, goal = next(places), next(places)
         began = time.process_time()
         water = Water(shores)
-        route = _asked(water, clearance_m, start, goal)
+        route = _route(water, clearance_m, start, goal)
         cold = time.process_time()
-        again = _asked(water, clearance_m, start, goal)
+        again = _route(water, clearance_m, start, goal)
         asked.cold_ms.append(1e3 * (cold - began))
         asked.warm_ms.append(1e3 * (time.process_time() - cold))
-        back = _asked(water, clearance_m, goal, start)
+        back = _route(water, clearance_m, goal, start)
         if route is None or back is None or again is None:
-            asked.no_way += 1
             ends = [shapely.Point(at.east_m, at.north_m) for at in (start, goal)]
             asked.wrong += any(all(part.contains(end) for end in ends) for part in joined)
         else:
             asked.worst_back_m = max(asked.worst_back_m, abs(route.length_m - back.length_m))
-    return asked
 
 
-def _asked(water: Water, clearance_m: float, start: Point, goal: Point) -> Route | None:
+def _route(water: Water, clearance_m: float, start: Point, goal: Point) -> Route | None:
     try:
         return water.routes(clearance_m).route(start, goal)
     except NoWay:
@@ -142,15 +137,15 @@ def _excess(name: str, chart: Chart) -> list[float]:
         if len(shapely.get_coordinates(part)) > 900:
             continue
         ends = oracle.free_points(rng, part, clearance_m, 2)
-        route = _asked(Water(oracle.shores_of(part)), clearance_m, *ends) if len(ends) == 2 else None
+        route = _route(Water(oracle.shores_of(part)), clearance_m, *ends) if len(ends) == 2 else None
         shortest_m = oracle.shortest_m(part, clearance_m, *ends) if len(ends) == 2 else math.inf
         if route is not None and math.isfinite(shortest_m):
             found.append(100.0 * (route.length_m / shortest_m - 1.0))
     return found
 
 
-def _independent_clearance(name: str, chart: Chart) -> Row:
-    """The least distance to the shore, of points 0.05 m apart, in an equal-area projection."""
+def _independent_clearance(chart: Chart) -> tuple[float, int]:
+    """The least distance to the shore in an equal-area projection, of points 0.05 m apart; their number."""
     rng = random.Random(SEED)
     clearance_m = 4.0
     shores = oracle.shores_of(chart.navigable)
@@ -177,65 +172,78 @@ def _independent_clearance(name: str, chart: Chart) -> Row:
         points = shapely.line_interpolate_point(line, np.linspace(0.0, line.length, count))
         _, distances = shapely.STRtree(edges).query_nearest(points, return_distance=True)
         least_m, samples = min(least_m, float(distances.min())), samples + count
-    return Row(f"{name}: least clearance, 4 m asked", "m", "more", least_m, 0.0, note=f"{samples:,} samples")
+    return least_m, samples
 
 
-def _against_extremitypathfinder() -> list[Row]:
+def _against_extremitypathfinder() -> Iterator[Row]:
     if find_spec("extremitypathfinder") is None:
-        return [Row("extremitypathfinder is not installed: no peer", "", "less", 0.0, 0.0)]
+        return
     from extremitypathfinder import PolygonEnvironment  # noqa: PLC0415  an optional peer
 
-    found: list[Row] = []
     for name in ("pond_citra_fl", "pond_two_islands_nh"):
         chart = load_geojson(SHORE / f"{name}.geojson")
         parts = shapely.get_parts(chart.navigable.buffer(-4.0, quad_segs=16))
         free = shapely.orient_polygons(max(parts, key=lambda part: float(part.area)))
+        shores = oracle.shores_of(chart.navigable)
         peer = PolygonEnvironment()
-        began = time.process_time()
-        peer.store(list(free.exterior.coords[:-1]), [list(ring.coords[:-1]) for ring in free.interiors])
-        build_ms = 1e3 * (time.process_time() - began)
+        holes = [list(ring.coords[:-1]) for ring in free.interiors]
+        build_ms = _ms(partial(peer.store, list(free.exterior.coords[:-1]), holes))
         rng = random.Random(SEED)
-        ours_ms, peer_ms, excess = [], [], []
+        pairs, excess = [], []
         for _ in range(30):
             ends = oracle.free_points(rng, free, 0.01, 2)
-            water = Water(oracle.shores_of(chart.navigable))
             began = time.process_time()
-            route = water.routes(4.0).route(*ends)
+            route = Water(shores).routes(4.0).route(*ends)
             middle = time.process_time()
             _, length_m = peer.find_shortest_path(*((end.east_m, end.north_m) for end in ends))
-            ours_ms.append(1e3 * (middle - began))
-            peer_ms.append(1e3 * (time.process_time() - middle))
+            pairs.append((1e3 * (middle - began), 1e3 * (time.process_time() - middle)))
             excess.append(100.0 * (route.length_m / length_m - 1.0))
-        found.append(_spread_row(f"{name}: excess over extremitypathfinder, 30 routes", "%", excess))
-        found.append(
-            Row(
-                f"{name}: a query, ours cold",
-                "ms",
-                "less",
-                statistics.median(ours_ms),
-                spread(ours_ms),
-                f"extremitypathfinder (after {build_ms:.0f} ms)",
-                statistics.median(peer_ms),
-                statistics.median(a / b for a, b in zip(ours_ms, peer_ms, strict=True)),
-            )
+        vertices = sum(len(shore.corners) for shore in shores)
+        yield of_pairs(
+            f"CPU time of a query on a pond of {vertices} vertices, index included",
+            "ms",
+            pairs,
+            "extremitypathfinder",
+            f"after {build_ms / 1e3:.1f} s; lengths differ by {max(map(abs, excess)):.3f} %",
         )
-    return found
 
 
-def _growth() -> Iterator[Row]:
-    """Cold queries across jagged lakes of more and more vertices."""
+def _growth() -> dict[str, list[tuple[int, list[float]]]]:
+    """CPU ms of queries across jagged lakes, by planner and number of vertices: from scratch, on a grid."""
+    found: dict[str, list[tuple[int, list[float]]]] = {"exact": [], f"A* on cells of {GRID_CELL_M:g} m": []}
+    settings = PlanSettings(4.0), PlanSettings(4.0, cell_m=GRID_CELL_M)
     for vertices in VERTICES:
         rng = random.Random(SEED)
         lake = _jagged(rng, vertices)
-        shores = oracle.shores_of(lake)
-        ends = oracle.free_points(rng, lake, 4.0, 24)
-        took = [_cold_ms(shores, *pair) for pair in pairwise(ends)]
-        yield alone(f"a lake of {vertices:,} vertices: cold", "ms", "less", took, f"max {max(took):.0f}")
+        ends = [*pairwise(oracle.free_points(rng, lake, 20.0, 13))]
+        for times, setting in zip(found.values(), settings, strict=True):
+            took = []
+            for start, goal in ends:
+                chart = build_chart("lake", LocalFrame(LatLon(50.0, 0.0)), lake, ())
+                took.append(_ms(partial(plan, chart, start, goal, setting)))
+            times.append((vertices, took))
+    return found
 
 
-def _cold_ms(shores: list[Shore], start: Point, goal: Point) -> float:
+def draw(found: dict[str, list[tuple[int, list[float]]]], path: Path) -> None:
+    """Medians, and bands from the fastest query to the slowest."""
+    figure = new_figure(7.0, 3.8, dpi=90)
+    axes = figure.subplots()
+    for (name, times), colour in zip(found.items(), ("#cf3a2e", "#31688e"), strict=True):
+        vertices, took = zip(*times, strict=True)
+        axes.fill_between(
+            vertices, [*map(min, took)], [*map(max, took)], color=colour, alpha=0.2, linewidth=0
+        )
+        axes.plot(vertices, [float(np.median(each)) for each in took], color=colour, marker="o", label=name)
+    axes.set(xscale="log", yscale="log", xlabel="vertices of the lake", ylabel="CPU time of a plan, ms")
+    style_panel(axes)
+    save_figure(path, figure)
+
+
+def _ms(work: Callable[[], object]) -> float:
+    """CPU time of one call."""
     began = time.process_time()
-    Water(shores).routes(4.0).route(start, goal)
+    work()
     return 1e3 * (time.process_time() - began)
 
 
@@ -250,7 +258,3 @@ def _jagged(rng: random.Random, vertices: int) -> shapely.Polygon:
         x, y = rng.uniform(-1500, 1500), rng.uniform(-1500, 1500)
         lake -= oracle.star(rng, x, y, rng.uniform(30, 120), max(6, vertices // 200), 0.2)
     return max(shapely.get_parts(lake), key=lambda part: float(part.area))
-
-
-def _spread_row(question: str, unit: str, values: list[float]) -> Row:
-    return alone(question, unit, "less", values, f"max {max(values):.3g}")
