@@ -20,8 +20,7 @@ from rich.table import Table
 
 from companion.cli.output_file import write_text
 from companion.core.errors import BoatError
-from mission_tools.drawing.draw import save_figure
-from mission_tools.drawing.survey import draw_survey
+from mission_tools.drawing.draw import draw_survey, save_figure
 from mission_tools.errors import MissionToolsError
 from mission_tools.planning.planner import PlanSettings
 from mission_tools.tasks.survey.settings import SurveySettings, turn_radius_m

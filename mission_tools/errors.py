@@ -7,8 +7,7 @@
     ├── NoRouteError        1  the planner found no way
     │   ├── StartBlocked    2  the start is no place for a boat; names what is in the way
     │   ├── GoalBlocked     2  the goal is no place for a boat; names what is in the way
-    │   ├── NoRoute         1  start and goal are free, but no water joins them
-    │   └── SearchBudgetExceeded  1  the search was stopped before it could tell
+    │   └── NoRoute         1  start and goal are free, but no water joins them
     ├── BeyondRange         1  the charge does not take the boat there and home
     ├── VehicleError        1  the vehicle answered, but not as it should
     │   ├── UploadRejected  1  it refused the mission; says the reason and the item
@@ -20,6 +19,7 @@
 
 The message is one line for a person: what was wrong, where, what was expected, what to do.
 """
+
 
 # ruff: noqa: N818  (the leaves say what happened; their family's name says that it is an error)
 
@@ -66,10 +66,6 @@ class GoalBlocked(NoRouteError):
 
 class NoRoute(NoRouteError):
     """Start and goal are free, but no water joins them."""
-
-
-class SearchBudgetExceeded(NoRouteError):
-    """The search was stopped before it could tell."""
 
 
 class BeyondRange(MissionToolsError):

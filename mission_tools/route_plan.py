@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from companion.core.geo import LatLon, bearing_rad, distance_m
 from mission_tools.assembly.planned_mission import PlannedMission
-from mission_tools.job.outputs import check_outputs, save
+from mission_tools.job.planned import check_outputs, save
 from mission_tools.mission.mission import Mission
 from mission_tools.wording import distance
 
@@ -114,7 +114,7 @@ class RoutePlan:
             ConfigError, UsageError, MapError: boat or current.
             NoRoute: a leg that cannot be sailed against the current.
         """
-        from mission_tools.contract.planned_budget import planned_budget  # noqa: PLC0415 - seldom needed
+        from mission_tools.contract.budget import planned_budget  # noqa: PLC0415 - seldom needed
 
         return planned_budget(self.planned, fspath(boat), current)
 

@@ -13,8 +13,7 @@ from itertools import pairwise
 
 from benchmarks.peers.interface import Deadline, NoPath, Path, Sea
 from companion.core.geo import Point
-from mission_tools.planning.expansion import STRAIGHT, EightNeighbours
-from mission_tools.planning.grid import Grid
+from mission_tools.planning.grid import STRAIGHT, EightNeighbours, Grid
 
 CELLS = (1600, 6400, 25_600)  # as coarse as joins start and goal
 ANTS = 30

@@ -12,7 +12,7 @@ from array import array
 from benchmarks.peers.interface import Deadline, NoPath, Path, Sea
 from companion.core.geo import Point, distance_m
 from mission_tools.planning.astar import astar
-from mission_tools.planning.expansion import EightNeighbours
+from mission_tools.planning.grid import EightNeighbours
 
 CELLS = 40_000
 

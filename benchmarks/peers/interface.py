@@ -14,8 +14,7 @@ from mission_tools.errors import NoRouteError
 from mission_tools.maps.chart import Chart
 from mission_tools.planning.entry_cells import FreeWater
 from mission_tools.planning.exact_planner import water_of
-from mission_tools.planning.grid import Grid
-from mission_tools.planning.inflate import occupancy
+from mission_tools.planning.grid import Grid, occupancy
 
 Path: TypeAlias = tuple[Point, ...]
 

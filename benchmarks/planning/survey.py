@@ -11,7 +11,7 @@ from pathlib import Path
 import shapely
 
 from benchmarks.measure import Row, alone, cpu_seconds
-from mission_tools.drawing.survey import swath_of
+from mission_tools.drawing.draw import swath_of
 from mission_tools.maps import Chart, load_source
 from mission_tools.planning.planner import PlanSettings
 from mission_tools.tasks.survey.settings import SurveySettings, turn_radius_m

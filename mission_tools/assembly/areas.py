@@ -30,8 +30,7 @@ from mission_tools.geojson import KINDS as MAP_KINDS
 from mission_tools.maps.assemble import Classified, classified
 from mission_tools.maps.catalogue import FEATURE_SUFFIXES, read_features
 from mission_tools.maps.geojson import feature_entries, polygon_parts, raw_map, read_json
-from mission_tools.maps.longitudes import wrapped_lon_deg
-from mission_tools.mission.area_text import parse_lists
+from mission_tools.maps.projection import wrapped_lon_deg
 from mission_tools.mission.mission import (
     Command,
     Fence,
@@ -44,6 +43,7 @@ from mission_tools.mission.mission import (
 )
 from mission_tools.mission.plan_file import parse_mission, read_text
 from mission_tools.mission.wire import FENCE_COMMANDS, fence_from, mission_from
+from mission_tools.mission.wpl_text import parse_lists
 from mission_tools.wording import counted
 
 NONE = "none"  # instead of a file: what the boat holds is cleared

@@ -14,8 +14,16 @@ from mission_tools.assembly.plan_options import PlanOptions
 from mission_tools.costs.cheapest import DETOUR, cheapest_route
 from mission_tools.costs.current import STILL_WATER
 from mission_tools.costs.current_source import open_current
-from mission_tools.costs.travel import BoatSpeed, Charge, Floats, InZones, OpenWater, Travel, TravelTime
-from mission_tools.costs.zones import speed_zones
+from mission_tools.costs.travel import (
+    BoatSpeed,
+    Charge,
+    Floats,
+    InZones,
+    OpenWater,
+    Travel,
+    TravelTime,
+    speed_zones,
+)
 from mission_tools.errors import UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.planning.planner import Plan

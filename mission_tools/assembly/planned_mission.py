@@ -18,7 +18,7 @@ from mission_tools.assembly.planned_task import (
     task_route,
 )
 from mission_tools.assembly.zone_speeds import mission_in_zones
-from mission_tools.costs.zones import for_draught, speed_zones
+from mission_tools.costs.travel import for_draught, speed_zones
 from mission_tools.errors import NoRoute, NoRouteError, UsageError
 from mission_tools.maps import Chart, Source, build_chart, load_source
 from mission_tools.maps.chart import DEPTH

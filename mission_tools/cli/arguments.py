@@ -1,10 +1,15 @@
 """Arguments that argparse does not know: positions, and a --start that means two things."""
 
 import re
-from collections.abc import Sequence
+import sys
+from argparse import Namespace
+from collections.abc import Callable, Sequence
 
+from companion.cli.parser import Parser
+from companion.cli.program_end import end_with
+from companion.core.errors import BoatError
 from companion.core.geo import LatLon
-from mission_tools.errors import UsageError
+from mission_tools.errors import MissionToolsError, UsageError
 
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)"
 _SIGNED = re.compile(rf"[+-]?{_NUMBER}", re.ASCII)
@@ -91,3 +96,19 @@ def _angle_deg(text: str) -> float:
         raise ValueError(f"'{text}' has a fraction before its last part")
     total = sum(value / 60.0**power for power, value in enumerate(values))
     return -total if text.startswith("-") else total
+
+
+def run_parsed(parser: Parser, arguments: Sequence[str], work: Callable[[Namespace], int | None]) -> int:
+    """Parse, do the work, and return the exit code. Without arguments the help is printed.
+
+    work: takes what was given; None stands for exit code 0.
+    """
+    if not arguments:
+        parser.print_help(sys.stderr)
+        return 2
+    try:
+        return work(parser.read(arguments)) or 0
+    except SystemExit as done:  # --help and --version
+        return done.code if isinstance(done.code, int) else 0
+    except (KeyboardInterrupt, Exception) as error:
+        return end_with(error, parser.prog, arguments, (MissionToolsError, BoatError))

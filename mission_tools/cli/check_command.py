@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from companion.cli.interrupts import importing
 from companion.cli.parser import Parser, number
-from mission_tools.cli.exit import run_parsed
+from mission_tools.cli.arguments import run_parsed
 from mission_tools.cli.options import add_link
 from mission_tools.errors import UsageError
 
@@ -82,7 +82,7 @@ def _check(given: Namespace) -> int:
 
 def _on_board(given: Namespace) -> "Mission":
     with importing():
-        from mission_tools.vehicle.held import ask_vehicle  # noqa: PLC0415 - MAVSDK takes half a second
+        from mission_tools.vehicle.exchange import ask_vehicle  # noqa: PLC0415 - MAVSDK takes half a second
 
     return ask_vehicle(given.connect, given.patience, given.sign_key, given.system_id).mission
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from companion.cli.interrupts import importing
 from companion.cli.parser import Parser
-from mission_tools.cli.exit import run_parsed
+from mission_tools.cli.arguments import run_parsed
 from mission_tools.cli.options import add_force, add_link
 
 PROGRAM = "mission-download"
@@ -37,8 +37,8 @@ def _parser() -> Parser:
 
 def _download(given: Namespace) -> None:
     with importing():
-        from mission_tools.job.outputs import check_outputs, save  # noqa: PLC0415 - not needed for --help
-        from mission_tools.vehicle.held import ask_vehicle  # noqa: PLC0415
+        from mission_tools.job.planned import check_outputs, save  # noqa: PLC0415 - not needed for --help
+        from mission_tools.vehicle.exchange import ask_vehicle  # noqa: PLC0415
         from mission_tools.wording import counted  # noqa: PLC0415
 
     if given.debug:

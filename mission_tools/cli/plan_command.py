@@ -7,8 +7,7 @@ from argparse import Namespace
 
 from companion.cli.interrupts import importing
 from companion.cli.parser import Parser
-from mission_tools.cli.arguments import with_places
-from mission_tools.cli.exit import run_parsed
+from mission_tools.cli.arguments import run_parsed, with_places
 from mission_tools.cli.options import add_areas, add_costs, add_outputs, add_route, add_tasks, plan_options
 
 PROGRAM = "mission-plan"
@@ -51,7 +50,7 @@ def _plan(given: Namespace) -> None:
     with importing():
         from mission_tools.cli.report import as_json  # noqa: PLC0415 - numpy and more, not needed for --help
         from mission_tools.job.job import run  # noqa: PLC0415
-        from mission_tools.job.request import Report, Request  # noqa: PLC0415
+        from mission_tools.job.planned import Report, Request  # noqa: PLC0415
         from mission_tools.wording import Printer  # noqa: PLC0415
 
     if given.debug:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from companion.core.geo import distance_m
 from mission_tools.assembly.planned_mission import PlannedMission
-from mission_tools.job.request import Report
+from mission_tools.job.planned import Report
 from mission_tools.mission.mission import MissionItem
 from mission_tools.planning.planner import Plan
 
@@ -58,7 +58,7 @@ def _plan(plan: Plan) -> dict[str, Any]:
         "cell_m": plan.cell_m,
         "heuristic": plan.settings.heuristic,
         "smooth": plan.settings.smooth,
-        "expanded": plan.search.expanded,
+        "expanded": plan.expanded,
         "notes": list(plan.notes),
     }
 

@@ -9,8 +9,7 @@ from pathlib import Path
 from companion.cli.interrupts import importing
 from companion.cli.parser import Parser, number
 from companion.core.geo import LatLon
-from mission_tools.cli.arguments import position, with_places
-from mission_tools.cli.exit import run_parsed
+from mission_tools.cli.arguments import position, run_parsed, with_places
 from mission_tools.cli.options import add_force
 from mission_tools.errors import UsageError
 from mission_tools.overwrite_guard import check_replaceable

@@ -22,8 +22,7 @@ from mission_tools.costs.travel import Floats, Travel
 from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart
 from mission_tools.planning.exact_planner import own_clearances, water_of
-from mission_tools.planning.grid import Grid
-from mission_tools.planning.inflate import occupancy
+from mission_tools.planning.grid import Grid, occupancy
 
 LATTICE_CELLS = 60_000
 DETOUR = 0.35

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from companion.core.geo import Point
-from mission_tools.costs.current_table import CurrentTable
+from mission_tools.costs.current_source import CurrentTable
 
 Floats = NDArray[np.float64]
 

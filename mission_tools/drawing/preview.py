@@ -30,8 +30,7 @@ def save_preview(path: Path, planned: PlannedMission, monitor: MissionMonitor | 
 
 def figure_of(planned: PlannedMission, monitor: MissionMonitor | None = None) -> "Figure":
     """The picture of the planned mission and of the track, if there is one; a survey's has its coverage."""
-    from mission_tools.drawing.draw import draw_picture  # noqa: PLC0415 - matplotlib takes a second to import
-    from mission_tools.drawing.survey import draw_survey  # noqa: PLC0415
+    from mission_tools.drawing.draw import draw_picture, draw_survey  # noqa: PLC0415 - matplotlib is slow
 
     sailed = monitor.track if monitor is not None else []
     track = [planned.chart.frame.to_local(point.place) for point in sailed] or None

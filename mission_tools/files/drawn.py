@@ -16,9 +16,9 @@ import shapely
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from mission_tools.errors import PlanFileError
 from mission_tools.geojson import position
-from mission_tools.maps.formats.xml_text import parse_xml, text_of
+from mission_tools.maps.formats.kml import parse_xml, text_of
 from mission_tools.maps.geojson import feature_entries, read_json
-from mission_tools.maps.longitudes import wrapped_lon_deg
+from mission_tools.maps.projection import wrapped_lon_deg
 from mission_tools.maps.raw import read_bytes
 from mission_tools.mission.mission import Command, Mission, MissionItem
 from mission_tools.overwrite_guard import CREATOR, GENERATOR, XML_HEADS

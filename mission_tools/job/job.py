@@ -4,9 +4,7 @@ from mission_tools.assembly.areas import NO_AREAS, Areas, open_areas
 from mission_tools.assembly.plan_options import PlanOptions
 from mission_tools.assembly.planned_mission import open_source
 from mission_tools.errors import UsageError
-from mission_tools.job.outputs import check_outputs
-from mission_tools.job.planned import draw, take_planned
-from mission_tools.job.request import Report, Request
+from mission_tools.job.planned import Report, Request, check_outputs, draw, take_planned
 from mission_tools.vehicle.link_url import parse_link
 from mission_tools.wording import Printer
 

@@ -8,16 +8,13 @@ from mission_tools.assembly.areas import Areas
 from mission_tools.assembly.planned_mission import MapSource, MissionFile, PlannedMission
 from mission_tools.contract.diff import diff
 from mission_tools.errors import NoVehicle
-from mission_tools.job.planned import draw, take_planned
-from mission_tools.job.request import Report, Request
+from mission_tools.job.planned import Report, Request, draw, take_planned
 from mission_tools.mission.mission import LIST_NAMES
 from mission_tools.vehicle.connection import connect
 from mission_tools.vehicle.exchange import Lists, differing, holdings, send
-from mission_tools.vehicle.follow import follow
+from mission_tools.vehicle.follow import follow, in_thread, looking_out
 from mission_tools.vehicle.link_url import LinkUrl
-from mission_tools.vehicle.lookout import looking_out
 from mission_tools.vehicle.mission_monitor import MissionMonitor
-from mission_tools.vehicle.off_loop import in_thread
 from mission_tools.vehicle.signed_link import read_sign_key
 from mission_tools.vehicle.vehicle import Vehicle
 from mission_tools.watch.watcher import Watcher

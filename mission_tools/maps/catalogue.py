@@ -2,21 +2,21 @@
 
 import importlib
 import importlib.util
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import cast
 
-from companion.core.geo import LatLon
-from mission_tools.errors import MapError
+from companion.core.geo import LatLon, Point
+from mission_tools.errors import MapError, UsageError
 from mission_tools.maps.assemble import chart_of
 from mission_tools.maps.chart import Chart
 from mission_tools.maps.raw import RawMap
-from mission_tools.maps.source import Source
 
 _FORMATS = "mission_tools.maps.formats."
 _VECTOR = (_FORMATS + "vector", "read_vector")
 _MASK = (_FORMATS + "mask", "read_mask")
-_MISSION = (_FORMATS + "mission_map", "load_mission_map")
+_MISSION = ("mission_tools.maps.fenced", "load_mission_map")
 _GEOJSON = ("mission_tools.maps.geojson", "load_geojson")
 _FEATURE_READERS: dict[str, tuple[str, str]] = {
     ".kml": (_FORMATS + "kml", "read_kml"),
@@ -38,6 +38,41 @@ FEATURE_SUFFIXES = frozenset(_FEATURE_READERS)
 MAP_SUFFIXES = (*_CHART_READERS, *_FEATURE_READERS)
 
 PHOTOGRAPHS = frozenset({".jpg", ".jpeg"})
+
+
+@dataclass(frozen=True, slots=True)
+class RouteDefaults:
+    """What a scenario says about its route; None where it says nothing."""
+
+    start: Point | None = None
+    goal: Point | None = None
+    via: tuple[Point, ...] = ()
+    clearance_m: float | None = None
+    margin_m: float | None = None
+    cell_m: float | None = None
+    heuristic: str | None = None
+    smooth: bool | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A chart with the route that its scenario proposes, and its named cases (start, goal)."""
+
+    chart: Chart
+    route: RouteDefaults = RouteDefaults()
+    cases: Mapping[str, tuple[Point, Point]] = field(default_factory=dict)
+
+    def with_case(self, name: str) -> "Source":
+        """The same source with a case's start and goal.
+
+        Raises:
+            UsageError: no case of that name.
+        """
+        if name not in self.cases:
+            known = ", ".join(self.cases) or "none"
+            raise UsageError(f"no case {name!r} in {self.chart.name}: there are {known}")
+        start, goal = self.cases[name]
+        return replace(self, route=replace(self.route, start=start, goal=goal, via=()))
 
 
 def scenario_folder() -> Path | None:

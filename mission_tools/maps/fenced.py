@@ -4,15 +4,19 @@ The allowed water is inside every inclusion and outside every exclusion, as the 
 """
 
 import math
+from dataclasses import replace
+from pathlib import Path
 
 import shapely
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
-from companion.core.geo import LatLon
-from mission_tools.errors import MapError
+from companion.core.geo import LatLon, LocalFrame
+from mission_tools.errors import MapError, PlanFileError
 from mission_tools.maps.chart import Chart, Feature, build_chart
 from mission_tools.mission.mission import Fence, FenceCircle, FencePolygon
+from mission_tools.mission.plan_file import load_mission
+from mission_tools.mission.wire import FENCE_COMMANDS, fence_from
 
 BEYOND_M = 50.0  # of open water round an inclusion that is still on the chart
 OUTSIDE = "the water outside the fence"
@@ -84,3 +88,23 @@ def fence_area(chart: Chart, fence: Fence, source: str) -> BaseGeometry:
     shapes = [(area.inclusion, _shape(chart, area, f"{source}: {label}")) for label, area in _labelled(fence)]
     inside = shapely.union_all([shape for is_inclusion, shape in shapes if is_inclusion])
     return inside.difference(shapely.union_all([shape for is_inclusion, shape in shapes if not is_inclusion]))
+
+
+def load_mission_map(path: Path, origin: LatLon | None = None) -> Chart:
+    """The water inside a mission file's fence, or around its exclusions.
+
+    Raises:
+        MapError: the file cannot be read, or has no fence.
+    """
+    try:
+        mission = load_mission(path)
+        stray = [item for item in mission.items if item.command in FENCE_COMMANDS]  # of Mission Planner
+        fence = fence_from(stray) if stray else mission.fence
+    except (PlanFileError, ValueError) as error:
+        raise MapError(str(error)) from None
+    places = [corner for polygon in fence.polygons for corner in polygon.corners]
+    places += [circle.centre for circle in fence.circles]
+    if not places:
+        raise MapError(f"{path}: a mission without a fence says nothing about where the water is")
+    chart = build_chart(path.stem, LocalFrame(origin or places[0]), None, ())
+    return replace(fenced(chart, fence, str(path)), name=path.stem)

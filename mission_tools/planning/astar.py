@@ -14,47 +14,28 @@ cell whose G fell is pushed again, and its stale entry is passed over when it co
 import heapq
 import math
 from array import array
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
-from mission_tools.errors import NoRoute, SearchBudgetExceeded
-from mission_tools.planning.expansion import STRAIGHT, Expansion
+import numpy as np
+from numpy.typing import NDArray
+
+from mission_tools.errors import NoRoute
+from mission_tools.planning.grid import DIAGONAL, STRAIGHT, EightNeighbours, Grid
+from mission_tools.planning.plan_settings import HeuristicName
 
 _UNSEEN = (1 << 63) - 1
 _CLOSED = -1
 
 
 @dataclass(frozen=True, slots=True)
-class SearchMetrics:
-    """What a search cost.
-
-    expanded: cells moved to closed. generated: successors looked at that were not closed. updated: cells in
-    open whose G fell. max_open: most entries in open at one time, stale ones included. No cell is ever taken
-    back out of closed: the paper skips them, and a consistent heuristic has no need of it.
-    """
-
-    expanded: int
-    generated: int
-    updated: int
-    max_open: int
-
-    def __add__(self, other: "SearchMetrics") -> "SearchMetrics":
-        """The cost of two searches after each other."""
-        return SearchMetrics(
-            self.expanded + other.expanded,
-            self.generated + other.generated,
-            self.updated + other.updated,
-            max(self.max_open, other.max_open),
-        )
-
-
-@dataclass(frozen=True, slots=True)
 class SearchResult:
-    """A path from start to goal, both included. cost is in the expansion's units."""
+    """A path from start to goal, both included. cost: in the expansion's units; expanded: cells closed."""
 
     cells: tuple[int, ...]
     cost: int
-    metrics: SearchMetrics
+    expanded: int
 
     @property
     def length(self) -> float:
@@ -62,9 +43,7 @@ class SearchResult:
         return self.cost / STRAIGHT
 
 
-def astar(
-    expansion: Expansion, estimates: Sequence[int], start: int, goal: int, budget: int | None = None
-) -> SearchResult:
+def astar(expansion: EightNeighbours, estimates: Sequence[int], start: int, goal: int) -> SearchResult:
     """Find the cheapest path between two cells (if the estimates are consistent; else a valid one).
 
     Args:
@@ -72,47 +51,35 @@ def astar(
         estimates: H for each cell, in the expansion's units.
         start: number of the first cell.
         goal: number of the last cell.
-        budget: most cells to expand; None for no limit.
 
     Raises:
         NoRoute: the open list ran empty.
-        SearchBudgetExceeded: the budget was spent first.
     """
     moves = expansion.moves
     push, pop = heapq.heappush, heapq.heappop
     # G, and _CLOSED once the cell is closed: then no tentative G is lower, and closed cells skip themselves.
     open_g = array("q", [_UNSEEN]) * expansion.size
     parent = array("q", [_CLOSED]) * expansion.size
-    limit = math.inf if budget is None else budget
-    expanded = generated = updated = max_open = 0
+    expanded = 0
 
     open_g[start] = 0
     open_list = [(estimates[start], estimates[start], start)]
     while open_list:
-        max_open = max(max_open, len(open_list))
         f, h, cell = pop(open_list)
         g = open_g[cell]
         if g != f - h:
             continue  # stale: closed since, or pushed again with a lower G
-        if expanded >= limit:
-            raise SearchBudgetExceeded(
-                f"no route within {budget} cells looked at: allow more, or larger cells"
-            )
         expanded += 1
         if cell == goal:
-            metrics = SearchMetrics(expanded, generated, updated, max_open)
-            return SearchResult(_walk_back(parent, start, goal), g, metrics)
+            return SearchResult(_walk_back(parent, start, goal), g, expanded)
         open_g[cell] = _CLOSED
         for delta, cost in moves(cell):
             successor = cell + delta
             known = open_g[successor]
             if known == _CLOSED:
                 continue
-            generated += 1
             tentative = g + cost
             if tentative < known:
-                if known != _UNSEEN:
-                    updated += 1
                 open_g[successor] = tentative
                 parent[successor] = cell
                 estimate = estimates[successor]
@@ -125,3 +92,46 @@ def _walk_back(parent: Sequence[int], start: int, goal: int) -> tuple[int, ...]:
     while cells[-1] != start:
         cells.append(parent[cells[-1]])
     return tuple(reversed(cells))
+
+
+Estimates: TypeAlias = "array[int]"
+"""One whole number for each cell."""
+
+_Formula = Callable[[NDArray[np.int64], NDArray[np.int64]], NDArray[np.int64]]
+
+
+def _octile(rows: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.int64]:
+    shorter, longer = np.minimum(rows, columns), np.maximum(rows, columns)
+    cost: NDArray[np.int64] = (longer - shorter) * STRAIGHT + shorter * DIAGONAL
+    return cost
+
+
+def _euclidean(rows: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.int64]:
+    # Scaled to the rounded √2, so that a diagonal step never costs less than the line it covers.
+    cost: NDArray[np.int64] = (np.hypot(rows, columns) * (DIAGONAL / math.sqrt(2.0))).astype(np.int64)
+    return cost
+
+
+def _manhattan(rows: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.int64]:
+    cost: NDArray[np.int64] = (rows + columns) * STRAIGHT
+    return cost
+
+
+_FORMULAS: dict[HeuristicName, _Formula] = {
+    "octile": _octile,
+    "euclidean": _euclidean,
+    "manhattan": _manhattan,
+}
+
+
+def estimates(name: HeuristicName, grid: Grid, goal: int) -> Estimates:
+    """The heuristic's value for every cell of a grid, in the expansion's cost units.
+
+    octile: the true cost on an empty grid, the tightest that is consistent. euclidean: the straight line,
+    consistent, expands more. manhattan: over-estimates diagonals, so the path is valid but may be longer.
+    """
+    row, column = divmod(goal, grid.columns)
+    rows = np.abs(np.arange(grid.rows, dtype=np.int64) - row)[:, np.newaxis]
+    columns = np.abs(np.arange(grid.columns, dtype=np.int64) - column)[np.newaxis, :]
+    table = np.broadcast_to(_FORMULAS[name](rows, columns), (grid.rows, grid.columns))
+    return array("q", np.ascontiguousarray(table).tobytes())

@@ -15,10 +15,13 @@ from companion.planning.water import Shore, Water
 from mission_tools.errors import GoalBlocked, MapError, NoRoute, StartBlocked
 from mission_tools.geojson import KEPT_OUT, SOLID
 from mission_tools.maps.chart import CLEARANCE, OPEN_WATER_HALF_SIDE_M, Chart, property_number
-from mission_tools.planning.astar import SearchMetrics
-from mission_tools.planning.corners import CORNER_CLEARANCES, widen_corners
 from mission_tools.planning.plan_settings import Plan, PlanSettings
-from mission_tools.planning.smooth import MIN_LEG_CLEARANCES, merge_short_legs
+from mission_tools.planning.smooth import (
+    CORNER_CLEARANCES,
+    MIN_LEG_CLEARANCES,
+    merge_short_legs,
+    widen_corners,
+)
 from mission_tools.planning.wording import nearest_free, place, stop_names, too_near, way_out_note
 
 MAX_MERGE_EXCESS = 0.005
@@ -114,7 +117,6 @@ def plan_exactly(chart: Chart, stops: Sequence[Point], settings: PlanSettings) -
     ways = [fitted(leg, routes, clearance_m) for leg in legs]
     points = (*(point for way in ways for point in way[:-1]), stops[-1])
     min_clearance_m = min(water.leg_distance_m(a, b) for a, b in pairwise(points))
-    expanded = sum(leg.expanded for leg in legs)
     return Plan(
         points=points if way_out is None else (stops[0], *points),
         found=tuple(point for leg in legs for point in leg.points),
@@ -122,7 +124,7 @@ def plan_exactly(chart: Chart, stops: Sequence[Point], settings: PlanSettings) -
         straight_m=path_length_m(stops),
         min_clearance_m=min_clearance_m,
         cell_m=None,
-        search=SearchMetrics(expanded, expanded, 0, 0),
+        expanded=sum(leg.expanded for leg in legs),
         settings=settings,
         notes=() if way_out is None else (way_out_note(chart, stops[0], way_out, settings.clearance_m),),
     )

@@ -1,10 +1,8 @@
 """Routes on a grid of square cells: search, string pulling, and what to say when it fails."""
 
 import math
-import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
 from itertools import pairwise
 
 import shapely
@@ -13,15 +11,17 @@ from companion.core.geo import Point, bearing_rad, distance_m, path_length_m
 from companion.core.units import wrap_pi
 from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart
-from mission_tools.planning.astar import SearchMetrics, astar
-from mission_tools.planning.corners import CORNER_CLEARANCES, widen_corners
+from mission_tools.planning.astar import astar, estimates
 from mission_tools.planning.entry_cells import EntryCells, FreeWater
-from mission_tools.planning.expansion import EightNeighbours
-from mission_tools.planning.grid import Grid
-from mission_tools.planning.heuristics import estimates
-from mission_tools.planning.inflate import Bounds, occupancy
+from mission_tools.planning.grid import Bounds, EightNeighbours, Grid, occupancy
 from mission_tools.planning.plan_settings import Plan, PlanSettings
-from mission_tools.planning.smooth import MIN_LEG_CLEARANCES, merge_short_legs, pull_taut
+from mission_tools.planning.smooth import (
+    CORNER_CLEARANCES,
+    MIN_LEG_CLEARANCES,
+    merge_short_legs,
+    pull_taut,
+    widen_corners,
+)
 from mission_tools.planning.wording import stop_names, way_out_note
 
 DEFAULT_WATER_CELLS = 200_000
@@ -37,7 +37,7 @@ def plan_on_grid(chart: Chart, stops: Sequence[Point], settings: PlanSettings) -
     """Plan with the whole margin, in cells finer and finer.
 
     Raises:
-        StartBlocked, GoalBlocked, NoRoute, SearchBudgetExceeded, UsageError: as `plan`.
+        StartBlocked, GoalBlocked, NoRoute, UsageError: as `plan`.
     """
     bounds = _bounds(chart, stops, settings.required_m)
     sizes = [settings.cell_m] if settings.cell_m else _default_cells_m(chart, bounds, settings.required_m)
@@ -106,7 +106,7 @@ class _Planner:
             straight_m=path_length_m(stops),
             min_clearance_m=min_clearance_m,
             cell_m=self._grid.cell_m,
-            search=reduce(operator.add, (leg.search for leg in legs)),
+            expanded=sum(leg.expanded for leg in legs),
             settings=settings,
             notes=tuple(notes),
         )
@@ -125,11 +125,11 @@ class _Planner:
         )
         first, last = out.cells[region], into.cells[region]
         ahead = estimates(self._settings.heuristic or "octile", grid, last)
-        found = astar(self._expansion, ahead, first, last, self._settings.budget)
+        found = astar(self._expansion, ahead, first, last)
         centres = [grid.centre(cell) for cell in found.cells]
         path = tuple(centres) if out.is_relaxed else (start, *centres)
         path = (*path, goal)
-        return _Leg(self._smoothed(path) if self._settings.smooth else _corners(path), path, found.metrics)
+        return _Leg(self._smoothed(path) if self._settings.smooth else _corners(path), path, found.expanded)
 
     def _smoothed(self, path: tuple[Point, ...]) -> tuple[Point, ...]:
         clearance_m = self._settings.required_m
@@ -149,7 +149,7 @@ class _Planner:
 class _Leg:
     points: tuple[Point, ...]
     grid_path: tuple[Point, ...]
-    search: SearchMetrics
+    expanded: int
 
 
 def _corners(path: tuple[Point, ...]) -> tuple[Point, ...]:

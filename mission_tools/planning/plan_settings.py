@@ -2,13 +2,14 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal, get_args
 
 from companion.core.geo import Point
 from mission_tools.errors import UsageError
-from mission_tools.maps.source import RouteDefaults
-from mission_tools.planning.astar import SearchMetrics
-from mission_tools.planning.heuristics import HEURISTICS, HeuristicName
+from mission_tools.maps.catalogue import RouteDefaults
+
+HeuristicName = Literal["octile", "euclidean", "manhattan"]
+HEURISTICS: tuple[HeuristicName, ...] = get_args(HeuristicName)
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +19,7 @@ class PlanSettings:
     clearance_m: distance kept from shores, obstacles and keep-out areas. margin_m: planned on top of it where
     there is room, for what the boat will sail beside the plan: its corners and its receiver's wander.
     Routes are exact, among the polygons, unless a grid is asked for by one of these: cell_m: side of a cell;
-    heuristic: its name; smooth: False for the path from cell to cell; budget: most cells to expand.
+    heuristic: its name; smooth: False for the path from cell to cell.
 
     Raises:
         UsageError: a value that makes no sense.
@@ -28,7 +29,6 @@ class PlanSettings:
     cell_m: float | None = None
     heuristic: HeuristicName | None = None
     smooth: bool = True
-    budget: int | None = None
     margin_m: float = 0.0
 
     def __post_init__(self) -> None:
@@ -56,7 +56,7 @@ class PlanSettings:
     @property
     def is_grid(self) -> bool:
         """Whether the route is searched on a grid."""
-        return not (self.cell_m is None and self.heuristic is None and self.smooth and self.budget is None)
+        return not (self.cell_m is None and self.heuristic is None and self.smooth)
 
     @property
     def required_m(self) -> float:
@@ -68,11 +68,11 @@ class PlanSettings:
 class Plan:
     """A route, start and goal included.
 
-    found: what the search found, the shortest route or a path from cell to cell. points: the same with few
-    long legs, and room at its corners for the boat's turns. straight_m: from point to point through the vias
-    as the crow flies. min_clearance_m: along the whole route but the way out of a start nearer to a shore
-    than the clearance; infinite in open water. cell_m: the cell used; None for an exact route. search: of
-    cells, or of tangents. notes: what a person should know.
+    found: what the search found, the shortest route or a path from cell to cell. points: the same with
+    few long legs, and room at its corners for the boat's turns. straight_m: from point to point through
+    the vias as the crow flies. min_clearance_m: along the whole route but the way out of a start nearer
+    to a shore than the clearance; infinite in open water. cell_m: the cell used; None for an exact route.
+    expanded: cells, or tangents, by the search. notes: what a person should know.
     """
 
     points: tuple[Point, ...]
@@ -81,6 +81,6 @@ class Plan:
     straight_m: float
     min_clearance_m: float
     cell_m: float | None
-    search: SearchMetrics
+    expanded: int
     settings: PlanSettings
     notes: tuple[str, ...] = ()

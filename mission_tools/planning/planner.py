@@ -30,7 +30,6 @@ def plan(
         StartBlocked, GoalBlocked: the place is on land, outside, kept out of or (not the start) too near to a
             shore; names the feature and the nearest free water.
         NoRoute: no water of the asked clearance joins them.
-        SearchBudgetExceeded: the budget was spent first.
         UsageError: cells so small that the grid would not fit in memory.
     """
     settings = settings or PlanSettings()

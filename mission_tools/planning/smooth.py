@@ -3,10 +3,12 @@
 Every shortcut is checked against the polygons themselves, never against the grid.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
-from companion.core.geo import Point, distance_m, path_length_m
+from companion.core.geo import Point, bearing_rad, distance_m, path_length_m
+from companion.core.units import wrap_pi
 
 IsClear = Callable[[Point, Point], bool]
 """Whether the straight leg between two points may be sailed."""
@@ -129,3 +131,44 @@ def _meeting_point(p0: Point, p1: Point, q0: Point, q1: Point) -> Point | None:
     t = (dn * qe - de * qn) / cross
     s = (dn * pe - de * pn) / cross
     return Point(p0.north_m + t * pn, p0.east_m + t * pe) if t >= 1.0 and s >= 1.0 else None
+
+
+CORNER_CLEARANCES = 0.5
+"""Assumed start of a turn before a waypoint: with 4 m of clearance, 2 m."""
+_SHARES = (1.0, 0.5, 0.25)  # of the way outwards, tried in turn where there is little room
+
+
+def corner_cut_m(turn_rad: float, radius_m: float) -> float:
+    """How far inside a corner the arc passes that leaves one leg, and joins the next, radius_m from it.
+
+    The arc has the radius r = radius_m / tan(|turn|/2) and passes the corner at r (1/cos(|turn|/2) − 1),
+    which is radius_m · tan(|turn|/4).
+    """
+    return radius_m * math.tan(0.25 * min(abs(turn_rad), math.pi))
+
+
+def widen_corners(
+    path: Sequence[Point], is_clear: IsClear, radius_m: float, max_length_m: float
+) -> tuple[Point, ...]:
+    """Move each corner outwards by what a turn of this radius cuts off, as far as there is room.
+
+    radius_m: how near to a waypoint the vehicle begins its turn. Both legs of a moved corner are clear, the
+    ends stay, and the path never becomes longer than max_length_m.
+    """
+    points = list(path)
+    for i in range(1, len(points) - 1):
+        before, here, after = points[i - 1 : i + 2]
+        turn_rad = wrap_pi(bearing_rad(here, after) - bearing_rad(before, here))
+        # Outwards is away from the side that the path turns to, square to the corner's middle direction.
+        side = -math.copysign(0.5 * math.pi, turn_rad)
+        outwards_rad = bearing_rad(before, here) + 0.5 * turn_rad + side
+        for share in _SHARES:
+            cut_m = share * corner_cut_m(turn_rad, radius_m)
+            moved = Point(
+                here.north_m + cut_m * math.cos(outwards_rad), here.east_m + cut_m * math.sin(outwards_rad)
+            )
+            wider = [*points[:i], moved, *points[i + 1 :]]
+            if is_clear(before, moved) and is_clear(moved, after) and path_length_m(wider) <= max_length_m:
+                points = wider
+                break
+    return tuple(points)

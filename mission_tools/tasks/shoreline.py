@@ -13,8 +13,7 @@ from mission_tools.errors import NoRoute, UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.planning.planner import PlanSettings
 from mission_tools.tasks.room import simplified, water_clear_of_shores
-from mission_tools.tasks.task_route import TaskLeg, TaskRoute, joined
-from mission_tools.tasks.transits import Transits
+from mission_tools.tasks.task_route import TaskLeg, TaskRoute, Transits, joined
 
 Array = NDArray[np.float64]
 ERROR_SHARE = 0.1  # of the distance: the default of error_m

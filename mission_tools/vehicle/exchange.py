@@ -4,11 +4,14 @@ import asyncio
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from mission_tools.errors import ReadBackMismatch, VehicleError
-from mission_tools.mission.compare import Difference, differences
 from mission_tools.mission.mission import LIST_NAMES, Mission, MissionItem, MissionType
-from mission_tools.mission.wire import mission_from
+from mission_tools.mission.wire import Difference, differences, mission_from
+from mission_tools.vehicle.connection import connect
+from mission_tools.vehicle.link_url import DEFAULT_SYSTEM_ID, parse_link
+from mission_tools.vehicle.signed_link import read_sign_key
 from mission_tools.vehicle.vehicle import TRY_PAUSE_S, Vehicle
 
 SHOWN_DIFFERENCES = 3
@@ -93,3 +96,32 @@ def differing(sent: Lists, held: Lists, *, is_ardupilot: bool) -> list[tuple[Mis
 def _named(kind: MissionType, difference: Difference) -> str:
     """A difference, with the name of its list unless that is the mission."""
     return str(difference) if kind is MissionType.MISSION else f"{LIST_NAMES[kind]}, {difference}"
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """What a vehicle holds, and which vehicle it is."""
+
+    mission: Mission
+    vehicle_id: int
+    link: str
+
+
+def ask_vehicle(
+    link: str, patience_s: float, sign_key: Path | None = None, system_id: int = DEFAULT_SYSTEM_ID
+) -> Held:
+    """Connect, and download mission, fence and rally points.
+
+    Raises:
+        NoVehicle, LinkLost: no answer.
+        VehicleError: it does not hand them out, or they make no sense.
+        UsageError: the link or the key.
+    """
+    where = parse_link(link)
+    key = None if sign_key is None else read_sign_key(sign_key)
+
+    async def ask() -> Held:
+        async with connect(where, patience_s, system_id, key) as vehicle:
+            return Held(await held_mission(vehicle), vehicle.system_id, where.typed)
+
+    return asyncio.run(ask())

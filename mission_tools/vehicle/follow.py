@@ -1,23 +1,140 @@
-"""Progress of a mission on the screen: a bar on a terminal, one line for each waypoint elsewhere."""
+"""Follows a mission: progress on the screen, a bar on a terminal and a line for each waypoint elsewhere.
+
+`--watch` also feeds a watcher with the vehicle's messages, and uploads the missions that it asks for.
+"""
 
 import asyncio
+import contextlib
+import json
+import logging
 import math
+import threading
 import time
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 from types import TracebackType
-from typing import Self, TextIO
+from typing import Self, TextIO, TypeVar, cast
 
 from rich.console import Console
 from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
 from rich.progress import Progress as Bar
 
-from mission_tools.errors import VehicleError
-from mission_tools.vehicle.lookout import Lookout
+from mission_tools.errors import NoRoute, VehicleError
+from mission_tools.mission.mission import Mission, MissionType
 from mission_tools.vehicle.mission_monitor import MissionMonitor, Progress
 from mission_tools.vehicle.vehicle import Vehicle
-from mission_tools.wording import distance, duration
+from mission_tools.watch.watcher import WATCHED_HZ, Watcher
+from mission_tools.wording import Printer, counted, distance, duration
 
 LOOK_EVERY_S = 0.1
+MESSAGE_IDS = {
+    "GLOBAL_POSITION_INT": 33,
+    "ATTITUDE": 30,
+    "OBSTACLE_DISTANCE": 330,
+    "DISTANCE_SENSOR": 132,
+    "MISSION_CURRENT": 42,
+}
+CURRENT_HZ = 5.0
+SETTLE_S = 1.0
+"""After an upload, until MISSION_CURRENT speaks of the new mission."""
+
+log = logging.getLogger(__name__)
+
+
+class Lookout:
+    """Made by `looking_out`; `step` is called again and again while the vehicle sails."""
+
+    def __init__(self, vehicle: Vehicle, watcher: Watcher, say: Printer, clock: Callable[[], float]) -> None:
+        self._vehicle, self._watcher, self._say, self._clock = vehicle, watcher, say, clock
+        self._ready_s = clock()
+
+    async def step(self) -> Mission | None:
+        """Look once; a mission that was uploaded, None while the way ahead is free.
+
+        Raises:
+            UploadRejected, LinkLost: the vehicle did not take it.
+        """
+        vehicle, now_s = self._vehicle, self._clock()
+        first = 1 if vehicle.state.is_ardupilot else 0
+        if now_s < self._ready_s:
+            return None
+        try:
+            found = await in_thread(lambda: self._watcher.look(vehicle.state.current_item - first, now_s))
+        except NoRoute as error:
+            self._say(f"the way ahead is blocked: {error}")
+            return None
+        if found is None:
+            return None
+        lists = found.wire_lists(home_first=vehicle.state.is_ardupilot)
+        await vehicle.upload(MissionType.MISSION, lists[MissionType.MISSION])
+        took_s = self._clock() - now_s
+        vehicle.state.reached_item = -1  # the new mission's items are counted anew
+        vehicle.state.current_item = first
+        self._ready_s = self._clock() + SETTLE_S
+        self._say(
+            f"the way ahead is blocked: {counted(len(found.places), 'waypoint')} uploaded "
+            f"{took_s:.2f} s after it was seen"
+        )
+        return found
+
+    async def hear(self, name: str) -> None:
+        """Feed one kind of message to the watcher, forever."""
+        async for fields in self._vehicle.messages(name):
+            try:
+                self._watcher.take(name, json.loads(fields), self._clock())
+            except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+                log.debug("%s that makes no sense: %r", name, error)
+
+
+@asynccontextmanager
+async def looking_out(
+    vehicle: Vehicle, watcher: Watcher, say: Printer, clock: Callable[[], float]
+) -> AsyncIterator[Lookout]:
+    """Ask for the messages that watching needs, and take them in until the end."""
+    lookout = Lookout(vehicle, watcher, say, clock)
+    hearers = [asyncio.create_task(lookout.hear(name)) for name in WATCHED_HZ]
+    try:
+        await vehicle.ask_for_rates(
+            {
+                MESSAGE_IDS[name]: rate_hz
+                for name, rate_hz in (WATCHED_HZ | {"MISSION_CURRENT": CURRENT_HZ}).items()
+            }
+        )
+        yield lookout
+    finally:
+        for hearer in hearers:
+            hearer.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await asyncio.gather(*hearers, return_exceptions=True)
+
+
+T = TypeVar("T")
+
+
+async def in_thread(work: Callable[[], T]) -> T:
+    """As asyncio.to_thread, but an interrupted program does not wait for the thread's end."""
+    loop = asyncio.get_running_loop()
+    future: asyncio.Future[T] = loop.create_future()
+
+    def settle(result: T | None, error: Exception | None) -> None:
+        if future.cancelled():
+            return
+        if error is not None:
+            future.set_exception(error)
+        else:
+            future.set_result(cast(T, result))
+
+    def run() -> None:
+        result, error = None, None
+        try:
+            result = work()
+        except Exception as raised:
+            error = raised
+        with contextlib.suppress(RuntimeError):  # the loop is closed
+            loop.call_soon_threadsafe(settle, result, error)
+
+    threading.Thread(target=run, daemon=True).start()
+    return await future
 
 
 async def follow(

@@ -8,12 +8,18 @@ from pathlib import Path
 
 from mavsdk.asyncio import Mavsdk
 
-from companion.mavlink.signing import timestamp_at
+from companion.mavlink.signing import (
+    Signatory,
+    SignatureVerdict,
+    SigningGuard,
+    Stamps,
+    timestamp_at,
+    without_signature,
+)
 from companion.mavlink.signing_key import SigningKey, read_key_file
 from mission_tools.errors import NoVehicle, UsageError
 from mission_tools.vehicle.byte_link import open_byte_link
 from mission_tools.vehicle.link_url import LinkUrl
-from mission_tools.vehicle.signed_stream import SignedStream
 
 RAW = "raw://"
 
@@ -28,6 +34,88 @@ def read_sign_key(path: Path) -> SigningKey:
         return read_key_file(path)
     except ValueError as error:
         raise UsageError(str(error)) from None
+
+
+_MAGIC_V1, _MAGIC_V2, _SIGNED = 0xFE, 0xFD, 0x01
+_OVERHEAD, _BLOCK = 12, 13
+_LINK_ID = 1
+
+
+class SignedStream:
+    """One link to one vehicle.
+
+    is_datagram: each chunk that comes in stands for itself; otherwise they are pieces of one stream, of which
+    at most one unfinished frame is kept.
+    """
+
+    def __init__(self, key: SigningKey, is_datagram: bool) -> None:
+        self.verified = 0
+        self.unsigned = 0
+        self.forged = 0
+        self.old = 0
+        self._is_datagram = is_datagram
+        self._signatory = Signatory(key, Stamps())
+        self._guard = SigningGuard(self._signatory, "required", _LINK_ID)
+        self._rest = b""
+
+    def set_date(self, timestamp: int) -> None:
+        """What time it is, as `companion.mavlink.signing.timestamp_at` has it."""
+        self._signatory.stamps.clock = timestamp
+
+    def sign(self, frames: bytes) -> list[bytes]:
+        """Whole MAVLink 2 frames, one behind the other, each signed. What is none is left out."""
+        sealed: list[bytes] = []
+        at = 0
+        while at + _OVERHEAD <= len(frames) and frames[at] == _MAGIC_V2:
+            end = at + _length(frames, at)
+            if end <= len(frames) and (frame := self._guard.seal(frames[at:end])) is not None:
+                sealed.append(frame)
+            at = end
+        return sealed
+
+    def open(self, data: bytes) -> list[bytes]:
+        """The frames that these bytes complete and whose signatures hold, without them. Never raises."""
+        data, at = self._rest + data, 0
+        opened: list[bytes] = []
+        while (at := data.find(_MAGIC_V2, at)) >= 0:
+            if at + 3 > len(data) or (end := at + _length(data, at)) > len(data):
+                if not self._is_datagram:
+                    self._rest = data[at:]
+                    return opened
+                at += 1
+                continue
+            frame = data[at:end]
+            verdict = self._signatory.check(frame)
+            if verdict is SignatureVerdict.GOOD:
+                self.verified += 1
+                opened.append(without_signature(frame))
+            elif verdict is SignatureVerdict.OLD:
+                self.old += 1
+            else:
+                if end == len(data) or data[end] in (_MAGIC_V1, _MAGIC_V2):
+                    self.unsigned += verdict is SignatureVerdict.UNSIGNED
+                    self.forged += verdict is SignatureVerdict.FORGED
+                end = at + 1  # what only looks like a frame may hide one
+            at = end
+        self._rest = b""
+        return opened
+
+    def warning(self) -> str:
+        """Why nothing came in, if something was said; empty otherwise."""
+        if self.verified:
+            return ""
+        if self.forged:
+            return "what it says is signed with another key"
+        if self.old:
+            return "what it says is out of date: are both clocks right?"
+        if self.unsigned:
+            return "what it says is not signed: give the boat the same key, or leave --sign-key out"
+        return ""
+
+
+def _length(data: bytes, at: int) -> int:
+    """How long the frame at a magic byte says it is."""
+    return _OVERHEAD + data[at + 1] + (_BLOCK if data[at + 2] & _SIGNED else 0)
 
 
 @asynccontextmanager

@@ -13,7 +13,7 @@ import pytest
 from patience import JOB_S
 from programs import Program, RunProgram, processes_of, until
 
-from mission_tools.vehicle.off_loop import in_thread
+from mission_tools.vehicle.follow import in_thread
 
 pytestmark = pytest.mark.realtime
 pytest_plugins = ("program_fixtures",)

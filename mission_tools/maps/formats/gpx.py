@@ -15,10 +15,9 @@ from shapely.geometry import Polygon
 from companion.core.geo import LatLon, LocalFrame, distance_m, path_length_m
 from mission_tools.errors import MapError
 from mission_tools.geojson import KINDS, position
-from mission_tools.maps.formats.kml import KIND_IN_TEXT
-from mission_tools.maps.formats.xml_text import parse_xml, text_of
+from mission_tools.maps.formats.kml import KIND_IN_TEXT, parse_xml, text_of
 from mission_tools.maps.geojson import Corners
-from mission_tools.maps.longitudes import wrapped_lon_deg
+from mission_tools.maps.projection import wrapped_lon_deg
 from mission_tools.maps.raw import RawFeature, RawMap, read_bytes
 
 MOST_GAP_SHARE = 0.1  # of an outline's length between its end and its beginning

@@ -1,14 +1,15 @@
 """Vector maps through GDAL (`pyogrio`, extra `maps`): Shapefile, GeoPackage, FlatGeobuf, OSM, S-57.
 
 Attributes are the features' properties, their names in small letters: `kind`, or else OpenStreetMap tags.
-Of an OSM extract, what says nothing about water or land is left out; of S-57, the object classes count
-(`s57.py`).
+Of an OSM extract, what says nothing about water or land is left out. Of S-57 the object classes count (IHO
+S-57, appendix A): depth areas with a known least depth of 0 m or more, and dredged areas, are water; what
+dries is land; rocks, wrecks and obstructions are obstacles whatever their depth.
 """
 
 import math
 import re
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,7 +19,6 @@ import shapely
 from companion.cli.program_end import how_to_install
 from mission_tools.errors import MapError
 from mission_tools.maps.assemble import MOST_FEATURES
-from mission_tools.maps.formats import s57
 from mission_tools.maps.raw import RawFeature, RawMap, read_bytes
 
 NEEDS = f"needs pyogrio, which is not installed: {how_to_install('maps')}"
@@ -134,13 +134,83 @@ def _in_degrees(layer: _Layer, source: str, notes: list[str]) -> list[Any]:
 def _of_chart_objects(layers: list[_Layer], source: str) -> tuple[list[_Layer], list[str]]:
     """The layers of S-57 that mean water or something solid, their kinds filled in."""
     kept, ignored = [], []
-    notes = s57.overhead_notes(source, [(layer.name, row) for layer in layers for row in layer.properties])
+    notes = overhead_notes(source, [(layer.name, row) for layer in layers for row in layer.properties])
     for layer in layers:
-        if not s57.is_known(layer.name):
+        if not is_known(layer.name):
             ignored.append(layer.name)
             continue
-        rows = [s57.properties(layer.name, row) for row in layer.properties]
+        rows = [s57_properties(layer.name, row) for row in layer.properties]
         kept.append(layer._replace(properties=rows))
     if ignored:
         notes.append(f"{source}: {len(ignored)} other object classes are not used")
     return kept, notes
+
+
+_KINDS: dict[str, str] = {
+    "LNDARE": "island",
+    "LNDRGN": "",
+    "DRGARE": "water",
+    "LAKARE": "water",
+    "RIVERS": "water",
+    "CANALS": "water",
+    "DOCARE": "water",
+    "BUISGL": "obstacle",
+    "SLCONS": "pier",
+    "PONTON": "pier",
+    "FLODOC": "pier",
+    "GATCON": "pier",
+    "DAMCON": "pier",
+    "MORFAC": "obstacle",
+    "HULKES": "obstacle",
+    "OBSTRN": "obstacle",
+    "WRECKS": "obstacle",
+    "UWTROC": "obstacle",
+    "PILPNT": "obstacle",
+    "OFSPLF": "obstacle",
+    "FSHFAC": "obstacle",
+    "MARCUL": "obstacle",
+}
+_DEPTH_AREA = "DEPARE"
+_OVERHEAD = {"BRIDGE": "a bridge", "CBLOHD": "a cable", "PIPOHD": "a pipe", "CONVYR": "a conveyor"}
+_CLEARANCES = ("verclr", "verccl", "vercsa")  # m: of a fixed span, a closed one, and a safe one under a cable
+
+
+def is_known(object_class: str) -> bool:
+    """Whether a layer of this object class matters to a route."""
+    return object_class == _DEPTH_AREA or bool(_KINDS.get(object_class))
+
+
+def s57_properties(object_class: str, row: Mapping[str, Any]) -> dict[str, Any]:
+    """The attributes of an object with its kind, its name and, of an area of water, its least depth."""
+    found: dict[str, Any] = {**row, "kind": _KINDS.get(object_class, "")}
+    name = row.get("objnam")
+    if isinstance(name, str):
+        found["name"] = name
+    if object_class in (_DEPTH_AREA, "DRGARE"):
+        least = row.get("drval1")
+        depth_m = float(least) if isinstance(least, int | float) else None
+        if object_class == _DEPTH_AREA:
+            found["kind"] = "water" if depth_m is not None and depth_m >= 0.0 else "island"
+        if depth_m is not None:
+            found["depth_m"] = depth_m
+    return found
+
+
+def overhead_notes(source: str, objects: Iterable[tuple[str, Mapping[str, Any]]]) -> list[str]:
+    """What hangs over the water, in a line. objects: class and attributes."""
+    found = [(name, row) for name, row in objects if name in _OVERHEAD]
+    if not found:
+        return []
+    heights = [
+        (float(height_m), name)
+        for name, row in found
+        for key in _CLEARANCES
+        if isinstance(height_m := row.get(key), int | float)
+    ]
+    text = (
+        f"{source}: {len(found)} bridges, cables and pipes are overhead: routes pass below, check the height"
+    )
+    if heights:
+        height_m, name = min(heights)
+        text += f"; the lowest, {_OVERHEAD[name]}, leaves {height_m:g} m"
+    return [text]

@@ -28,8 +28,7 @@ from mission_tools.tasks.survey.shore_pass import CORNER_INSET, RING_ERROR, pass
 from mission_tools.tasks.survey.tracks import Tracks, fewest_turns_rad, lay_tracks, lines_across
 from mission_tools.tasks.survey.turns import with_turns
 from mission_tools.tasks.survey.visits import Visit, in_best_order, with_rings
-from mission_tools.tasks.task_route import TaskLeg, TaskRoute, joined
-from mission_tools.tasks.transits import Transits
+from mission_tools.tasks.task_route import TaskLeg, TaskRoute, Transits, joined
 
 Array = NDArray[np.float64]
 LEAST_NOTED = 0.01  # of the water

@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
-from mission_tools.tasks.survey.metric import way_lengths_m
+from mission_tools.tasks.survey.coverage import way_lengths_m
 from mission_tools.tasks.survey.sequence import Mode, best_sequence
 from mission_tools.tasks.survey.tracks import Tracks
 from mission_tools.tasks.survey.turns import turn_length_m

@@ -11,8 +11,7 @@ from companion.core.errors import ConfigError
 from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.assembly.plan_options import PlanOptions
 from mission_tools.assembly.planned_mission import MapSource
-from mission_tools.contract.budget import Budget, budget_of, ways_home_m
-from mission_tools.contract.planned_budget import planned_budget
+from mission_tools.contract.budget import Budget, budget_of, planned_budget, ways_home_m
 from mission_tools.costs.boat import Boat, load_boat
 from mission_tools.costs.current import UniformCurrent
 from mission_tools.errors import BeyondRange, NoRoute, UsageError

@@ -18,8 +18,7 @@ from companion.geofence import fence as aboard
 from companion.mavlink.items import MissionItem
 from mission_tools.assembly.plan_options import PlanOptions
 from mission_tools.assembly.planned_mission import MapSource, MissionFile, PlannedMission
-from mission_tools.contract.fence_of_water import fence_of_water
-from mission_tools.contract.water_contract import Capacity, fence_lines, with_contract
+from mission_tools.contract.water_contract import Capacity, fence_lines, fence_of_water, with_contract
 from mission_tools.errors import NoRoute, UsageError
 from mission_tools.maps import Source, build_chart
 from mission_tools.maps.chart import Chart

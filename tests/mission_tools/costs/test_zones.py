@@ -12,8 +12,7 @@ from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.assembly.plan_options import PlanOptions
 from mission_tools.assembly.planned_mission import open_source
 from mission_tools.assembly.zone_speeds import mission_in_zones
-from mission_tools.costs.travel import SpeedZone
-from mission_tools.costs.zones import for_draught, speed_zones
+from mission_tools.costs.travel import SpeedZone, for_draught, speed_zones
 from mission_tools.errors import MapError, NoRoute, NoRouteError, UsageError
 from mission_tools.maps.chart import Chart, Feature, build_chart
 from mission_tools.maps.geojson import load_geojson

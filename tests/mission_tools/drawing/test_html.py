@@ -9,8 +9,7 @@ import shapely
 
 from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.assembly.planned_mission import PlannedMission
-from mission_tools.drawing.html import compose
-from mission_tools.drawing.itinerary import itinerary
+from mission_tools.drawing.html import compose, itinerary
 from mission_tools.maps import Chart, Feature, build_chart
 from mission_tools.mission.mission import Mission, MissionItem
 

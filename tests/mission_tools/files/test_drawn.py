@@ -12,7 +12,7 @@ import shapely
 from companion.core.geo import LatLon, LocalFrame, distance_m
 from mission_tools.errors import MapError, PlanFileError
 from mission_tools.files.drawn import MOST_BYTES, THINNED_ABOVE, THINNED_M, DrawnMission, load_drawn
-from mission_tools.files.formats import save_route
+from mission_tools.files.written import save_route
 from mission_tools.mission.mission import Fence, FencePolygon, Mission, MissionItem, Rally
 
 LINE = [(-1.2027, 49.9986), (-1.2015, 49.9993), (-1.2, 50.0005)]

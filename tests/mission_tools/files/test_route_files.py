@@ -18,8 +18,7 @@ from companion.core.geo import LatLon
 from mission_tools.assembly.areas import load_fence, load_rally
 from mission_tools.errors import PlanFileError
 from mission_tools.files import geojson_route, gpx_route, kml_route
-from mission_tools.files.formats import ROUTE_SUFFIXES, save_route
-from mission_tools.files.geometry import pieces_at_antimeridian
+from mission_tools.files.written import ROUTE_SUFFIXES, pieces_at_antimeridian, save_route
 from mission_tools.mission.mission import (
     Command,
     Fence,

@@ -23,10 +23,10 @@ from mission_tools.errors import MapError
 from mission_tools.maps import load_map, load_source
 from mission_tools.maps.catalogue import MAP_SUFFIXES
 from mission_tools.maps.chart import Chart
-from mission_tools.maps.formats import s57
 from mission_tools.maps.formats.gpx import parse_gpx
 from mission_tools.maps.formats.kml import parse_kml
 from mission_tools.maps.formats.mask import outlines
+from mission_tools.maps.formats.vector import is_known, s57_properties
 from mission_tools.maps.geojson import load_geojson
 from mission_tools.mission.mission import (
     Command,
@@ -356,11 +356,11 @@ def test_a_broken_file_of_gdals_formats_is_named(suffix: str, tmp_path: Path) ->
 def test_chart_objects_are_water_only_where_the_chart_says_so(
     object_class: str, row: Mapping[str, Any], kind: str
 ) -> None:
-    assert s57.is_known(object_class)
-    found = s57.properties(object_class, row)
+    assert is_known(object_class)
+    found = s57_properties(object_class, row)
     assert found["kind"] == kind
     assert found.get("depth_m") == row.get("drval1")
-    assert not s57.is_known("LIGHTS")
+    assert not is_known("LIGHTS")
 
 
 # Masks

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.core.geo import LatLon
-from mission_tools.mission.compare import differences, same_float32
 from mission_tools.mission.mission import Command, Frame, MissionItem
+from mission_tools.mission.wire import differences, same_float32
 
 ITEM = MissionItem.at(LatLon(50.0, -1.2), Command.NAV_WAYPOINT, (1.0, 2.0, 3.0, math.nan), z=4.0)
 

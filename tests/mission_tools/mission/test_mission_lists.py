@@ -8,8 +8,6 @@ import pytest
 from companion.core.geo import LatLon
 from companion.mavlink.dialect import dialect
 from mission_tools.errors import UsageError
-from mission_tools.mission.area_text import parse_lists
-from mission_tools.mission.compare import Difference
 from mission_tools.mission.mission import (
     Command,
     Fence,
@@ -22,8 +20,10 @@ from mission_tools.mission.mission import (
 )
 from mission_tools.mission.qgc_plan import compose as plan_text
 from mission_tools.mission.route import with_speed
+from mission_tools.mission.wire import Difference
 from mission_tools.mission.wpl_text import compose as wpl_text
 from mission_tools.mission.wpl_text import parse as parse_wpl
+from mission_tools.mission.wpl_text import parse_lists
 
 A, B, C, D = LatLon(50.0, -1.2), LatLon(50.1, -1.2), LatLon(50.1, -1.1), LatLon(50.0, -1.1)
 FENCE_TEXT = "# of a station\n50.05 -1.15\n50.0 -1.2\n50.1 -1.2\n50.1 -1.1\n50.0 -1.2\n"

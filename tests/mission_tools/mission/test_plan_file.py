@@ -14,7 +14,6 @@ from companion.core.geo import LatLon
 from companion.core.units import e7_to_deg
 from mission_tools.errors import PlanFileError
 from mission_tools.mission import qgc_plan, wpl_text
-from mission_tools.mission.compare import differences
 from mission_tools.mission.mission import (
     Command,
     Fence,
@@ -27,6 +26,7 @@ from mission_tools.mission.mission import (
     Rally,
 )
 from mission_tools.mission.plan_file import load_mission, parse_mission, save_mission
+from mission_tools.mission.wire import differences
 
 numbers = st.floats(-1e6, 1e6) | st.just(math.nan)
 finite = st.floats(-1e6, 1e6)

@@ -10,10 +10,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mission_tools.errors import NoRoute, SearchBudgetExceeded
-from mission_tools.planning.astar import SearchMetrics, SearchResult, astar
-from mission_tools.planning.expansion import EightNeighbours
-from mission_tools.planning.grid import Grid, grid_from_rows
-from mission_tools.planning.heuristics import HEURISTICS, HeuristicName, estimates
+from mission_tools.planning.astar import (
+    HEURISTICS,
+    HeuristicName,
+    SearchMetrics,
+    SearchResult,
+    astar,
+    estimates,
+)
+from mission_tools.planning.grid import EightNeighbours, Grid, grid_from_rows
 
 pytestmark = pytest.mark.slow
 

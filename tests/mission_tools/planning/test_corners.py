@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.core.geo import Point, along_and_cross_track_m, distance_m
-from mission_tools.planning.corners import corner_cut_m, widen_corners
+from mission_tools.planning.smooth import corner_cut_m, widen_corners
 
 CORNER = (Point(0.0, 0.0), Point(100.0, 0.0), Point(100.0, 100.0))
 

@@ -11,8 +11,7 @@ from shapely import affinity
 
 from companion.core.geo import LatLon, LocalFrame
 from mission_tools.maps import Chart, Feature, build_chart
-from mission_tools.planning.grid import Grid, grid_from_rows
-from mission_tools.planning.inflate import occupancy
+from mission_tools.planning.grid import Grid, grid_from_rows, occupancy
 
 pytestmark = pytest.mark.slow
 

@@ -22,7 +22,7 @@ from mission_tools.errors import (
     UsageError,
 )
 from mission_tools.maps import Chart, Feature, RouteDefaults, build_chart, load_geojson
-from mission_tools.planning.heuristics import HEURISTICS
+from mission_tools.planning.astar import HEURISTICS
 from mission_tools.planning.planner import Plan, PlanSettings, plan
 
 pytestmark = pytest.mark.slow

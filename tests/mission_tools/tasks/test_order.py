@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mission_tools.tasks import order as module
-from mission_tools.tasks.order import EXACT_STOPS, best_order
+from mission_tools.tasks import tour as module
+from mission_tools.tasks.tour import EXACT_STOPS, best_order
 
 
 def matrix_of(seed: int, stops: int, *, is_symmetric: bool = True) -> module.Matrix:

@@ -11,8 +11,7 @@ from task_waters import basin
 
 from companion.core.geo import Point
 from mission_tools.tasks.room import simplified, water_clear_of_shores
-from mission_tools.tasks.survey.coverage import coverage, least_transits_m, sample_points
-from mission_tools.tasks.survey.metric import way_lengths_m
+from mission_tools.tasks.survey.coverage import coverage, least_transits_m, sample_points, way_lengths_m
 from mission_tools.tasks.survey.sequence import Mode, best_sequence
 from mission_tools.tasks.survey.shore_pass import passes_along, water_within_pass
 

@@ -11,7 +11,7 @@ import shapely
 from companion.core.geo import LatLon, LocalFrame
 from mission_tools.maps.chart import build_chart
 from mission_tools.mission.mission import Mission
-from mission_tools.vehicle.lookout import Lookout
+from mission_tools.vehicle.follow import Lookout
 from mission_tools.vehicle.vehicle import Vehicle
 from mission_tools.watch.watcher import Watcher
 from mission_tools.wording import Printer

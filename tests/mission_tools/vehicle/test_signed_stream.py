@@ -5,7 +5,7 @@ from pymavlink.dialects.v20 import all as dialect
 
 from companion.mavlink.signing import timestamp_at
 from companion.mavlink.signing_key import SigningKey
-from mission_tools.vehicle.signed_stream import SignedStream
+from mission_tools.vehicle.signed_link import SignedStream
 
 KEY = SigningKey.from_passphrase("correct horse")
 OTHER = SigningKey.from_passphrase("battery staple")

@@ -6,7 +6,7 @@ import pytest
 import shapely
 
 from companion.core.geo import LatLon, LocalFrame, Point
-from mission_tools.drawing.survey import draw_survey
+from mission_tools.drawing.draw import draw_survey
 from mission_tools.maps import Feature, build_chart
 from mission_tools.planning.planner import PlanSettings
 from mission_tools.tasks.survey.settings import SurveySettings, turn_radius_m
