@@ -53,12 +53,12 @@ def _check(given: Namespace) -> int:
         from mission_tools.planning.planner import PlanSettings  # noqa: PLC0415
         from mission_tools.wording import counted  # noqa: PLC0415
 
-    if (given.source is None) == (given.connect is None):
+    if (given.source is None) == (given.link is None):
         raise UsageError("expected either a FILE or --connect URL, which checks what is on board")
     if given.source is not None:
         name, mission = given.source, load_mission(Path(given.source))
     else:
-        name, mission = given.connect, _on_board(given)
+        name, mission = given.link, _on_board(given)
     if given.map_source is None:
         findings = check_mission(mission)
     else:
@@ -84,7 +84,7 @@ def _on_board(given: Namespace) -> "Mission":
     with importing():
         from mission_tools.vehicle.exchange import ask_vehicle  # noqa: PLC0415 - MAVSDK takes half a second
 
-    return ask_vehicle(given.connect, given.patience, given.sign_key, given.system_id).mission
+    return ask_vehicle(given.link, given.patience_s, given.sign_key, given.system_id).mission
 
 
 def run_program(arguments: list[str]) -> int:

@@ -45,7 +45,7 @@ def _download(given: Namespace) -> None:
         logging.basicConfig(level=logging.DEBUG, stream=sys.stderr)
     file = Path(given.source)
     check_outputs(file, None, (), force=given.force)
-    held = ask_vehicle(given.connect, given.patience, given.sign_key, given.system_id)
+    held = ask_vehicle(given.link, given.patience_s, given.sign_key, given.system_id)
     mission = held.mission
     save(mission, file)
     areas = len(mission.fence.polygons) + len(mission.fence.circles)

@@ -1,14 +1,18 @@
 """The options that `mission-plan` and `mission-upload` share, by groups, and what they amount to."""
 
 from argparse import BooleanOptionalAction, Namespace
+from dataclasses import fields
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from companion.cli.parser import Parser, number, system_id
-from mission_tools.assembly.plan_options import PlanOptions, Via
+from mission_tools.assembly.plan_options import PlanOptions, Via, flags
 from mission_tools.cli.arguments import position
 from mission_tools.errors import UsageError
 from mission_tools.vehicle.link_url import DEFAULT_LINK, DEFAULT_SYSTEM_ID, FORMS
+
+if TYPE_CHECKING:
+    from mission_tools.job.planned import Request
 
 
 class _Options(Protocol):
@@ -53,7 +57,7 @@ def add_tasks(parser: Parser) -> None:
         help="a place on the way, perhaps with seconds to hold there; repeat it",
     )
     group.add_argument("--any-order", action="store_true", help="all places, the goal too, in the best order")
-    group.add_argument("--return", action="store_true", dest="is_return", help="back to the start at the end")
+    group.add_argument("--return", action="store_true", help="back to the start at the end")
     group.add_argument("--hold", type=number, metavar="S", help="hold this long at every --via and the goal")
     group.add_argument(
         "--survey", metavar="FILE", help="parallel tracks over the area in FILE (all: the whole water)"
@@ -150,11 +154,16 @@ def add_link(parser: Parser, default: str | None = DEFAULT_LINK) -> None:
     """The link to the vehicle. default: None where the program also works without."""
     group = parser.add_argument_group("vehicle")
     group.add_argument(
-        "--connect", default=default, metavar="URL", help=f"{FORMS}" + (f" [{default}]" if default else "")
+        "--connect",
+        default=default,
+        dest="link",
+        metavar="URL",
+        help=FORMS + (f" [{default}]" if default else ""),
     )
     group.add_argument(
         "--patience",
         type=number,
+        dest="patience_s",
         default=10.0,
         metavar="S",
         help="wait for heartbeat, position, arming [10]",
@@ -177,41 +186,25 @@ def plan_options(given: Namespace) -> PlanOptions:
     Raises:
         UsageError: names the option and what was expected there.
     """
-    return PlanOptions(
-        start_at=position("--start-at", given.start_at),
-        goal=position("--goal", given.goal),
-        case=given.case,
-        clearance_m=given.clearance,
-        cell_m=given.cell,
-        heuristic=given.heuristic,
-        smooth=given.smooth,
-        speed_m_s=given.speed,
-        boat=given.boat,
-        current=given.current,
-        least=given.least,
-        open_water_m=given.open_water,
-        draught_m=given.draught,
-        is_route_file=given.as_route,
-        is_outline=given.as_outline,
-        check_on=given.check_on,
-        via=tuple(map(_via, given.via)),
-        any_order=given.any_order,
-        is_return=given.is_return,
-        hold_s=given.hold,
-        survey=given.survey,
-        spacing_m=given.spacing,
-        footprint_m=given.footprint,
-        overlap=given.overlap,
-        angle_deg=given.angle,
-        cross_m=given.cross,
-        shore_pass=given.shore_pass,
-        turn_radius_m=given.turn_radius,
-        follow_shore_at=position("--follow-shore", given.follow_shore),
-        distance_m=given.distance,
-        shore_to=given.shore_to,
-        first=position("--first", given.first),
-        last=position("--last", given.last),
-    )
+    chosen: dict[str, Any] = {"via": tuple(map(_via, given.via))}
+    for field in fields(PlanOptions):
+        flag = next(flags([field.name]))
+        value = getattr(given, flag.removeprefix("--no-").lstrip("-").replace("-", "_"))
+        if field.name in ("start_at", "goal", "follow_shore_at", "first", "last"):
+            value = position(flag, value)
+        chosen.setdefault(field.name, value)
+    return PlanOptions(**chosen)
+
+
+def request(given: Namespace) -> "Request":
+    """What a program is asked to do: the options are fields of Request by their names."""
+    from mission_tools.job.planned import Request  # noqa: PLC0415 - numpy and more, not needed for --help
+
+    names = vars(given).keys() & {field.name for field in fields(Request)}
+    chosen = {name: getattr(given, name) for name in names}
+    if given.contract:
+        chosen |= {"fence_from_map": True, "rally_from_map": True}
+    return Request(options=plan_options(given), **chosen)
 
 
 def _via(text: str) -> Via:

@@ -8,7 +8,7 @@ from argparse import Namespace
 from companion.cli.interrupts import importing
 from companion.cli.parser import Parser
 from mission_tools.cli.arguments import run_parsed, with_places
-from mission_tools.cli.options import add_areas, add_costs, add_outputs, add_route, add_tasks, plan_options
+from mission_tools.cli.options import add_areas, add_costs, add_outputs, add_route, add_tasks, request
 
 PROGRAM = "mission-plan"
 EXAMPLES = f"""
@@ -41,6 +41,7 @@ def _parser() -> Parser:
     add_areas(parser)
     add_costs(parser)
     add_outputs(parser)
+    parser.set_defaults(dry_run=True)
     parser.add_argument("--items", action="store_true", help="with --json: also every item, as on the wire")
     parser.add_common()
     return parser
@@ -50,27 +51,14 @@ def _plan(given: Namespace) -> None:
     with importing():
         from mission_tools.cli.report import as_json  # noqa: PLC0415 - numpy and more, not needed for --help
         from mission_tools.job.job import run  # noqa: PLC0415
-        from mission_tools.job.planned import Report, Request  # noqa: PLC0415
+        from mission_tools.job.planned import Report  # noqa: PLC0415
         from mission_tools.wording import Printer  # noqa: PLC0415
 
+    asked = request(given)
     if given.debug:
         logging.basicConfig(level=logging.DEBUG, stream=sys.stderr)
-    request = Request(
-        source=given.source,
-        options=plan_options(given),
-        dry_run=True,
-        save=given.save,
-        preview=given.preview,
-        force=given.force,
-        fence=given.fence,
-        rally=given.rally,
-        one_way=given.one_way,
-        beyond_range=given.beyond_range,
-        fence_from_map=given.fence_from_map or given.contract,
-        rally_from_map=given.rally_from_map or given.contract,
-    )
     report = Report()
-    run(request, report, Printer(sys.stderr if given.as_json else sys.stdout))
+    run(asked, report, Printer(sys.stderr if given.as_json else sys.stdout))
     if given.as_json:
         sys.stdout.write(
             json.dumps(as_json(report, with_items=given.items), indent=None if given.items else 2) + "\n"

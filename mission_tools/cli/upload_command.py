@@ -16,7 +16,7 @@ from mission_tools.cli.options import (
     add_outputs,
     add_route,
     add_tasks,
-    plan_options,
+    request,
 )
 
 
@@ -36,7 +36,12 @@ def _parser() -> Parser:
         help="as --follow, and lead the mission round what the boat's rangers see on its way",
     )
     sail.add_argument(
-        "--timeout", type=number, default=math.inf, metavar="S", help="give up following after this"
+        "--timeout",
+        type=number,
+        dest="timeout_s",
+        default=math.inf,
+        metavar="S",
+        help="give up following after this",
     )
     sail.add_argument("--diff", action="store_true", help="say what the upload changes on board")
     sail.add_argument(
@@ -52,37 +57,14 @@ def _upload(given: Namespace) -> None:
     with importing():
         from mission_tools.cli.report import as_json  # noqa: PLC0415 - numpy and more, not needed for --help
         from mission_tools.job.job import run  # noqa: PLC0415
-        from mission_tools.job.planned import Report, Request  # noqa: PLC0415
+        from mission_tools.job.planned import Report  # noqa: PLC0415
         from mission_tools.wording import Printer  # noqa: PLC0415
 
+    asked = request(given)
     if given.debug:
         logging.basicConfig(level=logging.DEBUG, stream=sys.stderr)
-    request = Request(
-        source=given.source,
-        options=plan_options(given),
-        link=given.connect,
-        system_id=given.system_id,
-        patience_s=given.patience,
-        start=given.start,
-        follow=given.follow,
-        watch=given.watch,
-        timeout_s=given.timeout,
-        dry_run=given.dry_run,
-        save=given.save,
-        preview=given.preview,
-        force=given.force,
-        sign_key=given.sign_key,
-        fence=given.fence,
-        rally=given.rally,
-        one_way=given.one_way,
-        beyond_range=given.beyond_range,
-        fence_from_map=given.fence_from_map or given.contract,
-        rally_from_map=given.rally_from_map or given.contract,
-        diff=given.diff,
-        if_changed=given.if_changed,
-    )
     report = Report()
-    run(request, report, Printer(sys.stderr if given.as_json else sys.stdout))
+    run(asked, report, Printer(sys.stderr if given.as_json else sys.stdout))
     if given.as_json:
         sys.stdout.write(json.dumps(as_json(report), indent=2) + "\n")
 

@@ -30,15 +30,9 @@ from mission_tools.drawing.features import (
     draw_waypoints,
     fill,
 )
-from mission_tools.drawing.legend import (
-    View,
-    draw_frame,
-    draw_legend,
-    draw_north_arrow,
-    draw_scale_bar,
-    view_of,
-)
+from mission_tools.drawing.legend import View, draw_frame, draw_legend, draw_north_arrow, draw_scale_bar
 from mission_tools.drawing.style import BAND, INK, PLAN_STYLE, SAILED, new_figure
+from mission_tools.drawing.view import view_of
 from mission_tools.maps.chart import Chart
 from mission_tools.overwrite_guard import PICTURE_METADATA
 from mission_tools.tasks.survey.survey import Survey
@@ -122,12 +116,9 @@ def draw_picture(
     view is the whole chart, or the surroundings of route and track where those are far smaller.
     """
     layout = _Layout.of(view_of(chart, route, track))
-    figure = new_figure(layout.width_in, HEIGHT_IN, dpi=125, layout=None)
-    axes = figure.add_axes(layout.box(LEFT_IN, BOTTOM_IN, layout.map_in, MAP_HEIGHT_IN))
     view = view_of(chart, route, track, aspect=layout.map_in / MAP_HEIGHT_IN)
-    west, south, east, north = view
-    axes.set(xlim=(west, east), ylim=(south, north), aspect="equal")
-    _draw_tints(axes, chart, east - west)
+    figure, axes = _framed(layout, view, title or chart.name, subtitle)
+    _draw_tints(axes, chart, view[2] - view[0])
     draw_chart(axes, chart, clearance_m, route or track or ())
     _draw_water_name(axes, chart, route, track, view)
     if route is not None:
@@ -139,10 +130,7 @@ def draw_picture(
         draw_tightest(axes, chart, route)
     elif track:
         draw_waypoints(axes, (track[0], track[-1]))
-    arrange_names(axes)
-    draw_frame(axes, chart, view)
-    draw_scale_bar(axes, view)
-    draw_north_arrow(axes)
+    _finish(axes, chart, view)
     is_beside = layout.is_narrow
     draw_legend(
         axes, chart, clearance_m, route is not None, bool(track) and line is None, is_beside=is_beside
@@ -153,9 +141,6 @@ def draw_picture(
         bar = figure.colorbar(line, cax=cax, orientation="horizontal")
         bar.set_label("speed over ground, m/s", fontsize=9)
         bar.ax.tick_params(labelsize=8)
-    left = LEFT_IN / layout.width_in
-    figure.text(left, 0.952, title or chart.name, fontsize=21, fontweight="bold", color=INK)
-    figure.text(left, 0.918, subtitle, fontsize=11.5, color="#5a5a5a")
     return figure
 
 
@@ -186,6 +171,26 @@ class _Layout:
             width_in / self.width_in,
             height_in / HEIGHT_IN,
         )
+
+
+def _framed(layout: _Layout, view: View, title: str, subtitle: str) -> tuple[Figure, Axes]:
+    """A figure with its titles, and the axes of its map."""
+    figure = new_figure(layout.width_in, HEIGHT_IN, dpi=125, layout=None)
+    axes = figure.add_axes(layout.box(LEFT_IN, BOTTOM_IN, layout.map_in, MAP_HEIGHT_IN))
+    west, south, east, north = view
+    axes.set(xlim=(west, east), ylim=(south, north), aspect="equal")
+    left = LEFT_IN / layout.width_in
+    figure.text(left, 0.952, title, fontsize=21, fontweight="bold", color=INK)
+    figure.text(left, 0.918, subtitle, fontsize=11.5, color="#5a5a5a")
+    return figure, axes
+
+
+def _finish(axes: Axes, chart: Chart, view: View) -> None:
+    """What is drawn over every map."""
+    arrange_names(axes)
+    draw_frame(axes, chart, view)
+    draw_scale_bar(axes, view)
+    draw_north_arrow(axes)
 
 
 def _columns(points: Sequence[Point]) -> tuple[list[float], list[float]]:
@@ -232,58 +237,37 @@ COVERED, MISSED = "#9fd6a8", "#c2413b"
 
 
 def draw_survey(
-    chart: Chart,
-    survey: Survey,
-    track: Sequence[Point] | None = None,
-    *,
-    title: str = "",
-    subtitle: str = "",
+    chart: Chart, survey: Survey, track: Sequence[Point] | None = None, *, title: str = "", subtitle: str = ""
 ) -> Figure:
     """The survey on its chart. With a track, that is what covers; without, the planned route.
 
     The view is the whole chart, or the surroundings of the route where those are far smaller.
     """
     route = survey.route.points
-    figure = new_figure(WIDTH_IN, HEIGHT_IN, dpi=125, layout=None)
-    box = (LEFT_IN / WIDTH_IN, BOTTOM_IN / HEIGHT_IN, MAP_WIDTH_IN / WIDTH_IN, MAP_HEIGHT_IN / HEIGHT_IN)
-    axes = figure.add_axes(box)
+    layout = _Layout(WIDTH_IN, MAP_WIDTH_IN, is_narrow=False)
     view = view_of(chart, route, track, aspect=MAP_WIDTH_IN / MAP_HEIGHT_IN)
-    west, south, east, north = view
-    axes.set(xlim=(west, east), ylim=(south, north), aspect="equal")
+    figure, axes = _framed(layout, view, title or chart.name, subtitle)
     draw_chart(axes, chart, route=route)
     covered = swath_of(track or route, survey.swath_m)
     fill(axes, survey.target.intersection(covered), facecolor=COVERED, edgecolor="none", zorder=2, alpha=0.75)
     fill(axes, survey.target.difference(covered), facecolor=MISSED, edgecolor=MISSED, linewidth=1.5, zorder=6)
-    kinds = []
     for leg in survey.route.legs:
-        kinds.append(leg.kind)
-        axes.plot(
-            [point.east_m for point in leg.points],
-            [point.north_m for point in leg.points],
-            color=COLOURS[leg.kind],
-            linewidth=4.2 if track else 1.2,
-            alpha=0.5 if track else 1.0,
-            zorder=8,
-        )
+        style = {"linewidth": 4.2, "alpha": 0.5} if track else {"linewidth": 1.2}
+        axes.plot(*_columns(leg.points), color=COLOURS[leg.kind], zorder=8, **style)
+    kinds = {leg.kind for leg in survey.route.legs}
     handles: list[Patch | Line2D] = [
         Line2D([], [], color=COLOURS[kind], label=f"planned: {name}")
         for kind, name in NAMES.items()
         if kind in kinds
     ]
     if track:
-        columns = [point.east_m for point in track], [point.north_m for point in track]
-        axes.plot(*columns, color=SAILED, linewidth=0.8, zorder=9)
+        axes.plot(*_columns(track), color=SAILED, linewidth=0.8, zorder=9)
         handles.append(Line2D([], [], color=SAILED, label="sailed"))
     handles += [Patch(color=COVERED, label="covered"), Patch(color=MISSED, label="missed")]
     axes.legend(handles=handles, loc="upper left", fontsize=9, framealpha=0.9).set_zorder(20)
     if route:
         draw_waypoints(axes, (route[0], route[-1]))
-    arrange_names(axes)
-    draw_frame(axes, chart, view)
-    draw_scale_bar(axes, view)
-    draw_north_arrow(axes)
-    figure.text(box[0], 0.952, title or chart.name, fontsize=21, fontweight="bold", color=INK)
-    figure.text(box[0], 0.918, subtitle, fontsize=11.5, color="#5a5a5a")
+    _finish(axes, chart, view)
     return figure
 
 

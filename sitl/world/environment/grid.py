@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mission_tools.costs.current_source import read_current_table
+from mission_tools.costs.current import read_current_table
 
 
 class Grid:
@@ -53,7 +53,7 @@ def _piece(marks: list[float], value: float) -> tuple[int, float]:
 
 
 def read_grid(path: Path) -> Grid:
-    """Read a current in metres of the scenario's frame (see `mission_tools.costs.current_source`).
+    """Read a current in metres of the scenario's frame (see `mission_tools.costs.current`).
 
     Raises:
         ConfigError: the file cannot be read, or is not such a grid; it says what is wrong.

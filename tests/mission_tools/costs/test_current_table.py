@@ -9,7 +9,7 @@ import numpy.typing as npt
 import pytest
 
 from companion.core.errors import ConfigError
-from mission_tools.costs.current_source import read_current_table
+from mission_tools.costs.current import read_current_table
 
 AXIS = np.arange(3.0)
 SHEET = np.zeros((3, 3))
