@@ -252,8 +252,8 @@ def draw_survey(
     fill(axes, survey.target.intersection(covered), facecolor=COVERED, edgecolor="none", zorder=2, alpha=0.75)
     fill(axes, survey.target.difference(covered), facecolor=MISSED, edgecolor=MISSED, linewidth=1.5, zorder=6)
     for leg in survey.route.legs:
-        style = {"linewidth": 4.2, "alpha": 0.5} if track else {"linewidth": 1.2}
-        axes.plot(*_columns(leg.points), color=COLOURS[leg.kind], zorder=8, **style)
+        width, alpha = (4.2, 0.5) if track else (1.2, 1.0)
+        axes.plot(*_columns(leg.points), color=COLOURS[leg.kind], linewidth=width, alpha=alpha, zorder=8)
     kinds = {leg.kind for leg in survey.route.legs}
     handles: list[Patch | Line2D] = [
         Line2D([], [], color=COLOURS[kind], label=f"planned: {name}")

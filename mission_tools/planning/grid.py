@@ -56,10 +56,6 @@ class Grid:
         """Number of columns, border included."""
         return int(self.free.shape[1])
 
-    def is_free(self, cell: int) -> bool:
-        """Whether a cell may be entered."""
-        return bool(self.free.flat[cell])
-
     def centre(self, cell: int) -> Point:
         """The middle of a cell."""
         row, column = divmod(cell, self.columns)
@@ -70,18 +66,6 @@ class Grid:
         east = np.arange(self.columns, dtype=np.float64)
         north = np.arange(self.rows, dtype=np.float64)
         return self.west_m + (east + 0.5) * self.cell_m, self.south_m + (north + 0.5) * self.cell_m
-
-
-def grid_from_rows(rows: list[str], passable: str = ".", cell_m: float = 1.0) -> Grid:
-    """A grid from lines of text, the first line the northernmost; a blocked border is put round it.
-
-    Raises:
-        ValueError: no rows, or rows of different length.
-    """
-    if not rows or len({len(row) for row in rows}) != 1:
-        raise ValueError("a grid needs rows of equal length")
-    inner = np.array([[mark in passable for mark in row] for row in reversed(rows)], dtype=np.bool_)
-    return Grid(np.pad(inner, BORDER), -BORDER * cell_m, -BORDER * cell_m, cell_m)
 
 
 STRAIGHT = 1_000_000_000

@@ -86,7 +86,6 @@ def _distances_m(places: Sequence[BaseGeometry], points: int, near_m: float) -> 
     return found
 
 
-Array = NDArray[np.float64]
 NEIGHBOURS = 12  # of each place that are joined by a straight line where that is clear
 UNREACHED = 4.0  # times the straight distance, where the triangulation shows no way
 

@@ -17,8 +17,14 @@ from hypothesis import strategies as st
 from companion.core.geo import LatLon
 from mission_tools.assembly.areas import load_fence, load_rally
 from mission_tools.errors import PlanFileError
-from mission_tools.files import geojson_route, gpx_route, kml_route
-from mission_tools.files.written import ROUTE_SUFFIXES, pieces_at_antimeridian, save_route
+from mission_tools.files.written import (
+    ROUTE_SUFFIXES,
+    geojson_of,
+    gpx_of,
+    kml_of,
+    pieces_at_antimeridian,
+    save_route,
+)
 from mission_tools.mission.mission import (
     Command,
     Fence,
@@ -96,7 +102,7 @@ def test_gdal_reads_the_waypoints_of_gpx_with_their_names(tmp_path: Path) -> Non
 
 def test_gpx_has_the_order_of_elements_that_its_schema_asks_for() -> None:
     """gpxType: metadata, wpt, rte, trk; rteType: name before rtept; wptType: name before desc."""
-    root = ElementTree.fromstring(gpx_route.compose(MISSION, TITLE))  # noqa: S314 (our own text)
+    root = ElementTree.fromstring(gpx_of(MISSION, TITLE))  # noqa: S314 (our own text)
     assert root.get("version") == "1.1"
     assert root.get("creator")
     tags = [child.tag.removeprefix(GPX) for child in root]
@@ -109,7 +115,7 @@ def test_gpx_has_the_order_of_elements_that_its_schema_asks_for() -> None:
 
 def test_kml_polygons_are_closed_rings_of_four_or_more_tuples() -> None:
     """OGC 12-007r2, 10.7: a LinearRing is closed and has at least four coordinate tuples."""
-    text = kml_route.compose(MISSION, TITLE)
+    text = kml_of(MISSION, TITLE)
     root = ElementTree.fromstring(text)  # noqa: S314 (our own text)
     kml = "{http://www.opengis.net/kml/2.2}"
     assert root.tag == f"{kml}kml"
@@ -145,7 +151,7 @@ def test_geojson_is_as_rfc_7946_has_it_and_its_fence_and_rally_points_are_read_b
 
 
 def test_circles_in_kml_and_gpx_are_never_on_the_wrong_side() -> None:
-    text = gpx_route.compose(MISSION, "t")
+    text = gpx_of(MISSION, "t")
     outline = text.partition("exclusion")[2]
     corners = [(float(a), float(b)) for a, b in re.findall(r'lat="([-\d.]+)" lon="([-\d.]+)"', outline)]
     per_lat, per_lon = 111_229.0, 111_229.0 * math.cos(math.radians(50.0012)) * 1.0030
@@ -164,7 +170,7 @@ def test_a_line_across_the_antimeridian_is_cut_there() -> None:
     for piece in pieces:
         assert all(abs(a[0] - b[0]) < 1.0 for a, b in pairwise(piece))
     one = Mission((MissionItem.at(LatLon(-17.0, -179.9)),), home=LatLon(-17.0, 179.9))
-    assert json.loads(geojson_route.compose(one, "t"))["features"][0]["geometry"]["type"] == "MultiLineString"
+    assert json.loads(geojson_of(one, "t"))["features"][0]["geometry"]["type"] == "MultiLineString"
 
 
 def test_an_unknown_suffix_is_refused_with_the_known_ones(tmp_path: Path) -> None:
@@ -180,8 +186,8 @@ places = st.builds(LatLon, st.floats(-85, 85), st.floats(-180, 180))
 @given(home=st.none() | places, stops=st.lists(places, max_size=5), title=st.text(max_size=20))
 def test_every_mission_gives_files_that_parse(home: LatLon | None, stops: list[LatLon], title: str) -> None:
     mission = Mission(tuple(MissionItem.at(place) for place in stops), home=home)
-    json.loads(geojson_route.compose(mission, title))
-    for compose in (kml_route.compose, gpx_route.compose):
+    json.loads(geojson_of(mission, title))
+    for compose in (kml_of, gpx_of):
         text = compose(mission, title)
         root = ElementTree.fromstring(text)  # noqa: S314 (our own text)
         assert root.tag.endswith(("kml", "gpx"))

@@ -12,17 +12,10 @@ from hypothesis import strategies as st
 from shapely import affinity
 
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m, path_length_m
-from mission_tools.errors import (
-    GoalBlocked,
-    MapError,
-    NoRoute,
-    NoRouteError,
-    SearchBudgetExceeded,
-    StartBlocked,
-    UsageError,
-)
+from mission_tools.errors import GoalBlocked, MapError, NoRoute, NoRouteError, StartBlocked, UsageError
 from mission_tools.maps import Chart, Feature, RouteDefaults, build_chart, load_geojson
-from mission_tools.planning.astar import HEURISTICS
+from mission_tools.planning.grid_planner import plan_on_grid
+from mission_tools.planning.plan_settings import HEURISTICS
 from mission_tools.planning.planner import Plan, PlanSettings, plan
 
 pytestmark = pytest.mark.slow
@@ -69,10 +62,15 @@ def test_the_mill_pond_route_goes_round_what_lies_between(pond: Chart, heuristic
 
 
 def test_without_smoothing_the_route_is_the_grids_own_with_the_straight_points_left_out(pond: Chart) -> None:
-    found = plan(pond, JETTY, MILL, PlanSettings(smooth=False))
+    found = plan_on_grid(pond, (JETTY, MILL), PlanSettings(smooth=False))
     assert found.length_m == pytest.approx(path_length_m(found.found), rel=1e-9)
     assert set(found.points) <= set(found.found)
+    assert len(found.points) < 0.5 * len(found.found)
     assert_keeps_clear(pond, found, 4.0)
+    assert found.cell_m == 1.0
+    taut = plan_on_grid(pond, (JETTY, MILL), PlanSettings())
+    assert taut.length_m < 0.99 * found.length_m
+    assert taut.expanded == found.expanded > 100
 
 
 def test_via_points_are_visited_in_order(pond: Chart) -> None:
@@ -98,6 +96,9 @@ def test_an_obstacle_in_open_water_is_rounded_at_the_clearance() -> None:
     # tangent, arc of 15 m radius, tangent
     tangent_m, angle = math.sqrt(50.0**2 - 15.0**2), math.pi - 2.0 * math.acos(15.0 / 50.0)
     assert found.length_m == pytest.approx(2.0 * tangent_m + 15.0 * angle, rel=0.01)
+    on_grid = plan_on_grid(sea, (Point(0.0, 0.0), Point(0.0, 100.0)), PlanSettings(5.0, cell_m=1.0))
+    assert on_grid.min_clearance_m >= 5.0 - TOLERANCE_M
+    assert on_grid.length_m == pytest.approx(found.length_m, rel=0.03)
 
 
 def test_a_channel_just_wide_enough_is_used_and_one_just_too_narrow_is_not() -> None:
@@ -165,11 +166,6 @@ def test_a_goal_nearer_to_a_shore_than_the_clearance_is_refused_with_the_distanc
 def test_a_clearance_that_leaves_no_water_says_so() -> None:
     with pytest.raises(StartBlocked, match="nowhere on this map is 60 m clear: choose a smaller clearance"):
         plan(basin(), Point(0.0, 0.0), Point(10.0, 10.0), PlanSettings(clearance_m=60.0))
-
-
-def test_a_spent_budget_is_its_own_failure(pond: Chart) -> None:
-    with pytest.raises(SearchBudgetExceeded, match="within 100 cells"):
-        plan(pond, JETTY, MILL, PlanSettings(budget=100))
 
 
 @pytest.mark.parametrize(
