@@ -90,7 +90,7 @@ def _waters() -> dict[str, tuple[Sea, list[Query]]]:
 def _queries() -> list[Query]:
     """Start and goal of some lines of the MovingAI scenario, longest first, on cells of 1 m."""
     found = []
-    for line in GRID.with_suffix(".map.scen").read_text("ascii").splitlines()[:0:-40]:
+    for line in GRID.with_suffix(".map.scen").read_text("ascii").strip().splitlines()[:0:-40]:
         *_, height, start_x, start_y, goal_x, goal_y, _ = line.split()
         north_m = float(height) - 0.5
         start = Point(north_m - float(start_y), float(start_x) + 0.5)
