@@ -2,7 +2,7 @@
 
 from collections import deque
 
-from companion.log.worker import Job
+from companion.log.sink import Job
 
 
 class LateWorker:

@@ -10,9 +10,8 @@ from pymavlink.DFReader import DFReader_binary
 from companion.boat import Boat
 from companion.log.logbook import Logbook
 from companion.log.onboard import OnboardLog
-from companion.log.sink import FileSink, Sink
+from companion.log.sink import FileSink, InlineWorker, Sink, Worker
 from companion.log.store import LogStore
-from companion.log.worker import InlineWorker, Worker
 
 Record = Any
 

@@ -13,8 +13,7 @@ from companion.config.tuning import Estimation, Speed
 from companion.core.geo import LatLon, LocalFrame
 from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import MotorCommand, NavState
-from companion.estimation.estimator import Estimator
-from companion.estimation.report import EstimatorReport
+from companion.estimation.estimator import Estimator, EstimatorReport
 from sitl.run.recording.sensor_recorder import SensorRecording
 
 NAV = (

@@ -14,16 +14,19 @@ a current. Positions that drift away from their own velocities are detected.
 import math
 from typing import Final
 
+from msgspec import Struct
+
 from companion.config.actuators import DIFFERENTIAL, DriveSetting, Handling
 from companion.config.tuning import Estimation, Speed
 from companion.core.geo import LocalFrame, Point
 from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import EstimateFault, MotorCommand, NavState
+from companion.estimation.covariance import STATE_NAMES
 from companion.estimation.error_state import ErrorStateFilter
 from companion.estimation.heading_update import HeadingUpdate
+from companion.estimation.innovation import Innovation
 from companion.estimation.nominal_state import STRIDE_S
 from companion.estimation.position_update import PositionUpdate
-from companion.estimation.report import EstimatorReport, report_of
 
 MIN_FIX_TYPE: Final = 3  # a 3-D fix
 SIGMA_PER_HDOP_M: Final = 0.8  # for receivers that state no accuracy
@@ -41,6 +44,38 @@ FAR_S: Final = 3.0  # all fixes must lie beyond the limit for this long: a singl
 _HEALTH_S: Final = 0.0999  # period of the health check
 _POSITION_LOST: Final = int(EstimateFault.POSITION_LOST)
 _HEADING_LOST: Final = int(EstimateFault.HEADING_LOST)
+
+
+class EstimatorReport(Struct, frozen=True):
+    """state: as in `covariance.STATE_NAMES`; covariance: of its error, row by row. hypotheses: name and
+    probability.
+    """
+
+    state: tuple[float, ...]
+    covariance: tuple[tuple[float, ...], ...]
+    position_north: Innovation
+    position_east: Innovation
+    velocity_north: Innovation
+    velocity_east: Innovation
+    compass: Innovation
+    gyro: Innovation
+    hypotheses: tuple[tuple[str, float], ...] = ()
+
+
+def report_of(state: ErrorStateFilter, hypotheses: tuple[tuple[str, float], ...] = ()) -> EstimatorReport:
+    """The present inside of a filter."""
+    yaw = state.yaw_model
+    return EstimatorReport(
+        tuple(getattr(state, name) for name in STATE_NAMES),
+        tuple(tuple(row) for row in state.covariance.rows),
+        state.position_north,
+        state.position_east,
+        state.velocity_north,
+        state.velocity_east,
+        state.compass,
+        Innovation(state.turned_s, yaw.innovation_rad_s, yaw.variance, is_accepted=True),
+        hypotheses,
+    )
 
 
 class Estimator:

@@ -14,7 +14,7 @@ from companion.failsafe.motors.rudder_watch import RudderWatch
 from companion.failsafe.motors.watch import MotorWatch
 from companion.failsafe.recovery.transition_table import State
 from companion.failsafe.table import ROWS, Condition, Row, Step
-from companion.geofence.monitor import FenceMonitor
+from companion.geofence.fence import FenceMonitor
 from companion.rc.manual_input import ManualInput
 
 PERIOD_S = 0.1

@@ -2,6 +2,8 @@
 
 import math
 
+from msgspec.structs import replace
+
 from companion.config.boat_config import BoatConfig
 from companion.control.speed import feed_forward
 from companion.core.geo import Point
@@ -129,11 +131,7 @@ class _Ahead:
             if ahead < speed and (astern > 0.0 or not self._fence.is_near(nav.point, _ASHORE_M)):
                 speed = max(ahead, -min(setting.min_speed_m_s, max(astern, 0.0)))
                 self.is_slow = speed <= 0.0 and astern <= setting.min_speed_m_s
-        if speed == wanted:
-            return demand
-        return Demand(
-            demand.heading_rad, speed, demand.cross_track_m, demand.distance_m, demand.yaw_rate_rad_s
-        )
+        return demand if speed == wanted else replace(demand, speed_m_s=speed, brakes=True)
 
     def drive(self, drive: Drive) -> Drive:
         """Manual throttle, limited to what holds the allowed speed."""

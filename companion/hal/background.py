@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Generic, Self, TypeVar
 
 from companion.core.status_text import StatusText
-from companion.links.backoff import Backoff
+from companion.links.retried import Backoff
 
 _MOST_TEXTS = 8  # kept until the boat takes them
 

@@ -10,8 +10,8 @@ from typing import NamedTuple
 import serial
 
 from companion.core.errors import LinkError
-from companion.links.backoff import Backoff
 from companion.links.interfaces import Link
+from companion.links.retried import Backoff
 from companion.links.stream import StreamLink
 
 _QUEUE_BYTES = 8192

@@ -5,9 +5,9 @@ import socket
 from collections.abc import Callable
 
 from companion.core.errors import LinkError
-from companion.links.backoff import Backoff
 from companion.links.interfaces import Link
 from companion.links.internet import resolve, show
+from companion.links.retried import Backoff
 from companion.links.stream import StreamLink
 
 MAX_CLIENTS = 128  # limit of descriptors; `router/admission.py` selects the links that stay

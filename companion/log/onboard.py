@@ -9,19 +9,11 @@ import struct
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import chain, islice
-from typing import Final
+from typing import Final, TypeGuard, TypeVar
 
 from companion.autopilot.snapshot import Snapshot
 from companion.config.boat_config import BoatConfig
 from companion.config.parameters import Parameters
-from companion.core.readings import (
-    BatteryReading,
-    DepthReading,
-    GnssFix,
-    HeadingReading,
-    RcReading,
-    SonarReading,
-)
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.core.tick_count import TickCount
@@ -48,6 +40,7 @@ _REPORT_HZ: Final = 5.0  # of the estimator's inside: a usual receiver's rate
 _MB: Final = 1e6
 
 TakeSnapshot = Callable[[], Snapshot]
+T = TypeVar("T")
 
 
 class OnboardLog:
@@ -77,8 +70,6 @@ class OnboardLog:
         self._end_s = -1.0
         self._block: list[bytes] = []
         self._block_bytes = 0
-        self._log_bytes = 0
-        self._blocks = 0
         self._now_s = 0.0
         self._restart()
 
@@ -90,13 +81,7 @@ class OnboardLog:
         self._config: BoatConfig | None = None
         self._mission: Mission = ()
         self._linear: LinearFrame | None = None
-        self._fix: GnssFix | None = None
-        self._heading: HeadingReading | None = None
-        self._ping: SonarReading | None = None
-        self._sounding: DepthReading | None = None
-        self._probed_s: dict[str, float] = {}  # by name, when the latest logged value was measured
-        self._heard: RcReading | None = None  # of the transmitter
-        self._reading: BatteryReading | None = None
+        self._logged: dict[str, object] = {}  # the latest reading of each part
         self._late = self._ticks = 0
 
     def note(self, notice: StatusText) -> None:
@@ -108,8 +93,6 @@ class OnboardLog:
 
     def take_status_texts(self) -> Sequence[StatusText]:
         """Messages to the operator since the last call."""
-        if not self._status_texts:
-            return ()
         status_texts, self._status_texts = self._status_texts, []
         return status_texts
 
@@ -206,43 +189,43 @@ class OnboardLog:
         else:
             self._linear = None
         self._add(samples.motion(now, self._linear))
-        if now.sensors.fix is not None and (self._fix is None or now.sensors.fix.time_s != self._fix.time_s):
-            self._fix = now.sensors.fix
-            self._add(samples.gnss(now.sensors.fix))
-        if now.sensors.heading is not None and now.sensors.heading is not self._heading:
-            self._heading = now.sensors.heading
-            self._add((samples.heading(now.sensors.heading),))
-        if now.sensors.sonar is not None and now.sensors.sonar is not self._ping:
-            self._ping = now.sensors.sonar
-            self._add(samples.sonar(now.sensors.sonar))
+        sensors = now.sensors
+        if sensors.fix is not None and self._is_new(sensors.fix.time_s, "fix"):
+            self._add(samples.gnss(sensors.fix))
+        if self._is_new(sensors.heading, "heading"):
+            self._add((samples.heading(sensors.heading),))
+        if self._is_new(sensors.sonar, "sonar"):
+            self._add(samples.sonar(sensors.sonar))
         if now.now_s + _SLACK_S >= self._report_due_s and (report := now.estimator.report) is not None:
             self._report_due_s = _next(self._report_due_s, now.now_s, _REPORT_HZ)
             self._add(samples.estimator(self._now_us, report, now.config.estimation.compass_gate_rad))
         if now.vehicle.nav is not None and self._linear is not None:
             self._add(self._water(now, now.vehicle.nav, self._linear))
         heard = now.vehicle.manual_input.rc.latest
-        if heard is not None and heard is not self._heard:
-            self._heard = heard
+        if self._is_new(heard, "transmitter"):
             self._add(samples.radio(heard))
+
+    def _is_new(self, reading: T | None, part: str) -> TypeGuard[T]:
+        """Whether there is a reading that is not logged yet; it then counts as logged."""
+        if reading is None or reading == self._logged.get(part):
+            return False
+        self._logged[part] = reading
+        return True
 
     def _water(self, now: Snapshot, nav: NavState, linear: LinearFrame) -> Iterator[bytes]:
         """New soundings and values of probes, with the position."""
         sounding = now.sensors.depth
-        if sounding is not None and sounding is not self._sounding:
-            self._sounding = sounding
+        if self._is_new(sounding, "depth"):
             yield samples.depth(sounding, nav, linear)
         for reading in now.sensors.probes:
-            if self._probed_s.get(reading.name) != reading.time_s:
-                self._probed_s[reading.name] = reading.time_s
+            if self._is_new(reading.time_s, f"probe {reading.name}"):
                 yield samples.probe(reading, nav, linear)
 
     def _status(self, now: Snapshot, channels: Channels) -> Iterator[bytes]:
         us = self._now_us
-        if now.sensors.battery is not None and now.sensors.battery is not self._reading:
-            self._reading = now.sensors.battery
-            yield samples.battery(
-                now.sensors.battery, now.sensors.consumed_mah, now.config.battery.capacity_mah
-            )
+        battery = now.sensors.battery
+        if self._is_new(battery, "battery"):
+            yield samples.battery(battery, now.sensors.consumed_mah, now.config.battery.capacity_mah)
         for number, channel in channels.open.items():
             counted = channel.counters
             yield r.MAV.pack(

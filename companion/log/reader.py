@@ -4,8 +4,8 @@ import logging
 from functools import partial
 
 from companion.core.errors import StorageError
+from companion.log.sink import Worker
 from companion.log.store import LogStore
-from companion.log.worker import Worker
 
 logger = logging.getLogger(__name__)
 

@@ -1,11 +1,88 @@
-"""Record types of the onboard log, with ArduPilot Rover's names where the meaning is the same.
+"""ArduPilot's self-describing log format, and the records of the onboard log.
 
-docs/logs.md describes the fields.
+A record is A3 95, its type number, then its fields, little-endian and packed. FMT records define the types,
+FMTU gives units and multipliers by letters, and UNIT and MULT define the letters (ArduPilot developer
+documentation, "Understanding and modifying log messages"). Records have ArduPilot Rover's names where the
+meaning is the same; docs/logs.md describes their fields.
 """
 
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from struct import Struct
 from typing import Final
 
-from companion.log.dataflash import RecordKind, file_header
+MAGIC: Final = (0xA3, 0x95)
+
+_CODES: Final = {
+    "b": "b", "B": "B", "h": "h", "H": "H", "i": "i", "I": "I", "q": "q", "Q": "Q", "f": "f", "d": "d",
+    "n": "4s", "N": "16s", "Z": "64s",
+    "c": "h", "C": "H", "e": "i", "E": "I",  # hundredths
+    "L": "i",  # degrees × 1e7
+    "M": "B",  # mode
+}  # fmt: skip
+
+UNITS: Final = {
+    "-": "", "A": "A", "a": "Ah", "b": "B", "d": "deg", "D": "deglatitude", "G": "Gauss", "h": "degheading",
+    "k": "deg/s", "m": "m", "n": "m/s", "o": "m/s/s", "O": "degC", "s": "s", "S": "satellites",
+    "U": "deglongitude", "v": "V", "w": "Ohm", "X": "W.h", "Y": "us", "z": "Hz", "%": "%", "#": "instance",
+}  # fmt: skip
+MULTIPLIERS: Final = {
+    "-": 0.0, "?": 1.0, "0": 1.0, "A": 1e-1, "B": 1e-2, "C": 1e-3, "F": 1e-6, "G": 1e-7
+}  # fmt: skip
+
+
+@dataclass(slots=True, eq=False)
+class RecordKind:
+    """One type of record.
+
+    codes: one letter per field, as in _CODES. units, multipliers: one letter per field, as in UNITS and
+    MULTIPLIERS. `pack` takes the raw values in order and returns the record.
+
+    Raises:
+        ValueError: inconsistent, or too long for the FMT record; names the type.
+        struct.error: (from `pack`) a value that does not fit its field.
+    """
+
+    number: int
+    name: str
+    codes: str
+    columns: str
+    units: str
+    multipliers: str
+    size_bytes: int = field(init=False)
+    pack: Callable[..., bytes] = field(init=False)
+
+    def __post_init__(self) -> None:
+        name, count = self.name, len(self.columns.split(","))
+        if not (len(self.codes) == count == len(self.units) == len(self.multipliers)):
+            raise ValueError(f"log record {name}: codes, columns, units and multipliers differ in number")
+        if len(name) > 4 or count > 16 or len(self.columns) > 64 or not 0 < self.number < 256:
+            raise ValueError(f"log record {name}: too long for a FMT record")
+        if set(self.units) - set(UNITS) or set(self.multipliers) - set(MULTIPLIERS):
+            raise ValueError(f"log record {name}: a unit or multiplier that has no letter")
+        layout = Struct("<3B" + "".join(_CODES[code] for code in self.codes))
+        self.size_bytes = layout.size
+        self.pack = partial(layout.pack, *MAGIC, self.number)
+
+
+FMT: Final = RecordKind(128, "FMT", "BBnNZ", "Type,Length,Name,Format,Columns", "-b---", "-----")
+UNIT: Final = RecordKind(129, "UNIT", "QbZ", "TimeUS,Id,Label", "s--", "F--")
+MULT: Final = RecordKind(130, "MULT", "Qbd", "TimeUS,Id,Mult", "s--", "F--")
+FMTU: Final = RecordKind(131, "FMTU", "QBNN", "TimeUS,FmtType,UnitIds,MultIds", "s---", "F---")
+
+
+def file_header(kinds: Sequence[RecordKind]) -> bytes:
+    """The start of a log file: the definitions of all record types."""
+    every = (FMT, UNIT, MULT, FMTU, *kinds)
+    parts = [
+        FMT.pack(k.number, k.size_bytes, k.name.encode(), k.codes.encode(), k.columns.encode()) for k in every
+    ]
+    parts += [UNIT.pack(0, ord(letter), label.encode()) for letter, label in UNITS.items()]
+    parts += [MULT.pack(0, ord(letter), factor) for letter, factor in MULTIPLIERS.items()]
+    parts += [FMTU.pack(0, k.number, k.units.encode(), k.multipliers.encode()) for k in every]
+    return b"".join(parts)
+
 
 _PID = ("QfffffffffB", "TimeUS,Tar,Act,Err,P,I,D,FF,Dmod,SRate,Limit")
 _COMMAND = ("QHHHffffLLfB", "TimeUS,CTot,CNum,CId,Prm1,Prm2,Prm3,Prm4,Lat,Lng,Alt,Frame")

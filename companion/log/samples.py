@@ -5,21 +5,13 @@ from collections.abc import Iterator
 from typing import Final
 
 from companion.autopilot.snapshot import Snapshot
+from companion.core import readings
 from companion.core.geo import bearing_rad, distance_m
-from companion.core.readings import (
-    BatteryReading,
-    DepthReading,
-    GnssFix,
-    HeadingReading,
-    ProbeReading,
-    RcReading,
-    SonarReading,
-)
 from companion.core.state import Demand, NavState
 from companion.core.units import clamp, deg_to_e7, wrap_pi, wrap_two_pi
 from companion.core.vectors import Vector
+from companion.estimation.estimator import EstimatorReport
 from companion.estimation.innovation import GATE_2
-from companion.estimation.report import EstimatorReport
 from companion.log import records as r
 from companion.log.linear_frame import LinearFrame
 from companion.sensors.compass.magnetic_field import FieldCorrector
@@ -184,7 +176,7 @@ def _loops(now: Snapshot, us: int, nav: NavState, demand: Demand, centideg: int)
     yield r.NTUN.pack(us, demand.distance_m, target_deg, wanted_deg, centideg, demand.cross_track_m)
 
 
-def gnss(fix: GnssFix) -> Iterator[bytes]:
+def gnss(fix: readings.GnssFix) -> Iterator[bytes]:
     """A fix, at its own time; week and time of week give the date of the log."""
     week, ms = 0, 0
     if fix.unix_time_s is not None:
@@ -212,7 +204,7 @@ def _cents(value: float, most: int) -> int:
     return round(clamp(value * 100.0, -most, most)) if math.isfinite(value) else most
 
 
-def heading(reading: HeadingReading) -> bytes:
+def heading(reading: readings.HeadingReading) -> bytes:
     """A heading reading as the estimator has it, at its own time."""
     rate = reading.yaw_rate_rad_s
     return r.HDG.pack(
@@ -220,7 +212,7 @@ def heading(reading: HeadingReading) -> bytes:
     )
 
 
-def sonar(ping: SonarReading) -> Iterator[bytes]:
+def sonar(ping: readings.SonarReading) -> Iterator[bytes]:
     """A ping, at its own time: RFND in eighths of a turn as in ArduPilot, SONR with its bearing."""
     us = time_us(ping.time_s)
     eighth = round(wrap_two_pi(ping.bearing_rad) / (math.pi / 4.0)) % 8
@@ -230,7 +222,7 @@ def sonar(ping: SonarReading) -> Iterator[bytes]:
     yield r.SONR.pack(us, ping.bearing_rad * _DEG, _NAN if is_clear else range_m, ping.max_range_m)
 
 
-def depth(sounding: DepthReading, nav: NavState, linear: LinearFrame) -> bytes:
+def depth(sounding: readings.DepthReading, nav: NavState, linear: LinearFrame) -> bytes:
     """A sounding, at its own time and where the boat is now: below the transducer, NaN without a bottom."""
     lat_e7, lon_e7 = linear.to_e7(nav.north_m, nav.east_m)
     depth_m = _NAN if sounding.depth_m is None else sounding.depth_m
@@ -238,14 +230,14 @@ def depth(sounding: DepthReading, nav: NavState, linear: LinearFrame) -> bytes:
     return r.DPTH.pack(time_us(sounding.time_s), 0, lat_e7, lon_e7, depth_m, temperature_c)
 
 
-def probe(reading: ProbeReading, nav: NavState, linear: LinearFrame) -> bytes:
+def probe(reading: readings.ProbeReading, nav: NavState, linear: LinearFrame) -> bytes:
     """A probe's value, at its own time and where the boat is now."""
     lat_e7, lon_e7 = linear.to_e7(nav.north_m, nav.east_m)
     name, unit = reading.name.encode("ascii"), reading.unit.encode("ascii")
     return r.PROB.pack(time_us(reading.time_s), name, reading.value, lat_e7, lon_e7, unit)
 
 
-def battery(reading: BatteryReading, consumed_mah: float, capacity_mah: float) -> bytes:
+def battery(reading: readings.BatteryReading, consumed_mah: float, capacity_mah: float) -> bytes:
     """The pack, at the reading's time. RemPct is from the counted charge, as in Rover."""
     current_a = _NAN if reading.current_a is None else reading.current_a
     left_percent = round(clamp(100.0 * (1.0 - consumed_mah / capacity_mah), 0.0, 100.0))
@@ -255,7 +247,7 @@ def battery(reading: BatteryReading, consumed_mah: float, capacity_mah: float) -
     )  # fmt: skip
 
 
-def radio(reading: RcReading) -> Iterator[bytes]:
+def radio(reading: readings.RcReading) -> Iterator[bytes]:
     """The RC channels, at their own time; the signal if known."""
     us = time_us(reading.time_s)
     pulses = [min(max(pulse_us, 0), 0xFFFF) for pulse_us in reading.channels_us[:_LOGGED_CHANNELS]]

@@ -13,11 +13,9 @@ from companion.mavlink.finder import Counters, FrameFinder
 from companion.mavlink.framing import MAGIC_V2, SIGNATURE_LENGTH, Frame, message_id_of
 from companion.mavlink.signing import SigningGuard, is_signed, loggable
 from companion.mavlink.signing_key import SigningKey
-from companion.router.admission import Standing
-from companion.router.amplification import AmplificationLimit, Question
+from companion.router.admission import AmplificationLimit, Question, Standing
 from companion.router.policy import PLAIN, Filter, Policy
-from companion.router.token_bucket import LineBudget
-from companion.router.tx_queue import TxQueue
+from companion.router.tx_queue import LineBudget, TxQueue
 
 logger = logging.getLogger(__name__)
 

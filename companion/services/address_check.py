@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 from companion.core.status_text import Severity
 from companion.mavlink.dialect import Message, dialect
-from companion.router.amplification import Question
+from companion.router.admission import Question
 from companion.router.channel import Channel
 from companion.services.outbox import Origin, Outbox
 from companion.services.telemetry.heartbeat import HeartbeatService

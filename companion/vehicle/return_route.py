@@ -14,8 +14,14 @@ from companion.core.intent import FollowLeg, KeepStation
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.geofence.fence import Fence
-from companion.geofence.fence_water import MARGIN_SHARES, FenceWater, way_to_nearest
-from companion.geofence.water_route import WaterRoute, is_clear, way_by_water
+from companion.geofence.water_route import (
+    MARGIN_SHARES,
+    FenceWater,
+    WaterRoute,
+    is_clear,
+    way_by_water,
+    way_to_nearest,
+)
 
 _CHECK_S = 1.0  # how often the way ahead is checked
 

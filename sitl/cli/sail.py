@@ -11,8 +11,7 @@ from companion.cli.command_line import Option, echo
 from companion.cli.output_file import write_text
 from companion.core.errors import OutputError
 from companion.log.logbook import Logbook
-from companion.log.sink import SingleFile
-from companion.log.worker import InlineWorker
+from companion.log.sink import InlineWorker, SingleFile
 from mission_tools.errors import UsageError
 from mission_tools.mission.plan_file import load_mission
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from

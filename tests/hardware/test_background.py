@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from patience import MOMENT_S
 
 from companion.hal.background import Background
-from companion.links.backoff import Backoff
+from companion.links.retried import Backoff
 
 
 @pytest.mark.realtime

@@ -11,8 +11,7 @@ from companion.core.intent import FollowLeg, Intent, KeepStation
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.geofence.fence import Fence
-from companion.geofence.fence_water import MARGIN_SHARES
-from companion.geofence.water_route import WaterRoute, is_clear, way_by_water
+from companion.geofence.water_route import MARGIN_SHARES, WaterRoute, is_clear, way_by_water
 from companion.guidance.leg import Leg
 from companion.vehicle.mission.progress import MissionProgress
 from companion.vehicle.return_route import ReturnRoute

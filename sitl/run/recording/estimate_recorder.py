@@ -8,7 +8,7 @@ import numpy as np
 
 from companion.boat import Boat
 from companion.core.geo import LatLon, LocalFrame, Point
-from companion.estimation.report import EstimatorReport
+from companion.estimation.estimator import EstimatorReport
 
 EVERY_S = 0.1
 MOST_ECHOES = 100_000

@@ -23,7 +23,7 @@ from companion.core.state import STOPPED, MotorCommand, NavState
 from companion.core.storage import MemoryStorage
 from companion.core.units import wrap_pi
 from companion.estimation.estimator import Estimator
-from companion.log.dataflash import MAGIC
+from companion.log.records import MAGIC
 
 _UNKNOWN_CENTS = 32767  # of HDop, and 65535 of accuracies: as the log has what is not finite
 

@@ -34,14 +34,14 @@ def watched(
     return late, changed_s
 
 
-@pytest.mark.parametrize(("late_s", "most_s"), [(0.6, 8.0), (1.0, 5.0), (2.0, 4.0), (2.8, 4.0)])
+@pytest.mark.parametrize(("late_s", "most_s"), [(0.6, 8.0), (2.8, 4.0)])
 def test_readings_that_have_become_late_say_by_how_much(late_s: float, most_s: float) -> None:
     late, changed_s = watched(late_s, late_s)
     assert late.delay_s == pytest.approx(late_s, abs=0.21)
     assert changed_s < most_s
 
 
-@pytest.mark.parametrize("scale", [0.6, 1.0, 1.6])
+@pytest.mark.parametrize("scale", [0.6, 1.6])
 def test_readings_in_time_are_never_called_late(scale: float) -> None:
     assert watched(0.0, 0.0, scale=scale)[1] == math.inf
     assert watched(0.0, 2.0, scale=scale)[1] == math.inf

@@ -122,7 +122,7 @@ class Voyage:
 
 def test_current_offset_and_bias_are_known_after_some_legs() -> None:
     voyage = Voyage()
-    voyage.sail(150.0)
+    voyage.sail(120.0)
     state = voyage.state
     assert state.current_m_s == pytest.approx(voyage.current_m_s, abs=0.08)
     assert state.bias_rad_s == pytest.approx(0.01, abs=0.003)
@@ -133,14 +133,14 @@ def test_current_offset_and_bias_are_known_after_some_legs() -> None:
 
 def test_weak_motors_are_told_from_a_current_ahead_once_there_are_two_courses() -> None:
     voyage = Voyage(gain=0.75, current_m_s=0j)
-    voyage.sail(150.0)
+    voyage.sail(120.0)
     assert voyage.state.gain == pytest.approx(0.75, abs=0.1)
     assert abs(voyage.state.current_m_s) < 0.1
 
 
 def test_position_and_heading_errors_are_as_large_as_their_variances_say() -> None:
     nees, headings = [], []
-    for seed in range(1, 16):
+    for seed in range(1, 11):
         voyage = Voyage(seed, offset_rad=random.Random(seed).gauss(0.0, 0.035))
         voyage.sail(60.0)
         nees.append(sum(voyage.nees[50:]) / len(voyage.nees[50:]))
@@ -148,26 +148,27 @@ def test_position_and_heading_errors_are_as_large_as_their_variances_say() -> No
         headings.append(
             wrap_pi(state.heading_rad - voyage.heading_rad) ** 2 / state.covariance.variance(HEADING)
         )
-    # 15 voyages, in each a wander of a minute: χ² of about 30 degrees of freedom, 99 % bounds
-    assert 0.45 < sum(nees) / len(nees) < 1.8
+    # 10 voyages, in each a wander of a minute: χ² of about 20 degrees of freedom, 99 % bounds
+    assert 0.37 < sum(nees) / len(nees) < 2.0
     assert sum(headings) / len(headings) < 2.1
 
 
 def test_innovations_are_as_large_as_predicted() -> None:
     voyage = Voyage(seed=3)
-    voyage.sail(120.0)
+    assert not voyage.state.compass.is_accepted
+    voyage.sail(100.0)
+    assert voyage.state.compass.is_accepted
     for channel in (voyage.state.velocity_north, voyage.state.velocity_east):
         assert 0.8 < channel.nis_sum / channel.count < 1.25
     for channel in (voyage.state.position_north, voyage.state.position_east):
         assert 0.6 < channel.nis_sum / channel.count < 1.25
 
 
-@pytest.mark.parametrize("late_s", [0.2, 0.6])
-def test_fixes_that_arrive_late_say_what_they_would_have_said_in_time(late_s: float) -> None:
-    in_time, late = Voyage(seed=5), Voyage(seed=5, late_s=late_s)
-    in_time.sail(90.0)
-    late.sail(90.0)
-    assert abs(in_time.state.north_m - late.state.north_m) < 0.06 + 0.1 * late_s
+def test_fixes_that_arrive_late_say_what_they_would_have_said_in_time() -> None:
+    in_time, late = Voyage(seed=5), Voyage(seed=5, late_s=0.6)
+    in_time.sail(60.0)
+    late.sail(60.0)
+    assert abs(in_time.state.north_m - late.state.north_m) < 0.12
     assert abs(in_time.state.current_m_s - late.state.current_m_s) < 0.05
     assert abs(wrap_pi(in_time.state.heading_rad - late.state.heading_rad)) < math.radians(1.0)
 
@@ -213,16 +214,9 @@ def test_the_rate_follows_without_noise_or_lag() -> None:
     assert sum(steps) / len(steps) < 0.0052, "less than the gyro's noise from one tick to the next"
 
 
-def test_without_a_gyro_compass_and_steering_give_the_rate() -> None:
-    voyage = Voyage(has_gyro=False)
-    voyage.sail(100.0)
-    assert wrap_pi(voyage.state.heading_rad - voyage.heading_rad) == pytest.approx(0.0, abs=0.05)
-    assert voyage.state.yaw_rate_rad_s == pytest.approx(voyage.rate_rad_s, abs=0.1)
-
-
 def test_a_gyro_that_comes_back_has_the_bias_that_it_had() -> None:
     voyage = Voyage()
-    voyage.sail(100.0)
+    voyage.sail(50.0)
     known = voyage.state.bias_rad_s
     voyage.has_gyro = False
     voyage.sail(5.0)
@@ -253,25 +247,12 @@ def test_without_compass_and_gyro_the_heading_becomes_unknown_and_no_more_than_t
     voyage = Voyage()
     voyage.sail(20.0)
     state, spreads = voyage.state, []
-    for tick in range(1, 6000):
+    for tick in range(1, 1500):
         state.turn(voyage.now_s + 0.1 * tick, None)
         state.keep_covariance()
         spreads.append(state.covariance.variance(HEADING))
     assert spreads[0] < 0.01
     assert max(spreads) == pytest.approx(1.0), "a deviation beyond a radian has no meaning"
-
-
-def test_only_what_was_measured_and_applied_is_reported_as_accepted() -> None:
-    voyage = Voyage()
-    channels = ("compass", "position_north", "position_east", "velocity_north", "velocity_east")
-    assert not any(getattr(voyage.state, name).is_accepted for name in channels)
-    voyage.sail(2.0)
-    assert all(getattr(voyage.state, name).is_accepted for name in channels)
-
-
-def test_the_mean_of_four_compass_readings_is_known_twice_as_well() -> None:
-    state = ErrorStateFilter(Speed(), Estimation())
-    assert state.compass_variance(4) == pytest.approx(0.25 * state.compass_variance(1))
 
 
 def test_a_sideways_motion_that_the_model_does_not_know_is_estimated_and_fades() -> None:

@@ -17,15 +17,10 @@ def polygon(*places: tuple[float, float], is_inclusion: bool = True) -> FencePol
 
 
 ABSURD = {
-    "polar": polygon((89.9, -170.0), (89.95, 10.0), (89.99, 100.0)),
     "round the pole": polygon((-90.0, 0.0), (-90.0, 90.0), (-89.999, 180.0)),
     "the world": polygon((85.0, -179.0), (85.0, 179.0), (-85.0, 179.0), (-85.0, -179.0)),
-    "the antipodes": polygon((-50.0, 178.8), (-50.0, 178.9), (-50.1, 178.8)),
-    "another ocean": polygon((10.0, 10.0), (10.0, 10.001), (10.001, 10.0)),
     "poles excluded": polygon((90.0, -180.0), (90.0, 180.0), (-90.0, 0.0), is_inclusion=False),
-    "a point": polygon((50.0, -1.2), (50.0, -1.2), (50.0, -1.2)),
     "a line": polygon((50.0, -1.2), (50.001, -1.2), (50.002, -1.2)),
-    "a circle at the pole": FenceCircle(LatLon(-89.99, 0.0), 1.0, True),
     "a circle without end": FenceCircle(LatLon(89.99, 0.0), 1e30, True),
 }
 
@@ -36,11 +31,11 @@ def test_every_mode_and_a_pause_are_answered_whatever_the_fence(area: FenceArea)
     assert rig.set_mode(GUIDED) == OK
     assert rig.arm() == OK
     rig.boat.vehicle.fence.set_areas([area])
-    rig.run(3.0)  # long enough for the failsafe
+    rig.run(2.0)  # long enough for the failsafe
     for mode in (LOITER, HOLD, GUIDED, MANUAL, RTL, LOITER):
         assert rig.set_mode(mode) == OK
-        rig.run(1.0)
+        rig.run(0.4)
     assert rig.ask(dialect.MAV_CMD_DO_PAUSE_CONTINUE, 0.0) == OK
-    rig.run(1.0)
+    rig.run(0.4)
     assert (rig.boat.net.faults, rig.boat.endpoint.faults) == (0, 0)
     assert rig.boat.vehicle.armed

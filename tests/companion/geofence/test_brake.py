@@ -61,11 +61,7 @@ def speed_of(steered: Demand | Drive | Stop) -> float:
 # How fast
 
 
-def test_a_slow_boat_is_braked_too() -> None:
-    assert speed_of(limited(Demand(0.0, 0.9), nav_at(46.0, 0.5))) == pytest.approx(allowed_m_s(2.0), abs=1e-3)
-
-
-@pytest.mark.parametrize("room_m", [6.0, 12.0, 14.0])
+@pytest.mark.parametrize("room_m", [4.0, 12.0])
 def test_toward_a_line_the_boat_keeps_the_speed_that_it_can_lose_in_half_of_the_room(room_m: float) -> None:
     braked = limited(NORTHWARD, nav_at(50.0 - room_m, 2.0))
     assert speed_of(braked) == pytest.approx(allowed_m_s(room_m - 2.0), abs=1e-3)
@@ -81,7 +77,7 @@ def test_what_it_can_lose_in_time_goes_through() -> None:
     )
 
 
-@pytest.mark.parametrize("heading", [0.5 * math.pi, -0.5 * math.pi, math.pi])
+@pytest.mark.parametrize("heading", [-0.5 * math.pi, math.pi])
 def test_a_line_abeam_or_astern_does_not_slow_the_boat(heading: float) -> None:
     nav = nav_at(47.0, 2.0 * math.cos(heading), east_m_s=2.0 * math.sin(heading), heading=heading)
     demand = Demand(heading, 2.0)
@@ -172,6 +168,8 @@ def test_by_hand_the_throttle_is_what_holds_the_allowed_speed() -> None:
     assert throttle_of(braked) == pytest.approx(throttle_for(allowed, 1.6), abs=2e-3)
     assert isinstance(braked, Drive)
     assert braked.steering == 0.3
+    astern = limited(Drive(-1.0, 0.0), nav_at(-44.0, -0.8))
+    assert throttle_of(astern) == pytest.approx(-throttle_for(allowed_m_s(4.0), 0.8), abs=2e-3)
 
 
 def test_by_hand_a_boat_that_coasts_toward_the_line_is_braked_astern() -> None:
@@ -185,12 +183,6 @@ def test_by_hand_less_throttle_than_allowed_goes_through() -> None:
     drive = Drive(0.1, 0.0)
     assert throttle_of(limited(drive, nav_at(44.0, 0.5))) == 0.1
     assert throttle_of(limited(Drive(-0.1, 0.0), nav_at(-44.0, -0.5))) == -0.1
-
-
-def test_by_hand_astern_the_throttle_is_held_back_the_other_way() -> None:
-    allowed = allowed_m_s(4.0)
-    braked = limited(Drive(-1.0, 0.0), nav_at(-44.0, -0.8))
-    assert throttle_of(braked) == pytest.approx(-throttle_for(allowed, 0.8), abs=2e-3)
 
 
 def test_by_hand_the_feed_forward_is_through_the_water() -> None:
@@ -241,16 +233,8 @@ def test_another_intent_ends_the_station_and_the_wait() -> None:
     assert isinstance(boat.look(2), KeepStation)
 
 
-def test_a_wait_that_is_interrupted_begins_anew() -> None:
-    boat = Stopped()
-    boat.look(4)
-    boat.look(1, nav=nav_at(45.6))
-    assert boat.look(4) is NORTH
-    assert isinstance(boat.look(2), KeepStation)
-
-
-@pytest.mark.parametrize("nav", [nav_at(0.0), replace(nav_at(47.0), position_age_s=10.0)])
-def test_a_wait_ends_out_of_reach_and_without_a_position(nav: NavState) -> None:
+@pytest.mark.parametrize("nav", [nav_at(45.6), nav_at(0.0), replace(nav_at(47.0), position_age_s=10.0)])
+def test_a_wait_that_is_interrupted_out_of_reach_or_without_a_position_begins_anew(nav: NavState) -> None:
     boat = Stopped()
     boat.look(4)
     boat.look(1, nav=nav)
@@ -291,7 +275,7 @@ def test_a_circle_leads_where_the_boat_goes(north_m_s: float, is_kept: bool) -> 
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
-@pytest.mark.parametrize(("heading_deg", "aside_m_s"), [(60.0, 0.0), (30.0, 0.5), (30.0, -0.5), (45.0, 0.3)])
+@pytest.mark.parametrize(("heading_deg", "aside_m_s"), [(60.0, 0.0), (30.0, 0.5), (45.0, -0.3)])
 def test_the_way_ahead_is_through_the_water_and_with_the_current_across_it(
     side: float, heading_deg: float, aside_m_s: float
 ) -> None:
@@ -326,7 +310,7 @@ RUDDER = decode_config(
 ASTERN = Demand(math.pi, 0.4)
 
 
-@pytest.mark.parametrize("course", [0.0, 0.5 * math.pi, -0.5 * math.pi, math.pi])
+@pytest.mark.parametrize("course", [0.5 * math.pi, math.pi])
 @pytest.mark.parametrize(
     ("room_left_m", "off_rad", "expected"),
     [

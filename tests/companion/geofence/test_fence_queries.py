@@ -27,11 +27,6 @@ def test_the_allowed_water_is_inside_the_inclusion_and_outside_the_exclusion() -
         assert fence.is_outside(Point(*point)) is not is_allowed, "as remembered"
 
 
-def test_a_boat_with_no_fence_may_be_anywhere() -> None:
-    assert laid().allows(Point(1e5, 0.0))
-    assert not laid().is_near(Point(0.0, 0.0), 1e9)
-
-
 def test_what_was_uploaded_is_kept_and_counts_from_the_next_update() -> None:
     fence = Fence()
     assert fence.version == 0
@@ -86,12 +81,6 @@ def test_a_margin_with_a_limit_is_the_margin_up_to_the_limit(point: Point, limit
     fence = laid(square(50.0), ISLAND, square(8.0, is_inclusion=False, north_m=-20.0))
     margin_m = fence.margin_m(point)
     assert fence.margin_within_m(*point, limit_m) == pytest.approx(max(min(margin_m, limit_m), -limit_m))
-
-
-def test_outside_of_two_lines_the_one_that_is_furthest_off_counts() -> None:
-    fence = laid(square(50.0), square(20.0))
-    assert fence.margin_m(Point(60.0, 0.0)) == pytest.approx(-40.0, abs=0.01)
-    assert fence.margin_m(Point(30.0, 0.0)) == pytest.approx(-10.0, abs=0.01)
 
 
 @given(st.lists(POINT, min_size=1, max_size=6), st.floats(0.5, 20.0))
@@ -173,6 +162,19 @@ def test_a_way_crosses_where_there_is_less_room_than_its_length(
     assert fence.crosses(start, end) is (room_m < length_m)
 
 
+WATER = (square(100.0), square(10.0, is_inclusion=False), FenceCircle(globe([(60.0, 40.0)])[0], 8.0, False))
+
+
+@given(POINT, st.floats(0.0, 5.0))
+def test_the_nearest_water_has_the_margin_that_was_asked_for(point: Point, margin_m: float) -> None:
+    fence = laid(*WATER)
+    found = fence.inside(point, margin_m)
+    assert fence.margin_m(found) >= margin_m - 1e-6
+    if fence.margin_m(point) >= margin_m:
+        assert found == point
+    assert laid().inside(point, margin_m) == point
+
+
 def test_from_the_line_itself_the_way_inside_is_found() -> None:
     fence = laid(square(50.0))
     line = fence.areas[0].nearest(50.0, 0.0)
@@ -182,22 +184,11 @@ def test_from_the_line_itself_the_way_inside_is_found() -> None:
     assert fence.margin_m(fence.inside(corner, 4.0)) >= 4.0 - 1e-6
 
 
-def test_the_area_is_that_of_the_circle_or_the_shoelace() -> None:
-    assert Disc(Point(0.0, 0.0), 2.0, is_inclusion=True).area_m2 == pytest.approx(12.566, abs=1e-3)
-    corners = [Point(0.0, 0.0), Point(0.0, 4.0), Point(3.0, 0.0)]
-    assert Ring(corners, is_inclusion=True).area_m2 == pytest.approx(6.0)
-
-
 def test_the_boxes_hold_the_areas() -> None:
     disc = Disc(Point(1.0, 2.0), 3.0, is_inclusion=True)
     assert (disc.south_m, disc.north_m, disc.west_m, disc.east_m) == (-2.0, 4.0, -1.0, 5.0)
     ring = Ring([Point(1.0, 2.0), Point(5.0, 3.0), Point(2.0, 9.0)], is_inclusion=True)
     assert (ring.south_m, ring.north_m, ring.west_m, ring.east_m) == (1.0, 5.0, 2.0, 9.0)
-
-
-def test_a_polygon_is_laid_into_the_frame() -> None:
-    fence = laid(FencePolygon(globe([(0.0, 0.0), (0.0, 8.0), (6.0, 0.0)]), is_inclusion=True))
-    assert fence.margin_m(Point(1.0, 3.0)) == pytest.approx(1.0, abs=1e-3)
 
 
 def test_a_margin_that_is_remembered_says_nothing_of_a_place_far_away() -> None:
@@ -221,33 +212,9 @@ def test_a_remembered_margin_reaches_from_its_own_place() -> None:
     assert not fence.is_outside(Point(10.0, 45.0))
 
 
-def test_before_its_first_update_a_fence_limits_nothing() -> None:
-    fence = Fence()
-    assert not fence.is_active
-    assert not fence.is_outside(Point(1e6, 0.0))
-    assert fence.room_m(Point(0.0, 0.0), 0.0, 10.0) == 10.0
-
-
-def test_a_ring_of_many_sides_is_as_near_as_shapely_says_over_a_whole_grid() -> None:
-    bearings = [math.tau * number / 48.0 for number in range(48)]
-    radii = [40.0 + 25.0 * math.sin(5.0 * bearing) for bearing in bearings]
-    vertices = [
-        Point(r * math.cos(bearing), r * math.sin(bearing))
-        for r, bearing in zip(radii, bearings, strict=True)
-    ]
-    ring, shape = Ring(vertices, is_inclusion=True), shape_of(vertices)
-    for north in range(-80, 81, 5):
-        for east in range(-80, 81, 5):
-            expected = shape.exterior.distance(shapely.Point(east, north))
-            assert ring.distance_m(north, east) == pytest.approx(expected, abs=1e-9)
-            assert ring.distance_m(north, east, within_m=7.0) == pytest.approx(min(expected, 7.0), abs=1e-9)
-            nearest = ring.nearest(north, east)
-            assert math.dist(nearest, (north, east)) == pytest.approx(expected, abs=1e-9)
-
-
 @pytest.mark.parametrize(
     ("east_m", "room_m"),
-    [(-5.5, 0.5), (-8.0, 3.0), (-4.5, 9.5), (4.5, 0.5), (4.0, 1.0), (5.5, 20.0)],
+    [(-5.5, 0.5), (-4.5, 9.5), (4.5, 0.5), (5.5, 20.0)],
 )
 def test_a_disc_is_crossed_at_its_near_side_from_outside_and_at_its_far_side_from_within(
     east_m: float, room_m: float
@@ -262,9 +229,6 @@ def test_a_disc_is_crossed_at_its_near_side_from_outside_and_at_its_far_side_fro
     ("margin_m", "at", "expected"),
     [
         (4.0, (49.0, 10.0), (46.0, 10.0)),
-        (4.0, (70.0, -10.0), (46.0, -10.0)),
-        (4.0, (0.0, -49.0), (0.0, -46.0)),
-        (4.0, (48.0, 47.0), (46.0, 46.0)),
         (4.0, (-48.0, 47.0), (-46.0, 46.0)),
         (10.0, (0.0, 52.0), (0.0, 40.0)),
         (4.0, (30.0, 30.0), (30.0, 30.0)),
@@ -279,8 +243,7 @@ def test_the_nearest_place_inside_a_square_is_its_projection(
     assert fence.margin_m(found) >= margin_m
 
 
-@pytest.mark.parametrize("bearing_deg", [0.0, 60.0, 135.0, -100.0])
-@pytest.mark.parametrize("away_m", [2.0, 4.9, 5.1, 6.9])
+@pytest.mark.parametrize(("bearing_deg", "away_m"), [(60.0, 2.0), (135.0, 4.9), (-100.0, 6.9)])
 def test_the_nearest_place_outside_an_island_is_straight_away_from_its_centre(
     bearing_deg: float, away_m: float
 ) -> None:

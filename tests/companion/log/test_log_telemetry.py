@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from log_rig import OpenRig
 from pymavlink import mavutil
 
+from companion.log.logbook import TelemetryLog
 from companion.log.store import LogFile
-from companion.log.telemetry import TelemetryLog
 from companion.mavlink.address import Address
-from companion.mavlink.codec import Decoder, Encoder
+from companion.mavlink.codec import Decoder
 from companion.mavlink.dialect import dialect
 from companion.mavlink.framing import SIGNATURE_LENGTH
 from companion.mavlink.signing import loggable
@@ -86,12 +86,6 @@ def test_no_more_than_so_many_are_kept_at_a_time(open_rig: OpenRig, tmp_path: Pa
     assert len(telemetry(rig.store.files)) == 16
 
 
-def test_there_are_none_unless_asked_for(open_rig: OpenRig, tmp_path: Path) -> None:
-    rig = open_rig(tmp_path)
-    rig.run(1.0)
-    assert telemetry(rig.store.files) == []
-
-
 @given(seq=st.integers(0, 65535), text=st.binary(max_size=50))
 def test_a_signature_is_taken_off_and_the_frame_stays_whole(seq: int, text: bytes) -> None:
     for message in (
@@ -105,13 +99,6 @@ def test_a_signature_is_taken_off_and_the_frame_stays_whole(seq: int, text: byte
         (received,) = Decoder(datagram=True).feed(clean)
         assert (received.message.get_type(), received.sender) == (message.get_type(), Address(255, 190))
         assert clean[10:-2] == frame[10 : -2 - SIGNATURE_LENGTH]
-
-
-def test_an_unsigned_frame_is_logged_as_it_is() -> None:
-    frame = Encoder(Address(1, 1)).encode(dialect.MAVLink_mission_current_message(1, 5, 1, 1))
-    assert loggable(frame) == frame
-    old = dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3).pack(dialect.MAVLink(None), force_mavlink1=True)
-    assert loggable(bytes(old)) == bytes(old)
 
 
 def test_a_key_is_never_logged(open_rig: OpenRig, tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.signing import Signatory, SigningGuard, Stamps, timestamp_at
 from companion.mavlink.signing_key import SigningKey
 from companion.persistence.signing_store import KEY_FILE
-from companion.router.amplification import AmplificationLimit, Question
+from companion.router.admission import AmplificationLimit, Question
 from companion.router.policy import ConfiguredPort, Policy
 
 ELSEWHERE = "203.0.113.9"
@@ -94,27 +94,23 @@ class OpenRig(Rig):
 REQUESTS = {
     "nothing": [],
     "all data streams at 50 Hz": [dialect.MAVLink_request_data_stream_message(*BOAT, 0, 50, 1)],
-    "the parameter list": [dialect.MAVLink_param_request_list_message(*BOAT)],
-    "the mission": [dialect.MAVLink_mission_request_list_message(*BOAT, 0)],
-    "a message every 20 ms": [
-        dialect.MAVLink_command_long_message(*BOAT, 511, 0, number, 20_000, 0, 0, 0, 0, 0)
-        for number in (30, 33, 74, 148)
+    "all lists": [
+        dialect.MAVLink_param_request_list_message(*BOAT),
+        dialect.MAVLink_mission_request_list_message(*BOAT, 0),
     ],
-    "a file": [
-        dialect.MAVLink_file_transfer_protocol_message(0, *BOAT, list(bytes((0, 0, 0, 4, 12)) + bytes(7)
-        + b"@PARAM/param.pck").__add__([0] * 223))
+    "messages every 20 ms and pings": [
+        *(dialect.MAVLink_command_long_message(*BOAT, 511, 0, number, 20_000, 0, 0, 0, 0, 0)
+          for number in (30, 33, 74, 148)),
+        *(dialect.MAVLink_ping_message(1, number, 0, 0) for number in range(50)),
     ],
-    "pings": [dialect.MAVLink_ping_message(1, number, 0, 0) for number in range(50)],
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "garbage", [b"\0", b"\xfd", bytes(1000), b"\xfd\x09\x00" * 30], ids=["one", "FD", "zeros", "headers"]
-)
-def test_an_address_that_has_sent_no_frame_gets_nothing(garbage: bytes) -> None:
+def test_an_address_that_has_sent_no_frame_gets_nothing() -> None:
     rig = OpenRig()
-    rig.station.send_raw(garbage)
-    rig.pass_time(60.0, beats=False)
+    for garbage in (b"\0", b"\xfd", bytes(1000), b"\xfd\x09\x00" * 30):
+        rig.station.send_raw(garbage)
+        rig.pass_time(5.0, beats=False)
     assert rig.station.got_bytes == 0
 
 
@@ -127,12 +123,12 @@ def test_an_address_that_answers_nothing_gets_no_more_than_three_times_what_it_s
     rig.station.heartbeat()
     for message in requests:
         rig.station.send(message)
-    for _ in range(20):
+    for _ in range(8):
         rig.pass_time(1.0, beats=False)
         assert rig.station.got_bytes <= 3 * rig.station.sent_bytes
-    rig.pass_time(20.0)
+    rig.pass_time(8.0)
     assert rig.station.got_bytes <= 3 * rig.station.sent_bytes
-    assert len(rig.station.said("HEARTBEAT")) >= 20, "it is still told that there is a boat"
+    assert len(rig.station.said("HEARTBEAT")) >= 8, "it is still told that there is a boat"
     assert not rig.station.said("ATTITUDE")
 
 
@@ -157,15 +153,6 @@ def test_a_parameter_list_that_was_asked_for_before_the_answer_comes_whole_after
     assert indexes == list(range(len(rig.boat.parameters.rows)))
 
 
-def test_an_answer_that_comes_seconds_late_still_counts() -> None:
-    rig = OpenRig()
-    rig.pass_time(5.0)
-    first = rig.station.said("PING")[0]
-    rig.station.send(dialect.MAVLink_ping_message(first.time_usec, first.seq, *BOAT))
-    rig.pass_time(2.0)
-    assert rig.station.said("ATTITUDE")
-
-
 def test_answers_that_were_guessed_or_are_another_stations_prove_nothing() -> None:
     rig = OpenRig()
     rig.pass_time(2.0)
@@ -184,15 +171,16 @@ def test_answers_that_were_guessed_or_are_another_stations_prove_nothing() -> No
         rig.station.send(dialect.MAVLink_ping_message(time_usec, seq, *BOAT))
     rig.pass_time(3.0)
     assert not rig.station.said("ATTITUDE")
+    rig.station.send(dialect.MAVLink_ping_message(question.time_usec, question.seq, *BOAT))
+    rig.pass_time(2.0)
+    assert rig.station.said("ATTITUDE"), "the right one, seconds late"
 
 
 @pytest.mark.parametrize(
     ("host", "networks"),
     [
         ("127.0.0.1", ()),
-        ("::1", ()),
         ("::ffff:127.0.0.1", ()),
-        (ELSEWHERE, ("203.0.113.0/24",)),
         ("::ffff:203.0.113.9", ("203.0.113.0/24",)),
         ("fe80::1%eth0", ("fe80::/10", "10.0.0.0/8")),
     ],
@@ -243,21 +231,11 @@ def test_the_operator_is_told_once_of_a_host_that_does_not_answer(caplog: pytest
     assert "does not answer PING" not in caplog.text, "an answer may take its time"
     rig.pass_time(2.0)
     assert "does not answer PING" in caplog.text
-    rig.pass_time(20.0)
+    rig.pass_time(10.0)
     (text,) = [text for text in friend.texts if "does not answer PING" in text]
     assert ELSEWHERE in text
     assert "local_networks" in text
     assert caplog.text.count("does not answer PING") == 1
-
-
-def test_a_chatty_station_cannot_keep_itself_from_being_asked() -> None:
-    rig = OpenRig()
-    for _ in range(40):
-        rig.station.send(dialect.MAVLink_command_long_message(*BOAT, 512, 0, 148, 0, 0, 0, 0, 0, 0))
-        rig.receive()
-    rig.station.heartbeat()
-    rig.receive()
-    assert rig.station.said("PING")
 
 
 def test_three_times_is_the_limit_to_the_byte() -> None:

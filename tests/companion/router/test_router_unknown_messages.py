@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.mavlink.address import Address
-from companion.mavlink.codec import Decoder, Encoder
+from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import dialect
 from companion.mavlink.finder import FrameFinder
 
@@ -34,11 +34,6 @@ def test_an_unknown_message_between_known_ones_is_found_whole(datagram: bool, is
     finder = FrameFinder(datagram)
     assert [frame.data for frame in finder.feed(b"".join(pieces))] == pieces
     assert (finder.counters.unknown, finder.counters.frames_in, finder.counters.bad_frames) == (2, 2, 0)
-
-
-def test_a_decoder_leaves_unknown_messages_out() -> None:
-    decoder = Decoder(datagram=True)
-    assert [r.message.get_type() for r in decoder.feed(unknown() + known(0))] == ["HEARTBEAT"]
 
 
 def test_an_unknown_header_before_a_known_frame_does_not_swallow_it() -> None:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from late_worker import LateWorker
 from log_rig import LogRig, OpenRig
 
-from companion.log.worker import InlineWorker
+from companion.log.sink import InlineWorker
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.services.logs import CHUNK_BYTES, LogService

@@ -13,8 +13,7 @@ import pytest
 from boat_rig import Rig, waypoint
 
 from companion.log.logbook import Logbook
-from companion.log.sink import SingleFile
-from companion.log.worker import InlineWorker
+from companion.log.sink import InlineWorker, SingleFile
 from mission_tools.cli.upload_command import run_program as run_upload
 from sitl.cli.program import run_program
 from sitl.experiments.campaign.campaign import load_campaign

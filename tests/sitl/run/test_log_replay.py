@@ -7,8 +7,7 @@ import pytest
 
 from companion.core.errors import ConfigError
 from companion.log.logbook import Logbook
-from companion.log.sink import SingleFile
-from companion.log.worker import InlineWorker
+from companion.log.sink import InlineWorker, SingleFile
 from sitl.courses.missions import lay_out, wire_items
 from sitl.run.mission_run import MissionRun
 from sitl.run.recording.log_replay import LoggedRun, read_log

@@ -10,8 +10,7 @@ import pytest
 from pictures.notebook import NOTEBOOK, SCRIPT, notebook
 
 from companion.log.logbook import Logbook
-from companion.log.sink import SingleFile
-from companion.log.worker import InlineWorker
+from companion.log.sink import InlineWorker, SingleFile
 from sitl.courses.missions import lay_out, wire_items
 from sitl.run.mission_run import MissionRun
 from sitl.scenarios.scenario import load_scenario
