@@ -37,7 +37,6 @@ class Voyage:
     current: tuple[float, float] = (0.0, 0.0)
     at: Point = ORIGIN
     heading_rad: float = 0.0
-    noise_m: float = 0.15
     rng: random.Random = field(default_factory=lambda: random.Random(11))
     track: list[Point] = field(default_factory=list)
 
@@ -47,11 +46,6 @@ class Voyage:
         self.fix: GnssFix | None = None
         self.command = STOPPED
         self.estimator, self.pilot, self.helm, self.gate = Estimator(), Pilot(), Helm(), Gate()
-
-    def sail_to_the_end(self, route: "Route", seconds: float) -> None:
-        """Sail until the route is done, at most so long."""
-        while not route.is_done and self.tick * DT < seconds:
-            self._step(route)
 
     def sail(self, choose: Chooser, seconds: float) -> None:
         """Advance; choose is asked each tick with the estimate, in the frame of the truth."""
@@ -65,19 +59,9 @@ class Voyage:
         east = self.surge * s + self.sway * c + self.current[1]
         gauss = self.rng.gauss
         if self.tick % 10 == 1:
-            heard = Point(
-                self.at.north_m + gauss(0.0, self.noise_m), self.at.east_m + gauss(0.0, self.noise_m)
-            )
-            self.fix = GnssFix(
-                now,
-                FRAME.to_global(heard),
-                3,
-                12,
-                0.9,
-                north + gauss(0.0, 0.05),
-                east + gauss(0.0, 0.05),
-                horizontal_accuracy_m=0.25,
-            )
+            heard = Point(self.at.north_m + gauss(0.0, 0.15), self.at.east_m + gauss(0.0, 0.15))
+            ground = north + gauss(0.0, 0.05), east + gauss(0.0, 0.05)
+            self.fix = GnssFix(now, FRAME.to_global(heard), 3, 12, 0.9, *ground, horizontal_accuracy_m=0.25)
         reading = HeadingReading(
             now, self.heading_rad + 0.02 + gauss(0.0, 0.015), self.rate + gauss(0.0, 0.005)
         )
@@ -87,14 +71,9 @@ class Voyage:
         demand = self.pilot.update(choose(nav), nav, CONFIG, DT)
         thrust = self.helm.update(demand, nav, CONFIG, DT)
         self.command = command = self.gate.check(
-            thrust,
-            armed=True,
-            command_age_s=0.0,
-            nav=nav,
-            needs_estimate=True,
-            setting=CONFIG.motors,
-            dt_s=DT,
-        )
+            thrust, armed=True, command_age_s=0.0, nav=nav, needs_estimate=True,
+            setting=CONFIG.motors, dt_s=DT,
+        )  # fmt: skip
         self._move(0.5 * (command.left + command.right), 0.5 * (command.left - command.right), north, east)
 
     def _move(self, throttle: float, steering: float, north: float, east: float) -> None:
@@ -134,86 +113,53 @@ class Route:
         self.legs = [Leg(start, end, then) for (start, end), then in legs]
         self.speed_m_s = speed_m_s
 
-    @property
-    def is_done(self) -> bool:
-        """Whether the last waypoint has been reached."""
-        return not self.legs
-
     def __call__(self, nav: NavState) -> Intent:
         while self.legs and self.legs[0].has_ended(nav, CONFIG.guidance.waypoint_radius_m):
             self.legs.pop(0)
         return self.legs[0].intent(self.speed_m_s) if self.legs else KeepStation(self.points[-1])
 
 
-@pytest.mark.parametrize("current", [(0.0, 0.0), (0.0, 0.5), (0.0, -0.5), (0.5, 0.0), (-0.5, 0.0)])
+@pytest.mark.parametrize("current", [(0.0, 0.5), (-0.5, 0.0)])
 def test_a_straight_leg_is_held_in_any_current(current: tuple[float, float]) -> None:
-    route = Route((0.0, 0.0), (200.0, 0.0))
     voyage = Voyage(current)
-    voyage.sail(route, 90.0)
+    voyage.sail(Route((0.0, 0.0), (200.0, 0.0)), 70.0)
     off = [point.east_m for point in voyage.track]
     settled = off[1000:]
     assert _rms(off) < 0.4
     assert _rms(settled) < 0.2
     assert abs(sum(settled) / len(settled)) < 0.2  # nothing steady remains
-    assert voyage.at.north_m > 160.0
+    assert voyage.at.north_m > 90.0
 
 
-@pytest.mark.parametrize("current", [(0.0, 0.0), (0.35, 0.35), (0.0, 0.5)])
-def test_a_zigzag_with_right_angles_stays_near_its_line(current: tuple[float, float]) -> None:
-    corners = [(0.0, 0.0), (50.0, 0.0), (50.0, 50.0), (100.0, 50.0), (100.0, 100.0), (150.0, 100.0)]
-    route = Route(*corners)
-    voyage = Voyage(current)
-    voyage.sail_to_the_end(route, 175.0)
-    assert route.is_done
+def test_a_zigzag_with_right_angles_stays_near_its_line() -> None:
+    route = Route((0.0, 0.0), (50.0, 0.0), (50.0, 50.0), (100.0, 50.0), (100.0, 100.0))
+    voyage = Voyage((0.35, 0.35))
+    voyage.sail(route, 130.0)
+    assert not route.legs
     off = [_off_route_m(route.points, point) for point in voyage.track]
     assert _rms(off) < 0.35
     assert max(off) < 1.7  # the inside of a corner: this hull's set is not known well at the first one
 
 
-def test_a_hairpin_is_taken_and_its_waypoint_reached() -> None:
-    route = Route((0.0, 0.0), (40.0, 0.0), (5.0, 5.0))
+def test_a_hairpin_is_taken_and_the_last_waypoint_not_run_past() -> None:
     voyage = Voyage()
-    voyage.sail_to_the_end(route, 75.0)
-    assert route.is_done
+    voyage.sail(Route((0.0, 0.0), (40.0, 0.0), (5.0, 5.0)), 60.0)
     assert min(distance_m(point, Point(40.0, 0.0)) for point in voyage.track) < 2.3
+    assert max(point.north_m for point in voyage.track) < 42.0
+    assert distance_m(voyage.at, Point(5.0, 5.0)) < 1.5
 
 
-def test_the_last_waypoint_is_not_run_past() -> None:
-    voyage = Voyage()
-    voyage.sail(Route((0.0, 0.0), (60.0, 0.0)), 60.0)
-    assert max(point.north_m for point in voyage.track) < 62.0
-    assert distance_m(voyage.at, Point(60.0, 0.0)) < 1.5
-
-
-@pytest.mark.parametrize("heading_rad", [0.0, 1.5, 3.0])
-@pytest.mark.parametrize("current", [(0.0, 0.0), (0.5, 0.0), (-0.3, 0.4)])
+@pytest.mark.parametrize(("current", "heading_rad"), [((0.0, 0.0), 1.5), ((-0.3, 0.4), 3.0)])
 def test_station_is_kept_against_half_a_metre_per_second(
     current: tuple[float, float], heading_rad: float
 ) -> None:
     voyage = Voyage(current, heading_rad=heading_rad)
-    voyage.sail(lambda _: KeepStation(ORIGIN), 180.0)
+    voyage.sail(lambda _: KeepStation(ORIGIN), 120.0)
     away = [distance_m(point, ORIGIN) for point in voyage.track]
     assert max(away) < 8.0
     assert max(away[4500:]) < 2.5
-    if current != (0.0, 0.0):
+    if any(current):
         into = math.atan2(-current[1], -current[0])
         assert math.cos(voyage.heading_rad - into) > 0.8
-
-
-def test_station_without_current_is_kept_almost_at_rest() -> None:
-    voyage = Voyage()
-    voyage.sail(lambda _: KeepStation(ORIGIN), 60.0)
-    drives = []
-    for _ in range(500):
-        voyage.sail(lambda _: KeepStation(ORIGIN), DT)
-        drives.append(abs(voyage.throttle))
-    assert sum(drives) / len(drives) < 0.1
-
-
-def test_the_same_seed_sails_the_same_track() -> None:
-    tracks = []
-    for _ in range(2):
-        voyage = Voyage((0.0, 0.3))
-        voyage.sail(Route((0.0, 0.0), (30.0, 0.0), (30.0, 30.0)), 20.0)
-        tracks.append(voyage.track)
-    assert tracks[0] == tracks[1]
+    else:
+        assert abs(voyage.throttle) < 0.2, "almost at rest"

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import pytest
 from boat_rig import OK, Rig
+from sailing_rig import GUIDED, LOITER
 
 from companion.config.boat_config import BoatConfig
 from companion.core.intent import HoldHeading
@@ -12,7 +13,7 @@ from companion.core.requests import SetPoint
 from companion.core.units import wrap_pi
 from companion.mavlink.dialect import dialect
 
-AUTOTUNE, LOITER, GUIDED, IN_PROGRESS = dialect.MAV_CMD_DO_AUTOTUNE_ENABLE, 5, 15, 5
+AUTOTUNE, IN_PROGRESS = dialect.MAV_CMD_DO_AUTOTUNE_ENABLE, 5
 STEP_RAD = math.radians(30.0)
 WATER = {
     "lake": ("environment.wind_m_s=3.0", "environment.current_m_s=0.3"),
@@ -59,62 +60,50 @@ def response(model: str, gains: dict[str, object]) -> StepResponse:
             rig.peer.listen()
         return off
 
-    hold(0.0, 40)
-    off = hold(STEP_RAD, 20)
+    hold(0.0, 25)
+    off = hold(STEP_RAD, 15)
     rest = sum(off[-250:]) / 250  # what the compass is off by
     off = [one - rest for one in off]
     unsettled = [tick for tick, one in enumerate(off) if abs(one) > 0.1]
     return StepResponse(max(off), sum(abs(one) for one in off) * 0.02, unsettled[-1] * 0.02)
 
 
-@pytest.mark.parametrize("model", ["lake", "pool"])
-def test_the_autotune_finds_good_gains_from_bad_ones(model: str) -> None:
-    bad = third(model)
-    rig = afloat(model, bad, seed=5)
+def tuned(rig: Rig, *params: float) -> Rig:
+    """After an autotune in LOITER."""
     assert rig.set_mode(LOITER) == OK
     assert rig.arm() == OK
     rig.run(10.0)
-    assert rig.ask(AUTOTUNE, 1.0, 4.0) == IN_PROGRESS
-    for _ in range(400):
-        rig.run(1.0)
-        rig.peer.listen()
-        if not rig.boat.calibration.is_running:
-            break
+    assert rig.ask(AUTOTUNE, 1.0, *params) == IN_PROGRESS
+    rig.until(lambda: not rig.boat.calibration.is_running, 400.0)
     rig.run(0.1)
-    assert any(text == "Heading autotune done: 3 parameters set" for text in rig.peer.texts), rig.peer.texts
-    before, after = response(model, bad), response(model, gains_of(rig.boat.parameters.config))
+    return rig
+
+
+def test_the_autotune_finds_good_gains_from_bad_ones_whatever_side_pulls_less() -> None:
+    bad, found = third("lake"), []
+    for right_gain in (1.0, 0.85):
+        rig = afloat("lake", bad if right_gain == 1.0 else {}, seed=5)
+        rig.world._thrusters.right.gain = right_gain
+        texts = tuned(rig, 4.0).peer.texts
+        assert "Heading autotune done: 3 parameters set" in texts, texts
+        found.append(rig.boat.parameters.config)
+    before, after = response("lake", bad), response("lake", gains_of(found[0]))
     assert after.overshoot < min(0.6 * before.overshoot, 0.05)
     assert after.error_s < 0.95 * before.error_s
     assert after.settled_s < before.settled_s
     assert after.settled_s < 3.2
+    assert found[1].heading.kp == pytest.approx(found[0].heading.kp, rel=0.2)
+    assert found[1].heading.kd == pytest.approx(found[0].heading.kd, rel=0.2)
 
 
-def test_gains_do_not_depend_on_the_gains_before_nor_on_the_side_that_pulls_less() -> None:
-    found = []
-    for right_gain in (1.0, 0.85):
-        rig = afloat("lake", {} if right_gain == 1.0 else third("lake"), seed=6)
-        rig.world._thrusters.right.gain = right_gain
-        assert rig.set_mode(LOITER) == OK
-        assert rig.arm() == OK
-        rig.run(10.0)
-        assert rig.ask(AUTOTUNE, 1.0) == IN_PROGRESS
-        for _ in range(400):
-            rig.run(1.0)
-            rig.peer.listen()
-            if not rig.boat.calibration.is_running:
-                break
-        found.append(rig.boat.parameters.config.heading)
-    assert found[1].kp == pytest.approx(found[0].kp, rel=0.2)
-    assert found[1].kd == pytest.approx(found[0].kd, rel=0.2)
+def test_a_small_boat_is_tuned_as_well() -> None:
+    rig = tuned(afloat("pool", third("pool"), seed=5), 4.0)
+    assert "Heading autotune done: 3 parameters set" in rig.peer.texts
+    heading, usual = rig.boat.parameters.config.heading, Rig("open", "boat.model='pool'").config.heading
+    assert 0.5 * usual.kp < heading.kp < 2.0 * usual.kp
 
 
 def test_a_boat_that_needs_all_its_thrust_for_cruise_speed_is_not_swung() -> None:
-    rig = afloat("lake", {"speed.cruise_throttle": 0.95}, seed=1)
-    rig.set_mode(LOITER)
-    assert rig.arm() == OK
-    rig.run(5.0)
-    assert rig.ask(AUTOTUNE, 1.0) == IN_PROGRESS
-    rig.until(lambda: not rig.boat.calibration.is_running, 5.0)
-    rig.run(0.1)
+    rig = tuned(afloat("lake", {"speed.cruise_throttle": 0.95}, seed=1))
     assert "Heading autotune aborted: cruise speed leaves no thrust to steer with" in rig.peer.texts
     assert rig.boat.parameters.config.heading == rig.config.heading

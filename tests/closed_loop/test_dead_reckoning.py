@@ -9,7 +9,7 @@ from boat_rig import Rig, waypoint
 from companion.core.state import EstimateFault, NavState, fault_texts
 
 CURRENT = ("environment.current_m_s=0.5", "environment.current_to_deg=90.0")
-AT_S = 45.0
+AT_S = 30.0
 
 
 @dataclass
@@ -65,11 +65,8 @@ def square(side_m: float) -> tuple[tuple[float, float], ...]:
     return ((side_m, 0.0), (side_m, side_m), (0.0, side_m), (0.0, 0.0))
 
 
-@pytest.mark.parametrize("course", [((400.0, 0.0),), square(40.0)], ids=["straight", "square"])
-def test_a_minute_without_satellites_costs_less_than_four_percent_of_the_way(
-    course: tuple[tuple[float, float], ...],
-) -> None:
-    passage = under_way("what='gnss', kind='off'", course=course)
+def test_a_minute_without_satellites_costs_less_than_four_percent_of_the_way() -> None:
+    passage = under_way("what='gnss', kind='off'", course=square(40.0))
     before = passage.sail(0.1)
     nav = passage.sail(54.0)
     assert passage.error_m < 0.04 * 2.0 * 54.0 + 1.0
@@ -85,15 +82,14 @@ def test_a_minute_without_satellites_costs_less_than_four_percent_of_the_way(
     ("fault", "bit"),
     [
         ("kind='stuck'", EstimateFault.GNSS_FROZEN),
-        ("kind='wrong', size=10.0", EstimateFault.GNSS_JUMPING),
         ("kind='garbage', size=50.0", EstimateFault.GNSS_JUMPING),
     ],
 )
 def test_a_receiver_that_freezes_or_leaps_is_found_out_and_leads_nobody_astray(
     fault: str, bit: EstimateFault
 ) -> None:
-    passage = under_way(f"what='gnss', {fault}, for_s=30.0")
-    passage.sail(30.0)
+    passage = under_way(f"what='gnss', {fault}, for_s=15.0")
+    passage.sail(15.0)
     assert passage.first_s[bit] < 2.0
     assert passage.error_m < 2.0
     passage.sail(5.0)
@@ -105,7 +101,7 @@ def test_positions_that_creep_away_from_their_velocities_are_noticed(
     speed_m_s: float, seconds: float, off_m: float
 ) -> None:
     passage = under_way(f"what='gnss', kind='drift', size={speed_m_s}")
-    passage.sail(60.0)
+    passage.sail(seconds + 5.0)
     assert passage.first_s[EstimateFault.GNSS_JUMPING] < seconds
     assert passage.error_m < off_m
 
@@ -120,32 +116,14 @@ def test_positions_that_creep_away_from_their_velocities_are_noticed(
 )
 def test_a_dead_or_wild_compass_is_noticed_and_gyro_and_course_do(fault: str, bit: EstimateFault) -> None:
     passage = under_way(f"what='compass', {fault}", course=square(40.0))
-    passage.sail(60.0)
+    passage.sail(30.0)
     assert min(passage.first_s.get(one, math.inf) for one in bit) < 3.0
     assert passage.heading_error_rad < math.radians(6.0)
     assert EstimateFault.HEADING_LOST not in passage.first_s
 
 
-@pytest.mark.parametrize(
-    ("fault", "bit"),
-    [
-        ("what='gnss', kind='delayed'", EstimateFault.GNSS_LATE),
-        ("what='compass', kind='delayed'", EstimateFault.COMPASS_LATE),
-        ("what='compass', kind='slow'", EstimateFault.COMPASS_LATE),
-    ],
-)
-def test_a_sensor_that_becomes_late_is_reckoned_with(fault: str, bit: EstimateFault) -> None:
-    passage = under_way(fault, course=square(40.0))
-    passage.sail(50.0)
-    assert bit in passage.first_s
-    passage.sail(20.0)
-    assert passage.error_m < 1.5
-    assert passage.heading_error_rad < math.radians(15.0)
-
-
-@pytest.mark.parametrize("deg_s", [-2.0, 2.0])
-def test_a_compass_that_turns_away_slowly_is_found_out_by_gyro_and_course(deg_s: float) -> None:
-    passage = under_way(f"what='compass', kind='drift', size={deg_s}, for_s=60.0", course=square(37.0))
+def test_a_compass_that_turns_away_slowly_is_found_out_by_gyro_and_course() -> None:
+    passage = under_way("what='compass', kind='drift', size=-2.0, for_s=60.0", course=square(37.0))
     passage.sail(14.0)
     assert passage.first_s[EstimateFault.COMPASS_OFF] < 12.0
     assert passage.heading_error_rad < math.radians(22.0)
@@ -156,57 +134,38 @@ def test_a_compass_that_turns_away_slowly_is_found_out_by_gyro_and_course(deg_s:
     assert not passage.sail(5.0).faults, "and believed again once it agrees"
 
 
-def test_with_neither_compass_nor_gyro_the_course_tells_the_heading() -> None:
-    passage = under_way("what='compass', kind='off'", course=square(40.0))
-    passage.sail(40.0)
-    assert passage.first_s[EstimateFault.COMPASS_LOST] < 2.0
-    assert passage.heading_error_rad < math.radians(22.0)
-    assert EstimateFault.HEADING_LOST not in passage.first_s
-
-
 def test_with_neither_compass_nor_gyro_a_boat_at_rest_loses_its_heading() -> None:
-    passage = under_way("what='compass', kind='off'", "environment.current_m_s=0.0", course=((80.0, 0.0),))
+    passage = under_way("what='compass', kind='off'", "environment.current_m_s=0.0", course=((50.0, 0.0),))
     passage.sail(30.0)
     assert EstimateFault.HEADING_LOST in passage.first_s
 
 
-@pytest.mark.parametrize("kind", ["off", "stuck", "garbage", "wrong"])
+@pytest.mark.parametrize("kind", ["stuck", "wrong"])
 def test_without_a_good_gyro_the_compass_does(kind: str) -> None:
     passage = under_way(f"what='gyro', kind='{kind}'", course=square(40.0))
     passage.sail(2.5)  # until it is found out
-    passage.sail(60.0)
+    passage.sail(35.0)
     assert passage.heading_error_rad < math.radians(14.0)
     assert EstimateFault.HEADING_LOST not in passage.first_s
 
 
-@pytest.mark.parametrize(("current_m_s", "to_deg"), [(0.0, 0.0), (0.5, 90.0), (1.0, 0.0)])
-def test_the_current_is_known_after_two_legs(current_m_s: float, to_deg: float) -> None:
-    rig = Rig("open", f"environment.current_m_s={current_m_s}", f"environment.current_to_deg={to_deg}")
-    rig.sail(waypoint(40.0, 0.0), waypoint(40.0, 40.0), waypoint(0.0, 40.0), waypoint(0.0, 0.0))
+def test_the_current_is_known_after_two_legs() -> None:
+    rig = Rig("open", "environment.current_m_s=1.0", "environment.current_to_deg=0.0")
+    rig.sail(*(waypoint(*corner) for corner in square(40.0)))
     rig.run(60.0)
     squares = []
-    for _ in range(40):
+    for _ in range(20):
         rig.run(0.5)
         nav, truth = rig.boat.nav, rig.world.truth
         assert nav is not None
-        north, east = (
-            nav.current_north_m_s - truth.current_north_m_s,
-            nav.current_east_m_s - truth.current_east_m_s,
+        off = complex(
+            nav.current_north_m_s - truth.current_north_m_s, nav.current_east_m_s - truth.current_east_m_s
         )
-        squares.append(north * north + east * east)
+        squares.append(abs(off) ** 2)
     assert math.sqrt(sum(squares) / len(squares)) < 0.12
 
 
-def test_a_cruise_throttle_that_is_far_off_costs_little() -> None:
-    passage = under_way("what='gnss', kind='off'", "vehicle.speed.cruise_throttle=0.4", course=square(40.0))
-    passage.sail(30.0)
-    assert passage.error_m < 0.03 * 2.0 * 30.0 + 1.5
-
-
 def test_each_fault_has_its_words() -> None:
-    assert fault_texts(0) == []
-    assert fault_texts(EstimateFault.GNSS_FROZEN | EstimateFault.POSITION_LOST) == [
-        "Position lost",
-        "GPS frozen: dead reckoning",
-    ]
+    both = EstimateFault.GNSS_FROZEN | EstimateFault.POSITION_LOST
+    assert fault_texts(both) == ["Position lost", "GPS frozen: dead reckoning"]
     assert all(len(fault_texts(fault)) == 1 and len(fault_texts(fault)[0]) < 40 for fault in EstimateFault)

@@ -1,143 +1,136 @@
-"""The fence on ground truth: the boat stops before it, comes back from beyond it."""
+"""The fence on ground truth: the boat stops before it, comes back inside, and sails round its corners."""
 
 import math
 
 import pytest
-from boat_rig import OK, Rig
-from fence_rig import L_WATER, RALLY, box, fenced, item, least_margin_m, polygon
+from boat_rig import Rig, waypoint
+from fence_rig import EXCLUDED, L_WATER, box, fenced, least_margin_m, margin_m, polygon
+from sailing_rig import CURRENT, GUIDED, MANUAL, RTL, VELOCITY, aim, armed, push, sail_to, tells, told
 
-from companion.core.geo import Point
-from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.items import MissionType
+from companion.core.geo import LatLon
+from companion.core.units import deg_to_e7
+from companion.mavlink.dialect import dialect
+from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.transfer import Completed
+from mission_tools.assembly.areas import open_areas
+from mission_tools.assembly.plan_options import PlanOptions
+from mission_tools.assembly.planned_mission import open_source
 
 ONTO_IT = ("environment.current_m_s=0.5", "environment.current_to_deg=0.0")
-CALM: tuple[str, ...] = ()
+ROUND = "The way to the mission leads round the shore"
+POND = "examples/maps/mill_pond_fence.geojson"
+BEHIND_THE_ISLANDS = LatLon(50.00095, -1.19757)
 
 
-def armed(rig: Rig, mode: int) -> Rig:
-    rig.ready()
-    assert rig.set_mode(mode) == OK
-    assert rig.arm() == OK
-    return rig
-
-
-def velocity(rig: Rig, north_m_s: float, east_m_s: float) -> None:
-    """SET_POSITION_TARGET_LOCAL_NED with a velocity alone."""
-    rig.peer.send(
-        dialect.MAVLink_set_position_target_local_ned_message(
-            0, 1, 1, 1, 0b110111000111, 0, 0, 0, north_m_s, east_m_s, 0, 0, 0, 0, 0, 0
-        )
-    )
-
-
-def sticks(steering: int, throttle: int) -> Message:
-    message: Message = dialect.MAVLink_manual_control_message(1, 0, steering, throttle, 0, 0)
-    return message
-
-
-@pytest.mark.parametrize("water", [CALM, ONTO_IT], ids=["calm", "current"])
-@pytest.mark.parametrize("course_deg", [0.0, 40.0])
-def test_a_boat_told_to_sail_at_the_line_stops_inside(water: tuple[str, ...], course_deg: float) -> None:
-    rig = fenced(Rig("open", *water), *polygon(box(-30.0, -100.0, 30.0, 100.0)))
-    armed(rig, 15)
-    least = math.inf
-    for _ in range(30):
-        course = math.radians(course_deg)
-        velocity(rig, 2.0 * math.cos(course), 2.0 * math.sin(course))
+def test_a_boat_told_to_sail_at_the_line_stops_inside() -> None:
+    rig = armed(GUIDED, rig=fenced(Rig("open", *ONTO_IT), *polygon(box(-20.0, -100.0, 20.0, 100.0))))
+    least, course = math.inf, math.radians(40.0)
+    for _ in range(24):
+        aim(rig, VELOCITY, velocity=(2.0 * math.cos(course), 2.0 * math.sin(course)))
         least = min(least, least_margin_m(rig, 1.0))
     assert 0.3 < least < 4.0
     assert "Fence ahead: keeping station" in rig.peer.texts
 
 
-@pytest.mark.parametrize("water", [CALM, ONTO_IT], ids=["calm", "current"])
-@pytest.mark.parametrize("throttle", [1000, -1000])
-def test_full_throttle_by_hand_does_not_take_the_boat_out(water: tuple[str, ...], throttle: int) -> None:
-    rig = fenced(Rig("open", *water), *polygon(box(-20.0, -100.0, 30.0, 100.0)))
-    armed(rig, 0)
-    least = math.inf
-    for _ in range(100):
-        rig.peer.send(sticks(0, throttle))
-        least = min(least, least_margin_m(rig, 0.4))
-    assert 0.3 < least < 4.0
+def test_full_throttle_by_hand_does_not_take_the_boat_out_ahead_or_astern() -> None:
+    rig = armed(MANUAL, rig=fenced(Rig("open", *ONTO_IT), *polygon(box(-20.0, -100.0, 20.0, 100.0))))
+    for throttle, seconds in ((1000, 20), (-1000, 45)):
+        least = math.inf
+        for _ in range(seconds):
+            push(rig, 0, throttle, 1.0)
+            least = min(least, margin_m(rig))
+        assert 0.3 < least < 4.0
 
 
-def go_to(rig: Rig, north_m: float, east_m: float) -> None:
-    frame, start = rig.scenario.frame, rig.scenario.start
-    there = frame.to_global(start._replace(north_m=north_m, east_m=east_m))
-    x, y = round(there.lat_deg * 1e7), round(there.lon_deg * 1e7)
-    rig.peer.command_int(192, -1, 1, 0, math.nan, x=x, y=y)
-    rig.receive()
-
-
-@pytest.mark.parametrize("to_deg", [None, 0.0, 90.0, 225.0])
-def test_rtl_follows_the_water_round_the_corner(to_deg: float | None) -> None:
-    water = () if to_deg is None else (f"environment.current_to_deg={to_deg}", "environment.current_m_s=0.5")
-    rig = fenced(Rig("open", *water), *polygon(L_WATER))
-    armed(rig, 15)
-    go_to(rig, 0.0, 60.0)
-    rig.until(lambda: rig.offset_m(0.0, 60.0) < 4.0, 90.0)
-    go_to(rig, 60.0, 60.0)
-    rig.until(lambda: rig.offset_m(60.0, 60.0) < 4.0, 90.0)
-    assert rig.set_mode(11) == OK
+def test_rtl_follows_the_water_round_the_corner_in_a_current() -> None:
+    water = ("environment.current_to_deg=225.0", "environment.current_m_s=0.5")
+    rig = armed(GUIDED, rig=fenced(Rig("open", *water), *polygon(L_WATER)))
+    sail_to(rig, 0.0, 60.0)
+    sail_to(rig, 60.0, 60.0)
+    assert rig.set_mode(RTL) == 0
     began_s, least = rig.now_s, math.inf
-    while not any("RTL: arrived" in text for text in rig.peer.texts):
+    while not tells(rig, "RTL: arrived"):
         least = min(least, least_margin_m(rig, 1.0))
-        assert rig.now_s - began_s < 120.0
+        assert rig.now_s - began_s < 75.0  # 99 m of water at 2 m/s, two stops and a corner
     assert least > 1.5
-    assert rig.offset_m(0.0, 0.0) < 3.5
-    assert rig.now_s - began_s < 75.0  # 99 m of water at 2 m/s, two stops and a corner
-    rig.run(20.0)
+    rig.run(15.0)
     assert rig.offset_m(0.0, 0.0) < 3.5
 
 
-def test_rtl_goes_to_the_rally_point_that_is_nearest_by_water() -> None:
-    rig = fenced(Rig(), *polygon(L_WATER))
-    armed(rig, 15)
-    rally = [item(70.0, 70.0, RALLY), item(0.0, 20.0, RALLY)]
-    assert isinstance(rig.upload(rally, mission_type=MissionType.RALLY), Completed)
-    go_to(rig, 0.0, 70.0)
-    rig.until(lambda: rig.offset_m(0.0, 70.0) < 4.0, 90.0)
-    go_to(rig, 40.0, 60.0)
-    rig.until(lambda: rig.offset_m(40.0, 60.0) < 4.0, 90.0)
-    assert rig.set_mode(11) == OK
-    rig.until(lambda: any("RTL: arrived" in text for text in rig.peer.texts), 60.0)
-    assert rig.offset_m(70.0, 70.0) < 4.0
-    assert rig.boat.vehicle.route.home_distance_m(Point(70.0, 60.0)) == pytest.approx(10.0, abs=0.2)
-
-
-@pytest.mark.parametrize("action", [1, 6], ids=["RTL", "LOITER"])
-@pytest.mark.parametrize("water", [CALM, ONTO_IT], ids=["calm", "current"])
-def test_a_boat_beyond_the_fence_comes_back(water: tuple[str, ...], action: int) -> None:
-    rig = Rig("open", *water, config={"failsafe.fence_action": action})
-    armed(rig, 15)
-    go_to(rig, 30.0, 0.0)
-    rig.until(lambda: rig.offset_m(30.0, 0.0) < 3.0, 60.0)
-    fenced(rig, *polygon(box(-25.0, -20.0, 20.0, 20.0)))
+@pytest.mark.parametrize(("action", "water"), [(1, ONTO_IT), (6, CURRENT)], ids=["RTL", "LOITER"])
+def test_a_boat_beyond_the_fence_comes_back(action: int, water: tuple[str, ...]) -> None:
+    rig = armed(GUIDED, *water, config={"failsafe.fence_action": action})
+    sail_to(rig, 18.0, 0.0, within_m=3.0)
+    fenced(rig, *polygon(box(-15.0, -20.0, 10.0, 20.0)))
     rig.run(3.0)  # FENCE_STATUS comes every two seconds
     assert rig.mode == ("RTL" if action == 1 else "LOITER")
-    assert any(text.startswith("Failsafe: Outside the fence by ") for text in rig.peer.texts)
+    assert tells(rig, "Failsafe: Outside the fence by ")
     assert rig.peer.said("FENCE_STATUS")[-1].breach_status == 1
     geofence = dialect.MAV_SYS_STATUS_GEOFENCE
     assert not rig.peer.said("SYS_STATUS")[-1].onboard_control_sensors_health & geofence
-    rig.until(lambda: "Failsafe over: inside the fence again" in rig.peer.texts, 40.0)
-    rig.run(30.0)
-    assert least_margin_m(rig, 20.0) > 1.0
-    if action == 1:
-        assert rig.offset_m(0.0, 0.0) < 4.0
-    else:
-        assert rig.world.truth.north_m > 10.0
-    said = rig.peer.said("FENCE_STATUS")[-1]
-    assert (said.breach_status, said.breach_count) == (0, 1)
+    told(rig, "Failsafe over: inside the fence again", 40.0)
+    rig.run(20.0)
+    assert least_margin_m(rig, 10.0) > 1.0
+    assert (rig.offset_m(0.0, 0.0) < 4.0) if action == 1 else (rig.world.truth.north_m > 3.0)
+    status = rig.peer.said("FENCE_STATUS")[-1]
+    assert (status.breach_status, status.breach_count) == (0, 1)
     assert rig.peer.said("SYS_STATUS")[-1].onboard_control_sensors_health & geofence
 
 
-def test_a_boat_outside_its_fence_does_not_arm_and_says_why() -> None:
-    rig = Rig().ready()
-    fenced(rig, *polygon(box(50.0, 50.0, 90.0, 90.0)))
-    rig.run(0.5)
-    assert rig.arm() != OK
-    assert any(text.startswith("Arm: Fence: the boat is outside") for text in rig.peer.texts)
-    assert rig.ask(dialect.MAV_CMD_DO_FENCE_ENABLE, 0.0) == OK
-    rig.run(0.1)
-    assert rig.arm() == OK
+def sail_out(rig: Rig, limit_s: float) -> float:
+    """To the end of the mission; how near the fence the boat came."""
+    began_s, least = rig.now_s, math.inf
+    while rig.mode == "AUTO":
+        rig.run(0.2)
+        least = min(least, margin_m(rig))
+        assert rig.now_s - began_s < limit_s
+    return least
+
+
+def test_a_first_leg_that_would_leave_the_water_goes_round_the_corner() -> None:
+    rig = fenced(Rig().ready(), *polygon(L_WATER))
+    rig.sail(waypoint(50.0, 60.0))
+    assert sail_out(rig, 120.0) > 2.0
+    assert ROUND in rig.peer.texts
+    assert rig.offset_m(50.0, 60.0) < 4.0
+
+
+def test_a_boat_set_off_its_plan_keeps_clear_of_an_islet_beside_it() -> None:
+    rig = Rig("open", "environment.current_m_s=0.8", "environment.current_to_deg=0.0").ready()
+    fenced(rig, *polygon(box(-60.0, -60.0, 120.0, 120.0)), *polygon(box(5.0, 18.0, 15.0, 30.0), EXCLUDED))
+    rig.run(5.0)  # the straight way from here leads over it
+    rig.sail(waypoint(10.0, 50.0), waypoint(20.0, 50.0))
+    assert sail_out(rig, 120.0) > 2.0
+    assert ROUND in rig.peer.texts
+    assert [message.seq for message in rig.peer.said("MISSION_ITEM_REACHED")] == [1, 2]
+
+
+def test_where_there_is_no_roomier_way_it_takes_the_straight_one_and_says_so() -> None:
+    walls = box(12.0, -40.0, 16.0, -2.5), box(12.0, 2.5, 16.0, 40.0)
+    rig = fenced(
+        Rig().ready(),
+        *polygon(box(-30.0, -40.0, 50.0, 40.0)),
+        *(corner for wall in walls for corner in polygon(wall, EXCLUDED)),
+    )
+    rig.sail(waypoint(28.0, 0.0))
+    assert sail_out(rig, 120.0) > 1.5
+    assert "The way to the mission leads near the fence" in rig.peer.texts
+
+
+def test_the_boat_comes_home_from_behind_the_islands_without_a_detour() -> None:
+    rig = Rig("lake").ready()
+    planned = open_source("lake", PlanOptions(goal=BEHIND_THE_ISLANDS), open_areas(POND, None)).prepare()
+    fence = [
+        MissionItem(one.frame, one.command, 0, 1, *one.params, x=one.x, y=one.y, z=one.z)
+        for name, items in planned.mission.wire_lists(home_first=True).items()
+        for one in items
+        if name.name == "FENCE"
+    ]
+    assert isinstance(rig.upload(fence, mission_type=MissionType.FENCE), Completed)
+    home = rig.scenario.frame.to_local(BEHIND_THE_ISLANDS)
+    x, y = deg_to_e7(BEHIND_THE_ISLANDS.lat_deg), deg_to_e7(BEHIND_THE_ISLANDS.lon_deg)
+    rig.peer.command_int(dialect.MAV_CMD_DO_SET_HOME, x=x, y=y)
+    armed(RTL, rig=rig)
+    took_s = rig.until(lambda: rig.offset_m(home.north_m, home.east_m) < 3.0, 400.0)
+    assert took_s < 260.0
+    assert sum(text.startswith("Obstacle") for text in rig.peer.texts) <= 4

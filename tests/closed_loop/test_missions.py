@@ -3,92 +3,153 @@
 import math
 
 import pytest
-from boat_rig import OK, Rig, waypoint
+from boat_rig import HOME_ITEM, OK, Rig, waypoint
+from sailing_rig import AUTO, HOLD, VELOCITY, aim, do, over, reached, speed_m_s, told
 
+from companion.core.units import wrap_pi
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem
+from companion.mavlink.transfer import Completed
 
-LOITER_TIME, RTL, DELAY = 19, 20, 93
-CHANGE_SPEED, JUMP = 178, 177
-
-
-def do(command: int, p1: float = 0.0, p2: float = 0.0) -> MissionItem:
-    return MissionItem(frame=2, command=command, param1=p1, param2=p2)
+TURNS, LOITER_TIME, RTL, HAND_OVER, DELAY = 18, 19, 20, 92, 93
+AFTER, WITHIN, YAW = 112, 114, 115
+CHANGE_SPEED, JUMP, SET_HOME, LIMITS = 178, 177, 179, 222
 
 
-def over(rig: Rig, limit_s: float = 300.0) -> list[int]:
-    """Sail to the end of the mission; the items reported as reached."""
-    rig.peer.heard.clear()
-    rig.until(lambda: rig.mode != "AUTO", limit_s)
-    rig.run(0.1)
-    return [message.seq for message in rig.peer.said("MISSION_ITEM_REACHED")]
-
-
-def test_a_time_at_a_waypoint_is_spent_there() -> None:
-    rig = Rig().sail(waypoint(20.0, 0.0, command=LOITER_TIME, param1=20.0), waypoint(20.0, 20.0))
-    rig.until(lambda: bool(rig.peer.said("MISSION_ITEM_REACHED")), 60.0)
+def test_times_delays_jumps_and_a_home_on_the_way_are_sailed_and_the_end_leads_home() -> None:
+    rig = Rig().sail(
+        waypoint(12.0, 0.0, command=LOITER_TIME, param1=10.0), do(SET_HOME, 1.0), do(DELAY, 8.0),
+        waypoint(12.0, 12.0), do(JUMP, 4.0, 1.0), waypoint(0.0, 12.0), do(RTL),
+    )  # fmt: skip
+    rig.until(lambda: bool(reached(rig)), 60.0)
     worst_m = 0.0
-    for _ in range(19):
+    for _ in range(9):
         rig.run(1.0)
-        worst_m = max(worst_m, rig.offset_m(20.0, 0.0))
+        worst_m = max(worst_m, rig.offset_m(12.0, 0.0))
     assert worst_m < 3.5
     assert rig.boat.vehicle.progress.current_seq == 1
-    assert over(rig) == [2]
-
-
-def test_a_delay_keeps_station_and_the_mission_goes_on() -> None:
-    rig = Rig().sail(waypoint(15.0, 0.0), do(DELAY, 15.0), waypoint(15.0, 15.0))
+    rig.until(lambda: rig.boat.vehicle.progress.current_seq == 4, 5.0 + 10.0)
     began_s = rig.now_s
-    assert over(rig) == [1, 2, 3]
-    assert rig.now_s - began_s > 15.0 + 25.0 / 2.0
-
-
-def test_a_change_of_speed_is_kept_on_the_water() -> None:
-    rig = Rig().sail(do(CHANGE_SPEED, 1.0, 1.0), waypoint(60.0, 0.0))
-    rig.run(20.0)
-    truth = rig.world.truth
-    assert math.hypot(truth.north_m_s, truth.east_m_s) == pytest.approx(1.0, abs=0.15)
-
-
-def test_a_jump_sails_the_leg_again() -> None:
-    rig = Rig().sail(waypoint(15.0, 0.0), waypoint(15.0, 15.0), do(JUMP, 1.0, 1.0), waypoint(0.0, 15.0))
-    assert over(rig) == [1, 2, 1, 2, 4]
-
-
-def test_the_way_home_at_the_end_leads_home() -> None:
-    rig = Rig().sail(waypoint(30.0, 0.0), waypoint(30.0, 30.0), do(RTL))
-    assert over(rig) == [1, 2]
+    assert over(rig) == [1, 3, 4, 4, 6]
+    assert rig.now_s - began_s > 12.0
     assert rig.mode == "RTL"
-    rig.until(lambda: any("RTL: arrived" in text for text in rig.peer.texts), 60.0)
-    assert rig.offset_m(0.0, 0.0) < 3.5
+    told(rig, "RTL: arrived", 60.0)
+    assert rig.offset_m(12.0, 0.0) < 3.5
 
 
-@pytest.mark.parametrize(("behave", "mode"), [(0, "HOLD"), (1, "LOITER")])
-def test_after_the_last_item_the_boat_does_as_it_was_told(behave: int, mode: str) -> None:
-    rig = Rig(config={"mission.done_behave": behave}).sail(waypoint(15.0, 0.0))
-    over(rig)
-    assert rig.mode == mode
-    if mode == "LOITER":
-        rig.run(30.0)
-        assert rig.offset_m(15.0, 0.0) < 3.0
-
-
-def test_a_mission_interrupted_by_hold_is_taken_up_where_it_was_left() -> None:
-    rig = Rig().sail(waypoint(30.0, 0.0), waypoint(30.0, 30.0), waypoint(0.0, 30.0))
-    rig.until(lambda: rig.boat.vehicle.progress.current_seq == 2, 60.0)
-    rig.run(3.0)
-    assert rig.set_mode(4) == OK
-    rig.run(10.0)
-    assert rig.set_mode(10) == OK
-    assert rig.boat.vehicle.progress.current_seq == 2
-    assert over(rig) == [2, 3]
-
-
-def test_a_mission_survives_a_restart_and_can_be_sailed_again() -> None:
+def test_a_mission_interrupted_by_hold_is_taken_up_there_and_sailed_again_after_a_restart() -> None:
     rig = Rig().sail(waypoint(15.0, 0.0), waypoint(15.0, 15.0))
-    over(rig)
+    rig.until(lambda: rig.boat.vehicle.progress.current_seq == 2, 60.0)
+    rig.run(2.0)
+    assert rig.set_mode(HOLD) == OK
+    rig.run(5.0)
+    assert rig.set_mode(AUTO) == OK
+    assert rig.boat.vehicle.progress.current_seq == 2
+    assert over(rig) == [2]
     rig.reboot()
     rig.ready()
     assert rig.arm() == OK
     assert rig.ask(dialect.MAV_CMD_MISSION_START) == OK
     assert over(rig) == [1, 2]
+
+
+def test_turns_are_sailed_round_the_place_and_then_the_mission_goes_on() -> None:
+    rig = Rig().sail(waypoint(15.0, 0.0, command=TURNS, param1=2.0, param3=-8.0), waypoint(30.0, 10.0))
+    swept, last, off = 0.0, None, []
+    while rig.boat.vehicle.progress.current_seq == 1:
+        rig.run(0.5)
+        truth = rig.world.truth
+        away_m, bearing = rig.offset_m(15.0, 0.0), math.atan2(truth.east_m, truth.north_m - 15.0)
+        if abs(away_m - 8.0) < 3.0:
+            swept += wrap_pi(bearing - last) if last is not None else 0.0
+            off.append(away_m - 8.0)
+        last = bearing
+        assert rig.now_s < 300.0
+    assert -swept == pytest.approx(4.0 * math.pi, rel=0.15)
+    assert max(map(abs, off[20:])) < 1.5
+    assert over(rig) == [1, 2]
+
+
+def test_speeds_behind_a_delay_and_a_distance_wait_for_them_and_are_kept() -> None:
+    rig = Rig().sail(
+        do(AFTER, 12.0), do(CHANGE_SPEED, 1.0, 1.0), waypoint(45.0, 0.0), do(CHANGE_SPEED, 1.0, 2.0),
+        do(WITHIN, 15.0), do(CHANGE_SPEED, 1.0, 0.8), waypoint(95.0, 0.0),
+    )  # fmt: skip
+    rig.run(9.0)
+    assert speed_m_s(rig) > 1.6
+    rig.run(13.0)
+    assert speed_m_s(rig) == pytest.approx(1.0, abs=0.15)
+    rig.until(lambda: rig.offset_m(76.0, 0.0) < 2.0, 80.0)
+    assert speed_m_s(rig) > 1.6
+    rig.until(lambda: rig.offset_m(90.0, 0.0) < 2.0, 60.0)
+    assert speed_m_s(rig) == pytest.approx(0.8, abs=0.2)
+    assert over(rig) == [3, 7]
+
+
+def test_a_turn_on_the_spot_ends_with_the_bow_there() -> None:
+    rig = Rig().sail(waypoint(10.0, 0.0), do(YAW, 200.0), do(YAW, 90.0, 0.0, -1.0, 1.0), waypoint(0.0, 0.0))
+    seen = {}
+    before = 0
+    while rig.mode == "AUTO":
+        rig.step()
+        seq = rig.boat.vehicle.progress.current_seq
+        if seq != before:
+            seen[before], before = rig.world.truth.heading_rad, seq
+        assert rig.now_s < 200.0
+    assert wrap_pi(seen[2] - math.radians(200.0)) == pytest.approx(0.0, abs=0.2)
+    assert wrap_pi(seen[3] - seen[2] + math.radians(90.0)) == pytest.approx(0.0, abs=0.3)
+
+
+def test_another_program_steers_until_its_limit_and_the_mission_goes_on() -> None:
+    rig = Rig().sail(waypoint(10.0, 0.0), do(LIMITS, 12.0), do(HAND_OVER, 1.0), waypoint(10.0, 10.0))
+    rig.until(lambda: rig.boat.vehicle.progress.current_seq == 3, 30.0)
+    rig.run(1.0)
+    for _ in range(16):
+        aim(rig, VELOCITY, velocity=(0.0, -1.5))
+        rig.run(0.5)
+    assert rig.world.truth.east_m < -4.0
+    assert rig.mode == "AUTO"
+    assert over(rig) == [1, 3, 4]
+
+
+def test_local_places_are_metres_from_the_origin_and_from_where_the_leg_began() -> None:
+    def local(frame: int, north_m: float, east_m: float) -> MissionItem:
+        return MissionItem(frame=frame, command=16, x=round(north_m * 1e4), y=round(east_m * 1e4))
+
+    rig = Rig().sail(local(1, 12.0, 5.0), local(7, 0.0, 12.0), local(7, -12.0, 0.0))
+    frame = rig.boat.estimator.frame
+    assert frame is not None
+    origin = rig.scenario.frame.to_local(frame.origin)
+    for count, (north_m, east_m) in enumerate([(12.0, 5.0), (12.0, 17.0), (0.0, 17.0)], 1):
+        while len(reached(rig)) < count:
+            rig.step()
+            assert rig.now_s < 120.0
+        assert rig.offset_m(origin.north_m + north_m, origin.east_m + east_m) < 3.5
+
+
+def test_a_patrol_without_end_rounds_its_corner_without_stopping() -> None:
+    corners = [waypoint(*corner) for corner in ((20.0, 0.0), (20.0, 20.0), (0.0, 20.0), (0.0, 0.0))]
+    rig = Rig().sail(*corners, do(JUMP, 1.0, -1.0))
+    rig.until(lambda: rig.boat.vehicle.progress.current_seq == 4, 120.0)
+    slowest = 9.0
+    while len(reached(rig)) < 5:
+        rig.run(0.5)
+        slowest = min(slowest, speed_m_s(rig))
+        assert rig.now_s < 300.0
+    assert slowest > 0.3
+
+
+def test_a_new_mission_whose_way_here_is_the_same_is_sailed_on_without_a_break() -> None:
+    way = [waypoint(15.0, 0.0), waypoint(40.0, 0.0)]
+    rig = Rig().sail(*way, waypoint(40.0, 20.0))
+    rig.until(lambda: rig.boat.vehicle.progress.current_seq == 2, 60.0)
+    rig.run(3.0)
+    assert isinstance(rig.upload([HOME_ITEM, *way, waypoint(40.0, -20.0)]), Completed)
+    assert "New mission goes on with item 2" in rig.peer.texts
+    slowest = 9.0
+    while rig.boat.vehicle.progress.current_seq == 2:
+        rig.run(0.2)
+        slowest = min(slowest, speed_m_s(rig))
+    assert slowest > 0.3
+    assert over(rig) == [1, 2, 3]
+    assert rig.offset_m(40.0, -20.0) < 3.5
