@@ -42,7 +42,7 @@ from companion.estimation.covariance import (
     Covariance,
 )  # fmt: skip
 from companion.estimation.hull_model import GAIN, GAIN_WALK
-from companion.estimation.innovation import NO_INNOVATION, Innovation, square
+from companion.estimation.innovation import NO_INNOVATION, square
 from companion.estimation.nominal_state import STALL_S, UNMODELLED_S, NominalState
 
 # Deviations. Process noises were chosen by `benchmarks.estimation`: NEES and NIS near 1
@@ -66,8 +66,7 @@ VELOCITY_M_S: Final = 0.05  # Doppler noise of a common receiver, per axis
 class ErrorStateFilter(NominalState):
     """The nominal state with the covariance of its error, and the latest innovations.
 
-    velocity_noise, compass_noise, position_noise: learned factors of the stated variances. is_pending:
-    measurements wait for `commit`.
+    compass_noise: learned factor of the stated variance. is_pending: measurements wait for `commit`.
     """
 
     def __init__(
@@ -84,12 +83,10 @@ class ErrorStateFilter(NominalState):
              setting.compass_doubt_rad, GAIN, 0.0, 0.0, _DELAY_S)
         )  # fmt: skip
         self._stalled_s, self._stalled_m2 = -math.inf, 0.0  # end of a stall, and the variance that it adds
-        self.velocity_noise = self.compass_noise = self.position_noise = 1.0
-        self._velocity_off = self._position_off = 0j  # latest innovations
         self.is_pending = False
         self._q = 2.0 * (_UNMODELLED * speed.cruise_m_s) ** 2 / UNMODELLED_S
-        self.compass = self.position_north = self.position_east = NO_INNOVATION
-        self.velocity_north = self.velocity_east = NO_INNOVATION
+        self.compass, self.compass_noise = NO_INNOVATION, 1.0
+        self.position, self.velocity = InnovationPair(), InnovationPair()
 
     def use_gyro(self, *, has_gyro: bool) -> None:
         self.commit()
@@ -239,7 +236,7 @@ class ErrorStateFilter(NominalState):
 
     def predict_velocity(
         self, heading_rad: float, before_m_s: complex, velocity_m_s: complex, variance: float
-    ) -> "PairUpdate":
+    ) -> "InnovationPair":
         """Measure a velocity over ground; pending until `commit`, or until it is withdrawn.
 
         heading_rad and before_m_s: state and velocity at its time. variance: stated, per axis.
@@ -248,42 +245,32 @@ class ErrorStateFilter(NominalState):
         self.is_pending = True
         cos, sin, measure = math.cos(heading_rad), math.sin(heading_rad), self.covariance.measure
         through = before_m_s - self.current_m_s
-        off, white = velocity_m_s - before_m_s, variance * self.velocity_noise
+        off, white = velocity_m_s - before_m_s, variance * self.velocity.noise
         north = ((HEADING, -through.imag), (SURGE, cos), (SWAY, -sin), (CURRENT_NORTH, 1.0))
         east = ((HEADING, through.real), (SURGE, sin), (SWAY, cos), (CURRENT_EAST, 1.0))
-        self.velocity_north = self.velocity_north.next(self.turned_s, *measure(north, off.real, white))
-        self.velocity_east = self.velocity_east.next(self.turned_s, *measure(east, off.imag, white))
-        return PairUpdate(self.velocity_north, self.velocity_east, off)
+        return self.velocity.next(
+            self.turned_s, measure(north, off.real, white), measure(east, off.imag, white), off
+        )
 
     def predict_position(
         self, then: complex, velocity_m_s: complex, at: complex, sigma_m: float
-    ) -> "PairUpdate":
+    ) -> "InnovationPair":
         """The same for a position, north + i east; then: where the boat was. sigma_m: per axis."""
         self._propagate()
         self.is_pending = True
         self._wander_variance = (self._setting.wander_share * sigma_m) ** 2
         off, measure = at - then - complex(self.gnss_north_m, self.gnss_east_m), self.covariance.measure
-        white = self.position_noise * (sigma_m * sigma_m - self._wander_variance)
+        white = self.position.noise * (sigma_m * sigma_m - self._wander_variance)
         north = ((NORTH, 1.0), (GNSS_NORTH, 1.0), (GNSS_DELAY, -velocity_m_s.real))
         east = ((EAST, 1.0), (GNSS_EAST, 1.0), (GNSS_DELAY, -velocity_m_s.imag))
-        self.position_north = self.position_north.next(self.turned_s, *measure(north, off.real, white))
-        self.position_east = self.position_east.next(self.turned_s, *measure(east, off.imag, white))
-        return PairUpdate(self.position_north, self.position_east, off)
+        return self.position.next(
+            self.turned_s, measure(north, off.real, white), measure(east, off.imag, white), off
+        )
 
-    def withdraw(self, pair: "PairUpdate") -> None:
+    def withdraw(self, pair: "InnovationPair") -> None:
         """Withdraw a measurement, the one predicted last."""
         self.covariance.withdraw(2)
         pair.north.is_accepted = pair.east.is_accepted = False
-
-    def adapt_velocity(self, pair: "PairUpdate") -> None:
-        """Adapt the noise of velocities to what changes from one to the next: a lag is no noise."""
-        step, self._velocity_off = pair.innovation - self._velocity_off, pair.innovation
-        self.velocity_noise = _adapted(self.velocity_noise, 1.0, pair.square_of(step))
-
-    def adapt_position(self, pair: "PairUpdate") -> None:
-        """The same for positions: a drift is no noise."""
-        step, self._position_off = pair.innovation - self._position_off, pair.innovation
-        self.position_noise = _adapted(self.position_noise, 1.0, pair.square_of(step))
 
 
 def _adapted(noise: float, share: float, square: float) -> float:
@@ -291,16 +278,29 @@ def _adapted(noise: float, share: float, square: float) -> float:
     return noise * (1.0 + _ADAPTS * share * (min(square, _CLIP) - 1.0))
 
 
-class PairUpdate:
-    """North and east of one measurement, and its joint NIS, of two degrees of freedom."""
+class InnovationPair:
+    """The latest measurement of a position or a velocity.
 
-    def __init__(self, north: Innovation, east: Innovation, innovation: complex) -> None:
-        """north: its innovation; east: the same given north. innovation: without that."""
-        self.north, self.east, self.innovation = north, east, innovation
-        north.is_accepted = east.is_accepted = True
-        self.nis = north.nis + east.nis
+    north: its innovation; east: the same given north; value: both, without that. nis: joint, of two degrees
+    of freedom. noise: learned factor of the stated variance.
+    """
 
-    def square_of(self, step: complex) -> float:
-        """The normalised square of a change of the innovation since the last one, 1 on average."""
+    def __init__(self) -> None:
+        self.north = self.east = NO_INNOVATION
+        self.nis, self.noise = 0.0, 1.0
+        self.value = self._before = 0j
+
+    def next(
+        self, time_s: float, north: tuple[float, float], east: tuple[float, float], value: complex
+    ) -> "InnovationPair":
+        """Take the measurement that follows: innovation and variance of each component."""
+        self.north, self.east = self.north.next(time_s, *north), self.east.next(time_s, *east)
+        self.north.is_accepted = self.east.is_accepted = True
+        self.nis, self.value = self.north.nis + self.east.nis, value
+        return self
+
+    def adapt(self) -> None:
+        """Adapt the noise to what changes from one measurement to the next: a lag or a drift is no noise."""
+        step, self._before = self.value - self._before, self.value
         share = 1.0 / self.north.variance + 1.0 / self.east.variance
-        return 0.125 * share * square(step)
+        self.noise = _adapted(self.noise, 1.0, 0.125 * share * square(step))  # 1 on average

@@ -62,22 +62,6 @@ class EstimatorReport(Struct, frozen=True):
     hypotheses: tuple[tuple[str, float], ...] = ()
 
 
-def report_of(state: ErrorStateFilter, hypotheses: tuple[tuple[str, float], ...] = ()) -> EstimatorReport:
-    """The present inside of a filter."""
-    yaw = state.yaw_model
-    return EstimatorReport(
-        tuple(getattr(state, name) for name in STATE_NAMES),
-        tuple(tuple(row) for row in state.covariance.rows),
-        state.position_north,
-        state.position_east,
-        state.velocity_north,
-        state.velocity_east,
-        state.compass,
-        Innovation(state.turned_s, yaw.innovation_rad_s, yaw.variance, is_accepted=True),
-        hypotheses,
-    )
-
-
 class Estimator:
     """`frame` is None before the first good fix.
 
@@ -169,7 +153,17 @@ class Estimator:
     @property
     def report(self) -> EstimatorReport | None:
         """The filter's inside; None before the first fix."""
-        return None if self.frame is None else report_of(self.state, self.heading.bank.hypotheses())
+        if self.frame is None:
+            return None
+        state = self.state
+        position, velocity, yaw = state.position, state.velocity, state.yaw_model
+        return EstimatorReport(
+            tuple(getattr(state, name) for name in STATE_NAMES),
+            tuple(tuple(row) for row in state.covariance.rows),
+            position.north, position.east, velocity.north, velocity.east, state.compass,
+            Innovation(state.turned_s, yaw.innovation_rad_s, yaw.variance, is_accepted=True),
+            self.heading.bank.hypotheses(),
+        )  # fmt: skip
 
     def _check_health(self, now_s: float) -> None:
         """Update the position uncertainty and the faults."""

@@ -13,7 +13,7 @@ from companion.core.evidence import MOST_SQUARE
 from companion.core.state import EstimateFault
 from companion.estimation.covariance import EAST, NORTH, SURGE, SWAY
 from companion.estimation.delay import DELAYS, PAUSE_S, STEP_S, DelayEstimator
-from companion.estimation.error_state import VELOCITY_M_S, ErrorStateFilter, PairUpdate
+from companion.estimation.error_state import VELOCITY_M_S, ErrorStateFilter, InnovationPair
 from companion.estimation.heading_update import HeadingUpdate
 from companion.estimation.innovation import DISAGREES_S, GATE_2
 from companion.estimation.monitor import SensorMonitor
@@ -108,17 +108,17 @@ class PositionUpdate:
             else:
                 bank.drift.restart()
             return
-        scatter_m = sigma_m * math.sqrt(max(state.position_noise, 1.0))
-        doppler_variance = variance * state.velocity_noise
+        scatter_m = sigma_m * math.sqrt(max(state.position.noise, 1.0))
+        doppler_variance = variance * state.velocity.noise
         bank.weigh_position(stamp_s, at, velocity, predicted, scatter_m, doppler_variance)
         if velocity is not None and self._has_updated_velocity(heading_rad, predicted, velocity, variance):
             self._velocity_s = stamp_s
-            white = 0.5 * (state.velocity_north.variance + state.velocity_east.variance)
+            white = 0.5 * (state.velocity.north.variance + state.velocity.east.variance)
             self._heading.check_velocity(velocity, heading_rad, predicted, white, dt)
         state.end_stall(time_s)
         position = state.predict_position(then, predicted, at, sigma_m)
         if position.nis <= GATE_2 and not bank.is_gnss_wrong:
-            state.adapt_position(position)
+            position.adapt()
             self.accepted_s, self._rejected_s = stamp_s, 0.0
             return
         state.withdraw(position)
@@ -137,13 +137,13 @@ class PositionUpdate:
         elif waited_s > DISAGREES_S:
             state.raise_position((_OPENS * state.cruise_m_s * waited_s) ** 2)
 
-    def _fits_another_time(self, stamp_s: float, at: complex, position: PairUpdate, dt: float) -> bool:
+    def _fits_another_time(self, stamp_s: float, at: complex, position: InnovationPair, dt: float) -> bool:
         """Whether a position that does not fit is that of another time, which changes the delay.
 
         Errors of positions last for about a second: one counts for as much as dt.
         """
         state, costs = self._state, []
-        weight = 0.5 * dt * position.nis / abs(position.innovation) ** 2
+        weight = 0.5 * dt * position.nis / abs(position.value) ** 2
         for delay in range(DELAYS):
             north_m, east_m, _, _ = state.at(stamp_s - delay * STEP_S)
             off_m = abs(at - complex(north_m + state.gnss_north_m, east_m + state.gnss_east_m))
@@ -163,10 +163,10 @@ class PositionUpdate:
         if pair.nis > GATE_2:
             state.withdraw(pair)
             if self._bank.drift.steady_s > 0.0:  # the receiver is right, the model is not
-                state.covariance.add(SURGE, abs(pair.innovation) ** 2)
-                state.covariance.add(SWAY, abs(pair.innovation) ** 2)
+                state.covariance.add(SURGE, abs(pair.value) ** 2)
+                state.covariance.add(SWAY, abs(pair.value) ** 2)
             return False
-        state.adapt_velocity(pair)
+        pair.adapt()
         return True
 
     def has_expired(self, now_s: float) -> bool:

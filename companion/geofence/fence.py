@@ -43,48 +43,39 @@ FenceArea = FencePolygon | FenceCircle
 
 
 class Fence:
-    """is_active: whether there is any line.
-
-    version changes with the lines.
-    """
+    """is_active: whether there is any line. version changes with the lines. uploaded: the uploaded areas."""
 
     def __init__(self) -> None:
         self.areas: tuple[Area, ...] = ()
         self.is_active = False
         self.version = 0
         self._is_chart = False  # some uploaded area is an inclusion
-        self._uploaded: tuple[FenceArea, ...] = ()
+        self.uploaded: tuple[FenceArea, ...] = ()
         self._placed: tuple[FenceArea, ...] | None = None
         self._frame: LocalFrame | None = None
         self._home: LatLon | None = None
         self._setting: FenceSetting | None = None
-        self._anchor_n = self._anchor_e = math.nan
-        self._anchor_m = math.nan  # the margin there
-
-    @property
-    def uploaded(self) -> tuple[FenceArea, ...]:
-        """The uploaded areas."""
-        return self._uploaded
+        self._anchor_n = self._anchor_e = self._anchor_m = math.nan  # a place, and the margin there
 
     def set_areas(self, areas: Sequence[FenceArea]) -> None:
         """Replace the uploaded areas; effective at the next `update`."""
-        self._uploaded = tuple(areas)
+        self.uploaded = tuple(areas)
 
     def update(self, frame: LocalFrame | None, home: LatLon | None, setting: FenceSetting) -> None:
         """Project the lines into the local frame if anything has changed."""
         if (
-            self._placed is self._uploaded
+            self._placed is self.uploaded
             and self._frame is frame
             and self._setting is setting
             and (self._home is home or not setting.kinds & CIRCLE_KIND)
         ):
             return
-        self._placed, self._frame, self._setting, self._home = self._uploaded, frame, setting, home
+        self._placed, self._frame, self._setting, self._home = self.uploaded, frame, setting, home
         areas: list[Area] = []
         self._is_chart = False
         if frame is not None and setting.enabled:
             if setting.kinds & AREAS_KIND:
-                areas += [_to_lines(area, frame) for area in self._uploaded]
+                areas += [_to_lines(area, frame) for area in self.uploaded]
                 self._is_chart = any(area.is_inclusion for area in areas)
             if setting.kinds & CIRCLE_KIND and home is not None:
                 areas.append(Disc(frame.to_local(home), setting.radius_m, is_inclusion=True))
@@ -98,7 +89,11 @@ class Fence:
 
         Outside, the distance beyond the line that was exceeded most.
         """
-        margin_m = self._margin_m(point.north_m, point.east_m)
+        return self._anchor(point, math.inf)
+
+    def _anchor(self, point: Point, limit_m: float) -> float:
+        """The margin, remembered with its place."""
+        margin_m = self.margin_within_m(*point, limit_m)
         self._anchor_n, self._anchor_e, self._anchor_m = point.north_m, point.east_m, margin_m
         return margin_m
 
@@ -115,13 +110,13 @@ class Fence:
         Bregman, Soviet Mathematics 6, 1965). The result is the nearest place for a single line, and close to
         it in a corner.
         """
-        best, most = point, self._margin_m(point.north_m, point.east_m)
+        best, most = point, self.margin_within_m(point.north_m, point.east_m)
         at = point
         for _ in range(_PROJECTIONS if self.is_active else 0):
             if most >= margin_m:
                 break
             at = _moved_inside(self._tightest(at), at, margin_m + _SLACK_M)
-            if (found := self._margin_m(at.north_m, at.east_m)) > most:
+            if (found := self.margin_within_m(at.north_m, at.east_m)) > most:
                 best, most = at, found
         return best if distance_m(point, best) <= _REACH_M else point
 
@@ -135,11 +130,8 @@ class Fence:
                 tightest, least = area, signed
         return tightest
 
-    def margin_within_m(self, north_m: float, east_m: float, limit_m: float) -> float:
-        """As `margin_m`, limited to ±limit_m."""
-        return self._margin_m(north_m, east_m, limit_m)
-
-    def _margin_m(self, north_m: float, east_m: float, limit_m: float = math.inf) -> float:
+    def margin_within_m(self, north_m: float, east_m: float, limit_m: float = math.inf) -> float:
+        """As `margin_m`, limited to ±limit_m; nothing is remembered."""
         beyond, nearest = -1.0, limit_m
         for area in self.areas:
             if not area.is_inclusion and not _may_be_within(area, north_m, east_m, nearest):
@@ -172,9 +164,7 @@ class Fence:
             return False
         if way_m < _ANCHORED_M:
             return True
-        margin_m = self._margin_m(point.north_m, point.east_m, 2.0 * reach_m + _ANCHORED_M)
-        self._anchor_n, self._anchor_e, self._anchor_m = point.north_m, point.east_m, margin_m
-        return margin_m < reach_m
+        return self._anchor(point, 2.0 * reach_m + _ANCHORED_M) < reach_m
 
     def room_m(self, point: Point, course_rad: float, reach_m: float) -> float:
         """Distance along a course to the line, at most reach_m.
@@ -185,7 +175,9 @@ class Fence:
             return reach_m
         ahead_n, ahead_e = math.cos(course_rad), math.sin(course_rad)
         if self.is_outside(point):
-            ahead_m = self._margin_m(point.north_m + _STEP_M * ahead_n, point.east_m + _STEP_M * ahead_e)
+            ahead_m = self.margin_within_m(
+                point.north_m + _STEP_M * ahead_n, point.east_m + _STEP_M * ahead_e
+            )
             return reach_m if ahead_m > self.margin_m(point) else 0.0
         room_m = reach_m
         for area in self.areas:

@@ -29,6 +29,29 @@ def resolve(kind: str, host: str, port: int) -> SocketAddress:
     return SocketAddress(family, sockaddr)  # type: ignore[arg-type]
 
 
+def listen(
+    kind: str, host: str, port: int, socket_kind: socket.SocketKind, option: int, value: int
+) -> tuple[socket.socket, str]:
+    """A bound socket that does not block, and its url with the port, which the system chooses for port 0.
+
+    option: of SOL_SOCKET, set to value.
+
+    Raises:
+        LinkError: the host is unknown, or the address is in use or not ours.
+    """
+    address = resolve(kind, host, port)
+    bound = socket.socket(address.family, socket_kind)
+    bound.setblocking(False)
+    bound.setsockopt(socket.SOL_SOCKET, option, value)
+    try:
+        bound.bind(address.sockaddr)
+    except OSError as error:
+        bound.close()
+        where = show(host, port)
+        raise LinkError(f"{kind}:{where}: cannot listen on {where}: {error.strerror}") from None
+    return bound, f"{kind}:{show(host, bound.getsockname()[1])}"
+
+
 def show(host: str, port: int) -> str:
     """Host and port as text."""
     return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"

@@ -16,13 +16,10 @@ class StreamLink:
     even if the far side closed only its sending half: a silent station is useless.
     """
 
+    is_datagram = False  # chunk boundaries are arbitrary
+
     def __init__(
-        self,
-        name: str,
-        descriptor: int,
-        release: Callable[[], object],
-        queue_bytes: int,
-        host: str = "",
+        self, name: str, descriptor: int, release: Callable[[], object], queue_bytes: int, host: str = ""
     ) -> None:
         self.name = name
         self.host = host
@@ -31,12 +28,6 @@ class StreamLink:
         self._queue_bytes = queue_bytes
         self._pending = bytearray()
         self._is_broken = False  # sending failed; received data may still be read
-        self.dropped_frames = 0
-
-    @property
-    def is_datagram(self) -> bool:
-        """False: chunk boundaries are arbitrary."""
-        return False
 
     @property
     def is_closed(self) -> bool:
@@ -74,7 +65,6 @@ class StreamLink:
             self._drain()
         is_full = bool(self._pending) and len(self._pending) + len(data) > self._queue_bytes
         if is_full or self._is_broken or self._descriptor < 0:
-            self.dropped_frames += 1
             return False
         self._pending += data
         self._drain()

@@ -4,9 +4,8 @@ import select
 import socket
 from collections.abc import Callable
 
-from companion.core.errors import LinkError
 from companion.links.interfaces import Link
-from companion.links.internet import resolve, show
+from companion.links.internet import listen, resolve, show
 from companion.links.retried import Backoff
 from companion.links.stream import StreamLink
 
@@ -29,19 +28,9 @@ class TcpInPort:
     def __init__(
         self, host: str, port: int, max_clients: int = MAX_CLIENTS, queue_bytes: int = _QUEUE_BYTES
     ) -> None:
-        address = resolve("tcpin", host, port)
-        self._socket = socket.socket(address.family, socket.SOCK_STREAM)
-        self._socket.setblocking(False)
         # Reuse the port after a restart, despite connections in TIME_WAIT.
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            self._socket.bind(address.sockaddr)
-            self._socket.listen(_BACKLOG)
-        except OSError as error:
-            self._socket.close()
-            where = show(host, port)
-            raise LinkError(f"tcpin:{where}: cannot listen on {where}: {error.strerror}") from None
-        self.name = f"tcpin:{show(host, self._socket.getsockname()[1])}"
+        self._socket, self.name = listen("tcpin", host, port, socket.SOCK_STREAM, socket.SO_REUSEADDR, 1)
+        self._socket.listen(_BACKLOG)
         self._max_clients = max_clients
         self._queue_bytes = queue_bytes
         self._links: list[StreamLink] = []

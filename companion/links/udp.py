@@ -4,11 +4,10 @@ import contextlib
 import errno
 import socket
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
-from companion.core.errors import LinkError
 from companion.links.interfaces import Link
-from companion.links.internet import SocketAddress, resolve, show
+from companion.links.internet import SocketAddress, listen, resolve, show
 
 PEER_IDLE_S = 60.0
 MAX_PEERS = 256  # limit of memory; `router/admission.py` selects the links that stay
@@ -39,11 +38,6 @@ class UdpOutPort:
         self._link = _UdpOutLink(self.name, address)
         self._fresh: list[Link] = [self._link]
 
-    @property
-    def source_port(self) -> int:
-        """The source port."""
-        return self._link.source_port
-
     def accept(self) -> list[Link]:
         """The link, once."""
         fresh, self._fresh = self._fresh, []
@@ -71,28 +65,13 @@ class _UdpOutLink:
         self._destination = address.sockaddr
         self._takes_any_source = False
         self.is_closed = False
-        self.strangers = 0  # datagrams from other sources
-
-    @property
-    def source_port(self) -> int:
-        return int(self._socket.getsockname()[1])
 
     def receive(self) -> list[bytes]:
-        chunks: list[bytes] = []
-        for _ in range(_DATAGRAMS_PER_CALL):
-            try:
-                data, source = self._socket.recvfrom(_DATAGRAM_BYTES)
-            except (BlockingIOError, InterruptedError):
-                break
-            except OSError:
-                if self.is_closed:
-                    break
-                continue  # a reported ICMP error; continue
-            if not (self._takes_any_source or source[:2] == self._destination[:2]):
-                self.strangers += 1
-            elif data:
-                chunks.append(data)
-        return chunks
+        return [
+            data
+            for data, source in _received(self._socket, _DATAGRAMS_PER_CALL)
+            if data and (self._takes_any_source or source[:2] == self._destination[:2])
+        ]
 
     def send(self, data: bytes) -> bool:
         try:
@@ -114,6 +93,20 @@ class _UdpOutLink:
         self._socket.close()
 
 
+def _received(udp: socket.socket, most: int) -> Iterator[tuple[bytes, tuple[str, int]]]:
+    """Waiting datagrams with their sources, at most so many."""
+    for _ in range(most):
+        try:
+            received = udp.recvfrom(_DATAGRAM_BYTES)
+        except (BlockingIOError, InterruptedError):
+            return
+        except OSError:  # closed, or a reported ICMP error
+            if udp.fileno() < 0:
+                return
+        else:
+            yield received
+
+
 def _bind_source(udp: socket.socket, destination_port: int) -> None:
     """Bind the same source port at every start, if it is free.
 
@@ -133,7 +126,7 @@ class UdpInPort:
     """`udpin:HOST:PORT`: every address that calls becomes a link.
 
     is_call: whether the first datagram of an address creates a link; others are dropped. A peer that is
-    silent for idle_s is removed; beyond max_peers, new ones are ignored. With port 0 the system chooses;
+    silent for PEER_IDLE_S is removed; beyond max_peers, new ones are ignored. With port 0 the system chooses;
     `name` shows the choice.
 
     Raises:
@@ -145,33 +138,22 @@ class UdpInPort:
         host: str,
         port: int,
         now: Callable[[], float],
-        idle_s: float = PEER_IDLE_S,
         max_peers: int = MAX_PEERS,
         is_call: Callable[[bytes], bool] = bool,
     ) -> None:
-        address = resolve("udpin", host, port)
-        self._socket = socket.socket(address.family, socket.SOCK_DGRAM)
-        self._socket.setblocking(False)
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, _SYSTEM_QUEUE_BYTES)
-        try:
-            self._socket.bind(address.sockaddr)
-        except OSError as error:
-            self._socket.close()
-            where = show(host, port)
-            raise LinkError(f"udpin:{where}: cannot listen on {where}: {error.strerror}") from None
-        self.name = f"udpin:{show(host, self._socket.getsockname()[1])}"
+        self._socket, self.name = listen(
+            "udpin", host, port, socket.SOCK_DGRAM, socket.SO_RCVBUF, _SYSTEM_QUEUE_BYTES
+        )
         self._now = now
-        self._idle_s = idle_s
         self._max_peers = max_peers
         self._is_call = is_call
         self._peers: dict[object, _UdpPeer] = {}
         self._fresh: list[Link] = []
-        self.refused_datagrams = 0
 
     def accept(self) -> list[Link]:
         """Links to new peers; idle ones are closed."""
         self._pump()
-        oldest_s = self._now() - self._idle_s
+        oldest_s = self._now() - PEER_IDLE_S
         for peer in [peer for peer in self._peers.values() if peer.heard_s < oldest_s]:
             peer.close()
         fresh, self._fresh = self._fresh, []
@@ -189,19 +171,11 @@ class UdpInPort:
 
     def _pump(self) -> None:
         """Sort received datagrams by sender, with a limit per round."""
-        for _ in range(max(_DATAGRAMS_PER_ROUND // (len(self._peers) + 1), 1)):
-            try:
-                data, source = self._socket.recvfrom(_DATAGRAM_BYTES)
-            except (BlockingIOError, InterruptedError):
-                return
-            except OSError:
-                if self._socket.fileno() < 0:
-                    return
-                continue
+        most = max(_DATAGRAMS_PER_ROUND // (len(self._peers) + 1), 1)
+        for data, source in _received(self._socket, most):
             peer = self._peers.get(source)
             if peer is None:
                 if not self._is_call(data) or len(self._peers) >= self._max_peers:
-                    self.refused_datagrams += 1
                     continue
                 peer = _UdpPeer(self, source)
                 self._peers[source] = peer

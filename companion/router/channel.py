@@ -63,7 +63,7 @@ class Channel:
         self._own = frozenset(bytes((own.system, one)) for one in (own.component, *components))
         self._finder = FrameFinder(link.is_datagram, self.counters)
         self._chunks: deque[bytes] = deque()
-        self._filter = Filter(policy) if policy.has_rules else None
+        self._filter = Filter(policy)
         self._budget = LineBudget(policy.bytes_s) if policy.bytes_s else None
         self._queue = TxQueue(self._transmit, self._budget, policy.stale_s)
 
@@ -209,7 +209,7 @@ class Channel:
 
     def _may_leave(self, message_id: int, system: int, now_s: float) -> bool:
         is_silent = self._is_confidential and message_id != _HEARTBEAT
-        if is_silent or (self._filter is not None and not self._filter.passes(message_id, system, now_s)):
+        if is_silent or not self._filter.passes(message_id, system, now_s):
             self.withheld += 1
             return False
         return True

@@ -71,7 +71,7 @@ class Channels:
                 self._next_number += 1
                 self.open[channel.number] = channel
                 self._of_port[index].append(channel)
-                self.router.open(channel.number, policy.forwards)
+                self.router.open(channel.number, policy.setting.forward)
                 new.append(channel.number)
                 self._has_changed()
                 self._log(f"link {link.name} is up")

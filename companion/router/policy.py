@@ -42,9 +42,6 @@ class Policy:
         datagrams from anywhere, with forgeable addresses.
         """
         self.setting = setting
-        self.name = setting.name
-        self.forwards = setting.forward
-        self.stream_hz = setting.stream_hz
         self.is_radio = setting.radio if setting.radio is not None else baud > 0
         self.is_trusted = setting.trusted if setting.trusted is not None else is_loopback
         self._accepts_any_source = accepts_any_source
@@ -70,11 +67,6 @@ class Policy:
         if isinstance(address, IPv6Address) and address.ipv4_mapped is not None:
             address = address.ipv4_mapped
         return not (address.is_loopback or any(address in network for network in self._local_networks))
-
-    @property
-    def has_rules(self) -> bool:
-        """Whether messages are filtered."""
-        return bool(self.denied or self.allowed or self.min_interval_s)
 
 
 class ConfiguredPort:

@@ -75,7 +75,7 @@ class Reporter:
         heard = self._channels.router.routes.addresses_on(channel.number)
         return LinkStatus(
             number=channel.number,
-            name=channel.policy.name or channel.link.name,
+            name=channel.policy.setting.name or channel.link.name,
             address=channel.link.name,
             bytes_in=counters.bytes_in,
             bytes_out=counters.bytes_out,

@@ -10,8 +10,6 @@ from collections.abc import Callable
 
 MAX_BYTES = 16 * 1024  # per queue
 _QUANTUM_BYTES = 280  # of a turn: the longest frame of MAVLink 2
-
-
 _BURST_S = 0.2  # largest saving
 _DEBT_S = 1.0  # largest debt, from urgent frames
 _LEAST_SHARE = 0.1
@@ -68,22 +66,15 @@ class LineBudget:
         self._line = TokenBucket(bytes_s)
         self._reserved = TokenBucket(_RESERVED_SHARE * bytes_s)
 
-    def may_send_own(self, now_s: float) -> bool:
-        """Whether the boat's telemetry may be sent."""
-        return self._line.may_send(now_s) or self._reserved.may_send(now_s)
+    def may_send(self, now_s: float, *, is_own: bool) -> bool:
+        """Whether the boat's telemetry, or a frame of another channel, may be sent."""
+        return self._line.may_send(now_s) or (is_own and self._reserved.may_send(now_s))
 
-    def may_forward(self, now_s: float) -> bool:
-        """Whether a frame of another channel may be sent."""
-        return self._line.may_send(now_s)
-
-    def spend_own(self, count: int, now_s: float) -> None:
-        """Account for sent bytes of our own."""
+    def spend(self, count: int, now_s: float, *, is_own: bool) -> None:
+        """Account for sent bytes."""
         self._line.spend(count, now_s)
-        self._reserved.spend(count, now_s)
-
-    def spend_forwarded(self, count: int, now_s: float) -> None:
-        """Account for sent bytes of another channel."""
-        self._line.spend(count, now_s)
+        if is_own:
+            self._reserved.spend(count, now_s)
 
     def on_radio_status(self, free_percent: int) -> None:
         """Adapt the rate to the radio's free transmit buffer."""
@@ -166,7 +157,7 @@ class TxQueue:
         """Whether the boat's telemetry would be sent at once."""
         if self._own.frames:
             return False
-        return self._budget is None or self._budget.may_send_own(now_s)
+        return self._budget is None or self._budget.may_send(now_s, is_own=True)
 
     def put(self, data: bytes, now_s: float) -> None:
         """Send or queue a frame of our own."""
@@ -201,7 +192,7 @@ class TxQueue:
                 return
             own.pop()
             if budget is not None:
-                budget.spend_own(len(data) + self.overhead_bytes, now_s)
+                budget.spend(len(data) + self.overhead_bytes, now_s, is_own=True)
         while sources:
             number, source = next(iter(sources.items()))
             data = source.first.frames[0][1]
@@ -217,10 +208,10 @@ class TxQueue:
 
     def _send_forwarded(self, data: bytes, now_s: float) -> bool:
         budget = self._budget
-        if budget is not None and not budget.may_forward(now_s):
+        if budget is not None and not budget.may_send(now_s, is_own=False):
             return False
         if not self._send(data):
             return False
         if budget is not None:
-            budget.spend_forwarded(len(data), now_s)
+            budget.spend(len(data), now_s, is_own=False)
         return True

@@ -22,7 +22,7 @@ class StationLinks:
         channels, is_news = self._channels, False
         if accepts_links:
             for number in channels.accept(ready):
-                self._endpoint.open(number, channels.open[number].policy.stream_hz)
+                self._endpoint.open(number, channels.open[number].policy.setting.stream_hz)
                 is_news = True
         if self._logbook is not None:
             self._logbook.follow(channels, unix_s)

@@ -91,20 +91,6 @@ def test_of_rally_points_the_one_nearest_by_water_is_sailed_to() -> None:
     assert len(corners(way_home(laid(L_WATER)), Point(60.0, 60.0))) <= 5, "it turns only at the corner"
 
 
-def test_a_passage_too_narrow_for_the_clearance_is_taken_with_less() -> None:
-    centres = globe([(20.0, east_m) for east_m in (-56.0, -28.0, 0.0, 28.0, 56.0)])
-    fence = laid(square(60.0), *[FenceCircle(centre, 12.0, is_inclusion=False) for centre in centres])
-    way = way_home(fence)
-    start = Point(50.0, 10.0)
-    way.restart()
-    for tick in range(3000):
-        way.prepare(FRAME, FRAME.to_global(HOME), BoatConfig())
-        intent = way.update(nav_at(start), BoatConfig(), 2.0, tick * 0.02)
-        if isinstance(intent, FollowLeg):
-            return
-    raise AssertionError("no way was found")
-
-
 def test_where_there_is_no_way_the_boat_stays_and_says_so() -> None:
     wall = FencePolygon(globe([(40.0, -200.0), (40.0, 200.0), (50.0, 200.0), (50.0, -200.0)]), False)
     status_texts: list[StatusText] = []

@@ -279,10 +279,9 @@ def test_a_serial_line_that_is_unplugged_comes_back_as_a_new_link(line: PtyLine,
     port.close()
 
 
-@pytest.mark.parametrize("function", ["tcgetattr", "tcsetattr"])
-@pytest.mark.parametrize("where", ["pyserial", "ours"])
+@pytest.mark.parametrize(("where", "function"), [("pyserial", "tcgetattr"), ("ours", "tcsetattr")])
 def test_a_device_that_is_pulled_out_while_it_is_set_up_is_looked_for_again(
-    line: PtyLine, clock: HandClock, monkeypatch: pytest.MonkeyPatch, function: str, where: str
+    line: PtyLine, clock: HandClock, monkeypatch: pytest.MonkeyPatch, where: str, function: str
 ) -> None:
     port = SerialPort(line.device, 57600, clock)
     (link,) = port.accept()
@@ -292,9 +291,7 @@ def test_a_device_that_is_pulled_out_while_it_is_set_up_is_looked_for_again(
     before = len(os.listdir("/proc/self/fd"))
 
     def pulled_out(*_: object) -> None:
-        raise termios.error(
-            errno.EIO, "Input/output error"
-        )  # what the kernel makes of a tty that has hung up
+        raise termios.error(errno.EIO, "Input/output error")  # of a tty that has hung up
 
     with monkeypatch.context() as patch:
         module = "serial.serialposix" if where == "pyserial" else "companion.links.serial_port"

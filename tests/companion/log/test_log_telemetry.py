@@ -113,14 +113,6 @@ def test_a_key_is_never_logged(open_rig: OpenRig, tmp_path: Path) -> None:
         assert KEY[:8] not in (tmp_path / file.name).read_bytes()
 
 
-def test_an_unknown_signed_message_loses_its_signature_only() -> None:
-    frame = bytearray(signed(dialect.MAVLink_statustext_message(6, b"who?")))
-    frame[7:10] = (59_999).to_bytes(3, "little")
-    clean = loggable(bytes(frame))
-    assert len(clean) == len(frame) - SIGNATURE_LENGTH
-    assert clean[3:-2] == frame[3 : -SIGNATURE_LENGTH - 2]  # all but the flag and the checksum over it
-
-
 class Written:
     """A log file in memory."""
 

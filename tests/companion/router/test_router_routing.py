@@ -49,37 +49,27 @@ def command(target: Address) -> Message:
     return message
 
 
-def test_what_is_for_everybody_goes_everywhere_but_back(wire: Wire) -> None:
-    way = router_with().route(2, wire.frame(OTHER), 0.0)
-    assert (way.is_ours, way.channels, way.is_addressed) == (True, (1, 3, 4), False)
-
-
-def test_what_is_for_the_boat_alone_is_not_forwarded(wire: Wire) -> None:
-    way = router_with((3, CAMERA)).route(1, wire.frame(GCS, command(OWN)), 0.0)
-    assert (way.is_ours, way.channels) == (True, ())
-
-
-def test_what_is_for_the_boats_whole_system_also_goes_to_its_other_components(wire: Wire) -> None:
-    way = router_with((3, CAMERA)).route(1, wire.frame(GCS, command(Address(1, 0))), 0.0)
-    assert (way.is_ours, way.channels) == (True, (3,))
-
-
 @pytest.mark.parametrize(
-    ("target", "channels"),
-    [(CAMERA, (3,)), (OTHER, (2, 4)), (Address(2, 0), (2, 4)), (Address(2, 77), (2, 4)), (Address(9, 1), ())],
+    ("message", "is_ours", "channels"),
+    [
+        (BEAT, True, (2, 3, 4)),  # for everybody: everywhere but back
+        (command(OWN), True, ()),  # for the boat alone
+        (command(Address(1, 0)), True, (3,)),  # for its whole system: also to its other components
+        (command(CAMERA), False, (3,)),  # else only where the target was heard
+        (command(OTHER), False, (2, 4)),
+        (command(Address(2, 0)), False, (2, 3, 4)),
+        (command(Address(2, 77)), False, (2, 3, 4)),
+        (command(Address(2, 100)), False, (3,)),  # a component draws it away from the rest of its system
+        (command(Address(9, 1)), False, ()),
+    ],
 )
-def test_what_is_addressed_goes_only_where_its_target_was_heard(
-    wire: Wire, target: Address, channels: tuple[int, ...]
+def test_a_frame_goes_where_its_target_was_heard(
+    wire: Wire, message: Message, is_ours: bool, channels: tuple[int, ...]
 ) -> None:
-    router = router_with((2, OTHER), (4, OTHER), (3, CAMERA), (1, OTHER))
-    way = router.route(1, wire.frame(GCS, command(target)), 1.0)
-    assert (way.is_ours, way.channels) == (False, channels)
-    assert router.unreachable == (0 if channels else 1)
-
-
-def test_a_component_that_was_heard_draws_what_is_for_it_away_from_the_rest_of_its_system(wire: Wire) -> None:
-    router = router_with((2, OTHER), (3, Address(2, 100)))
-    assert router.route(1, wire.frame(GCS, command(Address(2, 100))), 1.0).channels == (3,)
+    router = router_with((2, OTHER), (4, OTHER), (3, CAMERA), (3, Address(2, 100)), (1, OTHER))
+    way = router.route(1, wire.frame(GCS, message), 1.0)
+    assert (way.is_ours, way.channels, way.is_addressed) == (is_ours, channels, message is not BEAT)
+    assert router.unreachable == (not is_ours and not channels)
 
 
 def test_a_target_cut_off_with_the_zeros_is_everybody(wire: Wire) -> None:

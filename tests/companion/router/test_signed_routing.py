@@ -85,19 +85,13 @@ def test_a_link_that_requires_signatures_gets_what_was_verified_with_its_key(
     assert bridge.boat.receive() == [frame] * passes
 
 
-def test_a_signed_message_is_passed_on_to_the_bit() -> None:
-    bridge = Bridge()
-    frame = sign(heartbeat(OTHER_BOAT), KEY, 9, 77)
-    bridge.boat.send(frame)
-    bridge.pass_on()
-    assert one(bridge.station) == frame
-
-
 def test_what_is_refused_is_not_passed_on_and_teaches_no_way() -> None:
     bridge = Bridge()
+    signed = sign(heartbeat(Address(3, 1)), KEY, 9, 77)
+    bridge.boat.send(signed)
     bridge.boat.send(heartbeat(OTHER_BOAT))
     bridge.pass_on()
-    assert bridge.station.receive() == []
+    assert bridge.station.receive() == [signed], "to the bit"
     assert bridge.channels.router.routes.channels_of(OTHER_BOAT) == []
     assert bridge.signed.refused == 1
 
