@@ -1,5 +1,5 @@
 // The chart alone, with its draws counted and its taps kept.
-import { makeChart } from "/page/chart.js";
+import { makeChart } from "/page/shared/chart.js";
 
 const words = {
   say: (key, values = {}) =>

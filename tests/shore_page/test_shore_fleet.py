@@ -17,7 +17,7 @@ from companion.core.modes import Mode
 pytest_plugins = ("page_fixtures",)
 pytestmark = [pytest.mark.realtime, needs_chromium]
 
-FOLLOW_SCALE = 2.0  # of chart.js: pixels a metre at first
+FOLLOW_SCALE = 2.0  # of shared/chart.js: pixels a metre at first
 GONE = 77
 
 
@@ -97,7 +97,7 @@ def test_a_tap_near_another_boat_offers_to_choose_it(visit: Visit, shore: ShoreB
     east_px, north_px = page.evaluate(
         """async (scale) => {
             const [own, other] = (await (await fetch("/api/boats")).json()).map((boat) => boat.place);
-            const { Plane } = await import("/chart-view.js");
+            const { Plane } = await import("/shared/chart-view.js");
             return new Plane(own.lon, own.lat).to([other.lon, other.lat]).map((metres) => metres * scale);
         }""",
         FOLLOW_SCALE,

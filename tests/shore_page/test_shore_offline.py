@@ -61,7 +61,7 @@ def test_a_request_while_the_server_hangs_is_done_once_when_it_is_back(
 
 
 SLOW_SERVER = """async () => {
-  const { Live } = await import("/live.js");
+  const { Live } = await import("/shared/live.js");
   let now = 0;
   const sockets = [];
   const open = () => {

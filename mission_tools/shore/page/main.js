@@ -1,17 +1,17 @@
 // Wires the page: words, socket, and a module for each part.
-import { ChartData } from "./chart-data.js";
-import { chosenBoat, makeFleet, SILENT_S } from "./fleet.js";
-import { makeGoThere } from "./go-there.js";
-import { makeGo } from "./go.js";
-import { BoatClock } from "./heard.js";
-import { Live } from "./live.js";
-import { makeMessages } from "./messages.js";
-import { makeNow, setText } from "./now.js";
-import { wirePin } from "./pin.js";
-import { wireTheme } from "./theme.js";
-import { wireViews } from "./views.js";
-import { makeWhy } from "./why.js";
-import { languageOf, Words } from "./words.js";
+import { setText } from "./shared/elements.js";
+import { ChartData } from "./shared/chart-data.js";
+import { chosenBoat, makeFleet, SILENT_S } from "./sail/fleet.js";
+import { makeGoThere } from "./sail/go-there.js";
+import { makeGo } from "./sail/go.js";
+import { BoatClock, Live } from "./shared/live.js";
+import { makeMessages } from "./sail/messages.js";
+import { makeNow } from "./sail/now.js";
+import { wirePin } from "./shared/pin.js";
+import { wireTheme } from "./shared/theme.js";
+import { wireViews } from "./shared/views.js";
+import { makeWhy } from "./sail/why.js";
+import { languageOf, Words } from "./shared/words.js";
 
 const TICK_MS = 500;
 const at = (id) => document.getElementById(id);
@@ -32,7 +32,7 @@ async function loadWords() {
 
 async function loadChart(words) {
   try {
-    const { makeChart } = await import("./chart.js");
+    const { makeChart } = await import("./shared/chart.js");
     return makeChart(at("chart"), words);
   } catch (error) {
     console.warn(error);

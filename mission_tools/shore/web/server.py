@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import AsyncIterator, Collection
+from functools import partial
 from pathlib import Path
 from typing import Final
 
@@ -17,7 +18,7 @@ from mission_tools.shore.web.interfaces import BoatService, ChartService, Clock
 from mission_tools.shore.web.login.session import Sessions
 from mission_tools.shore.web.rows import MOST_BODY_BYTES
 from mission_tools.shore.web.sockets import Sockets
-from mission_tools.shore.web.static_files import read_files, respond
+from mission_tools.shore.web.static_files import StaticFile, read_files, respond
 from mission_tools.station import words
 
 POLL_S: Final = 0.05
@@ -58,18 +59,10 @@ def make_app(
     app = web.Application(middlewares=[make_guard(hosts, is_allowed)], client_max_size=MOST_BODY_BYTES)
     hub = app[HUB] = Hub(boats, chart, sessions, clock, sources)
     sockets = app[SOCKETS] = Sockets(hub)
-    files = read_files(words.FOLDER, page_dir)
-
-    async def static(request: web.Request) -> web.StreamResponse:
-        file = files.get(request.match_info.get("name", ""))
-        if file is None:
-            raise web.HTTPNotFound
-        return respond(request, file)
-
     add_routes(app, hub)
     app.router.add_get("/live", sockets.handle)
-    app.router.add_get("/", static)
-    app.router.add_get("/{name}", static)
+    for name, file in read_files(words.FOLDER, page_dir).items():
+        app.router.add_get(f"/{name}", partial(_send, file=file))
     app.on_response_prepare.append(add_headers)
 
     async def on_shutdown(_app: web.Application) -> None:
@@ -81,6 +74,10 @@ def make_app(
     if is_polling:
         app.cleanup_ctx.append(_polling)
     return app
+
+
+async def _send(request: web.Request, *, file: StaticFile) -> web.StreamResponse:
+    return respond(request, file)
 
 
 async def _polling(app: web.Application) -> AsyncIterator[None]:

@@ -19,8 +19,6 @@ _TYPES: Final = {
     ".svg": "image/svg+xml",
     ".webmanifest": "application/manifest+json",
 }
-
-
 _LANGUAGE: Final = re.compile(r"words\.([a-z]{2,3}(?:-[A-Za-z0-9]{1,8})*)\.json")
 _LANGUAGES: Final = b'data-languages="en"'  # in index.html: the page then need not ask for them
 
@@ -42,7 +40,7 @@ def make_file(kind: str, plain: bytes) -> StaticFile:
 
 
 def read_files(*folders: Path) -> dict[str, StaticFile]:
-    """The files of flat folders by name, the last one's of two with the same.
+    """The files below the folders by their path, the last one's of two with the same.
 
     index.html is there as the empty name as well, and with the page's languages.
 
@@ -50,13 +48,15 @@ def read_files(*folders: Path) -> dict[str, StaticFile]:
         ConfigError: there is no page, or a file of another type.
     """
     files: dict[str, StaticFile] = {}
-    for path in (path for folder in folders for path in sorted(folder.glob("*"))):
-        if path.name.startswith((".", "__")):
-            continue
-        kind = _TYPES.get(path.suffix)
-        if kind is None or path.is_symlink() or not path.is_file():
-            raise ConfigError(f"{path}: expected a page's file: {', '.join(_TYPES)}")
-        files[path.name] = make_file(kind, path.read_bytes())
+    for folder in folders:
+        for path in sorted(folder.rglob("*")):
+            name = path.relative_to(folder)
+            if any(part.startswith((".", "__")) for part in name.parts) or path.is_dir():
+                continue
+            kind = _TYPES.get(path.suffix)
+            if kind is None or path.is_symlink() or not path.is_file():
+                raise ConfigError(f"{path}: expected a page's file: {', '.join(_TYPES)}")
+            files[name.as_posix()] = make_file(kind, path.read_bytes())
     if "index.html" not in files:
         raise ConfigError(f"{folders[-1]}: expected a page with index.html")
     languages = " ".join(match[1] for name in files if (match := _LANGUAGE.fullmatch(name)))

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 PAGE = Path(__file__).parents[4] / "mission_tools" / "shore" / "page"
-STYLE = (PAGE / "style.css").read_text("utf-8")
-CHART = (PAGE / "chart-colours.js").read_text("utf-8")
+STYLE = (PAGE / "shared" / "style.css").read_text("utf-8")
+CHART = (PAGE / "shared" / "chart-colours.js").read_text("utf-8")
 READABLE = 4.5  # WCAG 2.1, 1.4.3: text; 1.4.11: 3 for what is drawn
 SEEN = 3.0
 APART = 12.0  # CIE 1976 difference; 2.3 is just noticeable

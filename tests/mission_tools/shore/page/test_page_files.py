@@ -14,13 +14,14 @@ import pytest
 PAGE = Path(__file__).parents[4] / "mission_tools" / "shore" / "page"
 TEXTS = PAGE.parents[1] / "station" / "texts"
 SERVER = sorted(path for room in ("shore", "station") for path in (PAGE.parents[1] / room).rglob("*.py"))
-MODULES = sorted(PAGE.glob("*.js"))
+MODULES = sorted(PAGE.rglob("*.js"))
 WORDS: dict[str, str] = json.loads((TEXTS / "words.en.json").read_text("utf-8"))
 BY_DATA = (
     "mode.",
     "fix.",
     "stage.",
     "state.",
+    "calibrate.",
     "chart.",
     "sensor.",
     "views.",
@@ -28,6 +29,8 @@ BY_DATA = (
     "logs.event.",
 )  # looked up by a name that is not in the source
 SAID = re.compile(r"""\bsay\(\s*"([^"]+)\"""")
+IMPORT = re.compile(r'^import (.*?) from "([^"]+)"', re.MULTILINE)
+EXPORT = re.compile(r"^export (?:async )?(?:function|class|const) (\w+)", re.MULTILINE)
 KEY = re.compile(r"""["'`]([a-z]+(?:\.[a-z_0-9]+)+)["'`]""")
 SMALL_BYTES = 300_000  # the first view, not packed
 
@@ -100,7 +103,7 @@ def test_no_module_makes_markup_or_code_of_text(path: Path) -> None:
 
 
 def test_the_page_needs_nothing_from_elsewhere() -> None:
-    for path in [*MODULES, PAGE / "style.css", PAGE / "index.html"]:
+    for path in [*MODULES, PAGE / "shared/style.css", PAGE / "index.html"]:
         addresses = re.findall(r"(?:https?:)?//[\w-]+\.[\w.-]+", path.read_text("utf-8"))
         assert [a for a in addresses if "www.w3.org" not in a] == [], path.name
 
@@ -124,22 +127,23 @@ def test_modules_import_files_that_exist_and_find_elements_that_exist() -> None:
     html = (PAGE / "index.html").read_text("utf-8")
     for path in MODULES:
         code = path.read_text("utf-8")
-        for name in re.findall(r'^import .*?from "\./([\w.-]+)"', code, re.MULTILINE):
-            assert (PAGE / name).is_file(), (path.name, name)
+        for names, other in IMPORT.findall(code):
+            exported = EXPORT.findall((path.parent / other).read_text("utf-8"))
+            assert "*" in names or set(re.findall(r"\w+", names)) <= set(exported), (path.name, other)
         for name in re.findall(r'\bat\("([\w-]+)"\)', code):
             assert f'id="{name}"' in html, (path.name, name)
 
 
 def imported(module: str) -> set[str]:
-    """A module and all that it imports at once."""
-    code = (PAGE / module).read_text("utf-8")
-    names = re.findall(r'^import .*?from "\./([\w.-]+)"', code, re.MULTILINE)
-    return {module}.union(*map(imported, names))
+    """A module and all that it imports at once, by their paths below the page's folder."""
+    path = PAGE / module
+    others = [(path.parent / other).resolve() for _, other in IMPORT.findall(path.read_text("utf-8"))]
+    return {module}.union(*(imported(other.relative_to(PAGE).as_posix()) for other in others))
 
 
 def first_modules() -> set[str]:
     """Of the first view; the other views are fetched when they are opened."""
-    return imported("main.js") | imported("chart.js")
+    return imported("main.js") | imported("shared/chart.js")
 
 
 def test_every_module_of_the_first_view_is_loaded_ahead_and_not_one_after_the_other() -> None:
@@ -149,17 +153,26 @@ def test_every_module_of_the_first_view_is_loaded_ahead_and_not_one_after_the_ot
 
 
 def test_each_view_has_a_module_a_style_and_a_name() -> None:
-    views = re.search(r"^const VIEWS = \[(.*)\];$", (PAGE / "views.js").read_text("utf-8"), re.MULTILINE)
+    views = re.search(
+        r"^const VIEWS = \[(.*)\];$", (PAGE / "shared/views.js").read_text("utf-8"), re.MULTILINE
+    )
     assert views is not None
     for name in ["sail", *re.findall(r'"(\w+)"', views[1])]:
         assert f"views.{name}" in WORDS
         if name != "sail":
-            assert "export function makeView(" in (PAGE / f"{name}.js").read_text("utf-8")
-            assert (PAGE / f"{name}.css").is_file()
+            assert "export function makeView(" in (PAGE / name / f"{name}.js").read_text("utf-8")
+            assert (PAGE / name / f"{name}.css").is_file()
 
 
 def test_the_first_view_is_small() -> None:
-    names = [*first_modules(), "index.html", "style.css", "chart.css", "icon.svg", "words.en.json"]
+    names = [
+        *first_modules(),
+        "index.html",
+        "shared/style.css",
+        "shared/chart.css",
+        "icon.svg",
+        "words.en.json",
+    ]
     contents = [((PAGE if (PAGE / name).exists() else TEXTS) / name).read_bytes() for name in names]
     packed = sum(len(gzip.compress(content, 9)) for content in contents)
     assert sum(map(len, contents)) <= SMALL_BYTES
