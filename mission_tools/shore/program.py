@@ -6,7 +6,6 @@ import getpass
 import logging
 import os
 import sys
-import time
 from argparse import Namespace
 from pathlib import Path
 from typing import Final
@@ -17,6 +16,7 @@ from companion.mavlink.signing_key import read_key_file
 from mission_tools.errors import MissionToolsError
 from mission_tools.shore import memory_use
 from mission_tools.shore.chart import WaterChart
+from mission_tools.shore.clock import Clock
 from mission_tools.shore.command_line import PROGRAM, SHOW, read_arguments
 from mission_tools.shore.plans.plan_service import Sources
 from mission_tools.shore.web.connections.listening import parse_listen, serve
@@ -26,18 +26,6 @@ from mission_tools.shore.web.server import make_app
 from mission_tools.station.boats import Boats
 
 _PAGE: Final = Path(__file__).with_name("page")
-
-
-class SystemClock:
-    """The computer's clock, for the server."""
-
-    def now_s(self) -> float:
-        """Monotonic seconds."""
-        return time.monotonic()
-
-    def unix_s(self) -> float:
-        """Seconds since 1970."""
-        return time.time()
 
 
 def default_pin_file() -> Path:
@@ -51,7 +39,7 @@ def _show(given: Namespace) -> None:
     logging.basicConfig(level=logging.WARNING, format="%(asctime)s %(levelname)s %(message)s")
     memory_use.settle()
     host, port = parse_listen(given.listen)
-    clock = SystemClock()
+    clock = Clock()
     sessions = Sessions(PinFile(given.pin_file or default_pin_file()), clock)
     water = WaterChart(given.chart)
     key = None if given.sign_key is None else read_key_file(given.sign_key)

@@ -12,17 +12,13 @@ import msgspec
 from companion.links.port_url import open_port
 from companion.mavlink.address import Address, concerns
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.items import MissionItem
 from companion.mavlink.signing_key import SigningKey
 from mission_tools.station.board import Board
 from mission_tools.station.boat import SILENT_S, WANTED, ShoreBoat
-from mission_tools.station.ftp.client import FtpClient
 from mission_tools.station.items import Kind
 from mission_tools.station.line import Signatures, SignedLink
-from mission_tools.station.logs import LogList
 from mission_tools.station.messages import Answer, BoatName, PageRequest, Sensor, Snapshot
 from mission_tools.station.outcome import Answered, Refused
-from mission_tools.station.parameters.parameter_table import ParameterTable
 from mission_tools.station.uploads import Upload
 from mission_tools.station.wire import AUTOPILOT, OWN_COMPONENT, Port, heartbeat
 from mission_tools.station.words import say
@@ -107,6 +103,10 @@ class Boats:
             for number, boat in sorted(self._boats.items())
         ]
 
+    def get(self, boat: int) -> ShoreBoat | None:
+        """A boat with its lists, files, logs and parameters; None if it was never heard."""
+        return self._boats.get(boat)
+
     def snapshot(self, boat: int) -> Snapshot | None:
         """A boat as the page shows it; None if it was never heard."""
         if (one := self._boats.get(boat)) is None:
@@ -128,25 +128,10 @@ class Boats:
         board = {} if self._board is None or boat != self.first else self._board.fields()
         return one.sensors(board, self._now_s)
 
-    def track(self, boat: int) -> list[tuple[float, float]]:
-        """Where the boat was, longitude and latitude, oldest first."""
-        one = self._boats.get(boat)
-        return [] if one is None else list(one.view.track.points)
-
-    def files(self, boat: int) -> FtpClient | None:
-        """The boat's files; None if it was never heard."""
-        one = self._boats.get(boat)
-        return None if one is None else one.files
-
     @property
     def is_transferring(self) -> bool:
         """Whether a list is on its way to a boat, or back."""
         return any(boat.is_transferring for boat in self._boats.values())
-
-    def mission(self, boat: int) -> tuple[MissionItem, ...] | None:
-        """The mission on board, home first; None while it is not downloaded."""
-        one = self._boats.get(boat)
-        return None if one is None else one.lists.items("mission")
 
     def upload(self, boat: int, upload: Upload, answered: Answered) -> None:
         """Give a boat a mission. answered is called exactly once, soon after the upload's limit at last."""
@@ -154,16 +139,6 @@ class Boats:
             answered(Refused(say("answer.never_heard", n=boat)))
             return
         one.upload(upload, answered, self._now_s)
-
-    def parameters(self, boat: int) -> ParameterTable | None:
-        """A boat's parameters; None if it was never heard."""
-        one = self._boats.get(boat)
-        return None if one is None else one.parameters
-
-    def logs(self, boat: int) -> LogList | None:
-        """The boat's logs; None if it was never heard."""
-        one = self._boats.get(boat)
-        return None if one is None else one.logs
 
     def ask(self, request: PageRequest, answer: Callable[[Answer], None]) -> None:
         """Do what the page asks. answer is called exactly once, within 10 s if polled."""

@@ -1,11 +1,12 @@
-"""Fixtures of the page's tests: a plugin, as `program_fixtures`."""
+"""Fixtures of the page's tests, which share a browser, and a boat where they do not disturb it."""
 
-from collections.abc import Iterator
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from typing import TypeVar
 
 import pytest
 from mavutil_station import MavutilStation
-from page_rig import WAIT_MS, ShoreBoat, Visit, start_shore
+from page_rig import WAIT_MS, ShoreBoat, Visit, boat_at_sea
 from pictures.browser import Light, open_browser, open_context
 from playwright.sync_api import Browser, Page, expect
 from pymavlink.dialects.v20 import all as dialect
@@ -13,15 +14,29 @@ from pymavlink.dialects.v20 import all as dialect
 from companion.core.modes import Mode
 
 DISARM_NOW = 21196.0
+T = TypeVar("T")
+_BOAT = pytest.StashKey[ShoreBoat]()
+_BROWSER = pytest.StashKey[Browser]()
+
+
+def shared(
+    request: pytest.FixtureRequest, key: pytest.StashKey[T], make: Callable[[], AbstractContextManager[T]]
+) -> T:
+    """What the modules of this folder share: made for the first of them, ended after the last."""
+    folder = request.node.parent
+    if key not in folder.stash:
+        ending = ExitStack()
+        folder.stash[key] = ending.enter_context(make())
+        ending.callback(folder.stash.__delitem__, key)
+        folder.addfinalizer(ending.close)
+    made: T = folder.stash[key]
+    return made
 
 
 @pytest.fixture(scope="module")
-def shore(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ShoreBoat]:
-    """One boat for the tests of a module."""
-    boat = start_shore(tmp_path_factory.mktemp("shore") / "room", "--speedup", "5")
-    yield boat
-    boat.program.close()
-    assert boat.program.wait(0.0)[::2] == (0, ""), "the boat ended badly"
+def shore(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> ShoreBoat:
+    """The boat of all tests that leave it near its home."""
+    return shared(request, _BOAT, lambda: contextmanager(boat_at_sea)(tmp_path_factory, "--speedup", "5"))
 
 
 @pytest.fixture
@@ -37,10 +52,9 @@ def station(shore: ShoreBoat) -> Iterator[MavutilStation]:
 
 
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    """Chromium, for the tests of a module."""
-    with open_browser() as browser:
-        yield browser
+def browser(request: pytest.FixtureRequest) -> Browser:
+    """Chromium, without a page."""
+    return shared(request, _BROWSER, open_browser)
 
 
 @pytest.fixture

@@ -1,9 +1,7 @@
-"""`boat-sitl serve lake --shore` and visitors in headless Chromium. A plugin like
-`program_fixtures`.
-"""
+"""`boat-sitl serve lake --shore` and visitors in headless Chromium."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -73,6 +71,14 @@ def start_shore(room: Path, *options: str) -> ShoreBoat:
         program.kill()
         raise
     return ShoreBoat(program, page[1], page[2])
+
+
+def boat_at_sea(rooms: pytest.TempPathFactory, *options: str) -> Iterator[ShoreBoat]:
+    """A fixture's boat with its page, which must end well."""
+    boat = start_shore(rooms.mktemp("shore") / "room", *options)
+    yield boat
+    boat.program.close()
+    assert boat.program.wait(0.0)[::2] == (0, ""), "the boat ended badly"
 
 
 def button(page: Page, name: str) -> Locator:

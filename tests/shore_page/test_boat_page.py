@@ -12,10 +12,10 @@ from page_rig import (
     ShoreBoat,
     Visit,
     axe_faults,
+    boat_at_sea,
     button,
     needs_chromium,
     skipper,
-    start_shore,
     told,
     until_mode,
 )
@@ -31,16 +31,12 @@ pytestmark = [pytest.mark.realtime, needs_chromium]
 MAGNETOMETER = ("--set", "sensors.compass.magnetometer_mg=203", "--set", "sensors.compass.hard_iron_deg=25")
 ACCEPTED, REST_US = dialect.MAV_RESULT_ACCEPTED, 1500
 GNSS = dialect.FAILURE_UNIT_SENSOR_GPS
-CLEAR = "The propellers are clear of hands, hair and lines"
 
 
 @pytest.fixture(scope="module")
 def shore(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ShoreBoat]:
     """A boat with a bare magnetometer, at its own pace: motor tests are counted by its clock."""
-    boat = start_shore(tmp_path_factory.mktemp("shore") / "room", *MAGNETOMETER)
-    yield boat
-    boat.program.close()
-    assert boat.program.wait(0.0)[::2] == (0, ""), "the boat ended badly"
+    yield from boat_at_sea(tmp_path_factory, *MAGNETOMETER)
 
 
 def boat_view(page: Page, panel: str | None = None) -> Page:
@@ -95,11 +91,10 @@ def watching(station: MavutilStation) -> MavutilStation:
     return station
 
 
-@pytest.mark.parametrize("size", ["phone", "desktop"])
 def test_everybody_sees_the_sensors_and_a_fault_changes_a_verdict(
-    size: str, visit: Visit, station: MavutilStation
+    visit: Visit, station: MavutilStation
 ) -> None:
-    page = boat_view(visit(size))
+    page = boat_view(visit("phone"))
     expect(sensor(page, "gnss")).to_have_attribute("data-verdict", "fine")
     expect(sensor(page, "gnss")).to_contain_text(re.compile(r"Fix\s*3-D\s*Satellites\s*\d+"))
     expect(sensor(page, "battery")).to_contain_text(re.compile(r"Voltage\s*1\d\.\d\d\sV"))
@@ -130,11 +125,10 @@ def test_a_closed_list_of_sensors_asks_for_nothing(visit: Visit) -> None:
     assert asked == []
 
 
-@pytest.mark.parametrize("size", ["phone", "desktop"])
 def test_a_motor_turns_while_its_button_is_held_and_stops_when_it_is_let_go(
-    size: str, visit: Visit, shore: ShoreBoat, watching: MavutilStation
+    visit: Visit, shore: ShoreBoat, watching: MavutilStation
 ) -> None:
-    page = boat_view(skipper(visit, shore, size), "Motors")
+    page = boat_view(skipper(visit, shore), "Motors")
     ahead = button(page, "Left ahead")
     expect(ahead).to_be_disabled()
     clear(page)
@@ -200,8 +194,10 @@ def test_an_armed_boat_turns_no_motor_and_calibrates_nothing(
     clear(page)
     expect(button(page, "Left ahead")).to_be_disabled()
     press(page, page.get_by_role("heading", name="Calibration", exact=True, level=2))
-    expect(button(page, "Start: Compass")).to_be_disabled()
     expect(button(page, "Start: Gyro")).to_be_disabled()
+    thrusters = page.get_by_role("region", name="Thrusters", exact=True)
+    expect(thrusters).to_contain_text("✓ armed")
+    expect(thrusters).to_contain_text("The boat sails by itself")
     answer = page.evaluate("""() => new Promise((done) => {
         const socket = new WebSocket(`ws://${location.host}/live?boat=1`);
         const request = { type: "do", id: "x1", boat: 1, what: "calibrate_gyro", with: {} };
@@ -234,22 +230,6 @@ def test_the_compass_calibration_shows_its_progress_and_is_cancelled(
     press(page, button(page, "Cancel"))  # while armed, too
     expect(told(page, "Cancelled: nothing has changed.")).to_be_visible()
     expect(bar).to_be_hidden()
-
-
-def test_the_gyro_is_calibrated_to_its_end(visit: Visit, shore: ShoreBoat, station: MavutilStation) -> None:
-    page = boat_view(skipper(visit, shore, "desktop"), "Calibration")
-    station.drain()
-    press(page, button(page, "Start: Gyro"))
-    expect(told(page, re.compile("Done. Gyro calibrated|Failed. Gyro: the boat moved"))).to_be_visible()
-
-
-def test_a_calibration_that_sails_says_what_it_needs(visit: Visit, shore: ShoreBoat) -> None:
-    page = boat_view(skipper(visit, shore, "desktop"), "Calibration")
-    thrusters = page.get_by_role("region", name="Thrusters", exact=True)
-    expect(thrusters).to_contain_text("✕ armed")
-    expect(thrusters).to_contain_text("The boat sails by itself")
-    expect(button(page, "Start: Thrusters")).to_be_disabled()
-    assert axe_faults(page) == []
 
 
 def test_a_request_of_the_moment_is_not_sent_again_on_a_new_connection(

@@ -11,18 +11,14 @@ from typing import Any
 
 import pytest
 from aiohttp import web
-from playwright.sync_api import Browser, Page, sync_playwright
+from page_rig import needs_chromium
+from playwright.sync_api import Browser, Page
 
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from mission_tools.shore.chart import WaterChart, Way
 from mission_tools.station.messages import Place
 from mission_tools.station.words import FOLDER
 
-CHROMIUM = Path("/usr/bin/chromium")
-SWITCHES = [
-    *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
-    *("--disable-background-networking", "--disable-component-update", "--disable-sync"),
-]
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 PAGE = ROOT / "mission_tools" / "shore" / "page"
@@ -34,10 +30,9 @@ PATIENCE_MS = 60_000
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 BOAT = FRAME.to_global(Point(-100.0, -100.0))
 
-pytestmark = [
-    pytest.mark.realtime,
-    pytest.mark.skipif(not CHROMIUM.exists(), reason=f"{CHROMIUM} is missing"),
-]
+pytest_plugins = ("page_fixtures",)
+pytestmark = [pytest.mark.realtime, needs_chromium]
+both_sizes = pytest.mark.parametrize("page", ["phone", "desktop"], indirect=True)
 
 
 @pytest.fixture(scope="module")
@@ -82,18 +77,10 @@ def address() -> Iterator[str]:
     loop.close()
 
 
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    with sync_playwright() as playwright:
-        opened = playwright.chromium.launch(executable_path=str(CHROMIUM), args=SWITCHES)
-        yield opened
-        opened.close()
-
-
-@pytest.fixture(params=["phone", "desktop"])
+@pytest.fixture
 def page(request: pytest.FixtureRequest, browser: Browser, address: str) -> Iterator[Page]:
-    """The chart with the boat on it and no map yet, at phone or desktop size."""
-    is_phone = request.param == "phone"
+    """The chart with the boat on it and no map yet, on a phone, or where asked for on a desktop."""
+    is_phone = getattr(request, "param", "phone") == "phone"
     context = browser.new_context(
         viewport=PHONE if is_phone else DESKTOP,  # type: ignore[arg-type]
         device_scale_factor=3 if is_phone else 1,
@@ -161,6 +148,7 @@ def colour(page: Page, x: float, y: float) -> tuple[int, int, int]:
     return red, green, blue
 
 
+@both_sizes
 def test_a_tap_tells_its_place_within_a_tenth_of_a_metre(page: Page) -> None:
     show_pond(page)
     show(page, "showState", state())
@@ -211,13 +199,6 @@ def test_dragging_moves_the_chart_and_the_button_follows_the_boat_again(page: Pa
     assert distance_m(tapped(page, x, y), Point(-60.0, -40.0)) < 0.1
 
 
-def test_the_chart_follows_the_boat(page: Page) -> None:
-    x, y = middle(page)
-    for north_m in (0.0, 5.0, 40.0):
-        show(page, "showState", state(FRAME.to_global(Point(north_m, 3.0))))
-        assert distance_m(tapped(page, x, y), Point(north_m, 3.0)) < 0.2
-
-
 def test_the_wheel_zooms_about_its_place(page: Page) -> None:
     show_pond(page)
     show(page, "showState", state())
@@ -264,37 +245,8 @@ def test_buttons_and_keys_zoom_and_pan(page: Page) -> None:
         assert min(box["width"], box["height"]) >= 48
 
 
-def test_two_fingers_zoom_and_are_no_tap(page: Page) -> None:
-    show(page, "showState", state())
-    before = scale(page)
-    page.evaluate("window.taps.length = 0")
-    x, y = middle(page)
-    page.evaluate(
-        """([x, y]) => {
-          const canvas = document.getElementById("chart");
-          canvas.setPointerCapture = () => {};
-          const say = (type, id, px, py) => canvas.dispatchEvent(new PointerEvent(type,
-            { pointerId: id, pointerType: "touch", clientX: px, clientY: py, bubbles: true }));
-          say("pointerdown", 1, x - 40, y);
-          say("pointerdown", 2, x + 40, y);
-          for (let n = 1; n <= 8; n += 1) {
-            say("pointermove", 1, x - 40 - 5 * n, y);
-            say("pointermove", 2, x + 40 + 5 * n, y);
-          }
-          say("pointerup", 1, x - 80, y);
-          say("pointerup", 2, x + 80, y);
-        }""",
-        [x, y],
-    )
-    assert page.evaluate("window.taps.length") == 0
-    assert scale(page) == pytest.approx(2.0 * before, rel=0.01)
-    assert distance_m(tapped(page, x, y), FRAME.to_local(BOAT)) < 0.1  # still followed
-
-
 def test_real_fingers_pan_pinch_and_tap(page: Page) -> None:
     """By the browser's own touch events."""
-    if page.evaluate("navigator.maxTouchPoints") == 0:
-        pytest.skip("the desktop has no touch screen")
     show_pond(page)
     show(page, "showState", state())
     x, y = middle(page)
@@ -354,17 +306,6 @@ def test_what_is_planned_is_drawn_at_its_places_and_looked_at_where_it_is_out_of
     assert distance_m(tapped(page, x, y), moved) < 0.1  # it was moved by hand
 
 
-def test_the_whole_map_is_never_zoomed_out_of_sight(page: Page) -> None:
-    show_pond(page)
-    show(page, "showState", state())
-    canvas = page.locator("#chart")
-    for _ in range(30):
-        canvas.press("-")
-    box = canvas.bounding_box()
-    assert box is not None
-    assert scale(page) * 600.0 > 0.25 * min(box["width"], box["height"])  # the pond is 600 m wide
-
-
 def test_it_draws_only_when_something_changed(page: Page) -> None:
     show_pond(page)
     show(page, "showState", state())
@@ -376,26 +317,7 @@ def test_it_draws_only_when_something_changed(page: Page) -> None:
     assert page.evaluate("window.draws") == before + 1
 
 
-def test_the_canvas_has_the_pixels_of_the_screen(page: Page) -> None:
-    sizes = page.evaluate(
-        "[chart => 0, document.getElementById('chart').width, document.getElementById('chart').clientWidth,"
-        " devicePixelRatio].slice(1)"
-    )
-    assert sizes[0] == sizes[1] * sizes[2]
-
-
-def test_night_is_darker_than_day(page: Page) -> None:
-    show_pond(page)
-    show(page, "showState", state())
-    x, y = middle(page)
-    day = colour(page, x + 70, y + 60)
-    page.evaluate("document.documentElement.dataset.theme = 'dark'")
-    page.evaluate(
-        "async () => { await new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done))); }"
-    )
-    assert sum(colour(page, x + 70, y + 60)) < 0.6 * sum(day)
-
-
+@both_sizes
 def test_everything_at_once_is_drawn_without_a_fault(page: Page) -> None:
     """With MAVBOAT_PICTURES=DIR the pictures are kept there, for people to look at."""
     show_pond(page)

@@ -1,10 +1,11 @@
 """The page by keyboard alone: a visitor without a mouse does on the boat what the others do."""
 
 import re
+from collections.abc import Iterator
 
 import pytest
 from mavutil_station import MavutilStation
-from page_rig import ShoreBoat, Visit, button, needs_chromium, told, until_mode
+from page_rig import ShoreBoat, Visit, boat_at_sea, button, needs_chromium, told, until_mode
 from playwright.sync_api import Locator, Page, expect
 from pymavlink.dialects.v20 import all as dialect
 
@@ -16,6 +17,12 @@ pytestmark = [pytest.mark.realtime, needs_chromium]
 MOST_TABS = 60  # through the whole page and round again
 FAIL_COMPASS = (dialect.FAILURE_UNIT_SENSOR_MAG, dialect.FAILURE_TYPE_OFF)
 MEND_COMPASS = (dialect.FAILURE_UNIT_SENSOR_MAG, dialect.FAILURE_TYPE_OK)
+
+
+@pytest.fixture(scope="module")
+def shore(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ShoreBoat]:
+    """A boat of these tests only: they sail it away."""
+    yield from boat_at_sea(tmp_path_factory, "--speedup", "5")
 
 
 def test_a_visitor_without_a_mouse_sails_the_boat(

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from finger import press
-from page_rig import ShoreBoat, Visit, axe_faults, button, needs_chromium, skipper, start_shore
+from page_rig import ShoreBoat, Visit, axe_faults, boat_at_sea, button, needs_chromium, skipper
 from playwright.sync_api import Page, expect
 from pymavlink import DFReader
 
@@ -35,9 +35,7 @@ def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def shore(log: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ShoreBoat]:
     """A boat that keeps logs."""
-    boat = start_shore(tmp_path_factory.mktemp("shore") / "room", "--state", str(log.parent.parent))
-    yield boat
-    boat.program.close()
+    yield from boat_at_sea(tmp_path_factory, "--state", str(log.parent.parent))
 
 
 def sailed_m(log: Path) -> float:
@@ -83,11 +81,10 @@ def test_a_download_has_the_bytes_of_the_file_on_the_boat(visit: Visit, shore: S
     assert Path(started.value.path()).read_bytes() == log.read_bytes()
 
 
-@pytest.mark.parametrize("size", ["phone", "desktop"])
 def test_a_voyage_is_as_long_as_pymavlink_says_and_a_moment_is_shown_everywhere(
-    visit: Visit, shore: ShoreBoat, log: Path, size: str
+    visit: Visit, shore: ShoreBoat, log: Path
 ) -> None:
-    page = skipper(visit, shore, size)
+    page = skipper(visit, shore)
     open_voyage(page)
     shown = page.locator("#logs dl div").filter(has_text="Distance").locator("dd").inner_text()
     number, unit = shown.split()

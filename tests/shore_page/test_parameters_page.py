@@ -59,11 +59,10 @@ def tell(station: MavutilStation, name: str, value: float) -> None:
     station.wait_for("PARAM_VALUE", lambda one: one.param_id == name)
 
 
-@pytest.mark.parametrize("size", ["phone", "desktop"])
 def test_a_parameter_is_found_by_its_text_changed_and_set_back(
-    size: str, visit: Visit, shore: ShoreBoat, station: MavutilStation
+    visit: Visit, shore: ShoreBoat, station: MavutilStation
 ) -> None:
-    page = open_panel(skipper(visit, shore, size))
+    page = open_panel(skipper(visit, shore))
     row = find(page, "ground auto guided rtl", "CRUISE_SPEED")
     expect(row.locator("summary")).to_contain_text("CRUISE_SPEED")
     expect(row).to_contain_text(re.compile(r"Default.*m/s.*Range.*0\.001 to 20 m/s"))
@@ -171,11 +170,8 @@ def test_a_file_is_saved_compared_and_applied(
     tell(station, "CRUISE_SPEED", before["CRUISE_SPEED"])
 
 
-@pytest.mark.parametrize(("size", "light"), [("phone", "light"), ("tablet", "dark")])
-def test_the_panel_is_usable_by_finger_keyboard_and_reader(
-    size: str, light: str, visit: Visit, shore: ShoreBoat
-) -> None:
-    page = visit(size, light)
+def test_the_panel_is_usable_by_finger_keyboard_and_reader(visit: Visit, shore: ShoreBoat) -> None:
+    page = visit("phone", "dark")
     unlock(page, shore.pin)
     expect(button(page, "Hold")).to_be_enabled()
     open_panel(page)

@@ -10,7 +10,7 @@ import pytest
 from finger import hold, press
 from mavutil_station import MavutilStation, Place
 from page_rig import ShoreBoat, Visit, axe_faults, button, needs_chromium, skipper, told, until_mode
-from plan_rig import CORNERS, GOALS, open_plan, rows, tap_places
+from plan_rig import CORNERS, GOALS, open_plan, tap_places
 from playwright.sync_api import Locator, Page, expect
 from pymavlink.dialects.v20 import all as dialect
 
@@ -46,13 +46,12 @@ def planned(page: Page, view: Locator) -> Locator:
     return voyage
 
 
-@pytest.mark.parametrize("size", ["phone", "desktop"])
 def test_a_route_of_tapped_places_becomes_the_mission_on_board(
-    size: str, visit: Visit, shore: ShoreBoat, station: MavutilStation
+    visit: Visit, shore: ShoreBoat, station: MavutilStation
 ) -> None:
     old = [Place(WAYPOINT, FRAME, 499987600 + 20 * n, -12029200) for n in range(4)]
     assert station.upload(old) == dialect.MAV_MISSION_ACCEPTED
-    page = skipper(visit, shore, size)
+    page = skipper(visit, shore)
     view = open_plan(page)
     assert axe_faults(page) == []
     tap_places(page, station, GOALS)
@@ -99,22 +98,6 @@ def test_a_voyage_is_uploaded_and_started_and_watched(
         "GLOBAL_POSITION_INT",
         lambda at: metres((at.lon / 1e7, at.lat / 1e7), GOALS[1]) < 0.7 * begun,
     )
-
-
-def test_a_voyage_that_is_started_disarmed_begins_when_the_boat_is_armed(
-    visit: Visit, shore: ShoreBoat, station: MavutilStation
-) -> None:
-    page = skipper(visit, shore, "desktop")
-    view = open_plan(page)
-    tap_places(page, station, GOALS[:1])
-    planned(page, view)
-    armed_first = told(page, "Upload and start: The boat sails the plan as soon as it is armed")
-    hold(page, button(page, "Upload and start"), armed_first)
-    assert metres(sailed(station.download())[-1], GOALS[0]) < CLOSE_M
-    until_mode(station, Mode.AUTO, armed=False)
-    press(page, page.get_by_role("link", name="Go to Sail"))
-    hold(page, button(page, "Arm"), told(page, "Arm: The propellers may turn"))
-    until_mode(station, Mode.AUTO, armed=True)
 
 
 def test_a_survey_stays_in_the_area_that_was_outlined(
@@ -199,16 +182,3 @@ def test_a_tap_on_land_is_said_by_its_number_and_moved_to_the_nearest_water(
     expect(told(page, "Place 2 is on the water now.")).to_be_visible()
     expect(offer).to_be_hidden()
     planned(page, view)
-
-
-def test_a_tap_on_land_is_said_without_the_pin_and_an_island_is_land(
-    visit: Visit, shore: ShoreBoat, station: MavutilStation
-) -> None:
-    page = visit("desktop")
-    view = open_plan(page)
-    tap_places(page, station, (ON_LAND,))
-    expect(told(page, "Place 1 lies on land.")).to_be_visible()
-    expect(view.get_by_role("group", name="A place on land")).to_be_hidden()
-    tap_places(page, station, GOALS[:1])
-    expect(rows(view)).to_have_count(2)
-    expect(told(page, "Place 2 lies on land.")).to_have_count(0)

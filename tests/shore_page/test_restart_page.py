@@ -27,13 +27,6 @@ def test_an_armed_boat_is_not_restarted(visit: Visit, shore: ShoreBoat, station:
     assert axe_faults(page) == []
 
 
-def test_a_viewer_is_asked_for_the_pin(visit: Visit, shore: ShoreBoat) -> None:
-    page = visit("desktop")
-    open_restart(page)
-    expect(page.get_by_text("Enter the PIN to restart the boat's program.")).to_be_visible()
-    expect(button(page, "Restart")).to_be_disabled()
-
-
 def test_a_restarted_boat_comes_back_to_the_same_page(
     visit: Visit, shore: ShoreBoat, station: MavutilStation
 ) -> None:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import pytest
 from finger import hold, press
 from mavutil_station import MavutilStation
-from page_rig import WAIT_MS, ShoreBoat, Visit, button, needs_chromium, start_shore, told, unlock
+from page_rig import WAIT_MS, ShoreBoat, Visit, boat_at_sea, button, needs_chromium, told, unlock
 from playwright.sync_api import Page, expect
 from pymavlink.dialects.v20 import all as dialect
 
@@ -31,9 +31,7 @@ class Seen(NamedTuple):
 @pytest.fixture(scope="module")
 def shore(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ShoreBoat]:
     """Three boats."""
-    boats = start_shore(tmp_path_factory.mktemp("fleet") / "room", "--count", "3", "--speedup", "2")
-    yield boats
-    boats.program.close()
+    yield from boat_at_sea(tmp_path_factory, "--count", "3", "--speedup", "2")
 
 
 @pytest.fixture

@@ -18,7 +18,7 @@ from pymavlink.dialects.v20 import all as dialect
 
 from companion.core.modes import Mode
 from mission_tools.shore.chart import WaterChart
-from mission_tools.shore.program import SystemClock
+from mission_tools.shore.clock import Clock
 from mission_tools.shore.web.connections.listening import Listening
 from mission_tools.shore.web.login.pin_file import PinFile
 from mission_tools.shore.web.login.session import Sessions
@@ -66,7 +66,7 @@ def foreign_page(shore: ShoreBoat, tmp_path_factory: pytest.TempPathFactory) -> 
     pin_file = PinFile(room / "pin")
     pin_file.write(PIN)
     boats = Boats(f"tcp:127.0.0.1:{shore.tcp}", 249)
-    app = make_app(boats, WaterChart(MAP), Sessions(pin_file), room / "page", SystemClock())
+    app = make_app(boats, WaterChart(MAP), Sessions(pin_file), room / "page", Clock())
     listening = Listening(app)
     loop = asyncio.new_event_loop()
     thread = threading.Thread(target=loop.run_forever)  # playwright has a loop of its own in this one

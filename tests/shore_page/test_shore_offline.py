@@ -4,11 +4,22 @@ import os
 import signal
 import socket
 import sys
+from collections.abc import Iterator
 
 import pytest
 from finger import hold
 from mavutil_station import MavutilStation
-from page_rig import ShoreBoat, Visit, button, needs_chromium, show_all_buttons, skipper, told, until_mode
+from page_rig import (
+    ShoreBoat,
+    Visit,
+    boat_at_sea,
+    button,
+    needs_chromium,
+    show_all_buttons,
+    skipper,
+    told,
+    until_mode,
+)
 from playwright.sync_api import expect
 from programs import RunProgram
 from pymavlink.dialects.v20 import all as dialect
@@ -85,14 +96,20 @@ def test_a_server_that_greets_after_ten_seconds_is_waited_for(visit: Visit, shor
     assert visit("desktop").evaluate(SLOW_SERVER) == [True, 2]
 
 
+@pytest.fixture
+def lonely(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ShoreBoat]:
+    """A boat of which the page's program may die."""
+    yield from boat_at_sea(tmp_path_factory)
+
+
 def test_the_page_goes_on_by_itself_when_its_server_starts_again(
-    visit: Visit, shore: ShoreBoat, run_program: RunProgram
+    visit: Visit, lonely: ShoreBoat, run_program: RunProgram
 ) -> None:
-    page = visit("phone")
+    page = visit("phone", address=lonely.address)
     expect(page.get_by_text("Connected").first).to_be_visible()
-    options = shore.options()
-    options[options.index("--listen") + 1] = shore.address.removeprefix("http://").rstrip("/")
-    os.kill(shore.child, signal.SIGKILL)
+    options = lonely.options()
+    options[options.index("--listen") + 1] = lonely.address.removeprefix("http://").rstrip("/")
+    os.kill(lonely.child, signal.SIGKILL)
     expect(page.get_by_text("Not connected. Trying again.").first).to_be_visible()
     expect(page.get_by_text("Last heard").first).to_be_visible()
     run_program(sys.executable, "-m", "mission_tools.shore", *options)

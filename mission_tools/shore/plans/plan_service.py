@@ -12,7 +12,7 @@ from mission_tools.shore.plans import figures, files
 from mission_tools.shore.plans.plan_request import MadePlan, PlanRequest, PlanRequestError, Task, lists_of
 from mission_tools.shore.plans.plan_store import PlanStore, StoredPlan, file_name
 from mission_tools.shore.plans.process import Planner, PlannerError
-from mission_tools.shore.web.interfaces import BoatService
+from mission_tools.station.boats import Boats
 from mission_tools.station.messages import Place
 from mission_tools.station.words import say
 
@@ -49,7 +49,7 @@ class File(NamedTuple):
 class PlanService:
     """The plans of a server."""
 
-    def __init__(self, boats: BoatService, sources: Sources, planner: Planner | None = None) -> None:
+    def __init__(self, boats: Boats, sources: Sources, planner: Planner | None = None) -> None:
         self._boats = boats
         self._water = None if sources.water is None else str(sources.water.resolve())
         self._boat = _absolute(sources.boat)
@@ -209,7 +209,8 @@ class PlanService:
         Raises:
             PlannerError, PlannerMissingError, PlannerBusyError, StorageError: a sentence for people.
         """
-        items = self._boats.mission(boat)
+        one = self._boats.get(boat)
+        items = None if one is None else one.lists.items("mission")
         if items is None or len(items) < 2:
             return None
         stem = f"boat-{boat}-mission"

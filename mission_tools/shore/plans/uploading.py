@@ -5,7 +5,7 @@ from collections.abc import Callable
 from msgspec import Struct, ValidationError, convert
 
 from mission_tools.shore.plans.plan_service import PlanService
-from mission_tools.shore.web.interfaces import BoatService
+from mission_tools.station.boats import Boats
 from mission_tools.station.messages import Answer, PageRequest
 from mission_tools.station.outcome import Accepted, Outcome
 from mission_tools.station.uploads import plan_upload
@@ -23,7 +23,7 @@ class _Asked(Struct, frozen=True, forbid_unknown_fields=True):
 class PlanUploads:
     """Makes a stored plan the boat's mission."""
 
-    def __init__(self, boats: BoatService, plans: PlanService) -> None:
+    def __init__(self, boats: Boats, plans: PlanService) -> None:
         self._boats = boats
         self._plans = plans
 

@@ -3,21 +3,21 @@
 import asyncio
 import hashlib
 from collections.abc import Awaitable, Callable
-from typing import Any, Final
+from typing import Final
 
 import msgspec
 from aiohttp import web
 
+from mission_tools.geojson import feature
 from mission_tools.shore.web.guard import cookie_name, cookie_of, error, peer_of
 from mission_tools.shore.web.hub import Hub
-from mission_tools.shore.web.interfaces import ItemKind
 from mission_tools.shore.web.login.session import LIFE_S, LoginRefused
 from mission_tools.shore.web.logs.api import ROWS as LOGS
 from mission_tools.shore.web.parameters_api import ROWS as PARAMETERS
 from mission_tools.shore.web.plan_api import ROWS as PLAN_ROWS
 from mission_tools.shore.web.rows import BOAT, Handler, Row, boat_of, json_answer, read_body
-from mission_tools.shore.web.setup_api import ROWS as SETUP
 from mission_tools.shore.web.static_files import StaticFile, make_file, respond
+from mission_tools.station.items import Kind
 from mission_tools.station.words import say
 
 _GEOJSON: Final = "application/geo+json"
@@ -77,7 +77,7 @@ def _chart() -> Handler:
     return handle
 
 
-def _items(kind: ItemKind) -> Handler:
+def _items(kind: Kind) -> Handler:
     async def handle(hub: Hub, request: web.Request) -> web.StreamResponse:
         items = hub.boats.items(boat_of(request), kind)
         if items is None:
@@ -88,8 +88,17 @@ def _items(kind: ItemKind) -> Handler:
 
 
 async def _track(hub: Hub, request: web.Request) -> web.StreamResponse:
-    line: dict[str, Any] = {"type": "LineString", "coordinates": hub.boats.track(boat_of(request))}
-    return json_answer(msgspec.json.encode({"type": "Feature", "properties": {}, "geometry": line}), _GEOJSON)
+    boat = hub.boats.get(boat_of(request))
+    points = [] if boat is None else boat.view.track.points
+    return json_answer(msgspec.json.encode(feature("LineString", points)), _GEOJSON)
+
+
+async def _sensors(hub: Hub, request: web.Request) -> web.StreamResponse:
+    boat = boat_of(request)
+    sensors = hub.boats.sensors(boat)
+    if sensors is None:
+        return error(404, say("answer.never_heard", n=boat), "")
+    return json_answer(msgspec.json.encode(sensors))
 
 
 TABLE: Final = (
@@ -102,8 +111,8 @@ TABLE: Final = (
     Row("GET", f"{BOAT}/fence", _items("fence")),
     Row("GET", f"{BOAT}/rally", _items("rally")),
     Row("GET", f"{BOAT}/track", _track),
+    Row("GET", f"{BOAT}/sensors", _sensors),
     *LOGS,
-    *SETUP,
     *PLAN_ROWS,
     *PARAMETERS,
 )

@@ -5,18 +5,48 @@ way gets no further one until a pong comes; the next difference then covers all 
 """
 
 from collections import deque
-from typing import Final
+from typing import Any, Final
 
 import msgspec
 
-from mission_tools.shore.web.patch import Tree, difference, tree_of
 from mission_tools.station.messages import Answer, Hello, Snapshot, State, ToPage
 from mission_tools.station.words import LocalizedText
+
+Tree = dict[str, Any]  # as JSON, without None: a key that is missing is a value that is not known
 
 UNACKNOWLEDGED: Final = 3
 QUIET_S: Final = 2.0  # something is sent at least this often, so that the page knows of a broken link
 LOST_S: Final = 30.0  # without a pong
 MOST_ANSWERS: Final = 64
+
+
+def tree_of(snapshot: Snapshot) -> Tree:
+    """A snapshot as JSON's types; a list is one value, and keeps its Nones."""
+    tree = _without_none(msgspec.to_builtins(snapshot))
+    assert isinstance(tree, dict)  # noqa: S101 (a Struct is an object)
+    return tree
+
+
+def _without_none(value: Tree) -> Tree:
+    return {
+        key: _without_none(one) if isinstance(one, dict) else one
+        for key, one in value.items()
+        if one is not None
+    }
+
+
+def difference(old: Tree, new: Tree) -> Tree:
+    """The patch that makes `new` of `old`; empty if they are the same."""
+    patch: Tree = dict.fromkeys(key for key in old if key not in new)
+    for key, value in new.items():
+        before = old.get(key)
+        if isinstance(value, dict) and isinstance(before, dict):
+            inner = difference(before, value)
+            if inner:
+                patch[key] = inner
+        elif before != value or key not in old:
+            patch[key] = value
+    return patch
 
 
 def encode(message: ToPage) -> str:

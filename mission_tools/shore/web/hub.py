@@ -1,18 +1,21 @@
 """The boats, their viewers and their requests: everything behind the sockets, with time handed in."""
 
 import asyncio
+from collections.abc import Callable
 from typing import Final
 
 import msgspec
 
+from mission_tools.shore.chart import WaterChart
+from mission_tools.shore.clock import Clock
 from mission_tools.shore.plans.plan_service import PlanService, Sources
 from mission_tools.shore.plans.uploading import PlanUploads
 from mission_tools.shore.web.feed import Feed, Viewer
-from mission_tools.shore.web.interfaces import BoatService, ChartService, Clock, Service
 from mission_tools.shore.web.login.session import Sessions
 from mission_tools.shore.web.logs.log_service import LogService
 from mission_tools.shore.web.request_log import Reply, RequestLog
 from mission_tools.shore.web.route_service import RouteService
+from mission_tools.station.boats import Boats
 from mission_tools.station.messages import Answer, BoatName, Hello, PageRequest, Role
 from mission_tools.station.words import say
 
@@ -46,8 +49,8 @@ class Hub:
 
     def __init__(
         self,
-        boats: BoatService,
-        chart: ChartService,
+        boats: Boats,
+        chart: WaterChart,
         sessions: Sessions,
         clock: Clock,
         sources: Sources = _NO_SOURCES,
@@ -61,9 +64,9 @@ class Hub:
         self.watches: list[Watch] = []
         self._feeds: dict[int, Feed] = {}
         self._request_log = RequestLog()
-        self._services: dict[str, Service] = {
-            "route": RouteService(boats, chart),
-            "upload_plan": PlanUploads(boats, self.plans),
+        self._services: dict[str, Callable[[PageRequest, Reply], None]] = {
+            "route": RouteService(boats, chart).ask,
+            "upload_plan": PlanUploads(boats, self.plans).ask,
         }
         self._next_s = float("-inf")
 
@@ -138,7 +141,7 @@ class Hub:
             self._request_log.submit(request, watch.reply, self._do, self.clock.now_s())
 
     def _do(self, request: PageRequest, reply: Reply) -> None:
-        self._services.get(request.what, self.boats).ask(request, reply)
+        self._services.get(request.what, self.boats.ask)(request, reply)
 
 
 def _id_of(text: str) -> str:

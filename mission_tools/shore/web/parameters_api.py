@@ -69,10 +69,10 @@ async def _described(table: ParameterTable) -> TableSnapshot:
 
 def _table(hub: Hub, request: web.Request) -> ParameterTable | web.Response:
     """The table of a boat that is downloaded, or what to answer instead."""
-    boat = boat_of(request)
-    table = hub.boats.parameters(boat)
-    if table is None:
+    boat = hub.boats.get(boat_of(request))
+    if boat is None:
         return error(404, say("error.no_boat"), "")
+    table = boat.parameters
     snapshot = table.snapshot()
     if snapshot.state != "here":
         progress = {"got": snapshot.got, "count": snapshot.count}

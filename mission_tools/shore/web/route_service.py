@@ -2,12 +2,13 @@
 
 import asyncio
 import logging
-from typing import Any, Final
+from typing import Final
 
 from msgspec import ValidationError, convert
 
-from mission_tools.shore.web.interfaces import BoatService, ChartService
+from mission_tools.shore.chart import Blocked, WaterChart
 from mission_tools.shore.web.request_log import Reply
+from mission_tools.station.boats import Boats
 from mission_tools.station.messages import Answer, PageRequest, Place
 from mission_tools.station.words import say
 
@@ -19,7 +20,7 @@ _BUSY: Final = say("answer.ways_busy")
 class RouteService:
     """One search at a time."""
 
-    def __init__(self, boats: BoatService, chart: ChartService) -> None:
+    def __init__(self, boats: Boats, chart: WaterChart) -> None:
         self._boats = boats
         self._chart = chart
         self._one = asyncio.Lock()
@@ -56,9 +57,8 @@ class RouteService:
             _log.exception("the search for a way has failed")
             reply(Answer(id=ident, ok=False, text=say("answer.search_failed")))
             return
-        result: dict[str, Any] = found._asdict()
-        if "points" not in result:
-            reply(Answer(id=ident, ok=False, text=result.pop("reason"), result=result))
+        if isinstance(found, Blocked):
+            reply(Answer(id=ident, ok=False, text=found.reason, result={"nearest": found.nearest}))
             return
-        result["time_s"] = result["length_m"] / cruise_m_s if cruise_m_s else None
-        reply(Answer(id=ident, ok=True, text="", result=result))
+        time_s = found.length_m / cruise_m_s if cruise_m_s else None
+        reply(Answer(id=ident, ok=True, text="", result=found._asdict() | {"time_s": time_s}))

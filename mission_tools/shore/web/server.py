@@ -8,18 +8,20 @@ from typing import Final
 
 from aiohttp import web
 
+from mission_tools.shore.chart import WaterChart
+from mission_tools.shore.clock import Clock
 from mission_tools.shore.plans.plan_service import Sources
 from mission_tools.shore.web.api import add_routes
 from mission_tools.shore.web.connections.rates import Rate, Rates
 from mission_tools.shore.web.connections.throttle import network_of
 from mission_tools.shore.web.guard import add_headers, make_guard, peer_of
 from mission_tools.shore.web.hub import Hub
-from mission_tools.shore.web.interfaces import BoatService, ChartService, Clock
 from mission_tools.shore.web.login.session import Sessions
 from mission_tools.shore.web.rows import MOST_BODY_BYTES
 from mission_tools.shore.web.sockets import Sockets
 from mission_tools.shore.web.static_files import StaticFile, read_files, respond
 from mission_tools.station import words
+from mission_tools.station.boats import Boats
 
 POLL_S: Final = 0.05
 _GATHER_S: Final = 0.001  # between two polls, however often the boats send
@@ -33,8 +35,8 @@ POLLING: Final = web.AppKey("polling", asyncio.Task[None])
 
 
 def make_app(
-    boats: BoatService,
-    chart: ChartService,
+    boats: Boats,
+    chart: WaterChart,
     sessions: Sessions,
     page_dir: Path,
     clock: Clock,

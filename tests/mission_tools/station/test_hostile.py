@@ -15,7 +15,7 @@ from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.framing import build_frame
 from companion.mavlink.layout import LAYOUTS
 from mission_tools.station.boat import WANTED
-from mission_tools.station.boats import MOST_BOATS, Boats
+from mission_tools.station.boats import Boats
 from mission_tools.station.messages import Answer, PageRequest
 from mission_tools.station.wire import heartbeat
 
@@ -59,7 +59,9 @@ class Stranger:
             assert_finite(msgspec.to_builtins(snapshot))
             for kind in ("mission", "fence", "rally"):
                 assert_finite(self.boats.items(name.id, kind))
-            assert_finite(self.boats.track(name.id))
+            boat = self.boats.get(name.id)
+            assert boat is not None
+            assert_finite(boat.view.track.points)
 
 
 def assert_finite(value: Any) -> None:  # noqa: ANN401  whatever JSON has
@@ -74,7 +76,7 @@ def assert_finite(value: Any) -> None:  # noqa: ANN401  whatever JSON has
             assert_finite(one)
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_random_payloads_never_raise(seed: int) -> None:
     chance, stranger = random.Random(seed), Stranger()
     stranger.heartbeat()
@@ -108,14 +110,6 @@ def test_values_that_are_not_numbers_are_left_out() -> None:
     assert (seen.current, seen.sonar, seen.obstacles, seen.speed_m_s) == (None, None, None, None)
 
 
-def test_more_boats_than_fit_are_not_kept() -> None:
-    stranger = Stranger()
-    for system in range(1, 250):
-        stranger.heartbeat(Address(system, 1))
-    stranger.run(1.0)
-    assert len(stranger.boats.names()) == MOST_BOATS
-
-
 def test_stations_and_other_components_are_no_boats() -> None:
     stranger = Stranger()
     stranger.say(heartbeat(is_operator=True), Address(255, 190))
@@ -146,24 +140,10 @@ def test_a_fence_of_absurd_corners_is_drawn_as_far_as_it_goes() -> None:
         stranger.say(dialect.MAVLink_mission_count_message(250, 190, 3, kind))
         for seq in range(3):
             stranger.run(0.1)
+            params = ((NAN, INF, 1e30)[seq], NAN, NAN, NAN)
+            place = (2**31 - 1, -(2**31), NAN)
             stranger.say(
-                dialect.MAVLink_mission_item_int_message(
-                    250,
-                    190,
-                    seq,
-                    3,
-                    5001,
-                    0,
-                    1,
-                    (NAN, INF, 1e30)[seq],
-                    NAN,
-                    NAN,
-                    NAN,
-                    2**31 - 1,
-                    -(2**31),
-                    NAN,
-                    kind,
-                )
+                dialect.MAVLink_mission_item_int_message(250, 190, seq, 3, 5001, 0, 1, *params, *place, kind)
             )
         stranger.run(0.3)
     stranger.check()
@@ -306,17 +286,3 @@ def test_a_way_is_answered_for_within_ten_seconds_however_slow_the_boat(accepts_
             seq = 0
         stranger.run(0.25)
     assert [one.ok for one in answers] == [False]
-
-
-def test_a_new_link_is_asked_for_its_streams_at_once() -> None:
-    stranger = Stranger()
-    stranger.heartbeat()
-    stranger.run(1.0)
-    near, far = memory_pair("second")
-    stranger.port.fresh.append(far)
-    stranger.run(0.1)
-    near.send(Encoder(BOAT).encode(dialect.MAVLink_heartbeat_message(11, 3, 1, 4, 3, 3)))
-    stranger.run(0.2)
-    decoder = Decoder(datagram=True)
-    asked = [one.message for chunk in near.receive() for one in decoder.feed(chunk)]
-    assert sum(one.get_type() == "COMMAND_LONG" and one.command == 511 for one in asked) > 5

@@ -5,9 +5,11 @@ from boat_rig import Rig
 from shore_rig import Shore
 
 from companion.core.requests import ManualControl
-from companion.mavlink.dialect import dialect
+from companion.mavlink.address import Address
+from companion.mavlink.dialect import Message, dialect
 from mission_tools.station.messages import Answer
-from mission_tools.station.setup.motor_tests import ENDED, HELD_UP, NO_ANSWER, STOPPED
+from mission_tools.station.requests import BadRequestError
+from mission_tools.station.setup.motor_tests import ENDED, HELD_UP, NO_ANSWER, STOPPED, MotorTests
 
 LONGEST_S = 1.1  # a second, and what passes until the boat is polled
 EVERY_S = 0.3  # how often the page repeats while a button is held
@@ -46,11 +48,9 @@ def shore() -> Shore:
 @pytest.mark.parametrize(
     ("motor", "percent", "signs"),
     [
-        ("left", 30.0, (1, 0)),
         ("right", 30.0, (0, 1)),
-        ("both", 50.0, (1, 1)),
-        ("both", -15.0, (-1, -1)),
-        ("turn", 30.0, (1, -1)),
+        ("both", -50.0, (-1, -1)),
+        ("turn", 15.0, (1, -1)),
     ],
 )
 def test_the_motors_asked_for_turn_and_no_other(
@@ -155,26 +155,6 @@ def test_a_press_that_has_ended_never_turns_a_motor_again(shore: Shore) -> None:
     assert turning(rig) == (True, False)
 
 
-def test_the_emergency_stop_ends_a_press(shore: Shore) -> None:
-    (rig,) = shore.rigs
-    hold(shore, 1.5)
-    shore.send("stop")
-    for number in range(5, 10):
-        press(shore, number * EVERY_S)
-        shore.run(EVERY_S)
-        assert turning(rig) == (False, False)
-
-
-def test_an_armed_boat_is_refused(shore: Shore) -> None:
-    (rig,) = shore.rigs
-    assert shore.ask("arm").ok
-    shore.run(1.5)
-    press(shore)
-    shore.run(0.5)
-    assert (shore.answers[-1].ok, shore.answers[-1].text) == (False, "The boat is armed: disarm it first.")
-    assert not rig.boat.motor_test.is_running
-
-
 def test_a_boat_armed_by_somebody_else_meanwhile_refuses_in_its_own_words(shore: Shore) -> None:
     (rig,) = shore.rigs
     hold(shore, 0.6)
@@ -189,23 +169,13 @@ def test_a_boat_armed_by_somebody_else_meanwhile_refuses_in_its_own_words(shore:
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"motor": "propeller"},
-        {"motor": 3},
-        {"percent": 70.0},
-        {"percent": 0.0},
-        {"percent": "30"},
-        {"percent": float("nan")},
-        {"press": ""},
-        {"press": "x" * 65},
-        {"press": None},
-        {"held_s": None},
+        {"motor": "propeller"}, {"motor": 3}, {"percent": 50.1}, {"percent": 0.0}, {"percent": "30"},
+        {"percent": float("nan")}, {"press": ""}, {"press": "x" * 65}, {"press": None}, {"held_s": None},
     ],
-)
-def test_a_malformed_request_is_refused_and_nothing_turns(shore: Shore, wrong: dict[str, object]) -> None:
-    (rig,) = shore.rigs
+)  # fmt: skip
+def test_a_malformed_request_is_refused_and_nothing_is_sent(wrong: dict[str, object]) -> None:
+    sent: list[Message] = []
     asked = {"motor": "left", "percent": 30.0, "press": "a", "held_s": 0.0} | wrong
-    answer = shore.ask("motor", asked)
-    assert not answer.ok
-    assert answer.text
-    shore.run(0.2)
-    assert turning(rig) == (False, False)
+    with pytest.raises(BadRequestError):
+        MotorTests(Address(1, 1), Address(250, 190), sent.append).turn(asked, lambda _: None, 0.0)
+    assert sent == []

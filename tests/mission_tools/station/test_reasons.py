@@ -55,12 +55,6 @@ def test_every_arming_fault_has_words(text: str) -> None:
     assert not found.over
 
 
-def test_the_search_for_texts_finds_them() -> None:
-    assert len(texts_in(companion.vehicle.arming.sensor_faults)) == 6
-    assert len(texts_in(companion.vehicle.arming.fence_faults)) == 2
-    assert "Aground: held at the shore" in texts_in(conditions)
-
-
 @pytest.mark.parametrize(
     "text",
     [
@@ -83,12 +77,6 @@ def test_every_end_of_a_failsafe_ends_its_reason() -> None:
     ends = {entry.over for entry in words().values()}
     assert {row.over for row in ROWS} <= ends
     assert ends <= {row.over for row in ROWS}
-
-
-def test_the_words_stay_short() -> None:
-    for entry in words().values():
-        assert len(entry.why) <= 120
-        assert len(entry.next) <= 120
 
 
 def test_a_failsafe_is_a_reason_until_it_is_over() -> None:

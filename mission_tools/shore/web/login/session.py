@@ -7,8 +7,8 @@ from collections import OrderedDict
 from typing import Final, NamedTuple
 
 from companion.core.errors import StorageError
+from mission_tools.shore.clock import Clock
 from mission_tools.shore.web.connections.throttle import Throttle
-from mission_tools.shore.web.interfaces import Clock
 from mission_tools.shore.web.login.pin_file import MOST_CHARACTERS, PinFile, is_pin
 from mission_tools.shore.web.login.session_file import SessionFile, StoredSession
 from mission_tools.station.messages import Role

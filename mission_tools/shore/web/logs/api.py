@@ -22,16 +22,16 @@ _LOG: Final = f"{BOAT}/logs/{{name:[0-9]{{1,9}}\\.[Bb][Ii][Nn]}}"
 
 async def _list(hub: Hub, request: web.Request) -> web.StreamResponse:
     boat = boat_of(request)
-    found = hub.boats.logs(boat)
-    if found is None:
+    heard = hub.boats.get(boat)
+    if heard is None:
         return error(404, say("answer.never_heard", n=boat), "")
-    found.request()
-    if found.logs is None:
-        return error(503, found.failure or say("log.fetching"), "", _SOON)
+    heard.logs.request()
+    if heard.logs.logs is None:
+        return error(503, heard.logs.failure or say("log.fetching"), "", _SOON)
     fetched = hub.logs.fetched(boat)
     rows: list[dict[str, Any]] = [
         {"name": log.name, "bytes": log.bytes, "at_s": log.at_s, "fetched_bytes": fetched.get(log.name)}
-        for log in found.logs
+        for log in heard.logs.logs
     ]
     return json_answer(msgspec.json.encode(rows))
 
@@ -83,8 +83,8 @@ async def _voyage(hub: Hub, request: web.Request) -> web.StreamResponse:
 
 def _find(hub: Hub, request: web.Request) -> LogFile | None:
     """A log that the boat has listed."""
-    found = hub.boats.logs(boat_of(request))
-    logs = [] if found is None or found.logs is None else found.logs
+    boat = hub.boats.get(boat_of(request))
+    logs = [] if boat is None else boat.logs.logs or []
     return next((log for log in logs if log.name == request.match_info["name"]), None)
 
 

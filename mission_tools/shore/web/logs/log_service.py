@@ -4,9 +4,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Final
 
-from mission_tools.shore.web.interfaces import BoatService, Clock
+from mission_tools.shore.clock import Clock
 from mission_tools.shore.web.logs.stream import LogStream, fetching
 from mission_tools.shore.web.logs.voyages import Voyages
+from mission_tools.station.boats import Boats
 
 MOST_DOWNLOADS: Final = 8
 
@@ -14,7 +15,7 @@ MOST_DOWNLOADS: Final = 8
 class LogService:
     """Logs of all boats."""
 
-    def __init__(self, boats: BoatService, clock: Clock) -> None:
+    def __init__(self, boats: Boats, clock: Clock) -> None:
         self.voyages = Voyages(boats, clock)
         self._boats = boats
         self._under_way: list[tuple[int, str, LogStream]] = []
@@ -30,12 +31,12 @@ class LogService:
     @contextmanager
     def download(self, boat: int, name: str) -> Iterator[LogStream | None]:
         """A listed log while it is fetched; None if too many are."""
-        files, logs = self._boats.files(boat), self._boats.logs(boat)
-        path = None if logs is None else logs.path(name)
-        if files is None or path is None or len(self._under_way) >= MOST_DOWNLOADS:
+        found = self._boats.get(boat)
+        path = None if found is None else found.logs.path(name)
+        if found is None or path is None or len(self._under_way) >= MOST_DOWNLOADS:
             yield None
             return
-        with fetching(files, path) as stream:
+        with fetching(found.files, path) as stream:
             one = boat, name, stream
             self._under_way.append(one)
             try:

@@ -6,7 +6,8 @@ from collections.abc import AsyncIterator, Iterator
 from contextlib import contextmanager
 from typing import Final
 
-from mission_tools.shore.web.interfaces import Failure, Files
+from mission_tools.station.ftp.client import FtpClient
+from mission_tools.station.ftp.jobs import FtpFailure
 
 WINDOW_BYTES: Final = 2 * 160 * 1024  # two of the station's bursts: one is read while the other comes
 MOST_BYTES: Final = 2_000_000_000
@@ -21,7 +22,7 @@ class LogLostError(Exception):
 
 
 class LogStream:
-    """Satisfies `FileSink`. size: None until the boat has opened it."""
+    """Satisfies `Sink`. size: None until the boat has opened it."""
 
     def __init__(self) -> None:
         self.size: int | None = None
@@ -47,7 +48,7 @@ class LogStream:
         """What is free of the window."""
         return WINDOW_BYTES - self._held
 
-    def end(self, failure: Failure | None) -> None:
+    def end(self, failure: FtpFailure | None) -> None:
         """The transfer is over."""
         self._failure = None if failure is None else failure.text
         self._is_ended = True
@@ -91,7 +92,7 @@ class LogStream:
 
 
 @contextmanager
-def fetching(files: Files, path: str, most_bytes: int = MOST_BYTES) -> Iterator[LogStream]:
+def fetching(files: FtpClient, path: str, most_bytes: int = MOST_BYTES) -> Iterator[LogStream]:
     """A log while it is fetched; whoever leaves early ends the transfer."""
     stream = LogStream()
     job = files.read(path, stream, stream.end, most_bytes=most_bytes, grows=True)

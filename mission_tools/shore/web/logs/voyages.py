@@ -12,8 +12,9 @@ from typing import Any, Final, NamedTuple
 
 import msgspec
 
-from mission_tools.shore.web.interfaces import BoatService, Clock
+from mission_tools.shore.clock import Clock
 from mission_tools.shore.web.logs.stream import LogLostError, fetching
+from mission_tools.station.boats import Boats
 from mission_tools.station.messages import LogFile
 from mission_tools.station.words import LocalizedText, say
 
@@ -60,7 +61,7 @@ class _Reason(msgspec.Struct):
 class Voyages:
     """By boat, name and size of the log. One log is fetched and read at a time."""
 
-    def __init__(self, boats: BoatService, clock: Clock) -> None:
+    def __init__(self, boats: Boats, clock: Clock) -> None:
         self._boats = boats
         self._clock = clock
         self._kept: OrderedDict[tuple[int, str, int], _Voyage] = OrderedDict()
@@ -106,13 +107,13 @@ class Voyages:
             voyage.state = Lost(say("log.failed"))
 
     async def _read(self, voyage: _Voyage, boat: int, name: str) -> Lost | bytes:
-        files, logs = self._boats.files(boat), self._boats.logs(boat)
-        path = None if logs is None else logs.path(name)
-        if files is None or path is None:
+        found = self._boats.get(boat)
+        path = None if found is None else found.logs.path(name)
+        if found is None or path is None:
             raise LogLostError(say("log.unknown"))
         folder = _FOLDER if _FOLDER.is_dir() else Path(tempfile.gettempdir())
         with tempfile.TemporaryFile(dir=folder, prefix="mavboat-log-") as file:
-            with fetching(files, path, MOST_LOG_BYTES) as stream:
+            with fetching(found.files, path, MOST_LOG_BYTES) as stream:
                 size = await stream.opened()
                 if shutil.disk_usage(folder).free < size + _MUST_STAY_FREE_BYTES:
                     raise LogLostError(say("log.no_room"))

@@ -6,10 +6,9 @@ from typing import Any
 import pytest
 
 from companion.mavlink.items import MissionItem
-from mission_tools.shore.plans.files import area_file, fence_file, mission_text, rally_file
+from mission_tools.shore.plans.files import fence_file, mission_text, rally_file
 from mission_tools.shore.plans.plan_request import MOST_CORNERS, MOST_GOALS, PlanRequestError, parse_wish
 
-NAN = float("nan")
 ROUTE: dict[str, Any] = {"task": "route", "goals": [[-1.2, 50.0]]}
 SURVEY: dict[str, Any] = {"task": "survey", "footprint_m": 10}
 
@@ -93,14 +92,6 @@ def test_rally_points_are_handed_over() -> None:
     told = rally_file({"features": [feature(5100, point), feature(5100, None)]})
     assert told is not None
     assert [one["properties"]["kind"] for one in json.loads(told)["features"]] == ["rally"]
-
-
-def test_an_area_is_closed() -> None:
-    ring = json.loads(area_file([(0.0, 0.0), (0.0, 1.0), (1.0, 1.0)]))["features"][0]["geometry"][
-        "coordinates"
-    ][0]
-    assert len(ring) == 4
-    assert ring[0] == ring[-1]
 
 
 def test_a_mission_is_written_as_the_mavlink_guide_says() -> None:

@@ -197,14 +197,6 @@ def test_a_long_log_is_thinned_and_its_way_is_not() -> None:
     assert samples.distance_m == pytest.approx(49_999 * 1.112, rel=0.01)
 
 
-def test_noise_at_rest_is_no_way() -> None:
-    chance, samples = random.Random(2), Samples(1.0)
-    for n in range(5000):
-        lat, lon = 1e-6 * chance.gauss(), 1e-6 * chance.gauss()
-        samples.add(Sample(float(n), lon, lat, None, None, None, None, None))
-    assert samples.distance_m < 5.0
-
-
 def test_a_flood_of_messages_is_cut_and_counted() -> None:
     flood = b"".join(record(3, "QZ", 2_000_000 + n, b"again") for n in range(MOST_EVENTS + 100))
     voyage = read_voyage(foreign() + flood)

@@ -6,8 +6,7 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mission_tools.shore.web.feed import LOST_S, QUIET_S, UNACKNOWLEDGED, Feed, Viewer
-from mission_tools.shore.web.patch import difference
+from mission_tools.shore.web.feed import LOST_S, QUIET_S, UNACKNOWLEDGED, Feed, Viewer, difference
 from mission_tools.shore.web.request_log import KEPT_S, MOST_KEPT, Reply, RequestLog
 from mission_tools.station.messages import Answer, BoatName, Hello, PageRequest, Place, Snapshot
 

@@ -2,19 +2,21 @@
 
 import gzip
 import json
-import time
+from pathlib import Path
 from typing import Any
 
 import pytest
 from pymavlink import mavparm
-from shore_fakes import Server, run, serving
+from shore_server import Server
 
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.metadata_messages import ComponentMetadata
 from mission_tools.station.ftp.jobs import FtpFailure
-from mission_tools.station.parameters.param_file import MOST_BYTES
+from mission_tools.station.parameters.param_file import MOST_BYTES, ParamFileError, read_file
 from mission_tools.station.parameters.parameter_table import ParameterTable
+
+pytest_plugins = ("shore_server",)
 
 PATH = "/api/boats/1/parameters"
 
@@ -35,7 +37,7 @@ class Fake:
         self.sent: list[Message] = []
         self.table = ParameterTable(Address(1, 1), Address(250, 190), self.sent.append, self._read)
         self.now_s = 100.0
-        server.boats.tables[1] = self.table
+        server.boats.boat.parameters = self.table
 
     def _read(self, path: str, done: Any, most_bytes: int) -> None:  # noqa: ANN401
         done(self.files.get(path, FtpFailure("none")))
@@ -61,102 +63,64 @@ async def get(server: Server, path: str = PATH, **headers: str) -> tuple[int, An
         return response.status, json.loads(content) if content else None, tag
 
 
-def test_the_list_comes_with_progress_then_whole_then_only_when_it_has_changed() -> None:
-    async def test() -> None:
-        async with serving() as server:
-            await server.log_in()
-            assert (await get(server))[0] == 404
-            boat = Fake(server, {"B": {"shortDesc": "The second", "default": 2, "group": "G"}})
-            assert (await get(server))[:2] == (202, {"got": 0, "count": None})
-            boat.say("A", 0.1, 0, 2)
-            assert (await get(server))[:2] == (202, {"got": 1, "count": 2})
-            boat.fill(A=0.1, B=3.0)
-            status, body, tag = await get(server)
-            assert status == 200
-            assert (body["texts"], body["missing"]) == ("here", 0)
-            first, second = body["parameters"]
-            assert (first["name"], first["value"], first["default"], first["changed"]) == (
-                "A",
-                0.1,
-                None,
-                False,
-            )
-            assert (second["text"], second["changed"], second["group"]) == ("The second", True, "G")
-            status, body, again = await get(server, **{"If-None-Match": tag})
-            assert (status, body, again) == (304, None, tag)
-            boat.say("A", 0.2, 0, 2)
-            status, body, again = await get(server, **{"If-None-Match": tag})
-            assert (status, body["parameters"][0]["value"]) == (200, 0.2)
-            assert again != tag
-
-    run(test())
+async def test_the_list_comes_with_progress_then_whole_then_only_when_it_has_changed(server: Server) -> None:
+    await server.log_in()
+    assert (await get(server))[0] == 404
+    boat = Fake(server, {"B": {"shortDesc": "The second", "default": 2, "group": "G"}})
+    assert (await get(server))[:2] == (202, {"got": 0, "count": None})
+    boat.say("A", 0.1, 0, 2)
+    assert (await get(server))[:2] == (202, {"got": 1, "count": 2})
+    boat.fill(A=0.1, B=3.0)
+    status, body, tag = await get(server)
+    assert status == 200
+    assert (body["texts"], body["missing"]) == ("here", 0)
+    first, second = body["parameters"]
+    assert (first["name"], first["value"], first["default"], first["changed"]) == (
+        "A",
+        0.1,
+        None,
+        False,
+    )
+    assert (second["text"], second["changed"], second["group"]) == ("The second", True, "G")
+    status, body, again = await get(server, **{"If-None-Match": tag})
+    assert (status, body, again) == (304, None, tag)
+    boat.say("A", 0.2, 0, 2)
+    status, body, again = await get(server, **{"If-None-Match": tag})
+    assert (status, body["parameters"][0]["value"]) == (200, 0.2)
+    assert again != tag
 
 
-def test_a_value_that_is_no_number_is_null() -> None:
-    async def test() -> None:
-        async with serving() as server:
-            await server.log_in()
-            Fake(server).fill(A=float("nan"), B=float("inf"))
-            _, body, _ = await get(server)
-            assert [one["value"] for one in body["parameters"]] == [None, None]
-
-    run(test())
+async def test_texts_that_cannot_be_read_are_left_out_and_tried_again(server: Server) -> None:
+    await server.log_in()
+    boat = Fake(server, {})
+    boat.files["/p"] = b"\x1f\x8bnothing"
+    boat.fill(A=1.0)
+    _, body, _ = await get(server)
+    assert (body["texts"], body["parameters"][0]["text"]) == ("loading", "")
 
 
-def test_texts_that_cannot_be_read_are_left_out_and_tried_again() -> None:
-    async def test() -> None:
-        async with serving() as server:
-            await server.log_in()
-            boat = Fake(server, {})
-            boat.files["/p"] = b"\x1f\x8bnothing"
-            boat.fill(A=1.0)
-            _, body, _ = await get(server)
-            assert (body["texts"], body["parameters"][0]["text"]) == ("loading", "")
-
-    run(test())
-
-
-def test_thousands_of_parameters_with_texts_do_not_block_the_server() -> None:
-    async def test() -> None:
-        async with serving() as server:
-            await server.log_in()
-            names = {f"P{number}": float(number) for number in range(5000)}
-            texts = {name: {"shortDesc": "A text " * 10, "longDesc": "Long " * 100} for name in names}
-            Fake(server, texts).fill(**names)
-            began_s = time.perf_counter()
-            status, body, _ = await get(server)
-            assert time.perf_counter() - began_s < 60.0
-            assert (status, len(body["parameters"])) == (200, 5000)
-            async with server.client.get(PATH, headers={"Accept-Encoding": "gzip"}) as response:
-                assert response.headers["Content-Encoding"] == "gzip"
-
-    run(test())
-
-
-def test_the_file_is_for_those_with_the_pin_and_pymavlink_reads_it(tmp_path: Any) -> None:  # noqa: ANN401
-    async def test() -> None:
-        async with serving() as server:
-            boat = Fake(server)
-            assert (await get(server, f"{PATH}.param"))[0] == 403
-            await server.log_in()
-            assert (await get(server, f"{PATH}.param"))[0] == 503
-            values = {
-                "CRUISE_SPEED": 0.1,
-                "ANGLE": -45.836624,
-                "BIG": 1e20,
-                "ZERO": 0.0,
-                "NONE": float("nan"),
-            }
-            boat.fill(**values)
-            async with server.client.get(f"{PATH}.param") as response:
-                assert response.headers["Content-Disposition"] == 'attachment; filename="boat-1.param"'
-                (tmp_path / "boat.param").write_bytes(await response.read())
-            read = mavparm.MAVParmDict()
-            assert read.load(str(tmp_path / "boat.param"))
-            del values["NONE"]
-            assert dict(read) == {name: pytest.approx(number, rel=1e-7) for name, number in values.items()}
-
-    run(test())
+async def test_the_file_is_for_those_with_the_pin_and_pymavlink_reads_it(
+    server: Server, tmp_path: Path
+) -> None:
+    boat = Fake(server)
+    assert (await get(server, f"{PATH}.param"))[0] == 403
+    await server.log_in()
+    assert (await get(server, f"{PATH}.param"))[0] == 503
+    values = {
+        "CRUISE_SPEED": 0.1,
+        "ANGLE": -45.836624,
+        "BIG": 1e20,
+        "ZERO": 0.0,
+        "NONE": float("nan"),
+    }
+    boat.fill(**values)
+    async with server.client.get(f"{PATH}.param") as response:
+        assert response.headers["Content-Disposition"] == 'attachment; filename="boat-1.param"'
+        (tmp_path / "boat.param").write_bytes(await response.read())
+    read = mavparm.MAVParmDict()
+    assert read.load(str(tmp_path / "boat.param"))
+    del values["NONE"]
+    assert dict(read) == {name: pytest.approx(number, rel=1e-7) for name, number in values.items()}
 
 
 async def compared(server: Server, content: bytes, status: int = 200) -> Any:  # noqa: ANN401
@@ -165,55 +129,35 @@ async def compared(server: Server, content: bytes, status: int = 200) -> Any:  #
         return await response.json()
 
 
-def test_a_file_that_pymavlink_wrote_is_compared(tmp_path: Any) -> None:  # noqa: ANN401
-    async def test() -> None:
-        async with serving() as server:
-            boat = Fake(
-                server, {"SPEED": {"shortDesc": "Cruise speed", "units": "m/s"}, "FIXED": {"readOnly": True}}
-            )
-            boat.fill(SPEED=1.0, ANGLE=45.836624, FIXED=0.0, OTHER=7.0)
-            await compared(server, b"SPEED,1", 403)
-            await server.log_in()
-            file = mavparm.MAVParmDict()
-            file.update({"SPEED": 0.8, "ANGLE": 45.836624, "FIXED": 1.0, "GONE": 3.0})
-            file.save(str(tmp_path / "a.parm"))
-            found = await compared(server, (tmp_path / "a.parm").read_bytes())
-            assert found == {
-                "differences": [
-                    {"name": "FIXED", "now": 0.0, "file": 1.0, "text": "", "unit": "", "read_only": True},
-                    {
-                        "name": "SPEED", "now": 1.0, "file": 0.8,
-                        "text": "Cruise speed", "unit": "m/s", "read_only": False,
-                    },
-                ],
-                "same": 1,
-                "unknown": ["GONE"],
-            }  # fmt: skip
-
-    run(test())
+async def test_a_file_that_pymavlink_wrote_is_compared(server: Server, tmp_path: Path) -> None:
+    boat = Fake(server, {"SPEED": {"shortDesc": "Cruise speed", "units": "m/s"}, "FIXED": {"readOnly": True}})
+    boat.fill(SPEED=1.0, ANGLE=45.836624, FIXED=0.0, OTHER=7.0)
+    await compared(server, b"SPEED,1", 403)
+    await server.log_in()
+    file = mavparm.MAVParmDict()
+    file.update({"SPEED": 0.8, "ANGLE": 45.836624, "FIXED": 1.0, "GONE": 3.0})
+    file.save(str(tmp_path / "a.parm"))
+    found = await compared(server, (tmp_path / "a.parm").read_bytes())
+    assert found == {
+        "differences": [
+            {"name": "FIXED", "now": 0.0, "file": 1.0, "text": "", "unit": "", "read_only": True},
+            {
+                "name": "SPEED", "now": 1.0, "file": 0.8,
+                "text": "Cruise speed", "unit": "m/s", "read_only": False,
+            },
+        ],
+        "same": 1,
+        "unknown": ["GONE"],
+    }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "line",
-    [
-        "SPEED,0.8",
-        "SPEED 0.8",
-        "SPEED\t0.8",
-        "1\t1\tSPEED\t0.8\t9",
-        "SPEED,0.8 # faster",
-        "\ufeffSPEED , 0.8\r",
+def test_the_forms_of_mission_planner_mavproxy_and_qgroundcontrol_are_read() -> None:
+    lines = (
+        "SPEED,0.8", "SPEED 0.8", "1\t1\tSPEED\t0.8\t9", "SPEED,0.8 # faster", "\ufeffSPEED , 0.8\r",
         "SPEED 0.8 @READONLY",
-    ],
-)  # fmt: skip
-def test_the_forms_of_mission_planner_mavproxy_and_qgroundcontrol_are_read(line: str) -> None:
-    async def test() -> None:
-        async with serving() as server:
-            Fake(server).fill(SPEED=1.0)
-            await server.log_in()
-            found = await compared(server, f"{line}\n#NOTE: 1/1/2026\n\n".encode())
-            assert [(one["name"], one["file"]) for one in found["differences"]] == [("SPEED", 0.8)]
-
-    run(test())
+    )  # fmt: skip
+    for line in lines:
+        assert read_file(f"{line}\n#NOTE: 1/1/2026\n\n".encode()) == {"SPEED": 0.8}
 
 
 @pytest.mark.parametrize(
@@ -224,28 +168,19 @@ def test_the_forms_of_mission_planner_mavproxy_and_qgroundcontrol_are_read(line:
         (b"SPEED,nan\n", "Line 1"),
         (b"<script>alert(1)</script>,1\n", "Line 1"),
         (b"A,1,2\n", "Line 1"),
-        (b"", "The file has no parameter in it"),
         (b"# nothing\n", "The file has no parameter in it"),
-        (b"\xff\xfe\x00", "This is no text file"),
         (gzip.compress(b"SPEED,1", mtime=0), "This is no text file"),
         (b"\n" * 20_000, "The file has 20000 lines"),
     ],
 )
 def test_a_file_of_another_kind_is_refused_with_its_line(content: bytes, text: str) -> None:
-    async def test() -> None:
-        async with serving() as server:
-            Fake(server).fill(SPEED=1.0)
-            await server.log_in()
-            assert text in (await compared(server, content, 400))["error"]
-
-    run(test())
+    with pytest.raises(ParamFileError) as refused:
+        read_file(content)
+    assert text in refused.value.text
 
 
-def test_a_file_that_is_too_long_is_refused() -> None:
-    async def test() -> None:
-        async with serving() as server:
-            Fake(server).fill(SPEED=1.0)
-            await server.log_in()
-            await compared(server, b" " * (MOST_BYTES + 1), 413)
-
-    run(test())
+async def test_a_file_that_is_wrong_or_too_long_is_refused(server: Server) -> None:
+    Fake(server).fill(SPEED=1.0)
+    await server.log_in()
+    assert (await compared(server, b"SPEED", 400))["key"] == "error.param_file.line"
+    await compared(server, b" " * (MOST_BYTES + 1), 413)

@@ -5,13 +5,14 @@ import stat
 from pathlib import Path
 
 import pytest
-from shore_fakes import FakeClock
+from shore_server import FakeClock
 
 from companion.core.errors import ConfigError, StorageError
 from mission_tools.shore.web.connections.throttle import MOST_PACE_S, Throttle, network_of
 from mission_tools.shore.web.login.pin_file import PinFile, hashed, is_pin
 from mission_tools.shore.web.login.session import LIFE_S, MOST_WAITING, LoginRefused, Opened, Sessions
 
+pytest_plugins = ("shore_server",)
 pytestmark = pytest.mark.slow
 
 PIN = "482913"
@@ -35,11 +36,8 @@ def test_the_file_is_for_its_owner_and_holds_no_pin(tmp_path: Path) -> None:
     line = pin.line()
     assert line is not None
     assert is_pin(PIN, line)
+    assert hashed(PIN) != line
     assert not is_pin("482914", line)
-
-
-def test_the_same_pin_is_hashed_differently_every_time() -> None:
-    assert hashed(PIN) != hashed(PIN)
 
 
 @pytest.mark.parametrize("pin", ["", "12345", "000000", "1" * 65, "1234\n5678", "123456\x00"])
@@ -79,9 +77,9 @@ def test_a_session_ends_after_its_time_and_by_a_new_pin(tmp_path: Path) -> None:
     assert all_of_them.role(one.token, 1.0) == "viewer"
 
 
-@pytest.mark.parametrize("token", [None, "", "x", "\udc80", "a" * 10_000])
-def test_a_made_up_cookie_is_a_viewers(tmp_path: Path, token: str | None) -> None:
-    assert sessions(tmp_path).role(token, 0.0) == "viewer"
+def test_a_made_up_cookie_is_a_viewers(tmp_path: Path) -> None:
+    of = sessions(tmp_path)
+    assert {of.role(token, 0.0) for token in (None, "", "x", "\udc80", "a" * 10_000)} == {"viewer"}
 
 
 def tries_within(seconds: int, addresses: int) -> int:
@@ -151,22 +149,18 @@ class Attack:
         assert not any(isinstance(one, Opened) for one in told)
 
 
-def test_wrong_pins_from_many_addresses_keep_no_new_phone_out(
+async def test_wrong_pins_from_many_addresses_keep_no_new_phone_out(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("mission_tools.shore.web.login.session.is_pin", lambda pin, _line: pin == PIN)
-
-    async def test() -> None:
-        attack = Attack(sessions(tmp_path))
+    attack = Attack(sessions(tmp_path))
+    await attack.go_on()
+    first_s = await attack.phone_waits_s("10.0.9.1")
+    assert first_s <= MOST_WAITING * MOST_PACE_S, "every other address has its first turn before"
+    while attack.now_s < 120.0:
         await attack.go_on()
-        first_s = await attack.phone_waits_s("10.0.9.1")
-        assert first_s <= MOST_WAITING * MOST_PACE_S, "every other address has its first turn before"
-        while attack.now_s < 120.0:
-            await attack.go_on()
-        assert await attack.phone_waits_s("10.0.9.2") <= 2.0 * MOST_PACE_S
-        await attack.end()
-
-    asyncio.run(test())
+    assert await attack.phone_waits_s("10.0.9.2") <= 2.0 * MOST_PACE_S
+    await attack.end()
 
 
 def test_who_has_told_the_pin_has_the_first_turn() -> None:
@@ -177,32 +171,26 @@ def test_who_has_told_the_pin_has_the_first_turn() -> None:
     assert [throttle.rank(f"10.0.0.{n}", 1.0) for n in (9, 7, 8)] == [-1, 0, 1]
 
 
-def test_the_tries_that_wait_are_bounded_and_the_latest_gives_way(tmp_path: Path) -> None:
-    async def test() -> None:
-        all_of_them = sessions(tmp_path)
-        told = [
-            asyncio.create_task(all_of_them.open("000001", f"10.0.{n // 250}.{n % 250}", 0.0))
-            for n in range(MOST_WAITING + 20)
-        ]
-        await asyncio.sleep(0)
-        refused = [one for one in told if one.done()]
-        assert len(refused) >= 19
-        assert all(isinstance(one.result(), LoginRefused) for one in refused)
-        for one in told:
-            one.cancel()
-        await asyncio.gather(*told, return_exceptions=True)
-        assert all_of_them._waiting == []
-
-    asyncio.run(test())
+async def test_the_tries_that_wait_are_bounded_and_the_latest_gives_way(tmp_path: Path) -> None:
+    all_of_them = sessions(tmp_path)
+    told = [
+        asyncio.create_task(all_of_them.open("000001", f"10.0.{n // 250}.{n % 250}", 0.0))
+        for n in range(MOST_WAITING + 20)
+    ]
+    await asyncio.sleep(0)
+    refused = [one for one in told if one.done()]
+    assert len(refused) >= 19
+    assert all(isinstance(one.result(), LoginRefused) for one in refused)
+    for one in told:
+        one.cancel()
+    await asyncio.gather(*told, return_exceptions=True)
+    assert all_of_them._waiting == []
 
 
-def test_tries_at_the_same_moment_count_each_other(tmp_path: Path) -> None:
-    async def test() -> None:
-        all_of_them = sessions(tmp_path)
-        told = await asyncio.gather(*(all_of_them.open(f"00000{n}", "10.0.0.1", 0.0) for n in range(9)))
-        assert sum(isinstance(one, LoginRefused) and one.is_held_up for one in told) == 6
-
-    asyncio.run(test())
+async def test_tries_at_the_same_moment_count_each_other(tmp_path: Path) -> None:
+    all_of_them = sessions(tmp_path)
+    told = await asyncio.gather(*(all_of_them.open(f"00000{n}", "10.0.0.1", 0.0) for n in range(9)))
+    assert sum(isinstance(one, LoginRefused) and one.is_held_up for one in told) == 6
 
 
 def restarted(folder: Path, at_s: float) -> Sessions:

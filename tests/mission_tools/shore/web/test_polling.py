@@ -4,10 +4,12 @@ import asyncio
 import os
 
 import pytest
-from shore_fakes import FakeBoats, FakeClock, run, serving, until
+from shore_server import FakeBoats, FakeClock, serving, until
 
 from mission_tools.shore.web import server
 from mission_tools.shore.web.server import SOCKETS
+
+pytest_plugins = ("shore_server",)
 
 ROUND_TRIPS = 200
 
@@ -32,20 +34,16 @@ class AnsweringBoats(FakeBoats):
             os.write(self.write_end, b"x")
 
 
-def test_a_list_comes_at_the_round_trips_speed(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_a_list_comes_at_the_round_trips_speed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(server, "POLL_S", 3600.0)
-
-    async def test() -> None:
-        async with serving() as web:
-            sockets = web.app[SOCKETS]
-            web.hub.boats = boats = AnsweringBoats()
-            web.hub.clock = FakeClock()
-            task = asyncio.create_task(server._poll(web.hub, sockets))
-            await until(lambda: boats.answered == ROUND_TRIPS or task.done())
-            task.cancel()
-            await asyncio.gather(task, return_exceptions=True)
-            assert boats.answered == ROUND_TRIPS
-            for end in (boats.read_end, boats.write_end):
-                os.close(end)
-
-    run(test())
+    async with serving() as web:
+        sockets = web.app[SOCKETS]
+        web.hub.boats = boats = AnsweringBoats()
+        web.hub.clock = FakeClock()
+        task = asyncio.create_task(server._poll(web.hub, sockets))
+        await until(lambda: boats.answered == ROUND_TRIPS or task.done())
+        task.cancel()
+        await asyncio.gather(task, return_exceptions=True)
+        assert boats.answered == ROUND_TRIPS
+        for end in (boats.read_end, boats.write_end):
+            os.close(end)

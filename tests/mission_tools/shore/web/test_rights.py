@@ -4,10 +4,12 @@ import io
 import re
 
 import pytest
-from shore_fakes import Server, run, serving
+from shore_server import Server
 
 from mission_tools.shore.web.api import TABLE
 from mission_tools.shore.web.rows import Row
+
+pytest_plugins = ("shore_server",)
 
 WRITES = [row for row in TABLE if row.method not in ("GET", "HEAD")]
 FOR_THE_PIN = [row for row in TABLE if row.needs != "nothing"]
@@ -38,18 +40,14 @@ async def status(server: Server, row: Row, headers: dict[str, str], body: bytes 
 
 
 @named(WRITES)
-def test_another_page_cannot_ask_it(row: Row) -> None:
-    async def test() -> None:
-        async with serving() as server:
-            await server.log_in()
-            server.boats.change(armed=False)
-            for headers in ELSEWHERE:
-                assert await status(server, row, headers) == 403
-            assert await status(server, row, server.own | {"Sec-Fetch-Site": "same-site"}) == 403
-            assert await status(server, row, server.own) != 403
-            assert server.boats.asked == []
-
-    run(test())
+async def test_another_page_cannot_ask_it(server: Server, row: Row) -> None:
+    await server.log_in()
+    server.boats.change(armed=False)
+    for headers in ELSEWHERE:
+        assert await status(server, row, headers) == 403
+    assert await status(server, row, server.own | {"Sec-Fetch-Site": "same-site"}) == 403
+    assert await status(server, row, server.own) != 403
+    assert server.boats.asked == []
 
 
 @named(WRITES)
@@ -58,49 +56,39 @@ def test_what_changes_something_needs_the_pin(row: Row) -> None:
 
 
 @named(FOR_THE_PIN)
-def test_it_is_refused_without_the_pin(row: Row) -> None:
-    async def test() -> None:
-        async with serving() as server:
-            server.boats.change(armed=False)
-            assert await status(server, row, server.own) == 403
-            cookie = {"Cookie": f"mavboat-shore-{server.client.port}=AAAAAAAAAAAAAAAAAAAAAA"}
-            assert await status(server, row, server.own | cookie) == 403
-
-    run(test())
+async def test_it_is_refused_without_the_pin(server: Server, row: Row) -> None:
+    server.boats.change(armed=False)
+    assert await status(server, row, server.own) == 403
+    cookie = {"Cookie": f"mavboat-shore-{server.client.port}=AAAAAAAAAAAAAAAAAAAAAA"}
+    assert await status(server, row, server.own | cookie) == 403
 
 
 @named(WRITES)
-def test_a_broken_body_is_answered_and_no_fault(row: Row, caplog: pytest.LogCaptureFixture) -> None:
-    async def test() -> None:
-        async with serving() as server:
-            await server.log_in()
-            server.boats.change(armed=False)
-            for body in (
-                b"",
-                b"{",
-                b"[" * 30_000,
-                b"\xff" * 100,
-                b'{"text":1}',
-                b"PK\x03\x04",
-                b'{"a":"\\ud800"}',
-            ):
-                assert await status(server, row, server.own, body) < 500 or path_of(row).startswith("/api/b")
-
-    run(test())
+async def test_a_broken_body_is_answered_and_no_fault(
+    server: Server, row: Row, caplog: pytest.LogCaptureFixture
+) -> None:
+    await server.log_in()
+    server.boats.change(armed=False)
+    for body in (
+        b"",
+        b"{",
+        b"[" * 30_000,
+        b"\xff" * 100,
+        b'{"text":1}',
+        b"PK\x03\x04",
+        b'{"a":"\\ud800"}',
+    ):
+        assert await status(server, row, server.own, body) < 500 or path_of(row).startswith("/api/b")
     assert [record.getMessage() for record in caplog.records if record.exc_info] == []
 
 
 @named(WRITES)
-def test_an_endless_body_is_refused(row: Row) -> None:
-    async def test() -> None:
-        async with serving() as server:
-            await server.log_in()
-            server.boats.change(armed=False)
-            assert await status(server, row, server.own, io.BytesIO(b"[" * 20_000_000)) in (
-                200,
-                404,
-                413,
-                503,
-            )
-
-    run(test())
+async def test_an_endless_body_is_refused(server: Server, row: Row) -> None:
+    await server.log_in()
+    server.boats.change(armed=False)
+    assert await status(server, row, server.own, io.BytesIO(b"[" * 20_000_000)) in (
+        200,
+        404,
+        413,
+        503,
+    )

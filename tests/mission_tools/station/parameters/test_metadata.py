@@ -33,11 +33,6 @@ def test_every_key_of_the_schema_is_read() -> None:
     assert (one.group, one.category, one.needs_restart, one.read_only) == ("Group", "Advanced", True, True)
 
 
-def test_only_the_name_is_required() -> None:
-    one = parsed({"name": "A"}).of("A")
-    assert one == NOTHING
-
-
 def test_a_name_with_an_index_describes_each_of_its_parameters() -> None:
     texts = parsed(
         {"name": "FOO{n}_BAR", "shortDesc": "Description for foo element {n}", "longDesc": "{n}!", "max": 5},

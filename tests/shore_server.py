@@ -1,23 +1,34 @@
-"""A fleet, a chart and a clock for the server's tests, and a server with a client."""
+"""A server of the page with a client, and a fleet, a chart and a clock of its tests. A plugin: tests that are
+coroutines are run inside the asynchronous contexts among their fixtures.
+"""
 
 import asyncio
+import inspect
 import tempfile
-from collections.abc import AsyncIterator, Callable, Coroutine
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
 from pathlib import Path
-from typing import Any, NamedTuple
+from types import SimpleNamespace
+from typing import Any, cast
 
 import msgspec
+import pytest
 from aiohttp import ClientWebSocketResponse, web
 from aiohttp.test_utils import TestClient, TestServer
 
 from companion.mavlink.items import MissionItem
+from mission_tools.shore.chart import WaterChart, Way
+from mission_tools.shore.clock import Clock
 from mission_tools.shore.plans.plan_service import Sources
 from mission_tools.shore.web.hub import Hub
-from mission_tools.shore.web.interfaces import Files, ItemKind, LogListing
 from mission_tools.shore.web.login.pin_file import PinFile
 from mission_tools.shore.web.login.session import Sessions
 from mission_tools.shore.web.server import HUB, make_app
+from mission_tools.station.boat import ShoreBoat
+from mission_tools.station.boats import Boats
+from mission_tools.station.ftp.client import FtpClient
+from mission_tools.station.items import Kind
+from mission_tools.station.logs import LogList
 from mission_tools.station.messages import Answer, BoatName, PageRequest, Place, Sensor, Snapshot
 from mission_tools.station.outcome import Answered
 from mission_tools.station.parameters.parameter_table import ParameterTable
@@ -33,7 +44,7 @@ PAGE = {
 }
 
 
-class FakeClock:
+class FakeClock(Clock):
     """Time as a test sets it."""
 
     def __init__(self, at_s: float = 1000.0, date_s: float = 1.8e9) -> None:
@@ -47,23 +58,34 @@ class FakeClock:
         return self.date_s + self.at_s
 
 
-class FakeBoats:
+class FakeBoat:
+    """A boat that was heard, as far as the server looks into it."""
+
+    def __init__(self, boats: "FakeBoats") -> None:
+        self.lists = SimpleNamespace(items=lambda _kind: boats.items_on_board)
+        self.view = SimpleNamespace(track=SimpleNamespace(points=[(12.5, 48.0), (12.6, 48.0)]))
+        self.files: FtpClient | None = None
+        self.logs: LogList | None = None
+        self.parameters: ParameterTable | None = None
+
+
+class FakeBoats(Boats):
     """Boats with the snapshots of a test; requests are answered when it says so."""
 
+    is_transferring = False
+    first = 1
+
     def __init__(self) -> None:
+        self.boat = FakeBoat(self)
         self.now: dict[int, Snapshot] = {
             1: Snapshot(boat=1, heard_s=5.0, mode="HOLD", place=Place(lat=1, lon=2))
         }
-        self.lists: dict[ItemKind, dict[str, Any]] = {}
+        self.lists: dict[Kind, dict[str, Any]] = {}
         self.asked: list[tuple[PageRequest, Callable[[Answer], None]]] = []
         self.items_on_board: tuple[MissionItem, ...] | None = None
         self.uploads: list[tuple[Upload, Answered]] = []
-        self.tables: dict[int, ParameterTable] = {}
         self.polls = 0
         self.is_operator = False
-        self.is_transferring = False
-        self.own_files: Files | None = None
-        self.own_logs: LogListing | None = None
 
     def poll(self, now_s: float, unix_s: float) -> None:
         self.polls += 1
@@ -71,17 +93,13 @@ class FakeBoats:
     def names(self) -> list[BoatName]:
         return [BoatName(id=boat, name=f"boat {boat}", heard_s=one.heard_s) for boat, one in self.now.items()]
 
-    @property
-    def first(self) -> int | None:
-        return next(iter(self.now), None)
-
-    def filenos(self) -> list[int]:
-        return []
-
     def snapshot(self, boat: int) -> Snapshot | None:
         return self.now.get(boat)
 
-    def items(self, boat: int, kind: ItemKind) -> dict[str, Any] | None:
+    def get(self, boat: int) -> ShoreBoat | None:
+        return cast(ShoreBoat, self.boat) if boat == 1 else None
+
+    def items(self, boat: int, kind: Kind) -> dict[str, Any] | None:
         return self.lists.get(kind)
 
     def sensors(self, boat: int) -> list[Sensor] | None:
@@ -89,23 +107,8 @@ class FakeBoats:
             return None
         return [Sensor(name="gnss", verdict="fine", text="good", values={"satellites": 12})]
 
-    def track(self, boat: int) -> list[tuple[float, float]]:
-        return [(12.5, 48.0), (12.6, 48.0)]
-
-    def mission(self, boat: int) -> tuple[MissionItem, ...] | None:
-        return self.items_on_board
-
     def upload(self, boat: int, upload: Upload, answered: Answered) -> None:
         self.uploads.append((upload, answered))
-
-    def parameters(self, boat: int) -> ParameterTable | None:
-        return self.tables.get(boat)
-
-    def files(self, boat: int) -> Files | None:
-        return self.own_files
-
-    def logs(self, boat: int) -> LogListing | None:
-        return self.own_logs
 
     def ask(self, request: PageRequest, answer: Callable[[Answer], None]) -> None:
         self.asked.append((request, answer))
@@ -119,19 +122,17 @@ class FakeBoats:
         self.now[1] = msgspec.structs.replace(self.now[1], **values)
 
 
-class FakeWay(NamedTuple):
-    points: list[tuple[float, float]]
-    length_m: float
-
-
-class FakeChart:
+class FakeChart(WaterChart):
     content = b'{"type":"FeatureCollection","features":[]}' + b" " * 500
+
+    def __init__(self) -> None:
+        super().__init__(None)
 
     def geojson(self) -> bytes:
         return self.content
 
-    def way(self, start: Place, goal: Place, fence: dict[str, Any] | None) -> FakeWay:
-        return FakeWay([(start.lon, start.lat), (goal.lon, goal.lat)], 100.0)
+    def way(self, start: Place, goal: Place, fence: Mapping[str, Any] | None = None) -> Way:
+        return Way([(start.lon, start.lat), (goal.lon, goal.lat)], 100.0, None)
 
 
 class Server:
@@ -199,11 +200,40 @@ async def serving(
             yield Server(client, app, pin)
 
 
+async def answer(ws: ClientWebSocketResponse) -> dict[str, Any]:
+    """The next answer on a socket."""
+    while True:
+        message: dict[str, Any] = await ws.receive_json()
+        if message["type"] == "answer":
+            return message
+
+
 async def until(is_so: Callable[[], bool]) -> None:
     """Let the server's tasks run until something is so; the test's own timeout ends what never is."""
     while not is_so():
         await asyncio.sleep(0)
 
 
-def run(test: Coroutine[Any, Any, None]) -> None:
-    asyncio.run(test)
+@pytest.hookimpl(tryfirst=True)
+def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
+    """Run a test that is a coroutine."""
+    test = pyfuncitem.obj
+    if not inspect.iscoroutinefunction(test):
+        return None
+
+    async def run() -> None:
+        async with AsyncExitStack() as contexts:
+            values = {name: pyfuncitem.funcargs[name] for name in inspect.signature(test).parameters}
+            for name, value in values.items():
+                if isinstance(value, AbstractAsyncContextManager):
+                    values[name] = await contexts.enter_async_context(value)
+            await test(**values)
+
+    asyncio.run(run())
+    return True
+
+
+@pytest.fixture
+def server() -> AbstractAsyncContextManager[Server]:
+    """A server with a PIN, a fleet of fakes and no map."""
+    return serving()
