@@ -8,7 +8,9 @@ from boat_rig import Rig
 
 from companion.boat import TICK_S
 from companion.links.memory import MemoryLink, memory_pair
+from mission_tools.station.boat import ShoreBoat
 from mission_tools.station.boats import Boats
+from mission_tools.station.items import Kind
 from mission_tools.station.messages import Answer, PageRequest, Snapshot
 from mission_tools.station.wire import Link
 
@@ -124,6 +126,19 @@ class Shore:
         snapshot = self.boats.snapshot(boat)
         assert snapshot is not None
         return snapshot
+
+    def boat(self, number: int = 1) -> ShoreBoat:
+        """A boat that was heard."""
+        boat = self.boats.get(number)
+        assert boat is not None
+        return boat
+
+    def features(self, kind: Kind) -> list[dict[str, Any]]:
+        """The features of a list of the first boat, once it is downloaded."""
+        found = self.boats.items(1, kind)
+        assert found is not None
+        features: list[dict[str, Any]] = found["features"]
+        return features
 
     def send(self, what: str, arguments: dict[str, Any] | None = None, boat: int = 1) -> None:
         """A request of the page; its answer is added to `answers`."""

@@ -1,21 +1,18 @@
-"""A server of the page with a client, and a fleet, a chart and a clock of its tests. A plugin: tests that are
-coroutines are run inside the asynchronous contexts among their fixtures.
-"""
+"""A server of the page with a client, and a fleet, a chart and a clock of its tests."""
 
 import asyncio
-import inspect
 import tempfile
 from collections.abc import AsyncIterator, Callable, Mapping
-from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
+from contextlib import asynccontextmanager
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
 import msgspec
-import pytest
 from aiohttp import ClientWebSocketResponse, web
 from aiohttp.test_utils import TestClient, TestServer
 
+from companion.mavlink.address import Address
 from companion.mavlink.items import MissionItem
 from mission_tools.shore.chart import WaterChart, Way
 from mission_tools.shore.clock import Clock
@@ -64,9 +61,10 @@ class FakeBoat:
     def __init__(self, boats: "FakeBoats") -> None:
         self.lists = SimpleNamespace(items=lambda _kind: boats.items_on_board)
         self.view = SimpleNamespace(track=SimpleNamespace(points=[(12.5, 48.0), (12.6, 48.0)]))
-        self.files: FtpClient | None = None
-        self.logs: LogList | None = None
-        self.parameters: ParameterTable | None = None
+        boat, own = Address(1, 1), Address(250, 190)
+        self.files = FtpClient(boat, own, lambda _: None)
+        self.logs = LogList(boat, lambda _: None, self.files)
+        self.parameters = ParameterTable(boat, own, lambda _: None, self.files.read_whole)
 
 
 class FakeBoats(Boats):
@@ -212,28 +210,3 @@ async def until(is_so: Callable[[], bool]) -> None:
     """Let the server's tasks run until something is so; the test's own timeout ends what never is."""
     while not is_so():
         await asyncio.sleep(0)
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
-    """Run a test that is a coroutine."""
-    test = pyfuncitem.obj
-    if not inspect.iscoroutinefunction(test):
-        return None
-
-    async def run() -> None:
-        async with AsyncExitStack() as contexts:
-            values = {name: pyfuncitem.funcargs[name] for name in inspect.signature(test).parameters}
-            for name, value in values.items():
-                if isinstance(value, AbstractAsyncContextManager):
-                    values[name] = await contexts.enter_async_context(value)
-            await test(**values)
-
-    asyncio.run(run())
-    return True
-
-
-@pytest.fixture
-def server() -> AbstractAsyncContextManager[Server]:
-    """A server with a PIN, a fleet of fakes and no map."""
-    return serving()

@@ -109,22 +109,6 @@ def test_everybody_sees_the_sensors_and_a_fault_changes_a_verdict(
     expect(sensor(page, "gnss")).not_to_have_attribute("data-verdict", "failed")
 
 
-def test_a_closed_list_of_sensors_asks_for_nothing(visit: Visit) -> None:
-    page = boat_view(visit("desktop"))
-    expect(sensor(page, "gnss")).to_be_visible()
-    asked: list[str] = []
-    page.on(
-        "request", lambda request: asked.append(request.url) if request.url.endswith("/sensors") else None
-    )
-    page.wait_for_timeout(1_000)
-    assert asked
-    press(page, page.get_by_role("link", name="Sail"))
-    page.wait_for_timeout(500)
-    asked.clear()
-    page.wait_for_timeout(1_500)
-    assert asked == []
-
-
 def test_a_motor_turns_while_its_button_is_held_and_stops_when_it_is_let_go(
     visit: Visit, shore: ShoreBoat, watching: MavutilStation
 ) -> None:
@@ -198,16 +182,6 @@ def test_an_armed_boat_turns_no_motor_and_calibrates_nothing(
     thrusters = page.get_by_role("region", name="Thrusters", exact=True)
     expect(thrusters).to_contain_text("✓ armed")
     expect(thrusters).to_contain_text("The boat sails by itself")
-    answer = page.evaluate("""() => new Promise((done) => {
-        const socket = new WebSocket(`ws://${location.host}/live?boat=1`);
-        const request = { type: "do", id: "x1", boat: 1, what: "calibrate_gyro", with: {} };
-        socket.onmessage = ({ data }) => {
-            const message = JSON.parse(data);
-            if (message.type === "hello" && request) socket.send(JSON.stringify(request));
-            if (message.type === "answer") done(message);
-        };
-    })""")
-    assert (answer["ok"], answer["text"]) == (False, "The boat is armed: disarm it first.")
 
 
 def test_the_compass_calibration_shows_its_progress_and_is_cancelled(

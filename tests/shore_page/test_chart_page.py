@@ -3,7 +3,6 @@
 import asyncio
 import json
 import math
-import os
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -315,84 +314,6 @@ def test_it_draws_only_when_something_changed(page: Page) -> None:
     assert page.evaluate("window.draws") == before
     show(page, "showState", state(heading_deg=41.0))
     assert page.evaluate("window.draws") == before + 1
-
-
-@both_sizes
-def test_everything_at_once_is_drawn_without_a_fault(page: Page) -> None:
-    """With MAVBOAT_PICTURES=DIR the pictures are kept there, for people to look at."""
-    show_pond(page)
-    show_all(page)
-    x, y = middle(page)
-    assert colour(page, x, y) != (0xB7, 0xDA, 0xEB)  # the boat
-    folder = os.environ.get("MAVBOAT_PICTURES")
-    if folder:
-        size = "phone" if x < 300 else "desktop"
-        for theme in ("light", "dark"):
-            page.evaluate(f"document.documentElement.dataset.theme = '{theme}'")
-            show(page, "showWay", None)
-            show(page, "showWay", planned())
-            page.screenshot(path=f"{folder}/chart_{size}_{theme}.png")
-        page.get_by_role("button", name="chart.out").click()
-        page.get_by_role("button", name="chart.out").click()
-        page.screenshot(path=f"{folder}/chart_{size}_far.png")
-
-
-def planned() -> list[tuple[float, float]]:
-    at = FRAME.to_global(Point(20.0, 60.0))
-    start = Place(lat=BOAT.lat_deg, lon=BOAT.lon_deg)
-    goal = Place(lat=at.lat_deg, lon=at.lon_deg)
-    way = WaterChart(MAPS / "mill_pond.geojson").way(start, goal, {"features": pond_fence()[:2]})
-    assert isinstance(way, Way), way
-    return way.points
-
-
-def pond_fence() -> list[dict[str, Any]]:
-    """As the station has it: areas and rally points."""
-    commands = {"inclusion": 5001, "exclusion": 5002, "rally": 5100}
-    given: list[dict[str, Any]] = json.loads((MAPS / "mill_pond_fence.geojson").read_text())["features"]
-    features = [feature for feature in given if feature["properties"]["kind"] in commands]
-    for seq, feature in enumerate(features):
-        feature["properties"] |= {"seq": seq, "command": commands[feature["properties"]["kind"]]}
-    return features
-
-
-def show_all(page: Page) -> None:
-    def lon_lat(east_m: float, north_m: float) -> list[float]:
-        at = FRAME.to_global(Point(north_m, east_m))
-        return [at.lon_deg, at.lat_deg]
-
-    def item(seq: int, command: int, east_m: float, north_m: float, **more: float) -> dict[str, Any]:
-        return {
-            "type": "Feature",
-            "geometry": {"type": "Point", "coordinates": lon_lat(east_m, north_m)},
-            "properties": {"seq": seq, "command": command, "name": "", **more},
-        }
-
-    mission = [
-        item(0, 16, -194, -150), item(1, 16, -150, -120), item(2, 16, -60, -90), item(3, 16, 30, -70),
-        item(4, 18, 110, 30, radius_m=12.0), item(5, 16, 190, 160),
-        {"type": "Feature", "geometry": None, "properties": {"seq": 6, "command": 177, "name": "jump"}},
-    ]  # fmt: skip
-    fence = pond_fence()
-    show(page, "showItems", "mission", {"type": "FeatureCollection", "features": mission})
-    show(page, "showItems", "fence", {"type": "FeatureCollection", "features": fence[:2]})
-    show(page, "showItems", "rally", {"type": "FeatureCollection", "features": fence[2:]})
-    show(page, "showTrack", [lon_lat(-190 + n, -148 + 0.5 * n + 2 * math.sin(n / 9)) for n in range(91)])
-    show(page, "showWay", planned())
-    home = FRAME.to_global(Point(-150.0, -194.0))
-    show(
-        page, "showState",
-        state(
-            course_deg=55.0, speed_m_s=1.2, armed=True, progress={"current": 3, "state": "active"},
-            home={"place": {"lat": home.lat_deg, "lon": home.lon_deg}},
-            current={"speed_m_s": 0.3, "towards_deg": 110.0},
-            sonar={"bearing_deg": -20.0, "range_m": 14.0, "beam_deg": 20.0},
-            obstacles={
-                "start_deg": -45.0, "step_deg": 5.0,
-                "ranges_m": [None] * 4 + [14.2, 14.0, 14.1, None, None, 22.0, 21.0, 20.5] + [None] * 6,
-            },
-        ),
-    )  # fmt: skip
 
 
 def test_a_boat_that_is_not_heard_is_grey_and_so_is_another_boat(page: Page) -> None:

@@ -82,22 +82,6 @@ def test_a_parameter_is_found_by_its_text_changed_and_set_back(
     expect(row.locator("summary")).not_to_contain_text("changed")
 
 
-def test_what_another_station_sets_is_shown_and_listed_as_changed(
-    visit: Visit, shore: ShoreBoat, station: MavutilStation
-) -> None:
-    page = open_panel(skipper(visit, shore))
-    row = find(page, "wp_radius")
-    before = on_board(station, "WP_RADIUS")
-    tell(station, "WP_RADIUS", 3.75)
-    expect(row.locator("summary")).to_contain_text("3.75 m")
-    expect(row.get_by_label("Value")).to_have_value("3.75")
-    press(page, page.get_by_label("Only changed ones"))
-    expect(row.locator("summary")).to_contain_text("WP_RADIUS")
-    page.get_by_label("Search").fill("no such thing")
-    expect(page.get_by_text("No parameter matches.")).to_be_visible()
-    tell(station, "WP_RADIUS", before)
-
-
 def test_choices_and_bits_are_named(visit: Visit, shore: ShoreBoat, station: MavutilStation) -> None:
     page = open_panel(skipper(visit, shore))
     row = find(page, "log_disarmed")

@@ -71,22 +71,6 @@ def test_tapped_places_are_numbered_moved_removed_and_taken_back(
     expect(rows(view)).to_have_count(3)
 
 
-def test_a_viewer_draws_and_is_asked_for_the_pin_before_planning(
-    visit: Visit, shore: ShoreBoat, station: MavutilStation
-) -> None:
-    page = visit("phone")
-    asked: list[dict[str, Any]] = []
-    answer_plans(page, asked)
-    open_plan(page)
-    press(page, button(page, "Plan"))
-    expect(told(page, "Tap at least one place on the chart first.")).to_be_visible()
-    tap_places(page, station, GOALS[:1])
-    press(page, button(page, "Plan"))
-    expect(told(page, "To plan and upload, enter the PIN")).to_be_visible()
-    expect(page.get_by_label("PIN")).to_be_focused()
-    assert asked == []
-
-
 def test_places_and_a_plan_outlast_a_lost_link_and_a_reload_until_the_server_forgets_it(
     visit: Visit, shore: ShoreBoat, station: MavutilStation
 ) -> None:

@@ -141,14 +141,3 @@ def test_in_another_language_no_english_of_ours_is_left(page: Page, station: Mav
     expect(page.locator("#why-list .why").first).to_be_visible()
     assert english(page) == []
     assert station.command(dialect.MAV_CMD_INJECT_FAILURE, *MEND_COMPASS) == dialect.MAV_RESULT_ACCEPTED
-
-
-def test_english_is_spoken_to_whoever_speaks_nothing_else_that_the_server_has(
-    browser: Browser, foreign_page: str
-) -> None:
-    context = browser.new_context(locale="fr-FR")
-    page = context.new_page()
-    page.goto(foreign_page)
-    expect(page.get_by_text("Connected").first).to_be_visible(timeout=WAIT_MS)
-    assert page.evaluate("document.documentElement.lang") == "en"
-    context.close()

@@ -117,25 +117,6 @@ def test_a_way_goes_round_what_is_solid_and_what_to_keep_out_of(tmp_path: Path, 
     assert south_m < 40.0 - 0.9 * CLEARANCES_M[0]
 
 
-def test_a_hole_in_the_water_is_land(tmp_path: Path) -> None:
-    chart = chart_of(tmp_path, polygon(LAKE, box(90, 30, 110, 70)))
-    assert len(way(chart, (20, 50), (180, 50)).points) > 2
-    assert "not on the map's water" in blocked(chart, (20, 50), (100, 50)).reason
-
-
-def test_a_pier_drawn_as_a_line_is_gone_round(tmp_path: Path) -> None:
-    line = {
-        "type": "Feature",
-        "properties": {"kind": "pier"},
-        "geometry": {
-            "type": "LineString",
-            "coordinates": [lon_lat(100, 105), lon_lat(100, 60), lon_lat(100, 20)],
-        },
-    }
-    found = way(chart_of(tmp_path, polygon(LAKE), line), (20, 50), (180, 50))
-    assert min(point.north_m for point in local(found.points)) < 17.0
-
-
 def test_a_passage_is_taken_with_the_clearance_that_it_allows(tmp_path: Path) -> None:
     def narrowed(room_m: float) -> WaterChart:
         north = polygon(box(90, 50 + 0.5 * room_m, 110, 101), man_made="pier")
@@ -159,11 +140,6 @@ def test_a_goal_ashore_is_answered_with_the_nearest_water(tmp_path: Path) -> Non
     assert near == pytest.approx((95.9, 100.0), abs=0.1)
     chart = chart_of(tmp_path, polygon(LAKE))
     assert isinstance(chart.way(place(20, 50), found.nearest), Way)  # and it can be gone to
-
-
-def test_a_goal_too_near_to_the_shore_says_so(tmp_path: Path) -> None:
-    found = blocked(chart_of(tmp_path, polygon(LAKE)), (20, 50), (100, 99.5))
-    assert found.reason == "That place is less than 1 m from the shore or the fence."
 
 
 def test_a_boat_at_a_pier_or_a_little_ashore_sails_off_and_one_far_ashore_does_not(tmp_path: Path) -> None:
@@ -270,31 +246,15 @@ def test_thinning_keeps_within_the_error_that_it_states() -> None:
 
 HOSTILE: dict[str, tuple[bytes, str]] = {
     "empty": (b"", "not JSON"),
-    "text": (b"hello", "not JSON"),
     "number": (b"7", "not GeoJSON"),
-    "not utf-8": (b'{"type":"\xff"}', "not JSON"),
     "deep": (b"[" * 200_000 + b"]" * 200_000, "not JSON"),
-    "deep coordinates": (
-        b'{"type":"Polygon","coordinates":' + b"[" * 5_000 + b"]" * 5_000 + b"}",
-        "",
-    ),
-    "huge number": (b'{"type":"Polygon","coordinates":[[[1e400,1],[2,2],[3,3]]]}', ""),
     "long integer": (b'{"type":"Polygon","coordinates":[[[' + b"9" * 4_000 + b",1],[2,2],[3,3]]]}", ""),
     "swapped": (b'{"type":"Polygon","coordinates":[[[50,170],[50,171],[51,171]]]}', "[longitude, latitude]"),
-    "true for a number": (
-        b'{"type":"Polygon","coordinates":[[[true,1],[2,2],[3,3]]]}',
-        "[longitude, latitude]",
-    ),
     "a position of text": (b'{"type":"Polygon","coordinates":[["ab",[2,2],[3,3]]]}', "[longitude, latitude]"),
-    "no list": (b'{"type":"Polygon","coordinates":{"a":1}}', "expected a list"),
     "no features": (b'{"type":"FeatureCollection","features":{}}', "not GeoJSON"),
-    "features of text": (b'{"type":"FeatureCollection","features":["a"]}', "expected a Feature"),
     "no water": (b'{"type":"FeatureCollection","features":[]}', "no water"),
-    "two corners": (b'{"type":"Polygon","coordinates":[[[1,1],[2,2],[1,1]]]}', "no water"),
-    "geometry of text": (b'{"type":"Feature","geometry":"x"}', "no geometry"),
     "unknown geometry": (b'{"type":"Feature","geometry":{"type":"Blob"}}', "expected Polygon"),
     "unknown kind": (b'{"type":"Feature","properties":{"kind":["a"]},"geometry":{"type":"Polygon"}}', "kind"),
-    "another crs": (b'{"type":"Polygon","crs":{"name":"EPSG:27700"},"coordinates":[]}', "WGS 84"),
     "half the globe": (b'{"type":"Polygon","coordinates":[[[0,0],[90,0],[90,45],[0,45]]]}', "within"),
     "pole": (b'{"type":"Polygon","coordinates":[[[0,89],[90,89],[180,89]]]}', "latitude"),
 }

@@ -74,15 +74,6 @@ def test_two_boats_are_told_apart() -> None:
     assert shore.snapshot(2).place is not None
 
 
-def test_a_new_link_is_used_at_once() -> None:
-    rig = Rig()
-    shore = Shore(rig).ready()
-    shore.ends[0].deafen()
-    shore.ends.append(shore.link(rig))
-    shore.run(3.0)
-    assert shore.ask("arm").ok
-
-
 def test_a_restarted_boat_is_asked_for_its_streams_again() -> None:
     rig = Rig()
     shore = Shore(rig).ready()
@@ -113,19 +104,14 @@ def test_lists_are_downloaded_as_geojson() -> None:
     rig.upload([RALLY], mission_type=MissionType.RALLY)
     rig.upload([HOME_ITEM, waypoint(60.0, 0.0), waypoint(0.0, 0.0, command=178)])
     shore = Shore(rig).ready()
-    fence, rally = shore.boats.items(1, "fence"), shore.boats.items(1, "rally")
-    mission = shore.boats.items(1, "mission")
-    assert fence is not None
-    assert rally is not None
-    assert mission is not None
-    polygon, circle = fence["features"]
+    polygon, circle = shore.features("fence")
     assert polygon["properties"] == {"seq": 0, "command": 5001, "name": "inclusion"}
     ring = polygon["geometry"]["coordinates"][0]
     assert len(ring) == 5
     assert ring[0] == ring[-1]
     assert circle["properties"] == {"seq": 4, "command": 5004, "name": "exclusion", "radius_m": 7.0}
-    assert [one["properties"]["name"] for one in rally["features"]] == ["rally point"]
-    assert [one["properties"]["seq"] for one in mission["features"]] == [0, 1, 2]
+    assert [one["properties"]["name"] for one in shore.features("rally")] == ["rally point"]
+    assert [one["properties"]["seq"] for one in shore.features("mission")] == [0, 1, 2]
     seen = shore.snapshot()
     assert seen.mission is not None
     assert seen.fence is not None

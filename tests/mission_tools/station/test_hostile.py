@@ -16,8 +16,7 @@ from companion.mavlink.framing import build_frame
 from companion.mavlink.layout import LAYOUTS
 from mission_tools.station.boat import WANTED
 from mission_tools.station.boats import Boats
-from mission_tools.station.messages import Answer, PageRequest
-from mission_tools.station.wire import heartbeat
+from mission_tools.station.messages import Answer, PageRequest, Snapshot
 
 BOAT = Address(1, 1)
 NAN, INF = float("nan"), float("inf")
@@ -51,12 +50,16 @@ class Stranger:
             for chunk in self.link.receive():
                 self.heard += [one.message for one in self._decoder.feed(chunk)]
 
+    def seen(self) -> Snapshot:
+        """The boat as the page shows it."""
+        snapshot = self.boats.snapshot(1)
+        assert snapshot is not None
+        return snapshot
+
     def check(self) -> None:
         """All that the page reads is finite and encodable."""
         for name in self.boats.names():
-            snapshot = self.boats.snapshot(name.id)
-            assert snapshot is not None
-            assert_finite(msgspec.to_builtins(snapshot))
+            assert_finite(msgspec.to_builtins(self.seen()))
             for kind in ("mission", "fence", "rally"):
                 assert_finite(self.boats.items(name.id, kind))
             boat = self.boats.get(name.id)
@@ -105,19 +108,8 @@ def test_values_that_are_not_numbers_are_left_out() -> None:
     stranger.say(dialect.MAVLink_obstacle_distance_message(0, 0, [10] * 72, 0, 0, 100, NAN, NAN, 12))
     stranger.run(1.0)
     stranger.check()
-    seen = stranger.boats.snapshot(1)
-    assert seen is not None
+    seen = stranger.seen()
     assert (seen.current, seen.sonar, seen.obstacles, seen.speed_m_s) == (None, None, None, None)
-
-
-def test_stations_and_other_components_are_no_boats() -> None:
-    stranger = Stranger()
-    stranger.say(heartbeat(is_operator=True), Address(255, 190))
-    stranger.say(heartbeat(is_operator=False), Address(245, 1))
-    stranger.heartbeat(Address(7, 100))
-    stranger.say(dialect.MAVLink_vfr_hud_message(1.0, 1.0, 90, 0, 0.0, 0.0), Address(8, 1))
-    stranger.run(1.0)
-    assert stranger.boats.names() == []
 
 
 def test_a_list_of_absurd_length_is_refused() -> None:
@@ -158,8 +150,7 @@ def test_texts_in_pieces_that_never_end_are_dropped() -> None:
     for number in range(1, 2000):
         stranger.say(dialect.MAVLink_statustext_message(4, b"x" * 50, number, number % 256))
     stranger.run(3.0)
-    seen = stranger.boats.snapshot(1)
-    assert seen is not None
+    seen = stranger.seen()
     assert len(seen.lines) <= 30
     assert max(len(line.text) for line in seen.lines) <= 500
 
@@ -170,8 +161,7 @@ def test_a_text_in_pieces_is_joined_in_any_order() -> None:
     stranger.say(dialect.MAVLink_statustext_message(4, b" the end", 5, 1))
     stranger.say(dialect.MAVLink_statustext_message(4, b"a" * 50, 5, 0))
     stranger.run(0.2)
-    seen = stranger.boats.snapshot(1)
-    assert seen is not None
+    seen = stranger.seen()
     assert [line.text for line in seen.lines] == ["a" * 50 + " the end"]
 
 
@@ -180,8 +170,7 @@ def test_control_characters_are_taken_out_of_texts() -> None:
     stranger.heartbeat()
     stranger.say(dialect.MAVLink_statustext_message(4, b"\x1b[31m<script>\n\r\x07x"))
     stranger.run(0.2)
-    seen = stranger.boats.snapshot(1)
-    assert seen is not None
+    seen = stranger.seen()
     assert seen.lines[0].text == "[31m<script>   x"
 
 

@@ -4,7 +4,7 @@ import inspect
 import re
 
 import pytest
-from boat_rig import FakeBattery, Rig, Silent, waypoint
+from boat_rig import FakeBattery, Rig, Silent
 from shore_rig import Shore
 
 import companion.vehicle.arming
@@ -13,7 +13,6 @@ from companion.failsafe import conditions
 from companion.failsafe.motors import rudder_watch
 from companion.failsafe.motors.hypotheses import HYPOTHESES
 from companion.failsafe.table import ROWS
-from companion.mavlink.items import MissionItem, MissionType
 from companion.persistence.mission_store import DataLosses
 from mission_tools.station.messages import Battery
 from mission_tools.station.reasons import Reasons, words, words_for
@@ -133,29 +132,6 @@ def test_a_failsafe_that_fired_before_the_boat_was_heard_shows_in_its_status() -
     view.armed = False
     reasons.poll(view, 3.0)
     assert [one.text for one in reasons.now()] == ["Battery critical: 9.5 V"]
-
-
-def test_a_boat_outside_its_fence_says_so_to_a_page_that_comes_late() -> None:
-    rig = Rig().ready()
-    assert rig.arm() == 0
-    rig.upload(AWAY, mission_type=MissionType.FENCE)
-    rig.run(3.0)
-    shore = Shore(rig)
-    shore.run(3.0)
-    assert shore.snapshot().reasons[0].text.startswith("Outside the fence")
-
-
-AWAY = [
-    MissionItem(frame=3, command=5001, param1=3.0, x=waypoint(n, e).x, y=waypoint(n, e).y)
-    for n, e in ((50.0, 50.0), (50.0, 90.0), (90.0, 90.0))
-]
-
-
-def test_an_unknown_reason_is_shown_as_the_boat_says_it() -> None:
-    reasons = Reasons()
-    reasons.on_text(Text(2, "PreArm: Kraken: near"), 1.0)
-    (reason,) = reasons.now()
-    assert (reason.text, reason.why, reason.next) == ("Kraken: near", "", "")
 
 
 def test_a_flood_of_reasons_is_bounded() -> None:

@@ -54,9 +54,7 @@ def test_go_takes_the_boat_there() -> None:
     assert rig.mode == "GUIDED"
     start = rig.scenario.start
     shore.until(lambda: rig.offset_m(start.north_m + 15.0, start.east_m + 10.0) < 3.0, 60.0)
-    boat = shore.boats.get(1)
-    assert boat is not None
-    assert len(boat.view.track.points) > 5
+    assert len(shore.boat().view.track.points) > 5
 
 
 def test_stop_switches_the_motors_off_at_once() -> None:
@@ -79,11 +77,8 @@ def test_sail_uploads_the_way_and_starts_it() -> None:
     ]
     start = rig.scenario.start
     shore.until(lambda: rig.offset_m(start.north_m + 20.0, start.east_m + 20.0) < 4.0, 90.0)
-    mission = shore.boats.items(1, "mission")
-    assert mission is not None
-    assert [one["geometry"]["coordinates"] for one in mission["features"][1:]] == [
-        pytest.approx(point, abs=1e-6) for point in points
-    ]
+    sailed = [one["geometry"]["coordinates"] for one in shore.features("mission")[1:]]
+    assert sailed == [pytest.approx(point, abs=1e-6) for point in points]
 
 
 def test_a_disarmed_boat_is_said_to_go_only_when_armed() -> None:

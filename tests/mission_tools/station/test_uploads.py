@@ -83,9 +83,7 @@ def test_the_fence_of_a_plan_goes_first_and_only_where_it_is_wanted() -> None:
     square = fence(rig)
     for upload in (plan_upload(PLAN, square, is_started=False), plan_upload(PLAN[:3], is_started=False)):
         assert isinstance(send(shore, upload), Accepted)
-        held = shore.boats.items(1, "fence")
-        assert held is not None
-        assert len(held["features"]) == 1
+        assert len(shore.features("fence")) == 1
 
 
 def test_what_the_boat_refuses_leaves_the_old_mission_and_says_why() -> None:

@@ -9,25 +9,16 @@ import re
 from html.parser import HTMLParser
 from pathlib import Path
 
-import pytest
-
 PAGE = Path(__file__).parents[4] / "mission_tools" / "shore" / "page"
 TEXTS = PAGE.parents[1] / "station" / "texts"
 SERVER = sorted(path for room in ("shore", "station") for path in (PAGE.parents[1] / room).rglob("*.py"))
 MODULES = sorted(PAGE.rglob("*.js"))
 WORDS: dict[str, str] = json.loads((TEXTS / "words.en.json").read_text("utf-8"))
 BY_DATA = (
-    "mode.",
-    "fix.",
-    "stage.",
-    "state.",
-    "calibrate.",
-    "chart.",
-    "sensor.",
-    "views.",
-    "reason.",
+    "mode.", "fix.", "stage.", "state.", "calibrate.", "chart.", "sensor.", "views.", "reason.",
     "logs.event.",
-)  # looked up by a name that is not in the source
+)  # fmt: skip
+"""Beginnings of keys that are made of a name which is not in the source."""
 SAID = re.compile(r"""\bsay\(\s*"([^"]+)\"""")
 IMPORT = re.compile(r'^import (.*?) from "([^"]+)"', re.MULTILINE)
 EXPORT = re.compile(r"^export (?:async )?(?:function|class|const) (\w+)", re.MULTILINE)
@@ -85,21 +76,12 @@ def test_words_are_texts_and_their_values_are_named() -> None:
         assert re.sub(r"\{\w+\}", "", text).count("{") == 0, key
 
 
-@pytest.mark.parametrize("path", MODULES, ids=lambda path: path.name)
-def test_no_module_makes_markup_or_code_of_text(path: Path) -> None:
-    code = path.read_text("utf-8")
-    for word in (
-        "innerHTML",
-        "outerHTML",
-        "insertAdjacentHTML",
-        "document.write",
-        "eval(",
-        "Function(",
-        "srcdoc",
-    ):
-        assert word not in code, word
-    assert 'setAttribute("style"' not in code
-    assert len(code.splitlines()) <= 300
+def test_no_module_makes_markup_or_code_of_text() -> None:
+    makers = r'(inner|outer|Adjacent)HTML|document\.write|eval\(|Function\(|srcdoc|setAttribute\("style"'
+    for path in MODULES:
+        code = path.read_text("utf-8")
+        assert re.findall(makers, code) == [], path.name
+        assert len(code.splitlines()) <= 300, path.name
 
 
 def test_the_page_needs_nothing_from_elsewhere() -> None:

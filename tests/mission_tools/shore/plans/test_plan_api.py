@@ -23,7 +23,7 @@ from mission_tools.shore.plans.plan_store import MOST_PLANS, PlanStore, StoredPl
 from mission_tools.station.messages import Place
 from mission_tools.station.outcome import Accepted
 
-pytest_plugins = ("shore_server",)
+pytest_plugins = ("server_fixtures",)
 pytestmark = pytest.mark.slow
 
 POND = Path("sitl/scenarios/maps/mill_pond.geojson").resolve()

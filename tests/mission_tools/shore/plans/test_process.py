@@ -17,7 +17,7 @@ from mission_tools.shore.plans.process import (
     PlannerMissingError,
 )
 
-pytest_plugins = ("shore_server",)
+pytest_plugins = ("server_fixtures",)
 pytestmark = pytest.mark.slow
 
 StandIn = Callable[[str], None]  # the source of another program

@@ -12,7 +12,7 @@ from mission_tools.shore.web.guard import is_own_host, own_names
 from mission_tools.shore.web.login.session import READ_ONLY
 from mission_tools.shore.web.sockets import MOST_BYTES
 
-pytest_plugins = ("shore_server",)
+pytest_plugins = ("server_fixtures",)
 
 HERE = socket.gethostname().partition(".")[0]
 ELSEWHERE = ("https://evil.example", "null", "http://127.0.0.1:1", "http://localhost", "")

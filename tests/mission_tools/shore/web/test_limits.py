@@ -22,7 +22,7 @@ from mission_tools.shore.web.server import make_app
 from mission_tools.shore.web.sockets import MOST_OF_ADDRESS as MOST_SOCKETS_OF_ADDRESS
 from mission_tools.shore.web.sockets import MOST_SOCKETS
 
-pytest_plugins = ("shore_server",)
+pytest_plugins = ("server_fixtures",)
 
 
 def test_a_bucket_gives_its_burst_and_then_its_rate() -> None:

@@ -5,7 +5,7 @@ from typing import Any
 from aiohttp import ClientWebSocketResponse
 from shore_server import Server, until
 
-pytest_plugins = ("shore_server",)
+pytest_plugins = ("server_fixtures",)
 
 
 async def heard(ws: ClientWebSocketResponse, kind: str) -> dict[str, Any]:

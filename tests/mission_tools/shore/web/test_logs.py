@@ -13,12 +13,11 @@ from shore_server import Server, serving
 
 from companion.mavlink.dialect import Message, dialect
 from mission_tools.shore.web.logs import api
-from mission_tools.shore.web.logs.log_service import MOST_DOWNLOADS
 from mission_tools.shore.web.logs.stream import WINDOW_BYTES
 from mission_tools.station.ftp.client import FtpClient
 from mission_tools.station.logs import LogList
 
-pytest_plugins = ("shore_server",)
+pytest_plugins = ("server_fixtures",)
 pytestmark = pytest.mark.slow
 
 LOGS = "/api/boats/1/logs"
@@ -176,19 +175,6 @@ async def test_a_browser_that_does_not_read_holds_a_small_window_and_others_read
         while server.hub.logs._under_way or device.client.is_busy:
             await asyncio.sleep(0)
         assert not any(one.sessions for one in device.served.service._stations)
-
-
-async def test_more_downloads_than_allowed_are_refused(tmp_path: Path) -> None:
-    async with with_logs(tmp_path) as (server, device):
-        device.put("00001.bin", bytes(30_000_000))
-        await listed(server)
-        await server.log_in()
-        held = [await server.client.get(f"{LOGS}/00001.bin") for _ in range(MOST_DOWNLOADS)]
-        async with server.client.get(f"{LOGS}/00001.bin") as response:
-            assert response.status == 503
-            assert (await response.json())["key"] == "log.downloads"
-        for response in held:
-            response.close()
 
 
 async def test_a_browser_that_reads_nothing_is_given_up(

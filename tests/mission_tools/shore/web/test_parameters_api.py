@@ -16,7 +16,7 @@ from mission_tools.station.ftp.jobs import FtpFailure
 from mission_tools.station.parameters.param_file import MOST_BYTES, ParamFileError, read_file
 from mission_tools.station.parameters.parameter_table import ParameterTable
 
-pytest_plugins = ("shore_server",)
+pytest_plugins = ("server_fixtures",)
 
 PATH = "/api/boats/1/parameters"
 
@@ -65,7 +65,7 @@ async def get(server: Server, path: str = PATH, **headers: str) -> tuple[int, An
 
 async def test_the_list_comes_with_progress_then_whole_then_only_when_it_has_changed(server: Server) -> None:
     await server.log_in()
-    assert (await get(server))[0] == 404
+    assert (await get(server, "/api/boats/7/parameters"))[0] == 404
     boat = Fake(server, {"B": {"shortDesc": "The second", "default": 2, "group": "G"}})
     assert (await get(server))[:2] == (202, {"got": 0, "count": None})
     boat.say("A", 0.1, 0, 2)

@@ -12,7 +12,7 @@ from mission_tools.shore.web.connections.throttle import MOST_PACE_S, Throttle, 
 from mission_tools.shore.web.login.pin_file import PinFile, hashed, is_pin
 from mission_tools.shore.web.login.session import LIFE_S, MOST_WAITING, LoginRefused, Opened, Sessions
 
-pytest_plugins = ("shore_server",)
+pytest_plugins = ("server_fixtures",)
 pytestmark = pytest.mark.slow
 
 PIN = "482913"
@@ -100,14 +100,6 @@ def test_a_flood_from_one_address_gets_a_dozen_tries_an_hour() -> None:
     assert 3 <= tries_within(3600, 1) <= 16
 
 
-def test_an_address_is_not_forgiven_for_a_pause_of_an_hour() -> None:
-    throttle = Throttle()
-    for number in range(12):
-        throttle.begin("10.0.0.1", float(number))
-    throttle.begin("10.0.0.1", 3700.0)
-    assert throttle.wait_s("10.0.0.1", 3701.0) > 500.0
-
-
 def test_a_whole_network_gets_no_more_than_one_try_a_second() -> None:
     assert tries_within(3600, 254) <= 3600 + 40
 
@@ -161,14 +153,6 @@ async def test_wrong_pins_from_many_addresses_keep_no_new_phone_out(
         await attack.go_on()
     assert await attack.phone_waits_s("10.0.9.2") <= 2.0 * MOST_PACE_S
     await attack.end()
-
-
-def test_who_has_told_the_pin_has_the_first_turn() -> None:
-    throttle = Throttle()
-    throttle.begin("10.0.0.9", 0.0)
-    throttle.succeed("10.0.0.9")
-    throttle.begin("10.0.0.8", 0.0)
-    assert [throttle.rank(f"10.0.0.{n}", 1.0) for n in (9, 7, 8)] == [-1, 0, 1]
 
 
 async def test_the_tries_that_wait_are_bounded_and_the_latest_gives_way(tmp_path: Path) -> None:

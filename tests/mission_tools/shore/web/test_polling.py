@@ -9,7 +9,7 @@ from shore_server import FakeBoats, FakeClock, serving, until
 from mission_tools.shore.web import server
 from mission_tools.shore.web.server import SOCKETS
 
-pytest_plugins = ("shore_server",)
+pytest_plugins = ("server_fixtures",)
 
 ROUND_TRIPS = 200
 

@@ -9,7 +9,7 @@ from shore_server import Server
 from mission_tools.shore.web.api import TABLE
 from mission_tools.shore.web.rows import Row
 
-pytest_plugins = ("shore_server",)
+pytest_plugins = ("server_fixtures",)
 
 WRITES = [row for row in TABLE if row.method not in ("GET", "HEAD")]
 FOR_THE_PIN = [row for row in TABLE if row.needs != "nothing"]

@@ -139,14 +139,6 @@ def test_endless_new_names_cost_bounded_memory() -> None:
     assert script.download.values["N7"].value == 2.0
 
 
-def test_the_interval_between_lists_holds_for_a_boat_that_restarts_all_the_time() -> None:
-    script = Script()
-    for _ in range(100):
-        script.download.restart()
-        script.run(0.2)
-    assert script.count("PARAM_REQUEST_LIST") <= 20.0 / download.LIST_S + 1
-
-
 def test_a_count_that_changes_begins_the_list_anew_but_not_all_the_time() -> None:
     script = Script(lister(NAMES, lost=set()))
     script.run(2.0)
@@ -204,9 +196,7 @@ def test_a_download_that_is_no_longer_wanted_rests_and_then_goes_on() -> None:
 
 
 def snapshot(shore: Shore, boat: int = 1) -> TableSnapshot:
-    one = shore.boats.get(boat)
-    assert one is not None
-    return one.parameters.snapshot()
+    return shore.boat(boat).parameters.snapshot()
 
 
 def until_here(shore: Shore, limit_s: float, boat: int = 1) -> TableSnapshot:

@@ -19,26 +19,20 @@ from mission_tools.station.parameters import fetching
 from mission_tools.station.parameters.document import document
 from mission_tools.station.parameters.fetching import Fetching
 from mission_tools.station.parameters.packed import read_descriptions
-from mission_tools.station.parameters.parameter_table import ParameterTable, TableSnapshot
+from mission_tools.station.parameters.parameter_table import TableSnapshot
 
 BOAT = Address(1, 1)
 FILE = json.dumps({"version": 3, "parameters": [{"name": "A", "shortDesc": "The first"}]}).encode()
 
 
-def table_of(shore: Shore) -> ParameterTable:
-    boat = shore.boats.get(1)
-    assert boat is not None
-    return boat.parameters
-
-
 def until_texts(shore: Shore, limit_s: float) -> TableSnapshot:
     """As the page's requests do: snapshot, and read what has come."""
     shore.until(lambda: shore.boats.get(1) is not None, 30.0)
-    shore.until(lambda: table_of(shore).snapshot().texts in ("here", "none"), limit_s)
-    packed = table_of(shore).snapshot().packed
+    shore.until(lambda: shore.boat().parameters.snapshot().texts in ("here", "none"), limit_s)
+    packed = shore.boat().parameters.snapshot().packed
     if packed is not None:
-        table_of(shore).describe(packed, read_descriptions(*packed))
-    return table_of(shore).snapshot()
+        shore.boat().parameters.describe(packed, read_descriptions(*packed))
+    return shore.boat().parameters.snapshot()
 
 
 def test_every_parameter_of_a_real_boat_is_described_as_qgroundcontrol_reads_it() -> None:
@@ -63,9 +57,9 @@ def test_a_boat_that_starts_again_with_the_same_texts_does_not_send_them_again()
     rig = Rig()
     shore = Shore(rig)
     first = until_texts(shore, 30.0)
-    table_of(shore).restart()
-    shore.until(lambda: table_of(shore).snapshot().texts == "here", 10.0)
-    again = table_of(shore).snapshot()
+    shore.boat().parameters.restart()
+    shore.until(lambda: shore.boat().parameters.snapshot().texts == "here", 10.0)
+    again = shore.boat().parameters.snapshot()
     assert again.packed is None  # nothing new to read
     assert again.descriptions is first.descriptions
 
