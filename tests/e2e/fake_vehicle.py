@@ -31,14 +31,12 @@ class Behaviour:
     silent: bool = False
     refuse_item: int | None = None
     refuse_text: str = ""
-    die_at_item: int | None = None
     hush_at_item: int | None = None  # stops answering, but its heart beats on
     hushes: int = 10**6  # how often
     alter_item: int | None = None
     refuse_arming: str = ""
     arming_refusals: int = 10**6  # how often it refuses before it gives in
     leave_auto_after: int | None = None
-    disarm_after: int | None = None
     stick_after: int | None = None
     die_after: int | None = None
     lose_reached: bool = False
@@ -157,8 +155,6 @@ class FakeVehicle:
         if reached == self.behaviour.leave_auto_after:
             self._mode = HOLD
             mav.statustext_send(dialect.MAV_SEVERITY_WARNING, b"GCS lost: HOLD")
-        if reached == self.behaviour.disarm_after:
-            self._armed = False
         if reached == len(self.mission) - 1:
             self._state = dialect.MISSION_STATE_COMPLETE
         self._current += 1
@@ -206,9 +202,7 @@ class FakeVehicle:
 
     def _next(self, mav: Any, mission_type: int) -> None:
         taken = len(self._pending[mission_type])
-        if mission_type == 0 and taken == self.behaviour.die_at_item:
-            self._dead = True
-        elif mission_type == 0 and taken == self.behaviour.hush_at_item and self.behaviour.hushes:
+        if mission_type == 0 and taken == self.behaviour.hush_at_item and self.behaviour.hushes:
             self.behaviour.hushes -= 1
         elif taken < self._counts[mission_type]:
             mav.mission_request_int_send(*self._client, taken, mission_type)

@@ -1,11 +1,9 @@
 """Bad lines between a station and a boat's TCP, by a seed."""
 
-import random
 import select
 import socket
 import threading
 import time
-from collections import deque
 
 from patience import MOMENT_S
 from pymavlink.dialects.v20 import all as dialect
@@ -71,62 +69,3 @@ class LossyRelay:
             if self._station is not None:
                 for data in self._down.receive(now_s):
                     self._near.sendto(data, self._station)
-
-
-class HeldUpRelay:
-    """From the station's TCP: what TCP makes of lost packets. Nothing is lost; all that follows a lost packet
-    waits for its repetition, which comes after a round trip and 0.2 s, and each time it is lost again after
-    twice that (RFC 6298; 0.2 s is Linux's least). A thread of its own.
-    """
-
-    def __init__(self, boat_port: int, loss: float, delay_s: float, seed: int) -> None:
-        self._boat_port, self._loss, self._delay_s = boat_port, loss, delay_s
-        self._numbers = random.Random(seed)
-        self._server = socket.create_server(("127.0.0.1", 0))
-        self._server.settimeout(_LONGEST_WAIT_S)
-        self._is_over = threading.Event()
-        self._thread = threading.Thread(target=self._run, daemon=True)
-        self._thread.start()
-
-    @property
-    def url(self) -> str:
-        """Where the station finds the boat."""
-        return f"tcp:127.0.0.1:{self._server.getsockname()[1]}"
-
-    def close(self) -> None:
-        """Hang up both."""
-        self._is_over.set()
-        self._thread.join(MOMENT_S)
-        self._server.close()
-
-    def _run(self) -> None:
-        while not self._is_over.is_set():
-            try:
-                near, _ = self._server.accept()
-            except TimeoutError:
-                continue
-            with near, socket.create_connection(("127.0.0.1", self._boat_port)) as far:
-                self._carry(near, far)
-
-    def _carry(self, near: socket.socket, far: socket.socket) -> None:
-        waiting: dict[socket.socket, deque[tuple[float, bytes]]] = {near: deque(), far: deque()}
-        while not self._is_over.is_set():
-            ready, _, _ = select.select([near, far], [], [], _LONGEST_WAIT_S)
-            now_s = time.monotonic()
-            for source in ready:
-                data = source.recv(65536)
-                if not data:
-                    return
-                queue = waiting[far if source is near else near]
-                before_s = queue[-1][0] if queue else 0.0
-                queue.append((max(before_s, now_s + self._delay_s + self._held_up_s()), data))
-            for target, queue in waiting.items():
-                while queue and queue[0][0] <= now_s:
-                    target.sendall(queue.popleft()[1])
-
-    def _held_up_s(self) -> float:
-        held_up_s, wait_s = 0.0, 2.0 * self._delay_s + 0.2
-        while self._numbers.random() < self._loss:
-            held_up_s += wait_s
-            wait_s *= 2.0
-        return held_up_s

@@ -9,7 +9,6 @@ from companion.boat import TICK_S
 from companion.hal.interfaces import Motors
 from companion.hal.motors.bridges import BridgeMotors, open_bridges
 from companion.hal.motors.watched_motors import WatchedMotors
-from companion.mavlink.dialect import dialect
 
 LOOK_S = 0.125  # how often the motors' watch looks: four times in its time-out of 0.5 s
 
@@ -71,19 +70,6 @@ class PinnedBoat:
         self.run(5.0)
         assert self.pi.is_driving
         assert self.rig.world.truth.surge_m_s > 1.0
-
-    def by_hand(self) -> None:
-        """Armed in MANUAL, half ahead."""
-        self.rig.ready()
-        assert self.rig.set_mode(0) == OK
-        assert self.rig.arm() == OK
-        self.push()
-        self.run(0.5)
-        assert self.pi.is_driving
-
-    def push(self) -> None:
-        """The operator's stick, half ahead."""
-        self.rig.peer.send(dialect.MAVLink_manual_control_message(1, 0, 0, 500, 0, 0))
 
     def step(self, *, hangs: bool = False) -> None:
         """One tick of the boat, unless its loop hangs, and of the water; the watch looks when it is due."""

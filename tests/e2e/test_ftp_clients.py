@@ -2,20 +2,21 @@
 
 import asyncio
 import json
-import time
 import zlib
+from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
-from mavsdk.asyncio import ComponentType, Configuration, Mavsdk
 from mavsdk.asyncio.plugins.component_metadata import ComponentMetadataAsync
 from mavsdk.asyncio.plugins.ftp import FtpAsync
 from mavsdk.asyncio.plugins.param import ParamAsync
 from mavsdk.logging import log_subscribe
 from mavsdk.plugins.component_metadata import MetadataType
+from mavsdk_station import mavsdk_station
 from mavutil_station import OpenStation
 from patience import JOB_S, MOMENT_S
-from programs import RunBoat, RunProgram, until
+from programs import RunningBoat, RunProgram, start_boat, until
 from pymavlink.mavftp import MAVFTP, FtpError
 
 from companion.config.boat_config import BoatConfig
@@ -32,8 +33,20 @@ SERVED = len(ROWS) + len(
 )  # the emulator brings some along
 
 
-def tell(client: str, what: str, seconds: float) -> None:
-    print(f"{client}: {what} in {seconds * 1e3:.0f} ms")  # noqa: T201
+class Aboard(NamedTuple):
+    """One boat for all clients, and the folder in which it stores."""
+
+    boat: RunningBoat
+    state: Path
+
+
+@pytest.fixture(scope="module")
+def aboard(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Aboard]:
+    log_subscribe(lambda *_: True)
+    folder = tmp_path_factory.mktemp("ftp")
+    boat = start_boat(folder / "boat", "open", "--state", str(folder / "state"))
+    yield Aboard(boat, folder / "state")
+    boat.program.close()
 
 
 def mavlink_crc(content: bytes) -> int:
@@ -41,10 +54,9 @@ def mavlink_crc(content: bytes) -> int:
 
 
 def test_mavproxy_fetches_parameters_as_a_file_and_moves_files(
-    running_boat: RunBoat, run_program: RunProgram, tmp_path: Path
+    aboard: Aboard, run_program: RunProgram
 ) -> None:
-    state = tmp_path / "state"
-    boat = running_boat("open", "--state", str(state))
+    boat, state = aboard
     proxy = run_program("mavproxy.py", f"--master={boat.url}", "--state-basedir=.")
     (proxy.room / "there.bin").write_bytes(CONTENT)
     proxy.wait_for(rf"Received {SERVED} parameters \(ftp\)")
@@ -65,8 +77,8 @@ def test_mavproxy_fetches_parameters_as_a_file_and_moves_files(
     until(lambda: (proxy.room / "back.bin").read_bytes() == CONTENT)  # it says so before it has flushed it
     proxy.say("ftp rm /files/there.bin")
     until(lambda: not (state / "files" / "there.bin").exists())
-    proxy.say("ftp mkdir /files/sub")
-    until((state / "files" / "sub").is_dir)
+    proxy.say("ftp mkdir /files/bay")
+    until((state / "files" / "bay").is_dir)
     proxy.say("ftp get /files/there.bin gone.bin")
     proxy.wait_for("ftp open failed")
 
@@ -88,41 +100,30 @@ def test_mavproxy_fetches_parameters_as_a_file_and_moves_files(
 
 async def move_files_with_mavsdk(port: int, here: Path, state: Path) -> None:
     (here / "there.bin").write_bytes(CONTENT)
-    configuration = Configuration.create_with_component_type(ComponentType.GROUND_STATION)
-    async with Mavsdk(configuration) as mavsdk:
-        await mavsdk.add_any_connection(f"tcpout://127.0.0.1:{port}")
-        system = await mavsdk.first_autopilot(MOMENT_S)
-        assert system is not None
+    async with mavsdk_station(port) as system:
         ftp, param, metadata = FtpAsync(system), ParamAsync(system), ComponentMetadataAsync(system)
         root = await ftp.list_directory("/")
         assert {"files", "logs", "metadata"} <= {entry.name for entry in root.entries}
-        began_s = time.perf_counter()
         async for _ in ftp.upload(str(here / "there.bin"), "/files"):
             pass
-        tell("MAVSDK", f"upload of {len(CONTENT)} bytes", time.perf_counter() - began_s)
         assert (state / "files" / "there.bin").read_bytes() == CONTENT
         assert await ftp.are_files_identical(str(here / "there.bin"), "/files/there.bin")
-        (entry,) = (await ftp.list_directory("/files")).entries
-        assert (entry.name, entry.size_bytes) == ("there.bin", len(CONTENT))
+        entries = (await ftp.list_directory("/files")).entries
+        assert ("there.bin", len(CONTENT)) in [(entry.name, entry.size_bytes) for entry in entries]
         for use_burst in (True, False):
             back = here / f"burst-{use_burst}"
             back.mkdir()
-            began_s = time.perf_counter()
             async for _ in ftp.download("/files/there.bin", str(back), use_burst):
                 pass
-            tell("MAVSDK", f"download, burst {use_burst}", time.perf_counter() - began_s)
             assert (back / "there.bin").read_bytes() == CONTENT
         await ftp.create_directory("/files/sub")
         await ftp.rename("/files/there.bin", "/files/sub/moved.bin")
         assert (state / "files" / "sub" / "moved.bin").read_bytes() == CONTENT
         await ftp.remove_file("/files/sub/moved.bin")
         await ftp.remove_directory("/files/sub")
-        assert list((state / "files").iterdir()) == []
+        assert not (state / "files" / "sub").exists()
 
-        began_s = time.perf_counter()
         parameters = await param.get_all_params()
-        seconds = time.perf_counter() - began_s
-        tell("MAVSDK", f"all {SERVED} parameters", seconds)
         assert len(parameters.int_params) + len(parameters.float_params) == SERVED
 
         updates = metadata.subscribe_metadata_available()
@@ -141,33 +142,24 @@ async def move_files_with_mavsdk(port: int, here: Path, state: Path) -> None:
 
 
 def test_mavsdk_moves_files_and_fetches_what_the_boat_says_of_its_parameters(
-    running_boat: RunBoat, tmp_path: Path
+    aboard: Aboard, tmp_path: Path
 ) -> None:
-    log_subscribe(lambda *_: True)
-    here, state = tmp_path / "here", tmp_path / "state"
-    here.mkdir()
-    boat = running_boat("open", "--state", str(state))
-    asyncio.run(asyncio.wait_for(move_files_with_mavsdk(boat.port, here, state), JOB_S))
+    job = move_files_with_mavsdk(aboard.boat.port, tmp_path, aboard.state)
+    asyncio.run(asyncio.wait_for(job, JOB_S))
 
 
 def test_pymavlink_fetches_parameters_and_moves_files(
-    running_boat: RunBoat, open_station: OpenStation, tmp_path: Path
+    aboard: Aboard, open_station: OpenStation, tmp_path: Path
 ) -> None:
-    state = tmp_path / "state"
-    boat = running_boat("open", "--state", str(state))
+    boat, state = aboard
     station = open_station(boat.port)
     station.drain()
-    began_s = time.perf_counter()
     assert len(station.parameters()) == SERVED
-    seconds = time.perf_counter() - began_s
-    tell("pymavlink", f"list of {SERVED} parameters", seconds)
 
     client = MAVFTP(station.link, target_system=1, target_component=1)
     values, defaults = tmp_path / "values.parm", tmp_path / "defaults.parm"
-    began_s = time.perf_counter()
     client.cmd_getparams([str(values), str(defaults)])
     assert client.process_ftp_reply("getparams", timeout=MOMENT_S).error_code == FtpError.Success
-    tell("pymavlink", "param.pck with defaults", time.perf_counter() - began_s)
     assert len(values.read_text(encoding="ascii").splitlines()) == SERVED
     assert len(defaults.read_text(encoding="ascii").splitlines()) == SERVED
 
@@ -181,6 +173,6 @@ def test_pymavlink_fetches_parameters_and_moves_files(
     assert back.read_bytes() == CONTENT
     listed = client.cmd_list(["/files"])
     assert listed.error_code == FtpError.Success
-    assert [(entry.name, entry.size_b) for entry in client.list_result] == [("there.bin", len(CONTENT))]
+    assert ("there.bin", len(CONTENT)) in [(entry.name, entry.size_b) for entry in client.list_result]
     assert client.cmd_rm(["/files/there.bin"]).error_code == FtpError.Success
     assert client.cmd_rm(["/files/there.bin"]).error_code == FtpError.FileNotFound

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from mavsdk.asyncio import ComponentType, Configuration, Mavsdk
 from mavsdk.asyncio.plugins.rtk import RtkAsync
 from mavsdk.logging import log_subscribe
 from mavsdk.plugins.rtk import RtcmData
+from mavsdk_station import mavsdk_station
 from mavutil_station import OpenStation
 from patience import MOMENT_S
 from programs import Program, RunProgram, until
@@ -90,10 +90,7 @@ def test_corrections_of_mavsdk_reach_the_receiver_whole(boat: Program, receiver:
     boat.wait_for(r"INFO GNSS: ZED-F9P set up", stream="err")
 
     async def send() -> None:
-        async with Mavsdk(Configuration.create_with_component_type(ComponentType.GROUND_STATION)) as mavsdk:
-            await mavsdk.add_any_connection(f"tcpout://127.0.0.1:{port_of(boat)}")
-            system = await mavsdk.first_autopilot(MOMENT_S)
-            assert system is not None
+        async with mavsdk_station(port_of(boat)) as system:
             rtk = RtkAsync(system)
             while not all(frame in receiver.rtcm for frame in frames):  # a receiver in its set-up gets none
                 for frame in frames:

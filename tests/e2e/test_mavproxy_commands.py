@@ -62,11 +62,15 @@ def test_mode_changes_the_mode(proxy: Program) -> None:
         typed(proxy, f"mode {mode}", f"Mode {mode.upper()}")
 
 
-def test_wp_loads_lists_sets_and_clears(proxy: Program) -> None:
+def test_wp_loads_lists_sets_and_clears_a_mission_that_is_sailed(proxy: Program) -> None:
     rows = [f"{n}\t0\t3\t16\t0\t0\t0\t0\t{50.0 + 1e-4 * n:.7f}\t-1.2\t0\t1" for n in range(6)]
     (proxy.room / "plan.txt").write_text("\n".join(["QGC WPL 110", *rows, ""]), encoding="ascii")
     typed(proxy, "wp load plan.txt", "Got MISSION_ACK: TYPE_MISSION: ACCEPTED")
     typed(proxy, "wp list", "Saved 6 waypoints to")
+    typed(proxy, "arm throttle", "^ARMED")
+    typed(proxy, "mode auto", "^waypoint 2")
+    typed(proxy, "mode hold", "Mode HOLD")
+    typed(proxy, "disarm", "^DISARMED")
     proxy.say("wp set 3")
     typed_until(proxy, "status MISSION_CURRENT", r"MISSION_CURRENT \{.*seq : 3")
     typed(proxy, "wp clear", "Got MISSION_ACK: TYPE_MISSION: ACCEPTED")
@@ -102,20 +106,6 @@ def test_rc_drives_an_armed_boat_in_manual_and_arm_and_disarm_work(proxy: Progra
     proxy.say("rc 3 0")
     typed(proxy, "disarm", "^DISARMED")
     typed(proxy, "mode hold", "Mode HOLD")
-
-
-def test_ftp_lists_and_gets_the_parameters_as_a_file(proxy: Program) -> None:
-    typed(proxy, "ftp list /", r"Total size|directories|[0-9]+ bytes|No such")
-    typed(
-        proxy,
-        "ftp get @PARAM/param.pck held.pck",
-        r"Wrote [0-9]+(/[0-9]+)? bytes|Got .*held.pck|bytes in [0-9.]+s",
-    )
-    typed(proxy, "ftp status", "Transfer|No transfer")
-
-
-def test_log_lists(proxy: Program) -> None:
-    typed(proxy, "log list", r"Log [0-9]+|numLogs|No logs")
 
 
 def test_nothing_went_wrong_on_the_way(proxy: Program) -> None:

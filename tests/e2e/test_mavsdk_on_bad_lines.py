@@ -7,13 +7,12 @@ from typing import TypeVar
 
 import pytest
 from lossy_relay import LossyRelay
-from mavsdk.asyncio import ComponentType, Configuration, Mavsdk
 from mavsdk.asyncio.plugins.mission_raw import MissionRawAsync
 from mavsdk.logging import log_subscribe
-from mavsdk.plugins.mission_raw import MissionItem as RawItem
 from mavsdk.plugins.mission_raw import MissionRawError
-from mavutil_station import Place, zigzag
-from patience import JOB_S, MOMENT_S
+from mavsdk_station import mavsdk_station, places_of, raw
+from mavutil_station import zigzag
+from patience import JOB_S
 from programs import RunningBoat, start_boat
 
 from sitl.radio.channel import Quality
@@ -35,18 +34,6 @@ def boat(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoat]:
     running.program.close()
 
 
-def raw(places: list[Place]) -> list[RawItem]:
-    return [
-        RawItem(seq, place.frame, place.command, int(seq == 0), 1, 0.0, 0.0, 0.0, 0.0, place.lat_e7,
-                place.lon_e7, 0.0, 0)
-        for seq, place in enumerate(places)
-    ]  # fmt: skip
-
-
-def places_of(items: list[RawItem]) -> list[Place]:
-    return [Place(item.command, item.frame, item.x, item.y) for item in items][1:]
-
-
 Result = TypeVar("Result")
 
 
@@ -60,18 +47,11 @@ async def tried(job: Awaitable[Result]) -> tuple[bool, Result | None]:
 
 
 async def transfer(relay: LossyRelay, old_relay: LossyRelay, loss: float) -> None:
-    configuration = Configuration.create_with_component_type(ComponentType.GROUND_STATION)
-    async with Mavsdk(configuration) as mavsdk:
-        await mavsdk.add_any_connection(f"udpout://127.0.0.1:{old_relay.port}")
-        system = await mavsdk.first_autopilot(MOMENT_S)
-        assert system is not None
+    async with mavsdk_station(old_relay.port, "udpout") as system:
         missions = MissionRawAsync(system)
         await missions.upload_mission(raw(OLD))
         missions.destroy()
-    async with Mavsdk(configuration) as mavsdk:
-        await mavsdk.add_any_connection(f"udpout://127.0.0.1:{relay.port}")
-        system = await mavsdk.first_autopilot(MOMENT_S)
-        assert system is not None
+    async with mavsdk_station(relay.port, "udpout") as system:
         missions = MissionRawAsync(system)
         began_s, uploaded = time.monotonic(), False
         # MAVSDK repeats no item that was lost on its way: a person tries once more
@@ -83,9 +63,9 @@ async def transfer(relay: LossyRelay, old_relay: LossyRelay, loss: float) -> Non
         _, read = await tried(missions.download_mission())
         relay.improve()
         await asyncio.sleep(1.0)
-        held = places_of(await missions.download_mission())
+        held = places_of(await missions.download_mission())[1:]
         assert held == NEW[1:] or (not uploaded and held == OLD[1:])
-        assert read is None or places_of(read) in (OLD[1:], NEW[1:])
+        assert read is None or places_of(read)[1:] in (OLD[1:], NEW[1:])
         assert uploaded or loss > USABLE_LOSS
         missions.destroy()
 

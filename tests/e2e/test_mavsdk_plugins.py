@@ -3,18 +3,14 @@
 import asyncio
 import math
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
-from contextlib import asynccontextmanager
-from pathlib import Path
 from typing import Any
 
 import pytest
-from mavsdk.asyncio import ComponentType, Configuration, Mavsdk, System
+from mavsdk.asyncio import System
 from mavsdk.asyncio.plugins.action import ActionAsync
 from mavsdk.asyncio.plugins.failure import FailureAsync
-from mavsdk.asyncio.plugins.ftp import FtpAsync
 from mavsdk.asyncio.plugins.geofence import GeofenceAsync
 from mavsdk.asyncio.plugins.info import InfoAsync
-from mavsdk.asyncio.plugins.log_files import LogFilesAsync
 from mavsdk.asyncio.plugins.manual_control import ManualControlAsync
 from mavsdk.asyncio.plugins.mission_raw import MissionRawAsync
 from mavsdk.asyncio.plugins.param import ParamAsync
@@ -22,11 +18,10 @@ from mavsdk.asyncio.plugins.telemetry import TelemetryAsync
 from mavsdk.logging import log_subscribe
 from mavsdk.plugins.failure import FailureError, FailureType, FailureUnit
 from mavsdk.plugins.geofence import FenceType, GeofenceData, Point, Polygon
-from mavsdk.plugins.log_files import LogFilesError
-from mavsdk.plugins.mission_raw import MissionItem as RawItem
 from mavsdk.plugins.param import ParamError
+from mavsdk_station import mavsdk_station, places_of, raw
 from mavutil_station import HOME, MavutilStation, Place, zigzag
-from patience import JOB_S, MOMENT_S
+from patience import JOB_S
 from programs import RunningBoat, start_boat
 from pymavlink.dialects.v20 import all as dialect
 
@@ -45,46 +40,30 @@ def boat(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningBoat]:
     running.program.close()
 
 
-@asynccontextmanager
-async def station(boat: RunningBoat) -> AsyncIterator[System]:
-    async with Mavsdk(Configuration.create_with_component_type(ComponentType.GROUND_STATION)) as mavsdk:
-        await mavsdk.add_any_connection(f"tcpout://127.0.0.1:{boat.port}")
-        system = await mavsdk.first_autopilot(MOMENT_S)
-        assert system is not None
-        yield system
-
-
 def run(boat: RunningBoat, job: Job) -> None:
     """Connect and do a job, in bounded time."""
 
     async def connected() -> None:
-        async with station(boat) as system:
+        async with mavsdk_station(boat.port) as system:
             await job(system)
 
     asyncio.run(asyncio.wait_for(connected(), JOB_S))
 
 
-def raw(places: list[Place], mission_type: int = 0, param1: float = 0.0) -> list[RawItem]:
-    return [
-        RawItem(seq, place.frame, place.command, int(seq == 0 == mission_type), 1, param1, 0.0, 0.0, 0.0,
-                place.lat_e7, place.lon_e7, 0.0, mission_type)
-        for seq, place in enumerate(places)
-    ]  # fmt: skip
-
-
-def places_of(items: list[RawItem]) -> list[Place]:
-    return [Place(item.command, item.frame, item.x, item.y) for item in items]
-
-
-def test_action_arms_goes_holds_returns_and_disarms(boat: RunningBoat) -> None:
+def test_action_arms_starts_a_mission_goes_holds_returns_and_disarms(boat: RunningBoat) -> None:
     async def job(system: System) -> None:
-        action, telemetry = ActionAsync(system), TelemetryAsync(system)
+        action, telemetry, missions = ActionAsync(system), TelemetryAsync(system), MissionRawAsync(system)
+        await missions.upload_mission(raw(zigzag(3)))
         async for health in telemetry.subscribe_health():
             if health.is_armable and health.is_global_position_ok:
                 break
         await action.arm()
         async for armed in telemetry.subscribe_armed():
             if armed:
+                break
+        await missions.start_mission()
+        async for progress in missions.subscribe_mission_progress():
+            if progress.current >= 2:
                 break
         await action.goto_location(HOME.lat_e7 / 1e7 + 2e-4, HOME.lon_e7 / 1e7, 0.0, math.nan)
         async for velocity in telemetry.subscribe_velocity_ned():
@@ -93,7 +72,7 @@ def test_action_arms_goes_holds_returns_and_disarms(boat: RunningBoat) -> None:
         await action.hold()
         await action.return_to_launch()
         await action.disarm()
-        for plugin in (action, telemetry):
+        for plugin in (action, telemetry, missions):
             plugin.destroy()
 
     run(boat, job)
@@ -175,33 +154,6 @@ def test_telemetry_and_info_tell_who_and_where_the_boat_is(boat: RunningBoat) ->
             break
         for plugin in (telemetry, info):
             plugin.destroy()
-
-    run(boat, job)
-
-
-def test_ftp_lists_the_root_and_fetches_the_packed_parameters(boat: RunningBoat, tmp_path: Path) -> None:
-    async def job(system: System) -> None:
-        ftp = FtpAsync(system)
-        await ftp.list_directory("/")
-        async for _ in ftp.download("@PARAM/param.pck", str(tmp_path), False):
-            pass
-        (fetched,) = tmp_path.iterdir()
-        assert fetched.read_bytes()[:2] == b"\x1b\x67"
-        ftp.destroy()
-
-    run(boat, job)
-
-
-def test_log_files_are_listed_or_there_are_none(boat: RunningBoat) -> None:
-    async def job(system: System) -> None:
-        logs = LogFilesAsync(system)
-        try:
-            entries = await logs.get_entries()
-        except LogFilesError as error:
-            assert "no" in str(error).lower()  # noqa: PT017  none is an answer too, and MAVSDK's way to say it
-        else:
-            assert all(entry.size_bytes >= 0 for entry in entries)
-        logs.destroy()
 
     run(boat, job)
 

@@ -65,15 +65,6 @@ def test_an_upload_is_left_out_where_nothing_changes(
     assert "uploaded 4 items" in said
 
 
-def test_a_difference_is_told_before_the_upload(plan: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with fake_vehicle() as vehicle:
-        for _ in range(2):
-            assert run_upload([plan, *link(vehicle), "--diff"]) == 0
-        assert transfers(vehicle) == 6
-    said = capsys.readouterr().out
-    assert said.index("mission: the same as on board") < said.rindex("uploaded 8 items")
-
-
 def test_what_is_on_board_is_saved(plan: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     copy = tmp_path / "copy.plan"
     with fake_vehicle() as vehicle:
@@ -83,13 +74,6 @@ def test_what_is_on_board_is_saved(plan: str, tmp_path: Path, capsys: pytest.Cap
     assert saved.items == sent.items
     assert saved.wire_lists(home_first=True) == sent.wire_lists(home_first=True)
     assert "3 items, 1 fence area, 1 rally point" in capsys.readouterr().out
-
-
-def test_a_file_that_cannot_be_written_is_told_before_the_vehicle_is_asked(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run_download([str(tmp_path / "aboard.doc"), "--connect", "tcp:127.0.0.1:9"]) == 2
-    assert "missions are written as .plan" in capsys.readouterr().err
 
 
 def test_the_mission_on_board_is_checked_against_a_map(
@@ -104,14 +88,6 @@ def test_the_mission_on_board_is_checked_against_a_map(
     out = capsys.readouterr().out
     findings = json.loads(out[out.index("{") :])["findings"]
     assert [finding["item"] for finding in findings] == [3]
-
-
-@pytest.mark.parametrize("arguments", [["--clearance", "3"], ["a.plan", "--connect", "tcp:127.0.0.1:9"]])
-def test_a_check_is_of_a_file_or_of_a_vehicle(
-    arguments: list[str], capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run_check(arguments) == 2
-    assert "either a FILE or --connect URL" in capsys.readouterr().err
 
 
 def test_a_contract_goes_up_with_the_mission(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -31,21 +31,15 @@ def test_a_mission_survives_power_cuts_at_every_stage_of_an_upload(
     held = mission(0)
     assert station.upload(held) == dialect.MAV_MISSION_ACCEPTED
     # How many items are given before the cut; with all of them, whether the boat's answer is waited for
-    cuts = [
-        (0, False),
-        (1, False),
-        (17, False),
-        (ITEMS - 1, False),
-        (ITEMS, False),
-        (ITEMS, False),
-        (ITEMS, True),
-    ]
+    cuts = [(0, False), (ITEMS - 1, False), (ITEMS, False), (ITEMS, True)]
     for number, (given, is_answered) in enumerate(cuts, start=1):
         new = mission(number)
         station.offer(ITEMS)
         station.give(new, range(given))
         if is_answered:
             assert station.wait_for("MISSION_ACK").type == dialect.MAV_MISSION_ACCEPTED
+            station.mav.param_set_send(1, 1, b"CRUISE_SPEED", 1.25, dialect.MAV_PARAM_TYPE_REAL32)
+            station.wait_for("PARAM_VALUE", lambda value: value.param_id == "CRUISE_SPEED")
         boat.program.kill()
         boat = running_boat("open", "--state", str(memory))
         station = open_station(boat.port)
@@ -55,19 +49,5 @@ def test_a_mission_survives_power_cuts_at_every_stage_of_an_upload(
             assert after[1:] == held[1:], f"{given} items of {ITEMS} have replaced the mission"
         if is_answered:
             assert after[1:] == new[1:], "what was acknowledged is gone"
+            assert station.parameters()["CRUISE_SPEED"] == 1.25, "so is a parameter that was answered"
         held = after
-
-
-def test_a_parameter_that_has_been_answered_survives_a_power_cut(
-    running_boat: RunBoat, open_station: OpenStation, tmp_path: Path
-) -> None:
-    memory = tmp_path / "memory"
-    boat = running_boat("open", "--state", str(memory))
-    station = open_station(boat.port)
-    station.mav.param_set_send(1, 1, b"CRUISE_SPEED", 1.25, dialect.MAV_PARAM_TYPE_REAL32)
-    answer = station.wait_for("PARAM_VALUE", lambda value: value.param_id == "CRUISE_SPEED")
-    assert answer.param_value == 1.25
-    # The answer says that the disk has it
-    boat.program.kill()
-    boat = running_boat("open", "--state", str(memory))
-    assert open_station(boat.port).parameters()["CRUISE_SPEED"] == 1.25

@@ -46,12 +46,3 @@ def test_hold_and_arm_are_answered_on_a_link_that_asks_for_signatures(
     page = shore.wait_for(r"^the page: (http://\S+)/$")[1]
     assert asyncio.run(asked(page, "hold"))[0]
     assert asyncio.run(asked(page, "disarm"))[0]
-
-
-def test_a_key_that_others_may_read_is_refused(run_program: RunProgram, tmp_path: Path) -> None:
-    key = tmp_path / "boat.key"
-    key.write_text("correct-horse\n", encoding="utf-8")
-    key.chmod(0o644)
-    ended = run_program("boat-shore", "--listen", "127.0.0.1:0", "--sign-key", str(key)).wait(JOB_S)
-    assert ended.code == 2
-    assert "chmod 600" in ended.err

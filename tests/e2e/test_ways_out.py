@@ -121,7 +121,7 @@ def assert_went_off_at_once(pi: MockPi, event: Event) -> None:
     assert not pi.both_legs_were_on()
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_ends_the_loop_within_its_tick_and_the_motors_are_off(
     pi: MockPi, shutdown: Shutdown, caplog: pytest.LogCaptureFixture, number: signal.Signals
 ) -> None:
@@ -132,7 +132,7 @@ def test_a_signal_ends_the_loop_within_its_tick_and_the_motors_are_off(
     assert_went_off_at_once(pi, event)
 
 
-@pytest.mark.parametrize("error", [KeyboardInterrupt, SystemExit, GeneratorExit])
+@pytest.mark.parametrize("error", [KeyboardInterrupt, GeneratorExit])
 def test_what_no_handler_catches_leaves_the_motors_off(
     pi: MockPi, caplog: pytest.LogCaptureFixture, error: type[BaseException]
 ) -> None:
