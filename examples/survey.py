@@ -12,24 +12,63 @@ import argparse
 import json
 import sys
 import time
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
+import shapely
 from rich.console import Console
 from rich.table import Table
 
 from companion.cli.output_file import write_text
 from companion.core.errors import BoatError
+from companion.core.geo import Point
 from mission_tools.drawing.draw import draw_survey, save_figure
 from mission_tools.errors import MissionToolsError
 from mission_tools.planning.planner import PlanSettings
+from mission_tools.tasks.survey.coverage import coverage
 from mission_tools.tasks.survey.settings import SurveySettings, turn_radius_m
-from sitl.experiments.survey_trial import SailedSurvey, sail_survey
+from mission_tools.tasks.survey.survey import Survey, survey
+from mission_tools.tasks.task_route import mission_of
+from sitl.courses.missions import wire_items
+from sitl.run.mission_run import MissionRun, Result
+from sitl.run.station_commands import RunError
 from sitl.scenarios.layers import Layer
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.scenario import Scenario
 
 LEAST_COVERAGE = 0.99  # of the target, in truth
+THINNED_M = 0.05  # how far a thinned track may leave the true one
+
+
+@dataclass(frozen=True, slots=True)
+class SailedSurvey:
+    """A survey, the figures of its run, the boat's true track, and the share of the target it covered."""
+
+    planned: Survey
+    result: Result
+    track: tuple[Point, ...]
+    coverage: float
+
+
+def sail_survey(
+    scenario: Scenario,
+    settings: SurveySettings,
+) -> SailedSurvey:
+    """Plan from where the boat lies, sail, and measure the true track.
+
+    Raises:
+        NoRouteError: no water to survey.
+        RunError: the boat refused the mission, or did not complete it.
+    """
+    planned = survey(scenario.chart, scenario.start, settings)
+    mission_run = MissionRun(scenario, wire_items(mission_of(planned.route, scenario.frame)))
+    result = mission_run.run()
+    if not result.completed:
+        raise RunError(f"the survey was not completed: {mission_run.ending()}")
+    line = shapely.LineString([(point.east_m, point.north_m) for point in mission_run.recorder.track()])
+    thinned = shapely.get_coordinates(line.simplify(THINNED_M, preserve_topology=False)).tolist()
+    track = tuple(Point(north_m, east_m) for east_m, north_m in thinned)
+    return SailedSurvey(planned, result, track, coverage(track, planned.target, planned.swath_m))
 
 
 def main() -> int:

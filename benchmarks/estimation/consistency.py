@@ -24,10 +24,10 @@ from numpy.typing import NDArray
 
 from benchmarks.estimation.replay import NAV, replay
 from benchmarks.estimation.replay import SENSORS as CHANNELS
+from benchmarks.estimation.sensor_recorder import SensorRecorder, SensorRecording
 from companion.boat import TICK_S
 from companion.core.state import STOPPED, MotorCommand
 from companion.core.units import clamp, wrap_pi
-from sitl.run.recording.sensor_recorder import SensorRecorder, SensorRecording
 from sitl.scenarios.layers import Layer
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.scenario import Scenario

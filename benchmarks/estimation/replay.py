@@ -8,13 +8,13 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.estimation.sensor_recorder import SensorRecording
 from companion.config.actuators import DriveSetting
 from companion.config.tuning import Estimation, Speed
 from companion.core.geo import LatLon, LocalFrame
 from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import MotorCommand, NavState
 from companion.estimation.estimator import Estimator, EstimatorReport
-from sitl.run.recording.sensor_recorder import SensorRecording
 
 NAV = (
     "time_s", "north_m", "east_m", "heading_rad", "yaw_rate_rad_s", "north_m_s", "east_m_s", "surge_m_s",

@@ -19,11 +19,18 @@ from sitl.experiments.mission_trial import run_mission
 from sitl.experiments.result_log import ResultLog
 from sitl.experiments.runner import TrialPool, cores, local_pool, run_trials
 from sitl.experiments.trial import Trial, TrialResult
-from sitl.experiments.tuning.comparison import GainComparison, compare
 from sitl.experiments.tuning.gains import Gains, gains_of, parameter_file
 from sitl.experiments.tuning.picture import draw_search
 from sitl.experiments.tuning.problem import TuningProblem
-from sitl.experiments.tuning.search import CANDIDATES, REACHES, Ranking, RunTrials, search
+from sitl.experiments.tuning.search import (
+    CANDIDATES,
+    REACHES,
+    GainComparison,
+    Ranking,
+    RunTrials,
+    compare,
+    search,
+)
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.sensors.sampling import MOST_SEED
 

@@ -76,16 +76,7 @@ def wire_items(mission: Mission) -> list[MissionItem]:
 def _on_the_wire(items: Sequence[PlannedItem]) -> list[MissionItem]:
     return [
         MissionItem(
-            frame=item.frame,
-            command=item.command,
-            autocontinue=int(item.autocontinue),
-            param1=item.params[0],
-            param2=item.params[1],
-            param3=item.params[2],
-            param4=item.params[3],
-            x=item.x,
-            y=item.y,
-            z=item.z,
+            item.frame, item.command, 0, int(item.autocontinue), *item.params, x=item.x, y=item.y, z=item.z
         )
         for item in items
     ]

@@ -4,8 +4,7 @@ import math
 from collections.abc import Callable
 
 from companion.core.errors import ConfigError
-from sitl.physics.servo_packet import ServoPacket, parse_servos
-from sitl.physics.state_line import NO_ECHO_M, state_line
+from sitl.physics.json_interface import NO_ECHO_M, ServoPacket, parse_servos, state_line
 from sitl.world.hull_settings import LONGEST_STEP_S
 from sitl.world.scenario import Scenario
 from sitl.world.world import Truth, World

@@ -1,5 +1,6 @@
 """How well a scenario's links carry: its table [link]."""
 
+from dataclasses import fields
 from typing import Annotated
 
 from msgspec import Meta
@@ -38,13 +39,4 @@ class LinkSettings(Section, frozen=True):
     @property
     def quality(self) -> Quality:
         """As a channel knows it."""
-        return Quality(
-            loss=self.loss,
-            delay_s=self.delay_s,
-            jitter_s=self.jitter_s,
-            duplication=self.duplication,
-            bandwidth_bytes_s=self.bandwidth_bytes_s,
-            backlog_s=self.backlog_s,
-            reordering=self.reordering,
-            reordering_s=self.reordering_s,
-        )
+        return Quality(**{field.name: getattr(self, field.name) for field in fields(Quality)})

@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 from companion.boat import TICK_S
 from companion.core.geo import Point, distance_m
@@ -15,7 +15,6 @@ from companion.vehicle.vehicle import Vehicle
 from sitl.run.lockstep import Lockstep
 from sitl.run.recording.estimate_recorder import EstimateRecorder
 from sitl.run.recording.recorder import NO_LEG, Recorder, Rows
-from sitl.run.recording.sensor_recorder import SensorRecorder
 from sitl.run.station_commands import BOOT_S, StationCommands
 from sitl.run.timeline import Timeline
 from sitl.world.scenario import Scenario
@@ -57,15 +56,11 @@ class MissionRun:
         items: Sequence[MissionItem],
         logbook: Logbook | None = None,
         fence: Sequence[MissionItem] = (),
-        sensors: SensorRecorder | None = None,
     ) -> None:
-        """logbook: where the boat is to write its log, if anywhere. fence: uploaded before the mission.
-        sensors: records what the estimator is given.
-        """
+        """logbook: where the boat is to write its log, if anywhere. fence: uploaded before the mission."""
         self.scenario = scenario
         self.items = tuple(items)
         self._fence = tuple(fence)
-        self._sensors = sensors
         self.recorder = Recorder()
         self.estimates = EstimateRecorder(scenario.frame)
         self.timeline = Timeline()
@@ -108,12 +103,7 @@ class MissionRun:
             cpu_seconds=cpu_s,
             real_time_factor=lockstep.time_s / cpu_s,
             planned_length_m=planned_m,
-            path_length_m=metrics.path_length_m,
-            time_s=metrics.time_s,
-            cross_track_rms_m=metrics.cross_track_rms_m,
-            cross_track_max_m=metrics.cross_track_max_m,
-            min_clearance_m=metrics.min_clearance_m,
-            groundings=metrics.groundings,
+            **asdict(metrics),
             waypoints=len(self.planned) - 1,
             waypoints_reached=len({seq for seq in lockstep.station.reached if seq in self._leg_of_seq}),
             final_mode=lockstep.boat.vehicle.mode.name,
@@ -141,10 +131,7 @@ class MissionRun:
                 self.planned.append(locate(step.position, self.scenario.frame, self.planned[-1]))
 
     def _step(self) -> None:
-        if self._sensors is None:
-            self.lockstep.step()
-        else:
-            self._sensors.step(self.lockstep)
+        self.lockstep.step()
         self.timeline.tick(self.lockstep)
 
     def _sail(self, deadline_s: float, tell: Callable[[float, int], None] | None, linger_s: float) -> bool:

@@ -10,6 +10,7 @@ from sitl.world.drive.rudder import Rudder
 from sitl.world.environment.bathymetry import Bathymetry
 from sitl.world.faults.injection import Injection
 from sitl.world.faults.parts import (
+    FaultySensor,
     LeakPart,
     Part,
     Shaft,
@@ -70,33 +71,21 @@ class Electronics:
         if sensors.depth.fitted:
             bottom = Bathymetry(scenario.chart, scenario.environment)
             self._depth = SimDepthSounder(sensors.depth, bottom, seed)
-        drivers: list[Clocked] = [self._gnss, self._compass, self._battery]
-        if self._hull is not None:
-            drivers.append(self._hull)
-        if self._sonar is not None:
-            drivers.append(self._sonar)
-        if self.rc is not None:
-            drivers.append(self.rc)
-        if self._depth is not None:
-            drivers.append(self._depth)
-        self.computer = Computer(drivers)
+        fitted_sensors: dict[str, FaultySensor | None] = {
+            "gnss": self._gnss, "compass": self._compass, "battery": self._battery, "sonar": self._sonar,
+            "rc": self.rc, "depth": self._depth,
+        }  # fmt: skip
+        drivers: list[Clocked | None] = [*fitted_sensors.values(), self._hull]
+        self.computer = Computer([one for one in drivers if one is not None])
         parts: dict[str, Part] = {
-            "gnss": sensor_part(self._gnss, seed),
-            "compass": sensor_part(self._compass, seed),
+            **{name: sensor_part(one, seed) for name, one in fitted_sensors.items() if one is not None},
             "gyro": sensor_part(self._compass, seed, "gyro_fault"),
-            "battery": sensor_part(self._battery, seed),
             "motor_left": motor_part(left),
             "motor_right": motor_part(right),
             **computer_parts(self.computer, self.motors),
         }
         if rudder is not None:
             parts["rudder"] = rudder_part(rudder)
-        if self._sonar is not None:
-            parts["sonar"] = sensor_part(self._sonar, seed)
-        if self.rc is not None:
-            parts["rc"] = sensor_part(self.rc, seed)
-        if self._depth is not None:
-            parts["depth"] = sensor_part(self._depth, seed)
         own_hooks: list[ParameterHook] = []
         if self._hull is not None:
             leak = LeakPart(self._hull)

@@ -18,7 +18,7 @@ from benchmarks.estimation.consistency import (
 )
 from benchmarks.estimation.replay import NAV
 from benchmarks.estimation.replay import SENSORS as CHANNELS
-from sitl.run.recording.sensor_recorder import SensorRecording
+from benchmarks.estimation.sensor_recorder import SensorRecording
 from sitl.world.world import Truth
 
 

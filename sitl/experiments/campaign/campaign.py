@@ -32,7 +32,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import msgspec
 from msgspec import Meta, field
@@ -41,11 +41,63 @@ from companion.config.boat_config import load_toml
 from companion.config.section import NonNegative, Positive, Section
 from companion.core.errors import ConfigError
 from sitl.courses.missions import course_names
-from sitl.experiments.campaign.design import Choice, Row, Sample, grid_rows, sample_rows
 from sitl.experiments.campaign.expect import Expectation
 from sitl.experiments.trial import Trial
 from sitl.scenarios.layers import Layer, decode, merge
-from sitl.world.sensors.sampling import Seed
+from sitl.world.sensors.sampling import Seed, generator
+
+Row = dict[str, Any]
+
+
+class Choice(Section, frozen=True):
+    """Values to choose from, each as often as the next."""
+
+    choose: Annotated[tuple[Any, ...], Meta(min_length=1)]
+
+
+Range = tuple[float, float] | Choice
+
+
+class Sample(Section, frozen=True):
+    """So many rows of settings, each drawn from its range [low, high] or from a list."""
+
+    count: Annotated[int, Meta(ge=1, le=1_000_000)]
+    seed: Seed = 1
+    method: Literal["latin_hypercube", "random"] = "latin_hypercube"
+    settings: dict[str, Any] = field(default_factory=dict)
+
+
+def grid_rows(grid: Mapping[str, Sequence[Any]]) -> Iterator[Row]:
+    """Every combination, the last setting changing fastest; one empty row for an empty grid."""
+    for values in product(*grid.values()):
+        yield dict(zip(grid, values, strict=True))
+
+
+def sample_rows(sample: Sample, ranges: Mapping[str, Range]) -> list[Row]:
+    """The sample's rows, one value a range.
+
+    A Latin hypercube cuts each range into as many equal shares as there are rows, and meets each once (McKay,
+    Beckman, Conover 1979). The numbers depend on the sample's seed and the setting's name, so that one
+    setting more never changes another one's values.
+    """
+    columns = {name: _drawn(sample, name, range_) for name, range_ in ranges.items()}
+    return [{name: values[row] for name, values in columns.items()} for row in range(sample.count)]
+
+
+def _drawn(sample: Sample, name: str, range_: Range) -> list[Any]:
+    random = generator(sample.seed, f"sample/{name}")
+    count = sample.count
+    if sample.method == "random":
+        shares = [random.random() for _ in range(count)]
+    else:
+        order = list(range(count))
+        random.shuffle(order)
+        shares = [(stratum + random.random()) / count for stratum in order]
+    if isinstance(range_, Choice):
+        return [range_.choose[int(share * len(range_.choose))] for share in shares]
+    low, high = range_
+    return [low + share * (high - low) for share in shares]
+
 
 MOST_RUNS = 1_000_000
 Several = str | tuple[str, ...]

@@ -6,8 +6,7 @@ from pathlib import Path
 
 from companion.cli.output_file import output_file
 from mission_tools.drawing.style import new_figure
-from sitl.experiments.tuning.comparison import GainComparison
-from sitl.experiments.tuning.search import Ranking
+from sitl.experiments.tuning.search import GainComparison, Ranking
 
 _MOST_SHOWN = 3.0  # higher costs are drawn at the upper edge
 

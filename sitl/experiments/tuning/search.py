@@ -5,8 +5,9 @@ The search needs no derivative and tolerates noise. It is a function of its seed
 the same trials under the same numbers, so that stored results are used again.
 """
 
-from collections.abc import Callable, Iterator
-from statistics import fmean
+import math
+from collections.abc import Callable, Iterator, Sequence
+from statistics import fmean, stdev
 from typing import NamedTuple
 
 from sitl.experiments.trial import Trial, TrialResult
@@ -84,3 +85,20 @@ def search(
             field = [field[n] for n in kept if field[n] != first]
             field.insert(0, first)
             seeds *= 2
+
+
+class GainComparison(NamedTuple):
+    """ratio: the mean of costs relative to the baseline; uncertainty: two standard errors of that mean."""
+
+    ratio: float
+    uncertainty: float
+
+    @property
+    def is_better(self) -> bool:
+        """Significantly better; a false positive once in forty times."""
+        return self.ratio + self.uncertainty < 1.0
+
+
+def compare(ratios: Sequence[float]) -> GainComparison:
+    """ratios: of the costs of at least two runs, in the same water with the same seed."""
+    return GainComparison(fmean(ratios), 2.0 * stdev(ratios) / math.sqrt(len(ratios)))

@@ -1,6 +1,9 @@
 """A run on disk: one .npz file with the numbers of every tick, and the rest as JSON in it."""
 
 import dataclasses
+import json
+import zipfile
+import zlib
 from pathlib import Path
 from typing import Any, Self
 
@@ -9,14 +12,16 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from companion.cli.output_file import output_file
+from companion.core.errors import ConfigError
 from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.maps.chart import Area, Chart, Feature, build_chart
 from sitl.run.mission_run import MissionRun, Result
-from sitl.run.recording.arrays_file import load_arrays, save_arrays
 from sitl.run.recording.estimate_recorder import Estimate
 from sitl.run.timeline import Event
 from sitl.world.world import Truth
 
+_SETTINGS = ("environment", "faults", "movers", "hull", "thrusters", "battery", "sensors", "vehicle")
 Numbers = NDArray[np.float64]
 
 
@@ -45,17 +50,7 @@ class RunRecord:
         return cls(
             result=dataclasses.asdict(result),
             settings={
-                name: msgspec.json.decode(msgspec.json.encode(getattr(scenario, name)))
-                for name in (
-                    "environment",
-                    "faults",
-                    "movers",
-                    "hull",
-                    "thrusters",
-                    "battery",
-                    "sensors",
-                    "vehicle",
-                )
+                name: msgspec.json.decode(msgspec.json.encode(getattr(scenario, name))) for name in _SETTINGS
             },
             chart=scenario.chart,
             clearance_m=scenario.route.clearance_m or 0.0,
@@ -89,14 +84,16 @@ class RunRecord:
             "truth": list(self.truth),
             "estimates": list(self.estimates),
         }
-        save_arrays(
-            path,
-            rest,
-            truth=np.column_stack(list(self.truth.values())),
-            legs=self.legs,
-            estimates=np.column_stack(list(self.estimates.values())),
-            echoes=self.echoes,
-        )
+        with output_file(path) as aside, aside.open("wb") as file:  # a file: numpy would add a suffix
+            np.savez_compressed(
+                file,
+                allow_pickle=False,
+                rest=np.frombuffer(json.dumps(rest).encode(), dtype=np.uint8),
+                truth=np.column_stack(list(self.truth.values())),
+                legs=self.legs,
+                estimates=np.column_stack(list(self.estimates.values())),
+                echoes=self.echoes,
+            )
 
 
 def load_record(path: Path) -> RunRecord:
@@ -105,7 +102,15 @@ def load_record(path: Path) -> RunRecord:
     Raises:
         ConfigError: it cannot be read, or is not the record of a run.
     """
-    return load_arrays(path, "the record of a run, as boat-sitl sail --record writes it", _record)
+    expected = "the record of a run, as boat-sitl sail --record writes it"
+    try:
+        with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        return _record(json.loads(arrays.pop("rest").tobytes()), arrays)
+    except FileNotFoundError:
+        raise ConfigError(f"{path}: no such file: expected {expected}") from None
+    except (OSError, ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+        raise ConfigError(f"{path}: not {expected}: {error}") from None
 
 
 def _record(rest: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> RunRecord:

@@ -23,6 +23,7 @@ from sitl.world.sensors.sonar import SimSonar
 from sitl.world.simulated_hardware import SimMotors
 
 Part = Callable[[FaultSetting | None, float], None]
+FaultySensor = SimGnss | SimCompass | SimSonar | SimBattery | SimRc | SimDepthSounder
 
 
 class Shaft(Protocol):
@@ -32,11 +33,7 @@ class Shaft(Protocol):
     weed: float
 
 
-def sensor_part(
-    sensor: SimGnss | SimCompass | SimSonar | SimBattery | SimRc | SimDepthSounder,
-    seed: int,
-    name: str = "fault",
-) -> Part:
+def sensor_part(sensor: FaultySensor, seed: int, name: str = "fault") -> Part:
     """A sensor that simulates its faults itself, by the attribute of this name."""
 
     def apply(fault: FaultSetting | None, now_s: float) -> None:

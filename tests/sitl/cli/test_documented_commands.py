@@ -13,15 +13,12 @@ import pytest
 
 from companion.core.geo import LatLon
 from mission_tools.assembly.areas import load_fence
-from mission_tools.assembly.check import check_mission
 from mission_tools.cli import check as check_cli
 from mission_tools.cli import plan as plan_cli
 from mission_tools.cli import trace_command
 from mission_tools.cli import upload as upload_cli
 from mission_tools.maps import load_source
 from mission_tools.maps.fenced import fence_area, fenced
-from mission_tools.mission.mission import Mission, MissionItem
-from mission_tools.mission.plan_file import load_mission
 from sitl.__main__ import run_program as run_sitl
 
 pytestmark = pytest.mark.slow
@@ -93,11 +90,6 @@ def follow(command: str) -> None:
         run_sitl(["--debug", *arguments])
 
 
-def test_there_are_commands_in_the_pages() -> None:
-    assert len(commands(ROOT / "README.md")) > 8
-    assert sum(len(commands(page)) for page in PAGES) > 25
-
-
 @pytest.mark.parametrize("page", [page for page in PAGES if commands(page)], ids=lambda page: page.stem)
 def test_what_a_page_tells_to_type_works(page: Path, clone: Path) -> None:
     for command in commands(page):
@@ -137,28 +129,3 @@ def test_the_fence_of_the_examples_is_what_its_command_makes_and_has_no_land_in_
     assert shipped.symmetric_difference(made).area < 1.0  # m²
     assert shipped.difference(chart.water).area < 1.0
     assert shipped.area > 0.9 * chart.water.area
-
-
-@pytest.mark.parametrize("page", ["README.md", "docs/ground-stations.md"])
-def test_the_places_to_click_are_on_open_water_inside_the_fence(page: str) -> None:
-    text = (ROOT / page).read_text(encoding="utf-8")
-    places = [
-        LatLon(float(lat), -float(lon)) for lat, lon in re.findall(r"(\d\d\.\d{4})° N\s+(\d\.\d{4})° W", text)
-    ]
-    assert len(places) == 3
-    lake = load_source("lake")
-    chart = fenced(lake.chart, load_fence(FENCE).fence, "fence")
-    assert lake.route.start is not None
-    home = chart.frame.to_global(lake.route.start)
-    mission = Mission(tuple(MissionItem.at(place) for place in places), home)
-    assert check_mission(mission, chart, 8.0) == []
-
-
-def test_the_planner_of_the_first_steps_stays_inside_the_fence_that_they_upload(clone: Path) -> None:
-    section = (ROOT / "README.md").read_text(encoding="utf-8").split("## Five minutes")[1].split("\n## ")[0]
-    page = clone / "section.md"
-    page.write_text(section, encoding="utf-8")
-    (planning,) = [command for command in commands(page) if command.startswith("mission-upload lake")]
-    assert upload_cli.run_program([*shlex.split(planning)[1:], "--dry-run", "--save", "five.plan"]) == 0
-    chart = fenced(load_source("lake").chart, load_fence(FENCE).fence, "fence")
-    assert check_mission(load_mission(clone / "five.plan"), chart, 0.0) == []

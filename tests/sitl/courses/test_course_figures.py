@@ -1,12 +1,11 @@
 """The figures of a course, on tracks that are known."""
 
 import math
-from itertools import pairwise
 
 import pytest
 
-from companion.core.geo import LatLon, LocalFrame, Point, distance_m
-from sitl.courses.courses import COURSES, course_mission, overshoots_m, tracking
+from companion.core.geo import LatLon, LocalFrame, Point
+from sitl.courses.courses import course_mission, overshoots_m, tracking
 from sitl.run.recording.recorder import Recorder
 from sitl.world.world import Truth
 
@@ -39,11 +38,6 @@ def test_the_overshoot_is_how_far_the_boat_goes_beyond_the_new_leg() -> None:
     assert overshoots_m(recorded((10.3, -0.5, 1), (9.9, -2.0, 1)), to_port) == [pytest.approx(0.3)]
 
 
-def test_what_happens_far_down_the_new_leg_is_no_overshoot() -> None:
-    planned = [*PLANNED[:2], Point(10.0, 100.0)]
-    assert overshoots_m(recorded((10.0, 5.0, 1), (12.0, 50.0, 1)), planned) == [0.0]
-
-
 def test_the_path_error_is_to_the_nearest_place_of_the_line() -> None:
     figures = tracking(recorded((9.0, 2.0, 1), (12.0, 12.0, 1)), PLANNED)
     assert figures is not None
@@ -59,15 +53,6 @@ def test_what_the_boat_is_carried_aside_before_it_has_way_is_said_apart() -> Non
     assert figures.rms_m == pytest.approx(0.2)
     assert figures.max_m == pytest.approx(0.2)
     assert tracking(recorded((0.0, 3.0, 0), (14.0, 1.0, 0)), straight) is None
-
-
-def test_without_a_leg_there_is_nothing_to_say() -> None:
-    assert tracking(recorded((0.0, 0.0, -1)), PLANNED) is None
-
-
-def test_the_courses_are_those_of_the_peers() -> None:
-    lengths = {name: [distance_m(a, b) for a, b in pairwise(points)] for name, points in COURSES.items()}
-    assert lengths == {"straight": [200.0], "zigzag": [50.0] * 6, "square": [50.0] * 4}
 
 
 def test_a_course_is_laid_out_from_where_the_boat_lies() -> None:

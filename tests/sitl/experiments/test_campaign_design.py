@@ -1,7 +1,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sitl.experiments.campaign.design import Choice, Sample, grid_rows, sample_rows
+from sitl.experiments.campaign.campaign import Choice, Sample, grid_rows, sample_rows
 
 
 def test_a_grid_is_every_combination_the_last_setting_changing_fastest() -> None:
@@ -35,9 +35,3 @@ def test_a_sample_depends_on_its_seed_and_one_setting_more_changes_no_other() ->
     other_seed = [row["x"] for row in sample_rows(Sample(count=10, seed=4), {"x": (0.0, 1.0)})]
     assert alone == with_another
     assert alone != other_seed
-
-
-def test_a_random_sample_stays_in_its_range() -> None:
-    rows = sample_rows(Sample(count=200, method="random"), {"x": (2.0, 3.0), "n": Choice(choose=(1, 2))})
-    assert all(2.0 <= row["x"] <= 3.0 for row in rows)
-    assert {row["n"] for row in rows} == {1, 2}

@@ -90,12 +90,6 @@ def test_every_draw_of_a_sample_has_seeds_of_its_own(tmp_path: Path) -> None:
     assert len({run.factors["environment.current_m_s"] for run in lake}) == 4
 
 
-def test_scenarios_and_missions_lie_beside_the_file(tmp_path: Path) -> None:
-    plan = campaign(tmp_path, 'run = {scenario=["lake", "a/b.toml"], mission="m.plan"}')
-    assert [run.scenario for run in plan.runs] == ["lake", str(tmp_path / "a" / "b.toml")]
-    assert {run.mission for run in plan.runs} == {str(tmp_path / "m.plan")}
-
-
 def test_the_fingerprint_changes_with_the_runs_and_with_the_files_they_name(tmp_path: Path) -> None:
     (tmp_path / "m.plan").write_text("{}")
     first = campaign(tmp_path, 'run.mission = "m.plan"').fingerprint
@@ -113,12 +107,8 @@ def test_the_fingerprint_changes_with_the_runs_and_with_the_files_they_name(tmp_
         ("grid.environment.current_m_s = 0.5", "grid.environment.current_m_s: expected a list of values"),
         ("sample = {count = 2, settings.a.b = 3}", "sample.settings.a.b: expected \\[low, high\\]"),
         ("sample = {count = 2, settings.a.b = [3, 1]}", "the low end comes first"),
-        ("sample = {count = 0}", "c.toml: sample.count: .*>= 1"),
-        ("run.seeds = 0", "c.toml: run.seeds: "),
         ("runs = 3", "c.toml: runs: no such setting"),
         ("[[expect]]\nfigure = 'time_s'", "figure time_s: expected at_least, at_most or"),
-        ("[[expect]]\nfigure = 'time_s'\nat_most = 1\nof = 'mode'", "of: .*'mode'"),
-        ("run.seeds = 1000001", "Expected int <= 1000000"),
     ],
 )
 def test_a_file_that_cannot_be_used_is_told_in_one_line(tmp_path: Path, text: str, words: str) -> None:

@@ -11,16 +11,12 @@ from pathlib import Path
 import pytest
 
 from companion.core.errors import ConfigError
-from mission_tools.mission.plan_file import save_mission
 from sitl.__main__ import run_program
-from sitl.courses.station_keeping import station_mission
 from sitl.experiments.campaign.campaign import load_campaign
-from sitl.experiments.campaign.table import tabulate, write_csv
 from sitl.experiments.mission_trial import run_mission
 from sitl.experiments.result_log import NAME, ResultLog
-from sitl.experiments.runner import cluster_pool, local_pool
-from sitl.experiments.trial import Task, Trial, TrialResult, attempt
-from sitl.scenarios.scenario import load_scenario
+from sitl.experiments.runner import cluster_pool
+from sitl.experiments.trial import Task, Trial, attempt
 
 pytestmark = pytest.mark.slow
 
@@ -63,17 +59,6 @@ def test_a_campaign_is_tabulated_judged_and_done(file: Path, capsys: pytest.Capt
     assert {row["environment.current_m_s"] for row in table} == {"0", "0.2"}
     assert all(float(row["cross_track_rms_m"]) < 2.0 and row["late_commands"] == "0" for row in table)
     assert "cpu_seconds" not in table[0]
-
-
-def test_the_table_is_the_same_to_the_byte_whoever_sails_the_runs(file: Path) -> None:
-    plan = load_campaign(file)
-    alone = sorted((attempt(run_mission, run) for run in plan.runs), key=lambda outcome: outcome.number)
-    with local_pool(2) as pool:
-        shared = sorted(pool.run(run_mission, reversed(plan.runs)), key=lambda outcome: outcome.number)
-    paths = file.parent / "alone.csv", file.parent / "shared.csv"
-    for outcomes, path in zip((alone, shared), paths, strict=True):
-        write_csv(tabulate(plan, outcomes), path)
-    assert paths[0].read_bytes() == paths[1].read_bytes()
 
 
 def test_an_interrupted_campaign_goes_on_where_it_stopped(
@@ -121,16 +106,6 @@ def test_the_runs_of_another_campaign_are_not_taken_for_this_ones(file: Path) ->
     (out / NAME).write_text("something else\n")
     with pytest.raises(ConfigError, match="not a campaign's runs"):
         ResultLog(out, load_campaign(file))
-
-
-def test_an_expectation_that_is_not_met_is_exit_code_one(
-    file: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file.write_text(SHORT.format(share=1.5), encoding="utf-8")
-    assert run_program(["campaign", str(file), "-o", str(file.parent / "out"), "--workers", "1"]) == 1
-    captured = capsys.readouterr()
-    assert "1 of 1 expectations are not met" in captured.err
-    assert "NOT MET" in captured.out
 
 
 def test_workers_do_not_outlive_a_program_that_was_killed() -> None:
@@ -187,40 +162,6 @@ def test_a_run_that_does_not_arrive_says_where_it_was() -> None:
     assert outcome.ended == "not completed"
     assert outcome.why.startswith("at item 1 of 1 in AUTO")
     assert outcome.figures["completed"] is False
-
-
-def test_station_keeping_has_figures_of_its_own(tmp_path: Path) -> None:
-    open_water = load_scenario("open")
-    mission = station_mission(open_water.frame, open_water.start, stay_s=120.0)
-    save_mission(mission, tmp_path / "station.plan")
-    settings = {"environment": {"current_m_s": 0.3}}
-    trial = Trial(
-        number=1, scenario="open", seed=2, mission=str(tmp_path / "station.plan"), settings=settings
-    )
-    outcome = attempt(run_mission, trial)
-    assert outcome.ended == "completed"
-    assert outcome.figures["station_s"] == pytest.approx(120.0, abs=15.0)
-    share = outcome.figures["station_near_share"]
-    assert isinstance(share, float)
-    assert 0.5 < share <= 1.0
-
-
-def test_a_failed_run_has_a_row_with_what_there_is_to_say(file: Path) -> None:
-    plan = load_campaign(file)
-    failed = TrialResult(number=1, ended="error", why="no such thing")
-    table = tabulate(plan, [failed, attempt(run_mission, plan.runs[1])])
-    assert (table[0]["ended"], table[0]["completed"], table[0]["why"]) == ("error", False, "no such thing")
-    assert table[0]["time_s"] is None
-    assert set(table[0]) == set(table[1])
-
-
-def test_without_dask_a_scheduler_is_told_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "distributed", None)
-    with (
-        pytest.raises(ConfigError, match=r"pip install '\.\[cluster\]'"),
-        cluster_pool("tcp://127.0.0.1:1"),
-    ):
-        pass
 
 
 def test_a_dask_cluster_sails_the_same_runs(file: Path) -> None:

@@ -17,14 +17,8 @@ STILL: tuple[Kind, ...] = ("lone", "gap", "field", "dense", "shore")
 MOVING: tuple[Kind, ...] = ("head_on", "crossing")
 
 
-@pytest.mark.parametrize("kind", STILL)
-def test_still_obstacles_are_a_function_of_the_seed(kind: Kind) -> None:
-    assert still_obstacles(kind, 3) == still_obstacles(kind, 3)
-    assert still_obstacles(kind, 3) != still_obstacles(kind, 4)
-
-
 @pytest.mark.parametrize("kind", MOVING)
-@pytest.mark.parametrize("seed", range(1, 6))
+@pytest.mark.parametrize("seed", range(1, 3))
 def test_what_moves_is_aimed_at_where_the_boat_would_be(kind: Kind, seed: int) -> None:
     meeting = Meeting(40.0, Point(30.0, 0.2), 0.05)
     tree = mover(kind, seed, 0.5, meeting)
@@ -46,13 +40,6 @@ def test_without_avoidance_what_moves_is_touched_though_it_could_be_helped() -> 
     figures = run_encounter(trial).figures
     assert figures["touches"]
     assert not figures["inevitable"]
-
-
-def test_a_boat_that_gives_way_is_counted_by_what_it_tells_its_operator() -> None:
-    """At the speed of AVOID_SIGHT 1 the ranger sees it in time; head on, as only an approach is reported."""
-    by_sight = {"vehicle": {"avoidance": {"by_sight": 1}}}
-    (trial,) = encounter_trials([Encounter("head_on", 0.5)], [1], by_sight)
-    assert run_encounter(trial).figures["moves_told"]
 
 
 def test_the_table_has_a_row_for_each_encounter() -> None:

@@ -21,14 +21,6 @@ def test_a_leap_of_the_receiver_shows_in_the_time_to_notice_and_leads_nobody_off
     assert found["given_up_s"] is None
 
 
-def test_a_receiver_that_is_pulled_away_slowly_takes_the_position_along_a_little() -> None:
-    found = figures("faults=[{what='gnss', kind='drift', size=0.5, at_s=15.0}]")
-    assert found["astray_m"] is not None
-    assert 0.5 < found["astray_m"] < 3.0
-    assert found["astray_share"] is not None
-    assert found["astray_share"] < 0.1
-
-
 def test_a_receiver_that_is_silent_for_good_is_given_up() -> None:
     found = figures("faults=[{what='gnss', at_s=12.0}]", "vehicle.estimation.dead_reckoning_s=10.0")
     assert found["given_up_s"] is not None

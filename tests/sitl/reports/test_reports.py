@@ -7,22 +7,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 from boat_rig import HOME_ITEM, scenario, waypoint
-from msgspec import structs
 
 from companion.core.errors import ConfigError
 from sitl.__main__ import run_program
 from sitl.experiments.campaign.campaign import Campaign
 from sitl.experiments.campaign.expect import Expectation
 from sitl.experiments.mission_trial import run_mission
-from sitl.experiments.result_log import ResultLog
 from sitl.experiments.trial import Trial, TrialResult, attempt
 from sitl.reports.campaign_page import again, campaign_page
-from sitl.reports.campaign_pictures import draw_expectation
-from sitl.reports.innovation_picture import draw_innovations
 from sitl.reports.labels import label, labelled
 from sitl.reports.page import Page
 from sitl.reports.run_page import run_page
-from sitl.reports.run_pictures import draw_panels, draw_track_chart
+from sitl.reports.run_pictures import draw_innovations, draw_panels, draw_track_chart
 from sitl.reports.run_series import brakes, fault_spans
 from sitl.run.mission_run import MissionRun
 from sitl.run.recording.run_record import RunRecord, load_record
@@ -96,10 +92,6 @@ def test_the_page_of_a_run_needs_nothing_but_itself(record: RunRecord) -> None:
     assert record.result["state_hash"] in page
 
 
-def test_the_same_run_gives_the_same_page(record: RunRecord) -> None:
-    assert run_page(record) == run_page(record)
-
-
 def test_text_is_escaped_and_missing_figures_are_dashes() -> None:
     page = Page("<b>", "a & b")
     page.table(("name", "value"), [("<i>", None)])
@@ -147,17 +139,6 @@ def test_sail_records_and_report_makes_the_page(tmp_path: Path, capsys: pytest.C
     assert "not completed, ends in AUTO" in kept.with_suffix(".html").read_text(encoding="utf-8")
 
 
-def test_a_folder_without_a_campaign_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run_program(["report", str(tmp_path)]) == 2
-    assert "no campaign in it" in capsys.readouterr().err
-
-
-def test_a_course_and_a_mission_exclude_each_other(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run_program(["sail", "open", "--course", "straight", "--mission", "a.plan"]) == 2
-    assert run_program(["sail", "open", "--course", "circle"]) == 2
-    assert "no course 'circle': expected straight," in capsys.readouterr().err
-
-
 # What people see of it
 
 
@@ -186,32 +167,6 @@ def test_a_campaign_that_was_stopped_says_so_and_how_many_runs_are_missing(outco
     assert "None: every run that was sailed (2 are missing) was completed" in words
     assert "None: every run was completed" not in words
     assert "met so far" in words
-
-
-def test_a_whole_campaign_says_nothing_of_the_kind(outcome: TrialResult) -> None:
-    others = [structs.replace(outcome, number=number) for number in (2, 3)]
-    words = visible(two_runs(outcome, *others))
-    assert "issing" not in words
-    assert "so far" not in words
-    assert "None: every run was completed, and nothing was touched." in words
-
-
-def test_the_report_of_a_stopped_campaign_says_so_on_the_line_too(
-    outcome: TrialResult, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    runs = tuple(Trial(number=n, scenario="open", seed=n, course="straight") for n in (1, 2, 3))
-    with ResultLog(tmp_path, Campaign("Three runs", "three.toml", runs, (), "")) as ledger:
-        ledger.add(outcome)
-    assert run_program(["report", str(tmp_path)]) == 0
-    assert "(stopped early: 2 of 3 runs are missing)" in capsys.readouterr().out
-
-
-def test_pages_fit_a_phone(record: RunRecord, outcome: TrialResult) -> None:
-    """A phone shows a page without this tag at a third of its size; what is wide scrolls in a box."""
-    for page in (run_page(record), two_runs(outcome)):
-        assert '<meta name="viewport" content="width=device-width, initial-scale=1">' in page
-        assert "@media (max-width:" in page
-        assert page.count('<div class="wide">') == page.count("<table>") + page.count("<img")
 
 
 def test_pages_speak_of_figures_in_words(record: RunRecord, outcome: TrialResult) -> None:
@@ -265,30 +220,6 @@ def test_charts_show_where_the_boat_braked(record: RunRecord) -> None:
     one_motor = braked(record, [(20, 30)])
     one_motor.estimates["right"] = np.full(100, 0.5)
     assert brakes(one_motor) == []
-
-
-def test_a_bound_at_the_edge_of_a_picture_is_written_inside_it() -> None:
-    rows = [{"cross_track_rms_m": value} for value in (0.1, 0.2, 0.1)]
-    for bound in (0.05, 0.9):
-        figure = draw_expectation(Expectation(figure="cross_track_rms_m", at_most=bound), rows)
-        assert figure is not None
-        figure.draw_without_rendering()
-        (word,) = [text for text in figure.axes[0].texts if "at most" in text.get_text()]
-        box, whole = word.get_window_extent(), figure.bbox
-        assert whole.x0 <= box.x0
-        assert box.x1 <= whole.x1
-
-
-def test_the_picture_of_innovations_has_the_faults_and_what_the_gates_rejected(record: RunRecord) -> None:
-    compass = record.estimates["compass_nu"]
-    assert np.nanmean(np.abs(compass) < 1.96) > 0.8
-    wrong = np.column_stack([record.estimates[f"wrong_{name}"] for name in ("compass", "gyro", "gnss")])
-    assert ((wrong >= 0.0) & (wrong <= 1.0)).all()
-    figure = draw_innovations(record)
-    assert figure is not None
-    assert [axes.get_ylabel() for axes in figure.axes] == [
-        "position, σ", "velocity, σ", "compass, σ", "probability\nof being wrong",
-    ]  # fmt: skip
 
 
 def test_a_record_without_innovations_has_no_picture_of_them(record: RunRecord) -> None:

@@ -5,7 +5,6 @@ import os
 import socket
 from pathlib import Path
 
-import pytest
 from boat_rig import scenario
 from fake_clock import FakeClock
 
@@ -71,17 +70,3 @@ def test_files_survive_the_power_cut_and_a_full_disk_refuses_new_ones(tmp_path: 
     simulated.close()
     assert os.strerror(errno.ENOSPC) in simulated.boat.parameters.poll_saves()[-1].error
     assert "WP_RADIUS 3.25" in (tmp_path / "params.parm").read_text(encoding="ascii")
-
-
-@pytest.mark.parametrize("loss", [0.0, 1.0])
-def test_the_scenarios_link_is_between_the_ports_and_the_boat(loss: float) -> None:
-    clock = FakeClock()
-    simulated = SimulatedBoat(scenario("open", f"link.loss={loss}"), ["udpin:127.0.0.1:0"], clock)
-    number = int(simulated.port_names[0].rsplit(":", 1)[1])
-    hello = Encoder(Address(255, 190)).encode(dialect.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3))
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
-        station.connect(("127.0.0.1", number))
-        station.send(hello)
-        live(simulated, clock, 1.5)
-        assert ("HEARTBEAT" in heard(station)) is (loss == 0.0)
-    simulated.close()

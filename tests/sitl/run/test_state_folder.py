@@ -37,10 +37,6 @@ def test_other_water_is_another_folder(home: Path) -> None:
     assert default_folder("lake", 1, 5760) == default_folder("lake", 2, 5760)
 
 
-def test_a_port_that_changes_with_every_start_has_no_folder() -> None:
-    assert default_folder("lake", 1, 0) is None
-
-
 def test_one_folder_is_for_one_emulator_at_a_time(tmp_path: Path) -> None:
     first = lock_folder(tmp_path / "state")
     with pytest.raises(StateInUseError, match="another boat-sitl stores there"):
@@ -85,13 +81,3 @@ def test_only_a_power_cut_leaves_a_voyage_to_take_up(tmp_path: Path, is_cut: boo
     simulated = SimulatedBoat(scenario("open"), [], clock, BoatOptions(state_folder=str(tmp_path)))
     assert bool(simulated.boat.resume._offer) is is_cut
     Server([simulated], clock).run(lambda: True)
-
-
-def test_parameters_outlive_a_regular_end(tmp_path: Path) -> None:
-    clock = FakeClock()
-    simulated = SimulatedBoat(scenario("open"), [], clock, BoatOptions(state_folder=str(tmp_path)))
-    simulated._storage.save("params.parm", b"WP_RADIUS 3.25\n")
-    Server([simulated], clock).run(lambda: True)
-    again = SimulatedBoat(scenario("open"), [], clock, BoatOptions(state_folder=str(tmp_path)))
-    assert again.boat.parameters.config.guidance.waypoint_radius_m == 3.25
-    Server([again], clock).run(lambda: True)

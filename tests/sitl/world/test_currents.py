@@ -129,26 +129,6 @@ def test_a_scenarios_current_file_lies_beside_it(tmp_path: Path) -> None:
     assert (water.truth.current_north_m_s, water.truth.current_east_m_s) == pytest.approx((0.4, 1.0))
 
 
-def float_free(*settings: str, for_s: float, start: str = "boat.start=[0.0, 0.0]") -> World:
-    water = World(load_scenario("open", ["sensors.sonar.fitted=false", start, *settings]))
-    for _ in range(round(for_s / DT_S)):
-        water.step(DT_S)
-    return water
-
-
-def test_a_boat_adrift_goes_round_in_a_gyre() -> None:
-    water = float_free(
-        "environment.gyre={speed_m_s=0.5, radius_m=10.0, centre=[0.0, 0.0]}",
-        for_s=40.0,
-        start="boat.start=[10.0, 0.0]",
-    )
-    truth = water.truth
-    # Two radians at 0.5 m/s on 10 m.
-    assert math.hypot(truth.north_m, truth.east_m) == pytest.approx(10.0, abs=0.2)
-    bearing_deg = math.degrees(math.atan2(truth.east_m, truth.north_m))
-    assert bearing_deg == pytest.approx(90.0 + 114.6 - 360.0, abs=1.0)
-
-
 def test_a_boat_that_enters_a_stream_keeps_its_way_over_ground_at_first_and_is_then_carried() -> None:
     wall = "environment.river={speed_m_s=1.0, width_m=10.0, through=[0.0, 20.0], to_deg=90.0}"
     water = World(load_scenario("open", ["sensors.sonar.fitted=false", wall, "boat.heading_deg=0"]))
@@ -161,9 +141,3 @@ def test_a_boat_that_enters_a_stream_keeps_its_way_over_ground_at_first_and_is_t
     assert fastest < 0.05  # no jump over ground
     assert water.truth.east_m_s > 0.4
     assert water.truth.sway_m_s < -0.1  # the stream has not caught it yet: the water still passes it
-
-
-def test_the_truth_tells_the_current_where_the_boat_is() -> None:
-    water = float_free("environment.tide={speed_m_s=0.5, to_deg=90.0, period_s=80.0}", for_s=20.0)
-    assert water.truth.current_east_m_s == pytest.approx(0.0, abs=1e-3)
-    assert water.truth.east_m == pytest.approx(0.5 * 80.0 / (2.0 * math.pi), abs=0.8)

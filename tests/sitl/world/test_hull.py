@@ -90,13 +90,6 @@ def test_an_unpowered_hull_never_gains_energy(hull: HullSettings, u: float, v: f
         energy_j = body.energy_j
 
 
-def test_an_unpowered_hull_at_rest_drifts_with_the_current() -> None:
-    body = sail(LAKE, 0.0, 0.0, for_s=100.0, current=(0.3, -0.4))
-    assert [body.north_m, body.east_m] == pytest.approx([30.0, -40.0])
-    assert (body.water_north_m_s, body.water_east_m_s) == (0.0, 0.0)
-    assert body.heading_rad == 0.0
-
-
 @given(
     force_n=st.floats(-4.0, 6.0),
     moment_nm=st.floats(-0.8, 0.8),

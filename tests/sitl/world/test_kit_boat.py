@@ -66,9 +66,16 @@ def at(throttle: float, seconds: float = 60.0) -> tuple[float, float]:
     return world.truth.surge_m_s, world.truth.current_a
 
 
-def test_the_pack_is_the_pages() -> None:
-    assert kit().battery.cells == stated(r"\| (\d)S LiPo")
-    assert kit().battery.capacity_mah == stated(r"\| 3S LiPo, 11.1 V, (\d+) mAh")
+def test_the_parts_of_the_page_bear_stalled_motors() -> None:
+    battery, volts = kit().battery, stated(r"\| (\d) V step-down converter")
+    assert battery.cells == stated(r"\| (\d)S LiPo")
+    assert battery.capacity_mah == stated(r"\| 3S LiPo, 11.1 V, (\d+) mAh")
+    assert 12.0 / kit().thrusters.motor.resistance_ohm < STALL_A
+    assert stalled_a() < BRIDGE_A
+    assert 2.0 * stalled_a() + battery.idle_a < FUSE_A == bench().battery.fuse_a
+    assert bench().sensors.battery.max_current_a == SHUNT_A
+    converter_a = stated(r"step-down converter, (\d+) A")
+    assert bench().battery.idle_a * full_pack_v() / volts < converter_a  # without losses: the most it can be
 
 
 @pytest.mark.parametrize("current_a", DROP_V)
@@ -77,15 +84,6 @@ def test_the_bridge_loses_what_an_l298n_loses(current_a: float) -> None:
     least_v, most_v = DROP_V[current_a]
     assert least_v <= bridge.drop_v + current_a * bridge.resistance_ohm <= most_v
     assert bridge.brake is PLANS["l298n"].legs_pulsed, "pulses on the enable pin open the bridge"
-
-
-def test_a_motor_that_stalls_is_within_the_bridge() -> None:
-    assert 12.0 / kit().thrusters.motor.resistance_ohm < STALL_A
-    assert stalled_a() < BRIDGE_A
-
-
-def test_both_motors_stalled_blow_no_fuse() -> None:
-    assert 2.0 * stalled_a() + kit().battery.idle_a < FUSE_A
 
 
 def test_full_ahead_is_within_the_shunt() -> None:
@@ -124,50 +122,6 @@ def test_the_bench_boat_is_the_kit_with_the_program_of_the_example() -> None:
     assert structs.replace(vehicle.parts, compass=config.parts.compass) == config.parts
     for section in ("speed", "handling", "guidance", "battery", "motors", "thrusters", "drive", "arming"):
         assert getattr(vehicle, section) == getattr(config, section), section
-
-
-def test_fuse_and_shunt_are_the_pages() -> None:
-    assert bench().battery.fuse_a == FUSE_A
-    assert bench().sensors.battery.max_current_a == SHUNT_A
-
-
-def test_the_converter_feeds_pi_and_servo() -> None:
-    volts, converter_a = stated(r"\| (\d) V step-down converter"), stated(r"step-down converter, (\d+) A")
-    assert bench().battery.idle_a * full_pack_v() / volts < converter_a  # without losses: the most it can be
-
-
-def test_a_current_beyond_the_shunts_is_reported_as_unknown() -> None:
-    world = World(bench())
-    monitor = world.hardware.battery
-    assert monitor is not None
-    for shaft in (world._thrusters.left, world._thrusters.right):
-        shaft.weed = 1.0
-    world.hardware.motors.write(1.0, 1.0)
-    seen = []
-    for _ in range(200):
-        world.step(DT_S)
-        reading = monitor.read()
-        assert reading is not None
-        seen.append(reading.current_a)
-    assert world.truth.current_a > SHUNT_A
-    assert seen[-1] is None
-    assert world.truth.current_a == pytest.approx(
-        stated(r"both motors stalled, with Pi and servo \| ([\d.]+) A"), abs=0.25
-    )
-
-
-def test_both_motors_stalled_do_not_blow_the_fuse_for_minutes_and_a_short_does_at_once() -> None:
-    stalled, short = Pack(bench().battery), Pack(bench().battery)
-    for _ in range(round(300.0 / DT_S)):
-        stalled.step(2.0 * stalled_a(), DT_S)
-    assert not stalled.is_fuse_blown
-    seconds = 0.0
-    while not short.is_fuse_blown:
-        short.step(30.0, DT_S)
-        seconds += DT_S
-    assert DT_S < seconds < 0.5
-    short.step(0.0, DT_S)
-    assert (short.voltage_v, short.current_a) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize(

@@ -103,10 +103,3 @@ def test_the_sonar_follows_a_mover_across_the_bow() -> None:
     assert 1.8 < min(times) < 2.6
     assert 3.4 < max(times) < 4.2
     assert min(range_m for _, range_m in heard) == pytest.approx(2.0, abs=0.05)
-
-
-def test_a_mover_that_runs_into_the_boat_is_counted_once_as_a_touch() -> None:
-    water = World(load_scenario("open", ["movers=[{start=[-5, 0], velocity_m_s=[1, 0], radius_m=0.5}]"]))
-    for _ in range(600):
-        water.step(DT_S)
-    assert water.groundings == 1

@@ -87,22 +87,6 @@ def state(body: Hull) -> list[float]:
     ]  # fmt: skip
 
 
-def test_full_ahead_gives_the_published_six_knots() -> None:
-    full_rad_s = math.sqrt(0.5 * PULL_N / PER_SHAFT)
-    assert full_rad_s == pytest.approx(103.9, abs=0.1)
-    force_n, moment_nm = forces(full_rad_s, full_rad_s)
-    assert run(force_n, moment_nm, 30.0).surge_m_s == pytest.approx(TOP_M_S, rel=1e-6)
-
-
-def test_it_stops_from_full_speed_within_the_way_of_the_closed_form() -> None:
-    # m11 u' = −X u, so the way until rest is m11 U / X = 2.4 m, and the time constant m11 / X = 0.78 s.
-    body = Hull(OTTER)
-    body.move(TOP_M_S, 0.0, 0.0)
-    run(0.0, 0.0, 20.0, body)
-    assert body.north_m == pytest.approx(M11 * TOP_M_S**2 / PULL_N, rel=1e-3)
-    assert body.north_m == pytest.approx(2.41, abs=0.01)
-
-
 @pytest.mark.parametrize(
     ("left", "right", "start"),
     [(100.0, 80.0, (0.0, 0.0, 0.0)), (60.0, 100.0, (2.5, 0.0, 0.0)), (0.0, 0.0, (2.0, -1.0, 1.5))],
@@ -116,39 +100,3 @@ def test_the_closed_form_sails_as_textbook_matrices_and_quadrature_do(
     body.move(*start)
     run(force_n, moment_nm, 10.0, body)
     assert state(body) == pytest.approx(reference(force_n, moment_nm, 10.0, start), abs=3e-3, rel=1e-3)
-
-
-def test_the_turning_circle_is_that_of_its_steady_balance() -> None:
-    """100 against 80 rad/s: after 40 s all accelerations are gone, and the circle closes on itself."""
-    force_n, moment_nm = forces(100.0, 80.0)
-    body = run(force_n, moment_nm, 40.0)
-    u, v, r = body.surge_m_s, body.sway_m_s, body.yaw_rate_rad_s
-    assert OTTER.surge_linear * u == pytest.approx(force_n + M22 * v * r, rel=1e-6)
-    radius_m = math.hypot(u, v) / r
-    before = body.north_m, body.east_m
-    around_s = 2.0 * math.pi / r
-    run(force_n, moment_nm, around_s, body)
-    assert math.dist(before, (body.north_m, body.east_m)) < 0.05 * radius_m
-    assert v < 0.0  # it slides outward
-    assert 5.0 * LENGTH_M < 2.0 * radius_m < 30.0 * LENGTH_M
-
-
-def zigzag(limit_rad: float, steer_nm: float, force_n: float) -> list[float]:
-    """Kempf's manoeuvre: the moment is reversed whenever the heading passes the limit. Overshoots in rad."""
-    body = run(force_n, 0.0, 20.0)
-    side, overshoots, peak = 1.0, [], 0.0
-    for _ in range(round(120.0 / DT_S)):
-        body.step(force_n, 0.0, side * steer_nm, 0.0, 0.0, DT_S)
-        peak = max(peak, -side * body.heading_rad)
-        if side * body.heading_rad >= limit_rad:
-            overshoots.append(peak - limit_rad)
-            side, peak = -side, 0.0
-    return overshoots[3:]  # the first ones still lose speed
-
-
-def test_a_zigzag_is_symmetrical_and_overshoots_by_what_its_yaw_time_constant_allows() -> None:
-    overshoots = zigzag(math.radians(20.0), 10.0, 120.0)
-    assert len(overshoots) > 6
-    assert max(overshoots) - min(overshoots) < 0.003
-    # The rate dies within a second and is turned over by the moment: less than rate × time constant.
-    assert 0.0 < overshoots[-1] < math.radians(10.0)

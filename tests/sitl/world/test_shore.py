@@ -28,32 +28,6 @@ def chart(water: Polygon | None, *rocks: Polygon) -> Chart:
 SHORE = Shore(chart(SQUARE, ROCK), reach_m=4.0)
 
 
-@pytest.mark.parametrize(
-    ("east_m", "north_m", "bearing_deg", "range_m"),
-    [
-        (0.0, 8.0, 0.0, 2.0),  # north wall
-        (8.0, 0.0, 90.0, 2.0),  # east wall
-        (8.0, 8.0, 45.0, 2.0 * math.sqrt(2.0)),  # into the corner
-        (0.0, 1.5, 90.0, 2.0),  # the rock's west side
-        (5.0, 1.5, 270.0, 2.0),  # its east side
-        (2.5, 0.0, 0.0, 1.0),  # its south side
-        (0.0, 0.0, 0.0, math.inf),  # the wall is 10 m off, beyond the ranger
-        (0.0, 1.5, 270.0, math.inf),  # the rock is behind
-    ],
-)
-def test_a_single_ray_meets_the_shore_where_geometry_says(
-    east_m: float, north_m: float, bearing_deg: float, range_m: float
-) -> None:
-    assert SHORE.range_m(east_m, north_m, [math.radians(bearing_deg)], 4.0) == pytest.approx(range_m)
-
-
-def test_the_nearest_ray_of_a_fan_counts() -> None:
-    fan = [math.radians(60.0), math.radians(90.0), math.radians(120.0)]
-    assert SHORE.range_m(0.5, 0.2, fan[1:], 4.0) == math.inf
-    # The left ray, 30° above east, reaches x = 2 at y = 0.2 + 1.5 tan 30° = 1.066, on the rock's face.
-    assert SHORE.range_m(0.5, 0.2, fan, 4.0) == pytest.approx(1.5 / math.cos(math.radians(30.0)))
-
-
 @given(east_m=PLACE, north_m=PLACE, bearing_deg=st.floats(0.0, 360.0))
 def test_rays_agree_with_shapely(east_m: float, north_m: float, bearing_deg: float) -> None:
     bearings = [math.radians(bearing_deg + side) for side in (-7.5, 0.0, 7.5)]
@@ -92,11 +66,6 @@ def test_a_rock_in_open_water_is_the_only_shore() -> None:
     sea = Shore(chart(None, ROCK), reach_m=4.0)
     assert len(sea.near(2.5, 0.0)) == 4
     assert sea.clearances_m([2.5, 1000.0], [0.0, 1.5]) == pytest.approx([1.0, 997.0])
-
-
-def test_a_repeated_corner_does_no_harm() -> None:
-    corners = [(0.0, 0.0), (10.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
-    assert Shore(chart(Polygon(corners)), reach_m=4.0).room_m(9.0, 5.0) == pytest.approx(1.0)
 
 
 def test_a_long_shoreline_is_only_looked_at_nearby() -> None:

@@ -1,6 +1,5 @@
 """Waves: their height, their drift, and what they do to hull and propellers."""
 
-import math
 import statistics
 
 import pytest
@@ -36,15 +35,6 @@ def test_waves_run_to_where_they_do_not_come_from_and_carry_the_boat_there() -> 
     )
 
 
-def test_a_long_hull_averages_short_waves_out() -> None:
-    short = Environment(wave_height_m=0.05, wave_period_s=0.8)
-    small, large = (
-        statistics.pstdev(one[1] for one in watch(Waves(short, length_m, 1), 200.0))
-        for length_m in (0.1, 3.0)
-    )
-    assert large < 0.3 * small
-
-
 def test_waves_from_ahead_do_not_turn_the_boat_but_those_from_the_bow_quarter_do() -> None:
     waves = Waves(Environment(wave_height_m=0.3, wave_period_s=2.5, wave_from_deg=45.0), 1.0, 1)
     yaw = [one[3] for one in watch(waves, 200.0)]
@@ -73,12 +63,6 @@ def test_a_boat_adrift_in_waves_moves_to_and_fro_and_slowly_along_with_them() ->
     assert last.north_m < -1.0
     assert last.east_m < -1.0
     assert last.current_north_m_s == pytest.approx(last.north_m / 120.0, abs=0.02)
-
-
-def test_position_is_the_sum_of_the_velocities_that_the_truth_tells() -> None:
-    truths = sailed(*WAVES, throttle=0.5, for_s=30.0)
-    north_m = math.fsum(DT_S * one.north_m_s for one in truths)
-    assert truths[-1].north_m == pytest.approx(north_m, abs=0.02)
 
 
 def test_propellers_suck_air_now_and_then_in_a_steep_sea() -> None:

@@ -1,15 +1,12 @@
 """The world as a whole: what the boats can do, grounding, and the same run twice."""
 
 import math
-import random
 
 import pytest
-import shapely
 
-from companion.hal.interfaces import Battery, Motors
+from companion.hal.interfaces import Motors
 from sitl.run.recording.recorder import Recorder
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.sensors.battery_monitor import SimBattery
 from sitl.world.simulated_hardware import SimMotors
 from sitl.world.world import Truth, World
 
@@ -37,19 +34,6 @@ def test_cruise_throttle_and_full_drive_give_the_boats_speeds(
     assert drive(World(scenario), 1.0, 1.0, 60.0).surge_m_s == pytest.approx(top_m_s, rel=0.03)
 
 
-def test_the_lake_boat_reaches_cruise_speed_in_three_to_four_seconds() -> None:
-    water = world()
-    assert drive(water, 1.0, 1.0, 3.0).surge_m_s < 2.0
-    assert drive(water, 1.0, 1.0, 1.0).surge_m_s > 2.0
-
-
-def test_the_lake_boat_slides_in_a_hard_turn_and_spins_on_the_spot() -> None:
-    turning = drive(world(), 1.0, 0.2, 20.0)
-    assert 0.4 < turning.yaw_rate_rad_s < 1.0
-    assert -15.0 < math.degrees(math.atan2(turning.sway_m_s, turning.surge_m_s)) < -5.0
-    assert drive(world(), 1.0, -1.0, 10.0).yaw_rate_rad_s > 1.0
-
-
 def test_port_and_starboard_are_mirror_images_through_the_whole_boat() -> None:
     right, left = drive(world(), 0.9, 0.3, 10.0), drive(world(), 0.3, 0.9, 10.0)
     assert (left.north_m, left.east_m) == (right.north_m, -right.east_m)
@@ -64,20 +48,6 @@ def test_a_boat_with_stopped_motors_drifts_with_the_current() -> None:
     assert [truth.surge_m_s, truth.east_m_s] == pytest.approx([0.0, 0.5])
 
 
-def test_motors_hold_their_last_command_until_it_changes() -> None:
-    water = world()
-    first = drive(water, 0.6, 0.6, 1.0)
-    for _ in range(200):
-        water.step(DT_S)
-    assert water.truth.surge_m_s > first.surge_m_s
-    water.hardware.close()
-    coasting = water.truth.surge_m_s
-    for _ in range(200):
-        water.step(DT_S)
-    assert water.truth.surge_m_s < 0.7 * coasting
-    assert water.truth.left_thrust_n == pytest.approx(0.0, abs=1e-6)
-
-
 def test_a_command_that_is_not_a_number_stops_both_motors_and_one_too_large_is_limited() -> None:
     motors = SimMotors()
     as_part: Motors = motors
@@ -87,18 +57,6 @@ def test_a_command_that_is_not_a_number_stops_both_motors_and_one_too_large_is_l
     assert (motors.left, motors.right) == (0.0, 0.0)
     as_part.close()
     as_part.close()
-
-
-def test_the_monitor_reads_the_pack_at_its_own_rate() -> None:
-    monitor = SimBattery(10.0)
-    as_part: Battery = monitor
-    times = set()
-    for tick in range(50):
-        monitor.sample(tick * DT_S, 12.0, 1.0)
-        reading = as_part.read()
-        assert reading is not None
-        times.add(reading.time_s)
-    assert sorted(times) == pytest.approx([0.1 * n for n in range(10)])
 
 
 def test_driving_costs_charge_and_sags_the_pack() -> None:
@@ -142,16 +100,6 @@ def test_every_sensor_has_spoken_before_the_first_step_but_the_late_receiver() -
     assert parts.gnss.read() is None
 
 
-def test_a_boat_without_sonar_has_none() -> None:
-    assert world("open", "sensors.sonar.fitted=false").hardware.sonar is None
-
-
-def test_time_is_tick_times_step_exactly() -> None:
-    water = world()
-    for tick in range(1, 5001):
-        assert water.step(DT_S).time_s == tick * DT_S
-
-
 @pytest.mark.parametrize("dt_s", [0.0, -0.02, 0.06, math.nan])
 def test_a_step_that_the_integrator_cannot_take_is_refused(dt_s: float) -> None:
     with pytest.raises(ValueError, match="expected more than 0 and at most"):
@@ -163,30 +111,6 @@ def test_a_change_of_step_keeps_the_time() -> None:
     for dt_s in (0.02, 0.02, 0.01, 0.05):
         water.step(dt_s)
     assert water.time_s == pytest.approx(0.1)
-
-
-def test_a_boat_that_meets_the_shore_stops_there_and_can_back_off() -> None:
-    water = world("pool", "boat.start=[0.5, 2.3]", "boat.heading_deg=0", "sensors.sonar.fitted=false")
-    truth = drive(water, 1.0, 1.0, 20.0)
-    assert truth.grounded
-    assert water.groundings == 1
-    assert truth.north_m == pytest.approx(2.45 - 0.10, abs=5e-4)  # half the hull's length before the wall
-    assert truth.north_m < 2.35
-    assert [truth.north_m_s, truth.east_m_s] == pytest.approx([0.0, 0.0], abs=0.01)
-    truth = drive(water, -1.0, -1.0, 10.0)
-    assert not truth.grounded
-    assert truth.north_m < 2.4
-
-
-def test_random_commands_never_drive_the_boat_out_of_the_pool() -> None:
-    helm = random.Random(0)
-    current = ("environment.current_m_s=0.03", "environment.current_to_deg=60")
-    water = world("pool", "sensors.sonar.fitted=false", *current)
-    inside = water.scenario.chart.water
-    for _ in range(90):
-        truth = drive(water, helm.uniform(-1.0, 1.0), helm.uniform(-0.2, 1.0), 2.0)
-        assert shapely.contains_xy(inside, truth.east_m, truth.north_m)
-    assert water.groundings > 0
 
 
 def run(*overrides: str, seed: int = 1) -> tuple[str, list[object]]:
@@ -205,11 +129,7 @@ def run(*overrides: str, seed: int = 1) -> tuple[str, list[object]]:
 
 def test_the_same_seed_gives_the_same_bytes() -> None:
     assert run() == run()
-
-
-def test_another_seed_gives_another_run() -> None:
     assert run(seed=2)[0] != run()[0]
-    assert run(seed=2)[1] != run()[1]
 
 
 def test_leaving_out_the_sonar_changes_nothing_else() -> None:

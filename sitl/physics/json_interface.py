@@ -1,4 +1,7 @@
-"""What goes back to ArduPilot's simulator: one JSON object between line ends.
+"""ArduPilot's JSON interface: servo outputs come in, one JSON object between line ends goes back.
+
+A servo packet is little-endian: magic, frame rate in Hz, frame count, then 16 pulse widths in µs, or 32
+behind a magic of their own.
 
 North, east, down in metres of the scenario's frame, body axes ahead, starboard, down; the boat floats level.
 Acceleration is what an accelerometer on board feels, so a boat at rest says −g.
@@ -10,6 +13,8 @@ as one that is far away. Release 4.7 reads neither `battery` nor `velocity_wind`
 
 import json
 import math
+import struct
+from typing import NamedTuple
 
 from sitl.world.world import Truth
 
@@ -41,3 +46,39 @@ def state_line(now: Truth, before: Truth, range_ahead_m: float | None) -> bytes:
     if range_ahead_m is not None:
         state["rng_1"] = range_ahead_m
     return b"\n" + json.dumps(state, allow_nan=False, separators=(",", ":")).encode() + b"\n"
+
+
+MAGIC_16, MAGIC_32 = 18458, 29569
+_HEAD = struct.Struct("<HHI")
+_CHANNELS = {MAGIC_16: 16, MAGIC_32: 32}
+_CENTRE_US, _SPAN_US = 1500.0, 500.0
+_LEAST_US, _MOST_US = 800, 2200
+
+
+class ServoPacket(NamedTuple):
+    """One frame. rate_hz: how often the other side wants its physics stepped; pulses_us: 0 is no pulse."""
+
+    rate_hz: int
+    frame: int
+    pulses_us: tuple[int, ...]
+
+    def has_pulse(self, channel: int) -> bool:
+        """Whether a channel, counted from 1, has a pulse that a servo output can send."""
+        return _LEAST_US <= self.pulses_us[channel - 1] <= _MOST_US
+
+    def share(self, channel: int) -> float:
+        """What a channel, counted from 1, asks of a motor: −1..1. Without a pulse it is 0."""
+        if not self.has_pulse(channel):
+            return 0.0
+        return min(max((self.pulses_us[channel - 1] - _CENTRE_US) / _SPAN_US, -1.0), 1.0)
+
+
+def parse_servos(data: bytes) -> ServoPacket | None:
+    """Read a datagram; None for anything that is not one of these packets, whole."""
+    if len(data) < _HEAD.size:
+        return None
+    magic, rate_hz, frame = _HEAD.unpack_from(data)
+    count = _CHANNELS.get(magic)
+    if count is None or len(data) != _HEAD.size + 2 * count or rate_hz == 0:
+        return None
+    return ServoPacket(rate_hz, frame, struct.unpack_from(f"<{count}H", data, _HEAD.size))

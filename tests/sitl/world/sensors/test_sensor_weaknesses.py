@@ -26,7 +26,7 @@ def gnss_deviation_m(east_m: float, shore: Shore) -> float:
     )
     gnss = SimGnss(settings, FRAME, 1, shore)
     errors = []
-    for second in range(10_000):
+    for second in range(4_000):
         gnss.sample(float(second), 0.0, east_m, 0.0, 0.0)
         fix = gnss.read()
         if fix is not None:
@@ -74,7 +74,7 @@ def test_the_motors_leads_pull_the_compass_as_hard_as_they_carry_current() -> No
 
 def test_the_gyros_bias_wanders_as_far_in_a_minute_as_it_should() -> None:
     after_deg_s = []
-    for seed in range(200):
+    for seed in range(100):
         compass = SimCompass(CompassSettings(rate_hz=5.0, **NO_NOISE, gyro_walk_deg_s=0.5), seed)
         for sample in range(301):
             compass.sample(sample * 0.2, 0.0, 0.0)
@@ -82,7 +82,7 @@ def test_the_gyros_bias_wanders_as_far_in_a_minute_as_it_should() -> None:
         assert reading is not None
         assert reading.yaw_rate_rad_s is not None
         after_deg_s.append(math.degrees(reading.yaw_rate_rad_s))
-    assert statistics.pstdev(after_deg_s) == pytest.approx(0.5, rel=0.15)
+    assert statistics.pstdev(after_deg_s) == pytest.approx(0.5, rel=0.2)
 
 
 def ranges(settings: SonarSettings, heading_deg: float = 0.0, wave_m: float = 0.0) -> list[float | None]:
@@ -101,16 +101,6 @@ def test_a_wall_met_at_a_flat_angle_mirrors_the_ping_away() -> None:
         round(2.0 / math.cos(math.radians(20.0)), 9)
     }
     assert set(ranges(settings, 40.0)) == {None}
-
-
-def test_a_wall_that_mirrors_hides_what_is_behind_it() -> None:
-    chart = build_chart("two walls", FRAME, shapely.box(-9.0, -9.0, 9.0, 9.0), ())
-    tilted = shapely.Polygon([(-3.0, 0.0), (3.0, 2.0), (3.0, 2.1), (-3.0, 0.1)])  # 18° from across
-    walls = Shore(build_chart("walls", FRAME, chart.water - tilted - shapely.box(-3, 3, 3, 3.1), ()), 4.0)
-    settings = SonarSettings(sweep_deg=0.0, cone_deg=0.0, noise_m=0.0, specular_deg=10.0)
-    sonar = SimSonar(settings, walls, 1)
-    sonar.sample(0.0, 0.0, 0.0, 0.0)
-    assert [ping.range_m for ping in sonar.read()] == [None]
 
 
 def test_spray_makes_near_echoes_in_waves_alone() -> None:

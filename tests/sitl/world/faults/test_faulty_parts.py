@@ -57,12 +57,6 @@ def test_a_receiver_that_is_off_is_silent_and_comes_back() -> None:
     assert during == []
 
 
-def test_a_receiver_without_a_fix_goes_on_talking() -> None:
-    before, during, after = parted(fixes('kind="no_fix"'))
-    assert {fix.fix_type for _, fix, _ in during} == {1}
-    assert {fix.fix_type for _, fix, _ in before + after} == {3}
-
-
 def test_a_frozen_receiver_repeats_itself_with_fresh_stamps() -> None:
     _, during, after = parted(fixes('kind="stuck"'))
     assert len({fix.position for _, fix, _ in during}) == 1
@@ -96,19 +90,6 @@ def test_a_jammed_receiver_gets_noisy_then_stands_still_without_a_fix() -> None:
     assert max(error_m(row) for row in after) < 2.0
 
 
-def test_garbage_is_anywhere_within_its_size() -> None:
-    _, during, _ = parted(fixes('kind="garbage", size=500'))
-    errors = [error_m(row) for row in during]
-    assert max(errors) > 100.0
-    assert max(errors) < 720.0
-
-
-def test_a_slow_receiver_says_one_thing_in_ten() -> None:
-    before, during, _ = parted(fixes('kind="slow", size=10'))
-    assert len(during) in (2, 3)
-    assert len(before) > 6
-
-
 def test_a_delayed_receiver_is_late_and_does_not_know_it() -> None:
     _, during, _ = parted(fixes('kind="delayed", size=2'))
     late = [row for row in during if row[0] > AT_S + 2.5]
@@ -117,12 +98,6 @@ def test_a_delayed_receiver_is_late_and_does_not_know_it() -> None:
     # The boat makes 2 m/s or less: what it hears is where it was two seconds ago.
     behind = late[-1]
     assert error_m(behind) > 1.0
-
-
-def test_an_intermittent_receiver_comes_and_goes() -> None:
-    _, during, _ = parted(fixes('kind="intermittent", size=2'))
-    half = [int((now_s - 0.1 - AT_S) % 2.0) for now_s, _, _ in during]
-    assert set(half) == {1}
 
 
 def headings(fault: str, what: str = "compass") -> dict[str, list[tuple[float, HeadingReading, Truth]]]:
@@ -145,12 +120,6 @@ def off_deg(row: tuple[float, HeadingReading, Truth]) -> float:
     return math.degrees(math.remainder(row[1].heading_rad - row[2].heading_rad, 2.0 * math.pi))
 
 
-def test_a_silent_compass_leaves_its_last_reading_to_age() -> None:
-    rows = headings('kind="off"')
-    assert rows["during"][-1][1].time_s < AT_S
-    assert rows["after"][0][1].time_s >= AT_S + FOR_S - 0.01
-
-
 def test_a_stuck_compass_repeats_its_heading_while_the_gyro_goes_on() -> None:
     rows = headings('kind="stuck"')["during"]
     assert len({reading.heading_rad for _, reading, _ in rows}) == 1
@@ -162,17 +131,6 @@ def test_a_wrong_compass_is_off_by_its_size() -> None:
     rows = headings('kind="wrong", size=30')
     assert all(abs(off_deg(row) - 31.0) < 5.0 for row in rows["during"])
     assert all(abs(off_deg(row) - 1.0) < 5.0 for row in rows["before"] + rows["after"])
-
-
-def test_a_drifting_compass_turns_away() -> None:
-    rows = headings('kind="drift", size=5')["during"]
-    assert off_deg(rows[-1]) == pytest.approx(31.0, abs=5.0)
-
-
-def test_a_garbled_compass_points_anywhere() -> None:
-    rows = headings('kind="garbage"')["during"]
-    assert max(reading.heading_rad for _, reading, _ in rows) > 2.9
-    assert min(reading.heading_rad for _, reading, _ in rows) < -2.9
 
 
 @pytest.mark.parametrize(
@@ -229,12 +187,6 @@ def test_a_faulty_sonar_hears_what_its_fault_says(fault: str, ranges: set[float 
         assert {ping.range_m and round(ping.range_m, 6) for ping in heard[phase]} == {2.0}
 
 
-def test_a_garbled_sonar_hears_any_range_it_can() -> None:
-    ranges = [ping.range_m for ping in pings('kind="garbage"')["during"] if ping.range_m is not None]
-    assert min(ranges) < 0.5
-    assert max(ranges) > 3.5
-
-
 def batteries(fault: str) -> dict[str, list[BatteryReading]]:
     water = world(f'what="battery", {fault}')
     out: dict[str, list[BatteryReading]] = {"before": [], "during": [], "after": []}
@@ -246,21 +198,12 @@ def batteries(fault: str) -> dict[str, list[BatteryReading]]:
     return out
 
 
-def test_a_wrong_monitor_shows_another_voltage() -> None:
+def test_a_monitor_that_is_stuck_or_wrong() -> None:
+    stuck = batteries('kind="stuck"')["during"]
+    assert len({(row.voltage_v, row.current_a) for row in stuck}) == 1
+    assert stuck[-1].time_s > AT_S + FOR_S - 0.2
     rows = batteries('kind="wrong", size=-3')
     assert rows["during"][-1].voltage_v == pytest.approx(rows["after"][-1].voltage_v - 3.0, abs=0.2)
-
-
-def test_a_stuck_monitor_keeps_its_figures_and_its_stamps_fresh() -> None:
-    rows = batteries('kind="stuck"')["during"]
-    assert len({(row.voltage_v, row.current_a) for row in rows}) == 1
-    assert rows[-1].time_s > AT_S + FOR_S - 0.2
-
-
-def test_a_silent_monitor_leaves_its_last_reading_to_age() -> None:
-    rows = batteries('kind="off"')
-    assert rows["during"][-1].time_s < AT_S
-    assert rows["after"][-1].time_s > AT_S + FOR_S
 
 
 def thrusts(fault: str, until_s: float = 12.0) -> dict[str, list[float]]:
@@ -282,10 +225,6 @@ def test_a_dead_motor_gives_no_thrust_until_it_lives_again() -> None:
     assert max(map(abs, thrust_n["during"])) < 0.05
     assert min(thrust_n["before"]) > 0.3
     assert min(thrust_n["after"]) > 0.3
-
-
-def test_a_reversed_motor_pushes_astern() -> None:
-    assert max(thrusts('kind="wrong"')["during"]) < -0.1
 
 
 def test_weed_takes_thrust_and_a_seized_propeller_gives_none() -> None:

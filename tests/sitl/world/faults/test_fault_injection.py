@@ -55,13 +55,14 @@ def active(boat: Lockstep) -> dict[str, str]:
 @pytest.mark.parametrize(
     ("unit", "failure", "kind"),
     [
-        (unit, failure, kind)
-        for unit in (GPS, MAG, SONAR, BATTERY)
-        for failure, kind in enumerate(
-            ("off", "stuck", "garbage", "wrong", "slow", "delayed", "intermittent"), OFF
-        )
-    ]
-    + [(GYRO, OFF, "off"), (GYRO, STUCK, "stuck"), (GYRO, GARBAGE, "garbage"), (GYRO, WRONG, "wrong")],
+        (GPS, OFF, "off"),
+        (GPS, INTERMITTENT, "intermittent"),
+        (MAG, STUCK, "stuck"),
+        (MAG, DELAYED, "delayed"),
+        (SONAR, GARBAGE, "garbage"),
+        (BATTERY, SLOW, "slow"),
+        (GYRO, WRONG, "wrong"),
+    ],
 )
 def test_a_sensor_fails_by_command_and_is_well_by_command(unit: int, failure: int, kind: str) -> None:
     boat = lockstep()
@@ -109,11 +110,8 @@ def test_motors_fail_one_by_one_or_both(instance: int, hit: dict[str, str]) -> N
         (SERVO, OFF, 0, UNSUPPORTED),
         (GPS, 8, 0, UNSUPPORTED),
         (GPS, OFF, 2, UNSUPPORTED),
-        (GPS, OFF, -1, UNSUPPORTED),
         (MOTOR, OFF, 3, UNSUPPORTED),
-        (MOTOR, GARBAGE, 0, UNSUPPORTED),
         (GYRO, SLOW, 0, UNSUPPORTED),
-        (1e9, OFF, 0, UNSUPPORTED),
         (GPS, math.nan, 0, DENIED),
         (1.5, OFF, 0, DENIED),
     ],
@@ -122,10 +120,6 @@ def test_what_cannot_fail_so_is_refused(unit: float, failure: float, instance: f
     boat = lockstep()
     assert inject(boat, unit, failure, instance) == result
     assert active(boat) == {}
-
-
-def test_a_boat_without_a_sonar_has_none_to_break() -> None:
-    assert inject(lockstep("sensors.sonar.fitted=false"), SONAR, OFF) == UNSUPPORTED
 
 
 def test_injection_can_be_forbidden_by_parameter() -> None:
@@ -224,28 +218,6 @@ def test_a_power_cut_stops_the_motors_and_the_program_begins_anew_with_what_was_
     assert not boat.boat.vehicle.armed
 
 
-def test_after_a_power_cut_the_clock_begins_at_zero_and_readings_carry_its_stamps() -> None:
-    boat = lockstep('faults=[{what="computer", at_s=5, for_s=2}]')
-    run(boat, 10.0)
-    assert boat.world.clock_s == pytest.approx(3.0, abs=0.03)
-    fix, heading = boat.boat.sensors.fix, boat.boat.sensors.heading
-    assert fix is not None
-    assert heading is not None
-    assert 0.0 <= boat.world.clock_s - fix.time_s < 0.5
-    assert 0.0 <= boat.world.clock_s - heading.time_s < 0.1
-    assert boat.boat.nav is not None
-
-
-def test_a_station_may_restart_the_program_in_lockstep() -> None:
-    boat = lockstep()
-    run(boat, 3.0)
-    before = boat.boat
-    order(boat, dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0)
-    run(boat, 2.0)
-    assert boat.boat is not before
-    assert boat.world.clock_s < 2.0
-
-
 def test_a_full_disk_is_told_and_what_is_stored_later_is_kept() -> None:
     storage = MemoryStorage()
     boat = lockstep('faults=[{what="disk", at_s=1, for_s=3}]', storage=storage)
@@ -283,9 +255,7 @@ def test_a_computer_that_is_too_slow_for_the_program_is_overloaded_until_it_is_w
     assert boat.boat.load == 0.0
 
 
-@pytest.mark.parametrize(
-    "link", ["loss=0.3", "delay_s=0.5", "duplication=0.5", "reordering=0.5", "jitter_s=0.3"]
-)
+@pytest.mark.parametrize("link", ["loss=0.3", "reordering=0.5"])
 def test_an_upload_survives_a_bad_link(link: str) -> None:
     boat = lockstep(f"link.{link}")
     items = [MissionItem(frame=0, command=16, x=500000000, y=-12000000)] * 5
@@ -295,16 +265,6 @@ def test_an_upload_survives_a_bad_link(link: str) -> None:
         boat.step()
     assert isinstance(answers[0], Accepted)
     assert len(boat.boat.endpoint.mission_items()) == 5
-
-
-def test_an_outage_of_the_scenarios_link_is_as_long_as_it_says() -> None:
-    boat = lockstep("link.outages=[[3, 6]]")
-    run(boat, 3.1)
-    boat.station.latest.clear()
-    run(boat, 2.8)
-    assert boat.station.latest == {}
-    run(boat, 2.0)
-    assert boat.station.latest
 
 
 def fates(seed: int) -> tuple[Truth, list[str], int]:

@@ -2,8 +2,7 @@
 
 from array import array
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, Self, TypeVar
+from typing import Any, TypeVar
 
 import msgspec
 import numpy as np
@@ -11,8 +10,6 @@ from numpy.typing import NDArray
 
 from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import MotorCommand
-from sitl.run.lockstep import Lockstep
-from sitl.run.recording.arrays_file import load_arrays, save_arrays
 from sitl.world.scenario import Scenario
 from sitl.world.world import Truth
 
@@ -39,65 +36,15 @@ class SensorRecording:
     truth: Numbers
     frame: tuple[float, float]
 
-    def save(self, path: Path) -> None:
-        """Write an .npz file.
-
-        Raises:
-            OutputError: it cannot be written.
-        """
-        rest = {
-            "settings": self.settings,
-            "frame": self.frame,
-            "fixes": self.fixes,
-            "headings": self.headings,
-            "truth": Truth._fields,
-        }
-        save_arrays(path, rest, ticks=self.ticks, truth=self.truth)
-
-    @classmethod
-    def load(cls, path: Path) -> Self:
-        """Read one.
-
-        Raises:
-            ConfigError: it cannot be read, or is not a recording.
-        """
-        return load_arrays(
-            path,
-            "a recording of sensors",
-            lambda rest, arrays: cls(
-                settings=rest["settings"],
-                ticks=arrays["ticks"],
-                fixes=rest["fixes"],
-                headings=rest["headings"],
-                truth=arrays["truth"],
-                frame=tuple(rest["frame"]),
-            ),
-        )
-
 
 class SensorRecorder:
-    """Keeps what the estimator is given, tick by tick. A boat that restarts begins a new recording."""
+    """Keeps what the estimator is given, tick by tick."""
 
     def __init__(self) -> None:
-        self._restart()
-
-    def _restart(self) -> None:
-        self._boots = -1
         self._ticks = array("d")
         self._truth = array("d")
         self._fixes: list[GnssFix] = []
         self._headings: list[HeadingReading] = []
-
-    def step(self, lockstep: Lockstep) -> None:
-        """Step the boat and its world by one tick, and record it."""
-        world, computer = lockstep.world, lockstep.world.electronics.computer
-        now_s, truth, command = world.clock_s, world.truth, lockstep.boat.command
-        lockstep.step()
-        if computer.boots != self._boots:
-            self._restart()
-            self._boots = computer.boots
-        sensors = lockstep.boat.sensors
-        self.record(now_s, truth, sensors.fix, sensors.heading, command)
 
     def record(
         self,

@@ -9,11 +9,9 @@ import shapely
 
 from companion.core.geo import LatLon, LocalFrame
 from companion.core.readings import GnssFix, HeadingReading, SonarReading
-from companion.hal.interfaces import Compass, Gnss, Sonar
 from mission_tools.maps.chart import build_chart
 from sitl.world.sensors.compass import SimCompass
 from sitl.world.sensors.gnss import SimGnss
-from sitl.world.sensors.sampling import generator
 from sitl.world.sensors.settings import CompassSettings, GnssSettings, SonarSettings
 from sitl.world.sensors.sonar import SimSonar, sweep_bearings_rad
 from sitl.world.shore import Shore
@@ -56,16 +54,6 @@ def pings(
     return out
 
 
-def test_the_simulated_parts_satisfy_the_boats_interfaces() -> None:
-    gnss: Gnss = SimGnss(GnssSettings(), FRAME, 1)
-    compass: Compass = SimCompass(CompassSettings(), 1)
-    sonar: Sonar = SimSonar(SonarSettings(), BASIN, 1)
-    for part in (gnss, compass, sonar):
-        part.close()
-        part.close()
-    assert (gnss.read(), compass.read(), list(sonar.read())) == (None, None, [])
-
-
 def test_fixes_come_at_their_rate_and_arrive_late_by_the_latency() -> None:
     gnss = SimGnss(GnssSettings(rate_hz=5.0, latency_s=0.1, jitter_s=0.0), FRAME, 1, assumed_latency_s=0.1)
     arrivals: dict[float, float] = {}
@@ -96,15 +84,7 @@ def test_white_noise_and_wander_have_the_deviations_asked_for() -> None:
     speeds = [fix.north_m_s for fix in heard if fix.north_m_s is not None]
     assert statistics.fmean(speeds) == pytest.approx(1.5, abs=0.002)
     assert statistics.pstdev(speeds) == pytest.approx(0.05, rel=0.03)
-
-
-def test_a_perfect_receiver_says_the_truth() -> None:
-    fix = fixes(
-        GnssSettings(noise_m=0.0, wander_m=0.0, velocity_noise_m_s=0.0, latency_s=0.0, jitter_s=0.0), 0.1
-    )[0]
-    where = FRAME.to_local(fix.position)
-    assert list(where) == pytest.approx([100.0, -50.0], abs=1e-6)
-    assert (fix.north_m_s, fix.east_m_s, fix.fix_type) == (1.5, -0.5, 3)
+    assert statistics.fmean(fix.east_m_s or 0.0 for fix in heard) == pytest.approx(-0.5, abs=0.002)
 
 
 def test_compass_and_gyro_have_bias_and_noise_as_asked_for() -> None:
@@ -116,11 +96,6 @@ def test_compass_and_gyro_have_bias_and_noise_as_asked_for() -> None:
     assert statistics.pstdev(heading_deg) == pytest.approx(2.0, rel=0.05)
     assert statistics.fmean(rate_deg_s) == pytest.approx(-0.5, abs=0.05)
     assert statistics.pstdev(rate_deg_s) == pytest.approx(1.0, rel=0.05)
-
-
-def test_a_slow_compass_repeats_its_reading() -> None:
-    times = [reading.time_s for reading in headings(CompassSettings(rate_hz=10.0), 0.4)]
-    assert sorted(set(times)) == pytest.approx([0.0, 0.1, 0.2, 0.3])
 
 
 def test_the_sweep_goes_to_and_fro_from_port_to_starboard() -> None:
@@ -142,11 +117,6 @@ def test_pings_come_every_sixty_milliseconds_and_measure_the_walls() -> None:
     assert by_bearing[90] == pytest.approx(3.0)
 
 
-def test_bearings_turn_with_the_bow() -> None:
-    ahead = pings(SonarSettings(noise_m=0.0, cone_deg=0.0, sweep_deg=0.0), 0.1, math.pi / 2)
-    assert ahead[0].range_m == pytest.approx(3.0)
-
-
 def test_a_wide_cone_hears_the_nearest_of_what_it_covers() -> None:
     narrow, wide = (
         pings(SonarSettings(noise_m=0.0, sweep_deg=0.0, cone_deg=cone), 0.1, math.radians(60.0))[0].range_m
@@ -154,10 +124,6 @@ def test_a_wide_cone_hears_the_nearest_of_what_it_covers() -> None:
     )
     assert narrow == pytest.approx(3.0 / math.sin(math.radians(60.0)))
     assert wide == pytest.approx(2.0 / math.cos(math.radians(40.0)))  # its left edge meets the north wall
-
-
-def test_beyond_its_range_the_sonar_hears_nothing() -> None:
-    assert {ping.range_m for ping in pings(SonarSettings(max_range_m=1.9), 1.5)} == {None}
 
 
 def test_sonar_noise_stays_within_the_parts_range() -> None:
@@ -181,9 +147,3 @@ def test_the_same_seed_gives_the_same_readings_and_another_gives_others() -> Non
     assert headings(CompassSettings(), 1.0) == headings(CompassSettings(), 1.0)
     assert pings(SonarSettings(), 2.0) == pings(SonarSettings(), 2.0)
     assert pings(SonarSettings(), 2.0, seed=2) != pings(SonarSettings(), 2.0)
-
-
-def test_each_sensor_has_random_numbers_of_its_own() -> None:
-    first = [generator(1, name).random() for name in ("gnss", "compass", "sonar")]
-    assert len(set(first)) == 3
-    assert generator(1, "gnss").random() == first[0]

@@ -11,7 +11,7 @@ from sitl.scenarios.scenario import load_scenario
 from sitl.world.faults.catalogue import CATALOGUE
 from sitl.world.world import World
 
-PAGE = (Path(__file__).parents[3] / "docs" / "faults.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[4] / "docs" / "faults.md").read_text(encoding="utf-8")
 
 
 def test_the_table_of_faults_is_the_catalogue() -> None:

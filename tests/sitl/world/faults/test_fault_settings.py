@@ -2,7 +2,6 @@
 
 import math
 
-import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -14,12 +13,10 @@ from sitl.world.faults.catalogue import CATALOGUE, FaultSetting
 KINDS = [(what, kind) for what, kinds in CATALOGUE.items() for kind in kinds]
 
 
-@pytest.mark.parametrize(("what", "kind"), KINDS)
-def test_every_kind_in_the_catalogue_is_taken_with_its_usual_size(what: str, kind: str) -> None:
-    fault = FaultSetting(what=what, kind=kind, at_s=3.0)
-    assert fault.amount == CATALOGUE[what][kind].size
-    assert fault.ends_s == math.inf
-    assert CATALOGUE[what][kind].text
+def test_every_kind_in_the_catalogue_is_taken_with_its_usual_size() -> None:
+    for what, kind in KINDS:
+        fault = FaultSetting(what=what, kind=kind, at_s=3.0)
+        assert (fault.amount, fault.ends_s) == (CATALOGUE[what][kind].size, math.inf)
 
 
 @given(st.sampled_from(KINDS), st.floats(-1e6, 1e6) | st.sampled_from([math.nan, math.inf, -math.inf]))
@@ -50,12 +47,3 @@ def test_a_fault_that_cannot_be_is_refused_with_its_place(table: str, named: str
     with pytest.raises(ConfigError, match=r"faults\.0") as refused:
         load_scenario("open", [f"faults=[{table}]"])
     assert named in str(refused.value)
-
-
-def test_a_scenario_carries_its_faults_in_order() -> None:
-    faults = load_scenario("open", ['faults=[{what="gnss", at_s=5, for_s=2}, {what="disk"}]']).faults
-    assert [(fault.what, fault.kind, fault.at_s, fault.ends_s) for fault in faults] == [
-        ("gnss", "off", 5.0, 7.0),
-        ("disk", "off", 0.0, math.inf),
-    ]
-    assert msgspec.to_builtins(faults[0])["what"] == "gnss"

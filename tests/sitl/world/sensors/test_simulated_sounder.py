@@ -91,19 +91,3 @@ def test_a_fault_changes_what_it_says(kind: str, size: float, expected: float | 
     reading = part.read()
     assert reading is not None
     assert reading.depth_m == (None if expected is None else pytest.approx(expected))
-
-
-def test_a_silent_sounder_keeps_its_last_reading() -> None:
-    part = sounder()
-    (before,) = soundings(part, 4.0, 1)
-    part.fault = SensorFault("off", 0.0, 0.0, 0.0, generator(1, "x"))
-    part.sample(0.2, 2.0, 0.0)
-    assert part.read() is before
-
-
-def test_garbage_is_any_depth_in_its_range() -> None:
-    part = sounder()
-    part.fault = SensorFault("garbage", 0.0, 0.0, 0.0, generator(1, "x"))
-    depths = [reading.depth_m or 0.0 for reading in soundings(part, 4.0, 100)]
-    assert min(depths) >= 0.3
-    assert max(depths) - min(depths) > 30.0
