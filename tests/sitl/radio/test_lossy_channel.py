@@ -1,10 +1,14 @@
 """The seeded channel does what its quality says, and the same again."""
 
+import math
+from dataclasses import astuple
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from sitl.radio.channel import Channel, Quality
+from sitl.radio.link import LinkSettings
 
 qualities = st.builds(
     Quality,
@@ -67,3 +71,21 @@ def test_bandwidth_spreads_a_burst_and_drops_what_would_wait_too_long() -> None:
 def test_an_impossible_quality_is_refused_by_name(field: str, value: float) -> None:
     with pytest.raises(ValueError, match=field):
         Quality(**{field: value})
+
+
+def test_two_channels_in_a_row_add_up() -> None:
+    one = Quality(0.5, 0.1, 0.2, 0.5, 1000.0, reordering=0.5, reordering_s=0.1)
+    other = Quality(0.2, 0.3, 0.1, 0.2, 500.0, reordering=0.2, reordering_s=0.3)
+    assert astuple(one.with_(other)) == pytest.approx((0.6, 0.4, 0.3, 0.6, 500.0, 2.0, 0.6, 0.3))
+    assert one.with_(Quality()).bandwidth_bytes_s == 1000.0
+    assert LinkSettings().quality == Quality()
+
+
+def test_what_is_held_back_comes_later_and_what_arrives_together_keeps_its_order() -> None:
+    channel = Channel(Quality(reordering=1.0, reordering_s=0.5), seed=8)
+    assert channel.next_s == math.inf
+    for data in (b"b", b"a"):
+        channel.send(data, 1.0)
+    assert channel.next_s == 1.5
+    assert channel.receive(1.4) == []
+    assert channel.receive(1.5) == [b"b", b"a"]
