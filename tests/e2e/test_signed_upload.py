@@ -64,19 +64,3 @@ def test_keys_that_do_not_fit_are_told_with_3(
         assert run_program([plan, *link, "--sign-key", key_file(tmp_path, passphrase)]) == 3
     assert told in capsys.readouterr().err
     assert vehicle.mission == []
-
-
-def test_a_key_that_others_can_read_is_refused_before_anything_else(
-    plan: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = Path(key_file(tmp_path))
-    path.chmod(0o644)
-    assert run_program([plan, "--sign-key", str(path)]) == 2
-    assert f"chmod 600 {path}" in capsys.readouterr().err
-
-
-def test_nobody_at_the_other_end_is_told_with_3(
-    plan: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run_program([plan, "--connect", "tcp:127.0.0.1:1", "--sign-key", key_file(tmp_path)]) == 3
-    assert "cannot be opened (Connect" in capsys.readouterr().err

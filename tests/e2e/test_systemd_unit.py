@@ -177,11 +177,9 @@ def environment(folder: Path) -> dict[str, str]:
 
 
 @needs_root
-@pytest.mark.parametrize("where", ["its folder", "the root"])
-def test_lgpio_loads_for_the_units_user(folder: Path, where: str) -> None:
+def test_lgpio_loads_for_the_units_user_wherever_he_is(folder: Path) -> None:
     loads = [*AS_ITS_USER, sys.executable, "-c", "import lgpio"]
-    cwd = folder if where == "its folder" else Path("/")
-    subprocess.run(loads, cwd=cwd, env=environment(folder), check=True, timeout=JOB_S)
+    subprocess.run(loads, cwd="/", env=environment(folder), check=True, timeout=JOB_S)
 
 
 @needs_root

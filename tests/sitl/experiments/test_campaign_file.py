@@ -122,12 +122,3 @@ def test_the_examples_can_be_used(path: Path) -> None:
     plan = load_campaign(path)
     assert len(plan.runs) >= 20
     assert plan.expect
-
-
-@pytest.mark.parametrize(
-    "path", [path for path in EXAMPLES if "current" in path.stem], ids=lambda path: path.stem
-)
-def test_currents_come_with_the_gusts_that_the_page_promises(path: Path) -> None:
-    assert "All currents come with gusts of 8 m/s" in Path("docs/campaigns.md").read_text(encoding="utf-8")
-    for run in load_campaign(path).runs:
-        assert run.settings["environment"]["gust_m_s"] == 8.0

@@ -7,7 +7,7 @@ import pytest
 from companion.core.geo import Point
 from sitl.experiments.encounters.encounter import Encounter, encounter_trials, run_encounter
 from sitl.experiments.encounters.obstacles import LEG_M, Kind, Meeting, mover, still_obstacles
-from sitl.experiments.encounters.table import ENCOUNTERS, markdown, run_rows, summary
+from sitl.experiments.encounters.table import run_rows, summary
 from sitl.experiments.trial import TrialResult
 from sitl.world.movers import Mover, MoverSettings
 
@@ -40,19 +40,6 @@ def test_without_avoidance_what_moves_is_touched_though_it_could_be_helped() -> 
     figures = run_encounter(trial).figures
     assert figures["touches"]
     assert not figures["inevitable"]
-
-
-def test_the_table_has_a_row_for_each_encounter() -> None:
-    trials = encounter_trials(ENCOUNTERS, [1], {})
-    figures = {"inevitable": True, "time_s": 40.0, "alone_s": 20.0, "moves_told": 1, "no_way_told": 0}
-    results = [
-        TrialResult(number=n, ended="completed", figures={**figures, "touches": n % 2})
-        for n, _ in enumerate(trials)
-    ]
-    lines = markdown(trials, results).splitlines()
-    assert len(lines) == len(ENCOUNTERS) + 2
-    assert lines[2] == "| lone | 1 | 0 |  | 1 | 2.00 | 1 | 0 |"
-    assert "| head on 0.2 m/s | 1 | 1 | 1 | 1 | 2.00 | 1 | 0 |" in lines
 
 
 def test_the_summary_counts_touched_runs_by_kind_and_the_time_lost() -> None:

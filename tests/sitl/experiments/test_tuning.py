@@ -15,7 +15,7 @@ from companion.config.parameters import Parameters
 from companion.core.storage import MemoryStorage
 from sitl.__main__ import run_program
 from sitl.experiments.trial import Figures, Task, Trial, TrialResult
-from sitl.experiments.tuning.gains import TUNED, Gains, drawn_around, gains_of
+from sitl.experiments.tuning.gains import TUNED, Gains, gains_of
 from sitl.experiments.tuning.problem import FAILED, TuningProblem
 from sitl.experiments.tuning.search import compare, search
 from sitl.scenarios.scenario import load_scenario
@@ -63,15 +63,6 @@ def test_the_search_comes_near_the_gains_that_cost_least(tmp_path: Path) -> None
         for gains in (rankings[-1].best, first)
     )
     assert found < 0.5 * before
-
-
-def test_what_is_drawn_stays_within_reach_and_has_few_digits() -> None:
-    drawn = drawn_around(WANTED, 2.0, 50, generator(3, "test"))
-    assert len(drawn) == 50
-    for gains in drawn:
-        for path, value in gains.items():
-            assert WANTED[path] / 2.01 <= value <= WANTED[path] * 2.01
-            assert value == float(f"{value:.3g}")
 
 
 def outcome(rms_m: float, ended: str = "completed") -> TrialResult:

@@ -77,9 +77,7 @@ def test_without_power_the_boat_goes_where_it_went_and_after_that_where_it_likes
     ("kind", "size", "is_whole"),
     [
         ("off", None, False),
-        ("stuck", None, False),
         ("weed", 0.2, True),
-        ("slow", 0.5, True),
         ("wrong", None, True),
     ],
 )
@@ -101,15 +99,3 @@ def test_who_touches_before_a_reversed_motor_can_be_recognised_had_no_time(
     assert (
         unavoidable_cause(mission_run) == f"no time: {60.0 - at_s:.0f} s after the fault"
     ) is is_inevitable
-
-
-def test_what_a_fault_leaves_is_the_hulls_and_not_what_the_boat_is_told() -> None:
-    lake, told = scenario("open"), scenario("open", "vehicle.handling.top_speed_m_s=1.0")
-    assert remaining_speed_m_s(DEAD, told) == remaining_speed_m_s(DEAD, lake)
-    heavy = scenario("open", "hull.surge_quadratic=1.2", "hull.surge_linear=0.8")
-    gyro = FaultSetting(what="gyro", at_s=10.0)
-    assert remaining_speed_m_s(gyro, heavy) < 0.8 * remaining_speed_m_s(gyro, lake)
-    assert remaining_speed_m_s(gyro, lake) == pytest.approx(3.05, abs=0.05)
-    assert 0.05 < remaining_speed_m_s(DEAD, lake) / remaining_speed_m_s(gyro, lake) < 0.2
-    slick = scenario("open", "thrusters.propeller.astern_share=0.9")
-    assert remaining_speed_m_s(DEAD, slick) != pytest.approx(remaining_speed_m_s(DEAD, lake), rel=0.01)

@@ -87,23 +87,6 @@ def test_a_boat_whose_log_meets_a_full_disk_sails_on_and_says_so(monkeypatch: py
     rig.boat.close()
 
 
-@pytest.mark.parametrize("size_bytes", [5_000, 20_000])
-def test_a_log_that_fills_the_disk_is_no_fault_of_the_tick(
-    size_bytes: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    rig = Rig(config={"log.motion_hz": 50.0})
-    logbook = Logbook(SingleFile(tmp_path / "a.bin"), None, InlineWorker())
-    monkeypatch.setattr(rig, "_build", lambda: _with(rig, logbook))
-    rig.reboot()
-    with room_for(size_bytes):
-        rig.sail(waypoint(200.0, 0.0))
-        rig.run(20.0)
-        assert logbook.sink.fault.startswith(f"{tmp_path / 'a.bin'}: cannot be written: File too large")
-        assert (rig.boat.net.faults, rig.boat.vehicle.armed, rig.mode) == (0, True, "AUTO")
-        rig.boat.close()
-    assert (tmp_path / "a.bin").stat().st_size == size_bytes
-
-
 def _with(rig: Rig, logbook: Logbook) -> object:
     from companion.boat import Boat  # noqa: PLC0415
 

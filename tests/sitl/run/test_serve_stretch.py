@@ -5,7 +5,6 @@ from collections.abc import Callable
 import pytest
 from boat_rig import scenario
 from fake_clock import FakeClock
-from patience import MOMENT_S
 
 from companion.config.boat_config import BoatConfig
 from companion.mavlink.address import Address
@@ -91,25 +90,3 @@ def test_a_host_a_fifth_too_slow_is_reported_once(share: float, is_said: bool) -
     for tick in range(2000):
         pace.tick(tick * 0.01 / share, 0.02)
     assert len(lines) == is_said
-
-
-def test_a_station_is_answered_over_a_real_socket_and_the_port_is_free_afterwards() -> None:
-    clock = FakeClock()
-    simulated = SimulatedBoat(scenario("open"), ["udpin:127.0.0.1:0"], clock)
-    number = int(simulated.port_names[0].rsplit(":", 1)[1])
-    assert number > 0
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as station:
-        station.settimeout(MOMENT_S)
-        encoder = Encoder(Address(255, 190))
-        station.sendto(
-            encoder.encode(dialect.MAVLink_param_request_read_message(1, 1, b"HDG_KP", -1)),
-            ("127.0.0.1", number),
-        )
-        simulated.boat.step(0.0)
-        simulated.boat.step(0.02)
-        names = set()
-        while "PARAM_VALUE" not in names:
-            names |= {r.message.get_type() for r in Decoder(datagram=True).feed(station.recv(2048))}
-    Server([simulated], clock).run(lambda: True)
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as again:
-        again.bind(("127.0.0.1", number))
