@@ -12,8 +12,6 @@ from companion.mavlink.items import MissionItem
 from sitl.run.mission_run import MissionRun
 from sitl.world.faults.catalogue import FaultSetting
 
-MANUAL, ACRO, STEERING, HOLD, LOITER, FOLLOW, SIMPLE = 0, 1, 3, 4, 5, 6, 7
-CIRCLE, AUTO, RTL, SMART_RTL, GUIDED = 9, 10, 11, 12, 15
 CURRENT = ("environment.current_m_s=0.5", "environment.current_to_deg=90.0")
 GUSTS = ("environment.wind_m_s=5", "environment.gust_m_s=8", "environment.wind_from_deg=90")
 POSITION, VELOCITY, YAW, YAW_RATE = 0b110111111000, 0b110111000111, 0b100111111111, 0b010111111111

@@ -213,10 +213,8 @@ class Estimator:
         """Drop the frame: the next good fix defines it and restarts the position. Heading and current are
         kept.
         """
-        resets = self.position.resets + 1
         self.frame, self.far_m, self._far_heard_s = None, 0.0, -math.inf
         self.position = PositionUpdate(self.state, self.heading, self._setting)
-        self.position.resets = resets
 
 
 def _is_near(at: Point) -> bool:

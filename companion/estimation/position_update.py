@@ -35,7 +35,7 @@ _POSITION_LOST: Final = int(EstimateFault.POSITION_LOST)
 
 
 class PositionUpdate:
-    """accepted_s: time of the latest accepted position; fix_s: of the latest fix; resets: restarts so far."""
+    """accepted_s: time of the latest accepted position; fix_s: of the latest fix."""
 
     def __init__(self, state: ErrorStateFilter, heading: HeadingUpdate, setting: Estimation) -> None:
         self._state, self._heading, self._setting = state, heading, setting
@@ -44,7 +44,7 @@ class PositionUpdate:
         self.latency = DelayEstimator(_SWINGING_M_S)
         self.fix_s = self.accepted_s = self._velocity_s = self._time_s = -math.inf
         self._rejected_s = 0.0
-        self._reset_counter = self.resets = 0
+        self._reset_counter = 0
 
     @property
     def sigma_m(self) -> float:
@@ -91,7 +91,6 @@ class PositionUpdate:
         if is_first or reset_counter != self._reset_counter or is_otherwise_late or (
             is_good and (self.has_expired(time_s) or self._is_idle)
         ):  # fmt: skip
-            self.resets += not is_first
             self._reset_counter = reset_counter
             here = at + complex(state.north_m, state.east_m) - then
             state.start_position(here.real, here.imag, sigma_m)

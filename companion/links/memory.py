@@ -69,7 +69,7 @@ def memory_pair(
 
 
 class MemoryPort:
-    """Satisfies `companion.hal.interfaces.Port` for links added with `offer`."""
+    """Satisfies `companion.links.interfaces.Port` for links added with `offer`."""
 
     def __init__(self, *links: Link, name: str = "memory") -> None:
         self.name = name

@@ -9,7 +9,7 @@ _CHUNKS_PER_CALL = 16  # limit against flooding stations
 
 
 class StreamLink:
-    """Satisfies `companion.hal.interfaces.Link` over a non-blocking descriptor.
+    """Satisfies `companion.links.interfaces.Link` over a non-blocking descriptor.
 
     Output waits in a queue of at most queue_bytes; a frame that does not fit is dropped whole, so the stream
     never has partial frames. The queue drains on every `receive` and `send`. End of stream closes the link,

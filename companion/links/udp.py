@@ -184,16 +184,6 @@ class UdpInPort:
             if data:
                 peer.keep(data)
 
-    def _send(self, data: bytes, destination: tuple[str, int]) -> bool:
-        try:
-            self._socket.sendto(data, destination)
-        except OSError:
-            return False
-        return True
-
-    def _forget(self, source: object) -> None:
-        self._peers.pop(source, None)
-
 
 class _UdpPeer:
     is_datagram = True
@@ -223,7 +213,13 @@ class _UdpPeer:
         return chunks
 
     def send(self, data: bytes) -> bool:
-        return not self.is_closed and self._port._send(data, self._source)
+        if self.is_closed:
+            return False
+        try:
+            self._port._socket.sendto(data, self._source)
+        except OSError:
+            return False
+        return True
 
     def fileno(self) -> int:
         return -1 if self.is_closed else self._port.fileno()
@@ -231,4 +227,4 @@ class _UdpPeer:
     def close(self) -> None:
         if not self.is_closed:
             self.is_closed = True
-            self._port._forget(self._source)
+            self._port._peers.pop(self._source, None)

@@ -159,12 +159,10 @@ class FileSink:
         return self._worker.submit(partial(self._append, block, unix_s), len(block))
 
     def end(self) -> None:
-        """Queue the end of the file."""
+        """Queue the end of the file, if there is one; closing the worker waits for it."""
         self._worker.submit(self._close)
 
-    def close(self) -> None:
-        """Queue the end of the file, if necessary; closing the worker waits for it."""
-        self._worker.submit(self._close)
+    close = end
 
     def _open(self) -> None:
         self._close()

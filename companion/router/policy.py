@@ -70,7 +70,7 @@ class Policy:
 
 
 class ConfiguredPort:
-    """Satisfies `companion.hal.interfaces.Port`."""
+    """Satisfies `companion.links.interfaces.Port`."""
 
     def __init__(self, port: Port, policy: Policy) -> None:
         self.policy = policy

@@ -2,9 +2,10 @@
 
 from boat_rig import OK, Rig
 from fence_rig import box, fenced, margin_m, polygon
-from sailing_rig import HOLD, LOITER, armed, begin, told
+from sailing_rig import armed, begin, told
 
 from companion.boat import TICK_S
+from companion.core.modes import Mode
 from companion.core.state import MotorState, MotorStates
 from companion.failsafe.recovery.transition_table import Trigger
 from companion.mavlink.dialect import dialect
@@ -15,7 +16,7 @@ AGROUND = "Failsafe: Aground: held at the shore"
 
 
 def test_a_dead_motor_is_found_out_between_lines_that_brake_the_boat() -> None:
-    rig = armed(LOITER, rig=fenced(Rig().ready(), *polygon(box(-3.0, -3.0, 3.0, 3.0))))
+    rig = armed(Mode.LOITER, rig=fenced(Rig().ready(), *polygon(box(-3.0, -3.0, 3.0, 3.0))))
     begin(rig, "motor_right", "stuck")
     recovery = rig.boat.vehicle.recovery
     recovery.handle(Trigger.CHECK, rig.now_s)
@@ -75,6 +76,6 @@ def test_one_that_cannot_get_off_rests_its_motors_between_tries_until_hold_ends_
         assert rig.now_s - began_s < 150.0
     assert thrust < 0.5 * (rig.now_s - began_s)
     assert AGROUND in rig.peer.texts
-    assert rig.set_mode(HOLD) == OK
+    assert rig.set_mode(Mode.HOLD) == OK
     rig.run(1.0)
     assert thrust_s(rig, 10.0) == 0.0

@@ -10,9 +10,10 @@ import msgspec
 import pytest
 from boat_rig import BOAT, DENIED, FAILED, OK, Rig
 from log_rig import of_kind, read_log
-from sailing_rig import LOITER, MANUAL, tells
+from sailing_rig import tells
 from twins.qgc_compass import QgcCompassPage
 
+from companion.core.modes import Mode
 from companion.core.requests import ManualControl
 from companion.core.storage import MemoryStorage
 from companion.core.units import wrap_pi
@@ -74,7 +75,7 @@ def test_circles_by_hand_from_qgroundcontrols_page_take_iron_and_motors_out(tmp_
     page = QgcCompassPage(rig)
     needed_setup = page.needs_setup
     assert needed_setup
-    assert rig.set_mode(MANUAL) == OK
+    assert rig.set_mode(Mode.MANUAL) == OK
     assert rig.arm() == OK
     assert rms(steer(rig, 0.2, 0.5, 15.0)) > 12.0
     page.press_ok()
@@ -107,7 +108,7 @@ def test_circles_by_hand_from_qgroundcontrols_page_take_iron_and_motors_out(tmp_
     assert not again.boat.sensors.compass_fault()
     check_field(rig, tmp_path / "00001.bin")
     measure_motors(rig)
-    assert rig.set_mode(LOITER) == OK
+    assert rig.set_mode(Mode.LOITER) == OK
     rig.run(10.0)
     assert rig.boat.nav is not None
     off_rad = wrap_pi(rig.boat.nav.heading_rad - rig.world.truth.heading_rad)
@@ -129,7 +130,7 @@ def check_field(rig: Rig, path: Path) -> None:
 
 def measure_motors(rig: Rig) -> None:
     """At the pier: the field of their leads is taken out."""
-    assert rig.set_mode(MANUAL) == OK
+    assert rig.set_mode(Mode.MANUAL) == OK
     steer(rig, 0.0, 0.0, 5.0)
     rig.world.hold_position()
     loud = rms(steer(rig, 0.8, 0.0, 6.0))
@@ -185,7 +186,7 @@ def test_another_compass_is_denied_and_a_cancellation_ends_a_calibration_and_a_m
     assert rig.ask(CMD.MAV_CMD_DO_ACCEPT_MAG_CAL) == FAILED
     assert rig.hardware.field is not None
     rig.hardware.field.correction = MagneticCorrection(offset=(1.0, 2.0, 3.0))
-    rig.set_mode(MANUAL)
+    rig.set_mode(Mode.MANUAL)
     rig.boat.vehicle.armed = True
     assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 0, 0, 0, 0, 0, 1) == IN_PROGRESS
     assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION) == CANCELLED
@@ -198,7 +199,7 @@ def test_another_compass_is_denied_and_a_cancellation_ends_a_calibration_and_a_m
 
 def test_a_result_waits_to_be_accepted_if_asked_to() -> None:
     rig = fresh()
-    rig.set_mode(MANUAL)
+    rig.set_mode(Mode.MANUAL)
     rig.arm()
     assert rig.hardware.field is not None
     assert rig.ask(CMD.MAV_CMD_DO_START_MAG_CAL, 0.0, 0.0, 0.0) == OK
@@ -227,7 +228,7 @@ def test_one_known_heading_calibrates_a_boat_that_cannot_be_turned() -> None:
     rig = fresh("sensors.compass.soft_iron_deg=0.0", "sensors.compass.motor_deg_per_a=0.0")
     true_deg = math.degrees(rig.world.truth.heading_rad)
     assert rig.ask(CMD.MAV_CMD_FIXED_MAG_CAL_YAW, true_deg, 1.0) == OK
-    rig.set_mode(MANUAL)
+    rig.set_mode(Mode.MANUAL)
     assert rig.arm() == OK
     assert rms(steer(rig, 0.2, 0.5, 12.0)) < 2.5
     assert rig.ask(CMD.MAV_CMD_FIXED_MAG_CAL_YAW, true_deg, 1.0) == REJECTED_FOR_NOW

@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import pytest
 from boat_rig import OK, Rig
-from sailing_rig import GUIDED, LOITER
 
 from companion.config.boat_config import BoatConfig
 from companion.core.intent import HoldHeading
+from companion.core.modes import Mode
 from companion.core.requests import SetPoint
 from companion.core.units import wrap_pi
 from companion.mavlink.dialect import dialect
@@ -45,7 +45,7 @@ def afloat(model: str, config: dict[str, object], seed: int) -> Rig:
 
 def response(model: str, gains: dict[str, object]) -> StepResponse:
     rig = afloat(model, gains, seed=12)
-    assert rig.set_mode(GUIDED) == OK
+    assert rig.set_mode(Mode.GUIDED) == OK
     assert rig.arm() == OK
     speed_m_s = rig.config.speed.cruise_m_s
 
@@ -70,7 +70,7 @@ def response(model: str, gains: dict[str, object]) -> StepResponse:
 
 def tuned(rig: Rig, *params: float) -> Rig:
     """After an autotune in LOITER."""
-    assert rig.set_mode(LOITER) == OK
+    assert rig.set_mode(Mode.LOITER) == OK
     assert rig.arm() == OK
     rig.run(10.0)
     assert rig.ask(AUTOTUNE, 1.0, *params) == IN_PROGRESS

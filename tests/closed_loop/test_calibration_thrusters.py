@@ -6,8 +6,9 @@ from collections.abc import Callable
 import pytest
 from boat_rig import OK, Rig
 from fence_rig import box, fenced, polygon
-from sailing_rig import GUIDED, LOITER, tells
+from sailing_rig import tells
 
+from companion.core.modes import Mode
 from companion.core.requests import ManualControl
 from companion.core.storage import MemoryStorage, Storage
 from companion.mavlink.dialect import dialect
@@ -30,7 +31,7 @@ def lopsided() -> Rig:
     """Armed, keeping station, with a right motor that gets 0.8 of its command."""
     rig = Rig("open", *WATER, storage=MemoryStorage()).ready()
     rig.world._thrusters.right.gain = WEAK
-    assert rig.set_mode(LOITER) == OK
+    assert rig.set_mode(Mode.LOITER) == OK
     assert rig.arm() == OK
     rig.run(5.0)
     return rig
@@ -116,7 +117,7 @@ def test_what_is_measured_is_the_truth_is_told_and_kept_and_makes_the_boat_go_st
 @pytest.mark.parametrize(
     ("breaks", "why"),
     [
-        (lambda rig: rig.set_mode(GUIDED), "mode GUIDED"),
+        (lambda rig: rig.set_mode(Mode.GUIDED), "mode GUIDED"),
         (lambda rig: rig.ask(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0), "disarmed"),
         (lambda rig: rig.ask(dialect.MAV_CMD_INJECT_FAILURE, 4, 1, 0), "failsafe"),
     ],
@@ -158,7 +159,7 @@ def test_it_is_refused_with_a_reason_and_keeps_inside_the_fence() -> None:
     assert refusal() == "Thruster calibration: arm first"
     assert rig.arm() == OK
     assert refusal() == "Thruster calibration: choose LOITER first"
-    rig.set_mode(LOITER)
+    rig.set_mode(Mode.LOITER)
     assert refusal(10.0) == "Thruster calibration: needs 24.0 m of free water all round"
     fenced(rig, *polygon(box(-20.0, -20.0, 20.0, 20.0)))
     rig.run(2.0)

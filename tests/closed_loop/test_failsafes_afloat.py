@@ -6,8 +6,9 @@ from typing import Any
 import pytest
 from boat_rig import OK, Rig, scenario, waypoint
 from msgspec.structs import replace
-from sailing_rig import AUTO, CURRENT, GUSTS, HOLD, begin, drifted_m, is_stopped, said, speed_m_s, told
+from sailing_rig import CURRENT, GUSTS, begin, drifted_m, is_stopped, said, speed_m_s, told
 
+from companion.core.modes import Mode
 from companion.core.readings import HeadingReading, HullReading
 from companion.hal.interfaces import Compass
 from sitl.courses.missions import lay_out, wire_items
@@ -62,7 +63,7 @@ def test_a_position_that_comes_back_is_told_and_kept_station_on() -> None:
     assert rig.mode == "LOITER"
     rig.run(15.0)
     assert drifted_m(rig, 20.0) < 3.0
-    assert rig.set_mode(AUTO) == OK
+    assert rig.set_mode(Mode.AUTO) == OK
     rig.run(5.0)
     assert rig.mode == "AUTO"
 
@@ -104,7 +105,7 @@ def test_weed_that_comes_off_lets_the_mission_go_on() -> None:
     told(rig, "Failsafe: Right motor", 50.0)
     told(rig, "Clearing the propellers", 50.0)
     rig.run(1.0)
-    assert rig.set_mode(HOLD) == OK, "the operator's mode ends it at once"
+    assert rig.set_mode(Mode.HOLD) == OK, "the operator's mode ends it at once"
     rig.run(0.5)
     assert is_stopped(rig)
     rig.run(15.0)
@@ -164,7 +165,7 @@ def test_heat_and_water_bring_the_boat_home_and_capsized_it_stops_its_propellers
     assert 9.9 < told(rig, "Failsafe: Too hot: 90 C", 12.0) < 10.3
     assert rig.mode == "RTL"
     hull.temperature_c = 30.0
-    assert rig.set_mode(AUTO) == OK
+    assert rig.set_mode(Mode.AUTO) == OK
     hull.is_wet = True
     assert 1.9 < told(rig, "Failsafe: Water in the hull", 4.0) < 2.3
     assert rig.mode == "RTL"

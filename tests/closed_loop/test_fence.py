@@ -5,9 +5,10 @@ import math
 import pytest
 from boat_rig import Rig, waypoint
 from fence_rig import EXCLUDED, L_WATER, box, fenced, least_margin_m, margin_m, polygon
-from sailing_rig import CURRENT, GUIDED, MANUAL, RTL, VELOCITY, aim, armed, push, sail_to, tells, told
+from sailing_rig import CURRENT, VELOCITY, aim, armed, push, sail_to, tells, told
 
 from companion.core.geo import LatLon
+from companion.core.modes import Mode
 from companion.core.units import deg_to_e7
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionType
@@ -23,7 +24,7 @@ BEHIND_THE_ISLANDS = LatLon(50.00095, -1.19757)
 
 
 def test_a_boat_told_to_sail_at_the_line_stops_inside() -> None:
-    rig = armed(GUIDED, rig=fenced(Rig("open", *ONTO_IT), *polygon(box(-20.0, -100.0, 20.0, 100.0))))
+    rig = armed(Mode.GUIDED, rig=fenced(Rig("open", *ONTO_IT), *polygon(box(-20.0, -100.0, 20.0, 100.0))))
     least, course = math.inf, math.radians(40.0)
     for _ in range(24):
         aim(rig, VELOCITY, velocity=(2.0 * math.cos(course), 2.0 * math.sin(course)))
@@ -33,7 +34,7 @@ def test_a_boat_told_to_sail_at_the_line_stops_inside() -> None:
 
 
 def test_full_throttle_by_hand_does_not_take_the_boat_out_ahead_or_astern() -> None:
-    rig = armed(MANUAL, rig=fenced(Rig("open", *ONTO_IT), *polygon(box(-20.0, -100.0, 20.0, 100.0))))
+    rig = armed(Mode.MANUAL, rig=fenced(Rig("open", *ONTO_IT), *polygon(box(-20.0, -100.0, 20.0, 100.0))))
     for throttle, seconds in ((1000, 20), (-1000, 45)):
         least = math.inf
         for _ in range(seconds):
@@ -44,10 +45,10 @@ def test_full_throttle_by_hand_does_not_take_the_boat_out_ahead_or_astern() -> N
 
 def test_rtl_follows_the_water_round_the_corner_in_a_current() -> None:
     water = ("environment.current_to_deg=225.0", "environment.current_m_s=0.5")
-    rig = armed(GUIDED, rig=fenced(Rig("open", *water), *polygon(L_WATER)))
+    rig = armed(Mode.GUIDED, rig=fenced(Rig("open", *water), *polygon(L_WATER)))
     sail_to(rig, 0.0, 60.0)
     sail_to(rig, 60.0, 60.0)
-    assert rig.set_mode(RTL) == 0
+    assert rig.set_mode(Mode.RTL) == 0
     began_s, least = rig.now_s, math.inf
     while not tells(rig, "RTL: arrived"):
         least = min(least, least_margin_m(rig, 1.0))
@@ -59,7 +60,7 @@ def test_rtl_follows_the_water_round_the_corner_in_a_current() -> None:
 
 @pytest.mark.parametrize(("action", "water"), [(1, ONTO_IT), (6, CURRENT)], ids=["RTL", "LOITER"])
 def test_a_boat_beyond_the_fence_comes_back(action: int, water: tuple[str, ...]) -> None:
-    rig = armed(GUIDED, *water, config={"failsafe.fence_action": action})
+    rig = armed(Mode.GUIDED, *water, config={"failsafe.fence_action": action})
     sail_to(rig, 18.0, 0.0, within_m=3.0)
     fenced(rig, *polygon(box(-15.0, -20.0, 10.0, 20.0)))
     rig.run(3.0)  # FENCE_STATUS comes every two seconds
@@ -130,7 +131,7 @@ def test_the_boat_comes_home_from_behind_the_islands_without_a_detour() -> None:
     home = rig.scenario.frame.to_local(BEHIND_THE_ISLANDS)
     x, y = deg_to_e7(BEHIND_THE_ISLANDS.lat_deg), deg_to_e7(BEHIND_THE_ISLANDS.lon_deg)
     rig.peer.command_int(dialect.MAV_CMD_DO_SET_HOME, x=x, y=y)
-    armed(RTL, rig=rig)
+    armed(Mode.RTL, rig=rig)
     took_s = rig.until(lambda: rig.offset_m(home.north_m, home.east_m) < 3.0, 400.0)
     assert took_s < 260.0
     assert sum(text.startswith("Obstacle") for text in rig.peer.texts) <= 4

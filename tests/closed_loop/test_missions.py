@@ -4,8 +4,9 @@ import math
 
 import pytest
 from boat_rig import HOME_ITEM, OK, Rig, waypoint
-from sailing_rig import AUTO, HOLD, VELOCITY, aim, do, over, reached, speed_m_s, told
+from sailing_rig import VELOCITY, aim, do, over, reached, speed_m_s, told
 
+from companion.core.modes import Mode
 from companion.core.units import wrap_pi
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem
@@ -41,9 +42,9 @@ def test_a_mission_interrupted_by_hold_is_taken_up_there_and_sailed_again_after_
     rig = Rig().sail(waypoint(15.0, 0.0), waypoint(15.0, 15.0))
     rig.until(lambda: rig.boat.vehicle.progress.current_seq == 2, 60.0)
     rig.run(2.0)
-    assert rig.set_mode(HOLD) == OK
+    assert rig.set_mode(Mode.HOLD) == OK
     rig.run(5.0)
-    assert rig.set_mode(AUTO) == OK
+    assert rig.set_mode(Mode.AUTO) == OK
     assert rig.boat.vehicle.progress.current_seq == 2
     assert over(rig) == [2]
     rig.reboot()

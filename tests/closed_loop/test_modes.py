@@ -4,31 +4,17 @@ import math
 
 import pytest
 from boat_rig import OK, Rig
-from sailing_rig import (
-    ACRO,
-    CURRENT,
-    GUIDED,
-    HOLD,
-    LOITER,
-    MANUAL,
-    RTL,
-    SIMPLE,
-    STEERING,
-    armed,
-    drifted_m,
-    go_to,
-    push,
-    told,
-)
+from sailing_rig import CURRENT, armed, drifted_m, go_to, push, told
 
+from companion.core.modes import Mode
 from companion.core.units import wrap_pi
 
 
 def test_loiter_keeps_its_place_in_a_current_and_hold_drifts_without_thrust() -> None:
-    rig = armed(LOITER, *CURRENT)
+    rig = armed(Mode.LOITER, *CURRENT)
     assert drifted_m(rig, 40.0) < 3.0
     assert rig.mode == "LOITER"
-    assert rig.set_mode(HOLD) == OK
+    assert rig.set_mode(Mode.HOLD) == OK
     rig.run(15.0)
     before_m = rig.world.truth.east_m
     rig.run(20.0)
@@ -38,13 +24,13 @@ def test_loiter_keeps_its_place_in_a_current_and_hold_drifts_without_thrust() ->
 
 
 def test_guided_arrives_in_a_current_and_rtl_comes_home_and_both_stay() -> None:
-    rig = armed(GUIDED, *CURRENT)
+    rig = armed(Mode.GUIDED, *CURRENT)
     home = rig.world.truth
     go_to(rig, 20.0, -25.0)
     told(rig, "GUIDED: arrived", 60.0)
     assert rig.offset_m(20.0, -25.0) < 3.0
     assert drifted_m(rig, 20.0) < 3.0
-    assert rig.set_mode(RTL) == OK
+    assert rig.set_mode(Mode.RTL) == OK
     told(rig, "RTL: arrived", 80.0)
     rig.run(20.0)
     assert rig.mode == "RTL"
@@ -58,7 +44,7 @@ def stale(rig: Rig) -> bool:
 
 
 def test_manual_turns_and_drives_as_the_stick_is_pushed_until_it_is_let_go() -> None:
-    rig = armed(MANUAL)
+    rig = armed(Mode.MANUAL)
     for side in (1, -1):
         push(rig, side * 400, 300, 3.0)
         assert side * rig.world.truth.yaw_rate_rad_s > 0.1
@@ -70,7 +56,7 @@ def test_manual_turns_and_drives_as_the_stick_is_pushed_until_it_is_let_go() -> 
 
 
 def test_acro_turns_at_the_rate_asked_for_and_holds_heading_and_speed() -> None:
-    rig = armed(ACRO)
+    rig = armed(Mode.ACRO)
     for side in (1, -1):
         push(rig, side * 500, 300, 6.0)
         assert rig.world.truth.yaw_rate_rad_s == pytest.approx(side * 0.4, abs=0.08)
@@ -84,7 +70,7 @@ def test_acro_turns_at_the_rate_asked_for_and_holds_heading_and_speed() -> None:
 
 
 def test_steering_turns_wider_the_faster_the_boat_is() -> None:
-    rig, rates = armed(STEERING), []
+    rig, rates = armed(Mode.STEERING), []
     for throttle in (300, 600):
         push(rig, 600, throttle, 12.0)
         rates.append(rig.world.truth.yaw_rate_rad_s)
@@ -101,7 +87,7 @@ def test_steering_turns_wider_the_faster_the_boat_is() -> None:
 def test_simple_goes_where_the_stick_points(
     simple_type: int, steering: int, throttle: int, off_rad: float
 ) -> None:
-    rig = armed(SIMPLE, config={"modes.simple_type": simple_type})
+    rig = armed(Mode.SIMPLE, config={"modes.simple_type": simple_type})
     ahead_rad = rig.world.truth.heading_rad if simple_type == 0 else 0.0
     push(rig, steering, throttle, 12.0)
     assert wrap_pi(rig.world.truth.heading_rad - ahead_rad - off_rad) == pytest.approx(0.0, abs=0.1)

@@ -5,12 +5,8 @@ import math
 import pytest
 from boat_rig import BOAT, OK, Peer, Rig
 from sailing_rig import (
-    CIRCLE,
     CURRENT,
-    FOLLOW,
-    GUIDED,
     POSITION,
-    SMART_RTL,
     VELOCITY,
     YAW,
     YAW_RATE,
@@ -24,13 +20,14 @@ from sailing_rig import (
 )
 
 from companion.core.geo import Point
+from companion.core.modes import Mode
 from companion.core.units import deg_to_e7, wrap_pi
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
 
 
 def test_a_velocity_is_made_good_in_a_current_and_not_repeated_ends_in_station_keeping() -> None:
-    rig = armed(GUIDED, *CURRENT)
+    rig = armed(Mode.GUIDED, *CURRENT)
     keep_aiming(rig, 20.0, VELOCITY, velocity=(1.2, -0.9))
     before, t = rig.world.truth, rig.now_s
     keep_aiming(rig, 10.0, VELOCITY, velocity=(1.2, -0.9))
@@ -44,7 +41,7 @@ def test_a_velocity_is_made_good_in_a_current_and_not_repeated_ends_in_station_k
 
 
 def test_headings_rates_and_attitudes_are_kept() -> None:
-    rig = armed(GUIDED)
+    rig = armed(Mode.GUIDED)
     keep_aiming(rig, 10.0, YAW, yaw=2.0)
     assert wrap_pi(rig.world.truth.heading_rad - 2.0) == pytest.approx(0.0, abs=0.1)
     keep_aiming(rig, 5.0, YAW_RATE, rate=-0.3)
@@ -58,7 +55,7 @@ def test_headings_rates_and_attitudes_are_kept() -> None:
 
 
 def test_an_offset_from_the_bow_is_sailed_to() -> None:
-    rig = armed(GUIDED)
+    rig = armed(Mode.GUIDED)
     truth = rig.world.truth
     c, s = math.cos(truth.heading_rad), math.sin(truth.heading_rad)
     aim(rig, POSITION, 20.0, 10.0, frame=dialect.MAV_FRAME_BODY_OFFSET_NED)
@@ -68,7 +65,7 @@ def test_an_offset_from_the_bow_is_sailed_to() -> None:
 
 def test_circle_goes_round_a_point_ahead_at_its_radius_in_a_current() -> None:
     config = {"modes.circle_direction": 1, "modes.circle_speed_m_s": 1.2}
-    rig = armed(CIRCLE, *CURRENT, config=config)
+    rig = armed(Mode.CIRCLE, *CURRENT, config=config)
     truth = rig.world.truth
     north_m = truth.north_m + 10 * math.cos(truth.heading_rad)
     east_m = truth.east_m + 10 * math.sin(truth.heading_rad)
@@ -100,7 +97,7 @@ def tell_where(lead: Peer, rig: Rig, at: Point, north_m_s: float, east_m_s: floa
 def test_follow_keeps_its_place_astern_and_stays_when_the_lead_falls_silent() -> None:
     rig = Rig().ready()
     lead = rig.connect(Address(2, 1))
-    assert rig.set_mode(FOLLOW) != OK
+    assert rig.set_mode(Mode.FOLLOW) != OK
     assert "FOLLOW: no vehicle is heard" in rig.peer.texts
     begin_s = rig.now_s
     at = Point(10.0, 0.0)
@@ -115,7 +112,7 @@ def test_follow_keeps_its_place_astern_and_stays_when_the_lead_falls_silent() ->
             rig.run(0.2)
 
     sail(0.4)
-    assert rig.set_mode(FOLLOW) == OK
+    assert rig.set_mode(Mode.FOLLOW) == OK
     assert rig.arm() == OK
     sail(40.0)
     assert rig.offset_m(at.north_m - 10.0, at.east_m) < 1.5
@@ -126,13 +123,13 @@ def test_follow_keeps_its_place_astern_and_stays_when_the_lead_falls_silent() ->
 
 
 def test_smart_rtl_sails_back_the_way_it_came() -> None:
-    rig = armed(GUIDED)
+    rig = armed(Mode.GUIDED)
     home = rig.world.truth
     for north_m, east_m in ((30.0, 0.0), (30.0, 30.0), (0.0, 30.0)):
         go_to(rig, north_m, east_m)
         told(rig, "GUIDED: arrived", 60.0)
     assert len(rig.boat.vehicle.track.points) < 15
-    assert rig.set_mode(SMART_RTL) == OK
+    assert rig.set_mode(Mode.SMART_RTL) == OK
     furthest_m = 0.0
     corners = [False, False]
     while not tells(rig, "SMART_RTL: arrived"):

@@ -5,21 +5,9 @@ import math
 import pytest
 from boat_rig import OK, Rig, waypoint
 from fence_rig import box, fenced, least_margin_m, polygon
-from sailing_rig import (
-    CURRENT,
-    GUIDED,
-    LOITER,
-    MANUAL,
-    RTL,
-    VELOCITY,
-    aim,
-    armed,
-    begin,
-    is_stopped,
-    push,
-    tells,
-)
+from sailing_rig import CURRENT, VELOCITY, aim, armed, begin, is_stopped, push, tells
 
+from companion.core.modes import Mode
 from companion.mavlink.dialect import dialect
 
 RUDDER = "boat.model=rudder"
@@ -32,7 +20,7 @@ def rudder_boat(mode: int, *settings: str) -> Rig:
 
 
 def test_it_keeps_station_within_its_radius_and_three_turning_radii() -> None:
-    rig = rudder_boat(LOITER, *WIND)
+    rig = rudder_boat(Mode.LOITER, *WIND)
     at = rig.world.truth
     away_m = []
     for _ in range(240):
@@ -47,27 +35,27 @@ def test_a_leg_straight_back_is_sailed_round_in_a_current_and_then_it_comes_home
     rig = Rig("open", RUDDER, *CURRENT).sail(waypoint(25.0, 0.0), waypoint(0.0, 0.0), waypoint(0.0, 30.0))
     rig.until(lambda: rig.offset_m(0.0, 30.0) < 2.0, 150.0)
     assert not tells(rig, "Failsafe")
-    assert rig.set_mode(RTL) == OK
+    assert rig.set_mode(Mode.RTL) == OK
     rig.until(lambda: rig.offset_m(0.0, 0.0) < 2.5, 120.0)
     rig.run(40.0)
     assert rig.offset_m(0.0, 0.0) < STATION_M + 3.0 * RADIUS_M
 
 
 def test_stopped_before_the_fence_it_turns_around_in_several_moves() -> None:
-    rig = armed(GUIDED, rig=fenced(Rig("open", RUDDER), *polygon(box(-30.0, -100.0, 20.0, 100.0))))
+    rig = armed(Mode.GUIDED, rig=fenced(Rig("open", RUDDER), *polygon(box(-30.0, -100.0, 20.0, 100.0))))
     least, course = math.inf, math.radians(40.0)
     for _ in range(35):
         aim(rig, VELOCITY, velocity=(1.2 * math.cos(course), 1.2 * math.sin(course)))
         least = min(least, least_margin_m(rig, 1.0))
     assert 0.3 < least < 6.0
-    assert rig.set_mode(RTL) == OK
+    assert rig.set_mode(Mode.RTL) == OK
     least = min(least, least_margin_m(rig, 75.0))
     assert least > 0.3
     assert rig.offset_m(0.0, 0.0) < STATION_M + 3.0 * RADIUS_M
 
 
 def test_a_stick_to_starboard_turns_the_bow_to_starboard_and_disarming_stops_motor_and_rudder() -> None:
-    rig = rudder_boat(MANUAL)
+    rig = rudder_boat(Mode.MANUAL)
     push(rig, 400, 500, 6.0)
     assert rig.world.rudder_rad == pytest.approx(0.4 * math.radians(35.0), rel=0.05)
     assert rig.world.truth.yaw_rate_rad_s > 0.1
@@ -114,7 +102,7 @@ def test_a_part_that_works_badly_and_gusts_do_not_end_the_mission() -> None:
 
 
 def test_the_autotune_measures_the_rudder_and_the_thruster_calibration_is_refused() -> None:
-    rig = rudder_boat(LOITER)
+    rig = rudder_boat(Mode.LOITER)
     rig.run(3.0)
     assert rig.ask(dialect.MAV_CMD_USER_1, 1.0) == 1
     assert rig.peer.texts == ["Thruster calibration: measures two motors; set a rudder boat's by hand"]
