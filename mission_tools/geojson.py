@@ -43,7 +43,7 @@ _WATER: Final = {
 }
 
 
-def feature(geometry: str | None, coordinates: Sequence[Any] = (), **properties: object) -> dict[str, Any]:
+def feature(geometry: str | None, coordinates: Sequence[Any] = (), /, **properties: object) -> dict[str, Any]:
     """A feature to write; without a geometry it has no place."""
     shape = None if geometry is None else {"type": geometry, "coordinates": coordinates}
     return {"type": "Feature", "properties": properties, "geometry": shape}

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from companion.core.geo import LatLon, LocalFrame, Point
+from mission_tools.geojson import collection, feature
 
 Ring = list[tuple[float, float]]
 
@@ -95,20 +96,7 @@ def polygon(name: str, kind: str, ring: Ring) -> dict[str, Any]:
     area = math.fsum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in zip(ring, ring[1:] + ring[:1], strict=True))
     turned = ring if area > 0 else ring[::-1]
     corners = [position(*at) for at in [*turned, turned[0]]]
-    return {
-        "type": "Feature",
-        "properties": {"name": name, "kind": kind},
-        "geometry": {"type": "Polygon", "coordinates": [corners]},
-    }
-
-
-def landmark(name: str, at: tuple[float, float]) -> dict[str, Any]:
-    """A named point, for pictures only."""
-    return {
-        "type": "Feature",
-        "properties": {"name": name, "kind": "landmark"},
-        "geometry": {"type": "Point", "coordinates": position(*at)},
-    }
+    return feature("Polygon", [corners], name=name, kind=kind)
 
 
 def mill_pond() -> dict[str, Any]:
@@ -121,18 +109,16 @@ def mill_pond() -> dict[str, Any]:
     ]
     structures = [polygon(name, kind, ring) for name, (kind, ring) in STRUCTURES.items()]
     swimming = polygon("Swimming area", "swimming", rounded(SWIMMING, 5))
-    landmarks = [landmark(name, at) for name, at in LANDMARKS.items()]
-    return {
-        "type": "FeatureCollection",
-        "name": "Mill Pond",
-        "features": [water, *islands, *structures, swimming, *landmarks],
-    }
+    landmarks = [
+        feature("Point", position(*at), name=name, kind="landmark") for name, at in LANDMARKS.items()
+    ]
+    return collection([water, *islands, *structures, swimming, *landmarks], name="Mill Pond")
 
 
 def main() -> None:
     """Write the file, one feature a line."""
     pond = mill_pond()
-    features = ",\n".join(json.dumps(feature, separators=(",", ":")) for feature in pond["features"])
+    features = ",\n".join(json.dumps(one, separators=(",", ":")) for one in pond["features"])
     text = f'{{"type":"FeatureCollection","name":"{pond["name"]}","features":[\n{features}\n]}}\n'
     Path(__file__).with_name("mill_pond.geojson").write_text(text, encoding="utf-8")
 

@@ -145,7 +145,7 @@ class MapSource:
     ) -> None:
         self._survey_area = area
         self._text, self._source = text, source
-        self._chart = _within(_for_draught(source.chart, options.draught_m), areas)
+        self._chart = _within(for_draught(source.chart, options.draught_m), areas)
         self._notes = tuple(dict.fromkeys((*self._chart.notes, *areas.notes)))
         self._areas = areas
         self._wishes = options
@@ -210,13 +210,17 @@ class MapSource:
     def _planned(self, here: LatLon | None) -> PlannedMission:
         start = self._named_start or self._start_of(here)
         chart, speed_m_s, clearance_m = self._chart, self._wishes.speed_m_s, self._settings.clearance_m
-        survey = self._survey(start)
-        task = self._task(start) if survey is None else survey.route
+        survey: Survey | None = None
+        if self._wishes.survey is not None:
+            area = self._survey_area or named_survey_area(chart, self._wishes.survey)
+            survey = survey_of(chart, start, self._wishes, self._settings, area)
+            task = survey.route
+        else:
+            task = task_route(chart, start, self._stops, self._wishes, self._settings, self._local)
         if task is not None:
             mission = self._areas.over(mission_of(task, chart.frame, speed_m_s))
-            return PlannedMission(
-                chart.name, mission, chart, None, task, clearance_m, (*self._notes, *task.notes), survey
-            )
+            notes = (*self._notes, *task.notes)
+            return PlannedMission(chart.name, mission, chart, None, task, clearance_m, notes, survey)
         assert start is not None  # noqa: S101  _start_of raises before
         *via, goal = (stop.place for stop in self._stops)
         found = plan(chart, start, goal, self._settings, via)
@@ -228,20 +232,8 @@ class MapSource:
         zones = speed_zones(chart)
         slowed = mission_in_zones(chart.frame, found.points, zones, speed_m_s) if zones else None
         mission = self._areas.over(slowed or mission_along(places, speed_m_s))
-        return PlannedMission(
-            chart.name, mission, chart, found, None, clearance_m, (*self._notes, *found.notes)
-        )
-
-    def _survey(self, start: Point | None) -> "Survey | None":
-        """The survey, if one is asked for."""
-        if self._wishes.survey is None:
-            return None
-        area = self._survey_area or named_survey_area(self._chart, self._wishes.survey)
-        return survey_of(self._chart, start, self._wishes, self._settings, area)
-
-    def _task(self, start: Point | None) -> TaskRoute | None:
-        """The route of another task; None where only a way from place to place is asked for."""
-        return task_route(self._chart, start, self._stops, self._wishes, self._settings, self._local)
+        notes = (*self._notes, *found.notes)
+        return PlannedMission(chart.name, mission, chart, found, None, clearance_m, notes)
 
     def _stops_of(self, text: str, source: Source) -> list[Stop]:
         """Where the route leads, the goal last.
@@ -265,7 +257,8 @@ class MapSource:
         if goal is not None:
             stops.append(Stop(goal, hold_s, "goal"))
         if not stops:
-            raise UsageError(f"{text} names no goal: add --goal LAT,LON" + _cases(source))
+            cases = f", or --case with one of {', '.join(source.cases)}" if source.cases else ""
+            raise UsageError(f"{text} names no goal: add --goal LAT,LON{cases}")
         return stops
 
     def _start_of(self, here: LatLon | None) -> Point | None:
@@ -307,23 +300,8 @@ class MapSource:
         return self._chart.frame.to_local(place)
 
 
-def _for_draught(chart: Chart, draught_m: float | None) -> Chart:
-    """Raise:
-    UsageError: a draught below 0.
-    """
-    if draught_m is None:
-        return chart
-    if draught_m < 0.0:
-        raise UsageError(f"--draught {draught_m:g}: expected 0 metres or more")
-    return for_draught(chart, draught_m)
-
-
 def _within(chart: Chart, areas: Areas) -> Chart:
     """The chart restricted by the fence, if there is one."""
     if areas.fence is None or areas.fence == Fence():
         return chart
     return fenced(chart, areas.fence, areas.fence_name)
-
-
-def _cases(source: Source) -> str:
-    return f", or --case with one of {', '.join(source.cases)}" if source.cases else ""

@@ -170,14 +170,19 @@ class InZones:
         return cost
 
 
-def for_draught(chart: Chart, draught_m: float) -> Chart:
+def for_draught(chart: Chart, draught_m: float | None) -> Chart:
     """The chart for a boat of this draught: water that is less deep is an obstacle.
 
     Water without a depth counts as deep enough; a note says so where the map has no depths at all.
 
     Raises:
         MapError: nothing is deep enough, or a depth is no number; names the area.
+        UsageError: a draught below 0.
     """
+    if draught_m is None:
+        return chart
+    if draught_m < 0.0:
+        raise UsageError(f"--draught {draught_m:g}: expected 0 metres or more")
     if all(feature.properties.get(DEPTH) is None for feature in chart.features):
         said = f"the map has no depths ({DEPTH}): a draught of {draught_m:g} m makes no difference"
         return replace(chart, notes=(*chart.notes, said))

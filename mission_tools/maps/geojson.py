@@ -26,8 +26,9 @@ from companion.core.geo import LatLon
 from mission_tools.errors import MapError
 from mission_tools.geojson import MOST_LON_DEG, entries_of, labelled, position, simple_geometries
 from mission_tools.maps.assemble import chart_of
-from mission_tools.maps.chart import Area, Chart
+from mission_tools.maps.chart import Chart
 from mission_tools.maps.raw import RawFeature, RawMap, read_bytes
+from mission_tools.maps.repair import place_of
 
 Corners = list[tuple[float, float]]
 
@@ -157,7 +158,9 @@ def _closed(ring: object, where: str, notes: list[str]) -> Corners | None:
 def closed_ring(corners: Corners, where: str, notes: list[str]) -> Corners | None:
     """The corners, closed if they were not; None with a note if they are too few for an area."""
     if corners and corners[0] != corners[-1]:
-        notes.append(f"{where}: not closed: ends at {_at(*corners[-1])}, began at {_at(*corners[0])}: closed")
+        notes.append(
+            f"{where}: not closed: ends at {place_of(*corners[-1])}, began at {place_of(*corners[0])}: closed"
+        )
         corners = [*corners, corners[0]]
     if len(corners) < 4:
         said = f"{len(corners)} positions: a closed ring has at least 4" if corners else "empty ring"
@@ -180,49 +183,27 @@ def _corners(ring: list[Any], where: str) -> Corners:
 
 
 def polygon_parts(geometry: Mapping[str, Any], where: str) -> list[Polygon]:
-    """The polygons of a Polygon or MultiPolygon, in degrees: x longitude, y latitude.
+    """The polygons of a Polygon or MultiPolygon, in degrees: x longitude, y latitude; nothing is repaired.
 
     Raises:
         MapError: another geometry, or rings that are no polygon.
     """
-    kind, coordinates = geometry.get("type"), geometry.get("coordinates")
+    kind = geometry.get("type")
     if kind not in ("Polygon", "MultiPolygon"):
         raise MapError(f"{where}: geometry is {kind!r}: expected Polygon or MultiPolygon")
-    if not isinstance(coordinates, list) or not coordinates:
-        raise MapError(f"{where}: empty geometry")
-    if kind == "Polygon":
-        return [_polygon(coordinates, where)]
-    return [_polygon(rings, f"{where}, part {n}") for n, rings in enumerate(coordinates, 1)]
+    faults: list[str] = []
+    parts = list(shapely.get_parts(_shape(geometry, where, faults)))
+    if faults:
+        raise MapError(faults[0].removesuffix(": closed").removesuffix(": skipped"))
+    for number, part in enumerate(parts, 1):
+        _check_valid(part, where if kind == "Polygon" else f"{where}, part {number}")
+    return parts
 
 
-def _polygon(rings: object, where: str) -> Polygon:
-    if not isinstance(rings, list) or not rings:
-        raise MapError(f"{where}: empty geometry")
-    outer, *holes = (_ring(ring, f"{where}, ring {n}") for n, ring in enumerate(rings, 1))
-    shape = Polygon(outer, holes)
-    _checked(shape, where)
-    return shape
-
-
-def _ring(ring: object, where: str) -> Corners:
-    if not isinstance(ring, list) or not ring:
-        raise MapError(f"{where}: empty ring")
-    corners = _corners(ring, where)
-    if len(corners) < 4:
-        raise MapError(f"{where}: {len(corners)} positions: a closed ring has at least 4")
-    if corners[0] != corners[-1]:
-        raise MapError(f"{where}: not closed: ends at {_at(*corners[-1])}, began at {_at(*corners[0])}")
-    return corners
-
-
-def _checked(shape: Area, where: str) -> None:
+def _check_valid(shape: Polygon, where: str) -> None:
     if shape.is_valid:
         return
     reason, _, place = shapely.is_valid_reason(shape).rstrip("]").partition("[")
     said = "a ring crosses or touches itself" if reason in _CROSSINGS else reason.lower()
     lon_deg, lat_deg = (float(number) for number in place.split()[:2])
-    raise MapError(f"{where}: not a valid polygon: {said} at {_at(lon_deg, lat_deg)}")
-
-
-def _at(lon_deg: float, lat_deg: float) -> str:
-    return f"lat {lat_deg:.7f}, lon {lon_deg:.7f}"
+    raise MapError(f"{where}: not a valid polygon: {said} at {place_of(lon_deg, lat_deg)}")

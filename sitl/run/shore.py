@@ -27,6 +27,7 @@ import shapely
 from numpy.typing import NDArray
 
 from companion.core.geo import Point
+from mission_tools.geojson import collection, feature
 from mission_tools.maps.chart import Chart, Feature
 from sitl.run.kept_child import KeptChild, KeptPage, hand_over, take_over
 
@@ -188,26 +189,18 @@ def map_of(chart: Chart) -> str:
     """A chart as a GeoJSON map of the kinds that `docs/maps.md` lists. Islands are cut out of the water."""
     water = [] if chart.is_open else [Feature(chart.name, "water", chart.water)]
     others = [feature for feature in chart.features if feature.kind != "water"]
-    features = [
-        {
-            "type": "Feature",
-            "properties": {**feature.properties, "name": feature.name, "kind": feature.kind},
-            "geometry": _geometry(chart, feature),
-        }
-        for feature in (*water, *others)
-    ]
-    tree = {"type": "FeatureCollection", "name": chart.name, "features": features}
-    return json.dumps(tree, ensure_ascii=False, separators=(",", ":"))
-
-
-def _geometry(chart: Chart, feature: Feature) -> object:
-    """In WGS 84, [longitude, latitude], rounded to 1 cm."""
 
     def placed(points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """In WGS 84, [longitude, latitude], rounded to 1 cm."""
         places = [chart.frame.to_global(Point(north_m=north, east_m=east)) for east, north in points.tolist()]
         return np.array([[round(place.lon_deg, 7), round(place.lat_deg, 7)] for place in places])
 
-    return json.loads(shapely.to_geojson(shapely.transform(feature.shape, placed)))
+    features = []
+    for each in (*water, *others):
+        shape = json.loads(shapely.to_geojson(shapely.transform(each.shape, placed)))
+        properties = {**each.properties, "name": each.name, "kind": each.kind}
+        features.append(feature(shape["type"], shape["coordinates"], **properties))
+    return json.dumps(collection(features, name=chart.name), ensure_ascii=False, separators=(",", ":"))
 
 
 def _free_udp_port() -> int:
