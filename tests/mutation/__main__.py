@@ -13,6 +13,7 @@ A mutant that behaves like the original is declared in equivalent.toml, with the
 """
 
 import argparse
+import contextlib
 import gc
 import importlib.abc
 import importlib.util
@@ -232,6 +233,9 @@ def survivors(package: str, mutants: Sequence[Mutant], cores: int) -> tuple[set[
 
     def run(items: list[pytest.Item], session: pytest.Session) -> None:
         nonlocal base
+        for name in {module_of(mutant) for mutant in mutants}:  # the tests may import it late
+            with contextlib.suppress(ImportError):
+                importlib.import_module(name)
         measured = in_child(lambda: measure(items, session, folder))
         assert isinstance(measured, Baseline)
         base = measured
@@ -261,6 +265,11 @@ def survivors(package: str, mutants: Sequence[Mutant], cores: int) -> tuple[set[
     return survived | run_all(jobs, 2.0 * sum(base.cpu_s) + SPARE_CPU_S, cores), base
 
 
+def module_of(mutant: Mutant) -> str:
+    """Its name, as it is imported."""
+    return mutant.path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+
+
 def _tests_of(mutant: Mutant, base: Baseline) -> list[str]:
     """The tests that call any function of the mutant's file, the quickest first."""
     path = str(ROOT / mutant.path)
@@ -280,8 +289,7 @@ def _within(
 
 def _imported(package: str, mutant: Mutant, base: Baseline) -> Callable[[], int]:
     def work() -> int:
-        name = mutant.path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
-        sys.meta_path.insert(0, MutatedModule(name, compiled(ROOT, mutant)))
+        sys.meta_path.insert(0, MutatedModule(module_of(mutant), compiled(ROOT, mutant)))
         outcome = [KILLED]
 
         def run(items: list[pytest.Item], session: pytest.Session) -> None:
