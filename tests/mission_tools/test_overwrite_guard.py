@@ -1,15 +1,12 @@
 """No program of the planner replaces a file unasked that it has not written itself."""
 
-import json
 from pathlib import Path
 
 import pytest
 
-from companion.core.geo import LatLon
 from mission_tools.cli import download_command, plan_command, trace_command, upload_command
 from mission_tools.errors import UsageError
 from mission_tools.overwrite_guard import check_replaceable
-from mission_tools.water_map import open_map
 
 pytestmark = pytest.mark.slow
 
@@ -49,16 +46,6 @@ def test_what_others_wrote_is_replaced_only_by_force(suffix: str, tmp_path: Path
     check_replaceable("--out", path, force=True)
 
 
-@pytest.mark.parametrize(("option", "suffix"), [("--out", ".plan"), ("--preview", ".html")])
-def test_planning_asks_before_it_writes(option: str, suffix: str, tmp_path: Path) -> None:
-    path = tmp_path / f"mine{suffix}"
-    path.write_text(FOREIGN[suffix], encoding="utf-8")
-    assert plan("lake", option, path) == 2
-    assert path.read_text(encoding="utf-8") == FOREIGN[suffix]
-    assert plan("lake", option, path, "--force") == 0
-    assert path.read_bytes() != FOREIGN[suffix].encode()
-
-
 def test_the_map_of_the_examples_is_not_replaced_and_its_fence_is_made_anew() -> None:
     with pytest.raises(UsageError, match="exists"):
         check_replaceable("--out", EXAMPLES / "mill_pond.geojson", force=False)
@@ -92,13 +79,3 @@ def test_upload_and_download_ask_before_they_connect(
     assert upload_command.run_program(["lake", "--save", str(path)]) == 2
     assert download_command.run_program([str(path)]) == 2
     assert capsys.readouterr().err.count("mine.plan: exists") == 2
-
-
-def test_a_program_that_plans_is_guarded_too(tmp_path: Path) -> None:
-    route = open_map(EXAMPLES / "mill_pond.geojson").route(LatLon(49.9995, -1.2015), LatLon(49.9992, -1.2015))
-    path = tmp_path / "mine.plan"
-    path.write_text(FOREIGN[".plan"], encoding="utf-8")
-    with pytest.raises(UsageError, match=r"mine\.plan: exists"):
-        route.save(path)
-    route.save(path, force=True)
-    assert json.loads(path.read_text(encoding="utf-8"))["groundStation"] == "mavboat"

@@ -4,12 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from companion.core.geo import LatLon, LocalFrame, Point, distance_m, longitude_difference_deg
+from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from mission_tools.assembly.areas import Areas
 from mission_tools.assembly.check import check_mission
 from mission_tools.assembly.plan_options import PlanOptions
 from mission_tools.assembly.planned_mission import MapSource, MissionFile, PlannedMission
-from mission_tools.drawing.draw import draw_picture
 from mission_tools.errors import MapError, UsageError
 from mission_tools.maps import RouteDefaults, Source, build_chart
 from mission_tools.maps.fenced import fenced
@@ -99,16 +98,6 @@ def test_a_keep_out_on_a_long_leg_is_in_the_way(tmp_path: Path) -> None:
 # The antimeridian
 
 
-@pytest.mark.parametrize(
-    ("east_of", "west_of", "difference_deg"),
-    [(-179.9995, 179.9995, 0.001), (179.9995, -179.9995, -0.001), (10.0, -10.0, 20.0), (-170.0, 100.0, 90.0)],
-)
-def test_longitudes_are_compared_the_short_way_round(
-    east_of: float, west_of: float, difference_deg: float
-) -> None:
-    assert longitude_difference_deg(east_of, west_of) == pytest.approx(difference_deg, abs=1e-9)
-
-
 def test_two_waypoints_on_either_side_of_the_antimeridian_are_neighbours() -> None:
     places = [LatLon(0.001, 179.9995), LatLon(0.001, -179.9995)]
     mission = Mission(tuple(MissionItem.at(at, Command.NAV_WAYPOINT) for at in places), places[0])
@@ -121,29 +110,6 @@ def test_two_waypoints_half_a_world_apart_are_not() -> None:
     assert [finding.text for finding in check_mission(mission)] == [
         "more than 50 km from the point before it"
     ]
-
-
-def test_a_goal_beyond_the_antimeridian_is_near() -> None:
-    source = open_source(LatLon(-17.0, 179.9995), goal=None)
-    water = MapSource("sea", source, PlanOptions(goal=LatLon(-17.0, -179.9995)))
-    planned = water.prepare()
-    assert planned.plan is not None
-    assert planned.plan.length_m == pytest.approx(106.5, abs=0.5)
-
-
-@pytest.mark.parametrize(("lat_deg", "lon_deg"), [(-17.0, 177.9), (-17.0, -177.9), (-14.9, 180.0)])
-def test_a_goal_beyond_two_degrees_is_far(lat_deg: float, lon_deg: float) -> None:
-    with pytest.raises(UsageError, match="nowhere near sea"):
-        MapSource("sea", open_source(MERIDIAN), PlanOptions(goal=LatLon(lat_deg, lon_deg)))
-
-
-def test_the_picture_of_a_chart_across_the_antimeridian_has_its_degrees() -> None:
-    chart = build_chart("sea", LocalFrame(MERIDIAN), None, ())
-    axes = draw_picture(chart, [Point(0.0, -500.0), Point(0.0, 500.0)]).axes[0]
-    labels = [label.get_text() for label in axes.get_xticklabels()]
-    assert [label for label in labels if label.endswith("E")]
-    assert [label for label in labels if label.endswith("W")]
-    assert all(float(label.split("°")[0]) <= 180.0 for label in labels)
 
 
 def test_a_fence_across_the_antimeridian_is_near_its_chart() -> None:

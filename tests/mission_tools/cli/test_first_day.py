@@ -6,9 +6,8 @@ from pathlib import Path
 import pytest
 
 from companion.config.boat_config import BoatConfig
-from companion.core.geo import LatLon, Point
+from companion.core.geo import LatLon
 from mission_tools.cli.plan import run_program as run_plan
-from mission_tools.drawing.draw import draw_picture
 from mission_tools.drawing.preview import figure_of
 from mission_tools.job.planned import MOST_ITEMS
 from mission_tools.mission.mission import Mission, MissionItem
@@ -65,19 +64,6 @@ def test_a_survey_is_drawn_with_its_coverage_also_for_a_notebook(pond: None) -> 
     assert not any(text.isdigit() for text in shown)  # no waypoint has a number
 
 
-def test_a_route_that_ends_where_it_starts_has_one_mark_there(pond: None) -> None:
-    water, at = open_map("pond.geojson"), (50.0002, -1.1998)
-    planned = water.tour(at, [(50.0018, -1.1982)], is_return=True, clearance_m=3.0).planned
-    shown = {text.get_text() for text in figure_of(planned).axes[0].texts}
-    assert "Start and goal" in shown
-    assert not {"Start", "Goal"} & shown
-
-
-def test_swapped_coordinates_are_named_as_such(pond: None, capsys: pytest.CaptureFixture[str]) -> None:
-    assert run_plan(["pond.geojson", "--start", SOUTH_WEST, "--goal", "-1.1982,50.0018"]) == 2
-    assert "latitude and longitude look swapped, here or in the map" in capsys.readouterr().err
-
-
 def test_a_folder_for_a_map_and_a_draught_without_depths_are_told(
     pond: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -89,17 +75,3 @@ def test_a_folder_for_a_map_and_a_draught_without_depths_are_told(
     assert (
         "the map has no depths (depth_m): a draught of 0.4 m makes no difference" in capsys.readouterr().out
     )
-
-
-def test_a_preview_makes_the_folder_it_goes_to(pond: None) -> None:
-    route = ["pond.geojson", "--start", SOUTH_WEST, "--goal", NORTH_EAST]
-    assert run_plan([*route, "--out", "new/a.plan", "--preview", "newer/a.html"]) == 0
-    assert Path("newer/a.html").is_file()
-
-
-def test_a_waypoint_on_the_way_back_does_not_cover_the_number_of_one_on_the_way_out(pond: None) -> None:
-    home, bend, far = Point(-80.0, -50.0), Point(0.0, 0.0), Point(80.0, -50.0)
-    chart = open_map("pond.geojson").source.chart
-    axes = draw_picture(chart, [home, bend, far, bend, home]).axes[0]
-    assert [text.get_text() for text in axes.texts if text.get_text().isdigit()] == ["1", "2"]
-    assert sum(line.get_marker() == "o" for line in axes.lines) == 2

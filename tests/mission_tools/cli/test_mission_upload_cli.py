@@ -3,7 +3,6 @@
 import json
 import re
 import socket
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -71,13 +70,6 @@ def test_what_is_read_is_not_written_over(
     assert (pond / "first.plan").read_bytes() == before
     assert upload_cli.run_program(["pond.toml", "--dry-run", "--save", "FIRST.PLAN"]) == 0
     assert load_mission(pond / "FIRST.PLAN").places == load_mission(pond / "first.plan").places
-
-
-def test_the_map_itself_is_a_fence_for_the_route_on_it(pond: Path) -> None:
-    arguments = ["pond.toml", "--fence", "pond.geojson", "--dry-run", "--save", "fenced.plan"]
-    assert upload_cli.run_program(arguments) == 0
-    fence = load_mission(pond / "fenced.plan").fence
-    assert [polygon.inclusion for polygon in fence.polygons] == [True, False]
 
 
 @pytest.fixture
@@ -159,13 +151,6 @@ def test_json_is_alone_on_stdout(pond: Path, capsys: pytest.CaptureFixture[str])
     assert tree["upload"] is None
 
 
-def test_json_tells_failures_too(pond: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert upload_cli.run_program(["pond.toml", "--goal", "50.001,-1.199", "--dry-run", "--json"]) == 2
-    tree = json.loads(capsys.readouterr().out)
-    assert (tree["ok"], tree["exit_code"]) == (False, 2)
-    assert "Goose Island" in tree["error"]
-
-
 def test_debug_keeps_the_traceback(pond: Path) -> None:
     with pytest.raises(UsageError):
         upload_cli.run_program(["pond.toml", "--connect", "x", "--debug"])
@@ -237,23 +222,6 @@ def test_a_mission_that_leaves_its_fence_is_noted_by_item(
     assert upload_cli.run_program(["r.plan", "--fence", "in.geojson", "--dry-run", "--save", "f.plan"]) == 0
     assert re.search(r"note: item \d: lies in the water outside the fence", capsys.readouterr().out)
     assert len(load_mission(Path("f.plan")).fence.polygons) == 1
-
-
-@pytest.mark.parametrize("program", [upload_cli.run_program, check_cli.run_program])
-def test_what_was_repaired_in_a_map_is_told(
-    program: Callable[[list[str]], int], pond: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    tree = json.loads((pond / "pond.geojson").read_text(encoding="utf-8"))
-    tree = tree if tree["type"] == "FeatureCollection" else {"type": "FeatureCollection", "features": [tree]}
-    tree["features"].append({"type": "Feature", "properties": {}, "geometry": None})
-    (pond / "Broken.GEOJSON").write_text("\ufeff" + json.dumps(tree), encoding="utf-8")
-    route = ["Broken.GEOJSON", "--start-at", START, "--goal", GOAL, "--dry-run", "--save", "one.plan"]
-    assert upload_cli.run_program(route) == 0
-    if program is check_cli.run_program:
-        capsys.readouterr()
-        assert program(["one.plan", "--map", "Broken.GEOJSON"]) == 0
-    said = capsys.readouterr()
-    assert "no geometry: skipped" in said.out + said.err
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from companion.config.boat_config import BoatConfig, decode_config
+from companion.config.boat_config import BoatConfig
 from companion.core.errors import ConfigError
 from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.assembly.plan_options import PlanOptions
@@ -74,12 +74,6 @@ def test_a_boat_that_cannot_turn_on_the_spot_sails_half_a_circle_at_a_sharp_corn
     rudder = replace(BOAT, least_radius_m=3.0)
     wait_s = 3.0 * math.pi / 0.4 - math.pi / 0.65  # at the slowest speed, rather than on the spot
     assert budget(way, rudder).time_s == pytest.approx(budget(way).time_s + wait_s, abs=0.1)
-
-
-@pytest.mark.parametrize(("layout", "radius_m"), [("rudder", 4.0), ("differential", 0.0)])
-def test_the_least_radius_is_that_of_the_boats_file(layout: str, radius_m: float) -> None:
-    config = decode_config({"drive": {"layout": layout, "turn_radius_m": 4.0}}, "test")
-    assert Boat.of(config).least_radius_m == radius_m
 
 
 def test_a_hold_draws_what_station_keeping_does() -> None:

@@ -23,6 +23,12 @@ CLEARANCE_M = 4.0
 RIVER = River((Point(30.0, 0.0), Point(30.0, 400.0)), 60.0, 1.0)
 
 
+@pytest.fixture(autouse=True)
+def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A lattice that is searched in a fifth of the time."""
+    monkeypatch.setattr("mission_tools.costs.cheapest.LATTICE_CELLS", 10_000)
+
+
 def channel(*islands: shapely.Polygon) -> Chart:
     features = [Feature(f"island {n}", "island", shape) for n, shape in enumerate(islands, 1)]
     return build_chart("river", FRAME, shapely.box(0.0, 0.0, 400.0, 60.0), features)

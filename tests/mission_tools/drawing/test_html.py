@@ -111,10 +111,3 @@ def test_names_are_text_and_nothing_else() -> None:
     nasty = '</title><script>alert(1)</script>${title}"'
     page = Page(compose(planned(chart(nasty))))
     assert sum(1 for _ in page.of("script")) == 1
-
-
-def test_open_water_has_no_clearance_to_speak_of() -> None:
-    sea = build_chart("Sea", FRAME, None, ())
-    page = Page(compose(planned(sea)))
-    assert page.cells[4] == "open water"
-    assert page.open == []

@@ -171,20 +171,6 @@ def test_the_mill_pond_is_what_its_script_draws() -> None:
     assert script["mill_pond"]() == json.loads(POND.read_text(encoding="utf-8"))
 
 
-def test_the_mill_pond_has_what_a_picture_needs() -> None:
-    chart = load_geojson(POND, ORIGIN)
-    kinds = [f.kind for f in chart.features]
-    assert {kind: kinds.count(kind) for kind in ("island", "raft", "pier", "swimming")} == {
-        "island": 3, "raft": 3, "pier": 1, "swimming": 1,
-    }  # fmt: skip
-    west, south, east, north = chart.water.bounds
-    assert 550 < east - west < 650
-    assert 500 < north - south < 650
-    assert shapely.get_num_coordinates(chart.water) >= 300
-    fiction = json.loads(POND.read_text(encoding="utf-8"))["features"][0]["properties"]["note"]
-    assert "Fictional" in fiction
-
-
 @pytest.mark.parametrize("path", SHORE_FILES, ids=lambda path: path.stem)
 def test_real_shorelines_load_as_they_are(path: Path) -> None:
     chart = load_geojson(path)

@@ -2,7 +2,7 @@
 
 import sys
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,6 @@ from data_files import SHORES
 from hypothesis import example, given
 from hypothesis import strategies as st
 from PIL import Image
-from scipy import ndimage
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
@@ -26,7 +25,6 @@ from mission_tools.maps.chart import Chart
 from mission_tools.maps.formats.gpx import parse_gpx
 from mission_tools.maps.formats.kml import parse_kml
 from mission_tools.maps.formats.mask import outlines
-from mission_tools.maps.formats.vector import is_known, s57_properties
 from mission_tools.maps.geojson import load_geojson
 from mission_tools.mission.mission import (
     Command,
@@ -341,28 +339,6 @@ def test_a_broken_file_of_gdals_formats_is_named(suffix: str, tmp_path: Path) ->
         load_map(path)
 
 
-@pytest.mark.parametrize(
-    ("object_class", "row", "kind"),
-    [
-        ("DEPARE", {"drval1": 2.0}, "water"),
-        ("DEPARE", {"drval1": -1.5}, "island"),
-        ("DEPARE", {}, "island"),
-        ("DRGARE", {"drval1": 5.0}, "water"),
-        ("LNDARE", {"objnam": "Isle"}, "island"),
-        ("UWTROC", {}, "obstacle"),
-        ("SLCONS", {}, "pier"),
-    ],
-)
-def test_chart_objects_are_water_only_where_the_chart_says_so(
-    object_class: str, row: Mapping[str, Any], kind: str
-) -> None:
-    assert is_known(object_class)
-    found = s57_properties(object_class, row)
-    assert found["kind"] == kind
-    assert found.get("depth_m") == row.get("drval1")
-    assert not is_known("LIGHTS")
-
-
 # Masks
 
 
@@ -408,15 +384,6 @@ def test_no_pixel_of_land_is_read_as_water(rows: list[list[bool]], size: int) ->
     land = [shapely.box(c, r, c + 1, r + 1) for r, c in zip(*np.nonzero(~mask), strict=True)]
     assert shapely.intersection(water, shapely.union_all(land)).area < 1e-9
     assert water.is_empty or water.bounds[2] <= mask.shape[1]
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_no_pixel_of_a_natural_shore_is_read_as_water(seed: int) -> None:
-    random = np.random.default_rng(seed)
-    relief = ndimage.gaussian_filter(random.random((40, 50)), random.uniform(0.3, 3.0))
-    mask = relief > np.quantile(relief, random.uniform(0.2, 0.7))
-    land = [shapely.box(c, r, c + 1, r + 1) for r, c in zip(*np.nonzero(~mask), strict=True)]
-    assert shapely.intersection(outlines(mask), shapely.union_all(land)).area < 1e-9
 
 
 def picture(path: Path, pixels: Any, world: str | None = "1e-5\n0\n0\n-1e-5\n10\n50\n") -> Path:  # noqa: ANN401
@@ -519,14 +486,6 @@ def test_no_text_raises_anything_but_a_map_error(text: str) -> None:
             said = f"{found.source}: read"
         assert said.startswith("f: ")
         assert "\n" not in said
-
-
-def test_a_lake_at_the_origin_of_the_frame_is_where_its_corners_say(tmp_path: Path) -> None:
-    path = tmp_path / "lake.kml"
-    path.write_bytes(ISLES["a hole"])
-    chart = load_map(path, LatLon(50.0, 10.0))
-    assert chart.frame.origin == LatLon(50.0, 10.0)
-    assert chart.clearance_m(Point(10.0, 5.0)) == pytest.approx(5.0, abs=0.01)
 
 
 def test_a_map_of_any_format_is_a_fence(tmp_path: Path) -> None:

@@ -248,12 +248,6 @@ def test_a_map_at_a_high_latitude_reaches_over_many_degrees_of_longitude(lat_deg
     assert not chart.reaches(LatLon(lat_deg - 3.0, 13.0))
 
 
-def test_a_map_beyond_85_degrees_is_refused() -> None:
-    cap = [[[0, 89.9], [90, 89.9], [180, 89.9], [-90, 89.9], [0, 89.9]]]
-    with pytest.raises(MapError, match=r"f: (reaches beyond 85° of latitude|no water)"):
-        parse_geojson(feature(cap), "f", "f")
-
-
 @pytest.mark.parametrize("share", [0.05, 0.25, 0.5, 0.8])
 @pytest.mark.parametrize(
     ("ends", "tolerance_m"),

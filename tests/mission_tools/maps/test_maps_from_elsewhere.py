@@ -1,13 +1,12 @@
 """Maps as GIS programs and OpenStreetMap write them: islands without a kind, other reference systems."""
 
-import json
 import math
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.geo import LatLon, Point
 from mission_tools.assembly.areas import parse_areas
 from mission_tools.errors import MapError
 from mission_tools.maps.geojson import parse_geojson
@@ -127,11 +126,6 @@ def test_web_mercator_is_transformed(name: str) -> None:
     assert chart.water.area == pytest.approx(400.0 * 200.0, rel=0.01)
 
 
-def test_the_example_of_the_epsg_guidance_note_comes_out() -> None:
-    lon_deg, lat_deg = -(100 + 20 / 60), 24 + 22 / 60 + 54.433 / 3600
-    assert mercator(lon_deg, lat_deg) == pytest.approx([-11169055.58, 2800000.00], abs=0.01)
-
-
 def test_utm_is_transformed() -> None:
     """On zone 32's central meridian the easting is 500 km and the northing 0.9996 of the meridian arc."""
     meridian_arc_m = 5540847.0416  # equator to 50° N on WGS 84 (Helmert's series)
@@ -148,10 +142,6 @@ def test_wgs_84_by_any_name_stays_as_it_is(name: str) -> None:
     chart = parse_geojson(collection(feature(LAKE), **named(name)), "f", "f")
     assert chart.frame.origin == plain.frame.origin
     assert chart.water.equals(plain.water)
-
-
-def test_no_crs_is_wgs_84() -> None:
-    assert parse_geojson(collection(feature(LAKE), crs=None), "f", "f").water.area > 0.0
 
 
 @pytest.mark.parametrize(
@@ -236,16 +226,6 @@ def test_a_map_is_a_fence_outline_inside_islands_and_keep_outs_outside(lake: Jso
     for inside in (at(0, 0), at(105, -75), at(-160, -75)):
         assert [polygon for polygon in closed if holds(polygon, inside)]
     assert not [polygon for polygon in closed if holds(polygon, at(-150, 50))]
-
-
-def test_the_map_that_comes_along_is_a_fence() -> None:
-    fence, *_ = parse_areas(json.loads(POND.read_text(encoding="utf-8")), "f")
-    frame = LocalFrame(LatLon(50.0, -1.2))
-    outline, *closed = fence.polygons
-    assert outline.inclusion
-    assert holds(outline, frame.to_global(Point(-150.0, -194.0)))
-    alder = LatLon(50.0, -1.2)  # the middle of the pond is on Alder Island
-    assert [polygon for polygon in closed if holds(polygon, alder)]
 
 
 def test_pieces_of_one_water_are_joined_and_two_waters_are_no_fence() -> None:

@@ -10,9 +10,7 @@ from PIL import Image
 from companion.core.geo import LatLon
 from mission_tools.errors import MapError
 from mission_tools.maps import load_map
-from mission_tools.maps.chart import Area
 from mission_tools.maps.formats import mask as mask_format
-from mission_tools.maps.formats.mask import outlines
 
 WORLD = "1e-5\n0\n0\n-1e-5\n10\n50\n"
 
@@ -48,25 +46,6 @@ def test_few_bytes_do_not_claim_millions_of_pixels(tmp_path: Path, name: str) ->
 def test_up_to_four_million_pixels_are_read_however_few_bytes_hold_them(tmp_path: Path) -> None:
     assert "no water in it" in refusal(saved(tmp_path / "m.png", np.zeros((2_000, 2_000), bool)))
     assert "4002000 pixels in" in refusal(saved(tmp_path / "m.png", np.zeros((2_001, 2_000), bool)))
-
-
-def test_only_the_extent_of_the_water_is_contoured(monkeypatch: pytest.MonkeyPatch) -> None:
-    shapes: list[tuple[int, ...]] = []
-    traced = mask_format.traced_area
-
-    def noted(values: NDArray[np.generic], level: float, corner: tuple[int, int], most: float) -> Area:
-        shapes.append(values.shape)
-        return traced(values, level, corner, most)
-
-    monkeypatch.setattr(mask_format, "traced_area", noted)
-    mask = np.zeros((900, 1_000), bool)
-    mask[300:340, 600:650] = True
-    mask[310:320, 610:620] = False
-    found = outlines(mask)
-    assert shapes == [(40, 50)]
-    whole = outlines(mask[290:350, 590:660])
-    assert found.area == pytest.approx(whole.area, rel=1e-9)
-    assert found.bounds == pytest.approx(np.add(whole.bounds, (590, 290, 590, 290)))
 
 
 def test_cropping_leaves_the_water_where_it_is(tmp_path: Path) -> None:

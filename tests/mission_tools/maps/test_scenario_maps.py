@@ -130,9 +130,3 @@ def test_a_source_is_a_name_a_scenario_or_a_map(tmp_path: Path) -> None:
     file.write_text("[origin", encoding="utf-8")
     with pytest.raises(MapError, match=r"sea\.toml: not a TOML file"):
         load_source(str(file))
-
-
-def test_installed_scenarios_find_the_maps_beside_them() -> None:
-    source = load_source("lake")
-    assert source.chart.name == "Mill Pond"
-    assert source.route.start is not None

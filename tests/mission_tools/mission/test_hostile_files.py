@@ -109,10 +109,3 @@ def test_parameters_that_are_null_or_left_out_are_as_the_vehicle_likes() -> None
     place = item | {"command": 16, "frame": 3}
     with pytest.raises(PlanFileError, match="item 1: NAV_WAYPOINT needs a latitude and a longitude"):
         parse_mission(json.dumps(PLAN | {"mission": PLAN["mission"] | {"items": [place]}}), "x")
-
-
-def test_comments_of_a_waypoint_file_are_passed_over() -> None:
-    """pymavlink's loader skips lines that begin with #."""
-    header, *rows = WPL.splitlines(keepends=True)
-    commented = "# made by hand\n" + header + "# home\n" + rows[0] + "\n# a place\n" + rows[1]
-    assert parse_mission(commented, "x") == parse_mission(WPL, "x")

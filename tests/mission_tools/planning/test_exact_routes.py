@@ -40,25 +40,12 @@ def planned(chart: Chart, start: str, goal: str, margin_m: float = 0.6) -> Plan:
     return plan(chart, here, there, PlanSettings(4.0, margin_m=margin_m))
 
 
-@pytest.mark.parametrize("turn_deg", [0.0, 27.0])
-@pytest.mark.parametrize("width_m", [8.02, 8.1, 8.2, 8.4, 8.8, 9.5, 10.0])
-def test_a_straight_line_with_room_is_sailed(width_m: float, turn_deg: float) -> None:
-    found = plan(straits(width_m, 50.0, 1000.0, turn_deg), *across(300.0, turn_deg), PlanSettings(4.0))
-    assert len(found.points) == 2
-    assert found.min_clearance_m == pytest.approx(0.5 * width_m)
-
-
 @pytest.mark.parametrize("width_m", [10.0, 20.0])
 def test_a_narrow_strait_in_a_large_lake_is_found(width_m: float) -> None:
     chart = straits(width_m, 200.0, 15_000.0, 27.0)
     found = planned(chart, "49.9795921,9.9377398", "50.0204079,10.0622602")
     assert found.length_m <= 1.001 * found.straight_m
     assert found.min_clearance_m >= 4.0
-
-
-def test_a_strait_that_is_too_narrow_is_none() -> None:
-    with pytest.raises(NoRoute):
-        plan(straits(7.99, 50.0, 1000.0), *across(300.0), PlanSettings(4.0))
 
 
 def test_a_short_trip_on_a_large_lake_is_not_lengthened_by_coarse_cells() -> None:

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from companion.core.geo import LatLon, LocalFrame, Point
-from mission_tools.errors import GoalBlocked, MapError, NoRouteError, StartBlocked
+from mission_tools.errors import MapError, NoRouteError, StartBlocked
 from mission_tools.maps import Chart, build_chart
 from mission_tools.maps.fenced import fenced
 from mission_tools.mission.mission import Fence, FenceCircle, FencePolygon
@@ -74,16 +74,6 @@ def test_the_boat_must_be_inside_of_every_inclusion() -> None:
     assert max(math.hypot(*corner) for corner in route.coords) <= 70.0
     with pytest.raises(StartBlocked, match="lies in the water outside the fence"):
         routed(fenced(POND, fence, "f"), (-75, 0), (60, 0))
-
-
-def test_a_goal_in_an_exclusion_is_refused_by_its_name() -> None:
-    with pytest.raises(GoalBlocked, match="lies in the fence circle 1"):
-        routed(fenced(POND, Fence(circles=(disc(50, 0, 10),)), "f"), (-50, 0), (50, 0))
-
-
-def test_a_fence_that_shuts_the_goal_off_leaves_no_route() -> None:
-    with pytest.raises(NoRouteError):
-        routed(fenced(POND, Fence((box(-5, -120, 5, 120, inclusion=False),)), "f"), (-50, 0), (50, 0))
 
 
 @pytest.mark.parametrize(

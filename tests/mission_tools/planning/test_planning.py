@@ -116,13 +116,6 @@ def test_a_channel_just_wide_enough_is_used_and_one_just_too_narrow_is_not() -> 
     assert caught.value.exit_code == 1
 
 
-def test_a_thin_wall_between_large_cells_is_not_sailed_through() -> None:
-    walled = basin(Feature("Net", "obstacle", shapely.box(-0.05, -50, 0.05, 40)))
-    found = plan(walled, Point(-40.0, -30.0), Point(-40.0, 30.0), PlanSettings(clearance_m=1.0, cell_m=3.0))
-    assert_keeps_clear(walled, found, 1.0)
-    assert max(point.north_m for point in found.points) > 40.0
-
-
 def test_a_start_at_its_jetty_is_left_for_the_nearest_free_water_and_the_notes_say_so() -> None:
     jetty = Feature("Jetty", "pier", shapely.box(-2, -50, 2, 0))
     start = Point(0.5, 0.0)
@@ -179,11 +172,6 @@ def test_settings_that_make_no_sense_are_refused(wrong: dict[str, object]) -> No
 def test_cells_too_small_for_memory_are_refused(pond: Chart) -> None:
     with pytest.raises(UsageError, match="choose larger cells"):
         plan(pond, JETTY, MILL, PlanSettings(cell_m=0.01))
-
-
-def test_what_was_given_wins_over_the_scenario_and_that_over_the_default() -> None:
-    route = RouteDefaults(clearance_m=2.0, smooth=False)
-    assert PlanSettings.from_route(route, clearance_m=3.0, cell_m=None) == PlanSettings(3.0, smooth=False)
 
 
 coordinate = st.integers(-45, 45).map(float)

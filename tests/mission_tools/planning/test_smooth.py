@@ -26,11 +26,6 @@ def never(a: Point, b: Point) -> bool:
     return False
 
 
-def test_a_staircase_in_the_open_becomes_one_leg() -> None:
-    stairs = [Point(float(n // 2), float((n + 1) // 2)) for n in range(40)]
-    assert pull_taut(stairs, always, 1.0) == (stairs[0], stairs[-1])
-
-
 def test_nothing_is_skipped_that_is_not_clear() -> None:
     path = (Point(0.0, 0.0), Point(1.0, 0.0), Point(1.0, 1.0))
     assert pull_taut(path, never, 5.0) == path
@@ -70,8 +65,3 @@ def test_a_short_leg_stays_where_merging_would_do_harm(
     is_clear: IsClear, min_leg_m: float, max_length_m: float
 ) -> None:
     assert merge_short_legs(BEND, is_clear, min_leg_m, max_length_m) == BEND
-
-
-def test_a_zigzag_has_no_corner_to_merge_into() -> None:
-    zigzag = (Point(0.0, 0.0), Point(10.0, 0.0), Point(10.0, 1.0), Point(20.0, 1.0))
-    assert merge_short_legs(zigzag, always, 5.0, 100.0) == zigzag

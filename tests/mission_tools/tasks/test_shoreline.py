@@ -44,7 +44,7 @@ def test_the_distance_is_held_within_the_error() -> None:
 
 
 def test_a_real_shore_is_never_nearer_than_the_clearance() -> None:
-    chart = real_lake("lake_squam_nh")
+    chart = real_lake("pond_two_islands_nh")
     outer = max(shapely.get_parts(chart.navigable), key=lambda part: part.area).exterior
     near = Point(outer.coords[0][1], outer.coords[0][0])
     found = follow_shore(chart, None, ShoreSettings(near, 5.0, PlanSettings(clearance_m=4.8)))

@@ -166,11 +166,6 @@ def test_the_turn_radius_is_the_larger_of_what_rate_and_acceleration_allow() -> 
     assert turn_radius_m(0.4, 0.65, 0.8) == pytest.approx(0.4 / 0.65)
 
 
-def test_a_survey_is_the_same_every_time() -> None:
-    first, second = (survey(basin(ISLAND), Point(10.0, 10.0), SETTINGS) for _ in range(2))
-    assert first.route == second.route
-
-
 def test_an_area_of_open_water_is_surveyed_and_open_water_without_one_refused() -> None:
     rock = Feature("Rock", "island", shapely.Point(200.0, 180.0).buffer(15.0))
     sea = build_chart("Sea", FRAME, None, [rock])
@@ -180,11 +175,6 @@ def test_an_area_of_open_water_is_surveyed_and_open_water_without_one_refused() 
     assert found.route.min_clearance_m(sea) >= 4.0
     with pytest.raises(UsageError, match="name an area"):
         survey(sea, None, SETTINGS)
-
-
-def test_far_too_many_tracks_are_refused() -> None:
-    with pytest.raises(UsageError, match="choose a wider spacing"):
-        survey(basin(), None, replace(SETTINGS, footprint_m=0.02))
 
 
 def test_water_out_of_reach_is_told() -> None:

@@ -1,17 +1,13 @@
 """A monitor seen from outside: when it has ended, and how."""
 
-import math
-
 import pytest
 
 from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.errors import VehicleError
 from mission_tools.mission.mission import Command, Mission, MissionItem
 from mission_tools.mission.route import mission_along
-from mission_tools.vehicle.follow import describe
 from mission_tools.vehicle.mission_monitor import REASON_S, STALL_S, MissionMonitor
 from mission_tools.vehicle.state import AUTO, MISSION_ACTIVE, MISSION_COMPLETE, VehicleState
-from mission_tools.wording import distance, duration
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 PATH = [FRAME.to_global(Point(north, 0.0)) for north in (0.0, 100.0, 200.0, 300.0)]
@@ -136,28 +132,3 @@ def test_a_boat_without_a_clock_is_timed_by_ours() -> None:
     for time_s, north_m in ((5.0, 0.0), (6.0, 30.0)):
         monitor.update(sailing(north_m), time_s)
     assert monitor.duration_s == 1.0
-
-
-def test_progress_is_said_in_one_line() -> None:
-    monitor = MissionMonitor(MISSION, now_s=0.0)
-    first = monitor.update(sailing(0.0, speed_m_s=1.5), 0.0)
-    assert math.isnan(first.eta_s)
-    assert describe(first) == "waypoint 1 of 3: 300 m left at 1.50 m/s"
-    later = monitor.update(sailing(100.0, 3, speed_m_s=2.0), 50.0)
-    assert describe(later) == "waypoint 2 of 3: 200 m left at 2.00 m/s, 1 min 40 s to go"
-
-
-@pytest.mark.parametrize(
-    ("said", "meant"),
-    [
-        (duration(59.4), "59 s"),
-        (duration(59.6), "1 min 00 s"),
-        (duration(3600.0), "1 h 00 min"),
-        (distance(0.857), "0.86 m"),
-        (distance(12.34), "12.3 m"),
-        (distance(9999.0), "9999 m"),
-        (distance(12345.0), "12.35 km"),
-    ],
-)
-def test_times_and_lengths_are_rounded_as_people_say_them(said: str, meant: str) -> None:
-    assert said == meant

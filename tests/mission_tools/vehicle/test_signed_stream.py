@@ -107,7 +107,3 @@ def test_a_replay_does_not_come_in() -> None:
     assert len(mine.open(frame)) == 1
     assert mine.open(frame) == []
     assert mine.old == 1
-
-
-def test_silence_is_no_reason_to_complain() -> None:
-    assert stream().warning() == ""
