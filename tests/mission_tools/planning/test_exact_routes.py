@@ -94,3 +94,17 @@ def test_a_lagoon_within_an_atoll_of_open_water_is_water() -> None:
         plan(chart, Point(0.0, 0.0), Point(300.0, 0.0), PlanSettings(4.0))
     around = plan(chart, Point(-300.0, 0.0), Point(300.0, 0.0), PlanSettings(4.0))
     assert around.length_m > 2.0 * math.hypot(300.0, 100.0)
+
+
+def test_a_rock_that_asks_for_less_clearance_is_passed_nearer() -> None:
+    rock = Feature("rock", "obstacle", shapely.box(-5, -99, 5, 0), {"clearance_m": 0.5})
+    chart = build_chart("Basin", FRAME, shapely.box(-100, -100, 100, 100), [rock])
+    found = plan(chart, Point(-30.0, -30.0), Point(-30.0, 30.0), PlanSettings(4.0))
+    assert 0.5 - 1e-6 <= found.min_clearance_m < 2.5
+
+
+def test_corners_are_widened_by_what_the_boat_cuts_off() -> None:
+    water = shapely.box(-100, -100, 100, 100).difference(shapely.box(-5, -99, 5, 0))
+    found = plan(build_chart("Basin", FRAME, water, ()), Point(-30.0, -30.0), Point(-30.0, 30.0))
+    assert found.min_clearance_m == pytest.approx(4.17, abs=0.01)
+    assert 1.01 < found.length_m / path_length_m(found.found) < 1.02

@@ -154,6 +154,19 @@ def test_the_goal_counts_when_it_is_popped_and_a_cell_is_expanded_once() -> None
     assert (result.cells, result.cost, result.expanded) == ((0, 1, 2, 3), 3, 4)
 
 
+def test_a_closed_cell_is_skipped_even_if_the_estimates_mislead() -> None:
+    class Misleading:
+        """0 → 2 → 3 at a cost of 13, or 0 → 1 → 2 → 3 at 12, where 1 looks far from the goal."""
+
+        size = 4
+
+        def moves(self, cell: int) -> list[tuple[int, int]]:
+            return {0: [(1, 1), (2, 3)], 1: [(1, 1)], 2: [(1, 10)], 3: []}[cell]
+
+    result = astar(cast(EightNeighbours, Misleading()), [0, 9, 0, 0], 0, 3)
+    assert (result.cells, result.cost, result.expanded) == ((0, 2, 3), 13, 4)
+
+
 grids = st.integers(2, 9).flatmap(
     lambda width: st.lists(st.text(alphabet="...#", min_size=width, max_size=width), min_size=2, max_size=9)
 )
