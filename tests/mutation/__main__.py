@@ -50,6 +50,19 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
         "tests/hardware/test_nmea_parts.py", "tests/companion/services/test_external_pose.py",
         "tests/companion/services/test_corrections.py",
     ),
+    "mission_tools/assembly": (
+        "tests/mission_tools/assembly", "tests/mission_tools/cli", "tests/mission_tools/test_python_face.py",
+        "tests/mission_tools/costs/test_zones.py", "tests/mission_tools/costs/test_planned_currents.py",
+        "tests/mission_tools/mission/test_plan_check.py",
+    ),
+    "mission_tools/costs": (
+        "tests/mission_tools/costs", "tests/mission_tools/contract/test_budget.py",
+        "tests/mission_tools/cli/test_task_options.py",
+    ),
+    "mission_tools/maps": (
+        "tests/mission_tools/maps", "tests/mission_tools/mission/test_hostile_files.py",
+        "tests/mission_tools/planning/test_fenced_planning.py", "tests/mission_tools/tracing",
+    ),
 }  # fmt: skip
 SEED = 20261122
 EXAMPLES = 25  # of Hypothesis for each property
