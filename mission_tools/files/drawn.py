@@ -1,8 +1,8 @@
 """Routes that other programs drew, as missions: GPX 1.0 and 1.1, KML 2.2, GeoJSON (RFC 7946).
 
 A route counts before a track or line, a line before single points; several lines are sailed one after the
-other. A polygon is an area, not a route. What this package wrote itself (`geojson_route.py` and its
-neighbours) keeps its home, and in GeoJSON its holds.
+other. A polygon is an area, not a route. What this package wrote itself (`written.py`)
+keeps its home, and in GeoJSON its holds.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -23,7 +23,6 @@ from mission_tools.maps.raw import read_bytes
 from mission_tools.mission.mission import Command, Mission, MissionItem
 from mission_tools.overwrite_guard import CREATOR, GENERATOR, XML_HEADS
 
-DRAWN_SUFFIXES: Final = frozenset({".gpx", ".kml", ".geojson", ".json"})
 MOST_BYTES: Final = 20_000_000  # a day's track of a receiver at 10 Hz has half of it
 THINNED_ABOVE: Final = 500
 """Points of a line: a track of a receiver has one a second, which is more than a boat needs or holds."""
@@ -161,12 +160,7 @@ def _kml_stops(texts: Sequence[str], separator: str | None, where: str) -> list[
 
 def _read_geojson(path: Path) -> Drawn:
     tree = read_json(path)
-    if isinstance(tree, Mapping) and tree.get("type") in (
-        "LineString",
-        "MultiLineString",
-        "MultiPoint",
-        "Point",
-    ):
+    if isinstance(tree, Mapping) and tree.get("type") in _SAILED:
         tree = {"type": "Feature", "properties": {}, "geometry": tree}
     is_own = isinstance(tree, Mapping) and tree.get("generator") == GENERATOR
     drawn = Drawn()

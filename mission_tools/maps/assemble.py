@@ -1,8 +1,10 @@
 """From the features of a map file to a chart: one set of rules for every format.
 
-Shapes are made continuous across the antimeridian (`longitudes.py`) and valid (`repair.py`), classified
-(`kinds.py`), projected (`projection.py`) and joined. What says of itself that it is solid is never dropped,
-also as a point or a line; whatever else is no polygon is skipped with a note.
+Shapes are made continuous across the antimeridian and valid (`repair.py`), classified, projected
+(`projection.py`) and joined. What says of itself that it is solid is never dropped, also as a point or a
+line; whatever else is no polygon is skipped with a note. A feature is what its property `kind` says, or else its
+OpenStreetMap tags, or else water, so that a plain lake works as it is; but a shape within another's water is
+then ambiguous, most likely an island: `ambiguity` finds it.
 """
 
 import math

@@ -1,7 +1,7 @@
 """GeoJSON (RFC 7946) maps: a FeatureCollection, a Feature or a geometry, in WGS 84 [longitude, latitude].
 
-The property `kind` says what a feature is, or else its OpenStreetMap tags (`kinds.py`); without either it is
-water, so a plain lake works as it is. Water without a kind within other water is refused: it may be an
+The property `kind` says what a feature is, or else its OpenStreetMap tags (`assemble.py`); without either it
+is water, so a plain lake works as it is. Water without a kind within other water is refused: it may be an
 island. A member `crs` is obeyed (`crs.py`).
 
 | kind | shape | means |
