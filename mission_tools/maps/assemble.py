@@ -2,9 +2,9 @@
 
 Shapes are made continuous across the antimeridian and valid (`repair.py`), classified, projected
 (`projection.py`) and joined. What says of itself that it is solid is never dropped, also as a point or a
-line; whatever else is no polygon is skipped with a note. A feature is what its property `kind` says, or else its
-OpenStreetMap tags, or else water, so that a plain lake works as it is; but a shape within another's water is
-then ambiguous, most likely an island: `ambiguity` finds it.
+line; whatever else is no polygon is skipped with a note. A feature is what its property `kind` says, or
+else its OpenStreetMap tags, or else water, so that a plain lake works as it is; but a shape within
+another's water is then ambiguous, most likely an island: `ambiguity` finds it.
 """
 
 import math

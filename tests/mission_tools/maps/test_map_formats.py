@@ -13,6 +13,7 @@ from data_files import SHORES
 from hypothesis import example, given
 from hypothesis import strategies as st
 from PIL import Image
+from pyproj import Geod
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
@@ -20,6 +21,7 @@ from companion.core.geo import LatLon, Point
 from mission_tools.assembly.areas import load_fence
 from mission_tools.errors import MapError
 from mission_tools.maps import load_map, load_source
+from mission_tools.maps.assemble import chart_of
 from mission_tools.maps.catalogue import MAP_SUFFIXES
 from mission_tools.maps.chart import Chart
 from mission_tools.maps.formats.gpx import parse_gpx
@@ -203,6 +205,17 @@ def test_a_way_round_an_island_is_no_lake_unless_it_says_so(tmp_path: Path, tags
             ):
                 load_map(path)
             assert load_map(path, lines_are_outlines=True).water.area == pytest.approx(LAKE_M2, rel=1e-3)
+
+
+@pytest.mark.parametrize("lon_deg", [10.0, 179.9])
+def test_a_long_edge_of_kml_is_a_geodesic(lon_deg: float) -> None:
+    ends = (lon_deg - 0.3, 50.0), (lon_deg + 0.3, 50.05)
+    outline = [*ends, (ends[1][0], 50.3), (ends[0][0], 50.3), ends[0]]
+    text = kml(f"<Placemark>{polygon(' '.join(f'{lon},{lat}' for lon, lat in outline))}</Placemark>")
+    chart = chart_of(parse_kml(text, "f"))
+    for lon, lat in Geod(ellps="WGS84").npts(*ends[0], *ends[1], 7):
+        at = chart.frame.to_local(LatLon(lat, lon))
+        assert chart.shores.distance(shapely.Point(at.east_m, at.north_m)) < 0.02
 
 
 # Missions' fences

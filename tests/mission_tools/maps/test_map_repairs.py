@@ -91,6 +91,17 @@ def test_an_island_drawn_as_a_bow_tie_is_land_for_any_order_of_its_corners() -> 
     assert "800 m² of water taken as land" in chart.notes[0]
 
 
+def test_land_whose_line_barely_crosses_itself_keeps_its_shape_and_its_parts_are_joined() -> None:
+    """An L whose corner is overshot by 0.2 m; and two parts that overlap."""
+    bent = [(-20, 20), (-20, -20.2), (-20.2, -20), (20, -20), (20, 0), (0, 0), (0, 20)]
+    chart = chart_of(feature([ring(LAKE)]), feature([ring(bent)], kind="island"))
+    assert chart.obstruction(Point(-10.0, 10.0)) == "on island"
+    assert chart.obstruction(Point(10.0, 10.0)) is None
+    parts = [[ring([(0, 0), (30, 0), (30, 10), (0, 10)])], [ring([(20, 5), (50, 5), (50, 40), (20, 40)])]]
+    chart = chart_of(feature([ring(LAKE)]), feature(parts, "MultiPolygon", kind="island"))
+    assert chart.water.area == pytest.approx(80_000 - 300 - 1050 + 50, rel=1e-4)
+
+
 def test_an_unclosed_ring_is_closed_and_says_where_it_was_open() -> None:
     chart = chart_of(feature([positions(LAKE)]))
     assert chart.water.area == pytest.approx(80_000, rel=1e-4)
