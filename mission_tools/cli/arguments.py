@@ -1,9 +1,11 @@
 """Arguments that argparse does not know: positions, and a --start that means two things."""
 
+import json
+import logging
 import re
 import sys
 from argparse import Namespace
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from companion.cli.parser import Parser
 from companion.cli.program_end import end_with
@@ -107,8 +109,16 @@ def run_parsed(parser: Parser, arguments: Sequence[str], work: Callable[[Namespa
         parser.print_help(sys.stderr)
         return 2
     try:
-        return work(parser.read(arguments)) or 0
+        given = parser.read(arguments)
+        if given.debug:
+            logging.basicConfig(level=logging.DEBUG, stream=sys.stderr)
+        return work(given) or 0
     except SystemExit as done:  # --help and --version
         return done.code if isinstance(done.code, int) else 0
     except (KeyboardInterrupt, Exception) as error:
         return end_with(error, parser.prog, arguments, (MissionToolsError, BoatError))
+
+
+def print_json(tree: Mapping[str, object], indent: int | None = 2) -> None:
+    """What --json prints."""
+    sys.stdout.write(json.dumps(tree, indent=indent) + "\n")

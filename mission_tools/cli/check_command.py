@@ -1,6 +1,5 @@
 """The command mission-check."""
 
-import json
 import sys
 from argparse import Namespace
 from pathlib import Path
@@ -8,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from companion.cli.interrupts import importing
 from companion.cli.parser import Parser, number
-from mission_tools.cli.arguments import run_parsed
+from mission_tools.cli.arguments import print_json, run_parsed
 from mission_tools.cli.options import add_link
 from mission_tools.errors import UsageError
 
@@ -70,9 +69,7 @@ def _check(given: Namespace) -> int:
     code = 1 if findings else 0
     if given.as_json:
         listed = [{"item": finding.item, "text": finding.text} for finding in findings]
-        sys.stdout.write(
-            json.dumps({"ok": not findings, "exit_code": code, "findings": listed}, indent=2) + "\n"
-        )
+        print_json({"ok": not findings, "exit_code": code, "findings": listed})
         return code
     for finding in findings:
         sys.stdout.write(f"{name}: {finding}\n")

@@ -1,14 +1,12 @@
 """The command mission-download."""
 
-import json
-import logging
 import sys
 from argparse import Namespace
 from pathlib import Path
 
 from companion.cli.interrupts import importing
 from companion.cli.parser import Parser
-from mission_tools.cli.arguments import run_parsed
+from mission_tools.cli.arguments import print_json, run_parsed
 from mission_tools.cli.options import add_force, add_link
 
 PROGRAM = "mission-download"
@@ -41,8 +39,6 @@ def _download(given: Namespace) -> None:
         from mission_tools.vehicle.exchange import ask_vehicle  # noqa: PLC0415
         from mission_tools.wording import counted  # noqa: PLC0415
 
-    if given.debug:
-        logging.basicConfig(level=logging.DEBUG, stream=sys.stderr)
     file = Path(given.source)
     check_outputs(file, None, (), force=given.force)
     held = ask_vehicle(given.link, given.patience_s, given.sign_key, given.system_id)
@@ -52,7 +48,7 @@ def _download(given: Namespace) -> None:
     counts = {"items": len(mission.items), "fence_areas": areas, "rally_points": len(mission.rally)}
     if given.as_json:
         tree = {"ok": True, "exit_code": 0, "system_id": held.vehicle_id, "saved": str(file), **counts}
-        sys.stdout.write(json.dumps(tree, indent=2) + "\n")
+        print_json(tree)
         return
     said = ", ".join(
         counted(count, name.replace("_", " ").removesuffix("s")) for name, count in counts.items()

@@ -1,13 +1,11 @@
 """The command mission-plan: the options of mission-upload that need no vehicle."""
 
-import json
-import logging
 import sys
 from argparse import Namespace
 
 from companion.cli.interrupts import importing
 from companion.cli.parser import Parser
-from mission_tools.cli.arguments import run_parsed, with_places
+from mission_tools.cli.arguments import print_json, run_parsed, with_places
 from mission_tools.cli.options import add_areas, add_costs, add_outputs, add_route, add_tasks, request
 
 PROGRAM = "mission-plan"
@@ -55,14 +53,10 @@ def _plan(given: Namespace) -> None:
         from mission_tools.wording import Printer  # noqa: PLC0415
 
     asked = request(given)
-    if given.debug:
-        logging.basicConfig(level=logging.DEBUG, stream=sys.stderr)
     report = Report()
     run(asked, report, Printer(sys.stderr if given.as_json else sys.stdout))
     if given.as_json:
-        sys.stdout.write(
-            json.dumps(as_json(report, with_items=given.items), indent=None if given.items else 2) + "\n"
-        )
+        print_json(as_json(report, with_items=given.items), None if given.items else 2)
 
 
 def run_program(arguments: list[str]) -> int:

@@ -1,7 +1,5 @@
 """The command mission-trace."""
 
-import json
-import logging
 import sys
 from argparse import Namespace
 from pathlib import Path
@@ -9,7 +7,7 @@ from pathlib import Path
 from companion.cli.interrupts import importing
 from companion.cli.parser import Parser, number
 from companion.core.geo import LatLon
-from mission_tools.cli.arguments import position, run_parsed, with_places
+from mission_tools.cli.arguments import position, print_json, run_parsed, with_places
 from mission_tools.cli.options import add_force
 from mission_tools.errors import UsageError
 from mission_tools.overwrite_guard import check_replaceable
@@ -63,8 +61,6 @@ def _trace(given: Namespace) -> None:
     with importing():
         from mission_tools.tracing.photo import TraceSettings, trace_photo  # noqa: PLC0415 - scipy, Pillow
 
-    if given.debug:
-        logging.basicConfig(level=logging.DEBUG, stream=sys.stderr)
     traced = trace_photo(photo, seeds, land, TraceSettings(given.threshold, given.fill, given.inset))
     chart = traced.chart()
     if out is not None:
@@ -75,7 +71,7 @@ def _trace(given: Namespace) -> None:
     if given.as_json:
         files = {"saved": out and str(out), "preview": preview and str(preview)}
         tree = {"ok": True, "exit_code": 0, "area_m2": area_m2, "notes": list(traced.notes), **files}
-        sys.stdout.write(json.dumps(tree, indent=2) + "\n")
+        print_json(tree)
         return
     lines = [f"{photo}: {area_m2:.0f} m² of water", *(f"note: {note}" for note in traced.notes)]
     lines += [f"{verb} {path}" for verb, path in (("saved", out), ("drew", preview)) if path is not None]

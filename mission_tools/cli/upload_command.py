@@ -1,14 +1,12 @@
 """The command mission-upload."""
 
-import json
-import logging
 import math
 import sys
 from argparse import Namespace
 
 from companion.cli.interrupts import importing
 from companion.cli.parser import Parser, number
-from mission_tools.cli.arguments import run_parsed, with_places
+from mission_tools.cli.arguments import print_json, run_parsed, with_places
 from mission_tools.cli.options import (
     add_areas,
     add_costs,
@@ -61,12 +59,10 @@ def _upload(given: Namespace) -> None:
         from mission_tools.wording import Printer  # noqa: PLC0415
 
     asked = request(given)
-    if given.debug:
-        logging.basicConfig(level=logging.DEBUG, stream=sys.stderr)
     report = Report()
     run(asked, report, Printer(sys.stderr if given.as_json else sys.stdout))
     if given.as_json:
-        sys.stdout.write(json.dumps(as_json(report), indent=2) + "\n")
+        print_json(as_json(report))
 
 
 def run_program(arguments: list[str]) -> int:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def save_preview(path: Path, planned: PlannedMission, monitor: MissionMonitor | None) -> None:
+def save_preview(path: Path, planned: PlannedMission, monitor: MissionMonitor | None = None) -> None:
     """Draw the planned mission and the track, if there is one.
 
     Raises:

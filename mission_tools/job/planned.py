@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from mission_tools.assembly.plan_options import PlanOptions
 from mission_tools.assembly.planned_mission import PlannedMission
+from mission_tools.drawing.preview import save_preview
 from mission_tools.errors import UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.mission.mission import Mission, MissionType
@@ -117,18 +118,7 @@ def save(mission: Mission, path: Path, planned: PlannedMission | None = None) ->
     elif planned is None:
         raise UsageError(f"{path}: a picture needs a map to draw: name a .plan file or another format")
     else:
-        draw_planned(planned, path)
-
-
-def draw_planned(planned: PlannedMission, path: Path, monitor: "MissionMonitor | None" = None) -> None:
-    """Draw the mission, and the track that the monitor has kept.
-
-    Raises:
-        OutputError: the file cannot be written.
-    """
-    from mission_tools.drawing.preview import save_preview  # noqa: PLC0415 - seldom needed
-
-    save_preview(path, planned, monitor)
+        save_preview(path, planned)
 
 
 def take_planned(planned: PlannedMission, request: Request, report: Report, say: Printer) -> PlannedMission:
@@ -197,7 +187,7 @@ def draw(planned: PlannedMission, request: Request, report: Report, say: Printer
         OutputError: it cannot be written.
     """
     if request.preview is not None:
-        draw_planned(planned, request.preview, report.monitor)
+        save_preview(request.preview, planned, report.monitor)
         report.preview = request.preview
         say(f"drew {request.preview}")
 

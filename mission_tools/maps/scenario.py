@@ -125,18 +125,13 @@ def decode_scenario(tree: Mapping[str, Any], path: Path) -> Source:
         return Point(place[1], place[0])
 
     route = scenario.route
-    defaults = RouteDefaults(
-        start=None if route.start is None else local(route.start),
-        goal=None if route.goal is None else local(route.goal),
-        via=tuple(local(place) for place in route.via),
-        clearance_m=route.clearance_m,
-        margin_m=route.margin_m,
-        cell_m=route.cell_m,
-        heuristic=route.heuristic,
-        smooth=route.smooth,
-    )
+    named = msgspec.structs.asdict(route) | {
+        "start": None if route.start is None else local(route.start),
+        "goal": None if route.goal is None else local(route.goal),
+        "via": tuple(map(local, route.via)),
+    }
     cases = {case.name: (local(case.start), local(case.goal)) for case in scenario.cases}
-    return Source(chart, defaults, cases)
+    return Source(chart, RouteDefaults(**named), cases)
 
 
 def _chart(scenario: _Scenario, path: Path) -> Chart:

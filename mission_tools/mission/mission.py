@@ -56,6 +56,12 @@ POSITION_COMMANDS = frozenset(
     {Command.NAV_WAYPOINT, Command.NAV_LOITER_UNLIM, Command.NAV_LOITER_TURNS, Command.NAV_LOITER_TIME}
 )
 """Commands that send the boat to a place."""
+VERTICES = {
+    True: Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION,
+    False: Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION,
+}
+CIRCLES = {True: Command.NAV_FENCE_CIRCLE_INCLUSION, False: Command.NAV_FENCE_CIRCLE_EXCLUSION}
+"""By whether the boat stays inside."""
 
 _SAME_AS_INT = {
     Frame.GLOBAL_INT: Frame.GLOBAL,
@@ -224,21 +230,13 @@ class Fence:
             command = Command.NAV_FENCE_RETURN_POINT
             found.append(MissionItem.at(self.return_point, command, z=self.return_altitude_m))
         for polygon in self.polygons:
-            command = (
-                Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION
-                if polygon.inclusion
-                else Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION
-            )
-            params = (float(len(polygon.corners)), 0.0, 0.0, 0.0)
+            command, params = VERTICES[polygon.inclusion], (float(len(polygon.corners)), 0.0, 0.0, 0.0)
             found += [
                 MissionItem.at(corner, command, params, frame=Frame.GLOBAL) for corner in polygon.corners
             ]
         for circle in self.circles:
-            command = (
-                Command.NAV_FENCE_CIRCLE_INCLUSION if circle.inclusion else Command.NAV_FENCE_CIRCLE_EXCLUSION
-            )
             params = (circle.radius_m, 0.0, 0.0, 0.0)
-            found.append(MissionItem.at(circle.centre, command, params, frame=Frame.GLOBAL))
+            found.append(MissionItem.at(circle.centre, CIRCLES[circle.inclusion], params, frame=Frame.GLOBAL))
         return tuple(found)
 
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from companion.core.geo import LatLon
 from companion.core.units import e7_to_deg
 from mission_tools.mission.mission import (
+    CIRCLES,
+    VERTICES,
     Command,
     Fence,
     FenceCircle,
@@ -20,11 +22,8 @@ from mission_tools.mission.mission import (
     plain_frame,
 )
 
-_VERTICES = {
-    Command.NAV_FENCE_POLYGON_VERTEX_INCLUSION: True,
-    Command.NAV_FENCE_POLYGON_VERTEX_EXCLUSION: False,
-}
-_CIRCLES = {Command.NAV_FENCE_CIRCLE_INCLUSION: True, Command.NAV_FENCE_CIRCLE_EXCLUSION: False}
+_VERTICES = {command: is_inclusion for is_inclusion, command in VERTICES.items()}
+_CIRCLES = {command: is_inclusion for is_inclusion, command in CIRCLES.items()}
 FENCE_COMMANDS = frozenset({*_VERTICES, *_CIRCLES, Command.NAV_FENCE_RETURN_POINT})
 
 
