@@ -10,10 +10,8 @@ from benchmarks.estimation.consistency import (
     average_nis,
     bounds,
     campaign,
-    draw,
     nees,
     nis,
-    sail,
     table,
 )
 from benchmarks.estimation.replay import NAV
@@ -97,25 +95,6 @@ def test_averages_are_over_runs_and_shares_of_the_time() -> None:
     assert "| known, 4 | NEES | heading | 4.69 | 0.11 to 2.78 | 50 % | 50 % |" in table(
         {"known": ({"heading": one}, {})}
     )
-
-
-@pytest.mark.parametrize("hull", ["known", "other"])
-def test_random_runs_differ_as_their_settings_say(hull: str) -> None:
-    first, second = draw(1, hull, "stated"), draw(2, hull, "stated")
-    assert first.environment.wind_m_s == 4.0
-    assert second.environment.wind_m_s == 0.0
-    assert (first.hull.mass_kg == second.hull.mass_kg == 8.0) is (hull == "known")
-    assert first.sensors.gnss.wander_s == 60.0
-    assert draw(1, hull, "standard").sensors.gnss.wander_s == 30.0
-
-
-def test_the_helm_sails_turns_at_several_speeds() -> None:
-    truth = sail(draw(1, "known", "stated"), 60.0).truth
-    surge = truth[:, Truth._fields.index("surge_m_s")]
-    heading = np.unwrap(truth[:, Truth._fields.index("heading_rad")])
-    assert np.ptp(heading) > 1.0
-    assert surge.max() > 1.0
-    assert abs(surge[:70]).max() < 0.3  # at rest at first
 
 
 def test_the_filter_is_not_over_confident_on_other_hulls() -> None:
