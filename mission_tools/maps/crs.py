@@ -6,7 +6,7 @@ PROJ transforms what it knows; a file whose CRS it does not know, or only roughl
 
 import math
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -27,8 +27,6 @@ MOST_LENGTH_M = 5e8  # of all lines, twelve times round the Earth: each kilometr
 _WGS84 = "EPSG:4326"
 _SAME = ("OGC:CRS84", _WGS84)
 _ADVICE = "convert the file to WGS 84, as by ogr2ogr -t_srs EPSG:4326 OUT.geojson IN.geojson"
-
-Transform = Callable[[list[float], list[float]], tuple[list[float], list[float]]]
 
 
 def to_wgs84(tree: Mapping[str, Any], source: str) -> Mapping[str, Any]:
@@ -51,7 +49,9 @@ def to_wgs84(tree: Mapping[str, Any], source: str) -> Mapping[str, Any]:
     step = LONG_EDGE_M / (crs.axis_info[0].unit_conversion_factor or 1.0) if crs.is_projected else math.inf
     copied: dict[str, Any] = _copied(rest, leaves, step)
     if leaves and not _is_wgs84(crs):
-        _transform(leaves, crs, f'{source}: crs "{name}" ({crs.name})')
+        found = _transformed([leaf[:2] for leaf in leaves], crs, f'{source}: crs "{name}" ({crs.name})')
+        for leaf, lon_lat in zip(leaves, found, strict=True):
+            leaf[:2] = lon_lat
     return copied
 
 
@@ -81,12 +81,8 @@ def shapes_to_wgs84(shapes: Sequence[BaseGeometry], name: str, source: str) -> l
         return list(shapes)
     if not np.isfinite(xy).all():
         raise MapError(f"{where}: a coordinate is not a number")
-    x, y = xy[:, 0].tolist(), xy[:, 1].tolist()
-    lon_deg, lat_deg = _best(x, y, crs, where).transform(x, y)
-    if not all(map(math.isfinite, (*lon_deg, *lat_deg))):
-        raise MapError(f"{where}: a position is outside of it; {_ADVICE}")
-    moved = shapely.set_coordinates(np.array(shapes, dtype=object), np.column_stack((lon_deg, lat_deg)))
-    return list(moved)
+    lon_lat = _transformed(xy.tolist(), crs, where)
+    return list(shapely.set_coordinates(np.array(shapes, dtype=object), np.array(lon_lat)))
 
 
 def from_wgs84(place: LatLon, name: str, source: str) -> tuple[float, float]:
@@ -124,18 +120,18 @@ def _known(name: str, source: str) -> pyproj.CRS:
         raise MapError(f'{source}: crs "{name}" is not known; {_ADVICE}') from None
 
 
-def _transform(leaves: list[list[Any]], crs: pyproj.CRS, where: str) -> None:
-    """Replace x and y of every position by longitude and latitude.
+def _transformed(positions: Sequence[Sequence[float]], crs: pyproj.CRS, where: str) -> list[list[float]]:
+    """Longitude and latitude of each x and y.
 
     Raises:
         MapError: PROJ has no transformation that is good enough here.
     """
-    x, y = [float(leaf[0]) for leaf in leaves], [float(leaf[1]) for leaf in leaves]
-    lon_deg, lat_deg = _best(x, y, crs, where).transform(x, y)
-    for number, (leaf, lon, lat) in enumerate(zip(leaves, lon_deg, lat_deg, strict=True), 1):
-        if not (math.isfinite(lon) and math.isfinite(lat)):
-            raise MapError(f"{where}: position {number}, {leaf[:2]}, is outside of it; {_ADVICE}")
-        leaf[:2] = [lon, lat]
+    x, y = ([float(at[axis]) for at in positions] for axis in (0, 1))
+    found = list(map(list, zip(*_best(x, y, crs, where).transform(x, y), strict=True)))
+    for number, (lon_lat, at) in enumerate(zip(found, positions, strict=True), 1):
+        if not all(map(math.isfinite, lon_lat)):
+            raise MapError(f"{where}: position {number}, {list(at)}, is outside of it; {_ADVICE}")
+    return found
 
 
 def _best(x: list[float], y: list[float], crs: pyproj.CRS, where: str) -> pyproj.Transformer:
