@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from companion.cli.parser import Parser, number, system_id
+from companion.core.geo import LatLon
 from mission_tools.assembly.plan_options import PlanOptions, Via, flags
 from mission_tools.cli.arguments import position
 from mission_tools.errors import UsageError
@@ -190,7 +191,7 @@ def plan_options(given: Namespace) -> PlanOptions:
     for field in fields(PlanOptions):
         flag = next(flags([field.name]))
         value = getattr(given, flag.removeprefix("--no-").lstrip("-").replace("-", "_"))
-        if field.name in ("start_at", "goal", "follow_shore_at", "first", "last"):
+        if field.type == LatLon | None:
             value = position(flag, value)
         chosen.setdefault(field.name, value)
     return PlanOptions(**chosen)
