@@ -124,10 +124,10 @@ class RoutePlan:
         Raises:
             NoRoute: no fence holds this route.
         """
-        from mission_tools.contract.water_contract import capacity_of, with_contract  # noqa: PLC0415 - as above
+        from mission_tools.contract.water_contract import with_contract  # noqa: PLC0415 - as above
+        from mission_tools.costs.boat import load_boat  # noqa: PLC0415
 
-        capacity = capacity_of(None if boat is None else fspath(boat))
-        return RoutePlan(with_contract(self.planned, capacity))
+        return RoutePlan(with_contract(self.planned, load_boat(None if boat is None else fspath(boat))))
 
     def __str__(self) -> str:
         near_m = self.min_clearance_m

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import shapely
@@ -12,34 +12,19 @@ from shapely.geometry.base import BaseGeometry
 
 from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.assembly.planned_mission import PlannedMission
-from mission_tools.costs.boat import load_boat
+from mission_tools.costs.boat import Boat
 from mission_tools.errors import NoRoute, UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.mission.mission import Fence, FencePolygon, Rally
 from mission_tools.wording import counted, distance
 
 
-@dataclass(frozen=True, slots=True)
-class Capacity:
-    """How much the boat holds, and how far inside its fence it stops; by default this project's boat."""
-
-    fence_margin_m: float = 2.0
-    fence_items: int = 1000
-    rally_items: int = 250
-
-
-def capacity_of(boat: str | None) -> Capacity:
-    """Of a boat's TOML; None: this project's boat."""
-    if boat is None:
-        return Capacity()
-    known = load_boat(boat)
-    return Capacity(known.fence_margin_m, known.most_fence_items, known.most_rally_items)
-
-
 def with_contract(
-    planned: PlannedMission, capacity: Capacity, *, with_fence: bool = True, with_rally: bool = True
+    planned: PlannedMission, boat: Boat, *, with_fence: bool = True, with_rally: bool = True
 ) -> PlannedMission:
     """The mission with a fence and rally points from its own chart, and a note about them.
+
+    boat: how much of them it holds, and how far inside its fence it stops.
 
     Raises:
         UsageError: a mission from a file, which has no chart.
@@ -54,20 +39,20 @@ def with_contract(
     lines = None
     if with_fence:
         fence, near_m = fence_of_water(
-            planned.chart, route, clearance_m, capacity.fence_margin_m, capacity.fence_items
+            planned.chart, route, clearance_m, boat.fence_margin_m, boat.most_fence_items
         )
         mission = replace(mission, fence=fence)
         lines = fence_lines(planned.chart, fence)
         corners = sum(len(polygon.corners) for polygon in fence.polygons)
         said = f"fence: {counted(len(fence.polygons), 'polygon')}, {counted(corners, 'corner')}"
         notes.append(f"{said}, {distance(near_m)} from the route at least")
-        if near_m < capacity.fence_margin_m:
+        if near_m < boat.fence_margin_m:
             notes.append(
-                f"the boat stops {distance(capacity.fence_margin_m)} inside its fence, more than the route "
+                f"the boat stops {distance(boat.fence_margin_m)} inside its fence, more than the route "
                 "has: plan with more --clearance"
             )
     if with_rally:
-        rally = rally_points(planned.chart, route, clearance_m, capacity.rally_items, lines)
+        rally = rally_points(planned.chart, route, clearance_m, boat.most_rally_items, lines)
         mission = replace(mission, rally=rally)
         notes.append(f"{counted(len(rally), 'rally point')}")
     return replace(planned, mission=mission, notes=(*planned.notes, *notes))

@@ -32,24 +32,24 @@ class Boat:
     least_radius_m: of its turns; 0: it turns on the spot.
     """
 
-    name: str = "the boat"
-    cruise_m_s: float = 2.0
-    top_m_s: float = 3.0
-    slowest_m_s: float = 0.4
-    accel_m_s2: float = 0.4
-    corner_accel_m_s2: float = 0.8
-    turn_rate_rad_s: float = 0.65
-    least_radius_m: float = 0.0
-    waypoint_radius_m: float = 2.0
-    capacity_mah: float = 2200.0
-    cruise_a: float = 0.0
-    idle_a: float = 0.0
-    reserve: float = 0.1
-    margin: float = 1.5
-    fence_margin_m: float = 2.0
-    most_items: int = 5000
-    most_fence_items: int = 1000
-    most_rally_items: int = 250
+    name: str
+    cruise_m_s: float
+    top_m_s: float
+    slowest_m_s: float
+    accel_m_s2: float
+    corner_accel_m_s2: float
+    turn_rate_rad_s: float
+    least_radius_m: float
+    waypoint_radius_m: float
+    capacity_mah: float
+    cruise_a: float
+    idle_a: float
+    reserve: float
+    margin: float
+    fence_margin_m: float
+    most_items: int
+    most_fence_items: int
+    most_rally_items: int
 
     @classmethod
     def of(cls, config: BoatConfig, name: str = "the boat") -> "Boat":
@@ -110,13 +110,17 @@ class Boat:
         return against + HOLD_SHARE * (self.cruise_a - self.idle_a)
 
 
-def load_boat(name: str) -> Boat:
+def load_boat(name: str | None) -> Boat:
     """A boat's TOML, that of `boat-companion` or that of an emulated boat (also by name, such as `lake`).
+
+    None: this project's boat as it is without a file.
 
     Raises:
         ConfigError: names file and key.
         UsageError: no such boat.
     """
+    if name is None:
+        return Boat.of(BoatConfig())
     path = Path(name)
     folder = boat_folder()
     if path.suffix.lower() != ".toml":

@@ -131,7 +131,11 @@ def take_planned(planned: PlannedMission, request: Request, report: Report, say:
         PlanFileError: it cannot be written.
     """
     if request.fence_from_map or request.rally_from_map:
-        planned = _with_contract(planned, request)
+        from mission_tools.contract.water_contract import with_contract  # noqa: PLC0415 - seldom needed
+        from mission_tools.costs.boat import load_boat  # noqa: PLC0415
+
+        wanted = {"with_fence": request.fence_from_map, "with_rally": request.rally_from_map}
+        planned = with_contract(planned, load_boat(request.options.boat), **wanted)
     planned = _within_capacity(planned, request.options.boat)
     report.planned = planned
     for line in described(planned):
@@ -149,15 +153,6 @@ def take_planned(planned: PlannedMission, request: Request, report: Report, say:
         report.saved = request.save
         say(f"saved {request.save}")
     return planned
-
-
-def _with_contract(planned: PlannedMission, request: Request) -> PlannedMission:
-    from mission_tools.contract.water_contract import capacity_of, with_contract  # noqa: PLC0415 - seldom needed
-
-    capacity = capacity_of(request.options.boat)
-    return with_contract(
-        planned, capacity, with_fence=request.fence_from_map, with_rally=request.rally_from_map
-    )
 
 
 def _within_capacity(planned: PlannedMission, boat: str | None) -> PlannedMission:

@@ -24,7 +24,7 @@ from sitl.world.world import Truth
 pytestmark = pytest.mark.slow
 
 OPEN = build_chart("sea", LocalFrame(LatLon(50.0, -1.2)), None, ())
-BOAT = Boat(cruise_m_s=2.0, top_m_s=3.0, capacity_mah=1000.0, cruise_a=3.6, idle_a=0.6)
+BOAT = replace(load_boat(None), cruise_m_s=2.0, top_m_s=3.0, capacity_mah=1000.0, cruise_a=3.6, idle_a=0.6)
 NEAR = LatLon(49.9995, -1.2010)  # from the start of the lake, round a corner
 OUT = [Point(0.0, 0.0), Point(1000.0, 0.0)]
 

@@ -1,8 +1,9 @@
-"""Fence and rally points from the map of a route: never over land, with room, within the boat's capacity.
+"""Fence and rally points from the map of a route: never over land, with room, within the boat's boat.
 
 The fence is read as the boat reads it (`companion.geofence.fence`), and laid on the map with shapely.
 """
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -18,7 +19,8 @@ from companion.geofence import fence as aboard
 from companion.mavlink.items import MissionItem
 from mission_tools.assembly.plan_options import PlanOptions
 from mission_tools.assembly.planned_mission import MapSource, MissionFile, PlannedMission
-from mission_tools.contract.water_contract import Capacity, fence_lines, fence_of_water, with_contract
+from mission_tools.contract.water_contract import fence_lines, fence_of_water, with_contract
+from mission_tools.costs.boat import Boat, load_boat
 from mission_tools.errors import NoRoute, UsageError
 from mission_tools.maps import Source, build_chart
 from mission_tools.maps.chart import Chart
@@ -28,6 +30,8 @@ from sitl.run.mission_run import MissionRun
 from sitl.scenarios.scenario import load_scenario
 
 pytestmark = pytest.mark.slow
+
+BOAT = load_boat(None)
 
 
 def boats_fence(fence: Fence, frame: LocalFrame) -> aboard.Fence:
@@ -46,11 +50,11 @@ def fence_area(chart: Chart, fence: Fence) -> Polygon:
     return Polygon(rings[0], rings[1:])
 
 
-def assert_holds(planned: PlannedMission, capacity: Capacity, at_least_m: float) -> None:
+def assert_holds(planned: PlannedMission, boat: Boat, at_least_m: float) -> None:
     """The fence's rules, each by somebody else's arithmetic."""
     chart, fence = planned.chart, planned.mission.fence
     assert [polygon.inclusion for polygon in fence.polygons] == [True] + [False] * (len(fence.polygons) - 1)
-    assert len(fence.items()) <= capacity.fence_items
+    assert len(fence.items()) <= boat.most_fence_items
     area = fence_area(chart, fence)
     assert area.is_valid
     assert area.difference(chart.navigable).area == 0.0  # admits no land
@@ -65,9 +69,9 @@ def assert_holds(planned: PlannedMission, capacity: Capacity, at_least_m: float)
 def test_the_fence_of_a_lake_holds_the_route_and_no_land_in_as_few_corners_as_are_asked_for(
     corners: int,
 ) -> None:
-    capacity = Capacity(fence_items=corners)
-    planned = with_contract(mt.open_map("lake").route().planned, capacity)
-    assert_holds(planned, capacity, 2.0)
+    boat = replace(BOAT, most_fence_items=corners)
+    planned = with_contract(mt.open_map("lake").route().planned, boat)
+    assert_holds(planned, boat, 2.0)
     assert "fence: " in planned.notes[-2]
 
 
@@ -94,14 +98,14 @@ def test_the_fences_of_real_waters_hold_their_routes(
             for corner in ((west, south), (0.5 * (west + east), 0.5 * (south + north)))
         ]
         start, goal = (chart.frame.to_global(Point(north_m, east_m)) for east_m, north_m in ends)
-    capacity = Capacity(fence_items=corners)
-    planned = with_contract(water.route(start, goal, clearance_m=6.0).planned, capacity)
-    assert_holds(planned, capacity, 2.0)
+    boat = replace(BOAT, most_fence_items=corners)
+    planned = with_contract(water.route(start, goal, clearance_m=6.0).planned, boat)
+    assert_holds(planned, boat, 2.0)
 
 
 def test_rally_points_are_afloat_inside_the_fence_reachable_and_apart() -> None:
     water = mt.open_map("lake")
-    planned = with_contract(water.route().planned, Capacity())
+    planned = with_contract(water.route().planned, BOAT)
     chart, rally = planned.chart, planned.mission.rally
     assert len(rally) == 2
     lines = fence_lines(chart, planned.mission.fence)
@@ -120,14 +124,14 @@ def test_rally_points_are_afloat_inside_the_fence_reachable_and_apart() -> None:
 
 def test_as_many_rally_points_as_the_boat_holds() -> None:
     planned = mt.open_map("lake").route().planned
-    assert len(with_contract(planned, Capacity(rally_items=1)).mission.rally) == 1
-    without = with_contract(planned, Capacity(), with_rally=False)
+    assert len(with_contract(planned, replace(BOAT, most_rally_items=1)).mission.rally) == 1
+    without = with_contract(planned, BOAT, with_rally=False)
     assert (without.mission.rally, len(without.mission.fence.polygons) > 0) == ((), True)
 
 
 def test_a_long_route_has_ten_rally_points_and_no_more() -> None:
     planned = mt.open_map("open").route((50.0, -1.2), (50.05, -1.2)).planned
-    assert len(with_contract(planned, Capacity(), with_fence=False).mission.rally) == 10
+    assert len(with_contract(planned, BOAT, with_fence=False).mission.rally) == 10
 
 
 def test_open_water_has_a_fence_round_the_route() -> None:
@@ -140,18 +144,18 @@ def test_open_water_has_a_fence_round_the_route() -> None:
 def test_a_fence_that_cannot_be_had_is_an_error_and_so_is_a_mission_without_a_map() -> None:
     planned = mt.open_map("lake").route().planned
     with pytest.raises(NoRoute, match="no fence of at most 5 corners"):
-        with_contract(planned, Capacity(fence_items=5))
+        with_contract(planned, replace(BOAT, most_fence_items=5))
     ready = MissionFile(Path("m.plan"), planned.mission, PlanOptions()).prepare()
     with pytest.raises(UsageError, match=r"m\.plan is a mission without a map"):
-        with_contract(ready, Capacity())
+        with_contract(ready, BOAT)
 
 
 def test_too_little_room_for_the_boats_margin_is_noted() -> None:
     planned = mt.open_map("lake").route(clearance_m=1.5).planned
-    capacity = Capacity(fence_margin_m=3.0)
-    contracted = with_contract(planned, capacity)
+    boat = replace(BOAT, fence_margin_m=3.0)
+    contracted = with_contract(planned, boat)
     assert any("plan with more --clearance" in note for note in contracted.notes)
-    assert_holds(contracted, capacity, 0.5)
+    assert_holds(contracted, boat, 0.5)
 
 
 def test_a_boat_sails_its_contract_as_it_sails_without_a_fence() -> None:
@@ -159,7 +163,7 @@ def test_a_boat_sails_its_contract_as_it_sails_without_a_fence() -> None:
     scenario = load_scenario("lake")
     near = PlanOptions(goal=LatLon(49.9995, -1.2010))
     planned = MapSource("lake", Source(scenario.chart, scenario.route), near).prepare()
-    contracted = with_contract(planned, Capacity(scenario.vehicle.fence.margin_m))
+    contracted = with_contract(planned, Boat.of(scenario.vehicle))
     fence = [
         MissionItem(item.frame, item.command, 0, 1, *item.params, item.x, item.y, item.z)
         for item in contracted.mission.fence.items()
