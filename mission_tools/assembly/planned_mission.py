@@ -211,6 +211,7 @@ class MapSource:
         start = self._named_start or self._start_of(here)
         chart, speed_m_s, clearance_m = self._chart, self._wishes.speed_m_s, self._settings.clearance_m
         survey: Survey | None = None
+        task: TaskRoute | None
         if self._wishes.survey is not None:
             area = self._survey_area or named_survey_area(chart, self._wishes.survey)
             survey = survey_of(chart, start, self._wishes, self._settings, area)

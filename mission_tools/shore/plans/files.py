@@ -21,14 +21,14 @@ def fence_file(fence: Mapping[str, Any] | None) -> bytes | None:
         kind = FENCE_KINDS.get(told["command"])
         if kind is not None and is_area:
             radius = {"radius_m": told["radius_m"]} if "radius_m" in told else {}
-            features.append(feature(**_shape(geometry), kind=kind, **radius))
+            features.append(feature(*_shape(geometry), kind=kind, **radius))
     return _encoded(features)
 
 
 def rally_file(rally: Mapping[str, Any] | None) -> bytes | None:
     """The boat's rally points as `--rally` reads them; None without one."""
     points = [
-        feature(**_shape(one["geometry"]), kind="rally")
+        feature(*_shape(one["geometry"]), kind="rally")
         for one in (rally or {}).get("features", ())
         if one["properties"]["command"] == _RALLY_POINT and one["geometry"] is not None
     ]
@@ -60,8 +60,8 @@ def mission_text(items: Sequence[MissionItem]) -> bytes:
     return text_of(rows).encode("ascii")
 
 
-def _shape(geometry: Mapping[str, Any]) -> dict[str, Any]:
-    return {"geometry": geometry["type"], "coordinates": geometry["coordinates"]}
+def _shape(geometry: Mapping[str, Any]) -> tuple[str, Sequence[Any]]:
+    return geometry["type"], geometry["coordinates"]
 
 
 def _encoded(features: list[dict[str, Any]]) -> bytes | None:
