@@ -43,9 +43,3 @@ def test_a_stop_cuts_the_motors_first_then_centres_the_rudder() -> None:
     output.stop()
     assert log[2:] == ["motors stop", "rudder 0"]
     assert output.command == STOPPED
-
-
-def test_closing_stops_the_motors_before_the_rudder_is_released() -> None:
-    log, hardware = _boat()
-    hardware.close()
-    assert log[:2] == ["motors close", "rudder close"]

@@ -155,14 +155,6 @@ def test_with_one_motor_the_boat_drifts_where_it_cannot_hold_its_own() -> None:
     assert healthy.heading_rad != pytest.approx(-math.pi / 2.0)
 
 
-def test_with_one_motor_only_that_one_is_driven() -> None:
-    line = Line(status=ARMED._replace(motors=MotorStates(left=MotorState.FAILED)))
-    line.guide(NORTH, 5.0)
-    command = line.drive(5.0)
-    assert command.left == 0.0
-    assert abs(command.right) == 1.0
-
-
 def test_a_boat_that_is_held_is_found_stuck_after_ten_seconds_of_full_thrust() -> None:
     line, fast = Line(), HoldCourse(0.0, 3.0)
     for tenth in range(130):
@@ -173,22 +165,6 @@ def test_a_boat_that_is_held_is_found_stuck_after_ten_seconds_of_full_thrust() -
             break
     assert 9.5 < now_s - 5.0 < 12.0
     assert line.pipeline.headway.verdict is StallVerdict.STUCK
-
-
-def test_a_pause_of_guidance_counts_as_two_periods_at_most() -> None:
-    line, fast = Line(), HoldCourse(0.0, 3.0)
-    for number in range(12):
-        line.guide(fast, 5.0 + 5.0 * number)
-        line.drive(5.0 + 5.0 * number)
-    assert 0.0 < line.pipeline.headway.stalled_s <= 12 * 2.0 * GUIDANCE_S
-
-
-def test_a_motor_test_goes_through_the_gate_and_stops_what_was_steered() -> None:
-    line = Line()
-    line.guide(NORTH, 5.0)
-    assert line.pipeline.demand is not None
-    line.pipeline.idle()
-    assert line.guide(Stop(), 5.1) is None
 
 
 @pytest.mark.parametrize(("gap_m", "verdict"), [(1.1, StallVerdict.AGROUND), (1.3, StallVerdict.STUCK)])

@@ -9,17 +9,13 @@ from hypothesis import strategies as st
 from pymavlink import mavutil
 from pymavlink.mavftp import MAVFTP
 
-from companion.config.boat_config import BoatConfig
 from companion.config.parameter_pack import (
     PackedParameter,
     PackError,
-    entries_of,
     pack,
     unpack_upload,
 )
-from companion.config.parameter_table import ROWS
-from companion.config.parameters import Parameters, ParameterType
-from companion.core.storage import MemoryStorage
+from companion.config.parameters import ParameterType
 
 RECORDING = next(path for path in RECORDINGS if path.stem == "qgc44-ardurover-drive")
 LIMITS = {ParameterType.INT8: 127, ParameterType.INT16: 32767, ParameterType.INT32: 2**31 - 1}
@@ -103,19 +99,6 @@ def test_a_damaged_file_is_refused_or_holds_possible_names(
 def test_the_reason_names_the_place(file: bytes, reason: str) -> None:
     with pytest.raises(PackError, match=reason):
         unpack_upload(file)
-
-
-def test_the_boats_own_file_counts_right_and_is_small() -> None:
-    parameters = Parameters(BoatConfig(), ROWS, MemoryStorage())
-    parameters.set("HDG_KP", 3.5)
-    file = pack(entries_of(parameters), len(ROWS), with_defaults=True)
-    decoded = MAVFTP.ftp_param_decode(file)
-    assert decoded is not None
-    assert struct.unpack_from("<HHH", file) == (0x671C, len(ROWS), len(ROWS))
-    assert [name.decode() for name, _, _ in decoded.params] == [row.name for row in ROWS]
-    assert (b"HDG_KP", 3.5, 4) in decoded.params
-    assert (b"HDG_KP", 3.75, 4) in decoded.defaults
-    assert len(file) < 20 * len(ROWS)
 
 
 def recorded_file() -> bytes:

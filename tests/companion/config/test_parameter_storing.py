@@ -7,16 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from boat_rig import BOAT, Rig
-from mission_station import MISSION
 
 from companion.boat import TICK_S
 from companion.config.parameters import ParameterRow
 from companion.core.generations import unseal, write_atomically
 from companion.core.storage import FolderStorage
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.items import MissionType
-from companion.mavlink.sender import Sender
-from companion.mavlink.transfer import Completed, Event, Failed
 
 FSYNC_S = 0.05
 WRITE_S = 2 * FSYNC_S  # the file and its folder
@@ -115,32 +111,6 @@ def test_two_hundred_changes_are_all_answered_within_the_second(tmp_path: Path) 
     rig.until(lambda: len(rig.answers()) >= 200, QGC_WAITS_S)
     assert sorted(rig.answers()) == sorted(sent)
     assert rig.worker.done <= QGC_WAITS_S / WRITE_S  # a write covers what came during the one before
-
-
-def upload(rig: SlowRig) -> Event | None:
-    """A station that waits as the MAVLink guide says: 1.5 s, five retries."""
-    sender = Sender(rig.peer.address, MissionType.MISSION)
-    sender.offer(MISSION, BOAT, rig.now_s)
-    for _ in range(1000):
-        for message in sender.take_outbox():
-            rig.peer.send(message)
-        rig.step()
-        for message in rig.peer.listen():
-            if message.get_type().startswith("MISSION_"):
-                sender.handle(message, BOAT, rig.now_s)
-        sender.tick(rig.now_s)
-        for event in sender.take_events():
-            if isinstance(event, Completed | Failed):
-                return event
-    return None
-
-
-def test_a_mission_uploaded_right_after_two_hundred_changes_is_taken(tmp_path: Path) -> None:
-    rig = SlowRig(tmp_path)
-    for number in range(200):
-        rig.set("WP_RADIUS", 2.0 + number / 100.0)
-    assert isinstance(upload(rig), Completed)
-    assert rig.worker.done <= 3  # the first change, all the others, the mission
 
 
 def test_a_value_is_not_read_out_between_its_change_and_the_medium(tmp_path: Path) -> None:

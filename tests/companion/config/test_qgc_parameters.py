@@ -1,11 +1,9 @@
 """What QGroundControl's pages show of the boat's parameters, read by its rules (`qgc_metadata`)."""
 
-import json
-
 import pytest
 from boat_rig import BOAT, Rig
 from ftp_client import Served
-from qgc_metadata import Fact, UnreadableError, read, unpacked
+from qgc_metadata import Fact, read, unpacked
 
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
@@ -100,31 +98,3 @@ def test_what_holds_from_the_next_start_on_asks_for_a_reboot() -> None:
     assert {name for name, fact in FACTS.items() if fact.needs_reboot} == {
         "SYSID_THISMAV", "EST_DR_TIME", "EST_SD_MAX", "EST_SURGE_TIME",
     }  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ({"version": 2}, "unsupported version"),
-        ({"version": "1"}, "Incorrect value type"),
-        ({"parameters": {}}, "Incorrect value type"),
-        ({"type": "int8"}, "Unknown type"),
-        ({"default": "0"}, "Invalid default"),
-        ({"default": 300}, "no Int8"),
-        ({"default": 7}, "outside"),
-        ({"shortDesc": 3}, "Incorrect value type"),
-        ({"name": "SEVENTEEN_LETTERS"}, "no name"),
-        ({"values": [{"value": "0", "description": "Off"}]}, "Incorrect value type"),
-        ({"values": [{"value": 0}]}, "missing: description"),
-        ({"values": [{"value": 1, "description": "On"}]}, "not in the menu"),
-        ({"bitmask": [{"index": 40, "description": "On"}]}, "no number of a bit"),
-    ],
-)
-def test_the_reader_here_is_as_strict_as_theirs(change: dict[str, object], words: str) -> None:
-    entry: dict[str, object] = {"name": "A", "type": "Int8", "default": 0, "min": 0, "max": 2}
-    tree: dict[str, object] = {"version": 1, "parameters": [entry]}
-    assert read(json.dumps(tree).encode())["A"].high == 2
-    for key, value in change.items():
-        (tree if key in tree else entry)[key] = value
-    with pytest.raises(UnreadableError, match=words):
-        read(json.dumps(tree).encode())

@@ -27,7 +27,7 @@ def samples_until(threshold: float, mean: float, seed: int, most: int = 100_000)
 
 @pytest.mark.parametrize("threshold", [6.0, 12.0])
 def test_a_fault_is_proved_after_the_threshold_over_the_information_of_a_sample(threshold: float) -> None:
-    delays = [samples_until(threshold, SHIFT, seed) for seed in range(200)]
+    delays = [samples_until(threshold, SHIFT, seed) for seed in range(100)]
     # Wald: h / D samples with D = SHIFT²/2 nats, and the overshoot of the last one
     expected = threshold / (0.5 * SHIFT * SHIFT)
     assert sum(delays) / len(delays) == pytest.approx(expected + 1.2, rel=0.12)

@@ -4,10 +4,8 @@ import errno
 from pathlib import Path
 
 import pytest
-from boat_rig import OK, Rig, waypoint
 from hypothesis import example, given
 from hypothesis import strategies as st
-from mission_station import FENCE, RALLY
 
 from companion.core.generations import (
     DamagedError,
@@ -19,18 +17,10 @@ from companion.core.generations import (
     write_atomically,
 )
 from companion.core.storage import FolderStorage
-from companion.mavlink.dialect import dialect
-from companion.mavlink.items import MissionType
 from companion.mavlink.signing_key import SigningKey, read_key_file
-from companion.mavlink.transfer import Completed
-from companion.services.ftp.mounts import InlineExecutor
 
 NAME = "fence.json"
 FIRST, SECOND, THIRD = b"the first", b"the second, which is longer", b"the third"
-STORED = {
-    "mission.json", "fence.json", "rally.json", "params.parm", "voyage.json", "trail.json",
-    "signing.key", "signing.json",
-}  # fmt: skip
 
 
 def saved(folder: Path, *contents: bytes) -> Path:
@@ -44,52 +34,6 @@ def loaded(folder: Path) -> tuple[bytes, str]:
     storage = FolderStorage(folder)
     content = storage.load(NAME)
     return content, storage.damage(NAME)
-
-
-@pytest.fixture(scope="module")
-def memory(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The memory of a boat that has every kind of file, each in two generations."""
-    folder = tmp_path_factory.mktemp("memory")
-    storage = FolderStorage(folder, worker=InlineExecutor())
-    rig = Rig(storage=storage).ready()
-
-    def uploaded(items: list, kind: MissionType) -> None:  # type: ignore[type-arg]
-        rig.peer.forget()
-        assert isinstance(rig.upload(items, mission_type=kind), Completed)
-
-    for north_m in (10.0, 12.0):
-        uploaded([waypoint(0.0, 0.0), waypoint(north_m, 0.0), waypoint(north_m, 40.0)], MissionType.MISSION)
-        uploaded(FENCE, MissionType.FENCE)
-        uploaded(RALLY, MissionType.RALLY)
-        rig.boat.parameters.set("WP_RADIUS", north_m / 4.0)
-        rig.boat.parameters.set("FENCE_ENABLE", 0.0)
-        rig.boat.signing.change_key(SigningKey(bytes([int(north_m)] * 32)), 1)
-    assert rig.arm() == OK
-    assert rig.ask(dialect.MAV_CMD_MISSION_START) == OK
-    rig.run(30.0)
-    rig.boat.signing.close()
-    storage.close()
-    return folder
-
-
-def test_one_flipped_bit_anywhere_in_any_stored_file_is_noticed(memory: Path) -> None:
-    files = {path.name: path.read_bytes() for path in memory.iterdir() if path.is_file()}
-    assert STORED | {f"{name}.old" for name in STORED} <= set(files)
-    for name, whole in files.items():
-        assert unseal(whole).number >= 1, name
-        for at in range(8 * len(whole)):
-            file = bytearray(whole)
-            file[at // 8] ^= 1 << at % 8
-            with pytest.raises(DamagedError):
-                unseal(bytes(file))
-
-
-def test_a_file_cut_short_anywhere_is_noticed(memory: Path) -> None:
-    for path in memory.iterdir():
-        whole = path.read_bytes() if path.is_file() else b""
-        for length in range(len(whole)):
-            with pytest.raises(DamagedError):
-                unseal(whole[:length])
 
 
 @given(st.integers(0, 10**18 - 1), st.binary(max_size=300), st.integers(0), st.integers(1, 2**32 - 1))
@@ -122,12 +66,6 @@ def test_what_a_crashed_file_system_leaves_is_no_content(tmp_path: Path, file: b
     assert loaded(tmp_path) == (b"", "fence.json is damaged, there is no previous one")
 
 
-def test_a_file_that_has_gone_is_missed_and_one_that_never_was_is_not(tmp_path: Path) -> None:
-    assert loaded(tmp_path) == (b"", "")
-    saved(tmp_path, FIRST, SECOND).unlink()
-    assert loaded(tmp_path) == (FIRST, "fence.json is damaged, the previous one is in use")
-
-
 def test_a_block_that_cannot_be_read_is_damage_and_a_file_that_may_not_be_read_is_an_error(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -152,13 +90,6 @@ def test_a_damaged_generation_never_replaces_the_whole_one_before_it(tmp_path: P
     saved(tmp_path, THIRD)
     assert unseal(path.with_name(f"{NAME}.old").read_bytes()).content == FIRST
     assert loaded(tmp_path) == (THIRD, "")
-
-
-def test_an_empty_content_is_a_generation_as_any_other(tmp_path: Path) -> None:
-    path = saved(tmp_path, FIRST, b"", SECOND)
-    path.write_bytes(b"")
-    assert loaded(tmp_path)[0] == b""
-    assert find_newest(path).generation.number == 2
 
 
 CUTS = ["nothing is done", "a part is aside", "all is aside", "the newest is kept", "all is done"]

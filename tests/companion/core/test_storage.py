@@ -7,13 +7,9 @@ from patience import MOMENT_S
 
 from companion.core.errors import StorageError
 from companion.core.generations import unseal, write_atomically
-from companion.core.storage import FolderStorage, MemoryStorage, Saving
+from companion.core.storage import FolderStorage, Saving
 
 OLD, NEW = b"the old list", b"the new list, which is longer"
-
-
-class PowerCutError(Exception):
-    """The lights go out: nothing after this point is done."""
 
 
 def test_what_was_saved_is_loaded(tmp_path: Path) -> None:
@@ -24,80 +20,6 @@ def test_what_was_saved_is_loaded(tmp_path: Path) -> None:
     assert saving.is_done()
     assert saving.error() == ""
     assert FolderStorage(tmp_path / "deep" / "state").load("mission.json") == OLD
-
-
-def test_memory_keeps_what_it_is_given_at_once() -> None:
-    storage = MemoryStorage()
-    saving = storage.save("mission.json", NEW)
-    assert (saving.is_done(), saving.error()) == (True, "")
-    assert storage.load("mission.json") == NEW
-    assert storage.load("fence.json") == b""
-
-
-STEPS = ["open", "write", "flush", "fsync", "replace", "fsync folder"]
-
-
-def cut_power_at(step: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let one step of a write fail, half done where it can be."""
-    real_open, real_fsync = Path.open, os.fsync
-    synced: list[int] = []
-
-    class HalfFile:
-        def __init__(self, path: Path) -> None:
-            self.file = real_open(path, "wb")
-
-        def __enter__(self) -> "HalfFile":
-            return self
-
-        def __exit__(self, *args: object) -> None:
-            self.file.close()
-
-        def write(self, content: bytes) -> None:
-            self.file.write(content[: len(content) // 2] if step == "write" else content)
-            if step == "write":
-                raise PowerCutError
-
-        def flush(self) -> None:
-            if step == "flush":
-                raise PowerCutError
-            self.file.flush()
-
-        def fileno(self) -> int:
-            return self.file.fileno()
-
-    def open_aside(path: Path, mode: str) -> HalfFile:
-        if step == "open":
-            raise PowerCutError
-        return HalfFile(path)
-
-    def fsync(number: int) -> None:
-        synced.append(number)
-        if step == ("fsync" if len(synced) == 1 else "fsync folder"):
-            raise PowerCutError
-        real_fsync(number)
-
-    def replace(path: Path, target: Path) -> None:
-        raise PowerCutError
-
-    monkeypatch.setattr(Path, "open", open_aside)
-    monkeypatch.setattr(os, "fsync", fsync)
-    if step == "replace":
-        monkeypatch.setattr(Path, "replace", replace)
-
-
-@pytest.mark.parametrize("step", STEPS)
-def test_a_write_cut_off_at_any_step_leaves_old_or_new_whole(
-    step: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = tmp_path / "mission.json"
-    write_atomically(path, OLD)
-    with monkeypatch.context() as patch:
-        cut_power_at(step, patch)
-        with pytest.raises(PowerCutError):
-            write_atomically(path, NEW)
-    assert path.read_bytes() == (NEW if step == "fsync folder" else OLD)
-    write_atomically(path, NEW)  # what lies about from the accident does not hinder the next write
-    assert path.read_bytes() == NEW
 
 
 def test_the_content_is_on_the_medium_before_the_name_changes(
@@ -133,15 +55,6 @@ def test_a_write_that_fails_says_why(tmp_path: Path, fault: OSError, words: str)
     assert saving.is_done()
     assert words in saving.error()
     assert storage.load("mission.json") == b""
-
-
-def test_saves_of_one_name_are_carried_out_in_order(tmp_path: Path) -> None:
-    storage = FolderStorage(tmp_path)
-    savings = [storage.save("a", str(n).encode()) for n in range(50)]
-    storage.close()
-    storage.close()
-    assert all(saving.is_done() and not saving.error() for saving in savings)
-    assert storage.load("a") == b"49"
 
 
 def test_saves_that_wait_for_the_medium_become_one_for_each_name(tmp_path: Path) -> None:

@@ -2,9 +2,9 @@
 
 import pytest
 from boat_rig import BOAT, Rig
-from mission_station import ACK, FENCE, MISSION, OTHER, RALLY, clear, count, loaded, result_of
+from held_storage import HeldStorage
+from mission_station import ACK, FENCE, MISSION, OTHER, RALLY, clear, count, result_of
 
-from companion.core.storage import MemoryStorage, Saving
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionResult, MissionType
 from companion.mavlink.transfer import Completed
@@ -24,56 +24,7 @@ def test_one_list_is_cleared_and_the_others_stay(kind: MissionType) -> None:
         assert rig.items(one) == (() if one is kind else tuple(items))
 
 
-def test_a_count_of_nothing_clears_too() -> None:
-    rig = loaded()
-    assert result_of(rig, count(0)) is MissionResult.ACCEPTED
-    assert rig.items() == ()
-    assert rig.boat.vehicle.progress.is_empty
-
-
-def test_all_lists_are_cleared_in_one() -> None:
-    rig = loaded()
-    assert isinstance(rig.upload(FENCE, mission_type=MissionType.FENCE), Completed)
-    assert result_of(rig, clear(255)) is MissionResult.ACCEPTED
-    rig.reboot()
-    assert [rig.items(kind) for kind in MissionType] == [(), (), ()]
-
-
-class SlowStorage(MemoryStorage):
-    """A medium that takes its time: nothing is kept before `finish`, and then perhaps not."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.waiting: list[tuple[str, bytes, SlowSaving]] = []
-
-    def save(self, name: str, content: bytes) -> Saving:
-        saving = SlowSaving()
-        self.waiting.append((name, content, saving))
-        return saving
-
-    def finish(self, fault: str = "") -> None:
-        for name, content, saving in self.waiting:
-            if not fault:
-                self.content[name] = content
-            saving.done, saving.fault = True, fault
-        self.waiting.clear()
-
-
-class SlowSaving:
-    """One of its writes."""
-
-    def __init__(self) -> None:
-        self.done = False
-        self.fault = ""
-
-    def is_done(self) -> bool:
-        return self.done
-
-    def error(self) -> str:
-        return self.fault
-
-
-def uploading(storage: SlowStorage) -> Rig:
+def uploading(storage: HeldStorage) -> Rig:
     """A boat that holds MISSION and is writing OTHER."""
     save_items(storage, MissionType.MISSION, MISSION)
     storage.finish()
@@ -90,7 +41,7 @@ def uploading(storage: SlowStorage) -> Rig:
 
 
 def test_a_list_is_acknowledged_and_sailed_only_once_the_medium_has_it() -> None:
-    storage = SlowStorage()
+    storage = HeldStorage()
     rig = uploading(storage)
     rig.run(3.0)
     assert not rig.peer.said(ACK)
@@ -102,15 +53,8 @@ def test_a_list_is_acknowledged_and_sailed_only_once_the_medium_has_it() -> None
     assert rig.boat.vehicle.progress.last_seq == 2
 
 
-def test_a_power_cut_while_a_list_is_written_leaves_the_old_one() -> None:
-    rig = uploading(SlowStorage())
-    rig.reboot()
-    assert rig.items() == tuple(MISSION)
-    assert rig.boat.vehicle.progress.last_seq == 3
-
-
 def test_a_medium_that_refuses_is_reported_and_the_old_list_stays() -> None:
-    storage = SlowStorage()
+    storage = HeldStorage()
     rig = uploading(storage)
     storage.finish("No space left on device")
     rig.step()
@@ -121,7 +65,7 @@ def test_a_medium_that_refuses_is_reported_and_the_old_list_stays() -> None:
 
 @pytest.mark.parametrize("fault", ["", "read-only"])
 def test_clearing_everything_waits_for_the_medium_too(fault: str) -> None:
-    storage = SlowStorage()
+    storage = HeldStorage()
     save_items(storage, MissionType.MISSION, MISSION)
     storage.finish()
     rig = Rig(storage=storage)
