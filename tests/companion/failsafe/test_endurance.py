@@ -44,11 +44,6 @@ def range_fault(endurance: Endurance, nav: NavState, consumed_mah: float, way_m:
     return endurance.range_fault
 
 
-def test_the_way_home_takes_draw_times_distance_over_speed() -> None:
-    # 720 m at 1 m/s and 5 A: 5 A for 0.2 h is 1000 mAh
-    assert after(30.0, sailing()).way_home_mah(sailing(), HOME) == pytest.approx(1000.0)
-
-
 @pytest.mark.parametrize(
     ("current_m_s", "made_good_m_s"),
     [

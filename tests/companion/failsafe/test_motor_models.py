@@ -4,14 +4,18 @@ import math
 from random import Random
 
 import pytest
+from msgspec.structs import replace
 
-from companion.config.boat_config import BoatConfig
+from companion.config.boat_config import BoatConfig, decode_config
+from companion.core.evidence import MOST_SQUARE
 from companion.core.geo import LatLon
 from companion.core.readings import BatteryReading, GnssFix
 from companion.core.state import NavState
 from companion.failsafe.motors.current import MotorCurrent
 from companion.failsafe.motors.evidence import MotorEvidence
+from companion.failsafe.motors.hypotheses import HYPOTHESES, WEIGHT, EffectSize, Fault
 from companion.failsafe.motors.motion_filter import MotionFilter
+from companion.failsafe.motors.watch import MotorWatch
 
 DT_S = 0.1
 SIGMA_A = 0.16  # of a reading, by what the equation leaves out
@@ -90,3 +94,85 @@ def test_a_push_and_each_change_of_it_leave_the_motion_in_doubt() -> None:
     assert changed[1] - changed[4] == pytest.approx((0.0707 * 2.0) ** 2, rel=0.01)
     assert changed[0] == 0.0
     assert doubts[2][1] == pytest.approx(changed[4])
+
+
+def test_the_size_is_learned_from_what_is_measured() -> None:
+    """Residuals half as large again as expected cost no more than the noise, once that is known."""
+    size, random = EffectSize(1), Random(1)
+    costs = [size.cost(0, 1.5 + random.gauss(0.0, 0.2), 1.0, 0.4, 0.04) for _ in range(2000)]
+    assert sum(costs[100:]) / 1900 == pytest.approx(0.5, rel=0.1)
+    assert size._theta[0] == pytest.approx(1.25, rel=0.03)
+    assert size._variance[0] == pytest.approx(0.04 / WEIGHT / (2000 * 0.4**2), rel=0.1)
+
+
+@pytest.mark.parametrize("residual", [-5.0, 5.0])
+def test_a_size_beyond_two_deviations_is_not_believed(residual: float) -> None:
+    size = EffectSize(1)
+    costs = [size.cost(0, residual, 1.0, 0.4, 0.04) for _ in range(500)]
+    assert abs(size._theta[0]) == 2.0
+    assert costs[-1] == 0.5 * MOST_SQUARE
+
+
+def test_each_hypothesis_learns_for_itself_until_it_forgets() -> None:
+    size = EffectSize(2)
+    first = [size.cost(at, 1.3, 1.0, 0.4, 0.04) for at in (0, 1)]
+    size.cost(0, 1.3, 1.0, 0.4, 0.04)
+    size.forget(0)
+    assert first[0] == first[1] == size.cost(0, 1.3, 1.0, 0.4, 0.04)
+    assert size.cost(1, 1.3, 1.0, 0.4, 0.04) < first[1]
+
+
+def test_two_neighbouring_samples_count_for_one() -> None:
+    """Their errors are alike: together they teach what one of an error of its own would."""
+    size, spread, variance = EffectSize(1), 0.4, 0.04
+    for _ in range(2):
+        size.cost(0, 1.0, 1.0, spread, variance)
+    assert 1.0 / size._variance[0] == pytest.approx(1.0 + spread**2 / variance)
+
+
+pytestmark = pytest.mark.slow
+
+STILL = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.02)
+DT = 0.1
+
+
+def config(layout: str = "differential", driver: str = "l298n") -> BoatConfig:
+    return decode_config({"drive": {"layout": layout}, "parts": {"motors": {"driver": driver}}}, "test")
+
+
+def evidence(
+    setting: BoatConfig, *, moment: float = 0.0, is_rudder: bool = False, ampere: float | None = None
+) -> MotorWatch:
+    """Half a minute at cruise speed. A moment, in shares of full steering, swings the boat from side to side;
+    is_rudder: it is that of the rudder. Nomoto's first order: 0.65 rad/s at full steering within 1.25 s.
+    """
+    watch, rate = MotorWatch(setting), 0.0
+    for tick in range(300):
+        pushed = math.copysign(moment, math.sin(0.2 * tick))
+        nav = replace(STILL, time_s=tick * DT, surge_m_s=2.0, yaw_rate_rad_s=rate)
+        battery = None if ampere is None else BatteryReading(tick * DT, 12.0, ampere + 1e-3 * tick)
+        rudder = pushed if is_rudder else 0.0
+        watch.update(0.6, 0.6, nav, None, battery, setting, tick * DT, DT, rudder)
+        rate += DT * 0.8 * (0.65 * pushed - rate)
+    return watch
+
+
+def test_one_motor_is_not_judged_against_another() -> None:
+    watch = evidence(config("rudder"), moment=0.9)
+    assert watch.verdict is None
+    assert max(watch._evidence.against) == 0.0
+
+
+def test_a_turn_by_the_rudder_is_no_evidence_against_the_motors() -> None:
+    both = config("differential_rudder")
+    unknown, known = evidence(both, moment=0.9), evidence(both, moment=0.9, is_rudder=True)
+    dead = [at for at, one in enumerate(HYPOTHESES) if one.fault is Fault.DEAD]
+    assert max(known._evidence.against[at] for at in dead) < max(unknown._evidence.against[at] for at in dead)
+    assert known.verdict is None
+
+
+@pytest.mark.parametrize(("driver", "has_current"), [("l298n", True), ("esc", False)])
+def test_the_current_of_a_speed_controller_tells_nothing(driver: str, has_current: bool) -> None:
+    watch = evidence(config(driver=driver), ampere=3.0)
+    assert watch._evidence.has_current is has_current
+    assert watch._evidence.knows_current is has_current
