@@ -5,9 +5,8 @@ import math
 from collections.abc import Collection, Sequence
 
 from companion.autopilot.motor_output import Fall, MotorOutput, SafetyNet
-from companion.autopilot.origin import OriginMonitor
 from companion.autopilot.pipeline import GuidancePipeline
-from companion.autopilot.sensor_suite import SensorSuite
+from companion.autopilot.sensor_suite import OriginMonitor, SensorSuite
 from companion.autopilot.snapshot import Snapshot, board_readings
 from companion.calibration.motor_test import MotorTest
 from companion.calibration.runner import CalibrationRunner

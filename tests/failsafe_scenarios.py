@@ -11,10 +11,9 @@ from companion.config.boat_config import BoatConfig
 from companion.core.modes import Mode
 from companion.core.readings import BatteryReading, DepthReading, HeadingReading, HullReading
 from companion.core.state import EstimateFault
-from companion.failsafe.actions import Action
+from companion.failsafe.actions import Action, State
 from companion.failsafe.inputs import FailsafeInputs
 from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault
-from companion.failsafe.recovery.transition_table import State
 from companion.failsafe.table import Condition
 from companion.guidance.stall_detector import StallVerdict
 

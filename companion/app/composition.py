@@ -10,14 +10,13 @@ from pathlib import Path
 from companion.app import garbage_collection as garbage
 from companion.app.hardware import open_hardware
 from companion.app.needs import check_needs
-from companion.app.process import only_program
+from companion.app.process import ServiceNotifier, only_program, status_line
 from companion.app.runner import Runner, SystemClock
-from companion.app.service_notifier import ServiceNotifier, status_line
 from companion.app.status_file import StatusFile, status_path
 from companion.boat import TICK_S, Boat
 from companion.config.board import read_model
 from companion.config.boat_config import BoatConfig, LinkConfig
-from companion.config.rc import Rc
+from companion.config.tuning import Rc
 from companion.core.errors import ConfigError, StorageError
 from companion.core.status_text import Severity
 from companion.core.storage import FolderStorage, MemoryStorage, Storage
@@ -106,7 +105,7 @@ def policy_of(link: LinkConfig, key: str) -> Policy:
     return Policy(link, key, baud, is_loopback, accepts_any_source=url.kind == "udpin")
 
 
-def open_ports(links: Sequence[str | LinkConfig], now: Now) -> list[Port]:
+def open_ports(links: Sequence[LinkConfig], now: Now) -> list[Port]:
     """Open every link of a configuration, or none.
 
     Raises:
@@ -115,9 +114,8 @@ def open_ports(links: Sequence[str | LinkConfig], now: Now) -> list[Port]:
     with ExitStack() as undo:
         ports: list[Port] = []
         for number, link in enumerate(links):
-            setting = LinkConfig(url=link) if isinstance(link, str) else link
-            policy = policy_of(setting, f"links[{number}]")
-            ports.append(ConfiguredPort(_open_link(setting.url, policy, now), policy))
+            policy = policy_of(link, f"links[{number}]")
+            ports.append(ConfiguredPort(_open_link(link.url, policy, now), policy))
             undo.callback(ports[-1].close)
         undo.pop_all()
     return ports
@@ -221,18 +219,7 @@ def run_boat(
             return {one.name: one.fault for one in (*hardware.retried, *links) if one.fault} | log_faults
 
         path = status_path(config)
-        status = (
-            StatusFile(
-                path,
-                boat.channels,
-                boat.endpoint.corrections.status,
-                boat.address.system,
-                boat.vehicle.notify,
-                missing,
-            )
-            if path is not None
-            else None
-        )
+        status = None if path is None else StatusFile(path, boat, missing)
         if status is not None:
             undo.callback(status.close)
 

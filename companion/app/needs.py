@@ -118,6 +118,20 @@ def needs_of(config: BoatConfig) -> Needs:
     )
 
 
+class _Claims:
+    """Who owns a thing: whoever claims it first."""
+
+    def __init__(self) -> None:
+        self._owners: dict[object, tuple[str, str]] = {}
+
+    def claim(self, thing: object, name: str, key: str, use: str = "", *, is_shared: bool = False) -> None:
+        """use: as what, if that is not the key's own value. is_shared: by all with the same use."""
+        other, other_use = self._owners.setdefault(thing, (key, use))
+        if other != key and not (is_shared and use == other_use):
+            owner = f"{other}, {other_use}" if other_use else other
+            raise ConfigError(f"{key}: {name} belongs to {owner}; expected another")
+
+
 def check_needs(config: BoatConfig, model: str) -> None:
     """No pin, device, signal, PWM channel or address twice; each pin can do what it is used for; motors and
     winches have signals that can be ended.
@@ -127,24 +141,12 @@ def check_needs(config: BoatConfig, model: str) -> None:
     Raises:
         ConfigError: names both keys.
     """
-    needs = needs_of(config)
-    _check_signals(config, needs, model)
-    check_ports(needs)
-    _check_pins(config, needs, model)
-    chips: dict[tuple[str, int], tuple[str, str]] = {}
-    for key, chip, bus, address in i2c_chips(config):
-        other, other_chip = chips.setdefault((bus, address), (key, chip))
-        if chip != other_chip or (chip != "ads1115" and key != other):
-            raise ConfigError(f"{key}: {address:#x} on I²C belongs to {other}; expected another")
-
-
-def _check_signals(config: BoatConfig, needs: Needs, model: str) -> None:
-    channels: dict[str, str] = {}
+    needs, claims = needs_of(config), _Claims()
     winches = (n for n, one in enumerate(config.payload) if isinstance(one, WinchPayload))
     runs_on = {"parts.motors.left", "parts.motors.right", *(f"payload[{n}].signal" for n in winches)}
     for key, signal in signals_in_use(config):
         if signal.output == "pca9685":
-            _claim(channels, f"channel {signal.channel} of the PCA9685", key)
+            claims.claim(("channel", signal.channel), f"channel {signal.channel} of the PCA9685", key)
             if key in runs_on and config.parts.pca9685.output_enable < 0:
                 raise ConfigError(
                     f"{key}: a PCA9685 goes on with its last pulse when the bus fails; expected OE on a pin, "
@@ -152,13 +154,23 @@ def _check_signals(config: BoatConfig, needs: Needs, model: str) -> None:
                 )
         elif signal.pin < 0:
             raise ConfigError(f"{key}.pin: expected the number of a pin")
-    of_pins = pwm_channels(model)
-    for key, pin in needs.pwm.items():
-        if pin not in of_pins:
+    _check_pwm(needs.pwm, pwm_channels(model))
+    check_ports(needs)
+    buses = (PinUse(pin, key, bus) for key, bus in needs.i2c.items() for pin in I2C_PINS.get(bus, ()))
+    uarts = (PinUse(pin, key, port) for key, port in needs.ports.items() for pin in uart_pins(port, model))
+    for pin, key, what in (*buses, *uarts, *pins_in_use(config)):
+        claims.claim(pin, f"GPIO {pin}", key, what, is_shared=bool(what))  # a bus, or a line of several parts
+    for key, chip, bus, address in i2c_chips(config):
+        claims.claim((bus, address), f"{address:#x} on I²C", key, chip, is_shared=chip == "ads1115")
+
+
+def _check_pwm(pins: Mapping[str, int], channels: Mapping[int, int]) -> None:
+    for key, pin in pins.items():
+        if pin not in channels:
             raise ConfigError(f"{key}: GPIO {pin} has no hardware PWM; expected 12, 13, 18 or 19")
-    for key, pin in needs.pwm.items():
-        twin = next((one for one, of in of_pins.items() if of == of_pins[pin] and one != pin), pin)
-        other = next((one for one, of in needs.pwm.items() if of == twin != pin), None)
+    for key, pin in pins.items():
+        twin = next((one for one, of in channels.items() if of == channels[pin] and one != pin), pin)
+        other = next((one for one, of in pins.items() if of == twin != pin), None)
         if other is not None:
             raise ConfigError(
                 f"{other}: GPIO {twin} shares a PWM channel with {key}, GPIO {pin}; expected another"
@@ -166,35 +178,15 @@ def _check_signals(config: BoatConfig, needs: Needs, model: str) -> None:
 
 
 def check_ports(needs: Needs) -> None:
-    """No device twice, by whatever name.
+    """No device twice, by whatever name, but for probes on one line.
 
     Raises:
         ConfigError: names both keys.
     """
-    taken: dict[str, str] = {}
+    claims = _Claims()
     for key, port in needs.ports.items():
-        device = os.path.realpath(port)  # udev's names are links
-        other = taken.setdefault(device, key)
-        shares_line = key.startswith("probe[") and other.startswith("probe[")  # several numbers of one line
-        if other != key and not shares_line:
-            raise ConfigError(f"{key}: {port} belongs to {other}; expected another")
-
-
-def _check_pins(config: BoatConfig, needs: Needs, model: str) -> None:
-    buses = (PinUse(pin, key, bus) for key, bus in needs.i2c.items() for pin in I2C_PINS.get(bus, ()))
-    uarts = (PinUse(pin, key, port) for key, port in needs.ports.items() for pin in uart_pins(port, model))
-    taken: dict[int, PinUse] = {}
-    for use in (*buses, *uarts, *pins_in_use(config)):
-        other = taken.setdefault(use.pin, use)
-        is_shared = bool(use.what) and use.what == other.what  # a bus, or a line with several numbers
-        if other.key != use.key and not is_shared:
-            owner = f"{other.key}, {other.what}" if other.what else other.key
-            raise ConfigError(f"{use.key}: GPIO {use.pin} belongs to {owner}; expected another")
-
-
-def _claim(taken: dict[str, str], what: str, key: str) -> None:
-    if (other := taken.setdefault(what, key)) != key:
-        raise ConfigError(f"{key}: {what} belongs to {other}; expected another")
+        use = "a line of probes" if key.startswith("probe[") else ""
+        claims.claim(os.path.realpath(port), port, key, use, is_shared=bool(use))  # udev's names are links
 
 
 def _bus(section: Section) -> str:
@@ -218,16 +210,9 @@ def i2c_chips(config: BoatConfig) -> Iterator[tuple[str, str, str, int]]:
 
 def _drivers(config: BoatConfig) -> Iterator[tuple[str, str, Section]]:
     """Key, driver and section of each part."""
-    for name in config.parts.__struct_fields__:
-        value = getattr(config.parts, name)
-        if not isinstance(value, Section):
-            continue
-        if isinstance(value, CompassPart):
-            yield "parts.compass", value.part_driver, value
-            continue
-        for number, one in enumerate(value if isinstance(value, tuple) else (value,)):
-            key = f"parts.{name}[{number}]" if isinstance(value, tuple) else f"parts.{name}"
-            yield key, getattr(one, "driver", ""), one
-    yield "rc", config.rc.driver, config.rc
-    for number, probe in enumerate(config.probe):
-        yield f"probe[{number}]", probe.driver, probe
+    parts = {f"parts.{name}": getattr(config.parts, name) for name in config.parts.__struct_fields__}
+    probes = {f"probe[{number}]": probe for number, probe in enumerate(config.probe)}
+    for key, part in {**parts, "rc": config.rc, **probes}.items():
+        driver = part.part_driver if isinstance(part, CompassPart) else getattr(part, "driver", "")
+        if driver:
+            yield key, driver, part

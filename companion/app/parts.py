@@ -14,6 +14,7 @@ from companion.config.boat_config import BoatConfig, with_value
 from companion.config.payload import PayloadSetting, WinchPayload
 from companion.config.sensors import ProbePart
 from companion.core.errors import HardwareError
+from companion.core.generations import ProfileFile
 from companion.hal.battery import open_battery_monitor
 from companion.hal.gnss.gpsd import open_gpsd_gnss
 from companion.hal.gnss.receiver import GnssReceiver, open_nmea_gnss
@@ -46,7 +47,6 @@ from companion.hal.pulses.opening import RudderServo, open_pulse_output
 from companion.hal.ranging.mounted_ranger import open_ranger
 from companion.hal.rc_receiver import open_rc_receiver
 from companion.hal.retried_parts import CountedOutput
-from companion.persistence.profile import ProfileFile
 from companion.sensors.compass.magnetic_field import FieldCorrector
 from companion.sensors.gnss_heading import GnssHeading
 

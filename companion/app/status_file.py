@@ -17,11 +17,11 @@ from rich.live import Live
 from rich.markup import escape
 from rich.table import Table
 
+from companion.boat import Boat
 from companion.config.boat_config import BoatConfig
 from companion.core.errors import BoatError, ConfigError, StorageError
 from companion.core.status_text import Severity
 from companion.core.tick_count import TickCount
-from companion.router.channels import Channels
 from companion.router.status import LinksStatus, Reporter
 from companion.services.corrections import CorrectionStatus
 
@@ -48,33 +48,19 @@ class BoatStatus(msgspec.Struct, frozen=True):
 class StatusFile:
     """Writes a status at most once a second, and none while the one before is still under way."""
 
-    def __init__(
-        self,
-        path: Path,
-        channels: Channels,
-        corrections: Callable[[float], CorrectionStatus | None] = lambda _: None,
-        system_id: int = 0,
-        notify: Callable[[int, str], None] = lambda _severity, _text: None,
-        missing: Callable[[], dict[str, str]] = dict,
-    ) -> None:
-        """corrections: their status at the present time. system_id: of the boat.
-
-        notify: tells the operator of the first write that failed, and again after one that did not.
-        missing: parts and links that cannot be opened, and why.
-        """
-        self._path = path
-        self._reporter = Reporter(channels)
-        self._corrections = corrections
-        self._system_id = system_id
-        self._notify = notify
-        self._missing = missing
+    def __init__(self, path: Path, boat: Boat, missing: Callable[[], dict[str, str]] = dict) -> None:
+        """missing: parts and links that cannot be opened, and why."""
+        self._path, self._boat, self._missing = path, boat, missing
+        self._reporter = Reporter(boat.channels)
         self._is_well = True
         self._worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="status")
         self._writing: Future[None] | None = None
         self._due_s = 0.0
 
     def tick(self, now_s: float, ticks: TickCount, load: float) -> None:
-        """To be called every tick."""
+        """To be called every tick. The operator is told of the first write that failed, and again after one
+        that did not.
+        """
         if now_s < self._due_s or (self._writing is not None and not self._writing.done()):
             return
         self._due_s = now_s + PERIOD_S
@@ -82,7 +68,7 @@ class StatusFile:
         was_well, self._is_well = self._is_well, error is None
         if error is not None and was_well:
             why = (isinstance(error, OSError) and error.strerror) or error
-            self._notify(Severity.WARNING, f"Status file {self._path} cannot be written: {why}")
+            self._boat.vehicle.notify(Severity.WARNING, f"Status file {self._path} cannot be written: {why}")
         status = BoatStatus(
             process=os.getpid(),
             load=load,
@@ -91,8 +77,8 @@ class StatusFile:
             skipped_ticks=ticks.skipped,
             worst_late_s=ticks.worst_s,
             links=self._reporter.report(now_s),
-            corrections=self._corrections(now_s),
-            system_id=self._system_id,
+            corrections=self._boat.endpoint.corrections.status(now_s),
+            system_id=self._boat.address.system,
             missing=self._missing(),
         )
         self._writing = self._worker.submit(_write, self._path, status)

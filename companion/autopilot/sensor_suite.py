@@ -5,6 +5,7 @@ configuration has no reading, and all that use one need only handle None.
 """
 
 import math
+from collections.abc import Callable
 
 from companion.config.boat_config import BoatConfig, Trim
 from companion.config.sensors import CompassPart
@@ -20,6 +21,7 @@ from companion.core.readings import (
 )
 from companion.core.state import STOPPED, MotorCommand
 from companion.core.status_text import Severity, StatusText
+from companion.estimation.estimator import Estimator
 from companion.hal.interfaces import Hardware, PausingPart
 from companion.obstacles.perception.sonar_scan import SonarScan
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector
@@ -223,3 +225,33 @@ def trimmed(
         reading.heading_rad + turn_rad,
         None if rate is None else rate - trim.gyro_bias_rad_s,
     )
+
+
+class OriginMonitor:
+    """Moves the origin of a disarmed boat that was carried beyond the frame; warns while it is armed."""
+
+    def __init__(self, estimator: Estimator, external: ExternalSensors) -> None:
+        self._estimator = estimator
+        self._external = external
+        self._far_m = 0.0  # how far beyond the frame every fix lies, 0 within
+
+    def share_frame(self) -> None:
+        """Whichever of both has a frame gives it to the other. Before the estimator's update."""
+        if self._estimator.frame is None:
+            self._estimator.preset_frame = self._external.frame
+        elif self._external.frame is None:
+            self._external.frame = self._estimator.frame
+
+    def check(self, armed: bool, notify: Callable[[int, str], None]) -> float:
+        """How far the origin has been moved, 0 if it has not. After the estimator's update."""
+        far_m, was_far = self._estimator.far_m, self._far_m > 0.0
+        self._far_m = far_m if armed else 0.0
+        if far_m == 0.0 or armed:
+            if far_m > 0.0 and not was_far:
+                text = f"GPS: {far_m / 1e3:.0f} km from where the boat was, not used until disarmed"
+                notify(Severity.WARNING, text)
+            return 0.0
+        if self._external.frame is self._estimator.frame:
+            self._external.frame = None
+        self._estimator.reset_origin()
+        return far_m

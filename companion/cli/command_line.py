@@ -21,16 +21,8 @@ Command = Callable[..., int | None]
 _NO_VALUE: Final = (None, False, "")
 
 
-@dataclass(frozen=True, init=False)
 class Option:
     """An option. names: with their dashes; by default the parameter's. least, most: bounds of a number."""
-
-    names: tuple[str, ...]
-    help: str
-    metavar: str | None
-    least: float | None
-    most: float | None
-    is_hidden: bool
 
     def __init__(
         self,
@@ -41,9 +33,8 @@ class Option:
         most: float | None = None,
         is_hidden: bool = False,
     ) -> None:
-        for name, value in locals().items():
-            if name != "self":
-                object.__setattr__(self, name, value)
+        self.names, self.help, self.metavar = names, help, metavar
+        self.least, self.most, self.is_hidden = least, most, is_hidden
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,6 @@ from msgspec import Meta
 from companion.config.actuators import DriveSetting, Handling, MotorsPart, Pca9685Part, RudderPart, Thrusters
 from companion.config.board import I2cBus
 from companion.config.payload import CameraSetting, PayloadSetting, check_payloads
-from companion.config.rc import Rc
 from companion.config.section import NonNegative, Positive, Section, SystemId, replaced
 from companion.config.sensors import (
     BatteryPart,
@@ -36,6 +35,7 @@ from companion.config.tuning import (
     Guidance,
     Heading,
     MotorLimits,
+    Rc,
     Speed,
 )
 from companion.core.errors import ConfigError

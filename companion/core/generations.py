@@ -19,6 +19,7 @@ takes precedence over every generation.
 
 import contextlib
 import errno
+import logging
 import os
 import zlib
 from collections.abc import Callable
@@ -166,3 +167,29 @@ def _read(path: Path) -> tuple[Generation | None, str]:
 def _number_of(path: Path) -> int:
     generation, _ = _read(path)
     return 0 if generation is None else generation.number
+
+
+_log = logging.getLogger(__name__)
+
+
+class ProfileFile:
+    """Read and written by the part's thread. Damage and a full disk cost the profile, nothing else."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+
+    def load(self) -> bytes:
+        """The newest intact profile, empty without one."""
+        try:
+            return find_newest(self._path).generation.content
+        except OSError as error:
+            _log.warning("%s: cannot be read: %s", self._path, error)
+            return b""
+
+    def save(self, content: bytes) -> None:
+        """Replace the profile."""
+        try:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            save_next(self._path, content, write_atomically)
+        except OSError as error:
+            _log.warning("%s: cannot be written: %s", self._path, error)

@@ -1,13 +1,12 @@
 """Requests of stations to the vehicle, and its answer. Services create them, the vehicle executes them."""
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 from companion.core.geo import LatLon
 from companion.core.intent import Hold
 
 
-@dataclass(frozen=True, slots=True)
-class Outcome:
+class Outcome(Struct, frozen=True):
     """Whether a request was accepted; if not, the reason for the operator."""
 
     accepted: bool
@@ -17,22 +16,19 @@ class Outcome:
 ACCEPTED = Outcome(True)
 
 
-@dataclass(frozen=True, slots=True)
-class Arm:
+class Arm(Struct, frozen=True):
     """Arm the motors. force skips the arming checks."""
 
     force: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class Disarm:
+class Disarm(Struct, frozen=True):
     """Stop the motors at once."""
 
     reason: str = "by command"
 
 
-@dataclass(frozen=True, slots=True)
-class ChangeMode:
+class ChangeMode(Struct, frozen=True):
     """Enter a mode by its ArduPilot Rover number.
 
     is_initial: the first known position of the mode switch, not a change by the operator.
@@ -42,23 +38,20 @@ class ChangeMode:
     is_initial: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class StartMission:
+class StartMission(Struct, frozen=True):
     """Enter AUTO and sail the mission from an item; None resumes at the current one."""
 
     first_seq: int | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class SetCurrentItem:
+class SetCurrentItem(Struct, frozen=True):
     """Make a mission item the current one; None: the present one. reset: restart the jump counters."""
 
     seq: int | None
     reset: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class GoTo:
+class GoTo(Struct, frozen=True):
     """Sail to a position in GUIDED. change_mode: enter GUIDED if necessary, otherwise refuse outside it."""
 
     position: LatLon
@@ -66,29 +59,25 @@ class GoTo:
     change_mode: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class SetPoint:
+class SetPoint(Struct, frozen=True):
     """Hold this in GUIDED until it times out. Outside GUIDED it is refused without a message."""
 
     hold: Hold
 
 
-@dataclass(frozen=True, slots=True)
-class ChangeSpeed:
+class ChangeSpeed(Struct, frozen=True):
     """Sail at this speed over ground until the mode or mission changes it."""
 
     speed_m_s: float
 
 
-@dataclass(frozen=True, slots=True)
-class SetHome:
+class SetHome(Struct, frozen=True):
     """Set home; None: the present position."""
 
     position: LatLon | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class ManualControl:
+class ManualControl(Struct, frozen=True):
     """Manual input from a station. Both −1..1; steering is positive to starboard.
 
     None leaves an axis to the RC transmitter.
@@ -98,8 +87,7 @@ class ManualControl:
     steering: float | None
 
 
-@dataclass(frozen=True, slots=True)
-class OtherVehicle:
+class OtherVehicle(Struct, frozen=True):
     """Reported position and motion over ground of another vehicle."""
 
     system_id: int
@@ -110,15 +98,6 @@ class OtherVehicle:
 
 
 Request = (
-    Arm
-    | Disarm
-    | ChangeMode
-    | StartMission
-    | SetCurrentItem
-    | GoTo
-    | SetPoint
-    | ChangeSpeed
-    | SetHome
-    | ManualControl
-    | OtherVehicle
-)
+    Arm | Disarm | ChangeMode | StartMission | SetCurrentItem | GoTo
+    | SetPoint | ChangeSpeed | SetHome | ManualControl | OtherVehicle
+)  # fmt: skip

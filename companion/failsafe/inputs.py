@@ -12,8 +12,8 @@ from companion.core.geo import Point
 from companion.core.modes import Mode
 from companion.core.readings import BatteryReading, DepthReading, HeadingReading, HullReading
 from companion.core.state import NavState, lacks_heading
+from companion.failsafe.actions import UNGROUNDING, State
 from companion.failsafe.motors.hypotheses import Hypothesis
-from companion.failsafe.recovery.transition_table import UNGROUNDING, State
 from companion.geofence.fence import Fence
 from companion.guidance.stall_detector import StallVerdict
 

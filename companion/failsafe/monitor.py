@@ -7,12 +7,11 @@ from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig
 from companion.config.tuning import Failsafe
-from companion.failsafe.actions import RECOVERIES, Action
+from companion.failsafe.actions import RECOVERIES, Action, State
 from companion.failsafe.endurance import Endurance
 from companion.failsafe.inputs import FailsafeInputs
 from companion.failsafe.motors.rudder_watch import RudderWatch
 from companion.failsafe.motors.watch import MotorWatch
-from companion.failsafe.recovery.transition_table import State
 from companion.failsafe.table import ROWS, Condition, Row, Step
 from companion.geofence.fence import FenceMonitor
 from companion.rc.manual_input import ManualInput

@@ -7,6 +7,7 @@ from companion.core.status_text import Severity
 from companion.failsafe.actions import (
     MODES,
     RECOVERIES,
+    TRANSITIONS,
     Action,
     AssumeFailed,
     Decision,
@@ -14,11 +15,12 @@ from companion.failsafe.actions import (
     Notify,
     Recover,
     Retreat,
+    State,
     StopMotors,
+    Trigger,
 )
 from companion.failsafe.inputs import FailsafeInputs, may_drift
 from companion.failsafe.monitor import Alarm, Change
-from companion.failsafe.recovery.transition_table import TRANSITIONS, State, Trigger
 from companion.failsafe.table import Condition, Row
 
 # For how long a boat drifts that clears its propellers and checks its motors, twice over, and gets under way

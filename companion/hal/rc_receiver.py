@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
-from companion.config.rc import Rc
+from companion.config.tuning import Rc
 from companion.core.errors import ConfigError
 from companion.core.readings import RcReading
 from companion.hal.port_sensor import PortSensor

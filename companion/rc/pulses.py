@@ -2,7 +2,7 @@
 
 from typing import Final
 
-from companion.config.rc import RcChannel
+from companion.config.tuning import RcChannel
 
 SHORTEST_US: Final = 800  # shorter or longer is no valid pulse: ArduPilot's limits for a receiver
 LONGEST_US: Final = 2200

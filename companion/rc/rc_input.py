@@ -6,7 +6,7 @@ A receiver is noisy if most channels jump from one frame to the next, which no h
 import math
 from typing import Final
 
-from companion.config.rc import Rc
+from companion.config.tuning import Rc
 from companion.core.readings import RcReading
 from companion.rc.pulses import deflection, is_pulse
 from companion.sensors.recurrence import Recurrence

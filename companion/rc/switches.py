@@ -1,6 +1,6 @@
 """A transmitter's switches: one arms and disarms, one selects the mode. Only a movement counts."""
 
-from companion.config.rc import Rc
+from companion.config.tuning import Rc
 from companion.core.requests import Arm, ChangeMode, Disarm, Request
 from companion.rc.pulses import HIGH, LOW, is_pulse, mode_position, switch_position
 

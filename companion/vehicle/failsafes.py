@@ -10,9 +10,9 @@ from companion.core.modes import Mode
 from companion.core.state import lacks_heading
 from companion.core.status_text import Severity
 from companion.failsafe import actions
+from companion.failsafe.actions import Trigger
 from companion.failsafe.inputs import FailsafeInputs, may_drift
 from companion.failsafe.monitor import PERIOD_S, Change
-from companion.failsafe.recovery.transition_table import Trigger
 from companion.failsafe.response import RECHECK_DRIFT_S, respond, routine_check
 from companion.failsafe.table import Condition
 

@@ -11,10 +11,10 @@ from companion.core.requests import ACCEPTED, Outcome, Request
 from companion.core.state import NavState, lacks_heading, lacks_position
 from companion.core.status_text import Severity, StatusText
 from companion.core.vehicle_status import VehicleStatus
+from companion.failsafe.actions import Trigger
 from companion.failsafe.inputs import BoardReadings
 from companion.failsafe.monitor import Failsafes
 from companion.failsafe.recovery.recovery import RecoveryManeuvers
-from companion.failsafe.recovery.transition_table import Trigger
 from companion.geofence.fence import Fence, FenceArea
 from companion.persistence.mission_store import FENCE, DataLosses
 from companion.rc.manual_input import ManualInput

@@ -140,8 +140,7 @@ class SimulatedBoat:
             boat = Boat(self._config, self.world.hardware, own_ports, self._storage, logbook=logbook)
             undo.pop_all()
         if self._options.status_path is not None:
-            path, own = self._options.status_path, boat.address.system
-            self._status = StatusFile(path, boat.channels, system_id=own)
+            self._status = StatusFile(self._options.status_path, boat)
         return boat
 
     def _close_boat(self, boat: Boat) -> None:

@@ -7,7 +7,7 @@ from sailing_rig import armed, begin, told
 from companion.boat import TICK_S
 from companion.core.modes import Mode
 from companion.core.state import MotorState, MotorStates
-from companion.failsafe.recovery.transition_table import Trigger
+from companion.failsafe.actions import Trigger
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionType
 from sitl.courses.missions import fence_along, plan_mission, wire_items

@@ -10,7 +10,7 @@ from mock_pi import PINS, MockPi
 
 from companion.boat import TICK_S, Boat
 from companion.config.boat_config import BoatConfig, Parts
-from companion.config.rc import Rc
+from companion.config.tuning import Rc
 from companion.core.storage import MemoryStorage
 from companion.hal.rc_receiver import SerialRcReceiver
 from companion.links.memory import MemoryPort, memory_pair

@@ -11,8 +11,8 @@ from pymavlink.dialects.v20 import all as dialect
 
 from companion.config.boat_config import BoatConfig, load_config
 from companion.config.parameter_pack import PackError, unpack_upload
-from companion.config.rc import Rc
 from companion.config.sensors import ProbePart
+from companion.config.tuning import Rc
 from companion.core.errors import ConfigError, HardwareError
 from companion.hal.ping1d import PingReader
 from companion.hal.probes import raw_number, value_of

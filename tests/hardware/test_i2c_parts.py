@@ -13,6 +13,7 @@ from twins.lines import HandClock
 from companion.config.actuators import Pca9685Part, PulseOutputSetting
 from companion.config.sensors import BatteryPart, CompassPart, ProbePart
 from companion.core.errors import HardwareError
+from companion.core.generations import ProfileFile
 from companion.core.state import MotorCommand
 from companion.hal.battery import open_battery_monitor
 from companion.hal.heading.bno055 import Bno055, Bno055Compass, open_bno055
@@ -20,7 +21,6 @@ from companion.hal.heading.magnetic_compass import open_magnetic_compass
 from companion.hal.probes import open_analog_probe
 from companion.hal.pulses.pca9685 import open_pca9685_pulses, replace_pca9685_pulses
 from companion.hal.raspberry_pi import I2cBus, import_optional, open_i2c
-from companion.persistence.profile import ProfileFile
 from companion.sensors.compass.magnetic_field import FieldCorrector
 
 COMPASS, BATTERY = CompassPart(driver="bno055"), BatteryPart(driver="ina219")

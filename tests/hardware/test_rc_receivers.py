@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from twins.lines import HandClock, PtyLine, eventually
 
-from companion.config.rc import Rc
+from companion.config.tuning import Rc
 from companion.hal.rc_receiver import SerialRcReceiver, open_rc_receiver
 from companion.links.memory import MemoryPort, memory_pair
 from companion.links.serial_port import LINE_8E2, SerialPort

@@ -5,7 +5,7 @@ import os
 from collections.abc import Mapping
 from pathlib import Path
 
-from companion.app.doctor.findings import Examined, Finding, Verdict
+from companion.app.doctor.findings import Examined, Finding, failed, fine, warning
 from companion.app.install.plan import GROUPS, PAGE_PORT, PIN_FILE, SHORE_UNIT, SHORE_UNIT_FILE, STATE
 from companion.app.install.steps import UNIT, USER, enabled_step, member_step
 from companion.app.install.target import InstallError, Target
@@ -21,13 +21,11 @@ def check_user(examined: Examined) -> Finding:
     target = examined.target
     member = member_step(target, USER, GROUPS)
     if USER not in target.users():
-        return Finding(
-            "boat's user", Verdict.WARNING, f"there is no user {USER}", "sudo boat-companion install"
-        )
+        return warning("boat's user", f"there is no user {USER}", "sudo boat-companion install")
     if member.is_done():
-        return Finding("boat's user", Verdict.FINE, f"{USER}, in {', '.join(GROUPS)}")
+        return fine("boat's user", f"{USER}, in {', '.join(GROUPS)}")
     text = f"{USER} is not in all of {', '.join(GROUPS)}"
-    return Finding("boat's user", Verdict.FAILED, text, "sudo boat-companion doctor --fix", (member,))
+    return failed("boat's user", text, "sudo boat-companion doctor --fix", member)
 
 
 def check_own_groups(examined: Examined, user: str) -> Finding:
@@ -35,11 +33,11 @@ def check_own_groups(examined: Examined, user: str) -> Finding:
     groups = examined.target.groups()
     lacks = [name for name in NEEDED if user not in groups.get(name, ())]
     if user == "root" or not lacks:
-        return Finding("your groups", Verdict.FINE, f"{user} may use pins, I²C and serial ports")
+        return fine("your groups", f"{user} may use pins, I²C and serial ports")
     known = [name for name in lacks if name in groups]
     steps = (member_step(examined.target, user, known),) if known else ()
     text = f"{user} is not in {', '.join(lacks)}"
-    return Finding("your groups", Verdict.WARNING, text, f"sudo usermod -aG {','.join(lacks)} {user}", steps)
+    return warning("your groups", text, f"sudo usermod -aG {','.join(lacks)} {user}", *steps)
 
 
 def check_service(examined: Examined, state: Mapping[str, str]) -> Finding:
@@ -50,14 +48,14 @@ def check_service(examined: Examined, state: Mapping[str, str]) -> Finding:
         "journalctl -u mavboat -n 30",
     )
     if is_active == "activating" and restarts != "0":  # between two starts, or in one
-        return Finding("service", Verdict.FAILED, f"fails, and was started again {restarts} times", why)
+        return failed("service", f"fails, and was started again {restarts} times", why)
     if is_active == "failed":
-        return Finding("service", Verdict.WARNING, f"has failed: {state.get('Result', '')}", why)
+        return warning("service", f"has failed: {state.get('Result', '')}", why)
     if not enabled_step(examined.target).is_done():
         text = "does not start with the computer"
-        return Finding("service", Verdict.WARNING, text, "sudo boat-companion install")
+        return warning("service", text, "sudo boat-companion install")
     now = f", runs now: {state.get('StatusText')}" if is_active == "active" else ""
-    return Finding("service", Verdict.FINE, f"starts with the computer{now}")
+    return fine("service", f"starts with the computer{now}")
 
 
 def check_page(examined: Examined) -> list[Finding]:
@@ -67,18 +65,18 @@ def check_page(examined: Examined) -> list[Finding]:
         return []
     if not enabled_step(target, SHORE_UNIT).is_done():
         text, cure = "does not start with the computer", "sudo boat-companion install --page"
-        return [Finding("page", Verdict.WARNING, text, cure)]
+        return [warning("page", text, cure)]
     if not any(
         url.kind == "tcpin" and url.number == PAGE_PORT and link.signing != "required"
         for link in examined.config.link_settings
         for url in (parse_port_url(link.url),)
     ):
         text = f"the boat has no link for it at TCP port {PAGE_PORT}"
-        return [Finding("page", Verdict.FAILED, text, f'add "tcpin:127.0.0.1:{PAGE_PORT}" to links')]
+        return [failed("page", text, f'add "tcpin:127.0.0.1:{PAGE_PORT}" to links')]
     if not target.path(PIN_FILE).exists():
         cure = f"sudo -u {USER} boat-shore pin --pin-file {PIN_FILE}"
-        return [Finding("page", Verdict.WARNING, "no PIN is set: it only shows", cure)]
-    return [Finding("page", Verdict.FINE, "starts with the computer, and has a PIN")]
+        return [warning("page", "no PIN is set: it only shows", cure)]
+    return [fine("page", "starts with the computer, and has a PIN")]
 
 
 def unit_state(target: Target) -> dict[str, str]:
@@ -106,8 +104,8 @@ def check_folders(examined: Examined) -> Finding:
     if outside:
         text = f"the unit may not write to {', '.join(outside)}"
         cure = f"name a folder below {STATE}, or add ReadWritePaths= with `sudo systemctl edit mavboat`"
-        return Finding("folders", Verdict.WARNING, text, cure)
-    return Finding("folders", Verdict.FINE, "all where the unit may write")
+        return warning("folders", text, cure)
+    return fine("folders", "all where the unit may write")
 
 
 def account_findings(examined: Examined, user: str = "") -> list[Finding]:

@@ -8,7 +8,7 @@ from contextlib import closing
 from typing import Final, NamedTuple
 
 from companion.app import parts
-from companion.app.doctor.findings import Finding, Verdict
+from companion.app.doctor.findings import Finding, failed, fine, skipped
 from companion.app.runner import Clock
 from companion.config.boat_config import BoatConfig
 from companion.core.errors import BoatError
@@ -51,7 +51,7 @@ def turn_by_hand(
 ) -> Finding:
     """Ask for four positions, and compare heading, pitch and roll in each."""
     if config.parts.compass.part_driver == "none":
-        return Finding(NAME, Verdict.SKIPPED, "not fitted")
+        return skipped(NAME, "not fitted")
     wrong: list[str] = []
     try:
         with closing(parts.open_compass(parts.bare_compass(config), clock.now_s)) as compass:
@@ -59,15 +59,15 @@ def turn_by_hand(
                 ask(step.question)
                 reading = _reading(compass, clock)
                 if reading is None:
-                    return Finding(NAME, Verdict.FAILED, "no reading", "turn the boat once; check its wires")
+                    return failed(NAME, "no reading", "turn the boat once; check its wires")
                 say(f"  {_words(reading)}")
                 wrong += _faults(step, reading)
     except BoatError as error:
-        return Finding(NAME, Verdict.FAILED, str(error))
+        return failed(NAME, str(error))
     if wrong:
         cure = "correct parts.compass.mounting, or imu_mounting; or keep it away from iron"
-        return Finding(NAME, Verdict.FAILED, "; ".join(wrong), cure)
-    return Finding(NAME, Verdict.FINE, "heading, pitch and roll follow the boat")
+        return failed(NAME, "; ".join(wrong), cure)
+    return fine(NAME, "heading, pitch and roll follow the boat")
 
 
 def _reading(compass: Compass, clock: Clock) -> HeadingReading | None:
@@ -113,9 +113,9 @@ def nudge_motors(
 ) -> Finding:
     """Turn each motor ahead and astern, then the rudder, after a typed yes."""
     if config.parts.motors.driver == "none":
-        return Finding("motors", Verdict.SKIPPED, "not fitted")
+        return skipped("motors", "not fitted")
     if ask(QUESTION).strip() != "yes":
-        return Finding("motors", Verdict.SKIPPED, "not turned: the answer was not yes")
+        return skipped("motors", "not turned: the answer was not yes")
     try:
         with closing(parts.open_motors(config, clock.now_s)) as motors:
             motors.start()
@@ -127,12 +127,10 @@ def nudge_motors(
                 _hold(motors, 0.0, 0.0, _PAUSE_S, clock)
         turned_rudder = _turn_rudder(config, clock, say)
     except (BoatError, OSError) as error:
-        return Finding("motors", Verdict.FAILED, str(error))
+        return failed("motors", str(error))
     told = "; rudder starboard and port" if turned_rudder else ""
     text = f"each was told ahead and astern{told}"
-    return Finding(
-        "motors", Verdict.FINE, text, "if one turned the wrong way, set left_reversed or right_reversed"
-    )
+    return fine("motors", text, "if one turned the wrong way, set left_reversed or right_reversed")
 
 
 def _turns(has_pair: bool) -> list[tuple[float, float, str]]:

@@ -10,7 +10,7 @@ from companion.app.composition import check_config
 from companion.app.doctor.accounts import account_findings
 from companion.app.doctor.by_hand import nudge_motors, turn_by_hand
 from companion.app.doctor.computer import computer_findings
-from companion.app.doctor.findings import Examined, Finding, Verdict, as_json, is_fine, print_table
+from companion.app.doctor.findings import Examined, Finding, as_json, failed, fine, is_fine, print_table
 from companion.app.doctor.parts import part_findings
 from companion.app.doctor.settings import settings_findings
 from companion.app.install.plan import CONFIG
@@ -44,9 +44,7 @@ def doctor(
     examined = Examined(target, tree)
     findings = [*computer_findings(examined, time.time()), *account_findings(examined)]
     findings.append(
-        found
-        if isinstance(found, Finding)
-        else Finding("configuration", Verdict.FINE, f"{path}: {len(tree.links)} links")
+        found if isinstance(found, Finding) else fine("configuration", f"{path}: {len(tree.links)} links")
     )
     findings += settings_findings(examined)
     if target.is_this_machine:
@@ -77,5 +75,5 @@ def _read(path: Path, model: str) -> BoatConfig | Finding:
         check_config(config, model)
     except BoatError as error:
         cure = "correct the file, or make one with `boat-companion init`"
-        return Finding("configuration", Verdict.FAILED, str(error), cure)
+        return failed("configuration", str(error), cure)
     return config

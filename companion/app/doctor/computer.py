@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 from ipaddress import IPv4Address, IPv4Network
 from pathlib import Path
 
-from companion.app.doctor.findings import Examined, Finding, Verdict
+from companion.app.doctor.findings import Examined, Finding, Verdict, failed, fine, skipped, warning
 from companion.config.boat_config import LinkConfig
 from companion.links.port_url import parse_port_url
 
@@ -23,8 +23,8 @@ def check_model(examined: Examined) -> Finding:
     memory = (examined.read("/proc/meminfo") or "").split("kB")[0].split()
     size = f", {int(memory[-1]) / 1e6:.1f} GB" if memory and memory[-1].isdigit() else ""
     if not examined.model:
-        return Finding("computer", Verdict.WARNING, f"no Raspberry Pi{size}", "pins and buses may be missing")
-    return Finding("computer", Verdict.FINE, f"{examined.model}{size}")
+        return warning("computer", f"no Raspberry Pi{size}", "pins and buses may be missing")
+    return fine("computer", f"{examined.model}{size}")
 
 
 def check_supply(examined: Examined) -> Finding:
@@ -34,28 +34,26 @@ def check_supply(examined: Examined) -> Finding:
     try:
         flags = int(text, 16)
     except ValueError:
-        return Finding("supply", Verdict.SKIPPED, "the firmware does not report voltage and throttling")
+        return skipped("supply", "the firmware does not report voltage and throttling")
     now = [name for bit, name in _THROTTLED.items() if flags >> bit & 1]
     before = [name for bit, name in _THROTTLED.items() if flags >> bit + _SINCE_START & 1]
     if now:
         verdict = Verdict.FAILED if flags & _UNDER_VOLTAGE else Verdict.WARNING
         return Finding("supply", verdict, f"now: {', '.join(now)}", _SUPPLY)
     if before:
-        return Finding("supply", Verdict.WARNING, f"since the start: {', '.join(before)}", _SUPPLY)
-    return Finding("supply", Verdict.FINE, "no under-voltage and no throttling since the start")
+        return warning("supply", f"since the start: {', '.join(before)}", _SUPPLY)
+    return fine("supply", "no under-voltage and no throttling since the start")
 
 
 def check_temperature(examined: Examined) -> Finding:
     """Whether the processor is too hot."""
     text = examined.read("/sys/class/thermal/thermal_zone0/temp") or ""
     if not text.lstrip("-").isdigit():
-        return Finding("temperature", Verdict.SKIPPED, "no thermometer")
+        return skipped("temperature", "no thermometer")
     celsius = int(text) / 1000.0
     if celsius >= _HOT_C:
-        return Finding(
-            "temperature", Verdict.WARNING, f"{celsius:.0f} °C", "let air reach it, or shade the hull"
-        )
-    return Finding("temperature", Verdict.FINE, f"{celsius:.0f} °C")
+        return warning("temperature", f"{celsius:.0f} °C", "let air reach it, or shade the hull")
+    return fine("temperature", f"{celsius:.0f} °C")
 
 
 def check_disk(examined: Examined) -> Finding:
@@ -63,33 +61,31 @@ def check_disk(examined: Examined) -> Finding:
     folder = examined.config.storage.folder
     if not folder:
         text = "missions, parameters and logs are not kept over a restart"
-        return Finding("disk", Verdict.WARNING, text, "set storage.folder")
+        return warning("disk", text, "set storage.folder")
     path = examined.path(str(Path(folder).expanduser().absolute()))
     place = next(one for one in (path, *path.parents) if one.exists())
     status = os.statvfs(place)
     free_mb = status.f_bavail * status.f_frsize / 1e6
     if status.f_flag & os.ST_RDONLY:
-        return Finding("disk", Verdict.FAILED, f"{folder} is read-only", "check the card")
+        return failed("disk", f"{folder} is read-only", "check the card")
     needed_mb = examined.config.log.min_free_mb
     if free_mb < needed_mb:
         text = f"{free_mb:.0f} MB free for {folder}; no log begins below {needed_mb:.0f} MB"
-        return Finding("disk", Verdict.WARNING, text, "delete files, or lower log.min_free_mb")
-    return Finding("disk", Verdict.FINE, f"{free_mb / 1e3:.1f} GB free for {folder}")
+        return warning("disk", text, "delete files, or lower log.min_free_mb")
+    return fine("disk", f"{free_mb / 1e3:.1f} GB free for {folder}")
 
 
 def check_clock(examined: Examined, unix_s: float) -> Finding:
     """What sets the date."""
     date = datetime.fromtimestamp(unix_s, UTC)
     if examined.path("/run/systemd/timesync/synchronized").exists():
-        return Finding("clock", Verdict.FINE, f"{date:%Y-%m-%d %H:%M} UTC, set by network")
+        return fine("clock", f"{date:%Y-%m-%d %H:%M} UTC, set by network")
     has_own = any(examined.path("/sys/class/rtc").glob("rtc*"))
     if date.year < _UNSET_YEAR:
         text = f"{date:%Y-%m-%d}, not set; the boat takes the date from its GNSS receiver"
-        return Finding(
-            "clock", Verdict.WARNING, text, "connect to a network once, or fit a clock with a battery"
-        )
+        return warning("clock", text, "connect to a network once, or fit a clock with a battery")
     source = "kept by a clock with a battery" if has_own else "not confirmed by network; logs follow GNSS"
-    return Finding("clock", Verdict.FINE, f"{date:%Y-%m-%d %H:%M} UTC, {source}")
+    return fine("clock", f"{date:%Y-%m-%d %H:%M} UTC, {source}")
 
 
 def check_network(examined: Examined) -> Finding:
@@ -101,10 +97,10 @@ def check_network(examined: Examined) -> Finding:
         and examined.read(f"/sys/class/net/{folder.name}/operstate") in ("up", "unknown")
     ]
     if up:
-        return Finding("network", Verdict.FINE, f"up: {', '.join(up)}")
+        return fine("network", f"up: {', '.join(up)}")
     if any(link.url.startswith("serial:") for link in examined.config.link_settings):
-        return Finding("network", Verdict.FINE, "none; a link is on a serial line")
-    return Finding("network", Verdict.FAILED, "no interface is up", "join a Wi-Fi or start an access point")
+        return fine("network", "none; a link is on a serial line")
+    return failed("network", "no interface is up", "join a Wi-Fi or start an access point")
 
 
 def check_routes(examined: Examined) -> list[Finding]:
@@ -122,19 +118,19 @@ def check_routes(examined: Examined) -> list[Finding]:
     if not lost:
         return []
     cure = "start the boat's access point, or use the broadcast address that `ip -4 address` shows after brd"
-    return [Finding("routes", Verdict.WARNING, f"no network of this computer has {', '.join(lost)}", cure)]
+    return [warning("routes", f"no network of this computer has {', '.join(lost)}", cure)]
 
 
 def check_open_links(examined: Examined) -> Finding:
     """Which links take commands from whoever reaches them."""
     links = [link.url for link in examined.config.link_settings if _is_open(link)]
     if not links:
-        return Finding("commands", Verdict.FINE, "accepted from this computer, cables and signed links only")
+        return fine("commands", "accepted from this computer, cables and signed links only")
     text = f"accepted from whoever reaches {', '.join(links)}, without the page's PIN"
     cure = (
         'keep the Wi-Fi\'s password to yourself, or set signing = "required" and a key_file (docs/signing.md)'
     )
-    return Finding("commands", Verdict.WARNING, text, cure)
+    return warning("commands", text, cure)
 
 
 def _is_open(link: LinkConfig) -> bool:

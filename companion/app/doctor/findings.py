@@ -34,6 +34,26 @@ class Finding:
     fix: tuple[InstallStep, ...] = ()
 
 
+def fine(name: str, text: str) -> Finding:
+    """Nothing to do."""
+    return Finding(name, Verdict.FINE, text)
+
+
+def warning(name: str, text: str, cure: str = "", *fix: InstallStep) -> Finding:
+    """The boat sails, though not as it should."""
+    return Finding(name, Verdict.WARNING, text, cure, fix)
+
+
+def failed(name: str, text: str, cure: str = "", *fix: InstallStep) -> Finding:
+    """The boat cannot sail like this."""
+    return Finding(name, Verdict.FAILED, text, cure, fix)
+
+
+def skipped(name: str, text: str, cure: str = "") -> Finding:
+    """Nothing was checked."""
+    return Finding(name, Verdict.SKIPPED, text, cure)
+
+
 @dataclass(frozen=True, slots=True)
 class Examined:
     """The computer and its boat. All files of the system are read through the target's root."""

@@ -6,11 +6,10 @@ from contextlib import ExitStack, closing
 from functools import partial
 from pathlib import Path
 from shutil import which
-from types import MappingProxyType
-from typing import Any, Protocol
+from typing import Any, Final, Protocol
 
 from companion.app import parts
-from companion.app.doctor.findings import Examined, Finding, Verdict
+from companion.app.doctor.findings import Examined, Finding, Verdict, failed, fine, skipped, warning
 from companion.app.runner import Clock
 from companion.app.status_file import running_boat
 from companion.config.boat_config import BoatConfig
@@ -52,33 +51,26 @@ class LivePart(Protocol):
 Open = Callable[[BoatConfig, Callable[[], float]], LivePart]
 
 # By the part's section: below `parts`, or of the file
-PARTS: Mapping[str, Open] = MappingProxyType(
-    {
-        "gnss": parts.open_gnss,
-        "compass": parts.open_compass,
-        "sonar": parts.open_sonar,
-        "battery": parts.open_battery,
-        "hull": parts.open_hull_sensor,
-        "depth": parts.open_depth,
-        "rc": parts.open_rc,
-    }
-)
-
-
-def driver_of(config: BoatConfig, name: str) -> str:
-    """The driver of a part's section."""
-    return str((getattr(config.parts, name, None) or getattr(config, name)).driver)
+PARTS: Final[Mapping[str, Open]] = {
+    "gnss": parts.open_gnss,
+    "compass": parts.open_compass,
+    "sonar": parts.open_sonar,
+    "battery": parts.open_battery,
+    "hull": parts.open_hull_sensor,
+    "depth": parts.open_depth,
+    "rc": parts.open_rc,
+}
 
 
 def check_part(name: str, open_part: Open, config: BoatConfig, clock: Clock, driver: str = "") -> Finding:
     """Open a part, wait for its first reading, and close it. driver: default: that of the section."""
-    driver = driver or driver_of(config, name)
+    driver = driver or (getattr(config.parts, name, None) or getattr(config, name)).driver
     if driver == "none":
-        return Finding(name, Verdict.SKIPPED, "not fitted")
+        return skipped(name, "not fitted")
     try:
         part = open_part(config, clock.now_s)
     except BoatError as error:
-        return Finding(name, Verdict.FAILED, str(error))
+        return failed(name, str(error))
     give_up_s = clock.now_s() + _PATIENCE_S
     with closing(part):
         reading = part.read()
@@ -89,7 +81,7 @@ def check_part(name: str, open_part: Open, config: BoatConfig, clock: Clock, dri
     said = "".join(f"; {text}" for text in texts)
     if reading is None or reading == []:
         text = f"{driver}: no reading within {_PATIENCE_S:g} s{said}"
-        return Finding(name, Verdict.FAILED, text, "check its supply, wires, port and baud rate")
+        return failed(name, text, "check its supply, wires, port and baud rate")
     verdict, words = in_words(reading, config)
     return Finding(name, verdict, f"{driver}: {words}{said}")
 
@@ -97,13 +89,7 @@ def check_part(name: str, open_part: Open, config: BoatConfig, clock: Clock, dri
 def check_probes(config: BoatConfig, clock: Clock) -> list[Finding]:
     """Each probe, one after the other."""
     return [
-        check_part(
-            f"probe {one.name}",
-            partial(_open_probe, one),
-            config,
-            clock,
-            one.driver,
-        )
+        check_part(f"probe {one.name}", partial(_open_probe, one), config, clock, one.driver)
         for one in config.probe
     ]
 
@@ -115,28 +101,28 @@ def _open_probe(part: ProbePart, config: BoatConfig, now: Callable[[], float]) -
 def check_payload(config: BoatConfig) -> Finding:
     """Open the payload's outputs, which puts them in their safe state, and look for the owner's programs."""
     if not config.payload:
-        return Finding("payload", Verdict.SKIPPED, "not fitted")
+        return skipped("payload", "not fitted")
     missing = [
         one.run[0] for one in config.payload if isinstance(one, CommandPayload) and not which(one.run[0])
     ]
     if missing:
-        return Finding("payload", Verdict.FAILED, f"no such programs: {', '.join(missing)}")
+        return failed("payload", f"no such programs: {', '.join(missing)}")
     try:
         with ExitStack() as opened:
             for one in config.payload:
                 if not isinstance(one, CommandPayload):
                     opened.enter_context(closing(parts.open_payload_output(one, config.parts.pca9685)))
     except BoatError as error:
-        return Finding("payload", Verdict.FAILED, str(error))
-    return Finding("payload", Verdict.FINE, ", ".join(one.title for one in config.payload))
+        return failed("payload", str(error))
+    return fine("payload", ", ".join(one.title for one in config.payload))
 
 
 def part_findings(examined: Examined, clock: Clock) -> list[Finding]:
     """All parts except the motors."""
     if (boat := running_boat(examined.config, examined.target.root)) is not None:
-        missing = [Finding(name, Verdict.FAILED, fault) for name, fault in boat.missing.items()]
+        missing = [failed(name, fault) for name, fault in boat.missing.items()]
         text = "the running boat uses " + ("the others" if missing else "them")
-        return [*missing, Finding("parts", Verdict.SKIPPED, text, "sudo systemctl stop mavboat")]
+        return [*missing, skipped("parts", text, "sudo systemctl stop mavboat")]
     found = [check_part(name, open_part, examined.config, clock) for name, open_part in PARTS.items()]
     found += check_compass_calibration(examined)
     return [*found, *check_probes(examined.config, clock), check_payload(examined.config)]
@@ -152,28 +138,55 @@ def check_compass_calibration(examined: Examined) -> list[Finding]:
     try:
         storage.save(PARAMETER_FILE, find_newest(path).generation.content)
     except OSError as error:
-        return [Finding("compass calibration", Verdict.WARNING, f"{path}: {error.strerror}")]
+        return [warning("compass calibration", f"{path}: {error.strerror}")]
     Parameters(config, ROWS, storage, compass_hooks(corrector))
     correction = corrector.correction
     if not correction.is_calibrated:
         cure = "turn the boat with boat-companion calibrate-compass, or from QGroundControl's compass page"
-        return [Finding("compass calibration", Verdict.WARNING, "none: only MANUAL and HOLD arm", cure)]
+        return [warning("compass calibration", "none: only MANUAL and HOLD arm", cure)]
     offsets = ", ".join(f"{one:.0f}" for one in correction.offset)
     source = "current" if correction.motor_source == BY_CURRENT else "throttle"
     motors = "not measured" if correction.motor_source == NO_MOTORS else f"by {source}"
-    return [Finding("compass calibration", Verdict.FINE, f"offsets {offsets} mG; motors' field {motors}")]
+    return [fine("compass calibration", f"offsets {offsets} mG; motors' field {motors}")]
 
 
 Words = tuple[Verdict, str]
 _FIX_NAMES = ("no receiver", "no fix", "2-D fix", "3-D fix", "DGNSS fix", "RTK float", "RTK fixed")
 
 
+def in_words(reading: object, config: BoatConfig) -> Words:
+    """A part's reading, by its type; one of another type as it prints itself."""
+    match reading:
+        case GnssFix():
+            return _fix_in_words(reading, config)
+        case HeadingReading():
+            return Verdict.FINE, _heading_in_words(reading)
+        case BatteryReading():
+            return _battery_in_words(reading, config)
+        case HullReading():
+            wet = {None: "no leak switch", False: "dry", True: "WATER"}[reading.is_wet]
+            text = wet if reading.temperature_c is None else f"{wet}, {reading.temperature_c:.0f} °C"
+            return Verdict.FAILED if reading.is_wet else Verdict.FINE, text
+        case DepthReading():
+            return _depth_in_words(reading)
+        case ProbeReading():
+            return Verdict.FINE, f"{reading.value:.6g} {reading.unit}".rstrip()
+        case RcReading(is_failsafe=True):
+            return Verdict.WARNING, "receiver answers, transmitter off"
+        case RcReading():
+            text = f"channels {' '.join(str(width) for width in reading.channels_us[:8])} µs"
+            return Verdict.FINE, text if reading.rssi_dbm is None else f"{text}, {reading.rssi_dbm:.0f} dBm"
+        case list():
+            return Verdict.FINE, _pings_in_words(reading)
+        case _:
+            return Verdict.FINE, str(reading)
+
+
 def _degrees(angle_rad: float) -> str:
     return f"{math.degrees(angle_rad):.0f}°"
 
 
-def fix_in_words(fix: GnssFix, config: BoatConfig) -> Words:
-    """Kind of fix, satellites, place."""
+def _fix_in_words(fix: GnssFix, config: BoatConfig) -> Words:
     name = _FIX_NAMES[min(fix.fix_type, len(_FIX_NAMES) - 1)]
     text = f"{name}, {fix.satellites} satellites"
     if fix.fix_type >= 2:
@@ -184,8 +197,7 @@ def fix_in_words(fix: GnssFix, config: BoatConfig) -> Words:
     return (Verdict.FINE, text) if good else (Verdict.WARNING, f"{text}; not enough to arm")
 
 
-def heading_in_words(reading: HeadingReading, config: BoatConfig) -> Words:  # noqa: ARG001 — one signature
-    """Heading, rate and tilt, if measured."""
+def _heading_in_words(reading: HeadingReading) -> str:
     north = "magnetic" if reading.is_magnetic else "true"
     text = f"heading {_degrees(wrap_two_pi(reading.heading_rad))} {north}"
     if reading.yaw_rate_rad_s is not None:
@@ -194,11 +206,10 @@ def heading_in_words(reading: HeadingReading, config: BoatConfig) -> Words:  # n
         text += f", roll {_degrees(reading.roll_rad)}, pitch {_degrees(reading.pitch_rad)}"
     if reading.field_mg is not None:
         text += f", field {math.hypot(*reading.field_mg):.0f} mG"
-    return Verdict.FINE, text
+    return text
 
 
-def battery_in_words(reading: BatteryReading, config: BoatConfig) -> Words:
-    """Voltage, current, and whether it is enough to arm."""
+def _battery_in_words(reading: BatteryReading, config: BoatConfig) -> Words:
     text = f"{reading.voltage_v:.2f} V"
     text += ", current not measured" if reading.current_a is None else f", {reading.current_a:.2f} A"
     if reading.voltage_v < config.arming.battery_min_v:
@@ -208,63 +219,18 @@ def battery_in_words(reading: BatteryReading, config: BoatConfig) -> Words:
     return Verdict.FINE, text
 
 
-def hull_in_words(reading: HullReading, config: BoatConfig) -> Words:  # noqa: ARG001
-    """Whether there is water, and the temperature."""
-    wet = {None: "no leak switch", False: "dry", True: "WATER"}[reading.is_wet]
-    text = wet if reading.temperature_c is None else f"{wet}, {reading.temperature_c:.0f} °C"
-    return Verdict.FAILED if reading.is_wet else Verdict.FINE, text
-
-
-def depth_in_words(reading: DepthReading, config: BoatConfig) -> Words:  # noqa: ARG001
-    """Depth below the transducer and of the water."""
+def _depth_in_words(reading: DepthReading) -> Words:
     if reading.depth_m is None or reading.water_m is None:
         return Verdict.WARNING, "the sounder answers, no bottom found"
     text = f"{reading.depth_m:.2f} m below the transducer, water {reading.water_m:.2f} m"
     return Verdict.FINE, text if reading.temperature_c is None else f"{text}, {reading.temperature_c:.1f} °C"
 
 
-def probe_in_words(reading: ProbeReading, config: BoatConfig) -> Words:  # noqa: ARG001
-    """The value with its unit."""
-    return Verdict.FINE, f"{reading.value:.6g} {reading.unit}".rstrip()
-
-
-def rc_in_words(reading: RcReading, config: BoatConfig) -> Words:  # noqa: ARG001
-    """Channels and the strength of the signal."""
-    if reading.is_failsafe:
-        return Verdict.WARNING, "receiver answers, transmitter off"
-    text = f"channels {' '.join(str(width) for width in reading.channels_us[:8])} µs"
-    return Verdict.FINE, text if reading.rssi_dbm is None else f"{text}, {reading.rssi_dbm:.0f} dBm"
-
-
-def pings_in_words(pings: Sequence[SonarReading], config: BoatConfig) -> Words:  # noqa: ARG001
-    """The nearest echo and its bearing."""
+def _pings_in_words(pings: Sequence[SonarReading]) -> str:
     echoes = [(ping.range_m, ping.bearing_rad) for ping in pings if ping.range_m is not None]
     if not echoes:
-        return (
-            Verdict.FINE,
-            f"{len(pings)} pings, no echo within {max(ping.max_range_m for ping in pings):.1f} m",
-        )
+        return f"{len(pings)} pings, no echo within {max(ping.max_range_m for ping in pings):.1f} m"
     range_m, bearing_rad = min(echoes)
     side = "to starboard" if bearing_rad > 0.0 else "to port"
     where = "ahead" if abs(bearing_rad) < math.radians(1.0) else f"{_degrees(abs(bearing_rad))} {side}"
-    return Verdict.FINE, f"nearest echo {range_m:.2f} m {where}"
-
-
-WORDS: Mapping[type, Callable[[Any, BoatConfig], Words]] = MappingProxyType(
-    {
-        GnssFix: fix_in_words,
-        HeadingReading: heading_in_words,
-        BatteryReading: battery_in_words,
-        HullReading: hull_in_words,
-        DepthReading: depth_in_words,
-        ProbeReading: probe_in_words,
-        RcReading: rc_in_words,
-        list: pings_in_words,
-    }
-)
-
-
-def in_words(reading: object, config: BoatConfig) -> Words:
-    """Any reading; one without a row as it prints itself."""
-    words = WORDS.get(type(reading))
-    return words(reading, config) if words is not None else (Verdict.FINE, str(reading))
+    return f"nearest echo {range_m:.2f} m {where}"

@@ -7,7 +7,7 @@ stays beside it.
 import re
 from pathlib import Path
 
-from companion.app.doctor.findings import Examined, Finding, Verdict
+from companion.app.doctor.findings import Examined, Finding, failed, fine, skipped
 from companion.app.install.steps import InstallStep, file_step
 from companion.app.motors_off import outputs_to_end
 from companion.app.needs import Needs, needs_of
@@ -67,21 +67,20 @@ def check_boot_config(examined: Examined) -> list[Finding]:
     """UART, I²C and PWM in config.txt."""
     path = _boot_file(examined, "config.txt")
     if path is None:
-        return [Finding("boot settings", Verdict.SKIPPED, "no config.txt in /boot/firmware or /boot")]
+        return [skipped("boot settings", "no config.txt in /boot/firmware or /boot")]
     text = examined.path(path).read_text(encoding="utf-8", errors="replace")
     lines = active_lines(text, examined.model)
     wanted = wanted_lines(needs_of(examined.config), examined.model)
     missing = [line for line, others in wanted if not any(have.startswith(others) for have in lines)]
     if not missing:
-        return [Finding("boot settings", Verdict.FINE, f"{path} has what the parts need")]
+        return [fine("boot settings", f"{path} has what the parts need")]
     new = text.rstrip("\n") + "\n" + _HEAD + "\n".join(missing) + "\n"
     return [
-        Finding(
+        failed(
             "boot settings",
-            Verdict.FAILED,
             f"{path} lacks {', '.join(missing)}",
             "add the lines, or run the doctor with --fix; then restart the Pi",
-            _replace(examined, path, text, new, f"with {', '.join(missing)}"),
+            *_replace(examined, path, text, new, f"with {', '.join(missing)}"),
         )
     ]
 
@@ -94,14 +93,13 @@ def check_console(examined: Examined) -> list[Finding]:
     text = examined.path(path).read_text(encoding="utf-8", errors="replace")
     found = _CONSOLE.search(text)
     if found is None:
-        return [Finding("serial console", Verdict.FINE, "the serial line is free for the part")]
+        return [fine("serial console", "the serial line is free for the part")]
     return [
-        Finding(
+        failed(
             "serial console",
-            Verdict.FAILED,
             f"{path} has {found[0].strip()}: the kernel writes on a part's line",
             "remove it, or run the doctor with --fix; then restart the Pi",
-            _replace(examined, path, text, _CONSOLE.sub("", text), "without a serial console"),
+            *_replace(examined, path, text, _CONSOLE.sub("", text), "without a serial console"),
         )
     ]
 
@@ -115,8 +113,8 @@ def check_devices(examined: Examined) -> list[Finding]:
     missing = [f"{port} ({key})" for port, key in devices.items() if not examined.path(port).exists()]
     if missing:
         cure = "plug it in, correct the configuration, or set up its line in config.txt and restart"
-        return [Finding("devices", Verdict.FAILED, f"missing: {', '.join(missing)}", cure)]
-    return [Finding("devices", Verdict.FINE, f"{len(devices)} configured devices exist")]
+        return [failed("devices", f"missing: {', '.join(missing)}", cure)]
+    return [fine("devices", f"{len(devices)} configured devices exist")]
 
 
 def check_main_port(examined: Examined) -> list[Finding]:
@@ -125,7 +123,7 @@ def check_main_port(examined: Examined) -> list[Finding]:
     if not keys or not is_pi_5(examined.model):
         return []
     text = f"{', '.join(keys)} = /dev/serial0, which is the debug connector of a Pi 5"
-    return [Finding("serial port", Verdict.FAILED, text, "for GPIO 14 and 15 set it to /dev/ttyAMA0")]
+    return [failed("serial port", text, "for GPIO 14 and 15 set it to /dev/ttyAMA0")]
 
 
 def check_motors_off(examined: Examined) -> list[Finding]:
@@ -133,9 +131,9 @@ def check_motors_off(examined: Examined) -> list[Finding]:
     if not any(outputs.low or outputs.high for outputs in outputs_to_end(examined.config)):
         return []
     if any(examined.path(f"{folder}/pinctrl").exists() for folder in _PROGRAMS):
-        return [Finding("pinctrl", Verdict.FINE, "switches motors and payload off if the program is killed")]
+        return [fine("pinctrl", "switches motors and payload off if the program is killed")]
     text = "not installed: motors or payload would run on if the program were killed"
-    return [Finding("pinctrl", Verdict.FAILED, text, "sudo apt install raspi-utils")]
+    return [failed("pinctrl", text, "sudo apt install raspi-utils")]
 
 
 def settings_findings(examined: Examined) -> list[Finding]:

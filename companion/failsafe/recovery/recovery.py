@@ -5,8 +5,8 @@ from typing import NamedTuple
 from companion.config.boat_config import BoatConfig
 from companion.core.intent import Drive, Intent, Stop
 from companion.core.state import NavState
+from companion.failsafe.actions import TRANSITIONS, UNGROUNDING, State, Trigger
 from companion.failsafe.recovery.motor_check import MotorCheck
-from companion.failsafe.recovery.transition_table import TRANSITIONS, UNGROUNDING, State, Trigger
 from companion.failsafe.recovery.ungrounding import Ungrounding
 from companion.geofence.fence import Fence
 

@@ -15,7 +15,7 @@ from companion.core.geo import Point, bearing_rad, distance_m
 from companion.core.intent import Drive, HoldCourse, Intent, Stop
 from companion.core.state import NavState, lacks_heading, lacks_position
 from companion.core.units import wrap_pi
-from companion.failsafe.recovery.transition_table import State, Trigger
+from companion.failsafe.actions import State, Trigger
 from companion.geofence.fence import Fence
 
 _STOP = Stop()

@@ -17,13 +17,13 @@ from typing import Final, NamedTuple
 
 from companion.config.sensors import CompassPart, Mounting
 from companion.core.errors import HardwareError
+from companion.core.generations import ProfileFile
 from companion.core.readings import HeadingReading
 from companion.core.status_text import Severity
 from companion.core.vectors import Vector
 from companion.hal.background import BackgroundSensor
 from companion.hal.heading.orientation import Quaternion, board_to_body, heading_reading
 from companion.hal.raspberry_pi import I2cBus, Registers, open_i2c_part
-from companion.persistence.profile import ProfileFile
 
 ADDRESS: Final = 0x28  # 0x29 where its COM3 pin is high
 CHIP_ID: Final = 0xA0

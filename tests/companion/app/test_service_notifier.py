@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from companion.app.service_notifier import ServiceNotifier
+from companion.app.process import ServiceNotifier
 from companion.app.status_file import find_status, status_path
 from companion.config.boat_config import BoatConfig
 from companion.config.boat_config import StorageSetting as Storage

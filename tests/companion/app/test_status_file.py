@@ -14,9 +14,9 @@ class Written:
     """A status file whose writes are waited for."""
 
     def __init__(self, path: Path) -> None:
+        self._boat = Rig().boat
+        self.file = StatusFile(path, self._boat)
         self.texts: list[StatusText] = []
-        channels = Rig().boat.channels
-        self.file = StatusFile(path, channels, notify=lambda *one: self.texts.append(StatusText(*one)))
         self.now_s = 0.0
 
     def tick(self) -> None:
@@ -25,6 +25,7 @@ class Written:
         assert self.file._writing is not None
         self.file._writing.exception(timeout=60.0)
         self.now_s += 1.0
+        self.texts += self._boat.vehicle.take_status_texts()
 
 
 def test_a_write_that_fails_is_told_once_and_again_after_one_that_did_not(tmp_path: Path) -> None:

@@ -5,8 +5,8 @@ from boat_rig import nav_at
 
 from companion.config.boat_config import BoatConfig
 from companion.core.intent import Drive, Intent, Stop
+from companion.failsafe.actions import UNGROUNDING, State, Trigger
 from companion.failsafe.recovery.recovery import RecoveryManeuvers
-from companion.failsafe.recovery.transition_table import UNGROUNDING, State, Trigger
 from companion.geofence.fence import Fence
 
 CONFIG = BoatConfig()

@@ -19,11 +19,12 @@ from companion.failsafe.actions import (
     Notify,
     Recover,
     Retreat,
+    State,
+    Trigger,
 )
 from companion.failsafe.inputs import FailsafeInputs, may_drift
 from companion.failsafe.monitor import Alarm, Change, Failsafes
 from companion.failsafe.motors.hypotheses import Fault
-from companion.failsafe.recovery.transition_table import State, Trigger
 from companion.failsafe.response import respond, routine_check
 from companion.failsafe.table import ROWS, Condition
 from companion.geofence.fence import Fence, FencePolygon

@@ -11,8 +11,8 @@ from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.intent import Drive, HoldCourse, Intent, Stop
 from companion.core.state import NavState
+from companion.failsafe.actions import Trigger
 from companion.failsafe.recovery.recovery import RecoveryManeuvers
-from companion.failsafe.recovery.transition_table import Trigger
 from companion.geofence.fence import Fence, FencePolygon
 
 CONFIG = BoatConfig()

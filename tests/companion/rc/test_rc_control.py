@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from companion.config.boat_config import BoatConfig, with_value
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
-from companion.config.rc import RcChannel
+from companion.config.tuning import RcChannel
 from companion.core.intent import Drive, Intent, Stop
 from companion.core.modes import Mode
 from companion.core.readings import RcReading

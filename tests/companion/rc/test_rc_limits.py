@@ -3,7 +3,7 @@
 import pytest
 
 from companion.config.boat_config import BoatConfig, with_value
-from companion.config.rc import Rc, RcChannel
+from companion.config.tuning import Rc, RcChannel
 from companion.core.modes import Mode
 from companion.core.readings import RcReading
 from companion.core.requests import Arm, ChangeMode, Disarm, ManualControl

@@ -1,6 +1,6 @@
 """The arming switch after a silence."""
 
-from companion.config.rc import Rc
+from companion.config.tuning import Rc
 from companion.core.requests import Arm
 from companion.rc.switches import SETTLE_S, Switches
 

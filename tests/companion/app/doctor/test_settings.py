@@ -24,8 +24,8 @@ from companion.config.actuators import MotorsPart, PulseOutputSetting
 from companion.config.actuators import RudderPart as Rudder
 from companion.config.boat_config import BoatConfig, Parts, decode_config
 from companion.config.payload import GripperPayload, ServoPayload
-from companion.config.rc import Rc
 from companion.config.sensors import BatteryPart, CompassPart, GnssPart
+from companion.config.tuning import Rc
 from companion.hal import ads1115
 from companion.hal.heading import bno055
 from companion.hal.heading.chips import Hmc5883l, Lis3mdl, Lsm6ds, Mpu6050, Qmc5883l, Qmc5883p
