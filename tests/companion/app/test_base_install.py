@@ -17,7 +17,6 @@ ROOT = Path(__file__).parents[3]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 EXTRAS: dict[str, list[str]] = PROJECT["optional-dependencies"]
 MODULES = {"pillow": "PIL", "pyserial": "serial"}  # where the module is not named as its package
-BOAT = ROOT / "examples" / "configs" / "boat.toml"
 # Makes every module of the extras (argument 1) missing, then runs a module's main()
 WITHOUT = """
 import importlib, importlib.abc, sys
@@ -83,12 +82,6 @@ def test_every_package_of_the_extras_is_pinned() -> None:
     names = {re.split(r"[\[><=; ]", one)[0] for group in EXTRAS.values() for one in group} - {"mavboat"}
     names |= {re.split(r"[\[><=; ]", one)[0] for one in PROJECT["dependencies"]}
     assert [name for name in sorted(names) if f"{name.replace('_', '-')}==" not in pinned] == []
-
-
-def test_the_companion_checks_a_configuration_without_the_extras() -> None:
-    done = run_without_extras("companion.__main__", "boat-companion", "check", "--config", str(BOAT))
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout.startswith(f"{BOAT}: fine")
 
 
 @pytest.mark.parametrize(

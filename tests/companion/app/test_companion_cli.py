@@ -62,11 +62,3 @@ def test_every_parameter_is_listed_with_its_meaning(
     assert run(monkeypatch, "params") == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines[1:]] == [row.name for row in ROWS]
-
-
-def test_wrong_usage_is_exit_code_two(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run(monkeypatch, "run") == 2
-    assert "--config" in capsys.readouterr().err
-    assert run(monkeypatch, "fly") == 2

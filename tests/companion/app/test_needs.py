@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from companion.app.needs import Needs, check_needs, check_ports, needs_of
+from companion.app.needs import Needs, check_needs, check_ports
 from companion.config.boat_config import BoatConfig, decode_config
 from companion.core.errors import ConfigError
 
@@ -158,26 +158,3 @@ def test_two_names_of_one_device_are_one_device(tmp_path: Path) -> None:
     ports = {"parts.gnss.port": f"{tmp_path}/mavboat-gnss", "rc.port": f"{tmp_path}/ttyUSB0"}
     with pytest.raises(ConfigError, match=r"rc\.port: .*ttyUSB0 belongs to parts\.gnss\.port"):
         check_ports(Needs(ports, {}, {}, stretches_clock=False))
-
-
-def test_each_part_is_on_the_bus_of_all_or_on_its_own() -> None:
-    parts = {
-        "i2c_bus": 6,
-        "compass": {"driver": "bno055", "i2c_bus": 3},
-        "battery": {"driver": "ina219"},
-        "pca9685": {"output_enable": 22},
-        "motors": {"driver": "esc", "left": {"output": "pca9685"}, "right": {"pin": 13}},
-        "hull": {"driver": "host", "leak": 2},
-    }
-    probe = {"name": "ph", "driver": "ads1115"}
-    probes = [probe, {**probe, "name": "t", "i2c_bus": "/dev/i2c-9"}]
-    tree = decode_config({"parts": parts, "probe": probes}, "test")
-    check_needs(tree, PI_4)
-    assert needs_of(tree).i2c == {
-        "parts.motors.left": "/dev/i2c-6",
-        "parts.compass": "/dev/i2c-3",
-        "parts.battery": "/dev/i2c-6",
-        "probe[0]": "/dev/i2c-6",
-        "probe[1]": "/dev/i2c-9",
-    }
-    assert not needs_of(tree).stretches_clock, "only the header's bus is slowed down"

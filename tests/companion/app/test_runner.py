@@ -55,10 +55,6 @@ def test_missed_ticks_are_skipped_and_counted_never_caught_up() -> None:
     assert min(gaps) > PERIOD_S - 0.01
 
 
-def test_the_load_is_the_share_of_the_tick_that_work_takes() -> None:
-    assert Loop(lambda n: 0.005).run(1000).runner.load == pytest.approx(0.25, abs=0.01)
-
-
 class Pipe:
     """A link that has something to say for as long as bytes are left in a pipe."""
 

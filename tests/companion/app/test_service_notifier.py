@@ -83,14 +83,6 @@ def test_the_watchdog_hears_from_the_loop_at_half_its_time(manager: Manager) -> 
     notifier.close()
 
 
-@pytest.mark.parametrize("usec", ["", "0", "2 s", "-1"])
-def test_without_a_watchdog_none_is_served(manager: Manager, usec: str) -> None:
-    notifier = ServiceNotifier({**manager.environment, "WATCHDOG_USEC": usec})
-    run(notifier, 0.0, 5.0)
-    assert manager.received() == [["READY=1", "STATUS=HOLD, disarmed"]]
-    notifier.close()
-
-
 def test_a_restart_in_place_is_no_end_and_has_longer_than_the_watchdog(manager: Manager) -> None:
     environment = {**manager.environment, "WATCHDOG_USEC": "2000000"}
     notifier = ServiceNotifier(environment)

@@ -11,7 +11,7 @@ from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.intent import Drive, HoldCourse, Intent, Stop
 from companion.core.modes import Mode
-from companion.core.state import STOPPED, Demand, MotorCommand, MotorState, MotorStates, NavState
+from companion.core.state import Demand, MotorCommand, MotorState, MotorStates, NavState
 from companion.core.status_text import StatusText
 from companion.core.vehicle_status import VehicleStatus
 from companion.geofence.fence import Fence, FencePolygon
@@ -107,20 +107,6 @@ def test_guidance_that_is_silent_or_a_boat_that_is_disarmed_stops_the_motors() -
     line.status = VehicleStatus(Mode.GUIDED)
     assert line.drive(5.6).reason == "disarmed"
     assert line.pipeline.helm.speed_pid is None, "the loops forget"
-
-
-def test_after_a_fault_everything_begins_anew() -> None:
-    line = Line()
-    line.guide(NORTH, 5.0)
-    line.drive(5.0)
-    helm, gate = line.pipeline.helm, line.pipeline.gate
-    line.pipeline.reset()
-    assert line.pipeline.demand is None
-    assert line.pipeline.helm is not helm
-    assert line.pipeline.gate is not gate
-    assert line.pipeline.is_due(5.0)
-    command = line.drive(5.0)
-    assert (command.left, command.right) == (STOPPED.left, STOPPED.right)
 
 
 def test_before_the_fence_the_boat_slows_unless_motors_are_checked_or_it_gets_off_the_shore() -> None:

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from pymavlink import mavparm
 
 from companion.config.boat_config import BoatConfig
+from companion.config.parameter_page import parameter_page
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import ParameterRow, Parameters, ParameterType
 from companion.core.errors import ConfigError
@@ -158,3 +159,9 @@ def test_many_are_set_with_one_save_and_the_refused_are_told() -> None:
     assert storage.load("params.parm") == b"HDG_KP 3.5\nWP_RADIUS 4\n"
     row = next(row for row in ROWS if row.name == "HDG_KP")
     assert (parameters.value(row), parameters.default(row)) == (3.5, 3.75)
+
+
+def test_the_page_in_docs_is_what_the_table_says() -> None:
+    """If not: boat-companion params --markdown > docs/parameters.md"""
+    page = Path(__file__).parents[3] / "docs" / "parameters.md"
+    assert page.read_text(encoding="utf-8") == parameter_page()

@@ -3,7 +3,7 @@
 import pytest
 from boat_rig import BOAT, Rig
 from ftp_client import Served
-from qgc_metadata import Fact, read, unpacked
+from qgc_metadata import read, unpacked
 
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
@@ -75,26 +75,3 @@ def test_every_parameter_has_a_text_and_is_shown_as_unchanged_on_a_fresh_boat() 
     different = {row.name for row in ROWS if own.value(row) != usual.value(row)}
     assert {name for name, fact in FACTS.items() if not fact.is_default(values[name])} == different
     assert all(fact.text for fact in FACTS.values())
-
-
-def test_what_is_a_choice_by_its_range_has_a_menu_or_bits() -> None:
-    def is_choice(fact: Fact) -> bool:
-        return fact.kind != "Float" and 0 < fact.high - fact.low < 20 and not fact.units
-
-    # numbers of channels, and counts
-    numbers = {
-        "RCMAP_ROLL",
-        "RCMAP_PITCH",
-        "RCMAP_YAW",
-        "RCMAP_THROTTLE",
-        "RC_ARM_CH",
-        "MODE_CH",
-        "FS_CLEAR_TRIES",
-    }
-    assert {f.name for f in FACTS.values() if is_choice(f) and not f.choices and not f.bits} <= numbers
-
-
-def test_what_holds_from_the_next_start_on_asks_for_a_reboot() -> None:
-    assert {name for name, fact in FACTS.items() if fact.needs_reboot} == {
-        "SYSID_THISMAV", "EST_DR_TIME", "EST_SD_MAX", "EST_SURGE_TIME",
-    }  # fmt: skip

@@ -139,16 +139,6 @@ def test_a_medium_that_refuses_leaves_the_old_generations_and_no_part_of_the_new
     assert {one.name: one.read_bytes() for one in tmp_path.iterdir()} == before
 
 
-def test_a_file_of_an_earlier_version_is_read_and_kept_as_the_previous_one(tmp_path: Path) -> None:
-    path = tmp_path / NAME
-    path.write_bytes(FIRST)
-    path.with_name(f"{NAME}.new").write_bytes(SECOND[:5])  # that version, too, was cut off now and then
-    assert loaded(tmp_path) == (FIRST, "")
-    saved(tmp_path, SECOND)
-    path.write_bytes(b"")
-    assert loaded(tmp_path) == (FIRST, "fence.json is damaged, the previous one is in use")
-
-
 def test_a_file_that_somebody_puts_there_counts_before_what_was_saved(tmp_path: Path) -> None:
     path = saved(tmp_path, FIRST, SECOND)
     path.write_bytes(THIRD)

@@ -180,15 +180,6 @@ def test_a_hand_that_falls_silent_leaves_the_boat_keeping_station_and_not_adrift
     assert vehicle.mode.name == "LOITER"
 
 
-def test_sticks_that_are_let_go_in_another_mode_are_not_missed() -> None:
-    vehicle = driven_by_hand()
-    vehicle.request(ChangeMode(Mode.GUIDED))
-    vehicle.request(ManualControl(0.5, 0.0))
-    assert live(vehicle, 60.0) == ["Mode GUIDED"]
-    vehicle.request(ChangeMode(Mode.MANUAL))
-    assert live(vehicle, 60.0) == ["Mode MANUAL"]
-
-
 @pytest.mark.parametrize("gives_way", [False, True])
 def test_motors_are_not_judged_while_the_boat_gives_way_to_an_obstacle(gives_way: bool) -> None:
     """Both motors go up and down, each in its own time; from 30 s on only the right one turns the bow."""

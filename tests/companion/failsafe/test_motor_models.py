@@ -7,7 +7,6 @@ import pytest
 from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig, decode_config
-from companion.core.evidence import MOST_SQUARE
 from companion.core.geo import LatLon
 from companion.core.readings import BatteryReading, GnssFix
 from companion.core.state import NavState
@@ -18,7 +17,6 @@ from companion.failsafe.motors.motion_filter import MotionFilter
 from companion.failsafe.motors.watch import MotorWatch
 
 DT_S = 0.1
-SIGMA_A = 0.16  # of a reading, by what the equation leaves out
 EVEN = (0.5, 0.5)
 
 
@@ -27,14 +25,6 @@ def driven(current: MotorCurrent, seconds: float, sigma_a: float, random: Random
     for _ in range(round(seconds / DT_S)):
         current.compare(EVEN, [0.5, 0.5], 0.0, 2.0 + random.gauss(0.0, sigma_a))
         current.learn(DT_S, is_driven=True)
-
-
-def test_before_anything_is_learned_the_uncertainty_is_that_of_each_part_by_itself() -> None:
-    current = MotorCurrent()
-    current.compare(EVEN, [0.5, 0.5], 1.0, 3.0)
-    parts = (5.0 * 0.5, 3.0 * 0.5, 1.0 * 1.0, 2.0)  # A Σ d², B Σ d n, C Σ d u and the electronics
-    assert current.variance == pytest.approx(SIGMA_A**2 + sum(part**2 for part in parts))
-    assert current.residual_a == 3.0
 
 
 @pytest.mark.parametrize(("sigma_a", "expected_a"), [(0.1, 0.19), (0.6, 0.6)])
@@ -103,14 +93,6 @@ def test_the_size_is_learned_from_what_is_measured() -> None:
     assert sum(costs[100:]) / 1900 == pytest.approx(0.5, rel=0.1)
     assert size._theta[0] == pytest.approx(1.25, rel=0.03)
     assert size._variance[0] == pytest.approx(0.04 / WEIGHT / (2000 * 0.4**2), rel=0.1)
-
-
-@pytest.mark.parametrize("residual", [-5.0, 5.0])
-def test_a_size_beyond_two_deviations_is_not_believed(residual: float) -> None:
-    size = EffectSize(1)
-    costs = [size.cost(0, residual, 1.0, 0.4, 0.04) for _ in range(500)]
-    assert abs(size._theta[0]) == 2.0
-    assert costs[-1] == 0.5 * MOST_SQUARE
 
 
 def test_each_hypothesis_learns_for_itself_until_it_forgets() -> None:

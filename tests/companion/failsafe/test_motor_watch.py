@@ -283,30 +283,6 @@ def test_a_trial_that_clears_the_motors_stands_for_three_minutes() -> None:
     assert hull.seconds_to_verdict(3.0) < 3.0
 
 
-def test_a_verdict_ends_once_the_motor_pulls_again() -> None:
-    hull = sailed()
-    hull.faults[1] = Fault.DEAD
-    assert hull.seconds_to_verdict(3.0) < 3.0
-    hull.sail(10.0)
-    assert verdict_of(hull) == (False, Fault.DEAD)
-    hull.faults[1] = None
-    hull.sail(5.0)
-    assert hull.watch.verdict is None
-
-
-@SIDES
-def test_a_current_monitor_that_hangs_accuses_no_motor(side: int) -> None:
-    hull = sailed()
-    for frozen_a in (0.6, 2.0, 6.0):
-        hull.frozen_a = frozen_a
-        for _ in range(200):
-            swing = 0.4 * math.sin(hull.now_s) * (1 - 2 * side)
-            hull.step(0.5 + swing, 0.5 - swing)
-            assert hull.watch.verdict is None
-        hull.frozen_a = None
-        hull.sail(10.0)
-
-
 def test_a_current_monitor_that_was_silent_may_be_late_until_the_next_voyage() -> None:
     """Late readings do not fit the commands, and healthy motors were reported as fouled."""
     for silent_s, tells in ((1.5, True), (2.5, False)):
@@ -320,16 +296,6 @@ def test_a_current_monitor_that_was_silent_may_be_late_until_the_next_voyage() -
         hull.watch.rearm()
         hull.sail(5.0)
         assert hull.watch._evidence.has_current
-
-
-def test_a_current_that_was_not_looked_at_during_a_motor_check_counts_afterwards() -> None:
-    hull = sailed()
-    hull.watch.pause()
-    hull.now_s += 6.0
-    hull.sail(5.0)
-    assert hull.watch._evidence.has_current
-    hull.faults[1] = Fault.BLOCKED
-    assert hull.seconds_to_verdict(3.0) < 3.0
 
 
 @pytest.mark.parametrize("fault", [EstimateFault.COMPASS_LATE, EstimateFault.GNSS_JUMPING])

@@ -108,11 +108,3 @@ def test_a_check_drives_each_motor_alone_ahead_and_astern_and_lasts_six_seconds(
     back_left, back_right = Drive(-0.45, -0.45), Drive(-0.45, 0.45)
     pulses = [left] * 10 + [back_left] * 10 + [Stop()] * 5 + [right] * 10 + [back_right] * 10
     assert driven == [Stop()] * 15 + pulses + [Stop()]
-
-
-def test_no_other_manoeuvre_puts_off_the_next_check_of_a_failed_motor() -> None:
-    recovery = RecoveryManeuvers()
-    recovery.motor_check.assume_failed(True, 0.0)
-    recovery.handle(Trigger.CLEAR, 20.0)
-    recovery.handle(Trigger.ABORT, 20.0)
-    assert recovery.motor_check.is_due(25.1, has_room=True)

@@ -90,12 +90,6 @@ def test_a_motor_that_was_reversed_is_checked_instead_of_cleared() -> None:
     assert decided(Action.CLEAR_PROPELLERS, inputs(reversed_motor=True)) == CHECKING
 
 
-@pytest.mark.parametrize("recovery", [State.RESTING, State.PUSHING, State.STANDING_OFF])
-@pytest.mark.parametrize("action", [Action.CLEAR_PROPELLERS, Action.CHECK_MOTORS])
-def test_a_boat_ashore_floats_first(recovery: State, action: Action) -> None:
-    assert decided(action, with_verdict(Fault.DEAD)(inputs(3.0, recovery=recovery))) == []
-
-
 @pytest.mark.parametrize(("room_m", "has_room"), [(3.0, False), (9.0, True)])
 def test_the_current_may_turn_by_seventeen_degrees_meanwhile(room_m: float, has_room: bool) -> None:
     seen = inputs(east_m_s=0.4, room_m=room_m)  # along the line: 24 m in a minute, and 7 m towards it

@@ -48,12 +48,6 @@ def test_a_rudder_that_holds_a_course_against_wind_or_a_trim_has_no_fault() -> N
     assert fault_after(300.0, rudder=0.7) == ""
 
 
-def test_with_more_wash_less_of_the_angle_is_full_steering() -> None:
-    # Full throttle at rest gives twice the effect of cruise: half of the angle is full steering
-    assert fault_after(6.0, rudder=0.5, throttle=1.0, surge_m_s=0.0) == HELPLESS
-    assert fault_after(60.0, rudder=0.35, throttle=1.0, surge_m_s=0.0) == ""
-
-
 def test_a_slow_boat_is_given_more_time() -> None:
     # A tenth of full steering: ten times as long as full steering
     slow = {"throttle": 0.1, "surge_m_s": 0.4}

@@ -215,10 +215,5 @@ def test_no_bottom_a_silent_sounder_and_the_start_from_a_beach_are_no_shallow_wa
     assert Run(Condition.SHALLOW, ROWS, CONFIG).live(reading, 20.0) == []
 
 
-def test_the_limit_of_the_depth_is_off_at_zero() -> None:
-    off = with_value(CONFIG, "failsafe.min_depth_m", 0.0)
-    assert Run(Condition.SHALLOW, ROWS, off).live(with_depth(0.1), 20.0) == []
-
-
 def test_every_condition_has_one_row_and_one_scenario() -> None:
     assert sorted(row.condition for row in ROWS) == sorted(Condition) == sorted(SCENARIOS)

@@ -139,16 +139,6 @@ def test_parameters_of_the_previous_generation_are_used_and_any_set_ends_the_not
     assert not lines(rig.peer, "Parameters lost")
 
 
-def test_lines_of_a_parameter_file_that_are_not_used_are_told(tmp_path: Path) -> None:
-    (tmp_path / "params.parm").write_bytes(b"NOPE 1\nHDG_KP 3.5\nHDG_KI 1e308\nRC1_MIN 1e300\n")
-    rig = StoredRig(tmp_path)
-    rig.run(10.0)
-    assert rig.boat.parameters.config.heading.kp == 3.5
-    assert lines(
-        rig.peer, "Parameters lost: in params.parm, NOPE: no such parameter, and 2 more; the defaults"
-    )
-
-
 def under_way(rig: StoredRig) -> None:
     rig.sail(waypoint(30.0, 0.0), waypoint(30.0, 60.0))
     rig.run(20.0)

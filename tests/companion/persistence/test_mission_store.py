@@ -1,4 +1,3 @@
-import json
 import logging
 
 import pytest
@@ -19,15 +18,6 @@ def test_a_list_is_loaded_as_it_was_saved_nan_and_infinity_included(kind: Missio
     assert save_items(storage, kind, ITEMS).is_done()
     assert load_items(storage, kind) == (ITEMS, "")
     assert list(storage.content) == [f"{kind.name.lower()}.json"]
-
-
-def test_the_file_is_plain_json_for_a_person_to_read() -> None:
-    storage = MemoryStorage()
-    save_items(storage, MissionType.MISSION, ITEMS)
-    tree = json.loads(storage.content["mission.json"])
-    assert tree["version"] == 1
-    assert tree["items"][1]["param4"] is None
-    assert tree["items"][1]["command"] == 16
 
 
 @pytest.mark.parametrize(

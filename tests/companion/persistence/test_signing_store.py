@@ -12,7 +12,6 @@ from companion.core.errors import ConfigError
 from companion.core.storage import FolderStorage, MemoryStorage
 from companion.mavlink.signing import (
     EPOCH_UNIX_S,
-    STREAM_LAG,
     TICKS_PER_S,
     SignatureVerdict,
     Stamps,
@@ -97,15 +96,6 @@ def test_the_medium_is_written_twice_a_minute_not_with_every_frame() -> None:
     assert 15 <= writes <= 25
 
 
-def test_a_medium_that_takes_nothing_does_not_silence_the_boat(caplog: pytest.LogCaptureFixture) -> None:
-    storage = keyed(HeldStorage())
-    store = SigningStore(storage, UNIX_S)
-    storage.finish("No space left on device")
-    store.tick(UNIX_S)
-    assert take(store.stamps) == NOW
-    assert "No space left on device" in caplog.text
-
-
 def test_what_was_heard_before_a_clean_restart_is_refused_after_it() -> None:
     storage = keyed(MemoryStorage())
     store = SigningStore(storage, UNIX_S)
@@ -115,18 +105,6 @@ def test_what_was_heard_before_a_clean_restart_is_refused_after_it() -> None:
     again = SigningStore(storage, UNIX_S)
     assert again.boat.check(last) is SignatureVerdict.OLD
     assert again.boat.check(sign(HEARTBEAT, KEY, 0, NOW + 18)) is SignatureVerdict.GOOD
-
-
-def test_after_a_power_cut_at_most_half_a_minute_can_be_played_again() -> None:
-    storage = keyed(MemoryStorage())
-    store = SigningStore(storage, UNIX_S)
-    frames = []
-    for second in range(120):
-        store.tick(UNIX_S + second)
-        frames.append(sign(HEARTBEAT, KEY, 0, NOW + second * TICKS_PER_S))
-        assert store.boat.check(frames[-1]) is SignatureVerdict.GOOD
-    again = SigningStore(storage, UNIX_S + 120)
-    assert {again.boat.check(frame) for frame in frames[:-31]} == {SignatureVerdict.OLD}
 
 
 def test_a_key_is_kept_over_a_restart_in_a_file_of_its_owner_alone(tmp_path: Path) -> None:
@@ -148,14 +126,6 @@ def test_a_key_that_is_taken_away_stays_away() -> None:
     store.change_key(None, 0)
     assert (store.boat.key, store.key_saved(), store.key_saved()) == (None, "", None)
     assert SigningStore(storage, UNIX_S).boat.key is None
-
-
-def test_a_new_key_counts_from_where_its_holders_are() -> None:
-    store = SigningStore(keyed(MemoryStorage()))
-    store.boat.check(sign(HEARTBEAT, KEY, 0, NOW + 100 * STREAM_LAG))  # somebody's clock was years ahead
-    other = SigningKey.from_passphrase("battery staple")
-    store.change_key(other, NOW)
-    assert store.boat.check(sign(HEARTBEAT, other, 0, NOW)) is SignatureVerdict.GOOD
 
 
 OTHER = SigningKey.from_passphrase("battery staple")
@@ -220,17 +190,6 @@ def test_a_file_of_an_earlier_version_binds_every_key() -> None:
     store = SigningStore(storage)
     assert store.boat.check(heartbeat_at(NOW)) is SignatureVerdict.OLD
     assert store.boat.check(heartbeat_at(NOW + 1)) is SignatureVerdict.GOOD
-
-
-def test_the_tag_of_a_key_is_not_the_key() -> None:
-    storage = keyed(MemoryStorage())
-    store = SigningStore(storage, UNIX_S)
-    store.boat.check(heartbeat_at(NOW))
-    store.close()
-    content = storage.content[STAMPS_FILE].decode()
-    assert KEY.tag in content
-    assert KEY.tag != OTHER.tag
-    assert KEY.reveal().hex()[:16] not in content
 
 
 def test_links_with_the_same_key_file_share_what_they_have_heard(tmp_path: Path) -> None:

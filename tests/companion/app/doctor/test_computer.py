@@ -16,9 +16,7 @@ from companion.app.doctor.computer import (
     check_supply,
 )
 from companion.app.doctor.findings import Verdict
-from companion.app.init.presets import PRESETS, preset_text
-from companion.config.boat_config import BoatConfig, LinkConfig, StorageSetting, decode_config
-from companion.core.toml_text import parse_toml
+from companion.config.boat_config import BoatConfig, LinkConfig, StorageSetting
 
 pytest_plugins = ("doctor_fixtures",)
 
@@ -131,13 +129,3 @@ def test_a_link_on_which_anybody_commands_the_boat_is_told(
     found = check_open_links(examine({}, BoatConfig(links=(link,))))
     assert (found.verdict is Verdict.WARNING) is is_open
     assert (link.url in found.text) is is_open
-
-
-@pytest.mark.parametrize("preset", PRESETS)
-def test_a_preset_has_one_open_link_which_says_so(examine: Examine, preset: str) -> None:
-    text = preset_text(preset)
-    config = decode_config(parse_toml(text), preset)
-    found = check_open_links(examine({}, config))
-    assert found.text.startswith("accepted from whoever reaches udpout:192.168.4.255:14550, without")
-    assert "Open on purpose" in text
-    assert '"tcpin:127.0.0.1:5760"' in text

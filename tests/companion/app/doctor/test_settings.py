@@ -18,7 +18,6 @@ from companion.app.doctor.settings import (
 from companion.app.install.steps import apply_steps
 from companion.app.needs import (
     I2C_ADDRESSES,
-    needs_of,
 )
 from companion.config.actuators import MotorsPart, PulseOutputSetting
 from companion.config.actuators import RudderPart as Rudder
@@ -79,19 +78,6 @@ def test_the_addresses_on_the_bus_are_those_of_the_drivers() -> None:
     assert {I2C_ADDRESSES[name] for name in set(I2C_ADDRESSES) - set(chips)} == {0x40}, (
         "INA2xx, A0 and A1 to ground"
     )
-
-
-def test_what_a_configuration_needs() -> None:
-    needs = needs_of(KIT)
-    ports = {"parts.gnss.port": "/dev/serial0", "rc.port": "/dev/ttyAMA4", "links[1]": "/dev/ttyUSB0"}
-    assert needs.ports == ports
-    assert needs.i2c == {"parts.compass": "/dev/i2c-1", "parts.battery": "/dev/i2c-1"}
-    assert needs.pwm == {}, "a bridge has no servo signals"
-    assert needs.stretches_clock
-    needs = needs_of(ESC)
-    assert needs.i2c == {"parts.motors.right": "/dev/i2c-1"}
-    assert needs.pwm == {"parts.motors.left": 12, "parts.rudder.signal": 19, "payload[1].signal": 18}
-    assert not needs_of(BoatConfig()).ports
 
 
 def test_conditions_of_config_txt_are_followed() -> None:

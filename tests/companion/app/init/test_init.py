@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from companion.app.cli import run_program
-from companion.app.init.presets import PRESETS, STATIONS, board_values, preset_text, with_links, with_values
+from companion.app.init.presets import PRESETS, board_values, preset_text, with_values
 from companion.app.init.questions import QUESTIONS, ask_all
 from companion.config.board import read_model
 from companion.config.boat_config import BoatConfig, decode_config, load_config
@@ -118,13 +118,6 @@ def test_the_answers_are_in_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert (config.identity.system_id, config.parts.gnss.driver) == (7, "none")
     assert config.external.position == 2
     assert "parts.gnss.port" not in asked
-
-
-@presets
-def test_defaults_change_nothing(preset: str) -> None:
-    config = config_of(preset_text(preset))
-    assert ask_all(config, lambda _, default: default, pytest.fail) == {}
-    assert with_links(preset_text(preset), STATIONS, "none") == preset_text(preset)
 
 
 def test_a_wrong_answer_is_explained_and_asked_again() -> None:

@@ -18,7 +18,7 @@ from companion.app.install.plan import (
     uninstall_steps,
 )
 from companion.app.install.steps import InstallStep
-from companion.app.install.target import InstallError, Target, is_readable_by_others
+from companion.app.install.target import InstallError, Target
 from companion.config.boat_config import load_config
 
 needs_passwd = pytest.mark.skipif(
@@ -134,20 +134,6 @@ def test_whatever_step_fails_the_system_is_as_before(
 
 
 @needs_passwd
-def test_an_existing_user_gets_its_groups_and_loses_them_again(root: Path) -> None:
-    assert run_program(["install", "--root", str(root)]) == 0
-    group = root / "etc/group"
-    group.write_text(group.read_text().replace("skipper,mavboat", "skipper"), encoding="utf-8")
-    (step,) = [one for one in install_steps(Target(root), PROGRAMS, "") if not one.is_done()]
-    assert step.text == "add mavboat to the groups gpio, i2c, dialout, video"
-    step.apply()
-    assert "mavboat" in Target(root).groups()["video"]
-    step.undo()
-    assert Target(root).groups()["video"] == {"skipper"}
-    assert "mavboat" in Target(root).groups()["gpio"]
-
-
-@needs_passwd
 def test_uninstalling_keeps_what_is_the_owners_unless_told_otherwise(root: Path) -> None:
     assert run_program(["install", "--root", str(root)]) == 0
     mission = root / "var/lib/mavboat/mission.json"
@@ -186,16 +172,3 @@ def test_a_system_without_systemd_is_refused_before_anything_is_done(
     said = capsys.readouterr()
     assert said.out == ""
     assert re.fullmatch(r"boat-companion: systemctl: not installed; .*\n", said.err)
-
-
-def test_an_environment_in_a_closed_home_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    program = tmp_path / "home" / "boat-companion"
-    program.parent.mkdir(mode=0o700)
-    program.touch(mode=0o755)
-    assert not is_readable_by_others(program)
-    assert is_readable_by_others(Path("/usr/bin/env"))
-    monkeypatch.setattr("companion.app.install.cli.os.geteuid", lambda: 0)
-    assert run_program(["install", "--programs", str(program.parent)]) == 1
-    assert "make the environment in /opt/mavboat" in capsys.readouterr().err
