@@ -39,6 +39,7 @@ def _check(
         setting=setting,
         dt_s=dt_s,
         estimate_age_s=nav_age_s,
+        rudder_slew_per_s=3.0,
     )
 
 
@@ -165,41 +166,28 @@ def test_thrust_beyond_full_is_full(share: float, reached: float) -> None:
     assert (command.left, command.right) == (reached, reached)
 
 
-def _with_rudder(gate: Gate, rudder: float, *, armed: bool = True, dt_s: float = DT) -> MotorCommand:
-    return gate.check(
-        Thrust(0.6, 0.6, rudder),
-        armed=armed,
-        command_age_s=0.0,
-        nav=NAV,
-        needs_estimate=True,
-        setting=SETTING,
-        dt_s=dt_s,
-        rudder_slew_per_s=3.0,
-    )
-
-
 def test_the_rudder_turns_at_its_own_rate_to_its_end() -> None:
     gate = Gate()
-    angles = [_with_rudder(gate, -7.0).rudder for _ in range(20)]
+    angles = [_check(gate, Thrust(0.6, 0.6, -7.0)).rudder for _ in range(20)]
     assert angles == pytest.approx([max(-0.06 * tick, -1.0) for tick in range(1, 21)])
 
 
 def test_a_stop_centres_the_rudder_and_it_starts_from_there() -> None:
     gate = Gate()
     for _ in range(30):
-        _with_rudder(gate, 1.0)
-    assert _with_rudder(gate, 1.0, armed=False) == MotorCommand(0.0, 0.0, "disarmed", 0.0)
-    assert _with_rudder(gate, 1.0).rudder == pytest.approx(0.06)
+        _check(gate, Thrust(0.6, 0.6, 1.0))
+    assert _check(gate, Thrust(0.6, 0.6, 1.0), armed=False) == MotorCommand(0.0, 0.0, "disarmed", 0.0)
+    assert _check(gate, Thrust(0.6, 0.6, 1.0)).rudder == pytest.approx(0.06)
 
 
 @pytest.mark.parametrize("rudder", [math.nan, math.inf, -math.inf])
 def test_a_rudder_that_is_not_a_number_stops_all(rudder: float) -> None:
     gate = _running()
-    assert _with_rudder(gate, rudder) == MotorCommand(0.0, 0.0, "thrust is not a number", 0.0)
+    assert _check(gate, Thrust(0.6, 0.6, rudder)) == MotorCommand(0.0, 0.0, "thrust is not a number", 0.0)
 
 
 @pytest.mark.parametrize("dt_s", [math.nan, -1.0, 0.0])
 def test_the_rudder_stays_where_no_time_passes(dt_s: float) -> None:
     gate = Gate()
-    before = _with_rudder(gate, 1.0).rudder
-    assert _with_rudder(gate, 1.0, dt_s=dt_s).rudder == before
+    before = _check(gate, Thrust(0.6, 0.6, 1.0)).rudder
+    assert _check(gate, Thrust(0.6, 0.6, 1.0), dt_s=dt_s).rudder == before

@@ -81,16 +81,6 @@ def test_the_papers_gains_and_ours_settle_without_swinging(gains: tuple[float, f
     assert track[-1] == pytest.approx(1.0, abs=0.02)
 
 
-def test_the_integral_removes_what_a_steady_moment_leaves() -> None:
-    control, setting = Pid(), Heading(kp=2.0, ki=1.0, kd=2.0)
-    heading, rate = 0.0, 0.0
-    for _ in range(3000):
-        steering = heading_effort(control, 0.5, heading, rate, setting, 0.02).total
-        rate += 0.02 * (0.8 * (steering - 0.2) - rate) / 1.2
-        heading += 0.02 * rate
-    assert heading == pytest.approx(0.5, abs=1e-3)
-
-
 def _integral(control: Pid, setting: Heading) -> float:
     return heading_effort(control, 0.0, 0.0, 0.0, setting, 0.0).i
 

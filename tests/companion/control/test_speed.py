@@ -1,7 +1,5 @@
 """The speed loop against a hull whose steady speeds are known."""
 
-import math
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -66,13 +64,6 @@ def test_output_stays_in_the_room_there_is(demand: float, surge: float, room: fl
     for _ in range(5):
         total = speed_effort(control, demand, surge, setting, 0.02, room).total
         assert -min(ASTERN_SHARE * limit, room) - 1e-12 <= total <= min(limit, room) + 1e-12
-
-
-def test_a_speed_that_is_no_number_comes_out_as_none_and_passes() -> None:
-    control = Pid()
-    assert math.isnan(speed_effort(control, 1.0, math.nan, SETTING, 0.02).total)
-    assert math.isnan(speed_effort(control, math.nan, 1.0, SETTING, 0.02).total)
-    assert math.isfinite(speed_effort(control, 1.0, 1.0, SETTING, 0.02).total)
 
 
 def test_astern_the_throttle_is_limited_to_half_of_that_ahead() -> None:

@@ -149,12 +149,6 @@ def test_a_right_angle_in_still_water_is_taken_with_way_on_and_symmetrically() -
     assert 0.2 < fillet.error_m2_s < 0.4
 
 
-def test_a_gentle_turn_costs_no_speed() -> None:
-    fillet = best_fillet(bend(math.radians(30.0)), CONFIG)
-    assert fillet is not None
-    assert [node.speed_m_s for node in fillet.nodes] == pytest.approx([2.0] * (STEPS + 1))
-
-
 def test_where_legs_are_too_short_for_ramps_the_rate_changes_ten_times_as_fast() -> None:
     short = bend(math.radians(6.0), room_m=0.5)
     fillet = best_fillet(short, CONFIG)

@@ -115,10 +115,6 @@ def station(north_m: float, east_m: float, heading_rad: float = 0.0) -> Demand:
     return StationKeeping().update(ORIGIN, nav, RUDDER, 0.1)
 
 
-def test_within_the_radius_the_rudder_boat_drifts() -> None:
-    assert station(1.4, 0.0, 0.8) == Demand(0.8, 0.0, 0.0, 1.4)
-
-
 @pytest.mark.parametrize(
     ("east_m", "goes_straight"), [(-5.9, True), (-6.1, False), (5.9, True), (6.1, False)]
 )

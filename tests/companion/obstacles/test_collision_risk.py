@@ -61,11 +61,6 @@ def test_the_worst_velocity_is_within_two_standard_deviations_and_on_a_collision
     assert fast == pytest.approx((most_m_s, -most_m_s), abs=0.01)
 
 
-def test_a_known_velocity_is_kept() -> None:
-    track = mover(4.0, 1.0, -0.3, 0.2)
-    assert worst_velocity(track, boat(), NORTH, NOW_S) == pytest.approx((-0.3, 0.2), abs=0.02)
-
-
 def test_a_collision_counts_once_and_a_miss_not_at_all() -> None:
     assert 0.5 < risk(mover(4.0, 0.0, -0.3, 0.0)) < 1.5
     assert risk(mover(4.0, 3.5, -0.3, 0.0)) < 0.01

@@ -1,17 +1,189 @@
-import msgspec
+"""Obstacle perception: pings from literal poses and times, the map, and the sector to look at."""
+
+import math
+
 import pytest
 from boat_rig import nav_at
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from companion.config.tuning import AvoidanceSetting
 from companion.core.geo import Point, distance_m
 from companion.core.readings import SonarReading
 from companion.core.state import NavState
-from companion.obstacles.perception.occupancy import SUSPECT
+from companion.obstacles.perception.occupancy import SUSPECT, Beam, Occupancy
 from companion.obstacles.perception.perception import ObstaclePerception
 
 SETTING = AvoidanceSetting()
+NAV = nav_at(time_s=10.0)
+NOW_S = 10.0
+
+
+class Recorder(Occupancy):
+    """A grid that keeps the beams that it is given. It is empty until a test says otherwise."""
+
+    def __init__(self) -> None:
+        super().__init__(0.2, 25.0)
+        self.beams: list[Beam] = []
+
+    def add(self, beam: Beam) -> None:
+        self.beams.append(beam)
+
+
+def perception() -> tuple[ObstaclePerception, list[Beam]]:
+    found, recorder = ObstaclePerception(SETTING), Recorder()
+    found.occupancy = recorder
+    return found, recorder.beams
+
+
+def beams_of(
+    *pings: SonarReading, nav: NavState | None = NAV, width_rad: float | None = 0.3, now_s: float = NOW_S
+) -> list[Beam]:
+    seen, beams = perception()
+    seen.ingest([(ping, width_rad) for ping in pings], nav, SETTING, now_s)
+    assert seen.dropped == len(pings) - len(beams)
+    return beams
+
+
+@pytest.mark.parametrize("age_s", [0.0, 0.4, 0.95, -0.05])
+def test_a_beam_starts_where_the_boat_was_and_pointed_at_the_time_of_the_ping(age_s: float) -> None:
+    nav = replace(nav_at(50.0, -20.0), north_m_s=2.0, east_m_s=-1.0, heading_rad=0.3, yaw_rate_rad_s=0.5)
+    (beam,) = beams_of(SonarReading(NOW_S - age_s, 0.7, 3.0), nav=nav)
+    assert beam.at == pytest.approx((50.0 - 2.0 * age_s, -20.0 + age_s))
+    assert beam.bearing_rad == pytest.approx(0.3 - 0.5 * age_s + 0.7)
+    assert (beam.range_m, beam.reach_m, beam.width_rad) == (3.0, 4.0, 0.3)
+    assert beam.time_s == NOW_S - age_s
+
+
+def test_the_reach_is_the_rangers_up_to_the_lookahead_and_an_echo_is_no_nearer_than_it_can_measure() -> None:
+    assert beams_of(SonarReading(NOW_S, 0.0, 3.0, 0.2, 9.0))[0].reach_m == SETTING.lookahead_m == 6.0
+    assert beams_of(SonarReading(NOW_S, 0.0, 0.1, 0.2, 9.0))[0].range_m == 0.2
+    assert beams_of(SonarReading(NOW_S, 0.0, 0.3, 0.2, 9.0))[0].range_m == 0.3
+    assert beams_of(SonarReading(NOW_S, 0.0, 5.0, 0.2, 9.0))[0].blind_m == 0.2
+
+
+def test_the_boats_own_ranger_has_the_configured_width() -> None:
+    assert beams_of(SonarReading(NOW_S, 0.0, 3.0), width_rad=None)[0].width_rad == math.radians(15.0)
+    assert beams_of(SonarReading(NOW_S, 0.0, 3.0), width_rad=6.28)[0].width_rad == 6.28
+
+
+@pytest.mark.parametrize(
+    ("ping", "is_used"),
+    [
+        (SonarReading(9.01, 0.0, 3.0), True),
+        (SonarReading(8.99, 0.0, 3.0), False),
+        (SonarReading(10.09, 0.0, 3.0), True),
+        (SonarReading(10.11, 0.0, 3.0), False),
+        (SonarReading(10.0, 6.2, 3.0), True),
+        (SonarReading(10.0, -6.2, 3.0), True),
+        (SonarReading(10.0, 6.4, 3.0), False),
+        (SonarReading(10.0, -6.4, 3.0), False),
+        (SonarReading(10.0, 0.0, 0.001), True),
+        (SonarReading(10.0, 0.0, 0.0), False),
+        (SonarReading(10.0, 0.0, 3.0, 0.02, 0.5), True),
+        (SonarReading(10.0, 0.0, 3.0, 0.02, 0.0), False),
+        (SonarReading(10.0, 0.0, 3.0, 0.02, -4.0), False),
+    ],
+)
+def test_a_ping_is_used_if_it_can_be(ping: SonarReading, is_used: bool) -> None:
+    assert len(beams_of(ping)) == is_used
+
+
+@pytest.mark.parametrize(("width_rad", "is_used"), [(6.2, True), (6.3, False), (-0.1, False), (0.01, True)])
+def test_a_beam_is_no_wider_than_a_circle(width_rad: float, is_used: bool) -> None:
+    assert len(beams_of(SonarReading(NOW_S, 0.0, 3.0), width_rad=width_rad)) == is_used
+
+
+@pytest.mark.parametrize(
+    ("position_age_s", "heading_age_s", "is_used"),
+    [(1.9, 1.9, True), (2.1, 0.0, False), (0.0, 2.1, False)],
+)
+@pytest.mark.parametrize("range_m", [3.0, None])
+def test_with_an_old_pose_nothing_is_located(
+    position_age_s: float, heading_age_s: float, is_used: bool, range_m: float | None
+) -> None:
+    seen = ObstaclePerception(SETTING)
+    nav = replace(NAV, position_age_s=position_age_s, heading_age_s=heading_age_s)
+    seen.ingest([(SonarReading(NOW_S, 0.0, range_m), None)], nav, SETTING, NOW_S)
+    assert seen.dropped == (0 if is_used else 1)
+    assert (seen.reach_m, seen.heard_s) == ((4.0, NOW_S) if is_used else (0.0, -math.inf))
+
+
+def silence(time_s: float = NOW_S, max_range_m: float = 4.0) -> SonarReading:
+    return SonarReading(time_s, -0.25, None, 0.02, max_range_m)
+
+
+@pytest.mark.parametrize(
+    ("ping", "reach_m"),
+    [
+        (silence(max_range_m=9.0), 6.0),
+        (silence(9.01), 4.0),
+        (silence(8.99), 0.0),
+        (silence(10.01), 4.0),
+        (silence(max_range_m=0.5), 0.5),
+        (silence(max_range_m=0.0), 0.0),
+        (silence(max_range_m=math.nan), 0.0),
+    ],
+)
+def test_silence_says_how_far_the_water_is_free(ping: SonarReading, reach_m: float) -> None:
+    seen = ObstaclePerception(SETTING)
+    seen.ingest([(ping, None)], NAV, SETTING, NOW_S)
+    assert seen.reach_m == reach_m
+    assert seen.dropped == (reach_m == 0.0)
+
+
+@pytest.mark.parametrize(("east_m", "is_near"), [(4.9, True), (5.2, False)])
+def test_near_is_within_sight_and_the_margin(east_m: float, is_near: bool) -> None:
+    seen = ObstaclePerception(SETTING)
+    seen.ingest([(SonarReading(NOW_S, 0.0, 3.1), 0.01)], NAV, SETTING, NOW_S)
+    assert seen.is_near(Point(3.1, 0.1 + east_m)) is is_near
+    assert seen.is_near(Point(3.1 + east_m, 0.1)) is is_near
+
+
+def test_other_settings_of_the_grid_begin_another_one() -> None:
+    for change, cell_m in (({"margin_m": 2.0}, 0.4), ({"memory_s": 50.0}, 0.2)):
+        seen = ObstaclePerception(SETTING)
+        seen.ingest([(SonarReading(NOW_S, 0.0, 3.0), None)], NAV, SETTING, NOW_S)
+        assert seen.occupancy.cell_m == pytest.approx(0.2)
+        seen.ingest([], NAV, replace(SETTING, detour_m=5.0), NOW_S)
+        assert len(seen.occupancy) > 0
+        seen.ingest([], NAV, replace(SETTING, detour_m=5.0, **change), NOW_S)
+        assert len(seen.occupancy) == 0
+        assert seen.occupancy.cell_m == pytest.approx(cell_m)
+
+
+def test_a_noisy_ranger_clears_the_map_once_and_its_pings_are_dropped() -> None:
+    seen = ObstaclePerception(SETTING)
+    number = 0
+    while not seen.is_noisy and number < 200:
+        range_m = 1.0 if number % 2 else 3.0
+        seen.ingest([(SonarReading(NOW_S, 0.0, range_m), None)], NAV, SETTING, NOW_S)
+        number += 1
+    assert 20 < number < 60
+    assert len(seen.occupancy) == 0
+    assert seen.tracks.all == []
+    assert seen.occupancy.cell_m == pytest.approx(0.2)
+    assert seen.dropped == 1
+    seen.ingest([(SonarReading(NOW_S, 0.0, 2.0), 0.3)], NAV, SETTING, NOW_S)
+    assert len(seen.occupancy) > 0, "another ranger is believed"
+    seen.ingest([(SonarReading(NOW_S, 0.0, 3.0), None)], NAV, SETTING, NOW_S)
+    assert seen.dropped == 2
+    assert len(seen.occupancy) > 0, "its echoes are kept"
+
+
+def test_the_map_is_tidied_once_a_second_around_three_lookaheads() -> None:
+    seen = ObstaclePerception(SETTING)
+    seen.ingest([(SonarReading(NOW_S, 0.0, 3.0), None)], NAV, SETTING, NOW_S)
+    far = nav_at(-15.5)  # 18.5 m away, of three times 6 m
+    seen.ingest([], far, SETTING, NOW_S + 0.9)
+    assert len(seen.occupancy) > 0
+    seen.ingest([], nav_at(-14.5), SETTING, NOW_S + 1.1)
+    assert len(seen.occupancy) > 0
+    seen.ingest([], far, SETTING, NOW_S + 2.0)
+    assert len(seen.occupancy) > 0
+    seen.ingest([], far, SETTING, NOW_S + 2.2)
+    assert len(seen.occupancy) == 0
 
 
 def ping(time_s: float = 0.0, bearing_rad: float = 0.0, range_m: float | None = 3.0) -> SonarReading:
@@ -82,7 +254,7 @@ def test_any_reading_of_a_ranger_leaves_the_map_valid(
 
 
 def at_speed() -> NavState:
-    return msgspec.structs.replace(nav_at(), north_m_s=2.0, surge_m_s=2.0)
+    return replace(nav_at(), north_m_s=2.0, surge_m_s=2.0)
 
 
 def sector_after(*pings: SonarReading, now_s: float) -> tuple[float, float]:

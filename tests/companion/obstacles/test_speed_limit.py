@@ -12,7 +12,7 @@ from companion.core.state import Demand
 from companion.geofence.fence import Fence
 from companion.guidance.speed_profile import braking_speed_m_s
 from companion.obstacles.planning.clearance import ClearanceField
-from companion.obstacles.planning.speed_limit import SpeedLimit, crash_stop
+from companion.obstacles.planning.speed_limit import SpeedLimit
 
 FAST = Demand(0.0, 2.0)
 
@@ -23,12 +23,6 @@ def limit_of(*solid: Point, heading_rad: float = 0.0, by_sight: int = 0) -> Spee
     limit, config = SpeedLimit(), with_value(CONFIG, "avoidance.by_sight", by_sight)
     limit.update(boat(heading_rad=heading_rad), config, Chart(), field, Fence(), 0.0)
     return limit
-
-
-def test_in_open_water_nothing_is_limited() -> None:
-    limit = limit_of()
-    assert limit.ahead_m_s == limit.astern_m_s == limit.sight_m_s == math.inf
-    assert limit.apply(FAST, boat(), CONFIG) is FAST
 
 
 def test_the_boat_can_stop_before_what_is_ahead_and_astern() -> None:
@@ -79,7 +73,3 @@ def test_reducing_only_lowers() -> None:
     assert limit.ahead_m_s == before
     limit.reduce_to(0.1)
     assert limit.ahead_m_s == 0.1
-
-
-def test_a_crash_stop_is_full_reverse_and_holds_the_heading() -> None:
-    assert crash_stop(boat(), CONFIG) == Drive(-1.0, 0.0)

@@ -33,7 +33,7 @@ def away_m(at: tuple[float, float], ends: Ends) -> float:
     return float(shapely.LineString([ends[:2], ends[2:]]).distance(shapely.Point(at)))
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(3))
 def test_near_leaves_out_no_segment_within_reach(seed: int) -> None:
     random = Random(seed)
     segments, ends = drawn(random)
@@ -45,7 +45,7 @@ def test_near_leaves_out_no_segment_within_reach(seed: int) -> None:
     assert len(segments.near(0.0, 0.0, 1.0)) < len(ends), "that is what bins are for"
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(3))
 def test_two_points_are_covered_by_one_segment_that_both_are_near_to(seed: int) -> None:
     random = Random(seed)
     segments, ends = drawn(random)
@@ -63,7 +63,7 @@ def test_two_points_are_covered_by_one_segment_that_both_are_near_to(seed: int) 
     assert 30 < covered < 270
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(3))
 def test_a_leg_is_clear_where_it_keeps_the_limit_of_each_segment(seed: int) -> None:
     random = Random(seed)
     segments, ends = drawn(random, 4)

@@ -12,7 +12,7 @@ from companion.planning.water import Shore, Water
 
 pytestmark = pytest.mark.slow
 
-CASES = 2_000
+CASES = 800
 QUERIES = 10  # of each water
 
 

@@ -2,7 +2,7 @@ import pytest
 from boat_rig import FRAME, GOOD_FIX, nav_at, place
 
 from companion.config.boat_config import BoatConfig
-from companion.core.intent import Drive, FollowLeg, KeepStation, Stop
+from companion.core.intent import FollowLeg, KeepStation, Stop
 from companion.core.modes import Mode, mode_from_number
 from companion.core.requests import (
     Arm,
@@ -67,14 +67,6 @@ def test_a_disarmed_boat_gives_no_thrust_in_any_mode(mode: Mode) -> None:
     assert tick(vehicle, nav_at(), 0.02) == Stop()
 
 
-def test_sticks_are_thrust_until_they_are_stale() -> None:
-    vehicle = vehicle_at(mode=Mode.MANUAL)
-    assert tick(vehicle, nav_at(), 0.02) == Stop()
-    vehicle.request(ManualControl(0.5, -0.25))
-    assert tick(vehicle, nav_at(), 1.0) == Drive(0.5, -0.25)
-    assert tick(vehicle, nav_at(), 1.1) == Stop()
-
-
 def test_sticks_from_before_arming_do_not_move_the_boat() -> None:
     vehicle = vehicle_at()
     vehicle.request(ChangeMode(Mode.MANUAL))
@@ -90,14 +82,6 @@ def test_loiter_keeps_the_place_where_it_began() -> None:
     assert intent.point == pytest.approx((3.0, 4.0), abs=1e-3)
     vehicle.request(ChangeMode(Mode.LOITER))  # asked for again, it does not move the anchor
     assert vehicle.decide() == intent
-
-
-def test_a_mode_asked_for_again_keeps_the_target() -> None:
-    vehicle = vehicle_at()
-    assert vehicle.request(GoTo(place(20.0, 0.0), change_mode=True)).accepted
-    assert vehicle.mode is Mode.GUIDED
-    vehicle.request(ChangeMode(Mode.GUIDED))
-    assert vehicle.modes.guided.target == place(20.0, 0.0)
 
 
 def test_a_go_to_outside_guided_needs_leave_to_change_the_mode() -> None:
@@ -123,16 +107,6 @@ def test_a_target_from_before_arming_is_forgotten() -> None:
     vehicle.request(GoTo(place(20.0, 0.0), change_mode=True))
     vehicle.request(Arm())
     assert isinstance(tick(vehicle, nav_at(), 1.0), KeepStation)
-
-
-def test_rtl_sails_to_where_the_boat_was_armed_at_its_own_speed() -> None:
-    vehicle = vehicle_at(5.0, 0.0, Mode.MANUAL)
-    tick(vehicle, nav_at(80.0, 0.0), 30.0)
-    vehicle.request(ChangeMode(Mode.RTL))
-    leg = vehicle.decide()
-    assert isinstance(leg, FollowLeg)
-    assert leg.end == pytest.approx((5.0, 0.0), abs=1e-3)
-    assert leg.speed_m_s == vehicle.config.speed.cruise_m_s
 
 
 def test_home_that_was_chosen_is_not_moved_by_arming() -> None:

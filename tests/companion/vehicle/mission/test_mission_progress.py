@@ -52,15 +52,6 @@ def leg_at(progress: MissionProgress, north_m: float, east_m: float, now_s: floa
     return intent
 
 
-def test_home_is_never_sailed_and_the_first_leg_begins_at_the_boat() -> None:
-    progress = begun(A, B)
-    leg = leg_at(progress, 3.0, 4.0)
-    assert leg.start == (3.0, 4.0)
-    assert leg.end == pytest.approx(PLACES["A"], abs=1e-3)
-    assert leg.next_end == pytest.approx(PLACES["B"], abs=1e-3)
-    assert leg.speed_m_s == CRUISE_M_S
-
-
 def test_the_next_leg_begins_at_the_waypoint_not_at_the_boat() -> None:
     progress = begun(A, B)
     leg_at(progress, 0.0, 0.0)
@@ -96,13 +87,6 @@ def test_a_jump_for_ever_goes_on_for_ever() -> None:
     assert not progress.finished
 
 
-def test_a_mission_sailed_again_has_all_its_jumps_again() -> None:
-    progress = begun(A, B, Jump(1, 1))
-    assert visit(progress) == [1, 2, 1, 2]
-    progress.restart()
-    assert visit(progress) == [1, 2, 1, 2]
-
-
 @pytest.mark.parametrize("steps", [(Jump(1, -1),), (SetSpeed(1.0), Jump(1, -1)), (A, Jump(1, -1))])
 def test_a_loop_with_nothing_to_sail_neither_hangs_the_boat_nor_floods_the_stations(
     steps: tuple[Step, ...],
@@ -111,18 +95,6 @@ def test_a_loop_with_nothing_to_sail_neither_hangs_the_boat_nor_floods_the_stati
     for tick in range(50):
         assert isinstance(at(progress, 50.0, 0.0, tick * 0.02), KeepStation)
     assert len(progress.take_reached()) <= 100
-
-
-def test_an_item_made_current_is_sailed_to_from_here() -> None:
-    progress = begun(A, B, C)
-    leg_at(progress, 0.0, 0.0)
-    assert progress.set_current(3)
-    leg = leg_at(progress, 10.0, 5.0)
-    assert leg.start == (10.0, 5.0)
-    assert leg.end == pytest.approx(PLACES["C"], abs=1e-3)
-    assert not progress.set_current(4)
-    assert not progress.set_current(-1)
-    assert progress.current_seq == 3
 
 
 def test_an_interrupted_leg_goes_on_from_where_the_boat_is() -> None:

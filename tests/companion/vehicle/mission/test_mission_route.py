@@ -64,13 +64,6 @@ def stairs(cells: int) -> list[tuple[float, float]]:
 # Which waypoints follow
 
 
-def test_it_looks_as_far_as_the_boat_goes_on_without_a_stop() -> None:
-    a, b, stay = (Waypoint(place(n, 0.0), hold_s) for n, hold_s in ((1.0, 0.0), (2.0, 0.0), (3.0, 5.0)))
-    assert waypoints_ahead((Home(), a, b, stay, a), 1, {}) == ([b, stay], False)
-    assert waypoints_ahead((Home(), a, SetSpeed(1.0), b, Wait(1.0), a), 1, {}) == ([b], False)
-    assert waypoints_ahead((Home(), stay, a), 1, {}) == ([], False)
-
-
 def test_it_looks_through_one_jump_as_often_as_that_is_still_made() -> None:
     a, b, c = (Waypoint(place(n, 0.0)) for n in (1.0, 2.0, 3.0))
     steps = (Home(), a, b, Jump(1, 2), c)

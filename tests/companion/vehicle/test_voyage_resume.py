@@ -1,0 +1,345 @@
+"""The power goes and comes back: the boat knows its voyage, and SMART_RTL the way that it has come."""
+
+import functools
+import itertools
+import json
+import math
+
+import pytest
+from boat_rig import FRAME, OK, Rig, waypoint
+from fence_rig import EXCLUDED, box, fenced, margin_m, polygon
+from hypothesis import given
+from hypothesis import strategies as st
+
+from companion.boat import TICK_S
+from companion.config.boat_config import BoatConfig
+from companion.core.geo import Line, Point
+from companion.core.modes import Mode
+from companion.core.storage import MemoryStorage, Saving
+from companion.mavlink.dialect import dialect
+from companion.vehicle.resume import CHECK_S, VoyageResume
+from companion.vehicle.track import CONTINUES_WITHIN_M, SailedTrack
+from companion.vehicle.track_record import FILE as TRACK
+from companion.vehicle.track_record import TrackRecord
+from companion.vehicle.vehicle import Vehicle
+from companion.vehicle.voyage_record import FILE
+
+pytestmark = pytest.mark.slow
+
+SAILED = [Point(0.0, 0.0), Point(40.0, 0.0), Point(40.0, 60.0), Point(0.0, 60.0)]
+LEGS = [waypoint(*at) for at in SAILED[1:]]
+
+
+class Counting(MemoryStorage):
+    """Notes how long each record was, by its name."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.sizes: dict[str, list[int]] = {FILE: [], TRACK: []}
+
+    def save(self, name: str, content: bytes) -> Saving:
+        """Replace the content."""
+        self.sizes.setdefault(name, []).append(len(content))
+        return super().save(name, content)
+
+
+def cut(rig: Rig, dark_s: float = 0.0) -> Rig:
+    """No power for a time: the motors stop, memory is gone, what is stored is not."""
+    rig.world._motors.stop()
+    for _ in range(round(dark_s / TICK_S)):
+        rig.world.step(TICK_S)
+    rig.reboot()
+    return rig
+
+
+def in_mid_leg(seq: int = 2, config: dict[str, object] | None = None) -> Rig:
+    """Under way to an item of the mission for some time."""
+    rig = Rig(config=config).sail(*LEGS)
+    rig.until(lambda: rig.boat.vehicle.progress.current_seq == seq, 120.0)
+    rig.run(12.0)
+    return rig
+
+
+@functools.cache
+def _stored() -> dict[str, bytes]:
+    rig = in_mid_leg()
+    assert isinstance(rig.storage, MemoryStorage)
+    return dict(rig.storage.content)
+
+
+def restarted(config: dict[str, object] | None = None) -> Rig:
+    """A boat with the memory of one that was cut in mid-leg, back at the start."""
+    storage = MemoryStorage()
+    storage.content.update(_stored())
+    return Rig(config=config, storage=storage)
+
+
+# The voyage
+
+
+def test_the_boat_says_where_it_was_and_goes_on_from_there_when_told() -> None:
+    rig = cut(in_mid_leg()).ready()
+    assert any(
+        text.startswith("Power lost at item 2, ") and text.endswith("arm and MISSION_START to resume")
+        for text in rig.peer.texts
+    )
+    rig.run(20.0)
+    assert (rig.world._motors.left, rig.world._motors.right) == (0.0, 0.0)
+    assert rig.arm() == OK
+    assert rig.ask(dialect.MAV_CMD_MISSION_START) == OK
+    rig.run(1.0)
+    line, frame = rig.boat.vehicle.progress.leg_line(), rig.boat.vehicle.frame
+    assert line is not None
+    assert frame is not None
+    start = rig.scenario.frame.to_local(frame.to_global(line.start))
+    assert start == pytest.approx((40.0, 0.0), abs=2.5), "the old leg, not one from here"
+    rig.until(lambda: rig.mode != "AUTO", 90.0)
+    assert [message.seq for message in rig.peer.said("MISSION_ITEM_REACHED")] == [2, 3]
+
+
+def test_home_is_where_it_was_not_where_the_power_went() -> None:
+    rig = restarted()
+    home = json.loads(_stored()[FILE])["home"]
+    for _ in range(2):
+        assert rig.boat.vehicle.home is not None
+        assert [rig.boat.vehicle.home.lat_deg, rig.boat.vehicle.home.lon_deg] == home
+        rig.ready().arm()
+
+
+def test_a_boat_that_may_goes_on_by_itself_after_a_warning() -> None:
+    rig = restarted({"failsafe.resume": 2})
+    rig.until(lambda: any("Resuming in 10 s" in text for text in rig.peer.texts), 30.0)
+    rig.run(9.0)
+    assert not rig.boat.vehicle.armed
+    rig.run(2.0)
+    assert (rig.mode, rig.boat.vehicle.armed) == ("AUTO", True)
+
+
+@pytest.mark.parametrize("objection", ["mode", "disarm"])
+def test_whoever_objects_in_time_keeps_the_boat_where_it_is(objection: str) -> None:
+    rig = restarted({"failsafe.resume": 2})
+    rig.until(lambda: any("Resuming in" in text for text in rig.peer.texts), 30.0)
+    rig.run(5.0)
+    if objection == "mode":
+        assert rig.set_mode(Mode.HOLD) == OK
+    else:
+        assert rig.ask(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0) == OK
+    rig.run(20.0)
+    assert not rig.boat.vehicle.armed
+
+
+def outside(resume: int) -> Rig:
+    """Cut in mid-leg; without power the water carries the boat over the fence beside its leg."""
+    water = ("environment.current_m_s=0.5", "environment.current_to_deg=0.0")
+    rig = Rig("open", *water, config={"failsafe.resume": resume}).ready()
+    fenced(rig, *polygon(box(45.0, -10.0, 80.0, 70.0), EXCLUDED))
+    rig.sail(*LEGS)
+    rig.until(lambda: rig.boat.vehicle.progress.current_seq == 2, 60.0)
+    rig.run(10.0)
+    rig.world._motors.stop()
+    while margin_m(rig) > -3.0:
+        rig.world.step(TICK_S)
+    rig.reboot()
+    return rig
+
+
+@pytest.mark.parametrize("objects", [False, True])
+def test_a_boat_whose_power_is_back_outside_the_fence_comes_inside_and_sails_on(objects: bool) -> None:
+    rig = outside(2)
+    rig.until(lambda: rig.boat.vehicle.armed, 40.0)
+    rig.step()
+    assert rig.mode == "LOITER"
+    assert "Outside the fence: returning inside first" in rig.peer.texts
+    if objects:
+        assert rig.set_mode(Mode.LOITER) == OK
+        rig.run(40.0)
+        assert (rig.mode, margin_m(rig) > 0.0) == ("LOITER", True)
+    else:
+        rig.until(lambda: rig.mode == "AUTO", 40.0)
+        assert margin_m(rig) > 1.5
+        assert rig.boat.vehicle.progress.current_seq == 2
+
+
+def test_outside_the_fence_an_operator_is_told_which_modes_bring_the_boat_back() -> None:
+    rig = outside(1)
+    rig.run(10.0)
+    assert rig.set_mode(Mode.HOLD) == OK
+    assert rig.arm() != OK
+    assert "Arm: Fence: the boat is outside; armed in LOITER or RTL it comes back" in rig.peer.texts
+    assert rig.set_mode(Mode.RTL) == OK
+    assert rig.arm() == OK
+
+
+def test_a_boat_that_is_to_forget_begins_at_the_first_item_without_a_track() -> None:
+    assert restarted().boat.vehicle.progress.current_seq == 2
+    rig = restarted({"failsafe.resume": 0}).ready()
+    assert rig.boat.vehicle.progress.current_seq == 1
+    assert not any("Power lost" in text for text in rig.peer.texts)
+    assert not rig.boat.vehicle.track.points
+    assert len(restarted().ready().boat.vehicle.track.points) >= 2
+
+
+def test_a_boat_that_was_disarmed_has_nothing_to_take_up() -> None:
+    rig = Rig().sail(*LEGS)
+    rig.boat.vehicle.progress.set_current(2)
+    rig.run(3.0)
+    rig.ask(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0)
+    rig.run(CHECK_S + TICK_S)
+    vehicle = cut(rig).ready().boat.vehicle
+    assert (vehicle.progress.current_seq, vehicle.track.points) == (1, [])
+
+
+def test_another_mission_is_not_taken_up_in_the_middle() -> None:
+    rig = restarted()
+    assert rig.upload([waypoint(0.0, 0.0), waypoint(5.0, 5.0), waypoint(9.0, 9.0), waypoint(1.0, 1.0)])
+    rig.storage.save(FILE, _stored()[FILE])
+    assert cut(rig).boat.vehicle.progress.current_seq == 1
+
+
+def test_the_records_are_written_seldom() -> None:
+    storage = Counting()
+    Rig(storage=storage).sail(waypoint(400.0, 0.0)).run(50.0)
+    assert 5 <= len(storage.sizes[FILE]) <= 9
+    winding = Counting()
+    rig = Rig(storage=winding, config={"modes.trail_accuracy_m": 0.2})
+    rig.sail(*(waypoint(8.0 * n, 8.0 * (n % 2)) for n in range(1, 40))).run(60.0)
+    assert 3 <= len(winding.sizes[TRACK]) <= 8
+    assert sum(winding.sizes[TRACK]) <= 60.0 * 1000.0
+
+
+def test_a_full_medium_is_told_and_the_boat_sails_on() -> None:
+    class Full(MemoryStorage):
+        is_full = False
+
+        def save(self, name: str, content: bytes) -> Saving:
+            """Refuse the record, once full."""
+            return Refused() if self.is_full else super().save(name, content)
+
+    class Refused:
+        def is_done(self) -> bool:
+            """At once."""
+            return True
+
+        def error(self) -> str:
+            """Why."""
+            return "No space left on device"
+
+    storage = Full()
+    rig = Rig(storage=storage).sail(waypoint(400.0, 0.0))
+    storage.is_full = True
+    rig.until(lambda: "Failsafe: Storage failed: No space left on device" in rig.peer.texts, 30.0)
+    storage.is_full = False
+    rig.until(lambda: "Failsafe over: storage works again" in rig.peer.texts, 40.0)
+    assert rig.mode == "AUTO"
+
+
+@given(
+    st.binary(max_size=80)
+    | st.dictionaries(st.text(max_size=8), st.integers()).map(json.dumps).map(str.encode)
+)
+def test_the_boat_starts_with_any_content_in_the_voyage_record(content: bytes) -> None:
+    storage, vehicle = MemoryStorage(), Vehicle(BoatConfig())
+    storage.content[FILE] = content
+    VoyageResume(storage, vehicle).update(vehicle, 1.0)
+    assert not vehicle.armed
+
+
+# The track
+
+
+def off_the_track_m(rig: Rig) -> float:
+    """How far the boat truly is from the sides that it has sailed."""
+    at = Point(rig.world.truth.north_m, rig.world.truth.east_m)
+    off = [math.dist(at, corner) for corner in SAILED]
+    for start, end in itertools.pairwise(SAILED):
+        along_m, cross_m = Line(start, end).along_and_cross_track_m(at)
+        if 0.0 <= along_m <= math.dist(start, end):
+            off.append(abs(cross_m))
+    return min(off)
+
+
+@pytest.mark.parametrize("by_itself", [False, True])
+def test_after_a_power_cut_smart_rtl_goes_back_the_way_the_boat_has_come(by_itself: bool) -> None:
+    rig = in_mid_leg(3, {"failsafe.resume": 2 if by_itself else 1})
+    if by_itself:
+        assert rig.set_mode(Mode.SMART_RTL) == OK
+        rig.run(25.0)
+    cut(rig, 10.0).ready()
+    if by_itself:
+        assert any(text.endswith("on the way home: arm and SMART_RTL to resume") for text in rig.peer.texts)
+        rig.until(lambda: rig.boat.vehicle.armed, 30.0)
+        assert rig.mode == "SMART_RTL"
+    else:
+        assert rig.arm() == OK
+        assert rig.set_mode(Mode.SMART_RTL) == OK
+    farthest_m = 0.0
+    while rig.offset_m(0.0, 0.0) >= 3.0:
+        rig.run(0.1)
+        farthest_m = max(farthest_m, off_the_track_m(rig))
+        assert rig.now_s < 400.0
+    assert farthest_m < 4.0, "but for the corners, along the sides of the square"
+
+
+PLACES = '"places": [[500000000, -12000000], [500000100, -12000000]]'
+
+
+@pytest.mark.parametrize(("voyage", "is_restored"), [(0, False), (1, True), (2, True), (3, False)])
+def test_a_track_is_of_the_voyage_that_was_cut_or_of_the_one_that_continues_it(
+    voyage: int, is_restored: bool
+) -> None:
+    storage, trail = MemoryStorage(), SailedTrack()
+    storage.content[TRACK] = f'{{"voyage": {voyage}, {PLACES}}}'.encode()
+    TrackRecord(storage, trail, 1).restore(FRAME, armed=False)
+    assert bool(trail.points) is is_restored
+
+
+@pytest.mark.parametrize("armed", [False, True])
+def test_a_boat_that_was_armed_before_it_knew_where_it_is_keeps_its_new_track(armed: bool) -> None:
+    storage, trail = MemoryStorage(), SailedTrack()
+    storage.content[TRACK] = f'{{"voyage": 1, {PLACES}}}'.encode()
+    record = TrackRecord(storage, trail, 1)
+    record.restore(None, armed=armed)
+    record.restore(FRAME, armed=False)
+    assert bool(trail.points) is not armed
+
+
+@pytest.mark.parametrize(
+    ("armed_at", "kept"),
+    [([Point(50.0, CONTINUES_WITHIN_M + 1.0)], 0), ([Point(50.0, 20.0)], 2), ([Point(50.0, 1.0)] * 2, 0)],
+    ids=["carried elsewhere", "near its end", "armed a second time"],
+)
+def test_a_cut_track_goes_on_once_where_it_ended(armed_at: list[Point], kept: int) -> None:
+    cut_track = [Point(0.0, 0.0), Point(50.0, 0.0)]
+    trail = SailedTrack()
+    trail.restore(cut_track)
+    for at in armed_at:
+        trail.restart(at)
+    for metre in range(40):
+        trail.add(Point(armed_at[-1].north_m + metre, armed_at[-1].east_m), 1.0, 500)
+    assert trail.points == [*cut_track[:kept], armed_at[-1]]
+
+
+def test_a_track_of_the_most_points_is_written_no_faster_than_a_kilobyte_a_second() -> None:
+    storage, trail = Counting(), SailedTrack()
+    record = TrackRecord(storage, trail, None)
+    places = [Point(2.0 * n, 3.0 * (n % 7)) for n in range(4300)]
+    for second in range(300):
+        trail.points = places[: 4000 + second]
+        record.update(1, FRAME, float(second))
+    assert len(storage.sizes[TRACK]) >= 3
+    assert sum(storage.sizes[TRACK][:-1]) <= 300.0 * 1000.0
+
+
+@given(
+    st.binary(max_size=60)
+    | st.builds(
+        lambda voyage, places: f'{{"voyage": {voyage}, "places": {places}}}'.encode(),
+        st.integers(-1, 2),
+        st.lists(st.lists(st.integers(-(2**33), 2**33), max_size=3), max_size=5),
+    )
+)
+def test_any_stored_track_gives_valid_places_or_none(content: bytes) -> None:
+    storage, trail = MemoryStorage(), SailedTrack()
+    storage.content[TRACK] = content
+    TrackRecord(storage, trail, 1).restore(FRAME, armed=False)
+    assert all(math.isfinite(value) for point in trail.points for value in point)
