@@ -45,6 +45,10 @@ PACKAGES = (
 )  # fmt: skip
 TESTED_IN = {  # where it is not tests/companion/<package> alone
     "hal": ("tests/hardware",),
+    "planning": (
+        "tests/companion/planning", "tests/companion/geofence/test_fence_areas.py",
+        "tests/companion/geofence/test_fence_water.py",
+    ),
     "sensors": (
         "tests/companion/sensors", "tests/hardware/gnss", "tests/hardware/heading", "tests/hardware/water",
         "tests/hardware/test_nmea_parts.py", "tests/companion/services/test_external_pose.py",
