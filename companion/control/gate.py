@@ -50,15 +50,11 @@ class Gate:
         if reason:
             self._left = self._right = self._rudder = 0.0
             return MotorCommand(0.0, 0.0, reason)
-        step = setting.slew_per_s * dt_s
-        if not step > 0.0:
-            step = 0.0
+        step = max(0.0, setting.slew_per_s * dt_s)  # 0 for NaN, too
         deadband = setting.deadband
         self._left = left = _approach(self._left, thrust.left, step, deadband)
         self._right = right = _approach(self._right, thrust.right, step, deadband)
-        step = rudder_slew_per_s * dt_s
-        if not step > 0.0:
-            step = 0.0
+        step = max(0.0, rudder_slew_per_s * dt_s)
         self._rudder = clamp(clamp(thrust.rudder, -1.0, 1.0), self._rudder - step, self._rudder + step)
         left, right = left if abs(left) >= deadband else 0.0, right if abs(right) >= deadband else 0.0
         return MotorCommand(left, right, "", self._rudder)

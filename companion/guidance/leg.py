@@ -17,8 +17,6 @@ class Leg:
     onward: the corners after next_end, where they are close together.
     """
 
-    __slots__ = ("_intent", "_line", "_next_line", "_was_near", "end", "next_end", "onward", "radius_m")
-
     def __init__(
         self,
         start: Point,

@@ -26,8 +26,6 @@ class Path:
     straight stretch needs only its end nodes.
     """
 
-    __slots__ = ("_along_m", "_nodes")
-
     def __init__(self, nodes: Sequence[Node]) -> None:
         if len(nodes) < 2:
             raise ValueError(f"a path of {len(nodes)} nodes")
@@ -36,13 +34,8 @@ class Path:
             one, other = nodes[n - 1], nodes[n]
             sum_m += math.hypot(other.north_m - one.north_m, other.east_m - one.east_m)
             along_m.append(sum_m)
-        self._nodes = nodes
+        self.nodes = nodes
         self._along_m = along_m
-
-    @property
-    def nodes(self) -> Sequence[Node]:
-        """In sailing order."""
-        return self._nodes
 
     @property
     def length_m(self) -> float:
@@ -57,7 +50,7 @@ class Path:
         """Along-track distance of the nearest place between from_m and to_m, and the distance to its
         right.
         """
-        nodes, along_m = self._nodes, self._along_m
+        nodes, along_m = self.nodes, self._along_m
         last = len(nodes) - 2
         first = max(min(bisect_right(along_m, from_m) - 1, last), 0)
         best, found = math.inf, (0.0, 0.0)
@@ -89,19 +82,19 @@ class Path:
     def course_rad(self, along_m: float) -> float:
         """Direction of the path at an along-track distance. Not wrapped."""
         n, share = self._between(along_m)
-        one, other = self._nodes[n], self._nodes[n + 1]
+        one, other = self.nodes[n], self.nodes[n + 1]
         return one.course_rad + share * (other.course_rad - one.course_rad)
 
     def speed_m_s(self, along_m: float) -> float:
         """Limit of the speed over ground at an along-track distance."""
         n, share = self._between(along_m)
-        one, other = self._nodes[n].speed_m_s, self._nodes[n + 1].speed_m_s
+        one, other = self.nodes[n].speed_m_s, self.nodes[n + 1].speed_m_s
         return math.sqrt(one * one + share * (other * other - one * one))
 
     def point(self, along_m: float) -> Point:
         """The place at an along-track distance."""
         n, share = self._between(along_m)
-        one, other = self._nodes[n], self._nodes[n + 1]
+        one, other = self.nodes[n], self.nodes[n + 1]
         return Point(one.north_m, one.east_m).towards(Point(other.north_m, other.east_m), share)
 
     def _between(self, along_m: float) -> tuple[int, float]:

@@ -9,7 +9,7 @@ profile (`speed_profile.py`) is then applied to the whole.
 
 import math
 from collections.abc import Mapping, Sequence
-from itertools import accumulate, pairwise
+from itertools import pairwise
 from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig
@@ -72,8 +72,8 @@ def smooth(
                 break
         course += turn
     path = Path(with_speeds(nodes, [(one, other) for one, _, other in ends], speed_m_s, config))
-    along_m = _along_m(nodes)
-    entries, marks, exits = ([along_m[end[which]] for end in ends] for which in range(3))
+    along_m = Path(nodes).along_m
+    entries, marks, exits = ([along_m(end[which]) for end in ends] for which in range(3))
     return SmoothPath(path, tuple(marks), tuple(entries), tuple(exits), used)
 
 
@@ -118,11 +118,3 @@ def _fillets(
         else:
             entry_m, entry_m_s = 0.0, 0.0
     return fillets
-
-
-def _along_m(nodes: Sequence[Node]) -> list[float]:
-    return list(
-        accumulate(
-            (math.hypot(b.north_m - a.north_m, b.east_m - a.east_m) for a, b in pairwise(nodes)), initial=0.0
-        )
-    )

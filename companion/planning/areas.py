@@ -25,8 +25,6 @@ class Ring:
         ValueError: fewer than three vertices.
     """
 
-    __slots__ = ("_band_m", "_bands", "east_m", "is_inclusion", "north_m", "south_m", "vertices", "west_m")
-
     def __init__(self, vertices: Sequence[Point], is_inclusion: bool) -> None:
         if len(vertices) < 3:
             raise ValueError(f"a ring of {len(vertices)} vertices: expected three or more")
@@ -191,8 +189,6 @@ class Disc:
     Raises:
         ValueError: a radius that is not positive and finite.
     """
-
-    __slots__ = ("centre", "east_m", "is_inclusion", "north_m", "radius_m", "south_m", "west_m")
 
     def __init__(self, centre: Point, radius_m: float, is_inclusion: bool) -> None:
         if not 0.0 < radius_m < math.inf:

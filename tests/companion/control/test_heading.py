@@ -38,9 +38,12 @@ def test_the_derivative_brakes_a_turn_and_never_sees_the_wrap() -> None:
         assert heading_effort(control, -3.0, heading, 0.2, setting, 0.02).d == pytest.approx(-0.1)
 
 
-def test_steering_stays_within_its_share() -> None:
-    out = heading_effort(Pid(), 1.5, 0.0, 0.0, Heading(kp=9.0, max_steering=0.6), 0.02)
-    assert out.total == 0.6
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("fed", [0.0, 0.4, -0.4])
+def test_steering_stays_within_its_share_whatever_is_fed_forward(side: float, fed: float) -> None:
+    setting = Heading(kp=9.0, max_steering=0.6)
+    out = heading_effort(Pid(), 1.5 * side, 0.0, 0.0, setting, 0.02, feed_forward=fed)
+    assert out.total == pytest.approx(0.6 * side)
     assert out.saturated
 
 
