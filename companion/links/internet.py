@@ -5,6 +5,8 @@ from typing import NamedTuple
 
 from companion.core.errors import LinkError
 
+_BACKLOG = 128  # stations are not rejected because of simultaneous strangers
+
 
 class SocketAddress(NamedTuple):
     """A resolved address: IPv4 (host, port) or IPv6 with flow and scope."""
@@ -45,6 +47,8 @@ def listen(
     bound.setsockopt(socket.SOL_SOCKET, option, value)
     try:
         bound.bind(address.sockaddr)
+        if socket_kind is socket.SOCK_STREAM:
+            bound.listen(_BACKLOG)
     except OSError as error:
         bound.close()
         where = show(host, port)

@@ -13,7 +13,6 @@ MAX_CLIENTS = 128  # limit of descriptors; `router/admission.py` selects the lin
 _QUEUE_BYTES = 256 * 1024
 _CONNECT_TIMEOUT_S = 5.0
 _ACCEPTS_PER_CALL = 16
-_BACKLOG = 128  # stations are not rejected because of simultaneous strangers
 
 
 class TcpInPort:
@@ -30,7 +29,6 @@ class TcpInPort:
     ) -> None:
         # Reuse the port after a restart, despite connections in TIME_WAIT.
         self._socket, self.name = listen("tcpin", host, port, socket.SOCK_STREAM, socket.SO_REUSEADDR, 1)
-        self._socket.listen(_BACKLOG)
         self._max_clients = max_clients
         self._queue_bytes = queue_bytes
         self._links: list[StreamLink] = []

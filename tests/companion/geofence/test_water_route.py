@@ -97,14 +97,6 @@ def way_from(fence: Fence, here: Point) -> WaterRoute | None:
     return way_by_water(fence, FenceWater(fence), here, [HOME], CONFIG)
 
 
-def test_from_outside_the_route_leads_first_to_the_nearest_water() -> None:
-    route = way_from(laid(L_WATER), Point(60.0, 80.0))
-    assert route is not None
-    assert route.leg.start == Point(60.0, 80.0)
-    assert route.leg.end.east_m == pytest.approx(71.9, abs=0.01)  # 0.1 m for circles
-    assert route.leg.end.north_m == pytest.approx(60.0, abs=0.01)
-
-
 def test_without_water_there_is_no_route() -> None:
     wall = square(60.0, is_inclusion=False, north_m=100.0)
     fence = laid(square(200.0), wall)
