@@ -91,4 +91,3 @@ class StreamLink:
             pass
         except OSError:
             self._is_broken = True
-            self._pending.clear()

@@ -59,7 +59,6 @@ class TcpInPort:
         self._socket.close()
         for link in self._links:
             link.close()
-        self._links.clear()
 
 
 class TcpOutPort:

@@ -21,6 +21,8 @@ def test_a_full_end_drops_what_comes_next_whole() -> None:
     assert [near.send(data) for data in (b"1", b"2", b"3")] == [True, True, False]
     assert far.receive() == [b"1", b"2"]
     assert near.send(b"4")
+    near, _ = memory_pair()
+    assert [near.send(b"frame") for _ in range(4097)] == [True] * 4096 + [False]
 
 
 def test_closing_one_end_ends_the_other_after_its_last_words() -> None:

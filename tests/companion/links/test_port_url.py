@@ -1,11 +1,14 @@
 """Port urls in all their spellings."""
 
+import socket
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from twins.lines import HandClock
 
 from companion.core.errors import ConfigError, LinkError
+from companion.links.internet import resolve
 from companion.links.port_url import PortUrl, open_port, parse_port_url
 
 ANYWHERE = "0.0.0.0"  # noqa: S104
@@ -46,6 +49,7 @@ def test_every_spelling_is_understood(url: str, expected: PortUrl) -> None:
         ("tcpout:host:²", "is not a port number"),
         ("tcpout::5760", "the host is missing"),
         ("tcpout:::1:5760", "an IPv6 host stands in brackets"),
+        ("tcpout:[::1:5760", "an IPv6 host stands in brackets"),
         ("serial:", "expected serial:DEVICE:BAUD"),
         ("serial:/dev/ttyUSB0:fast", "'fast' is not a baud rate"),
         ("/dev/ttyUSB0,0", "'0' is not a baud rate"),
@@ -82,3 +86,19 @@ def test_a_waiting_port_shows_its_real_number_and_its_name_opens_it_again(url: s
     again = open_port(port.name, HandClock())
     assert again.name == port.name
     again.close()
+
+
+@pytest.mark.parametrize("url", ["udpout:127.0.0.1:14550", "tcpout:127.0.0.1:5760"])
+def test_the_kinds_that_call_out_keep_their_url_as_name(url: str) -> None:
+    port = open_port(url, HandClock())
+    assert port.name == url
+    port.close()
+
+
+def test_a_host_of_both_families_is_called_by_ipv4(monkeypatch: pytest.MonkeyPatch) -> None:
+    both = [
+        (socket.AF_INET6, socket.SOCK_STREAM, 6, "", ("::1", 5760, 0, 0)),
+        (socket.AF_INET, socket.SOCK_STREAM, 6, "", ("127.0.0.1", 5760)),
+    ]
+    monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: both)
+    assert resolve("tcpout", "both", 5760) == (socket.AF_INET, ("127.0.0.1", 5760))

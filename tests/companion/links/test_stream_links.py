@@ -331,6 +331,27 @@ def test_a_device_that_vanishes_while_its_fault_is_looked_into_is_told_as_missin
     port.close()
 
 
+def test_a_full_queue_takes_a_frame_as_soon_as_the_far_side_has_read() -> None:
+    near, far = socket.socketpair()
+    near.setblocking(False)
+    far.settimeout(MOMENT_S)
+    link = StreamLink("pair", near.fileno(), near.close, 1000)
+    while link.send(bytes(1000)):
+        pass
+    while not link.send(b"again"):
+        assert far.recv(1 << 20)
+    link.close()
+    far.close()
+
+
+def test_a_device_without_permission_names_the_cure(
+    clock: HandClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("os.access", lambda _, mode: mode != os.R_OK | os.W_OK)
+    with pytest.raises(LinkError, match="no permission for /dev/null; add the user to the group 'dialout'"):
+        SerialPort("/dev/null", 57600, clock)
+
+
 def test_a_descriptor_that_refuses_to_be_closed_is_let_go() -> None:
     def refuses() -> None:
         raise OSError(errno.EIO, "Input/output error")

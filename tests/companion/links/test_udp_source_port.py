@@ -54,5 +54,14 @@ def test_any_destination_has_a_source_port(destination: int) -> None:
     port = UdpOutPort("127.0.0.1", destination)
     source_port = port._link._socket.getsockname()[1]
     assert 1024 < source_port <= 65_535
-    assert source_port != destination
+    assert (source_port > destination) is (destination <= 55_280)
     port.close()
+
+
+def test_beyond_the_usual_ports_a_boat_calls_from_any(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("companion.links.udp._SOURCE_PORTS", 1)
+    boats = [UdpOutPort("127.0.0.1", 14550) for _ in range(2)]
+    first, other = (boat._link._socket.getsockname()[1] for boat in boats)
+    assert other not in (0, first)
+    for boat in boats:
+        boat.close()
