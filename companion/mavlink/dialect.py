@@ -1,11 +1,14 @@
 """The only import of the generated dialect: module, message type and CRC."""
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any, Protocol, TypeAlias
 
 from pymavlink.dialects.v20 import all as dialect
 
-__all__ = ["Message", "MessageType", "crc16", "dialect"]
+from companion.mavlink import metadata_messages  # noqa: F401  (they join the dialect when imported)
+
+__all__ = ["Message", "MessageType", "build_message", "crc16", "dialect", "message_ids"]
 
 MessageType: TypeAlias = Any
 """A generated message class."""
@@ -22,6 +25,33 @@ class Message(Protocol):
 
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401
         """A field's value."""
+
+
+def message_ids(*names: str) -> tuple[int, ...]:
+    """The numbers of messages."""
+    return tuple(getattr(dialect, f"MAVLINK_MSG_ID_{name}") for name in names)
+
+
+def build_message(name: str, **fields: object) -> Message:
+    """A message of the dialect. Omitted fields are zero or empty.
+
+    Raises:
+        TypeError: no such field.
+    """
+    message_type, zeros = _zeros(name)
+    message: Message = message_type(**{**zeros, **fields})
+    return message
+
+
+@cache
+def _zeros(name: str) -> tuple[MessageType, dict[str, object]]:
+    message_type = getattr(dialect, f"MAVLink_{name.lower()}_message")
+    lengths = dict(zip(message_type.ordered_fieldnames, message_type.lengths, strict=True))
+    zeros: dict[str, object] = {
+        field: b"" if kind == "char" else [0] * lengths[field] if lengths[field] > 1 else 0
+        for field, kind in zip(message_type.fieldnames, message_type.fieldtypes, strict=True)
+    }
+    return message_type, zeros
 
 
 def _crc16_interpreted(data: bytes) -> int:

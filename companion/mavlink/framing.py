@@ -142,18 +142,7 @@ def read_unknown(data: bytes, at: int) -> Frame | Flaw:
 def build_frame(address: Address, sequence: int, layout: Layout, payload: bytes) -> bytes:
     """A MAVLink 2 frame; trailing zeros of the payload are truncated."""
     payload = payload.rstrip(b"\0") or b"\0"
-    message_id = layout.message_id
-    body = (
-        _HEADER_V2.pack(
-            len(payload),
-            0,
-            0,
-            sequence,
-            address.system,
-            address.component,
-            message_id & 0xFFFF,
-            message_id >> 16,
-        )
-        + payload
-    )
+    id_low, id_high = layout.message_id & 0xFFFF, layout.message_id >> 16
+    head = _HEADER_V2.pack(len(payload), 0, 0, sequence, *address, id_low, id_high)
+    body = head + payload
     return b"\xfd" + body + crc16(body + layout.crc_extra).to_bytes(2, "little")

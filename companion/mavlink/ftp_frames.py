@@ -121,34 +121,13 @@ def ack(
     request: Request,
     data: bytes = b"",
     *,
+    opcode: int = _ACK,
     session: int | None = None,
     offset: int | None = None,
     sequence: int | None = None,
     is_burst_over: bool = False,
 ) -> bytes:
     """Payload of an ACK. Omitted values are those of the request."""
-    return _reply(request, _ACK, data, session, offset, sequence, is_burst_over)
-
-
-def nak(
-    request: Request, refusal: Refusal, *, offset: int | None = None, sequence: int | None = None
-) -> bytes:
-    """Payload of a NAK."""
-    is_numbered = refusal.code is Code.FAIL_ERRNO
-    data = bytes((refusal.code, refusal.number & 0xFF)) if is_numbered else bytes((refusal.code,))
-    is_burst_over = refusal.code is Code.END_OF_FILE and request.opcode == Opcode.BURST_READ_FILE
-    return _reply(request, _NAK, data, None, offset, sequence, is_burst_over)
-
-
-def _reply(
-    request: Request,
-    opcode: int,
-    data: bytes,
-    session: int | None,
-    offset: int | None,
-    sequence: int | None,
-    is_burst_over: bool,
-) -> bytes:
     return _HEADER.pack(
         (request.sequence + 1 if sequence is None else sequence) & 0xFFFF,
         request.session if session is None else session,
@@ -159,3 +138,13 @@ def _reply(
         0,
         request.offset if offset is None else offset,
     ) + data.ljust(DATA_BYTES, b"\x00")
+
+
+def nak(
+    request: Request, refusal: Refusal, *, offset: int | None = None, sequence: int | None = None
+) -> bytes:
+    """Payload of a NAK."""
+    is_numbered = refusal.code is Code.FAIL_ERRNO
+    data = bytes((refusal.code, refusal.number & 0xFF)) if is_numbered else bytes((refusal.code,))
+    is_over = refusal.code is Code.END_OF_FILE and request.opcode == Opcode.BURST_READ_FILE
+    return ack(request, data, opcode=_NAK, offset=offset, sequence=sequence, is_burst_over=is_over)

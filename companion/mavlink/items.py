@@ -15,43 +15,26 @@ from typing import Any
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 
-GLOBAL_FRAMES = frozenset(
-    (
-        dialect.MAV_FRAME_GLOBAL,
-        dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT,
-        dialect.MAV_FRAME_GLOBAL_INT,
-        dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
-        dialect.MAV_FRAME_GLOBAL_TERRAIN_ALT,
-        dialect.MAV_FRAME_GLOBAL_TERRAIN_ALT_INT,
-    )
+
+def _frames(*names: str) -> frozenset[int]:
+    return frozenset(getattr(dialect, f"MAV_FRAME_{name}") for name in names)
+
+
+GLOBAL_FRAMES = _frames(
+    *("GLOBAL", "GLOBAL_RELATIVE_ALT", "GLOBAL_TERRAIN_ALT"),
+    *("GLOBAL_INT", "GLOBAL_RELATIVE_ALT_INT", "GLOBAL_TERRAIN_ALT_INT"),
 )
-LOCAL_FRAMES = frozenset(
-    (
-        dialect.MAV_FRAME_LOCAL_NED,
-        dialect.MAV_FRAME_LOCAL_ENU,
-        dialect.MAV_FRAME_LOCAL_OFFSET_NED,
-        dialect.MAV_FRAME_BODY_NED,
-        dialect.MAV_FRAME_BODY_OFFSET_NED,
-        dialect.MAV_FRAME_BODY_FRD,
-        dialect.MAV_FRAME_LOCAL_FRD,
-        dialect.MAV_FRAME_LOCAL_FLU,
-    )
+LOCAL_FRAMES = _frames(
+    *("LOCAL_NED", "LOCAL_ENU", "LOCAL_FRD", "LOCAL_FLU", "LOCAL_OFFSET_NED"),
+    *("BODY_NED", "BODY_FRD", "BODY_OFFSET_NED"),
 )
 
 _INT32_MAX = 2**31 - 1
+_PARAMS = ("param1", "param2", "param3", "param4")
 _CODES = {
-    "frame": "B",
-    "command": "H",
-    "current": "B",
-    "autocontinue": "B",
-    "param1": "f",
-    "param2": "f",
-    "param3": "f",
-    "param4": "f",
-    "x": "i",
-    "y": "i",
-    "z": "f",
-}
+    "frame": "B", "command": "H", "current": "B", "autocontinue": "B", **dict.fromkeys(_PARAMS, "f"),
+    "x": "i", "y": "i", "z": "f",
+}  # fmt: skip
 _NAMES = tuple(_CODES)
 _values = attrgetter(*_NAMES)
 _wire = struct.Struct("<" + "".join(_CODES.values()))
@@ -160,38 +143,12 @@ class MissionItem:
             if scaled_y is None:
                 return ItemFault(MissionResult.INVALID_PARAM6_Y, f"y is {y}, not a position")
             x, y = scaled_x, scaled_y
-        return MissionItem(
-            frame=message.frame,
-            command=message.command,
-            current=message.current,
-            autocontinue=message.autocontinue,
-            param1=message.param1,
-            param2=message.param2,
-            param3=message.param3,
-            param4=message.param4,
-            x=x,
-            y=y,
-            z=message.z,
-        )
+        return MissionItem(**(dict(zip(_NAMES, _values(message), strict=True)) | {"x": x, "y": y}))
 
     def to_message(self, seq: int, target: Address, mission_type: MissionType) -> Message:
         """As MISSION_ITEM_INT."""
         message: Message = dialect.MAVLink_mission_item_int_message(
-            target.system,
-            target.component,
-            seq,
-            self.frame,
-            self.command,
-            self.current,
-            self.autocontinue,
-            self.param1,
-            self.param2,
-            self.param3,
-            self.param4,
-            self.x,
-            self.y,
-            self.z,
-            mission_type,
+            target.system, target.component, seq, *_values(self), mission_type
         )
         return message
 

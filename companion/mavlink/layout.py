@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Sequence
 from operator import attrgetter, itemgetter
 from typing import Any
 
-from companion.mavlink import metadata_messages  # noqa: F401  (they join the dialect when imported)
 from companion.mavlink.dialect import Message, MessageType, dialect
 
 

@@ -1,31 +1,26 @@
 """Receiver of a mission transfer: the boat in an upload, a station in a download."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
 
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.items import ItemFault, MissionItem, MissionResult, MissionType
+from companion.mavlink.items import ItemFault, MissionItem, MissionResult
 from companion.mavlink.repeat_interval import RepeatInterval
 from companion.mavlink.transfer import (
-    MOST_ITEMS,
     NOBODY,
     Completed,
     Started,
     Transfer,
+    TransferState,
+    TransferTrigger,
 )
-from companion.mavlink.transfer_table import TransferState, TransferTrigger
 
 AGAIN_S = 0.5  # between repetitions of the last message
 REPETITIONS = 2  # within QGroundControl's time-out of 1.5 s
 
-ItemCheck = Callable[[int, MissionItem], ItemFault | None]
 
-
-def take_any(seq: int, item: MissionItem) -> ItemFault | None:  # noqa: ARG001
-    """An item check that accepts everything."""
-    return None
-
-
+@dataclass(eq=False)
 class Receiver(Transfer):
     """Requests each item, and returns the complete list as `Completed`.
 
@@ -33,27 +28,19 @@ class Receiver(Transfer):
     `Completed` with `confirm` once the list is stored.
     """
 
-    def __init__(
-        self,
-        own: Address,
-        mission_type: MissionType,
-        retry_s: float = 0.5,
-        retries: int = 10,
-        max_items: int = MOST_ITEMS,
-        check: ItemCheck = take_any,
-    ) -> None:
-        super().__init__(own, mission_type, retry_s, retries, max_items)
-        self.first = 0  # sequence number of the first item: 0 unless it is a partial list
-        self._check = check
-        self._is_part = False
-        self._count = 0
-        self._items: list[MissionItem] = []
-        self._nudged_s = float("-inf")
-        self._has_lost = False  # a message of this transfer was repeated
-        self._interval = RepeatInterval(retry_s)
-        self._is_repeated = False  # so was the last one
-        self._repetitions = 0  # of the last message, remaining
-        self._again_s = 0.0
+    check: Callable[[int, MissionItem], ItemFault | None] | None = None
+    first: int = field(default=0, init=False)  # sequence number of the first item: 0 unless a partial list
+    _is_part: bool = field(default=False, init=False)
+    _count: int = field(default=0, init=False)
+    _items: list[MissionItem] = field(default_factory=list, init=False)
+    _nudged_s: float = field(default=float("-inf"), init=False)
+    _has_lost: bool = field(default=False, init=False)  # a message of this transfer was repeated
+    _is_repeated: bool = field(default=False, init=False)  # so was the last one
+    _repetitions: int = field(default=0, init=False)  # of the last message, remaining
+    _again_s: float = field(default=0.0, init=False)
+
+    def __post_init__(self) -> None:
+        self._interval = RepeatInterval(self.retry_s)
 
     def request_list(self, partner: Address, now_s: float) -> None:
         """Request a partner's list.
@@ -62,23 +49,16 @@ class Receiver(Transfer):
             LocalProtocolError: a transfer is in progress.
         """
         self._begin(TransferTrigger.ASK, partner)
-        self._interval = RepeatInterval(self._retry_s)
-        self._await(
-            dialect.MAVLink_mission_request_list_message(
-                partner.system, partner.component, self.mission_type
-            ),
-            now_s,
-        )
+        self._interval = RepeatInterval(self.retry_s)
+        request = dialect.MAVLink_mission_request_list_message(*partner, self.mission_type)
+        self._await(request, now_s)
 
     def take_part(self, first: int, count: int, sender: Address, now_s: float) -> None:
         """A station sends a checked MISSION_WRITE_PARTIAL_LIST."""
         if not self._is_free_for(sender) or not self._may(TransferTrigger.COUNT):
             return
-        if (
-            self.state is TransferState.RECEIVING
-            and (first, count) == (self.first, self._count)
-            and not self._items
-        ):
+        is_same = (first, count) == (self.first, self._count) and not self._items
+        if self.state is TransferState.RECEIVING and is_same:
             self._repeat()
             return
         self._collect(first, count, sender, now_s, is_part=True)
@@ -87,7 +67,7 @@ class Receiver(Transfer):
         if self.state is TransferState.LISTING:
             self._measure(now_s)
         else:
-            self._interval = RepeatInterval(self._retry_s)
+            self._interval = RepeatInterval(self.retry_s)
         self._begin(TransferTrigger.COUNT if count else TransferTrigger.EMPTY, sender)
         self.first, self._is_part = first, is_part
         self._count, self._items, self._has_lost = count, [], False
@@ -139,18 +119,12 @@ class Receiver(Transfer):
             self._handle_item(message, sender, now_s)
 
     def _handle_count(self, count: int, sender: Address, now_s: float) -> None:
-        if not self._is_free_for(sender) or not self._may(
-            TransferTrigger.COUNT if count else TransferTrigger.EMPTY
-        ):
+        trigger = TransferTrigger.COUNT if count else TransferTrigger.EMPTY
+        if not self._is_free_for(sender) or not self._may(trigger):
             return
         if count > self.max_items:
-            self._fail(
-                ItemFault(
-                    MissionResult.NO_SPACE, f"{count} items offered, there is room for {self.max_items}"
-                ),
-                sender,
-                now_s,
-            )
+            text = f"{count} items offered, there is room for {self.max_items}"
+            self._fail(ItemFault(MissionResult.NO_SPACE, text), sender, now_s)
             return
         is_same = count == self._count and not self._items and not self._is_part
         if self.state is TransferState.RECEIVING and is_same:
@@ -165,33 +139,28 @@ class Receiver(Transfer):
             self._handle_refusal(MissionResult(message.type), sender, now_s)
 
     def _handle_item(self, message: Message, sender: Address, now_s: float) -> None:
-        if message.current > 1:  # ArduPilot's go-to and altitude items
-            self.ignored += 1
-        elif self.state is TransferState.RECEIVING:
+        is_listed = message.current <= 1  # else ArduPilot's go-to and altitude items
+        if is_listed and self.state is TransferState.RECEIVING:
             self._receive_item(message, sender, now_s)
-        elif self.state is TransferState.SETTLED:
-            self._move(TransferTrigger.ITEM)
+            return
+        if is_listed and self.state is TransferState.SETTLED:
             if message.seq == self.first + min(len(self._items), self._count - 1):
                 self._repeat()
-            else:
-                self.ignored += 1  # delayed: no answer needed
-        elif self.state is TransferState.IDLE:
-            self._move(TransferTrigger.ITEM)
+                return  # else it was delayed: no answer needed
+        elif is_listed and self.state is TransferState.IDLE:
             self._acknowledge(sender, MissionResult.ERROR)
-            self.ignored += 1
-        else:
-            self.ignored += 1
+        self.ignored += 1
 
     def _receive_item(self, message: Message, sender: Address, now_s: float) -> None:
         expected = self.first + len(self._items)
         if message.seq != expected:
             self.ignored += 1
-            if message.seq > expected and now_s - self._nudged_s >= self._retry_s:
+            if message.seq > expected and now_s - self._nudged_s >= self.retry_s:
                 self._nudged_s = now_s
                 self._repeat()
             return
         item = MissionItem.from_message(message)
-        fault = item if isinstance(item, ItemFault) else self._check(expected, item)
+        fault = item if isinstance(item, ItemFault) else self.check and self.check(expected, item)
         if fault is not None:
             self._fail(ItemFault(fault.result, f"item {expected}: {fault.text}"), sender, now_s)
         elif isinstance(item, MissionItem):
@@ -224,15 +193,9 @@ class Receiver(Transfer):
         super()._repeat()
 
     def _request_next(self, partner: Address, now_s: float) -> None:
-        self._await(
-            dialect.MAVLink_mission_request_int_message(
-                partner.system,
-                partner.component,
-                self.first + len(self._items),
-                self.mission_type,
-            ),
-            now_s,
-        )
+        seq = self.first + len(self._items)
+        request = dialect.MAVLink_mission_request_int_message(*partner, seq, self.mission_type)
+        self._await(request, now_s)
 
 
 _RECEIVED = frozenset(

@@ -1,15 +1,24 @@
 """Sender of a mission transfer: the boat in a download, a station in an upload."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 
 from companion.core.errors import LocalProtocolError
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.items import ItemFault, MissionItem, MissionResult, MissionType
-from companion.mavlink.transfer import MOST_ITEMS, Completed, Failed, FailureCause, Started, Transfer
-from companion.mavlink.transfer_table import TransferState, TransferTrigger
+from companion.mavlink.items import ItemFault, MissionItem, MissionResult
+from companion.mavlink.transfer import (
+    Completed,
+    Failed,
+    FailureCause,
+    Started,
+    Transfer,
+    TransferState,
+    TransferTrigger,
+)
 
 
+@dataclass(eq=False)
 class Sender(Transfer):
     """Offers a list and answers requests for its items with MISSION_ITEM_INT.
 
@@ -20,21 +29,11 @@ class Sender(Transfer):
     stations treat an unsolicited count or item as an error.
     """
 
-    def __init__(
-        self,
-        own: Address,
-        mission_type: MissionType,
-        retry_s: float = 0.5,
-        retries: int = 10,
-        max_items: int = MOST_ITEMS,
-        source: Callable[[], Sequence[MissionItem]] | None = None,
-    ) -> None:
-        super().__init__(own, mission_type, retry_s, retries, max_items)
-        self._source = source
-        self._was_asked = False
-        self._items: tuple[MissionItem, ...] = ()
-        self._unsent: set[int] = set()  # not yet requested in this transfer
-        self._asked: set[int] = set()  # requested since the partner last started at item 0
+    source: Callable[[], Sequence[MissionItem]] | None = None
+    _was_asked: bool = field(default=False, init=False)
+    _items: tuple[MissionItem, ...] = field(default=(), init=False)
+    _unsent: set[int] = field(default_factory=set, init=False)  # not yet requested in this transfer
+    _asked: set[int] = field(default_factory=set, init=False)  # requested since the last start at item 0
 
     def offer(self, items: Sequence[MissionItem], partner: Address, now_s: float) -> None:
         """Start sending a list; restarts a transfer with the same partner.
@@ -52,12 +51,8 @@ class Sender(Transfer):
         self._items = tuple(items)
         self._unsent, self._asked = set(range(len(items))), set()
         self._events.append(Started(len(items), partner))
-        self._await(
-            dialect.MAVLink_mission_count_message(
-                partner.system, partner.component, len(items), self.mission_type
-            ),
-            now_s,
-        )
+        count = dialect.MAVLink_mission_count_message(*partner, len(items), self.mission_type)
+        self._await(count, now_s)
 
     def handle(self, message: Message, sender: Address, now_s: float) -> None:
         """Handle a message of the mission protocol; others are ignored."""
@@ -72,7 +67,7 @@ class Sender(Transfer):
             self._handle_request(message.seq, sender, now_s)
 
     def _handle_request_list(self, sender: Address, now_s: float) -> None:
-        if self._source is None:
+        if self.source is None:
             self.ignored += 1
             return
         if self._was_asked and not self._unsent and self.partner not in (None, sender):
@@ -81,7 +76,7 @@ class Sender(Transfer):
             if self.state is TransferState.OFFERING:
                 self._repeat()  # repeated request: our count was lost
             else:
-                self.offer(self._source(), sender, now_s)
+                self.offer(self.source(), sender, now_s)
                 self._was_asked = True
 
     def _handle_request(self, seq: int, sender: Address, now_s: float) -> None:
@@ -134,9 +129,7 @@ class Sender(Transfer):
             super()._expire(now_s)
             return
         self._settle(TransferTrigger.EXPIRED, None, now_s)
-        text = (
-            "all items were sent, but not acknowledged" if not self._unsent else "the partner does not answer"
-        )
+        text = "the partner does not answer" if self._unsent else "all items were sent, but not acknowledged"
         failed = Failed(MissionResult.OPERATION_CANCELLED, text, self._partner, FailureCause.SILENT)
         self._events.append(failed)
 

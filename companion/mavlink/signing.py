@@ -90,7 +90,7 @@ class Stamps:
     """
 
     def __init__(self, first: int = 1, seen: int = 0, limit: int = NEVER) -> None:
-        self._last = first - 1
+        self.last = first - 1  # used
         self.clock = 0  # Unix time as timestamp, if known; may jump back
         self.seen = seen
         self.limit = limit
@@ -100,22 +100,17 @@ class Stamps:
         """The present time, by our clock or by proven timestamps, whichever is later."""
         return max(self.clock, self.seen)
 
-    @property
-    def last(self) -> int:
-        """The last one used."""
-        return self._last
-
     def take(self) -> int | None:
         """The next one; None at the limit, or if the clock is beyond the limit before the first: stations
         would reject such an old one.
         """
-        following = self._last + 1
+        following = self.last + 1
         stamp = max(following, self.clock, self.seen)
         if stamp >= self.limit:
-            if following >= self.limit or not self._last:
+            if following >= self.limit or not self.last:
                 return None
             stamp = following  # the clock is ahead of the limit
-        self._last = stamp
+        self.last = stamp
         return stamp
 
     def follow(self, timestamp: int) -> None:
@@ -138,40 +133,35 @@ class Signatory:
 
     def __init__(self, key: SigningKey | None, stamps: Stamps, floor: int | None = None) -> None:
         """floor: the highest timestamp proven under the key before; default: that of `stamps`."""
-        self._key = key
+        self.key = key  # the present one
         self._floor = stamps.seen if floor is None else floor  # what was proved once is not proved again
         self.proved = self._floor  # the highest timestamp proven under the key
         self._streams: dict[bytes, int] = {}
         self.stamps = stamps
 
-    @property
-    def key(self) -> SigningKey | None:
-        """The present key."""
-        return self._key
-
     def change_key(self, key: SigningKey | None, floor: int = 0) -> None:
         """Replace or remove the key. The streams of the old key are dropped; frames of the new one are valid
         above `floor`.
         """
-        if key != self._key:
-            self._key = key
+        if key != self.key:
+            self.key = key
             self._streams.clear()
             self._floor = self.proved = floor
 
     def sign(self, frame: bytes, link_id: int) -> bytes | None:
         """The signed frame; unchanged without a key; None without a timestamp."""
-        if self._key is None:
+        if self.key is None:
             return frame
         stamp = self.stamps.take()
-        return None if stamp is None else sign(frame, self._key, link_id, stamp)
+        return None if stamp is None else sign(frame, self.key, link_id, stamp)
 
     def check(self, frame: bytes) -> SignatureVerdict:
         """What a frame's signature proves."""
         if not is_signed(frame):
             return SignatureVerdict.UNSIGNED
-        if self._key is None:
+        if self.key is None:
             return SignatureVerdict.FORGED
-        if not hmac.compare_digest(self._key.signature(frame[:-SIGNATURE_BYTES]), frame[-SIGNATURE_BYTES:]):
+        if not hmac.compare_digest(self.key.signature(frame[:-SIGNATURE_BYTES]), frame[-SIGNATURE_BYTES:]):
             return SignatureVerdict.FORGED
         stream = frame[5:7] + frame[-_BLOCK_BYTES : 1 - _BLOCK_BYTES]
         timestamp = int.from_bytes(frame[1 - _BLOCK_BYTES : -SIGNATURE_BYTES], "little")
@@ -230,11 +220,6 @@ class SigningGuard:
         self.counters = SigningCounters()
 
     @property
-    def has_key(self) -> bool:
-        """Whether there is a key."""
-        return self._signatory.key is not None
-
-    @property
     def key(self) -> SigningKey | None:
         """The present key."""
         return self._signatory.key
@@ -250,7 +235,7 @@ class SigningGuard:
 
     def admits(self, frame: bytes) -> bool:
         """Whether a valid frame of either version is accepted."""
-        if self.policy == "off" or (self.policy == "accept" and not self.has_key):
+        if self.policy == "off" or (self.policy == "accept" and self.key is None):
             return True
         verdict = self._signatory.check(frame)
         counters = self.counters

@@ -37,17 +37,93 @@ The machines do no I/O and read no clock: `handle`, `tick`, `take_outbox`, `take
 without a row in the table is counted as `ignored`; a call without one raises LocalProtocolError.
 """
 
-from dataclasses import dataclass
-from enum import Enum
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum, auto
+from types import MappingProxyType
 
 from companion.core.errors import LocalProtocolError
 from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import ItemFault, MissionItem, MissionResult, MissionType
-from companion.mavlink.transfer_table import TRANSITIONS, TransferState, TransferTrigger
 
 NOBODY = Address(0, 0)
 MOST_ITEMS = 65535  # MISSION_COUNT counts in 16 bits
+
+
+class TransferState(Enum):
+    """State of a transfer."""
+
+    IDLE = auto()
+    LISTING = auto()  # receiver: list requested, waiting for the count
+    RECEIVING = auto()  # receiver: waiting for the requested item
+    STORING = auto()  # receiver: complete, waiting for the owner
+    OFFERING = auto()  # sender: count sent, waiting for the first request
+    SENDING = auto()  # sender: item sent, waiting for the next request or the end
+    SETTLED = auto()  # finished; the partner may not know yet
+
+
+class TransferTrigger(Enum):
+    """Events."""
+
+    ASK = auto()  # the owner requests a list
+    OFFER = auto()  # the owner, or MISSION_REQUEST_LIST, offers a list
+    STORED = auto()  # the owner confirms
+    COUNT = auto()  # of one item or more
+    EMPTY = auto()  # a count of zero, or MISSION_CLEAR_ALL
+    ITEM = auto()
+    LAST_ITEM = auto()
+    REQUEST = auto()
+    ACCEPTED = auto()
+    REFUSED = auto()  # MISSION_ACK with an error
+    FAULT = auto()  # we end it
+    EXPIRED = auto()  # retries, or the time to remember, are used up
+
+
+_BEGIN = {
+    TransferTrigger.ASK: TransferState.LISTING,
+    TransferTrigger.COUNT: TransferState.RECEIVING,
+    TransferTrigger.EMPTY: TransferState.STORING,
+}
+_BREAK_OFF = dict.fromkeys(
+    (TransferTrigger.REFUSED, TransferTrigger.FAULT, TransferTrigger.EXPIRED), TransferState.SETTLED
+)
+_OFFERED = {
+    TransferTrigger.OFFER: TransferState.OFFERING,
+    TransferTrigger.REQUEST: TransferState.SENDING,
+    TransferTrigger.ACCEPTED: TransferState.SETTLED,
+    **_BREAK_OFF,
+}
+
+TRANSITIONS: Mapping[TransferState, Mapping[TransferTrigger, TransferState]] = MappingProxyType(
+    {
+        TransferState.IDLE: {
+            **_BEGIN,
+            TransferTrigger.OFFER: TransferState.OFFERING,
+        },
+        TransferState.LISTING: {
+            TransferTrigger.COUNT: TransferState.RECEIVING,
+            TransferTrigger.EMPTY: TransferState.STORING,
+            **_BREAK_OFF,
+        },
+        TransferState.RECEIVING: {
+            TransferTrigger.COUNT: TransferState.RECEIVING,  # restarted by the partner
+            TransferTrigger.EMPTY: TransferState.STORING,
+            TransferTrigger.ITEM: TransferState.RECEIVING,
+            TransferTrigger.LAST_ITEM: TransferState.STORING,
+            **_BREAK_OFF,
+        },
+        TransferState.STORING: {TransferTrigger.STORED: TransferState.SETTLED},
+        TransferState.OFFERING: _OFFERED,
+        TransferState.SENDING: _OFFERED,
+        TransferState.SETTLED: {
+            **_BEGIN,
+            TransferTrigger.OFFER: TransferState.OFFERING,
+            TransferTrigger.REQUEST: TransferState.SETTLED,
+            TransferTrigger.EXPIRED: TransferState.IDLE,
+        },
+    }
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,34 +168,27 @@ class Failed:
 Event = Started | Completed | Failed
 
 
+@dataclass(eq=False)
 class Transfer:
     """Common part of both machines: partner, retries, outbox and events.
 
     retry_s: time-out of an answer. retries: number of repetitions. max_items: per list.
     """
 
-    def __init__(
-        self,
-        own: Address,
-        mission_type: MissionType,
-        retry_s: float = 0.5,
-        retries: int = 10,
-        max_items: int = MOST_ITEMS,
-    ) -> None:
-        self.own = own
-        self.mission_type = mission_type
-        self.max_items = max_items
-        self.ignored = 0
-        self.state = TransferState.IDLE
-        self._retry_s = retry_s
-        self._retries = retries
-        self._retries_left = 0
-        self._deadline_s = 0.0
-        self._awaited_s = 0.0  # when the latest message was first sent
-        self._partner = NOBODY
-        self._latest: Message | None = None  # repeated until answered
-        self._outbox: list[Message] = []
-        self._events: list[Event] = []
+    own: Address
+    mission_type: MissionType
+    retry_s: float = 0.5
+    retries: int = 10
+    max_items: int = MOST_ITEMS
+    ignored: int = field(default=0, init=False)
+    state: TransferState = field(default=TransferState.IDLE, init=False)
+    _retries_left: int = field(default=0, init=False)
+    _deadline_s: float = field(default=0.0, init=False)
+    _awaited_s: float = field(default=0.0, init=False)  # when the latest message was first sent
+    _partner: Address = field(default=NOBODY, init=False)
+    _latest: Message | None = field(default=None, init=False)  # repeated until answered
+    _outbox: list[Message] = field(default_factory=list, init=False)
+    _events: list[Event] = field(default_factory=list, init=False)
 
     @property
     def is_idle(self) -> bool:
@@ -148,7 +217,7 @@ class Transfer:
     @property
     def _interval_s(self) -> float:
         """Until the last message is repeated."""
-        return self._retry_s
+        return self.retry_s
 
     def cancel(self, now_s: float) -> None:
         """Cancel a transfer in progress and tell the partner."""
@@ -207,7 +276,7 @@ class Transfer:
 
     def _await(self, message: Message, now_s: float) -> None:
         """Send a message that expects an answer, with all retries."""
-        self._retries_left = self._retries
+        self._retries_left = self.retries
         self._awaited_s, self._deadline_s = now_s, now_s + self._interval_s
         self._latest = message
         self._outbox.append(message)
@@ -221,9 +290,7 @@ class Transfer:
             self._outbox.append(self._latest)
 
     def _acknowledge(self, partner: Address, result: MissionResult) -> Message:
-        message: Message = dialect.MAVLink_mission_ack_message(
-            partner.system, partner.component, result, self.mission_type
-        )
+        message: Message = dialect.MAVLink_mission_ack_message(*partner, result, self.mission_type)
         self._outbox.append(message)
         return message
 
@@ -231,7 +298,7 @@ class Transfer:
         """End the transfer, and keep the last message for repeated requests."""
         self._move(trigger)
         self._latest = latest
-        self._deadline_s = now_s + self._retry_s * (self._retries + 1)
+        self._deadline_s = now_s + self.retry_s * (self.retries + 1)
 
     def _fail(
         self,

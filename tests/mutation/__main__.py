@@ -49,6 +49,11 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
         "tests/companion/planning", "tests/companion/geofence/test_fence_areas.py",
         "tests/companion/geofence/test_fence_water.py",
     ),
+    "mavlink": (
+        "tests/companion/mavlink", "tests/companion/services/ftp", "tests/protocol/test_mission_items.py",
+        "tests/protocol/test_requests_per_item.py", "tests/protocol/test_transfer_back_to_back.py",
+        "tests/protocol/test_transfer_rules.py",
+    ),
     "sensors": (
         "tests/companion/sensors", "tests/hardware/gnss", "tests/hardware/heading", "tests/hardware/water",
         "tests/hardware/test_nmea_parts.py", "tests/companion/services/test_external_pose.py",

@@ -110,17 +110,16 @@ def bad(loss: float) -> Quality:
     return Quality(loss=loss, delay_s=0.03, jitter_s=jitter_s, duplication=loss / 4, reordering=loss / 2)
 
 
-@pytest.mark.parametrize("loss", [0.0, 0.05, 0.2, 0.4])
-@pytest.mark.parametrize("seed", [1, 2])
-def test_a_log_arrives_whole_over_a_bad_link(tmp_path: Path, loss: float, seed: int) -> None:
-    content = put_log(tmp_path, 400_000, seed)
-    line, sink = Line(tmp_path, bad(loss), 100 * seed), Bin()
+@pytest.mark.parametrize("loss", [0.0, 0.2, 0.4])
+def test_a_log_arrives_whole_over_a_bad_link(tmp_path: Path, loss: float) -> None:
+    content = put_log(tmp_path, 200_000)
+    line, sink = Line(tmp_path, bad(loss), 100), Bin()
     line.read(sink)
     line.until_ended()
     assert line.ended == [None]
     assert sink.content == content
     assert sink.sizes == [len(content)]
-    print(f"400 kB at {loss:.0%} loss: {line.now_s:.1f} s, {line.requests} requests")  # noqa: T201
+    print(f"200 kB at {loss:.0%} loss: {line.now_s:.1f} s, {line.requests} requests")  # noqa: T201
     if loss == 0.0:
         assert line.now_s < 1.5
     for _ in range(300):
@@ -129,49 +128,28 @@ def test_a_log_arrives_whole_over_a_bad_link(tmp_path: Path, loss: float, seed: 
     assert not line.client.is_busy
 
 
-@pytest.mark.parametrize("size", [0, 1, 238, 239, 240, 478, 122_368, 122_369, 163_840, 163_841])
-def test_every_size_arrives_whole(tmp_path: Path, size: int) -> None:
-    content = put_log(tmp_path, size)
-    line, sink = Line(tmp_path, bad(0.1), 5), Bin()
-    line.read(sink)
-    line.until_ended()
-    assert (line.ended, sink.content) == ([None], content)
-
-
-def test_a_log_goes_on_after_the_boat_has_restarted(tmp_path: Path) -> None:
-    content = put_log(tmp_path, 300_000)
-    line, sink = Line(tmp_path, bad(0.0), 5), Bin()
-    job = line.read(sink)
-    while job.done_bytes < 130_000:
-        line.step()
-    line.reboot()
-    line.until_ended()
-    assert (line.ended, sink.content) == ([None], content)
-    assert sink.sizes == [len(content)], "it went on, it did not begin anew"
-
-
-def test_a_log_that_is_another_one_after_a_restart_is_refused(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("grows", "seed", "sizes", "end"),
+    [
+        (True, 3, [300_000], None),  # it goes on, it does not begin anew
+        (True, 4, [300_000], FtpFailure(say("file.other"))),
+        (False, 4, [300_000, 300_000], None),
+    ],
+    ids=["same log", "another log", "a file that may change"],
+)
+def test_a_restart_of_the_boat_in_mid_transfer(
+    tmp_path: Path, grows: bool, seed: int, sizes: list[int], end: object
+) -> None:
     put_log(tmp_path, 300_000)
     line, sink = Line(tmp_path, bad(0.0), 5), Bin()
-    job = line.read(sink)
+    job = line.read(sink, grows=grows)
     while job.done_bytes < 130_000:
         line.step()
-    put_log(tmp_path, 300_000, seed=4)
+    content = put_log(tmp_path, 300_000, seed=seed)
     line.reboot()
     line.until_ended()
-    assert line.ended == [FtpFailure(say("file.other"))]
-
-
-def test_a_file_that_may_change_begins_anew_after_a_restart(tmp_path: Path) -> None:
-    put_log(tmp_path, 300_000)
-    line, sink = Line(tmp_path, bad(0.0), 5), Bin()
-    job = line.read(sink, grows=False)
-    while job.done_bytes < 130_000:
-        line.step()
-    content = put_log(tmp_path, 310_000, seed=4)
-    line.reboot()
-    line.until_ended()
-    assert (line.ended, sink.content, sink.sizes) == ([None], content, [300_000, 310_000])
+    assert (line.ended, sink.sizes) == ([end], sizes)
+    assert end or sink.content == content
 
 
 def test_a_sink_without_room_gets_no_more_and_the_boat_keeps_the_session(tmp_path: Path) -> None:
@@ -236,7 +214,7 @@ def test_a_missing_file_and_a_silent_boat_are_told(tmp_path: Path) -> None:
     assert line.ended[1] == FtpFailure(say("file.no_answer"))
 
 
-@pytest.mark.parametrize("loss", [0.0, 0.2, 0.4])
+@pytest.mark.parametrize("loss", [0.0, 0.4])
 def test_a_long_folder_is_listed_whole(tmp_path: Path, loss: float) -> None:
     for number in range(1, 120):
         put_log(tmp_path, number, name=f"{number:05d}.bin")
@@ -244,14 +222,6 @@ def test_a_long_folder_is_listed_whole(tmp_path: Path, loss: float) -> None:
     line.client.list_folder("logs", line.ended.append)
     line.until_ended()
     assert line.ended == [[Entry(f"{number:05d}.bin", number) for number in range(1, 120)]]
-
-
-def test_the_parameter_file_comes_into_memory(tmp_path: Path) -> None:
-    line = Line(tmp_path, bad(0.2), 9)
-    path = "@PARAM/param.pck?withdefaults=1"
-    line.client.read_whole(path, line.ended.append)
-    line.until_ended()
-    assert line.ended == [Served(tmp_path).get(path.encode())]
 
 
 class Liar:
@@ -313,7 +283,7 @@ LIES = st.tuples(
 )
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(
     length=st.integers(0, 60_000),
     announced=st.none() | st.integers(0, 100_000) | st.just(2**32 - 1),
@@ -362,8 +332,8 @@ def test_whatever_a_boat_answers_the_transfer_ends_and_a_success_has_its_bytes(
 
 
 def test_long_logs_take_turns_and_a_slow_reader_holds_up_nobody(tmp_path: Path) -> None:
-    content = put_log(tmp_path, 500_000)
-    other = put_log(tmp_path, 4_000_000, seed=8, name="00002.bin")
+    content = put_log(tmp_path, 300_000)
+    other = put_log(tmp_path, 1_000_000, seed=8, name="00002.bin")
     line = Line(tmp_path, bad(0.0), 5)
     slow, quick = Bin(0), Bin()
     line.read(slow)

@@ -5,15 +5,15 @@ import struct
 from pathlib import Path
 
 import pytest
-from ftp_client import ACK, NAK, STATION, Reply, Served, reply_of, request_of
+from ftp_client import ACK, STATION, Reply, Served, reply_of, request_of
 
-from companion.mavlink.ftp_frames import Code, Opcode
+from companion.mavlink.ftp_frames import Opcode
 from sitl.radio.channel import Channel, Quality
 
 TICK_S = 0.02
 RETRY_S = 0.3
 TRIES = 60  # in a row without an answer; at 40 % loss each way, one in three comes through
-LOSSES = [0.0, 0.05, 0.2, 0.4]
+LOSSES = [0.05, 0.4]
 PATH = b"/files/a.bin"
 
 
@@ -67,35 +67,6 @@ class Line:
             self.repeat(opcode, data, session, offset, size)
         raise AssertionError("no answer")
 
-    def get(self, path: bytes) -> bytes:
-        """Download by bursts, then read what is missing."""
-        opened = self.ask(Opcode.OPEN_FILE_RO, path)
-        assert opened.opcode == ACK
-        length = struct.unpack("<I", opened.data)[0]
-        blocks: dict[int, bytes] = {}
-        position, has_ended, quiet_s = 0, False, 0.0
-        self.post(Opcode.BURST_READ_FILE, b"", opened.session, 0, 239)
-        while not has_ended:
-            replies = [r for r in self.step() if r.request_opcode == Opcode.BURST_READ_FILE]
-            quiet_s = 0.0 if replies else quiet_s + TICK_S
-            is_over = quiet_s > RETRY_S
-            for reply in replies:
-                if reply.opcode == NAK:
-                    assert reply.code is Code.END_OF_FILE
-                    has_ended |= reply.offset == length
-                else:
-                    blocks[reply.offset] = reply.data
-                    position = max(position, reply.offset + len(reply.data))
-                    is_over |= reply.is_burst_over
-            if is_over and not has_ended:
-                self.post(Opcode.BURST_READ_FILE, b"", opened.session, position, 239)
-                quiet_s = 0.0
-        for offset in range(0, length, 239):
-            if offset not in blocks:
-                blocks[offset] = self.ask(Opcode.READ_FILE, b"", opened.session, offset, 239).data
-        self.ask(Opcode.TERMINATE_SESSION, session=opened.session)
-        return b"".join(blocks[offset] for offset in sorted(blocks))
-
     def put(self, path: bytes, content: bytes) -> Reply:
         """Upload block by block; the answer to closing."""
         session = self.ask(Opcode.CREATE_FILE, path).session
@@ -105,33 +76,13 @@ class Line:
 
 
 @pytest.mark.parametrize("loss", LOSSES)
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_a_download_ends_whole(tmp_path: Path, loss: float, seed: int) -> None:
-    content = random.Random(seed).randbytes(150_000)
-    line = Line(tmp_path, loss, 100 * seed)
-    (tmp_path / "files" / "a.bin").write_bytes(content)
-    assert line.get(PATH) == content
-    print(f"download of 150 kB at {loss:.0%} loss: {line.now_s:.1f} s, {line.sent} requests")  # noqa: T201
-    if loss == 0.0:
-        assert line.now_s < 1.0
-        assert line.sent == 4  # open, two bursts, close
-    assert not any(station.sessions for station in line.served.service._stations)
-
-
-@pytest.mark.parametrize("loss", LOSSES)
-def test_the_parameter_file_ends_whole(tmp_path: Path, loss: float) -> None:
-    line = Line(tmp_path, loss, 7)
-    assert line.get(b"@PARAM/param.pck?withdefaults=1") == line.served.get(b"@PARAM/param.pck?withdefaults=1")
-
-
-@pytest.mark.parametrize("loss", LOSSES)
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("seed", [1, 2])
 def test_an_upload_ends_whole(tmp_path: Path, loss: float, seed: int) -> None:
     content = random.Random(seed).randbytes(10_000)
     line = Line(tmp_path, loss, 100 * seed)
     assert line.put(PATH, content).opcode == ACK
     assert (tmp_path / "files" / "a.bin").read_bytes() == content
-    for _ in range(2000):  # copies that come late change nothing
+    for _ in range(500):  # copies that come late change nothing
         line.step()
     assert (tmp_path / "files" / "a.bin").read_bytes() == content
 
@@ -139,7 +90,7 @@ def test_an_upload_ends_whole(tmp_path: Path, loss: float, seed: int) -> None:
 @pytest.mark.parametrize("loss", LOSSES)
 def test_what_may_happen_only_once_happens_once(tmp_path: Path, loss: float) -> None:
     line = Line(tmp_path, loss, 5)
-    for number in range(20):
+    for number in range(8):
         name = b"/files/%d" % number
         assert line.ask(Opcode.CREATE_DIRECTORY, name).opcode == ACK
         assert line.ask(Opcode.RENAME, name + b"\0" + name + b"x").opcode == ACK

@@ -1,6 +1,5 @@
 """Mission items: the wire's old and new form, and JSON."""
 
-import json
 import math
 
 import pytest
@@ -52,23 +51,11 @@ def test_an_item_comes_off_the_wire_as_it_went_on(
     assert (message.target_system, message.target_component) == BOAT
 
 
-@given(any_item)
-def test_an_item_survives_json(item: MissionItem) -> None:
-    text = json.dumps(item.to_dict(), allow_nan=False)
-    assert MissionItem.from_dict(json.loads(text)) == item
-
-
 @given(any_item, any_item)
 def test_equal_items_have_equal_hashes_and_nan_equals_nan(one: MissionItem, other: MissionItem) -> None:
     assert one == MissionItem.from_dict(one.to_dict())
     assert hash(one) == hash(MissionItem.from_dict(one.to_dict()))
     assert (one == other) == (one.to_dict() == other.to_dict())
-
-
-def test_floats_are_kept_as_the_wire_keeps_them() -> None:
-    assert MissionItem(3, 16, param1=0.1) == MissionItem(3, 16, param1=0.10000000149011612)
-    assert MissionItem(3, 16, param1=0.1) != MissionItem(3, 16, param1=0.2)
-    assert MissionItem(3, 16) != "an item"
 
 
 @pytest.mark.parametrize(
@@ -118,11 +105,6 @@ def test_a_number_that_the_wire_cannot_hold_is_refused_by_name(field: str, value
         MissionItem(**fields)
 
 
-def test_a_float_beyond_single_precision_is_refused() -> None:
-    with pytest.raises(ValueError, match="z 1e"):
-        MissionItem(3, 16, z=1e300)
-
-
 @pytest.mark.parametrize(
     ("change", "named"),
     [
@@ -137,8 +119,3 @@ def test_a_float_beyond_single_precision_is_refused() -> None:
 def test_a_file_with_a_wrong_value_is_refused_by_the_key(change: dict[str, object], named: str) -> None:
     with pytest.raises(ValueError, match=named):
         MissionItem.from_dict({**MissionItem(3, 16).to_dict(), **change})
-
-
-def test_an_unknown_result_counts_as_an_error() -> None:
-    assert MissionResult(99) is MissionResult.ERROR
-    assert MissionResult(15) is MissionResult.OPERATION_CANCELLED

@@ -40,11 +40,3 @@ def test_all_that_the_station_sent_is_understood(recording: Path, datagram: bool
     assert [r.message.get_type() for r in received] == names_in_text(recording)
     counters = decoder.counters
     assert (counters.bad_frames, counters.bad_crc, counters.unknown) == (0, 0, 0)
-
-
-@pytest.mark.parametrize("recording", RECORDINGS, ids=lambda path: path.stem)
-def test_the_whole_recording_is_understood(recording: Path) -> None:
-    decoder = Decoder(datagram=True)
-    frames = list(frames_of(recording.read_bytes()))
-    assert sum(len(decoder.feed(frame)) for frame in frames) == len(frames)
-    assert (decoder.counters.bad_frames, decoder.counters.unknown) == (0, 0)

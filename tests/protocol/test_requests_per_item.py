@@ -55,9 +55,7 @@ class Upload:
         raise AssertionError("it never ends")
 
 
-@pytest.mark.parametrize(
-    ("answer_s", "most"), [(0.0, 30), (0.30, 30), (0.35, 30), (0.6, 32), (1.0, 38), (1.2, 38)]
-)
+@pytest.mark.parametrize(("answer_s", "most"), [(0.0, 30), (0.35, 30), (0.6, 32), (1.2, 38)])
 def test_a_slow_station_is_asked_for_each_item_about_once(answer_s: float, most: int) -> None:
     upload = Upload(30, answer_s, Quality())
     assert isinstance(upload.run(), Completed)
@@ -72,7 +70,7 @@ def test_a_round_trip_of_300_ms_does_not_double_the_requests() -> None:
 
 def test_a_fifth_of_the_messages_lost_at_300_ms_still_ends() -> None:
     uploads = [
-        Upload(22, 0.0, Quality(loss=0.2, delay_s=0.15, jitter_s=0.05), seed) for seed in range(0, 40, 2)
+        Upload(22, 0.0, Quality(loss=0.2, delay_s=0.15, jitter_s=0.05), seed) for seed in range(0, 16, 2)
     ]
     assert all(isinstance(upload.run(), Completed) for upload in uploads)
     assert sum(upload.requests for upload in uploads) < 1.8 * 22 * len(uploads)

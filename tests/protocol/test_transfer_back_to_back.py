@@ -13,11 +13,10 @@ from hypothesis import strategies as st
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import dialect
-from companion.mavlink.items import MissionItem, MissionResult, MissionType
+from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
-from companion.mavlink.transfer import Completed, Event, Failed
-from companion.mavlink.transfer_table import TransferState
+from companion.mavlink.transfer import Completed, Event, Failed, TransferState
 from sitl.radio.channel import Channel, Quality
 
 BOAT, STATION = Address(1, 1), Address(255, 190)
@@ -152,7 +151,7 @@ qualities = st.builds(
 )
 
 
-@settings(max_examples=60)
+@settings(max_examples=40)
 @given(st.sampled_from(MissionType), st.integers(0, 12), qualities, st.integers(0, 2**32))
 def test_an_upload_ends_and_leaves_the_old_or_the_new_list_whole(
     mission_type: MissionType, count: int, quality: Quality, seed: int
@@ -161,7 +160,7 @@ def test_an_upload_ends_and_leaves_the_old_or_the_new_list_whole(
     assert_whole(upload(mission_type, items, quality, seed), items)
 
 
-@settings(max_examples=60)
+@settings(max_examples=40)
 @given(st.sampled_from(MissionType), st.integers(0, 12), qualities, st.integers(0, 2**32))
 def test_a_download_ends_and_leaves_the_old_or_the_new_list_whole(
     mission_type: MissionType, count: int, quality: Quality, seed: int
@@ -170,30 +169,6 @@ def test_a_download_ends_and_leaves_the_old_or_the_new_list_whole(
     pair = download(mission_type, items, quality, seed)
     assert pair.receiver.store in (OLD, items)
     assert (pair.receiver.store == items) == isinstance(pair.receiver.verdict, Completed)
-
-
-@pytest.mark.parametrize("mission_type", list(MissionType), ids=lambda t: t.name)
-@pytest.mark.parametrize("seed", range(4))
-@pytest.mark.parametrize("loss", [0.0, 0.1, 0.2, 0.3, 0.4])
-def test_a_bad_link_only_slows_a_transfer_down(mission_type: MissionType, seed: int, loss: float) -> None:
-    # Ten tries fail about once in a hundred such transfers at 30 %, which is the other tests' subject.
-    quality = Quality(loss=loss, delay_s=0.1, jitter_s=0.15, duplication=0.1)
-    items = new_list(20)
-    up = upload(mission_type, items, quality, seed, retries=25)
-    assert isinstance(up.receiver.verdict, Completed)
-    assert up.receiver.store == items
-    assert isinstance(up.sender.verdict, Completed)
-    down = download(mission_type, items, quality, seed, retries=25)
-    assert down.receiver.store == items
-
-
-def test_a_link_that_carries_nothing_ends_in_failure_on_both_sides_and_the_old_list_stays() -> None:
-    pair = upload(MissionType.MISSION, new_list(5), Quality(loss=1.0), seed=1)
-    assert isinstance(pair.sender.verdict, Failed)
-    assert pair.sender.verdict.result is MissionResult.OPERATION_CANCELLED
-    assert "no answer from 1/1" in pair.sender.verdict.text
-    assert pair.receiver.store == OLD
-    assert pair.receiver.events == []
 
 
 @pytest.mark.parametrize("cut_after", range(1, 14))
@@ -210,7 +185,7 @@ def test_a_link_that_dies_at_any_point_leaves_the_old_or_the_new_list(cut_after:
     assert_whole(pair, items)
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(st.lists(st.integers(0, 6), min_size=2, max_size=4), qualities, st.integers(0, 2**32))
 def test_uploads_one_after_the_other_each_leave_a_whole_list(
     counts: list[int], quality: Quality, seed: int
@@ -229,22 +204,6 @@ def test_uploads_one_after_the_other_each_leave_a_whole_list(
         before = pair.receiver.store
 
 
-@pytest.mark.parametrize("restart_after", range(1, 12))
-def test_a_station_that_begins_again_with_another_list_has_that_one_stored(restart_after: int) -> None:
-    pair = Pair(MissionType.MISSION, Quality(delay_s=TICK_S), 1, boat_receives=True, source=None)
-    assert isinstance(pair.sender.machine, Sender)
-    pair.sender.machine.offer(new_list(5), BOAT, 0.0)
-    pair.sender.settle(0.0)
-    for _ in range(restart_after):
-        pair.step()
-    other = tuple(MissionItem(3, 16, x=-n) for n in range(7))
-    pair.sender.machine.offer(other, BOAT, pair.now_s)
-    pair.sender.settle(pair.now_s)
-    pair.run()
-    assert pair.receiver.store == other
-    assert pair.sender.verdict == Completed(other, BOAT)
-
-
 def test_a_station_that_speaks_mavlink_1_can_upload_a_mission() -> None:
     packer = dialect.MAVLink(None, srcSystem=STATION.system, srcComponent=STATION.component)
     decoder, receiver = Decoder(datagram=False), Receiver(BOAT, MissionType.MISSION)
@@ -261,22 +220,4 @@ def test_a_station_that_speaks_mavlink_1_can_upload_a_mission() -> None:
             receiver.confirm(0.0)
         for answer in receiver.take_outbox():
             sender.handle(answer, BOAT, 0.0)
-    assert sender.take_events()[-1] == Completed(items, BOAT)
-
-
-def test_a_perfect_link_needs_two_messages_an_item_and_two_more() -> None:
-    sender, receiver = Sender(STATION, MissionType.MISSION), Receiver(BOAT, MissionType.MISSION)
-    items = new_list(100)
-    sender.offer(items, BOAT, 0.0)
-    carried = 0
-    while messages := sender.take_outbox():
-        for message in messages:
-            receiver.handle(message, STATION, 0.0)
-        if any(isinstance(event, Completed) for event in receiver.take_events()):
-            receiver.confirm(0.0)
-        answers = receiver.take_outbox()
-        for answer in answers:
-            sender.handle(answer, BOAT, 0.0)
-        carried += len(messages) + len(answers)
-    assert carried == 2 * len(items) + 2
     assert sender.take_events()[-1] == Completed(items, BOAT)

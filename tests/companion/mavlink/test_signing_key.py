@@ -76,15 +76,6 @@ def test_a_file_that_others_can_get_at_is_refused_with_the_cure(tmp_path: Path, 
         read_key_file(path)
 
 
-def test_a_file_of_which_only_the_owner_may_read_is_fine(tmp_path: Path) -> None:
-    assert read_key_file(key_file(tmp_path, SECRET, 0o400)).reveal() == SECRET
-
-
-def test_a_missing_file_is_named(tmp_path: Path) -> None:
-    with pytest.raises(ConfigError, match=r"none\.key: the signing key cannot be read: No such file"):
-        read_key_file(tmp_path / "none.key")
-
-
 def test_a_key_appears_in_no_log_or_representation(caplog: pytest.LogCaptureFixture) -> None:
     key = SigningKey(SECRET)
     with caplog.at_level(logging.DEBUG):
@@ -95,9 +86,3 @@ def test_a_key_appears_in_no_log_or_representation(caplog: pytest.LogCaptureFixt
         assert "hidden" in said
     with pytest.raises(TypeError):
         pickle.dumps(key)
-
-
-def test_keys_are_equal_by_their_secret() -> None:
-    assert SigningKey(SECRET) == SigningKey(SECRET)
-    assert SigningKey(SECRET) != SigningKey.from_passphrase("x")
-    assert len({SigningKey(SECRET), SigningKey(SECRET)}) == 1

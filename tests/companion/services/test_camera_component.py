@@ -4,10 +4,10 @@ import math
 from typing import Literal
 
 import pytest
-from boat_rig import BOAT, DENIED, OK, QGC, UNSUPPORTED, Peer, Rig
+from boat_rig import DENIED, OK, QGC, UNSUPPORTED, Peer, Rig
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from payload_rig import CAMERA, PayloadRig
+from payload_rig import PayloadRig
 from qgc_camera import IDLE, SERIES_IDLE, QgcCamera
 
 from companion.core.geo import LatLon
@@ -107,32 +107,6 @@ def test_a_failed_image_is_no_photo_and_is_told() -> None:
     assert "Camera: image 0: exit code 1" in rig.peer.texts
 
 
-def test_a_camera_with_a_stream_alone_takes_no_photos() -> None:
-    rig = Rig("open", 'vehicle.camera={rtsp="rtsp://10.0.0.2/x"}')
-    station = qgc(rig)
-    run(rig, station, 4.0)
-    assert station.video_uri == "rtsp://10.0.0.2/x"
-    assert not station.takes_photos
-    assert station.storage.status == dialect.STORAGE_STATUS_NOT_SUPPORTED
-
-
-def test_a_camera_without_a_stream_offers_none() -> None:
-    rig = Rig("open", 'vehicle.camera={capture=["/bin/true"]}')
-    station = qgc(rig)
-    run(rig, station, 4.0)
-    assert station.takes_photos
-    assert station.video_uri == ""
-    assert not station.refused
-    assert not station.unanswered
-
-
-def test_without_a_camera_there_is_no_component() -> None:
-    rig = Rig()
-    station = qgc(rig)
-    run(rig, station, 4.0)
-    assert station.component == 0
-
-
 ANSWERS = [
     (CMD.MAV_CMD_REQUEST_MESSAGE, (259,), OK, "CAMERA_INFORMATION"),
     (CMD.MAV_CMD_REQUEST_MESSAGE, (269, 1), OK, "VIDEO_STREAM_INFORMATION"),
@@ -172,15 +146,6 @@ def test_the_camera_answers_each_command_from_its_own_component(
     assert [one.message.get_type() for one in got[1:]] == ([name] if name else [])
     assert not rig.boat.vehicle.armed
     assert not rig.boat.wants_restart
-
-
-def test_commands_to_all_components_are_the_autopilots() -> None:
-    rig = PayloadRig()
-    rig.run(1.0)
-    heard(rig.peer)
-    rig.peer.send(dialect.MAVLink_command_long_message(1, 0, 512, 0, 148, 0, 0, 0, 0, 0, 0))
-    rig.receive()
-    assert {one.sender for one in heard(rig.peer)} == {BOAT}
 
 
 def test_a_resent_capture_takes_one_image_and_a_lost_image_can_be_asked_for() -> None:
@@ -244,14 +209,6 @@ def test_each_component_counts_its_own_frames() -> None:
     assert len(sequences[Address(1, 100)]) >= 5
     for numbers in sequences.values():
         assert numbers == [(numbers[0] + at) & 0xFF for at in range(len(numbers))]
-
-
-def test_the_camera_may_have_another_component() -> None:
-    rig = Rig("open", CAMERA.replace("vehicle.camera={", "vehicle.camera={component=102, "))
-    station = qgc(rig)
-    run(rig, station, 4.0)
-    assert station.component == 102
-    assert station.video_uri
 
 
 NUMBERS = sorted({*ROWS, *QUESTIONS, CMD.MAV_CMD_REQUEST_MESSAGE, CMD.MAV_CMD_SET_CAMERA_MODE})

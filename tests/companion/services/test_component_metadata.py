@@ -6,10 +6,9 @@ import struct
 import zlib
 
 import pytest
-from boat_rig import BOAT, OK, Rig
+from boat_rig import OK, Rig
 from ftp_client import Served
-from pymavlink.dialects.v20 import all as dialect
-from qgc_metadata import read, unpacked
+from qgc_metadata import unpacked
 
 from companion.config.parameter_table import ROWS
 from companion.mavlink.ftp_frames import Opcode
@@ -62,15 +61,6 @@ def test_the_parameters_are_packed_as_qgroundcontrol_unpacks_them_and_always_ali
     assert metadata_files(ROWS).parameters == packed
 
 
-def test_the_emulator_s_own_parameters_are_described_too() -> None:
-    rig = Rig()
-    facts = read(unpacked("parameters.json.xz", metadata_files(rig.boat.parameters.rows).parameters))
-    assert set(facts) == {row.name for row in rig.boat.parameters.rows}
-    simulated = [fact for name, fact in facts.items() if name.startswith("SIM_")]
-    assert len(simulated) > 10
-    assert all(fact.text for fact in simulated)
-
-
 def test_every_parameter_is_described_as_the_schema_allows() -> None:
     tree = json.loads(unpacked("parameters.json.xz", Served().get(PARAMETERS)))
     assert set(tree) == {"version", "parameters"}
@@ -115,26 +105,3 @@ def test_a_station_that_asks_is_led_to_the_general_file(number: int) -> None:
         assert (answer.peripherals_metadata_uri.strip("\0"), answer.peripherals_metadata_file_crc) == ("", 0)
     assert uri.rstrip("\0") == "mftp:///metadata/general.json"
     assert checksum == mavlink_crc(metadata_files(rig.boat.parameters.rows).general)
-
-
-def test_the_boat_says_that_it_has_files() -> None:
-    rig = Rig()
-    rig.step()
-    assert rig.ask(REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION) == OK
-    (version,) = rig.peer.said("AUTOPILOT_VERSION")
-    assert version.capabilities & dialect.MAV_PROTOCOL_CAPABILITY_FTP
-
-
-def test_the_whole_way_over_frames_ends_with_the_parameters() -> None:
-    rig = Rig()
-    rig.step()
-    path = PARAMETERS
-    payload = struct.pack("<HBBBBBBI", 1, 0, Opcode.OPEN_FILE_RO, len(path), 0, 0, 0, 0) + path
-    answer = rig.answer_to(
-        dialect.MAVLink_file_transfer_protocol_message(0, *BOAT, payload.ljust(251, b"\0")),
-        "FILE_TRANSFER_PROTOCOL",
-    )
-    _, _, opcode, size, *_ = struct.unpack_from("<HBBBBBBI", bytes(answer.payload))
-    assert (opcode, size) == (128, 4)
-    length = struct.unpack_from("<I", bytes(answer.payload), 12)[0]
-    assert length == len(metadata_files(rig.boat.parameters.rows).parameters)

@@ -82,19 +82,6 @@ class Bench:
         return self
 
 
-def test_a_preamble_among_noise_hides_no_frame_behind_it() -> None:
-    for noise in (b"\xd3\xff", b"\xd3\xd3", b"\xd3\xfc\xd3"):
-        assert RtcmReader().feed(noise + STATION) == [STATION]
-
-
-def test_the_shortest_frames_have_no_type() -> None:
-    empty = b"\xd3\x00\x00"
-    empty += crc24q(empty).to_bytes(3, "big")
-    assert RtcmReader().feed(empty) == [empty]
-    assert message_type(empty) == 0
-    assert message_type(frame(1077, 2)) == 1077
-
-
 def test_the_example_of_the_standard_is_a_frame() -> None:
     assert RtcmReader().feed(STATION) == [STATION]
     assert message_type(STATION) == 1005
@@ -138,24 +125,6 @@ def test_a_lost_fragment_loses_its_message_only() -> None:
 def test_a_lost_end_before_a_short_message_does_not_hold_that_back() -> None:
     bench = Bench().hear(*fragments(frame(1087, 400), 2)[:2]).hear(*fragments(STATION, 3))
     assert bench.receiver.frames == [STATION]
-
-
-def test_a_sender_without_sequence_numbers_is_understood() -> None:
-    messages = [frame(1077, 400, seed) for seed in range(5)]
-    bench = Bench()
-    for message in messages:
-        bench.now_s += 1.0
-        bench.hear(*fragments(message, 0))
-    assert bench.receiver.frames == messages
-
-
-def test_sequence_numbers_wrap() -> None:
-    messages = [frame(1077, 200 + seed, seed) for seed in range(70)]
-    bench = Bench()
-    for number, message in enumerate(messages):
-        bench.now_s += 0.2
-        bench.hear(*fragments(message, number))
-    assert bench.receiver.frames == messages
 
 
 def test_the_same_messages_on_two_links_reach_the_receiver_once() -> None:
@@ -205,15 +174,6 @@ def test_made_up_preambles_cost_a_few_checksums_a_message() -> None:
     assert bench.receiver.frames == [STATION]
 
 
-def test_a_wrong_checksum_is_counted_and_not_sent() -> None:
-    wrong = STATION[:-1] + b"\x99"
-    bench = Bench().hear(rtcm_data(wrong), rtcm_data(STATION))
-    assert bench.receiver.frames == [STATION]
-    status = bench.service.status(bench.now_s)
-    assert status is not None
-    assert status.malformed >= 1
-
-
 def test_a_sender_that_cuts_its_stream_anywhere_is_understood() -> None:
     stream = STATION + frame(1077, 300) + frame(1087, 250, 1) + STATION
     bench = Bench().hear(*(rtcm_data(stream[at : at + 100]) for at in range(0, len(stream), 100)))
@@ -259,22 +219,13 @@ def test_refused_frames_are_counted() -> None:
     assert (status.frames, status.refused) == (0, 1)
 
 
-class Injected:
-    def __init__(self) -> None:
-        self.frames: list[bytes] = []
-
-    def inject(self, data: bytes) -> bool:
-        self.frames.append(data)
-        return True
-
-
 def send(peer: Peer, data: bytes, sequence: int) -> None:
     for message in fragments(data, sequence):
         peer.send(message)
 
 
 def test_corrections_pass_through_the_whole_boat() -> None:
-    receiver = Injected()
+    receiver = Receiver()
     rig = Rig(corrections=receiver)
     rig.peer.heartbeat()
     send(rig.peer, frame(1077, 600), 1)
@@ -282,20 +233,6 @@ def test_corrections_pass_through_the_whole_boat() -> None:
     rig.run(0.1)
     assert receiver.frames == [frame(1077, 600), STATION]
     assert "GNSS corrections from 255/190" in rig.peer.texts
-
-
-def test_only_the_operator_sends_corrections_where_only_the_operator_may_command() -> None:
-    receiver = Injected()
-    rig = Rig(
-        corrections=receiver, config={"identity.only_operator": True, "identity.operator_system_id": 255}
-    )
-    stranger = rig.connect(Address(77, 1))
-    send(stranger, STATION, 1)
-    rig.run(0.1)
-    assert receiver.frames == []
-    send(rig.peer, STATION, 1)
-    rig.run(0.1)
-    assert receiver.frames == [STATION]
 
 
 def test_a_boat_whose_receiver_takes_no_corrections_says_so_once() -> None:
@@ -306,3 +243,16 @@ def test_a_boat_whose_receiver_takes_no_corrections_says_so_once() -> None:
     assert [text for text in rig.peer.texts if "corrections" in text] == [
         "GNSS corrections: the receiver's driver takes none"
     ]
+
+
+def test_a_preamble_among_noise_hides_no_frame_behind_it() -> None:
+    for noise in (b"\xd3\xff", b"\xd3\xd3", b"\xd3\xfc\xd3"):
+        assert RtcmReader().feed(noise + STATION) == [STATION]
+
+
+def test_the_shortest_frames_have_no_type() -> None:
+    empty = b"\xd3\x00\x00"
+    empty += crc24q(empty).to_bytes(3, "big")
+    assert RtcmReader().feed(empty) == [empty]
+    assert message_type(empty) == 0
+    assert message_type(frame(1077, 2)) == 1077

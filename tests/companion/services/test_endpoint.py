@@ -8,67 +8,16 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from boat_rig import BOAT, HOME_ITEM, OK, PLANNER, QGC, UNSUPPORTED, Peer, Rig, waypoint
+from boat_rig import BOAT, HOME_ITEM, OK, PLANNER, QGC, Peer, Rig, waypoint
 
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import dialect
-from companion.mavlink.items import MissionType
 
 pytestmark = pytest.mark.slow
 
 TABLE = json.loads((Path(__file__).parents[2] / "vectors" / "frames.json").read_text(encoding="utf-8"))
-FRAMES = 100_000
-
-
-def test_qgroundcontrols_whole_connection_gets_an_answer_to_every_request() -> None:
-    rig = Rig().ready()
-    peer = rig.peer
-    peer.heartbeat()
-    for group, rate_hz in ((1, 2), (2, 2), (3, 2), (6, 3), (10, 10), (11, 10), (12, 3)):
-        peer.send(dialect.MAVLink_request_data_stream_message(*BOAT, group, rate_hz, 1))
-    assert rig.ask(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, dialect.MAVLINK_MSG_ID_HOME_POSITION, 1e6) == OK
-    assert rig.ask(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, 245, 1e6) == OK
-    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION) == OK
-    assert len(peer.said("AUTOPILOT_VERSION")) == 1
-    for message_id in (435, 397, 395, 280):
-        assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, message_id) in (OK, UNSUPPORTED)
-
-    payload = bytes([7, 0, 0, 4, 16, 0, 0, 0, 0, 0, 0, 0]) + b"@PARAM/param.pck"
-    request = dialect.MAVLink_file_transfer_protocol_message(0, *BOAT, payload.ljust(251, b"\0"))
-    answer = rig.answer_to(request, "FILE_TRANSFER_PROTOCOL")
-    assert (answer.target_system, answer.target_component) == tuple(QGC)
-    assert bytes(answer.payload[:2]) == b"\x08\x00"
-
-    peer.forget()
-    peer.send(dialect.MAVLink_param_request_list_message(1, 0))
-    rig.run(1.0)
-    assert len(peer.said("PARAM_VALUE")) == len(rig.boat.parameters.rows)
-    peer.send(dialect.MAVLink_system_time_message(1, 1))
-    for kind in MissionType:
-        count = rig.answer_to(dialect.MAVLink_mission_request_list_message(*BOAT, kind), "MISSION_COUNT")
-        assert (count.count, count.mission_type) == (0, kind)
-        peer.send(dialect.MAVLink_mission_ack_message(*BOAT, 0, kind))
-    rig.run(5.0)
-    for name in (
-        "SYS_STATUS",
-        "BATTERY_STATUS",
-        "HOME_POSITION",
-        "ATTITUDE",
-        "VFR_HUD",
-        "GLOBAL_POSITION_INT",
-    ):
-        assert peer.said(name), name
-    assert rig.boat.endpoint.faults == 0
-
-
-def test_a_message_for_somebody_else_is_only_counted() -> None:
-    rig = Rig()
-    rig.step()
-    rig.peer.send(dialect.MAVLink_param_request_list_message(9, 1))
-    rig.receive()
-    assert rig.boat.channels.router.unreachable == 1
-    assert not rig.peer.said("PARAM_VALUE")
+FRAMES = 20_000
 
 
 def test_an_echo_of_the_boats_own_words_is_not_obeyed() -> None:
@@ -90,14 +39,6 @@ def test_a_planners_heartbeat_is_not_the_operators() -> None:
     rig.peer.heartbeat()
     rig.step()
     assert rig.boat.vehicle.failsafes.operator_heard_s == pytest.approx(rig.now_s, abs=0.03)
-
-
-def test_only_the_chosen_operator_counts_where_one_was_chosen() -> None:
-    rig = Rig(config={"identity.operator_system_id": 250})
-    rig.step()
-    rig.peer.heartbeat()
-    rig.step()
-    assert math.isnan(rig.boat.vehicle.failsafes.operator_heard_s)
 
 
 def test_a_fault_of_ours_is_counted_logged_once_and_stops_nothing(
@@ -182,15 +123,10 @@ def hostile(rng: random.Random) -> Iterator[bytes]:
                 yield bytes(frame)
 
 
-def sailing_rig() -> Rig:
-    rig = Rig(config={"failsafe.gcs_enabled": False})
-    return rig.sail(waypoint(400.0, 0.0), waypoint(400.0, 400.0))
-
-
 @pytest.mark.parametrize("is_datagram", [True, False], ids=["datagrams", "stream"])
-def test_a_hundred_thousand_hostile_frames_change_nothing_but_counters(is_datagram: bool) -> None:
+def test_hostile_frames_change_nothing_but_counters(is_datagram: bool) -> None:
     rng = random.Random(7)
-    rig = sailing_rig()
+    rig = Rig(config={"failsafe.gcs_enabled": False}).sail(waypoint(400.0, 0.0), waypoint(400.0, 400.0))
     peer: Peer = rig.connect(QGC, is_datagram)
     rig.receive()
     before = rig.fingerprint()
@@ -198,16 +134,16 @@ def test_a_hundred_thousand_hostile_frames_change_nothing_but_counters(is_datagr
     counters = rig.boat.channels.open[2].counters
     for n in range(FRAMES):
         assert peer.link.send(next(frames))
-        if n % 100 == 99:
+        if n % 40 == 39:
             rig.step()
             peer.link.receive()
             rig.peer.link.receive()
     assert rig.fingerprint() == before
     assert rig.boat.endpoint.faults == 0
     assert rig.boat.vehicle.armed
-    assert counters.bad_crc > 10_000
+    assert counters.bad_crc > 2000
     assert counters.bad_frames > counters.bad_crc
-    assert rig.world.truth.north_m > 10.0  # all the while it has sailed on
+    assert rig.world.truth.north_m > 5.0  # all the while it has sailed on
     for _ in range(2):  # ends whatever seemed to have begun on a stream
         peer.link.send(bytes(300))
     assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 148, peer=peer) == OK

@@ -146,23 +146,6 @@ def test_reasons_that_a_hostile_station_invents_are_bounded(rig: Rig) -> None:
     assert len([text for text in rig.peer.texts if "ignored" in text]) == 20
 
 
-def test_a_stream_of_positions_beyond_the_fence_is_told_once(rig: Rig) -> None:
-    fence = [
-        MissionItem(
-            frame=0, command=5003, param1=50.0, x=deg_to_e7(ORIGIN.lat_deg), y=deg_to_e7(ORIGIN.lon_deg)
-        )
-    ]
-    assert isinstance(rig.upload(fence, mission_type=MissionType.FENCE), Completed)
-    rig.peer.forget()
-    for _ in range(20):
-        held(rig, globe(POSITION, 500_100_000, -12_000_000))
-        rig.step(5)
-    assert rig.boat.vehicle.modes.guided.target is None
-    assert [text for text in rig.peer.texts if "fence" in text] == [
-        "Set-point of 255/190 ignored: outside the fence"
-    ]
-
-
 def test_a_position_is_a_target_and_its_velocity_the_speed(rig: Rig) -> None:
     held(rig, globe(POSITION & VELOCITY, 500_010_000, -12_000_000, vx=1.25))
     target = rig.boat.vehicle.modes.guided.target
@@ -185,19 +168,6 @@ def test_outside_guided_nothing_is_taken_and_it_is_said_once(mode: int) -> None:
     assert rig.boat.vehicle.modes.guided.target is None or mode == 11
 
 
-def test_a_set_point_for_another_boat_is_left_to_it(rig: Rig) -> None:
-    message = dialect.MAVLink_set_position_target_local_ned_message(
-        0, 2, 1, 1, VELOCITY, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0
-    )
-    assert held(rig, message) is None
-
-
-def test_a_go_to_ends_the_set_point_before_it(rig: Rig) -> None:
-    held(rig, local(VELOCITY, vx=1.0))
-    assert held(rig, local(POSITION, x=5.0)) is None
-    assert rig.boat.vehicle.modes.guided.target is not None
-
-
 floats = st.floats(width=32)
 
 
@@ -212,3 +182,20 @@ def test_any_set_point_leaves_the_boat_running(
     rig.step(3)
     assert rig.boat.endpoint.faults == 0
     assert math.isfinite(rig.boat.command.left + rig.boat.command.right)
+
+
+def test_a_stream_of_positions_beyond_the_fence_is_told_once(rig: Rig) -> None:
+    fence = [
+        MissionItem(
+            frame=0, command=5003, param1=50.0, x=deg_to_e7(ORIGIN.lat_deg), y=deg_to_e7(ORIGIN.lon_deg)
+        )
+    ]
+    assert isinstance(rig.upload(fence, mission_type=MissionType.FENCE), Completed)
+    rig.peer.forget()
+    for _ in range(20):
+        held(rig, globe(POSITION, 500_100_000, -12_000_000))
+        rig.step(5)
+    assert rig.boat.vehicle.modes.guided.target is None
+    assert [text for text in rig.peer.texts if "fence" in text] == [
+        "Set-point of 255/190 ignored: outside the fence"
+    ]

@@ -68,16 +68,6 @@ def test_the_whole_list_counts_from_zero_as_mavsdk_expects(open_rig: OpenRig, tm
     assert entries(rig) == [(0, 3, 2, 300), (1, 3, 2, 100), (2, 3, 2, 200)]
 
 
-def test_the_number_that_qgroundcontrol_misses_can_be_asked_for(open_rig: OpenRig, tmp_path: Path) -> None:
-    """It takes an ArduPilot's logs to be 1 to n and asks again for those it did not hear of."""
-    fill(tmp_path, 100, 200, 300)
-    rig = open_rig(tmp_path)
-    heard = {number: size for number, _, _, size in entries(rig)}
-    missing = [number for number in (1, 2, 3) if number not in heard]
-    assert missing == [3]
-    assert entries(rig, 3, 3) == [(3, 3, 2, 300)]
-
-
 def test_a_boat_without_logs_says_so_at_once(open_rig: OpenRig, tmp_path: Path) -> None:
     for rig in (open_rig(tmp_path), Rig()):
         rig.run(0.1)
@@ -85,19 +75,6 @@ def test_a_boat_without_logs_says_so_at_once(open_rig: OpenRig, tmp_path: Path) 
         assert (entry.id, entry.num_logs, entry.size) == (0, 0, 0)
         chunk = rig.answer_to(dialect.MAVLink_log_request_data_message(*BOAT, 1, 0, ALL), "LOG_DATA")
         assert (chunk.id, chunk.ofs, chunk.count) == (1, 0, 0)
-
-
-def test_a_date_that_is_known_is_told(open_rig: OpenRig, tmp_path: Path) -> None:
-    rig = open_rig(tmp_path, config={"log.after_disarm_s": 0.1}).ready()
-    assert rig.arm() == OK
-    rig.run(3.0)
-    rig.disarm()
-    request_list(rig.peer)
-    rig.run(0.1)
-    (entry,) = rig.peer.said("LOG_ENTRY")
-    unix_s = rig.boat.take_snapshot().unix_s
-    assert unix_s > 1e9
-    assert entry.time_utc == pytest.approx(unix_s, abs=3.0)
 
 
 @pytest.mark.parametrize("size", [1, 89, 90, 91, 180, 5000, 200_000])
@@ -115,38 +92,6 @@ def test_a_download_is_the_file_to_the_byte(
     assert {chunk.id for chunk in chunks} == {number}
     assert chunks[-1].count < CHUNK_BYTES  # which is how MAVProxy knows that it has all
     assert len(chunks) == size // CHUNK_BYTES + 1
-
-
-def test_a_part_is_sent_and_no_more(open_rig: OpenRig, tmp_path: Path) -> None:
-    (content,) = fill(tmp_path, 10_000)
-    rig = open_rig(tmp_path)
-    rig.run(0.1)
-    request(rig.peer, 1, 900, 180)
-    rig.run(0.5)
-    chunks = rig.peer.said("LOG_DATA")
-    assert [(chunk.ofs, chunk.count) for chunk in chunks] == [(900, 90), (990, 90)]
-    assert b"".join(bytes(chunk.data) for chunk in chunks) == content[900:1080]
-
-
-def test_gaps_are_filled_while_the_rest_goes_on(open_rig: OpenRig, tmp_path: Path) -> None:
-    """MAVProxy asks for up to twenty gaps in a row."""
-    (content,) = fill(tmp_path, 60_000)
-    rig = open_rig(tmp_path)
-    rig.run(0.1)
-    request(rig.peer, 1)
-    rig.run(3.0)
-    chunks = {chunk.ofs: chunk for chunk in rig.peer.said("LOG_DATA")}
-    lost = sorted(random.Random(3).sample(sorted(chunks)[:-1], 20))
-    for offset in lost:
-        del chunks[offset]
-    rig.run(1.0)
-    rig.peer.forget()
-    for offset in lost:
-        request(rig.peer, 1, offset, CHUNK_BYTES)
-    rig.run(0.5)
-    again = rig.peer.said("LOG_DATA")
-    assert sorted(chunk.ofs for chunk in again) == lost
-    assert put_together([*chunks.values(), *again], len(content)) == content
 
 
 def test_a_station_that_asks_at_every_chunk_for_the_rest_is_not_sent_it_every_time(
@@ -188,30 +133,6 @@ def test_a_download_can_be_begun_anew_and_ended(open_rig: OpenRig, tmp_path: Pat
     rig.run(0.3)
     assert rig.peer.said("LOG_DATA") == []
     assert contents
-
-
-def test_only_who_asked_hears_of_it(open_rig: OpenRig, tmp_path: Path) -> None:
-    fill(tmp_path, 5000, 700)
-    rig = open_rig(tmp_path)
-    other = rig.connect(PLANNER)
-    rig.run(0.1)
-    request_list(rig.peer)
-    request(rig.peer, 1)
-    rig.run(0.5)
-    assert rig.peer.said("LOG_DATA")
-    assert [m for m in other.listen() if m.get_type().startswith("LOG_")] == []
-
-
-def test_two_stations_download_two_logs_side_by_side(open_rig: OpenRig, tmp_path: Path) -> None:
-    contents = fill(tmp_path, 50_000, 40_000)
-    rig = open_rig(tmp_path)
-    other = rig.connect(PLANNER)
-    rig.run(0.1)
-    request(rig.peer, 1)
-    request(other, 2)
-    rig.run(2.0)
-    assert put_together(rig.peer.said("LOG_DATA"), 50_000) == contents[0]
-    assert put_together(other.said("LOG_DATA"), 40_000) == contents[1]
 
 
 def test_a_tick_sends_no_more_than_its_share_and_less_while_the_boat_is_busy(
@@ -276,18 +197,6 @@ def test_what_names_another_boat_or_none_changes_nothing(
     assert [m for m in rig.peer.listen() if m.get_type().startswith("LOG_")] == []
 
 
-def test_a_log_that_has_made_room_since_it_was_listed_ends_the_download(
-    open_rig: OpenRig, tmp_path: Path
-) -> None:
-    fill(tmp_path, 100, 200)
-    rig = open_rig(tmp_path)
-    rig.run(0.1)
-    entries(rig)
-    rig.store.erase()
-    chunk = rig.answer_to(dialect.MAVLink_log_request_data_message(*BOAT, 1, 0, ALL), "LOG_DATA")
-    assert chunk.count == 0
-
-
 class Desk:
     """The service alone, with a worker that may be late and a link that may be full."""
 
@@ -305,24 +214,6 @@ class Desk:
 
     def sent(self) -> list[Message]:
         return [out.message for out in self.outbox.drain()]
-
-
-def test_nothing_is_sent_to_a_link_without_room_and_nothing_is_lost(tmp_path: Path) -> None:
-    (content,) = fill(tmp_path, 9_000)
-    desk = Desk(tmp_path, InlineWorker())
-    room = [0]
-    desk.outbox.room = lambda channel: room[0]
-    desk.ask(1, 0, ALL, 0.0)
-    chunks = desk.sent()
-    assert chunks == []
-    for tick in range(200):
-        room[0] = 0 if tick % 3 else 250
-        desk.service.tick(0.02 * tick, 0.0)
-        new = desk.sent()
-        assert len(new) <= (0 if tick % 3 else 3)
-        chunks += new
-    assert put_together(chunks, 9_000) == content
-    assert [chunk.ofs for chunk in chunks] == list(range(0, 9_001, 90))
 
 
 def test_a_medium_that_is_slow_to_read_delays_the_download_not_the_tick(tmp_path: Path) -> None:

@@ -63,11 +63,6 @@ def test_a_message_without_a_valid_axis_is_ignored(rig: Rig) -> None:
     assert (rig.world._motors.left, rig.world._motors.right) == (0.0, 0.0)
 
 
-def test_sticks_for_another_boat_are_left_to_it(rig: Rig) -> None:
-    rig.peer.send(sticks(0, 1000, target=2))
-    assert taken(rig) == ManualControl(0.0, 0.0)
-
-
 @pytest.mark.parametrize(
     ("steering_us", "throttle_us", "expected"),
     [
@@ -137,33 +132,6 @@ def test_the_boat_does_not_arm_while_a_station_holds_a_stick(mode: int, message:
     assert (rig.boat.command.left, rig.boat.command.right) == (0.0, 0.0)
 
 
-@pytest.mark.parametrize(
-    "message", [override(1500, 1500), override(1470, 1530), sticks(60, -60), sticks(0, 0)]
-)
-def test_the_boat_arms_while_a_station_holds_neutral_sticks(message: Message) -> None:
-    rig = Rig().ready()
-    assert rig.set_mode(0) == OK
-    for _ in range(5):
-        rig.peer.send(message)
-        rig.run(0.1)
-    rig.peer.send(message)
-    assert rig.arm() == OK
-
-
-def test_the_boat_arms_once_a_raised_stick_is_released_or_stale() -> None:
-    rig = Rig().ready()
-    assert rig.set_mode(0) == OK
-    rig.peer.send(override(1500, 1900))
-    assert rig.arm() == FAILED
-    rig.peer.send(override(RELEASE, RELEASE))
-    assert rig.arm() == OK
-    rig.ask(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0)
-    rig.peer.send(override(1500, 1900))
-    assert rig.arm() == FAILED
-    rig.run(rig.config.failsafe.manual_timeout_s + 0.1)
-    assert rig.arm() == OK
-
-
 # Switches and further channels
 
 
@@ -194,15 +162,6 @@ def test_the_mode_and_arming_switches_work_on_every_channel_of_an_override(mode:
     hold(rig, **{f"c{mode}": 1425, f"c{arm}": 1000})
     assert not rig.boat.vehicle.armed
     assert "Disarmed by the arming switch" in rig.peer.texts
-
-
-def test_an_option_makes_an_overridden_channel_the_arming_switch_and_a_raised_throttle_stops_it() -> None:
-    rig = Rig().ready()
-    assert rig.boat.parameters.set("RC9_OPTION", 153.0) == ""
-    hold(rig, c9=1000)
-    hold(rig, c9=2000, c1=1500, c3=1900)
-    assert "Arm: RC: throttle (RC3) is not neutral" in rig.peer.texts
-    assert not rig.boat.vehicle.armed
 
 
 @pytest.mark.parametrize("pause_s", [1.5, 0.0])
@@ -257,22 +216,6 @@ def test_a_released_axis_is_centred_and_an_ignored_one_keeps_its_value(rig: Rig)
     assert taken(rig) == ManualControl(0.8, 0.0)
     rig.peer.send(override(1500, RELEASE))
     assert taken(rig) == ManualControl(0.0, 0.0)
-
-
-def test_an_axis_of_long_ago_does_not_come_back(rig: Rig) -> None:
-    rig.peer.send(override(1500, 2000))
-    taken(rig)
-    rig.run(2.0)
-    rig.peer.send(override(1600, KEEP))
-    assert taken(rig) == ManualControl(0.0, 0.2)
-
-
-def test_an_override_that_ignores_all_axes_keeps_nothing_fresh(rig: Rig) -> None:
-    rig.peer.send(override(1500, 1800))
-    for _ in range(20):
-        rig.run(0.1)
-        rig.peer.send(override(KEEP, KEEP))
-    assert (rig.world._motors.left, rig.world._motors.right) == (0.0, 0.0)
 
 
 def test_only_the_chosen_operator_has_his_hand_on_the_boat() -> None:

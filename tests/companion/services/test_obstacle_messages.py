@@ -1,7 +1,7 @@
 """What stations hear of things around the boat."""
 
 import pytest
-from boat_rig import OK, Rig, waypoint
+from boat_rig import OK, Rig
 
 # Its near side at 3.8 m: within the 4 m that the sonar hears, also where the servo lags its bearing
 ROCK = "map.obstacles=[{name='R', circle={centre=[0.0, 4.8], radius_m=1.0}}]"
@@ -21,14 +21,3 @@ def test_a_thing_ahead_is_told_by_direction_and_as_a_thing_of_its_own() -> None:
     assert thing.x == pytest.approx(3.8, abs=0.5)
     assert abs(thing.y) < 0.7
     assert thing.obstacle_id > 0
-
-
-def test_what_is_remembered_is_told_though_no_beam_points_there_now() -> None:
-    rig = Rig("open", ROCK, config={"avoidance.by_sight": 1}).sail(waypoint(20.0, 0.0))
-    rig.until(lambda: rig.world.truth.north_m > 5.5, 60.0)
-    rig.run(3.2)  # longer than a sweep's pings count
-    rig.peer.forget()
-    rig.run(1.0)
-    heard = rig.peer.said("OBSTACLE_DISTANCE")[-1]
-    beyond = heard.distances[20:52]  # from 100°: the servo turns to 90°
-    assert min(beyond) < 500

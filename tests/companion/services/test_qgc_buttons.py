@@ -43,14 +43,6 @@ def test_a_button_that_fails_pops_up_its_reason(
     assert popped_up(rig) == [reason]
 
 
-def test_a_motor_test_or_restart_of_an_armed_boat_pops_up_its_reason(rig: Rig) -> None:
-    rig.arm()
-    assert rig.ask(CMD.MAV_CMD_DO_MOTOR_TEST, 3.0, 0.0, 20.0, 5.0) == FAILED
-    assert popped_up(rig) == ["Motor test: disarm first"]
-    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0) == FAILED
-    assert popped_up(rig) == ["Reboot: disarm first"]
-
-
 def test_the_compass_page_does_not_begin_and_the_reason_pops_up(rig: Rig) -> None:
     """A page that has begun ends with "YOU MUST REBOOT YOUR VEHICLE NOW", after either report."""
     page = QgcCompassPage(rig)

@@ -1,5 +1,5 @@
 import pytest
-from boat_rig import PLANNER, QGC, Rig
+from boat_rig import PLANNER, QGC
 
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
@@ -37,19 +37,3 @@ def test_a_flood_of_stations_is_bounded_and_the_latest_are_known() -> None:
         roles.update(beat(ONBOARD), Address(9, component), 0)
     assert roles.of(Address(9, 199)) is Role.PLANNER
     assert roles.of(Address(9, 199 - MAX_STATIONS)) is Role.UNKNOWN
-
-
-@pytest.mark.parametrize(
-    ("heartbeat", "sender"),
-    [(beat(ONBOARD), PLANNER), (beat(BOAT, ARDUPILOT), Address(2, 1)), (beat(GCS), Address(254, 190))],
-)
-def test_only_the_operator_resets_the_operator_failsafe(heartbeat: Message, sender: Address) -> None:
-    rig = Rig(config={"identity.operator_system_id": 255}).ready()
-    other = rig.connect(sender)
-    rig.set_mode(15)
-    rig.arm()
-    rig.peer.heartbeat()
-    for _ in range(12):
-        other.send(heartbeat)
-        rig.run(0.5)
-    assert rig.mode == "LOITER"

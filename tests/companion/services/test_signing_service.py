@@ -24,71 +24,10 @@ from companion.mavlink.signing_key import SigningKey
 from companion.mavlink.transfer import Completed
 
 
-def command(number: int, *params: float) -> Message:
-    message: Message = dialect.MAVLink_command_long_message(
-        *BOAT, number, 0, *params, *[0.0] * (7 - len(params))
-    )
-    return message
-
-
 def setup_signing(key: SigningKey | None, target: Address = BOAT) -> Message:
     secret = list(bytes(32) if key is None else key.reveal())
     message: Message = dialect.MAVLink_setup_signing_message(*target, secret, NOW)
     return message
-
-
-def _file_write() -> list[int]:
-    return [0, 0, 0, dialect.MAV_FTP_OPCODE_CREATEFILE, 5, 0, 0, 0, 0, 0, 0, 0, *b"x.txt", *[0] * 234]
-
-
-STATE_CHANGING: list[Message] = [
-    dialect.MAVLink_heartbeat_message(dialect.MAV_TYPE_GCS, dialect.MAV_AUTOPILOT_INVALID, 0, 0, 4, 3),
-    command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, 2989.0),
-    command(dialect.MAV_CMD_DO_SET_MODE, 1.0, 10.0),
-    command(dialect.MAV_CMD_MISSION_START),
-    command(dialect.MAV_CMD_DO_SET_HOME, 1.0),
-    command(dialect.MAV_CMD_DO_CHANGE_SPEED, 1.0, 3.0),
-    command(dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1.0),
-    command(dialect.MAV_CMD_DO_FLIGHTTERMINATION, 1.0),
-    command(dialect.MAV_CMD_DO_MOTOR_TEST, 1.0, 0.0, 50.0, 5.0),
-    command(dialect.MAV_CMD_PREFLIGHT_STORAGE, 2.0),
-    command(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, 30.0, 1000.0),
-    dialect.MAVLink_command_int_message(
-        *BOAT, 3, dialect.MAV_CMD_DO_REPOSITION, 0, 0, -1.0, 1.0, 0.0, 0.0, 500010000, -12000000, 0.0
-    ),
-    dialect.MAVLink_set_mode_message(1, 1, 10),
-    dialect.MAVLink_request_data_stream_message(*BOAT, 0, 50, 1),
-    dialect.MAVLink_param_set_message(*BOAT, b"CRUISE_SPEED", 0.3, 9),
-    dialect.MAVLink_mission_count_message(*BOAT, 1, 0),
-    dialect.MAVLink_mission_item_int_message(
-        *BOAT, 0, 3, 16, 0, 1, 0.0, 0.0, 0.0, 0.0, 500010000, -12000000, 0.0, 0
-    ),
-    dialect.MAVLink_mission_item_message(*BOAT, 0, 3, 16, 2, 1, 0.0, 0.0, 0.0, 0.0, 50.001, -1.2, 0.0, 0),
-    dialect.MAVLink_mission_clear_all_message(*BOAT, 255),
-    dialect.MAVLink_mission_set_current_message(*BOAT, 2),
-    dialect.MAVLink_mission_write_partial_list_message(*BOAT, 0, 1, 0),
-    dialect.MAVLink_manual_control_message(1, 1000, 1000, 1000, 1000, 0),
-    dialect.MAVLink_rc_channels_override_message(*BOAT, *[1900] * 8),
-    dialect.MAVLink_set_position_target_global_int_message(
-        0, *BOAT, 6, 0, 500010000, -12000000, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    ),
-    dialect.MAVLink_set_position_target_local_ned_message(
-        0, *BOAT, 1, 0, 9.0, 9.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    ),
-    dialect.MAVLink_set_attitude_target_message(0, *BOAT, 0, [1.0, 0.0, 0.0, 0.0], 0.0, 0.0, 0.5, 1.0),
-    dialect.MAVLink_set_home_position_message(
-        1, 500010000, -12000000, 0, 0.0, 0.0, 0.0, [1.0, 0.0, 0.0, 0.0], 0.0, 0.0, 0.0
-    ),
-    dialect.MAVLink_file_transfer_protocol_message(0, *BOAT, _file_write()),
-    dialect.MAVLink_log_erase_message(*BOAT),
-    dialect.MAVLink_gps_input_message(
-        0, 0, 0, 0, 0, 3, 600000000, 0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 12
-    ),
-    dialect.MAVLink_vision_position_estimate_message(0, 99.0, 99.0, 0.0, 0.0, 0.0, 0.0),
-    dialect.MAVLink_radio_status_message(1, 1, 0, 1, 1, 0, 0),
-    setup_signing(OTHER),
-    setup_signing(None),
-]
 
 
 def guarded(*, trusted: bool = False) -> GuardedRig:
@@ -103,41 +42,31 @@ def guarded(*, trusted: bool = False) -> GuardedRig:
 
 
 @pytest.mark.parametrize("key", [None, OTHER], ids=["unsigned", "another key"])
-def test_a_stranger_on_a_link_that_asks_for_signatures_can_change_nothing(key: SigningKey | None) -> None:
+def test_no_message_of_the_dialect_gets_in_without_the_key(key: SigningKey | None) -> None:
     rig = guarded(trusted=True)
     stranger = rig.station(key)
     rig.step()
     before, handled = rig.state(), len(rig.handled)
     routes = rig.boat.channels.router.routes.version
-    for message in STATE_CHANGING:
-        stranger.send(message)
-        rig.step(2)
-        assert rig.state() == before, message.get_type()
-    assert rig.boat.channels.router.routes.version == routes, "the way to a station was changed"
-    assert len(rig.handled) == handled, "nothing reached a service"
-    assert stranger.said("HEARTBEAT"), "but the boat can be seen"
-
-
-def test_no_message_of_the_dialect_gets_in_unsigned() -> None:
-    rig = guarded(trusted=True)
-    stranger = rig.station(None)
-    rig.step()
-    before, handled = rig.state(), len(rig.handled)
     for layout in LAYOUTS.values():
         for fill in (0, 1, 0x3F):
             stranger.send(layout.unpack(bytes([fill]) * layout.size))
         rig.receive()
     rig.step(2)
     assert (rig.state(), len(rig.handled)) == (before, handled)
+    assert rig.boat.channels.router.routes.version == routes, "the way to a station was changed"
+    assert stranger.said("HEARTBEAT"), "but the boat can be seen"
 
 
 def test_what_was_recorded_cannot_be_played_again_by_another_link_or_after_a_restart() -> None:
     rig = GuardedRig("required")
     rig.run(1.0)
     friend = rig.station(KEY, Address(254, 190))
-    for message in STATE_CHANGING[:4]:
-        friend.send(message)
-        rig.step(2)
+    friend.heartbeat()
+    friend.command(dialect.MAV_CMD_DO_SET_MODE, 1.0, 5.0)
+    friend.send(dialect.MAVLink_param_set_message(*BOAT, b"CRUISE_SPEED", 0.3, 9))
+    rig.step(2)
+    assert len(rig.handled) == 3
     assert isinstance(friend.link, SealedLink)
     recorded = list(friend.link.sent)
     for _ in range(2):
@@ -151,22 +80,6 @@ def test_what_was_recorded_cannot_be_played_again_by_another_link_or_after_a_res
         rig.boat.close()
         rig.reboot()
         rig.step()
-
-
-def test_the_same_messages_do_change_things_when_they_are_signed() -> None:
-    rig = guarded()
-    friend = rig.station(KEY, Address(254, 190))
-    rig.step()
-    before = rig.state()
-    friend.send(dialect.MAVLink_param_set_message(*BOAT, b"CRUISE_SPEED", 0.3, 9))
-    rig.step()
-    assert rig.state() != before
-    for message in STATE_CHANGING:
-        rig.handled.clear()
-        friend.send(message)
-        rig.receive()
-        known = message.get_msgId() in rig.boat.endpoint.message_ids
-        assert [one.get_type() for one in rig.handled] == [message.get_type()] * known
 
 
 def test_a_link_that_accepts_takes_both_and_signs_what_it_says() -> None:
@@ -223,15 +136,6 @@ def test_a_key_is_taken_on_a_trusted_link_stored_and_used_at_once() -> None:
     assert rig.boat.signing.boat.key == KEY
 
 
-def test_a_key_that_comes_again_or_goes_is_told() -> None:
-    rig = GuardedRig("off", None, trusted=True)
-    assert "Signing key stored" in offered(rig, setup_signing(KEY))
-    assert "Signing key stored" in offered(rig, setup_signing(OTHER))
-    assert rig.boat.signing.boat.key == OTHER
-    assert "Signing key removed" in offered(rig, setup_signing(None))
-    assert rig.boat.signing.boat.key is None
-
-
 @pytest.mark.parametrize("signing", ["off", "accept", "required"])
 def test_no_key_comes_over_a_link_that_is_not_trusted(signing: SigningPolicy) -> None:
     rig = GuardedRig(signing)
@@ -268,16 +172,6 @@ def test_a_key_is_never_passed_on() -> None:
     rig.peer.command(dialect.MAV_CMD_DO_SET_MODE, 1.0)
     rig.step(3)
     assert not other_boat.said("SETUP_SIGNING")
-
-
-def test_offers_of_keys_do_not_flood_the_operator() -> None:
-    rig = GuardedRig("off")
-    rig.step()
-    for _ in range(200):
-        rig.peer.send(setup_signing(OTHER))
-        rig.step(2)
-    rig.run(1.0)
-    assert sum("key refused" in text for text in rig.peer.texts) == 1
 
 
 def test_neither_keys_nor_signatures_are_logged(caplog: pytest.LogCaptureFixture) -> None:
@@ -372,18 +266,6 @@ def test_a_link_that_is_not_safe_is_told_of_once(
     assert caplog.text.count(told) == 1 if told else "steer" not in caplog.text
 
 
-def test_two_strangers_are_told_of_one_by_one() -> None:
-    rig = GuardedRig("required")
-    onlooker = rig.onlooker()
-    strangers = [rig.station(None), rig.station(None)]
-    rig.step()
-    for stranger in strangers:
-        stranger.heartbeat()
-    rig.run(5.0)
-    assert sum("messages refused" in text for text in onlooker.texts) == 2
-    assert {one.get_type() for one in strangers[1].heard + strangers[1].listen()} == {"HEARTBEAT"}
-
-
 @pytest.mark.parametrize(("key", "why"), [(None, "not signed"), (OTHER, "not signed with our key")])
 def test_refused_messages_are_told_of_once(key: SigningKey | None, why: str) -> None:
     rig = GuardedRig("required")
@@ -395,3 +277,22 @@ def test_refused_messages_are_told_of_once(key: SigningKey | None, why: str) -> 
     (text,) = [text for text in onlooker.texts if "messages refused" in text]
     assert why in text
     assert rig.boat.channels.open[2].refused == 20
+
+
+def test_a_key_that_comes_again_or_goes_is_told() -> None:
+    rig = GuardedRig("off", None, trusted=True)
+    assert "Signing key stored" in offered(rig, setup_signing(KEY))
+    assert "Signing key stored" in offered(rig, setup_signing(OTHER))
+    assert rig.boat.signing.boat.key == OTHER
+    assert "Signing key removed" in offered(rig, setup_signing(None))
+    assert rig.boat.signing.boat.key is None
+
+
+def test_offers_of_keys_do_not_flood_the_operator() -> None:
+    rig = GuardedRig("off")
+    rig.step()
+    for _ in range(200):
+        rig.peer.send(setup_signing(OTHER))
+        rig.step(2)
+    rig.run(1.0)
+    assert sum("key refused" in text for text in rig.peer.texts) == 1

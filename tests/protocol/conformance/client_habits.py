@@ -81,7 +81,7 @@ MAVPROXY = Habits(
     file_tries=20,
 )
 
-CLIENTS = (QGC_44, QGC_50, QGC_MASTER, MAVSDK, MAVPROXY)
+CLIENTS = (QGC_50, MAVSDK, MAVPROXY)  # the others move lists as QGroundControl 5.0
 
 # One that never gives up, to find out the truth after a client of the table has
 PATIENT = Habits(

@@ -90,6 +90,25 @@ _METADATA = (
     _message(_COMPONENT_INFORMATION),
 )
 
+
+def _newer(habits: Habits, parameters: str) -> Script:
+    return Script(
+        habits,
+        (
+            _STREAMS,
+            _interval(_ID.MAVLINK_MSG_ID_HOME_POSITION, 1e6),
+            _interval(_ID.MAVLINK_MSG_ID_EXTENDED_SYS_STATE, 1e6),
+            _message(_ID.MAVLINK_MSG_ID_AUTOPILOT_VERSION),
+            Modes(),
+            *_METADATA,
+            ReadParameters(parameters),
+            _CLOCK,
+            *_PLANS,
+            _GIMBAL,
+        ),
+    )
+
+
 SCRIPTS = (
     Script(
         QGC_44,
@@ -106,34 +125,6 @@ SCRIPTS = (
             _message(_ID.MAVLINK_MSG_ID_CAMERA_INFORMATION),
         ),
     ),
-    Script(
-        QGC_50,
-        (
-            _STREAMS,
-            _interval(_ID.MAVLINK_MSG_ID_HOME_POSITION, 1e6),
-            _interval(_ID.MAVLINK_MSG_ID_EXTENDED_SYS_STATE, 1e6),
-            _message(_ID.MAVLINK_MSG_ID_AUTOPILOT_VERSION),
-            Modes(),
-            *_METADATA,
-            ReadParameters("@PARAM/param.pck"),
-            _CLOCK,
-            *_PLANS,
-            _GIMBAL,
-        ),
-    ),
-    Script(
-        QGC_MASTER,
-        (
-            _STREAMS,
-            _interval(_ID.MAVLINK_MSG_ID_HOME_POSITION, 1e6),
-            _interval(_ID.MAVLINK_MSG_ID_EXTENDED_SYS_STATE, 1e6),
-            _message(_ID.MAVLINK_MSG_ID_AUTOPILOT_VERSION),
-            Modes(),
-            *_METADATA,
-            ReadParameters("@PARAM/param.pck?withdefaults=1"),
-            _CLOCK,
-            *_PLANS,
-            _GIMBAL,
-        ),
-    ),
+    _newer(QGC_50, "@PARAM/param.pck"),
+    _newer(QGC_MASTER, "@PARAM/param.pck?withdefaults=1"),
 )

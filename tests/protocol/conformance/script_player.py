@@ -3,8 +3,8 @@
 from dataclasses import dataclass, field
 
 from file_client import FileClient, FileRefusedError
-from packed_parameters import unpack
 from pymavlink.dialects.v20 import all as dialect
+from pymavlink.mavftp import MAVFTP
 from qgc_scripts import Command, Modes, ReadParameters, ReadPlan, Script, Step, Tell
 from station_client import StationClient
 
@@ -89,5 +89,7 @@ def _read_parameters(path: str, station: StationClient, done: Transcript) -> Non
         done.parameters = values
         return
     assert packed is not None, f"{path} did not come"
-    done.parameters = unpack(packed)
+    decoded = MAVFTP.ftp_param_decode(packed)
+    assert decoded is not None, f"{path} is no packed parameter file"
+    done.parameters = {name.decode(): value for name, value, _ in decoded.params}
     files.ask(dialect.MAV_FTP_OPCODE_RESETSESSION)

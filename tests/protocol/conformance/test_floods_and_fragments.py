@@ -2,7 +2,6 @@
 
 import random
 import socket
-import time
 
 import pytest
 from client_habits import PATIENT, QGC_50, in_no_hurry
@@ -96,24 +95,3 @@ def test_a_socket_that_nobody_reads_keeps_nobody_else_waiting(live_client: OpenC
         assert other.hear(lambda m: m.get_type() == "HEARTBEAT", MOMENT_S) is not None
         assert is_well(other)
         assert other.upload(zigzag(100)) == dialect.MAV_MISSION_ACCEPTED
-
-
-@pytest.mark.realtime
-def test_bytes_that_trickle_in_one_by_one_are_understood(live_url: str) -> None:
-    if not live_url.startswith("tcp:"):
-        pytest.skip("only streams are cut into bytes")
-    host, port = live_url.removeprefix("tcp:").rsplit(":", 1)
-    packer, reader = dialect.MAVLink(None, 255, 190), dialect.MAVLink(None)
-    reader.robust_parsing = True
-    number = dialect.MAV_CMD_REQUEST_MESSAGE
-    ask = dialect.MAVLink_command_long_message(1, 1, number, 0, 148.0, 0, 0, 0, 0, 0, 0)
-    with socket.create_connection((host, int(port)), timeout=MOMENT_S) as slow:
-        slow.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        for byte in b"\xfd\x00" + bytes(ask.pack(packer)):  # behind the beginning of another frame
-            slow.sendall(bytes((byte,)))
-            time.sleep(0.001)
-        give_up_s = time.monotonic() + MOMENT_S
-        heard: set[str] = set()
-        while "AUTOPILOT_VERSION" not in heard and time.monotonic() < give_up_s:
-            heard |= {message.get_type() for message in reader.parse_buffer(slow.recv(4096)) or []}
-    assert {"COMMAND_ACK", "AUTOPILOT_VERSION"} <= heard

@@ -51,35 +51,10 @@ def test_a_refusal_by_its_number_alone_is_logged(
     assert line in lines(journal)
 
 
-def test_a_mode_that_the_boat_refuses_is_logged_with_its_reason(
-    rig: Rig, journal: pytest.LogCaptureFixture
-) -> None:
-    assert rig.set_mode(10) == FAILED  # AUTO without a mission
-    said = lines(journal)
-    assert any("mission" in line for line in said), said
-    assert "DO_SET_MODE by 255/190 refused: FAILED" in said
-
-
-def test_arming_modes_and_failsafes_are_logged(rig: Rig, journal: pytest.LogCaptureFixture) -> None:
-    assert rig.set_mode(15) == OK
-    assert rig.arm() == OK
-    rig.peer.heartbeat()
-    rig.run(20.0)  # without another one
-    said = lines(journal)
-    assert [line for line in said if line in ("Mode GUIDED", "Armed")] == ["Mode GUIDED", "Armed"]
-    assert any(line.startswith("Failsafe: ") for line in said), said
-
-
 def test_what_is_granted_or_only_asked_is_not_logged(rig: Rig, journal: pytest.LogCaptureFixture) -> None:
     assert rig.set_mode(4) == OK
     assert rig.ask(CMD.MAV_CMD_REQUEST_MESSAGE, 60000.0) != OK
     assert not any("refused" in line for line in lines(journal))
-
-
-def test_the_emulators_boat_logs_nothing(rig: Rig, journal: pytest.LogCaptureFixture) -> None:
-    rig.boat.endpoint.texts.logs_texts = False
-    rig.ask(CMD.MAV_CMD_NAV_TAKEOFF)
-    assert lines(journal) == []
 
 
 def test_a_station_that_repeats_itself_does_not_fill_the_log(

@@ -81,18 +81,6 @@ def test_no_path_leads_out(
     assert outside(folder) == before
 
 
-@pytest.mark.parametrize("name", ["out/secret", "secret", "deep/out/secret", "loop", "pipe", "deep"])
-@pytest.mark.parametrize("opcode", [Opcode.OPEN_FILE_RO, Opcode.OPEN_FILE_WO, Opcode.TRUNCATE_FILE])
-def test_links_pipes_and_folders_are_no_files(tmp_path: Path, opcode: Opcode, name: str) -> None:
-    assert prison(tmp_path).ask(opcode, f"/files/{name}".encode()).code is not None
-
-
-def test_removing_a_link_leaves_what_it_points_to(tmp_path: Path) -> None:
-    served = prison(tmp_path)
-    assert served.ask(Opcode.REMOVE_FILE, b"/files/secret").opcode == ACK
-    assert (tmp_path / "secret").read_bytes() == SECRET
-
-
 def test_a_link_put_in_the_way_of_an_upload_is_replaced_and_not_followed(tmp_path: Path) -> None:
     served = prison(tmp_path)
     session = served.ask(Opcode.CREATE_FILE, b"/files/new").session

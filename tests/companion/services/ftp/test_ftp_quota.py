@@ -66,25 +66,6 @@ def test_the_folder_is_not_walked_for_every_save(mount: FolderMount, monkeypatch
     assert len(walks) == 1
 
 
-def test_room_that_the_owner_makes_is_found_before_anything_is_refused(
-    mount: FolderMount, tmp_path: Path
-) -> None:
-    mount.save(("a",), bytes(900))
-    (tmp_path / "files" / "a").unlink()
-    mount.save(("b",), bytes(900))
-
-
-def test_what_is_already_too_much_can_still_be_made_less(tmp_path: Path) -> None:
-    (tmp_path / "files").mkdir()
-    (tmp_path / "files" / "a").write_bytes(bytes(5000))
-    mount = FolderMount(tmp_path / "files", quota_bytes=QUOTA_BYTES)
-    mount.save(("a",), bytes(4000))
-    with pytest.raises(OSError, match="quota"):
-        mount.save(("a",), bytes(4001))
-    mount.truncate(("a",), 10)
-    mount.save(("b",), bytes(900))
-
-
 def test_renames_do_not_nest_folders_deeper_than_a_path_leads(mount: FolderMount, tmp_path: Path) -> None:
     for number in range(MAX_DEPTH * 2):
         mount.make_folder((f"d{number}",))
@@ -95,20 +76,6 @@ def test_renames_do_not_nest_folders_deeper_than_a_path_leads(mount: FolderMount
             deepest = (f"d{number}",)
     depth = max(len(Path(root).relative_to(tmp_path).parts) for root, _, _ in os.walk(tmp_path / "files"))
     assert depth == MAX_DEPTH == 16  # `files` is one of the names
-
-
-def test_a_file_moves_as_deep_as_a_path_leads(mount: FolderMount) -> None:
-    folder: Names = ()
-    for _ in range(MAX_DEPTH - 2):
-        folder = (*folder, "d")
-        mount.make_folder(folder)
-    mount.save(("a",), b"x")
-    mount.rename(("a",), (*folder, "a"))
-    assert mount.open((*folder, "a")).read(0, 9) == b"x"
-    mount.make_folder(("e",))
-    mount.save(("e", "f"), b"")
-    with pytest.raises(OSError, match="too deep"):
-        mount.rename(("e",), (*folder, "e"))
 
 
 def test_a_full_disk_keeps_the_old_file_and_no_part_of_the_new(

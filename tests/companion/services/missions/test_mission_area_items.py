@@ -4,10 +4,8 @@ import math
 
 import pytest
 from boat_rig import Rig
-from hypothesis import given
-from hypothesis import strategies as st
 
-from companion.mavlink.items import ItemFault, MissionItem, MissionResult, MissionType
+from companion.mavlink.items import MissionItem, MissionResult, MissionType
 from companion.mavlink.transfer import Completed, Failed
 from companion.services.missions.area_items import check_fence, check_fence_item, check_rally_item
 
@@ -102,12 +100,6 @@ def test_broken_fences_are_refused_by_item(items: list[MissionItem], word: str) 
     assert word in fault.text
 
 
-@given(st.lists(st.tuples(st.sampled_from([5000, 5001, 5002, 5003, 5004]), st.integers(3, 5)), max_size=12))
-def test_any_list_is_a_fence_or_has_a_fault(entries: list[tuple[int, int]]) -> None:
-    items = [area(command, float(count)) for command, count in entries]
-    assert isinstance(check_fence(items), ItemFault | None)
-
-
 def test_a_thousand_vertices_fit_and_one_more_does_not() -> None:
     rig = Rig()
     rig.step()
@@ -120,20 +112,6 @@ def test_a_thousand_vertices_fit_and_one_more_does_not() -> None:
     rally = [area(5100, x=500_000_000 + n) for n in range(251)]
     assert isinstance(rig.upload(rally[:250], mission_type=MissionType.RALLY), Completed)
     assert isinstance(rig.upload(rally, mission_type=MissionType.RALLY), Failed)
-
-
-def test_a_broken_fence_leaves_the_old_one_and_says_where() -> None:
-    rig = Rig()
-    rig.step()
-    assert isinstance(rig.upload(polygon(3), mission_type=MissionType.FENCE), Completed)
-    outcome = rig.upload([*polygon(3), area(5003, -2.0)], mission_type=MissionType.FENCE)
-    assert isinstance(outcome, Failed)
-    assert outcome.result is MissionResult.INVALID_PARAM1
-    assert any("item 3: radius -2 m" in text for text in rig.peer.texts)
-    outcome = rig.upload(polygon(5)[:4], mission_type=MissionType.FENCE)
-    assert isinstance(outcome, Failed)
-    assert any(text.startswith("Fence refused: item 3") for text in rig.peer.texts)
-    assert rig.items(MissionType.FENCE) == tuple(polygon(3))
 
 
 def test_what_the_disk_holds_is_checked_as_what_arrives() -> None:

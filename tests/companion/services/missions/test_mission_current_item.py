@@ -29,18 +29,6 @@ def test_the_old_go_to_sails_there_and_touches_no_list(form: str) -> None:
     assert rig.items() == tuple(MISSION)
 
 
-@pytest.mark.parametrize(
-    ("lat", "mode", "result"),
-    [(50.0, 4, MissionResult.ERROR), (math.nan, 15, MissionResult.INVALID_PARAM5_X)],
-)
-def test_an_old_go_to_that_cannot_be_sailed_is_refused(lat: float, mode: int, result: MissionResult) -> None:
-    rig = Rig().ready()
-    rig.set_mode(mode)
-    item = dialect.MAVLink_mission_item_message(*BOAT, 0, 3, 16, 2, 1, 0, 0, 0, 0, lat, -1.2, 0.0, 0)
-    assert result_of(rig, item) is result
-    assert rig.boat.vehicle.modes.guided.target is None
-
-
 def test_the_current_item_is_set_and_told_at_once() -> None:
     rig = loaded()
     current = rig.answer_to(dialect.MAVLink_mission_set_current_message(*BOAT, 2), "MISSION_CURRENT")

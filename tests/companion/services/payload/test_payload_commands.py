@@ -4,10 +4,10 @@ import dataclasses
 import math
 
 import pytest
-from boat_rig import DENIED, HOME_ITEM, OK, UNSUPPORTED, Rig, waypoint
+from boat_rig import DENIED, HOME_ITEM, OK, Rig, waypoint
 from hypothesis import given
 from hypothesis import strategies as st
-from payload_rig import BAIT, GRIPPER, HORN, LIGHT, PUMP, SAMPLE, WINCH, PayloadRig
+from payload_rig import PayloadRig
 
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionResult
@@ -104,14 +104,6 @@ def test_every_payload_command_has_rows_here() -> None:
     assert set(ROWS) == {number for number, _, result, _ in ANSWERS if result == OK}
 
 
-@pytest.mark.parametrize("number", sorted(ROWS))
-def test_without_payload_every_payload_command_is_unsupported(number: int) -> None:
-    rig = Rig()
-    rig.step()
-    assert rig.ask(number, 1, 1, 1, 1) == UNSUPPORTED
-    assert any("this boat has no " in text for text in rig.peer.texts)
-
-
 @given(st.sampled_from(sorted(ROWS)), st.lists(st.floats(width=32), min_size=7, max_size=7))
 def test_any_parameters_are_an_action_or_a_fault(number: int, parameters: list[float]) -> None:
     fitted = FittedPayload(PayloadRig().config.payload, PayloadRig().config.camera)
@@ -163,157 +155,6 @@ def test_an_item_for_absent_payload_is_refused_or_skipped_aloud_as_configured() 
     assert isinstance(rig.upload(items), Completed)
     assert any("item 2" in line and "is ignored" in line for line in rig.peer.texts), rig.peer.texts
     assert rig.items() == tuple(items)
-
-
-def test_skipping_does_not_take_invalid_parameters_of_fitted_payload() -> None:
-    rig = PayloadRig("open", 'vehicle.mission.absent_payload="skip"').ready()
-    end = rig.upload([HOME_ITEM, waypoint(20.0, 0.0), do(CMD.MAV_CMD_DO_SET_SERVO, 9, 2100)])
-    assert isinstance(end, Failed)
-
-
-def test_camera_items_are_skipped_aloud_without_a_camera() -> None:
-    rig = PayloadRig(has_camera=False).ready()
-    items = [HOME_ITEM, waypoint(20.0, 0.0), do(CMD.MAV_CMD_DO_SET_CAM_TRIGG_DIST, 5)]
-    assert isinstance(rig.upload(items), Completed)
-    assert any("item 2" in line and "is ignored" in line for line in rig.peer.texts), rig.peer.texts
-
-
-def test_a_relay_is_repeated_and_returns_to_what_it_was() -> None:
-    rig = PayloadRig()
-    rig.step()
-    rig.ask(CMD.MAV_CMD_DO_REPEAT_RELAY, 0, 3, 1.0)
-    rig.run(5.0)
-    began_s = rig.output(PUMP).history[1].time_s
-    changes = [(round(one.time_s - began_s, 2), one.value) for one in rig.output(PUMP).history[1:]]
-    assert changes == [(0.0, 1), (0.5, 0), (1.0, 1), (1.5, 0), (2.0, 1), (2.5, 0)]
-    assert rig.ask(CMD.MAV_CMD_DO_SET_RELAY, 0, 1) == OK
-    rig.ask(CMD.MAV_CMD_DO_REPEAT_RELAY, 0, 1, 1.0)
-    rig.run(2.0)
-    assert rig.values(PUMP)[-3:] == [1, 0, 1]
-
-
-def test_a_new_action_replaces_a_repetition() -> None:
-    rig = PayloadRig()
-    rig.step()
-    rig.ask(CMD.MAV_CMD_DO_REPEAT_SERVO, 9, 1900, 100, 1.0)
-    rig.run(1.2)
-    assert rig.values(BAIT) == [0, 1900, 1500, 1900]
-    rig.ask(CMD.MAV_CMD_DO_SET_SERVO, 9, 1200)
-    rig.run(10.0)
-    assert rig.values(BAIT) == [0, 1900, 1500, 1900, 1200]
-
-
-def test_a_horn_stops_by_itself_and_a_light_obeys_the_illuminator() -> None:
-    rig = PayloadRig()
-    rig.step()
-    rig.ask(CMD.MAV_CMD_DO_SET_RELAY, 2, 1)
-    rig.ask(CMD.MAV_CMD_ILLUMINATOR_ON_OFF, 1)
-    rig.run(3.0)
-    on, off = rig.output(HORN).history[1:]
-    assert (on.value, off.value) == (1, 0)
-    assert off.time_s - on.time_s == pytest.approx(2.0, abs=0.021)
-    assert rig.values(LIGHT) == [0, 1]
-
-
-def test_a_command_that_is_resent_because_its_answer_was_lost_runs_once() -> None:
-    rig = PayloadRig()
-    rig.step()
-    assert rig.ask(CMD.MAV_CMD_DO_WINCH, 1, 1, 1.0) == OK
-    rig.run(1.0)
-    assert rig.ask(CMD.MAV_CMD_DO_WINCH, 1, 1, 1.0) == OK
-    rig.run(6.0)
-    start, stop = rig.output(WINCH).history[1:]
-    assert stop.time_s - start.time_s == pytest.approx(2.0, abs=0.05)
-
-
-def test_an_owners_command_runs_once_at_a_time_and_its_end_is_told() -> None:
-    rig = PayloadRig()
-    rig.step()
-    program = rig.sim.programs[SAMPLE]
-    program.run_s, program.outcome = 5.0, "exit code 3"
-    assert rig.ask(CMD.MAV_CMD_DO_SEND_SCRIPT_MESSAGE, 7) == OK
-    rig.run(3.0)
-    assert rig.ask(CMD.MAV_CMD_DO_SEND_SCRIPT_MESSAGE, 7) == REJECTED_FOR_NOW
-    rig.run(3.0)
-    assert "DO_SEND_SCRIPT_MESSAGE: command 7 (sample): still running" in rig.peer.texts
-    assert "Command 7 (sample): exit code 3" in rig.peer.texts
-    assert len(program.starts) == 1
-
-
-def test_an_owners_command_may_have_a_relay_that_starts_it() -> None:
-    rig = PayloadRig()
-    rig.step()
-    assert rig.ask(CMD.MAV_CMD_DO_SET_RELAY, 15, 1) == OK
-    rig.run(2.0)
-    assert len(rig.sim.programs[SAMPLE].starts) == 1
-    assert "Command 7 (sample): done" in rig.peer.texts
-
-
-def test_safe_states_are_entered_at_start_disarming_and_link_loss() -> None:
-    rig = PayloadRig("open", "vehicle.failsafe.gcs_timeout_s=5.0").ready()
-    assert rig.values(PUMP) == [0]
-    assert rig.values(GRIPPER) == []  # no signal before the first command
-    rig.arm()
-    rig.ask(CMD.MAV_CMD_DO_SET_RELAY, 0, 1)
-    rig.ask(CMD.MAV_CMD_DO_SET_RELAY, 2, 1)
-    rig.ask(CMD.MAV_CMD_DO_WINCH, 1, 1, 5.0)
-    rig.run(0.5)
-    rig.ask(CMD.MAV_CMD_COMPONENT_ARM_DISARM, 0)
-    rig.run(0.1)
-    assert rig.values(PUMP)[-1] == 1  # keeps
-    assert rig.values(HORN)[-1] == 0
-    assert rig.values(WINCH)[-1] == 0
-    rig.peer.heartbeat()
-    rig.run(0.5)
-    rig.arm()
-    rig.ask(CMD.MAV_CMD_DO_SET_RELAY, 2, 1)
-    rig.ask(CMD.MAV_CMD_DO_SET_RELAY, 1, 0)
-    rig.peer.heartbeat()
-    rig.ask(CMD.MAV_CMD_DO_WINCH, 1, 1, 5.0)
-    rig.until(lambda: bool(rig.boat.vehicle.failsafes.active), 10.0)
-    rig.step(2)
-    assert rig.values(HORN)[-1] == 0
-    assert rig.values(LIGHT)[-1] == 1
-    assert rig.values(WINCH)[-1] == 0
-
-
-def test_an_output_that_does_not_answer_is_told_once_and_written_again() -> None:
-    rig = PayloadRig()
-    rig.step()
-    rig.output(BAIT).fault = "no answer"
-    assert rig.ask(CMD.MAV_CMD_DO_SET_SERVO, 9, 1800) == OK
-    rig.run(5.0)
-    assert [line for line in rig.peer.texts if "no answer" in line] == ["Servo 9 (bait): no answer"]
-    rig.output(BAIT).fault = ""
-    rig.run(1.1)
-    assert rig.values(BAIT) == [0, 1800]
-    assert "Servo 9 (bait): answers again" in rig.peer.texts
-
-
-def test_telemetry_shows_servos_relays_and_winch() -> None:
-    rig = PayloadRig()
-    rig.step()
-    rig.ask(CMD.MAV_CMD_DO_SET_SERVO, 9, 1800)
-    rig.ask(CMD.MAV_CMD_DO_SET_RELAY, 1, 1)
-    rig.ask(CMD.MAV_CMD_DO_WINCH, 1, 6)
-    rig.run(1.0)
-
-    def latest(name: str) -> object:
-        rig.ask(CMD.MAV_CMD_REQUEST_MESSAGE, getattr(dialect, f"MAVLINK_MSG_ID_{name}"))
-        return rig.peer.said(name)[-1]
-
-    servos = latest("SERVO_OUTPUT_RAW")
-    assert (servos.servo1_raw, servos.servo3_raw, servos.servo9_raw) == (1500, 1500, 1800)  # type: ignore[attr-defined]
-    relays = latest("RELAY_STATUS")
-    assert (relays.on, relays.present) == (0b010, 0b111)  # type: ignore[attr-defined]
-    winch = latest("WINCH_STATUS")
-    assert winch.status == dialect.MAV_WINCH_STATUS_HEALTHY | dialect.MAV_WINCH_STATUS_MOVING  # type: ignore[attr-defined]
-    assert winch.speed == pytest.approx(-0.5)  # type: ignore[attr-defined]
-    assert math.isnan(winch.line_length)  # type: ignore[attr-defined]
-    rig.run(10.0)
-    winch = latest("WINCH_STATUS")
-    assert winch.line_length == 0.0  # type: ignore[attr-defined]
-    assert winch.status & dialect.MAV_WINCH_STATUS_FULLY_RETRACTED  # type: ignore[attr-defined]
 
 
 def test_a_stored_mission_whose_payload_is_gone_is_not_sailed() -> None:

@@ -1,7 +1,6 @@
 import pytest
 from boat_rig import FAILED, OK, Rig
 
-from companion.config.parameter_values import MODES
 from companion.core.modes import Mode
 from companion.mavlink.dialect import Message, dialect
 
@@ -43,10 +42,6 @@ def test_the_modes_are_asked_for_one_by_one_until_the_last() -> None:
     assert found == QGROUNDCONTROLS
 
 
-def test_the_menu_of_the_switch_positions_has_the_same_names() -> None:
-    assert {name: number for number, name in MODES} == QGROUNDCONTROLS
-
-
 def test_index_zero_asks_for_all_of_them() -> None:
     rig = Rig()
     rig.step()
@@ -70,15 +65,6 @@ def test_the_mode_is_told_every_two_seconds_and_when_it_changes() -> None:
     assert len(rig.peer.said("AVAILABLE_MODES_MONITOR")) == pytest.approx(10, abs=1)
     rig.set_mode(5)
     assert [(one.custom_mode, one.intended_custom_mode) for one in rig.peer.said("CURRENT_MODE")] == [(5, 5)]
-
-
-@pytest.mark.parametrize("message_id", [CURRENT, MONITOR])
-def test_they_can_be_asked_for(message_id: int) -> None:
-    rig = Rig()
-    rig.step()
-    assert rig.ask(REQUEST, message_id) == OK
-    rig.peer.listen()
-    assert message_id in [one.get_msgId() for one in rig.peer.heard]
 
 
 @pytest.mark.parametrize("mode", list(Mode))

@@ -50,20 +50,3 @@ def test_arming_and_disarming_are_told_before_the_next_tick_and_to_everyone() ->
     assert bool(other.said("HEARTBEAT")[-1].base_mode & ARMED)
     rig.set_mode(4)
     assert beats(rig)[0].system_status == dialect.MAV_STATE_STANDBY  # so that stations offer Disarm
-
-
-def test_the_same_mode_again_is_no_news() -> None:
-    rig = Rig().ready()
-    rig.set_mode(4)
-    assert beats(rig) == []
-
-
-def test_a_mode_that_the_boat_takes_itself_is_told_in_the_same_tick() -> None:
-    rig = Rig().ready()
-    rig.set_mode(15)
-    rig.arm()
-    rig.peer.heartbeat()
-    rig.run(4.9)
-    rig.peer.forget()
-    rig.until(lambda: rig.mode == "LOITER", 1.0)
-    assert beats(rig)[-1].custom_mode == 5

@@ -91,16 +91,6 @@ def test_a_silent_probe_is_told_once_and_not_sent_and_comes_back() -> None:
     assert not any(math.isnan(value) for value in rig.values("ph"))
 
 
-def test_silence_is_told_after_the_timeout() -> None:
-    rig = ProbeRig()
-    rig.run(2.0)
-    rig.ph.is_silent = True
-    rig.run(9.8)
-    assert "Probe ph is silent" not in rig.peer.texts
-    rig.run(30.0)
-    assert rig.peer.texts.count("Probe ph is silent") == 1
-
-
 def test_all_values_can_be_requested() -> None:
     rig = ProbeRig()
     rig.run(1.0)

@@ -36,10 +36,6 @@ def test_a_long_line_is_whole_again_when_its_chunks_are_joined(text: str) -> Non
     assert len(chunks[-1].text) < 50  # only a zero byte tells a station that the line is over
 
 
-def test_two_long_lines_have_two_ids() -> None:
-    assert len({message.id for message in told("a" * 60, "b" * 60)}) == 2
-
-
 def test_the_bus_keeps_its_name() -> None:
     (message,) = told("INA219: no answer at I²C address 0x40")
     assert message.text == "INA219: no answer at I2C address 0x40"
@@ -88,10 +84,3 @@ def test_a_journal_has_what_is_told_with_its_severity(
         (level, "Failsafe: a long [2J line" + "x" * 60),
         (level, "Helm: 255/190 has it"),
     ]
-
-
-def test_a_flood_of_lines_does_not_fill_the_journal(caplog: pytest.LogCaptureFixture) -> None:
-    texts = StatusTextService(Outbox())
-    texts.logs_texts = True
-    texts.send([StatusText(Severity.WARNING, "refused")] * 1000)
-    assert len(caplog.records) == 20

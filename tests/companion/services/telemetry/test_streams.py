@@ -23,12 +23,6 @@ def test_a_message_comes_as_often_as_asked(interval_s: float) -> None:
     assert sent(streams, 60.0) == pytest.approx(60.0 / interval_s, abs=1.01)
 
 
-def test_a_message_of_every_tick_misses_none() -> None:
-    streams = Streams(0.0)
-    streams.set_interval(ATTITUDE, TICK_S, 0.0)
-    assert sent(streams, 100.0) == 5000
-
-
 def test_nothing_comes_faster_than_the_tick() -> None:
     streams = Streams(0.0)
     streams.set_interval(ATTITUDE, 0.001, 0.0)

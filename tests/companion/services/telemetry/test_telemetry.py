@@ -10,52 +10,29 @@ from companion.services.telemetry.service import BUILDERS
 
 pytestmark = pytest.mark.slow
 
-ALL = 0
-
-
-def ask_stream(rig: Rig, group: int, rate_hz: int, start: int = 1) -> None:
-    rig.peer.send(dialect.MAVLink_request_data_stream_message(*BOAT, group, rate_hz, start))
+STREAMS = {1: 2, 2: 2, 3: 2, 6: 3, 10: 10, 11: 10, 12: 3}
+# What each of those groups must bring a boat
+TELEMETRY = {
+    "RAW_IMU": 2, "SCALED_IMU": 2,
+    "SYS_STATUS": 2, "POWER_STATUS": 2, "GPS_RAW_INT": 2, "MISSION_CURRENT": 2, "NAV_CONTROLLER_OUTPUT": 2,
+    "SERVO_OUTPUT_RAW": 2, "RC_CHANNELS": 2,
+    "GLOBAL_POSITION_INT": 3, "LOCAL_POSITION_NED": 3,
+    "ATTITUDE": 10, "VFR_HUD": 10,
+    "SYSTEM_TIME": 3, "BATTERY_STATUS": 3, "EKF_STATUS_REPORT": 3,
+    "HOME_POSITION": 1, "EXTENDED_SYS_STATE": 1,
+}  # fmt: skip
 
 
 def latest(rig: Rig, name: str) -> Message:
     return rig.peer.said(name)[-1]
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def rig() -> Rig:
     """A boat under way due east, 20 s into its mission."""
     rig = Rig().sail(waypoint(0.0, 100.0))
     rig.run(20.0)
     return rig
-
-
-def test_the_rates_are_those_that_a_station_asked_for_and_each_channel_has_its_own() -> None:
-    rig = Rig().ready()
-    other = rig.connect()
-    for group in range(1, 13):
-        ask_stream(rig, group, 0, 0)
-    for group, rate_hz in ((2, 2), (6, 3), (10, 10), (11, 10), (12, 3)):
-        ask_stream(rig, group, rate_hz)
-    rig.run(0.5)
-    rig.peer.forget()
-    other.forget()
-    rig.run(30.0)
-    counts = {
-        name: len(rig.peer.said(name))
-        for name in ("SYS_STATUS", "GPS_RAW_INT", "GLOBAL_POSITION_INT", "ATTITUDE", "VFR_HUD", "SYSTEM_TIME")
-    }
-    asked = {"SYS_STATUS": 60, "GPS_RAW_INT": 60, "GLOBAL_POSITION_INT": 90, "ATTITUDE": 300}
-    assert counts == pytest.approx({**asked, "VFR_HUD": 300, "SYSTEM_TIME": 90}, abs=1)
-    assert len(other.said("ATTITUDE")) == pytest.approx(120, abs=1)
-    assert len(rig.peer.said("HEARTBEAT")) == pytest.approx(30, abs=1)
-
-
-def test_battery_and_home_come_often_enough_unasked() -> None:
-    rig = Rig().ready()
-    rig.peer.forget()
-    rig.run(20.0)
-    assert len(rig.peer.said("BATTERY_STATUS")) >= 4
-    assert len(rig.peer.said("HOME_POSITION")) >= 4
 
 
 def test_all_that_the_boat_offers_can_be_requested(rig: Rig) -> None:
@@ -77,6 +54,7 @@ def test_all_that_the_boat_offers_can_be_requested(rig: Rig) -> None:
             continue
         assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, message_id) == OK, builder
         assert [one for one in rig.peer.heard if one.get_msgId() == message_id]
+    rig.run(5.0)  # for the tests that follow
 
 
 def test_position_and_motion_are_those_of_the_boat(rig: Rig) -> None:
@@ -100,6 +78,9 @@ def test_guidance_and_motors_are_shown(rig: Rig) -> None:
     assert output.target_bearing == pytest.approx(90, abs=5)
     assert output.wp_dist == pytest.approx(rig.offset_m(0.0, 100.0), abs=3.0)
     assert abs(output.xtrack_error) < 1.0
+    target, item = latest(rig, "POSITION_TARGET_GLOBAL_INT"), waypoint(0.0, 100.0)
+    assert (target.lat_int, target.lon_int) == (item.x, item.y)
+    assert math.hypot(target.vx, target.vy) > 0.2
     servos = latest(rig, "SERVO_OUTPUT_RAW")
     assert servos.servo1_raw > 1600
     assert servos.servo3_raw > 1600
@@ -127,19 +108,6 @@ def test_the_prearm_bit_says_whether_the_boat_would_arm() -> None:
         assert status.onboard_control_sensors_enabled & bit
         assert bool(status.onboard_control_sensors_health & bit) is well
         assert (rig.arm() == OK) is well
-
-
-def test_why_the_boat_would_not_arm_is_repeated_every_thirty_seconds_until_it_is_mended() -> None:
-    rig = Rig(config={"arming.battery_min_v": 50.0})
-    rig.run(70.0)
-    lines = [text for text in rig.peer.texts if text.startswith("PreArm: ")]
-    assert len(lines) == 3
-    assert "Battery" in lines[0]
-    rig.peer.send(dialect.MAVLink_param_set_message(*BOAT, b"BATT_ARM_VOLT", 10.0, 9))
-    rig.step()
-    rig.peer.forget()
-    rig.run(70.0)
-    assert not [text for text in rig.peer.texts if text.startswith("PreArm")]
 
 
 def test_the_mission_is_reported_through_all_its_states() -> None:
@@ -174,11 +142,6 @@ def test_the_pack_is_reported_with_its_charge(rig: Rig) -> None:
     assert battery.battery_remaining == latest(rig, "SYS_STATUS").battery_remaining
 
 
-def test_the_date_is_told_once_the_receiver_knows_it(rig: Rig) -> None:
-    message = latest(rig, "SYSTEM_TIME")
-    assert message.time_boot_ms / 1000.0 == pytest.approx(rig.now_s, abs=1.1)
-
-
 def test_gyro_and_sonar_are_well_while_they_answer() -> None:
     rig = Rig("lake").ready()
     bits = dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO | dialect.MAV_SYS_STATUS_SENSOR_PROXIMITY
@@ -190,3 +153,55 @@ def test_gyro_and_sonar_are_well_while_they_answer() -> None:
     rig.run(5.0)
     status = latest(rig, "SYS_STATUS")
     assert not status.onboard_control_sensors_health & dialect.MAV_SYS_STATUS_SENSOR_PROXIMITY
+
+
+def test_rates_are_those_that_a_station_asks_for_and_another_channel_keeps_its_own() -> None:
+    rig = Rig().ready()
+    assert not rig.peer.said("POSITION_TARGET_GLOBAL_INT")
+    other = rig.connect()
+    for group, rate_hz in STREAMS.items():
+        rig.peer.send(dialect.MAVLink_request_data_stream_message(*BOAT, group, rate_hz, 1))
+    for message_id in (242, 245):
+        assert rig.ask(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, message_id, 1e6) == OK
+    rig.run(0.5)
+    for peer in (rig.peer, other):
+        peer.forget()
+    rig.run(20.0)
+    counts = {name: len(rig.peer.said(name)) / 20.0 for name in TELEMETRY}
+    assert counts == pytest.approx(TELEMETRY, abs=1.01 / 20.0)
+    assert len(other.said("ATTITUDE")) == pytest.approx(80, abs=1)
+    assert not other.said("RAW_IMU")
+
+
+def test_the_old_request_for_the_version_is_answered_with_the_version() -> None:
+    rig = Rig()
+    rig.step()
+    version = rig.answer_to(dialect.MAVLink_autopilot_version_request_message(*BOAT), "AUTOPILOT_VERSION")
+    assert version.flight_sw_version == 0x04060000
+    assert int(bytes(version.flight_custom_version).decode("ascii"), 16) > 0
+    for bit in (4, 8, 64, 128, 256, 8192, 16384, 32768):  # MISSION_INT to MISSION_RALLY
+        assert version.capabilities & bit
+
+
+def test_the_set_of_the_water_and_the_estimates_accuracy_can_be_asked_for() -> None:
+    rig = Rig("open", "environment.current_m_s=0.5", "environment.current_to_deg=90.0").ready()
+    rig.run(20.0)
+    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 250) == OK
+    (drift,) = rig.peer.said("DEBUG_VECT")
+    assert drift.name == "CURRENT"
+    assert (drift.x, drift.y) == pytest.approx((0.0, 0.5), abs=0.1)
+    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 230) == OK
+    (status,) = rig.peer.said("ESTIMATOR_STATUS")
+    assert status.flags & dialect.ESTIMATOR_POS_HORIZ_ABS
+    assert 0.0 < status.pos_horiz_accuracy < 0.5
+
+
+def test_dead_reckoning_is_told_as_what_it_is() -> None:
+    rig = Rig("open").ready()
+    rig.boat.sensors._hardware = dataclasses.replace(rig.hardware, gnss=Silent())
+    rig.run(5.0)
+    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 193) == OK
+    (report,) = rig.peer.said("EKF_STATUS_REPORT")
+    assert not report.flags & dialect.EKF_POS_HORIZ_ABS
+    assert report.flags & dialect.EKF_POS_HORIZ_REL
+    assert 0.8 <= report.pos_horiz_variance < 1.0
