@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
-from companion.core.units import e7_to_deg
+from companion.core.units import deg_to_e7, e7_to_deg
 
 WGS84_A_M = 6378137.0
 WGS84_F = 1.0 / 298.257223563
@@ -62,6 +62,11 @@ def position_from_e7(lat_e7: int, lon_e7: int) -> LatLon | None:
     if lat_e7 == lon_e7 == 0 or abs(lat_e7) > 900_000_000 or abs(lon_e7) > 1_800_000_000:
         return None
     return LatLon(e7_to_deg(lat_e7), e7_to_deg(lon_e7))
+
+
+def position_to_e7(place: LatLon) -> tuple[int, int]:
+    """A position as MAVLink's 1e-7 degree integers."""
+    return deg_to_e7(place.lat_deg), deg_to_e7(place.lon_deg)
 
 
 def _meridian_radius_m(lat_rad: float) -> float:

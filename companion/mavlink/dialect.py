@@ -8,7 +8,7 @@ from pymavlink.dialects.v20 import all as dialect
 
 from companion.mavlink import metadata_messages  # noqa: F401  (they join the dialect when imported)
 
-__all__ = ["Message", "MessageType", "build_message", "crc16", "dialect", "message_ids"]
+__all__ = ["Message", "MessageType", "build_message", "constants", "crc16", "dialect", "message_ids"]
 
 MessageType: TypeAlias = Any
 """A generated message class."""
@@ -27,9 +27,14 @@ class Message(Protocol):
         """A field's value."""
 
 
+def constants(prefix: str, *names: str) -> tuple[int, ...]:
+    """Numbers of the dialect by name, without their common prefix."""
+    return tuple(int(getattr(dialect, f"{prefix}_{name}")) for name in names)
+
+
 def message_ids(*names: str) -> tuple[int, ...]:
     """The numbers of messages."""
-    return tuple(getattr(dialect, f"MAVLINK_MSG_ID_{name}") for name in names)
+    return constants("MAVLINK_MSG_ID", *names)
 
 
 def build_message(name: str, **fields: object) -> Message:

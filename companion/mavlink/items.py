@@ -13,18 +13,15 @@ from operator import attrgetter
 from typing import Any
 
 from companion.mavlink.address import Address
-from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.dialect import Message, constants, dialect
 
-
-def _frames(*names: str) -> frozenset[int]:
-    return frozenset(getattr(dialect, f"MAV_FRAME_{name}") for name in names)
-
-
-GLOBAL_FRAMES = _frames(
+GLOBAL_FRAMES = constants(
+    "MAV_FRAME",
     *("GLOBAL", "GLOBAL_RELATIVE_ALT", "GLOBAL_TERRAIN_ALT"),
     *("GLOBAL_INT", "GLOBAL_RELATIVE_ALT_INT", "GLOBAL_TERRAIN_ALT_INT"),
 )
-LOCAL_FRAMES = _frames(
+LOCAL_FRAMES = constants(
+    "MAV_FRAME",
     *("LOCAL_NED", "LOCAL_ENU", "LOCAL_FRD", "LOCAL_FLU", "LOCAL_OFFSET_NED"),
     *("BODY_NED", "BODY_FRD", "BODY_OFFSET_NED"),
 )

@@ -10,40 +10,28 @@ from collections.abc import Container
 
 from companion.config.parameters import Parameters
 from companion.core.status_text import Severity
-from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.dialect import Message, dialect, message_ids
 from companion.mavlink.ftp_frames import Code, Opcode, Refusal, nak, parse_request
 from companion.mavlink.items import MissionResult
 from companion.services.camera.component import QUESTIONS as CAMERA_QUESTIONS
-from companion.services.commands.command import DENIED
+from companion.services.commands.command import Result, acknowledgement
 from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
 from companion.services.telemetry.statustext import StatusTextService
 
 _REPEAT_S = 30.0
 
-_UPLOADS = frozenset(
-    (
-        dialect.MAVLINK_MSG_ID_MISSION_COUNT,
-        dialect.MAVLINK_MSG_ID_MISSION_ITEM,
-        dialect.MAVLINK_MSG_ID_MISSION_ITEM_INT,
-        dialect.MAVLINK_MSG_ID_MISSION_CLEAR_ALL,
-        dialect.MAVLINK_MSG_ID_MISSION_WRITE_PARTIAL_LIST,
-    )
+_UPLOADS = message_ids(
+    *("MISSION_COUNT", "MISSION_ITEM", "MISSION_ITEM_INT", "MISSION_CLEAR_ALL", "MISSION_WRITE_PARTIAL_LIST")
 )
-_COMMANDS = frozenset((dialect.MAVLINK_MSG_ID_COMMAND_LONG, dialect.MAVLINK_MSG_ID_COMMAND_INT))
-# Messages without an answer in the protocol
-_UNANSWERED = frozenset(
-    (
-        dialect.MAVLINK_MSG_ID_GPS_INJECT_DATA,
-        dialect.MAVLINK_MSG_ID_GPS_RTCM_DATA,
-        dialect.MAVLINK_MSG_ID_LOG_ERASE,
-        dialect.MAVLINK_MSG_ID_MISSION_SET_CURRENT,
-        dialect.MAVLINK_MSG_ID_SET_ATTITUDE_TARGET,
-        dialect.MAVLINK_MSG_ID_SET_GPS_GLOBAL_ORIGIN,
-        dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_GLOBAL_INT,
-        dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED,
-        dialect.MAVLINK_MSG_ID_SETUP_SIGNING,
-    )
+_COMMANDS = message_ids("COMMAND_LONG", "COMMAND_INT")
+_CHANGES = (
+    *_UPLOADS,
+    *message_ids("SET_MODE", "PARAM_SET"),
+    # Without an answer in the protocol
+    *message_ids("GPS_INJECT_DATA", "GPS_RTCM_DATA", "LOG_ERASE", "MISSION_SET_CURRENT", "SETUP_SIGNING"),
+    *message_ids("SET_ATTITUDE_TARGET", "SET_GPS_GLOBAL_ORIGIN"),
+    *message_ids("SET_POSITION_TARGET_GLOBAL_INT", "SET_POSITION_TARGET_LOCAL_NED"),
 )
 _READING = frozenset(
     (
@@ -100,57 +88,34 @@ class AccessService:
         if number == dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL:
             request = parse_request(bytes(message.payload))
             return request is not None and request.opcode not in _READING
-        return (
-            number in _UPLOADS
-            or number in _UNANSWERED
-            or number in (dialect.MAVLINK_MSG_ID_SET_MODE, dialect.MAVLINK_MSG_ID_PARAM_SET)
-        )
+        return number in _CHANGES
 
     def _answer(self, message: Message, origin: Origin) -> None:
         number, asker = message.get_msgId(), origin.address
         if number == dialect.MAVLINK_MSG_ID_PARAM_SET:
             self._listings.on_request_read(_read_of(message), origin)
         elif number in _UPLOADS:
-            self._send(
-                origin,
-                dialect.MAVLink_mission_ack_message(
-                    asker.system, asker.component, MissionResult.DENIED, message.mission_type
-                ),
-            )
-        elif number in _COMMANDS or number == dialect.MAVLINK_MSG_ID_SET_MODE:
-            command = message.command if number in _COMMANDS else dialect.MAV_CMD_DO_SET_MODE
-            self._send(
-                origin,
-                dialect.MAVLink_command_ack_message(
-                    command,
-                    DENIED,
-                    progress=0,
-                    result_param2=0,
-                    target_system=asker.system,
-                    target_component=asker.component,
-                ),
-                message.target_component if number in _COMMANDS else 0,
-            )
-        elif number == dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL:
-            request = parse_request(bytes(message.payload))
-            if request is not None:
-                payload = nak(request, Refusal(Code.FILE_PROTECTED))
-                self._send(
-                    origin,
-                    dialect.MAVLink_file_transfer_protocol_message(0, asker.system, asker.component, payload),
-                )
-
-    def _send(self, origin: Origin, message: Message, component: int = 0) -> None:
-        self._outbox.send(origin.channel, message, component)
+            refusal = dialect.MAVLink_mission_ack_message(*asker, MissionResult.DENIED, message.mission_type)
+            self._outbox.send(origin.channel, refusal)
+        elif number in _COMMANDS:
+            refusal = acknowledgement(message.command, Result.DENIED, asker)
+            self._outbox.send(origin.channel, refusal, message.target_component)
+        elif number == dialect.MAVLINK_MSG_ID_SET_MODE:
+            refusal = acknowledgement(dialect.MAV_CMD_DO_SET_MODE, Result.DENIED, asker)
+            self._outbox.send(origin.channel, refusal)
+        elif (
+            number == dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL
+            and (request := parse_request(bytes(message.payload))) is not None
+        ):
+            payload = nak(request, Refusal(Code.FILE_PROTECTED))
+            refusal = dialect.MAVLink_file_transfer_protocol_message(0, *asker, payload)
+            self._outbox.send(origin.channel, refusal)
 
 
 def _read_of(message: Message) -> Message:
     """A request for the parameter that a PARAM_SET names."""
-    name = (
-        message.param_id
-        if isinstance(message.param_id, bytes)
-        else message.param_id.encode("ascii", "replace")
-    )
+    name = message.param_id
+    raw = name if isinstance(name, bytes) else name.encode("ascii", "replace")
     return dialect.MAVLink_param_request_read_message(
-        message.target_system, message.target_component, name, -1
+        message.target_system, message.target_component, raw, -1
     )

@@ -17,7 +17,7 @@ from companion.hal.interfaces import CorrectionInput, FaultInjector
 from companion.log.logbook import Logbook
 from companion.mavlink.address import Address, concerns
 from companion.mavlink.codec import Received
-from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.dialect import Message, dialect, message_ids
 from companion.mavlink.items import MissionItem, MissionType
 from companion.persistence.signing_store import SigningStore
 from companion.router.channel import Channel
@@ -41,7 +41,7 @@ from companion.services.roles import Role, Roles
 from companion.services.signing import SigningService
 from companion.services.telemetry.available_modes import AvailableModesService
 from companion.services.telemetry.heartbeat import HeartbeatService
-from companion.services.telemetry.service import MaySend, TakeSnapshot, TelemetryService, always
+from companion.services.telemetry.service import MaySend, TakeSnapshot, TelemetryService
 from companion.services.telemetry.statustext import StatusTextService
 from companion.services.time_sync import TimeService
 from companion.vehicle.payload_control import PayloadControl
@@ -51,14 +51,9 @@ logger = logging.getLogger(__name__)
 
 _SLOW_S = 0.1  # period of slow tasks
 
-_STEERING = frozenset(
-    (
-        dialect.MAVLINK_MSG_ID_COMMAND_LONG,
-        dialect.MAVLINK_MSG_ID_COMMAND_INT,
-        dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_GLOBAL_INT,
-        dialect.MAVLINK_MSG_ID_SET_POSITION_TARGET_LOCAL_NED,
-        dialect.MAVLINK_MSG_ID_SET_ATTITUDE_TARGET,
-    )
+_STEERING = message_ids(
+    *("COMMAND_LONG", "COMMAND_INT", "SET_ATTITUDE_TARGET"),
+    *("SET_POSITION_TARGET_GLOBAL_INT", "SET_POSITION_TARGET_LOCAL_NED"),
 )
 _REPOSITION = dialect.MAV_CMD_DO_REPOSITION
 
@@ -74,7 +69,7 @@ class Endpoint:
         vehicle: Vehicle,
         parameters: Parameters,
         storage: Storage,
-        may_send: MaySend = always,
+        may_send: MaySend,
         logbook: Logbook | None = None,
         *,
         signing: SigningStore,

@@ -5,7 +5,7 @@ in REPEAT_S.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Container
 
 from companion.core.geo import LatLon, Point, from_body_axes, position_from_e7, yaw_of_quaternion
 from companion.core.intent import Hold, HoldCourse, HoldHeading, HoldTurn
@@ -13,7 +13,7 @@ from companion.core.requests import GoTo, SetPoint
 from companion.core.state import NavState
 from companion.core.status_text import Severity
 from companion.core.units import wrap_pi
-from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.dialect import Message, constants, dialect
 from companion.mavlink.items import GLOBAL_FRAMES, ItemFault, MissionItem, MissionResult
 from companion.rc.manual_input import top_speed_m_s
 from companion.services.missions.items import global_position
@@ -27,21 +27,17 @@ _MOST_REASONS = 20  # in that time, of all senders
 _SHORTEST_Q = 0.5  # a quaternion has length 1; all zeros is no attitude
 _GUIDED_ITEM, _ALTITUDE_ITEM = 2, 3  # MISSION_ITEM.current of ArduPilot's old go-to and change of altitude
 
-_BIT = dialect
-_NO_POSITION = _BIT.POSITION_TARGET_TYPEMASK_X_IGNORE | _BIT.POSITION_TARGET_TYPEMASK_Y_IGNORE
-_NO_VELOCITY = _BIT.POSITION_TARGET_TYPEMASK_VX_IGNORE | _BIT.POSITION_TARGET_TYPEMASK_VY_IGNORE
-_NO_ACCELERATION = _BIT.POSITION_TARGET_TYPEMASK_AX_IGNORE | _BIT.POSITION_TARGET_TYPEMASK_AY_IGNORE
-_NO_YAW = _BIT.POSITION_TARGET_TYPEMASK_YAW_IGNORE
-_NO_YAW_RATE = _BIT.POSITION_TARGET_TYPEMASK_YAW_RATE_IGNORE
-
+_NO_POSITION, _NO_VELOCITY, _NO_ACCELERATION = (
+    sum(constants("POSITION_TARGET_TYPEMASK", f"{kind}X_IGNORE", f"{kind}Y_IGNORE"))
+    for kind in ("", "V", "A")
+)
+_NO_YAW, _NO_YAW_RATE = constants("POSITION_TARGET_TYPEMASK", "YAW_IGNORE", "YAW_RATE_IGNORE")
 _NO_ATTITUDE = dialect.ATTITUDE_TARGET_TYPEMASK_ATTITUDE_IGNORE
 _NO_BODY_YAW_RATE = dialect.ATTITUDE_TARGET_TYPEMASK_BODY_YAW_RATE_IGNORE
 _NO_THRUST = dialect.ATTITUDE_TARGET_TYPEMASK_THROTTLE_IGNORE
 
-_BODY_FRAMES = frozenset(
-    (dialect.MAV_FRAME_BODY_NED, dialect.MAV_FRAME_BODY_OFFSET_NED, dialect.MAV_FRAME_BODY_FRD)
-)
-_LOCAL_FRAMES = _BODY_FRAMES | {dialect.MAV_FRAME_LOCAL_NED, dialect.MAV_FRAME_LOCAL_OFFSET_NED}
+_BODY_FRAMES = constants("MAV_FRAME", "BODY_NED", "BODY_OFFSET_NED", "BODY_FRD")
+_LOCAL_FRAMES = (*_BODY_FRAMES, dialect.MAV_FRAME_LOCAL_NED, dialect.MAV_FRAME_LOCAL_OFFSET_NED)
 
 
 def on_guided_item(message: Message, vehicle: Vehicle) -> MissionResult:
@@ -106,7 +102,7 @@ class GuidedService:
         message: Message,
         origin: Origin,
         now_s: float,
-        frames: frozenset[int],
+        frames: Container[int],
         locate: Callable[[NavState], LatLon | None],
     ) -> None:
         """Position has priority over velocity, yaw over yaw rate; accelerations and forces are refused.

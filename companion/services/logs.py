@@ -18,17 +18,12 @@ from companion.log.logbook import Logbook
 from companion.log.reader import LogReader
 from companion.log.store import LogFile
 from companion.mavlink.address import Address, is_named
-from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.dialect import Message, dialect, message_ids
 from companion.services.outbox import Origin, Outbox
 from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
-LOG_MESSAGES = (
-    dialect.MAVLINK_MSG_ID_LOG_REQUEST_LIST,
-    dialect.MAVLINK_MSG_ID_LOG_REQUEST_DATA,
-    dialect.MAVLINK_MSG_ID_LOG_REQUEST_END,
-    dialect.MAVLINK_MSG_ID_LOG_ERASE,
-)
+LOG_MESSAGES = message_ids("LOG_REQUEST_LIST", "LOG_REQUEST_DATA", "LOG_REQUEST_END", "LOG_ERASE")
 CHUNK_BYTES: Final = 90
 _FRAME_BYTES: Final = 12 + 7 + CHUNK_BYTES
 _MOST_PER_TICK: Final = 256.0  # chunks, of all downloads: 1.1 MB/s at 50 Hz

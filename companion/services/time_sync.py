@@ -17,6 +17,7 @@ ASK_S = 10.0
 LONGEST_WAY_S = 2.0  # round trip
 _FORGET_WAY_S = 60.0  # after this a longer round trip replaces an older one: clocks drift
 _MAX_PEERS = 16
+_OLDEST_STAMP_S = 0.5
 _EARLIEST_UNIX_S, _LATEST_UNIX_S = 1_704_067_200.0, 4_102_444_800.0  # 2024, 2100
 _SAME_S = 1.0  # a smaller difference is transmission delay
 
@@ -74,13 +75,13 @@ class TimeService:
         if self.unix_offset_s is None or abs(offset_s - self.unix_offset_s) > _SAME_S:
             self.unix_offset_s = offset_s
 
-    def to_own_clock(self, sender: Address, stamp_us: int, now_s: float, limit_s: float = 0.5) -> float:
+    def to_own_clock(self, sender: Address, stamp_us: int, now_s: float) -> float:
         """A stamp of a sender in our time; now, unless its clock is known and the stamp is recent."""
         known = self.clocks.get(sender)
         if known is None:
             return now_s
         own_s = stamp_us * 1e-6 - known.offset_s
-        return own_s if now_s - limit_s <= own_s <= now_s else now_s
+        return own_s if now_s - _OLDEST_STAMP_S <= own_s <= now_s else now_s
 
     def tick(self, now_s: float) -> None:
         """Send TIMESYNC periodically."""

@@ -12,15 +12,7 @@ from collections.abc import Callable
 from companion.mavlink.dialect import Message, dialect
 from companion.payload.camera import Image
 from companion.services.camera import messages as build
-from companion.services.commands.command import (
-    ACCEPTED,
-    DENIED,
-    FAILED,
-    UNSUPPORTED,
-    Command,
-    from_int,
-    from_long,
-)
+from companion.services.commands.command import Command, Result, acknowledgement, from_int, from_long
 from companion.services.commands.payload import act
 from companion.services.outbox import Origin, Outbox
 from companion.services.telemetry.service import TakeSnapshot
@@ -75,7 +67,7 @@ class CameraComponent:
             ),
             self._shoot,
         )
-        self._table: dict[int, Callable[[Command], int]] = {
+        self._table: dict[int, Callable[[Command], Result]] = {
             **shoot,
             _COMMAND.MAV_CMD_SET_CAMERA_MODE: _set_mode,
             _COMMAND.MAV_CMD_VIDEO_START_STREAMING: self._stream,
@@ -133,55 +125,44 @@ class CameraComponent:
         elif (carry_out := self._table.get(command.number)) is not None:
             result = carry_out(command)
         else:
-            result = UNSUPPORTED
-        channel, asker = command.origin.channel, command.origin.address
-        self._outbox.send(
-            channel,
-            dialect.MAVLink_command_ack_message(
-                command.number,
-                result,
-                progress=0,
-                result_param2=0,
-                target_system=asker.system,
-                target_component=asker.component,
-            ),
-            self.component,
-        )
+            result = Result.UNSUPPORTED
+        channel, asker = command.origin
+        self._outbox.send(channel, acknowledgement(command.number, result, asker), self.component)
         for answer in answers:
             self._outbox.send(channel, answer, self.component)
 
-    def _request(self, message_id: int | None, which: float, answers: list[Message]) -> int:
+    def _request(self, message_id: int | None, which: float, answers: list[Message]) -> Result:
         """Build a message. which: a stream, 0 for all; or the index of an image."""
         now = self._take_snapshot()
         if now is None or message_id is None:
-            return FAILED
+            return Result.FAILED
         if message_id == dialect.MAVLINK_MSG_ID_CAMERA_IMAGE_CAPTURED:
             answers += [build.image_captured(now, image) for image in self._images if image.index == which]
-            return ACCEPTED if answers else DENIED
+            return Result.ACCEPTED if answers else Result.DENIED
         if message_id in _STREAMS and which not in (0.0, build.STREAM_ID):
-            return DENIED
+            return Result.DENIED
         builder = build.MESSAGES.get(message_id)
         message = None if builder is None else builder(now)
         if message is None:
-            return UNSUPPORTED
+            return Result.UNSUPPORTED
         answers.append(message)
-        return ACCEPTED
+        return Result.ACCEPTED
 
-    def _shoot(self, command: Command) -> int:
+    def _shoot(self, command: Command) -> Result:
         done = self._done
         if done is not None and command.now_s - done.now_s <= _RESEND_S and command.is_same_as(done):
-            return ACCEPTED
+            return Result.ACCEPTED
         result = act(command, self._payload, self._texts)
-        if result == ACCEPTED:
+        if result == Result.ACCEPTED:
             self._done = command
         return result
 
-    def _stream(self, command: Command) -> int:
+    def _stream(self, command: Command) -> Result:
         """The stream runs by itself, for whoever opens it."""
         is_ours = bool(self._payload.setting.rtsp) and command.whole(0) in (0, build.STREAM_ID)
-        return ACCEPTED if is_ours else DENIED
+        return Result.ACCEPTED if is_ours else Result.DENIED
 
 
-def _set_mode(command: Command) -> int:
+def _set_mode(command: Command) -> Result:
     """There is one mode, for images."""
-    return ACCEPTED if command.whole(1) == dialect.CAMERA_MODE_IMAGE else DENIED
+    return Result.ACCEPTED if command.whole(1) == dialect.CAMERA_MODE_IMAGE else Result.DENIED

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from companion import __version__
 from companion.autopilot.snapshot import Snapshot
 from companion.config.payload import CameraSetting
-from companion.core.units import deg_to_e7
+from companion.core.geo import position_to_e7
 from companion.mavlink.dialect import Message, dialect
 from companion.payload.camera import Camera, Image
 
@@ -115,7 +115,7 @@ def _space_mb(now: Snapshot) -> tuple[float, float]:
 
 def image_captured(now: Snapshot, image: Image) -> Message:
     """Index, time and place of an image, as of the shutter."""
-    lat_e7, lon_e7 = _place(image)
+    lat_e7, lon_e7 = (0, 0) if image.position is None else position_to_e7(image.position)
     unix_s = now.unix_s - (now.now_s - image.time_s) if now.unix_s else 0.0
     yaw_rad = 0.0 if math.isnan(image.heading_rad) else image.heading_rad
     attitude = [math.cos(0.5 * yaw_rad), 0.0, 0.0, math.sin(0.5 * yaw_rad)]
@@ -123,11 +123,6 @@ def image_captured(now: Snapshot, image: Image) -> Message:
         round(image.time_s * 1e3) & 0xFFFFFFFF, round(unix_s * 1e6), 0, lat_e7, lon_e7, 0, 0, attitude,
         image.index, 0 if image.fault else 1, image.path.encode()[:204],
     )  # fmt: skip
-
-
-def _place(image: Image) -> tuple[int, int]:
-    position = image.position
-    return (0, 0) if position is None else (deg_to_e7(position.lat_deg), deg_to_e7(position.lon_deg))
 
 
 MESSAGES: dict[int, CameraMessage] = {

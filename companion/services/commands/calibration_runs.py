@@ -1,6 +1,6 @@
 """Commands that start calibration runs: DO_AUTOTUNE_ENABLE (heading), USER_1 (thrusters).
 
-Both answer IN_PROGRESS until the run ends. Its results become parameters.
+Both answer Result.IN_PROGRESS until the run ends. Its results become parameters.
 """
 
 from collections.abc import Callable
@@ -8,15 +8,7 @@ from collections.abc import Callable
 from companion.calibration.runner import HEADING, THRUSTERS, Calibration, CalibrationRunner
 from companion.core.status_text import Severity
 from companion.mavlink.dialect import dialect
-from companion.services.commands.command import (
-    ACCEPTED,
-    CANCELLED,
-    DENIED,
-    FAILED,
-    IN_PROGRESS,
-    REJECTED_FOR_NOW,
-    Command,
-)
+from companion.services.commands.command import Command, Result
 from companion.services.parameters import ParameterService
 from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
@@ -38,19 +30,19 @@ class CalibrationCommands:
         self._runner = runner
         self._parameters = parameters
         self._texts = texts
-        self.table: dict[int, Callable[[Command], int]] = {
+        self.table: dict[int, Callable[[Command], Result]] = {
             dialect.MAV_CMD_DO_AUTOTUNE_ENABLE: self._tune_heading,
             dialect.MAV_CMD_USER_1: self._calibrate_thrusters,
         }
 
-    def tick(self) -> int | None:
+    def tick(self) -> Result | None:
         """The result of a run that has just ended, else None."""
         result = self._runner.take_result()
         if result is None:
             return None
         if result.reason:
             self._texts.notify(Severity.WARNING, f"{result.kind.name} aborted: {result.reason}")
-            return FAILED
+            return Result.FAILED
         for name, value in result.findings:
             short = float(f"{value:.4g}")
             was = self._parameters.value(name)
@@ -59,38 +51,38 @@ class CalibrationCommands:
             else:
                 self._texts.notify(Severity.INFO, f"{name} {was:.4g} -> {short:g}")
         self._texts.notify(Severity.NOTICE, f"{result.kind.name} done: {len(result.findings)} parameters set")
-        return ACCEPTED
+        return Result.ACCEPTED
 
     def progress_percent(self, now_s: float) -> int | None:
         """Progress of a run, None without one."""
         return self._runner.progress_percent(now_s) if self._runner.is_running else None
 
-    def _tune_heading(self, command: Command) -> int:
+    def _tune_heading(self, command: Command) -> Result:
         """param1: 1 starts, 0 aborts; param2: axes, 0 or 4 (yaw)."""
-        return DENIED if command.whole(1) not in _AXES else self._start(HEADING, command, 0.0)
+        return Result.DENIED if command.whole(1) not in _AXES else self._start(HEADING, command, 0.0)
 
-    def _calibrate_thrusters(self, command: Command) -> int:
+    def _calibrate_thrusters(self, command: Command) -> Result:
         """param1: 1 starts, 0 aborts; param2: radius in m, 0 for the default."""
         radius_m = command.p[1]
-        return self._start(THRUSTERS, command, radius_m) if 0.0 <= radius_m <= 10000.0 else DENIED
+        return self._start(THRUSTERS, command, radius_m) if 0.0 <= radius_m <= 10000.0 else Result.DENIED
 
-    def _start(self, kind: Calibration, command: Command, radius_m: float) -> int:
+    def _start(self, kind: Calibration, command: Command, radius_m: float) -> Result:
         runner, vehicle, wanted = self._runner, self._vehicle, command.whole(0)
         if wanted == 0:
             if not runner.is_running or runner.kind is not kind:
-                return ACCEPTED
+                return Result.ACCEPTED
             runner.stop("by command")
             runner.take_result()
             self._texts.notify(Severity.NOTICE, f"{kind.name} aborted by command")
-            return CANCELLED
+            return Result.CANCELLED
         if wanted != 1:
-            return DENIED
+            return Result.DENIED
         if runner.is_running and runner.kind is kind:
-            return IN_PROGRESS
+            return Result.IN_PROGRESS
         if reason := runner.start(
             kind, radius_m, vehicle.status, vehicle.nav, vehicle.fence, vehicle.config, command.now_s
         ):
             self._texts.notify(Severity.WARNING, f"{kind.name}: {reason}")
-            return REJECTED_FOR_NOW
+            return Result.REJECTED_FOR_NOW
         self._texts.notify(Severity.NOTICE, f"{kind.name} started, within {runner.radius_m:.1f} m")
-        return IN_PROGRESS
+        return Result.IN_PROGRESS

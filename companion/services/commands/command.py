@@ -2,30 +2,32 @@
 
 import math
 from collections.abc import Callable
+from enum import IntEnum
 
 from msgspec import Struct
 
 from companion.core.geo import LatLon
 from companion.core.units import e7_to_deg
-from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.address import Address
+from companion.mavlink.dialect import Message, build_message, constants, dialect
 from companion.services.missions.items import HIGHEST_M
 from companion.services.outbox import Origin
 
-ACCEPTED: int = dialect.MAV_RESULT_ACCEPTED
-REJECTED_FOR_NOW: int = dialect.MAV_RESULT_TEMPORARILY_REJECTED
-DENIED: int = dialect.MAV_RESULT_DENIED
-UNSUPPORTED: int = dialect.MAV_RESULT_UNSUPPORTED
-FAILED: int = dialect.MAV_RESULT_FAILED
-IN_PROGRESS: int = dialect.MAV_RESULT_IN_PROGRESS
-CANCELLED = 6  # MAV_RESULT_CANCELLED, newer than the dialect
 
-_GLOBAL_FRAMES = frozenset(
-    {
-        dialect.MAV_FRAME_GLOBAL,
-        dialect.MAV_FRAME_GLOBAL_INT,
-        dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT,
-        dialect.MAV_FRAME_GLOBAL_RELATIVE_ALT_INT,
-    }
+class Result(IntEnum):
+    """MAV_RESULT."""
+
+    ACCEPTED = dialect.MAV_RESULT_ACCEPTED
+    REJECTED_FOR_NOW = dialect.MAV_RESULT_TEMPORARILY_REJECTED
+    DENIED = dialect.MAV_RESULT_DENIED
+    UNSUPPORTED = dialect.MAV_RESULT_UNSUPPORTED
+    FAILED = dialect.MAV_RESULT_FAILED
+    IN_PROGRESS = dialect.MAV_RESULT_IN_PROGRESS
+    CANCELLED = 6  # newer than the dialect
+
+
+_GLOBAL_FRAMES = constants(
+    "MAV_FRAME", "GLOBAL", "GLOBAL_INT", "GLOBAL_RELATIVE_ALT", "GLOBAL_RELATIVE_ALT_INT"
 )
 
 
@@ -74,6 +76,18 @@ class Command(Struct, frozen=True):
             and self.frame == other.frame
             and all(map(_alike, (*self.p, self.x, self.y), (*other.p, other.x, other.y)))
         )
+
+
+def acknowledgement(number: int, result: Result, asker: Address, progress_percent: int = 0) -> Message:
+    """COMMAND_ACK to the sender of a command."""
+    return build_message(
+        "COMMAND_ACK",
+        command=number,
+        result=result,
+        progress=progress_percent,
+        target_system=asker.system,
+        target_component=asker.component,
+    )
 
 
 def _alike(a: float, b: float) -> bool:

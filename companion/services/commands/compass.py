@@ -22,15 +22,7 @@ from companion.sensors.compass.magnetic_field import (
     MotorLoad,
     parameter_values,
 )
-from companion.services.commands.command import (
-    ACCEPTED,
-    CANCELLED,
-    DENIED,
-    FAILED,
-    IN_PROGRESS,
-    REJECTED_FOR_NOW,
-    Command,
-)
+from companion.services.commands.command import Command, Result
 from companion.services.outbox import Outbox
 from companion.services.parameters import ParameterService
 from companion.services.telemetry.statustext import StatusTextService
@@ -68,7 +60,7 @@ class CompassCommands:
         self._report = FieldFit(CompassVerdict.FAILED, "", MagneticCorrection())
         self._reports_left = 0
         self._due_s = 0.0
-        self.table: dict[int, Callable[[Command], int]] = {}
+        self.table: dict[int, Callable[[Command], Result]] = {}
         if self.is_fitted:
             self.table = {
                 dialect.MAV_CMD_DO_START_MAG_CAL: self._start,
@@ -89,34 +81,34 @@ class CompassCommands:
 
     # The boat's iron
 
-    def _start(self, command: Command) -> int:
+    def _start(self, command: Command) -> Result:
         """param1: mask of compasses, 0 all; param3: 1 saves the result, 0 waits for DO_ACCEPT_MAG_CAL."""
         mask = command.whole(0)
         field = self._sensors.field
         if mask is None or field is None or (mask and not mask & 1):
-            return DENIED
+            return Result.DENIED
         if not self._may_calibrate():
             self._texts.notify(Severity.ERROR, "Compass: disarm, or choose MANUAL, to calibrate")
-            return REJECTED_FOR_NOW
+            return Result.REJECTED_FOR_NOW
         self._motors = None
         self._calibration = CompassCalibration(field.correction, self._sensors.earth.field, command.now_s)
         self._saves, self._unsaved = command.whole(2) == 1, None
         self._channel, self._reports_left, self._due_s = command.origin.channel, 0, command.now_s
         self._texts.notify(Severity.NOTICE, _STARTED)
-        return ACCEPTED
+        return Result.ACCEPTED
 
     def _may_calibrate(self) -> bool:
         return not self._vehicle.armed or not self._vehicle.mode.needs_position
 
-    def _accept(self, command: Command) -> int:  # noqa: ARG002
+    def _accept(self, command: Command) -> Result:  # noqa: ARG002
         """Save a result that has waited for it."""
         if self._unsaved is None:
-            return FAILED
+            return Result.FAILED
         self._save(self._unsaved.correction)
         self._unsaved = None
-        return ACCEPTED
+        return Result.ACCEPTED
 
-    def _cancel(self, command: Command) -> int:  # noqa: ARG002
+    def _cancel(self, command: Command) -> Result:  # noqa: ARG002
         """Also how QGroundControl asks whether there is a calibration: accepted when there is nothing to
         cancel.
         """
@@ -124,9 +116,9 @@ class CompassCommands:
             self._texts.notify(Severity.NOTICE, "Compass calibration cancelled")
         self._calibration = self._unsaved = None
         self._reports_left = 0
-        return ACCEPTED
+        return Result.ACCEPTED
 
-    def tick(self, now_s: float) -> int | None:
+    def tick(self, now_s: float) -> Result | None:
         """Continue. Returns the result of a measurement of the motors' field that has just ended."""
         if self._calibration is not None:
             self._calibrate(self._calibration, now_s)
@@ -193,19 +185,19 @@ class CompassCommands:
 
     # One heading that is known
 
-    def _set_by_heading(self, command: Command) -> int:
+    def _set_by_heading(self, command: Command) -> Result:
         """For a boat that cannot be turned: the offset from the true heading param1 in degrees and the
         earth's field. Soft iron is left out.
         """
         field, reading = self._sensors.field, self._sensors.compass
         if self._vehicle.armed:
-            return self._refuse(REJECTED_FOR_NOW, "disarm first")
+            return self._refuse(Result.REJECTED_FOR_NOW, "disarm first")
         if not math.isfinite(command.p[0]) or field is None:
-            return DENIED
+            return Result.DENIED
         if reading is None or reading.field_mg is None:
-            return self._refuse(FAILED, "no reading")
+            return self._refuse(Result.FAILED, "no reading")
         if (earth := self._sensors.earth.field) is None:
-            return self._refuse(FAILED, "the earth's field needs a position and a date")
+            return self._refuse(Result.FAILED, "the earth's field needs a position and a date")
         config = self._vehicle.config
         part = config.parts.compass
         other_rad = self._sensors.declination_rad(part) + part.correction_rad + config.trim.heading_rad
@@ -218,13 +210,13 @@ class CompassCommands:
         )
         x, y, z = (a - b for a, b in zip(expected, reading.field_mg, strict=True))
         if max(abs(x), abs(y), abs(z)) > MOST_OFFSET_MG:
-            return self._refuse(FAILED, "iron or a magnet is too near: move the compass")
+            return self._refuse(Result.FAILED, "iron or a magnet is too near: move the compass")
         before = field.correction
         self._save(MagneticCorrection((x, y, z), UNIT, before.motor, before.motor_source))
         self._texts.notify(Severity.NOTICE, f"Compass calibrated: offsets {x:.0f}, {y:.0f}, {z:.0f} mG")
-        return ACCEPTED
+        return Result.ACCEPTED
 
-    def _refuse(self, result: int, reason: str) -> int:
+    def _refuse(self, result: Result, reason: str) -> Result:
         self._texts.notify(Severity.ERROR, f"Compass: {reason}")
         return result
 
@@ -235,30 +227,30 @@ class CompassCommands:
         """Whether the motors' field is being measured."""
         return self._motors is not None
 
-    def measure_motors(self, command: Command) -> int:
+    def measure_motors(self, command: Command) -> Result:
         """PREFLIGHT_CALIBRATION with param6 = 1. The operator runs the motors, armed in MANUAL or by motor
         tests.
         """
         field = self._sensors.field
         if field is None or not field.correction.is_calibrated:
-            return self._refuse(FAILED, "calibrate it before the motors' field is measured")
+            return self._refuse(Result.FAILED, "calibrate it before the motors' field is measured")
         if not self._may_calibrate():
-            return self._refuse(REJECTED_FOR_NOW, "choose MANUAL to measure the motors' field")
+            return self._refuse(Result.REJECTED_FOR_NOW, "choose MANUAL to measure the motors' field")
         if self._motors is None:
             self._motors = MotorFieldCalibration(field.correction, command.now_s, self._iron_loads)
             self._texts.notify(Severity.NOTICE, _MOTORS_STARTED)
-        return IN_PROGRESS
+        return Result.IN_PROGRESS
 
     def motors_percent(self, now_s: float) -> int:
         """Progress of the measurement."""
         return 0 if self._motors is None else self._motors.progress_percent(now_s)
 
-    def cancel_motors(self) -> int:
+    def cancel_motors(self) -> Result:
         """End the measurement without a result."""
         self._motors = None
-        return CANCELLED
+        return Result.CANCELLED
 
-    def _measure_motors(self, job: MotorFieldCalibration, now_s: float) -> int | None:
+    def _measure_motors(self, job: MotorFieldCalibration, now_s: float) -> Result | None:
         if not self._may_calibrate():
             return self.cancel_motors()
         field = self._sensors.field
@@ -269,13 +261,13 @@ class CompassCommands:
         self._motors = None
         fit = job.solve()
         if fit.reason:
-            return self._refuse(FAILED, f"motors' field not measured: {fit.reason}")
+            return self._refuse(Result.FAILED, f"motors' field not measured: {fit.reason}")
         self._save(fit.correction)
         source = "current" if fit.correction.motor_source == BY_CURRENT else "throttle"
         degrees = math.degrees(math.atan(fit.share))
         text = f"Compass: motors' field by {source}, up to {100.0 * fit.share:.0f} % or {degrees:.0f} degrees"
         self._texts.notify(Severity.NOTICE, text)
-        return ACCEPTED
+        return Result.ACCEPTED
 
 
 def to_body(

@@ -12,21 +12,12 @@ from companion.autopilot.sensor_suite import SensorSuite
 from companion.calibration.motor_test import MotorTest
 from companion.calibration.runner import CalibrationRunner
 from companion.core.readings import HeadingReading
+from companion.core.status_text import Severity
 from companion.hal.interfaces import FaultInjector
 from companion.mavlink.dialect import Message, dialect
-from companion.services.commands.battery import reset_battery
 from companion.services.commands.calibration_runs import CalibrationCommands
-from companion.services.commands.command import (
-    ACCEPTED,
-    CANCELLED,
-    DENIED,
-    FAILED,
-    IN_PROGRESS,
-    UNSUPPORTED,
-    Command,
-)
+from companion.services.commands.command import Command, Result, acknowledgement
 from companion.services.commands.compass import CompassCommands
-from companion.services.commands.faults import inject_fault
 from companion.services.commands.maintenance import MaintenanceCommands
 from companion.services.commands.messages import MessageCommands
 from companion.services.commands.payload import NOT_TWICE as _PAYLOAD_NOT_TWICE
@@ -82,22 +73,25 @@ class CommandService:
         self._motor_test = motor_test
         self._later: list[tuple[int, Message]] = []  # messages after the acknowledgement
         self._compass = CompassCommands(vehicle, sensors, parameters, texts, outbox)
-        self._upkeep = MaintenanceCommands(vehicle, motor_test, parameters, texts, self._compass)
+        self._upkeep = MaintenanceCommands(
+            vehicle, motor_test, parameters, texts, self._compass, sensors.gauge
+        )
         self._calibration = CalibrationCommands(vehicle, calibration, parameters, texts)
         self._vehicle_commands = VehicleCommands(vehicle, parameters, texts)
         self._questions = MessageCommands(telemetry, self._send_later).table
-        self._table: dict[int, Callable[[Command], int]] = {
+        self._table: dict[int, Callable[[Command], Result]] = {
             **self._questions,
             **self._upkeep.table,
             **self._compass.table,
-            dialect.MAV_CMD_BATTERY_RESET: lambda one: reset_battery(one, vehicle, sensors.gauge, texts),
             **self._calibration.table,
             **self._vehicle_commands.table,
             **payload_commands(payload, texts),
             dialect.MAV_CMD_DO_SET_GLOBAL_ORIGIN: lambda command: _set_origin(pose, command),
         }
         if faults is not None:
-            self._table[dialect.MAV_CMD_INJECT_FAILURE] = lambda command: inject_fault(command, faults, texts)
+            self._table[dialect.MAV_CMD_INJECT_FAILURE] = lambda command: _inject_fault(
+                command, faults, texts
+            )
         self.questions = frozenset((*self._questions, *_HARMLESS))
         """Commands that change nothing."""
         self._refusals = RefusalLog(texts)
@@ -143,23 +137,23 @@ class CommandService:
     def _execute(self, command: Command) -> None:
         carry_out = self._table.get(command.number)
         if carry_out is None:
-            self._answer(command, UNSUPPORTED)
+            self._answer(command, Result.UNSUPPORTED)
             return
         if self._is_resent(command) or self._is_repeated(command):
-            self._answer(command, ACCEPTED)
+            self._answer(command, Result.ACCEPTED)
             return
         if command.number not in self._questions and command.number != dialect.MAV_CMD_DO_MOTOR_TEST:
             self._motor_test.stop()
         result = carry_out(command)
-        if result == IN_PROGRESS:
+        if result == Result.IN_PROGRESS:
             self._slow, self._progress_s = command, command.now_s + _PROGRESS_S
-        elif result == CANCELLED:
+        elif result == Result.CANCELLED:
             slow, self._slow = self._slow or command, None
-            self._answer(slow, CANCELLED)
+            self._answer(slow, Result.CANCELLED)
             return
-        if result == ACCEPTED and command.number in _NOT_TWICE:
+        if result == Result.ACCEPTED and command.number in _NOT_TWICE:
             self._done, self._left_behind = command, self._situation()
-        if result == ACCEPTED:
+        if result == Result.ACCEPTED:
             self._accepted.append(command)
         self._answer(command, result)
 
@@ -187,7 +181,7 @@ class CommandService:
                 percent = self._compass.motors_percent(now_s)
             if percent is not None:
                 self._progress_s = now_s + _PROGRESS_S
-                self._answer(slow, IN_PROGRESS, percent)
+                self._answer(slow, Result.IN_PROGRESS, percent)
 
     def _situation(self) -> tuple[object, ...]:
         return self._vehicle.mode, self._vehicle.armed, self._motor_test.is_running
@@ -223,24 +217,26 @@ class CommandService:
             self._outbox.send(channel, message)
         self._later.clear()
 
-    def _answer(self, command: Command, result: int, progress_percent: int = 0) -> None:
+    def _answer(self, command: Command, result: Result, progress_percent: int = 0) -> None:
         if command.number not in self.questions:
             self._refusals.add(command, result)
-        self._outbox.send(
-            command.origin.channel,
-            dialect.MAVLink_command_ack_message(
-                command.number,
-                result,
-                progress=progress_percent,
-                result_param2=0,
-                target_system=command.origin.address.system,
-                target_component=command.origin.address.component,
-            ),
-        )
+        channel, asker = command.origin
+        self._outbox.send(channel, acknowledgement(command.number, result, asker, progress_percent))
 
 
-def _set_origin(pose: ExternalPoseService, command: Command) -> int:
+def _set_origin(pose: ExternalPoseService, command: Command) -> Result:
     place = command.position()
     if place is None:
-        return DENIED
-    return ACCEPTED if pose.set_origin(place) else FAILED
+        return Result.DENIED
+    return Result.ACCEPTED if pose.set_origin(place) else Result.FAILED
+
+
+def _inject_fault(command: Command, injector: FaultInjector, texts: StatusTextService) -> Result:
+    """INJECT_FAILURE: makes emulated hardware fail."""
+    unit, failure, instance = command.whole(0), command.whole(1), command.whole(2)
+    if unit is None or failure is None or instance is None:
+        return Result.DENIED
+    if (done := injector.inject(unit, failure, instance)) is None:
+        return Result.UNSUPPORTED
+    texts.notify(Severity.WARNING, f"Fault: {done}")
+    return Result.ACCEPTED

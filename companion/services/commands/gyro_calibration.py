@@ -2,7 +2,7 @@
 
 from companion.core.readings import HeadingReading
 from companion.core.status_text import Severity, StatusText
-from companion.services.commands.command import ACCEPTED, FAILED
+from companion.services.commands.command import Result
 
 GYRO_S = 3.0
 _MIN_READINGS = 20
@@ -14,7 +14,7 @@ class GyroCalibration:
     """Averages the gyro's readings. `result` is a MAV_RESULT when finished, None before."""
 
     def __init__(self, now_s: float) -> None:
-        self.result: int | None = None
+        self.result: Result | None = None
         self.bias_rad_s = 0.0
         self.notice = StatusText(Severity.INFO, "")
         self._began_s = now_s
@@ -36,14 +36,14 @@ class GyroCalibration:
     def _finish(self) -> None:
         rates = self._rates_rad_s
         if len(rates) < _MIN_READINGS:
-            self._end(FAILED, Severity.WARNING, "Gyro: the compass measures no yaw rate")
+            self._end(Result.FAILED, Severity.WARNING, "Gyro: the compass measures no yaw rate")
             return
         mean = sum(rates) / len(rates)
         if max(abs(rate - mean) for rate in rates) > _STILL_RAD_S or abs(mean) > MAX_BIAS_RAD_S:
-            self._end(FAILED, Severity.WARNING, "Gyro: the boat moved, not calibrated")
+            self._end(Result.FAILED, Severity.WARNING, "Gyro: the boat moved, not calibrated")
             return
         self.bias_rad_s = mean
-        self._end(ACCEPTED, Severity.NOTICE, "Gyro calibrated")
+        self._end(Result.ACCEPTED, Severity.NOTICE, "Gyro calibrated")
 
-    def _end(self, result: int, severity: int, text: str) -> None:
+    def _end(self, result: Result, severity: int, text: str) -> None:
         self.result, self.notice = result, StatusText(severity, text)

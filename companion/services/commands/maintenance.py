@@ -9,16 +9,8 @@ from companion.core.readings import HeadingReading
 from companion.core.status_text import Severity
 from companion.core.units import wrap_pi
 from companion.mavlink.dialect import dialect
-from companion.services.commands.command import (
-    ACCEPTED,
-    CANCELLED,
-    DENIED,
-    FAILED,
-    IN_PROGRESS,
-    REJECTED_FOR_NOW,
-    UNSUPPORTED,
-    Command,
-)
+from companion.sensors.fuel_gauge import FuelGauge
+from companion.services.commands.command import Command, Result
 from companion.services.commands.compass import CompassCommands
 from companion.services.commands.gyro_calibration import GyroCalibration
 from companion.services.outbox import Origin
@@ -29,6 +21,7 @@ from companion.vehicle.vehicle import Vehicle
 _RESTART_AFTER_S = 0.3  # time to send the ACK
 _RESTART_LATEST_S = 5.0  # a program that still runs then does not restart, such as that of an emulated fleet
 _PERCENT, _PWM = 0, 1  # MOTOR_TEST_THROTTLE_TYPE
+_FIRST_PACK = 1
 _RADIO_S = 600.0  # time-out of the RC calibration
 _SELF_CALIBRATING = "Compass: calibrates itself while turning; Fast Calibration aligns it with the bow"
 _NOTHING_TO_CALIBRATE = (  # param2 to param6 of PREFLIGHT_CALIBRATION
@@ -51,6 +44,7 @@ class MaintenanceCommands:
         parameters: ParameterService,
         texts: StatusTextService,
         compass: CompassCommands,
+        gauge: FuelGauge,
     ) -> None:
         self.restart_due_s = math.inf
         self.calibration: GyroCalibration | None = None  # in progress, or just ended
@@ -60,10 +54,12 @@ class MaintenanceCommands:
         self._parameters = parameters
         self._texts = texts
         self._compass = compass
+        self._gauge = gauge
         self._tester: Origin | None = None  # the station that requested the motor test
         self._tester_seen_s = -math.inf
         self._test_told = ""
-        self.table: dict[int, Callable[[Command], int]] = {
+        self.table: dict[int, Callable[[Command], Result]] = {
+            dialect.MAV_CMD_BATTERY_RESET: self._reset_battery,
             dialect.MAV_CMD_DO_CANCEL_MAG_CAL: self._calibrate_compass,  # by which QGroundControl's page asks
             dialect.MAV_CMD_DO_START_MAG_CAL: self._calibrate_compass,
             dialect.MAV_CMD_DO_MOTOR_TEST: self._test_motor,
@@ -74,7 +70,7 @@ class MaintenanceCommands:
             dialect.MAV_CMD_PREFLIGHT_STORAGE: self._store,
         }
 
-    def tick(self, heading: HeadingReading | None, now_s: float) -> int | None:
+    def tick(self, heading: HeadingReading | None, now_s: float) -> Result | None:
         """Continue calibration and motor test. Returns the result of a calibration that has just ended, else
         None.
         """
@@ -83,7 +79,7 @@ class MaintenanceCommands:
             self._watch_tester(now_s)
         if now_s > self.restart_due_s + _RESTART_LATEST_S:
             self.restart_due_s, self._vehicle.is_restarting = math.inf, False
-            self._report(FAILED, "Reboot: this program does not restart")
+            self._report(Result.FAILED, "Reboot: this program does not restart")
         job = self.calibration
         if job is None:
             return None
@@ -93,14 +89,14 @@ class MaintenanceCommands:
         if job.result is None:
             return None
         self.calibration = None
-        if job.result == ACCEPTED and (reason := self._parameters.set(_BIAS, job.bias_rad_s)):
-            return self._report(FAILED, reason)
+        if job.result == Result.ACCEPTED and (reason := self._parameters.set(_BIAS, job.bias_rad_s)):
+            return self._report(Result.FAILED, reason)
         return self._report(job.result, job.notice.text, job.notice.severity)
 
-    def cancel(self) -> int:
+    def cancel(self) -> Result:
         """Cancel the calibration."""
         self.calibration = None
-        return CANCELLED
+        return Result.CANCELLED
 
     def on_message(self, origin: Origin, now_s: float) -> None:
         """Any message from a station."""
@@ -121,37 +117,37 @@ class MaintenanceCommands:
         self._motor_test.stop()
         self._texts.notify(Severity.WARNING, f"Motor test: ended, {why}")
 
-    def _report(self, result: int, text: str, severity: int = Severity.ERROR) -> int:
+    def _report(self, result: Result, text: str, severity: int = Severity.ERROR) -> Result:
         self._texts.notify(severity, text)
         return result
 
-    def _test_motor(self, command: Command) -> int:
+    def _test_motor(self, command: Command) -> Result:
         motor, kind = command.whole(0), command.whole(1)
         value, duration_s = command.p[2], command.p[3]
         if motor not in tuple(TestedMotor) or kind not in (_PERCENT, _PWM):
-            return DENIED
+            return Result.DENIED
         share = value / 100.0 if kind == _PERCENT else (value - 1500.0) / 500.0
         if not (abs(share) <= 1.0 and 0.0 <= duration_s < math.inf):
-            return DENIED
+            return Result.DENIED
         if share == 0.0 or duration_s == 0.0:
             self._motor_test.stop()
-            return ACCEPTED
+            return Result.ACCEPTED
         vehicle, was_running = self._vehicle, self._motor_test.is_running
         if vehicle.output_fault:
-            return self._report(FAILED, f"Motor test: {vehicle.output_fault}")
+            return self._report(Result.FAILED, f"Motor test: {vehicle.output_fault}")
         if reason := self._motor_test.start(
             TestedMotor(motor), share, duration_s, vehicle.status, command.now_s, vehicle.config.drive
         ):
-            return self._report(FAILED, f"Motor test: {reason}")
+            return self._report(Result.FAILED, f"Motor test: {reason}")
         self._tester, self._tester_seen_s = command.origin, command.now_s
         name = TestedMotor(motor).name.lower()
         told, before = f"Motor test: {name} {100.0 * share:.0f} %", self._test_told
         self._test_told = told
         if was_running and told == before:
-            return ACCEPTED  # a station prolongs it, several times a second
-        return self._report(ACCEPTED, told, Severity.NOTICE)
+            return Result.ACCEPTED  # a station prolongs it, several times a second
+        return self._report(Result.ACCEPTED, told, Severity.NOTICE)
 
-    def _calibrate(self, command: Command) -> int:
+    def _calibrate(self, command: Command) -> Result:
         """Calibrate the gyro, or allow a station's RC calibration. All zero cancels."""
         radio = self._vehicle.manual_input.rc
         wanted = [one if math.isfinite(one) else 0.0 for one in (*command.p, command.fifth, command.sixth)]
@@ -160,7 +156,7 @@ class MaintenanceCommands:
             if self._compass.is_measuring_motors:
                 return self._compass.cancel_motors()
             if self.calibration is None:
-                return ACCEPTED
+                return Result.ACCEPTED
             return self.cancel()
         if wanted[3] and radio.is_fitted and not any(wanted[:3] + wanted[4:]):
             return self._calibrate_radio(command.now_s)
@@ -168,64 +164,80 @@ class MaintenanceCommands:
             return self._compass.measure_motors(command)
         for reason, is_wanted in zip(_NOTHING_TO_CALIBRATE, wanted[1:], strict=True):
             if is_wanted:
-                return self._report(UNSUPPORTED, reason)
+                return self._report(Result.UNSUPPORTED, reason)
         if command.p[0] != 1.0:
-            return UNSUPPORTED
+            return Result.UNSUPPORTED
         if self._vehicle.armed:
-            return self._report(REJECTED_FOR_NOW, "Calibration: disarm first")
+            return self._report(Result.REJECTED_FOR_NOW, "Calibration: disarm first")
         if self.calibration is None:
             self.calibration = GyroCalibration(command.now_s)
-        return IN_PROGRESS
+        return Result.IN_PROGRESS
 
-    def _calibrate_radio(self, now_s: float) -> int:
+    def _calibrate_radio(self, now_s: float) -> Result:
         if self._vehicle.armed:
-            return self._report(REJECTED_FOR_NOW, "Calibration: disarm first")
+            return self._report(Result.REJECTED_FOR_NOW, "Calibration: disarm first")
         self._vehicle.manual_input.rc.calibrated_until_s = now_s + _RADIO_S
-        return ACCEPTED
+        return Result.ACCEPTED
 
-    def _calibrate_compass(self, command: Command) -> int:  # noqa: ARG002
+    def _calibrate_compass(self, command: Command) -> Result:  # noqa: ARG002
         """The heading sensor calibrates itself. There is no report: it has neither failed nor succeeded."""
-        return self._report(UNSUPPORTED, _SELF_CALIBRATING)
+        return self._report(Result.UNSUPPORTED, _SELF_CALIBRATING)
 
-    def _trim_compass(self, command: Command) -> int:
+    def _trim_compass(self, command: Command) -> Result:
         """Trim the compass to the true heading param1 in degrees."""
         if self._vehicle.armed:
-            return self._report(REJECTED_FOR_NOW, "Compass: disarm first")
+            return self._report(Result.REJECTED_FOR_NOW, "Compass: disarm first")
         if not math.isfinite(command.p[0]):
-            return DENIED
+            return Result.DENIED
         if self._heading is None or math.isnan(self._heading.heading_rad):
-            return self._report(FAILED, "Compass: no heading")
+            return self._report(Result.FAILED, "Compass: no heading")
         trim_deg = math.degrees(wrap_pi(math.radians(command.p[0]) - self._heading.heading_rad))
         if reason := self._parameters.set(_TRIM, trim_deg):
-            return self._report(FAILED, reason)
-        return self._report(ACCEPTED, f"Compass trimmed by {trim_deg:.0f} degrees", Severity.NOTICE)
+            return self._report(Result.FAILED, reason)
+        return self._report(Result.ACCEPTED, f"Compass trimmed by {trim_deg:.0f} degrees", Severity.NOTICE)
 
-    def _store(self, command: Command) -> int:
+    def _reset_battery(self, command: Command) -> Result:
+        """The pack was changed or charged: set the fuel gauge and end the battery failsafes.
+
+        param1: bit mask of packs, of which the boat has the first; param2: charge in percent.
+        """
+        packs, percent = command.whole(0), command.p[1]
+        if packs is None or packs < 0 or not 0.0 <= percent <= 100.0:
+            return Result.DENIED
+        if not packs & _FIRST_PACK or not self._vehicle.has_battery_monitor:
+            return self._report(Result.FAILED, "Battery: no such monitor")
+        if self._vehicle.armed:
+            return self._report(Result.REJECTED_FOR_NOW, "Battery: disarm first")
+        self._gauge.reset(percent / 100.0)
+        self._vehicle.failsafes.renew_pack(percent / 100.0)
+        return self._report(Result.ACCEPTED, f"Battery set to {percent:.0f} %", Severity.NOTICE)
+
+    def _store(self, command: Command) -> Result:
         """Every change is stored immediately; only the reset has an effect."""
         match command.whole(0):
             case 0 | 1:
-                return ACCEPTED
+                return Result.ACCEPTED
             case 2 if self._vehicle.armed:
-                return self._report(REJECTED_FOR_NOW, "Parameters: disarm first")
+                return self._report(Result.REJECTED_FOR_NOW, "Parameters: disarm first")
             case 2:
                 self._parameters.reset()
-                return self._report(ACCEPTED, "Parameters reset to the boat's file", Severity.NOTICE)
+                return self._report(Result.ACCEPTED, "Parameters reset to the boat's file", Severity.NOTICE)
             case _:
-                return DENIED
+                return Result.DENIED
 
-    def _restart(self, command: Command) -> int:
+    def _restart(self, command: Command) -> Result:
         """Only a restart: after a shutdown the boat could not be reached."""
         match command.whole(0):
             case 0:
-                return ACCEPTED
+                return Result.ACCEPTED
             case 1 if self._vehicle.armed:
-                return self._report(FAILED, "Reboot: disarm first")
+                return self._report(Result.FAILED, "Reboot: disarm first")
             case 1:
                 self._vehicle.is_restarting = True
                 self.restart_due_s = min(self.restart_due_s, command.now_s + _RESTART_AFTER_S)
-                return self._report(ACCEPTED, "Rebooting", Severity.NOTICE)
+                return self._report(Result.ACCEPTED, "Rebooting", Severity.NOTICE)
             case _:
-                return UNSUPPORTED
+                return Result.UNSUPPORTED
 
-    def _send_banner(self, command: Command) -> int:  # noqa: ARG002
-        return self._report(ACCEPTED, f"mavboat {__version__}, a boat with two motors", Severity.INFO)
+    def _send_banner(self, command: Command) -> Result:  # noqa: ARG002
+        return self._report(Result.ACCEPTED, f"mavboat {__version__}, a boat with two motors", Severity.INFO)

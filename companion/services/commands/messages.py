@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from companion.mavlink.dialect import dialect
-from companion.services.commands.command import ACCEPTED, DENIED, FAILED, UNSUPPORTED, Command, SendLater
+from companion.services.commands.command import Command, Result, SendLater
 from companion.services.telemetry.service import TelemetryService
 from companion.services.telemetry.streams import MIN_INTERVAL_S
 
@@ -18,7 +18,7 @@ class MessageCommands:
     def __init__(self, telemetry: TelemetryService, send_later: SendLater) -> None:
         self._telemetry = telemetry
         self._send_later = send_later
-        self.table: dict[int, Callable[[Command], int]] = {
+        self.table: dict[int, Callable[[Command], Result]] = {
             dialect.MAV_CMD_GET_HOME_POSITION: self._asks_for(dialect.MAVLINK_MSG_ID_HOME_POSITION),
             dialect.MAV_CMD_GET_MESSAGE_INTERVAL: self._get_interval,
             dialect.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: self._asks_for(
@@ -28,36 +28,36 @@ class MessageCommands:
             dialect.MAV_CMD_SET_MESSAGE_INTERVAL: self._set_interval,
         }
 
-    def _asks_for(self, message_id: int) -> Callable[[Command], int]:
+    def _asks_for(self, message_id: int) -> Callable[[Command], Result]:
         return lambda command: self._send_once(command.origin.channel, message_id, 0.0)
 
-    def _request(self, command: Command) -> int:
+    def _request(self, command: Command) -> Result:
         message_id = command.whole(0)
         if message_id is None:
-            return UNSUPPORTED
+            return Result.UNSUPPORTED
         return self._send_once(command.origin.channel, message_id, command.p[1])
 
-    def _send_once(self, channel: int, message_id: int, which: float) -> int:
+    def _send_once(self, channel: int, message_id: int, which: float) -> Result:
         if not self._telemetry.answers(message_id):
-            return UNSUPPORTED
+            return Result.UNSUPPORTED
         messages = self._telemetry.build_all(message_id, which)
         for message in messages:
             self._send_later(channel, message)
-        return ACCEPTED if messages else FAILED
+        return Result.ACCEPTED if messages else Result.FAILED
 
-    def _set_interval(self, command: Command) -> int:
+    def _set_interval(self, command: Command) -> Result:
         message_id = command.whole(0)
         channel, interval_us = command.origin.channel, command.p[1]
         if message_id is None or 0.0 < interval_us < SHORTEST_US:
-            return DENIED
+            return Result.DENIED
         done = self._telemetry.set_interval_us(channel, message_id, interval_us, command.now_s)
-        return ACCEPTED if done else UNSUPPORTED
+        return Result.ACCEPTED if done else Result.UNSUPPORTED
 
-    def _get_interval(self, command: Command) -> int:
+    def _get_interval(self, command: Command) -> Result:
         message_id = command.whole(0)
         if message_id is None or not 0 <= message_id <= 0xFFFF:
-            return DENIED
+            return Result.DENIED
         channel = command.origin.channel
         interval_us = self._telemetry.interval_us(channel, message_id)
         self._send_later(channel, dialect.MAVLink_message_interval_message(message_id, interval_us))
-        return ACCEPTED
+        return Result.ACCEPTED

@@ -5,13 +5,7 @@ from collections.abc import Callable
 from companion.core.status_text import Severity
 from companion.mavlink.dialect import dialect
 from companion.payload.actions import ActionFault
-from companion.services.commands.command import (
-    ACCEPTED,
-    DENIED,
-    REJECTED_FOR_NOW,
-    UNSUPPORTED,
-    Command,
-)
+from companion.services.commands.command import Command, Result
 from companion.services.payload.rows import ROWS, read_action
 from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.payload_control import PayloadControl
@@ -29,21 +23,21 @@ NOT_TWICE = (
 
 def payload_commands(
     payload: PayloadControl, texts: StatusTextService
-) -> dict[int, Callable[[Command], int]]:
+) -> dict[int, Callable[[Command], Result]]:
     """The table of handlers."""
     return dict.fromkeys(ROWS, lambda command: act(command, payload, texts))
 
 
-def act(command: Command, payload: PayloadControl, texts: StatusTextService) -> int:
+def act(command: Command, payload: PayloadControl, texts: StatusTextService) -> Result:
     """Carry out a payload command, or say why not."""
     p = (*command.p, command.fifth, command.sixth, command.altitude_m)
     action = read_action(command.number, p, payload.fitted)
     if isinstance(action, ActionFault):
-        fault, result = action.text, DENIED if action.parameter else UNSUPPORTED
+        fault, result = action.text, Result.DENIED if action.parameter else Result.UNSUPPORTED
     else:
-        fault, result = payload.perform(action, command.now_s), REJECTED_FOR_NOW
+        fault, result = payload.perform(action, command.now_s), Result.REJECTED_FOR_NOW
     if not fault:
-        return ACCEPTED
+        return Result.ACCEPTED
     name = dialect.enums["MAV_CMD"][command.number].name.removeprefix("MAV_CMD_")
     texts.notify(Severity.ERROR, f"{name}: {fault}")
     return result

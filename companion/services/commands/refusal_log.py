@@ -3,7 +3,7 @@
 import logging
 
 from companion.mavlink.dialect import dialect
-from companion.services.commands.command import ACCEPTED, CANCELLED, IN_PROGRESS, Command
+from companion.services.commands.command import Command, Result
 from companion.services.telemetry.statustext import StatusTextService
 
 logger = logging.getLogger(__name__)
@@ -21,9 +21,9 @@ class RefusalLog:
         self._left = _MOST
         self._now_s = 0.0
 
-    def add(self, command: Command, result: int) -> None:
+    def add(self, command: Command, result: Result) -> None:
         """A command was answered."""
-        if not self._texts.logs_texts or result in (ACCEPTED, IN_PROGRESS, CANCELLED):
+        if not self._texts.logs_texts or result in (Result.ACCEPTED, Result.IN_PROGRESS, Result.CANCELLED):
             return
         if self._left < 1.0:
             self.dropped += 1

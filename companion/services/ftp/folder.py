@@ -33,13 +33,11 @@ class DiskReading:
         self._window = (0, b"")
 
     def has(self, offset: int, count: int) -> bool:
-        """Whether the window covers this part."""
         begin, window = self._window
         end = min(offset + count, self.size)
         return offset >= self.size or (begin <= offset and end <= begin + len(window))
 
     def read(self, offset: int, count: int) -> bytes:
-        """From the window only."""
         begin, window = self._window
         return window[offset - begin : offset - begin + count] if offset >= begin else b""
 
@@ -51,12 +49,10 @@ class DiskReading:
         self._window = (offset, window)
 
     def fetch(self, offset: int, count: int) -> bytes:
-        """From the disk."""
         count = min(count, self.size - offset)
         return os.pread(self._descriptor, count, offset) if self._descriptor >= 0 and count > 0 else b""
 
     def close(self) -> None:
-        """Close the descriptor."""
         descriptor, self._descriptor = self._descriptor, -1
         if descriptor >= 0:
             os.close(descriptor)
@@ -67,20 +63,17 @@ class FolderMount:
 
     is_disk = True
 
-    def __init__(self, folder: Path, *, quota_bytes: int = 0, aside: Path | None = None) -> None:
-        """quota_bytes: total size limit; 0: read only. aside: temporary file, on the same disk, outside the
-        folder.
-        """
+    def __init__(self, folder: Path, *, quota_bytes: int = 0) -> None:
+        """quota_bytes: total size limit; 0: read only."""
         self._folder = folder
         self._quota_bytes = quota_bytes
         self._quota = Quota(folder, quota_bytes)
-        self._aside = aside or folder.with_name(f".{folder.name}.new")
+        self._aside = folder.with_name(f".{folder.name}.new")  # on the same disk, outside the folder
         if quota_bytes:
             with suppress(OSError):  # a read-only medium; writing will say so
                 folder.mkdir(parents=True, exist_ok=True)
 
     def open(self, names: Names) -> DiskReading:
-        """Open a file with its beginning loaded."""
         with self._parent(names) as (parent, name):
             reading = DiskReading(*_open_file(name, os.O_RDONLY, parent))
         try:
@@ -160,7 +153,6 @@ class FolderMount:
             self._quota.add(-size, -1)
 
     def make_folder(self, names: Names) -> None:
-        """Make a folder in an existing one."""
         self._check_writable(names)
         with self._parent(names) as (parent, name):
             self._quota.check(0, 1)
@@ -168,7 +160,6 @@ class FolderMount:
             self._quota.add(0, 1)
 
     def remove_folder(self, names: Names) -> None:
-        """Remove an empty folder."""
         self._check_writable(names)
         with self._parent(names) as (parent, name):
             os.rmdir(name, dir_fd=parent)

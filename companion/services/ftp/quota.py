@@ -14,10 +14,9 @@ class Quota:
     have been removed.
     """
 
-    def __init__(self, folder: Path, most_bytes: int, most_entries: int = MOST_ENTRIES) -> None:
+    def __init__(self, folder: Path, most_bytes: int) -> None:
         self._folder = folder
         self._most_bytes = most_bytes
-        self._most_entries = most_entries
         self._bytes = self._entries = 0
         self._is_counted = False
 
@@ -41,7 +40,7 @@ class Quota:
     def _has_room(self, more_bytes: int, more_entries: int) -> bool:
         # Shrinking is always allowed
         return (more_bytes <= 0 or self._bytes + more_bytes <= self._most_bytes) and (
-            more_entries <= 0 or self._entries + more_entries <= self._most_entries
+            more_entries <= 0 or self._entries + more_entries <= MOST_ENTRIES
         )
 
     def _count(self) -> None:

@@ -46,11 +46,9 @@ class Content:
         self._content = content
 
     def has(self, offset: int, count: int) -> bool:  # noqa: ARG002
-        """Always."""
         return True
 
     def read(self, offset: int, count: int) -> bytes:
-        """Up to count bytes."""
         return self._content[offset : offset + count]
 
     fetch = read

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 
 from companion.core.geo import LatLon, Point
 from companion.core.units import e7_to_deg
-from companion.mavlink.dialect import dialect
+from companion.mavlink.dialect import constants, dialect
 from companion.mavlink.items import GLOBAL_FRAMES, ItemFault, MissionItem, MissionResult
 from companion.payload.actions import ActionFault
 from companion.payload.fitted import CAMERA, FittedPayload
@@ -38,24 +38,12 @@ _LOCAL_SCALE = 1e-4  # x and y of a local frame are in tenths of a millimetre
 
 # Mount and markers are skipped, with a report to the operator; so are cameras on a boat without one. Takeoff:
 # QGroundControl's templates begin with it for a boat too
-IGNORED = frozenset(
-    {
-        dialect.MAV_CMD_NAV_TAKEOFF,
-        dialect.MAV_CMD_DO_LAND_START,
-        dialect.MAV_CMD_DO_SET_ROI_LOCATION,
-        dialect.MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET,
-        dialect.MAV_CMD_DO_SET_ROI_NONE,
-        dialect.MAV_CMD_DO_SET_ROI_SYSID,
-        dialect.MAV_CMD_DO_CONTROL_VIDEO,
-        dialect.MAV_CMD_DO_SET_ROI,
-        dialect.MAV_CMD_DO_DIGICAM_CONFIGURE,
-        dialect.MAV_CMD_DO_MOUNT_CONFIGURE,
-        dialect.MAV_CMD_DO_MOUNT_CONTROL,
-        dialect.MAV_CMD_DO_GIMBAL_MANAGER_PITCHYAW,
-        dialect.MAV_CMD_SET_CAMERA_MODE,
-        dialect.MAV_CMD_VIDEO_START_CAPTURE,
-        dialect.MAV_CMD_VIDEO_STOP_CAPTURE,
-    }
+IGNORED = constants(
+    "MAV_CMD",
+    *("NAV_TAKEOFF", "DO_LAND_START", "DO_CONTROL_VIDEO", "VIDEO_START_CAPTURE", "VIDEO_STOP_CAPTURE"),
+    *("DO_SET_ROI", "DO_SET_ROI_LOCATION", "DO_SET_ROI_NONE", "DO_SET_ROI_SYSID", "DO_SET_ROI_WPNEXT_OFFSET"),
+    *("DO_DIGICAM_CONFIGURE", "SET_CAMERA_MODE", "DO_MOUNT_CONFIGURE", "DO_MOUNT_CONTROL"),
+    "DO_GIMBAL_MANAGER_PITCHYAW",
 )
 
 SAILED_STRAIGHT = frozenset({dialect.MAV_CMD_NAV_SPLINE_WAYPOINT})

@@ -5,9 +5,8 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig
-from companion.core.geo import LatLon
+from companion.core.geo import LatLon, position_to_e7
 from companion.core.storage import Saving, Storage
-from companion.core.units import deg_to_e7
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import ItemFault, MissionItem, MissionType
@@ -162,9 +161,5 @@ class MissionList:
 
 
 def _home_item(home: LatLon) -> MissionItem:
-    return MissionItem(
-        frame=dialect.MAV_FRAME_GLOBAL,
-        command=dialect.MAV_CMD_NAV_WAYPOINT,
-        x=deg_to_e7(home.lat_deg),
-        y=deg_to_e7(home.lon_deg),
-    )
+    x, y = position_to_e7(home)
+    return MissionItem(dialect.MAV_FRAME_GLOBAL, dialect.MAV_CMD_NAV_WAYPOINT, x=x, y=y)

@@ -11,7 +11,7 @@ from companion.core.requests import SetCurrentItem
 from companion.core.status_text import Severity
 from companion.core.storage import Saving, Storage
 from companion.mavlink.address import Address, is_named
-from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.dialect import Message, dialect, message_ids
 from companion.mavlink.items import MissionItem, MissionResult, MissionType
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Failed, Transfer, TransferState
@@ -28,24 +28,14 @@ from companion.vehicle.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)
 
-MISSION_MESSAGES = (
-    dialect.MAVLINK_MSG_ID_MISSION_COUNT,
-    dialect.MAVLINK_MSG_ID_MISSION_ITEM_INT,
-    dialect.MAVLINK_MSG_ID_MISSION_ITEM,
-    dialect.MAVLINK_MSG_ID_MISSION_REQUEST_LIST,
-    dialect.MAVLINK_MSG_ID_MISSION_REQUEST_INT,
-    dialect.MAVLINK_MSG_ID_MISSION_REQUEST,
-    dialect.MAVLINK_MSG_ID_MISSION_ACK,
-    dialect.MAVLINK_MSG_ID_MISSION_CLEAR_ALL,
-    dialect.MAVLINK_MSG_ID_MISSION_SET_CURRENT,
-    dialect.MAVLINK_MSG_ID_MISSION_WRITE_PARTIAL_LIST,
-    dialect.MAVLINK_MSG_ID_MISSION_REQUEST_PARTIAL_LIST,
-)
 _ALL_TYPES = dialect.MAV_MISSION_TYPE_ALL
 _ITEM = frozenset({"MISSION_ITEM_INT", "MISSION_ITEM"})
 _OFFERS = frozenset({"MISSION_COUNT", "MISSION_CLEAR_ALL", "MISSION_WRITE_PARTIAL_LIST"})
 _UPLOAD = _OFFERS | _ITEM
 _DOWNLOAD = frozenset({"MISSION_REQUEST_LIST", "MISSION_REQUEST_INT", "MISSION_REQUEST"})
+MISSION_MESSAGES = message_ids(
+    *sorted(_UPLOAD | _DOWNLOAD), "MISSION_ACK", "MISSION_SET_CURRENT", "MISSION_REQUEST_PARTIAL_LIST"
+)
 _LIST_ITEM = 1  # MISSION_ITEM.current above it: ArduPilot's old go-to, an item of no list
 _PART_PER_TICK = 10
 _ITEM_BYTES = 50  # on the line
@@ -292,11 +282,8 @@ class MissionService:
             machine.take_events()  # failed downloads are not reported
 
     def _acknowledge(self, origin: Origin, result: MissionResult, mission_type: int) -> None:
-        address = origin.address
-        self._outbox.send(
-            origin.channel,
-            dialect.MAVLink_mission_ack_message(address.system, address.component, result, mission_type),
-        )
+        answer = dialect.MAVLink_mission_ack_message(*origin.address, result, mission_type)
+        self._outbox.send(origin.channel, answer)
 
     def _report_not_stored(self, one: MissionList, error: str) -> None:
         self._texts.notify(Severity.ERROR, f"{_title(one)} not stored: {error}")

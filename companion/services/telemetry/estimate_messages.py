@@ -2,7 +2,7 @@
 
 from companion.autopilot.snapshot import Snapshot
 from companion.core.state import EstimateFault
-from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.dialect import Message, build_message, dialect
 
 _GNSS_BAD = EstimateFault.GNSS_LOST | EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING
 _GLITCH = EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING
@@ -60,17 +60,14 @@ def estimator_status(now: Snapshot) -> Message | None:
     flags, position, heading = _health(now)
     if nav.faults & _GLITCH:
         flags |= dialect.ESTIMATOR_GPS_GLITCH
-    return dialect.MAVLink_estimator_status_message(
+    return build_message(
+        "ESTIMATOR_STATUS",
         time_usec=now.boot_us,
         flags=flags,
         vel_ratio=position,
         pos_horiz_ratio=position,
-        pos_vert_ratio=0.0,
         mag_ratio=heading,
-        hagl_ratio=0.0,
-        tas_ratio=0.0,
         pos_horiz_accuracy=nav.position_sigma_m,
-        pos_vert_accuracy=0.0,
     )
 
 

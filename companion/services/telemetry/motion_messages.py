@@ -3,10 +3,10 @@
 import math
 
 from companion.autopilot.snapshot import Snapshot
-from companion.core.geo import LatLon, bearing_rad
+from companion.core.geo import LatLon, bearing_rad, position_to_e7
 from companion.core.readings import GnssFix
-from companion.core.units import clamp, deg_to_e7, wrap_two_pi
-from companion.mavlink.dialect import Message, dialect
+from companion.core.units import clamp, wrap_two_pi
+from companion.mavlink.dialect import Message, build_message, dialect
 
 # POSITION_TARGET_TYPEMASK: height, vertical speed, accelerations and yaw rate mean nothing here
 _POSITION_AND_VELOCITY = 0b1001_1110_0100
@@ -39,16 +39,8 @@ def attitude_quaternion(now: Snapshot) -> Message | None:
     if (nav := now.vehicle.nav) is None:
         return None
     half_rad = 0.5 * nav.heading_rad
-    return dialect.MAVLink_attitude_quaternion_message(
-        now.boot_ms,
-        math.cos(half_rad),
-        0.0,
-        0.0,
-        math.sin(half_rad),
-        0.0,
-        0.0,
-        nav.yaw_rate_rad_s,
-    )
+    rotation = math.cos(half_rad), 0.0, 0.0, math.sin(half_rad)
+    return dialect.MAVLink_attitude_quaternion_message(now.boot_ms, *rotation, 0.0, 0.0, nav.yaw_rate_rad_s)
 
 
 def global_position_int(now: Snapshot) -> Message | None:
@@ -56,17 +48,10 @@ def global_position_int(now: Snapshot) -> Message | None:
     nav, frame = now.vehicle.nav, now.vehicle.frame
     if nav is None or frame is None:
         return None
-    here = frame.to_global(nav.point)
+    velocity_cm_s = _int16(nav.north_m_s * 100.0), _int16(nav.east_m_s * 100.0), 0
+    place_e7, heading_cdeg = position_to_e7(frame.to_global(nav.point)), _heading_cdeg(nav.heading_rad)
     return dialect.MAVLink_global_position_int_message(
-        now.boot_ms,
-        deg_to_e7(here.lat_deg),
-        deg_to_e7(here.lon_deg),
-        0,
-        0,
-        _int16(nav.north_m_s * 100.0),
-        _int16(nav.east_m_s * 100.0),
-        0,
-        _heading_cdeg(nav.heading_rad),
+        now.boot_ms, *place_e7, 0, 0, *velocity_cm_s, heading_cdeg
     )
 
 
@@ -82,9 +67,7 @@ def local_position_ned(now: Snapshot) -> Message | None:
 
 def global_origin(origin: LatLon, time_us: int = 0) -> Message:
     """The origin of local positions."""
-    return dialect.MAVLink_gps_global_origin_message(
-        deg_to_e7(origin.lat_deg), deg_to_e7(origin.lon_deg), 0, time_us
-    )
+    return dialect.MAVLink_gps_global_origin_message(*position_to_e7(origin), 0, time_us)
 
 
 def gps_global_origin(now: Snapshot) -> Message | None:
@@ -97,23 +80,17 @@ def position_target_global_int(now: Snapshot) -> Message | None:
     target, demand = now.vehicle.destination, now.guidance.demand
     if target is None or demand is None:
         return None
-    north_m_s = demand.speed_m_s * math.cos(demand.heading_rad)
-    east_m_s = demand.speed_m_s * math.sin(demand.heading_rad)
-    return dialect.MAVLink_position_target_global_int_message(
+    lat_e7, lon_e7 = position_to_e7(target)
+    return build_message(
+        "POSITION_TARGET_GLOBAL_INT",
         time_boot_ms=now.boot_ms,
         coordinate_frame=dialect.MAV_FRAME_GLOBAL,
         type_mask=_POSITION_AND_VELOCITY,
-        lat_int=deg_to_e7(target.lat_deg),
-        lon_int=deg_to_e7(target.lon_deg),
-        alt=0.0,
-        vx=north_m_s,
-        vy=east_m_s,
-        vz=0.0,
-        afx=0.0,
-        afy=0.0,
-        afz=0.0,
+        lat_int=lat_e7,
+        lon_int=lon_e7,
+        vx=demand.speed_m_s * math.cos(demand.heading_rad),
+        vy=demand.speed_m_s * math.sin(demand.heading_rad),
         yaw=demand.heading_rad,
-        yaw_rate=0.0,
     )
 
 
@@ -140,11 +117,13 @@ def gps_raw_int(now: Snapshot) -> Message | None:
     else:
         speed_cm_s = min(round(100.0 * math.hypot(fix.north_m_s, fix.east_m_s)), 0xFFFE)
         course_cdeg = _heading_cdeg(math.atan2(fix.east_m_s, fix.north_m_s))
-    return dialect.MAVLink_gps_raw_int_message(
+    lat_e7, lon_e7 = position_to_e7(fix.position)
+    return build_message(
+        "GPS_RAW_INT",
         time_usec=round(fix.time_s * 1e6),
         fix_type=fix.fix_type,
-        lat=deg_to_e7(fix.position.lat_deg),
-        lon=deg_to_e7(fix.position.lon_deg),
+        lat=lat_e7,
+        lon=lon_e7,
         alt=round(clamp(fix.altitude_m * 1e3, -_INT32_MAX, _INT32_MAX)),
         eph=round(min(fix.hdop * 100.0, 65534.0)),
         epv=0xFFFF,
@@ -165,20 +144,13 @@ def gps_rtk(now: Snapshot) -> Message | None:
     if fix is None or fix.correction_age_s is None:
         return None
     corrected_s = max(fix.time_s - min(fix.correction_age_s, _OLDEST_CORRECTIONS_S), 0.0)
-    return dialect.MAVLink_gps_rtk_message(
+    return build_message(
+        "GPS_RTK",
         time_last_baseline_ms=round(corrected_s * 1e3) & _UINT32_MAX,
-        rtk_receiver_id=0,
-        wn=0,
-        tow=0,
         rtk_health=int(fix.fix_type >= dialect.GPS_FIX_TYPE_DGPS),
-        rtk_rate=0,
         nsats=min(fix.satellites, 255),
         baseline_coords_type=dialect.RTK_BASELINE_COORDINATE_SYSTEM_NED,
-        baseline_a_mm=0,
-        baseline_b_mm=0,
-        baseline_c_mm=0,
         accuracy=_thousandths(fix.horizontal_accuracy_m),
-        iar_num_hypotheses=0,
     )
 
 
@@ -205,19 +177,15 @@ def nav_controller_output(now: Snapshot) -> Message | None:
         return None
     if demand is None:
         heading_deg = _int16(math.degrees(nav.heading_rad))
-        return dialect.MAVLink_nav_controller_output_message(
-            0.0, 0.0, heading_deg, heading_deg, 0, 0.0, 0.0, 0.0
-        )
+        return build_message("NAV_CONTROLLER_OUTPUT", nav_bearing=heading_deg, target_bearing=heading_deg)
     target_deg = heading_deg = _int16(math.degrees(demand.heading_rad))
     if now.vehicle.frame is not None and (waypoint := now.vehicle.destination) is not None:
         target_deg = _int16(math.degrees(bearing_rad(nav.point, now.vehicle.frame.to_local(waypoint))))
-    return dialect.MAVLink_nav_controller_output_message(
-        nav_roll=0.0,
-        nav_pitch=0.0,
+    return build_message(
+        "NAV_CONTROLLER_OUTPUT",
         nav_bearing=heading_deg,
         target_bearing=target_deg,
         wp_dist=round(min(demand.distance_m, 65535.0)),
-        alt_error=0.0,
         aspd_error=demand.speed_m_s - math.hypot(nav.north_m_s, nav.east_m_s),
         xtrack_error=demand.cross_track_m,
     )

@@ -5,7 +5,7 @@ import math
 from companion.autopilot.snapshot import Snapshot
 from companion.core.geo import Point, bearing_rad, distance_m
 from companion.core.units import wrap_pi
-from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.dialect import Message, build_message, dialect
 from companion.obstacles.perception.sonar_scan import SECTOR_RAD, SECTORS, UNKNOWN_CM
 
 
@@ -20,7 +20,8 @@ def obstacle_distance(now: Snapshot) -> Message | None:
     for sector, cm in _remembered_cm(now).items():
         if cm <= farthest_cm:
             distances[sector] = min(distances[sector], cm)
-    return dialect.MAVLink_obstacle_distance_message(
+    return build_message(
+        "OBSTACLE_DISTANCE",
         time_usec=now.boot_us,
         sensor_type=dialect.MAV_DISTANCE_SENSOR_ULTRASOUND,
         distances=distances,
@@ -28,7 +29,6 @@ def obstacle_distance(now: Snapshot) -> Message | None:
         min_distance=round(100.0 * sweep.latest.min_range_m),
         max_distance=farthest_cm,
         increment_f=math.degrees(SECTOR_RAD),
-        angle_offset=0.0,
         frame=dialect.MAV_FRAME_BODY_FRD,
     )
 
@@ -61,14 +61,13 @@ def obstacle_distance_3d(now: Snapshot) -> Message | None:
     at: Point = track.point(now.now_s)
     north, east = at.north_m - here.north_m, at.east_m - here.east_m
     c, s = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
-    return dialect.MAVLink_obstacle_distance_3d_message(
+    return build_message(
+        "OBSTACLE_DISTANCE_3D",
         time_boot_ms=now.boot_ms,
         sensor_type=dialect.MAV_DISTANCE_SENSOR_ULTRASOUND,
         frame=dialect.MAV_FRAME_BODY_FRD,
         obstacle_id=track.number & 0xFFFF,
         x=north * c + east * s,
         y=east * c - north * s,
-        z=0.0,
-        min_distance=0.0,
         max_distance=perception.reach_m,
     )

@@ -29,7 +29,7 @@ def probe_values(now: Snapshot, which: float = 0.0) -> list[Message]:  # noqa: A
 class ProbeSchedule:
     """Which probe is due: at its rate, and with a new value."""
 
-    def __init__(self, parts: Sequence[ProbePart] = ()) -> None:
+    def __init__(self, parts: Sequence[ProbePart]) -> None:
         self._period_s = {part.name: 1.0 / part.rate_hz for part in parts}
         self._due_s = dict.fromkeys(self._period_s, 0.0)
         self._sent_s: dict[str, float] = {}

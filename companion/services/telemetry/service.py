@@ -78,11 +78,6 @@ TakeSnapshot = Callable[[], Snapshot | None]
 """The present state of the boat."""
 
 
-def always(channel: int, now_s: float) -> bool:  # noqa: ARG001
-    """On every channel."""
-    return True
-
-
 class TelemetryService:
     """Sends due messages on each channel; without room, all messages wait."""
 
@@ -90,8 +85,8 @@ class TelemetryService:
         self,
         outbox: Outbox,
         take_snapshot: TakeSnapshot,
-        may_send: MaySend = always,
-        probes: Sequence[ProbePart] = (),
+        may_send: MaySend,
+        probes: Sequence[ProbePart],
     ) -> None:
         """take_snapshot: the present state, None before the first step. Called only if something is due."""
         self._probes = ProbeSchedule(probes)

@@ -4,8 +4,9 @@ import math
 from typing import Final
 
 from companion.autopilot.snapshot import Snapshot
-from companion.core.units import clamp, deg_to_e7, wrap_two_pi
-from companion.mavlink.dialect import Message, dialect
+from companion.core.geo import position_to_e7
+from companion.core.units import clamp, wrap_two_pi
+from companion.mavlink.dialect import Message, build_message, dialect
 
 _RANGER_ID, _SOUNDER_ID = 0, 1
 _SOUNDER_BEAM_RAD: Final = math.radians(30.0)  # Ping1D at -3 dB; others have 10 to 45 degrees
@@ -25,9 +26,9 @@ def distance_sensor(now: Snapshot) -> Message | None:
     range_m = ping.max_range_m + 0.01 if ping.range_m is None else ping.range_m
     return dialect.MAVLink_distance_sensor_message(
         time_boot_ms=round(ping.time_s * 1e3) & 0xFFFFFFFF,
-        min_distance=round(ping.min_range_m * 100.0),
-        max_distance=round(ping.max_range_m * 100.0),
-        current_distance=round(clamp(range_m * 100.0, 0.0, 65535.0)),
+        min_distance=_cm(ping.min_range_m),
+        max_distance=_cm(ping.max_range_m),
+        current_distance=_cm(range_m),
         type=_sensor_type(now),
         id=_RANGER_ID,
         orientation=_orientation(ping.bearing_rad),
@@ -61,7 +62,8 @@ def sounder_distance(now: Snapshot) -> Message | None:
     if sounding is None:
         return None
     depth_m = sounding.max_range_m + 0.01 if sounding.depth_m is None else sounding.depth_m
-    return dialect.MAVLink_distance_sensor_message(
+    return build_message(
+        "DISTANCE_SENSOR",
         time_boot_ms=round(sounding.time_s * 1e3) & 0xFFFFFFFF,
         min_distance=_cm(sounding.min_range_m),
         max_distance=_cm(sounding.max_range_m),
@@ -72,7 +74,6 @@ def sounder_distance(now: Snapshot) -> Message | None:
         covariance=0xFF,
         horizontal_fov=_SOUNDER_BEAM_RAD,
         vertical_fov=_SOUNDER_BEAM_RAD,
-        quaternion=[0.0, 0.0, 0.0, 0.0],
         signal_quality=0 if sounding.quality is None else max(round(100.0 * sounding.quality), 1),
     )
 
@@ -82,16 +83,14 @@ def water_depth(now: Snapshot) -> Message | None:
     sounding, vehicle = now.sensors.depth, now.vehicle
     if sounding is None or vehicle.nav is None or vehicle.frame is None:
         return None
-    position = vehicle.frame.to_global(vehicle.nav.point)
-    return dialect.MAVLink_water_depth_message(
+    lat_e7, lon_e7 = position_to_e7(vehicle.frame.to_global(vehicle.nav.point))
+    return build_message(
+        "WATER_DEPTH",
         time_boot_ms=round(sounding.time_s * 1e3) & 0xFFFFFFFF,
         id=_SOUNDER_ID,
         healthy=int(sounding.depth_m is not None),
-        lat=deg_to_e7(position.lat_deg),
-        lng=deg_to_e7(position.lon_deg),
-        alt=0.0,
-        roll=0.0,
-        pitch=0.0,
+        lat=lat_e7,
+        lng=lon_e7,
         yaw=vehicle.nav.heading_rad,
         distance=sounding.depth_m or 0.0,
         temperature=sounding.temperature_c or 0.0,

@@ -4,24 +4,29 @@ import re
 
 from companion import __version__
 from companion.autopilot.snapshot import Snapshot
+from companion.core.geo import position_to_e7
 from companion.core.modes import Mode
-from companion.core.units import clamp, deg_to_e7
-from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.metadata_messages import MissionCurrent
+from companion.core.units import clamp
+from companion.mavlink.dialect import Message, build_message, constants, dialect
 from companion.vehicle.vehicle import Vehicle
 
 # A real Rover version (major, minor, patch, stage): stations select parameter descriptions by it
 _ROVER_VERSION = (4, 6, 0, 0)
 
-_SENSOR = dialect
-_PRESENT = (
-    _SENSOR.MAV_SYS_STATUS_SENSOR_3D_MAG
-    | _SENSOR.MAV_SYS_STATUS_SENSOR_GPS
-    | _SENSOR.MAV_SYS_STATUS_SENSOR_YAW_POSITION
-    | _SENSOR.MAV_SYS_STATUS_SENSOR_XY_POSITION_CONTROL
-    | _SENSOR.MAV_SYS_STATUS_SENSOR_MOTOR_OUTPUTS
-    | _SENSOR.MAV_SYS_STATUS_AHRS
-    | _SENSOR.MAV_SYS_STATUS_PREARM_CHECK
+_PRESENT: int = sum(
+    constants(
+        "MAV_SYS_STATUS",
+        *("SENSOR_3D_MAG", "SENSOR_GPS", "SENSOR_YAW_POSITION", "SENSOR_XY_POSITION_CONTROL"),
+        *("SENSOR_MOTOR_OUTPUTS", "AHRS", "PREARM_CHECK"),
+    )
+)
+_CAPABILITIES: int = sum(
+    constants(
+        "MAV_PROTOCOL_CAPABILITY",
+        *("MISSION_FLOAT", "PARAM_ENCODE_C_CAST", "MISSION_INT", "COMMAND_INT", "FTP", "SET_ATTITUDE_TARGET"),
+        *("SET_POSITION_TARGET_LOCAL_NED", "SET_POSITION_TARGET_GLOBAL_INT", "MAVLINK2", "MISSION_FENCE"),
+        "MISSION_RALLY",
+    )
 )
 
 
@@ -55,7 +60,8 @@ def sys_status(now: Snapshot) -> Message:
         enabled &= ~dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
     battery = now.sensors.battery
     current_a = battery.current_a if battery is not None else None
-    return dialect.MAVLink_sys_status_message(
+    return build_message(
+        "SYS_STATUS",
         onboard_control_sensors_present=_PRESENT | fitted,
         onboard_control_sensors_enabled=enabled,
         onboard_control_sensors_health=health | well,
@@ -63,12 +69,6 @@ def sys_status(now: Snapshot) -> Message:
         voltage_battery=0xFFFF if battery is None else round(battery.voltage_v * 1e3),
         current_battery=-1 if current_a is None else round(current_a * 100.0),
         battery_remaining=-1 if battery is None else now.sensors.gauge.percent,
-        drop_rate_comm=0,
-        errors_comm=0,
-        errors_count1=0,
-        errors_count2=0,
-        errors_count3=0,
-        errors_count4=0,
     )
 
 
@@ -150,18 +150,9 @@ def home_position(now: Snapshot) -> Message | None:
     if home is None:
         return None
     north_m, east_m = now.vehicle.frame.to_local(home) if now.vehicle.frame is not None else (0.0, 0.0)
+    level = [1.0, 0.0, 0.0, 0.0]
     return dialect.MAVLink_home_position_message(
-        latitude=deg_to_e7(home.lat_deg),
-        longitude=deg_to_e7(home.lon_deg),
-        altitude=0,
-        x=north_m,
-        y=east_m,
-        z=0.0,
-        q=[1.0, 0.0, 0.0, 0.0],
-        approach_x=0.0,
-        approach_y=0.0,
-        approach_z=0.0,
-        time_usec=now.boot_us,
+        *position_to_e7(home), 0, north_m, east_m, 0.0, level, 0.0, 0.0, 0.0, now.boot_us
     )
 
 
@@ -181,7 +172,10 @@ def mission_current(vehicle: Vehicle) -> Message:
     else:
         state = dialect.MISSION_STATE_NOT_STARTED
     in_auto = 1 if vehicle.mode is Mode.AUTO else 2  # mission_mode: 1 in mission mode, 2 suspended
-    return MissionCurrent(progress.current_seq, progress.last_seq, state, in_auto, *vehicle.list_ids)
+    current: Message = dialect.MAVLink_mission_current_message(
+        progress.current_seq, progress.last_seq, state, in_auto, *vehicle.list_ids
+    )
+    return current
 
 
 def extended_sys_state(now: Snapshot) -> Message:  # noqa: ARG001
@@ -204,30 +198,11 @@ def autopilot_version(now: Snapshot) -> Message:
     """Stations use the capabilities to select protocols: fence and rally transfers, COMMAND_INT,
     MISSION_INT.
     """
-    capabilities = (
-        dialect.MAV_PROTOCOL_CAPABILITY_MISSION_FLOAT
-        | dialect.MAV_PROTOCOL_CAPABILITY_PARAM_ENCODE_C_CAST
-        | dialect.MAV_PROTOCOL_CAPABILITY_MISSION_INT
-        | dialect.MAV_PROTOCOL_CAPABILITY_COMMAND_INT
-        | dialect.MAV_PROTOCOL_CAPABILITY_FTP
-        | dialect.MAV_PROTOCOL_CAPABILITY_SET_ATTITUDE_TARGET
-        | dialect.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_LOCAL_NED
-        | dialect.MAV_PROTOCOL_CAPABILITY_SET_POSITION_TARGET_GLOBAL_INT
-        | dialect.MAV_PROTOCOL_CAPABILITY_MAVLINK2
-        | dialect.MAV_PROTOCOL_CAPABILITY_MISSION_FENCE
-        | dialect.MAV_PROTOCOL_CAPABILITY_MISSION_RALLY
-    )
     major, minor, patch, stage = _ROVER_VERSION
-    return dialect.MAVLink_autopilot_version_message(
-        capabilities=capabilities,
+    return build_message(
+        "AUTOPILOT_VERSION",
+        capabilities=_CAPABILITIES,
         flight_sw_version=major << 24 | minor << 16 | patch << 8 | stage,
-        middleware_sw_version=0,
-        os_sw_version=0,
-        board_version=0,
         flight_custom_version=list(_hex_version(__version__).encode("ascii")),
-        middleware_custom_version=[0] * 8,
-        os_custom_version=[0] * 8,
-        vendor_id=0,
-        product_id=0,
         uid=now.config.identity.system_id,
     )

@@ -39,6 +39,10 @@ def results(peer: Peer, number: int) -> list[int]:
     return [int(ack.result) for ack in peer.said("COMMAND_ACK") if ack.command == number]
 
 
+def wants_restart(rig: Rig) -> bool:
+    return rig.boat.wants_restart
+
+
 def value(rig: Rig, name: str) -> float:
     index = rig.boat.parameters.index_of(name)
     assert index is not None
@@ -194,16 +198,16 @@ def test_a_restart_is_asked_of_the_program_once_the_answer_is_out_and_never_whil
     rig.arm()
     assert rig.ask(CMD.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1) == FAILED
     rig.run(2.0)
-    assert not rig.boat.wants_restart
+    assert not wants_restart(rig)
     rig.ask(CMD.MAV_CMD_COMPONENT_ARM_DISARM, 0)
     assert rig.ask(CMD.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1) == OK
     rig.step()
-    assert not rig.boat.wants_restart
+    assert not wants_restart(rig)
     rig.run(1.0)
-    assert rig.boat.wants_restart
+    assert wants_restart(rig)
     rig.reboot()
     rig.step()
-    assert not rig.boat.wants_restart
+    assert not wants_restart(rig)
 
 
 def test_pause_keeps_station_and_continue_goes_on_with_what_was_paused(rig: Rig) -> None:
