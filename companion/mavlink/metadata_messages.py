@@ -58,6 +58,7 @@ def _define(number: int, name: str, crc_extra: int, extensions: int, **fields: s
 
 def _add(message_type: type[_Message]) -> None:
     setattr(generated, message_type.__name__, message_type)
+    setattr(generated, f"MAVLINK_MSG_ID_{message_type.msgname}", message_type.id)
     generated.mavlink_map[message_type.id] = message_type
 
 

@@ -7,6 +7,7 @@ answers. Ids can be chosen freely: this prevents mistakes; only signing prevents
 
 import math
 from collections.abc import Container
+from dataclasses import dataclass, field
 
 from companion.config.parameters import Parameters
 from companion.core.status_text import Severity
@@ -47,24 +48,16 @@ _READING = frozenset(
 )
 
 
+@dataclass(eq=False)
 class AccessService:
     """Checks each message before its service."""
 
-    def __init__(
-        self,
-        parameters: Parameters,
-        listings: ParameterService,
-        questions: Container[int],
-        outbox: Outbox,
-        texts: StatusTextService,
-    ) -> None:
-        """questions: commands that change nothing."""
-        self._parameters = parameters
-        self._listings = listings
-        self._questions = questions
-        self._outbox = outbox
-        self._texts = texts
-        self._reported_s: dict[int, float] = {}  # last report by system id
+    _parameters: Parameters
+    _listings: ParameterService
+    _questions: Container[int]  # commands that change nothing
+    _outbox: Outbox
+    _texts: StatusTextService
+    _reported_s: dict[int, float] = field(default_factory=dict, init=False)  # last report by system id
 
     def refuses(self, message: Message, origin: Origin, now_s: float) -> bool:
         """Whether the sender is refused; the answer has then been sent."""

@@ -19,13 +19,10 @@ from companion.config.boat_config import BoatConfig
 from companion.config.parameters import ParameterRow, Parameters, ParameterType
 from companion.core.storage import MemoryStorage
 from companion.core.units import shortest
-from companion.mavlink.dialect import Message
-from companion.mavlink.metadata_messages import ComponentInformation, ComponentMetadata
+from companion.mavlink.dialect import Message, build_message
 from companion.services.ftp.tree import checksum
 from companion.services.ftp.virtual import Content
 
-COMPONENT_INFORMATION_ID: int = ComponentInformation.id
-COMPONENT_METADATA_ID: int = ComponentMetadata.id
 _PARAMETER_METADATA = 1  # COMP_METADATA_TYPE_PARAMETER, which the dialect lacks
 FOLDER = "metadata"
 GENERAL, PARAMETERS = "general.json", "parameters.json.xz"
@@ -81,17 +78,17 @@ def parameters_json(rows: tuple[ParameterRow, ...]) -> bytes:
 
 def component_metadata(now: Snapshot) -> Message:
     """COMPONENT_METADATA."""
-    return ComponentMetadata(now.boot_ms, _general_crc(now), uri_of(GENERAL).encode("ascii"))
+    crc, uri = _general_crc(now), uri_of(GENERAL).encode("ascii")
+    return build_message("COMPONENT_METADATA", time_boot_ms=now.boot_ms, file_crc=crc, uri=uri)
 
 
 def component_information(now: Snapshot) -> Message:
     """COMPONENT_INFORMATION, the older form; there are no peripherals."""
-    return ComponentInformation(
+    return build_message(
+        "COMPONENT_INFORMATION",
         time_boot_ms=now.boot_ms,
         general_metadata_file_crc=_general_crc(now),
         general_metadata_uri=uri_of(GENERAL).encode("ascii"),
-        peripherals_metadata_file_crc=0,
-        peripherals_metadata_uri=b"",
     )
 
 

@@ -7,6 +7,7 @@ the time-out. Values that are not finite, out of range or too fast are dropped a
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass, field
 
 from companion.config.boat_config import External
 from companion.config.parameters import Parameters
@@ -34,33 +35,28 @@ _GPS_EPOCH_UNIX_S, _WEEK_S, _LEAP_S = 315964800.0, 604800.0, 18.0
 _UNIT = (0.8, 1.2)  # accepted norm of a quaternion
 _RAY_RAD = math.radians(15.0)
 _UNKNOWN_CM = 0xFFFF
+_LOCAL_FRAMES = (dialect.MAV_FRAME_LOCAL_NED, dialect.MAV_FRAME_LOCAL_FRD)
 
 ToOwnClock = Callable[[Address, int, float], float]
 """Converts a sender's stamp in µs to the boat's time in s, given the present time."""
 
 
+@dataclass(eq=False)
 class ExternalPoseService:
     """Converts the messages to readings."""
 
-    def __init__(
-        self,
-        external: ExternalSensors,
-        vehicle: Vehicle,
-        parameters: Parameters,
-        outbox: Outbox,
-        texts: StatusTextService,
-        to_own_clock: ToOwnClock,
-    ) -> None:
-        self.dropped = 0
-        self._external = external
-        self._vehicle = vehicle
-        self._parameters = parameters
-        self._outbox = outbox
-        self._texts = texts
-        self._to_own_clock = to_own_clock
-        self._source: Address | None = None
-        self._source_s = -math.inf
-        self._obstacles_s = -math.inf
+    _external: ExternalSensors
+    _vehicle: Vehicle
+    _parameters: Parameters
+    _outbox: Outbox
+    _texts: StatusTextService
+    _to_own_clock: ToOwnClock
+    dropped: int = field(default=0, init=False)
+    _source: Address | None = field(default=None, init=False)
+    _source_s: float = field(default=-math.inf, init=False)
+    _obstacles_s: float = field(default=-math.inf, init=False)
+
+    def __post_init__(self) -> None:
         self.table: dict[int, Callable[[Message, Origin, float], None]] = {
             dialect.MAVLINK_MSG_ID_DISTANCE_SENSOR: self._on_distance,
             dialect.MAVLINK_MSG_ID_GPS_INPUT: self._on_gps_input,
@@ -96,11 +92,8 @@ class ExternalPoseService:
         has_velocity = not flags & dialect.GPS_INPUT_IGNORE_FLAG_VEL_HORIZ
         north_m_s, east_m_s = (message.vn, message.ve) if has_velocity else (None, None)
         hdop = 1.0 if flags & dialect.GPS_INPUT_IGNORE_FLAG_HDOP else float(message.hdop)
-        accuracy = (
-            None
-            if flags & dialect.GPS_INPUT_IGNORE_FLAG_HORIZONTAL_ACCURACY
-            else float(message.horiz_accuracy)
-        )
+        has_accuracy = not flags & dialect.GPS_INPUT_IGNORE_FLAG_HORIZONTAL_ACCURACY
+        accuracy = float(message.horiz_accuracy) if has_accuracy else None
         numbers = [hdop, *(one for one in (north_m_s, east_m_s, accuracy) if one is not None)]
         is_sane = _all_below(numbers, 1000.0) and hdop >= 0.0 and (accuracy is None or accuracy >= 0.0)
         if place is None or message.fix_type > _BEST_FIX or not is_sane:
@@ -124,22 +117,17 @@ class ExternalPoseService:
             self._external.heading = HeadingReading(self._external.fix.time_s, wrap_pi(heading_rad))
 
     def _on_vision(self, message: Message, origin: Origin, now_s: float) -> None:
-        sigma_m = _sigma_m(message.covariance)
-        self._ingest_pose(
-            message, message.usec, float(message.yaw), self._setting.north_rad, sigma_m, origin, now_s
-        )
+        yaw, turn_rad, sigma_m = float(message.yaw), self._setting.north_rad, _sigma_m(message.covariance)
+        self._ingest_pose(message, message.usec, yaw, turn_rad, sigma_m, origin, now_s)
 
     def _on_odometry(self, message: Message, origin: Origin, now_s: float) -> None:
         yaw = _yaw_of(message.q)
         frame = message.frame_id
-        if yaw is None or message.quality < 0:
+        if yaw is None or message.quality < 0 or frame not in _LOCAL_FRAMES:
             self.dropped += 1
-        elif frame == dialect.MAV_FRAME_LOCAL_NED:
-            self._ingest_motion(message, yaw, 0.0, origin, now_s)
-        elif frame == dialect.MAV_FRAME_LOCAL_FRD:
-            self._ingest_motion(message, yaw, self._setting.north_rad, origin, now_s)
         else:
-            self.dropped += 1
+            turn_rad = self._setting.north_rad if frame == dialect.MAV_FRAME_LOCAL_FRD else 0.0
+            self._ingest_motion(message, yaw, turn_rad, origin, now_s)
 
     def _ingest_motion(
         self, message: Message, yaw: float, turn_rad: float, origin: Origin, now_s: float
@@ -147,9 +135,8 @@ class ExternalPoseService:
         ahead, aside, rate = float(message.vx), float(message.vy), float(message.yawspeed)
         is_body = message.child_frame_id in (dialect.MAV_FRAME_BODY_FRD, dialect.MAV_FRAME_BODY_NED)
         direction = turn_rad + (yaw if is_body else 0.0)
-        velocity = None
-        if _all_below((ahead, aside), _FASTEST_M_S):
-            velocity = from_body_axes(ahead, aside, direction)
+        is_slow = _all_below((ahead, aside), _FASTEST_M_S)
+        velocity = from_body_axes(ahead, aside, direction) if is_slow else (None, None)
         sigma_m = _sigma_m(message.pose_covariance)
         rate_rad_s = rate if _all_below((rate,), _FASTEST_RAD_S) else None
         self._ingest_pose(
@@ -165,7 +152,7 @@ class ExternalPoseService:
         sigma_m: float,
         origin: Origin,
         now_s: float,
-        velocity: Point | None = None,
+        velocity: tuple[float | None, float | None] = (None, None),
         rate_rad_s: float | None = None,
     ) -> None:
         """A pose in a local frame with its x axis turn_rad clockwise from north."""
@@ -183,8 +170,7 @@ class ExternalPoseService:
             3,
             _UNKNOWN_SATELLITES,
             0.5,
-            None if velocity is None else velocity.north_m,
-            None if velocity is None else velocity.east_m,
+            *velocity,
             horizontal_accuracy_m=sigma_m,
             reset_counter=message.reset_counter,
         )

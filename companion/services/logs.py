@@ -11,6 +11,7 @@ parts again.
 """
 
 from collections import deque
+from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
 from companion.core.status_text import Severity
@@ -82,27 +83,22 @@ class _Download:
             self.offset = self.ranges[0].begin
 
 
+@dataclass(eq=False)
 class LogService:
     """Serves the logs of the logbook's store, if any."""
 
-    def __init__(
-        self,
-        own: Address,
-        vehicle: Vehicle,
-        outbox: Outbox,
-        texts: StatusTextService,
-        logbook: Logbook | None,
-    ) -> None:
-        self._own = own
-        self._vehicle = vehicle
-        self._outbox = outbox
-        self._texts = texts
-        self._logbook = logbook
-        self._store = None if logbook is None else logbook.store
-        self._listed: dict[int, tuple[LogFile, ...]] = {}  # by channel: the files of its numbers
-        self._entries: dict[int, deque[int]] = {}
-        self._downloads: dict[int, _Download] = {}
-        self._per_tick = _FIRST_PER_TICK
+    _own: Address
+    _vehicle: Vehicle
+    _outbox: Outbox
+    _texts: StatusTextService
+    _logbook: Logbook | None
+    _listed: dict[int, tuple[LogFile, ...]] = field(default_factory=dict, init=False)  # files by channel
+    _entries: dict[int, deque[int]] = field(default_factory=dict, init=False)
+    _downloads: dict[int, _Download] = field(default_factory=dict, init=False)
+    _per_tick: float = field(default=_FIRST_PER_TICK, init=False)
+
+    def __post_init__(self) -> None:
+        self._store = None if self._logbook is None else self._logbook.store
 
     def handle(self, message: Message, origin: Origin, now_s: float) -> None:
         """Handle a request that names this boat."""

@@ -6,6 +6,7 @@ A key sent over the air could be intercepted, so it is accepted only on a link t
 
 import logging
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from companion.core.status_text import Severity
 from companion.mavlink.address import Address, is_named
@@ -26,30 +27,25 @@ _PAUSE_S = 3.0  # between two reports about links
 _MAX_WARNINGS = 64
 
 
+@dataclass(eq=False)
 class SigningService:
     """Receives keys; reports links without a key and unsigned frames."""
 
-    def __init__(
-        self,
-        own: Address,
-        vehicle: Vehicle,
-        store: SigningStore,
-        channels: Mapping[int, Channel],
-        texts: StatusTextService,
-    ) -> None:
-        self.refused = 0  # keys not accepted
-        self._own = own
-        self._vehicle = vehicle
-        self._store = store
-        self._channels = channels
-        self._texts = texts
-        self._warned: set[str] = set()
-        self._complained: set[int] = set()
-        self._look_s = 0.0
-        self._complain_s = 0.0
-        self._refuse_s = 0.0
-        for name, what in store.losses.items():
-            vehicle.data_losses.add(name, what, "Set or remove the signing key")
+    _own: Address
+    _vehicle: Vehicle
+    _store: SigningStore
+    _channels: Mapping[int, Channel]
+    _texts: StatusTextService
+    refused: int = field(default=0, init=False)  # keys not accepted
+    _warned: set[str] = field(default_factory=set, init=False)
+    _complained: set[int] = field(default_factory=set, init=False)
+    _look_s: float = field(default=0.0, init=False)
+    _complain_s: float = field(default=0.0, init=False)
+    _refuse_s: float = field(default=0.0, init=False)
+
+    def __post_init__(self) -> None:
+        for name, what in self._store.losses.items():
+            self._vehicle.data_losses.add(name, what, "Set or remove the signing key")
 
     def open(self, channel: int) -> None:
         """A channel has opened: guard it. Problems are reported once.

@@ -54,6 +54,10 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
         "tests/protocol/test_requests_per_item.py", "tests/protocol/test_transfer_back_to_back.py",
         "tests/protocol/test_transfer_rules.py",
     ),
+    "services": (
+        "tests/companion/services", "tests/closed_loop/test_calibration_compass.py",
+        "tests/closed_loop/test_calibration_heading.py", "tests/closed_loop/test_calibration_thrusters.py",
+    ),
     "sensors": (
         "tests/companion/sensors", "tests/hardware/gnss", "tests/hardware/heading", "tests/hardware/water",
         "tests/hardware/test_nmea_parts.py", "tests/companion/services/test_external_pose.py",

@@ -8,8 +8,9 @@ depending on its version and the try. It removes a camera without a heartbeat fo
 
 from collections import deque
 from collections.abc import Callable
+from dataclasses import dataclass, field
 
-from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.dialect import Message, build_message, constants, dialect, message_ids
 from companion.payload.camera import Image
 from companion.services.camera import messages as build
 from companion.services.commands.command import Command, Result, acknowledgement, from_int, from_long
@@ -22,53 +23,39 @@ from companion.vehicle.payload_control import PayloadControl
 _PERIOD_S = 1.0
 _RESEND_S = 2.0  # as of the autopilot's commands
 _REMEMBERED = 1000  # images that can be asked for again
-_ID, _COMMAND = dialect, dialect
+_COMMAND = dialect
 
 # The older commands that ask for a message; the stream is in the first parameter
-_QUESTIONS: dict[int, int] = {
-    _COMMAND.MAV_CMD_REQUEST_CAMERA_INFORMATION: _ID.MAVLINK_MSG_ID_CAMERA_INFORMATION,
-    _COMMAND.MAV_CMD_REQUEST_CAMERA_SETTINGS: _ID.MAVLINK_MSG_ID_CAMERA_SETTINGS,
-    _COMMAND.MAV_CMD_REQUEST_STORAGE_INFORMATION: _ID.MAVLINK_MSG_ID_STORAGE_INFORMATION,
-    _COMMAND.MAV_CMD_REQUEST_CAMERA_CAPTURE_STATUS: _ID.MAVLINK_MSG_ID_CAMERA_CAPTURE_STATUS,
-    _COMMAND.MAV_CMD_REQUEST_VIDEO_STREAM_INFORMATION: _ID.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION,
-    _COMMAND.MAV_CMD_REQUEST_VIDEO_STREAM_STATUS: _ID.MAVLINK_MSG_ID_VIDEO_STREAM_STATUS,
-}
-_STREAMS = (_ID.MAVLINK_MSG_ID_VIDEO_STREAM_INFORMATION, _ID.MAVLINK_MSG_ID_VIDEO_STREAM_STATUS)
+_ASKED = (
+    *("CAMERA_INFORMATION", "CAMERA_SETTINGS", "STORAGE_INFORMATION", "CAMERA_CAPTURE_STATUS"),
+    *("VIDEO_STREAM_INFORMATION", "VIDEO_STREAM_STATUS"),
+)
+_QUESTIONS = dict(zip(constants("MAV_CMD_REQUEST", *_ASKED), message_ids(*_ASKED), strict=True))
+_STREAMS = message_ids("VIDEO_STREAM_INFORMATION", "VIDEO_STREAM_STATUS")
+_SHOTS = constants(
+    *("MAV_CMD", "IMAGE_START_CAPTURE", "IMAGE_STOP_CAPTURE", "DO_DIGICAM_CONTROL", "DO_SET_CAM_TRIGG_DIST")
+)
 QUESTIONS = frozenset(_QUESTIONS)
 """Commands that change nothing."""
 
 
+@dataclass(eq=False)
 class CameraComponent:
     """Answers commands to the camera, and tells of its images."""
 
-    def __init__(
-        self,
-        component: int,
-        payload: PayloadControl,
-        outbox: Outbox,
-        texts: StatusTextService,
-        take_snapshot: TakeSnapshot,
-    ) -> None:
-        self.component = component
-        self._payload = payload
-        self._outbox = outbox
-        self._texts = texts
-        self._take_snapshot = take_snapshot
-        self._due_s = 0.0
-        self._status = 0
-        self._done: Command | None = None  # the latest that took images
-        self._images: deque[Image] = deque(maxlen=_REMEMBERED)
-        shoot = dict.fromkeys(
-            (
-                _COMMAND.MAV_CMD_IMAGE_START_CAPTURE,
-                _COMMAND.MAV_CMD_IMAGE_STOP_CAPTURE,
-                _COMMAND.MAV_CMD_DO_DIGICAM_CONTROL,
-                _COMMAND.MAV_CMD_DO_SET_CAM_TRIGG_DIST,
-            ),
-            self._shoot,
-        )
+    component: int
+    _payload: PayloadControl
+    _outbox: Outbox
+    _texts: StatusTextService
+    _take_snapshot: TakeSnapshot
+    _due_s: float = field(default=0.0, init=False)
+    _status: int = field(default=0, init=False)
+    _done: Command | None = field(default=None, init=False)  # the latest that took images
+    _images: deque[Image] = field(default_factory=lambda: deque(maxlen=_REMEMBERED), init=False)
+
+    def __post_init__(self) -> None:
         self._table: dict[int, Callable[[Command], Result]] = {
-            **shoot,
+            **dict.fromkeys(_SHOTS, self._shoot),
             _COMMAND.MAV_CMD_SET_CAMERA_MODE: _set_mode,
             _COMMAND.MAV_CMD_VIDEO_START_STREAMING: self._stream,
             _COMMAND.MAV_CMD_VIDEO_STOP_STREAMING: self._stream,
@@ -76,11 +63,10 @@ class CameraComponent:
 
     def heartbeat(self) -> Message:
         """The camera's own."""
-        return dialect.MAVLink_heartbeat_message(
+        return build_message(
+            "HEARTBEAT",
             type=dialect.MAV_TYPE_CAMERA,
             autopilot=dialect.MAV_AUTOPILOT_INVALID,
-            base_mode=0,
-            custom_mode=0,
             system_status=dialect.MAV_STATE_ACTIVE,
             mavlink_version=3,
         )

@@ -7,6 +7,7 @@ which are stored at once.
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import Final
 
 from companion.autopilot.sensor_suite import SensorSuite
@@ -15,7 +16,7 @@ from companion.calibration.motor_field import MotorFieldCalibration
 from companion.config.compass_rows import MOST_OFFSET_MG
 from companion.core.status_text import Severity
 from companion.core.vectors import UNIT
-from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.dialect import Message, build_message, dialect
 from companion.sensors.compass.magnetic_field import (
     BY_CURRENT,
     MagneticCorrection,
@@ -35,31 +36,26 @@ _STARTED: Final = "Compass: turn the boat slowly through a full circle, or in th
 _MOTORS_STARTED: Final = "Compass: boat moored, raise the throttle slowly to 70 %, then back to zero"
 
 
+@dataclass(eq=False)
 class CompassCommands:
     """Runs one calibration at a time. `is_fitted`: there is a magnetometer to calibrate."""
 
-    def __init__(
-        self,
-        vehicle: Vehicle,
-        sensors: SensorSuite,
-        parameters: ParameterService,
-        texts: StatusTextService,
-        outbox: Outbox,
-    ) -> None:
-        self._vehicle = vehicle
-        self._sensors = sensors
-        self._parameters = parameters
-        self._texts = texts
-        self._outbox = outbox
-        self._channel = 0  # of the station that started it
-        self._calibration: CompassCalibration | None = None
-        self._saves = True
-        self._unsaved: FieldFit | None = None  # until it is accepted
-        self._motors: MotorFieldCalibration | None = None
-        self._iron_loads: tuple[MotorLoad, ...] = ()  # while the iron was calibrated
+    _vehicle: Vehicle
+    _sensors: SensorSuite
+    _parameters: ParameterService
+    _texts: StatusTextService
+    _outbox: Outbox
+    _channel: int = field(default=0, init=False)  # of the station that started it
+    _calibration: CompassCalibration | None = field(default=None, init=False)
+    _saves: bool = field(default=True, init=False)
+    _unsaved: FieldFit | None = field(default=None, init=False)  # until it is accepted
+    _motors: MotorFieldCalibration | None = field(default=None, init=False)
+    _iron_loads: tuple[MotorLoad, ...] = field(default=(), init=False)  # while the iron was calibrated
+    _reports_left: int = field(default=0, init=False)
+    _due_s: float = field(default=0.0, init=False)
+
+    def __post_init__(self) -> None:
         self._report = FieldFit(CompassVerdict.FAILED, "", MagneticCorrection())
-        self._reports_left = 0
-        self._due_s = 0.0
         self.table: dict[int, Callable[[Command], Result]] = {}
         if self.is_fitted:
             self.table = {
@@ -140,20 +136,14 @@ class CompassCommands:
             self._end(calibration, calibration.failed(seen), now_s)
         elif now_s >= self._due_s:
             self._due_s = now_s + _PROGRESS_S
-            self._outbox.send(
-                self._channel,
-                dialect.MAVLink_mag_cal_progress_message(
-                    0,
-                    1,
-                    int(CompassVerdict.RUNNING),
-                    1,
-                    calibration.progress_percent,
-                    [0] * 10,
-                    0.0,
-                    0.0,
-                    0.0,
-                ),
+            progress = build_message(
+                "MAG_CAL_PROGRESS",
+                cal_mask=1,
+                cal_status=int(CompassVerdict.RUNNING),
+                attempt=1,
+                completion_pct=calibration.progress_percent,
             )
+            self._outbox.send(self._channel, progress)
 
     def _end(self, calibration: CompassCalibration, fit: FieldFit, now_s: float) -> None:
         self._calibration = None

@@ -5,6 +5,7 @@ or part of one, is stored, then used, then acknowledged.
 """
 
 import logging
+from dataclasses import InitVar, dataclass, field
 
 from companion.config.boat_config import BoatConfig
 from companion.core.requests import SetCurrentItem
@@ -42,26 +43,23 @@ _ITEM_BYTES = 50  # on the line
 _NAMES = {MissionType.MISSION: "mission", MissionType.FENCE: "fence", MissionType.RALLY: "rally points"}
 
 
+@dataclass(eq=False)
 class MissionService:
     """Owns the three lists and updates the vehicle."""
 
-    def __init__(
-        self,
-        own: Address,
-        vehicle: Vehicle,
-        config: BoatConfig,
-        storage: Storage,
-        outbox: Outbox,
-        texts: StatusTextService,
-        fitted: FittedPayload,
-    ) -> None:
-        self._own = own
-        self._vehicle = vehicle
-        self._outbox = outbox
-        self._texts = texts
-        self._clearing: tuple[Origin, list[Saving]] | None = None  # of all lists, for a station
-        self._reported_seq = 0
-        self._lists = {kind: MissionList(own, kind, config, storage, fitted) for kind in MissionType}
+    _own: Address
+    _vehicle: Vehicle
+    config: InitVar[BoatConfig]
+    storage: InitVar[Storage]
+    _outbox: Outbox
+    _texts: StatusTextService
+    fitted: InitVar[FittedPayload]
+    _clearing: tuple[Origin, list[Saving]] | None = field(default=None, init=False)  # of all lists
+    _reported_seq: int = field(default=0, init=False)
+
+    def __post_init__(self, config: BoatConfig, storage: Storage, fitted: FittedPayload) -> None:
+        vehicle = self._vehicle
+        self._lists = {kind: MissionList(self._own, kind, config, storage, fitted) for kind in MissionType}
         for one in self._lists.values():
             if one.loss:
                 name = one.type.name.lower()

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 
 from companion.autopilot.snapshot import Snapshot
 from companion.config.sensors import ProbePart
-from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.dialect import Message, dialect, message_ids
 from companion.services import component_metadata as metadata
 from companion.services.outbox import Outbox
 from companion.services.telemetry import available_modes as modes
@@ -19,53 +19,32 @@ from companion.services.telemetry import status_messages as status
 from companion.services.telemetry.probe_messages import ProbeSchedule, probe_values
 from companion.services.telemetry.streams import Streams
 
-_ID = dialect
 Built = Message | list[Message] | None
+# Each function has its message's name
+_BUILDERS: tuple[Callable[[Snapshot], Built], ...] = (
+    *(motion.attitude, motion.attitude_quaternion, motion.global_position_int, motion.gps_global_origin),
+    *(motion.gps_raw_int, motion.gps_rtk, motion.local_position_ned, motion.nav_controller_output),
+    *(motion.pid_tuning, motion.position_target_global_int, motion.servo_output_raw, motion.vfr_hud),
+    *(sensor.meminfo, sensor.power_status, sensor.raw_imu, sensor.rc_channels, sensor.scaled_imu),
+    *(estimate.ekf_status_report, estimate.estimator_status),
+    *(obstacle.obstacle_distance, obstacle.obstacle_distance_3d),
+    *(payload.relay_status, payload.winch_status, sounding.distance_sensor, sounding.water_depth),
+    *(status.autopilot_version, status.battery_status, status.extended_sys_state, status.fence_status),
+    *(status.home_position, status.sys_status, status.system_time),
+    *(metadata.component_information, metadata.component_metadata),
+)
 BUILDERS: dict[int, Callable[[Snapshot], Built]] = {
-    _ID.MAVLINK_MSG_ID_ATTITUDE: motion.attitude,
-    _ID.MAVLINK_MSG_ID_ATTITUDE_QUATERNION: motion.attitude_quaternion,
-    _ID.MAVLINK_MSG_ID_GLOBAL_POSITION_INT: motion.global_position_int,
-    _ID.MAVLINK_MSG_ID_GPS_GLOBAL_ORIGIN: motion.gps_global_origin,
-    _ID.MAVLINK_MSG_ID_GPS_RAW_INT: motion.gps_raw_int,
-    _ID.MAVLINK_MSG_ID_GPS_RTK: motion.gps_rtk,
-    _ID.MAVLINK_MSG_ID_LOCAL_POSITION_NED: motion.local_position_ned,
-    _ID.MAVLINK_MSG_ID_NAV_CONTROLLER_OUTPUT: motion.nav_controller_output,
-    _ID.MAVLINK_MSG_ID_PID_TUNING: motion.pid_tuning,
-    _ID.MAVLINK_MSG_ID_POSITION_TARGET_GLOBAL_INT: motion.position_target_global_int,
-    _ID.MAVLINK_MSG_ID_RC_CHANNELS: sensor.rc_channels,
-    _ID.MAVLINK_MSG_ID_RELAY_STATUS: payload.relay_status,
-    _ID.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW: motion.servo_output_raw,
-    _ID.MAVLINK_MSG_ID_VFR_HUD: motion.vfr_hud,
-    _ID.MAVLINK_MSG_ID_DEBUG_VECT: estimate.water_current,
-    _ID.MAVLINK_MSG_ID_EKF_STATUS_REPORT: estimate.ekf_status_report,
-    _ID.MAVLINK_MSG_ID_ESTIMATOR_STATUS: estimate.estimator_status,
-    _ID.MAVLINK_MSG_ID_MEMINFO: sensor.meminfo,
-    _ID.MAVLINK_MSG_ID_OBSTACLE_DISTANCE: obstacle.obstacle_distance,
-    _ID.MAVLINK_MSG_ID_OBSTACLE_DISTANCE_3D: obstacle.obstacle_distance_3d,
-    _ID.MAVLINK_MSG_ID_POWER_STATUS: sensor.power_status,
-    _ID.MAVLINK_MSG_ID_RAW_IMU: sensor.raw_imu,
-    _ID.MAVLINK_MSG_ID_SCALED_IMU: sensor.scaled_imu,
-    _ID.MAVLINK_MSG_ID_AUTOPILOT_VERSION: status.autopilot_version,
-    _ID.MAVLINK_MSG_ID_AVAILABLE_MODES_MONITOR: lambda _: modes.available_modes_monitor(),
-    _ID.MAVLINK_MSG_ID_BATTERY_STATUS: status.battery_status,
-    metadata.COMPONENT_INFORMATION_ID: metadata.component_information,
-    metadata.COMPONENT_METADATA_ID: metadata.component_metadata,
-    _ID.MAVLINK_MSG_ID_CURRENT_MODE: lambda now: modes.current_mode(now.vehicle),
-    _ID.MAVLINK_MSG_ID_DISTANCE_SENSOR: sounding.distance_sensors,
-    _ID.MAVLINK_MSG_ID_EXTENDED_SYS_STATE: status.extended_sys_state,
-    _ID.MAVLINK_MSG_ID_FENCE_STATUS: status.fence_status,
-    _ID.MAVLINK_MSG_ID_HOME_POSITION: status.home_position,
-    _ID.MAVLINK_MSG_ID_MISSION_CURRENT: lambda now: status.mission_current(now.vehicle),
-    _ID.MAVLINK_MSG_ID_SYS_STATUS: status.sys_status,
-    _ID.MAVLINK_MSG_ID_SYSTEM_TIME: status.system_time,
-    _ID.MAVLINK_MSG_ID_WINCH_STATUS: payload.winch_status,
-    _ID.MAVLINK_MSG_ID_WATER_DEPTH: sounding.water_depth,
+    **{message_ids(build.__name__.upper())[0]: build for build in _BUILDERS},
+    dialect.MAVLINK_MSG_ID_AVAILABLE_MODES_MONITOR: lambda _: modes.available_modes_monitor(),
+    dialect.MAVLINK_MSG_ID_CURRENT_MODE: lambda now: modes.current_mode(now.vehicle),
+    dialect.MAVLINK_MSG_ID_DEBUG_VECT: estimate.water_current,
+    dialect.MAVLINK_MSG_ID_MISSION_CURRENT: lambda now: status.mission_current(now.vehicle),
 }
 
 # Sent only on request, with REQUEST_MESSAGE's second parameter
 INDEXED: dict[int, Callable[[Snapshot, float], list[Message]]] = {
-    _ID.MAVLINK_MSG_ID_AVAILABLE_MODES: lambda _, which: modes.available_modes(which),
-    _ID.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT: probe_values,
+    dialect.MAVLINK_MSG_ID_AVAILABLE_MODES: lambda _, which: modes.available_modes(which),
+    dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT: probe_values,
 }
 
 _LONGEST_US = float(2**31 - 128)  # MESSAGE_INTERVAL counts in 32 bits: a little over half an hour

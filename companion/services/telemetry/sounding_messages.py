@@ -12,12 +12,12 @@ _RANGER_ID, _SOUNDER_ID = 0, 1
 _SOUNDER_BEAM_RAD: Final = math.radians(30.0)  # Ping1D at -3 dB; others have 10 to 45 degrees
 
 
-def distance_sensors(now: Snapshot) -> list[Message]:
+def distance_sensor(now: Snapshot) -> list[Message]:
     """The ranger, then the depth sounder."""
-    return [message for message in (distance_sensor(now), sounder_distance(now)) if message is not None]
+    return [message for message in (_ranger_distance(now), _sounder_distance(now)) if message is not None]
 
 
-def distance_sensor(now: Snapshot) -> Message | None:
+def _ranger_distance(now: Snapshot) -> Message | None:
     """The latest ping. Other bearings than multiples of 45° use a custom orientation."""
     ping = now.sensors.sonar
     if ping is None:
@@ -56,7 +56,7 @@ def _orientation(bearing_rad: float) -> int:
     return custom
 
 
-def sounder_distance(now: Snapshot) -> Message | None:
+def _sounder_distance(now: Snapshot) -> Message | None:
     """The latest sounding, downwards from the transducer."""
     sounding = now.sensors.depth
     if sounding is None:

@@ -168,29 +168,22 @@ def bytes_of(message: Message | None) -> bytes:
     return Encoder(QGC).encode(message)
 
 
-def test_a_ping_is_told_after_fifty_days_too() -> None:
-    ping = SonarReading(50.0 * 86400.0, 0.5, 2.0)
-    message = distance_sensor(ranger_at(ping))
+def ranger(ping: SonarReading, driver: str) -> Message:
+    config = BoatConfig(parts=Parts(sonar=RangerPart(driver=driver)))  # type: ignore[arg-type]
+    now: Any = types.SimpleNamespace(sensors=types.SimpleNamespace(sonar=ping, depth=None), config=config)
+    (message,) = distance_sensor(now)
     assert bytes_of(message)
-    assert message is not None
+    return message
+
+
+def test_a_ranger_tells_its_kind_its_ranges_and_its_time_after_fifty_days_too() -> None:
+    ping = SonarReading(50.0 * 86400.0, 0.0, 0.2, 0.25, 4.5)
+    message = ranger(ping, "jsnsr04t")
     assert message.time_boot_ms == 50 * 86_400_000 - 2**32
-
-
-def ranger_at(ping: SonarReading, **part: object) -> Any:  # noqa: ANN401 — stands for a Snapshot
-    config = BoatConfig(parts=Parts(sonar=RangerPart(**part)))  # type: ignore[arg-type]
-    return types.SimpleNamespace(sensors=types.SimpleNamespace(sonar=ping), config=config)
-
-
-def test_a_ranger_tells_its_kind_and_its_least_range() -> None:
-    ping = SonarReading(1.0, 0.0, 0.2, 0.25, 4.5)
-    message = distance_sensor(ranger_at(ping, driver="jsnsr04t"))
-    assert message is not None
     assert (message.min_distance, message.max_distance, message.current_distance) == (25, 450, 20)
     assert message.type == dialect.MAV_DISTANCE_SENSOR_ULTRASOUND
     assert message.horizontal_fov == pytest.approx(math.radians(15.0))
-    message = distance_sensor(ranger_at(ping, driver="tfmini"))
-    assert message is not None
-    assert message.type == dialect.MAV_DISTANCE_SENSOR_LASER
+    assert ranger(ping, "tfmini").type == dialect.MAV_DISTANCE_SENSOR_LASER
 
 
 @pytest.mark.parametrize(

@@ -226,3 +226,16 @@ def test_only_the_chosen_operator_has_his_hand_on_the_boat() -> None:
     assert taken(rig) == ManualControl(0.0, 0.0)
     rig.peer.send(sticks(0, 500))
     assert taken(rig) == ManualControl(0.5, 0.0)
+
+
+def test_the_helm_is_free_when_its_stations_link_has_closed(rig: Rig) -> None:
+    other = rig.connect(PLANNER)
+    rig.peer.send(sticks(0, 500))
+    assert taken(rig) == ManualControl(0.5, 0.0)
+    other.send(sticks(0, -500))
+    assert taken(rig) == ManualControl(0.5, 0.0)
+    assert "Helm: 255/190 has it, your sticks are ignored" in other.texts
+    rig.peer.link.close()
+    rig.receive()
+    other.send(sticks(0, -500))
+    assert taken(rig) == ManualControl(-0.5, 0.0)

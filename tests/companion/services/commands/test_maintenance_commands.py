@@ -159,6 +159,7 @@ def test_a_calibration_can_be_given_up_and_ends_when_the_boat_is_armed() -> None
     rig.peer.forget()
     rig.run(5.0)
     assert not results(rig.peer, CMD.MAV_CMD_PREFLIGHT_CALIBRATION)
+    assert "Gyro calibrated" not in rig.peer.texts
     rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 1)
     rig.arm()
     rig.run(1.0)

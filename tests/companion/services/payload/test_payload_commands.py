@@ -105,9 +105,10 @@ def test_every_payload_command_has_rows_here() -> None:
 
 
 @given(st.sampled_from(sorted(ROWS)), st.lists(st.floats(width=32), min_size=7, max_size=7))
-def test_any_parameters_are_an_action_or_a_fault(number: int, parameters: list[float]) -> None:
-    fitted = FittedPayload(PayloadRig().config.payload, PayloadRig().config.camera)
-    action = read_action(number, parameters, fitted)
+def test_any_parameters_are_an_action_or_a_fault(
+    rig: PayloadRig, number: int, parameters: list[float]
+) -> None:
+    action = read_action(number, parameters, FittedPayload(rig.config.payload, rig.config.camera))
     if isinstance(action, ActionFault):
         assert 1 <= action.parameter <= 7
         assert action.text
@@ -166,6 +167,6 @@ def test_a_stored_mission_whose_payload_is_gone_is_not_sailed() -> None:
     assert rig.items() == tuple(items)
     rig.hardware = dataclasses.replace(rig.hardware, payload=None)
     rig.reboot()
-    rig.run(40.0)
+    rig.run(3.0)
     assert rig.items() == ()
     assert any("this boat has no servo" in text for text in rig.peer.texts), rig.peer.texts

@@ -60,9 +60,9 @@ def test_an_index_that_there_is_not_fails_at_once(index: float) -> None:
 def test_the_mode_is_told_every_two_seconds_and_when_it_changes() -> None:
     rig = Rig().ready()
     rig.peer.forget()
-    rig.run(20.0)
-    assert len(rig.peer.said("CURRENT_MODE")) == pytest.approx(10, abs=1)
-    assert len(rig.peer.said("AVAILABLE_MODES_MONITOR")) == pytest.approx(10, abs=1)
+    rig.run(8.0)
+    assert len(rig.peer.said("CURRENT_MODE")) == pytest.approx(4, abs=1)
+    assert len(rig.peer.said("AVAILABLE_MODES_MONITOR")) == pytest.approx(4, abs=1)
     rig.set_mode(5)
     assert [(one.custom_mode, one.intended_custom_mode) for one in rig.peer.said("CURRENT_MODE")] == [(5, 5)]
 

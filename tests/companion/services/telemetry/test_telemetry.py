@@ -71,6 +71,11 @@ def test_position_and_motion_are_those_of_the_boat(rig: Rig) -> None:
     attitude = latest(rig, "ATTITUDE")
     assert attitude.yaw == pytest.approx(math.pi / 2, abs=0.1)
     assert (attitude.roll, attitude.pitch) == (0.0, 0.0)
+    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_ATTITUDE_QUATERNION) == OK
+    turned = latest(rig, "ATTITUDE_QUATERNION")
+    assert (turned.q1, turned.q4) == pytest.approx((math.sqrt(0.5), math.sqrt(0.5)), abs=0.1)
+    assert turned.q2 == turned.q3 == turned.rollspeed == turned.pitchspeed == 0.0
+    rig.run(5.0)  # for the tests that follow
 
 
 def test_guidance_and_motors_are_shown(rig: Rig) -> None:
