@@ -8,7 +8,7 @@ import struct
 from pathlib import Path
 
 import pytest
-from ftp_client import BOAT, STATION, Served
+from ftp_client import ACK, BOAT, STATION, Reply, Served, reply_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -65,6 +65,8 @@ class Line:
         self.requests = 0
         self.client = FtpClient(BOAT, STATION.address, self._send)
         self.ended: list[object] = []
+        self.arrived: list[bytes] = []
+        self.sequence = 0
 
     def _send(self, message: Message) -> None:
         self.requests += 1
@@ -84,7 +86,8 @@ class Line:
         for outgoing in served.outbox.drain():
             if outgoing.message.get_type() == "FILE_TRANSFER_PROTOCOL":
                 self.down.send(bytes(outgoing.message.payload), self.now_s)
-        for payload in self.down.receive(self.now_s):
+        self.arrived = self.down.receive(self.now_s)
+        for payload in self.arrived:
             self.client.handle(message_of(payload), self.now_s)
         self.client.poll(self.now_s)
 
@@ -96,6 +99,19 @@ class Line:
 
     def read(self, sink: Bin, path: str = PATH, *, grows: bool = True) -> Reading:
         return self.client.read(path, sink, self.ended.append, most_bytes=MOST_BYTES, grows=grows)
+
+    def ask(self, opcode: int, data: bytes = b"", session: int = 0, offset: int = 0) -> Reply:
+        """A request of the test's own, repeated under its number until it is answered."""
+        self.sequence += 1
+        header = struct.pack("<HBBBBBBI", self.sequence, session, opcode, len(data), 0, 0, 0, offset)
+        for tick in range(1000):
+            if tick % 15 == 0:
+                self.up.send(header + data, self.now_s)
+            self.step()
+            for reply in map(reply_of, self.arrived):
+                if (reply.sequence, reply.request_opcode) == (self.sequence + 1, opcode):
+                    return reply
+        raise AssertionError("no answer")
 
 
 def put_log(folder: Path, size: int, seed: int = 3, name: str = "00001.bin") -> bytes:
@@ -333,7 +349,7 @@ def test_whatever_a_boat_answers_the_transfer_ends_and_a_success_has_its_bytes(
 
 def test_long_logs_take_turns_and_a_slow_reader_holds_up_nobody(tmp_path: Path) -> None:
     content = put_log(tmp_path, 300_000)
-    other = put_log(tmp_path, 1_000_000, seed=8, name="00002.bin")
+    other = put_log(tmp_path, 3_000_000, seed=8, name="00002.bin")
     line = Line(tmp_path, bad(0.0), 5)
     slow, quick = Bin(0), Bin()
     line.read(slow)
@@ -348,3 +364,29 @@ def test_long_logs_take_turns_and_a_slow_reader_holds_up_nobody(tmp_path: Path) 
     line.until_ended(2, limit_s=60.0)
     assert (line.ended, slow.content) == ([None, None], content)
     assert (slow.sizes, quick.sizes) == ([len(content)], [len(other)])
+
+
+@pytest.mark.parametrize("loss", [0.05, 0.4])
+def test_an_upload_over_a_bad_link_ends_whole_and_late_copies_change_nothing(
+    tmp_path: Path, loss: float
+) -> None:
+    content = random.Random(1).randbytes(5000)
+    line = Line(tmp_path, bad(loss), 100)
+    session = line.ask(Opcode.CREATE_FILE, b"/files/a.bin").session
+    for offset in range(0, len(content), 239):
+        assert line.ask(Opcode.WRITE_FILE, content[offset : offset + 239], session, offset).opcode == ACK
+    assert line.ask(Opcode.TERMINATE_SESSION, session=session).opcode == ACK
+    for _ in range(500):
+        line.step()
+    assert (tmp_path / "files" / "a.bin").read_bytes() == content
+
+
+@pytest.mark.parametrize("loss", [0.05, 0.4])
+def test_what_may_happen_only_once_happens_once(tmp_path: Path, loss: float) -> None:
+    line = Line(tmp_path, bad(loss), 5)
+    for number in range(8):
+        name = b"/files/%d" % number
+        assert line.ask(Opcode.CREATE_DIRECTORY, name).opcode == ACK
+        assert line.ask(Opcode.RENAME, name + b"\0" + name + b"x").opcode == ACK
+        assert line.ask(Opcode.REMOVE_DIRECTORY, name + b"x").opcode == ACK
+    assert not list((tmp_path / "files").iterdir())

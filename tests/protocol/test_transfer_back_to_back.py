@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
-from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.sender import Sender
@@ -202,22 +201,3 @@ def test_uploads_one_after_the_other_each_leave_a_whole_list(
         if isinstance(pair.sender.verdict, Completed):
             assert pair.receiver.store == items
         before = pair.receiver.store
-
-
-def test_a_station_that_speaks_mavlink_1_can_upload_a_mission() -> None:
-    packer = dialect.MAVLink(None, srcSystem=STATION.system, srcComponent=STATION.component)
-    decoder, receiver = Decoder(datagram=False), Receiver(BOAT, MissionType.MISSION)
-    sender = Sender(STATION, MissionType.MISSION)
-    items = new_list(5)
-    sender.offer(items, BOAT, 0.0)
-    while messages := sender.take_outbox():
-        for message in messages:
-            frame: bytes = message.pack(packer, force_mavlink1=True)
-            assert frame[0] == 0xFE
-            for received in decoder.feed(frame):
-                receiver.handle(received.message, received.sender, 0.0)
-        if any(isinstance(event, Completed) for event in receiver.take_events()):
-            receiver.confirm(0.0)
-        for answer in receiver.take_outbox():
-            sender.handle(answer, BOAT, 0.0)
-    assert sender.take_events()[-1] == Completed(items, BOAT)

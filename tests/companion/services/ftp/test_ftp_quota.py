@@ -3,7 +3,7 @@
 import errno
 import os
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import pytest
 from ftp_client import ACK, Served
@@ -82,23 +82,11 @@ def test_a_full_disk_keeps_the_old_file_and_no_part_of_the_new(
     mount: FolderMount, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     mount.save(("a",), b"old")
-    real = Path.open
 
-    class Full:
-        def __init__(self, file: IO[Any]) -> None:
-            self.file = file
+    def full(descriptor: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
 
-        def __enter__(self) -> "Full":
-            return self
-
-        def __exit__(self, *args: object) -> None:
-            self.file.close()
-
-        def write(self, content: bytes) -> None:
-            self.file.write(content[:1])
-            raise OSError(errno.ENOSPC, "No space left on device")
-
-    monkeypatch.setattr(Path, "open", lambda path, mode: Full(real(path, mode)))
+    monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(OSError, match="No space"):
         mount.save(("a",), b"new")
     monkeypatch.undo()

@@ -6,7 +6,7 @@ import pytest
 from boat_rig import Rig
 
 from companion.mavlink.items import MissionItem, MissionResult, MissionType
-from companion.mavlink.transfer import Completed, Failed
+from companion.mavlink.transfer import Completed
 from companion.services.missions.area_items import check_fence, check_fence_item, check_rally_item
 
 
@@ -98,20 +98,6 @@ def test_broken_fences_are_refused_by_item(items: list[MissionItem], word: str) 
     fault = check_fence(items)
     assert fault is not None
     assert word in fault.text
-
-
-def test_a_thousand_vertices_fit_and_one_more_does_not() -> None:
-    rig = Rig()
-    rig.step()
-    fence = polygon(1000)
-    assert isinstance(rig.upload(fence, mission_type=MissionType.FENCE), Completed)
-    assert rig.items(MissionType.FENCE) == tuple(fence)
-    outcome = rig.upload(polygon(1001), mission_type=MissionType.FENCE)
-    assert isinstance(outcome, Failed)
-    assert outcome.result is MissionResult.NO_SPACE
-    rally = [area(5100, x=500_000_000 + n) for n in range(251)]
-    assert isinstance(rig.upload(rally[:250], mission_type=MissionType.RALLY), Completed)
-    assert isinstance(rig.upload(rally, mission_type=MissionType.RALLY), Failed)
 
 
 def test_what_the_disk_holds_is_checked_as_what_arrives() -> None:
