@@ -22,16 +22,14 @@ def address(system: int, component: int) -> Address:
     return Address(system, component)
 
 
-def concerns(own: Address, target_system: int, target_component: int) -> bool:
-    """Whether a message with this target is for us: to all, to our system, or to our component."""
-    if target_system == ALL:
-        return True
-    return target_system == own.system and target_component in (ALL, own.component)
-
-
 def is_named(own: Address, target_system: int, target_component: int) -> bool:
     """Whether our system is addressed explicitly; the component may be 0.
 
     Required for conversations: a mission offered to system 0 would be accepted by every boat in range.
     """
     return target_system == own.system and target_component in (ALL, own.component)
+
+
+def concerns(own: Address, target_system: int, target_component: int) -> bool:
+    """Whether a message with this target is for us: to all, to our system, or to our component."""
+    return target_system == ALL or is_named(own, target_system, target_component)

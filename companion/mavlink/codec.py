@@ -53,11 +53,7 @@ class Decoder:
 
     def __init__(self, datagram: bool, counters: Counters | None = None) -> None:
         self._finder = FrameFinder(datagram, counters)
-
-    @property
-    def counters(self) -> Counters:
-        """Statistics."""
-        return self._finder.counters
+        self.counters = self._finder.counters
 
     def feed(self, data: bytes) -> list[Received]:
         """The messages completed by these bytes, oldest first. Never raises."""

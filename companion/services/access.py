@@ -34,18 +34,8 @@ _CHANGES = (
     *message_ids("SET_ATTITUDE_TARGET", "SET_GPS_GLOBAL_ORIGIN"),
     *message_ids("SET_POSITION_TARGET_GLOBAL_INT", "SET_POSITION_TARGET_LOCAL_NED"),
 )
-_READING = frozenset(
-    (
-        Opcode.NONE,
-        Opcode.TERMINATE_SESSION,
-        Opcode.RESET_SESSIONS,
-        Opcode.LIST_DIRECTORY,
-        Opcode.OPEN_FILE_RO,
-        Opcode.READ_FILE,
-        Opcode.CALC_FILE_CRC32,
-        Opcode.BURST_READ_FILE,
-    )
-)
+# All opcodes below CREATE_FILE read, too
+_READING = (*range(Opcode.CREATE_FILE), Opcode.CALC_FILE_CRC32, Opcode.BURST_READ_FILE)
 
 
 @dataclass(eq=False)

@@ -106,23 +106,17 @@ def _entry(row: ParameterRow, default: float) -> dict[str, Any]:
         "group": row.name.partition("_")[0].rstrip("0123456789"),
         "category": "Constant" if row.read_only else "Standard",
     }
-    if row.kind is ParameterType.REAL32:
-        entry["decimalPlaces"] = _decimals(row, default)
-    if row.needs_restart:
-        entry["rebootRequired"] = True
-    if row.read_only:
-        entry["readOnly"] = True
-    if row.unit:
-        entry["units"] = _UNITS.get(row.unit, row.unit)
-    if math.isfinite(low):
-        entry["min"] = _number(row, low)
-    if math.isfinite(high):
-        entry["max"] = _number(row, high)
-    if row.values:
-        entry["values"] = [{"value": number, "description": name} for number, name in row.values]
-    if row.bits:
-        entry["bitmask"] = [{"index": number, "description": name} for number, name in row.bits]
-    return entry
+    optional = {
+        "decimalPlaces": _decimals(row, default) if row.kind is ParameterType.REAL32 else None,
+        "rebootRequired": row.needs_restart or None,
+        "readOnly": row.read_only or None,
+        "units": _UNITS.get(row.unit, row.unit) or None,
+        "min": _number(row, low) if math.isfinite(low) else None,
+        "max": _number(row, high) if math.isfinite(high) else None,
+        "values": [{"value": number, "description": name} for number, name in row.values] or None,
+        "bitmask": [{"index": number, "description": name} for number, name in row.bits] or None,
+    }
+    return entry | {key: value for key, value in optional.items() if value is not None}
 
 
 def _range(row: ParameterRow, default: float) -> tuple[float, float]:

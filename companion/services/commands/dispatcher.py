@@ -14,7 +14,7 @@ from companion.calibration.runner import CalibrationRunner
 from companion.core.readings import HeadingReading
 from companion.core.status_text import Severity
 from companion.hal.interfaces import FaultInjector
-from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.dialect import Message, constants, dialect
 from companion.services.commands.calibration_runs import CalibrationCommands
 from companion.services.commands.command import Command, Result, acknowledgement
 from companion.services.commands.compass import CompassCommands
@@ -38,14 +38,10 @@ _REMEMBERED = 16  # commands
 _PROGRESS_S = 1.0
 
 # Not idempotent
-_NOT_TWICE = frozenset(
-    (
-        dialect.MAV_CMD_DO_MOTOR_TEST,
-        dialect.MAV_CMD_DO_PAUSE_CONTINUE,
-        dialect.MAV_CMD_DO_SET_MISSION_CURRENT,
-        dialect.MAV_CMD_MISSION_START,
-        *_PAYLOAD_NOT_TWICE,
-    )
+_NOT_TWICE = (
+    *constants("MAV_CMD_DO", "MOTOR_TEST", "PAUSE_CONTINUE", "SET_MISSION_CURRENT"),
+    dialect.MAV_CMD_MISSION_START,
+    *_PAYLOAD_NOT_TWICE,
 )
 
 _HARMLESS = (dialect.MAV_CMD_DO_SEND_BANNER, dialect.MAV_CMD_RUN_PREARM_CHECKS)

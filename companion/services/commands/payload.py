@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from companion.core.status_text import Severity
-from companion.mavlink.dialect import dialect
+from companion.mavlink.dialect import constants, dialect
 from companion.payload.actions import ActionFault
 from companion.services.commands.command import Command, Result
 from companion.services.payload.rows import ROWS, read_action
@@ -11,13 +11,9 @@ from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.payload_control import PayloadControl
 
 # Not idempotent
-NOT_TWICE = (
-    dialect.MAV_CMD_DO_REPEAT_SERVO,
-    dialect.MAV_CMD_DO_REPEAT_RELAY,
-    dialect.MAV_CMD_DO_WINCH,
-    dialect.MAV_CMD_DO_SEND_SCRIPT_MESSAGE,
-    dialect.MAV_CMD_DO_DIGICAM_CONTROL,
-    dialect.MAV_CMD_IMAGE_START_CAPTURE,
+NOT_TWICE = constants(
+    *("MAV_CMD", "DO_REPEAT_SERVO", "DO_REPEAT_RELAY", "DO_WINCH", "DO_SEND_SCRIPT_MESSAGE"),
+    *("DO_DIGICAM_CONTROL", "IMAGE_START_CAPTURE"),
 )
 
 

@@ -17,7 +17,7 @@ from companion.core.requests import (
     StartMission,
 )
 from companion.core.status_text import Severity, StatusText
-from companion.mavlink.dialect import dialect
+from companion.mavlink.dialect import constants, dialect
 from companion.services.commands.command import Command, Result
 from companion.services.parameters import ParameterService
 from companion.services.telemetry.statustext import StatusTextService
@@ -26,12 +26,8 @@ from companion.vehicle.vehicle import Vehicle
 _DISARM_MAGIC = 21196
 _ARM_MAGIC = (2989, 21196)  # ArduPilot's, and that of MAVLink's common set, which forces both ways
 _AIRSPEED_OR_GROUND = (0.0, 1.0)
-REGIONS_OF_INTEREST = (
-    dialect.MAV_CMD_DO_SET_ROI,
-    dialect.MAV_CMD_DO_SET_ROI_LOCATION,
-    dialect.MAV_CMD_DO_SET_ROI_NONE,
-    dialect.MAV_CMD_DO_SET_ROI_SYSID,
-    dialect.MAV_CMD_DO_SET_ROI_WPNEXT_OFFSET,
+REGIONS_OF_INTEREST = constants(
+    "MAV_CMD_DO_SET", "ROI", "ROI_LOCATION", "ROI_NONE", "ROI_SYSID", "ROI_WPNEXT_OFFSET"
 )
 _NO_CHANGE, _BACK_TO_DEFAULT = -1.0, -2.0  # of DO_CHANGE_SPEED
 

@@ -6,23 +6,13 @@ from collections.abc import Sequence
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from companion.core.units import e7_to_deg
 from companion.geofence.fence import FenceArea, FenceCircle, FencePolygon
-from companion.mavlink.dialect import dialect
+from companion.mavlink.dialect import constants, dialect
 from companion.mavlink.items import ItemFault, MissionItem, MissionResult
 from companion.services.missions.items import command_name, global_position
 
-_POLYGONS = frozenset(
-    (
-        dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION,
-        dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION,
-    )
-)
-_CIRCLES = frozenset((dialect.MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION, dialect.MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION))
-_INCLUSIONS = frozenset(
-    (
-        dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION,
-        dialect.MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION,
-    )
-)
+_POLYGONS = constants("MAV_CMD_NAV_FENCE_POLYGON_VERTEX", "INCLUSION", "EXCLUSION")
+_CIRCLES = constants("MAV_CMD_NAV_FENCE_CIRCLE", "INCLUSION", "EXCLUSION")
+_INCLUSIONS = (_POLYGONS[0], _CIRCLES[0])
 _RETURN_POINT = dialect.MAV_CMD_NAV_FENCE_RETURN_POINT
 _FEWEST_VERTICES = 3
 _MOST_LAT_DEG = 85.0  # as far as the local frame is accurate

@@ -4,10 +4,9 @@ Everything is asked over a `Line` and counted: what was asked, what was asked ag
 """
 
 import math
-import struct
 from collections import Counter, deque
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from client_habits import PATIENT, Habits
 from pymavlink.dialects.v20 import all as dialect
@@ -266,31 +265,3 @@ def truth(station: StationClient, mission_type: int = 0) -> list[Item] | None:
 
 
 OpenClient = Callable[..., StationClient]  # habits, then quality and seed
-
-
-class FileReply(NamedTuple):
-    """A FILE_TRANSFER_PROTOCOL payload, opened."""
-
-    sequence: int
-    session: int
-    opcode: int
-    size: int
-    request: int
-    burst_complete: int
-    offset: int
-    data: bytes
-
-    @staticmethod
-    def of(message: Message) -> "FileReply":
-        """Read one."""
-        raw = bytes(message.payload)
-        sequence, session, opcode, size, request, complete, _, offset = struct.unpack_from("<HBBBBBBI", raw)
-        return FileReply(sequence, session, opcode, size, request, complete, offset, raw[12 : 12 + size])
-
-
-def file_request(target: Who, sequence: int, opcode: int, session: int = 0, **values: Any) -> Message:  # noqa: ANN401
-    """A FILE_TRANSFER_PROTOCOL request. values: data, size, offset."""
-    data: bytes = values.get("data", b"")
-    size, offset = values.get("size", len(data)), values.get("offset", 0)
-    head = struct.pack("<HBBBBBBI", sequence & 0xFFFF, session, opcode, size, 0, 0, 0, offset)
-    return dialect.MAVLink_file_transfer_protocol_message(0, *target, list((head + data).ljust(251, b"\0")))

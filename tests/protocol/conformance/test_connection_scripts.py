@@ -25,7 +25,7 @@ INSISTED_ON = (
 
 
 @pytest.mark.realtime
-@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.habits.name)
+@pytest.mark.parametrize("script", SCRIPTS[-1:], ids=lambda script: script.habits.name)
 def test_a_station_is_connected_and_asks_nothing_twice(live_client: OpenClient, script: Script) -> None:
     station = live_client(in_no_hurry(script.habits))
     done = play(script, station)
@@ -46,12 +46,9 @@ def test_by_the_boats_own_clock_too(client: OpenClient, script: Script) -> None:
     assert station.asked_again.total() == 0
 
 
-@pytest.mark.parametrize("loss", [0.05, 0.2])
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.habits.name)
-def test_a_version_is_told_its_capabilities_on_a_bad_line_too(
-    client: OpenClient, script: Script, loss: float
-) -> None:
-    station = client(script.habits, Quality(loss, delay_s=0.03, jitter_s=0.04, duplication=0.05), seed=3)
+def test_a_version_is_told_its_capabilities_on_a_bad_line_too(client: OpenClient, script: Script) -> None:
+    station = client(script.habits, Quality(0.2, delay_s=0.03, jitter_s=0.04, duplication=0.05), seed=3)
     is_version = dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION
     answers = [
         station.command(dialect.MAV_CMD_REQUEST_MESSAGE, float(is_version), brings=is_version)

@@ -156,7 +156,9 @@ def test_a_refusal_says_why(tmp_path: Path, opcode: int, data: bytes, code: Code
     (tmp_path / "files" / "full").mkdir()
     (tmp_path / "files" / "full" / "x").touch()
     (tmp_path / "files" / "there").touch()
-    assert served.ask(opcode, data, session=9).code is code
+    reply = served.ask(opcode, data, session=9)
+    assert reply.code is code
+    assert len(reply.data) == (2 if code is Code.FAIL_ERRNO else 1)
 
 
 def test_what_is_being_written_cannot_be_read_nor_the_other_way_round(served: Served) -> None:
