@@ -52,9 +52,10 @@ def active(boat: Lockstep) -> dict[str, str]:
     return {what: fault.kind for what, fault in boat.world.electronics.faults.active.items()}
 
 
-@pytest.mark.parametrize(
-    ("unit", "failure", "kind"),
-    [
+def test_parts_fail_by_command_and_are_well_by_command() -> None:
+    boat = lockstep()
+    run(boat, 1.0)
+    for unit, failure, kind in (
         (GPS, OFF, "off"),
         (GPS, INTERMITTENT, "intermittent"),
         (MAG, STUCK, "stuck"),
@@ -62,51 +63,22 @@ def active(boat: Lockstep) -> dict[str, str]:
         (SONAR, GARBAGE, "garbage"),
         (BATTERY, SLOW, "slow"),
         (GYRO, WRONG, "wrong"),
-    ],
-)
-def test_a_sensor_fails_by_command_and_is_well_by_command(unit: int, failure: int, kind: str) -> None:
-    boat = lockstep()
-    run(boat, 1.0)
-    assert inject(boat, unit, failure) == OK
-    assert active(boat) == {PARTS[unit]: kind}
-    assert f"Fault: {PARTS[unit]} {kind}" in boat.station.texts
-    assert inject(boat, unit, WELL) == OK
-    assert active(boat) == {}
+    ):
+        assert inject(boat, unit, failure) == OK
+        assert active(boat) == {PARTS[unit]: kind}
+        assert f"Fault: {PARTS[unit]} {kind}" in boat.station.texts
+        assert inject(boat, unit, WELL) == OK
+        assert active(boat) == {}
+    for instance, hit in ((1, {"motor_left"}), (2, {"motor_right"}), (0, {"motor_left", "motor_right"})):
+        assert inject(boat, MOTOR, OFF, instance) == OK
+        assert active(boat) == dict.fromkeys(hit, "off")
+        assert inject(boat, MOTOR, WELL) == OK
     assert boat.boat.endpoint.faults == 0
 
 
-def test_the_receiver_is_silent_from_the_command_on() -> None:
+def test_what_cannot_fail_so_is_refused() -> None:
     boat = lockstep()
-    run(boat, 2.0)
-    assert inject(boat, GPS, OFF) == OK
-    run(boat, 3.0)
-    fix = boat.boat.sensors.fix
-    assert fix is not None
-    assert boat.time_s - fix.time_s > 2.5
-    inject(boat, GPS, WELL)
-    run(boat, 1.0)
-    fresh = boat.boat.sensors.fix
-    assert fresh is not None
-    assert boat.time_s - fresh.time_s < 0.5
-
-
-@pytest.mark.parametrize(
-    ("instance", "hit"),
-    [
-        (0, {"motor_left": "off", "motor_right": "off"}),
-        (1, {"motor_left": "off"}),
-        (2, {"motor_right": "off"}),
-    ],
-)
-def test_motors_fail_one_by_one_or_both(instance: int, hit: dict[str, str]) -> None:
-    boat = lockstep()
-    assert inject(boat, MOTOR, OFF, instance) == OK
-    assert active(boat) == hit
-
-
-@pytest.mark.parametrize(
-    ("unit", "failure", "instance", "result"),
-    [
+    for unit, failure, instance, result in (
         (SERVO, OFF, 0, UNSUPPORTED),
         (GPS, 8, 0, UNSUPPORTED),
         (GPS, OFF, 2, UNSUPPORTED),
@@ -114,11 +86,8 @@ def test_motors_fail_one_by_one_or_both(instance: int, hit: dict[str, str]) -> N
         (GYRO, SLOW, 0, UNSUPPORTED),
         (GPS, math.nan, 0, DENIED),
         (1.5, OFF, 0, DENIED),
-    ],
-)
-def test_what_cannot_fail_so_is_refused(unit: float, failure: float, instance: float, result: int) -> None:
-    boat = lockstep()
-    assert inject(boat, unit, failure, instance) == result
+    ):
+        assert inject(boat, unit, failure, instance) == result
     assert active(boat) == {}
 
 
