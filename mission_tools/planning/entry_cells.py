@@ -10,7 +10,7 @@ from companion.core.geo import Point
 from mission_tools.errors import GoalBlocked, NoRouteError, StartBlocked
 from mission_tools.maps.chart import Chart
 from mission_tools.planning.grid import Grid
-from mission_tools.planning.wording import nearest_free, place, too_near
+from mission_tools.planning.wording import nearest_free, place
 
 NEAREST_CELLS = 400
 
@@ -27,7 +27,10 @@ class EntryCells:
 
 
 class FreeWater:
-    """The free cells of a grid by region; cells of one region can reach each other, of two they cannot."""
+    """The free cells of a grid by region; cells of one region can reach each other, of two they cannot.
+
+    Positions are those that `check_stops` lets pass.
+    """
 
     def __init__(self, chart: Chart, grid: Grid, clearance_m: float) -> None:
         self._chart = chart
@@ -41,22 +44,17 @@ class FreeWater:
         """Entry cells of the start; relaxed where it is nearer to a shore than the clearance.
 
         Raises:
-            StartBlocked: on land, outside, kept out of, or shut in.
+            StartBlocked: shut in.
         """
-        here_m = self._checked_clearance_m(start, "start", StartBlocked)
-        if here_m >= self._clearance_m:
-            return self._entry_cells(start, "start", StartBlocked, self._clearance_m)
-        return self._entry_cells(start, "start", StartBlocked, 0.0)
+        is_free = self._chart.clearance_m(start) >= self._clearance_m
+        return self._entry_cells(start, "start", StartBlocked, self._clearance_m if is_free else 0.0)
 
     def entry_to_stop(self, stop: Point, name: str) -> EntryCells:
         """Entry cells of the goal or a via point, as named.
 
         Raises:
-            GoalBlocked: on land, outside, kept out of, nearer to a shore than the clearance, or shut in.
+            GoalBlocked: shut in.
         """
-        here_m = self._checked_clearance_m(stop, name, GoalBlocked)
-        if here_m < self._clearance_m:
-            raise GoalBlocked(too_near(self._chart, name, stop, self._clearance_m, self._nearest_free(stop)))
         return self._entry_cells(stop, name, GoalBlocked, self._clearance_m)
 
     def no_route(self, start: Point, goal: Point) -> str:
@@ -66,13 +64,6 @@ class FreeWater:
             f"{self._clearance_m:g} m clear of the shores (seen in cells of {self._grid.cell_m:.3g} m): "
             f"choose a smaller clearance, or another goal"
         )
-
-    def _checked_clearance_m(self, point: Point, name: str, blocked: type[NoRouteError]) -> float:
-        """The distance to the shore of a point on the water."""
-        where = self._chart.obstruction(point)
-        if where is not None:
-            raise blocked(f"{name} {self._at(point)} lies {where}: {self._nearest_free(point)}")
-        return self._chart.clearance_m(point)
 
     def _entry_cells(
         self, point: Point, name: str, blocked: type[NoRouteError], clearance_m: float

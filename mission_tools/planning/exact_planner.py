@@ -98,15 +98,7 @@ def plan_exactly(chart: Chart, stops: Sequence[Point], settings: PlanSettings) -
     routes = water.routes(settings.required_m)
     clearance_m = settings.required_m
     way_out: Point | None = None
-    if not routes.is_free(stops[0]):
-        _raise_if_obstructed(chart, routes, stops[0], "start", clearance_m)
-        _raise_if_shut_in(chart, routes, stops[0], clearance_m)
-    for stop, name in zip(stops[1:], stop_names(stops), strict=True):
-        if not routes.is_free(stop):
-            _raise_if_obstructed(chart, routes, stop, name, clearance_m)
-            raise GoalBlocked(
-                too_near(chart, name, stop, clearance_m, _nearest(chart, routes, stop, clearance_m))
-            )
+    check_stops(chart, routes, stops, clearance_m)
     legs: list[Route] = []
     for start, goal in pairwise(stops):
         if not legs and not routes.is_free(start):
@@ -128,6 +120,23 @@ def plan_exactly(chart: Chart, stops: Sequence[Point], settings: PlanSettings) -
         settings=settings,
         notes=() if way_out is None else (way_out_note(chart, stops[0], way_out, settings.clearance_m),),
     )
+
+
+def check_stops(chart: Chart, routes: Routes, stops: Sequence[Point], clearance_m: float) -> None:
+    """See that a boat can leave the start, and that the others have the clearance.
+
+    Raises:
+        StartBlocked, GoalBlocked: as `mission_tools.planning.planner.plan`.
+    """
+    if not routes.is_free(stops[0]):
+        _raise_if_obstructed(chart, routes, stops[0], "start", clearance_m)
+        _raise_if_shut_in(chart, routes, stops[0], clearance_m)
+    for stop, name in zip(stops[1:], stop_names(stops), strict=True):
+        if not routes.is_free(stop):
+            _raise_if_obstructed(chart, routes, stop, name, clearance_m)
+            raise GoalBlocked(
+                too_near(chart, name, stop, clearance_m, _nearest(chart, routes, stop, clearance_m))
+            )
 
 
 def _raise_if_obstructed(chart: Chart, routes: Routes, point: Point, name: str, clearance_m: float) -> None:

@@ -13,6 +13,7 @@ from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart
 from mission_tools.planning.astar import astar, estimates
 from mission_tools.planning.entry_cells import EntryCells, FreeWater
+from mission_tools.planning.exact_planner import check_stops, water_of
 from mission_tools.planning.grid import Bounds, EightNeighbours, Grid, occupancy
 from mission_tools.planning.plan_settings import Plan, PlanSettings
 from mission_tools.planning.smooth import (
@@ -39,6 +40,7 @@ def plan_on_grid(chart: Chart, stops: Sequence[Point], settings: PlanSettings) -
     Raises:
         StartBlocked, GoalBlocked, NoRoute, UsageError: as `plan`.
     """
+    check_stops(chart, water_of(chart).routes(settings.required_m), stops, settings.required_m)
     bounds = _bounds(chart, stops, settings.required_m)
     sizes = [settings.cell_m] if settings.cell_m else _default_cells_m(chart, bounds, settings.required_m)
     failure: NoRoute | None = None
