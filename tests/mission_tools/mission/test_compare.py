@@ -47,7 +47,7 @@ def test_home_is_left_out_only_where_it_is_the_vehicles() -> None:
 def test_missing_and_surplus_items_are_found() -> None:
     for sent, held in (([ITEM] * 3, [ITEM]), ([ITEM], [ITEM] * 3)):
         found = differences(sent, held, home_is_the_vehicles=False)
-        assert [difference.field for difference in found] == ["number of items"]
+        assert [(difference.item, difference.field) for difference in found] == [(1, "number of items")]
 
 
 def test_the_int_variant_of_a_frame_is_the_same_frame() -> None:
@@ -72,3 +72,9 @@ def test_a_number_survives_the_wire_and_only_nan_equals_nan(value: float) -> Non
         held = math.copysign(math.inf, value)
     assert same_float32(value, held)
     assert same_float32(value, math.nan) == math.isnan(value)
+
+
+def test_both_zeros_are_the_same_and_tiny_numbers_of_either_sign_are_near() -> None:
+    assert same_float32(0.0, -0.0)
+    assert not same_float32(1e-45, -1e-45)
+    assert not same_float32(1.0, -1.0)
