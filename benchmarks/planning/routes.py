@@ -38,8 +38,8 @@ CUT_OUT_M = 350.0  # half the side of the cut-outs
 CUT_OUTS = 6
 SAMPLE_M = 0.05
 SEED = 20261122
-VERTICES = (100, 300, 1_000, 3_000, 10_000, 30_000, 100_000)
-GRID_CELL_M = 10.0
+VERTICES = (100, 300, 1_000, 3_000, 10_000, 30_000)
+GRID_CELL_M = 20.0
 
 
 def rows() -> list[Row]:
@@ -215,7 +215,7 @@ def _growth() -> dict[str, list[tuple[int, list[float]]]]:
     for vertices in VERTICES:
         rng = random.Random(SEED)
         lake = _jagged(rng, vertices)
-        ends = [*pairwise(oracle.free_points(rng, lake, 20.0, 13))]
+        ends = [*pairwise(oracle.free_points(rng, lake, 40.0, 7))]
         for times, setting in zip(found.values(), settings, strict=True):
             took = []
             for start, goal in ends:
