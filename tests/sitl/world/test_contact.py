@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.contact import Touch, Velocity, apply_contact
+from sitl.world.contact import Touch, Velocity, apply_contact, crossing, overlap
 from sitl.world.hull import Hull
 from sitl.world.world import Truth, World
 
@@ -70,6 +70,22 @@ def test_a_boat_that_starts_alongside_may_rub_as_it_casts_off() -> None:
     drive(water, 0.5, 0.5, 6.0)
     assert water.truth.north_m < 19.0
     assert water.groundings == 0
+
+
+BOX = ((0.5, -0.2), (0.5, 0.2), (-0.5, 0.2), (-0.5, -0.2))  # ahead and starboard, clockwise
+
+
+def test_a_touch_is_where_the_shore_or_a_mover_meets_the_outline() -> None:
+    at_bow = crossing(BOX, (1.0, 0.1), (-0.7, 0.0), (0.3, 0.1))
+    assert at_bow is not None
+    assert at_bow[:2] == pytest.approx((0.5, 0.1))
+    through = crossing(BOX, (0.3, -1.0), (0.0, 2.0), (0.3, 0.0))
+    assert through == pytest.approx(Touch(0.3, 0.0, -1.0, 0.0))
+    assert crossing(BOX, (0.6, -1.0), (0.0, 2.0), (0.6, 0.0)) is None
+    aside = overlap(BOX, (0.3, -0.4), 0.25)
+    assert aside == pytest.approx(Touch(0.3, -0.2, -0.6, 0.8))
+    assert overlap(BOX, (0.3, -0.4), 0.19) is None
+    assert overlap(BOX, (0.1, 0.1), 0.01) is not None, "a mover inside the hull"
 
 
 PULL = st.floats(-3.0, 3.0)

@@ -40,6 +40,7 @@ def test_an_almost_empty_pack_sags_three_times_as_much() -> None:
 
     assert sag_v(0.2) == pytest.approx(0.4)
     assert sag_v(1e-9) == pytest.approx(1.2)
+    assert sag_v(0.0) == pytest.approx(1.2)
 
 
 def test_a_pack_that_is_drawn_below_empty_falls_off_a_cliff_and_takes_the_computer_along() -> None:

@@ -60,6 +60,15 @@ def test_gusts_forget_themselves_with_their_correlation_time() -> None:
     assert math.sqrt(power) == pytest.approx(3.0 / PEAK_FACTOR, abs=0.05)
 
 
+def test_gusts_turn_with_the_direction_that_the_wind_comes_from() -> None:
+    north, turned = (
+        speeds(Wind(Environment(wind_m_s=5.0, gust_m_s=8.0, wind_from_deg=deg), seed=3), 10.0)
+        for deg in (0.0, 60.0)
+    )
+    cos, sin = math.cos(math.radians(60.0)), math.sin(math.radians(60.0))
+    assert turned == [pytest.approx((n * cos - e * sin, n * sin + e * cos)) for n, e in north]
+
+
 def test_gusts_below_the_mean_are_refused() -> None:
     with pytest.raises(ValueError, match="gust_m_s = 3: expected at least wind_m_s = 5"):
         Environment(wind_m_s=5.0, gust_m_s=3.0)

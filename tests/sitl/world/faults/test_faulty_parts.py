@@ -98,6 +98,8 @@ def test_a_jammed_receiver_gets_noisy_then_stands_still_without_a_fix() -> None:
     lost = [fix for truth, fix in during if truth.time_s > AT_S + 3.3]
     assert {fix.fix_type for _, fix in before + noisy} == {3}
     assert max(error_m(row) for row in noisy[len(noisy) // 2 :]) > 3.0
+    assert noisy[0][1].satellites > noisy[-1][1].satellites >= 4
+    assert noisy[0][1].hdop < noisy[-1][1].hdop
     assert {fix.fix_type for fix in lost} == {1}
     assert len({fix.position for fix in lost}) == 1
     assert max(error_m(row) for row in after) < 2.0
@@ -172,13 +174,16 @@ def test_a_faulty_sonar_hears_what_its_fault_says(fault: str, ranges: set[float 
     assert heard == [{2.0}, ranges, {2.0}]
 
 
-def test_a_monitor_that_is_stuck_or_wrong() -> None:
+def test_a_monitor_that_is_stuck_garbled_or_wrong() -> None:
     def read(water: World) -> list[Any]:
         return [water.hardware.battery.read() if water.hardware.battery else None]
 
     _, stuck, _ = observed('what="battery", kind="stuck"', read)
     assert len({(reading.voltage_v, reading.current_a) for _, reading in stuck}) == 1
     assert stuck[-1][1].time_s > AT_S + FOR_S - 0.2
+    _, garbage, _ = observed('what="battery", kind="garbage"', read)
+    assert max(reading.voltage_v for _, reading in garbage) > 25.0
+    assert min(reading.current_a for _, reading in garbage) < -40.0
     _, wrong, after = observed('what="battery", kind="wrong", size=-3', read)
     assert wrong[-1][1].voltage_v == pytest.approx(after[-1][1].voltage_v - 3.0, abs=0.2)
 

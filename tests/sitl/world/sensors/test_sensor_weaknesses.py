@@ -9,7 +9,7 @@ import shapely
 from companion.core.geo import LatLon, LocalFrame
 from mission_tools.maps.chart import build_chart
 from sitl.world.sensors.battery_monitor import SimBattery
-from sitl.world.sensors.compass import SimCompass
+from sitl.world.sensors.compass import BodyField, SimCompass
 from sitl.world.sensors.gnss import SimGnss
 from sitl.world.sensors.settings import BatteryMonitorSettings, CompassSettings, GnssSettings, SonarSettings
 from sitl.world.sensors.sonar import SimSonar
@@ -63,6 +63,17 @@ def test_hard_iron_turns_once_with_the_heading_and_soft_iron_twice() -> None:
     assert soft[:18] == pytest.approx(soft[18:], abs=1e-9)
     assert max(soft) == pytest.approx(3.0, rel=0.02)
     assert sum(soft) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_field_at_a_magnetometer_is_that_of_the_same_iron() -> None:
+    iron = {"hard_iron_deg": 4.0, "hard_iron_at_deg": 30.0, "soft_iron_deg": 2.0, "soft_iron_at_deg": 20.0}
+    field = BodyField(CompassSettings(**NO_NOISE, **iron, magnetometer_mg=200.0, dip_deg=60.0), lambda: 0.0)
+    for number, deviation_deg in enumerate(deviations_deg(**iron)):
+        heading_rad = math.radians(10.0 * number)
+        ahead, aside, down = field.at(heading_rad, 0.0)
+        off_rad = math.remainder(math.atan2(-aside, ahead) - heading_rad, math.tau)
+        assert math.degrees(off_rad) == pytest.approx(deviation_deg, abs=0.4)
+        assert down == pytest.approx(math.tan(math.radians(60.0)) * 200.0)
 
 
 def test_the_motors_leads_pull_the_compass_as_hard_as_they_carry_current() -> None:
