@@ -107,11 +107,11 @@ def tune_heading(inputs: RoutineInputs) -> Routine:
         lacking = [one for one in _HYSTERESES_RAD if len(periods[one]) < _CYCLES]
         if not lacking:
             break
-        inputs = yield from go_to_edge(inputs, heading)
-        inputs = yield from aim(inputs, heading, config.speed.cruise_m_s)
+        yield from go_to_edge(inputs, heading)
+        yield from aim(inputs, heading, config.speed.cruise_m_s)
         relay, stretch = RelayFeedback(throw, lacking[0], offset, inputs.now_s), YawFit()
         wanted = _CYCLES - len(periods[lacking[0]])
-        inputs = yield from _swing(inputs, heading, relay, stretch, wanted)
+        yield from _swing(inputs, heading, relay, stretch, wanted)
         heading, offset = opposite(heading), relay.offset
         periods[lacking[0]] += relay.periods_s
         if relay.periods_s:
@@ -121,24 +121,23 @@ def tune_heading(inputs: RoutineInputs) -> Routine:
     model = yaw_model(stretches)
     if model is None:
         raise CalibrationError("the swings do not tell how the bow answers")
-    yield from come_back(inputs, config.guidance.station_radius_m)
+    yield from come_back(inputs)
     return gains(model, median(periods[_HYSTERESES_RAD[0]]))
 
 
 def _swing(
     inputs: RoutineInputs, heading_rad: float, relay: RelayFeedback, stretch: YawFit, wanted: int
-) -> Step:
+) -> Step[None]:
     """Reach cruise speed, then run the relay."""
     config = inputs.config
     until_s = inputs.now_s + config.estimation.surge_time_s
     intent = HoldHeading(heading_rad, config.speed.cruise_m_s)
     while inputs.now_s < until_s:
-        inputs = yield intent
+        yield intent
     while len(relay.periods_s) < wanted and has_room(inputs, heading_rad) and not inputs.is_slowed:
         relay.update(wrap_pi(inputs.nav.heading_rad - heading_rad), inputs.now_s)
-        inputs = yield Drive(config.speed.cruise_throttle, relay.steering)
+        yield Drive(config.speed.cruise_throttle, relay.steering)
         stretch.add(_steered(inputs), inputs.nav.measured_yaw_rate_rad_s)
-    return inputs
 
 
 def _steered(inputs: RoutineInputs) -> float:

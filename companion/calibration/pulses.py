@@ -66,22 +66,21 @@ class PulseTest:
     def __init__(self) -> None:
         self._answers: dict[Thruster, list[tuple[float, float, float]]] = {one: [] for one in THRUSTERS}
 
-    def sail(self, inputs: RoutineInputs) -> Step:
+    def sail(self, inputs: RoutineInputs) -> Step[None]:
         """All levels of all four thrusters."""
         for level in LEVELS:
             for one in THRUSTERS:
                 if inputs.off_m > _AWAY_SHARE * inputs.radius_m:
-                    inputs = yield from come_back(inputs, inputs.config.guidance.station_radius_m)
-                    inputs = yield from rest(inputs, 1.0)
-                inputs = yield from self._train(inputs, one, level)
-        return inputs
+                    yield from come_back(inputs)
+                    yield from rest(inputs, 1.0)
+                yield from self._train(inputs, one, level)
 
-    def _train(self, inputs: RoutineInputs, one: Thruster, level: float) -> Step:
+    def _train(self, inputs: RoutineInputs, one: Thruster, level: float) -> Step[None]:
         fit, driven_s, drive = Fit(5), 0.0, one.drive(level)
         began_s = now_s = inputs.now_s
         while now_s - began_s < _HALVES * _HALF_S:
             is_on = bool(int((now_s - began_s) / _HALF_S) & 1)
-            inputs = yield drive if is_on else _STOP
+            yield drive if is_on else _STOP
             if ((inputs.now_s - began_s - _LAG_S) // _HALF_S) % 2.0:
                 driven_s += inputs.now_s - now_s
             now_s = inputs.now_s
@@ -89,7 +88,6 @@ class PulseTest:
             fit.add((driven_s, 1.0, t, t * t, t * t * t), one.turn * inputs.nav.yaw_rate_rad_s)
         if (solved := fit.solve()) is not None:
             self._answers[one].append((level, solved[0][0], solved[1]))
-        return inputs
 
     def curve(self, one: Thruster) -> ThrustCurve | None:
         """The thrust curve; None if the thrust cannot be told from the weather."""

@@ -69,6 +69,7 @@ class CalibrationRunner:
         self.kind = THRUSTERS
         self.radius_m = 0.0
         self._routine: Routine | None = None
+        self._inputs: RoutineInputs | None = None
         self._station: KeepStation | None = None
         self._began_status = VehicleStatus()
         self._began_s = self._fix_s = 0.0
@@ -159,18 +160,18 @@ class CalibrationRunner:
         is_new = fix is not None and fix.time_s > self._fix_s
         if fix is not None:
             self._fix_s = fix.time_s
-        inputs = RoutineInputs(
-            nav, fix if is_new else None, command, config, now_s, intent.point, self.radius_m,
-            fence.is_active, is_slowed,
-        )  # fmt: skip
+        if self._routine is None or self._inputs is None:
+            self._inputs = RoutineInputs(nav, None, command, config, now_s, intent.point, self.radius_m)
+            self._station, self._routine = intent, self.kind.routine(self._inputs)
+        inputs = self._inputs
+        inputs.nav, inputs.command, inputs.config, inputs.now_s = nav, command, config, now_s
+        inputs.fix = fix if is_new else None
+        inputs.is_fenced, inputs.is_slowed = fence.is_active, is_slowed
         if inputs.off_m > self.radius_m:
             self.stop(f"the boat is {inputs.off_m:.1f} m from its station")
             return intent
         try:
-            if self._routine is None:
-                self._station, self._routine = intent, self.kind.routine(inputs)
-                return next(self._routine)
-            return self._routine.send(inputs)
+            return next(self._routine)
         except StopIteration as end:
             self._end(end.value, "")
         except CalibrationError as error:

@@ -6,6 +6,7 @@ to first order.
 """
 
 import math
+from statistics import fmean
 from typing import Final, NamedTuple
 
 from companion.calibration.routine import CalibrationError, RoutineInputs, Step, aim
@@ -30,6 +31,8 @@ _SEARCHES: Final = 24
 _TURN_S: Final = 2.25
 _TURNING_S: Final = 0.5  # last part of it, which is evaluated
 
+_Fix = tuple[float, float, float, float]  # time, velocity north and east, mean command since the one before
+
 
 class Run(NamedTuple):
     """One run. north_m_s, east_m_s (over ground), left, right (commands): means of its steady part.
@@ -47,63 +50,50 @@ class Run(NamedTuple):
     is_steady: bool
 
 
-class StraightRun:
-    """Sails a run. run: its result, None if the boat was slowed before it reached its speed."""
+def sail_run(inputs: RoutineInputs, heading_rad: float, speed_m_s: float) -> Step[Run | None]:
+    """From the near edge to where the boat can just stop within the radius.
 
-    def __init__(self, heading_rad: float, speed_m_s: float) -> None:
-        self.run: Run | None = None
-        self._heading_rad = heading_rad
-        self._speed_m_s = speed_m_s
-        self._fixes: list[tuple[float, float, float, float]] = []
-        self._commands: list[tuple[float, float, float]] = []
+    Returns the run; None if the boat was slowed before it reached its speed.
+    """
+    fixes: list[_Fix] = []
+    commands: list[tuple[float, float, float]] = []
+    intent = HoldHeading(heading_rad, speed_m_s)
+    yield from aim(inputs, heading_rad)
+    began_s, pushed, ticks = inputs.now_s, 0.0, 0
+    while not inputs.is_slowed and inputs.now_s - began_s < _LONGEST_S and has_room(inputs, heading_rad):
+        yield intent
+        left, right = inputs.command.left, inputs.command.right
+        commands.append((inputs.now_s - began_s, left, right))
+        pushed, ticks = pushed + 0.5 * (left + right), ticks + 1
+        if inputs.fix is not None and len(fixes) < _FIXES:
+            fixes.append((inputs.fix.time_s - began_s, *over_ground(inputs), pushed / ticks))
+            pushed, ticks = 0.0, 0
+    length_s = inputs.now_s - began_s
+    if not inputs.is_slowed:
+        return _evaluated(heading_rad, fixes, commands, length_s)
+    if length_s <= _SETTLED * inputs.config.estimation.surge_time_s:
+        return None
+    run = _evaluated(heading_rad, fixes, commands, length_s)
+    return run if run.is_steady else None
 
-    def sail(self, inputs: RoutineInputs) -> Step:
-        """From the near edge to where the boat can just stop within the radius."""
-        intent = HoldHeading(self._heading_rad, self._speed_m_s)
-        inputs = yield from aim(inputs, self._heading_rad)
-        began_s, pushed, ticks = inputs.now_s, 0.0, 0
-        while (
-            not inputs.is_slowed
-            and inputs.now_s - began_s < _LONGEST_S
-            and has_room(inputs, self._heading_rad)
-        ):
-            inputs = yield intent
-            left, right = inputs.command.left, inputs.command.right
-            self._commands.append((inputs.now_s - began_s, left, right))
-            pushed, ticks = pushed + 0.5 * (left + right), ticks + 1
-            if inputs.fix is not None and len(self._fixes) < _FIXES:
-                self._fixes.append((inputs.fix.time_s - began_s, *over_ground(inputs), pushed / ticks))
-                pushed, ticks = 0.0, 0
-        length_s = inputs.now_s - began_s
-        if not inputs.is_slowed:
-            self.run = self._result(length_s)
-        elif length_s > _SETTLED * inputs.config.estimation.surge_time_s:
-            run = self._result(length_s)
-            self.run = run if run.is_steady else None
-        return inputs
 
-    def _result(self, length_s: float) -> Run:
-        since_s = (1.0 - _STEADY_SHARE) * length_s
-        fixes = [fix for fix in self._fixes if fix[0] >= since_s]
-        commands = [one for one in self._commands if one[0] >= since_s]
-        if len(fixes) < 3:
-            raise CalibrationError("too little room, or too few fixes, for a run")
-        c, s = math.cos(self._heading_rad), math.sin(self._heading_rad)
-        rising = Fit(2)
-        for t, n, e, _ in fixes:
-            rising.add((t, 1.0), c * n + s * e)
-        solved = rising.solve()
-        north, east = (sum(fix[axis] for fix in fixes) / len(fixes) for axis in (1, 2))
-        gained = 0.0 if solved is None else solved[0][0] * _STEADY_SHARE * length_s
-        return Run(
-            self._heading_rad,
-            north,
-            east,
-            sum(one[1] for one in commands) / len(commands),
-            sum(one[2] for one in commands) / len(commands),
-            tuple([(t, c * n + s * e, push) for t, n, e, push in self._fixes]),
-            gained < _RISING * math.hypot(north, east),
-        )
+def _evaluated(
+    heading_rad: float, fixes: list[_Fix], commands: list[tuple[float, float, float]], length_s: float
+) -> Run:
+    since_s = (1.0 - _STEADY_SHARE) * length_s
+    last = [fix for fix in fixes if fix[0] >= since_s]
+    if len(last) < 3:
+        raise CalibrationError("too little room, or too few fixes, for a run")
+    c, s = math.cos(heading_rad), math.sin(heading_rad)
+    rising = Fit(2)
+    for t, n, e, _ in last:
+        rising.add((t, 1.0), c * n + s * e)
+    solved = rising.solve()
+    north, east = (fmean(fix[axis] for fix in last) for axis in (1, 2))
+    gained = 0.0 if solved is None else solved[0][0] * _STEADY_SHARE * length_s
+    left, right = (fmean(one[side] for one in commands if one[0] >= since_s) for side in (1, 2))
+    samples = tuple([(t, c * n + s * e, push) for t, n, e, push in fixes])
+    return Run(heading_rad, north, east, left, right, samples, gained < _RISING * math.hypot(north, east))
 
 
 def over_ground(inputs: RoutineInputs) -> tuple[float, float]:
@@ -126,7 +116,7 @@ def has_room(inputs: RoutineInputs, heading_rad: float) -> bool:
     return room_m > (_BRAKED if inputs.is_fenced else 1.0) * stop_m
 
 
-def go_to_edge(inputs: RoutineInputs, heading_rad: float) -> Step:
+def go_to_edge(inputs: RoutineInputs, heading_rad: float) -> Step[None]:
     """Sail to the start of a run on this heading.
 
     Raises:
@@ -142,8 +132,7 @@ def go_to_edge(inputs: RoutineInputs, heading_rad: float) -> Step:
     ):
         if inputs.now_s > until_s:
             raise CalibrationError("the boat does not reach the start of a run")
-        inputs = yield leg
-    return inputs
+        yield leg
 
 
 class RunPair(NamedTuple):
@@ -180,36 +169,23 @@ class RunPair(NamedTuple):
         return math.cos(run.heading_rad) * north + math.sin(run.heading_rad) * east
 
 
-class HardTurn:
-    """Full steering to one side from a straight run. rate_rad_s: the turn rate after two seconds."""
-
-    def __init__(self, heading_rad: float, drive: Drive) -> None:
-        self.rate_rad_s = 0.0
-        self._heading_rad = heading_rad
-        self._drive = drive
-
-    def sail(self, inputs: RoutineInputs) -> Step:
-        """Run to the centre, then turn."""
-        nav, cruise_m_s = inputs.nav, inputs.config.speed.cruise_m_s
-        inputs = yield from aim(inputs, self._heading_rad)
-        intent, c, s = (
-            HoldHeading(self._heading_rad, cruise_m_s),
-            math.cos(self._heading_rad),
-            math.sin(self._heading_rad),
-        )
-        while True:
-            nav = inputs.nav
-            along = c * (nav.north_m - inputs.centre.north_m) + s * (nav.east_m - inputs.centre.east_m)
-            if along > 0.0 or not has_room(inputs, self._heading_rad):
-                break
-            inputs = yield intent
-        began_s, turned, ticks = inputs.now_s, 0.0, 0
-        while inputs.now_s - began_s < _TURN_S:
-            inputs = yield self._drive
-            if inputs.now_s - began_s > _TURN_S - _TURNING_S:
-                turned, ticks = turned + inputs.nav.yaw_rate_rad_s, ticks + 1
-        self.rate_rad_s = abs(turned) / max(ticks, 1)
-        return inputs
+def hard_turn_rad_s(inputs: RoutineInputs, heading_rad: float, drive: Drive) -> Step[float]:
+    """Run to the centre, then turn with full steering to one side. Returns the rate after two seconds."""
+    yield from aim(inputs, heading_rad)
+    intent = HoldHeading(heading_rad, inputs.config.speed.cruise_m_s)
+    c, s = math.cos(heading_rad), math.sin(heading_rad)
+    while True:
+        nav = inputs.nav
+        along = c * (nav.north_m - inputs.centre.north_m) + s * (nav.east_m - inputs.centre.east_m)
+        if along > 0.0 or not has_room(inputs, heading_rad):
+            break
+        yield intent
+    began_s, turned, ticks = inputs.now_s, 0.0, 0
+    while inputs.now_s - began_s < _TURN_S:
+        yield drive
+        if inputs.now_s - began_s > _TURN_S - _TURNING_S:
+            turned, ticks = turned + inputs.nav.yaw_rate_rad_s, ticks + 1
+    return abs(turned) / max(ticks, 1)
 
 
 def surge_time_s(pair: RunPair, top_m_s: float, cruise_m_s: float, cruise_throttle: float) -> float:

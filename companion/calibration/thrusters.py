@@ -21,7 +21,15 @@ from companion.calibration.routine import (
     TrialFinding,
     come_back,
 )
-from companion.calibration.runs import HardTurn, Run, RunPair, StraightRun, go_to_edge, opposite, surge_time_s
+from companion.calibration.runs import (
+    Run,
+    RunPair,
+    go_to_edge,
+    hard_turn_rad_s,
+    opposite,
+    sail_run,
+    surge_time_s,
+)
 from companion.config.actuators import Thrusters
 from companion.config.boat_config import BoatConfig
 from companion.control.allocation import from_pwm, motor_pwm
@@ -49,7 +57,7 @@ def calibrate(inputs: RoutineInputs) -> Routine:
         CalibrationError: the boat does not do what it is asked to.
     """
     pulses = PulseTest()
-    inputs = yield from pulses.sail(inputs)
+    yield from pulses.sail(inputs)
     curves = {one: pulses.curve(one) for _, _, one in _BANDS}
     setting = inputs.config.thrusters
     findings = []
@@ -66,44 +74,38 @@ def calibrate(inputs: RoutineInputs) -> Routine:
         setting = replace(setting, asymmetry=asymmetry)
         findings.append(TrialFinding("MOT_THST_ASYM", asymmetry))
 
-    inputs = yield from come_back(inputs, inputs.config.guidance.station_radius_m)
+    yield from come_back(inputs)
     heading, config = inputs.nav.heading_rad, inputs.config
-    full: list[RunPair] = []
-    inputs = yield from _out_and_back(inputs, heading, _FULL * config.handling.top_speed_m_s, full)
-    cruising: list[RunPair] = []
-    inputs = yield from _out_and_back(inputs, heading, config.speed.cruise_m_s, cruising)
-    setting = _balanced(setting, [*full, *cruising])
+    full = yield from _out_and_back(inputs, heading, _FULL * config.handling.top_speed_m_s)
+    cruising = yield from _out_and_back(inputs, heading, config.speed.cruise_m_s)
+    setting = _balanced(setting, (full, cruising))
     findings += [
         TrialFinding("MOT_L_GAIN", setting.left_gain),
         TrialFinding("MOT_R_GAIN", setting.right_gain),
-        *_speeds(setting, full[0], cruising[0], config),
+        *_speeds(setting, full, cruising, config),
     ]
 
     rates = []
     for side in (1.0, -1.0):
-        inputs = yield from go_to_edge(inputs, heading)
-        turn = HardTurn(heading, _steered(setting, side * config.heading.max_steering))
-        inputs = yield from turn.sail(inputs)
-        rates.append(turn.rate_rad_s)
+        yield from go_to_edge(inputs, heading)
+        drive = _steered(setting, side * config.heading.max_steering)
+        rates.append((yield from hard_turn_rad_s(inputs, heading, drive)))
     findings.append(TrialFinding("HND_TURN_RATE", math.degrees(0.5 * (rates[0] + rates[1]))))
-    yield from come_back(inputs, config.guidance.station_radius_m)
+    yield from come_back(inputs)
     return findings
 
 
-def _out_and_back(inputs: RoutineInputs, heading_rad: float, speed_m_s: float, pairs: list[RunPair]) -> Step:
+def _out_and_back(inputs: RoutineInputs, heading_rad: float, speed_m_s: float) -> Step[RunPair]:
     runs: list[Run] = []
     for course in (heading_rad, opposite(heading_rad)):
         for _ in range(_TRIES):
-            inputs = yield from go_to_edge(inputs, course)
-            crossing = StraightRun(course, speed_m_s)
-            inputs = yield from crossing.sail(inputs)
-            if crossing.run is not None:
-                runs.append(crossing.run)
+            yield from go_to_edge(inputs, course)
+            if (run := (yield from sail_run(inputs, course, speed_m_s))) is not None:
+                runs.append(run)
                 break
         else:
             raise CalibrationError("something is in the way of every run")
-    pairs.append(RunPair(*runs))
-    return inputs
+    return RunPair(*runs)
 
 
 def _asymmetry(sides: list[tuple[ThrustCurve | None, ThrustCurve | None]]) -> float | None:
@@ -116,14 +118,12 @@ def _asymmetry(sides: list[tuple[ThrustCurve | None, ThrustCurve | None]]) -> fl
     return clamp(sum(ratios) / len(ratios), 1.0, 10.0) if ratios else None
 
 
-def _balanced(setting: Thrusters, pairs: list[RunPair]) -> Thrusters:
+def _balanced(setting: Thrusters, pairs: tuple[RunPair, RunPair]) -> Thrusters:
     """Add the gains of left and right with which the boat went straight."""
     ratios = []
     for pair in pairs:
-        left, right = (
-            from_pwm(pair.left, setting.left_ahead, 1.0),
-            from_pwm(pair.right, setting.right_ahead, 1.0),
-        )
+        left = from_pwm(pair.left, setting.left_ahead, 1.0)
+        right = from_pwm(pair.right, setting.right_ahead, 1.0)
         if not (left > 0.0 and right > 0.0):
             raise CalibrationError("one motor gives no thrust")
         ratios.append(left / right)
