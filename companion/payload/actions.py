@@ -2,7 +2,9 @@
 
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
+
+ALL = 0  # number of all grippers, winches or lights
 
 
 class ActionFault(NamedTuple):
@@ -19,7 +21,8 @@ class ActionFault(NamedTuple):
 class SetServo:
     """Set the pulse width of a servo channel."""
 
-    channel: int
+    kind: ClassVar = "servo"
+    number: int
     width_us: int
 
 
@@ -27,7 +30,8 @@ class SetServo:
 class RepeatServo:
     """Set a width for half a period and the trim for the other half, count times."""
 
-    channel: int
+    kind: ClassVar = "servo"
+    number: int
     width_us: int
     count: int
     period_s: float
@@ -37,6 +41,7 @@ class RepeatServo:
 class SetRelay:
     """Switch a relay, light or horn."""
 
+    kind: ClassVar = "relay"
     number: int
     is_on: bool
 
@@ -45,6 +50,8 @@ class SetRelay:
 class SetLights:
     """Switch all lights on or off."""
 
+    kind: ClassVar = "light"
+    number: ClassVar = ALL
     is_on: bool
 
 
@@ -52,6 +59,7 @@ class SetLights:
 class RepeatRelay:
     """Toggle a relay and toggle it back, half a period each, count times."""
 
+    kind: ClassVar = "relay"
     number: int
     count: int
     period_s: float
@@ -61,6 +69,7 @@ class RepeatRelay:
 class MoveGripper:
     """Close or open a gripper. Number 0: all."""
 
+    kind: ClassVar = "gripper"
     number: int
     closes: bool
 
@@ -83,6 +92,7 @@ class MoveWinch:
     rate_m_s of a length is without a sign; 0: the winch's own.
     """
 
+    kind: ClassVar = "winch"
     number: int
     motion: WinchMotion
     length_m: float = 0.0
@@ -93,6 +103,7 @@ class MoveWinch:
 class RunCommand:
     """Start a configured command of the owner's."""
 
+    kind: ClassVar = "command"
     number: int
 
 
@@ -117,6 +128,7 @@ class CaptureByDistance:
     now: bool = False
 
 
+# kind: the payload's, by its noun in messages; number: of the payload
 UnitAction = (
     SetServo | RepeatServo | SetRelay | SetLights | RepeatRelay | MoveGripper | MoveWinch | RunCommand
 )

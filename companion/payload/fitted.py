@@ -15,9 +15,9 @@ from companion.config.payload import (
     WinchPayload,
 )
 from companion.payload.actions import (
+    ALL,
     ActionFault,
-    CaptureByDistance,
-    MoveGripper,
+    CameraAction,
     MoveWinch,
     PayloadAction,
     RepeatRelay,
@@ -26,12 +26,10 @@ from companion.payload.actions import (
     SetLights,
     SetRelay,
     SetServo,
-    StartCapture,
-    StopCapture,
+    UnitAction,
     WinchMotion,
 )
 
-_ALL = 0  # number of all grippers or winches
 _RATE_SLACK = 0.01  # share of a winch's only speed
 _Setting = TypeVar("_Setting", bound=PayloadSetting)
 CAMERA = "camera"
@@ -43,6 +41,13 @@ _KINDS: dict[str, type[PayloadSetting]] = {
     "winch": WinchPayload,
     "command": CommandPayload,
 }
+_TAKES_ALL = ("gripper", "light", "winch")
+
+
+def addresses(action: UnitAction, setting: PayloadSetting) -> bool:
+    """Whether an action is for this payload."""
+    is_one = setting.number == action.number or (action.number == ALL and action.kind in _TAKES_ALL)
+    return is_one and isinstance(setting, _KINDS[action.kind])
 
 
 class FittedPayload:
@@ -69,30 +74,16 @@ class FittedPayload:
 
     def fault(self, action: PayloadAction) -> ActionFault | None:
         """Why the action is impossible, None if it is not."""
-        match action:
-            case SetServo(channel, width_us) | RepeatServo(channel, width_us):
-                servo = self._find(ServoPayload, "servo", channel)
-                return servo if isinstance(servo, ActionFault) else _width_fault(servo, width_us)
-            case SetRelay(number):
-                relay = self._find(RelayPayload, "relay", number)
-                return relay if isinstance(relay, ActionFault) else None
-            case RepeatRelay(number, _, period_s):
-                relay = self._find(RelayPayload, "relay", number)
-                return relay if isinstance(relay, ActionFault) else _period_fault(relay, period_s)
-            case MoveGripper(number):
-                gripper = self._find(GripperPayload, "gripper", number) if number != _ALL else None
-                return gripper if isinstance(gripper, ActionFault) else self.lacks("gripper")
-            case MoveWinch(number):
-                if number != _ALL:
-                    winch = self._find(WinchPayload, "winch", number)
-                    return winch if isinstance(winch, ActionFault) else _winch_fault(winch, action)
-                faults = (_winch_fault(one, action) for one in self.of_kind(WinchPayload))
-                return self.lacks("winch") or next(filter(None, faults), None)
-            case RunCommand(number):
-                command = self._find(CommandPayload, "command", number)
-                return command if isinstance(command, ActionFault) else None
-            case SetLights() | StartCapture() | StopCapture() | CaptureByDistance():
-                return None
+        if isinstance(action, CameraAction | SetLights):
+            return None
+        if lack := self.lacks(action.kind):
+            return lack
+        addressed = [one for one in self.settings if addresses(action, one)]
+        if not addressed:
+            fitted = self.of_kind(_KINDS[action.kind])
+            expected = _list_of(fitted) if fitted else "that of a command"
+            return ActionFault(1, f"no {action.kind} {action.number}, expected {expected}", is_absent=True)
+        return next(filter(None, (_limit_fault(one, action) for one in addressed)), None)
 
     def lacks(self, noun: str) -> ActionFault | None:
         """A fault if there is no payload of a kind, by its noun in messages."""
@@ -109,16 +100,6 @@ class FittedPayload:
         """The settings of a kind."""
         return tuple(one for one in self.settings if isinstance(one, kind))
 
-    def _find(self, kind: type[_Setting], noun: str, number: int) -> _Setting | ActionFault:
-        if lack := self.lacks(noun):
-            return lack
-        fitted = self.of_kind(kind)
-        for one in fitted:
-            if one.number == number:
-                return one
-        expected = _list_of(fitted) if fitted else "that of a command"
-        return ActionFault(1, f"no {noun} {number}, expected {expected}", is_absent=True)
-
 
 def _list_of(fitted: Iterable[PayloadSetting]) -> str:
     named = [f"{one.number} ({one.name})" if one.name else f"{one.number}" for one in fitted]
@@ -129,17 +110,19 @@ def _only_on(command: CommandPayload) -> str:
     return f"{command.title}: relay {command.relay} off, expected on, which starts it"
 
 
-def _width_fault(servo: ServoPayload, width_us: int) -> ActionFault | None:
-    low_us, high_us = servo.signal.min_us, servo.signal.max_us
-    if low_us <= width_us <= high_us:
-        return None
-    return ActionFault(2, f"{servo.title}: {width_us} us, expected {low_us} to {high_us}")
-
-
-def _period_fault(relay: RelayPayload, period_s: float) -> ActionFault | None:
-    if not relay.max_on_s or 0.5 * period_s <= relay.max_on_s:
-        return None
-    return ActionFault(3, f"{relay.title}: period {period_s:g} s, expected at most {2.0 * relay.max_on_s:g}")
+def _limit_fault(setting: PayloadSetting, action: UnitAction) -> ActionFault | None:
+    match setting, action:
+        case ServoPayload(), SetServo(_, width_us) | RepeatServo(_, width_us):
+            low_us, high_us = setting.signal.min_us, setting.signal.max_us
+            if not low_us <= width_us <= high_us:
+                return ActionFault(2, f"{setting.title}: {width_us} us, expected {low_us} to {high_us}")
+        case RelayPayload(), RepeatRelay(_, _, period_s):
+            most_s = 2.0 * setting.max_on_s or math.inf
+            if period_s > most_s:
+                return ActionFault(3, f"{setting.title}: period {period_s:g} s, expected at most {most_s:g}")
+        case WinchPayload(), MoveWinch():
+            return _winch_fault(setting, action)
+    return None
 
 
 def _winch_fault(winch: WinchPayload, action: MoveWinch) -> ActionFault | None:

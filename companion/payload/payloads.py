@@ -13,7 +13,6 @@ from typing import NamedTuple
 from companion.config.payload import (
     CommandPayload,
     GripperPayload,
-    LightPayload,
     PayloadSetting,
     RelayPayload,
     ServoPayload,
@@ -34,8 +33,8 @@ from companion.payload.actions import (
     WinchMotion,
 )
 from companion.payload.actuator import Actuator, TimedWrite, Winch, alternate
+from companion.payload.fitted import addresses
 
-_ALL = 0
 _ON, _OFF = 1.0, 0.0
 _KEEP = "keep"
 
@@ -87,8 +86,9 @@ class Payloads:
         """Begin an action that `FittedPayload` has accepted. Returns why it cannot be done now, or empty."""
         if isinstance(action, RunCommand):
             return self._run(action)
-        for unit in self._addressed(action):
-            setting, actuator = unit
+        for setting, actuator in self.units:
+            if not addresses(action, setting):
+                continue
             if isinstance(actuator, Winch) and isinstance(action, MoveWinch):
                 actuator.move(action, now_s)
             else:
@@ -149,25 +149,6 @@ class Payloads:
     def winch(self) -> Winch | None:
         """The first winch, None without."""
         return next((one.actuator for one in self.units if isinstance(one.actuator, Winch)), None)
-
-    def _addressed(self, action: UnitAction) -> Iterator[Unit]:
-        match action:
-            case SetServo(number) | RepeatServo(number):
-                kind: type = ServoPayload
-            case SetRelay(number) | RepeatRelay(number):
-                kind = RelayPayload
-            case MoveGripper(number):
-                kind = GripperPayload
-            case MoveWinch(number):
-                kind = WinchPayload
-            case SetLights():
-                kind, number = LightPayload, _ALL
-            case RunCommand():
-                return
-        takes_all = number == _ALL and kind in (GripperPayload, LightPayload, WinchPayload)
-        for unit in self.units:
-            if isinstance(unit.setting, kind) and (takes_all or unit.setting.number == number):
-                yield unit
 
     def _run(self, action: RunCommand) -> str:
         for setting, program in self.commands:

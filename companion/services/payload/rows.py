@@ -86,7 +86,7 @@ def _repeat_servo(p: Parameters) -> PayloadAction | ActionFault:
     servo = _set_servo(p)
     if not isinstance(servo, SetServo):
         return servo
-    return _repetition(p[2], p[3], 3) or RepeatServo(servo.channel, servo.width_us, int(p[2]), p[3])
+    return _repetition(p[2], p[3], 3) or RepeatServo(servo.number, servo.width_us, int(p[2]), p[3])
 
 
 def _set_relay(p: Parameters) -> PayloadAction | ActionFault:

@@ -95,7 +95,7 @@ def test_any_parameters_are_an_action_or_a_fault(
         assert 1 <= action.parameter <= 7
         assert action.text
     if isinstance(action, SetServo):
-        assert action.channel == 9
+        assert action.number == 9
         assert 1000 <= action.width_us <= 2000
 
 
