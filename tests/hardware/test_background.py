@@ -4,12 +4,9 @@ import logging
 import threading
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from patience import MOMENT_S
 
 from companion.hal.background import Background
-from companion.links.retried import Backoff
 
 
 @pytest.mark.realtime
@@ -34,17 +31,3 @@ def test_a_step_that_raises_is_logged_once_and_tried_again(caplog: pytest.LogCap
         "compass: answers again",
     ]
     assert len(calls) == 3
-
-
-@given(st.lists(st.floats(0.0, 100.0), max_size=20))
-def test_waits_double_up_to_the_longest_and_start_over_after_a_success(moments: list[float]) -> None:
-    backoff = Backoff(first_s=0.5, longest_s=8.0)
-    expected_s = 0.5
-    for now_s in moments:
-        assert backoff.failed(now_s) == expected_s
-        assert not backoff.is_due(now_s + 0.99 * expected_s)
-        assert backoff.is_due(now_s + 1.01 * expected_s)
-        expected_s = min(2.0 * expected_s, 8.0)
-    backoff.succeeded()
-    assert backoff.is_due(0.0)
-    assert backoff.failed(0.0) == 0.5

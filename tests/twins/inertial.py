@@ -25,10 +25,6 @@ class Mpu6050Twin(MeasuringTwin):
         clock_hz = 8000.0 if self.map[0x1A] & 7 in (0, 7) else 1000.0
         return clock_hz / (1 + self.map[0x19])
 
-    @property
-    def is_bypassed(self) -> bool:
-        return bool(self.map[0x37] & 2) and not self.map[0x6A] & 0x20
-
     def get(self, register: int, length: int) -> bytes:
         if register == 0x3A:
             is_new = self.has_new()

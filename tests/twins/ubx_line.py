@@ -22,13 +22,6 @@ class BaudLine:
         """The host sets its end."""
         self.baud = baud
 
-    def replug(self) -> None:
-        """The cable comes off and is plugged in again; a receiver on USB loses its power."""
-        self._far.close()
-        self.receiver.dip()
-        near, self._far = memory_pair(is_datagram=False)
-        self.port.offer(near)
-
     def pump(self, now_s: float) -> None:
         """Move the bytes of both directions."""
         before = self.receiver.baud

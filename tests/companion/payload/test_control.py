@@ -115,15 +115,3 @@ def test_the_loss_of_the_operator_enters_its_states(rig: Rig, monkeypatch: pytes
     )
     rig.tick()
     assert rig.relay == 1.0
-
-
-def test_a_boat_without_payload_has_none_and_does_nothing() -> None:
-    vehicle = Vehicle(CONFIG)
-    control = PayloadControl(CONFIG, None, vehicle)
-    control.tick(0.02)
-    assert control.fitted.lacks("relay") is not None
-    assert control.fitted.is_skipped
-    assert not control.fitted.has_capture
-    assert not control.units.units
-    assert not control.has_news
-    assert PayloadControl(decode_config({}, "test"), None, vehicle).fitted.is_skipped is False

@@ -60,14 +60,6 @@ class Rig:
         return self.now_s - began_s
 
 
-def test_the_length_is_counted_by_time() -> None:
-    rig = Rig()
-    rig.move(WinchMotion.LENGTH, 2.0)
-    assert rig.run(60.0) == pytest.approx(4.0, abs=2 * TICK_S)
-    assert rig.motor.values == [1.0, 0.0]
-    assert math.isnan(rig.winch.out_m)
-
-
 def test_the_length_is_known_once_the_line_was_wound_in() -> None:
     rig = Rig()
     rig.move(WinchMotion.RETRACT)
@@ -126,19 +118,6 @@ def test_a_reversal_rests_first_and_the_rest_is_not_counted() -> None:
     assert rig.motor.values == [1.0, 0.0, -1.0, 0.0]
 
 
-def test_a_slow_rate_ends_with_the_line_that_is_left() -> None:
-    rig = Rig()
-    rig.move(WinchMotion.RETRACT)
-    rig.run(60.0)
-    rig.move(WinchMotion.LENGTH, 4.0)
-    rig.run(60.0)
-    rig.move(WinchMotion.RATE, rate_m_s=0.25)
-    assert rig.run(60.0) == pytest.approx(4.0, abs=4 * TICK_S)
-    assert rig.winch.out_m == pytest.approx(5.0, abs=0.03)
-    rig.move(WinchMotion.RATE, rate_m_s=-0.25)
-    assert rig.run(60.0) == pytest.approx(20.0, abs=8 * TICK_S)
-
-
 def test_a_length_after_a_broken_off_retraction_does_not_end_wound_in() -> None:
     rig = Rig()
     rig.winch.out_m = 4.0
@@ -147,20 +126,6 @@ def test_a_length_after_a_broken_off_retraction_does_not_end_wound_in() -> None:
     rig.move(WinchMotion.LENGTH, -1.0)
     rig.run(60.0)
     assert rig.winch.out_m == pytest.approx(2.5, abs=0.03)
-
-
-def test_pulses_at_rest_are_not_counted() -> None:
-    rig = Rig(counts=True)
-    rig.switch.count = 40  # by hand
-    rig.move(WinchMotion.LENGTH, 0.5)
-    assert rig.run(60.0, pulse_every_s=1.0) == pytest.approx(5.0, abs=2 * TICK_S)
-
-
-def test_a_motion_of_no_length_does_not_start() -> None:
-    rig = Rig()
-    rig.move(WinchMotion.LENGTH, 0.0)
-    assert not rig.winch.is_moving
-    assert rig.motor.values == [0.0]
 
 
 @pytest.mark.parametrize(

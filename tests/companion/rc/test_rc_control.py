@@ -1,25 +1,20 @@
 """A transmitter and its receiver: sticks, switches, arming, and what is done when it is lost."""
 
 import pytest
-from boat_rig import FRAME, GOOD_FIX, nav_at, place
+from boat_rig import FRAME, GOOD_FIX, nav_at
 from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.config.boat_config import BoatConfig, with_value
-from companion.config.parameter_table import ROWS
-from companion.config.parameters import Parameters
 from companion.config.tuning import RcChannel
 from companion.core.intent import Drive, Intent, Stop
 from companion.core.modes import Mode
 from companion.core.readings import RcReading
 from companion.core.requests import Arm, ChangeMode, Disarm, ManualControl
 from companion.core.status_text import Severity
-from companion.core.storage import MemoryStorage
-from companion.failsafe.table import Condition
 from companion.rc.pulses import LOW, deflection, mode_position, pulse_of
 from companion.rc.rc_control import RcControl
 from companion.rc.switches import SETTLE_S, Switch
-from companion.vehicle.mission.steps import Waypoint
 from companion.vehicle.vehicle import Vehicle
 
 STEERING, THROTTLE, ARM, MODE = 0, 2, 4, 5
@@ -135,22 +130,10 @@ def test_a_stick_that_moves_is_urgent_once_and_one_that_rests_is_not() -> None:
     ]
 
 
-def test_manual_follows_the_sticks() -> None:
-    hand = Hand().armed()
-    hand.live(0.1, throttle=1765, steering=1265)
-    assert hand.drive == pytest.approx((0.5, -205 / 470))
-
-
 def test_the_sticks_may_lie_on_other_channels_and_the_other_way_round() -> None:
     hand = Hand(rc__steering_channel=3, rc__throttle_channel=1, rc__channel_3__is_reversed=True).armed()
     hand.live(0.1, throttle=2000)
     assert hand.drive == (0.0, -1.0)
-
-
-def test_nothing_moves_while_the_boat_is_disarmed() -> None:
-    hand = Hand()
-    hand.live(1.0, throttle=2000)
-    assert isinstance(hand.intent, Stop)
 
 
 # Arming
@@ -162,18 +145,6 @@ def test_the_switch_arms_when_it_goes_up_and_disarms_when_it_goes_down() -> None
     assert hand.live(0.5, arm=2000) == ["Armed"]
     assert hand.live(0.5, arm=1500) == []
     assert hand.live(0.5, arm=1000) == ["Disarmed by the arming switch"]
-
-
-def test_a_channel_arms_once_its_option_says_so() -> None:
-    hand = Hand(rc__arm_channel=0)
-    parameters = Parameters(hand.vehicle.config, ROWS, MemoryStorage())
-    hand.live(0.5, arm=1000)
-    hand.live(0.5, arm=2000)
-    assert not hand.vehicle.armed
-    assert parameters.set("RC5_OPTION", 153.0) == ""
-    hand.vehicle.config = parameters.config
-    hand.live(0.5, arm=1000)
-    assert hand.live(0.5, arm=2000) == ["Armed"]
 
 
 def test_a_switch_that_is_up_at_boot_does_not_arm_until_it_has_been_down() -> None:
@@ -207,23 +178,6 @@ def test_a_switch_that_went_down_while_the_transmitter_was_lost_disarms() -> Non
     assert "Disarmed by the arming switch" in hand.live(0.5)
 
 
-def test_a_spike_on_the_switch_does_nothing() -> None:
-    hand = Hand()
-    hand.live(0.5)
-    for _ in range(20):
-        hand.live(0.1, arm=2000)
-        hand.live(0.1, arm=1000)
-    assert not hand.vehicle.armed
-
-
-def test_the_arming_switch_is_subject_to_the_arming_checks() -> None:
-    hand = Hand(arming__battery_min_v=0.0)
-    hand.live(0.5, mode=LOITER_US)
-    hand.vehicle.fix = None
-    hand.vehicle.config = with_value(hand.vehicle.config, "arming.max_hdop", 0.5)
-    assert hand.live(0.5, arm=2000) == ["Arm: GPS: HDOP 0.8 is above 0.5"]
-
-
 @pytest.mark.parametrize("stick", ["throttle", "steering"])
 @pytest.mark.parametrize("pulse_us", [1000, 1469, 1531, 2000])
 def test_the_boat_does_not_arm_while_a_stick_is_not_neutral(stick: str, pulse_us: int) -> None:
@@ -255,22 +209,6 @@ def test_a_station_that_steers_answers_for_the_sticks_in_place_of_the_transmitte
     assert hand.vehicle.request(Arm()).accepted
 
 
-def test_a_raised_stick_drives_at_once_after_a_change_into_manual() -> None:
-    """As Rover's: the sticks are checked for arming, not for a mode."""
-    hand = Hand().armed()
-    hand.live(0.5, mode=HOLD_US)
-    hand.live(0.5, throttle=2000)
-    assert isinstance(hand.intent, Stop)
-    hand.live(0.5, mode=MANUAL_US)
-    assert hand.drive == (1.0, 0.0)
-
-
-def test_a_throttle_without_reverse_is_low_at_its_end() -> None:
-    hand = Hand(rc__channel_3__trim_us=1000)
-    hand.live(0.5, throttle=1000)
-    assert hand.live(0.5, arm=2000) == ["Armed"]
-
-
 def test_a_station_does_not_arm_a_boat_whose_transmitter_was_lost() -> None:
     hand = Hand()
     hand.live(0.5)
@@ -279,14 +217,6 @@ def test_a_station_does_not_arm_a_boat_whose_transmitter_was_lost() -> None:
     assert hand.vehicle.request(Arm()).reason == "RC: the receiver is silent"
     hand.vehicle.config = with_value(hand.vehicle.config, "failsafe.rc_enabled", 0)
     assert hand.vehicle.request(Arm()).accepted
-
-
-def test_a_transmitter_never_received_does_not_prevent_arming() -> None:
-    hand = Hand()
-    hand.is_on = False
-    hand.live(1.0)
-    assert hand.vehicle.request(Arm()).accepted
-    assert hand.live(60.0) == ["Armed"]
 
 
 def test_an_arming_switch_that_is_put_on_a_channel_that_is_up_does_not_arm() -> None:
@@ -338,17 +268,6 @@ def test_a_switch_whose_channel_changes_is_read_anew() -> None:
 )
 def test_the_six_bands_of_the_mode_switch(pulse_us: int, position: int) -> None:
     assert mode_position(pulse_us) == position
-
-
-@pytest.mark.parametrize("mode", Mode)
-def test_every_mode_of_the_table_can_be_chosen_by_the_switch(mode: Mode) -> None:
-    hand = Hand()
-    parameters = Parameters(hand.vehicle.config, ROWS, MemoryStorage())
-    assert all(isinstance(one, Mode) for one in parameters.config.rc.modes)
-    assert parameters.set("MODE2", float(mode)) == ""
-    assert parameters.config.rc.modes[1] is mode
-    assert parameters.set("MODE2", 16.0).startswith("MODE2: 16 is outside")
-    assert parameters.set("MODE2", 2.0).startswith("MODE2: 2 is not one of 0, 1, 3")
 
 
 def test_each_position_has_its_mode() -> None:
@@ -464,33 +383,6 @@ def test_the_motors_stop_at_once_and_the_boat_keeps_station_after_that() -> None
     assert "Mode RTL: failsafe" in hand.live(125.0)
 
 
-def test_when_it_is_back_the_boat_stays_until_the_switch_is_moved() -> None:
-    hand = Hand().armed()
-    hand.is_on = False
-    hand.live(3.0)
-    hand.is_on = True
-    assert hand.live(3.0, throttle=2000) == ["Failsafe over: transmitter heard again"]
-    assert hand.vehicle.mode.name == "LOITER"
-    hand.live(0.5, mode=HOLD_US)
-    hand.live(0.5, mode=MANUAL_US)
-    assert hand.drive == (1.0, 0.0)
-
-
-def test_a_mode_that_was_chosen_while_it_was_lost_counts_when_it_is_back() -> None:
-    hand = Hand().armed()
-    hand.is_on = False
-    hand.live(3.0, mode=HOLD_US)
-    hand.is_on = True
-    hand.live(0.5)
-    assert hand.vehicle.mode.name == "HOLD"
-
-
-def test_the_receivers_own_failsafe_counts_as_lost() -> None:
-    hand = Hand().armed()
-    hand.is_failsafe = True
-    assert "Failsafe: RC lost: the receiver has lost the transmitter" in hand.live(2.2, throttle=2000)
-
-
 def test_pulses_that_are_set_for_the_failsafe_count_as_lost_and_move_no_switch() -> None:
     hand = Hand().armed()
     told = hand.live(2.2, throttle=900, mode=HOLD_US, arm=1000)
@@ -515,52 +407,6 @@ def test_both_sticks_thrown_over_at_once_are_believed() -> None:
         end, other = (1.0, -1.0) if number % 2 else (-1.0, 1.0)
         hand.live(0.1, throttle=round(1500 + 500 * end), steering=round(1500 + 500 * other))
         assert hand.drive == (end, other)
-
-
-def in_auto(enabled: int) -> Hand:
-    hand = Hand(failsafe__rc_enabled=enabled).armed()
-    vehicle = hand.vehicle
-    vehicle.set_mission((Waypoint(FRAME.origin, 2.0), Waypoint(place(500.0, 0.0), 2.0)))
-    hand.live(0.5, mode=AUTO_US)
-    assert vehicle.mode is Mode.AUTO
-    return hand
-
-
-@pytest.mark.parametrize(("enabled", "mode"), [(0, "AUTO"), (1, "LOITER"), (2, "AUTO")])
-def test_what_a_mission_does_without_a_transmitter_is_the_operators_choice(enabled: int, mode: str) -> None:
-    hand = in_auto(enabled)
-    hand.is_on = False
-    hand.live(3.0)
-    assert hand.vehicle.mode.name == mode
-
-
-def test_a_mission_during_an_rc_loss_does_not_end_in_a_manual_mode() -> None:
-    hand = in_auto(2)
-    hand.is_on = False
-    hand.live(3.0)
-    hand.vehicle.request(ChangeMode(Mode.MANUAL))
-    assert "Mode LOITER: failsafe" in hand.live(2.0)
-
-
-def test_a_boat_on_its_way_home_goes_on() -> None:
-    hand = Hand(rc__mode_2=11).armed()
-    hand.live(0.5, mode=HOLD_US)
-    assert hand.vehicle.mode.name == "RTL"
-    hand.is_on = False
-    assert "Failsafe: RC lost: the receiver is silent" in hand.live(3.0)
-    assert hand.vehicle.mode.name == "RTL"
-
-
-def test_a_station_that_steers_in_its_place_keeps_the_failsafe_quiet() -> None:
-    hand = Hand().armed()
-    hand.is_on = False
-    for _ in range(20):
-        hand.vehicle.request(ManualControl(0.5, 0.0))
-        hand.live(0.5)
-    assert hand.vehicle.mode is Mode.MANUAL
-    assert hand.drive == (0.5, 0.0)
-    assert "Failsafe: RC lost: the receiver is silent" in hand.live(4.0)
-    assert not hand.vehicle.failsafes.is_active(Condition.HELM_LOST)
 
 
 @given(st.lists(st.lists(st.integers(-100, 5000), max_size=18), max_size=40))

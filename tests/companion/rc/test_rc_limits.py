@@ -152,3 +152,18 @@ def test_bytes_before_the_first_pause_of_an_sbus_line_are_counted() -> None:
     parser.feed(b"", 0.0)
     assert parser.feed(b"\x0f\x00", PAUSE_S / 2.0) is None
     assert parser.skipped == 2
+
+
+def seen_down() -> Switches:
+    switches = Switches()
+    for now_s in (0.0, 2.0 * SETTLE_S):
+        assert switches.update((DOWN,), False, Rc(arm_channel=1), now_s) == ()
+    return switches
+
+
+def test_after_a_silence_a_glimpse_of_the_switch_down_does_not_let_it_arm() -> None:
+    switches = seen_down()
+    switches.forget_positions()
+    assert switches.update((DOWN,), False, Rc(arm_channel=1), 1.0) == ()
+    for step in range(1, 20):
+        assert switches.update((UP,), False, Rc(arm_channel=1), 1.0 + step * SETTLE_S) == ()

@@ -85,19 +85,3 @@ def heading_deg(*, is_magnetic: bool, **config: object) -> float:
 
 def test_a_magnetic_heading_is_turned_by_the_models_declination() -> None:
     assert heading_deg(is_magnetic=True, auto_declination=True) == pytest.approx(105.5, abs=0.5)
-
-
-def test_without_the_model_the_declination_is_the_owners() -> None:
-    assert heading_deg(is_magnetic=True, declination_rad=0.2) == pytest.approx(90.0 + math.degrees(0.2))
-    assert heading_deg(is_magnetic=True) == pytest.approx(90.0)
-
-
-def test_a_station_sets_the_declination_by_ardupilots_parameters() -> None:
-    rig = Rig(compass=Part(HeadingReading(0.0, 0.0, is_magnetic=True)))
-    rig.step(2)
-    assert rig.boat.parameters.set("COMPASS_DEC", 0.1) == ""
-    rig.step()
-    assert rig.boat.sensors.heading is not None
-    assert rig.boat.sensors.heading.heading_rad == pytest.approx(0.1)
-    assert rig.boat.parameters.set("COMPASS_AUTODEC", 1.0) == ""
-    assert rig.boat.parameters.config.parts.compass.auto_declination

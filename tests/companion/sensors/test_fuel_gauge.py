@@ -4,7 +4,7 @@ import itertools
 import random
 
 import pytest
-from boat_rig import DENIED, FAILED, OK, FakeBattery, Rig, waypoint
+from boat_rig import DENIED, FAILED, OK, FakeBattery, Rig
 
 from companion.config.boat_config import BatteryPack
 from companion.core.readings import BatteryReading
@@ -89,18 +89,6 @@ def test_relaxation_after_a_load_does_not_show_but_another_pack_does() -> None:
     assert gauge.percent == pytest.approx(95, abs=1)
 
 
-def test_what_stations_see_does_not_dip_as_the_boat_starts() -> None:
-    rig = Rig().ready()
-    rig.peer.forget()
-    at_rest = rig.boat.sensors.gauge.percent
-    rig = Rig().sail(waypoint(60.0, 0.0))
-    rig.run(30.0)
-    shown = [one.battery_remaining for one in rig.peer.said("BATTERY_STATUS")]
-    assert len(shown) > 10
-    assert min(shown) >= at_rest - 2
-    assert rig.peer.said("SYS_STATUS")[-1].battery_remaining == shown[-1]
-
-
 # A pack that is changed without a restart
 
 
@@ -139,13 +127,6 @@ def test_a_changed_pack_is_full_and_its_failsafe_is_over() -> None:
 def test_a_reset_says_which_pack_and_how_much(params: tuple[float, ...], result: int) -> None:
     rig = Rig().ready()
     assert rig.ask(RESET, *params) == result
-
-
-def test_a_pack_is_not_reset_under_way() -> None:
-    rig = Rig().ready()
-    rig.arm()
-    assert rig.ask(RESET, 1.0, 100.0) == REJECTED_FOR_NOW
-    assert "Battery: disarm first" in rig.peer.texts
 
 
 def used(amperes: float, seconds: float, gauge: FuelGauge, began_s: float = 0.0) -> float | None:

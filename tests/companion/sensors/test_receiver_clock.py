@@ -56,14 +56,6 @@ def test_a_receiver_that_sets_its_clock_is_followed_and_meanwhile_arrival_counts
     assert errors_s[50 + 2 * AGREE :] == pytest.approx([0.0] * (50 - 2 * AGREE), abs=1e-6)
 
 
-def test_one_false_time_changes_nothing() -> None:
-    clock = ReceiverClock(ASSUMED_S)
-    for number in range(50):
-        clock.measured_s(40_000.0 + 0.2 * number, 0.2 * number + 0.1)
-    assert clock.measured_s(12_345.6, 10.1) == pytest.approx(10.0)
-    assert clock.measured_s(40_010.2, 10.5) == pytest.approx(10.2)
-
-
 def test_nothing_is_measured_after_its_arrival() -> None:
     draw = random.Random(2)
     clock, arrival_s = ReceiverClock(0.0), 0.0

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from twins.battery import Ads1115Twin, Ina219Twin, Ina226Twin, Ina228Twin, MonitorTwin
 from twins.i2c import Bno055Twin, I2cDev, plug_in
-from twins.lines import HandClock, eventually
+from twins.lines import HandClock
 
 from companion.config.sensors import BatteryPart
 from companion.core.errors import HardwareError
@@ -104,27 +104,6 @@ def test_a_part_whose_supply_dipped_is_set_up_again_and_reads_no_zeros(
     assert seen[0] is before
     assert seen[-1] is not None
     assert seen[-1].time_s > before.time_s
-
-
-def test_a_part_that_is_pulled_off_the_bus_is_read_again_when_it_is_back(
-    dev: I2cDev, clock: HandClock, caplog: pytest.LogCaptureFixture
-) -> None:
-    twin = Ina226Twin(clock)
-    dev.parts = {0x40: twin}
-    sensor = open_battery_monitor(BatteryPart(driver="ina226"), clock)
-    try:
-        clock.advance(1.0)
-        eventually(sensor.read)
-        dev.parts = {}
-        eventually(lambda: "trying again" in caplog.text)
-        stale = sensor.read()
-        twin.power_up()
-        dev.parts = {0x40: twin}
-        clock.advance(1.0)
-        caplog.set_level("INFO")
-        eventually(lambda: sensor.read() is not stale)
-    finally:
-        sensor.close()
 
 
 @pytest.mark.parametrize("driver", CHIPS)

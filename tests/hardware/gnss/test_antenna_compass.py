@@ -74,12 +74,6 @@ def test_sentences_of_a_receiver_with_two_antennas_are_its_heading(body: str, he
     assert bench.heading_deg == pytest.approx(heading_deg)
 
 
-def test_the_antennas_may_stand_across_the_hull() -> None:
-    bench = Bench(antenna_bearing_deg=90.0)  # the other antenna to starboard of the reference
-    bench.hear("GNHDT,90.0,T")
-    assert bench.heading_deg == pytest.approx(0.0, abs=1e-9)
-
-
 def test_the_compass_in_reserve_is_used_where_a_heading_a_second_would_be_overdue() -> None:
     bench = Bench()
     bench.hear("GNHDT,10.0,T")
@@ -137,16 +131,3 @@ def test_a_magnetometer_in_reserve_can_be_calibrated_meanwhile() -> None:
     assert not reading.is_magnetic
     assert reading.field_mg == (190.0, 20.0, 440.0)
     assert bench.compass.read() is reading
-
-
-def test_what_a_dead_magnetometer_in_reserve_measured_last_is_not_passed_on_with_new_headings() -> None:
-    bench = Bench()
-    bench.reserve.field_mg = (190.0, 20.0, 440.0)
-    bench.reserve.died_s = bench.clock()
-    for _ in range(3):
-        bench.clock.advance(1.0)
-        bench.hear("GNHDT,10.0,T")
-    reading = bench.compass.read()
-    assert reading is not None
-    assert math.degrees(reading.heading_rad) == pytest.approx(10.0)
-    assert (reading.field_mg, reading.roll_rad) == (None, None)

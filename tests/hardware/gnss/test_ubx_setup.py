@@ -52,15 +52,6 @@ def test_a_receiver_that_cannot_hear_is_read_as_it_is(baud: int) -> None:
     bench.until_running(40.0)
 
 
-def test_a_receiver_that_listening_lost_is_searched_again() -> None:
-    bench = Bench(NEO_M8N)
-    bench.receiver.is_deaf = True
-    bench.run(20.0)
-    bench.receiver.is_deaf, bench.receiver.saved_baud = False, 38400
-    bench.receiver.dip()
-    bench.until_running()
-
-
 @pytest.mark.parametrize(
     ("refused", "text"),
     [((0x06, 0x24), "sea model"), ((0x06, 0x08), "navigation rate"), ((0x06, 0x01), "output of messages")],
@@ -130,14 +121,6 @@ def test_noise_on_the_line_delays_the_set_up_but_does_not_stop_it() -> None:
     bench.run(10.0)
     assert len(bench.fixes) > 25
     assert all(abs(fix.position.lat_deg - 50.5) < 1e-6 for fix in bench.fixes)
-
-
-def test_set_up_takes_a_second_where_the_baud_rate_is_right_and_two_where_it_is_not() -> None:
-    at_rate = Bench(NEO_M8N, baud=115_200)
-    assert at_rate.until_running() == pytest.approx(0.7, abs=0.3)
-    at_factory_rate = Bench(NEO_M8N)
-    # 1.2 s at the wrong rate, 0.3 s to change the right one, then the same
-    assert at_factory_rate.until_running() == pytest.approx(2.5, abs=0.25)
 
 
 @pytest.mark.parametrize("model", [NEO_M8N, ZED_F9P, NEO_6M], ids=lambda model: model.hardware)

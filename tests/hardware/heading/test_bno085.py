@@ -2,15 +2,11 @@
 
 import math
 import random
-import threading
-from pathlib import Path
 
 import pytest
 from twins.bno085 import Bno085Twin, Quaternion
-from twins.lines import HandClock, PtyLine, eventually
+from twins.lines import HandClock
 
-from companion.app.parts import open_compass
-from companion.config.boat_config import BoatConfig, with_value
 from companion.config.sensors import CompassPart, Mounting
 from companion.core.readings import HeadingReading
 from companion.hal.heading.bno085 import BYTE_S, Bno085Compass
@@ -191,27 +187,3 @@ def test_frames_escape_the_flag_and_two_flags_in_a_row_are_one() -> None:
     assert FrameReader().feed(b"\x7e" + frame + frame[1:]) == [Packet(2, payload)] * 2
     cut_off = frame[:3] + b"\x7d"
     assert FrameReader().feed(cut_off + frame) == [Packet(2, payload)]
-
-
-def test_through_a_real_line_and_thread(tmp_path: Path) -> None:
-    line, twin, clock = PtyLine(tmp_path / "uart"), Bno085Twin(), HandClock()
-    twin.heading_deg = 45.0
-    config = with_value(BoatConfig(), "parts.compass.driver", "bno085")
-    config = with_value(config, "parts.compass.port", line.device)
-    compass = open_compass(config, clock)
-    try:
-
-        def has_reading() -> bool:
-            clock.advance(0.02)
-            twin.hear(line.heard())
-            line.say(twin.speak(0.02))
-            return compass.read() is not None
-
-        eventually(has_reading)
-        reading = compass.read()
-        assert reading is not None
-        assert math.degrees(reading.heading_rad) == pytest.approx(45.0, abs=0.1)
-    finally:
-        compass.close()
-        line.unplug()
-    assert not [one for one in threading.enumerate() if "uart" in one.name and one.is_alive()]

@@ -74,24 +74,6 @@ def test_boards_are_mounted_in_any_direction_each_its_own(
         assert math.degrees(bench.reading.yaw_rate_rad_s or 0.0) == pytest.approx(15.0, abs=1.0)
 
 
-def test_a_large_bias_of_the_gyro_is_learned_within_ten_seconds(bench: Bench) -> None:
-    bench.scene.gyro_bias_deg_s = (6.0, -15.0, 18.0)
-    bench.run(10.0)
-    assert abs(bench.error_deg) < 2.0
-    assert abs(math.degrees(bench.reading.yaw_rate_rad_s or 0.0)) < 1.5
-    assert abs(math.degrees(bench.reading.roll_rad or 0.0)) < 1.5
-
-
-def test_a_bias_that_drifts_as_the_part_warms_up_is_followed(bench: Bench) -> None:
-    bench.run(10.0)
-    for step in range(60):  # five degrees warmer, at 0.16 °/s for each (PS-MPU-6000A-00, 6.1)
-        drift = 0.8 * step / 60.0
-        bench.scene.gyro_bias_deg_s = (drift, drift, drift)
-        bench.run(1.0)
-        assert abs(bench.error_deg) < 4.0
-    assert abs(math.degrees(bench.reading.yaw_rate_rad_s or 0.0)) < 1.2
-
-
 def test_a_long_turn_does_not_tip_the_horizon_and_so_the_heading(bench: Bench) -> None:
     bench.run(15.0)
     rate_deg_s, speed_m_s = 25.0, 1.6

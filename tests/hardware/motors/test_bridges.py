@@ -1,93 +1,109 @@
-"""The L298N over mock pins: which pin changes when, and pins that fail."""
+"""H-bridges over mock pins: never both legs, dead time, off at every way out, and pins that fail."""
 
 import contextlib
+import math
 from collections.abc import Iterator
+from typing import Any
 
+import msgspec
 import pytest
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 from twins.lines import HandClock
-from twins.pins import L298N, PinBoard
+from twins.pins import BRIDGES, L298N, PinBoard, assert_is_safe, motors_of
 
 from companion.config.actuators import MotorsPart
 from companion.core.errors import HardwareError
 from companion.hal.motors.bridges import BridgeMotors, HalfBridgePair
 
-PINS = L298N
+SHARES = st.one_of(
+    st.floats(-1.5, 1.5), st.sampled_from([0.0, -0.0, 1.0, -1.0, math.nan, math.inf, -math.inf, 1e-300])
+)
+DEAD_TIME_S = 0.02
+
+
+@pytest.fixture(params=BRIDGES, ids=lambda part: part.driver)
+def board(request: pytest.FixtureRequest) -> Iterator[PinBoard]:
+    board = PinBoard(request.param)
+    yield board
+    board.factory.reset()
+
+
+def drives(board: PinBoard) -> list[float]:
+    return [board.drive(motor) for motor in motors_of(board.part)]
+
+
+def test_each_side_is_driven_as_far_and_in_the_direction_of_its_command(board: PinBoard) -> None:
+    bridge = board.open()
+    for left, right in ((0.5, -0.25), (0.75, -1.0), (0.0, -0.0)):
+        bridge.write(left, right)
+        assert drives(board) == [left, right]
+    assert board.is_off
+
+
+def test_a_reversed_motor_turns_the_other_way(board: PinBoard) -> None:
+    bridge = board.open(msgspec.structs.replace(board.part, right_reversed=True))
+    bridge.write(0.5, 0.5)
+    assert drives(board) == [0.5, -0.5]
+
+
+def test_a_slow_pulse_train_ends_before_the_other_leg_begins() -> None:
+    """lgpio changes a pulse train at the end of its period: at 50 Hz that is up to 20 ms later."""
+    board = PinBoard(MotorsPart(driver="bts7960", pwm_hz=50, dead_time_s=0.0))
+    bridge = board.open()
+    bridge.write(1.0, 1.0)
+    bridge.write(-1.0, -1.0)
+    board.clock.advance(0.039)
+    bridge.write(-1.0, -1.0)
+    assert board.is_off
+    board.clock.advance(0.002)
+    bridge.write(-1.0, -1.0)
+    assert drives(board) == [-1.0, -1.0]
+
+
+def test_a_boat_with_one_motor_opens_only_the_left_pins(board: PinBoard) -> None:
+    bridge = board.open(has_right=False)
+    left, right = motors_of(board.part)
+    bridge.write(0.5, -1.0)
+    assert drives(board) == [0.5, 0.0]
+    assert {change.pin for change in board.history} <= set(left) - set(right)
+    bridge.close()
+    assert board.is_off
 
 
 @pytest.fixture
-def clock() -> HandClock:
-    return HandClock()
-
-
-@pytest.fixture
-def board() -> Iterator[PinBoard]:
+def l298n() -> Iterator[PinBoard]:
     board = PinBoard()
     yield board
     board.factory.reset()
 
 
-def test_forward_turns_the_leg_on_before_the_enable(board: PinBoard) -> None:
-    bridge = board.open()
-    bridge.write(0.5, 0.0)
-    assert board.drain() == [(PINS.left_forward, 1.0), (PINS.left_enable, 0.5)]
-
-
-def test_each_side_and_direction_has_its_own_pins(board: PinBoard) -> None:
-    bridge = board.open()
-    bridge.write(-0.25, 1.0)
-    assert board.drain() == [
-        (PINS.left_backward, 1.0),
-        (PINS.left_enable, 0.25),
-        (PINS.right_forward, 1.0),
-        (PINS.right_enable, 1.0),
-    ]
-
-
-def test_a_reversed_motor_swaps_its_legs_only(board: PinBoard) -> None:
-    bridge = board.open(MotorsPart(driver="l298n", left_reversed=True))
-    bridge.write(0.5, 0.5)
-    assert board.drain() == [
-        (PINS.left_backward, 1.0),
-        (PINS.left_enable, 0.5),
-        (PINS.right_forward, 1.0),
-        (PINS.right_enable, 0.5),
-    ]
-
-
 def test_reversal_drops_the_old_leg_at_once_and_drives_the_new_one_after_the_dead_time(
-    board: PinBoard,
+    l298n: PinBoard,
 ) -> None:
-    bridge = board.open()
+    bridge = l298n.open()
     bridge.write(1.0, 0.0)
-    board.drain()
+    l298n.drain()
     bridge.write(-1.0, 0.0)
-    assert board.drain() == [(PINS.left_enable, 0.0), (PINS.left_forward, 0.0)]
-    board.clock.advance(PINS.dead_time_s / 2.0)
+    assert l298n.drain() == [(L298N.left_enable, 0.0), (L298N.left_forward, 0.0)]
+    l298n.clock.advance(L298N.dead_time_s / 2.0)
     bridge.write(-1.0, 0.0)
-    assert board.drain() == []
-    board.clock.advance(PINS.dead_time_s)
+    assert l298n.drain() == []
+    l298n.clock.advance(L298N.dead_time_s)
     bridge.write(-1.0, 0.0)
-    assert board.drain() == [(PINS.left_backward, 1.0), (PINS.left_enable, 1.0)]
+    assert l298n.drain() == [(L298N.left_backward, 1.0), (L298N.left_enable, 1.0)]
 
 
-def test_a_stop_between_does_not_shorten_the_dead_time(board: PinBoard) -> None:
-    bridge = board.open()
-    bridge.write(1.0, 0.0)
-    bridge.write(0.0, 0.0)
-    board.drain()
-    bridge.write(-1.0, 0.0)
-    assert board.drain() == []
-
-
-def test_close_stops_first_gives_the_pins_back_and_may_be_called_twice(board: PinBoard) -> None:
-    bridge = board.open()
+def test_close_stops_first_gives_the_pins_back_and_may_be_called_twice(l298n: PinBoard) -> None:
+    bridge = l298n.open()
     bridge.write(1.0, -1.0)
-    board.drain()
+    l298n.drain()
     bridge.close()
     bridge.close()
-    assert board.drain()[:2] == [(PINS.left_enable, 0.0), (PINS.left_forward, 0.0)]
-    assert set(board.levels().values()) == {0.0}
-    assert {board.pin(pin).function for pin in board.levels()} == {"input"}
+    assert l298n.drain()[:2] == [(L298N.left_enable, 0.0), (L298N.left_forward, 0.0)]
+    assert set(l298n.levels().values()) == {0.0}
+    assert {l298n.pin(pin).function for pin in l298n.levels()} == {"input"}
     bridge.stop()
     with pytest.raises(HardwareError, match="after close"):
         bridge.write(1.0, 1.0)
@@ -120,7 +136,7 @@ class FakeLeg:
         self.value = 0.0
 
 
-def fake_bridge(clock: HandClock) -> tuple[BridgeMotors, dict[str, float], set[str]]:
+def fake_bridge() -> tuple[BridgeMotors, dict[str, float], set[str]]:
     level: dict[str, float] = {}
     broken: set[str] = set()
 
@@ -128,7 +144,7 @@ def fake_bridge(clock: HandClock) -> tuple[BridgeMotors, dict[str, float], set[s
         forward, backward, enable = (
             FakeLeg(f"{side} {pin}", level, broken) for pin in ("forward", "backward", "enable")
         )
-        return HalfBridgePair(forward, backward, enable, 0.02, clock)
+        return HalfBridgePair(forward, backward, enable, 0.02, HandClock())
 
     return BridgeMotors("L298N", pair("left"), pair("right")), level, broken
 
@@ -137,9 +153,9 @@ PIN_NAMES = [f"{side} {pin}" for side in ("left", "right") for pin in ("forward"
 
 
 @pytest.mark.parametrize("stuck", PIN_NAMES)
-def test_one_pin_that_fails_keeps_no_other_pin_on(clock: HandClock, stuck: str) -> None:
+def test_one_pin_that_fails_keeps_no_other_pin_on(stuck: str) -> None:
     for way_out in ("write", "stop", "close"):
-        bridge, level, broken = fake_bridge(clock)
+        bridge, level, broken = fake_bridge()
         bridge.write(1.0, -1.0)
         broken.add(stuck)
         with pytest.raises(HardwareError, match="is stuck"):
@@ -150,9 +166,9 @@ def test_one_pin_that_fails_keeps_no_other_pin_on(clock: HandClock, stuck: str) 
 @pytest.mark.parametrize("way", ["stop", "zero", "other way", "on"])
 @pytest.mark.parametrize("stuck", ["left enable", "left forward"])
 def test_a_bridge_that_could_not_be_opened_is_opened_again_by_whatever_comes_next(
-    clock: HandClock, stuck: str, way: str
+    stuck: str, way: str
 ) -> None:
-    bridge, level, broken = fake_bridge(clock)
+    bridge, level, broken = fake_bridge()
     bridge.write(0.5, 0.0)
     broken.add(stuck)
     with pytest.raises(HardwareError):
@@ -173,9 +189,9 @@ def test_a_bridge_that_could_not_be_opened_is_opened_again_by_whatever_comes_nex
 
 @pytest.mark.parametrize("stuck", [None, *PIN_NAMES])
 def test_every_pin_is_switched_off_before_the_first_is_given_back(
-    clock: HandClock, monkeypatch: pytest.MonkeyPatch, stuck: str | None
+    monkeypatch: pytest.MonkeyPatch, stuck: str | None
 ) -> None:
-    bridge, level, broken = fake_bridge(clock)
+    bridge, level, broken = fake_bridge()
     bridge.write(1.0, -1.0)
     broken.update({stuck} if stuck else ())
     still_on: list[set[str]] = []
@@ -184,3 +200,79 @@ def test_every_pin_is_switched_off_before_the_first_is_given_back(
         bridge.close()
     assert len(still_on) == len(PIN_NAMES)
     assert all(names <= {stuck} for names in still_on)
+
+
+class Commands(RuleBasedStateMachine):
+    """Any sequence of write, stop, close, open and time, on one bridge."""
+
+    part = BRIDGES[0]
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.board = PinBoard(self.part)
+        self.bridge = self.board.open()
+        self.is_open = True
+        self.command = (0.0, 0.0)
+
+    def teardown(self) -> None:
+        self.bridge.close()
+        assert self.board.is_off
+        self.board.factory.reset()
+
+    @rule(left=SHARES, right=SHARES)
+    def write(self, left: float, right: float) -> None:
+        if not self.is_open:
+            with pytest.raises(HardwareError, match="after close"):
+                self.bridge.write(left, right)
+            return
+        self.bridge.write(left, right)
+        if not (math.isfinite(left) and math.isfinite(right)):
+            left = right = 0.0
+        wanted = (max(-1.0, min(1.0, left)), max(-1.0, min(1.0, right)))
+        for share, drive in zip(wanted, drives(self.board), strict=True):
+            assert drive in (share, 0.0)  # 0 in the dead time
+        self.command = wanted
+
+    @precondition(lambda self: self.is_open)
+    @rule()
+    def hold(self) -> None:
+        """A command that is held is reached after the dead time."""
+        self.bridge.write(*self.command)
+        self.board.clock.advance(DEAD_TIME_S + 1e-6)
+        self.bridge.write(*self.command)
+        assert drives(self.board) == list(self.command)
+
+    @rule(seconds=st.sampled_from([0.0, 0.005, 0.02, 0.1]))
+    def wait(self, seconds: float) -> None:
+        self.board.clock.advance(seconds)
+
+    @rule()
+    def stop(self) -> None:
+        self.bridge.stop()
+        self.command = (0.0, 0.0)
+        assert self.board.is_off
+
+    @rule()
+    def close(self) -> None:
+        self.bridge.close()
+        self.is_open = False
+        self.command = (0.0, 0.0)
+
+    @precondition(lambda self: not self.is_open)
+    @rule()
+    def reopen(self) -> None:
+        self.board.clock.advance(1.0)  # a program takes longer to start
+        with contextlib.suppress(IndexError):
+            self.bridge = self.board.open()
+        self.is_open = True
+
+    @invariant()
+    def is_safe(self) -> None:
+        assert_is_safe(self.board.history, self.part, DEAD_TIME_S - 1e-9)
+        assert self.is_open or self.board.is_off
+
+
+MACHINES: list[Any] = [type(f"Commands_{part.driver}", (Commands,), {"part": part}) for part in BRIDGES]
+for machine in MACHINES:
+    machine.TestCase.settings = settings(max_examples=20)
+TestL298n, TestTb6612, TestBts7960, TestDrv8833 = (machine.TestCase for machine in MACHINES)

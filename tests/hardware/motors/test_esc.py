@@ -80,13 +80,6 @@ class Boat:
         return [output.width_us for output in self.outputs]
 
 
-def test_a_forward_only_esc_gets_its_least_pulse_for_stop_and_astern() -> None:
-    boat = Boat(PulseOutputSetting(min_us=1000, trim_us=1000, max_us=2000)).arm()
-    for share, width_us in ((0.0, 1000.0), (0.5, 1500.0), (-0.5, 1000.0), (1.0, 2000.0)):
-        boat.motors.write(share, share)
-        assert boat.widths == [width_us, width_us]
-
-
 def test_a_reversal_passes_neutral_for_the_dead_time() -> None:
     boat = Boat().arm()
     boat.motors.write(1.0, 0.5)

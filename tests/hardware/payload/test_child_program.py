@@ -126,19 +126,6 @@ def test_the_whole_group_ends_with_the_program(tmp_path: Path, way: str) -> None
     assert not [one for one in threading.enumerate() if one.name == "command 7" and way != "close"]
 
 
-def test_a_second_start_during_a_run_has_no_effect(tmp_path: Path) -> None:
-    note = tmp_path / "note"
-    code = f"import time; open({str(note)!r}, 'a').write('x'); time.sleep(0.3)"
-    program = ChildProgram("command 7", python(code), MOMENT_S)
-    program.start()
-    program.start()
-    assert end_of(program) == ""
-    assert note.read_text() == "x"
-    program.start()
-    assert end_of(program) == ""
-    assert note.read_text() == "xx"
-
-
 def test_images_are_numbered_on_from_those_in_the_folder(tmp_path: Path) -> None:
     folder = tmp_path / "images"
     folder.mkdir()

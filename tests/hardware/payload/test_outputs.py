@@ -6,9 +6,8 @@ from pathlib import Path
 import gpiozero
 import pytest
 from gpiozero.pins.mock import MockFactory, MockPin
-from twins.i2c import plug_in
-from twins.lines import eventually, opened
-from twins.pulses import PI_4, Pca9685Twin, plug_in_pwm
+from twins.lines import opened
+from twins.pulses import PI_4, plug_in_pwm
 
 from companion.app.hardware import begin_payload
 from companion.config.actuators import Pca9685Part, PulseOutputSetting
@@ -16,7 +15,6 @@ from companion.config.boat_config import BoatConfig, decode_config
 from companion.config.payload import RelayPayload, ServoPayload, WinchPayload
 from companion.core.errors import HardwareError
 from companion.hal.payload.outputs import open_counter, open_output
-from companion.payload.actuator import Actuator, TimedWrite
 
 CHIP = Pca9685Part()
 OUT, IN = 17, 27
@@ -118,31 +116,6 @@ def test_a_continuous_servo_is_at_rest_when_the_winch_stops(
     assert kernel.history[-1].width_us == pytest.approx(1500.0)
     winch.close()
     assert not kernel.history[-1].width_us
-
-
-def test_a_pca9685_whose_supply_dips_is_told_and_its_servo_set_again(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    chip = Pca9685Twin()
-    plug_in(monkeypatch, tmp_path, {CHIP.address: chip})
-    signal = PulseOutputSetting(output="pca9685", channel=3)
-    output = open_output(ServoPayload(number=9, signal=signal), CHIP)
-    servo, now_s, faults = Actuator(output), 0.0, set()
-    servo.run([TimedWrite(1700.0)], now_s)
-    eventually(lambda: chip.width_us(3) > 0.0)
-    chip.power_up()
-
-    def is_set_again() -> bool:
-        nonlocal now_s
-        now_s += 1.0
-        servo.tick(now_s)
-        faults.add(servo.fault)
-        return chip.width_us(3) > 0.0 and not servo.fault
-
-    eventually(is_set_again)
-    output.close()
-    assert chip.history[-1].width_us == 0.0
-    assert any("its supply dipped" in fault for fault in faults)
 
 
 def config(*payload: dict[str, object]) -> BoatConfig:

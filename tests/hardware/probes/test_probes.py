@@ -1,7 +1,6 @@
 """Probes: inputs of an ADS1115, files as the kernel has them, lines of text; and their faults."""
 
 import threading
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -9,11 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from twins.battery import Ads1115Twin
 from twins.i2c import plug_in
-from twins.lines import HandClock, PtyLine, eventually, opened
+from twins.lines import HandClock
 
 from companion.app.composition import check_config
-from companion.app.hardware import begin_probes
-from companion.config.boat_config import BoatConfig, decode_config
+from companion.config.boat_config import decode_config
 from companion.config.sensors import ProbePart
 from companion.core.errors import ConfigError, HardwareError
 from companion.core.readings import ProbeReading
@@ -255,49 +253,3 @@ def test_a_line_that_was_cut_by_unplugging_is_dropped(clock: HandClock) -> None:
     wire.line.step()
     wire.plug_in()
     assert wire.say(b"22\n") == [22.0]
-
-
-@pytest.fixture
-def instrument(tmp_path: Path) -> Iterator[PtyLine]:
-    line = PtyLine(tmp_path / "instrument")
-    yield line
-    line.unplug()
-
-
-def said(line: PtyLine, text: bytes, is_so: Callable[[], bool]) -> Callable[[], bool]:
-    def look() -> bool:
-        line.say(text)
-        return is_so()
-
-    return look
-
-
-@pytest.mark.realtime
-def test_probes_on_one_device_share_it_and_come_back_with_it(instrument: PtyLine, clock: HandClock) -> None:
-    device = instrument.device
-    config = BoatConfig(
-        probe=(
-            line_probe("ph", port=device, column=0),
-            ProbePart(name="other", driver="file", path="/nowhere"),
-            line_probe("cond", port=device, column=1, unit="uS/cm"),
-        )
-    )
-    ph, other, cond = begin_probes(config, clock, opened)
-    try:
-        eventually(said(instrument, b"7.1 1413\n", lambda: cond.read() is not None))
-        assert cond.read() == ProbeReading(clock(), "cond", 1413.0, "uS/cm")
-        assert (reading := ph.read()) is not None
-        assert reading.value == 7.1
-        assert other.read() is None
-        instrument.unplug()
-        instrument.plug_in()
-
-        def is_back() -> bool:
-            clock.advance(0.1)
-            reading = ph.read()
-            return reading is not None and reading.value == 8.0
-
-        eventually(said(instrument, b"8.0 1500\n", is_back))
-    finally:
-        for probe in (ph, other, cond):
-            probe.close()

@@ -1,17 +1,13 @@
 """Depth sounders over pseudo-terminals and in memory: NMEA 0183 and Ping1D, with their faults."""
 
 import struct
-from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from twins.lines import HandClock, PtyLine, eventually
+from twins.lines import HandClock
 from twins.sounders import Ping1dTwin, nmea
 
-from companion.app.parts import open_depth
-from companion.config.boat_config import BoatConfig, Parts
 from companion.config.sensors import DepthPart
 from companion.core.readings import DepthReading
 from companion.hal.gnss.receiver import NmeaGnss
@@ -225,33 +221,3 @@ def test_garbage_is_never_raised_and_not_kept(noise: bytes) -> None:
 
 
 # On a device
-
-
-@pytest.fixture
-def line(tmp_path: Path) -> Iterator[PtyLine]:
-    line = PtyLine(tmp_path / "sounder")
-    yield line
-    line.unplug()
-
-
-@pytest.mark.realtime
-@pytest.mark.parametrize("driver", ["nmea", "ping1d"])
-def test_a_sounder_on_a_device_is_opened_read_and_closed(
-    line: PtyLine, twin: Ping1dTwin, clock: HandClock, driver: str
-) -> None:
-    part = DepthPart(driver=driver, port=line.device)  # type: ignore[arg-type]
-    sounder = open_depth(BoatConfig(parts=Parts(depth=part)), clock)
-
-    def has_sounded() -> bool:
-        if driver == "nmea":
-            line.say(nmea("SDDPT,3.25,0.0"))
-        else:
-            twin.live(line)
-        reading = sounder.read()
-        return reading is not None and reading.depth_m == 3.25
-
-    try:
-        eventually(has_sounded)
-    finally:
-        sounder.close()
-        sounder.close()

@@ -1,12 +1,9 @@
 """Receiver and compass behind ports: in memory step by step, and over a serial line with their threads."""
 
-from pathlib import Path
-
 import pytest
-from twins.lines import HandClock, PtyLine, eventually
+from twins.lines import HandClock
 
-from companion.config.sensors import GnssPart
-from companion.hal.gnss.receiver import NmeaGnss, open_nmea_gnss
+from companion.hal.gnss.receiver import NmeaGnss
 from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 
 
@@ -79,25 +76,3 @@ def test_a_silent_receiver_and_a_wrong_baud_rate_are_told_apart() -> None:
     assert texts_after(5.0, b"\x86\xf8\x00\xfe") == []
     assert texts_after(0.1) == ["GNSS receiver sends no sentences; check parts.gnss.baud"]
     assert texts_after(0.1, sentence("GPTXT,01,01,02,ANTSTATUS=OK")) == ["GNSS receiver measures again"]
-
-
-@pytest.mark.realtime
-def test_a_receiver_on_a_serial_line_survives_being_unplugged(tmp_path: Path) -> None:
-    line, clock = PtyLine(tmp_path / "ttyGNSS"), HandClock()
-    gnss = open_nmea_gnss(GnssPart(driver="nmea", port=line.device), clock)
-    line.say(epoch(0)[:30])
-    line.say(epoch(0)[30:] + epoch(1, satellites=7))
-    eventually(lambda: (fix := gnss.read()) is not None and fix.satellites == 7)
-    line.unplug()
-    clock.advance(10.0)
-    line.plug_in()
-
-    def hears_again() -> bool:
-        clock.advance(0.1)
-        line.say(epoch(2, satellites=5) + epoch(3, satellites=5))
-        return (fix := gnss.read()) is not None and fix.satellites == 5
-
-    eventually(hears_again)
-    gnss.close()
-    gnss.close()
-    line.unplug()
