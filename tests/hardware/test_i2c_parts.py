@@ -1,26 +1,25 @@
 """BNO055 and INA219 by their registers, through the real smbus2."""
 
 import math
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from boat_rig import Rig
+from companion.persistence.profile import ProfileFile
 from twins.battery import Ina219Twin
 from twins.i2c import AMG, CONFIG, NDOF, Bno055Twin, I2cDev, plug_in
-from twins.lines import HandClock
+from twins.lines import HandClock, known
 
 from companion.config.actuators import Pca9685Part, PulseOutputSetting
 from companion.config.sensors import BatteryPart, CompassPart, ProbePart
 from companion.core.errors import HardwareError
-from companion.core.generations import ProfileFile
 from companion.core.state import MotorCommand
 from companion.hal.battery import open_battery_monitor
 from companion.hal.heading.bno055 import Bno055, Bno055Compass, open_bno055
 from companion.hal.heading.magnetic_compass import open_magnetic_compass
 from companion.hal.probes import open_analog_probe
 from companion.hal.pulses.pca9685 import open_pca9685_pulses, replace_pca9685_pulses
-from companion.hal.raspberry_pi import I2cBus, import_optional, open_i2c
+from companion.hal.raspberry_pi import I2cBus, import_optional
 from companion.sensors.compass.magnetic_field import FieldCorrector
 
 COMPASS, BATTERY = CompassPart(driver="bno055"), BatteryPart(driver="ina219")
@@ -36,18 +35,6 @@ def dev(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, chip: Bno055Twin) -> I2
     return plug_in(monkeypatch, tmp_path, {0x28: chip, 0x40: Ina219Twin(HandClock())})
 
 
-@pytest.fixture
-def bus(dev: I2cDev) -> Iterator[I2cBus]:
-    bus = open_i2c("test")
-    yield bus
-    bus.close()
-
-
-@pytest.fixture
-def clock() -> HandClock:
-    return HandClock()
-
-
 def steps(compass: Bno055Compass, count: int) -> None:
     for _ in range(count):
         assert 0.0 < compass.step() < 0.1
@@ -57,8 +44,7 @@ def test_heading_and_rate_are_clockwise_and_corrected(bus: I2cBus, clock: HandCl
     compass = Bno055Compass(Bno055(bus), clock, correction_rad=math.radians(-3.0))
     assert compass.read() is None
     steps(compass, 3)
-    reading = compass.read()
-    assert reading is not None
+    reading = known(compass.read())
     assert reading.time_s == clock()
     assert math.degrees(reading.heading_rad) == pytest.approx(87.0, abs=0.02)
     assert reading.yaw_rate_rad_s == pytest.approx(math.radians(10.0), abs=1e-3)
@@ -83,8 +69,7 @@ def test_a_part_in_another_programs_mode_and_units_is_set_up_through_configurati
     part.set_up()
     assert chip.mode == CONFIG
     part.set_up()
-    sample = part.read()
-    assert sample is not None
+    sample = known(part.read())
     assert sample.rate[2] == pytest.approx(math.radians(-10.0), abs=1e-3)
 
 
@@ -106,8 +91,7 @@ def test_no_heading_counts_before_the_magnetometer_is_calibrated(bus: I2cBus, ch
     assert compass.read() is not None
     chip.magnet, chip.heading_deg = 0, 180.0
     steps(compass, 1)
-    reading = compass.read()
-    assert reading is not None
+    reading = known(compass.read())
     assert abs(reading.heading_rad) == pytest.approx(math.pi, abs=2e-4)
 
 
@@ -128,8 +112,7 @@ def test_a_part_whose_supply_dipped_is_set_up_again_and_must_find_north_again(
     ]
     chip.magnet = 2
     steps(compass, 2)
-    after = compass.read()
-    assert after is not None
+    after = known(compass.read())
     assert after.time_s == clock()
 
 

@@ -14,12 +14,19 @@ from patience import MOMENT_S
 from companion.links.retried import Retried
 
 Part = TypeVar("Part", bound=Retried[Any])
+Value = TypeVar("Value")
 
 
 def opened(part: Part) -> Part:
     """A part after its first attempt."""
     part.attempt()
     return part
+
+
+def known(value: Value | None) -> Value:
+    """What a part has measured by now."""
+    assert value is not None
+    return value
 
 
 class HandClock:

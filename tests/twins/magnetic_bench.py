@@ -14,7 +14,7 @@ from companion.hal.heading.magnetic_compass import MagneticCompass, open_magneti
 from companion.sensors.compass.magnetic_field import FieldCorrector, MagneticCorrection
 from twins.i2c import I2cDev, plug_in
 from twins.inertial import Lsm6dsTwin, Mpu6050Twin
-from twins.lines import HandClock
+from twins.lines import HandClock, known
 from twins.magnetics import (
     Hmc5883lTwin,
     Lis3mdlTwin,
@@ -74,9 +74,7 @@ class Bench:
 
     @property
     def reading(self) -> HeadingReading:
-        reading = self.compass.read()
-        assert reading is not None
-        return reading
+        return known(self.compass.read())
 
     @property
     def error_deg(self) -> float:

@@ -5,6 +5,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from twins.lines import known
 
 from companion.calibration.heading import RelayFeedback, gains
 from companion.calibration.routine import CalibrationError
@@ -20,8 +21,7 @@ def test_a_fit_finds_the_coefficients_of_what_is_exact(a: float, b: float, c: fl
     fit = Fit(3)
     for t in range(-5, 6):
         fit.add((1.0, t, t * t), a + b * t + c * t * t, weight=1.0 + abs(t))
-    solved = fit.solve()
-    assert solved is not None
+    solved = known(fit.solve())
     assert solved[0] == pytest.approx([a, b, c], abs=1e-6)
     assert solved[1] == pytest.approx(0.0, abs=1e-3)
 
@@ -32,8 +32,7 @@ def test_a_fit_says_how_sure_it_is_of_its_first_coefficient() -> None:
         fit = Fit(2)
         for t in range(50):
             fit.add((1.0, t), 3.0 + 0.1 * t + random.gauss(0.0, 0.5))
-        solved = fit.solve()
-        assert solved is not None
+        solved = known(fit.solve())
         values.append((solved[0][0], solved[1]))
     spread = math.sqrt(sum((value - 3.0) ** 2 for value, _ in values) / len(values))
     claimed = sum(sigma for _, sigma in values) / len(values)
@@ -69,8 +68,7 @@ def swung(
 )
 def test_two_swings_tell_gain_lag_delay_and_noise(model: FittedYawModel) -> None:
     swings = [swung(model, hysteresis, load=0.05) for hysteresis in (0.02, 0.08)]
-    found = yaw_model([fit for _, fit in swings])
-    assert found is not None
+    found = known(yaw_model([fit for _, fit in swings]))
     assert found.gain_rad_s / found.time_s == pytest.approx(model.gain_rad_s / model.time_s, rel=0.05)
     assert found.time_s == pytest.approx(model.time_s, rel=0.15)
     assert found.delay_s == pytest.approx(model.delay_s, abs=0.041)

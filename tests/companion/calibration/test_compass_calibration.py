@@ -5,6 +5,7 @@ import random
 from collections.abc import Callable
 
 import pytest
+from twins.lines import known
 
 from companion.calibration.compass import CompassCalibration, CompassVerdict, FieldFit
 from companion.calibration.ellipsoid import fit_ellipsoid, symmetric_eigen
@@ -89,8 +90,7 @@ def worst_deg(boat: Boat, fit: FieldFit, roll_rad: float = 0.0) -> float:
     errors = []
     for degrees in range(0, 360, 5):
         field = plus(times(boat.soft, field_at(math.radians(degrees), roll_rad)), boat.hard)
-        heading = magnetic_heading(fit.correction.iron_corrected(field), down_axis(roll_rad, 0.0))
-        assert heading is not None
+        heading = known(magnetic_heading(fit.correction.iron_corrected(field), down_axis(roll_rad, 0.0)))
         errors.append(abs(math.degrees(wrap_pi(heading - math.radians(degrees)))))
     return max(errors)
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import msgspec
 import pytest
 from boat_rig import FRAME, ORIGIN, nav_at
+from twins.lines import known
 
 from companion.calibration import motor_test
 from companion.calibration.runner import HEADING, THRUSTERS, Calibration, CalibrationResult, CalibrationRunner
@@ -128,8 +129,7 @@ class Boat:
         until_s = self.now_s + seconds
         while self.runner.is_running and self.now_s < until_s:
             self.tick()
-        result = self.runner.take_result()
-        assert result is not None
+        result = known(self.runner.take_result())
         assert self.runner.take_result() is None
         assert not self.runner.is_bare
         return result
@@ -156,7 +156,8 @@ def test_the_thruster_calibration_finds_the_motors() -> None:
     assert {name: values[name] for name in truth} == pytest.approx(truth, rel=0.025)
     # Exactly, of this boat and this arithmetic
     exact = {
-        "MOT_L_MIN_FWD": 4.99048, "MOT_L_MIN_REV": 7.80460, "MOT_R_MIN_FWD": 6.02602, "MOT_R_MIN_REV": 8.06293,
+        "MOT_L_MIN_FWD": 4.99048, "MOT_L_MIN_REV": 7.80460, "MOT_R_MIN_FWD": 6.02602,
+        "MOT_R_MIN_REV": 8.06293,
         "MOT_THST_ASYM": 1.17320, "MOT_L_GAIN": 0.898760, "MOT_R_GAIN": 1.0, "HND_TOP_SPEED": 2.35092,
         "CRUISE_THROTTLE": 43.5755, "EST_SURGE_TIME": 1.83780, "HND_TURN_RATE": 142.542,
     }  # fmt: skip
@@ -177,8 +178,7 @@ def test_a_fence_shortens_the_runs() -> None:
         boat.tick()
         most_m = max(most_m, math.hypot(boat.north, boat.east))
     assert 25.0 < most_m < 0.9 * 38.0
-    result = boat.runner.take_result()
-    assert result is not None
+    result = known(boat.runner.take_result())
     assert result.reason == ""
 
 

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from twins.lines import known
 
 from companion.config.boat_config import decode_config
 from companion.core.errors import HardwareError
@@ -263,8 +264,7 @@ def test_telemetry_knows_widths_relays_and_the_first_winch(rig: Rig) -> None:
     rig.do(SetRelay(5, True))
     assert dict(rig.units.servo_us()) == {9: 1500, 10: 0}
     assert rig.units.relays() == (0b100001, 0b1111001)
-    winch = rig.units.winch
-    assert winch is not None
+    winch = known(rig.units.winch)
     assert winch.setting.number == 1
     assert math.isnan(winch.out_m)
     assert dict(Rig().units.servo_us()) == {9: 0, 10: 0}, "no pulses before the first tick"

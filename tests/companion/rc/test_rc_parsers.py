@@ -5,6 +5,7 @@ from itertools import pairwise
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from twins.lines import known
 
 from companion.core.readings import RcReading
 from companion.rc.parsers import PAUSE_S, CrsfParser, IbusParser, RcParser, SbusParser, crc8
@@ -50,43 +51,35 @@ def test_the_published_example_is_sixteen_centred_channels() -> None:
 
 @given(TICKS)
 def test_crsf_channels_come_in_their_order(ticks: list[int]) -> None:
-    reading = CrsfParser().feed(crsf(0x16, packed(ticks)), 0.0)
-    assert reading is not None
+    reading = known(CrsfParser().feed(crsf(0x16, packed(ticks)), 0.0))
     assert reading.channels_us == pulses(ticks)
 
 
 def test_the_ends_of_the_scale_are_988_and_2012_microseconds() -> None:
-    reading = CrsfParser().feed(crsf(0x16, packed([172, 1811] * 8)), 0.0)
-    assert reading is not None
+    reading = known(CrsfParser().feed(crsf(0x16, packed([172, 1811] * 8)), 0.0))
     assert reading.channels_us[:2] == (988, 2012)
-    widest = CrsfParser().feed(crsf(0x16, packed([0, 2047] * 8)), 0.0)
-    assert widest is not None
+    widest = known(CrsfParser().feed(crsf(0x16, packed([0, 2047] * 8)), 0.0))
     assert widest.channels_us[:2] == (880, 2159)
 
 
 def test_link_statistics_say_how_good_the_next_frames_are() -> None:
     parser = CrsfParser()
     assert parser.feed(statistics(87, ahead=71), 0.0) is None
-    reading = parser.feed(CENTRED, 0.1)
-    assert reading is not None
+    reading = known(parser.feed(CENTRED, 0.1))
     assert (reading.quality, reading.rssi_dbm, reading.is_failsafe) == (0.87, -71.0, False)
     parser.feed(statistics(87, ahead=71, aside=93, antenna=1), 0.2)
-    reading = parser.feed(CENTRED, 0.3)
-    assert reading is not None
+    reading = known(parser.feed(CENTRED, 0.3))
     assert reading.rssi_dbm == -93.0
 
 
 def test_a_link_without_quality_is_the_failsafe_until_there_is_some_again() -> None:
     parser = CrsfParser()
     parser.feed(CENTRED, 0.0)
-    lost = parser.feed(statistics(0), 0.1)
-    assert lost is not None
+    lost = known(parser.feed(statistics(0), 0.1))
     assert lost.is_failsafe
-    repeated = parser.feed(CENTRED, 0.2)  # some receivers go on with the last channels
-    assert repeated is not None
+    repeated = known(parser.feed(CENTRED, 0.2))  # some receivers go on with the last channels
     assert repeated.is_failsafe
-    found = parser.feed(statistics(100) + CENTRED, 0.3)
-    assert found is not None
+    found = known(parser.feed(statistics(100) + CENTRED, 0.3))
     assert not found.is_failsafe
 
 
@@ -107,15 +100,13 @@ def test_ibus_channels_15_to_18_come_in_the_upper_bits() -> None:
     extra = [1000, 1500, 2000, 1234]
     nibbles = [channel >> shift & 0xF for channel in extra for shift in (0, 4, 8)]
     words = [1500 | nibble << 12 for nibble in nibbles] + [1500, 1500]
-    reading = IbusParser().feed(ibus(words), 0.0)
-    assert reading is not None
+    reading = known(IbusParser().feed(ibus(words), 0.0))
     assert reading.channels_us == (1500,) * 14 + tuple(extra)
 
 
 @given(TICKS, st.sampled_from([0x00, 0x04, 0x14, 0x24, 0x34]))
 def test_sbus_channels_come_in_their_order_with_two_switches(ticks: list[int], end: int) -> None:
-    reading = SbusParser().feed(sbus(ticks, flags=2, end=end), 0.0)
-    assert reading is not None
+    reading = known(SbusParser().feed(sbus(ticks, flags=2, end=end), 0.0))
     assert reading.channels_us == (*pulses(ticks), 1000, 2000)
 
 
@@ -124,16 +115,14 @@ def test_an_sbus_frame_lost_on_the_air_is_no_reading_and_costs_quality() -> None
     assert parser.feed(sbus([992] * 16), 0.0) is not None
     for number in range(1, 50):
         assert parser.feed(sbus([992] * 16, flags=4), 0.01 * number) is None
-    reading = parser.feed(sbus([992] * 16), 0.5)
-    assert reading is not None
+    reading = known(parser.feed(sbus([992] * 16), 0.5))
     assert reading.quality is not None
     assert 0.3 < reading.quality < 0.45
 
 
 @pytest.mark.parametrize(("flags", "switches"), [(0, (1000, 1000)), (1, (2000, 1000)), (3, (2000, 2000))])
 def test_the_switches_of_sbus_are_bits_of_their_own(flags: int, switches: tuple[int, int]) -> None:
-    reading = SbusParser().feed(sbus([992] * 16, flags=flags), 0.0)
-    assert reading is not None
+    reading = known(SbusParser().feed(sbus([992] * 16, flags=flags), 0.0))
     assert reading.channels_us[16:] == switches
     assert (reading.is_failsafe, reading.quality) == (False, 1.0)
 
@@ -150,8 +139,7 @@ def test_an_ibus_frame_of_another_command_is_no_frame() -> None:
 
 
 def test_sbus_tells_its_failsafe_also_with_a_lost_frame() -> None:
-    reading = SbusParser().feed(sbus([992] * 16, flags=4 | 8), 0.0)
-    assert reading is not None
+    reading = known(SbusParser().feed(sbus([992] * 16, flags=4 | 8), 0.0))
     assert reading.is_failsafe
 
 
@@ -164,8 +152,7 @@ def test_a_beginning_within_an_sbus_frame_is_not_taken_for_one() -> None:
     parser.feed(stream[5:20], 1.0)  # the reader comes in in mid-frame
     for number in range(4):
         assert parser.feed(stream[20 + number : 21 + number], 1.0 + 1e-4 * number) is None
-    reading = parser.feed(bytes(frame), 1.01)
-    assert reading is not None
+    reading = known(parser.feed(bytes(frame), 1.01))
     assert reading.channels_us == SbusParser().feed(bytes(frame), 0.0).channels_us  # type: ignore[union-attr]
 
 

@@ -4,6 +4,7 @@ import math
 
 import pytest
 from boat_rig import Rig
+from twins.lines import known
 
 from companion.core.geo import LatLon
 from companion.core.readings import GnssFix, HeadingReading
@@ -28,8 +29,7 @@ def test_the_field_is_that_of_noaas_test_values(row: tuple[float, ...]) -> None:
     year, lat_deg, lon_deg, declination_deg, horizontal_nt, down_nt = row
     model = EarthFieldModel()
     model.update(LatLon(lat_deg, lon_deg), BEGIN_2025_S + (year - 2025.0) * YEAR_S)
-    field = model.field
-    assert field is not None
+    field = known(model.field)
     assert math.degrees(field.declination_rad) == pytest.approx(declination_deg, abs=0.006)
     assert field.horizontal_mg * 100.0 == pytest.approx(horizontal_nt, abs=0.2)
     assert field.down_mg * 100.0 == pytest.approx(down_nt, abs=0.2)

@@ -5,6 +5,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from twins.lines import known
 
 from companion.core.readings import GnssFix, HeadingReading
 from companion.sensors.nmea.fix import GNSS_SENTENCES, FixAssembler
@@ -157,11 +158,9 @@ def test_a_receiver_without_a_fix_still_shows_that_it_is_alive() -> None:
     ],
 )
 def test_every_kind_of_heading_is_understood(body: str, heading_deg: float) -> None:
-    reading = heading_from(body)
-    assert reading is not None
+    reading = known(heading_from(body))
     assert math.degrees(reading.heading_rad) == pytest.approx(heading_deg)
-    turned = heading_from(body, correction_rad=0.1)
-    assert turned is not None
+    turned = known(heading_from(body, correction_rad=0.1))
     assert turned.heading_rad == pytest.approx(reading.heading_rad + 0.1)
 
 
@@ -180,11 +179,9 @@ def test_a_true_heading_silences_a_magnetic_one_for_two_seconds() -> None:
 
 
 def test_rate_of_turn_becomes_the_yaw_rate() -> None:
-    reading = heading_from("TIROT,60.0,A", "HEHDT,90.0,T")
-    assert reading is not None
+    reading = known(heading_from("TIROT,60.0,A", "HEHDT,90.0,T"))
     assert reading.yaw_rate_rad_s == pytest.approx(math.radians(1.0))
-    reading = heading_from("TIROT,60.0,V", "HEHDT,90.0,T")
-    assert reading is not None
+    reading = known(heading_from("TIROT,60.0,V", "HEHDT,90.0,T"))
     assert reading.yaw_rate_rad_s is None
 
 

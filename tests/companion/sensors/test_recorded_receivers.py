@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from pyubx2 import UBXReader
+from twins.lines import known
 
 from companion.sensors.ubx.frames import MON_VER, NAV_DOP, NAV_PVT, NAV_RELPOSNED
 from companion.sensors.ubx.frames import UbxReader as OwnReader
@@ -29,8 +30,7 @@ def test_a_recording_is_read_as_pyubx2_reads_it(path: Path) -> None:
             continue
         assert (kind, payload) in frames
         if kind == NAV_PVT:
-            pvt = solution(payload)
-            assert pvt is not None
+            pvt = known(solution(payload))
             assert (pvt.position.lat_deg, pvt.position.lon_deg) == pytest.approx((message.lat, message.lon))
             assert (pvt.north_m_s, pvt.east_m_s) == pytest.approx((message.velN * 1e-3, message.velE * 1e-3))
             assert (pvt.satellites, pvt.position_dop) == pytest.approx((message.numSV, message.pDOP))
@@ -40,8 +40,7 @@ def test_a_recording_is_read_as_pyubx2_reads_it(path: Path) -> None:
         elif kind == NAV_DOP:
             assert horizontal_dop(payload) == pytest.approx(message.hDOP)
         elif kind == NAV_RELPOSNED:
-            found = baseline(payload)
-            assert found is not None
+            found = known(baseline(payload))
             assert (found.heading_rad is not None) == bool(message.relPosHeadingValid)
         elif kind == MON_VER and payload:
             assert version(payload).protocol >= 14.0

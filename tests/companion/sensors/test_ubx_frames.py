@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pyubx2 import GET, SET, UBXMessage, UBXReader
+from twins.lines import known
 from twins.ubx_messages import Motion, nav_pvt, nav_relposned
 
 from companion.sensors.ubx.configuration import (
@@ -70,25 +71,21 @@ def test_payloads_of_any_content_are_decoded_or_none(payload: bytes) -> None:
 def test_an_impossible_date_is_no_date(at: int, date: bytes) -> None:
     raw = bytearray(PVT[6:-2])
     raw[at : at + len(date)] = date
-    pvt = solution(bytes(raw))
-    assert pvt is not None
+    pvt = known(solution(bytes(raw)))
     assert pvt.unix_time_s is None
 
 
 def test_a_normalised_baseline_is_no_heading() -> None:
-    found = baseline(nav_relposned(216_000_250, Motion(length_m=1.23))[6:-2])
-    assert found is not None
+    found = known(baseline(nav_relposned(216_000_250, Motion(length_m=1.23))[6:-2]))
     assert found.time_of_week_s == pytest.approx(216_000.25)
     assert found.length_m == pytest.approx(1.23)
     assert found.heading_rad is not None
     raw = bytearray(nav_relposned(0, Motion())[6:-2])
     raw[35] = 50  # relPosHPLength, 0.1 mm
-    found = baseline(bytes(raw))
-    assert found is not None
+    found = known(baseline(bytes(raw)))
     assert found.length_m == pytest.approx(1.005)
     raw[61] |= 0x02
-    found = baseline(bytes(raw))
-    assert found is not None
+    found = known(baseline(bytes(raw)))
     assert found.heading_rad is None
 
 
@@ -142,7 +139,6 @@ def test_the_legacy_messages_say_the_same_to_pyubx2() -> None:
 
 def test_a_port_is_read_as_pyubx2_writes_it() -> None:
     written = UBXMessage("CFG", "CFG-PRT", GET, portID=1, baudRate=38400, inUBX=1, outNMEA=1, charLen=3)
-    port = line_port(written.serialize()[6:-2])
-    assert port is not None
+    port = known(line_port(written.serialize()[6:-2]))
     assert (port.number, port.baud, port.in_protocols, port.out_protocols) == (1, 38400, 1, 2)
     assert encode(CFG_PRT) == b"\xb5\x62\x06\x00\x00\x00\x06\x18"

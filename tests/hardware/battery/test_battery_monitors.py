@@ -1,12 +1,11 @@
 """The battery monitors by their registers, through the real smbus2."""
 
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Callable
 
 import pytest
 from twins.battery import Ads1115Twin, Ina219Twin, Ina226Twin, Ina228Twin, MonitorTwin
-from twins.i2c import Bno055Twin, I2cDev, plug_in
-from twins.lines import HandClock
+from twins.i2c import Bno055Twin, I2cDev
+from twins.lines import HandClock, known
 
 from companion.config.sensors import BatteryPart
 from companion.core.errors import HardwareError
@@ -22,27 +21,10 @@ from companion.hal.battery import (
     ShuntMonitor,
     open_battery_monitor,
 )
-from companion.hal.raspberry_pi import I2cBus, open_i2c
+from companion.hal.raspberry_pi import I2cBus
 
 CHIPS = {"ina219": (Ina219Twin, INA219), "ina226": (Ina226Twin, INA226), "ina228": (Ina228Twin, INA228)}
 ANALOG = BatteryPart(driver="ads1115")
-
-
-@pytest.fixture
-def clock() -> HandClock:
-    return HandClock()
-
-
-@pytest.fixture
-def dev(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> I2cDev:
-    return plug_in(monkeypatch, tmp_path, {})
-
-
-@pytest.fixture
-def bus(dev: I2cDev) -> Iterator[I2cBus]:
-    bus = open_i2c("test")
-    yield bus
-    bus.close()
 
 
 class Bench:
@@ -58,9 +40,7 @@ class Bench:
         """Read until the part has had time to measure; the reading."""
         for _ in range(2):
             self._clock.advance(sensor.step())
-        reading = sensor.read()
-        assert reading is not None
-        return reading
+        return known(sensor.read())
 
 
 @pytest.fixture(params=CHIPS)
@@ -141,9 +121,7 @@ def analog(converter: Ads1115Twin, bus: I2cBus, clock: HandClock) -> Callable[[B
 
 def read(sensor: BatterySensor) -> BatteryReading:
     sensor.step()
-    reading = sensor.read()
-    assert reading is not None
-    return reading
+    return known(sensor.read())
 
 
 def test_divider_and_hall_sensor_give_volts_and_amperes(

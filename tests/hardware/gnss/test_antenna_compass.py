@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from twins.lines import HandClock
+from twins.lines import HandClock, known
 from twins.ubx_messages import sentence
 
 from companion.core.readings import HeadingReading
@@ -51,8 +51,7 @@ class Bench:
 
     @property
     def heading_deg(self) -> float:
-        reading = self.compass.read()
-        assert reading is not None
+        reading = known(self.compass.read())
         return math.degrees(reading.heading_rad) % 360.0
 
 
@@ -125,8 +124,7 @@ def test_a_magnetometer_in_reserve_can_be_calibrated_meanwhile() -> None:
     bench = Bench()
     bench.reserve.field_mg = (190.0, 20.0, 440.0)
     bench.hear("GNHDT,10.0,T")
-    reading = bench.compass.read()
-    assert reading is not None
+    reading = known(bench.compass.read())
     assert math.degrees(reading.heading_rad) == pytest.approx(10.0)
     assert not reading.is_magnetic
     assert reading.field_mg == (190.0, 20.0, 440.0)

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from twins.gpsd import DEVICES, GREETING, GpsdServer, line, sky, tpv
-from twins.lines import HandClock, PtyLine, eventually
+from twins.lines import HandClock, PtyLine, eventually, known
 from twins.ubx_messages import Motion, nav_pvt
 
 from companion.config.sensors import GnssPart
@@ -190,8 +190,7 @@ def test_the_real_gpsd_with_a_u_blox_receiver_gives_fixes(tmp_path: Path) -> Non
             gnss.close()
             process.terminate()
     device.unplug()
-    fix = gnss.read()
-    assert fix is not None
+    fix = known(gnss.read())
     assert (fix.position.lat_deg, fix.position.lon_deg, fix.fix_type) == (50.5, -1.2, 3)
     assert fix.horizontal_accuracy_m == pytest.approx(1.5)
     assert (fix.north_m_s, fix.east_m_s) == pytest.approx((1.2, -0.3), abs=0.01)

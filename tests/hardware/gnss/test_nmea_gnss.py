@@ -1,7 +1,7 @@
 """Receiver and compass behind ports: in memory step by step, and over a serial line with their threads."""
 
 import pytest
-from twins.lines import HandClock
+from twins.lines import HandClock, known
 
 from companion.hal.gnss.receiver import NmeaGnss
 from companion.links.memory import MemoryLink, MemoryPort, memory_pair
@@ -35,8 +35,7 @@ def test_the_latest_fix_stays_until_a_new_one_has_come_and_bears_its_arrival_tim
     clock.advance(1.0)
     receiver.send(epoch(1))
     gnss.step()
-    first = gnss.read()
-    assert first is not None
+    first = known(gnss.read())
     assert first.time_s == clock()
     clock.advance(0.5)
     gnss.step()

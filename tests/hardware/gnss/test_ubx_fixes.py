@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from twins.lines import known
 from twins.ubx_bench import Bench
 from twins.ubx_receiver import NEO_6M, ZED_F9P
 
@@ -110,8 +111,7 @@ def test_a_heading_of_two_antennas_is_accepted_and_its_loss_reported() -> None:
     bench = Bench(ZED_F9P, heading=heading)
     bench.until_running()
     bench.run(2.0)
-    reading = heading.latest
-    assert reading is not None
+    reading = known(heading.latest)
     assert math.degrees(reading.heading_rad) == pytest.approx(100.0)
     assert bench.clock() - reading.time_s < 0.4
     assert [fix.heading_rad for fix in bench.fixes[-1:]] == [reading.heading_rad]
@@ -120,8 +120,7 @@ def test_a_heading_of_two_antennas_is_accepted_and_its_loss_reported() -> None:
     bench.receiver.motion.baseline_carrier = 1
     bench.run(5.0)
     assert bench.texts == ["GNSS heading lost: baseline not fixed"]
-    latest = heading.latest
-    assert latest is not None
+    latest = known(heading.latest)
     assert bench.clock() - latest.time_s > 4.0
     last: GnssFix = bench.fixes[-1]
     assert last.heading_rad is None

@@ -1,29 +1,17 @@
 """A BNO055 turned with the boat: heading, roll and pitch are the boat's, however the part is mounted."""
 
 import math
-from pathlib import Path
 
 import pytest
-from twins.i2c import Bno055Twin, I2cDev, plug_in
-from twins.lines import HandClock, eventually
+from twins.i2c import Bno055Twin, I2cDev
+from twins.lines import HandClock, eventually, known
 
 from companion.config.sensors import CompassPart, Mounting, QuarterTurn
 from companion.hal.heading.bno055 import Bno055Compass, open_bno055
 
 
-@pytest.fixture
-def dev(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> I2cDev:
-    return plug_in(monkeypatch, tmp_path, {})
-
-
-@pytest.fixture
-def clock() -> HandClock:
-    return HandClock()
-
-
 def heading_roll_pitch(compass: Bno055Compass) -> tuple[float, float, float]:
-    reading = compass.read()
-    assert reading is not None
+    reading = known(compass.read())
     assert reading.roll_rad is not None
     assert reading.pitch_rad is not None
     heading = math.degrees(reading.heading_rad) % 360.0
@@ -68,8 +56,7 @@ def test_the_bow_is_where_the_arrow_or_the_mounting_says(
     try:
         eventually(lambda: compass.read() is not None)
         assert heading_roll_pitch(compass) == pytest.approx((heading_deg, roll_deg, pitch_deg), abs=0.02)
-        reading = compass.read()
-        assert reading is not None
+        reading = known(compass.read())
         assert reading.yaw_rate_rad_s == pytest.approx(math.radians(20.0), abs=0.002)
     finally:
         compass.close()

@@ -5,7 +5,7 @@ import random
 
 import pytest
 from twins.bno085 import Bno085Twin, Quaternion
-from twins.lines import HandClock
+from twins.lines import HandClock, known
 
 from companion.config.sensors import CompassPart, Mounting
 from companion.core.readings import HeadingReading
@@ -48,9 +48,7 @@ class Bench:
 
     @property
     def reading(self) -> HeadingReading:
-        reading = self.compass.read()
-        assert reading is not None
-        return reading
+        return known(self.compass.read())
 
     @property
     def angles_deg(self) -> tuple[float, float, float]:

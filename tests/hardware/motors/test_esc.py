@@ -3,14 +3,13 @@
 import itertools
 import math
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from twins.lines import HandClock
-from twins.pulses import PI_4, KernelPwm, Signal, plug_in_pwm
+from twins.pulses import KernelPwm, Signal
 
 from companion.app.parts import open_motors
 from companion.config.actuators import PulseOutputSetting
@@ -162,11 +161,6 @@ def test_what_interrupts_a_write_leaves_both_neutral(monkeypatch: pytest.MonkeyP
     with pytest.raises(KeyboardInterrupt):
         boat.motors.write(0.9, 0.9)
     assert boat.widths == [1500.0, 1500.0]
-
-
-@pytest.fixture
-def kernel(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> KernelPwm:
-    return plug_in_pwm(monkeypatch, tmp_path, PI_4)
 
 
 @pytest.mark.parametrize("lines", [{"left": {"pin": 12, "reversed": True}}, {"left_reversed": True}])

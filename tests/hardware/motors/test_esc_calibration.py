@@ -1,10 +1,9 @@
 """The calibration of speed controllers: what is sent, and that nothing is sent without the typed words."""
 
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
 import pytest
-from twins.pulses import PI_4, KernelPwm, plug_in_pwm
+from twins.pulses import KernelPwm
 
 from companion.app.calibrate import CONFIRMATION, calibrate_escs
 from companion.config.boat_config import BoatConfig, decode_config
@@ -12,11 +11,6 @@ from companion.hal.pulses.sysfs_pwm import open_sysfs_pulses
 
 ESCS = {"parts": {"motors": {"driver": "esc"}}}
 LEFT, RIGHT = "pwmchip0/pwm0", "pwmchip0/pwm1"
-
-
-@pytest.fixture
-def kernel(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> KernelPwm:
-    return plug_in_pwm(monkeypatch, tmp_path, PI_4)
 
 
 def answers(*texts: str) -> Callable[[str], str]:

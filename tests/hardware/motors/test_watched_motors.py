@@ -40,11 +40,6 @@ class RecordingMotors:
         return self._is_on
 
 
-@pytest.fixture
-def clock() -> HandClock:
-    return HandClock()
-
-
 def test_motors_whose_command_has_grown_old_are_stopped_once(clock: HandClock) -> None:
     motors = RecordingMotors()
     watched = WatchedMotors(motors, clock, timeout_s=0.5)

@@ -6,7 +6,7 @@ from pathlib import Path
 import gpiozero
 import pytest
 from gpiozero.pins.mock import MockFactory, MockPin
-from twins.lines import opened
+from twins.lines import known, opened
 from twins.pulses import PI_4, plug_in_pwm
 
 from companion.app.hardware import begin_payload
@@ -77,8 +77,7 @@ def test_an_active_low_relay_is_high_from_the_start(pins: Pins) -> None:
 
 def test_a_winch_counts_the_pulses_of_its_switch(pins: Pins) -> None:
     setting = WinchPayload(out_pin=OUT, in_pin=IN, count_pin=22, pulse_m=0.25, line_m=5.0)
-    counter = open_counter(setting)
-    assert counter is not None
+    counter = known(open_counter(setting))
     switch = pins.factory.pin(22)
     switch.drive_low()
     switch.drive_high()

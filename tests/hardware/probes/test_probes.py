@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from twins.battery import Ads1115Twin
 from twins.i2c import plug_in
-from twins.lines import HandClock
+from twins.lines import HandClock, known
 
 from companion.app.composition import check_config
 from companion.config.boat_config import decode_config
@@ -22,11 +22,6 @@ from companion.links.memory import MemoryPort, memory_pair
 
 W1_SLAVE = "72 01 4b 46 7f ff 0e 10 57 : crc=57 {crc}\n72 01 4b 46 7f ff 0e 10 57 t={milli}\n"
 """Linux, Documentation/w1/slaves/w1_therm.rst."""
-
-
-@pytest.fixture
-def clock() -> HandClock:
-    return HandClock()
 
 
 def line_probe(name: str = "turbidity", **more: object) -> ProbePart:
@@ -150,8 +145,7 @@ def test_a_wrong_sum_a_power_on_value_and_a_missing_part_are_no_measurements(
     )
     probe = PolledProbe(part, clock, lambda: file_number(part))
     probe.step()
-    before = probe.read()
-    assert before is not None
+    before = known(probe.read())
     assert before.value == 23.125
     for crc, milli in (("NO", 23125), ("YES", 85000)):
         slave.write_text(W1_SLAVE.format(crc=crc, milli=milli), encoding="ascii")
@@ -163,8 +157,7 @@ def test_a_wrong_sum_a_power_on_value_and_a_missing_part_are_no_measurements(
     assert probe.read() is before
     slave.write_text(W1_SLAVE.format(crc="YES", milli=-1250), encoding="ascii")
     probe.step()
-    after = probe.read()
-    assert after is not None
+    after = known(probe.read())
     assert after.value == -1.25
 
 
@@ -184,8 +177,7 @@ def test_an_input_is_read_in_volts_and_scaled(converter: Ads1115Twin, clock: Han
     chip = Ads1115(open_i2c("test"), 0x48, clock.advance)
     probe = PolledProbe(part, clock, lambda: chip.read_v(3), chip.bus.close)
     assert probe.step() == pytest.approx(1.0 - 0.036, abs=0.01)
-    reading = probe.read()
-    assert reading is not None
+    reading = known(probe.read())
     assert reading.value == pytest.approx(21.34 - 5.7 * 1.5, abs=0.002)
     converter.supply_v, converter.inputs_v[3] = 5.0, 5.0
     with pytest.raises(HardwareError, match="no measurement: nothing"):

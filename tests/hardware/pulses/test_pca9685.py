@@ -1,7 +1,6 @@
 """PCA9685 by its registers, through the real smbus2."""
 
 import threading
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -18,7 +17,7 @@ from companion.hal.pulses.pca9685 import (
     open_pca9685_pulses,
 )
 from companion.hal.pulses.pca9685_chip import Pca9685
-from companion.hal.raspberry_pi import I2cBus, open_i2c
+from companion.hal.raspberry_pi import I2cBus
 
 PART = Pca9685Part()
 LEFT = PulseOutputSetting(output="pca9685", channel=0)
@@ -33,13 +32,6 @@ def chip() -> Pca9685Twin:
 @pytest.fixture
 def dev(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, chip: Pca9685Twin) -> I2cDev:
     return plug_in(monkeypatch, tmp_path, {0x41: chip})
-
-
-@pytest.fixture
-def bus(dev: I2cDev) -> Iterator[I2cBus]:
-    bus = open_i2c("test")
-    yield bus
-    bus.close()
 
 
 @pytest.fixture

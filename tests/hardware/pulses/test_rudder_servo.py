@@ -4,6 +4,7 @@ import math
 from pathlib import Path
 
 import pytest
+from twins.lines import known
 from twins.pulses import PI_4, plug_in_pwm
 
 from companion.app.composition import check_config
@@ -21,8 +22,7 @@ def test_a_positive_share_is_the_longer_pulse_and_zero_is_amidships(
 ) -> None:
     kernel = plug_in_pwm(monkeypatch, tmp_path, PI_4)
     signal = {"pin": 13, "min_us": 1000, "trim_us": 1480, "max_us": 2000}
-    rudder = open_rudder(config(parts={"rudder": {"driver": "servo", "signal": signal}}))
-    assert rudder is not None
+    rudder = known(open_rudder(config(parts={"rudder": {"driver": "servo", "signal": signal}})))
     for share in (0.5, -1.0, 2.0, math.nan):
         rudder.write(share)
     rudder.close()

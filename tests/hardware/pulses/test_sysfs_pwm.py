@@ -21,11 +21,6 @@ CHIP = "pwmchip0"
 
 
 @pytest.fixture
-def kernel(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> KernelPwm:
-    return plug_in_pwm(monkeypatch, tmp_path, PI_4)
-
-
-@pytest.fixture
 def output(kernel: KernelPwm) -> Iterator[SysfsPulses]:
     output = open_sysfs_pulses(SETTING)
     yield output

@@ -5,7 +5,7 @@ import struct
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from twins.lines import HandClock
+from twins.lines import HandClock, known
 from twins.sounders import Ping1dTwin, nmea
 
 from companion.config.sensors import DepthPart
@@ -17,11 +17,6 @@ from companion.links.memory import MemoryPort, memory_pair
 from companion.sensors.nmea.depth import DEPTH_SENTENCES
 
 PART = DepthPart(driver="nmea")
-
-
-@pytest.fixture
-def clock() -> HandClock:
-    return HandClock()
 
 
 class Wire:
@@ -64,8 +59,7 @@ def test_dpt_is_below_the_transducer_and_its_offset_to_the_surface_counts(
     reading = sounding(sounder, wire, "SDDPT,2.1,0.3")
     assert reading == DepthReading(clock(), 2.1, None, 0.3, 0.3, 100.0)
     assert reading.water_m == pytest.approx(2.4)
-    keel = sounding(sounder, wire, "SDDPT,2.1,-0.5,100.0")  # to the keel: says nothing of the surface
-    assert keel is not None
+    keel = known(sounding(sounder, wire, "SDDPT,2.1,-0.5,100.0"))  # to the keel: says nothing of the surface
     assert keel.water_m == 2.1
 
 
@@ -75,20 +69,17 @@ def test_dpt_is_below_the_transducer_and_its_offset_to_the_surface_counts(
 def test_dbt_is_read_in_whichever_unit_it_has(
     sounder: NmeaSensor[DepthReading], wire: Wire, sentence: str
 ) -> None:
-    reading = sounding(sounder, wire, sentence)
-    assert reading is not None
+    reading = known(sounding(sounder, wire, sentence))
     assert reading.depth_m == pytest.approx(2.1, abs=0.005)
 
 
 def test_dpt_suppresses_dbt_for_two_seconds(
     sounder: NmeaSensor[DepthReading], wire: Wire, clock: HandClock
 ) -> None:
-    reading = sounding(sounder, wire, "SDDPT,2.1,0.3", "SDDBT,6.9,f,2.1,M,1.1,F")
-    assert reading is not None
+    reading = known(sounding(sounder, wire, "SDDPT,2.1,0.3", "SDDBT,6.9,f,2.1,M,1.1,F"))
     assert reading.transducer_m == 0.3
     clock.advance(2.0)
-    reading = sounding(sounder, wire, "SDDBT,13.1,f,4.0,M,2.2,F")
-    assert reading is not None
+    reading = known(sounding(sounder, wire, "SDDBT,13.1,f,4.0,M,2.2,F"))
     assert (reading.depth_m, reading.transducer_m) == (4.0, 0.0)
 
 
@@ -98,8 +89,7 @@ def test_the_temperature_lives_for_ten_seconds(
     assert sounding(sounder, wire, "SDMTW,18.5,C") is None
     for age_s, celsius in ((10.0, 18.5), (0.1, None)):
         clock.advance(age_s)
-        reading = sounding(sounder, wire, "SDDPT,2.1,")
-        assert reading is not None
+        reading = known(sounding(sounder, wire, "SDDPT,2.1,"))
         assert reading.temperature_c == celsius
 
 
@@ -107,8 +97,7 @@ def test_the_temperature_lives_for_ten_seconds(
 def test_no_bottom_is_a_reading_without_a_depth(
     sounder: NmeaSensor[DepthReading], wire: Wire, depth: str
 ) -> None:
-    reading = sounding(sounder, wire, f"SDDPT,{depth},0.3")
-    assert reading is not None
+    reading = known(sounding(sounder, wire, f"SDDPT,{depth},0.3"))
     assert reading.depth_m is reading.water_m is None
 
 
@@ -122,14 +111,12 @@ def test_a_sounder_may_share_the_receivers_line(wire: Wire, clock: HandClock) ->
         wire.say(nmea(f"GNRMC,1200{second}.00,A,5000.00000,N,00112.00000,W,0.1,0.0,221126,,,A"))
         wire.say(nmea("SDDPT,2.1,0.3") + nmea("SDMTW,18.5,C"))
     gnss.step()
-    reading = depth.read()
-    assert reading is not None
+    reading = known(depth.read())
     assert reading.depth_m == 2.1
     assert gnss.read() is not None
     wire.say(nmea("SDDPT,2.2,0.3"))
     gnss.step()
-    reading = depth.read()
-    assert reading is not None
+    reading = known(depth.read())
     assert (reading.depth_m, reading.temperature_c) == (2.2, 18.5)
     depth.close()
 
@@ -174,8 +161,7 @@ def test_an_uncertain_distance_is_no_bottom(
     ping: Ping1d, twin: Ping1dTwin, wire: Wire, clock: HandClock, confidence: int, is_found: bool
 ) -> None:
     twin.confidence = confidence
-    reading = interval(ping, twin, wire, clock)
-    assert reading is not None
+    reading = known(interval(ping, twin, wire, clock))
     assert (reading.depth_m is not None) is is_found
 
 
