@@ -37,6 +37,8 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from sitl.compiled.modules import libraries  # noqa: E402
 
+pytest_plugins = ["twins.fixtures"]
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """What `tests/protocol/conformance` is to be pointed at instead of our own boat."""

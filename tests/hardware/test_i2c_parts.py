@@ -5,7 +5,6 @@ from pathlib import Path
 
 import pytest
 from boat_rig import Rig
-from companion.persistence.profile import ProfileFile
 from twins.battery import Ina219Twin
 from twins.i2c import AMG, CONFIG, NDOF, Bno055Twin, I2cDev, plug_in
 from twins.lines import HandClock, known
@@ -13,6 +12,7 @@ from twins.lines import HandClock, known
 from companion.config.actuators import Pca9685Part, PulseOutputSetting
 from companion.config.sensors import BatteryPart, CompassPart, ProbePart
 from companion.core.errors import HardwareError
+from companion.core.generations import ProfileFile
 from companion.core.state import MotorCommand
 from companion.hal.battery import open_battery_monitor
 from companion.hal.heading.bno055 import Bno055, Bno055Compass, open_bno055

@@ -294,10 +294,8 @@ def test_a_tested_motor_turns_for_its_time(motor: int, layout: str, share: float
     test, drive = motor_test.MotorTest(), DriveSetting(layout=layout)  # type: ignore[arg-type]
     assert test.thrust(DISARMED, 9.9) == Thrust(0.0, 0.0)
     assert test.start(MOTORS(motor), share, 2.0, DISARMED, 10.0, drive) == ""
-    assert test.thrust(DISARMED, 11.9) == thrust
-    assert test.is_running
-    assert test.thrust(DISARMED, 12.0) == Thrust(0.0, 0.0)
-    assert not test.is_running
+    assert (test.thrust(DISARMED, 11.9), test.is_running) == (thrust, True)
+    assert (test.thrust(DISARMED, 12.0), test.is_running) == (Thrust(0.0, 0.0), False)
     assert test.decided_s == 12.0
 
 

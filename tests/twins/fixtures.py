@@ -4,11 +4,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
+from companion.hal.raspberry_pi import I2cBus, open_i2c
 from twins.i2c import I2cDev, plug_in
 from twins.lines import HandClock
 from twins.pulses import PI_4, KernelPwm, plug_in_pwm
-
-from companion.hal.raspberry_pi import I2cBus, open_i2c
 
 
 @pytest.fixture
