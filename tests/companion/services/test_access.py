@@ -30,12 +30,9 @@ def ftp(opcode: int, data: bytes = b"/files/x") -> Message:
 
 COMMANDS = [
     (CMD.MAV_CMD_COMPONENT_ARM_DISARM, (1.0,)),
-    (CMD.MAV_CMD_COMPONENT_ARM_DISARM, (1.0, 21196.0)),
     (CMD.MAV_CMD_DO_SET_MODE, (1.0, 15.0)),
-    (CMD.MAV_CMD_MISSION_START, ()),
     (CMD.MAV_CMD_DO_MOTOR_TEST, (1.0, 0.0, 20.0, 5.0)),
     (CMD.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, (1.0,)),
-    (CMD.MAV_CMD_DO_SET_HOME, (1.0,)),
 ]
 
 

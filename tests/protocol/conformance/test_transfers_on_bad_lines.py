@@ -46,7 +46,7 @@ def test_an_upload_ends_with_the_old_list_or_the_new_one_whole(
     client: OpenClient, habits: Habits, kind: int, loss: float
 ) -> None:
     station = client(habits, seed=kind + 7)
-    old, new = items(kind, 5), items(kind, 40, shift=1_000_000)
+    old, new = items(kind, 5), items(kind, 20, shift=1_000_000)
     assert station.upload(old, kind) == dialect.MAV_MISSION_ACCEPTED
     station.line.quality = bad(loss)
     result = station.upload(new, kind)
@@ -66,7 +66,7 @@ def test_a_download_brings_the_whole_list_or_ends(
     client: OpenClient, habits: Habits, kind: int, loss: float
 ) -> None:
     station = client(habits, seed=kind + 11)
-    new = items(kind, 40)
+    new = items(kind, 15)
     assert station.upload(new, kind) == dialect.MAV_MISSION_ACCEPTED
     station.line.quality = bad(loss)
     held = station.download(kind)
@@ -76,12 +76,12 @@ def test_a_download_brings_the_whole_list_or_ends(
 
 
 @pytest.mark.parametrize("habits", CLIENTS, ids=lambda habits: habits.name)
-def test_500_items_end_within_the_clients_own_retries_or_leave_the_old_plan_whole(
+def test_150_items_end_within_the_clients_own_retries_or_leave_the_old_plan_whole(
     client: OpenClient, habits: Habits
 ) -> None:
     loss = 0.4
     station = client(habits, seed=5)
-    old, new = items(MISSION, 5), items(MISSION, 500, shift=1_000_000)
+    old, new = items(MISSION, 5), items(MISSION, 150, shift=1_000_000)
     assert station.upload(old) == dialect.MAV_MISSION_ACCEPTED
     station.line.quality = bad(loss)
     began_s = station.line.now_s
