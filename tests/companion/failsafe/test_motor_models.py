@@ -112,8 +112,6 @@ def test_two_neighbouring_samples_count_for_one() -> None:
     assert 1.0 / size._variance[0] == pytest.approx(1.0 + spread**2 / variance)
 
 
-pytestmark = pytest.mark.slow
-
 STILL = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.02)
 DT = 0.1
 
