@@ -1,7 +1,7 @@
 """The parameter page, generated from the parameter table: `boat-companion params --markdown`."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from companion.config.boat_config import BoatConfig
 from companion.config.compass_rows import MAGNETOMETER_ROWS
@@ -41,81 +41,60 @@ Ground stations require these. They describe this boat and cannot be changed.
 """
 
 
-def parameter_page(rows: tuple[ParameterRow, ...] = ROWS) -> str:
+def parameter_page() -> str:
     """The page in Markdown."""
-    parameters = Parameters(BoatConfig(), rows, MemoryStorage())
-    live = [
-        (
-            f"`{row.name}`",
-            _meaning(row),
-            _number(parameters.value(row)),
-            _range(row),
-            row.unit,
-            _key(row),
-            row.kind.name,
-        )
-        for row in rows
-        if not row.read_only
-    ]
-    constants = [
-        (f"`{row.name}`", _meaning(row), _number(parameters.value(row)), row.unit, row.kind.name)
-        for row in rows
-        if row.read_only
-    ]
+    value = Parameters(BoatConfig(), ROWS, MemoryStorage()).value
+    live = [_cells(row, value(row)) for row in ROWS if not row.read_only]
+    constants = [_cells(row, value(row)) for row in ROWS if row.read_only]
+    compass = sorted(MAGNETOMETER_ROWS, key=lambda row: row.name)
     return "\n".join(
         [
             _INTRODUCTION,
-            *_table(("name", "meaning", "default", "range", "unit", "key", "type"), live),
+            *_table("name meaning default range unit key type", live),
             "",
             _VALUES,
-            *_table(("parameters", "values"), _values(rows)),
+            *_table("parameters values", _values()),
             "",
             _MAGNETOMETER,
-            *_table(("name", "meaning", "default", "range", "unit", "type"), _of_magnetometer()),
+            *_table("name meaning default range unit type", [_cells(row, row.default) for row in compass]),
             "",
             _CONSTANTS,
-            *_table(("name", "meaning", "value", "unit", "type"), constants),
+            *_table("name meaning value unit type", constants),
             "",
         ]
     )
 
 
-def _of_magnetometer() -> list[tuple[str, ...]]:
-    return [
-        (f"`{row.name}`", row.text, _number(row.default), _range(row), row.unit, row.kind.name)
-        for row in sorted(MAGNETOMETER_ROWS, key=lambda row: row.name)
-    ]
+def _table(columns: str, rows: Iterable[Mapping[str, str]]) -> list[str]:
+    head = columns.split()
+    lines = [[row[name].replace("|", "/") for name in head] for row in rows]
+    return [f"| {' | '.join(line)} |" for line in (head, ["---"] * len(head), *lines)]
 
 
-def _table(head: tuple[str, ...], lines: Iterable[tuple[str, ...]]) -> list[str]:
-    rule = tuple("---" for _ in head)
-    return [f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in (head, rule, *lines)]
+def _cells(row: ParameterRow, value: float) -> dict[str, str]:
+    low, high = (_number(one) if math.isfinite(one) else "" for one in (row.low, row.high))
+    return {
+        "name": f"`{row.name}`",
+        "meaning": f"{row.text} (effective at the next start)" if row.needs_restart else row.text,
+        "default": _number(value),
+        "value": _number(value),
+        "range": f"{low}…{high}" if low or high else "",
+        "unit": row.unit,
+        "key": f"`{row.path}`" if row.path else "",
+        "type": row.kind.name,
+    }
 
 
-def _meaning(row: ParameterRow) -> str:
-    return f"{row.text} (effective at the next start)" if row.needs_restart else row.text
-
-
-def _values(rows: Iterable[ParameterRow]) -> Iterable[tuple[str, str]]:
+def _values() -> list[dict[str, str]]:
     """Parameters with the same values or bits, and their meaning."""
     shared: dict[str, list[str]] = {}
-    for row in rows:
+    for row in ROWS:
         named = [f"{number} {name}" for number, name in row.values]
         named += [f"+{1 << number} {name}" for number, name in row.bits]
         if named and not row.read_only:
             shared.setdefault("; ".join(named), []).append(f"`{row.name}`")
-    return [(", ".join(names), values) for values, names in shared.items()]
+    return [{"parameters": ", ".join(names), "values": values} for values, names in shared.items()]
 
 
 def _number(value: float) -> str:
     return f"{value:.7g}"
-
-
-def _range(row: ParameterRow) -> str:
-    low = _number(row.low) if math.isfinite(row.low) else ""
-    high = _number(row.high) if math.isfinite(row.high) else ""
-    return f"{low}…{high}" if low or high else ""
-
-
-def _key(row: ParameterRow) -> str:
-    return f"`{row.path}`" if row.path else ""

@@ -111,9 +111,9 @@ def check_page_program(target: Target, programs: Path) -> None:
         raise UnmetError(f"--page: {error}") from None
 
 
-def unit_text(programs: Path = PROGRAMS, config: Path = CONFIG) -> str:
-    """The unit for the programs of this folder and this configuration."""
-    return Template(_read(UNIT)).substitute(bin=programs, config=config)
+def unit_text(programs: Path = PROGRAMS) -> str:
+    """The boat's unit, for the programs of this folder."""
+    return Template(_read(UNIT)).substitute(bin=programs, config=CONFIG)
 
 
 def shore_unit_text(programs: Path, *, has_map: bool) -> str:

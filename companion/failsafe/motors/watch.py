@@ -140,19 +140,14 @@ class MotorWatch:
 
     def _decide(self) -> Hypothesis | None:
         """The hypothesis that is proved, and ahead of every other."""
-        evidence, best, lead = self._evidence, None, 0.0
-        for at, hypothesis in enumerate(HYPOTHESES):
-            if evidence.has_current or hypothesis.fault in _WITHOUT_CURRENT:
-                against = evidence.against[at]
-                if against > lead:
-                    best, lead = hypothesis, against
-        if best is None or lead < (COMPARED if self._is_compared and best.fault is Fault.FOULED else PROVED):
+        has_current, against = self._evidence.has_current, self._evidence.against
+        counted = [at for at, one in enumerate(HYPOTHESES) if has_current or one.fault in _WITHOUT_CURRENT]
+        first = max(counted, key=against.__getitem__)
+        best, lead = HYPOTHESES[first], against[first]
+        if lead < (COMPARED if self._is_compared and best.fault is Fault.FOULED else PROVED):
             return None
-        for at, hypothesis in enumerate(HYPOTHESES):
-            is_rival = evidence.has_current or hypothesis.fault in _WITHOUT_CURRENT
-            if hypothesis is not best and is_rival and lead - evidence.against[at] < MARGIN:
-                return None
-        return best
+        is_ahead = all(lead - against[at] >= MARGIN for at in counted if at != first)
+        return best if is_ahead else None
 
     def _watch_steering(self, left: float, right: float, turn_rad_s: float, dt_s: float) -> None:
         """How long the boat has been steered hard without turning that way."""
