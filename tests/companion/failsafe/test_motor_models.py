@@ -27,6 +27,14 @@ def driven(current: MotorCurrent, seconds: float, sigma_a: float, random: Random
         current.learn(DT_S, is_driven=True)
 
 
+def test_before_anything_is_learned_the_uncertainty_is_that_of_each_part_by_itself() -> None:
+    current = MotorCurrent()
+    current.compare(EVEN, [0.5, 0.5], 1.0, 3.0)
+    parts = (5.0 * 0.5, 3.0 * 0.5, 1.0 * 1.0, 2.0)  # A Σ d², B Σ d n, C Σ d u and the electronics
+    assert current.variance == pytest.approx(0.16**2 + sum(part**2 for part in parts))
+    assert current.residual_a == 3.0
+
+
 @pytest.mark.parametrize(("sigma_a", "expected_a"), [(0.1, 0.19), (0.6, 0.6)])
 def test_readings_that_scatter_widely_are_believed_less(sigma_a: float, expected_a: float) -> None:
     """The scatter of this boat's readings is learned where it is larger than expected, never less.

@@ -272,6 +272,24 @@ def test_a_fix_counts_for_the_time_it_was_measured(late_s: float, waiting: int) 
     assert len(evidence._pending) == waiting
 
 
+def test_disarming_ends_what_a_trial_has_said() -> None:
+    hull = sailed()
+    hull.watch.clear(hull.now_s)
+    hull.watch.rearm()
+    hull.sail(5.0)
+    hull.faults[1] = Fault.DEAD
+    assert hull.seconds_to_verdict(3.0) < 3.0
+
+
+def test_a_pause_drops_the_evidence_and_keeps_the_verdict() -> None:
+    hull = sailed()
+    hull.faults[0] = Fault.BLOCKED
+    hull.seconds_to_verdict(3.0)
+    hull.watch.pause()
+    assert verdict_of(hull) == (True, Fault.BLOCKED)
+    assert max(hull.watch._evidence.against) == 0.0
+
+
 def test_a_trial_that_clears_the_motors_stands_for_three_minutes() -> None:
     hull = sailed()
     hull.faults[0] = Fault.DEAD

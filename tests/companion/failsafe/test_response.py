@@ -115,6 +115,16 @@ def test_a_motor_named_during_a_comparison_is_reported_at_once(recovery: State) 
     assert any(changes) is (recovery in (State.IDLE, State.COMPARING))
 
 
+def test_failsafes_are_postponed_once_at_most() -> None:
+    failsafes = Failsafes(BoatConfig(), ManualInput())
+    failsafes.postpone(1.5)
+    failsafes.postpone(9.0)
+    assert (failsafes.is_due(1.4), failsafes.is_due(1.5)) == (False, True)
+    failsafes.update(inputs())
+    failsafes.postpone(3.0)
+    assert not failsafes.is_due(2.9)
+
+
 @pytest.mark.parametrize("wanted", ["needs_motor_check", "needs_motor_comparison"])
 @pytest.mark.parametrize(
     "change",
