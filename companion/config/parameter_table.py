@@ -160,34 +160,14 @@ def _radio() -> list[ParameterRow]:
         ParameterRow("RC_ARM_CH", _I8, "Channel of the switch that arms and disarms, 0 none", "rc.arm_channel", low=0, high=18),
         ParameterRow("MODE_CH", _I8, "Channel of the mode switch, 0 none", "rc.mode_channel", low=0, high=18),
     ]  # fmt: skip
-    for position in range(1, 7):
-        text = "Mode of this position of the mode switch"
-        rows.append(
-            ParameterRow(
-                f"MODE{position}",
-                _I8,
-                text,
-                f"rc.mode_{position}",
-                low=0,
-                high=float(max(Mode)),
-                values=names.MODES,
-            )
-        )
-    for number in range(5, 17):
-        text = "Function of this channel's switch; RC_ARM_CH is the arming channel"
-        option = Choice(number, names.ARM_DISARM)
-        rows.append(
-            ParameterRow(
-                f"RC{number}_OPTION",
-                _I16,
-                text,
-                "rc.arm_channel",
-                low=0,
-                high=names.ARM_DISARM,
-                values=names.SWITCHES,
-                choice=option,
-            )
-        )
+    rows += [
+        ParameterRow(f"MODE{position}", _I8, "Mode of this position of the mode switch", f"rc.mode_{position}", low=0, high=float(max(Mode)), values=names.MODES)
+        for position in range(1, 7)
+    ]  # fmt: skip
+    rows += [
+        ParameterRow(f"RC{number}_OPTION", _I16, "Function of this channel's switch; RC_ARM_CH is the arming channel", "rc.arm_channel", low=0, high=names.ARM_DISARM, values=names.SWITCHES, choice=Choice(number, names.ARM_DISARM))
+        for number in range(5, 17)
+    ]  # fmt: skip
     for number in range(1, 5):
         name, path = f"RC{number}", f"rc.channel_{number}"
         rows += [

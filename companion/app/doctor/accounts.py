@@ -42,11 +42,8 @@ def check_own_groups(examined: Examined, user: str) -> Finding:
 
 def check_service(examined: Examined, state: Mapping[str, str]) -> Finding:
     """Whether the boat starts with the computer, and does not fail again and again. state: of the unit."""
-    is_active, restarts, why = (
-        state.get("ActiveState"),
-        state.get("NRestarts", "0"),
-        "journalctl -u mavboat -n 30",
-    )
+    is_active, restarts = state.get("ActiveState"), state.get("NRestarts", "0")
+    why = "journalctl -u mavboat -n 30"
     if is_active == "activating" and restarts != "0":  # between two starts, or in one
         return failed("service", f"fails, and was started again {restarts} times", why)
     if is_active == "failed":

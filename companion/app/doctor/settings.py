@@ -34,32 +34,26 @@ def active_lines(text: str, model: str) -> list[str]:
     return lines
 
 
-def wanted_lines(needs: Needs, model: str) -> list[tuple[str, tuple[str, ...]]]:
+def wanted_lines(needs: Needs, model: str) -> dict[str, tuple[str, ...]]:
     """What config.txt needs: the line that the doctor would add, and beginnings of lines that do as well."""
     is_5 = is_pi_5(model)
-    wanted: list[tuple[str, tuple[str, ...]]] = []
+    wanted: dict[str, tuple[str, ...]] = {}
     if any(map(is_main_uart, needs.ports.values())):
-        wanted.append(
-            (
-                "dtparam=uart0=on" if is_5 else "enable_uart=1",
-                ("enable_uart=1", "dtparam=uart0", "dtoverlay=uart0"),
-            )
-        )
+        line = "dtparam=uart0=on" if is_5 else "enable_uart=1"
+        wanted[line] = ("enable_uart=1", "dtparam=uart0", "dtoverlay=uart0")
     for port in needs.ports.values():
         if uart_pins(port, model) and not is_main_uart(port):
             overlay = f"dtoverlay=uart{port[-1]}"
-            wanted.append((f"{overlay}-pi5" if is_5 else overlay, (overlay,)))
+            wanted[f"{overlay}-pi5" if is_5 else overlay] = (overlay,)
     if HEADER_I2C in needs.i2c.values():
-        wanted.append(("dtparam=i2c_arm=on", ("dtparam=i2c_arm=on", "dtparam=i2c=on")))
+        wanted["dtparam=i2c_arm=on"] = ("dtparam=i2c_arm=on", "dtparam=i2c=on")
     if needs.stretches_clock:
-        wanted.append(
-            ("dtparam=i2c_arm_baudrate=10000", ("dtparam=i2c_arm_baudrate=", "dtparam=i2c_baudrate="))
-        )
+        wanted["dtparam=i2c_arm_baudrate=10000"] = ("dtparam=i2c_arm_baudrate=", "dtparam=i2c_baudrate=")
     if needs.pwm:
         pins = needs.pwm.values()  # alternate functions: BCM2835 data sheet, table 6-31
         first = "pin=18,func=2" if 18 in pins else "pin=12,func=4"
         second = "pin2=19,func2=2" if 19 in pins else "pin2=13,func2=4"
-        wanted.append((f"dtoverlay=pwm-2chan,{first},{second}", ("dtoverlay=pwm",)))
+        wanted[f"dtoverlay=pwm-2chan,{first},{second}"] = ("dtoverlay=pwm",)
     return wanted
 
 
@@ -71,7 +65,7 @@ def check_boot_config(examined: Examined) -> list[Finding]:
     text = examined.path(path).read_text(encoding="utf-8", errors="replace")
     lines = active_lines(text, examined.model)
     wanted = wanted_lines(needs_of(examined.config), examined.model)
-    missing = [line for line, others in wanted if not any(have.startswith(others) for have in lines)]
+    missing = [line for line, others in wanted.items() if not any(have.startswith(others) for have in lines)]
     if not missing:
         return [fine("boot settings", f"{path} has what the parts need")]
     new = text.rstrip("\n") + "\n" + _HEAD + "\n".join(missing) + "\n"
