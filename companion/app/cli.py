@@ -102,9 +102,7 @@ def links(
         watch(path, Console())
 
 
-def params(
-    markdown: Annotated[bool, Option("--markdown", help="Print docs/parameters.md.")] = False,
-) -> None:
+def params(markdown: Annotated[bool, Option("--markdown", help="Print docs/parameters.md.")] = False) -> None:
     """List every parameter with its default, unit and meaning."""
     if markdown:
         echo(parameter_page(), newline="")

@@ -237,12 +237,7 @@ def run_boat(
             return boat.receive(clock.now_s(), ready)
 
         runner = Runner(
-            clock,
-            TICK_S,
-            step,
-            receive,
-            boat.channels.filenos,
-            has_more=lambda: boat.channels.has_more,
+            clock, TICK_S, step, receive, boat.channels.filenos, has_more=lambda: boat.channels.has_more
         )
         if logbook is not None and logbook.onboard is not None:
             logbook.onboard.timing = runner.ticks

@@ -221,9 +221,7 @@ def trimmed(
         return reading
     rate = reading.yaw_rate_rad_s
     return HeadingReading(
-        reading.time_s,
-        reading.heading_rad + turn_rad,
-        None if rate is None else rate - trim.gyro_bias_rad_s,
+        reading.time_s, reading.heading_rad + turn_rad, None if rate is None else rate - trim.gyro_bias_rad_s
     )
 
 

@@ -149,10 +149,7 @@ class _Parameter:
     def add_to(self, parser: Parser) -> None:
         option: Option = self.made
         names = option.names or (f"--{self.name.replace('_', '-')}",)
-        about: dict[str, Any] = {
-            "dest": self.name,
-            "help": SUPPRESS if option.is_hidden else option.help,
-        }
+        about: dict[str, Any] = {"dest": self.name, "help": SUPPRESS if option.is_hidden else option.help}
         if self.kind is bool:
             parser.add_argument(*names, action="store_true", **about)
             return

@@ -37,11 +37,7 @@ ARMING_CHECKS: Names = ((0, "All"),)
 AVOIDED: Names = ((0, "Fence"), (1, "Rangers"), (2, "No effect"))
 FENCE_PARTS: Names = ((0, "No effect"), (1, "Circle around home"), (2, "Polygons and circles"))
 
-EXTERNAL_USES: Names = (
-    (0, "Never"),
-    (1, "If own sensor is silent"),
-    (2, "Before the own sensor"),
-)
+EXTERNAL_USES: Names = ((0, "Never"), (1, "If own sensor is silent"), (2, "Before the own sensor"))
 OBSTACLE_USES: Names = ((0, "Ignored"), (1, "Added to the own sonar"))
 LOG_BACKENDS: Names = ((0, "None"), (1, "File"))
 LOG_TIMES: Names = ((0, "While armed"), (1, "From boot"))

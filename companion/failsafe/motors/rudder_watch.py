@@ -43,12 +43,7 @@ class RudderWatch:
         self.pause()
 
     def update(
-        self,
-        throttle: float,
-        rudder: float,
-        nav: NavState | None,
-        config: BoatConfig,
-        dt_s: float,
+        self, throttle: float, rudder: float, nav: NavState | None, config: BoatConfig, dt_s: float
     ) -> None:
         """Take the commands of the last dt_s and what has come of them."""
         if nav is None or not config.drive.has_rudder:

@@ -7,10 +7,7 @@ from pathlib import Path
 import pytest
 from boat_rig import Rig
 
-from companion.app.composition import (
-    check_config,
-    run_boat,
-)
+from companion.app.composition import check_config, run_boat
 from companion.app.status_file import BoatStatus, read_status
 from companion.boat import Boat
 from companion.config.boat_config import BoatConfig, decode_config

@@ -49,10 +49,7 @@ def fill(manager: Manager) -> None:
     sent = 1
     while sent:
         sent = 0
-        with (
-            socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender,
-            contextlib.suppress(BlockingIOError),
-        ):
+        with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender, contextlib.suppress(BlockingIOError):
             sender.setblocking(False)
             while True:
                 sender.sendto(b"X=1", manager.socket.getsockname())

@@ -9,12 +9,7 @@ from hypothesis import strategies as st
 from pymavlink import mavutil
 from pymavlink.mavftp import MAVFTP
 
-from companion.config.parameter_pack import (
-    PackedParameter,
-    PackError,
-    pack,
-    unpack_upload,
-)
+from companion.config.parameter_pack import PackedParameter, PackError, pack, unpack_upload
 from companion.config.parameters import ParameterType
 
 RECORDING = next(path for path in RECORDINGS if path.stem == "qgc44-ardurover-drive")

@@ -10,22 +10,9 @@ from hypothesis import strategies as st
 
 from companion.core.errors import ConfigError
 from companion.core.storage import FolderStorage, MemoryStorage
-from companion.mavlink.signing import (
-    EPOCH_UNIX_S,
-    TICKS_PER_S,
-    SignatureVerdict,
-    Stamps,
-    sign,
-    timestamp_at,
-)
+from companion.mavlink.signing import EPOCH_UNIX_S, TICKS_PER_S, SignatureVerdict, Stamps, sign, timestamp_at
 from companion.mavlink.signing_key import SigningKey, read_key_file
-from companion.persistence.signing_store import (
-    KEY_FILE,
-    MAX_KEYS,
-    STAMPS_FILE,
-    KeyFloors,
-    SigningStore,
-)
+from companion.persistence.signing_store import KEY_FILE, MAX_KEYS, STAMPS_FILE, KeyFloors, SigningStore
 
 KEY = SigningKey.from_passphrase("correct horse")
 UNIX_S = 1.8e9

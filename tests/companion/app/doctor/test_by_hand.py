@@ -58,7 +58,7 @@ def test_a_sensor_that_points_ahead_is_fine(monkeypatch: pytest.MonkeyPatch, tmp
             180,
             "heading 182° instead of 0°; heading 273° instead of 90°; pitch -22° where it should have grown; "
             "roll -25° where it should have grown",
-        ),
+        )
     ],
 )
 def test_a_board_that_is_turned_is_found(

@@ -41,11 +41,7 @@ def test_the_firmwares_flags_in_words(examine: Examine, flags: str, verdict: Ver
 
 @pytest.mark.parametrize(
     ("free_mb", "flags", "verdict"),
-    [
-        (201, 0, Verdict.FINE),
-        (199, 0, Verdict.WARNING),
-        (201, os.ST_RDONLY, Verdict.FAILED),
-    ],
+    [(201, 0, Verdict.FINE), (199, 0, Verdict.WARNING), (201, os.ST_RDONLY, Verdict.FAILED)],
 )
 def test_the_disk_of_missions_and_logs(
     examine: Examine, monkeypatch: pytest.MonkeyPatch, free_mb: int, flags: int, verdict: Verdict

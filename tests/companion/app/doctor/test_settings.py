@@ -16,9 +16,7 @@ from companion.app.doctor.settings import (
     check_motors_off,
 )
 from companion.app.install.steps import apply_steps
-from companion.app.needs import (
-    I2C_ADDRESSES,
-)
+from companion.app.needs import I2C_ADDRESSES
 from companion.config.actuators import MotorsPart, PulseOutputSetting
 from companion.config.actuators import RudderPart as Rudder
 from companion.config.boat_config import BoatConfig, Parts, decode_config
