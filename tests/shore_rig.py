@@ -7,12 +7,12 @@ from typing import Any
 from boat_rig import Rig
 
 from companion.boat import TICK_S
+from companion.links.interfaces import Link
 from companion.links.memory import MemoryLink, memory_pair
 from mission_tools.station.boat import ShoreBoat
 from mission_tools.station.boats import Boats
 from mission_tools.station.items import Kind
 from mission_tools.station.messages import Answer, PageRequest, Snapshot
-from mission_tools.station.wire import Link
 
 UNIX_S = 1_800_000_000.0
 
@@ -20,6 +20,8 @@ UNIX_S = 1_800_000_000.0
 class LossyEnd:
     """The station's end of a link that drops a share of the frames, both ways."""
 
+    name = "lossy"
+    host = ""
     is_datagram = True
 
     def __init__(self, link: MemoryLink, loss: float, seed: int) -> None:
@@ -37,10 +39,6 @@ class LossyEnd:
         """From now on nothing arrives here; what is sent does."""
         self._is_deaf = True
 
-    def hang_up(self) -> None:
-        """The connection ends."""
-        self._link.close()
-
     @property
     def is_closed(self) -> bool:
         """As the link's."""
@@ -49,6 +47,10 @@ class LossyEnd:
     def fileno(self) -> int:
         """−1: nothing to wait on."""
         return -1
+
+    def close(self) -> None:
+        """The connection ends."""
+        self._link.close()
 
     def receive(self) -> list[bytes]:
         """What was not lost."""
@@ -64,6 +66,8 @@ class LossyEnd:
 class ShorePort:
     """A port whose links the test adds."""
 
+    name = "shore"
+
     def __init__(self) -> None:
         self.fresh: list[Link] = []
 
@@ -71,6 +75,10 @@ class ShorePort:
         """Links since the last call."""
         fresh, self.fresh = self.fresh, []
         return fresh
+
+    def fileno(self) -> int:
+        """−1: nothing to wait on."""
+        return -1
 
     def close(self) -> None:
         """Nothing to close."""

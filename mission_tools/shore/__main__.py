@@ -13,7 +13,7 @@ def load() -> Run:
 
 
 def main() -> None:
-    """Entry point."""
+    """Run boat-shore as a program."""
     sys.exit(run_interruptibly("boat-shore", load))
 
 

@@ -26,7 +26,7 @@ from mission_tools.station.setup.sensors import sensors
 from mission_tools.station.streams import Streams
 from mission_tools.station.texts import Text, Texts
 from mission_tools.station.uploads import Upload, way_upload
-from mission_tools.station.view import HANDLERS, View
+from mission_tools.station.view import HANDLERS, SHOWN, View
 from mission_tools.station.wire import command_long
 from mission_tools.station.words import say
 
@@ -231,35 +231,19 @@ class ShoreBoat:
 
     def snapshot(self) -> Snapshot:
         """The boat as the page shows it; without links, temperature and disk."""
-        view = self.view
         return Snapshot(
             boat=self.address.system,
             heard_s=self.heard_s,
-            mode=view.mode,
             modes=list(self._mode_numbers()),
-            armed=view.armed,
-            state=view.state,
-            battery=view.battery,
-            fix=view.fix,
-            compass=view.compass(),
-            speed_m_s=view.speed_m_s,
-            cruise_m_s=view.cruise_m_s,
-            heading_deg=view.heading_deg,
-            course_deg=view.course_deg,
-            place=view.place,
-            home=view.way_home(),
+            compass=self.view.compass(),
+            home=self.view.way_home(),
             mission=self.lists.summary("mission"),
-            progress=view.progress,
             fence=self.lists.summary("fence"),
             rally=self.lists.summary("rally"),
-            current=view.current,
-            sonar=view.sonar,
-            obstacles=view.obstacles,
-            starts=view.starts,
             calibration=self._setup.calibrations.latest,
-            load=view.load,
             reasons=self.reasons.now(),
             lines=list(self.texts.lines),
+            **{name: getattr(self.view, name) for name in SHOWN},
         )
 
     def _mode_numbers(self) -> dict[str, int]:

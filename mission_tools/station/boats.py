@@ -9,6 +9,7 @@ from typing import Any, Final
 
 import msgspec
 
+from companion.links.interfaces import Port
 from companion.links.port_url import open_port
 from companion.mavlink.address import Address, concerns
 from companion.mavlink.dialect import Message, dialect
@@ -20,7 +21,7 @@ from mission_tools.station.line import Signatures, SignedLink
 from mission_tools.station.messages import Answer, BoatName, PageRequest, Sensor, Snapshot
 from mission_tools.station.outcome import Answered, Refused
 from mission_tools.station.uploads import Upload
-from mission_tools.station.wire import AUTOPILOT, OWN_COMPONENT, Port, heartbeat
+from mission_tools.station.wire import AUTOPILOT, OWN_COMPONENT, heartbeat
 from mission_tools.station.words import say
 
 SYSTEM_ID: Final = 250

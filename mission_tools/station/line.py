@@ -4,6 +4,7 @@ import logging
 from collections.abc import Iterator
 from typing import Final
 
+from companion.links.interfaces import Link
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Message
@@ -11,7 +12,6 @@ from companion.mavlink.finder import FrameFinder
 from companion.mavlink.framing import Frame
 from companion.mavlink.signing import Signatory, SigningGuard, Stamps, timestamp_at
 from companion.mavlink.signing_key import SigningKey
-from mission_tools.station.wire import Link
 
 _log: Final = logging.getLogger(__name__)
 _LINK_ID: Final = 1  # one for all links: the stamps of a program count upwards over all of them

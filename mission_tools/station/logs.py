@@ -56,7 +56,7 @@ class LogList:
         return f"{_FOLDERS[self._folder]}/{name}" if found else None
 
     def handle(self, entry: Message) -> None:
-        """Take a LOG_ENTRY."""
+        """The date and size of one log."""
         if self._entries is None or not 0 <= entry.id <= entry.num_logs <= MOST_LOGS:
             return
         place = entry.num_logs - entry.id if entry.id else 0  # the newest has a second number, 0

@@ -35,7 +35,7 @@ class Fix(Struct, frozen=True, kw_only=True):
     error_m: float | None = None
 
 
-class _Told(Struct, frozen=True, kw_only=True):
+class _Localized(Struct, frozen=True, kw_only=True):
     """text: for people, in English. key, values: of a `LocalizedText`, for a page in another language."""
 
     text: str = ""
@@ -48,7 +48,7 @@ class _Told(Struct, frozen=True, kw_only=True):
                 msgspec.structs.force_setattr(self, name, value)
 
 
-class Verdict(_Told, frozen=True, kw_only=True):
+class Verdict(_Localized, frozen=True, kw_only=True):
     """What is known of a sensor's health."""
 
     ok: bool
@@ -146,7 +146,7 @@ class Sensor(Struct, frozen=True, kw_only=True):
     values: dict[str, Any] = field(default_factory=dict)
 
 
-class Calibration(_Told, frozen=True, kw_only=True):
+class Calibration(_Localized, frozen=True, kw_only=True):
     """The latest calibration of a boat, by this station.
 
     kind: compass, gyro, motor_field, thrusters, heading. state: asked, running, silent (running, as far as
@@ -238,7 +238,7 @@ class State(Struct, frozen=True, kw_only=True, tag_field="type", tag="state"):
     patch: dict[str, Any]
 
 
-class Answer(_Told, frozen=True, kw_only=True, tag_field="type", tag="answer"):
+class Answer(_Localized, frozen=True, kw_only=True, tag_field="type", tag="answer"):
     """To a request, once. text: for people, what the boat answered."""
 
     id: str

@@ -1,4 +1,4 @@
-"""The requests of the page as commands of MAVLink: one small function each, and the table of them."""
+"""The requests of the page as commands of MAVLink: a table, with a function where a request has arguments."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -64,24 +64,12 @@ def _set_mode(number: int, done: str) -> BoatCommand:
     return BoatCommand(dialect.MAV_CMD_DO_SET_MODE, (_CUSTOM_MODE, float(number)), done)
 
 
-def _hold(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
-    return _set_mode(Mode.LOITER, say("answer.hold"))  # in HOLD it would drift
+def _arming(params: tuple[float, float], done: str, *, steers: bool = False) -> BoatCommand:
+    return BoatCommand(dialect.MAV_CMD_COMPONENT_ARM_DISARM, params, done, steers=steers)
 
 
-def _return(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
-    return _set_mode(Mode.RTL, say("answer.return"))
-
-
-def _start(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
-    return BoatCommand(dialect.MAV_CMD_MISSION_START, (), say("answer.start"), once=True)
-
-
-def _pause(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
-    return BoatCommand(dialect.MAV_CMD_DO_PAUSE_CONTINUE, (0.0,), say("answer.pause"), once=True)
-
-
-def _continue(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
-    return BoatCommand(dialect.MAV_CMD_DO_PAUSE_CONTINUE, (1.0,), say("answer.continue"), once=True)
+def _once(number: int, params: tuple[float, ...], done: str) -> BoatCommand:
+    return BoatCommand(number, params, done, once=True)
 
 
 def _go(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
@@ -94,23 +82,8 @@ def _speed(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: AR
     speed_m_s = number_of(arguments, "m_s")
     if not 0.0 < speed_m_s <= _FASTEST_M_S:
         raise BadRequestError(say("answer.no_speed", n=speed_m_s))
-    params = (_GROUND_SPEED, speed_m_s, -1.0)
-    return BoatCommand(
-        dialect.MAV_CMD_DO_CHANGE_SPEED, params, say("answer.speed", n=speed_m_s), steers=False
-    )
-
-
-def _stop(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
-    params = (0.0, _DISARM_NOW)
-    return BoatCommand(dialect.MAV_CMD_COMPONENT_ARM_DISARM, params, say("answer.stop"))
-
-
-def _arm(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
-    return BoatCommand(dialect.MAV_CMD_COMPONENT_ARM_DISARM, (1.0, 0.0), say("answer.arm"), steers=False)
-
-
-def _disarm(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
-    return BoatCommand(dialect.MAV_CMD_COMPONENT_ARM_DISARM, (0.0, 0.0), say("answer.disarm"))
+    done = say("answer.speed", n=speed_m_s)
+    return BoatCommand(dialect.MAV_CMD_DO_CHANGE_SPEED, (_GROUND_SPEED, speed_m_s, -1.0), done, steers=False)
 
 
 def _mode(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:
@@ -120,30 +93,24 @@ def _mode(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:
     return _set_mode(modes[name], say("answer.mode", mode=name))
 
 
-def _check(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
-    return BoatCommand(dialect.MAV_CMD_RUN_PREARM_CHECKS, (), say("answer.check"), steers=False)
-
-
-def _restart(arguments: Arguments, modes: ModeNumbers) -> BoatCommand:  # noqa: ARG001
-    number = dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN
-    return BoatCommand(number, (1.0,), say("answer.restart"), once=True, steers=False, disarmed=True)
-
-
-COMMANDS: Final[dict[str, Callable[[Arguments, ModeNumbers], BoatCommand]]] = {
-    "arm": _arm,
-    "check": _check,
-    "continue": _continue,
-    "disarm": _disarm,
-    "go": _go,
-    "hold": _hold,
-    "pause": _pause,
-    "restart": _restart,
-    "return": _return,
-    "set_mode": _mode,
-    "speed": _speed,
-    "start": _start,
-    "stop": _stop,
-}
+_FIXED: Final = {
+    "arm": _arming((1.0, 0.0), say("answer.arm")),
+    "check": BoatCommand(dialect.MAV_CMD_RUN_PREARM_CHECKS, (), say("answer.check"), steers=False),
+    "continue": _once(dialect.MAV_CMD_DO_PAUSE_CONTINUE, (1.0,), say("answer.continue")),
+    "disarm": _arming((0.0, 0.0), say("answer.disarm")),
+    "hold": _set_mode(Mode.LOITER, say("answer.hold")),  # in HOLD it would drift
+    "pause": _once(dialect.MAV_CMD_DO_PAUSE_CONTINUE, (0.0,), say("answer.pause")),
+    "restart": BoatCommand(
+        dialect.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, (1.0,), say("answer.restart"),
+        once=True, steers=False, disarmed=True,
+    ),
+    "return": _set_mode(Mode.RTL, say("answer.return")),
+    "start": _once(dialect.MAV_CMD_MISSION_START, (), say("answer.start")),
+    "stop": _arming((0.0, _DISARM_NOW), say("answer.stop"), steers=True),
+}  # fmt: skip
+_BUILT: Final[dict[str, Callable[[Arguments, ModeNumbers], BoatCommand]]] = {
+    "go": _go, "set_mode": _mode, "speed": _speed,
+}  # fmt: skip
 
 
 def build_command(what: str, arguments: Arguments, modes: ModeNumbers) -> BoatCommand:
@@ -152,9 +119,11 @@ def build_command(what: str, arguments: Arguments, modes: ModeNumbers) -> BoatCo
     Raises:
         BadRequestError: says what is wrong.
     """
-    build = COMMANDS.get(what)
-    if build is None:
-        raise BadRequestError(say("answer.unknown", what=repr(what), known=", ".join(["sail", *COMMANDS])))
+    if (fixed := _FIXED.get(what)) is not None:
+        return fixed
+    if (build := _BUILT.get(what)) is None:
+        known = ", ".join(["sail", *sorted([*_FIXED, *_BUILT])])
+        raise BadRequestError(say("answer.unknown", what=repr(what), known=known))
     return build(arguments, modes)
 
 

@@ -22,7 +22,7 @@ class Text(NamedTuple):
     text: str
 
 
-class _Open(NamedTuple):
+class _Chunked(NamedTuple):
     severity: int
     began_s: float
     chunks: dict[int, str]
@@ -34,7 +34,7 @@ class Texts:
     def __init__(self, is_news: Callable[[Text], bool]) -> None:
         self._is_news = is_news
         self.lines: deque[TextLine] = deque(maxlen=_KEPT)
-        self._open: dict[int, _Open] = {}
+        self._open: dict[int, _Chunked] = {}
         self._number = 0
 
     def ingest(self, message: Message, now_s: float, unix_s: float) -> list[Text]:
@@ -46,7 +46,7 @@ class Texts:
         if part is None:
             if len(self._open) >= _MOST_OPEN:
                 return []
-            part = self._open[message.id] = _Open(message.severity, now_s, {})
+            part = self._open[message.id] = _Chunked(message.severity, now_s, {})
         if message.chunk_seq >= _MOST_CHUNKS:
             return []
         part.chunks[message.chunk_seq] = raw
@@ -74,6 +74,6 @@ def _is_last(chunk: str) -> bool:
     return "\0" in chunk or len(chunk) < _CHUNK_BYTES
 
 
-def _joined(part: _Open) -> Text:
+def _joined(part: _Chunked) -> Text:
     text = "".join(chunk.split("\0", 1)[0] for _, chunk in sorted(part.chunks.items()))
     return Text(part.severity, clean(text))

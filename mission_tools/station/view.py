@@ -32,7 +32,7 @@ _PROGRESS: Final = {2: "not started", 3: "active", 4: "paused", 5: "complete"}
 _UNKNOWN_16: Final = 0xFFFF
 _COURSE_FROM_M_S: Final = 0.2  # below, the direction of the velocity is noise
 _SUBSTITUTE: Final = 0.8  # EKF_STATUS_REPORT: from here on another source replaces the sensor
-_DOWN: Final = 25  # MAV_SENSOR_ROTATION_PITCH_270
+DOWN: Final = 25  # MAV_SENSOR_ROTATION_PITCH_270
 _CUSTOM: Final = 100  # MAV_SENSOR_ROTATION_CUSTOM
 _REORDERED_MS: Final = 500  # a restart takes longer, and begins at 0
 _MOST_MODES: Final = 64
@@ -40,6 +40,13 @@ _SAILING_M_S: Final = 0.3  # a slower boat may be drifting
 _DRAW_MS: Final = 60_000  # the time left follows the draw of the last minute
 _FARTHEST_HOME_M: Final = 1e6
 _FENCE_BIT: Final = dialect.MAV_SYS_STATUS_GEOFENCE
+
+
+SHOWN: Final = (
+    "mode", "armed", "state", "battery", "fix", "speed_m_s", "cruise_m_s", "heading_deg", "course_deg",
+    "place", "progress", "current", "sonar", "obstacles", "starts", "load",
+)  # fmt: skip
+"""The fields that a snapshot has, too."""
 
 
 class View:
@@ -216,7 +223,7 @@ def on_estimate(view: View, message: Message) -> None:
 
 
 def on_home(view: View, message: Message) -> None:
-    """Take a HOME_POSITION."""
+    """Where RTL takes the boat."""
     view.home = _place(message.latitude, message.longitude) or view.home
 
 
@@ -237,22 +244,25 @@ def on_vector(view: View, message: Message) -> None:
         view.current = WaterCurrent(speed_m_s=round(speed_m_s, 2), towards_deg=_direction_deg(north, east))
 
 
+def bearing_deg(ping: Message) -> float | None:
+    """Of a DISTANCE_SENSOR, from the bow, starboard positive; None if it does not look sideways."""
+    if ping.orientation == _CUSTOM and all(map(math.isfinite, ping.quaternion)):
+        return round(math.degrees(yaw_of_quaternion(ping.quaternion)), 1)
+    return (ping.orientation * 45.0 + 180.0) % 360.0 - 180.0 if ping.orientation < 8 else None
+
+
+def range_m(ping: Message) -> float | None:
+    """Of a DISTANCE_SENSOR; None without an echo."""
+    has_echo = ping.min_distance <= ping.current_distance <= ping.max_distance
+    return ping.current_distance / 100.0 if has_echo else None
+
+
 def on_distance(view: View, message: Message) -> None:
     """A ping of the ranger; the depth sounder's are left out."""
-    if message.orientation == _DOWN:
+    if message.orientation == DOWN or (bearing := bearing_deg(message)) is None:
         return
-    if message.orientation == _CUSTOM:
-        if not all(math.isfinite(value) for value in message.quaternion):
-            return
-        bearing_deg = math.degrees(yaw_of_quaternion(message.quaternion))
-    elif message.orientation < 8:
-        bearing_deg = (message.orientation * 45.0 + 180.0) % 360.0 - 180.0
-    else:
-        return
-    has_echo = message.min_distance <= message.current_distance <= message.max_distance
     beam_deg = math.degrees(_finite(message.horizontal_fov) or 0.0)
-    range_m = message.current_distance / 100.0 if has_echo else None
-    view.sonar = Sonar(bearing_deg=round(bearing_deg, 1), range_m=range_m, beam_deg=round(beam_deg, 1))
+    view.sonar = Sonar(bearing_deg=bearing, range_m=range_m(message), beam_deg=round(beam_deg, 1))
 
 
 def on_obstacles(view: View, message: Message) -> None:

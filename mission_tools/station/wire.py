@@ -1,44 +1,10 @@
-"""What this client asks of a link and its port, and how it names itself."""
-
-from collections.abc import Sequence
-from typing import Protocol
+"""How this client names itself, and the messages that several of its parts send."""
 
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 
 AUTOPILOT = 1  # the component of a boat that answers commands
 OWN_COMPONENT: int = dialect.MAV_COMP_ID_MISSIONPLANNER  # as ground stations name themselves
-
-
-class Link(Protocol):
-    """A byte pipe to one peer. Never blocks, never raises once open."""
-
-    @property
-    def is_datagram(self) -> bool:
-        """Whether a received chunk is a datagram."""
-
-    @property
-    def is_closed(self) -> bool:
-        """True once the far side is gone for good."""
-
-    def fileno(self) -> int:
-        """A descriptor to wait on for received bytes, −1 without one."""
-
-    def receive(self) -> list[bytes]:
-        """All received chunks, oldest first."""
-
-    def send(self, data: bytes) -> bool:
-        """Send a frame whole, or drop it whole and return False."""
-
-
-class Port(Protocol):
-    """A source of links."""
-
-    def accept(self) -> Sequence[Link]:
-        """New links since the last call."""
-
-    def close(self) -> None:
-        """Close, with all links."""
 
 
 def heartbeat(is_operator: bool) -> Message:

@@ -8,8 +8,18 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
-from mission_tools.shore.plans import figures, files
-from mission_tools.shore.plans.plan_request import MadePlan, PlanRequest, PlanRequestError, Task, lists_of
+from mission_tools.shore.plans import files
+from mission_tools.shore.plans.plan_request import (
+    MadePlan,
+    PlanRequest,
+    PlanRequestError,
+    Task,
+    charge_percent,
+    distance,
+    line,
+    lists_of,
+    time_s,
+)
 from mission_tools.shore.plans.plan_store import PlanStore, StoredPlan, file_name
 from mission_tools.shore.plans.process import Planner, PlannerError
 from mission_tools.station.boats import Boats
@@ -77,7 +87,7 @@ class PlanService:
             report = await self._plan(arguments, folder, len(wanted.goals))
             warnings = [] if self._boats.items(boat, "fence") is not None else [str(say("planner.no_fence"))]
             length_m = float(report[key := "plan" if report["plan"] else "task"]["length_m"])
-            name = f"{wanted.task.capitalize()} {figures.distance(length_m)}"
+            name = f"{wanted.task.capitalize()} {distance(length_m)}"
             return await self._keep(folder, wanted.task, name, report, report[key], speed_m_s, warnings)
         except BaseException:
             shutil.rmtree(folder, ignore_errors=True)
@@ -166,10 +176,10 @@ class PlanService:
             name=name,
             task=task,
             items=max(len(lists.mission) - 1, 0),
-            points=figures.line(report),
+            points=line(report),
             length_m=route["length_m"],
-            time_s=figures.time_s(report, route, speed_m_s),
-            charge_percent=figures.charge_percent(report),
+            time_s=time_s(report, route, speed_m_s),
+            charge_percent=charge_percent(report),
             fits=report["budget"]["suffices"] if report["budget"] else None,
             clearance_m=route["min_clearance_m"],
             has_areas=bool(lists.fence or lists.rally),

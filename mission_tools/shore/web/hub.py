@@ -12,7 +12,7 @@ from mission_tools.shore.plans.plan_service import PlanService, Sources
 from mission_tools.shore.plans.uploading import PlanUploads
 from mission_tools.shore.web.feed import Feed, Viewer
 from mission_tools.shore.web.login.session import Sessions
-from mission_tools.shore.web.logs.log_service import LogService
+from mission_tools.shore.web.logs.voyages import LogService
 from mission_tools.shore.web.request_log import Reply, RequestLog
 from mission_tools.shore.web.route_service import RouteService
 from mission_tools.station.boats import Boats

@@ -10,9 +10,7 @@ from mission_tools.shore.web.guard import error
 from mission_tools.shore.web.hub import Hub
 from mission_tools.shore.web.rows import BOAT, Handler, Row, boat_of, json_answer, read_body
 from mission_tools.shore.web.static_files import StaticFile, make_file, respond
-from mission_tools.station.parameters.document import document
-from mission_tools.station.parameters.metadata import Descriptions, MetadataError
-from mission_tools.station.parameters.packed import read_descriptions
+from mission_tools.station.parameters.metadata import Descriptions, MetadataError, read_descriptions
 from mission_tools.station.parameters.param_file import (
     MOST_BYTES,
     ParamFileError,
@@ -20,7 +18,7 @@ from mission_tools.station.parameters.param_file import (
     read_file,
     write_file,
 )
-from mission_tools.station.parameters.parameter_table import ParameterTable, TableSnapshot
+from mission_tools.station.parameters.parameter_table import ParameterTable, TableSnapshot, document
 from mission_tools.station.parameters.values import Value
 from mission_tools.station.words import say
 

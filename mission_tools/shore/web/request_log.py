@@ -14,7 +14,7 @@ Reply = Callable[[Answer], None]
 
 
 @dataclass(slots=True)
-class _Entry:
+class _Logged:
     asked_s: float
     answer: Answer | None = None
     waiting: list[Reply] = field(default_factory=list)
@@ -24,7 +24,7 @@ class RequestLog:
     """What was asked, in order of time."""
 
     def __init__(self) -> None:
-        self._entries: OrderedDict[str, _Entry] = OrderedDict()
+        self._entries: OrderedDict[str, _Logged] = OrderedDict()
 
     def submit(
         self, request: PageRequest, reply: Reply, do: Callable[[PageRequest, Reply], None], now_s: float
@@ -39,7 +39,7 @@ class RequestLog:
             if reply not in seen.waiting:
                 seen.waiting.append(reply)
             return
-        entry = _Entry(now_s, waiting=[reply])
+        entry = _Logged(now_s, waiting=[reply])
         self._entries[request.id] = entry
 
         def on_answer(answer: Answer) -> None:

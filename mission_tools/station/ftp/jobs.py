@@ -31,32 +31,32 @@ class Entry(NamedTuple):
     size: int | None
 
 
-class Job(Protocol):
+class Job:
     """A transfer, once it is the one under way.
 
     is_over: the next one may begin. is_yielded: it goes on later. is_paused: it waits for its reader.
     shall_yield: set while others wait.
     """
 
-    is_over: bool
-    is_yielded: bool
-    is_paused: bool
-    shall_yield: bool
+    is_over = is_yielded = is_paused = shall_yield = False
 
     def start(self, now_s: float) -> None:
         """Send the first request."""
+        raise NotImplementedError
 
     def handle(self, reply: Reply, now_s: float) -> None:
         """A reply that answers none of the numbered requests."""
 
     def poll(self, now_s: float) -> None:
-        """Repeat what was not answered in time, or give up."""
+        """Go on, or give up; requests repeat themselves."""
 
     def cancel(self, now_s: float) -> None:
         """End; nothing is called back any more."""
+        raise NotImplementedError
 
     def refuse(self, failure: FtpFailure) -> None:
         """It is not even begun."""
+        raise NotImplementedError
 
 
 class Sink(Protocol):
@@ -79,11 +79,10 @@ def failure_of(reply: Reply | None) -> FtpFailure:
     return FtpFailure(_REASONS.get(reply.code) or say("file.error", n=reply.code), reply.code)
 
 
-class Listing:
+class Listing(Job):
     """A folder's entries. done: called once with them, or with why there are none."""
 
     def __init__(self, asking: Asking, path: str, done: Callable[[list[Entry] | FtpFailure], None]) -> None:
-        self.is_over = self.is_yielded = self.is_paused = self.shall_yield = False
         self._asking = asking
         self._path = path.encode()
         self._done = done
@@ -93,12 +92,6 @@ class Listing:
     def start(self, now_s: float) -> None:
         """Ask for the first page."""
         self._asking.ask(Opcode.LIST_DIRECTORY, self._on_page, now_s, offset=self._count, data=self._path)
-
-    def handle(self, reply: Reply, now_s: float) -> None:
-        """Nothing: pages are answers."""
-
-    def poll(self, now_s: float) -> None:
-        """Nothing: requests repeat themselves."""
 
     def cancel(self, now_s: float) -> None:  # noqa: ARG002
         """Close what is open on the boat."""

@@ -29,7 +29,7 @@ from typing import Final
 from companion.mavlink.ftp_frames import DATA_BYTES, Code, Opcode, Reply
 from mission_tools.station.ftp.asking import Asking, is_of_burst
 from mission_tools.station.ftp.blocks import WINDOW_BYTES, Blocks
-from mission_tools.station.ftp.jobs import FtpFailure, Sink, failure_of
+from mission_tools.station.ftp.jobs import FtpFailure, Job, Sink, failure_of
 from mission_tools.station.words import say
 
 QUIET_S: Final = 0.7  # after which a burst is over: its rest, or its request, is lost
@@ -43,7 +43,7 @@ _GRACE_S: Final = 60.0
 _CLOSING_TRIES: Final = 4
 
 
-class Reading:
+class Reading(Job):
     """One file. done: called once, with None when the sink has it all. grows: a log, see above."""
 
     def __init__(
@@ -55,10 +55,6 @@ class Reading:
         most_bytes: int,
         grows: bool,
     ) -> None:
-        self.is_over = False
-        self.is_paused = False  # the sink has no room
-        self.is_yielded = False  # over for this turn only
-        self.shall_yield = False
         self.size: int | None = None  # as the boat named it
         self._asking = asking
         self._path = path.encode()
@@ -141,13 +137,8 @@ class Reading:
             done(failure)
 
     def _on_open(self, reply: Reply | None, now_s: float) -> None:
-        if (
-            reply is not None
-            and reply.code == Code.NO_SESSIONS_AVAILABLE
-            and self._opened == 1
-            and self._done
-        ):
-            # sessions of an earlier run of this station
+        is_full = reply is not None and reply.code == Code.NO_SESSIONS_AVAILABLE
+        if is_full and self._opened == 1 and self._done:  # sessions of an earlier run of this station
             self._asking.ask(Opcode.RESET_SESSIONS, lambda _, at_s: self.start(at_s), now_s, tries=3)
         elif reply is None or reply.code:
             self.refuse(failure_of(reply))

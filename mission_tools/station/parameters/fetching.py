@@ -19,8 +19,7 @@ from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.metadata_messages import ComponentInformation, ComponentMetadata
 from mission_tools.station.ftp.jobs import FtpFailure
-from mission_tools.station.parameters.metadata import MetadataError
-from mission_tools.station.parameters.packed import MOST_PACKED_BYTES, is_intact, unpack
+from mission_tools.station.parameters.metadata import MOST_PACKED_BYTES, MetadataError, is_intact, unpack
 from mission_tools.station.wire import command_long
 
 METADATA: Final[int] = ComponentMetadata.id

@@ -2,13 +2,16 @@
 
 After the MAVLink guide, "Component Metadata Protocol", and its parameter.schema.json. The file comes from the
 boat: every entry is read by itself, and one that breaks the schema describes nothing. Texts and lists are
-cut at bounds beyond those of ArduPilot's and PX4's files.
+cut at bounds beyond those of ArduPilot's and PX4's files. A file comes plain or packed by xz or gzip, with a
+checksum.
 """
 
+import lzma
 import math
 import re
+import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 import msgspec
@@ -16,6 +19,12 @@ from msgspec import Raw, Struct, field
 
 from mission_tools.station.view import clean
 
+MOST_PACKED_BYTES: Final = 2_000_000
+MOST_BYTES: Final = 8_000_000  # ArduPilot's texts have some 2 MB
+_MOST_MEMORY: Final = 20_000_000  # for a dictionary: 9 MB by xz -6, its default
+_XZ: Final = b"\xfd7zXZ\x00"
+_GZIP: Final = b"\x1f\x8b"
+_GZIP_HEADER: Final = 16 + zlib.MAX_WBITS
 MOST_ENTRIES: Final = 10_000
 _MOST_TEXT: Final = 200
 _MOST_LONG: Final = 4000
@@ -37,7 +46,7 @@ class _Bit(Struct):
     description: str = ""
 
 
-class _Entry(Struct, rename="camel"):
+class _Parameter(Struct, rename="camel"):
     name: str
     short_desc: str = ""
     long_desc: str = ""
@@ -103,12 +112,9 @@ class Descriptions(NamedTuple):
 
 
 def _numbered(one: Description, number: str) -> Description:
-    changes = {name: getattr(one, name).replace(_INDEX, number) for name in ("text", "long", "group")}
-    return Description(
-        **changes, unit=one.unit, low=one.low, high=one.high, step=one.step, decimals=one.decimals,
-        values=one.values, bits=one.bits, default=one.default, category=one.category,
-        needs_restart=one.needs_restart, read_only=one.read_only,
-    )  # fmt: skip
+    return replace(
+        one, **{name: getattr(one, name).replace(_INDEX, number) for name in ("text", "long", "group")}
+    )
 
 
 def parse(content: bytes) -> Descriptions:
@@ -124,7 +130,7 @@ def parse(content: bytes) -> Descriptions:
     by_name: dict[str, Description] = {}
     for raw in raws[:MOST_ENTRIES]:
         try:
-            entry = msgspec.json.decode(raw, type=_Entry)
+            entry = msgspec.json.decode(raw, type=_Parameter)
         except (msgspec.MsgspecError, UnicodeError, RecursionError):
             continue
         if _NAME.fullmatch(entry.name):
@@ -132,7 +138,7 @@ def parse(content: bytes) -> Descriptions:
     return Descriptions(by_name)
 
 
-def _described(entry: _Entry) -> Description:
+def _described(entry: _Parameter) -> Description:
     low, high = entry.min, entry.max
     if low is not None and high is not None and low > high:
         low = high = None
@@ -159,3 +165,49 @@ def _described(entry: _Entry) -> Description:
 def _paragraphs(text: str) -> str:
     lines = (clean(line) for line in text[:_MOST_LONG].splitlines())
     return "\n".join(line for line in lines if line)
+
+
+def unpack(content: bytes, most_bytes: int = MOST_BYTES) -> bytes:
+    """The plain file.
+
+    Raises:
+        MetadataError: broken, or longer than most_bytes.
+    """
+    try:
+        if content.startswith(_XZ):
+            xz = lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_MOST_MEMORY)
+            plain, is_whole = xz.decompress(content, most_bytes + 1), xz.eof
+        elif content.startswith(_GZIP):
+            gzip = zlib.decompressobj(_GZIP_HEADER)
+            plain, is_whole = gzip.decompress(content, most_bytes + 1), gzip.eof
+        else:
+            plain, is_whole = content, True
+    except (lzma.LZMAError, zlib.error):
+        raise MetadataError("the file is packed, and broken") from None
+    if len(plain) > most_bytes:
+        raise MetadataError(f"the file has more than {most_bytes // 1000} kB")
+    if not is_whole:
+        raise MetadataError("the file is packed, and ends too early")
+    return plain
+
+
+def crc32(content: bytes) -> int:
+    """MAVLink's CRC-32 of a file: the usual polynomial, from 0, not inverted at the end."""
+    return zlib.crc32(content, 0xFFFFFFFF) ^ 0xFFFFFFFF
+
+
+def is_intact(content: bytes, plain: bytes, crc: int | None) -> bool:
+    """Whether the checksum is that of the file as sent, or of what is packed in it: both are in use."""
+    return crc is None or crc32(content) == crc or crc32(plain) == crc
+
+
+def read_descriptions(content: bytes, crc: int | None) -> Descriptions:
+    """Unpack, check and parse a parameter file. Takes up to some 0.1 s: use a thread.
+
+    Raises:
+        MetadataError: it is none, or damaged.
+    """
+    plain = unpack(content)
+    if not is_intact(content, plain, crc):
+        raise MetadataError("the checksum of the file is another")
+    return parse(plain)

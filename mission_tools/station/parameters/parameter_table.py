@@ -4,14 +4,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
+import msgspec
+
+from companion.core.units import as_float32
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from mission_tools.station.outcome import Outcome, Refused
-from mission_tools.station.parameters.checks import refusal_of
 from mission_tools.station.parameters.download import Download, State
 from mission_tools.station.parameters.fetching import INFORMATION, METADATA, Fetching, Packed, Read, TextState
-from mission_tools.station.parameters.metadata import Descriptions
-from mission_tools.station.parameters.setting import Settings
+from mission_tools.station.parameters.metadata import Description, Descriptions
+from mission_tools.station.parameters.setting import Settings, refusal_of
 from mission_tools.station.parameters.values import NAME, Value
 from mission_tools.station.words import say
 
@@ -19,6 +21,7 @@ WANTED_S: Final = 3.0  # after each snapshot
 WANTED: Final = frozenset(
     {dialect.MAVLINK_MSG_ID_PARAM_VALUE, dialect.MAVLINK_MSG_ID_PARAM_ERROR, METADATA, INFORMATION}
 )
+_LOADING: Final = ("waiting", "asking", "reading")
 _NO_DESCRIPTIONS: Final = Descriptions({})
 
 Replied = Callable[[Outcome, dict[str, Any] | None], None]
@@ -149,3 +152,40 @@ class ParameterTable:
 
 def _result(name: str, value: Value) -> dict[str, Any]:
     return {"name": name, "value": value.number()}
+
+
+def document(snapshot: TableSnapshot, values: list[tuple[str, Value]]) -> bytes:
+    """The table as the page gets it, in JSON: {missing, texts, parameters: […]} by name.
+
+    values: of the snapshot, copied. texts: loading, here or none. Takes milliseconds: use a thread.
+    """
+    texts = "loading" if snapshot.texts in _LOADING or snapshot.packed is not None else snapshot.texts
+    rows = [_row(name, value, snapshot.descriptions.of(name)) for name, value in sorted(values)]
+    return msgspec.json.encode({"missing": snapshot.missing, "texts": texts, "parameters": rows})
+
+
+def _row(name: str, value: Value, known: Description) -> dict[str, Any]:
+    is_changed = (
+        known.default is not None
+        and value.value is not None
+        and as_float32(value.value) != as_float32(known.default)
+    )
+    return {
+        "name": name,
+        "value": value.number(),
+        "type": value.type,
+        "text": known.text,
+        "long": known.long,
+        "unit": known.unit,
+        "min": known.low,
+        "max": known.high,
+        "step": known.step,
+        "decimals": known.decimals,
+        "values": [{"value": number, "text": text} for number, text in known.values],
+        "bits": [{"bit": bit, "text": text} for bit, text in known.bits],
+        "default": known.default,
+        "changed": is_changed,
+        "group": known.group or name.partition("_")[0].rstrip("0123456789") or name,
+        "reboot_required": known.needs_restart,
+        "read_only": known.read_only,
+    }

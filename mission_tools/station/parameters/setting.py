@@ -8,6 +8,7 @@ before the boat heard the request, so it counts once the boat has said why (STAT
 PARAM_ERROR), or has said it again after a repetition. SETTLE_S are left for a reason that comes after it.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
@@ -15,7 +16,16 @@ from typing import Final
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from mission_tools.station.outcome import Accepted, Cancelled, Outcome, Refused, Silent
-from mission_tools.station.parameters.values import Value, encode, float_or_int, is_same, name_of, write
+from mission_tools.station.parameters.metadata import Description
+from mission_tools.station.parameters.values import (
+    Value,
+    encode,
+    flaw_of,
+    float_or_int,
+    is_same,
+    name_of,
+    write,
+)
 from mission_tools.station.words import say
 
 REPEAT_S: Final = 1.0
@@ -37,7 +47,7 @@ Answered = Callable[[Outcome, Value | None], None]
 
 
 @dataclass(slots=True)
-class _UnderWay:
+class _Request:
     name: str
     value: float
     kind: int
@@ -60,7 +70,7 @@ class Settings:
         self._boat = boat
         self._own = own
         self._send = send
-        self._under_way: dict[str, _UnderWay] = {}
+        self._under_way: dict[str, _Request] = {}
 
     def ask(
         self, name: str, value: float, kind: int, is_bytewise: bool, answered: Answered, now_s: float
@@ -71,7 +81,7 @@ class Settings:
         if len(self._under_way) >= MOST:
             answered(Refused(say("answer.param_busy")), None)
             return
-        one = _UnderWay(name, value, kind, is_bytewise, answered, now_s + TIMEOUT_S, now_s + REPEAT_S)
+        one = _Request(name, value, kind, is_bytewise, answered, now_s + TIMEOUT_S, now_s + REPEAT_S)
         self._under_way[name] = one
         self._post(one)
 
@@ -123,19 +133,56 @@ class Settings:
                 one.repeat_s = now_s + REPEAT_S
                 self._post(one)
 
-    def _post(self, one: _UnderWay) -> None:
+    def _post(self, one: _Request) -> None:
         raw = encode(one.value, one.kind, one.is_bytewise)
         self._send(dialect.MAVLink_param_set_message(*self._boat, one.name.encode("ascii"), raw, one.kind))
 
-    def _end(self, one: _UnderWay, outcome: Outcome) -> None:
+    def _end(self, one: _Request, outcome: Outcome) -> None:
         del self._under_way[one.name]
         one.answered(outcome, one.kept)
 
 
-def _refusal(one: _UnderWay) -> str:
+def _refusal(one: _Request) -> str:
     """What the boat has, and why."""
     if one.kept is None:
         return one.reason
     if one.reason:
         return say("answer.param_kept_as", why=one.reason, name=one.name, value=one.kept.text())
     return say("answer.param_kept", name=one.name, value=one.kept.text())
+
+
+def refusal_of(name: str, value: float, kind: int, is_bytewise: bool, described: Description) -> str:
+    """Why a value is refused, in a sentence; empty if it fits.
+
+    A listed value fits whatever the range. A description without a range allows the listed values only.
+    """
+    if described.read_only:
+        return say("answer.param_fixed", name=name)
+    try:
+        number = float(value)
+    except OverflowError:  # a whole number beyond every float
+        number = math.inf
+    if flaw := flaw_of(number, kind, is_bytewise):
+        return say("answer.param_flaw", name=name, value=_written(number), flaw=flaw)
+    if any(is_same(number, listed) for listed, _ in described.values):
+        return ""
+    low, high = described.low, described.high
+    unit = f" {described.unit}" if described.unit else ""
+    below = low is not None and number < low and not is_same(number, low)
+    above = high is not None and number > high and not is_same(number, high)
+    if below or above:
+        least = "−∞" if low is None else _written(low)
+        most = "∞" if high is None else _written(high)
+        return say(
+            "answer.param_outside", name=name, value=_written(number) + unit, least=least, most=most + unit
+        )
+    if described.values and not described.bits and low is None and high is None:
+        listed = ", ".join(_written(one) for one, _ in described.values[:20])
+        return say("answer.param_not_listed", name=name, value=_written(number), listed=listed)
+    return ""
+
+
+def _written(value: float) -> str:
+    if not math.isfinite(value):
+        return str(value)
+    return write(float_or_int(value, float(value).is_integer() and abs(value) < 1e15))

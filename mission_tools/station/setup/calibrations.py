@@ -182,7 +182,7 @@ class Calibrations:
                 self._answer(Refused(NOTHING_TO_KEEP))
 
     def on_progress(self, message: Message, now_s: float) -> None:
-        """Take a MAG_CAL_PROGRESS."""
+        """How much of the circle the compass has seen."""
         if self.now.kind == "compass" and self.now.state in _RUNS and message.compass_id == 0:
             self._heard_s = now_s
             self._progress(message.completion_pct)
@@ -190,7 +190,7 @@ class Calibrations:
                 self._answer(Accepted(STARTED))
 
     def on_report(self, message: Message, now_s: float) -> None:
-        """Take a MAG_CAL_REPORT."""
+        """The result of the compass calibration."""
         if self.now.kind != "compass" or self.now.state not in ("running", "silent", "waiting"):
             return
         if message.cal_status != _SUCCESS:

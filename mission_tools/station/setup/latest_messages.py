@@ -1,13 +1,13 @@
 """The latest message of each part of a boat, and when what it measured last changed."""
 
+from dataclasses import dataclass
 from typing import Final
 
 from companion.mavlink.dialect import Message, dialect
-from mission_tools.station.view import clean
+from mission_tools.station.view import DOWN, clean
 
 RANGER: Final = "ranger"  # DISTANCE_SENSOR, sideways
 SOUNDER: Final = "sounder"  # DISTANCE_SENSOR, downwards
-_DOWN: Final = 25  # MAV_SENSOR_ROTATION_PITCH_270
 _MOST_PROBES: Final = 16
 _PROBE: Final = dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT
 
@@ -29,11 +29,11 @@ _TIMES: Final[dict[int, str]] = {
 MESSAGES: Final = frozenset(_TIMES)
 
 
+@dataclass(slots=True)
 class _Latest:
-    __slots__ = ("changed_s", "measured", "message")
-
-    def __init__(self, message: Message, measured: object, now_s: float) -> None:
-        self.message, self.measured, self.changed_s = message, measured, now_s
+    message: Message
+    measured: object
+    changed_s: float
 
 
 class LatestMessages:
@@ -61,7 +61,7 @@ class LatestMessages:
 
     def _key(self, number: int, message: Message) -> int | str | None:
         if number == dialect.MAVLINK_MSG_ID_DISTANCE_SENSOR:
-            return SOUNDER if message.orientation == _DOWN else RANGER
+            return SOUNDER if message.orientation == DOWN else RANGER
         if number == dialect.MAVLINK_MSG_ID_BATTERY_STATUS and message.id != 0:
             return None
         if number != _PROBE:

@@ -7,11 +7,10 @@ import math
 from collections.abc import Sequence
 from typing import Any, Final, NamedTuple
 
-from companion.core.geo import yaw_of_quaternion
 from companion.mavlink.dialect import Message, dialect
 from mission_tools.station.messages import Reason
 from mission_tools.station.setup.latest_messages import RANGER, SOUNDER, LatestMessages
-from mission_tools.station.view import View
+from mission_tools.station.view import View, bearing_deg, range_m
 
 _STALE_S: Final = 3.0  # a receiver with one fix a second that misses two
 _DOUBTED: Final = 0.5  # EKF_STATUS_REPORT: half the way to the limit at which the boat rejects a sensor
@@ -20,7 +19,6 @@ _INACCURATE_HDOP: Final = 2.5  # as arming.max_hdop by default
 _BUSY: Final = 0.95
 _HOT_C: Final = 80.0  # where a Raspberry Pi slows down
 _UNKNOWN_16: Final = 0xFFFF
-_CUSTOM: Final = 100  # MAV_SENSOR_ROTATION_CUSTOM
 _REST_US: Final = 1500
 
 Values = dict[str, Any]
@@ -52,7 +50,7 @@ class SensorSnapshot(NamedTuple):
 
     @property
     def estimate(self) -> Message | None:
-        """The latest EKF_STATUS_REPORT."""
+        """How far the boat's filter trusts each sensor."""
         return self.messages.latest(dialect.MAVLINK_MSG_ID_EKF_STATUS_REPORT)
 
     def is_older(self, key: int | str, limit_s: float) -> bool:
@@ -124,16 +122,6 @@ def examine_gyro(seen: SensorSnapshot) -> Found:
     return ("good" if is_well else "silent"), values
 
 
-def _bearing_deg(ping: Message) -> float | None:
-    if ping.orientation == _CUSTOM:
-        if not all(math.isfinite(one) for one in ping.quaternion):
-            return None
-        return round(math.degrees(yaw_of_quaternion(ping.quaternion)), 1)
-    if ping.orientation < 8:
-        return float((ping.orientation * 45.0 + 180.0) % 360.0 - 180.0)
-    return None
-
-
 def examine_sonar(seen: SensorSnapshot) -> Found:
     """The latest ping: bearing, range, reach."""
     ping = seen.messages.latest(RANGER)
@@ -143,33 +131,30 @@ def examine_sonar(seen: SensorSnapshot) -> Found:
     if is_well is None and ping is None:
         return "absent", {}
     values: Values = {}
-    has_echo = ping is not None and ping.min_distance <= ping.current_distance <= ping.max_distance
     if ping is not None:
-        values["reach_m"] = ping.max_distance / 100.0
-        if (bearing_deg := _bearing_deg(ping)) is not None:
-            values["bearing_deg"] = bearing_deg
-        if has_echo:
-            values["range_m"] = ping.current_distance / 100.0
+        values = {
+            "reach_m": ping.max_distance / 100.0,
+            "bearing_deg": bearing_deg(ping),
+            "range_m": range_m(ping),
+        }
+        values = {name: value for name, value in values.items() if value is not None}
     if is_well is False or seen.is_older(RANGER, _STALE_S):
         return "silent", values
-    return ("good" if has_echo else "no_echo"), values
+    return ("good" if "range_m" in values else "no_echo"), values
 
 
 def examine_depth(seen: SensorSnapshot) -> Found:
     """Depth below the transducer, temperature of the water."""
-    sounding, depth = (
-        seen.messages.latest(SOUNDER),
-        seen.messages.latest(dialect.MAVLINK_MSG_ID_WATER_DEPTH),
-    )
+    sounding = seen.messages.latest(SOUNDER)
+    depth = seen.messages.latest(dialect.MAVLINK_MSG_ID_WATER_DEPTH)
     if sounding is None:
         return "absent", {}
-    has_bottom = sounding.min_distance <= sounding.current_distance <= sounding.max_distance
-    values: Values = {"depth_m": sounding.current_distance / 100.0} if has_bottom else {}
+    values: Values = {} if (depth_m := range_m(sounding)) is None else {"depth_m": depth_m}
     if depth is not None and math.isfinite(depth.temperature) and depth.temperature:
         values["water_c"] = round(depth.temperature, 1)
     if seen.is_older(SOUNDER, _STALE_S):
         return "silent", values
-    return ("good" if has_bottom else "no_bottom"), values
+    return ("good" if "depth_m" in values else "no_bottom"), values
 
 
 def examine_battery(seen: SensorSnapshot) -> Found:
@@ -249,10 +234,9 @@ def examine_computer(seen: SensorSnapshot) -> Found:
     memory = seen.messages.latest(dialect.MAVLINK_MSG_ID_MEMINFO)
     if memory is not None and (free := memory.freemem32 or memory.freemem):
         values["memory_mb"] = round(free / 1e6)
-    if seen.board.get("temperature_c") is not None:
-        values["temperature_c"] = seen.board["temperature_c"]
-    if seen.board.get("disk_free_mb") is not None:
-        values["disk_mb"] = seen.board["disk_free_mb"]
+    for name, key in (("temperature_c", "temperature_c"), ("disk_mb", "disk_free_mb")):
+        if seen.board.get(key) is not None:
+            values[name] = seen.board[key]
     if seen.view.load >= _BUSY:
         return "busy", values
     return ("hot" if values.get("temperature_c", 0.0) >= _HOT_C else "good"), values

@@ -12,10 +12,23 @@ from importlib.resources import files
 from typing import Final, NamedTuple
 
 from companion.mavlink.dialect import dialect
-from mission_tools.station.messages import Reason, Sensor
-from mission_tools.station.setup import sensor_checks
+from mission_tools.station.messages import Sensor
 from mission_tools.station.setup.latest_messages import RANGER, SOUNDER
-from mission_tools.station.setup.sensor_checks import Found, SensorSnapshot, Values
+from mission_tools.station.setup.sensor_checks import (
+    Found,
+    SensorSnapshot,
+    Values,
+    examine_battery,
+    examine_clock,
+    examine_compass,
+    examine_computer,
+    examine_depth,
+    examine_gnss,
+    examine_gyro,
+    examine_motors,
+    examine_rc,
+    examine_sonar,
+)
 from mission_tools.station.words import texts
 
 _SLOW_STALE_S: Final = 10.0  # what may come every 5 s, over a radio that loses some
@@ -28,32 +41,6 @@ def verdicts() -> dict[str, dict[str, str]]:
     return tomllib.loads(files(__package__).joinpath("sensors.toml").read_text("utf-8"))
 
 
-class _Told(NamedTuple):
-    """A verdict with the keys of its words, and the words themselves."""
-
-    verdict: str
-    text: str
-    cure: str
-    text_key: str
-    cure_key: str
-
-
-def _entry(part: str, state: str) -> _Told:
-    key = f"sensor.{part}.{state}"
-    return _Told(
-        verdicts()[part][state],
-        texts()[f"{key}.text"],
-        texts().get(f"{key}.cure", ""),
-        f"{key}.text",
-        f"{key}.cure",
-    )
-
-
-def _of(reason: Reason) -> _Told:
-    key = f"reason.{reason.key}"
-    return _Told("warning", reason.why or reason.text, reason.next, f"{key}.why", f"{key}.next")
-
-
 class _Row(NamedTuple):
     """key: of the message whose age is told. begins: of the boat's reasons that concern this sensor."""
 
@@ -63,38 +50,19 @@ class _Row(NamedTuple):
     begins: tuple[str, ...] = ()
 
 
-_IMU: Final = dialect.MAVLINK_MSG_ID_SCALED_IMU
+_PROPULSION: Final = ("Left motor", "Right motor", "Weed", "Steering lost")
+_HULL: Final = ("Computer", "Too hot", "Storage", "Water in the hull")
 ROWS: Final = (
-    _Row("gnss", sensor_checks.examine_gnss, dialect.MAVLINK_MSG_ID_GPS_RAW_INT, ("GPS", "Position lost")),
-    _Row(
-        "compass",
-        sensor_checks.examine_compass,
-        dialect.MAVLINK_MSG_ID_SCALED_IMU,
-        ("Compass", "Heading lost"),
-    ),
-    _Row("gyro", sensor_checks.examine_gyro, _IMU),
-    _Row("sonar", sensor_checks.examine_sonar, RANGER, ("Sonar",)),
-    _Row("depth", sensor_checks.examine_depth, SOUNDER),
-    _Row(
-        "battery",
-        sensor_checks.examine_battery,
-        dialect.MAVLINK_MSG_ID_SYS_STATUS,
-        ("Battery", "Point of no return"),
-    ),
-    _Row("rc", sensor_checks.examine_rc, dialect.MAVLINK_MSG_ID_RC_CHANNELS, ("RC",)),
-    _Row(
-        "motors",
-        sensor_checks.examine_motors,
-        dialect.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW,
-        ("Left motor", "Right motor", "Weed", "Steering lost"),
-    ),
-    _Row("clock", sensor_checks.examine_clock, dialect.MAVLINK_MSG_ID_SYSTEM_TIME),
-    _Row(
-        "computer",
-        sensor_checks.examine_computer,
-        dialect.MAVLINK_MSG_ID_SYS_STATUS,
-        ("Computer", "Too hot", "Storage", "Water in the hull"),
-    ),
+    _Row("gnss", examine_gnss, dialect.MAVLINK_MSG_ID_GPS_RAW_INT, ("GPS", "Position lost")),
+    _Row("compass", examine_compass, dialect.MAVLINK_MSG_ID_SCALED_IMU, ("Compass", "Heading lost")),
+    _Row("gyro", examine_gyro, dialect.MAVLINK_MSG_ID_SCALED_IMU),
+    _Row("sonar", examine_sonar, RANGER, ("Sonar",)),
+    _Row("depth", examine_depth, SOUNDER),
+    _Row("battery", examine_battery, dialect.MAVLINK_MSG_ID_SYS_STATUS, ("Battery", "Point of no return")),
+    _Row("rc", examine_rc, dialect.MAVLINK_MSG_ID_RC_CHANNELS, ("RC",)),
+    _Row("motors", examine_motors, dialect.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW, _PROPULSION),
+    _Row("clock", examine_clock, dialect.MAVLINK_MSG_ID_SYSTEM_TIME),
+    _Row("computer", examine_computer, dialect.MAVLINK_MSG_ID_SYS_STATUS, _HULL),
 )
 
 
@@ -116,22 +84,24 @@ def _probe(seen: SensorSnapshot, name: str) -> Sensor:
 def _sensor(
     seen: SensorSnapshot,
     name: str,
-    kind: str,
+    part: str,
     state: str,
     values: Values,
     key: int | str,
     begins: tuple[str, ...],
 ) -> Sensor:
-    entry = _entry(kind, state)
-    reason = next((one for one in seen.reasons if begins and one.text.startswith(begins)), None)
     if not seen.is_heard:
-        entry = _entry("boat", "silent")
-    elif reason is not None and entry.verdict in ("fine", "warning"):
-        entry = _of(reason)
+        part, state = "boat", "silent"
+    verdict, words = verdicts()[part][state], f"sensor.{part}.{state}"
+    text_key, cure_key = f"{words}.text", f"{words}.cure"
+    text, cure = texts()[text_key], texts().get(cure_key, "")
+    reason = next((one for one in seen.reasons if begins and one.text.startswith(begins)), None)
+    if seen.is_heard and reason is not None and verdict in ("fine", "warning"):
+        verdict, text, cure = "warning", reason.why or reason.text, reason.next
+        text_key, cure_key = f"reason.{reason.key}.why", f"reason.{reason.key}.next"
     age_s = seen.messages.age_s(key, seen.now_s)
+    age_s = None if age_s is None else round(age_s, 1)
     return Sensor(
-        name=name,
-        **entry._asdict(),
-        age_s=None if age_s is None else round(age_s, 1),
+        name=name, verdict=verdict, text=text, cure=cure, text_key=text_key, cure_key=cure_key, age_s=age_s,
         values=values,
-    )
+    )  # fmt: skip

@@ -77,7 +77,7 @@ def test_two_boats_are_told_apart() -> None:
 def test_a_restarted_boat_is_asked_for_its_streams_again() -> None:
     rig = Rig()
     shore = Shore(rig).ready()
-    shore.ends[0].hang_up()
+    shore.ends[0].close()
     rig.reboot()
     shore.ends.append(shore.link(rig))
     shore.run(20.0)

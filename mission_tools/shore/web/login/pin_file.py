@@ -18,6 +18,26 @@ _ROUNDS: Final = 2
 _HEAD: Final = f"scrypt {_COST} {_BLOCKS} {_ROUNDS}"
 
 
+def write_private(path: Path, content: bytes) -> None:
+    """Replace a file whole; only its owner reads it.
+
+    Raises:
+        OSError: the old one stays.
+    """
+    aside = path.with_name(f".{path.name}.new")
+    try:
+        aside.unlink(missing_ok=True)
+        with os.fdopen(os.open(aside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        aside.replace(path)
+    except OSError:
+        with contextlib.suppress(OSError):
+            aside.unlink(missing_ok=True)
+        raise
+
+
 def check_pin(pin: str) -> None:
     """Refuse what is too short or of one character.
 
@@ -93,17 +113,8 @@ class PinFile:
             OutputError: the file cannot be written.
         """
         check_pin(pin)
-        aside = self.path.with_name(f".{self.path.name}.new")
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-            aside.unlink(missing_ok=True)
-            descriptor = os.open(aside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-            with os.fdopen(descriptor, "w", encoding="ascii") as file:
-                file.write(hashed(pin) + "\n")
-                file.flush()
-                os.fsync(file.fileno())
-            aside.replace(self.path)
+            write_private(self.path, f"{hashed(pin)}\n".encode("ascii"))
         except OSError as error:
-            with contextlib.suppress(OSError):
-                aside.unlink(missing_ok=True)
             raise OutputError.of(self.path, error) from None

@@ -1,16 +1,20 @@
 """Who may ask the boat for something: whoever has told the PIN, until the session ends."""
 
 import asyncio
+import contextlib
 import hashlib
+import os
 import secrets
 from collections import OrderedDict
+from pathlib import Path
 from typing import Final, NamedTuple
+
+import msgspec
 
 from companion.core.errors import StorageError
 from mission_tools.shore.clock import Clock
 from mission_tools.shore.web.connections.throttle import Throttle
-from mission_tools.shore.web.login.pin_file import MOST_CHARACTERS, PinFile, is_pin
-from mission_tools.shore.web.login.session_file import SessionFile, StoredSession
+from mission_tools.shore.web.login.pin_file import MOST_CHARACTERS, PinFile, is_pin, write_private
 from mission_tools.station.messages import Role
 from mission_tools.station.words import say
 
@@ -49,13 +53,22 @@ class _Try(NamedTuple):
     is_right: asyncio.Future[bool | None]  # None: it gives way
 
 
+class _StoredSession(msgspec.Struct, frozen=True):
+    """In a file: it outlasts the program. key: hash of the token. pin: hash of the PIN file's line."""
+
+    key: str
+    pin: str
+    until_unix_s: float
+    address: str
+
+
 class Sessions:
     """Open sessions by the hash of their token. With a clock they outlast the program, in a file."""
 
     def __init__(self, pin: PinFile, clock: Clock | None = None) -> None:
         self._pin = pin
         self._clock = clock
-        self._file = SessionFile(pin.path.with_name(f"{pin.path.name}-sessions"))
+        self._file = pin.path.with_name(f"{pin.path.name}-sessions")
         self._throttle = Throttle()
         self._open: OrderedDict[str, _Session] = OrderedDict()
         self._waiting: list[_Try] = []
@@ -66,7 +79,7 @@ class Sessions:
 
     def _restore(self, clock: Clock) -> None:
         now_s, unix_s = clock.now_s(), clock.unix_s()
-        for one in self._file.read()[-_MOST_SESSIONS:]:
+        for one in _read(self._file)[-_MOST_SESSIONS:]:
             left_s = min(one.until_unix_s - unix_s, LIFE_S)  # the date may have gone back
             self._open[one.key] = _Session(one.pin, now_s + left_s, one.address)
             self._throttle.succeed(one.address)
@@ -76,9 +89,11 @@ class Sessions:
             return
         ahead_s = self._clock.unix_s() - self._clock.now_s()
         stored = [
-            StoredSession(key, one.pin, one.until_s + ahead_s, one.address) for key, one in self._open.items()
+            _StoredSession(key, one.pin, one.until_s + ahead_s, one.address)
+            for key, one in self._open.items()
         ]
-        self._file.write(stored)
+        with contextlib.suppress(OSError):  # the PIN opens a session again
+            write_private(self._file, msgspec.json.encode(stored))
 
     def refusal(self) -> str:
         """Why a viewer's request is refused."""
@@ -169,6 +184,17 @@ class Sessions:
         """End the session of a token."""
         if token and self._open.pop(_hash(token), None) is not None:
             self._store()
+
+
+def _read(path: Path) -> list[_StoredSession]:
+    """The oldest first; a file that is missing, damaged or open to others holds no sessions."""
+    try:
+        with path.open("rb") as file:
+            if os.fstat(file.fileno()).st_mode & 0o077:
+                return []
+            return msgspec.json.decode(file.read(), type=list[_StoredSession])
+    except (OSError, msgspec.MsgspecError, UnicodeError):
+        return []
 
 
 def _hash(text: str) -> str:

@@ -8,9 +8,8 @@ from aiohttp import web
 
 from mission_tools.shore.web.guard import error
 from mission_tools.shore.web.hub import Hub
-from mission_tools.shore.web.logs.log_service import MOST_DOWNLOADS
 from mission_tools.shore.web.logs.stream import LogLostError, LogStream
-from mission_tools.shore.web.logs.voyages import Lost, Waiting
+from mission_tools.shore.web.logs.voyages import MOST_DOWNLOADS, Lost, Waiting
 from mission_tools.shore.web.rows import BOAT, Row, boat_of, json_answer
 from mission_tools.station.messages import LogFile
 from mission_tools.station.words import say

@@ -1,4 +1,6 @@
-"""Voyages: logs fetched to a file without a name and read by a process of its own; the latest are kept."""
+"""What is under way with the boats' logs: downloads, and voyages.
+
+Voyages are logs fetched to a file without a name and read by a process of its own; the latest are kept."""
 
 import asyncio
 import logging
@@ -6,6 +8,8 @@ import shutil
 import sys
 import tempfile
 from collections import OrderedDict
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -13,11 +17,12 @@ from typing import Any, Final, NamedTuple
 import msgspec
 
 from mission_tools.shore.clock import Clock
-from mission_tools.shore.web.logs.stream import LogLostError, fetching
+from mission_tools.shore.web.logs.stream import LogLostError, LogStream, fetching
 from mission_tools.station.boats import Boats
 from mission_tools.station.messages import LogFile
 from mission_tools.station.words import LocalizedText, say
 
+MOST_DOWNLOADS: Final = 8
 MOST_LOG_BYTES: Final = 200_000_000
 _MOST_KEPT: Final = 4
 _MOST_ANSWER_BYTES: Final = 4_000_000  # 2000 samples take about 200 kB
@@ -156,3 +161,36 @@ async def _voyage_of(descriptor: int) -> Lost | bytes:
     said = LocalizedText(reason.text)
     said.key, said.values = reason.key, reason.values
     return Lost(said)
+
+
+class LogService:
+    """Logs of all boats."""
+
+    def __init__(self, boats: Boats, clock: Clock) -> None:
+        self.voyages = Voyages(boats, clock)
+        self._boats = boats
+        self._under_way: list[tuple[int, str, LogStream]] = []
+
+    def fetched(self, boat: int) -> dict[str, int]:
+        """Bytes of each log that have gone to a browser, while it is downloaded; of several the farthest."""
+        return {
+            name: stream.sent
+            for of, name, stream in sorted(self._under_way, key=lambda one: one[2].sent)
+            if of == boat
+        }
+
+    @contextmanager
+    def download(self, boat: int, name: str) -> Iterator[LogStream | None]:
+        """A listed log while it is fetched; None if too many are."""
+        found = self._boats.get(boat)
+        path = None if found is None else found.logs.path(name)
+        if found is None or path is None or len(self._under_way) >= MOST_DOWNLOADS:
+            yield None
+            return
+        with fetching(found.files, path) as stream:
+            one = boat, name, stream
+            self._under_way.append(one)
+            try:
+                yield stream
+            finally:
+                self._under_way.remove(one)

@@ -228,7 +228,7 @@ def test_the_values_after_a_restart_are_those_of_the_boat() -> None:
     shore = Shore(rig).ready()
     until_here(shore, 5.0)
     rig.storage.save("params.parm", b"CRUISE_SPEED 0.7\n")
-    shore.ends[0].hang_up()
+    shore.ends[0].close()
     rig.reboot()
     shore.run(SILENT_S + 2.0)
     shore.ends.append(shore.link(rig))

@@ -9,8 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mission_tools.station.parameters.metadata import NOTHING, MetadataError, parse
-from mission_tools.station.parameters.packed import MOST_BYTES, read_descriptions, unpack
+from mission_tools.station.parameters.metadata import (
+    MOST_BYTES,
+    NOTHING,
+    MetadataError,
+    parse,
+    read_descriptions,
+    unpack,
+)
 
 
 def parsed(*entries: dict[str, Any]) -> Any:  # noqa: ANN401

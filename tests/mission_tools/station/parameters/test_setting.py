@@ -13,10 +13,8 @@ from companion.mavlink.dialect import Message, dialect
 from mission_tools.station.messages import Answer
 from mission_tools.station.outcome import Accepted, Cancelled, Outcome, Refused, Silent
 from mission_tools.station.parameters import setting
-from mission_tools.station.parameters.checks import refusal_of
-from mission_tools.station.parameters.metadata import Description
-from mission_tools.station.parameters.packed import read_descriptions
-from mission_tools.station.parameters.setting import Settings
+from mission_tools.station.parameters.metadata import Description, read_descriptions
+from mission_tools.station.parameters.setting import Settings, refusal_of
 from mission_tools.station.parameters.values import Value
 
 REAL32, INT8, INT32, UINT8 = 9, 2, 6, 1

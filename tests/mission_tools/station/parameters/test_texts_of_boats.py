@@ -16,10 +16,9 @@ from companion.mavlink.metadata_messages import ComponentInformation, ComponentM
 from companion.services.component_metadata import parameters_json
 from mission_tools.station.ftp.jobs import FtpFailure
 from mission_tools.station.parameters import fetching
-from mission_tools.station.parameters.document import document
 from mission_tools.station.parameters.fetching import Fetching
-from mission_tools.station.parameters.packed import read_descriptions
-from mission_tools.station.parameters.parameter_table import TableSnapshot
+from mission_tools.station.parameters.metadata import read_descriptions
+from mission_tools.station.parameters.parameter_table import TableSnapshot, document
 
 BOAT = Address(1, 1)
 FILE = json.dumps({"version": 3, "parameters": [{"name": "A", "shortDesc": "The first"}]}).encode()
