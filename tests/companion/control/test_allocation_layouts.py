@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.config.boat_config import BoatConfig, decode_config
+from companion.config.boat_config import BoatConfig, decode_config, with_value
 from companion.control.allocation import Effort, allocate, by_hand, rudder_effect
 from companion.core.state import MotorState, MotorStates, Thrust
 
@@ -41,6 +41,8 @@ def test_the_rudders_effect_is_the_square_of_the_speed_at_the_blade(
     throttle: float, water_m_s: float, effect: float
 ) -> None:
     assert effect_of(config(), throttle, water_m_s) == pytest.approx(effect)
+    faster = with_value(config(), "speed.cruise_m_s", 2.0)
+    assert effect_of(faster, throttle, 2.0 * water_m_s) == pytest.approx(effect)
 
 
 @pytest.mark.parametrize(

@@ -52,6 +52,10 @@ def test_beside_the_leg_it_steers_back_and_says_how_far_off_it_is() -> None:
     assert demand.heading_rad == pytest.approx(-math.atan(3.0 / CONFIG.guidance.lookahead_m))
     assert demand.cross_track_m == pytest.approx(3.0)
     assert _demand(Pilot(), LEG, replace(NORTHBOUND, east_m=-3.0)).heading_rad == -demand.heading_rad
+    # Carried further off, it looks 1.2 s ahead: the heading loop's time and that of the smoothing
+    carried = _demand(Pilot(), LEG, replace(NORTHBOUND, east_m=3.0, east_m_s=0.5))
+    lookahead_m = CONFIG.guidance.lookahead_m * math.hypot(2.0, 0.5) / 2.0
+    assert carried.heading_rad == pytest.approx(-math.atan((3.0 + 1.2 * 0.5) / lookahead_m))
 
 
 def test_noise_of_the_fixes_is_smoothed_out_of_the_heading() -> None:

@@ -107,6 +107,9 @@ def test_a_corner_that_follows_closely_is_reckoned_with_at_the_one_before_it() -
     room_m = 3.0 - first.exit_m - second.entry_m
     lost = first.nodes[-1].speed_m_s ** 2 - second.nodes[0].speed_m_s ** 2
     assert lost <= 2.0 * ACCEL * room_m + 1e-9
+    (before_a_stop,) = smoothed([*lanes[:3], Point(50.0, -20.0)]).fillets.values()
+    room_m = 3.0 - before_a_stop.exit_m
+    assert before_a_stop.nodes[-1].speed_m_s ** 2 <= 2.0 * ACCEL * room_m + 1e-9
 
 
 def test_a_kept_fillet_is_sailed_as_it_was_made() -> None:

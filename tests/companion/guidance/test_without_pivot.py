@@ -115,14 +115,17 @@ def station(north_m: float, east_m: float, heading_rad: float = 0.0) -> Demand:
     return StationKeeping().update(ORIGIN, nav, RUDDER, 0.1)
 
 
+@pytest.mark.parametrize("bow_rad", [0.0, 1.0])
 @pytest.mark.parametrize(
     ("east_m", "goes_straight"), [(-5.9, True), (-6.1, False), (5.9, True), (6.1, False)]
 )
-def test_a_point_within_the_turning_circle_is_left_behind_first(east_m: float, goes_straight: bool) -> None:
+def test_a_point_within_the_turning_circle_is_left_behind_first(
+    east_m: float, goes_straight: bool, bow_rad: float
+) -> None:
     # Abeam, the circle of 3 m reaches 6 m
-    demand = station(0.0, east_m)
+    demand = station(*ORIGIN.moved(bow_rad + 0.5 * math.pi, east_m), bow_rad)
     expected = 0.0 if goes_straight else -math.copysign(0.5 * math.pi, east_m)
-    assert demand.heading_rad == pytest.approx(expected)
+    assert demand.heading_rad == pytest.approx(bow_rad + expected)
     assert demand.speed_m_s >= 0.4
 
 
