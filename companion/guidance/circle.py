@@ -10,7 +10,7 @@ from companion.config.boat_config import BoatConfig
 from companion.core.geo import bearing_rad, distance_m
 from companion.core.intent import FollowCircle
 from companion.core.state import NavState
-from companion.core.units import clamp, wrap_pi
+from companion.core.units import wrap_pi
 from companion.guidance.line_of_sight import desired_course_rad, lookahead_m
 
 _MAX_LEAD_RAD = 1.0
@@ -36,6 +36,6 @@ def circle_course_rad(circle: FollowCircle, nav: NavState, config: BoatConfig) -
     tangent = outward + side * 0.5 * math.pi
     cross_m_s = nav.east_m_s * math.cos(tangent) - nav.north_m_s * math.sin(tangent)
     ahead_m = lookahead_m(ground_m_s, config.speed.cruise_m_s, config.guidance)
-    near = clamp(1.0 - abs(cross_m) / radius_m, 0.0, 1.0)  # far off there is no curvature to follow
+    near = max(1.0 - abs(cross_m) / radius_m, 0.0)  # far off there is no curvature to follow
     course = desired_course_rad(tangent + near * lead, cross_m, cross_m_s, ahead_m, handling.yaw_time_s)
     return wrap_pi(course), cross_m, near * side * ground_m_s / radius_m

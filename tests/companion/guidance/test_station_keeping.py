@@ -41,10 +41,15 @@ def at_once(nav: NavState, config: BoatConfig = CONFIG) -> tuple[float, float]:
     return demand.heading_rad, demand.speed_m_s
 
 
+@pytest.mark.parametrize("bow_rad", [0.0, 1.0])
 @pytest.mark.parametrize("away_m", [1.6, 2.5, 5.0, 12.0])
-def test_the_way_back_is_as_fast_as_the_boat_can_stop_at_half_the_radius(away_m: float) -> None:
+def test_the_way_back_is_as_fast_as_the_boat_can_stop_at_half_the_radius(
+    away_m: float, bow_rad: float
+) -> None:
     braking_m_s = math.sqrt(0.16 + 0.8 * (away_m - 0.75)) - 0.4
-    assert at_once(replace(STILL, north_m=-away_m)) == pytest.approx((0.0, min(braking_m_s, 2.0)))
+    north_m, east_m = ORIGIN.moved(bow_rad, -away_m)
+    nav = replace(STILL, north_m=north_m, east_m=east_m, heading_rad=bow_rad)
+    assert at_once(nav) == pytest.approx((bow_rad, min(braking_m_s, 2.0)))
 
 
 def test_a_boat_that_brakes_hard_comes_back_in_proportion_to_the_distance() -> None:

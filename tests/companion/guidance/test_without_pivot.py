@@ -162,8 +162,10 @@ def test_it_comes_back_within_three_turning_radii(bearing_deg: int, away_m: floa
     assert farthest_m <= max(away_m, 1.5) + 3.0 * RADIUS_M
 
 
-def test_bow_away_from_the_current_it_turns_into_it_under_way() -> None:
-    nav = replace(STILL, heading_rad=0.0, current_north_m_s=0.4)
+@pytest.mark.parametrize("bow_rad", [0.0, 1.5])
+def test_bow_away_from_the_current_it_turns_into_it_under_way(bow_rad: float) -> None:
+    north, east = 0.4 * math.cos(bow_rad), 0.4 * math.sin(bow_rad)
+    nav = replace(STILL, heading_rad=bow_rad, current_north_m_s=north, current_east_m_s=east)
     assert StationKeeping().update(ORIGIN, nav, PAIR, 0.1).speed_m_s == pytest.approx(
         0.4
     )  # carried, no thrust
