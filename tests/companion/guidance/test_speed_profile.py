@@ -79,7 +79,8 @@ def row(*stops: tuple[float, float]) -> list[Node]:
 
 def test_speed_is_gathered_held_and_lost_on_a_straight_stretch() -> None:
     slow, gained, lost = 0.5, 2.0 * GAINING_SHARE * SETTING.accel_m_s2, 2.0 * SETTING.accel_m_s2
-    path = Path(with_speeds(row((0.0, slow), (40.0, slow)), [], 2.0, CONFIG))
+    ends = [Node(3.0 + 0.6 * along_m, 4.0 + 0.8 * along_m, 0.93, slow) for along_m in (0.0, 40.0)]
+    path = Path(with_speeds(ends, [], 2.0, CONFIG))
     for along_m in (0.0, 0.5, 2.0):
         assert path.speed_m_s(along_m) == pytest.approx(math.sqrt(slow**2 + gained * along_m))
         assert path.speed_m_s(40.0 - along_m) == pytest.approx(math.sqrt(slow**2 + lost * along_m))
@@ -117,6 +118,8 @@ def test_speed_may_be_gathered_half_as_fast_again_as_it_is_lost() -> None:
     assert gathered[-1].speed_m_s == pytest.approx(2.2)
     too_fast = with_speeds(row((0.0, 0.0), (5.0, 2.6)), [], 3.0, CONFIG)
     assert too_fast[-1].speed_m_s == pytest.approx(math.sqrt(6.0))
+    moving = with_speeds(row((0.0, 1.5), (3.0, 2.6)), [], 3.0, CONFIG)
+    assert moving[-1].speed_m_s == pytest.approx(math.sqrt(1.5**2 + 1.2 * 3.0))
     lost = with_speeds(row((0.0, 2.2), (5.0, 0.0)), [], 3.0, CONFIG)
     assert lost[0].speed_m_s == pytest.approx(2.0)
 

@@ -91,5 +91,15 @@ def test_the_middle_of_a_mover_lies_beyond_its_echo(here: Point) -> None:
     assert middle == pytest.approx((here.north_m + 3.0 + 0.6 * 0.4, here.east_m + 4.0 + 0.8 * 0.4), abs=0.02)
 
 
+@pytest.mark.parametrize("clear_m", [0.2, 0.8])
+def test_the_spread_of_a_known_mover_is_half_its_radius_and_the_boats(clear_m: float) -> None:
+    """S = R² / 4; half of its inverse in cells of 0.2 m, and a peak of ½ R² / √|S|."""
+    field, radius_m = ClearanceField(Point(0.0, 0.0), 0.2, 10.0), 0.4 + clear_m
+    found = predict([mover(4.0, 0.0)], boat(), NORTH, field, 1.0, clear_m, NOW_S)[0]
+    expected = 0.5 * 0.2**2 * 4.0 / radius_m**2
+    assert (found.north2[0], found.east2[0]) == pytest.approx((expected, expected), rel=0.02)
+    assert (found.cross[0], found.peak[0]) == pytest.approx((0.0, 2.0), abs=0.04)
+
+
 def test_a_sooner_collision_counts_more() -> None:
     assert risk(mover(2.5, 0.0, -0.3, 0.0)) > risk(mover(4.5, 0.0, -0.3, 0.0)) > 0.0

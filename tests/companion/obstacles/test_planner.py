@@ -61,6 +61,14 @@ def test_a_rock_ahead_is_passed_to_starboard_whatever_leads_there(intent: Intent
     assert voyage.said == ["Obstacle: passing to starboard"]
 
 
+@pytest.mark.parametrize("current_m_s", [0.3, -0.3])
+def test_what_is_held_through_the_water_is_told_over_ground(current_m_s: float) -> None:
+    nav = replace(boat(), current_north_m_s=current_m_s, surge_m_s=1.0 + current_m_s)
+    found = Voyage(*ROCK).at(0.0, nav, LEG)
+    assert isinstance(found, HoldHeading)
+    assert found.speed_m_s == pytest.approx(1.0, abs=0.1)
+
+
 def test_a_rock_to_starboard_is_passed_to_port() -> None:
     voyage = Voyage(*(Point(3.0, 0.7 + 0.2 * step) for step in range(10)))
     assert heading_deg(voyage.at(0.0, intent=LEG)) < -5.0

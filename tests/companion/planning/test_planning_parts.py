@@ -7,6 +7,7 @@ from random import Random
 import pytest
 
 from companion.core.geo import Point
+from companion.planning.areas import Ring
 from companion.planning.exits import _Circle, _distance, _feet, _Line, _meetings
 from companion.planning.segments import Segments
 from companion.planning.tangent_search import TangentSearch
@@ -61,6 +62,19 @@ def test_an_offset_is_as_far_as_its_nearest_point(
     offset: _Line | _Circle, at: tuple[float, float], expected_m: float
 ) -> None:
     assert _distance(offset, *at) == pytest.approx(expected_m)
+
+
+@pytest.mark.parametrize("turn", range(4))
+def test_the_line_of_a_ring_is_near_a_way_beside_the_middle_of_a_long_side(turn: int) -> None:
+    def at(north_m: float, east_m: float) -> Point:
+        for _ in range(turn):
+            north_m, east_m = -east_m, north_m
+        return Point(north_m, east_m)
+
+    ring = Ring([at(-100.0, 0.0), at(100.0, 0.0), at(0.0, -100.0)], is_inclusion=True)
+    way = at(-1.0, 1.0), at(1.0, 1.0)
+    assert ring.is_near_way(*way, 1.1)
+    assert not ring.is_near_way(*way, 0.9)
 
 
 def test_the_open_list_gives_its_entries_in_the_order_of_their_cost() -> None:
