@@ -87,9 +87,11 @@ def test_speed_is_gathered_held_and_lost_on_a_straight_stretch() -> None:
     assert path.speed_m_s(20.0) == 2.0
 
 
-def test_the_peak_between_two_speeds_lies_where_gaining_and_losing_meet() -> None:
+@pytest.mark.parametrize(("start", "end", "length_m"), [(1.0, 0.4, 3.0), (0.0, 0.0, 0.5)])
+def test_the_peak_between_two_speeds_lies_where_gaining_and_losing_meet(
+    start: float, end: float, length_m: float
+) -> None:
     """A peak that is reckoned too low bends the gain; the sum of both roads must be the stretch."""
-    start, end, length_m = 1.0, 0.4, 3.0
     peak = with_speeds(row((0.0, start), (length_m, end)), [], 2.0, CONFIG)[1]
     gained_m = (peak.speed_m_s**2 - start**2) / (2.0 * GAINING_SHARE * SETTING.accel_m_s2)
     lost_m = (peak.speed_m_s**2 - end**2) / (2.0 * SETTING.accel_m_s2)

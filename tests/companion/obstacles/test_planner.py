@@ -150,6 +150,7 @@ def test_the_decision_holds_for_a_tenth_of_a_second() -> None:
     voyage.chart.rocks = []
     assert voyage.at(0.5 * PERIOD_S, intent=LEG) is first
     assert voyage.at(1.1 * PERIOD_S, intent=LEG) is LEG
+    assert voyage.stage() is Stage.CLEAR
 
 
 def test_between_walls_the_boat_waits_tries_again_and_goes_on_when_they_are_gone() -> None:

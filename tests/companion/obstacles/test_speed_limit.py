@@ -50,6 +50,7 @@ def test_a_throttle_by_hand_is_limited_to_what_holds_the_speed() -> None:
     assert isinstance(held, Drive)
     assert held.throttle < 0.0
     assert held.steering == 0.3
+    assert limit.apply(drive, boat(speed_m_s=9.0), CONFIG) == Drive(-1.0, 0.3)
     assert limit.apply(Drive(-1.0, 0.0), boat(), CONFIG) == Drive(-1.0, 0.0)
     assert limit.apply(Stop(), boat(), CONFIG) == Stop()
 

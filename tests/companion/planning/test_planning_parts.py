@@ -2,11 +2,13 @@
 
 import math
 from array import array
+from itertools import pairwise
 from random import Random
 
 import pytest
 
 from companion.core.geo import Point
+from companion.planning.area_shores import outside_of
 from companion.planning.areas import Ring
 from companion.planning.exits import _Circle, _distance, _feet, _Line, _meetings
 from companion.planning.segments import Segments
@@ -75,6 +77,14 @@ def test_the_line_of_a_ring_is_near_a_way_beside_the_middle_of_a_long_side(turn:
     way = at(-1.0, 1.0), at(1.0, 1.0)
     assert ring.is_near_way(*way, 1.1)
     assert not ring.is_near_way(*way, 0.9)
+
+
+@pytest.mark.parametrize("step", [1, -1])
+def test_a_frame_without_a_ring_is_one_ring_whichever_way_the_ring_turns(step: int) -> None:
+    corners = [Point(0.0, 0.0), Point(10.0, 0.0), Point(10.0, 20.0), Point(0.0, 20.0)][::step]
+    shore = outside_of(corners, (-50.0, -50.0, 50.0, 50.0)).corners
+    twice_m2 = sum(a.east_m * b.north_m - b.east_m * a.north_m for a, b in pairwise([*shore, shore[0]]))
+    assert abs(twice_m2) == pytest.approx(2.0 * (100.0 * 100.0 - 10.0 * 20.0))
 
 
 def test_the_open_list_gives_its_entries_in_the_order_of_their_cost() -> None:

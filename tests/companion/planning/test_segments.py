@@ -2,6 +2,7 @@
 
 import math
 import random
+from itertools import pairwise
 
 import pytest
 import shapely
@@ -49,6 +50,9 @@ def test_a_shore_may_ask_for_a_clearance_of_its_own() -> None:
     farther = Point(90.0, 13.0), Point(150.0, 13.0)
     assert sea.is_clear(*farther, clearance_m=3.0)
     assert not sea.is_clear(*farther, clearance_m=3.1)
+    route = sea.routes(1.0).route(Point(0.0, -30.0), Point(0.0, 30.0)).points
+    alone = Water([square(10.0)], is_open=True)
+    assert min(alone.leg_distance_m(a, b) for a, b in pairwise(route)) == pytest.approx(5.0, abs=1e-3)
 
 
 def test_obstacles_may_overlap_the_shore_and_each_other() -> None:

@@ -88,6 +88,8 @@ def test_a_go_to_outside_guided_needs_leave_to_change_the_mode() -> None:
     vehicle = vehicle_at(mode=Mode.LOITER)
     assert vehicle.request(GoTo(place(20.0, 0.0))).reason == "Go to: not in GUIDED"
     assert vehicle.request(GoTo(place(20.0, 0.0), change_mode=True)).accepted
+    assert vehicle.request(ChangeMode(Mode.LOITER)).accepted
+    assert vehicle.modes.guided.target is None, "the mode has ended"
 
 
 def test_nothing_outside_the_fence_is_sailed_to() -> None:
