@@ -4,7 +4,7 @@ import time
 
 
 class Clock:
-    """The computer's clock."""
+    """The clock of the computer that the server runs on."""
 
     def now_s(self) -> float:
         """Seconds that never go back."""

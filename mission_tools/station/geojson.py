@@ -1,4 +1,4 @@
-"""Mission items as GeoJSON for the page's chart.
+"""What the page's chart shows of a boat: its lists of mission items as GeoJSON, and its track.
 
 Features are in the order of the list. Properties: seq (of its first item), command, name, and radius_m where
 there is one. A feature without a place (a command, or a place in a local frame) has a null geometry.
@@ -12,6 +12,7 @@ from companion.core.geo import LatLon, position_from_e7
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import GLOBAL_FRAMES, MissionItem
 from mission_tools.geojson import FENCE_KINDS, collection, feature
+from mission_tools.station.messages import Place
 
 _INCLUSION: Final = dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_INCLUSION
 _EXCLUSION: Final = dialect.MAV_CMD_NAV_FENCE_POLYGON_VERTEX_EXCLUSION
@@ -19,6 +20,9 @@ _CIRCLE_IN: Final = dialect.MAV_CMD_NAV_FENCE_CIRCLE_INCLUSION
 _CIRCLE_OUT: Final = dialect.MAV_CMD_NAV_FENCE_CIRCLE_EXCLUSION
 _LEAST_CORNERS: Final = 3
 _WIDEST_M: Final = 1e6
+_MOST_POINTS: Final = 2000  # of a track
+_FIRST_STEP_M: Final = 1.0
+_M_PER_DEG: Final = 111_195.0  # of latitude, on a sphere: enough to space points
 _NAMES: Final = {
     16: "waypoint", 17: "stay", 18: "circle", 19: "stay for a time", 20: "return", 93: "wait", 112: "delay",
     113: "distance", 115: "turn", 177: "jump", 178: "speed", 179: "home", 5000: "return point",
@@ -94,3 +98,28 @@ def _point(seq: int, item: MissionItem, name: str, radius_m: float = 0.0) -> dic
     if math.isfinite(radius_m) and 0.0 < abs(radius_m) <= _WIDEST_M:
         properties["radius_m"] = abs(radius_m)
     return feature(None if at is None else "Point", at or (), **properties)
+
+
+class BoatTrack:
+    """Where a boat has been: points at least `step_m` apart.
+
+    When full, every other point is dropped and the step doubled.
+    """
+
+    def __init__(self) -> None:
+        self.points: list[tuple[float, float]] = []  # lon, lat
+        self._step_m = _FIRST_STEP_M
+
+    def add(self, place: Place) -> None:
+        """A new place of the boat."""
+        if self.points and _apart_m(self.points[-1], place) < self._step_m:
+            return
+        self.points.append((place.lon, place.lat))
+        if len(self.points) > _MOST_POINTS:
+            self.points = self.points[::2]
+            self._step_m *= 2.0
+
+
+def _apart_m(at: tuple[float, float], place: Place) -> float:
+    east = (place.lon - at[0] + 180.0) % 360.0 - 180.0
+    return _M_PER_DEG * math.hypot(place.lat - at[1], east * math.cos(math.radians(place.lat)))

@@ -11,6 +11,7 @@ from companion.core.geo import LatLon, LocalFrame, position_from_e7, yaw_of_quat
 from companion.core.modes import mode_from_number
 from companion.core.status_text import one_line
 from companion.mavlink.dialect import Message, dialect
+from mission_tools.station.geojson import BoatTrack
 from mission_tools.station.messages import (
     Battery,
     Fix,
@@ -22,7 +23,6 @@ from mission_tools.station.messages import (
     Verdict,
     WaterCurrent,
 )
-from mission_tools.station.track import BoatTrack
 from mission_tools.station.words import say
 
 _STATES: Final = {0: "starting", 1: "starting", 2: "calibrating", 3: "standby", 4: "active",
@@ -40,7 +40,6 @@ _SAILING_M_S: Final = 0.3  # a slower boat may be drifting
 _DRAW_MS: Final = 60_000  # the time left follows the draw of the last minute
 _FARTHEST_HOME_M: Final = 1e6
 _FENCE_BIT: Final = dialect.MAV_SYS_STATUS_GEOFENCE
-
 
 SHOWN: Final = (
     "mode", "armed", "state", "battery", "fix", "speed_m_s", "cruise_m_s", "heading_deg", "course_deg",
