@@ -7,16 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.config.boat_config import BoatConfig
+from companion.core import intent as intents
 from companion.core.geo import Point
-from companion.core.intent import (
-    FollowCircle,
-    FollowLeg,
-    HoldCourse,
-    HoldHeading,
-    HoldTurn,
-    Intent,
-    KeepStation,
-)
 from companion.core.state import Demand, MotorCommand, NavState
 from companion.core.units import wrap_pi
 from companion.guidance.pilot import Pilot
@@ -62,19 +54,19 @@ class World:
         at, heading = self.place(nav.point), wrap_pi(nav.heading_rad + self.turn)
         return made(at, heading, nav.surge_m_s, nav.sway_m_s, *current)
 
-    def intent(self, intent: Intent) -> Intent:
+    def intent(self, intent: intents.Intent) -> intents.Intent:
         match intent:
-            case KeepStation(point):
-                return KeepStation(self.place(point))
-            case HoldCourse(course, speed):
-                return HoldCourse(course + self.turn, speed)
-            case HoldHeading(heading, speed):
-                return HoldHeading(heading + self.turn, speed)
-            case FollowCircle(centre, radius_m, clockwise, speed):
-                return FollowCircle(self.place(centre), radius_m, clockwise, speed)
-            case FollowLeg():
+            case intents.KeepStation(point):
+                return intents.KeepStation(self.place(point))
+            case intents.HoldCourse(course, speed):
+                return intents.HoldCourse(course + self.turn, speed)
+            case intents.HoldHeading(heading, speed):
+                return intents.HoldHeading(heading + self.turn, speed)
+            case intents.FollowCircle(centre, radius_m, clockwise, speed):
+                return intents.FollowCircle(self.place(centre), radius_m, clockwise, speed)
+            case intents.FollowLeg():
                 following = None if intent.next_end is None else self.place(intent.next_end)
-                return FollowLeg(
+                return intents.FollowLeg(
                     self.place(intent.start), self.place(intent.end), intent.speed_m_s, following
                 )
         return intent
@@ -101,19 +93,19 @@ def test_keeping_station_near_the_point(off: tuple[float, float], navs: list[Nav
 
 
 INTENTS = [
-    HoldCourse(0.4, 1.5),
-    HoldHeading(-0.6, 1.0),
-    HoldTurn(0.3, 0.8),
-    FollowCircle(Point(3.0, -8.0), 12.0, True, 1.2),
-    FollowCircle(Point(3.0, -8.0), 12.0, False, 1.2),
-    FollowLeg(Point(-20.0, -5.0), Point(40.0, 10.0), 1.5),
-    FollowLeg(Point(-20.0, -5.0), Point(15.0, 10.0), 1.5, Point(20.0, -60.0)),
-    KeepStation(Point(1.0, -2.0)),
+    intents.HoldCourse(0.4, 1.5),
+    intents.HoldHeading(-0.6, 1.0),
+    intents.HoldTurn(0.3, 0.8),
+    intents.FollowCircle(Point(3.0, -8.0), 12.0, True, 1.2),
+    intents.FollowCircle(Point(3.0, -8.0), 12.0, False, 1.2),
+    intents.FollowLeg(Point(-20.0, -5.0), Point(40.0, 10.0), 1.5),
+    intents.FollowLeg(Point(-20.0, -5.0), Point(15.0, 10.0), 1.5, Point(20.0, -60.0)),
+    intents.KeepStation(Point(1.0, -2.0)),
 ]
 
 
 @given(st.sampled_from(INTENTS), st.lists(NAVS, min_size=1, max_size=3), WORLDS)
-def test_every_intent(intent: Intent, navs: list[NavState], world: World) -> None:
+def test_every_intent(intent: intents.Intent, navs: list[NavState], world: World) -> None:
     here, there, moved = Pilot(), Pilot(), world.intent(intent)
     for nav in navs:
         demand = here.update(intent, nav, CONFIG, 0.1)

@@ -9,30 +9,21 @@ from avoidance_rig import CONFIG, NORTH, Lines, Voyage, boat, mover, ring
 from msgspec.structs import replace
 
 from companion.config.boat_config import with_value
+from companion.core import intent as intents
 from companion.core.geo import Point
-from companion.core.intent import (
-    Drive,
-    FollowCircle,
-    FollowLeg,
-    HoldCourse,
-    HoldHeading,
-    HoldTurn,
-    Intent,
-    KeepStation,
-    Stop,
-)
+from companion.core.intent import FollowLeg, HoldHeading, KeepStation
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.clearance import ClearanceField
 from companion.obstacles.planning.motion import roll
 from companion.obstacles.planning.planner import GIVING_WAY, NO_WAY, PERIOD_S, LocalPlanner, Stage
 
 LEG = FollowLeg(Point(0.0, 0.0), Point(50.0, 0.0), 1.0)
-NORTH_1 = HoldCourse(0.0, 1.0)
+NORTH_1 = intents.HoldCourse(0.0, 1.0)
 ROCK = [Point(3.5 + n, e) for n, e in (*ring(0.3), Point(0.0, 0.0))]
 WALL = [Point(3.0, -9.0 + 0.2 * step) for step in range(91)]
 
 
-def heading_deg(found: Intent) -> float:
+def heading_deg(found: intents.Intent) -> float:
     assert isinstance(found, HoldHeading)
     return math.degrees(found.heading_rad)
 
@@ -41,7 +32,13 @@ def test_in_open_water_every_intent_passes_unchanged() -> None:
     planner = LocalPlanner([])
     perception = ObstaclePerception(CONFIG.avoidance)
     voyage = Voyage()
-    for intent in (LEG, Stop(), Drive(1.0, 0.0), KeepStation(Point(1.0, 1.0)), HoldCourse(1.0, 1.0)):
+    for intent in (
+        LEG,
+        intents.Stop(),
+        intents.Drive(1.0, 0.0),
+        KeepStation(Point(1.0, 1.0)),
+        intents.HoldCourse(1.0, 1.0),
+    ):
         passed = planner.update(
             intent, boat(), CONFIG, perception, voyage.bounds, is_by_hand=False, now_s=1.0
         )
@@ -49,11 +46,11 @@ def test_in_open_water_every_intent_passes_unchanged() -> None:
     assert planner.limit.ahead_m_s == math.inf
 
 
-CIRCLE = FollowCircle(Point(0.0, 20.0), 20.0, True, 1.0)
+CIRCLE = intents.FollowCircle(Point(0.0, 20.0), 20.0, True, 1.0)
 
 
 @pytest.mark.parametrize("intent", [LEG, NORTH_1, KeepStation(Point(9.0, 0.0)), CIRCLE])
-def test_a_rock_ahead_is_passed_to_starboard_whatever_leads_there(intent: Intent) -> None:
+def test_a_rock_ahead_is_passed_to_starboard_whatever_leads_there(intent: intents.Intent) -> None:
     voyage = Voyage(*ROCK)
     found = voyage.at(0.0, intent=intent)
     assert 10.0 < heading_deg(found) < 80.0
@@ -94,7 +91,7 @@ def test_likely_echoes_are_avoided_without_thrust_astern_and_without_a_message()
 def test_something_certain_close_ahead_at_speed_is_a_crash_stop() -> None:
     voyage = Voyage(*(Point(1.6, -4.0 + 0.2 * step) for step in range(41)))
     found = voyage.at(0.0, boat(speed_m_s=1.5), NORTH)
-    assert isinstance(found, Drive)
+    assert isinstance(found, intents.Drive)
     assert found.throttle == -1.0
 
 
@@ -127,7 +124,7 @@ def test_the_way_to_go_is_computed_twice_a_second() -> None:
 def test_the_origin_makes_no_difference(moved: Point) -> None:
     """A rock, traffic and a current, on a leg to the north-east."""
 
-    def found(at: Point) -> Intent:
+    def found(at: Point) -> intents.Intent:
         def place(north_m: float, east_m: float) -> Point:
             return Point(at.north_m + north_m, at.east_m + east_m)
 
@@ -205,14 +202,14 @@ def test_told_not_to_go_round_the_boat_stops_before() -> None:
 
 def test_a_turn_by_hand_is_stopped_and_not_steered() -> None:
     voyage = Voyage(*ROCK)
-    turn = HoldTurn(0.0, 1.0)
+    turn = intents.HoldTurn(0.0, 1.0)
     assert voyage.at(0.0, intent=turn) is turn
     assert voyage.limit_m_s < 1.0
 
 
 def test_by_hand_nothing_is_replaced_and_the_throttle_is_limited_only_on_request() -> None:
     free, held = Voyage(*ROCK), Voyage(*ROCK, config=with_value(CONFIG, "avoidance.by_hand", True))
-    drive = Drive(1.0, 0.0)
+    drive = intents.Drive(1.0, 0.0)
     assert free.at(0.0, intent=drive, is_by_hand=True) is drive
     assert free.limit_m_s == math.inf
     assert held.at(0.0, intent=drive, is_by_hand=True) is drive

@@ -5,17 +5,9 @@ import math
 import pytest
 from avoidance_rig import CONFIG, boat
 
+from companion.core import intent as intents
 from companion.core.geo import Point, distance_m
-from companion.core.intent import (
-    Drive,
-    FollowCircle,
-    FollowLeg,
-    HoldCourse,
-    HoldHeading,
-    HoldTurn,
-    Intent,
-    KeepStation,
-)
+from companion.core.intent import FollowLeg, KeepStation
 from companion.obstacles.planning.clearance import ClearanceField
 from companion.obstacles.planning.way_ahead import free_m, is_same_goal, places_on, requested_m_s, way_ahead
 
@@ -27,15 +19,15 @@ STATION = KeepStation(Point(6.0, 8.0))
 @pytest.mark.parametrize(
     ("intent", "ahead"),
     [
-        (HoldCourse(0.5, 1.0), 0.5),
-        (HoldHeading(0.5, 1.0), 0.5),
-        (HoldHeading(0.5, -1.0), 0.5 + math.pi),
-        (HoldTurn(0.3, 1.0), 2.0),
-        (HoldTurn(0.3, -1.0), 2.0 + math.pi),
+        (intents.HoldCourse(0.5, 1.0), 0.5),
+        (intents.HoldHeading(0.5, 1.0), 0.5),
+        (intents.HoldHeading(0.5, -1.0), 0.5 + math.pi),
+        (intents.HoldTurn(0.3, 1.0), 2.0),
+        (intents.HoldTurn(0.3, -1.0), 2.0 + math.pi),
     ],
 )
 def test_a_course_a_heading_and_a_turn_lead_straight_on_or_straight_back(
-    intent: Intent, ahead: float
+    intent: intents.Intent, ahead: float
 ) -> None:
     here, end = way_ahead(intent, boat(3.0, -4.0, heading_rad=2.0), CONFIG, REACH_M)
     assert here == Point(3.0, -4.0)
@@ -43,9 +35,15 @@ def test_a_course_a_heading_and_a_turn_lead_straight_on_or_straight_back(
 
 
 @pytest.mark.parametrize(
-    "intent", [HoldHeading(0.5, 0.0), HoldTurn(0.3, 0.0), Drive(1.0, 0.0), KeepStation(Point(3.0, -4.0))]
+    "intent",
+    [
+        intents.HoldHeading(0.5, 0.0),
+        intents.HoldTurn(0.3, 0.0),
+        intents.Drive(1.0, 0.0),
+        KeepStation(Point(3.0, -4.0)),
+    ],
 )
-def test_an_intent_without_a_destination_has_no_way(intent: Intent) -> None:
+def test_an_intent_without_a_destination_has_no_way(intent: intents.Intent) -> None:
     assert way_ahead(intent, boat(3.0, -4.0), CONFIG, REACH_M) == [Point(3.0, -4.0)]
 
 
@@ -76,7 +74,7 @@ def test_a_circle_is_followed_for_the_reach_or_once_around(
     is_clockwise: bool, side: float, radius_m: float, turned: float
 ) -> None:
     centre = Point(5.0, -7.0)
-    circle = FollowCircle(centre, radius_m, is_clockwise, 1.0)
+    circle = intents.FollowCircle(centre, radius_m, is_clockwise, 1.0)
     here = centre.moved(1.0, radius_m + 2.0)
     way = way_ahead(circle, boat(here.north_m, here.east_m), CONFIG, REACH_M)[1:]
     bearings = [math.atan2(at.east_m - centre.east_m, at.north_m - centre.north_m) - 1.0 for at in way]
@@ -91,11 +89,11 @@ def test_a_circle_is_followed_for_the_reach_or_once_around(
 
 def test_the_speed_is_that_of_the_intent_and_to_a_station_one_that_stops_there() -> None:
     assert requested_m_s(LEG, boat(), CONFIG) == 1.2
-    assert requested_m_s(HoldHeading(0.0, -0.4), boat(), CONFIG) == 0.4
+    assert requested_m_s(intents.HoldHeading(0.0, -0.4), boat(), CONFIG) == 0.4
     far, near, there = (requested_m_s(KeepStation(Point(at, 0.0)), boat(), CONFIG) for at in (90.0, 2.0, 0.0))
     assert far == CONFIG.speed.cruise_m_s
     assert CONFIG.guidance.min_speed_m_s == there < near < far
-    assert requested_m_s(Drive(1.0, 0.0), boat(), CONFIG) == CONFIG.speed.cruise_m_s
+    assert requested_m_s(intents.Drive(1.0, 0.0), boat(), CONFIG) == CONFIG.speed.cruise_m_s
 
 
 def test_places_lie_a_step_apart_around_corners_and_stay_at_the_end() -> None:
@@ -123,6 +121,6 @@ def test_a_detour_goes_on_while_the_goal_is_the_same() -> None:
     assert not is_same_goal(LEG, FollowLeg(LEG.start, Point(50.0, 1.0), 1.2))
     assert is_same_goal(STATION, KeepStation(Point(6.5, 8.0)))
     assert not is_same_goal(STATION, KeepStation(Point(7.5, 8.0)))
-    assert is_same_goal(HoldCourse(0.0, 1.0), HoldCourse(1.0, 1.0))
+    assert is_same_goal(intents.HoldCourse(0.0, 1.0), intents.HoldCourse(1.0, 1.0))
     assert not is_same_goal(LEG, STATION)
     assert not is_same_goal(LEG, None)

@@ -202,6 +202,9 @@ def test_an_exit_for_a_boat_is_not_across_land() -> None:
     first = next(routes.exits(berth))
     assert first.east_m < 0.0
     assert distance_m(berth, first) == pytest.approx(3.7, abs=1e-5)
+    away_m = [distance_m(berth, place) for place in routes.exits(berth, is_afloat=False)]
+    assert len(away_m) > 3
+    assert all(one < other for one, other in pairwise(away_m)), "each once, the nearest first"
 
 
 @pytest.mark.parametrize("place", [Point(math.nan, 0.0), Point(0.0, math.inf)])

@@ -2,20 +2,9 @@ import pytest
 from boat_rig import FRAME, GOOD_FIX, nav_at, place
 
 from companion.config.boat_config import BoatConfig
+from companion.core import requests
 from companion.core.intent import FollowLeg, KeepStation, Stop
 from companion.core.modes import Mode, mode_from_number
-from companion.core.requests import (
-    Arm,
-    ChangeMode,
-    ChangeSpeed,
-    Disarm,
-    GoTo,
-    ManualControl,
-    OtherVehicle,
-    SetCurrentItem,
-    SetHome,
-    StartMission,
-)
 from companion.core.state import NavState
 from companion.geofence.fence import FenceCircle
 from companion.vehicle.failsafes import failsafe_inputs
@@ -30,8 +19,8 @@ def vehicle_at(north_m: float = 0.0, east_m: float = 0.0, mode: Mode | None = No
     vehicle = Vehicle(BoatConfig())
     tick(vehicle, nav_at(north_m, east_m), 0.0)
     if mode is not None:
-        assert vehicle.request(ChangeMode(mode)).accepted
-        assert vehicle.request(Arm()).accepted
+        assert vehicle.request(requests.ChangeMode(mode)).accepted
+        assert vehicle.request(requests.Arm()).accepted
     vehicle.take_status_texts()
     return vehicle
 
@@ -49,7 +38,7 @@ def texts(vehicle: Vehicle) -> list[str]:
 def test_a_mode_that_this_boat_does_not_have_is_refused_and_not_pretended(number: int) -> None:
     assert mode_from_number(number) is None
     vehicle = vehicle_at()
-    outcome = vehicle.request(ChangeMode(number))
+    outcome = vehicle.request(requests.ChangeMode(number))
     assert not outcome.accepted
     assert texts(vehicle) == [f"Mode {number} is not available on this boat"]
     assert vehicle.mode is Mode.HOLD
@@ -59,19 +48,19 @@ def test_a_mode_that_this_boat_does_not_have_is_refused_and_not_pretended(number
 def test_a_disarmed_boat_gives_no_thrust_in_any_mode(mode: Mode) -> None:
     vehicle = vehicle_at()
     vehicle.set_mission(MISSION)
-    vehicle.request(Arm())
-    vehicle.request(Disarm())
-    vehicle.request(OtherVehicle(2, place(20.0, 0.0), 1.0, 0.0, 0.0))
-    assert vehicle.request(ChangeMode(mode)).accepted
-    vehicle.request(ManualControl(1.0, 0.0))
+    vehicle.request(requests.Arm())
+    vehicle.request(requests.Disarm())
+    vehicle.request(requests.OtherVehicle(2, place(20.0, 0.0), 1.0, 0.0, 0.0))
+    assert vehicle.request(requests.ChangeMode(mode)).accepted
+    vehicle.request(requests.ManualControl(1.0, 0.0))
     assert tick(vehicle, nav_at(), 0.02) == Stop()
 
 
 def test_sticks_from_before_arming_do_not_move_the_boat() -> None:
     vehicle = vehicle_at()
-    vehicle.request(ChangeMode(Mode.MANUAL))
-    vehicle.request(ManualControl(1.0, 0.0))
-    vehicle.request(Arm())
+    vehicle.request(requests.ChangeMode(Mode.MANUAL))
+    vehicle.request(requests.ManualControl(1.0, 0.0))
+    vehicle.request(requests.Arm())
     assert tick(vehicle, nav_at(), 0.02) == Stop()
 
 
@@ -80,75 +69,75 @@ def test_loiter_keeps_the_place_where_it_began() -> None:
     intent = tick(vehicle, nav_at(30.0, 4.0), 1.0)
     assert isinstance(intent, KeepStation)
     assert intent.point == pytest.approx((3.0, 4.0), abs=1e-3)
-    vehicle.request(ChangeMode(Mode.LOITER))  # asked for again, it does not move the anchor
+    vehicle.request(requests.ChangeMode(Mode.LOITER))  # asked for again, it does not move the anchor
     assert vehicle.decide() == intent
 
 
 def test_a_go_to_outside_guided_needs_leave_to_change_the_mode() -> None:
     vehicle = vehicle_at(mode=Mode.LOITER)
-    assert vehicle.request(GoTo(place(20.0, 0.0))).reason == "Go to: not in GUIDED"
-    assert vehicle.request(GoTo(place(20.0, 0.0), change_mode=True)).accepted
-    assert vehicle.request(ChangeMode(Mode.LOITER)).accepted
+    assert vehicle.request(requests.GoTo(place(20.0, 0.0))).reason == "Go to: not in GUIDED"
+    assert vehicle.request(requests.GoTo(place(20.0, 0.0), change_mode=True)).accepted
+    assert vehicle.request(requests.ChangeMode(Mode.LOITER)).accepted
     assert vehicle.modes.guided.target is None, "the mode has ended"
 
 
 def test_nothing_outside_the_fence_is_sailed_to() -> None:
     vehicle = vehicle_at(mode=Mode.GUIDED)
     vehicle.set_fence([FenceCircle(place(0.0, 0.0), 60.0, is_inclusion=True)])
-    assert vehicle.request(GoTo(place(61.0, 0.0))).reason == "Go to: outside the fence"
-    assert vehicle.request(GoTo(place(59.0, 0.0))).accepted
+    assert vehicle.request(requests.GoTo(place(61.0, 0.0))).reason == "Go to: outside the fence"
+    assert vehicle.request(requests.GoTo(place(59.0, 0.0))).accepted
     vehicle.set_mission(MISSION)
     tick(vehicle, nav_at(), 0.1)
     fault = "item 2 is outside the fence"
-    assert vehicle.request(ChangeMode(Mode.AUTO)).reason == f"AUTO: {fault}"
+    assert vehicle.request(requests.ChangeMode(Mode.AUTO)).reason == f"AUTO: {fault}"
     assert f"Mission: {fault}" in texts(vehicle)
 
 
 def test_a_target_from_before_arming_is_forgotten() -> None:
     vehicle = vehicle_at()
-    vehicle.request(GoTo(place(20.0, 0.0), change_mode=True))
-    vehicle.request(Arm())
+    vehicle.request(requests.GoTo(place(20.0, 0.0), change_mode=True))
+    vehicle.request(requests.Arm())
     assert isinstance(tick(vehicle, nav_at(), 1.0), KeepStation)
 
 
 def test_home_that_was_chosen_is_not_moved_by_arming() -> None:
     vehicle = vehicle_at(5.0, 5.0)
-    assert vehicle.request(SetHome(place(-10.0, 0.0))).accepted
-    vehicle.request(Arm())
+    assert vehicle.request(requests.SetHome(place(-10.0, 0.0))).accepted
+    vehicle.request(requests.Arm())
     assert vehicle.home == place(-10.0, 0.0)
-    vehicle.request(SetHome())
+    vehicle.request(requests.SetHome())
     assert vehicle.home is not None
     assert FRAME.to_local(vehicle.home) == pytest.approx((5.0, 5.0), abs=1e-3)
 
 
 def test_home_cannot_be_here_before_here_is_known() -> None:
-    assert Vehicle(BoatConfig()).request(SetHome()).reason == "Home: no position yet"
+    assert Vehicle(BoatConfig()).request(requests.SetHome()).reason == "Home: no position yet"
 
 
 def test_a_refused_arming_says_every_reason() -> None:
     vehicle = Vehicle(BoatConfig())
-    outcome = vehicle.request(Arm())
+    outcome = vehicle.request(requests.Arm())
     assert outcome.reason == "Compass: no heading"
     assert texts(vehicle) == ["Arm: Compass: no heading"]
-    assert vehicle.request(Arm(force=True)).accepted
+    assert vehicle.request(requests.Arm(force=True)).accepted
     assert vehicle.armed
 
 
 def test_disarming_says_by_whom_and_only_once() -> None:
     vehicle = vehicle_at(mode=Mode.HOLD)
-    vehicle.request(Disarm("by emergency stop"))
-    vehicle.request(Disarm())
+    vehicle.request(requests.Disarm("by emergency stop"))
+    vehicle.request(requests.Disarm())
     assert texts(vehicle) == ["Disarmed by emergency stop"]
 
 
 def test_starting_the_mission_enters_auto_at_the_item_asked_for() -> None:
     vehicle = vehicle_at(mode=Mode.HOLD)
-    assert vehicle.request(StartMission()).reason == "AUTO: no mission"
+    assert vehicle.request(requests.StartMission()).reason == "AUTO: no mission"
     vehicle.set_mission(MISSION)
-    assert vehicle.request(StartMission(2)).accepted
+    assert vehicle.request(requests.StartMission(2)).accepted
     assert (vehicle.mode, vehicle.progress.current_seq) == (Mode.AUTO, 2)
-    assert vehicle.request(StartMission(3)).reason == "Mission has no item 3 (last is 2)"
-    assert vehicle.request(SetCurrentItem(7)).reason == "Mission has no item 7 (last is 2)"
+    assert vehicle.request(requests.StartMission(3)).reason == "Mission has no item 3 (last is 2)"
+    assert vehicle.request(requests.SetCurrentItem(7)).reason == "Mission has no item 7 (last is 2)"
     assert vehicle.progress.current_seq == 2
 
 
@@ -157,7 +146,7 @@ def test_after_the_mission_the_boat_does_as_it_was_told(behave: int, mode: Mode)
     vehicle = vehicle_at(mode=Mode.HOLD)
     vehicle.config = BoatConfig(mission=type(vehicle.config.mission)(done_behave=behave))
     vehicle.set_mission(MISSION)
-    vehicle.request(StartMission())
+    vehicle.request(requests.StartMission())
     tick(vehicle, nav_at(50.0, 0.0), 1.0)
     intent = tick(vehicle, nav_at(50.0, 49.0), 2.0)
     assert vehicle.mode is mode
@@ -169,17 +158,17 @@ def test_after_the_mission_the_boat_does_as_it_was_told(behave: int, mode: Mode)
 
 def test_a_speed_lasts_until_the_mode_changes() -> None:
     vehicle = vehicle_at(mode=Mode.GUIDED)
-    vehicle.request(ChangeSpeed(0.7))
-    vehicle.request(GoTo(place(20.0, 0.0)))
+    vehicle.request(requests.ChangeSpeed(0.7))
+    vehicle.request(requests.GoTo(place(20.0, 0.0)))
     leg = tick(vehicle, nav_at(), 0.1)
     assert isinstance(leg, FollowLeg)
     assert leg.speed_m_s == 0.7
     vehicle.set_mission(MISSION)
-    vehicle.request(StartMission())
+    vehicle.request(requests.StartMission())
     leg = tick(vehicle, nav_at(), 0.2)
     assert isinstance(leg, FollowLeg)
     assert leg.speed_m_s == vehicle.config.speed.cruise_m_s
-    vehicle.request(ChangeSpeed(0.9))
+    vehicle.request(requests.ChangeSpeed(0.9))
     leg = tick(vehicle, nav_at(), 0.3)
     assert isinstance(leg, FollowLeg)
     assert leg.speed_m_s == 0.9
@@ -188,7 +177,7 @@ def test_a_speed_lasts_until_the_mode_changes() -> None:
 def test_clearing_the_mission_under_way_leaves_auto() -> None:
     vehicle = vehicle_at(mode=Mode.HOLD)
     vehicle.set_mission(MISSION)
-    vehicle.request(StartMission())
+    vehicle.request(requests.StartMission())
     vehicle.set_mission(())
     assert vehicle.mode is Mode.LOITER
     assert texts(vehicle)[-1] == "Mode LOITER: mission cleared"
@@ -198,9 +187,9 @@ def test_the_place_that_telemetry_shows_is_the_one_being_sailed_to() -> None:
     assert vehicle_at(mode=Mode.HOLD).destination is None
     vehicle = vehicle_at(mode=Mode.HOLD)
     vehicle.set_mission(MISSION)
-    vehicle.request(StartMission(2))
+    vehicle.request(requests.StartMission(2))
     assert vehicle.destination == place(50.0, 50.0)
-    vehicle.request(ChangeMode(Mode.RTL))
+    vehicle.request(requests.ChangeMode(Mode.RTL))
     assert vehicle.destination == vehicle.home
 
 

@@ -8,17 +8,8 @@ from mode_inputs import fenced, held, mode_inputs, turned
 from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig, with_value
+from companion.core import intent as intents
 from companion.core.geo import Point
-from companion.core.intent import (
-    Drive,
-    FollowLeg,
-    HoldCourse,
-    HoldHeading,
-    HoldTurn,
-    Intent,
-    KeepStation,
-    Stop,
-)
 from companion.core.requests import OtherVehicle, SetPoint
 from companion.core.state import NavState
 from companion.core.status_text import StatusText
@@ -48,8 +39,8 @@ def without_heading(east_m_s: float) -> NavState:
     return replace(nav_at(), heading_age_s=100.0, current_east_m_s=east_m_s)
 
 
-def local(intent: Intent) -> Point:
-    assert isinstance(intent, KeepStation)
+def local(intent: intents.Intent) -> Point:
+    assert isinstance(intent, intents.KeepStation)
     return intent.point
 
 
@@ -58,23 +49,23 @@ def local(intent: Intent) -> Point:
 
 @pytest.mark.parametrize("mode", [ManualMode, AcroMode, SteeringMode, SimpleMode])
 def test_stale_sticks_give_no_thrust(mode: type[ManualMode | AcroMode | SteeringMode | SimpleMode]) -> None:
-    assert mode(held(1.0, 1.0)).intent(mode_inputs(now_s=STALE_S)) == Stop()
+    assert mode(held(1.0, 1.0)).intent(mode_inputs(now_s=STALE_S)) == intents.Stop()
 
 
 def test_manual_passes_the_sticks_on() -> None:
-    assert ManualMode(held(0.5, -0.25)).intent(mode_inputs()) == Drive(0.5, -0.25)
-    assert ManualMode(held(0.5, -0.25)).drive(CONFIG, 0.0) == Drive(0.5, -0.25)
+    assert ManualMode(held(0.5, -0.25)).intent(mode_inputs()) == intents.Drive(0.5, -0.25)
+    assert ManualMode(held(0.5, -0.25)).drive(CONFIG, 0.0) == intents.Drive(0.5, -0.25)
 
 
 def test_acro_asks_for_speed_and_turn_rate() -> None:
-    wanted = HoldTurn(-0.5 * CONFIG.modes.turn_rate_rad_s, 0.5 * TOP_M_S)
+    wanted = intents.HoldTurn(-0.5 * CONFIG.modes.turn_rate_rad_s, 0.5 * TOP_M_S)
     assert AcroMode(held(0.5, -0.5)).intent(mode_inputs()) == wanted
 
 
 def test_steering_asks_for_a_lateral_acceleration() -> None:
     accel = CONFIG.guidance.corner_accel_m_s2
     fast = SteeringMode(held(1.0, 0.5)).intent(mode_inputs())
-    assert isinstance(fast, HoldTurn)
+    assert isinstance(fast, intents.HoldTurn)
     assert fast.speed_m_s == pytest.approx(TOP_M_S)
     assert fast.yaw_rate_rad_s * TOP_M_S == pytest.approx(0.5 * accel)
 
@@ -82,14 +73,14 @@ def test_steering_asks_for_a_lateral_acceleration() -> None:
 def test_steering_never_turns_faster_than_acro() -> None:
     config = with_value(CONFIG, "guidance.corner_accel_m_s2", 100.0)
     slow = SteeringMode(held(0.0, -1.0)).intent(mode_inputs(config=config))
-    assert slow == HoldTurn(-CONFIG.modes.turn_rate_rad_s, 0.0)
+    assert slow == intents.HoldTurn(-CONFIG.modes.turn_rate_rad_s, 0.0)
 
 
 def test_simple_goes_where_the_stick_points_as_seen_at_entry() -> None:
     mode = SimpleMode(held(0.0, 0.6))
     mode.enter(mode_inputs(turned(1.0)))
     intent = mode.intent(mode_inputs(turned(2.0)))
-    assert isinstance(intent, HoldHeading)
+    assert isinstance(intent, intents.HoldHeading)
     assert intent.heading_rad == pytest.approx(1.0 + math.pi / 2.0)
     assert intent.speed_m_s == pytest.approx(0.6 * TOP_M_S)
 
@@ -98,13 +89,13 @@ def test_simple_may_take_north_for_ahead() -> None:
     mode = SimpleMode(held(1.0, 0.0))
     mode.enter(mode_inputs(turned(1.0)))
     north = mode.intent(mode_inputs(config=with_value(CONFIG, "modes.simple_type", 1)))
-    assert north == HoldHeading(0.0, TOP_M_S)
+    assert north == intents.HoldHeading(0.0, TOP_M_S)
 
 
 def test_simple_holds_its_heading_while_the_stick_is_centred() -> None:
     mode = SimpleMode(held(0.03, 0.03))
     mode.enter(mode_inputs(turned(1.0)))
-    assert mode.intent(mode_inputs(turned(2.0))) == HoldHeading(1.0, 0.0)
+    assert mode.intent(mode_inputs(turned(2.0))) == intents.HoldHeading(1.0, 0.0)
 
 
 # That stay
@@ -129,7 +120,7 @@ def test_loiter_without_a_position_holds_into_the_current() -> None:
     mode = LoiterMode(Fence())
     mode.enter(mode_inputs())
     into = mode.intent(mode_inputs(without_position(north_m_s=0.3)))
-    assert isinstance(into, HoldHeading)
+    assert isinstance(into, intents.HoldHeading)
     assert (abs(into.heading_rad), into.speed_m_s) == pytest.approx((math.pi, 0.0))
     assert not mode.needs_position
     assert mode.intent(mode_inputs(without_position(east_m_s=0.3))) == into  # held, not chased
@@ -140,7 +131,7 @@ def test_loiter_without_a_position_holds_into_the_current() -> None:
 def test_loiter_without_a_position_in_still_water_holds_its_heading() -> None:
     mode = LoiterMode(Fence())
     mode.enter(mode_inputs())
-    assert mode.intent(mode_inputs(without_position(north_m_s=0.04))) == HoldHeading(1.0, 0.0, 0.8)
+    assert mode.intent(mode_inputs(without_position(north_m_s=0.04))) == intents.HoldHeading(1.0, 0.0, 0.8)
 
 
 def test_loiter_stays_where_its_position_comes_back() -> None:
@@ -154,7 +145,7 @@ def test_loiter_searches_its_heading_by_turns_in_a_current() -> None:
     mode = LoiterMode(Fence())
     mode.enter(mode_inputs())
     ahead = [
-        isinstance(mode.intent(mode_inputs(without_heading(0.5), now_s=0.5 + now_s)), Drive)
+        isinstance(mode.intent(mode_inputs(without_heading(0.5), now_s=0.5 + now_s)), intents.Drive)
         for now_s in range(20)
     ]
     assert ahead == [True] * 6 + [False] * 10 + [True] * 4
@@ -163,7 +154,7 @@ def test_loiter_searches_its_heading_by_turns_in_a_current() -> None:
 def test_loiter_without_a_heading_drifts_in_a_slow_current() -> None:
     mode = LoiterMode(Fence())
     mode.enter(mode_inputs())
-    assert mode.intent(mode_inputs(without_heading(0.25))) == Stop()
+    assert mode.intent(mode_inputs(without_heading(0.25))) == intents.Stop()
 
 
 def test_guided_sails_to_its_target_then_stays_there() -> None:
@@ -172,7 +163,7 @@ def test_guided_sails_to_its_target_then_stays_there() -> None:
     mode.enter(mode_inputs())
     mode.go_to(place(20.0, 0.0))
     leg = mode.intent(mode_inputs())
-    assert isinstance(leg, FollowLeg)
+    assert isinstance(leg, intents.FollowLeg)
     assert mode.destination == place(20.0, 0.0)
     stays = mode.intent(mode_inputs(nav_at(20.0, 0.0)))
     assert local(stays) == pytest.approx((20.0, 0.0), abs=1e-3)
@@ -185,7 +176,7 @@ def test_guided_sails_to_its_target_then_stays_there() -> None:
 def test_guided_drops_target_and_set_point(ends: str) -> None:
     mode = GuidedMode(Fence(), [])
     mode.go_to(place(20.0, 0.0))
-    mode.hold(SetPoint(HoldCourse(1.0, 2.0)), 0.0)
+    mode.hold(SetPoint(intents.HoldCourse(1.0, 2.0)), 0.0)
     if ends == "enter":
         mode.enter(mode_inputs())
     else:
@@ -199,7 +190,7 @@ def test_follow_stays_where_it_loses_its_lead() -> None:
     mode = FollowMode(texts)
     mode.ingest(OtherVehicle(2, place(20.0, 0.0), 1.0, 0.0, 0.0), CONFIG.follow, 0.0)
     mode.enter(mode_inputs())
-    assert isinstance(mode.intent(mode_inputs()), HoldCourse)
+    assert isinstance(mode.intent(mode_inputs()), intents.HoldCourse)
     for now_s in (10.0, 11.0):
         stays = mode.intent(mode_inputs(nav_at(now_s, 0.0), now_s=now_s))
         assert local(stays) == pytest.approx((10.0, 0.0), abs=1e-3)
@@ -210,16 +201,16 @@ def test_simple_moves_from_a_small_push_on() -> None:
     mode = SimpleMode(held(0.06, 0.0))
     mode.enter(None)
     intent = mode.intent(mode_inputs(turned(2.0)))
-    assert intent == HoldHeading(0.0, 0.06 * TOP_M_S)
+    assert intent == intents.HoldHeading(0.0, 0.06 * TOP_M_S)
 
 
 def test_loiter_begins_a_new_search_when_the_heading_is_lost_again() -> None:
     mode = LoiterMode(Fence())
     mode.enter(mode_inputs())
     mode.intent(mode_inputs(without_heading(0.5), now_s=1.0))
-    assert mode.intent(mode_inputs(without_heading(0.5), now_s=8.0)) == Stop()  # the pause after it
+    assert mode.intent(mode_inputs(without_heading(0.5), now_s=8.0)) == intents.Stop()  # the pause after it
     mode.intent(mode_inputs(now_s=8.1))
-    assert isinstance(mode.intent(mode_inputs(without_heading(0.5), now_s=8.2)), Drive)
+    assert isinstance(mode.intent(mode_inputs(without_heading(0.5), now_s=8.2)), intents.Drive)
 
 
 def test_a_stale_set_point_is_reported_once_and_leaves_no_target() -> None:
@@ -227,7 +218,7 @@ def test_a_stale_set_point_is_reported_once_and_leaves_no_target() -> None:
     mode = GuidedMode(Fence(), texts)
     mode.enter(mode_inputs())
     mode.go_to(place(50.0, 0.0))
-    mode.hold(SetPoint(HoldCourse(1.0, 2.0)), 0.0)
+    mode.hold(SetPoint(intents.HoldCourse(1.0, 2.0)), 0.0)
     stale_s = CONFIG.modes.set_point_timeout_s + 0.1
     mode.intent(mode_inputs(nav_at(9.0, 0.0), now_s=stale_s))
     stays = mode.intent(mode_inputs(nav_at(12.0, 0.0), now_s=stale_s + 1.0))
