@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 import shapely
 from data_files import SHORES
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from companion.core.geo import LatLon, LocalFrame, Point
@@ -149,6 +149,7 @@ def test_no_json_at_all_raises_anything_but_a_map_error(tree: object) -> None:
     assert not chart.navigable.is_empty
 
 
+@example(north_m=90_000.0, east_m=90_000.0, lat_deg=10.0, lon_deg=0.0)
 @given(
     north_m=st.floats(-90_000, 90_000),
     east_m=st.floats(-90_000, 90_000),
@@ -162,7 +163,7 @@ def test_the_projection_is_that_of_the_boats_own_frame(
     place = frame.to_global(Point(north_m, east_m))
     projected = to_local(shapely.Point(place.lon_deg, place.lat_deg), frame.origin)
     own = frame.to_local(place)
-    assert math.hypot(projected.x - own.east_m, projected.y - own.north_m) < 1e-5
+    assert math.hypot(projected.x - own.east_m, projected.y - own.north_m) < 2e-6
 
 
 def test_the_mill_pond_is_what_its_script_draws() -> None:

@@ -26,6 +26,7 @@ SOW.
         (MAP.replace("SOW.", "SOW"), "line 6: 3 cells: expected 4"),
         (MAP.replace("height 2", "height 0"), "a map of 4 × 0 cells"),
         (MAP.replace("T", "±"), "is no text"),
+        ("type octile\nheight 1\nwidth 4\nmap\n....\n", "no passable cell with room around it"),
         (None, "cannot be read"),
     ],
 )

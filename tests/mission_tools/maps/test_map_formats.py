@@ -24,6 +24,7 @@ from mission_tools.maps import load_map, load_source
 from mission_tools.maps.assemble import chart_of
 from mission_tools.maps.catalogue import MAP_SUFFIXES
 from mission_tools.maps.chart import Chart
+from mission_tools.maps.formats.georeference import georeference_of
 from mission_tools.maps.formats.gpx import parse_gpx
 from mission_tools.maps.formats.kml import parse_kml
 from mission_tools.maps.formats.mask import outlines
@@ -371,6 +372,15 @@ def test_a_geotiff_mask_lies_where_gdal_put_it(name: str) -> None:
         assert is_afloat(chart, 50.001 - 20e-5, 10.0 + 20e-5)
         assert not is_afloat(chart, 50.001 - 30e-5, 10.0 + 35e-5)
         assert not is_afloat(chart, 50.001 - 5e-5, 10.0 + 20e-5)
+
+
+def test_a_tiepoint_may_lie_inside_the_picture_and_a_reference_system_of_its_own_is_refused() -> None:
+    tags = {33550: (2.0, 3.0, 0.0), 33922: (10.0, 20.0, 0.0, 5e5, 5.54e6, 0.0)}
+    keys = (1, 1, 0, 1, 3072, 0, 1)
+    found = georeference_of(Path("m.tif"), tags | {34735: (*keys, 32632)})
+    assert found == (2.0, 0.0, 499_980.0, 0.0, -3.0, 5_540_060.0, "EPSG:32632")
+    with pytest.raises(MapError, match="names no reference system by its EPSG code"):
+        georeference_of(Path("m.tif"), tags | {34735: (*keys, 32767)})
 
 
 def test_a_geotiff_without_a_reference_system_says_what_to_do() -> None:
