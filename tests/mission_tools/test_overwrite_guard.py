@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from mission_tools.cli import download_command, plan_command, trace_command, upload_command
+from mission_tools.cli import download_command, plan_command, upload_command
 from mission_tools.errors import UsageError
 from mission_tools.overwrite_guard import check_replaceable
 
@@ -50,25 +50,6 @@ def test_the_map_of_the_examples_is_not_replaced_and_its_fence_is_made_anew() ->
     with pytest.raises(UsageError, match="exists"):
         check_replaceable("--out", EXAMPLES / "mill_pond.geojson", force=False)
     check_replaceable("--out", EXAMPLES / "mill_pond_fence.geojson", force=False)
-
-
-def test_a_traced_map_is_replaced_by_neither_route_nor_trace_unless_forced(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    pytest.importorskip("PIL")
-    out, preview = tmp_path / "pond.geojson", tmp_path / "pond.png"
-    trace = [str(EXAMPLES / "citra_pond.jpg"), "--seed", "29.40815,-82.16953", "--out", str(out)]
-    trace += ["--preview", str(preview)]
-    assert trace_command.run_program(trace) == 0
-    kept = out.read_bytes()
-    assert plan("lake", "--out", out) == 2
-    assert trace_command.run_program(trace) == 2
-    assert out.read_bytes() == kept
-    assert trace_command.run_program([*trace, "--force"]) == 0
-    preview.write_bytes(b"a picture of mine")
-    assert trace_command.run_program([*trace[:3], "--preview", str(preview)]) == 2
-    assert preview.read_bytes() == b"a picture of mine"
-    assert "--preview" in capsys.readouterr().err
 
 
 def test_upload_and_download_ask_before_they_connect(

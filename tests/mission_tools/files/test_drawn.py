@@ -3,7 +3,6 @@
 import json
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +12,7 @@ from companion.core.geo import LatLon, LocalFrame, distance_m
 from mission_tools.errors import MapError, PlanFileError
 from mission_tools.files.drawn import MOST_BYTES, THINNED_ABOVE, THINNED_M, DrawnMission, load_drawn
 from mission_tools.files.written import save_route
+from mission_tools.geojson import collection, feature
 from mission_tools.mission.mission import Fence, FencePolygon, Mission, MissionItem, Rally
 
 LINE = [(-1.2027, 49.9986), (-1.2015, 49.9993), (-1.2, 50.0005)]
@@ -67,17 +67,7 @@ EARTH_TRACK = """<kml xmlns="http://www.opengis.net/kml/2.2" xmlns:gx="http://ww
 <gx:coord>-1.2027 49.9986 12.1</gx:coord><gx:coord>-1.2015 49.9993 12</gx:coord>
 <gx:coord>-1.2 50.0005 12</gx:coord>
 </gx:Track></Placemark></kml>"""
-GEOJSON_IO: dict[str, Any] = {
-    "type": "FeatureCollection",
-    "features": [
-        {
-            "type": "Feature",
-            "properties": {},
-            "geometry": {"type": "LineString", "coordinates": LINE},
-            "id": 0,
-        }
-    ],
-}
+GEOJSON_IO = collection([feature("LineString", LINE) | {"id": 0}])
 
 
 def load(tmp_path: Path, name: str, content: object) -> DrawnMission:
