@@ -155,6 +155,24 @@ def test_a_bad_fix_ages_the_estimate_and_moves_nothing(bad: GnssFix) -> None:
 
 
 @pytest.mark.parametrize(
+    ("time_s", "accuracy_m", "speed_m_s", "is_used"),
+    [
+        (-9.9, 999.0, 99.0, True),
+        (-10.1, 1.0, 0.0, False),
+        (0.0, 1001.0, 0.0, False),
+        (0.0, 1.0, 101.0, False),
+    ],
+)
+def test_a_fix_is_used_within_the_limits_of_age_accuracy_and_speed(
+    time_s: float, accuracy_m: float, speed_m_s: float, is_used: bool
+) -> None:
+    estimator = Estimator()
+    fix = replace(_fix(time_s, velocity=(0.0, speed_m_s)), horizontal_accuracy_m=accuracy_m)
+    estimator.update(fix, None, 0.0)
+    assert (estimator.frame is not None) is is_used
+
+
+@pytest.mark.parametrize(
     "bad",
     [HeadingReading(2.0, math.nan), HeadingReading(2.0, 1.0, math.inf), HeadingReading(math.nan, 1.0)],
 )
