@@ -18,6 +18,8 @@ class _Message(generated.MAVLink_message):  # type: ignore[misc]
         super().__init__(self.id, self.msgname)
         self._fieldnames = self.fieldnames
         fields = dict(zip(self.fieldnames, values, strict=False)) | named
+        if unknown := fields.keys() - set(self.fieldnames):
+            raise TypeError(f"{self.msgname} has no {', '.join(sorted(unknown))}")
         for name, kind in zip(self.fieldnames, self.fieldtypes, strict=True):
             value = fields.get(name, 0)
             if kind == "char":

@@ -54,6 +54,7 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
         "tests/protocol/test_requests_per_item.py", "tests/protocol/test_transfer_back_to_back.py",
         "tests/protocol/test_transfer_rules.py", "tests/companion/vehicle/mission/test_mission_parts.py",
     ),
+    "services/ftp": ("tests/companion/services/ftp", "tests/protocol/test_ftp_client.py"),
     "services": (
         "tests/companion/services", "tests/closed_loop/test_calibration_compass.py",
         "tests/closed_loop/test_calibration_heading.py", "tests/closed_loop/test_calibration_thrusters.py",

@@ -226,6 +226,9 @@ def test_a_lost_last_acknowledgement_is_given_again_for_a_while() -> None:
     tell(machine, item(2), now_s=11.0)
     assert said(machine) == [("ACK", MissionResult.ACCEPTED)] * 2
     assert machine.take_events() == []
+    machine.tick(11.9)
+    tell(machine, item(2), now_s=11.9)
+    assert said(machine) == [("ACK", MissionResult.ACCEPTED)]
     machine.tick(12.0)
     tell(machine, item(2), now_s=12.5)
     assert said(machine) == [("ACK", MissionResult.ERROR)]
@@ -431,3 +434,37 @@ def test_no_order_of_messages_raises_or_makes_a_machine_answer_more_than_once_a_
                 assert [i.x for i in event.items] == list(range(len(event.items)))
                 receiver.confirm(now_s)
                 assert len(receiver.take_outbox()) == 1
+
+
+def test_a_count_of_none_and_a_clear_are_an_empty_list() -> None:
+    clear: Message = dialect.MAVLink_mission_clear_all_message(*BOAT, MISSION)
+    for message in (count(0), clear):
+        machine = Receiver(BOAT, MISSION)
+        tell(machine, message)
+        assert machine.take_events() == [Started(0, STATION), Completed((), STATION)]
+        machine.confirm(0.0)
+        assert said(machine) == [("ACK", MissionResult.ACCEPTED)]
+
+
+def test_a_request_out_of_the_blue_is_answered_at_once() -> None:
+    machine = Sender(BOAT, MISSION, source=lambda: ITEMS)
+    tell(machine, request(0))
+    assert (said(machine), machine.ignored) == ([("ACK", MissionResult.ERROR)], 1)
+    machine = Sender(BOAT, MISSION)
+    tell(machine, request_list())
+    assert (said(machine), machine.ignored) == ([], 1)
+
+
+def test_a_doubled_part_only_repeats_the_first_request_and_another_part_begins_again() -> None:
+    machine = Receiver(BOAT, MISSION)
+    machine.take_part(1, 2, STATION, 0.0)
+    assert said(machine) == [("REQUEST_INT", 1)]
+    machine.take_part(1, 2, STATION, 0.1)
+    assert said(machine) == [("REQUEST_INT", 1)]
+    assert machine.take_events() == [Started(2, STATION)]
+    machine.take_part(4, 2, STATION, 0.2)
+    assert (said(machine), machine.take_events()) == ([("REQUEST_INT", 4)], [Started(2, STATION)])
+    tell(machine, item(4), item(5))
+    assert machine.take_events() == [
+        Completed((MissionItem(3, 16, x=4), MissionItem(3, 16, x=5)), STATION, 4)
+    ]

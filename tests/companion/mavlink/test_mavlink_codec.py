@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 
 from companion.mavlink.address import Address, concerns, is_named
 from companion.mavlink.codec import Counters, Decoder, Encoder
-from companion.mavlink.dialect import Message, crc16, dialect
-from companion.mavlink.framing import LONGEST_FRAME
+from companion.mavlink.dialect import Message, build_message, crc16, dialect, message_ids
 from companion.mavlink.layout import LAYOUTS
 
 VECTORS: list[dict[str, Any]] = json.loads(
@@ -22,6 +21,7 @@ VECTORS: list[dict[str, Any]] = json.loads(
 FRAMES = [row for row in VECTORS if "message" in row]
 FLAWS = [row for row in VECTORS if "flaw" in row]
 STATION = Address(255, 190)
+LONGEST_FRAME = 280
 
 
 def row_name(row: Mapping[str, Any]) -> str:
@@ -209,3 +209,13 @@ def test_a_stream_of_begun_frames_never_fills_the_memory() -> None:
         decoder.feed(header)
         assert len(decoder._finder._rest) < LONGEST_FRAME
     assert decoder.counters.bad_crc > 0
+
+
+def test_a_message_is_built_by_name_with_what_is_omitted_zero() -> None:
+    assert message_ids("HEARTBEAT", "ATTITUDE") == (0, 30)
+    battery = build_message("BATTERY_STATUS", id=3)
+    assert (battery.id, battery.voltages, battery.current_battery) == (3, [0] * 10, 0)
+    assert build_message("STATUSTEXT", text=b"x").text == "x"
+    for name in ("ATTITUDE", "MISSION_CURRENT"):
+        with pytest.raises(TypeError, match="pitchyaw"):
+            build_message(name, pitchyaw=1.0)

@@ -99,7 +99,9 @@ def test_one_changed_bit_anywhere_is_refused(data: st.DataObject) -> None:
 def test_a_frame_is_taken_once() -> None:
     mine = guard()
     first, second = signed_at(NOW), signed_at(NOW + 1)
+    assert not guard().has_verified
     assert mine.admits(first)
+    assert mine.has_verified
     assert mine.admits(second)
     assert not mine.admits(first)
     assert not mine.admits(second)

@@ -516,3 +516,27 @@ def test_a_write_far_away_is_refused_and_costs_no_memory(served: Served) -> None
     for offset in (MAX_UPLOAD_BYTES, 2**32 - 1):
         assert served.ask(Opcode.WRITE_FILE, b"x", session, offset).code is Code.FAIL_ERRNO
     assert served.service._stations.uploads_bytes() == 0
+
+
+def test_a_link_is_listed_as_nothing_to_be_had(served: Served, tmp_path: Path) -> None:
+    (tmp_path / "files" / "link").symlink_to("/etc/passwd")
+    (tmp_path / "files" / "real").touch()
+    assert served.list(b"/files") == ["S", "Freal\t0"]
+
+
+def test_a_file_that_grows_ends_where_it_ended_when_opened(served: Served, tmp_path: Path) -> None:
+    (tmp_path / "logs").mkdir()
+    log = tmp_path / "logs" / "00001.bin"
+    log.write_bytes(TEXT)
+    session = served.ask(Opcode.OPEN_FILE_RO, b"/logs/00001.bin").session
+    log.write_bytes(TEXT * 400)
+    *blocks, end = served.send(request_of(10, Opcode.BURST_READ_FILE, session=session, size=239))
+    assert b"".join(block.data for block in blocks) == TEXT
+    assert end.offset == len(TEXT)
+
+
+def test_a_file_that_shrinks_ends_there_without_a_fault(served: Served, tmp_path: Path) -> None:
+    served.put(b"/files/a", bytes(600_000))
+    session = served.ask(Opcode.OPEN_FILE_RO, b"/files/a").session
+    os.truncate(tmp_path / "files" / "a", 10)
+    assert served.ask(Opcode.READ_FILE, session=session, offset=500_000, size=239).code is Code.END_OF_FILE

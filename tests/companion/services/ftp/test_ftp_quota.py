@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from ftp_client import ACK, Served
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from companion.mavlink.ftp_frames import Code, Opcode, Refusal
@@ -106,6 +106,7 @@ OPERATIONS = st.lists(
 
 
 @given(OPERATIONS)
+@example([("save", "a", "a", 5), ("save", "b", "a", 5), ("remove", "a", "a", 0)])
 def test_what_is_kept_up_is_what_a_count_finds(
     tmp_path_factory: pytest.TempPathFactory, operations: list[tuple[str, str, str, int]]
 ) -> None:
@@ -133,3 +134,17 @@ def test_what_is_kept_up_is_what_a_count_finds(
     if mount._quota._is_counted:
         assert (mount._quota._bytes, mount._quota._entries) == (counted._bytes, counted._entries)
     assert counted._bytes <= 100
+
+
+def test_a_file_moves_as_deep_as_a_path_leads(mount: FolderMount) -> None:
+    folder: Names = ()
+    for _ in range(MAX_DEPTH - 2):
+        folder = (*folder, "d")
+        mount.make_folder(folder)
+    mount.save(("a",), b"x")
+    mount.rename(("a",), (*folder, "a"))
+    assert mount.open((*folder, "a")).read(0, 9) == b"x"
+    mount.make_folder(("e",))
+    mount.save(("e", "f"), b"")
+    with pytest.raises(OSError, match="too deep"):
+        mount.rename(("e",), (*folder, "e"))
