@@ -346,7 +346,8 @@ def equivalents(path: Path) -> dict[tuple[str, str, str, str], str]:
 def folder_of(package: str) -> str:
     """Where its sources are, and its tests in tests/."""
     folder = f"companion/{package}" if (ROOT / "companion" / package).is_dir() else package
-    if not ((ROOT / folder).is_dir() and (ROOT / "tests" / folder).is_dir()):
+    has_tests = package in TESTED_IN or (ROOT / "tests" / folder).is_dir()
+    if not ((ROOT / folder).is_dir() and has_tests):
         raise SystemExit(f"{package}: expected a package with tests, such as services/ftp or sitl/world")
     return folder
 

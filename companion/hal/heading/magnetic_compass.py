@@ -40,13 +40,13 @@ STUCK: Final = 50  # equal samples, a second of them: a working part has a noise
 LOST_S: Final = 2.0  # the gyro bridges a magnetometer without a field for this long
 RETRY_S: Final = 0.5  # after an error of one part; the other goes on meanwhile
 _LEVEL: Final = (0.0, 0.0, 1.0)
-_MAGNETOMETERS: Final[dict[str, type[Magnetometer]]] = {
+MAGNETOMETERS: Final[dict[str, type[Magnetometer]]] = {
     "qmc5883l": Qmc5883l,
     "qmc5883p": Qmc5883p,
     "hmc5883l": Hmc5883l,
     "lis3mdl": Lis3mdl,
 }
-_INERTIAL: Final[dict[str, type[InertialSensor]]] = {"mpu6050": Mpu6050, "lsm6ds": Lsm6ds}
+INERTIAL: Final[dict[str, type[InertialSensor]]] = {"mpu6050": Mpu6050, "lsm6ds": Lsm6ds}
 
 
 class _Watched(Generic[Sample]):
@@ -201,9 +201,9 @@ def open_magnetic_compass(
     try:
         inertial: InertialSensor | None = None
         if part.imu != "none":  # first: it connects its auxiliary bus through
-            inertial = _INERTIAL[part.imu](bus, part.imu_address, wait)
+            inertial = INERTIAL[part.imu](bus, part.imu_address, wait)
             _start(inertial)
-        magnetometer = _MAGNETOMETERS[part.driver](bus, part.address, wait)
+        magnetometer = MAGNETOMETERS[part.driver](bus, part.address, wait)
         _start(magnetometer)
     except HardwareError:
         bus.close()

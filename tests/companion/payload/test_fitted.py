@@ -125,3 +125,8 @@ def test_the_motions_of_a_winch_have_mavlinks_numbers_and_what_is_not_said_is_no
     assert StartCapture() == StartCapture(count=1, interval_s=0.0)
     assert not ActionFault(1, "").is_absent
     assert not FittedPayload().is_skipped
+    assert (FITTED.has_capture, FittedPayload().has_capture) == (True, False)
+    assert FITTED.lacks("camera") is None
+    assert FittedPayload().lacks("camera") == ActionFault(
+        0, "this boat has no camera with a capture command", is_absent=True
+    )

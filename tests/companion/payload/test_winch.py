@@ -83,7 +83,9 @@ def test_relax_lock_and_hold_stop_it(motion: WinchMotion) -> None:
     rig.move(WinchMotion.RATE, rate_m_s=-0.25)
     assert rig.motor.values == [-0.5]
     rig.run(1.0)
+    assert rig.winch.speed_m_s == -0.25
     rig.move(motion)
+    assert rig.winch.speed_m_s == 0.0
     assert rig.motor.values == [-0.5, 0.0]
     assert not rig.winch.is_moving
 
