@@ -213,7 +213,7 @@ class Estimator:
         """Drop the frame: the next good fix defines it and restarts the position. Heading and current are
         kept.
         """
-        self.frame, self.far_m, self._far_heard_s = None, 0.0, -math.inf
+        self.frame, self.far_m = None, 0.0
         self.position = PositionUpdate(self.state, self.heading, self._setting)
 
 

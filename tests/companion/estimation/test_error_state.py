@@ -10,7 +10,7 @@ import pytest
 from companion.config.tuning import Estimation, Speed
 from companion.core.state import MotorCommand
 from companion.core.units import wrap_pi
-from companion.estimation.covariance import COMPASS_OFFSET, HEADING, NORTH
+from companion.estimation.covariance import COMPASS_OFFSET, HEADING, NORTH, RATE_BIAS
 from companion.estimation.error_state import VELOCITY_M_S, ErrorStateFilter
 from companion.estimation.hull_model import SurgeModel
 from companion.estimation.innovation import GATE_2
@@ -223,6 +223,8 @@ def test_a_gyro_that_comes_back_has_the_bias_that_it_had() -> None:
     voyage.has_gyro = True
     voyage.sail(TICK_S)
     assert voyage.state.bias_rad_s == pytest.approx(known, abs=1e-3)
+    voyage.state.forget_bias()
+    assert voyage.state.covariance.variance(RATE_BIAS) == pytest.approx(0.03**2)
 
 
 def test_uncertainty_grows_without_measurements_and_a_stall_adds_to_it() -> None:

@@ -67,6 +67,8 @@ def test_the_frame_is_laid_at_the_first_good_fix_and_stays_there() -> None:
     estimator.update(_fix(0.5, Point(9.0, 0.0)), None, 0.6)
     assert estimator.frame is not None
     assert FRAME.to_local(estimator.frame.origin) == pytest.approx((5.0, 0.0), abs=1e-3)
+    assert estimator.report is not None
+    assert not estimator.report.compass.is_accepted
 
 
 def test_what_is_not_known_yet_is_infinitely_old() -> None:

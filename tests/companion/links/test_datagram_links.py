@@ -79,6 +79,7 @@ def test_every_peer_becomes_a_link_of_its_own(server: UdpInPort) -> None:
         assert near_link.name == f"udp:127.0.0.1:{near.number}"
         assert far_link.send(b"to far")
         assert near_link.send(b"to near")
+        assert not near_link.send(bytes(70_000)), "longer than a datagram may be"
         assert near.hear() == (b"to near", number_of(server))
         assert far.hear() == (b"to far", number_of(server))
         assert server.accept() == []
@@ -153,6 +154,8 @@ def test_what_a_flooding_peer_has_waiting_is_bounded_and_the_newest_is_kept(serv
             station.say(b"x", number_of(server))
             server.accept()
         assert len(link.receive()) <= 128 * 1024 // 64
+        station.say(b"later", number_of(server))
+        assert link.receive() == [b"later"]
 
 
 def test_one_round_over_all_links_takes_a_bounded_number_of_datagrams(server: UdpInPort) -> None:
@@ -194,7 +197,7 @@ def test_udpout_keeps_one_source_port_and_hears_only_its_station() -> None:
         port = UdpOutPort(HERE, station.number)
         (link,) = port.accept()
         assert port.accept() == []
-        assert link.name == f"udpout:127.0.0.1:{station.number}"
+        assert (link.name, link.host) == (f"udpout:127.0.0.1:{station.number}", HERE)
         for data in (b"one", b"two"):
             assert link.send(data)
             assert station.hear() == (data, source_port_of(port))

@@ -40,6 +40,7 @@ def test_closing_one_end_ends_the_other_after_its_last_words() -> None:
 def test_a_port_hands_every_offered_link_out_once_and_closes_them_all() -> None:
     near, far = memory_pair()
     port = MemoryPort(near)
+    assert (port.name, port.fileno(), near.fileno()) == ("memory", -1, -1)
     assert port.accept() == [near]
     assert port.accept() == []
     port.offer(far)

@@ -9,7 +9,7 @@ from twins.lines import HandClock
 
 from companion.core.errors import ConfigError, LinkError
 from companion.links.internet import resolve
-from companion.links.port_url import PortUrl, open_port, parse_port_url
+from companion.links.port_url import PortUrl, open_line, open_port, parse_port_url
 
 ANYWHERE = "0.0.0.0"  # noqa: S104
 
@@ -102,3 +102,13 @@ def test_a_host_of_both_families_is_called_by_ipv4(monkeypatch: pytest.MonkeyPat
     ]
     monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: both)
     assert resolve("tcpout", "both", 5760) == (socket.AF_INET, ("127.0.0.1", 5760))
+
+
+def test_a_parts_device_is_opened_at_its_baud_rate_unless_it_states_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    urls: list[str] = []
+    monkeypatch.setattr("companion.links.port_url.open_port", lambda url, _: urls.append(url))
+    for place in ("/dev/ttyAMA0", "/dev/ttyAMA0,4800", "tcp:boat.local:2947"):
+        open_line(place, 9600.0, HandClock())
+    assert urls == ["/dev/ttyAMA0,9600", "/dev/ttyAMA0,4800", "tcp:boat.local:2947"]

@@ -18,7 +18,7 @@ from twins.lines import HandClock, PtyLine, eventually, gather
 
 from companion.core.errors import LinkError
 from companion.links.interfaces import Link, Port
-from companion.links.serial_port import SerialPort
+from companion.links.serial_port import LINE_8E2, LINE_8N1, SerialPort
 from companion.links.stream import StreamLink
 from companion.links.tcp import TcpInPort, TcpOutPort
 
@@ -89,6 +89,8 @@ def test_many_clients_are_served_side_by_side(server: TcpInPort) -> None:
         with socket.socket(fileno=os.dup(link.fileno())) as same:  # sent at once, and dead peers looked for
             assert same.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
             assert same.getsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE)
+            alive = (socket.TCP_KEEPIDLE, socket.TCP_KEEPINTVL, socket.TCP_KEEPCNT)
+            assert [same.getsockopt(socket.IPPROTO_TCP, option) for option in alive] == [10, 5, 4]
         client.close()
 
 
@@ -260,6 +262,17 @@ def test_a_serial_line_carries_bytes_both_ways(line: PtyLine, clock: HandClock) 
     port.close()
     port.close()
     assert link.is_closed
+
+
+def test_a_serial_line_is_set_up_for_its_format_and_baud_rate(line: PtyLine, clock: HandClock) -> None:
+    checks = termios.INPCK | termios.IGNPAR
+    for line_format, flags in ((LINE_8N1, 0), (LINE_8E2, checks)):
+        port = SerialPort(line.device, 57600, clock, line=line_format)
+        (link,) = port.accept()
+        assert termios.tcgetattr(link.fileno())[0] & checks == flags
+        port.set_baud(9600)
+        assert termios.tcgetattr(link.fileno())[4] == termios.B9600
+        port.close()
 
 
 def test_a_serial_line_that_is_unplugged_comes_back_as_a_new_link(line: PtyLine, clock: HandClock) -> None:
