@@ -157,6 +157,7 @@ def test_many_are_set_with_one_save_and_the_refused_are_told() -> None:
     reasons = parameters.set_many([("HDG_KP", 3.5), ("NOT_THERE", 1.0), ("HDG_KI", 99.0), ("WP_RADIUS", 4.0)])
     assert reasons == ["HDG_KI: 99 is outside 0..50"]
     assert storage.load("params.parm") == b"HDG_KP 3.5\nWP_RADIUS 4\n"
+    assert [set(stored.values) for stored in parameters.poll_saves()] == [{"HDG_KP", "WP_RADIUS"}]
     row = next(row for row in ROWS if row.name == "HDG_KP")
     assert (parameters.value(row), parameters.default(row)) == (3.5, 3.75)
 

@@ -110,8 +110,10 @@ def test_a_key_that_is_taken_away_stays_away() -> None:
     storage = keyed(MemoryStorage())
     store = SigningStore(storage, UNIX_S)
     assert store.key_saved() is None
+    active = [store.is_active]
     store.change_key(None, 0)
     assert (store.boat.key, store.key_saved(), store.key_saved()) == (None, "", None)
+    assert [*active, store.is_active] == [True, False]
     assert SigningStore(storage, UNIX_S).boat.key is None
 
 
@@ -150,9 +152,10 @@ def test_as_many_keys_as_are_remembered_do_not_bind_each_other() -> None:
         floors.record(key, 1000 + number)
     assert [floors.of(key) for key in keys] == [1000 + number for number in range(MAX_KEYS)]
     assert floors.of(KEY) == 0
+    floors.record(keys[0], 2000)
     floors.record(KEY, 5)
-    assert floors.of(KEY) == 5
-    assert floors.of(keys[0]) == floors.of(OTHER) == 1000, "who was displaced binds whoever is not known"
+    assert (floors.of(None), floors.of(KEY), floors.of(keys[0])) == (0, 5, 2000), "the latest are remembered"
+    assert floors.of(keys[1]) == floors.of(OTHER) == 1001, "who was displaced binds whoever is not known"
     floors.record(KEY, 3)
     assert floors.of(KEY) == 5
 
