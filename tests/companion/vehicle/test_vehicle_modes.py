@@ -6,7 +6,11 @@ from companion.core import requests
 from companion.core.intent import FollowLeg, KeepStation, Stop
 from companion.core.modes import Mode, mode_from_number
 from companion.core.state import NavState
+from companion.core.status_text import Severity
+from companion.failsafe import actions
+from companion.failsafe.actions import Trigger
 from companion.geofence.fence import FenceCircle
+from companion.vehicle.failsafes import _carry_out as carry_out
 from companion.vehicle.failsafes import failsafe_inputs
 from companion.vehicle.mission.steps import Home, Mission, Waypoint
 from companion.vehicle.vehicle import Vehicle
@@ -206,3 +210,20 @@ def test_asking_for_the_inputs_of_the_failsafes_changes_nothing() -> None:
     failsafe_inputs(vehicle, 100.0)
     assert (vehicle.failsafes.endurance.is_due(100.0), vehicle.failsafes.planner.is_steering) == before
     assert before == (True, True)
+
+
+def test_each_decision_of_the_failsafes_is_carried_out() -> None:
+    vehicle = vehicle_at(mode=Mode.LOITER)
+    for decision in (
+        actions.Notify(Severity.NOTICE, "Notified"),
+        actions.LimitSpeed(0.5),
+        actions.Recover(Trigger.CHECK, Severity.NOTICE, "Checking"),
+    ):
+        carry_out(decision, vehicle, 1.0)
+    assert texts(vehicle) == ["Notified", "Checking"]
+    assert vehicle.speed_m_s == 0.5 * vehicle.config.speed.cruise_m_s
+    carry_out(actions.Retreat((Mode.RTL, Mode.HOLD)), vehicle, 1.1)
+    assert (vehicle.mode, vehicle.retreated_from) == (Mode.RTL, Mode.LOITER)
+    carry_out(actions.StopMotors(), vehicle, 1.2)
+    assert not vehicle.armed
+    assert texts(vehicle)[-1] == "Disarmed by failsafe"
