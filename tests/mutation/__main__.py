@@ -62,7 +62,7 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
     ),
     "sensors": (
         "tests/companion/sensors", "tests/hardware/gnss", "tests/hardware/heading", "tests/hardware/water",
-        "tests/hardware/test_nmea_parts.py", "tests/companion/services/test_external_pose.py",
+        "tests/companion/services/test_external_pose.py",
         "tests/companion/services/test_corrections.py",
     ),
     "mission_tools/assembly": (

@@ -81,6 +81,18 @@ def test_the_throw_moves_to_meet_what_turns_the_boat_aside() -> None:
     assert swing.offset == pytest.approx(-0.1, abs=0.02)
 
 
+@pytest.mark.parametrize(("halves_s", "offset"), [((3.0, 0.1), 0.21), ((0.1, 3.0), -0.21)])
+def test_the_throw_never_moves_by_more_than_leaves_it_both_signs(
+    halves_s: tuple[float, float], offset: float
+) -> None:
+    swing, now_s = RelayFeedback(0.3, 0.02, 0.0, 0.0), 0.0
+    for _ in range(20):
+        for half_s, off_rad in zip(halves_s, (0.03, -0.03), strict=True):
+            now_s += half_s
+            swing.update(off_rad, now_s)
+    assert swing.offset == pytest.approx(offset)
+
+
 def test_a_bow_that_does_not_come_back_is_not_swung_on() -> None:
     swing = RelayFeedback(0.3, 0.02, 0.0, 0.0)
     swing.update(0.03, 1.0)

@@ -9,7 +9,7 @@ from twins.lines import known
 
 from companion.calibration.compass import CompassCalibration, CompassVerdict, FieldFit
 from companion.calibration.ellipsoid import fit_ellipsoid, symmetric_eigen
-from companion.calibration.motor_field import MotorFieldCalibration
+from companion.calibration.motor_field import MotorFieldCalibration, MotorFit
 from companion.core.readings import HeadingReading
 from companion.core.units import wrap_pi
 from companion.core.vectors import Matrix, Vector, plus, times
@@ -188,7 +188,8 @@ def test_what_the_motors_draw_meanwhile_is_taken_out_if_it_is_known() -> None:
 def test_an_offset_beyond_the_parameters_range_is_refused_with_the_cure() -> None:
     boat = Boat(CompassCalibration(NO_CORRECTION, EARTH, 0.0), hard=(1900.0, 0.0, 0.0))
     boat.circle()
-    assert boat.calibration.solve(16.0).reason == "iron or a magnet is too near: move the compass"
+    told = "iron or a magnet is too near: move the compass"
+    assert boat.calibration.solve(16.0) == FieldFit(CompassVerdict.FAILED, told, NO_CORRECTION, 0.0, 0.0)
 
 
 def test_eigenvalues_and_vectors_rebuild_the_matrix() -> None:
@@ -198,6 +199,13 @@ def test_eigenvalues_and_vectors_rebuild_the_matrix() -> None:
         for j in range(3):
             built = sum(values[k] * vectors[i][k] * vectors[j][k] for k in range(3))
             assert built == pytest.approx(matrix[i][j], abs=1e-9)
+
+
+def test_an_arc_has_the_centre_and_radius_of_its_circle() -> None:
+    arc = [(3.0 + 5.0 * math.cos(0.1 * t), -2.0 + 5.0 * math.sin(0.1 * t)) for t in range(35)]
+    found = fit_ellipsoid(arc)
+    assert found is not None
+    assert (*found.centre, found.radius) == pytest.approx((3.0, -2.0, 5.0))
 
 
 @pytest.mark.parametrize(
@@ -266,7 +274,8 @@ def test_a_run_without_throttle_or_with_a_turn_says_so() -> None:
     pier = Pier(IRON, (6.0, -9.0, 3.0), "current")
     pier.run(121.0, 0.2)
     assert pier.job.is_complete
-    assert pier.job.solve().reason == "the throttle stayed below 30 %"
+    assert pier.job.solve() == MotorFit(IRON, 0.0, "the throttle stayed below 30 %")
+    assert [pier.job.progress_percent(now_s) for now_s in (0.0, 60.0, 500.0)] == [0, 50, 99]
     pier = Pier(IRON, (6.0, -9.0, 3.0), "current")
     pier.run(6.0, 0.6, rate_rad_s=0.3)
     assert pier.job.solve().reason == "the boat turned too far: moor it"

@@ -215,6 +215,8 @@ def test_what_keeps_a_calibration_from_starting() -> None:
     assert boat.start(THRUSTERS) == ""
     assert boat.runner.radius_m == 60.0
     assert boat.start(HEADING) == "Thruster calibration is under way"
+    boat.runner.stop("asked to")
+    assert boat.runner.take_result() == CalibrationResult(THRUSTERS, [], "asked to")
 
 
 @pytest.mark.parametrize(
@@ -292,6 +294,7 @@ DISARMED = VehicleStatus(Mode.HOLD)
 )
 def test_a_tested_motor_turns_for_its_time(motor: int, layout: str, share: float, thrust: Thrust) -> None:
     test, drive = motor_test.MotorTest(), DriveSetting(layout=layout)  # type: ignore[arg-type]
+    assert test.decided_s == -math.inf
     assert test.thrust(DISARMED, 9.9) == Thrust(0.0, 0.0)
     assert test.start(MOTORS(motor), share, 2.0, DISARMED, 10.0, drive) == ""
     assert (test.thrust(DISARMED, 11.9), test.is_running) == (thrust, True)
@@ -301,6 +304,7 @@ def test_a_tested_motor_turns_for_its_time(motor: int, layout: str, share: float
 
 def test_a_motor_test_is_refused_and_ended_by_what_the_boat_does() -> None:
     test = motor_test.MotorTest()
+    assert [one.value for one in MOTORS] == [1, 2, 3, 4], "as in Rover"
     assert test.start(MOTORS.LEFT, 0.5, 2.0, LOITERING, 0.0) == "disarm first"
     assert (
         test.start(MOTORS.LEFT, 0.5, 2.0, DISARMED._replace(is_restarting=True), 0.0)
