@@ -19,7 +19,7 @@ from companion.geofence import fence as aboard
 from companion.mavlink.items import MissionItem
 from mission_tools.assembly.plan_options import PlanOptions
 from mission_tools.assembly.planned_mission import MapSource, MissionFile, PlannedMission
-from mission_tools.contract.water_contract import fence_lines, fence_of_water, with_contract
+from mission_tools.contract.water_contract import fence_lines, fence_of_water, rally_points, with_contract
 from mission_tools.costs.boat import Boat, load_boat
 from mission_tools.errors import NoRoute, UsageError
 from mission_tools.maps import Source, build_chart
@@ -120,6 +120,15 @@ def test_rally_points_are_afloat_inside_the_fence_reachable_and_apart() -> None:
         assert line.distance(at) <= 10.0 * planned.clearance_m + 0.1
         assert water.route(chart.frame.to_global(planned.points[0]), point.place).length_m > 0.0
     assert distance_m(*places) > 100.0
+
+
+def test_a_rally_point_lies_abeam_of_the_middle_of_its_stretch_where_there_is_room() -> None:
+    """The route runs 5 m off the southern bank: 10 m farther out there is three times the clearance."""
+    chart = build_chart("canal", LocalFrame(LatLon(50.0, 10.0)), shapely.box(0.0, 0.0, 1000.0, 60.0), ())
+    for route in ([Point(5.0, 50.0), Point(5.0, 950.0)], [Point(5.0, 950.0), Point(5.0, 50.0)]):
+        found = [chart.frame.to_local(rally.place) for rally in rally_points(chart, route, 4.0, 3)]
+        assert [at.north_m for at in found] == pytest.approx([15.0] * 3, abs=0.1)
+        assert sorted(at.east_m for at in found) == pytest.approx([200.0, 500.0, 800.0], abs=4.0)
 
 
 def test_as_many_rally_points_as_the_boat_holds() -> None:
