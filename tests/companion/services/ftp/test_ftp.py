@@ -170,10 +170,15 @@ def test_what_is_being_written_cannot_be_read_nor_the_other_way_round(served: Se
     assert served.tick() == []
 
 
-def test_the_checksum_is_mavlinks(served: Served) -> None:
+def is_open(path: Path) -> bool:
+    return any(os.path.realpath(fd) == str(path) for fd in Path("/proc/self/fd").iterdir())
+
+
+def test_the_checksum_is_mavlinks_and_leaves_no_file_open(served: Served, tmp_path: Path) -> None:
     served.put(b"/files/a.bin", TEXT)
     crc = struct.unpack("<I", served.ask(Opcode.CALC_FILE_CRC32, b"/files/a.bin").data)[0]
     assert crc == zlib.crc32(TEXT, 0xFFFFFFFF) ^ 0xFFFFFFFF
+    assert not is_open(tmp_path / "files" / "a.bin")
 
 
 def test_all_uploads_together_are_bounded(served: Served) -> None:
@@ -415,9 +420,7 @@ def test_late_answers_are_dropped_once_the_link_has_closed(tmp_path: Path) -> No
     worker.work()
     served.tick()
     assert not served.service._stations
-    assert not [
-        fd for fd in Path("/proc/self/fd").iterdir() if os.path.realpath(fd) == str(tmp_path / "files" / "a")
-    ]
+    assert not is_open(tmp_path / "files" / "a")
 
 
 def test_requests_beyond_a_tick_are_dropped_and_the_next_tick_takes_more(served: Served) -> None:
