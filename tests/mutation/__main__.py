@@ -51,7 +51,8 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
     ),
     "mavlink": (
         "tests/companion/mavlink", "tests/companion/services/ftp", "tests/protocol/test_mission_items.py",
-        "tests/protocol/test_requests_per_item.py", "tests/protocol/test_transfer_back_to_back.py",
+        "tests/protocol/test_ftp_client.py", "tests/protocol/test_requests_per_item.py",
+        "tests/protocol/test_transfer_back_to_back.py",
         "tests/protocol/test_transfer_rules.py", "tests/companion/vehicle/mission/test_mission_parts.py",
     ),
     "services/ftp": ("tests/companion/services/ftp", "tests/protocol/test_ftp_client.py"),

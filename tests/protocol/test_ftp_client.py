@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.ftp_frames import Code, Opcode
+from companion.mavlink.ftp_frames import Code, Opcode, make_request
 from mission_tools.station.ftp.blocks import WINDOW_BYTES
 from mission_tools.station.ftp.client import MOST_WAITING, FtpClient
 from mission_tools.station.ftp.jobs import Entry, FtpFailure
@@ -390,3 +390,8 @@ def test_what_may_happen_only_once_happens_once(tmp_path: Path, loss: float) -> 
         assert line.ask(Opcode.RENAME, name + b"\0" + name + b"x").opcode == ACK
         assert line.ask(Opcode.REMOVE_DIRECTORY, name + b"x").opcode == ACK
     assert not list((tmp_path / "files").iterdir())
+
+
+def test_a_request_has_the_header_of_the_guide() -> None:
+    payload = make_request(0x10001, 2, Opcode.READ_FILE, 300, 239, b"x")
+    assert payload == struct.pack("<HBBBBBBI", 1, 2, 5, 239, 0, 0, 0, 300) + b"x" + bytes(238)

@@ -462,9 +462,21 @@ def test_a_doubled_part_only_repeats_the_first_request_and_another_part_begins_a
     machine.take_part(1, 2, STATION, 0.1)
     assert said(machine) == [("REQUEST_INT", 1)]
     assert machine.take_events() == [Started(2, STATION)]
+    machine.take_part(1, 2, SECOND, 0.1)
+    assert (said(machine), machine.partner) == ([("ACK", MissionResult.DENIED)], STATION)
     machine.take_part(4, 2, STATION, 0.2)
     assert (said(machine), machine.take_events()) == ([("REQUEST_INT", 4)], [Started(2, STATION)])
     tell(machine, item(4), item(5))
     assert machine.take_events() == [
         Completed((MissionItem(3, 16, x=4), MissionItem(3, 16, x=5)), STATION, 4)
     ]
+
+
+def test_a_station_that_never_answers_an_offer_is_told_of_with_the_time_since_it() -> None:
+    machine = Sender(BOAT, MISSION, retry_s=0.5, retries=3)
+    machine.offer(ITEMS, STATION, 5.0)
+    for tick in range(1, 5):
+        machine.tick(5.0 + 0.5 * tick)
+    failed = machine.take_events()[-1]
+    assert isinstance(failed, Failed)
+    assert failed.text == "no answer from 255/190 for 2.0 s"

@@ -214,7 +214,10 @@ def test_what_each_policy_admits(
     policy: SigningPolicy, unsigned: bool, signed: bool, forged: bool, leaves_signed: bool
 ) -> None:
     mine = guard(policy)
+    assert mine.verifies_with(KEY) is (policy != "off")
+    assert not mine.verifies_with(OTHER)
     assert mine.admits(frame()) is unsigned
+    assert mine.counters.unsigned == (not unsigned)
     assert mine.admits(signed_at(NOW)) is signed
     assert mine.admits(signed_at(NOW + 1, key=OTHER)) is forged
     sealed = mine.seal(frame())

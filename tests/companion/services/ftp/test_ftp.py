@@ -543,3 +543,8 @@ def test_a_file_that_shrinks_ends_there_without_a_fault(served: Served, tmp_path
     session = served.ask(Opcode.OPEN_FILE_RO, b"/files/a").session
     os.truncate(tmp_path / "files" / "a", 10)
     assert served.ask(Opcode.READ_FILE, session=session, offset=500_000, size=239).code is Code.END_OF_FILE
+
+
+def test_a_data_size_beyond_a_block_is_refused(served: Served) -> None:
+    session = served.ask(Opcode.OPEN_FILE_RO, b"/metadata/general.json").session
+    assert served.ask(Opcode.READ_FILE, session=session, size=240).code is Code.INVALID_DATA_SIZE
