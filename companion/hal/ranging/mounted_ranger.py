@@ -12,9 +12,14 @@ from companion.config.sensors import RangerPart
 from companion.core.readings import SonarReading
 from companion.hal.background import Background
 from companion.hal.pulses.lgpio_pulses import open_lgpio_pulses
-from companion.hal.ranging import serial_ranger as serial_frames
 from companion.hal.ranging.echo_pins import HCSR04, JSNSR04T, EchoPinRanger
-from companion.hal.ranging.serial_ranger import SerialRanger
+from companion.hal.ranging.serial_ranger import (
+    A02YYUW,
+    TFMINI,
+    SerialRanger,
+    a02yyuw_range_m,
+    tfmini_range_m,
+)
 from companion.hal.raspberry_pi import opening_pins
 from companion.links.port_url import open_line
 from companion.sensors.servo_scan import ServoScan
@@ -163,10 +168,10 @@ def _open_bare(part: RangerPart, now: Callable[[], float], pin_factory: object) 
     max_range_m = part.range_m[1]
     match part.driver:
         case "a02yyuw":
-            kind, decode = serial_frames.A02YYUW, serial_frames.a02yyuw_range_m
+            kind, decode = A02YYUW, a02yyuw_range_m
         case "tfmini":
-            kind = serial_frames.TFMINI
-            decode = partial(serial_frames.tfmini_range_m, min_strength=part.min_strength)
+            kind = TFMINI
+            decode = partial(tfmini_range_m, min_strength=part.min_strength)
         case _:
             with opening_pins("sonar") as gpiozero, ExitStack() as undo:
                 trigger = undo.enter_context(gpiozero.GPIODevice(part.trigger, pin_factory=pin_factory))
