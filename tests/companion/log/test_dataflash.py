@@ -1,7 +1,7 @@
 """The log's format, read back by pymavlink, which none of our code wrote."""
 
-import math
 import struct
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -63,7 +63,7 @@ def test_every_kind_is_defined_with_its_units(tmp_path: Path) -> None:
     units = {record.FmtType: record.UnitIds for record in of_kind(records, "FMTU")}
     assert all(units[kind.number] == kind.units for kind in KINDS)
     multipliers = {chr(record.Id): record.Mult for record in of_kind(records, MULT.name)}
-    assert math.isclose(multipliers["F"], 1e-6)
+    assert [multipliers[one] for one in "ABCFG"] == pytest.approx([0.1, 0.01, 1e-3, 1e-6, 1e-7])
 
 
 def _zeros(kind: RecordKind) -> list[object]:
@@ -98,6 +98,9 @@ def test_a_kind_that_does_not_fit_together_is_refused(
 ) -> None:
     with pytest.raises(ValueError, match="log record ODD"):
         RecordKind(7, "ODD", codes, columns, units, multipliers)
+    for number, is_fine in ((0, False), (1, True), (255, True), (256, False)):
+        with nullcontext() if is_fine else pytest.raises(ValueError, match="log record SOME"):
+            RecordKind(number, "SOME", "Q", "TimeUS", "s", "F")
 
 
 def test_a_value_that_its_field_cannot_hold_is_an_error() -> None:

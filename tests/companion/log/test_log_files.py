@@ -109,6 +109,20 @@ def test_a_full_medium_is_a_fault_and_the_file_is_let_go(
     assert sink.fault == ""  # a new log, a new chance
 
 
+def test_blocks_reach_the_medium_by_fours_and_at_the_end(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    flushed: list[int] = []
+    monkeypatch.setattr("os.fsync", flushed.append)
+    sink = FileSink(LogStore(tmp_path, 100.0), InlineWorker())
+    sink.begin()
+    for _ in range(5):
+        sink.write(b"block", 0.0)
+    assert len(flushed) == 1
+    sink.end()
+    assert len(flushed) == 2
+
+
 def test_a_log_that_cannot_be_begun_is_a_fault(tmp_path: Path) -> None:
     sink = FileSink(LogStore(tmp_path, 100.0, min_free_mb=1e9), InlineWorker())
     assert sink.begin()
