@@ -109,6 +109,14 @@ def test_an_island_in_kml_is_land_however_it_says_so(spelling: str, tmp_path: Pa
     assert bool(chart.notes) == (spelling in ("a multigeometry", "nothing but its place"))
 
 
+def test_a_pier_drawn_as_a_line_in_kml_is_solid() -> None:
+    line = "<LineString><coordinates>10.001,50 10.001,50.001</coordinates></LineString>"
+    pier = f"<Placemark>{KIND_DATA.replace('island', 'pier')}{line}</Placemark>"
+    chart = chart_of(parse_kml(kml(LAKE_MARK, pier, "<Placemark><Model/></Placemark>"), "f"))
+    assert not is_afloat(chart, 50.0005, 10.001)
+    assert ["a Model, which encloses no water: skipped" in note for note in chart.notes] == [True]
+
+
 def test_a_kmz_is_read_and_one_that_unpacks_to_too_much_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.errors import MapError, NoRouteError, StartBlocked
 from mission_tools.maps import Chart, build_chart
-from mission_tools.maps.fenced import fenced
+from mission_tools.maps.fenced import fence_area, fenced
 from mission_tools.mission.mission import Fence, FenceCircle, FencePolygon
 from mission_tools.planning.planner import PlanSettings, plan
 
@@ -102,3 +102,14 @@ def test_corners_of_a_route_and_its_ends_are_all_inside() -> None:
     route = routed(chart, (-100, 0), (100, 5))
     for start, end in pairwise(route.coords):
         assert shapely.LineString([start, end]).distance(shapely.Point(0, 0)) >= 40.0 + CLEARANCE_M - TOUCH_M
+
+
+def test_the_area_of_a_fence_is_its_inclusions_together_without_what_a_true_circle_covers() -> None:
+    fence = Fence((box(-60, -20, 0, 20), box(-10, -20, 60, 20)), (disc(30, 0, 10.0),))
+    area = fence_area(SEA, fence, "f")
+    assert area.area == pytest.approx(120.0 * 40.0 - math.pi * 100.0, abs=0.2)
+    angles = [math.pi * n / 64.0 for n in range(128)]
+    inside = [shapely.Point(30 + 9.999 * math.cos(a), 9.999 * math.sin(a)) for a in angles]
+    assert not any(area.contains(at) for at in inside)
+    whole = fence_area(SEA, Fence((), (disc(0, 0, 10.0, inclusion=True),)), "f")
+    assert whole.within(shapely.Point(0, 0).buffer(10.0, quad_segs=256))
