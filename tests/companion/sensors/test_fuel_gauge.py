@@ -10,7 +10,7 @@ from companion.config.boat_config import BatteryPack
 from companion.core.readings import BatteryReading
 from companion.core.state import STOPPED, MotorCommand
 from companion.mavlink.dialect import dialect
-from companion.sensors.fuel_gauge import FuelGauge
+from companion.sensors.fuel_gauge import FuelGauge, _loads
 from sitl.world.battery_settings import BatterySettings
 from sitl.world.pack import Pack
 
@@ -127,6 +127,10 @@ def test_a_changed_pack_is_full_and_its_failsafe_is_over() -> None:
 def test_a_reset_says_which_pack_and_how_much(params: tuple[float, ...], result: int) -> None:
     rig = Rig().ready()
     assert rig.ask(RESET, *params) == result
+
+
+def test_the_load_of_a_command_is_linear_and_cubic() -> None:
+    assert _loads(MotorCommand(-0.5, 0.2)) == pytest.approx((0.7, 0.133))
 
 
 def used(amperes: float, seconds: float, gauge: FuelGauge, began_s: float = 0.0) -> float | None:

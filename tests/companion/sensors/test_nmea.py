@@ -58,6 +58,7 @@ def test_the_sentences_of_one_epoch_make_one_fix() -> None:
     assert fix.east_m_s == pytest.approx(2.0 * KNOT_M_S)
     assert fix.horizontal_accuracy_m == pytest.approx(5.0)
     assert fix.unix_time_s == 1716888470.0  # 2024-05-28 09:27:50 UTC
+    assert fix.time_of_day_s == 34_070.0
 
 
 def test_from_the_second_epoch_on_a_fix_comes_with_its_last_sentence() -> None:

@@ -21,7 +21,7 @@ from companion.sensors.ubx.configuration import (
     value_step,
 )
 from companion.sensors.ubx.frames import CFG_PRT, MON_VER, UbxFrame, UbxReader, encode
-from companion.sensors.ubx.messages import baseline, horizontal_dop, solution, version
+from companion.sensors.ubx.messages import UbxFixAssembler, baseline, horizontal_dop, solution, version
 
 PVT = nav_pvt(216_010_000, Motion())
 
@@ -73,6 +73,11 @@ def test_an_impossible_date_is_no_date(at: int, date: bytes) -> None:
     raw[at : at + len(date)] = date
     pvt = known(solution(bytes(raw)))
     assert pvt.unix_time_s is None
+
+
+def test_a_fix_has_the_time_of_day_of_its_week() -> None:
+    fix = known(UbxFixAssembler(0.0).feed(UbxFrame(0x0107, PVT[6:-2]), 1.0))
+    assert fix.time_of_day_s == 216_010.0 - 2 * 86_400.0
 
 
 def test_a_normalised_baseline_is_no_heading() -> None:
