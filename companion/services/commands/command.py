@@ -68,11 +68,14 @@ class Command(Struct, frozen=True):
         except ValueError:
             return None
 
+    def shares_answer_with(self, other: "Command") -> bool:
+        """Whether one COMMAND_ACK would do for both: same number and sender."""
+        return self.number == other.number and self.origin.address == other.origin.address
+
     def is_same_as(self, other: "Command") -> bool:
         """Whether the same sender repeats the command; NaN equals NaN."""
         return (
-            self.number == other.number
-            and self.origin.address == other.origin.address
+            self.shares_answer_with(other)
             and self.frame == other.frame
             and all(map(_alike, (*self.p, self.x, self.y), (*other.p, other.x, other.y)))
         )

@@ -198,11 +198,14 @@ class CommandService:
         """
         if command.repetition == 0 or command.number in self.questions:
             return False
-        return any(
-            command.now_s - one.now_s <= _REPEAT_S
-            and one.repetition < command.repetition
-            and command.is_same_as(one)
-            for one in self._accepted
+        # A station has one command of a number on the way, as an answer names no more: if it has sent another
+        # of this number since, the first frame of this one was lost
+        latest = next((one for one in reversed(self._accepted) if one.shares_answer_with(command)), None)
+        return (
+            latest is not None
+            and command.now_s - latest.now_s <= _REPEAT_S
+            and latest.repetition < command.repetition
+            and latest.is_same_as(command)
         )
 
     def _send_later(self, channel: int, message: Message) -> None:

@@ -241,6 +241,21 @@ def test_a_start_repeated_after_something_else_happened_is_meant(rig: Rig) -> No
     assert rig.mode == "AUTO"
 
 
+def test_a_command_given_anew_whose_first_frame_is_lost_is_no_repetition_of_the_earlier_one(
+    rig: Rig,
+) -> None:
+    def set_mode(number: int, repetition: int) -> int:
+        rest = [1, number, *[0.0] * 5]
+        message = dialect.MAVLink_command_long_message(1, 1, CMD.MAV_CMD_DO_SET_MODE, repetition, *rest)
+        return int(rig.answer_to(message, "COMMAND_ACK").result)
+
+    hold, rtl = 4, 11
+    rig.arm()
+    assert [set_mode(number, 0) for number in (hold, rtl)] == [OK, OK]
+    assert set_mode(hold, 1) == OK
+    assert rig.mode == "HOLD"
+
+
 def test_a_late_repetition_does_not_undo_what_another_station_has_commanded(rig: Rig) -> None:
     def send(repetition: int) -> int:
         command = CMD.MAV_CMD_NAV_RETURN_TO_LAUNCH
