@@ -65,7 +65,7 @@ check: lint types contracts test  ## lint, types, import contracts, tests
 mutate: setup  ## mutation testing of the boat's packages; also SAMPLE=200 (0: all), SEED=1, PACKAGE='control services/ftp'
 	$(BIN)/python tests/mutation --sample '$(or $(SAMPLE),200)' $(if $(SEED),--seed $(SEED)) $(addprefix --package ,$(PACKAGE))
 
-bench: setup  ## side by side with peers; rewrites docs/benchmarks.md
+bench: setup  ## side by side with peers; writes out/benchmarks.md
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[bench]'
 	$(BIN)/python -m benchmarks
 

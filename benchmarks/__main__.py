@@ -1,21 +1,22 @@
-"""Run every benchmark, or those that are named: prints a table and rewrites it in docs/benchmarks.md."""
+"""Run every benchmark, or those that are named: prints a table of each, and writes out/benchmarks.md.
+
+docs/benchmarks.md tells what these figures say.
+"""
 
 import os
 import platform
 import sys
 import time
 from collections.abc import Callable, Sequence
-from pathlib import Path
 
 from rich.console import Console
 from rich.table import Table
 
 from benchmarks import codec, emulator, router, transfer
 from benchmarks.measure import Row
-from benchmarks.page import rewrite
+from benchmarks.page import table, write
 from benchmarks.planning import peers, routes, startup, survey, watch
 
-PAGE = Path("docs/benchmarks.md")
 BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "codec": codec.rows,
     "router": router.rows,
@@ -36,13 +37,15 @@ def main(names: list[str]) -> int:
     if unknown:
         sys.stderr.write(f"benchmarks: no {', '.join(unknown)}; there are {', '.join(BENCHMARKS)}\n")
         return 2
+    page = f"# Benchmarks\n\n{_machine()}\n"
     for name in names or BENCHMARKS:
         rows = [_cells(row) for row in BENCHMARKS[name]()]
-        table = Table(*HEAD, title=name)
+        shown = Table(*HEAD, title=name)
         for row in rows:
-            table.add_row(*row)
-        Console().print(table)
-        rewrite(PAGE, name, HEAD, rows, f"\n{_machine()}")
+            shown.add_row(*row)
+        Console().print(shown)
+        page += f"\n## {name}\n\n{table(HEAD, rows)}"
+        write("benchmarks", page)
     return 0
 
 

@@ -1,22 +1,18 @@
-"""Tables in the documents that a benchmark writes anew."""
+"""Tables that the benchmarks write."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+FOLDER = Path("out")
 
-def rewrite(
-    page: Path, name: str, head: Sequence[str], rows: Iterable[Sequence[str]], after: str = ""
-) -> None:
-    """Replace what stands between the page's marks `<!-- name -->` and `<!-- end -->` by a table.
 
-    Raises:
-        ValueError: the page has no such marks.
-    """
-    before, begin, rest = page.read_text(encoding="utf-8").partition(f"<!-- {name} -->")
-    _, end, behind = rest.partition("<!-- end -->")
-    if not end:
-        raise ValueError(f"{page}: no marks <!-- {name} --> and <!-- end -->")
-    lines = [f"| {' | '.join(head)} |", "|---" * len(head) + "|"]
-    lines += [f"| {' | '.join(row)} |" for row in rows]
-    text = "\n".join(lines) + (f"\n{after}" if after else "")
-    page.write_text(f"{before}{begin}\n\n{text}\n\n{end}{behind}", encoding="utf-8")
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """In Markdown."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def write(name: str, text: str) -> None:
+    """Write out/NAME.md."""
+    FOLDER.mkdir(exist_ok=True)
+    (FOLDER / f"{name}.md").write_text(text, encoding="utf-8")

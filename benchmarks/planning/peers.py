@@ -1,7 +1,7 @@
 """How do the planners of the related work compare with the exact route, on pool, lakes and grids?
 
 Each plans the same queries with the same seeds and the same clearance; a path that does not keep it is a
-failure. docs/peers.md gets a table of all, docs/benchmarks.md those on the mill pond.
+failure. out/peers.md gets a table of all, out/benchmarks.md those on the mill pond.
 """
 
 import statistics
@@ -11,7 +11,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from benchmarks.measure import Row
-from benchmarks.page import rewrite
+from benchmarks.page import table as markdown
+from benchmarks.page import write
 from benchmarks.peers import PEERS
 from benchmarks.peers.interface import Failed, Sea, plan
 from companion.core.geo import Point
@@ -21,7 +22,6 @@ from mission_tools.maps.formats.grid_map import load_grid_map
 from mission_tools.planning.exact_planner import water_of
 from sitl.scenarios.scenario import load_scenario
 
-PAGE = Path("docs/peers.md")
 GRID = Path("tests/data/grids/arena2.map")
 SEEDS = (11, 12, 13)
 BUDGET_S = 5.0
@@ -60,11 +60,11 @@ def rows() -> list[Row]:
     table = {name: {water: _tally(name, *asked) for water, asked in waters.items()} for name in names}
     table[EXACT] = {water: _exact_tally(*asked) for water, asked in waters.items()}
     cells = ((name, *map(str, by_water.values())) for name, by_water in table.items())
-    rewrite(PAGE, "planners", ("planner", *waters), cells)
+    write("peers", markdown(("planner", *waters), cells))
     ours_ms, on_pond = table[EXACT][POND].time_ms, {name: table[name][POND] for name in names}
     return [
         Row(
-            "CPU time of a route on the mill pond, 4 m from every shore", "ms", ours_ms, 0.0,
+            "CPU time of a route on the mill pond", "ms", ours_ms, 0.0,
             name.replace("*", r"\*"), tally.time_ms, ours_ms / tally.time_ms,
             f"{statistics.median(tally.excesses):.2f} % longer",
         )

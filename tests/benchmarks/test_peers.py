@@ -1,12 +1,10 @@
 """The comparison planners: valid paths or honest failures, and the same path for the same seed."""
 
 from importlib.util import find_spec
-from pathlib import Path as File
 
 import pytest
 import shapely
 
-from benchmarks.page import rewrite
 from benchmarks.peers import PEERS, ants, roadmap
 from benchmarks.peers.interface import Deadline, Failed, Path, Planned, Sea, plan
 from companion.core.geo import LatLon, LocalFrame, Point
@@ -66,15 +64,3 @@ def test_a_path_over_a_rock_or_to_another_place_is_a_failure(end: Point, reason:
     found = plan(straight_on, Sea(basin(ROCK), 3.0), START, GOAL, 0, BUDGET_S)
     assert isinstance(found, Failed)
     assert found.reason == reason
-
-
-def test_a_table_of_a_page_is_replaced_between_its_marks_alone(tmp_path: File) -> None:
-    page = tmp_path / "page.md"
-    page.write_text("a\n<!-- one -->\nold\n<!-- end -->\nb\n<!-- two -->\nstays\n<!-- end -->\n")
-    rewrite(page, "one", ("x", "y"), [("1", "2")], "today")
-    assert page.read_text() == (
-        "a\n<!-- one -->\n\n| x | y |\n|---|---|\n| 1 | 2 |\ntoday\n\n<!-- end -->\nb\n"
-        "<!-- two -->\nstays\n<!-- end -->\n"
-    )
-    with pytest.raises(ValueError, match="no marks"):
-        rewrite(page, "three", ("x",), [])
