@@ -10,7 +10,6 @@ import pytest
 from boat_rig import Rig, waypoint
 from fence_rig import box, fenced, polygon
 
-from companion.obstacles.planning.planner import Stage
 from sitl.courses.missions import plan_mission, wire_items
 from sitl.run.mission_run import MissionRun
 from sitl.scenarios.scenario import load_scenario
@@ -78,14 +77,6 @@ def test_an_island_on_the_leg_is_sailed_round_and_the_leg_gone_on_with(
     assert any("passing to" in text for text in voyage.rig.peer.texts)
 
 
-def test_a_gap_in_a_wall_is_found() -> None:
-    walls = [block(20.0, 21.0, west, east) for west, east in ((-60.0, -7.0), (-2.0, 2.0), (7.0, 60.0))]
-    voyage = Voyage(*walls).sail(40.0, 250.0)
-    through = [east for north, east in voyage.track if 20.0 < north < 21.0]
-    assert through
-    assert all(2.0 < abs(east) < 7.0 for east in through)
-
-
 def test_an_end_with_no_way_on_is_told_and_waited_before_without_touching() -> None:
     walls = [block(20.0, 21.0, -12.0, 12.0), block(5.0, 21.0, -13.0, -12.0), block(5.0, 21.0, 12.0, 13.0)]
     shut = block(-8.0, -7.0, -13.0, 13.0), block(-8.0, 6.0, -13.0, -12.0), block(-8.0, 6.0, 12.0, 13.0)
@@ -109,25 +100,6 @@ def test_with_the_fence_on_one_side_the_boat_takes_the_other() -> None:
     voyage.sail(50.0, 150.0)
     assert max(east for _, east in voyage.track) < 2.5
     assert min(east for _, east in voyage.track) < -3.5
-
-
-def test_between_the_fence_and_a_wall_the_boat_waits_and_says_so() -> None:
-    voyage = Voyage(block(20.0, 21.0, -8.0, 8.0), seed=3)
-    fenced(voyage.rig.ready(), *polygon(box(-20.0, -6.0, 80.0, 6.0)))
-    voyage.sail(40.0, 120.0, NO_WAY)
-    assert max(abs(east) for _, east in voyage.track) < 6.0
-
-
-def test_told_to_stop_it_stops_before_the_thing() -> None:
-    voyage = Voyage(disc(15.0, 0.0, 2.0), avoidance__goes_round=False)
-    voyage.sail(30.0, 60.0, "Obstacle ahead: keeping station")
-    assert voyage.rig.world.truth.north_m < 12.5
-
-
-def test_switched_off_it_changes_nothing() -> None:
-    rig = Voyage(disc(12.0, 0.0, 1.0), avoidance__enable=1).rig.sail(waypoint(30.0, 0.0))
-    rig.until(lambda: rig.world.groundings > 0, 30.0)
-    assert rig.boat.guidance.avoidance.stage is Stage.CLEAR
 
 
 def field(seed: int) -> list[str]:

@@ -1,7 +1,6 @@
 """The thruster calibration on a boat with a weak right motor, in wind and current, against the truth."""
 
 import math
-from collections.abc import Callable
 
 import pytest
 from boat_rig import OK, Rig
@@ -35,11 +34,6 @@ def lopsided() -> Rig:
     assert rig.arm() == OK
     rig.run(5.0)
     return rig
-
-
-def values(rig: Rig) -> dict[str, float]:
-    parameters = rig.boat.parameters
-    return {row.name: parameters.value(row) for row in parameters.rows}
 
 
 def over(rig: Rig, limit_s: float) -> list[int]:
@@ -112,41 +106,6 @@ def test_what_is_measured_is_the_truth_is_told_and_kept_and_makes_the_boat_go_st
     assert (again.thrusters, again.handling) == (config.thrusters, config.handling)
     assert turned_rad(None) > 1.0
     assert turned_rad(rig.storage) < 0.25
-
-
-@pytest.mark.parametrize(
-    ("breaks", "why"),
-    [
-        (lambda rig: rig.set_mode(Mode.GUIDED), "mode GUIDED"),
-        (lambda rig: rig.ask(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0), "disarmed"),
-        (lambda rig: rig.ask(dialect.MAV_CMD_INJECT_FAILURE, 4, 1, 0), "failsafe"),
-    ],
-)
-def test_anything_else_breaks_it_off_and_nothing_is_changed(
-    breaks: Callable[[Rig], object], why: str
-) -> None:
-    rig = lopsided()
-    before = values(rig)
-    assert rig.ask(CALIBRATE, 1.0) == IN_PROGRESS
-    rig.run(10.0)
-    assert rig.boat.calibration.is_running
-    rig.peer.forget()
-    breaks(rig)
-    rig.until(lambda: not rig.boat.calibration.is_running, 5.0)
-    rig.run(0.1)
-    assert any(why in text for text in rig.peer.texts), rig.peer.texts
-    assert values(rig) == before
-    assert not rig.boat.calibration.is_bare
-
-
-def test_the_same_command_breaks_it_off() -> None:
-    rig = lopsided()
-    assert rig.ask(CALIBRATE, 1.0) == IN_PROGRESS
-    assert rig.ask(CALIBRATE, 1.0) == IN_PROGRESS
-    assert rig.ask(dialect.MAV_CMD_DO_AUTOTUNE_ENABLE, 1.0) == REJECTED_FOR_NOW
-    assert rig.ask(CALIBRATE, 0.0) == CANCELLED
-    assert not rig.boat.calibration.is_running
-    assert rig.ask(CALIBRATE, 0.0) == OK
 
 
 def test_it_is_refused_with_a_reason_and_keeps_inside_the_fence() -> None:

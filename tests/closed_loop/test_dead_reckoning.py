@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import pytest
 from boat_rig import Rig, waypoint
 
-from companion.core.state import EstimateFault, NavState, fault_texts
+from companion.core.state import EstimateFault, NavState
 
 CURRENT = ("environment.current_m_s=0.5", "environment.current_to_deg=90.0")
 AT_S = 30.0
@@ -163,9 +163,3 @@ def test_the_current_is_known_after_two_legs() -> None:
         )
         squares.append(abs(off) ** 2)
     assert math.sqrt(sum(squares) / len(squares)) < 0.12
-
-
-def test_each_fault_has_its_words() -> None:
-    both = EstimateFault.GNSS_FROZEN | EstimateFault.POSITION_LOST
-    assert fault_texts(both) == ["Position lost", "GPS frozen: dead reckoning"]
-    assert all(len(fault_texts(fault)) == 1 and len(fault_texts(fault)[0]) < 40 for fault in EstimateFault)

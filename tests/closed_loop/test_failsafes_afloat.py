@@ -1,16 +1,12 @@
 """Failsafes on ground truth: a part fails in mid-leg, and the boat does what suits it."""
 
-import dataclasses
 from typing import Any
 
 import pytest
 from boat_rig import OK, Rig, scenario, waypoint
-from msgspec.structs import replace
 from sailing_rig import CURRENT, GUSTS, begin, drifted_m, is_stopped, said, speed_m_s, told
 
 from companion.core.modes import Mode
-from companion.core.readings import HeadingReading, HullReading
-from companion.hal.interfaces import Compass
 from sitl.courses.missions import lay_out, wire_items
 from sitl.experiments.campaign.motor_figures import motor_figures
 from sitl.run.mission_run import MissionRun, Result
@@ -51,21 +47,6 @@ def test_a_lost_position_is_reckoned_on_then_held_against_the_water_then_given_u
     rig.until(lambda: rig.mode == "HOLD", 60.0)
     rig.run(1.0)
     assert is_stopped(rig)
-
-
-def test_a_position_that_comes_back_is_told_and_kept_station_on() -> None:
-    rig = under_way(*CURRENT, config={"estimation.dead_reckoning_s": 15.0})
-    begin(rig, "gnss")
-    told(rig, "Failsafe: Position lost", 90.0)
-    rig.run(10.0)
-    rig.world.electronics.faults.end("gnss")
-    told(rig, "Failsafe over: position known again", 10.0)
-    assert rig.mode == "LOITER"
-    rig.run(15.0)
-    assert drifted_m(rig, 20.0) < 3.0
-    assert rig.set_mode(Mode.AUTO) == OK
-    rig.run(5.0)
-    assert rig.mode == "AUTO"
 
 
 def test_a_dead_motor_is_named_the_propellers_are_cleared_and_the_boat_goes_on_with_the_other() -> None:
@@ -126,54 +107,6 @@ def test_a_motor_that_runs_the_wrong_way_is_found_out_and_driven_the_other_way_r
     rig.run(20.0)
     assert rig.mode == "AUTO"
     assert rig.world.truth.north_m_s > 1.0
-
-
-class WetHull:
-    """A hull sensor that says what the test wants."""
-
-    def __init__(self) -> None:
-        self.is_wet, self.temperature_c, self.time_s = False, 30.0, 0.0
-
-    def read(self) -> HullReading:
-        """The reading of now."""
-        self.time_s += 0.02
-        return HullReading(self.time_s, self.is_wet, self.temperature_c)
-
-    def close(self) -> None:
-        """Nothing to let go."""
-
-
-class Capsized:
-    """A compass that also says how the boat lies: keel up."""
-
-    def __init__(self, compass: Compass) -> None:
-        self._compass = compass
-
-    def read(self) -> HeadingReading | None:
-        """The reading of now."""
-        reading = self._compass.read()
-        return None if reading is None else replace(reading, roll_rad=3.0, pitch_rad=0.1)
-
-    def close(self) -> None:
-        """Nothing to let go."""
-
-
-def test_heat_and_water_bring_the_boat_home_and_capsized_it_stops_its_propellers() -> None:
-    hull = WetHull()
-    rig = under_way(hull=hull)
-    hull.temperature_c = 90.0
-    assert 9.9 < told(rig, "Failsafe: Too hot: 90 C", 12.0) < 10.3
-    assert rig.mode == "RTL"
-    hull.temperature_c = 30.0
-    assert rig.set_mode(Mode.AUTO) == OK
-    hull.is_wet = True
-    assert 1.9 < told(rig, "Failsafe: Water in the hull", 4.0) < 2.3
-    assert rig.mode == "RTL"
-    rig.boat.sensors._hardware = dataclasses.replace(rig.hardware, compass=Capsized(rig.hardware.compass))
-    told(rig, "Failsafe: Capsized", 4.0)
-    assert not rig.boat.vehicle.armed
-    rig.run(0.5)
-    assert is_stopped(rig)
 
 
 def test_a_boat_turns_back_while_its_charge_still_takes_it_home() -> None:

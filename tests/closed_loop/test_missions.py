@@ -3,13 +3,10 @@
 import math
 
 import pytest
-from boat_rig import HOME_ITEM, OK, Rig, waypoint
+from boat_rig import HOME_ITEM, Rig, waypoint
 from sailing_rig import VELOCITY, aim, do, over, reached, speed_m_s, told
 
-from companion.core.modes import Mode
 from companion.core.units import wrap_pi
-from companion.mavlink.dialect import dialect
-from companion.mavlink.items import MissionItem
 from companion.mavlink.transfer import Completed
 
 TURNS, LOITER_TIME, RTL, HAND_OVER, DELAY = 18, 19, 20, 92, 93
@@ -38,22 +35,6 @@ def test_times_delays_jumps_and_a_home_on_the_way_are_sailed_and_the_end_leads_h
     assert rig.offset_m(12.0, 0.0) < 3.5
 
 
-def test_a_mission_interrupted_by_hold_is_taken_up_there_and_sailed_again_after_a_restart() -> None:
-    rig = Rig().sail(waypoint(15.0, 0.0), waypoint(15.0, 15.0))
-    rig.until(lambda: rig.boat.vehicle.progress.current_seq == 2, 60.0)
-    rig.run(2.0)
-    assert rig.set_mode(Mode.HOLD) == OK
-    rig.run(5.0)
-    assert rig.set_mode(Mode.AUTO) == OK
-    assert rig.boat.vehicle.progress.current_seq == 2
-    assert over(rig) == [2]
-    rig.reboot()
-    rig.ready()
-    assert rig.arm() == OK
-    assert rig.ask(dialect.MAV_CMD_MISSION_START) == OK
-    assert over(rig) == [1, 2]
-
-
 def test_turns_are_sailed_round_the_place_and_then_the_mission_goes_on() -> None:
     rig = Rig().sail(waypoint(15.0, 0.0, command=TURNS, param1=2.0, param3=-8.0), waypoint(30.0, 10.0))
     swept, last, off = 0.0, None, []
@@ -69,22 +50,6 @@ def test_turns_are_sailed_round_the_place_and_then_the_mission_goes_on() -> None
     assert -swept == pytest.approx(4.0 * math.pi, rel=0.15)
     assert max(map(abs, off[20:])) < 1.5
     assert over(rig) == [1, 2]
-
-
-def test_speeds_behind_a_delay_and_a_distance_wait_for_them_and_are_kept() -> None:
-    rig = Rig().sail(
-        do(AFTER, 12.0), do(CHANGE_SPEED, 1.0, 1.0), waypoint(45.0, 0.0), do(CHANGE_SPEED, 1.0, 2.0),
-        do(WITHIN, 15.0), do(CHANGE_SPEED, 1.0, 0.8), waypoint(95.0, 0.0),
-    )  # fmt: skip
-    rig.run(9.0)
-    assert speed_m_s(rig) > 1.6
-    rig.run(13.0)
-    assert speed_m_s(rig) == pytest.approx(1.0, abs=0.15)
-    rig.until(lambda: rig.offset_m(76.0, 0.0) < 2.0, 80.0)
-    assert speed_m_s(rig) > 1.6
-    rig.until(lambda: rig.offset_m(90.0, 0.0) < 2.0, 60.0)
-    assert speed_m_s(rig) == pytest.approx(0.8, abs=0.2)
-    assert over(rig) == [3, 7]
 
 
 def test_a_turn_on_the_spot_ends_with_the_bow_there() -> None:
@@ -111,21 +76,6 @@ def test_another_program_steers_until_its_limit_and_the_mission_goes_on() -> Non
     assert rig.world.truth.east_m < -4.0
     assert rig.mode == "AUTO"
     assert over(rig) == [1, 3, 4]
-
-
-def test_local_places_are_metres_from_the_origin_and_from_where_the_leg_began() -> None:
-    def local(frame: int, north_m: float, east_m: float) -> MissionItem:
-        return MissionItem(frame=frame, command=16, x=round(north_m * 1e4), y=round(east_m * 1e4))
-
-    rig = Rig().sail(local(1, 12.0, 5.0), local(7, 0.0, 12.0), local(7, -12.0, 0.0))
-    frame = rig.boat.estimator.frame
-    assert frame is not None
-    origin = rig.scenario.frame.to_local(frame.origin)
-    for count, (north_m, east_m) in enumerate([(12.0, 5.0), (12.0, 17.0), (0.0, 17.0)], 1):
-        while len(reached(rig)) < count:
-            rig.step()
-            assert rig.now_s < 120.0
-        assert rig.offset_m(origin.north_m + north_m, origin.east_m + east_m) < 3.5
 
 
 def test_a_patrol_without_end_rounds_its_corner_without_stopping() -> None:

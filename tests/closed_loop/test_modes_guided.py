@@ -6,11 +6,9 @@ import pytest
 from boat_rig import BOAT, OK, Peer, Rig
 from sailing_rig import (
     CURRENT,
-    POSITION,
     VELOCITY,
     YAW,
     YAW_RATE,
-    aim,
     armed,
     drifted_m,
     go_to,
@@ -52,15 +50,6 @@ def test_headings_rates_and_attitudes_are_kept() -> None:
         rig.run(0.5)
     assert wrap_pi(rig.world.truth.heading_rad + 1.0) == pytest.approx(0.0, abs=0.1)
     assert rig.world.truth.surge_m_s == pytest.approx(1.0, abs=0.15)
-
-
-def test_an_offset_from_the_bow_is_sailed_to() -> None:
-    rig = armed(Mode.GUIDED)
-    truth = rig.world.truth
-    c, s = math.cos(truth.heading_rad), math.sin(truth.heading_rad)
-    aim(rig, POSITION, 20.0, 10.0, frame=dialect.MAV_FRAME_BODY_OFFSET_NED)
-    told(rig, "GUIDED: arrived", 60.0)
-    assert rig.offset_m(truth.north_m + 20 * c - 10 * s, truth.east_m + 20 * s + 10 * c) < 3.5
 
 
 def test_circle_goes_round_a_point_ahead_at_its_radius_in_a_current() -> None:

@@ -2,13 +2,12 @@
 
 import math
 
-import pytest
-from boat_rig import HOME_ITEM, OK, UNSUPPORTED, Rig, waypoint
+from boat_rig import HOME_ITEM, OK, Rig, waypoint
 from sailing_rig import do, reached
 
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionType
-from companion.mavlink.transfer import Completed, Failed
+from companion.mavlink.transfer import Completed
 from companion.vehicle.mission.steps import Skip
 
 NAN = math.nan
@@ -105,24 +104,3 @@ def test_a_mission_switches_the_fence_off_and_on_again() -> None:
     rig.until(lambda: fence.is_active, 60.0)
     assert reached(rig) == [1, 3]
     assert spoken(rig, "by the mission") == ["Fence disabled by the mission", "Fence enabled by the mission"]
-
-
-def test_a_mission_that_enables_a_missing_fence_says_so_and_goes_on() -> None:
-    rig = Rig().sail(do(207, 1.0), waypoint(12.0, 0.0))
-    rig.until(lambda: rig.mode != "AUTO", 60.0)
-    assert spoken(rig, "Fence: none uploaded")
-    assert not spoken(rig, "by the mission")
-
-
-@pytest.mark.parametrize("value", [0.5, NAN])
-def test_a_fence_switch_of_an_unknown_value_is_refused(value: float) -> None:
-    failed = Rig().ready().upload([HOME_ITEM, do(207, value)])
-    assert isinstance(failed, Failed)
-    assert failed.result == dialect.MAV_MISSION_INVALID_PARAM1
-
-
-@pytest.mark.parametrize("command", [195, 201])
-def test_a_region_of_interest_is_refused_in_words(command: int) -> None:
-    rig = Rig().ready()
-    assert rig.ask(command) == UNSUPPORTED
-    assert rig.peer.texts == ["ROI: this boat has no camera mount that turns"]

@@ -1,7 +1,7 @@
 """A boat with a transmitter, in lockstep: sticks by schedule, faults, and what stations see of it."""
 
 import pytest
-from boat_rig import OK, UNSUPPORTED, Rig
+from boat_rig import OK, Rig
 from sailing_rig import drifted_m, speed_m_s, tells
 
 from companion.core.units import wrap_pi
@@ -10,9 +10,7 @@ from companion.mavlink.dialect import dialect
 ARM_UP, ARM_DOWN = 2000, 1000
 MANUAL, HOLD, LOITER, AUTO = 1100, 1300, 1425, 1550
 REST = 1500
-REJECTED_FOR_NOW = dialect.MAV_RESULT_TEMPORARILY_REJECTED
 RC_BIT = dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
-RC_SIGNAL, OFF = dialect.FAILURE_UNIT_SYSTEM_RC_SIGNAL, dialect.FAILURE_TYPE_OFF
 KEYS = "vehicle.rc={arm_channel=5, mode_channel=6}"
 
 
@@ -129,37 +127,3 @@ def test_a_boat_that_sails_out_of_range_comes_back_into_it_by_its_failsafe() -> 
     rig.until(lambda: "Failsafe over: transmitter heard again" in rig.peer.texts, 60.0)
     assert rig.offset_m(rig.scenario.start.north_m, rig.scenario.start.east_m) < lost_m
     assert rig.mode == "RTL"
-
-
-def test_the_receiver_fails_by_command_and_by_parameter() -> None:
-    rig = under_way()
-    assert rig.ask(dialect.MAV_CMD_INJECT_FAILURE, RC_SIGNAL, OFF) == OK
-    rig.until(lambda: rig.mode == "LOITER", 3.0)
-    assert rig.ask(dialect.MAV_CMD_INJECT_FAILURE, RC_SIGNAL, 0) == OK
-    rig.until(lambda: "Failsafe over: transmitter heard again" in rig.peer.texts, 3.0)
-    for value, kind in enumerate(("off", "wrong", "stuck", "garbage", "failsafe"), 1):
-        rig.boat.parameters.set("SIM_RC_FAIL", float(value))
-        assert rig.world.electronics.faults.active["rc"].kind == kind
-    rig.boat.parameters.set("SIM_RC_FAIL", 0.0)
-    assert "rc" not in rig.world.electronics.faults.active
-
-
-def test_the_boat_does_not_arm_while_a_station_calibrates_the_transmitter() -> None:
-    rig = Rig("open", KEYS, sticks(step(0.0, arm=ARM_DOWN), step(3.0), step(5.0, arm=ARM_DOWN), step(7.0)))
-    rig.run(2.0)
-    assert rig.ask(dialect.MAV_CMD_PREFLIGHT_CALIBRATION, 0, 0, 0, 1) == OK
-    rig.run(2.0)
-    assert "Arm: RC: being calibrated" in rig.peer.texts
-    assert rig.ask(dialect.MAV_CMD_PREFLIGHT_CALIBRATION) == OK
-    assert "Armed" not in rig.peer.texts
-    rig.run(4.0)
-    assert rig.boat.vehicle.armed
-    assert rig.ask(dialect.MAV_CMD_PREFLIGHT_CALIBRATION, 0, 0, 0, 1) == REJECTED_FOR_NOW
-
-
-def test_a_boat_without_a_receiver_says_nothing_of_one_and_has_none_to_calibrate() -> None:
-    rig = Rig().ready()
-    rig.run(2.0)
-    assert not rig.peer.said("SYS_STATUS")[-1].onboard_control_sensors_present & RC_BIT
-    assert rig.peer.said("RC_CHANNELS")[-1].chancount == 4
-    assert rig.ask(dialect.MAV_CMD_PREFLIGHT_CALIBRATION, 0, 0, 0, 1) == UNSUPPORTED

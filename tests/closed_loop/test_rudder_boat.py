@@ -111,16 +111,3 @@ def test_the_autotune_measures_the_rudder_and_the_thruster_calibration_is_refuse
     rig.run(0.1)
     assert "Heading autotune done: 3 parameters set" in rig.peer.texts
     assert 3.0 < rig.boat.parameters.config.heading.kp < 20.0
-
-
-@pytest.mark.parametrize(
-    ("motor", "result", "left", "rudder"), [(1, 0, 0.3, 0.0), (2, 0, 0.0, 0.3), (3, 4, 0.0, 0.0)]
-)
-def test_the_motor_test_turns_motor_or_rudder(motor: int, result: int, left: float, rudder: float) -> None:
-    rig = Rig("open", RUDDER).ready()
-    assert rig.ask(dialect.MAV_CMD_DO_MOTOR_TEST, motor, 0.0, 30.0, 2.0) == result
-    rig.run(1.0)
-    command = rig.boat.command
-    assert (command.left, command.right, command.rudder) == pytest.approx((left, left, rudder))
-    if result:
-        assert "Motor test: this boat has one motor: test throttle or steering" in rig.peer.texts

@@ -1,11 +1,9 @@
 """A boat with a depth sounder: shallow water stops it, its soundings are sent and logged."""
 
 import math
-from pathlib import Path
 
 import pytest
 from boat_rig import Rig, scenario, waypoint
-from log_rig import LogRig, of_kind, read_log
 from sailing_rig import begin, tells
 
 from companion.core.geo import Point
@@ -83,40 +81,3 @@ def test_a_boat_that_starts_from_a_beach_is_watched_once_it_has_been_in_deeper_w
     begin(rig, "depth", "wrong", -4.2)
     rig.run(4.0)
     assert rig.mode == "SMART_RTL"
-
-
-def test_soundings_are_sent_downward_and_with_the_position() -> None:
-    rig = under_way("sensors.depth.noise_m=0.0", "sensors.depth.lost_share=0.0")
-    rig.run(2.0)
-    (down, *_) = [one for one in rig.peer.said("DISTANCE_SENSOR") if one.orientation == 25]
-    assert (down.id, down.min_distance, down.max_distance) == (1, 30, 5000)
-    assert down.current_distance == pytest.approx(495, abs=1)
-    assert down.time_boot_ms == pytest.approx(1e3 * (rig.now_s - 2.0), abs=700)
-    water = rig.peer.said("WATER_DEPTH")[-1]
-    assert water.time_boot_ms == pytest.approx(1e3 * rig.now_s, abs=900)
-    assert (water.healthy, water.temperature) == (1, 15.0)
-    assert water.distance == pytest.approx(4.95, abs=0.01)
-    here = rig.scenario.frame.to_global(Point(rig.world.truth.north_m, rig.world.truth.east_m))
-    assert water.lat == pytest.approx(here.lat_deg * 1e7, abs=300)
-    begin(rig, "depth", "deaf")
-    rig.run(2.0)
-    assert rig.peer.said("WATER_DEPTH")[-1].healthy == 0
-    down = [one for one in rig.peer.said("DISTANCE_SENSOR") if one.orientation == 25][-1]
-    assert down.current_distance == down.max_distance + 1
-
-
-def test_soundings_are_logged_where_they_were_made(tmp_path: Path) -> None:
-    rig = LogRig(tmp_path, FITTED, "sensors.depth.noise_m=0.0")
-    rig.sail(waypoint(600.0, 0.0))
-    rig.run(10.0)
-    rig.disarm()
-    (log,) = tmp_path.glob("*.bin")
-    records = of_kind(read_log(log), "DPTH")
-    assert len(records) == pytest.approx(100, abs=20)
-    assert {record.Inst for record in records} == {0}
-    found = [record for record in records if not math.isnan(record.Depth)]
-    assert 0 < len(records) - len(found) < 15
-    assert {round(record.Depth, 2) for record in found} == {4.95}
-    assert {record.Temp for record in records} == {15.0}
-    assert found[-1].Lat - found[0].Lat > 4.0 / 111e3
-    assert abs(found[-1].Lat - 50.0) < 0.01

@@ -16,7 +16,6 @@ from pinned_boat import LOOK_S, DriverError, PinnedBoat
 from companion.autopilot.motor_output import DISARM_LEVEL, GIVE_UP_LEVEL
 from companion.autopilot.pipeline import GUIDANCE_S, GuidancePipeline
 from companion.boat import TICK_S
-from companion.calibration.motor_test import MotorTest
 from companion.config.boat_config import BoatConfig
 from companion.control.helm import Helm
 from companion.core.state import NavState, Thrust
@@ -85,17 +84,6 @@ def test_guidance_that_falls_silent_stops_the_motors(
     assert boat.pi.is_driving
 
 
-def test_a_motor_test_that_nobody_watches_over_any_more_stops(
-    boat: PinnedBoat, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    boat.rig.ready()
-    assert boat.rig.ask(dialect.MAV_CMD_DO_MOTOR_TEST, 3.0, 0.0, 50.0, 30.0, 1.0) == OK
-    boat.run(1.0)
-    assert boat.pi.is_driving
-    monkeypatch.setattr(MotorTest, "thrust", lambda *_: Thrust(0.5, 0.0))
-    boat.off_after_s(STALE_S)
-
-
 # A fresh estimate
 
 
@@ -107,14 +95,6 @@ def test_an_estimator_that_returns_the_same_estimate_for_ever_stops_the_motors(
     monkeypatch.setattr(Estimator, "update", lambda *_: stuck)
     boat.off_after_s(STALE_S)
     assert boat.rig.boat.command.reason == "estimate is stale"
-
-
-def test_an_estimator_that_has_nothing_to_say_stops_the_motors(
-    boat: PinnedBoat, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    boat.sail()
-    monkeypatch.setattr(Estimator, "update", lambda *_: None)
-    boat.off_after_s(SAME_TICK_S)
 
 
 def test_receiver_and_compass_that_fall_silent_together_stop_the_motors(boat: PinnedBoat) -> None:
@@ -215,14 +195,6 @@ def test_a_fault_anywhere_in_the_tick_stops_the_motors_in_the_same_tick(
     boat.step()
     assert not boat.pi.is_driving
     assert boat.rig.boat.net.faults == 1
-
-
-def test_a_driver_that_raises_when_it_is_written_to_is_stopped_in_the_same_tick(boat: PinnedBoat) -> None:
-    boat.sail()
-    boat.bridge.breaks = {"write"}
-    boat.step()
-    assert not boat.pi.is_driving
-    assert boat.rig.mode == "HOLD"
 
 
 def test_motors_that_do_not_stop_disarm_the_boat_and_are_told(boat: PinnedBoat) -> None:

@@ -117,10 +117,3 @@ def test_nobody_waits_for_planning_that_was_called_off() -> None:
 
     asyncio.run(job())  # joins the threads of its default executor at its end
     is_over.set()
-
-
-def test_the_demonstration_ends_with_130(run_program: RunProgram, hook: Path) -> None:
-    demo = str(Path(__file__).parents[2] / "examples" / "demo.py")
-    environment = {"PYTHONPATH": str(hook), "INTERRUPT_AT": "shapely", "INTERRUPT_IN": "program"}
-    ended = run_program(demo, environment=environment).wait(JOB_S)
-    assert (ended.code, ended.err) in ((-signal.SIGINT, ""), (INTERRUPTED, "demo: interrupted\n"))

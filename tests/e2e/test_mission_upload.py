@@ -34,14 +34,6 @@ def plan(tmp_path: Path) -> str:
     return str(tmp_path / "zigzag.plan")
 
 
-@pytest.fixture
-def pond(tmp_path: Path) -> str:
-    """A map file without islands."""
-    ring = [[-1.2, 50.0], [-1.198, 50.0], [-1.198, 50.002], [-1.2, 50.002], [-1.2, 50.0]]
-    (tmp_path / "pond.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [ring]}))
-    return str(tmp_path / "pond.geojson")
-
-
 def link(vehicle: FakeVehicle, patience_s: int = 20) -> list[str]:
     return ["--connect", f"tcp:127.0.0.1:{vehicle.port}", "--patience", str(patience_s)]
 
@@ -116,39 +108,10 @@ def test_an_upload_that_breaks_off_twice_is_tried_a_third_time(
     assert len(vehicle.mission) == 7
 
 
-def test_a_boat_that_gets_ready_to_arm_in_time_is_waited_for(plan: str) -> None:
-    behaviour = Behaviour(refuse_arming="Arm: no GNSS fix", arming_refusals=1)
-    with fake_vehicle(behaviour) as vehicle:
-        assert run_program([plan, *link(vehicle), "--start"]) == 0
-
-
-def test_following_for_too_long_is_given_up_and_the_boat_sails_on(
-    plan: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with fake_vehicle(Behaviour(stick_after=2)) as vehicle:
-        assert run_program([plan, *link(vehicle), "--start", "--follow", "--timeout", "2"]) == 1
-    assert "has not ended within 2 s" in capsys.readouterr().err
-
-
 def test_a_vehicle_that_is_no_ardupilot_gets_no_home_item(plan: str) -> None:
     with fake_vehicle(Behaviour(autopilot=dialect.MAV_AUTOPILOT_PX4)) as vehicle:
         assert run_program([plan, *link(vehicle)]) == 0
     assert [item.frame for item in vehicle.mission] == [3] * 6
-
-
-def test_the_route_starts_where_the_boat_is(pond: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with fake_vehicle(Behaviour(at_e7=(500005000, -11990000))) as vehicle:
-        arguments = [pond, "--goal", "50.0015,-1.199", *link(vehicle), "--json"]
-        assert run_program(arguments) == 0
-    tree = json.loads(capsys.readouterr().out)
-    assert tree["home"] == [50.0005, -1.199]
-    assert [item.x for item in vehicle.mission] == [500005000, 500015000]
-
-
-def test_a_boat_on_another_water_is_told_so(pond: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with fake_vehicle(Behaviour(at_e7=(294000000, -821000000))) as vehicle:
-        assert run_program([pond, "--goal", "50.0015,-1.199", *link(vehicle)]) == 2
-    assert "the boat: 29.400000,-82.100000 is nowhere near" in capsys.readouterr().err
 
 
 def test_a_fence_comes_up_alone_and_the_mission_stays(
@@ -179,18 +142,3 @@ def test_a_fence_comes_up_alone_and_the_mission_stays(
     assert report["upload"]["lists"] == {"fence": 4, "rally": 1}
     assert report["upload"]["read_back_equal"] is True
     assert "2 fence areas, 1 rally point" in told.err
-
-
-@pytest.mark.parametrize(
-    ("behaviour", "code", "said"),
-    [
-        (Behaviour(clearing=14), 1, "clearing the fence: the vehicle refused: it takes no missions from us"),
-        (Behaviour(clearing=None), 3, "stopped answering while clearing the fence"),
-    ],
-)
-def test_a_fence_that_will_not_be_cleared_is_told(
-    behaviour: Behaviour, code: int, said: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with fake_vehicle(behaviour) as vehicle:
-        assert run_program(["--fence", "none", *link(vehicle)]) == code
-    assert said in capsys.readouterr().err

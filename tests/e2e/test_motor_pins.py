@@ -6,19 +6,16 @@ import pytest
 from boat_rig import QGC, Peer
 from hypothesis import given
 from hypothesis import strategies as st
-from mock_pi import LEGS, PINS, MockPi
+from mock_pi import PINS, MockPi
 
 from companion.boat import TICK_S, Boat
 from companion.config.boat_config import BoatConfig, Parts
 from companion.core.storage import MemoryStorage
 from companion.links.memory import MemoryPort, memory_pair
 from companion.mavlink.dialect import dialect
-from companion.services.manual_control import ManualControlService
 
 MANUAL = 0
 CONFIG = BoatConfig(parts=Parts(motors=PINS))
-# Until a hand that has fallen silent no longer counts, and the gate has ramped the motors down
-SILENCE_TICKS = round((CONFIG.failsafe.manual_timeout_s + 1.0 / CONFIG.motors.slew_per_s) / TICK_S) + 2
 
 
 class PinnedBoat:
@@ -66,43 +63,6 @@ def sail_by_hand(pinned: PinnedBoat) -> None:
     pinned.steer(1900, 1500)
     pinned.step(30)
     assert pinned.pi.is_driving
-
-
-@pytest.mark.parametrize("magic", [0.0, 21196.0], ids=["disarm", "emergency stop"])
-def test_the_motors_are_off_within_one_tick_of_disarming(pinned: PinnedBoat, magic: float) -> None:
-    sail_by_hand(pinned)
-    pinned.arm(0.0, magic)
-    pinned.step(1)
-    assert pinned.pi.is_off
-
-
-def test_the_motors_are_off_when_the_operators_hand_falls_silent(pinned: PinnedBoat) -> None:
-    sail_by_hand(pinned)
-    pinned.step(SILENCE_TICKS)
-    assert not pinned.pi.is_driving
-
-
-def test_a_service_that_fails_is_counted_and_the_motors_go_off_by_the_time_out(
-    pinned: PinnedBoat, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fail(*_: object) -> None:
-        raise ZeroDivisionError
-
-    sail_by_hand(pinned)
-    monkeypatch.setattr(ManualControlService, "_may_steer", fail)
-    for _ in range(SILENCE_TICKS):
-        pinned.steer(1900, 1500)
-        pinned.step()
-    assert pinned.boat.endpoint.faults == SILENCE_TICKS
-    assert not pinned.pi.is_driving
-
-
-def test_full_ahead_to_full_astern_turns_every_leg_but_never_two_of_one_motor(pinned: PinnedBoat) -> None:
-    sail_by_hand(pinned)
-    pinned.steer(1000, 1500)
-    pinned.step(40)
-    assert pinned.pi.driven() == {*LEGS[0], *LEGS[1]}
-    assert not pinned.pi.both_legs_were_on()
 
 
 PULSES = st.sampled_from([1000, 1200, 1450, 1500, 1550, 1800, 2000])

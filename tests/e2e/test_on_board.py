@@ -7,7 +7,6 @@ import pytest
 from fake_vehicle import FakeVehicle, fake_vehicle
 
 from companion.core.geo import LatLon, LocalFrame, Point
-from mission_tools.cli.check import run_program as run_check
 from mission_tools.cli.download import run_program as run_download
 from mission_tools.cli.upload import run_program as run_upload
 from mission_tools.mission.mission import Fence, FencePolygon, Mission, MissionItem, Rally
@@ -74,30 +73,3 @@ def test_what_is_on_board_is_saved(plan: str, tmp_path: Path, capsys: pytest.Cap
     assert saved.items == sent.items
     assert saved.wire_lists(home_first=True) == sent.wire_lists(home_first=True)
     assert "3 items, 1 fence area, 1 rally point" in capsys.readouterr().out
-
-
-def test_the_mission_on_board_is_checked_against_a_map(
-    plan: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    ring = [[-1.201, 49.999], [-1.199, 49.999], [-1.199, 50.0006], [-1.201, 50.0006], [-1.201, 49.999]]
-    (tmp_path / "pond.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [ring]}))
-    with fake_vehicle() as vehicle:
-        assert run_upload([plan, *link(vehicle)]) == 0
-        assert run_check(link(vehicle)) == 0
-        assert run_check([*link(vehicle), "--map", str(tmp_path / "pond.geojson"), "--json"]) == 1
-    out = capsys.readouterr().out
-    findings = json.loads(out[out.index("{") :])["findings"]
-    assert [finding["item"] for finding in findings] == [3]
-
-
-def test_a_contract_goes_up_with_the_mission(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    ring = [[-1.201, 49.999], [-1.199, 49.999], [-1.199, 50.001], [-1.201, 50.001], [-1.201, 49.999]]
-    (tmp_path / "pond.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": [ring]}))
-    with fake_vehicle() as vehicle:
-        arguments = [str(tmp_path / "pond.geojson"), "--goal", "50.0008,-1.1995", *link(vehicle)]
-        assert run_upload([*arguments, "--contract", "--json"]) == 0
-        assert len(vehicle.fence) == 4
-        assert len(vehicle.rally) == 1
-    report = json.loads(capsys.readouterr().out)
-    assert report["upload"]["lists"] == {"mission": 2, "fence": 4, "rally": 1}
-    assert report["upload"]["read_back_equal"] is True

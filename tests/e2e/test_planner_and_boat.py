@@ -8,7 +8,6 @@ import pytest
 from mavutil_station import OpenStation, Place
 from patience import JOB_S
 from programs import Ended, RunBoat, RunProgram
-from pymavlink.dialects.v20 import all as dialect
 
 pytestmark = pytest.mark.realtime
 pytest_plugins = ("program_fixtures",)
@@ -47,19 +46,6 @@ def test_a_planned_mission_is_uploaded_sailed_and_reported(
     assert station.mode() == LOITER
     assert station.metres_from(GOAL) < 5.0
     assert len(station.download()) == waypoints + 1
-
-
-def test_a_boat_without_a_fix_does_not_sail_says_why_and_is_not_left_armed(
-    running_boat: RunBoat, run_program: RunProgram, open_station: OpenStation
-) -> None:
-    boat = running_boat("lake", "--set", "sensors.gnss.fix_type=1")
-    options = ("--connect", boat.url, "--start", "--patience", "10")
-    ended = run_program("mission-upload", "lake", *options).wait(JOB_S)
-    assert ended.code == 1, ended
-    assert "read back and found equal" in ended.out
-    assert re.search(r"refused to .*(position|GPS)", one_line(ended))
-    heartbeat = open_station(boat.port).wait_for("HEARTBEAT", lambda beat: beat.get_srcSystem() == 1)
-    assert not heartbeat.base_mode & dialect.MAV_MODE_FLAG_SAFETY_ARMED
 
 
 def test_ctrl_c_ends_the_planner_with_130_and_the_boat_sails_on(

@@ -2,7 +2,6 @@
 
 import configparser
 import os
-import shlex
 import shutil
 import signal
 import subprocess
@@ -16,7 +15,6 @@ from patience import JOB_S
 from programs import SCRIPTS, RunProgram
 
 from companion.app.install.plan import unit_text
-from companion.app.motors_off import main
 from companion.app.status_file import RUNTIME_DIRECTORY
 from companion.config.boat_config import load_config
 
@@ -82,70 +80,8 @@ def test_the_files_of_the_example_lie_in_folders_that_the_unit_makes() -> None:
     assert load_config(BOAT).storage.folder == f"/var/lib/{settings['StateDirectory']}"
 
 
-@pytest.fixture
-def pinctrl(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """A pinctrl that notes how it was called."""
-    folder, record = tmp_path / "bin", tmp_path / "calls"
-    folder.mkdir()
-    program = folder / "pinctrl"
-    program.write_text(f'#!/bin/sh\necho "$@" >> {shlex.quote(str(record))}\n', encoding="utf-8")
-    program.chmod(0o755)
-    monkeypatch.setenv("PATH", f"{folder}{os.pathsep}{os.environ['PATH']}")
-    record.touch()
-    return record
-
-
-def test_after_the_program_its_enable_pins_are_driven_low(pinctrl: Path, tmp_path: Path) -> None:
-    boat = tmp_path / "boat.toml"
-    boat.write_text(
-        'parts.motors = {driver = "l298n", left_enable = 19, right_enable = 26}', encoding="utf-8"
-    )
-    command = service()["ExecStopPost"].removeprefix("+").split()
-    assert command[0] == "/opt/mavboat/.venv/bin/python"
-    assert command[-1] == "/etc/mavboat/boat.toml"
-    subprocess.run([sys.executable, *command[1:-1], str(boat)], cwd=tmp_path, check=True, timeout=JOB_S)
-    assert pinctrl.read_text(encoding="utf-8") == "set 19,26 op dl\n"
-
-
-def test_what_is_run_after_the_program_loads_no_more_than_the_configuration() -> None:
-    """It is waited for with the motors running."""
-    code = "import sys, companion.app.motors_off; print(*sys.modules)"
-    done = subprocess.run(
-        [sys.executable, "-I", "-c", code], capture_output=True, text=True, check=True, timeout=JOB_S
-    )
-    loaded = {name.partition(".")[0] for name in done.stdout.split()}
-    assert not loaded & {"pymavlink", "rich", "numpy", "gpiozero", "serial", "lgpio", "smbus2"}
-
-
 def test_the_module_that_root_runs_is_not_looked_for_in_the_users_folder() -> None:
     assert " -I -m companion.app.motors_off " in service()["ExecStopPost"]
-
-
-@pytest.mark.parametrize("text", ["parts.motors = 3", "parts.motors.left_enable = ", None])
-def test_a_file_that_cannot_be_read_stands_for_the_default_pins(
-    pinctrl: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], text: str | None
-) -> None:
-    boat = tmp_path / "boat.toml"
-    if text is not None:
-        boat.write_text(text, encoding="utf-8")
-    assert main([str(boat)]) == 2
-    assert pinctrl.read_text(encoding="utf-8") == "set 12,13 op dl\n"
-    assert "taking the default pins" in capsys.readouterr().err
-
-
-def test_a_boat_without_motors_touches_no_pin(pinctrl: Path, tmp_path: Path) -> None:
-    boat = tmp_path / "boat.toml"
-    boat.write_text("", encoding="utf-8")
-    assert main([str(boat)]) == 0
-    assert pinctrl.read_text(encoding="utf-8") == ""
-
-
-def test_a_machine_without_pinctrl_says_so(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("PATH", str(tmp_path))
-    assert main([str(BOAT)]) == 1
-    assert "pins 12,13: pinctrl is not installed" in capsys.readouterr().err
 
 
 # As its own user, who may read all files here, as on a Pi, where they lie in /opt, but write only his own

@@ -12,7 +12,6 @@ from contextlib import ExitStack
 import pytest
 from mavutil_station import MavutilStation
 from mock_pi import PINS, MockPi
-from msgspec import structs
 from patience import MOMENT_S
 from programs import until
 from pymavlink.dialects.v20 import all as dialect
@@ -20,11 +19,9 @@ from pymavlink.dialects.v20 import all as dialect
 from companion.app.composition import run_boat
 from companion.app.process import Shutdown
 from companion.autopilot.motor_output import GIVE_UP_LEVEL
-from companion.boat import Boat
 from companion.config.boat_config import BoatConfig, Parts
 from companion.config.sensors import CompassPart, GnssPart
 from companion.config.tuning import Failsafe
-from companion.core.errors import LinkError
 from companion.hal.interfaces import Hardware
 
 pytestmark = pytest.mark.realtime
@@ -146,30 +143,6 @@ def test_what_no_handler_catches_leaves_the_motors_off(
     assert_went_off_at_once(pi, event)
 
 
-def test_the_program_is_replaced_only_after_the_motors_are_off(
-    pi: MockPi, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    caplog.set_level(logging.INFO)
-    asked = threading.Event()
-    monkeypatch.setattr(Boat, "wants_restart", property(lambda _: asked.is_set()))
-    event = Event(pi, asked.set)
-    run_until_it_happens(pi, event, lambda: False, caplog)
-    assert_went_off_at_once(pi, event)
-
-
-def test_a_part_that_fails_once_stops_the_motors_and_not_the_boat(
-    pi: MockPi, caplog: pytest.LogCaptureFixture
-) -> None:
-    def fail() -> None:
-        raise OSError("the wire has come off")
-
-    caplog.set_level(logging.INFO)
-    event = Event(pi, fail)
-    run_until_it_happens(pi, event, lambda: event.readings_after > 25, caplog)
-    assert pi.is_off
-    assert not any(change.value for change in pi.history[event.changes_before :])
-
-
 def test_a_part_that_goes_on_failing_ends_the_loop_and_the_motors_stay_off(
     pi: MockPi, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -184,11 +157,3 @@ def test_a_part_that_goes_on_failing_ends_the_loop_and_the_motors_stay_off(
     assert event.readings_after >= GIVE_UP_LEVEL - 1.0, "the loop ended before its time"
     assert not any(change.value for change in pi.history[event.changes_before :])
     assert not pi.both_legs_were_on()
-
-
-def test_a_link_that_cannot_be_opened_leaves_the_pins_off_and_free_for_the_next_try(pi: MockPi) -> None:
-    config = structs.replace(CONFIG, links=("tcpin:203.0.113.1:5760",))  # an address for documents, not ours
-    for _ in range(2):
-        with pytest.raises(LinkError, match=re.escape("tcpin:203.0.113.1:5760")):
-            run_boat(config, lambda: True, open_parts=pi.hardware)
-        assert pi.is_off

@@ -55,6 +55,14 @@ def test_a_bridge_gets_the_pins_low_that_stop_it(
     assert pinctrl.read_text(encoding="utf-8") == f"set {pins} op dl\n"
 
 
+def test_a_file_that_cannot_be_read_stands_for_the_default_pins(
+    pinctrl: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(tmp_path, "parts.motors = 3") == 2
+    assert pinctrl.read_text(encoding="utf-8") == "set 12,13 op dl\n"
+    assert "taking the default pins" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(("driver", "pins"), [("l298n", "12"), ("drv8833", "17,27")])
 def test_the_right_pins_of_a_boat_with_one_motor_belong_to_others(
     pinctrl: Path, tmp_path: Path, driver: str, pins: str
