@@ -3,7 +3,6 @@
 import array
 import fcntl
 import os
-import termios
 import threading
 import time
 from collections.abc import Callable
@@ -14,7 +13,8 @@ import pytest
 from twins.bno085 import Bno085Twin
 from twins.lines import HandClock, PtyLine, eventually, opened
 from twins.rangers import a02yyuw_frame, tfmini_frame
-from twins.sounders import Ping1dTwin, nmea
+from twins.sounders import Ping1dTwin
+from twins.ubx_messages import sentence
 from twins.ubx_receiver import ZED_F9P, UbxReceiver
 from twins.ubx_serial import SerialReceiver
 
@@ -27,7 +27,6 @@ from companion.hal.gnss.receiver import open_nmea_gnss
 from companion.hal.gnss.ubx import open_ubx_gnss
 from companion.hal.ranging.mounted_ranger import open_ranger
 from companion.hal.rc_receiver import open_rc_receiver
-from companion.links.serial_port import LINE_8E2, SerialPort
 
 CRSF = bytes.fromhex("c81816e0031ff8c0073ef0810f7ce0031ff8c0073ef0810f7cad")
 IBUS = bytes.fromhex("2040" + "dc05" * 14 + "51f3")
@@ -50,8 +49,8 @@ def parts(device: str, **table: object) -> BoatConfig:
 def gnss(line: PtyLine, clock: HandClock) -> Open:
     def talk() -> None:
         at = f"0927{clock() % 60.0:05.2f}"
-        line.say(nmea(f"GNRMC,{at},A,5030.0,N,00112.0,W,2.0,90.0,280524,,,A"))
-        line.say(nmea(f"GNGGA,{at},5030.0,N,00112.0,W,1,7,0.85,12.5,M,47.0,M,,"))
+        line.say(sentence(f"GNRMC,{at},A,5030.0,N,00112.0,W,2.0,90.0,280524,,,A"))
+        line.say(sentence(f"GNGGA,{at},5030.0,N,00112.0,W,1,7,0.85,12.5,M,47.0,M,,"))
 
     part = open_nmea_gnss(GnssPart(driver="nmea", port=line.device), clock)
     return Open(part, talk, lambda fix: fix.satellites == 7)
@@ -68,7 +67,7 @@ def ubx(line: PtyLine, clock: HandClock) -> Open:
 def compass(line: PtyLine, clock: HandClock) -> Open:
     part = open_compass(parts(line.device, compass={"driver": "nmea", "correction_rad": 0.1}), clock)
     return Open(
-        part, lambda: line.say(nmea("HEHDT,0.0,T")), lambda one: one.heading_rad == pytest.approx(0.1)
+        part, lambda: line.say(sentence("HEHDT,0.0,T")), lambda one: one.heading_rad == pytest.approx(0.1)
     )
 
 
@@ -88,7 +87,7 @@ def nmea_depth(line: PtyLine, clock: HandClock) -> Open:
     part = open_depth(parts(line.device, depth={"driver": "nmea", "max_range_m": 90.0}), clock)
     return Open(
         part,
-        lambda: line.say(nmea("SDDPT,3.25,0.0")),
+        lambda: line.say(sentence("SDDPT,3.25,0.0")),
         lambda one: (one.depth_m, one.max_range_m) == (3.25, 90.0),
     )
 
@@ -190,15 +189,3 @@ def test_the_line_has_the_speed_of_crossfire_which_is_no_usual_one(tmp_path: Pat
         assert settings[9:11].tolist() == [420000, 420000]
     finally:
         receiver.close()
-
-
-def test_bytes_with_a_wrong_parity_are_dropped_by_the_line(tmp_path: Path) -> None:
-    line = PtyLine(tmp_path / "uart")
-    port = SerialPort(line.device, 100000, HandClock(), line=LINE_8E2)
-    (link,) = port.accept()
-    try:
-        input_flags, _, control_flags, *_ = termios.tcgetattr(link.fileno())
-        assert input_flags & (termios.INPCK | termios.IGNPAR) == termios.INPCK | termios.IGNPAR
-        assert control_flags & (termios.CSTOPB | termios.PARODD) == termios.CSTOPB
-    finally:
-        port.close()

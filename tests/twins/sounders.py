@@ -1,14 +1,8 @@
 """Twins of depth sounders on serial lines."""
 
 import struct
-from functools import reduce
 
 from twins.lines import PtyLine
-
-
-def nmea(text: str) -> bytes:
-    """A sentence with its checksum."""
-    return f"${text}*{reduce(lambda a, b: a ^ b, text.encode()):02X}\r\n".encode()
 
 
 class Ping1dTwin:

@@ -1,12 +1,10 @@
 """The camera's images: how many, when and where."""
 
-import math
-
 import pytest
 from boat_rig import FRAME, nav_at
 
 from companion.core.geo import Point
-from companion.payload.actions import CaptureByDistance, StartCapture, StopCapture
+from companion.payload.actions import CaptureByDistance, StartCapture
 from companion.payload.camera import Camera, Image
 
 TICK_S = 0.02
@@ -73,16 +71,6 @@ def test_a_series_is_counted_and_evenly_spaced() -> None:
     assert not rig.camera.has_series
 
 
-def test_an_endless_series_ends_when_told() -> None:
-    rig = Rig()
-    rig.camera.perform(StartCapture(0, 1.0), 0.0)
-    rig.run(10.5)
-    assert math.isinf(rig.camera.left)
-    rig.camera.perform(StopCapture(), rig.shutter.now_s)
-    rig.run(10.0)
-    assert len(rig.images) == 11
-
-
 def test_a_slow_camera_takes_all_images_of_a_series_one_after_the_other() -> None:
     rig = Rig(run_s=3.0)
     rig.camera.perform(StartCapture(3, 1.0), 0.0)
@@ -106,15 +94,3 @@ def test_images_by_distance_and_one_at_once() -> None:
     rig.camera.perform(CaptureByDistance(0.0), rig.shutter.now_s)
     rig.run(20.0, speed_m_s=2.0)
     assert len(rig.images) == 5
-
-
-def test_a_failed_image_is_told_and_the_next_one_taken() -> None:
-    rig = Rig()
-    rig.shutter.fault = "exit code 1"
-    rig.camera.perform(StartCapture(), 0.0)
-    rig.run(1.0)
-    assert rig.images[0].fault == "exit code 1"
-    rig.shutter.fault = ""
-    rig.camera.perform(StartCapture(), 1.0)
-    rig.run(1.0)
-    assert rig.images[1].fault == ""

@@ -61,16 +61,6 @@ def rig(monkeypatch: pytest.MonkeyPatch) -> Rig:
     return rig
 
 
-def test_an_action_of_the_mission_is_carried_out_told_and_logged(rig: Rig) -> None:
-    news = [rig.control.has_news]
-    assert rig.tick(SetRelay(0, True)) == [(Severity.INFO, "Relay 0: on")]
-    assert rig.relay == 1.0
-    news.append(rig.control.has_news)
-    assert [(one.title, one.value) for one in rig.control.written] == [("relay 0", 1.0)]
-    assert rig.tick() == []
-    assert [*news, rig.control.has_news] == [False, True, False]
-
-
 def test_what_cannot_be_done_now_is_told_as_the_missions(rig: Rig) -> None:
     assert rig.control.perform(RunCommand(7), rig.now_s) == ""
     rig.tick()

@@ -124,18 +124,6 @@ def rig() -> Rig:
     return rig
 
 
-def test_the_first_tick_enters_the_states_of_the_start() -> None:
-    rig = Rig()
-    rig.run()
-    first = {index: output.values for index, output in rig.outputs.items()}
-    assert first == {
-        PUMP: [1.0], THREE: [0.0], LIGHT: [0.0], STERN: [0.0], HORN: [0.0], BAIT: [1500.0], TEN: [0.0],
-        CLAW: [1200.0], MAGNET: [], WINCH: [0.0], SECOND: [0.0],
-    }  # fmt: skip
-    rig.run(0.1)
-    assert rig.values(BAIT) == [1500.0]
-
-
 @pytest.mark.parametrize(
     ("action", "changes", "text"),
     [
@@ -171,16 +159,6 @@ def test_a_servo_is_repeated_between_a_width_and_its_trim(rig: Rig) -> None:
     assert rig.texts == ["Servo 10: 1900 us, 2 times, every 1 s"]
 
 
-@pytest.mark.parametrize(("index", "number", "expected"), [(THREE, 3, [1, 0, 1, 0]), (PUMP, 0, [0, 1, 0, 1])])
-def test_a_relay_is_toggled_from_what_it_is(rig: Rig, index: int, number: int, expected: list[float]) -> None:
-    rig.do(RepeatRelay(number, 2, 1.0))
-    for half in range(1, 5):
-        assert rig.values(index) == expected[:half]
-        rig.run(0.5)
-    rig.run(5.0)
-    assert rig.values(index) == expected
-
-
 def test_disarming_and_losing_the_operator_enter_their_states_once(rig: Rig) -> None:
     rig.do(SetServo(10, 1700))
     rig.do(MoveWinch(0, WinchMotion.LENGTH, 5.0))
@@ -203,13 +181,6 @@ def test_disarming_and_losing_the_operator_enter_their_states_once(rig: Rig) -> 
     rig.do(SetRelay(3, False))
     rig.run(0.1)
     assert rig.values(THREE) == [1.0, 0.0]
-
-
-def test_a_horn_that_is_sounded_again_and_again_still_pauses(rig: Rig) -> None:
-    for _ in range(60):
-        rig.do(SetRelay(6, True))
-        rig.run()
-    assert 0.0 in rig.values(HORN)
 
 
 def test_a_horn_that_has_been_cut_off_does_not_go_on_with_its_repetitions(rig: Rig) -> None:
@@ -248,16 +219,6 @@ def test_a_fault_is_told_once_and_so_is_its_end(rig: Rig) -> None:
     assert rig.texts == ["Servo 10: 1700 us", "Servo 10: no answer", "Servo 10: answers again"]
     assert rig.severities == [Severity.INFO, Severity.ERROR, Severity.NOTICE]
     assert rig.values(TEN) == [1700.0]
-
-
-def test_values_are_written_again_every_second(rig: Rig) -> None:
-    rig.do(SetServo(10, 1700))
-    rig.values(TEN).clear()  # as a chip whose supply has dipped
-    rig.run(0.9)
-    assert rig.values(TEN) == []
-    rig.run(0.2)
-    assert rig.values(TEN) == [1700.0]
-    assert rig.written == [Written("servo 10", 1700.0)]
 
 
 def test_telemetry_knows_widths_relays_and_the_first_winch(rig: Rig) -> None:

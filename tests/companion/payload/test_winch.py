@@ -77,26 +77,6 @@ def test_the_length_is_known_once_the_line_was_wound_in() -> None:
     assert rig.run(60.0) == 0.0  # it is in
 
 
-@pytest.mark.parametrize("motion", [WinchMotion.RELAX, WinchMotion.LOCK, WinchMotion.HOLD])
-def test_relax_lock_and_hold_stop_it(motion: WinchMotion) -> None:
-    rig = Rig()
-    rig.move(WinchMotion.RATE, rate_m_s=-0.25)
-    assert rig.motor.values == [-0.5]
-    rig.run(1.0)
-    assert rig.winch.speed_m_s == -0.25
-    rig.move(motion)
-    assert rig.winch.speed_m_s == 0.0
-    assert rig.motor.values == [-0.5, 0.0]
-    assert not rig.winch.is_moving
-
-
-def test_pulses_count_the_line_whatever_the_time() -> None:
-    rig = Rig(counts=True)
-    rig.move(WinchMotion.LENGTH, 1.0)
-    assert rig.run(60.0, pulse_every_s=1.0) == pytest.approx(10.0, abs=2 * TICK_S)
-    assert not rig.winch.stall_text
-
-
 def test_without_pulses_it_stops_and_says_so() -> None:
     rig = Rig(counts=True)
     rig.move(WinchMotion.LENGTH, 1.0)
@@ -118,53 +98,6 @@ def test_a_reversal_rests_first_and_the_rest_is_not_counted() -> None:
     assert rig.motor.values == [1.0, 0.0]
     assert rig.run(60.0) == pytest.approx(2.0 + 0.02, abs=3 * TICK_S)
     assert rig.motor.values == [1.0, 0.0, -1.0, 0.0]
-
-
-def test_a_length_after_a_broken_off_retraction_does_not_end_wound_in() -> None:
-    rig = Rig()
-    rig.winch.out_m = 4.0
-    rig.move(WinchMotion.RETRACT)
-    rig.run(1.0)
-    rig.move(WinchMotion.LENGTH, -1.0)
-    rig.run(60.0)
-    assert rig.winch.out_m == pytest.approx(2.5, abs=0.03)
-
-
-@pytest.mark.parametrize(
-    ("rate_m_s", "share", "out_m"), [(2.0, 1.0, 3.0), (-2.0, -1.0, 1.0), (0.1, 0.2, 2.2)]
-)
-def test_no_more_line_is_believed_than_the_motor_can_move(
-    rate_m_s: float, share: float, out_m: float
-) -> None:
-    rig = Rig()
-    rig.winch.out_m = 2.0
-    rig.move(WinchMotion.RATE, rate_m_s=rate_m_s)
-    assert rig.motor.values == [share]
-    rig.run(2.0)
-    assert rig.winch.out_m == pytest.approx(out_m, abs=0.02)
-
-
-def test_a_bridge_is_believed_to_run_at_full_speed() -> None:
-    setting = WinchPayload(line_m=10.0, speed_m_s=0.2, out_pin=22, in_pin=27)
-    rig = Rig(setting)
-    rig.winch.out_m = 0.0
-    rig.move(WinchMotion.RATE, rate_m_s=0.05)
-    assert rig.motor.values == [1.0]
-    rig.run(10.0)
-    assert rig.winch.out_m == pytest.approx(2.0, abs=0.02)
-    rig.move(WinchMotion.RATE, rate_m_s=-0.05)
-    rig.run(0.1)
-    assert rig.motor.values == [1.0, 0.0, -1.0]
-
-
-@pytest.mark.parametrize(
-    ("length_m", "rate_m_s", "share"), [(1.0, 0.25, 0.5), (-1.0, 0.25, -0.5), (-1.0, 0.0, -1.0)]
-)
-def test_a_length_may_have_a_rate(length_m: float, rate_m_s: float, share: float) -> None:
-    rig = Rig()
-    rig.move(WinchMotion.LENGTH, length_m, rate_m_s)
-    assert rig.motor.values == [share]
-    assert rig.run(60.0) == pytest.approx(1.0 / abs(share) / SETTING.speed_m_s, abs=2 * TICK_S)
 
 
 def test_a_motor_that_does_not_obey_leaves_the_length_unknown() -> None:

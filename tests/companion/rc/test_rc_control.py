@@ -83,14 +83,6 @@ def test_a_stick_is_read_around_its_trim_with_a_dead_zone(pulse_us: int, expecte
     assert deflection(pulse_us, RcChannel(), 30) == pytest.approx(expected)
 
 
-def test_a_reversed_stick_and_one_that_rests_at_its_end() -> None:
-    assert deflection(2000, RcChannel(is_reversed=True), 30) == -1.0
-    no_reverse = RcChannel(min_us=1000, trim_us=1000, max_us=2000)
-    assert deflection(1000, no_reverse, 30) == 0.0
-    assert deflection(900, no_reverse, 30) == 0.0
-    assert deflection(2000, no_reverse, 30) == 1.0
-
-
 @given(
     pulse_us=st.integers(-1000, 5000),
     low=st.integers(800, 2200),
@@ -147,15 +139,6 @@ def test_the_switch_arms_when_it_goes_up_and_disarms_when_it_goes_down() -> None
     assert hand.live(0.5, arm=1000) == ["Disarmed by the arming switch"]
 
 
-def test_a_switch_that_is_up_at_boot_does_not_arm_until_it_has_been_down() -> None:
-    hand = Hand()
-    hand.channels[ARM] = 2000
-    hand.live(10.0)
-    assert not hand.vehicle.armed
-    hand.live(0.5, arm=1000)
-    assert hand.live(0.5, arm=2000) == ["Armed"]
-
-
 def test_a_switch_that_went_up_while_the_transmitter_was_lost_does_not_arm() -> None:
     hand = Hand()
     hand.live(0.5)
@@ -187,13 +170,6 @@ def test_the_boat_does_not_arm_while_a_stick_is_not_neutral(stick: str, pulse_us
     assert hand.live(0.5, arm=2000) == [f"Arm: {why}"]
     assert hand.vehicle.request(Arm()).reason == why
     assert hand.vehicle.request(Arm(force=True)).accepted
-
-
-@pytest.mark.parametrize("pulse_us", [1470, 1530])
-def test_a_stick_within_its_dead_zone_is_neutral(pulse_us: int) -> None:
-    hand = Hand()
-    hand.live(0.5, throttle=pulse_us, steering=pulse_us)
-    assert hand.live(0.5, arm=2000) == ["Armed"]
 
 
 def test_a_station_that_steers_answers_for_the_sticks_in_place_of_the_transmitter() -> None:
@@ -232,18 +208,6 @@ def test_an_arming_switch_that_is_put_on_a_channel_that_is_up_does_not_arm() -> 
     assert not hand.vehicle.armed
 
 
-def test_a_position_seen_for_a_moment_before_a_loss_must_be_held_anew_after_it() -> None:
-    hand = Hand().armed()
-    hand.live(SETTLE_S / 2.0, mode=HOLD_US, arm=1000)
-    hand.is_on = False
-    hand.live(0.6)
-    hand.is_on = True
-    hand.live(SETTLE_S / 2.0)
-    assert (hand.vehicle.mode.name, hand.vehicle.armed) == ("MANUAL", True)
-    hand.live(SETTLE_S)
-    assert (hand.vehicle.mode.name, hand.vehicle.armed) == ("HOLD", False)
-
-
 def test_a_switch_whose_channel_changes_is_read_anew() -> None:
     switch = Switch()
     for now_s in (0.0, SETTLE_S):
@@ -278,15 +242,6 @@ def test_each_position_has_its_mode() -> None:
     assert hand.vehicle.mode is Mode.RTL
 
 
-def test_a_station_and_the_switch_choose_in_turn_and_the_last_word_counts() -> None:
-    hand = Hand().armed()
-    hand.vehicle.request(ChangeMode(Mode.LOITER))
-    hand.live(5.0)
-    assert hand.vehicle.mode is Mode.LOITER
-    hand.live(0.5, mode=HOLD_US)
-    assert hand.vehicle.mode.name == "HOLD"
-
-
 def test_a_boat_that_is_under_way_does_not_change_its_mode_when_a_transmitter_is_switched_on() -> None:
     hand = Hand()
     hand.is_on = False
@@ -298,16 +253,6 @@ def test_a_boat_that_is_under_way_does_not_change_its_mode_when_a_transmitter_is
     assert hand.vehicle.mode is Mode.LOITER
     hand.live(0.5, mode=HOLD_US)
     assert hand.vehicle.mode.name == "HOLD"
-
-
-def test_a_mode_switch_that_is_put_on_a_channel_under_way_changes_nothing_until_it_moves() -> None:
-    hand = Hand(rc__mode_channel=0)
-    hand.live(0.5)
-    hand.vehicle.request(ChangeMode(Mode.LOITER))
-    hand.live(0.5, arm=2000)
-    hand.vehicle.config = with_value(hand.vehicle.config, "rc.mode_channel", 6)
-    hand.live(1.0)
-    assert hand.vehicle.mode is Mode.LOITER
 
 
 # Stations beside it
@@ -337,17 +282,6 @@ def test_sticks_of_a_station_are_lost_when_all_are_stale_until_they_are_let_go()
     assert sticks.is_lost(config, 5.0)
     sticks.release()
     assert not sticks.is_lost(config, 9.0)
-
-
-def test_an_axis_that_a_station_leaves_alone_is_the_transmitters() -> None:
-    hand = Hand().armed()
-    hand.live(0.5, throttle=2000, steering=1000)
-    hand.vehicle.request(ManualControl(None, 0.5))
-    hand.live(0.1)
-    assert hand.drive == (1.0, 0.5)
-    hand.vehicle.request(ManualControl(None, None))
-    hand.live(0.1)
-    assert hand.drive == (1.0, -1.0)
 
 
 def test_a_station_moves_the_transmitters_switches_and_gives_them_back() -> None:
@@ -399,14 +333,6 @@ def test_channels_that_leap_about_count_as_lost() -> None:
     assert "Failsafe: RC lost: the receiver talks nonsense" in told
     assert hand.vehicle.mode.name == "LOITER"
     assert hand.vehicle.armed
-
-
-def test_both_sticks_thrown_over_at_once_are_believed() -> None:
-    hand = Hand().armed()
-    for number in range(100):
-        end, other = (1.0, -1.0) if number % 2 else (-1.0, 1.0)
-        hand.live(0.1, throttle=round(1500 + 500 * end), steering=round(1500 + 500 * other))
-        assert hand.drive == (end, other)
 
 
 @given(st.lists(st.lists(st.integers(-100, 5000), max_size=18), max_size=40))

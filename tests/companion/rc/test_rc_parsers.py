@@ -62,16 +62,6 @@ def test_the_ends_of_the_scale_are_988_and_2012_microseconds() -> None:
     assert widest.channels_us[:2] == (880, 2159)
 
 
-def test_link_statistics_say_how_good_the_next_frames_are() -> None:
-    parser = CrsfParser()
-    assert parser.feed(statistics(87, ahead=71), 0.0) is None
-    reading = known(parser.feed(CENTRED, 0.1))
-    assert (reading.quality, reading.rssi_dbm, reading.is_failsafe) == (0.87, -71.0, False)
-    parser.feed(statistics(87, ahead=71, aside=93, antenna=1), 0.2)
-    reading = known(parser.feed(CENTRED, 0.3))
-    assert reading.rssi_dbm == -93.0
-
-
 def test_a_link_without_quality_is_the_failsafe_until_there_is_some_again() -> None:
     parser = CrsfParser()
     parser.feed(CENTRED, 0.0)
@@ -136,11 +126,6 @@ def test_an_ibus_frame_of_another_command_is_no_frame() -> None:
     body = ibus([1500] * 14)[:-2].replace(b"\x20\x40", b"\x20\x41", 1)
     parser = IbusParser()
     assert parser.split(body + (0xFFFF - sum(body)).to_bytes(2, "little")) == []
-
-
-def test_sbus_tells_its_failsafe_also_with_a_lost_frame() -> None:
-    reading = known(SbusParser().feed(sbus([992] * 16, flags=4 | 8), 0.0))
-    assert reading.is_failsafe
 
 
 def test_a_beginning_within_an_sbus_frame_is_not_taken_for_one() -> None:

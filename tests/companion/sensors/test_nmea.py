@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from twins.lines import known
+from twins.ubx_messages import sentence
 
 from companion.core.readings import GnssFix, HeadingReading
 from companion.sensors.nmea.fix import GNSS_SENTENCES, FixAssembler
@@ -13,13 +14,6 @@ from companion.sensors.nmea.heading import HEADING_SENTENCES, HeadingAssembler
 from companion.sensors.nmea.sentences import NmeaReader
 
 KNOT_M_S = 1852.0 / 3600.0
-
-
-def sentence(body: str) -> bytes:
-    checksum = 0
-    for byte in body.encode():
-        checksum ^= byte
-    return f"${body}*{checksum:02X}\r\n".encode()
 
 
 def stream(*bodies: str) -> bytes:

@@ -2,16 +2,10 @@
 
 import pytest
 from twins.lines import HandClock, known
+from twins.ubx_messages import sentence
 
 from companion.hal.gnss.receiver import NmeaGnss
 from companion.links.memory import MemoryLink, MemoryPort, memory_pair
-
-
-def sentence(body: str) -> bytes:
-    checksum = 0
-    for byte in body.encode():
-        checksum ^= byte
-    return f"${body}*{checksum:02X}\r\n".encode()
 
 
 def epoch(second: int, satellites: int = 9) -> bytes:

@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from twins.lines import HandClock, known
-from twins.sounders import Ping1dTwin, nmea
+from twins.sounders import Ping1dTwin
+from twins.ubx_messages import sentence
 
 from companion.config.sensors import DepthPart
 from companion.core.readings import DepthReading
@@ -38,7 +39,7 @@ class Wire:
 
 
 def sounding(sounder: NmeaSensor[DepthReading], wire: Wire, *sentences: str) -> DepthReading | None:
-    wire.say(b"".join(map(nmea, sentences)))
+    wire.say(b"".join(map(sentence, sentences)))
     sounder.step()
     return sounder.read()
 
@@ -64,12 +65,12 @@ def test_dpt_is_below_the_transducer_and_its_offset_to_the_surface_counts(
 
 
 @pytest.mark.parametrize(
-    "sentence", ["SDDBT,006.9,f,002.1,M,001.1,F", "SDDBT,006.89,f,,M,,F", "SDDBT,,f,,M,1.148,F"]
+    "body", ["SDDBT,006.9,f,002.1,M,001.1,F", "SDDBT,006.89,f,,M,,F", "SDDBT,,f,,M,1.148,F"]
 )
 def test_dbt_is_read_in_whichever_unit_it_has(
-    sounder: NmeaSensor[DepthReading], wire: Wire, sentence: str
+    sounder: NmeaSensor[DepthReading], wire: Wire, body: str
 ) -> None:
-    reading = known(sounding(sounder, wire, sentence))
+    reading = known(sounding(sounder, wire, body))
     assert reading.depth_m == pytest.approx(2.1, abs=0.005)
 
 
@@ -107,14 +108,14 @@ def test_a_sounder_may_share_the_receivers_line(wire: Wire, clock: HandClock) ->
     depth.listen_to(gnss)
     assert depth.read() is None
     for second in ("00", "01"):
-        wire.say(nmea(f"GNGGA,1200{second}.00,5000.00000,N,00112.00000,W,1,12,0.90,0.0,M,0.0,M,,"))
-        wire.say(nmea(f"GNRMC,1200{second}.00,A,5000.00000,N,00112.00000,W,0.1,0.0,221126,,,A"))
-        wire.say(nmea("SDDPT,2.1,0.3") + nmea("SDMTW,18.5,C"))
+        wire.say(sentence(f"GNGGA,1200{second}.00,5000.00000,N,00112.00000,W,1,12,0.90,0.0,M,0.0,M,,"))
+        wire.say(sentence(f"GNRMC,1200{second}.00,A,5000.00000,N,00112.00000,W,0.1,0.0,221126,,,A"))
+        wire.say(sentence("SDDPT,2.1,0.3") + sentence("SDMTW,18.5,C"))
     gnss.step()
     reading = known(depth.read())
     assert reading.depth_m == 2.1
     assert gnss.read() is not None
-    wire.say(nmea("SDDPT,2.2,0.3"))
+    wire.say(sentence("SDDPT,2.2,0.3"))
     gnss.step()
     reading = known(depth.read())
     assert (reading.depth_m, reading.temperature_c) == (2.2, 18.5)
@@ -204,6 +205,3 @@ def test_garbage_is_never_raised_and_not_kept(noise: bytes) -> None:
     parser = PingReader()
     parser.split(noise + b"BR" + noise)
     assert len(parser._held) < 270
-
-
-# On a device
