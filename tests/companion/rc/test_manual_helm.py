@@ -1,7 +1,7 @@
 """Several stations with sticks: one has the helm, the others are ignored and told so once."""
 
 import pytest
-from boat_rig import BOAT, OK, PLANNER, Peer, Rig
+from boat_rig import BOAT, OK, Peer, Rig
 
 from companion.core.requests import ManualControl
 from companion.mavlink.address import Address
@@ -56,10 +56,3 @@ def test_an_override_released_lets_go_at_once(rig: Rig) -> None:
         )
     rig.receive()
     assert push(rig, other, 300).throttle == 0.3
-
-
-def test_somebody_who_is_not_the_operator_neither_gets_nor_blocks_the_helm() -> None:
-    rig = Rig(config={"identity.operator_system_id": 255}).ready()
-    planner = rig.connect(PLANNER)
-    assert push(rig, planner, 700).throttle == 0.0
-    assert push(rig, rig.peer, 500).throttle == 0.5
