@@ -8,7 +8,7 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from boat_rig import BOAT, FAILED, OK, Rig
+from boat_rig import BOAT, DENIED, FAILED, OK, Rig
 from log_rig import of_kind, read_log
 from sailing_rig import tells
 from twins.qgc_compass import QgcCompassPage
@@ -20,6 +20,7 @@ from companion.core.units import wrap_pi
 from companion.log.records import HEADER
 from companion.log.samples import motion
 from companion.mavlink.dialect import dialect
+from companion.sensors.compass.magnetic_field import MagneticCorrection
 
 CMD = dialect
 REJECTED_FOR_NOW, IN_PROGRESS, CANCELLED = 1, 5, 6
@@ -173,6 +174,44 @@ def test_uncalibrated_only_manual_arms_and_an_autopilot_mode_refuses_a_calibrati
     assert not rig.boat.sensors.compass_fault(), "a magnetometer in reserve"
 
 
+def test_another_compass_is_denied_and_a_cancellation_ends_a_calibration_and_a_measurement() -> None:
+    rig = fresh()
+    assert rig.ask(CMD.MAV_CMD_DO_START_MAG_CAL, 2.0) == DENIED
+    start(rig)
+    assert rig.ask(CMD.MAV_CMD_DO_CANCEL_MAG_CAL) == OK
+    rig.peer.forget()
+    rig.run(3.0)
+    assert not rig.peer.said("MAG_CAL_PROGRESS")
+    assert not rig.peer.said("MAG_CAL_REPORT")
+    assert rig.ask(CMD.MAV_CMD_DO_ACCEPT_MAG_CAL) == FAILED
+    assert rig.hardware.field is not None
+    rig.hardware.field.correction = MagneticCorrection(offset=(1.0, 2.0, 3.0))
+    rig.set_mode(Mode.MANUAL)
+    rig.boat.vehicle.armed = True
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 0, 0, 0, 0, 0, 1) == IN_PROGRESS
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION) == CANCELLED
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 0, 0, 0, 0, 0, 1) == IN_PROGRESS
+    rig.peer.forget()
+    rig.boat.vehicle.mode = rig.boat.vehicle.mode.LOITER
+    rig.run(0.1)
+    assert [one.result for one in rig.peer.said("COMMAND_ACK")] == [CANCELLED]
+
+
+def test_a_result_waits_to_be_accepted_if_asked_to() -> None:
+    rig = fresh()
+    rig.set_mode(Mode.MANUAL)
+    rig.arm()
+    assert rig.hardware.field is not None
+    assert rig.ask(CMD.MAV_CMD_DO_START_MAG_CAL, 0.0, 0.0, 0.0) == OK
+    rig.peer.forget()
+    while not rig.peer.said("MAG_CAL_REPORT"):
+        steer(rig, 0.2, 0.5, 1.0)
+        assert rig.now_s < 70.0, "no report"
+    assert not rig.hardware.field.correction.is_calibrated
+    assert rig.ask(CMD.MAV_CMD_DO_ACCEPT_MAG_CAL) == OK
+    assert rig.hardware.field.correction.is_calibrated
+
+
 def test_one_known_heading_calibrates_a_boat_that_cannot_be_turned() -> None:
     rig = fresh("sensors.compass.soft_iron_deg=0.0", "sensors.compass.motor_deg_per_a=0.0")
     true_deg = math.degrees(rig.world.truth.heading_rad)
@@ -181,3 +220,19 @@ def test_one_known_heading_calibrates_a_boat_that_cannot_be_turned() -> None:
     assert rig.arm() == OK
     assert rms(steer(rig, 0.2, 0.5, 12.0)) < 2.5
     assert rig.ask(CMD.MAV_CMD_FIXED_MAG_CAL_YAW, true_deg, 1.0) == REJECTED_FOR_NOW
+
+
+def test_a_field_that_is_not_the_earths_does_not_arm() -> None:
+    rig = fresh()
+    field, reading, earth = rig.hardware.field, rig.boat.sensors.compass, rig.boat.sensors.earth.field
+    assert field is not None
+    assert reading is not None
+    assert reading.field_mg is not None
+    assert earth is not None
+    x, y, _ = reading.field_mg
+    for share, is_refused in ((0.5, True), (0.7, False), (1.4, False), (1.6, True)):
+        field.correction = MagneticCorrection(offset=(share * earth.horizontal_mg - x, -y, 0.0))
+        fault = rig.boat.sensors.compass_fault()
+        assert bool(fault) is is_refused, fault
+        if is_refused:
+            assert fault.startswith(f"field of {share * earth.horizontal_mg:.0f} mG, not 2")

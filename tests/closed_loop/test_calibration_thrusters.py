@@ -108,6 +108,16 @@ def test_what_is_measured_is_the_truth_is_told_and_kept_and_makes_the_boat_go_st
     assert turned_rad(rig.storage) < 0.25
 
 
+def test_the_same_command_breaks_it_off() -> None:
+    rig = lopsided()
+    assert rig.ask(CALIBRATE, 1.0) == IN_PROGRESS
+    assert rig.ask(CALIBRATE, 1.0) == IN_PROGRESS
+    assert rig.ask(dialect.MAV_CMD_DO_AUTOTUNE_ENABLE, 1.0) == REJECTED_FOR_NOW
+    assert rig.ask(CALIBRATE, 0.0) == CANCELLED
+    assert not rig.boat.calibration.is_running
+    assert rig.ask(CALIBRATE, 0.0) == OK
+
+
 def test_it_is_refused_with_a_reason_and_keeps_inside_the_fence() -> None:
     rig = Rig("open", *WATER).ready()
 

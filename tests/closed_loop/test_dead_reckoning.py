@@ -20,7 +20,6 @@ class Passage:
     first_s: dict[EstimateFault, float]
     error_m: float = 0.0
     heading_error_rad: float = 0.0
-    fault_error_m: float = 0.0  # of the position when the fault began
 
     def sail(self, seconds: float) -> NavState:
         """Go on; error_m and heading_error_rad keep the largest of the stretch."""

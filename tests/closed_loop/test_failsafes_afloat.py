@@ -3,10 +3,9 @@
 from typing import Any
 
 import pytest
-from boat_rig import OK, Rig, scenario, waypoint
-from sailing_rig import CURRENT, GUSTS, begin, drifted_m, is_stopped, said, speed_m_s, told
+from boat_rig import Rig, scenario, waypoint
+from sailing_rig import CURRENT, GUSTS, begin, drifted_m, is_stopped, said, told
 
-from companion.core.modes import Mode
 from sitl.courses.missions import lay_out, wire_items
 from sitl.experiments.campaign.motor_figures import motor_figures
 from sitl.run.mission_run import MissionRun, Result
@@ -70,27 +69,6 @@ def test_a_dead_motor_is_named_the_propellers_are_cleared_and_the_boat_goes_on_w
         was_tried, before = recovery.is_checking, was_tried  # as it is now and then
         assert was_tried or before or rig.boat.command.left == 0.0
         assert recovery.motor_check.motors.has_failed
-
-
-def test_weed_that_comes_off_lets_the_mission_go_on() -> None:
-    rig = under_way()
-    begin(rig, "motor_left")
-    told(rig, "Clearing the propellers", 50.0)
-    rig.run(4.0)
-    rig.world.electronics.faults.end("motor_left")
-    told(rig, "Failsafe over: motors work again", 60.0)
-    assert rig.mode == "AUTO"
-    rig.run(10.0)
-    assert speed_m_s(rig) > 1.5
-    begin(rig, "motor_right")
-    told(rig, "Failsafe: Right motor", 50.0)
-    told(rig, "Clearing the propellers", 50.0)
-    rig.run(1.0)
-    assert rig.set_mode(Mode.HOLD) == OK, "the operator's mode ends it at once"
-    rig.run(0.5)
-    assert is_stopped(rig)
-    rig.run(15.0)
-    assert rig.mode == "HOLD"
 
 
 def test_a_motor_that_runs_the_wrong_way_is_found_out_and_driven_the_other_way_round() -> None:

@@ -19,7 +19,6 @@ HOLD, AUTO = 4, 10
 METRES_PER_E7 = 0.0111319
 START_E7 = 500000000.0, -12000000.0
 TICK_S = 0.05
-SIGNING_EPOCH_S = 1420070400
 
 
 @dataclass
@@ -38,7 +37,6 @@ class Behaviour:
     leave_auto_after: int | None = None
     die_after: int | None = None
     lose_reached: bool = False
-    sign_key: bytes | None = None  # signs with it, and hears nothing that is not signed with it
 
 
 @dataclass
@@ -59,7 +57,6 @@ class FakeVehicle:
         self._server.settimeout(0.1)
         self._parser = dialect.MAVLink(None)
         self._parser.robust_parsing = True
-        self._parser.signing.secret_key = self.behaviour.sign_key
         self._mode, self._armed, self._current, self._state = HOLD, False, 0, 2
         self._lat, self._lon = START_E7
         self._pending: dict[int, list[Any]] = {}
@@ -88,9 +85,6 @@ class FakeVehicle:
 
     def _talk(self, client: socket.socket) -> None:
         mav = dialect.MAVLink(_Writer(client), 1, 1)
-        mav.signing.secret_key = self.behaviour.sign_key
-        mav.signing.sign_outgoing = self.behaviour.sign_key is not None
-        mav.signing.timestamp = int((time.time() - SIGNING_EPOCH_S) * 1e5)
         client.settimeout(TICK_S / 4)
         next_beat_s = next_tick_s = time.monotonic()
         while not self._stop.is_set() and not self._dead:
@@ -108,8 +102,6 @@ class FakeVehicle:
             if not data:
                 return
             for message in self._parser.parse_buffer(data) or []:
-                if self.behaviour.sign_key is not None and message.get_type() == "BAD_DATA":
-                    continue  # what pymavlink makes of a frame whose signature does not hold
                 self._client = (message.get_srcSystem(), message.get_srcComponent())
                 self.heard.append((*self._client, message))
                 if not self.behaviour.silent:

@@ -1,7 +1,6 @@
 """`mission-upload` and `boat-sitl` as two processes that meet over MAVLink: what a person sees and gets."""
 
 import json
-import re
 import signal
 
 import pytest
@@ -64,18 +63,3 @@ def test_ctrl_c_ends_the_planner_with_130_and_the_boat_sails_on(
     station.wait_for(
         "GLOBAL_POSITION_INT", lambda _: station.metres_from(GOAL) < before_m - 2.0, timeout_s=JOB_S
     )
-
-
-def test_the_planner_does_not_stand_in_for_the_operator(
-    running_boat: RunBoat, run_program: RunProgram, open_station: OpenStation
-) -> None:
-    boat = running_boat("lake")
-    planner = run_program("mission-upload", "lake", "--connect", boat.url, "--start", "--follow")
-    planner.wait_for("^waypoint 1 of")
-    station = open_station(boat.port)
-    station.heartbeat()  # the operator looks in once, and is never heard again
-    station.wait_for("STATUSTEXT", lambda text: "Operator lost" in text.text, timeout_s=JOB_S)
-    assert station.mode() == LOITER
-    ended = planner.wait(JOB_S)
-    assert ended.code == 1, ended
-    assert re.search(r"left AUTO for LOITER .*\(Failsafe: Operator lost", one_line(ended))

@@ -6,7 +6,6 @@ import pytest
 from required_figures import REQUIRED
 
 from sitl.__main__ import run_program
-from sitl.cli.arguments import with_json_file_option
 from sitl.world.world import Truth
 
 pytestmark = pytest.mark.slow
@@ -92,16 +91,3 @@ def test_wrong_input_is_exit_code_two_in_one_line(
     error = capsys.readouterr().err
     assert words in error
     assert error.count("\n") == 1
-
-
-@pytest.mark.parametrize(
-    ("given", "told"),
-    [
-        (["--json"], ["--json"]),
-        (["--json", "a.json"], ["--json-file", "a.json"]),
-        (["--json", "--seed", "1"], ["--json", "--seed", "1"]),
-        (["sail", "pool", "--json"], ["sail", "pool", "--json"]),
-    ],
-)
-def test_json_with_a_file_is_told_from_json_without(given: list[str], told: list[str]) -> None:
-    assert with_json_file_option(given) == told

@@ -15,10 +15,8 @@ from sitl.experiments.campaign.expect import Expectation
 from sitl.experiments.mission_trial import run_mission
 from sitl.experiments.trial import Trial, TrialResult, attempt
 from sitl.reports.campaign_page import again, campaign_page
-from sitl.reports.labels import label, labelled
-from sitl.reports.page import Page
 from sitl.reports.run_page import run_page
-from sitl.reports.run_pictures import draw_innovations, draw_panels, draw_track_chart
+from sitl.reports.run_pictures import draw_panels, draw_track_chart
 from sitl.reports.run_series import brakes, fault_spans
 from sitl.run.mission_run import MissionRun
 from sitl.run.recording.run_record import RunRecord, load_record
@@ -79,16 +77,6 @@ def test_the_page_of_a_run_needs_nothing_but_itself(record: RunRecord) -> None:
     assert "compass wrong is over" in page
     assert "Mission complete" in page
     assert record.result["state_hash"] in page
-
-
-def test_text_is_escaped_and_missing_figures_are_dashes() -> None:
-    page = Page("<b>", "a & b")
-    page.table(("name", "value"), [("<i>", None)])
-    html = page.render()
-    assert "<b>" not in html.split("</title>")[0].split("<title>")[1]
-    assert "a &amp; b" in html
-    assert "&lt;i&gt;" in html
-    assert ">–<" in html
 
 
 def test_the_page_of_a_campaign_shows_verdicts_and_the_runs_to_look_at() -> None:
@@ -166,21 +154,6 @@ def test_pages_speak_of_figures_in_words(record: RunRecord, outcome: TrialResult
         assert "cross-track error, RMS (m)" in words
 
 
-@pytest.mark.parametrize(
-    ("key", "name"),
-    [
-        ("cross_track_rms_m", "cross-track error, RMS (m)"),
-        ("environment.current_m_s", "environment: current (m/s)"),
-        ("vehicle.motors.command_timeout_s", "vehicle motors: command timeout (s)"),
-        ("receiver", "receiver"),
-        ("heading_rad", "heading (rad)"),
-    ],
-)
-def test_a_key_becomes_words_with_its_unit(key: str, name: str) -> None:
-    assert label(key) == name
-    assert labelled(f"mean {key} 3 of pond.geojson") == f"mean {name} 3 of pond.geojson"
-
-
 def test_charts_show_from_when_to_when_a_fault_lasted(record: RunRecord) -> None:
     ((begin_s, end_s, name),) = fault_spans(record)
     assert (begin_s, end_s) == pytest.approx((6.0, 8.0), abs=0.1)
@@ -209,8 +182,3 @@ def test_charts_show_where_the_boat_braked(record: RunRecord) -> None:
     one_motor = braked(record, [(20, 30)])
     one_motor.estimates["right"] = np.full(100, 0.5)
     assert brakes(one_motor) == []
-
-
-def test_a_record_without_innovations_has_no_picture_of_them(record: RunRecord) -> None:
-    older = {name: values for name, values in record.estimates.items() if not name.endswith("_nu")}
-    assert draw_innovations(dataclasses.replace(record, estimates=older)) is None

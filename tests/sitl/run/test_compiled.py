@@ -1,6 +1,5 @@
 """Compiled modules: never older than their sources, and the same to the byte."""
 
-import ast
 import shutil
 import subprocess
 import sys
@@ -8,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from sitl.compiled.modules import ROOT, libraries, remember, remove, sources, stale
+from sitl.compiled.modules import ROOT, libraries, remember, remove, stale
 
 pytestmark = pytest.mark.slow
 
@@ -59,24 +58,6 @@ def house(tmp_path: Path) -> Path:
     (tmp_path / "companion/core/geo.so").touch()
     (tmp_path / "companion/_compiled__mypyc.so").touch()
     return tmp_path
-
-
-def test_nothing_is_compiled_that_is_read_from_files() -> None:
-    texts = {name: (ROOT / name).read_text() for name in sources()}
-    assert not [
-        name
-        for name, text in texts.items()
-        if "(Section" in text or (".decode(" in text and "msgspec" in text)
-    ]
-
-
-def test_nothing_is_compiled_whose_structs_need_the_options_of_their_class_line() -> None:
-    for name in sources():
-        for node in ast.walk(ast.parse((ROOT / name).read_text())):
-            if isinstance(node, ast.ClassDef) and any(ast.unparse(base) == "Struct" for base in node.bases):
-                assert "kw_only" not in {option.arg for option in node.keywords}, f"{name}: {node.name}"
-                defaults = [field.value for field in node.body if isinstance(field, ast.AnnAssign)]
-                assert not any(isinstance(default, ast.Call) for default in defaults), f"{name}: {node.name}"
 
 
 def test_a_source_that_has_changed_or_gone_or_come_is_named(tmp_path: Path) -> None:

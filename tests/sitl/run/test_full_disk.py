@@ -10,17 +10,12 @@ from pathlib import Path
 
 import msgspec
 import pytest
-from boat_rig import Rig, waypoint
 
-from companion.log.logbook import Logbook
-from companion.log.sink import InlineWorker, SingleFile
 from sitl.cli.program import run_program
 from sitl.experiments.campaign.campaign import load_campaign
 
 pytestmark = pytest.mark.slow
 
-FULL = Path("/dev/full")
-needs_full = pytest.mark.skipif(not FULL.exists(), reason="no /dev/full on this system")
 CAMPAIGN = '[run]\nscenario = "open"\ncourse = "straight"\ntimeout_s = 8.0\n'
 
 
@@ -66,28 +61,3 @@ def test_a_campaign_that_cannot_go_on_writing_says_where_and_goes_on_later(
     assert not (tmp_path / "out" / "report.html").exists()
     assert run_program(arguments) == 0
     assert (tmp_path / "out" / "report.html").stat().st_size > 1500
-
-
-@needs_full
-def test_a_boat_whose_log_meets_a_full_disk_sails_on_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    rig = Rig()
-    logbook = Logbook(SingleFile(FULL), None, InlineWorker())
-    monkeypatch.setattr(rig, "_build", lambda: _with(rig, logbook))
-    rig.reboot()
-    rig.sail(waypoint(200.0, 0.0))
-    rig.run(20.0)
-    assert rig.boat.net.faults == 0
-    assert rig.boat.vehicle.armed
-    assert rig.mode == "AUTO"
-    told = [text for text in rig.peer.texts if text.startswith("Log stopped")]
-    assert told == [
-        "Log stopped: /dev/full: cannot be written: No space left on device: make room, or name another place"
-    ]
-    rig.boat.close()
-    rig.boat.close()
-
-
-def _with(rig: Rig, logbook: Logbook) -> object:
-    from companion.boat import Boat  # noqa: PLC0415
-
-    return Boat(rig.config, rig.hardware, [rig.port], rig.storage, logbook=logbook)

@@ -43,10 +43,3 @@ def test_the_cells_of_the_notebook_run_on_a_log(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert "velocity_north: NIS" in done.stdout
     assert (tmp_path / "a.png").stat().st_size > 10_000
-
-
-def test_cells_are_split_at_their_marks() -> None:
-    cells = json.loads(notebook("# %% [markdown]\n# # Title\n#\n# Text.\n\n# %%\nx = 1\nprint(x)\n"))["cells"]
-    assert [cell["cell_type"] for cell in cells] == ["markdown", "code"]
-    assert "".join(cells[0]["source"]) == "# Title\n\nText."
-    assert "".join(cells[1]["source"]) == "x = 1\nprint(x)"

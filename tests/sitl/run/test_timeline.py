@@ -1,14 +1,12 @@
 import numpy as np
 import pytest
 from boat_rig import HOME_ITEM, scenario, waypoint
-from payload_rig import CAMERA, PAYLOAD
 
 from companion.core.modes import Mode
-from companion.mavlink.items import MissionItem
 from sitl.run.lockstep import Lockstep
 from sitl.run.mission_run import MissionRun
 from sitl.run.recording.estimate_recorder import EVERY_S, Estimate
-from sitl.run.timeline import MOST_EVENTS, Timeline
+from sitl.run.timeline import Timeline
 
 ITEMS = [HOME_ITEM, waypoint(20.0, 0.0), waypoint(20.0, 20.0)]
 WALLED = (
@@ -69,14 +67,6 @@ def test_a_motor_that_is_driven_though_the_boat_is_disarmed_is_counted_and_told_
     assert [event.kind for event in timeline.events] == ["mode", "motors"]
 
 
-def test_a_full_timeline_takes_no_more() -> None:
-    lockstep = Lockstep(scenario("open"))
-    timeline = Timeline()
-    lockstep.station.texts.extend(["again"] * (MOST_EVENTS + 10))
-    timeline.tick(lockstep)
-    assert len(timeline.events) == MOST_EVENTS
-
-
 def test_the_boats_beliefs_are_kept_ten_times_a_second_beside_the_truth() -> None:
     mission_run = MissionRun(scenario("open", "environment.current_m_s=0.3"), ITEMS)
     result = mission_run.run()
@@ -90,15 +80,3 @@ def test_the_boats_beliefs_are_kept_ten_times_a_second_beside_the_truth() -> Non
     assert column["armed"].all()
     assert set(column["mode"]) <= {float(Mode.AUTO), float(Mode.LOITER)}
     assert np.nanmax(column["demand_speed_m_s"]) > 1.0
-
-
-def test_payload_outputs_and_programs_are_told_as_they_are_given_values() -> None:
-    servo = MissionItem(2, 183, param1=9.0, param2=1700.0)
-    image = MissionItem(2, 2000, param3=1.0)
-    mission_run = MissionRun(scenario("open", PAYLOAD, CAMERA), [*ITEMS[:2], servo, image, ITEMS[2]])
-    mission_run.run()
-    told = [(event.time_s, event.text) for event in mission_run.timeline.events if event.kind == "payload"]
-    lines = [text for _, text in told]
-    assert lines[0] == "relay 0 (pump): 0"
-    assert lines[-2:] == ["servo 9 (bait): 1700", "camera: started"]
-    assert told[-1][0] > 5.0

@@ -7,13 +7,11 @@ import shapely
 
 from companion.core.errors import ConfigError
 from mission_tools.errors import MissionToolsError
-from mission_tools.planning.planner import PlanSettings, plan
 from sitl.scenarios.layers import merge, parse_overrides
 from sitl.scenarios.scenario import load_scenario
 
 SCENARIOS = Path(__file__).parents[3] / "sitl" / "scenarios"
 BOATS = Path(__file__).parents[3] / "sitl" / "boats"
-CASES = ("1", "2", "3", "4", "5")
 
 
 def write(folder: Path, text: str) -> str:
@@ -22,25 +20,7 @@ def write(folder: Path, text: str) -> str:
     return str(file)
 
 
-def test_every_line_of_the_installed_files_has_a_comment() -> None:
-    for file in (*SCENARIOS.glob("*.toml"), *BOATS.glob("*.toml")):
-        lines = file.read_text(encoding="utf-8").splitlines()
-        assert [line for line in lines if line and "#" not in line] == [], file.name
-
-
 # The paper's pool
-
-
-@pytest.mark.parametrize("case", CASES)
-def test_every_goal_of_the_pool_is_reachable_with_room_for_the_hull(case: str) -> None:
-    scenario = load_scenario("pool", case=case)
-    goal = scenario.route.goal
-    assert goal is not None
-    found = plan(scenario.chart, scenario.start, goal, PlanSettings.from_route(scenario.route))
-    assert found.points[0] == scenario.start
-    assert found.points[-1] == goal
-    way = shapely.LineString([(point.east_m, point.north_m) for point in found.points])
-    assert way.distance(scenario.chart.shores) >= 0.5 * scenario.hull.beam_m
 
 
 # Layers

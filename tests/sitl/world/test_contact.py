@@ -111,14 +111,6 @@ def test_a_blow_takes_the_speed_into_the_shore_and_never_adds_energy(
         assert body.energy_j < before_j or into > -1e-6
 
 
-def test_a_blow_at_the_bow_turns_the_boat_away() -> None:
-    body = Hull(LAKE)
-    body.move(2.0, 0.0, 0.0)
-    normal = -math.sin(0.5), -math.cos(0.5)  # a wall to starboard ahead
-    apply_contact(body, Touch(0.5, 0.0, *normal), Velocity(0.0, 0.0))
-    assert body.yaw_rate_rad_s < -0.1
-
-
 def test_a_soft_shore_holds_the_boat_until_the_pull_is_strong_enough() -> None:
     water = basin("boat.start=[0.0, 18.0]", "boat.heading_deg=0", "environment.shore_hold_n=3.0")
     stuck = drive(water, 0.6, 0.6, 10.0)

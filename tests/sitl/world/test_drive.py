@@ -71,16 +71,6 @@ def test_more_command_never_gives_less_thrust(drive: ThrusterSettings, one: floa
     assert settled(drive, low).thrust_n <= settled(drive, high).thrust_n + 1e-12
 
 
-@pytest.mark.parametrize("command", [0.3, 0.6, 1.0])
-def test_the_shaft_lags_by_some_tenths_of_a_second(command: float) -> None:
-    end = settled(LAKE, command).speed_rad_s
-    shaft, seconds = Thruster(LAKE), 0.0
-    while shaft.speed_rad_s < (1.0 - math.exp(-1.0)) * end:
-        shaft.step(command, PACK_V, 0.0, 0.001)
-        seconds += 0.001
-    assert 0.15 < seconds < 0.30
-
-
 @DRIVES
 def test_a_stopped_motor_runs_down_to_exactly_nothing(drive: ThrusterSettings) -> None:
     shaft = settled(drive, 1.0)
@@ -175,13 +165,6 @@ def test_the_left_thruster_alone_turns_clockwise() -> None:
         force_n, moment_nm = pair.step(1.0, 0.0, PACK_V, 0.0, 0.0, DT_S)
     assert force_n == pytest.approx(settled(LAKE, 1.0).thrust_n)
     assert moment_nm == pytest.approx(force_n * 0.15)
-
-
-def test_the_outer_propeller_of_a_turn_meets_more_water_and_pulls_less() -> None:
-    pair = Thrusters(LAKE)
-    for _ in range(300):
-        _, moment_nm = pair.step(0.8, 0.8, PACK_V, 1.0, 1.5, DT_S)
-    assert moment_nm < 0.0  # against the clockwise turn
 
 
 @given(left=SHARE, right=SHARE)

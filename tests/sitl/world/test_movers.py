@@ -9,9 +9,7 @@ from hypothesis import strategies as st
 from companion.core.errors import ConfigError
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.movers import Mover, Movers, MoverSettings
-from sitl.world.world import World
 
-DT_S = 0.02
 places = st.tuples(st.floats(-50.0, 50.0), st.floats(-50.0, 50.0))
 
 
@@ -80,26 +78,3 @@ def test_a_ray_at_the_middle_of_a_mover_measures_to_its_edge(
 def test_a_mover_that_cannot_be_is_refused_by_key(table: str, named: str) -> None:
     with pytest.raises(ConfigError, match=named):
         load_scenario("open", [f"movers=[{table}]"])
-
-
-def test_the_sonar_follows_a_mover_across_the_bow() -> None:
-    water = World(
-        load_scenario(
-            "open",
-            [
-                "movers=[{start=[-3, 2.5], velocity_m_s=[1, 0], radius_m=0.5}]",
-                "sensors.sonar.sweep_deg=0",
-                "boat.heading_deg=0",
-                "sensors.sonar.ghost_share=0",
-            ],
-        )
-    )
-    heard: list[tuple[float, float]] = []
-    for _ in range(350):
-        water.step(DT_S)
-        pings = water.hardware.sonar.read() if water.hardware.sonar else []
-        heard += [(ping.time_s, ping.range_m) for ping in pings if ping.range_m is not None]
-    times = [time_s for time_s, _ in heard]
-    assert 1.8 < min(times) < 2.6
-    assert 3.4 < max(times) < 4.2
-    assert min(range_m for _, range_m in heard) == pytest.approx(2.0, abs=0.05)

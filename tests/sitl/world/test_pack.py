@@ -3,9 +3,13 @@
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec import structs
 
+from sitl.scenarios.scenario import load_scenario
 from sitl.world.battery_settings import BatterySettings
 from sitl.world.pack import CELL_V, CLIFF, Pack
+
+KIT = load_scenario("bench_boat").battery
 
 
 def test_a_full_pack_at_rest_shows_its_cells_less_the_idle_drop() -> None:
@@ -62,3 +66,16 @@ def test_a_pack_that_is_drawn_below_empty_falls_off_a_cliff_and_takes_the_comput
 def test_less_charge_never_shows_more_voltage(charges: tuple[float, float]) -> None:
     low, high = (Pack(BatterySettings(charge=charge)).voltage_v for charge in sorted(charges))
     assert low <= high
+
+
+@pytest.mark.parametrize(
+    ("times", "least_s", "most_s"), [(1.35, 0.75, 600.0), (2.0, 0.15, 5.0), (3.5, 0.08, 0.5)]
+)
+def test_the_fuse_opens_when_a_blade_fuse_does(times: float, least_s: float, most_s: float) -> None:
+    # ISO 8820-3, operating time of blade fuses
+    pack = Pack(structs.replace(KIT, idle_a=0.0, capacity_mah=50000.0))
+    seconds = 0.0
+    while not pack.is_fuse_blown:
+        pack.step(times * (KIT.fuse_a or 0.0), 0.02)
+        seconds += 0.02
+    assert least_s < seconds < most_s

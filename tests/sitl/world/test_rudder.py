@@ -9,7 +9,7 @@ from msgspec import structs
 
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.drive.rudder import STALLED_SHARE, Rudder, RudderSettings
-from sitl.world.drive.thruster import Thruster, Thrusters
+from sitl.world.drive.thruster import Thruster
 from sitl.world.world import World
 
 DT_S = 0.02
@@ -103,37 +103,12 @@ def turned_deg(world: World, rudder: float, seconds: float = 12.0, throttle: flo
     return math.degrees(world.truth.heading_rad)
 
 
-def test_the_rudder_boat_turns_to_the_side_of_its_rudder() -> None:
-    assert 30.0 < turned_deg(boat(), 0.4) < 180.0
-    assert turned_deg(boat(), -0.4) == pytest.approx(-turned_deg(boat(), 0.4))
-
-
 @pytest.mark.parametrize(
     ("kind", "low", "high"), [("off", -2.0, 2.0), ("stuck", -2.0, 2.0), ("wrong", 20.0, 180.0)]
 )
 def test_faults_of_the_rudder(kind: str, low: float, high: float) -> None:
     world = boat(f'faults=[{{what="rudder",kind="{kind}"}}]')
     assert low < turned_deg(world, 0.0 if kind == "wrong" else 0.4) < high
-
-
-@pytest.mark.parametrize("model", ["rudder", "catamaran"])
-def test_cruise_and_top_speed_are_those_of_the_boats_configuration(model: str) -> None:
-    scenario = load_scenario("open", (f"boat.model={model}",))
-    vehicle = scenario.vehicle
-    dead = vehicle.thrusters.left_ahead
-    for share, speed_m_s in (
-        (vehicle.speed.cruise_throttle, vehicle.speed.cruise_m_s),
-        (1.0, vehicle.handling.top_speed_m_s),
-    ):
-        world = World(scenario)
-        pwm = dead + (1.0 - dead) * share
-        for tick in range(round(40.0 / DT_S)):
-            now = pwm * min(0.08 * tick, 1.0)  # the gate's slew
-            world.hardware.motors.write(now, now)
-            world.step(DT_S)
-        assert world.truth.surge_m_s == pytest.approx(speed_m_s, rel=0.05)
-        if share < 1.0:
-            assert world.truth.current_a == pytest.approx(vehicle.battery.cruise_a, abs=0.3)
 
 
 DRIVE = load_scenario("open", ("boat.model=catamaran",)).thrusters
@@ -159,12 +134,3 @@ def test_beyond_its_dead_band_it_is_a_voltage_source(command: float) -> None:
     inside_v = thruster.motor_a * (motor.resistance_ohm + DRIVE.esc.resistance_ohm)
     volts = motor.back_emf_v_s * thruster.speed_rad_s + inside_v
     assert volts == pytest.approx(11.1 * (command - 0.0625) / 0.9375, rel=1e-9)
-
-
-def test_one_shaft_ignores_the_right_channel() -> None:
-    pair = Thrusters(load_scenario("open", ("boat.model=rudder",)).thrusters)
-    for _ in range(100):
-        ahead_n, yaw_nm = pair.step(0.5, -1.0, 11.1, 0.0, 0.0, DT_S)
-    assert pair.right.thrust_n == 0.0
-    assert yaw_nm == 0.0
-    assert ahead_n == pair.left.thrust_n > 0.0

@@ -62,22 +62,6 @@ def test_open_water_has_no_shore_at_all() -> None:
     assert sea.clearances_m([0.0], [0.0]) == [math.inf]
 
 
-def test_a_rock_in_open_water_is_the_only_shore() -> None:
-    sea = Shore(chart(None, ROCK), reach_m=4.0)
-    assert len(sea.near(2.5, 0.0)) == 4
-    assert sea.clearances_m([2.5, 1000.0], [0.0, 1.5]) == pytest.approx([1.0, 997.0])
-
-
-def test_a_long_shoreline_is_only_looked_at_nearby() -> None:
-    coast = Polygon(
-        [(500.0 * math.sin(a), 500.0 * math.cos(a)) for a in [i * math.tau / 5000 for i in range(5000)]]
-    )
-    shore = Shore(chart(coast), reach_m=4.0)
-    assert shore.near(0.0, 0.0) == ()
-    assert 0 < len(shore.near(0.0, 498.0)) < 40
-    assert shore.range_m(0.0, 498.0, [0.0], 4.0) == pytest.approx(2.0, abs=1e-3)
-
-
 @pytest.mark.parametrize("name", ["pond_citra_fl", "harbour_san_juan_pr", "lake_squam_nh"])
 def test_real_shorelines_give_the_room_and_the_echoes_that_shapely_does(name: str) -> None:
     waters = load_geojson(SHORES / f"{name}.geojson")

@@ -60,15 +60,6 @@ def test_gusts_forget_themselves_with_their_correlation_time() -> None:
     assert math.sqrt(power) == pytest.approx(3.0 / PEAK_FACTOR, abs=0.05)
 
 
-def test_gusts_turn_with_the_direction_that_the_wind_comes_from() -> None:
-    north, turned = (
-        speeds(Wind(Environment(wind_m_s=5.0, gust_m_s=8.0, wind_from_deg=deg), seed=3), 10.0)
-        for deg in (0.0, 60.0)
-    )
-    cos, sin = math.cos(math.radians(60.0)), math.sin(math.radians(60.0))
-    assert turned == [pytest.approx((n * cos - e * sin, n * sin + e * cos)) for n, e in north]
-
-
 def test_gusts_below_the_mean_are_refused() -> None:
     with pytest.raises(ValueError, match="gust_m_s = 3: expected at least wind_m_s = 5"):
         Environment(wind_m_s=5.0, gust_m_s=3.0)
@@ -88,12 +79,6 @@ def test_a_wind_over_the_bow_or_the_quarter_turns_the_hull_beam_on() -> None:
     windage = Windage(BOAT, 1.0)
     assert windage.force(-5.0, -5.0)[2] < 0.0  # from the starboard bow: the bow falls off to port
     assert windage.force(5.0, -5.0)[2] > 0.0  # from the starboard quarter: the bow comes up to starboard
-
-
-def test_a_lateral_area_forward_of_amidships_makes_the_bow_fall_off() -> None:
-    ahead = Windage(WindageSettings(lever_m=0.1), 1.0)
-    _, sway_n, yaw_nm = ahead.force(0.0, 6.0)
-    assert yaw_nm == pytest.approx(0.1 * sway_n)
 
 
 @given(ahead=SPEED, starboard=SPEED)
@@ -119,15 +104,3 @@ def test_a_boat_with_stopped_motors_drifts_downwind_at_a_few_percent_of_the_wind
     truth = drift("environment.wind_m_s=8", "environment.wind_from_deg=270", for_s=120.0)
     assert 0.04 * 8.0 < truth.east_m_s < 0.07 * 8.0
     assert (truth.wind_north_m_s, truth.wind_east_m_s) == pytest.approx((0.0, 8.0), abs=1e-9)
-
-
-def test_another_wind_can_be_made_to_blow_at_run_time() -> None:
-    water = World(load_scenario("open"))
-    assert water.wind.is_calm
-    water.wind.set_wind(6.0, math.pi)
-    for _ in range(100):
-        water.step(DT_S)
-    assert water.truth.wind_north_m_s == pytest.approx(6.0)
-    assert water.truth.north_m_s > 0.0
-    water.wind.set_wind(0.0, 0.0)
-    assert water.wind.is_calm

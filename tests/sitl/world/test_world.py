@@ -34,20 +34,6 @@ def test_cruise_throttle_and_full_drive_give_the_boats_speeds(
     assert drive(World(scenario), 1.0, 1.0, 60.0).surge_m_s == pytest.approx(top_m_s, rel=0.03)
 
 
-def test_port_and_starboard_are_mirror_images_through_the_whole_boat() -> None:
-    right, left = drive(world(), 0.9, 0.3, 10.0), drive(world(), 0.3, 0.9, 10.0)
-    assert (left.north_m, left.east_m) == (right.north_m, -right.east_m)
-    assert (left.heading_rad, left.sway_m_s) == (-right.heading_rad, -right.sway_m_s)
-
-
-def test_a_boat_with_stopped_motors_drifts_with_the_current() -> None:
-    truth = drive(
-        world("open", "environment.current_m_s=0.5", "environment.current_to_deg=90"), 0.0, 0.0, 60.0
-    )
-    assert [truth.north_m, truth.east_m] == pytest.approx([0.0, 30.0])
-    assert [truth.surge_m_s, truth.east_m_s] == pytest.approx([0.0, 0.5])
-
-
 def test_a_command_that_is_not_a_number_stops_both_motors_and_one_too_large_is_limited() -> None:
     motors = SimMotors()
     as_part: Motors = motors
@@ -90,27 +76,10 @@ def test_a_worn_out_pack_browns_the_computer_out_and_it_starts_again() -> None:
     assert (water.truth.left_command, water.truth.right_command) == (0.0, 0.0)
 
 
-def test_every_sensor_has_spoken_before_the_first_step_but_the_late_receiver() -> None:
-    parts = world().hardware
-    assert parts.compass.read() is not None
-    assert parts.battery is not None
-    assert parts.battery.read() is not None
-    assert parts.sonar is not None
-    assert len(parts.sonar.read()) == 1
-    assert parts.gnss.read() is None
-
-
 @pytest.mark.parametrize("dt_s", [0.0, -0.02, 0.06, math.nan])
 def test_a_step_that_the_integrator_cannot_take_is_refused(dt_s: float) -> None:
     with pytest.raises(ValueError, match="expected more than 0 and at most"):
         world().step(dt_s)
-
-
-def test_a_change_of_step_keeps_the_time() -> None:
-    water = world()
-    for dt_s in (0.02, 0.02, 0.01, 0.05):
-        water.step(dt_s)
-    assert water.time_s == pytest.approx(0.1)
 
 
 def run(*overrides: str, seed: int = 1) -> tuple[str, list[object]]:
@@ -134,13 +103,3 @@ def test_the_same_seed_gives_the_same_bytes() -> None:
 
 def test_leaving_out_the_sonar_changes_nothing_else() -> None:
     assert run("sensors.sonar.fitted=false") == run()
-
-
-def test_the_truth_has_a_value_for_each_of_its_fields() -> None:
-    truth = drive(world("open", "environment.current_m_s=0.3", "environment.wind_m_s=4"), 0.4, 0.5, 1.0)
-    assert len(truth) == len(Truth._fields)
-    assert (truth.left_command, truth.right_command) == (0.4, 0.5)
-    assert truth.current_east_m_s == pytest.approx(0.3)
-    assert truth.wind_east_m_s == pytest.approx(4.0)
-    assert 11.0 < truth.voltage_v < 12.6
-    assert truth.current_a > 0.6

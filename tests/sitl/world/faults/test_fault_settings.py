@@ -13,12 +13,6 @@ from sitl.world.faults.catalogue import CATALOGUE, FaultSetting
 KINDS = [(what, kind) for what, kinds in CATALOGUE.items() for kind in kinds]
 
 
-def test_every_kind_in_the_catalogue_is_taken_with_its_usual_size() -> None:
-    for what, kind in KINDS:
-        fault = FaultSetting(what=what, kind=kind, at_s=3.0)
-        assert (fault.amount, fault.ends_s) == (CATALOGUE[what][kind].size, math.inf)
-
-
 @given(st.sampled_from(KINDS), st.floats(-1e6, 1e6) | st.sampled_from([math.nan, math.inf, -math.inf]))
 def test_a_size_is_taken_within_its_bounds_and_refused_outside(
     what_kind: tuple[str, str], size: float

@@ -68,10 +68,6 @@ def error_m(row: Row) -> float:
     return math.hypot(here.north_m - truth.north_m, here.east_m - truth.east_m)
 
 
-def test_a_receiver_that_is_off_is_silent_and_comes_back() -> None:
-    assert fixes('kind="off"')[1] == []
-
-
 def test_a_frozen_receiver_repeats_itself_with_fresh_stamps() -> None:
     _, during, after = fixes('kind="stuck"')
     assert len({(fix.position, fix.north_m_s, fix.east_m_s) for _, fix in during}) == 1
@@ -110,14 +106,6 @@ def test_a_delayed_receiver_is_late_and_does_not_know_it() -> None:
     late = [row for row in during if row[0].time_s > AT_S + 2.5]
     assert all(truth.time_s - fix.time_s < 0.3 for truth, fix in late)
     assert error_m(late[-1]) > 1.0  # the boat makes 2 m/s or less
-
-
-def test_the_same_seed_gives_the_same_faulty_readings() -> None:
-    def heard(seed: int) -> list[Row]:
-        return fixes('kind="jammed"', f"seed={seed}")[1]
-
-    assert heard(3) == heard(3)
-    assert heard(3) != heard(4)
 
 
 def headings(fault: str) -> tuple[list[Row], list[Row], list[Row]]:

@@ -42,16 +42,6 @@ def test_water_by_parameter_comes_and_goes() -> None:
     assert "Failsafe over: hull dry again" in rig.peer.texts
 
 
-def test_heat_by_parameter_is_noticed_and_over_when_it_is_cool_again() -> None:
-    rig = mission_run()
-    set_parameter(rig, "SIM_HULL_TEMP", 95.0)
-    rig.run(13.0)
-    assert (rig.mode, "Failsafe: Too hot: 95 C" in rig.peer.texts) == ("RTL", True)
-    set_parameter(rig, "SIM_HULL_TEMP", 40.0)
-    rig.run(35.0)
-    assert "Failsafe over: cool again" in rig.peer.texts
-
-
 def test_the_thermometer_warms_to_its_limit_and_is_cool_again_at_once() -> None:
     hull = SimHullSensor(HullSensorSettings(temperature_c=30.0))
     part = thermometer_part(hull)
@@ -83,22 +73,6 @@ def test_the_hull_is_looked_at_once_a_second_by_the_boat_s_clock() -> None:
     assert reading(hull, 6.0).time_s == 3.0
     hull.restart()
     assert hull.read() is None
-
-
-def test_a_tide_by_parameter_carries_a_boat_adrift_away_from_where_it_comes() -> None:
-    rig = Rig("open", "environment.wave_height_m=0.2")
-    rig.run(2.0)
-    set_parameter(rig, "SIM_TIDE_SPEED", 0.5)
-    set_parameter(rig, "SIM_TIDE_DIR", 270.0)
-    rig.run(60.0)
-    truth = rig.world.truth
-    assert truth.east_m == pytest.approx(30.0, abs=5.0)
-    assert abs(truth.north_m) < 6.0  # the waves drift it, too
-    set_parameter(rig, "SIM_TIDE_SPEED", 0.0)
-    rig.run(30.0)
-    stopped = rig.world.truth.east_m
-    rig.run(20.0)
-    assert rig.world.truth.east_m - stopped < 1.5
 
 
 def test_a_tide_comes_on_top_of_the_scenario_s_own_current() -> None:

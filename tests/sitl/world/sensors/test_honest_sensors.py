@@ -5,16 +5,10 @@ import statistics
 
 import pytest
 import shapely
-from boat_rig import HOME_ITEM, waypoint
-from boat_rig import scenario as boat_scenario
 
 from companion.core.geo import LatLon, LocalFrame
 from companion.core.readings import GnssFix, HeadingReading
-from companion.estimation import error_state, estimator, hull_model
 from mission_tools.maps.chart import build_chart
-from sitl.run.mission_run import MissionRun
-from sitl.scenarios.scenario import load_scenario
-from sitl.world.drive.thruster import Thruster
 from sitl.world.sensors.compass import SimCompass
 from sitl.world.sensors.gnss import SimGnss, stated_accuracy_m
 from sitl.world.sensors.settings import CompassSettings, GnssSettings, SonarSettings
@@ -23,7 +17,6 @@ from sitl.world.shore import Shore
 
 DT_S = 0.02
 FRAME = LocalFrame(LatLon(50.0, -1.2))
-BOATS = ["lake", "pool"]
 STILL = {"noise_deg": 0.0, "bias_deg": 0.0, "gyro_noise_deg_s": 0.0, "gyro_bias_deg_s": 0.0}
 
 
@@ -37,34 +30,6 @@ def arrivals(gnss: SimGnss, seconds: float) -> list[tuple[float, GnssFix]]:
         if fix is not None and (not out or fix is not out[-1][1]):
             out.append((now_s, fix))
     return out
-
-
-@pytest.mark.parametrize("boat", BOATS)
-def test_what_the_boat_assumes_of_its_parts_is_not_what_the_emulator_does(boat: str) -> None:
-    scenario = load_scenario("open" if boat == "lake" else boat)
-    gnss, compass, vehicle = scenario.sensors.gnss, scenario.sensors.compass, scenario.vehicle
-    assert gnss.latency_s > vehicle.parts.gnss.latency_s + 0.02
-    assert gnss.wander_s != vehicle.estimation.wander_s
-    assert compass.gyro_scale != 1.0
-    off_deg = math.degrees(vehicle.parts.compass.correction_rad) - compass.declination_deg
-    assert abs(off_deg) > 0.5
-    assert scenario.thrusters.propeller.astern_share != hull_model._ASTERN
-    lag_s = motor_lag_s(boat)
-    assert not 0.8 * hull_model._MOTOR_S < lag_s < 1.25 * hull_model._MOTOR_S
-    if gnss.fix_type == 3:
-        assert gnss.velocity_noise_m_s > error_state.VELOCITY_M_S
-        assert estimator.SIGMA_PER_HDOP_M * gnss.hdop != stated_accuracy_m(3, gnss.hdop)
-
-
-def motor_lag_s(boat: str) -> float:
-    """Until a shaft has 63 % of its speed of cruise from rest."""
-    scenario = load_scenario("open" if boat == "lake" else boat)
-    thruster, throttle = Thruster(scenario.thrusters), scenario.vehicle.speed.cruise_throttle
-    speeds = []
-    for _ in range(1000):
-        thruster.step(throttle, 11.0, 0.0, 0.001)
-        speeds.append(thruster.speed_rad_s)
-    return 0.001 * next(n for n, speed in enumerate(speeds) if speed > 0.632 * speeds[-1])
 
 
 def test_by_default_fixes_come_a_tenth_to_three_tenths_of_a_second_late_and_in_order() -> None:
@@ -160,9 +125,3 @@ def test_the_ranger_looks_where_its_servo_is_and_says_where_it_should_be() -> No
     assert ideal_m is not None
     assert out_m > ideal_m + 0.1
     assert back_m < ideal_m - 0.05
-
-
-def test_a_run_waits_for_its_first_position_however_late_it_comes() -> None:
-    settings = ["sensors.gnss.latency_s=1.0", "sensors.gnss.jitter_s=0.0"]
-    items = [HOME_ITEM, waypoint(10.0, 0.0)]
-    assert MissionRun(boat_scenario("open", *settings), items).run(timeout_s=60.0).completed
