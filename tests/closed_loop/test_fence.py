@@ -5,7 +5,7 @@ import math
 import pytest
 from boat_rig import Rig, waypoint
 from fence_rig import EXCLUDED, L_WATER, box, fenced, least_margin_m, margin_m, polygon
-from sailing_rig import CURRENT, VELOCITY, aim, armed, push, sail_to, tells, told
+from sailing_rig import CURRENT, VELOCITY, aim, armed, sail_to, tells, told
 
 from companion.core.geo import LatLon
 from companion.core.modes import Mode
@@ -31,16 +31,6 @@ def test_a_boat_told_to_sail_at_the_line_stops_inside() -> None:
         least = min(least, least_margin_m(rig, 1.0))
     assert 0.3 < least < 4.0
     assert "Fence ahead: keeping station" in rig.peer.texts
-
-
-def test_full_throttle_by_hand_does_not_take_the_boat_out_ahead_or_astern() -> None:
-    rig = armed(Mode.MANUAL, rig=fenced(Rig("open", *ONTO_IT), *polygon(box(-20.0, -100.0, 20.0, 100.0))))
-    for throttle, seconds in ((1000, 20), (-1000, 45)):
-        least = math.inf
-        for _ in range(seconds):
-            push(rig, 0, throttle, 1.0)
-            least = min(least, margin_m(rig))
-        assert 0.3 < least < 4.0
 
 
 def test_rtl_follows_the_water_round_the_corner_in_a_current() -> None:

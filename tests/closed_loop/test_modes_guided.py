@@ -11,9 +11,7 @@ from sailing_rig import (
     YAW_RATE,
     armed,
     drifted_m,
-    go_to,
     keep_aiming,
-    tells,
     told,
 )
 
@@ -50,26 +48,6 @@ def test_headings_rates_and_attitudes_are_kept() -> None:
         rig.run(0.5)
     assert wrap_pi(rig.world.truth.heading_rad + 1.0) == pytest.approx(0.0, abs=0.1)
     assert rig.world.truth.surge_m_s == pytest.approx(1.0, abs=0.15)
-
-
-def test_circle_goes_round_a_point_ahead_at_its_radius_in_a_current() -> None:
-    config = {"modes.circle_direction": 1, "modes.circle_speed_m_s": 1.2}
-    rig = armed(Mode.CIRCLE, *CURRENT, config=config)
-    truth = rig.world.truth
-    north_m = truth.north_m + 10 * math.cos(truth.heading_rad)
-    east_m = truth.east_m + 10 * math.sin(truth.heading_rad)
-    rig.run(50.0)
-    off, swept, last = [], 0.0, math.nan
-    for _ in range(50):
-        rig.run(1.0)
-        north, east = rig.world.truth.north_m - north_m, rig.world.truth.east_m - east_m
-        off.append(abs(math.hypot(north, east) - 10.0))
-        bearing = math.atan2(east, north)
-        swept += 0.0 if math.isnan(last) else wrap_pi(bearing - last)
-        last = bearing
-    assert sum(off) / len(off) < 0.7
-    assert max(off) < 2.0
-    assert -swept > 1.2 * 49 / 10 * 0.8
 
 
 def tell_where(lead: Peer, rig: Rig, at: Point, north_m_s: float, east_m_s: float) -> None:
@@ -109,26 +87,3 @@ def test_follow_keeps_its_place_astern_and_stays_when_the_lead_falls_silent() ->
     assert rig.offset_m(at.north_m, at.east_m - 10.0) < 2.0
     told(rig, "FOLLOW: no vehicle is heard, keeping", 5.0)
     assert drifted_m(rig, 15.0) < 5.0
-
-
-def test_smart_rtl_sails_back_the_way_it_came() -> None:
-    rig = armed(Mode.GUIDED)
-    home = rig.world.truth
-    for north_m, east_m in ((30.0, 0.0), (30.0, 30.0), (0.0, 30.0)):
-        go_to(rig, north_m, east_m)
-        told(rig, "GUIDED: arrived", 60.0)
-    assert len(rig.boat.vehicle.track.points) < 15
-    assert rig.set_mode(Mode.SMART_RTL) == OK
-    furthest_m = 0.0
-    corners = [False, False]
-    while not tells(rig, "SMART_RTL: arrived"):
-        rig.run(0.5)
-        truth = rig.world.truth
-        track = min(abs(truth.east_m), abs(truth.north_m - 30.0), abs(truth.east_m - 30.0))
-        furthest_m = max(furthest_m, track)
-        corners = [corners[0] or rig.offset_m(30.0, 30.0) < 4, corners[1] or rig.offset_m(30.0, 0.0) < 4]
-        assert rig.now_s < 250.0
-    assert corners == [True, True]
-    assert furthest_m < 5.0  # comparing its motors carries the boat off the way
-    rig.run(10.0)
-    assert rig.offset_m(home.north_m, home.east_m) < 3.0

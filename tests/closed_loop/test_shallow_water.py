@@ -67,17 +67,3 @@ def test_a_faulty_sounder_stops_no_mission(kind: str) -> None:
     assert rig.mode == "AUTO"
     assert not tells(rig, SHALLOW)
     assert rig.peer.texts.count("Depth sounder is silent") == (kind == "off")
-
-
-def test_a_boat_that_starts_from_a_beach_is_watched_once_it_has_been_in_deeper_water() -> None:
-    rig = Rig("open", FITTED, "sensors.depth.lost_share=0.0").ready()
-    begin(rig, "depth", "wrong", -4.2)
-    rig.sail(waypoint(600.0, 0.0))
-    rig.run(8.0)
-    assert rig.mode == "AUTO"
-    assert not tells(rig, SHALLOW)
-    rig.world.electronics.faults.end("depth")
-    rig.run(2.0)
-    begin(rig, "depth", "wrong", -4.2)
-    rig.run(4.0)
-    assert rig.mode == "SMART_RTL"

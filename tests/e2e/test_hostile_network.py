@@ -37,12 +37,6 @@ def test_silent_connections_and_magic_bytes_keep_no_station_from_the_boat(
             station.wait_for("ATTITUDE")
 
 
-def test_mavsdk_returns_the_ping_by_which_an_address_proves_itself() -> None:
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as boat:
-        boat.bind(("127.0.0.1", 0))
-        assert asyncio.run(answers_of_mavsdk(boat)) == (123_456_789, 0xC0FFEE, 1, 1)
-
-
 async def answers_of_mavsdk(boat: socket.socket) -> tuple[int, int, int, int]:
     """What MAVSDK returns to a vehicle that announces itself and asks: time, number, system, component."""
     encoder, parser = dialect.MAVLink(None, 1, 1), dialect.MAVLink(None)

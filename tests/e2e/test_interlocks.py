@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from boat_rig import OK, PLANNER, Silent
+from boat_rig import PLANNER, Silent
 from msgspec.structs import replace
 from pinned_boat import LOOK_S, DriverError, PinnedBoat
 
@@ -44,16 +44,6 @@ def boat() -> Iterator[PinnedBoat]:
 
 
 # Armed
-
-
-@pytest.mark.parametrize("magic", [0.0, 21196.0], ids=["disarm", "emergency stop"])
-def test_disarming_stops_the_motors_before_the_next_tick(boat: PinnedBoat, magic: float) -> None:
-    boat.sail()
-    if not magic:  # an ordinary disarming under way is refused unless forced, as in Rover
-        assert boat.rig.set_mode(0) == OK
-    boat.rig.ask(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, magic)
-    assert not boat.pi.is_driving
-    assert boat.off_after_s(0.0) == 0.0
 
 
 def test_a_boat_that_is_no_longer_armed_stops_in_the_same_tick_whatever_is_steered_for(
@@ -143,12 +133,6 @@ def test_an_allocation_that_makes_a_command_not_a_number_is_stopped_by_the_drive
 
 
 # The watch
-
-
-def test_a_loop_that_hangs_is_stopped_by_the_motors_watch(boat: PinnedBoat) -> None:
-    boat.sail()
-    boat.off_after_s(HANG_S, hangs=True)
-    assert boat.motors.trips == 1
 
 
 def test_every_station_is_told_once_of_each_stall_that_stopped_the_motors(boat: PinnedBoat) -> None:

@@ -129,20 +129,6 @@ def test_a_signal_ends_the_loop_within_its_tick_and_the_motors_are_off(
     assert_went_off_at_once(pi, event)
 
 
-@pytest.mark.parametrize("error", [KeyboardInterrupt, GeneratorExit])
-def test_what_no_handler_catches_leaves_the_motors_off(
-    pi: MockPi, caplog: pytest.LogCaptureFixture, error: type[BaseException]
-) -> None:
-    def interrupt() -> None:
-        raise error
-
-    caplog.set_level(logging.INFO)
-    event = Event(pi, interrupt)
-    with pytest.raises(error):
-        run_until_it_happens(pi, event, lambda: False, caplog)
-    assert_went_off_at_once(pi, event)
-
-
 def test_a_part_that_goes_on_failing_ends_the_loop_and_the_motors_stay_off(
     pi: MockPi, caplog: pytest.LogCaptureFixture
 ) -> None:
