@@ -85,15 +85,6 @@ def test_every_peer_becomes_a_link_of_its_own(server: UdpInPort) -> None:
         assert server.accept() == []
 
 
-def test_datagrams_arrive_whole_and_in_order_without_a_call_to_accept(server: UdpInPort) -> None:
-    with Station() as station:
-        link = call_in(server, station, b"1")
-        station.say(b"2", number_of(server))
-        station.say(b"3", number_of(server))
-        assert link.receive() == [b"1", b"2", b"3"]
-        assert link.receive() == []
-
-
 def test_an_idle_peer_is_forgotten_and_may_call_again(server: UdpInPort, clock: HandClock) -> None:
     with Station() as station:
         link = call_in(server, station)
@@ -172,24 +163,6 @@ def test_one_round_over_all_links_takes_a_bounded_number_of_datagrams(server: Ud
         for link in links:
             assert link.receive() == []
         assert 0 < len(flooded.receive()) <= 256
-
-
-def test_an_address_in_use_is_named(server: UdpInPort, clock: HandClock) -> None:
-    number = number_of(server)
-    with pytest.raises(LinkError, match=f"udpin:127.0.0.1:{number}: cannot listen.*Address already in use"):
-        UdpInPort(HERE, number, clock)
-
-
-def test_the_same_port_can_be_taken_again_after_close(clock: HandClock) -> None:
-    port = UdpInPort(HERE, 0, clock)
-    with Station() as station:
-        link = call_in(port, station)
-    port.close()
-    port.close()
-    assert link.is_closed
-    assert link.receive() == [b"hello"]
-    assert port.accept() == []
-    UdpInPort(HERE, number_of(port), clock).close()
 
 
 def test_udpout_keeps_one_source_port_and_hears_only_its_station() -> None:

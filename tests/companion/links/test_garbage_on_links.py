@@ -106,19 +106,6 @@ def test_many_floods_at_once_share_what_one_would_have_and_a_station_is_heard_in
             assert total > TICK_LOOKS // 2, "and none is starved"
 
 
-def test_floods_take_turns() -> None:
-    rig = Flooded(b"\xfd\x00\x00", floods=60)
-    rig.flood()
-    rig.tick(calls=1)  # after which it is known which links bring garbage
-    floods = list(rig.channels.open.values())[:-1]
-    before = [channel.wasted_checks for channel in floods]
-    for _ in range(20):
-        rig.flood()
-        rig.tick(calls=1)
-    wasted = [channel.wasted_checks - began for channel, began in zip(floods, before, strict=True)]
-    assert min(wasted) > 0.5 * max(wasted)
-
-
 def test_a_flood_is_read_no_further_until_the_next_tick_and_then_again() -> None:
     rig = Flooded(b"\xfd\x00\x00")
     rig.flood()

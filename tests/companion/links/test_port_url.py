@@ -88,13 +88,6 @@ def test_a_waiting_port_shows_its_real_number_and_its_name_opens_it_again(url: s
     again.close()
 
 
-@pytest.mark.parametrize("url", ["udpout:127.0.0.1:14550", "tcpout:127.0.0.1:5760"])
-def test_the_kinds_that_call_out_keep_their_url_as_name(url: str) -> None:
-    port = open_port(url, HandClock())
-    assert port.name == url
-    port.close()
-
-
 def test_a_host_of_both_families_is_called_by_ipv4(monkeypatch: pytest.MonkeyPatch) -> None:
     both = [
         (socket.AF_INET6, socket.SOCK_STREAM, 6, "", ("::1", 5760, 0, 0)),

@@ -41,14 +41,6 @@ class Socket:
 MISSING = HardwareError("INA219: no answer at I²C address 0x40")
 
 
-def test_what_is_there_is_open_when_its_first_attempt_is_over() -> None:
-    socket = Socket()
-    part = Retried("Battery monitor", socket.open).start()
-    await_first([part], QUICK)
-    assert part.opened is socket.part
-    assert (part.fault, part.take_texts()) == ("", [])
-
-
 def test_a_minute_without_the_part_is_told_once_and_its_return_once() -> None:
     socket = Socket(MISSING)
     part = Retried("Battery monitor", socket.open)

@@ -43,16 +43,6 @@ class Radio:
         self.peer.send(dialect.MAVLink_file_transfer_protocol_message(0, 1, 1, payload))
 
 
-def test_the_parameter_list_takes_its_share_and_drops_nothing() -> None:
-    radio = Radio()
-    radio.peer.send(dialect.MAVLink_param_request_list_message(1, 1))
-    share, heard = radio.share_until("PARAM_VALUE", len(radio.rig.boat.parameters.rows), 3.0)
-    indexes = [one.param_index for one in heard if one.get_type() == "PARAM_VALUE"]
-    assert indexes == list(range(len(radio.rig.boat.parameters.rows)))
-    assert LEAST_SHARE < share <= 1.05
-    assert radio.channel.dropped == 0
-
-
 def test_a_file_takes_its_share_and_leaves_room_for_telemetry() -> None:
     radio = Radio()
     radio.ask(1, Opcode.OPEN_FILE_RO, b"/metadata/parameters.json.xz")

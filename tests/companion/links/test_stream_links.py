@@ -104,14 +104,6 @@ def test_last_words_survive_a_send_that_fails(server: TcpInPort) -> None:
     assert link.fileno() == -1
 
 
-def test_a_client_that_closes_only_its_sending_half_is_let_go(server: TcpInPort) -> None:
-    link, client = connect(server)
-    client.shutdown(socket.SHUT_WR)
-    eventually(lambda: link.receive() or link.is_closed)
-    assert client.recv(10) == b""
-    client.close()
-
-
 def test_a_reset_closes_the_link_without_an_error(server: TcpInPort) -> None:
     link, client = connect(server)
     reset(client)
@@ -186,12 +178,6 @@ def test_clients_beyond_the_limit_are_turned_away() -> None:
     port.close()
 
 
-def test_an_address_in_use_names_host_and_port(server: TcpInPort) -> None:
-    number = number_of(server)
-    with pytest.raises(LinkError, match=f"cannot listen on 127.0.0.1:{number}: Address already in use"):
-        TcpInPort(HERE, number)
-
-
 def test_a_server_that_restarts_takes_its_port_back_at_once(server: TcpInPort) -> None:
     link, client = connect(server)
     server.close()
@@ -246,22 +232,6 @@ def test_tcpout_tries_again_with_growing_waits(clock: HandClock) -> None:
             clock.advance(0.1)
         port.close()
     assert 7 <= tries <= 12  # a minute of 0.5, 1, 2, 4, 8, 8, … s
-
-
-def test_a_serial_line_carries_bytes_both_ways(line: PtyLine, clock: HandClock) -> None:
-    port = SerialPort(line.device, 57600, clock)
-    (link,) = port.accept()
-    assert port.accept() == []
-    assert link.name == port.name == f"serial:{line.device}:57600"
-    assert link.receive() == []
-    assert not link.is_closed
-    line.say(b"to the boat")
-    assert receive_all(link, 11) == b"to the boat"
-    assert link.send(b"to the station")
-    assert line.heard() == b"to the station"
-    port.close()
-    port.close()
-    assert link.is_closed
 
 
 def test_a_serial_line_is_set_up_for_its_format_and_baud_rate(line: PtyLine, clock: HandClock) -> None:

@@ -175,17 +175,6 @@ def test_pymavlinks_own_tool_reads_it_without_complaint(voyage: Voyage) -> None:
     assert "bad header" not in done.stdout + done.stderr
 
 
-def test_two_runs_write_the_same_bytes(open_rig: OpenRig, tmp_path: Path) -> None:
-    contents = []
-    for name in ("one", "two"):
-        rig = open_rig(tmp_path / name)
-        rig.sail(waypoint(20, 0)).run(5.0)
-        rig.boat.close()
-        contents.append((tmp_path / name / "00001.bin").read_bytes())
-    assert contents[0] == contents[1]
-    assert len(contents[0]) > 12_000
-
-
 def test_a_parameter_changed_under_way_is_logged_with_its_new_value(
     open_rig: OpenRig, tmp_path: Path
 ) -> None:

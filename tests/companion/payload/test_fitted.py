@@ -3,6 +3,7 @@
 import pytest
 
 from companion.config.boat_config import decode_config
+from companion.mavlink.dialect import dialect
 from companion.payload.actions import (
     ActionFault,
     MoveGripper,
@@ -108,3 +109,24 @@ def test_a_relay_of_a_command_stands_for_the_command() -> None:
         1, "no relay 5, expected that of a command", is_absent=True
     )
     assert fitted.resolve(RunCommand(7)) == RunCommand(7)
+
+
+def test_the_motions_of_a_winch_have_mavlinks_numbers_and_what_is_not_said_is_nothing() -> None:
+    by_name = {one.name: number for number, one in dialect.enums["WINCH_ACTIONS"].items()}
+    assert {one.name: one.value for one in WinchMotion} == {
+        "RELAX": by_name["WINCH_RELAXED"],
+        "LENGTH": by_name["WINCH_RELATIVE_LENGTH_CONTROL"],
+        "RATE": by_name["WINCH_RATE_CONTROL"],
+        "LOCK": by_name["WINCH_LOCK"],
+        "HOLD": by_name["WINCH_HOLD"],
+        "RETRACT": by_name["WINCH_RETRACT"],
+    }
+    assert MoveWinch(1, RATE) == MoveWinch(1, RATE, length_m=0.0, rate_m_s=0.0)
+    assert StartCapture() == StartCapture(count=1, interval_s=0.0)
+    assert not ActionFault(1, "").is_absent
+    assert not FittedPayload().is_skipped
+    assert (FITTED.has_capture, FittedPayload().has_capture) == (True, False)
+    assert FITTED.lacks("camera") is None
+    assert FittedPayload().lacks("camera") == ActionFault(
+        0, "this boat has no camera with a capture command", is_absent=True
+    )

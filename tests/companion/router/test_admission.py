@@ -80,27 +80,6 @@ def test_what_a_station_has_said_decides_its_standing() -> None:
     assert standings == [Standing.STRANGER, Standing.SPEAKING, Standing.PROVEN]
 
 
-def test_hundreds_of_silent_links_do_not_block_others() -> None:
-    rig = Rig()
-    rig.peer.heartbeat()
-    rig.step()
-    for number in range(300):
-        rig.port.offer(memory_pair(f"silent {number}", host="203.0.113.1")[0])
-        if number % 16 == 15:
-            rig.step(5)
-    late = rig.connect(Address(254, 190))
-    late.heartbeat()
-    for number in range(200):
-        rig.port.offer(memory_pair(f"later {number}", host="203.0.113.1")[0])
-    rig.run(3.0)
-    for station in (rig.peer, late):
-        station.forget()
-        rig.run(1.5)
-        assert station.said("ATTITUDE")
-        assert station.said("HEARTBEAT")
-    assert len(rig.boat.channels.open) == 2 + PLACES
-
-
 def test_on_a_signed_link_only_a_signature_takes_a_place_from_others() -> None:
     rig = GuardedRig("required")
     friend = rig.station(KEY)

@@ -41,15 +41,6 @@ def test_a_message_leaves_by_one_channel_or_by_all() -> None:
     assert modes == [[8], [7, 8], [8]]
 
 
-def test_what_arrives_is_told_by_channel() -> None:
-    channels, _, far = opened(2)
-    encoder = Encoder(QGC)
-    for link, number in ((far[0], 1), (far[1], 2), (far[0], 3)):
-        link.send(encoder.encode(beat(number)))
-    received = [(number, r.sender, r.message.custom_mode) for number, r in channels.receive()]
-    assert received == [(1, QGC, 1), (1, QGC, 3), (2, QGC, 2)]
-
-
 def test_a_closed_link_is_forgotten_and_its_number_never_used_again() -> None:
     channels, port, far = opened(2)
     far[0].close()
@@ -80,15 +71,6 @@ def test_frames_wait_for_a_full_link_and_stale_ones_are_dropped_whole_and_counte
     list(channels.receive(2.0))
     assert channels.open[1].dropped == 3
     assert heard(far) == [0, 1, 2, 3, 4]
-
-
-def test_closing_closes_every_link_and_may_be_done_twice() -> None:
-    channels, _, far = opened(2)
-    assert channels.filenos() == [], "nothing to wait on in memory"
-    channels.close()
-    channels.close()
-    assert [link.is_closed for link in far] == [True, True]
-    assert channels.open == {}
 
 
 @pytest.mark.parametrize("is_datagram", [True, False])

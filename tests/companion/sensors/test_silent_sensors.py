@@ -127,18 +127,6 @@ def test_a_receiver_without_a_fix_is_not_healthy_while_dead_reckoning_goes_on(ri
     assert rig.health() & dialect.MAV_SYS_STATUS_SENSOR_GPS
 
 
-def test_a_silent_compass_sends_no_field_and_the_boat_does_not_arm(rig: SilentRig) -> None:
-    rig.silence("compass")
-    rig.run(0.6)
-    imu = ("SCALED_IMU", "RAW_IMU")
-    assert rig.counts(2.0, imu) == dict.fromkeys(imu, 0)
-    health = rig.health()
-    assert not health & (dialect.MAV_SYS_STATUS_SENSOR_3D_MAG | dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO)
-    rig.run(2.0)
-    assert rig.arm() == FAILED
-    assert "Arm: Compass: no heading" in rig.peer.texts
-
-
 def test_a_silent_battery_monitor_is_no_full_pack(rig: SilentRig) -> None:
     rig.parts["battery"].given = BatteryReading(0.0, 12.3, 2.0)
     rig.run(1.0)

@@ -113,16 +113,6 @@ def test_the_connected_port_of_the_receiver_is_found(interface: str, is_usb: boo
     assert bench.run(1.0).fixes
 
 
-def test_noise_on_the_line_delays_the_set_up_but_does_not_stop_it() -> None:
-    bench = Bench(ZED_F9P)
-    bench.line.garbles_every = 311  # every third NAV-PVT
-    bench.until_running(60.0)
-    bench.fixes.clear()
-    bench.run(10.0)
-    assert len(bench.fixes) > 25
-    assert all(abs(fix.position.lat_deg - 50.5) < 1e-6 for fix in bench.fixes)
-
-
 @pytest.mark.parametrize("model", [NEO_M8N, ZED_F9P, NEO_6M], ids=lambda model: model.hardware)
 @pytest.mark.parametrize("dip_s", [0.2, 1.3, 1.9, 2.3, 2.7, 3.3])
 def test_a_power_dip_at_any_moment_of_the_set_up_is_overcome(model: Model, dip_s: float) -> None:
@@ -134,12 +124,3 @@ def test_a_power_dip_at_any_moment_of_the_set_up_is_overcome(model: Model, dip_s
     settings = bench.receiver.settings
     assert (settings.baud, settings.period_ms, settings.model) == (115_200, 200, SEA)
     assert bench.clock() - bench.fixes[-1].time_s < 0.5
-
-
-def test_the_receiver_is_asked_twice_a_second() -> None:
-    bench = Bench(NEO_M8N)
-    bench.receiver.is_mute = True
-    sent: list[bytes] = []
-    bench.line.on_sent = sent.append
-    bench.run(9.0)
-    assert len(sent) == pytest.approx(9.0 / 1.2 * 3, abs=3)

@@ -106,16 +106,6 @@ def test_the_features_are_requested_once_and_each_byte_has_its_pause() -> None:
     assert calibrations[0][3:6] == bytes((1, 1, 1))
 
 
-def test_a_part_without_room_is_not_sent_more() -> None:
-    bench = Bench()
-    bench.twin.space = 10
-    bench.run(0.9)
-    assert bench.twin.requests == []
-    bench.twin.space = 100
-    bench.run(1.0)
-    assert bench.compass.read() is not None
-
-
 def test_room_is_counted_as_the_bytes_are_sent() -> None:
     """A byte 0x7e or 0x7d takes two (data sheet 1000-3927, 1.2.3.1)."""
     payload = bytes((0x7E, 0x7D)) * 8

@@ -34,14 +34,6 @@ def drives(board: PinBoard) -> list[float]:
     return [board.drive(motor) for motor in motors_of(board.part)]
 
 
-def test_each_side_is_driven_as_far_and_in_the_direction_of_its_command(board: PinBoard) -> None:
-    bridge = board.open()
-    for left, right in ((0.5, -0.25), (0.75, -1.0), (0.0, -0.0)):
-        bridge.write(left, right)
-        assert drives(board) == [left, right]
-    assert board.is_off
-
-
 def test_a_reversed_motor_turns_the_other_way(board: PinBoard) -> None:
     bridge = board.open(msgspec.structs.replace(board.part, right_reversed=True))
     bridge.write(0.5, 0.5)
@@ -77,22 +69,6 @@ def l298n() -> Iterator[PinBoard]:
     board = PinBoard()
     yield board
     board.factory.reset()
-
-
-def test_reversal_drops_the_old_leg_at_once_and_drives_the_new_one_after_the_dead_time(
-    l298n: PinBoard,
-) -> None:
-    bridge = l298n.open()
-    bridge.write(1.0, 0.0)
-    l298n.drain()
-    bridge.write(-1.0, 0.0)
-    assert l298n.drain() == [(L298N.left_enable, 0.0), (L298N.left_forward, 0.0)]
-    l298n.clock.advance(L298N.dead_time_s / 2.0)
-    bridge.write(-1.0, 0.0)
-    assert l298n.drain() == []
-    l298n.clock.advance(L298N.dead_time_s)
-    bridge.write(-1.0, 0.0)
-    assert l298n.drain() == [(L298N.left_backward, 1.0), (L298N.left_enable, 1.0)]
 
 
 def test_close_stops_first_gives_the_pins_back_and_may_be_called_twice(l298n: PinBoard) -> None:
