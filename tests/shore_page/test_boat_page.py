@@ -206,6 +206,7 @@ def test_the_compass_calibration_shows_its_progress_and_is_cancelled(
     expect(bar).to_be_hidden()
 
 
+@pytest.mark.usefixtures("station")  # disarms the boat
 def test_a_request_of_the_moment_is_not_sent_again_on_a_new_connection(
     visit: Visit, shore: ShoreBoat
 ) -> None:
