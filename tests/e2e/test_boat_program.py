@@ -3,7 +3,6 @@
 import itertools
 import os
 import signal
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -155,29 +154,3 @@ def test_a_transmitter_arms_and_drives_it_and_is_missed_when_it_is_silent(
         station.wait_for("SERVO_OUTPUT_RAW", lambda servo: servo.servo1_raw > 1800)
         said[0] = b""
         station.wait_for("STATUSTEXT", lambda line: "RC lost: the receiver is silent" in line.text)
-
-
-def test_a_boat_without_parts_answers_and_takes_them_when_they_come(
-    run_program: RunProgram, open_station: OpenStation, tmp_path: Path
-) -> None:
-    gnss, compass, path = tmp_path / "gnss", tmp_path / "compass", tmp_path / "boat.toml"
-    radio = f"serial:{tmp_path}/radio:57600"
-    text = BOAT.format(gnss=gnss, compass=compass).replace("links = [", f'links = ["{radio}", ')
-    path.write_text(text, encoding="utf-8")
-    began_s = time.monotonic()
-    no_pins = {"GPIOZERO_PIN_FACTORY": "none"}
-    boat = run_program("boat-companion", "run", "--config", str(path), environment=no_pins)
-    station = open_station(port_of(boat))
-    assert station.enter(MANUAL) == dialect.MAV_RESULT_ACCEPTED
-    assert time.monotonic() - began_s < 8 * 2.0, "on a machine with eight times its load"
-    assert station.arm() == dialect.MAV_RESULT_FAILED
-    for line in (
-        r"WARNING Motors: L298N: the pins cannot be opened: .*",
-        rf"WARNING GNSS receiver: serial:{gnss}:9600: there is no device {gnss}; is it plugged in\?",
-        rf"WARNING Compass: serial:{compass}:4800: there is no device {compass}; is it plugged in\?",
-        rf"WARNING {radio}: there is no device {tmp_path}/radio; is it plugged in\?",
-        "ERROR Arm: Motors: L298N: .*",
-    ):
-        boat.wait_for(rf"^[-0-9]+ [:,0-9]+ {line}$", stream="err")
-    with nmea_boat.receiver(gnss, LAT_DEG, LON_DEG):
-        station.wait_for("GPS_RAW_INT", lambda raw: raw.fix_type == 3)

@@ -97,13 +97,6 @@ def test_an_interrupted_campaign_ends_at_once_and_goes_on_where_it_stopped(
     until(lambda: not processes_of(program.pid), JOB_S)
 
 
-def test_an_interrupt_in_the_middle_of_the_job_is_one_line(run_program: RunProgram, hook: Path) -> None:
-    environment = {"PYTHONPATH": str(hook), "INTERRUPT_AT": "matplotlib", "INTERRUPT_IN": "program"}
-    arguments = ("lake", "--dry-run", "--preview", "p.png")
-    ended = run_program("mission-upload", *arguments, environment=environment).wait(JOB_S)
-    assert (ended.code, ended.err) == (INTERRUPTED, "mission-upload: interrupted\n")
-
-
 def test_nobody_waits_for_planning_that_was_called_off() -> None:
     """An interrupt cancels the job; the planner's thread may need minutes more."""
     is_over = threading.Event()

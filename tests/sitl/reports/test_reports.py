@@ -16,8 +16,7 @@ from sitl.experiments.mission_trial import run_mission
 from sitl.experiments.trial import Trial, TrialResult, attempt
 from sitl.reports.campaign_page import again, campaign_page
 from sitl.reports.run_page import run_page
-from sitl.reports.run_pictures import draw_panels, draw_track_chart
-from sitl.reports.run_series import brakes, fault_spans
+from sitl.reports.run_series import brakes
 from sitl.run.mission_run import MissionRun
 from sitl.run.recording.run_record import RunRecord, load_record
 
@@ -152,15 +151,6 @@ def test_pages_speak_of_figures_in_words(record: RunRecord, outcome: TrialResult
         keys = set(re.findall(r"\b[a-z]+(?:_[a-z0-9]+)+\b", words))
         assert keys == set()
         assert "cross-track error, RMS (m)" in words
-
-
-def test_charts_show_from_when_to_when_a_fault_lasted(record: RunRecord) -> None:
-    ((begin_s, end_s, name),) = fault_spans(record)
-    assert (begin_s, end_s) == pytest.approx((6.0, 8.0), abs=0.1)
-    assert name == "compass wrong"
-    (first, *_) = draw_panels(record).axes
-    assert "compass wrong" in [text.get_text() for text in first.texts]
-    assert "compass wrong" in [text.get_text() for text in draw_track_chart(record).axes[0].texts]
 
 
 def braked(record: RunRecord, astern: list[tuple[int, int]], surge_m_s: float = 1.0) -> RunRecord:

@@ -1,9 +1,6 @@
 """A boat behind real ports whose power is cut: they fall silent, and are the same ones again after it."""
 
-import errno
-import os
 import socket
-from pathlib import Path
 
 from boat_rig import scenario
 from fake_clock import FakeClock
@@ -12,7 +9,7 @@ from companion.app.runner import Runner
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import dialect
-from sitl.run.simulated_boat import BoatOptions, SimulatedBoat
+from sitl.run.simulated_boat import SimulatedBoat
 
 CUT = 'faults=[{what="computer", at_s=2, for_s=3}]'
 
@@ -57,16 +54,3 @@ def test_the_port_is_silent_without_power_and_the_same_one_after_it() -> None:
     assert simulated.boat is not before
     assert simulated.port_names == [port]
     simulated.close()
-
-
-def test_files_survive_the_power_cut_and_a_full_disk_refuses_new_ones(tmp_path: Path) -> None:
-    faults = 'faults=[{what="computer", at_s=2, for_s=1}, {what="disk", at_s=4}]'
-    clock = FakeClock()
-    simulated = SimulatedBoat(scenario("open", faults), [], clock, BoatOptions(state_folder=str(tmp_path)))
-    simulated.boat.parameters.set("WP_RADIUS", 3.25)
-    live(simulated, clock, 4.5)
-    assert simulated.boat.parameters.config.guidance.waypoint_radius_m == 3.25
-    simulated.boat.parameters.set("WP_RADIUS", 3.5)
-    simulated.close()
-    assert os.strerror(errno.ENOSPC) in simulated.boat.parameters.poll_saves()[-1].error
-    assert "WP_RADIUS 3.25" in (tmp_path / "params.parm").read_text(encoding="ascii")
