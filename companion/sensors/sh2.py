@@ -48,7 +48,7 @@ def encode(channel: int, sequence: int, payload: bytes) -> bytes:
     return bytes(escaped) + bytes((_FLAG,))
 
 
-class FrameReader:
+class ShtpReader:
     """Finds frames in a stream. dropped: those that were incomplete."""
 
     def __init__(self) -> None:
@@ -122,7 +122,7 @@ class Sh2Session:
 
     def __init__(self, now_s: float) -> None:
         self.resets = 0
-        self._reader = FrameReader()
+        self._reader = ShtpReader()
         self._waiting: deque[tuple[int, bytes]] = deque()
         self._outbox: list[bytes] = []
         self._sequences = [0] * 6  # by channel

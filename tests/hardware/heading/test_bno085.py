@@ -11,7 +11,7 @@ from companion.config.sensors import CompassPart, Mounting
 from companion.core.readings import HeadingReading
 from companion.hal.heading.bno085 import BYTE_S, Bno085Compass
 from companion.links.memory import MemoryLink, MemoryPort, memory_pair
-from companion.sensors.sh2 import FrameReader, Packet, Sh2Session, encode
+from companion.sensors.sh2 import Packet, Sh2Session, ShtpReader, encode
 
 HALF = math.sqrt(0.5)
 
@@ -172,6 +172,6 @@ def test_frames_escape_the_flag_and_two_flags_in_a_row_are_one() -> None:
     payload = bytes(range(0x70, 0x80))
     frame = encode(2, 0x7E, payload)
     assert frame.count(0x7E) == 2
-    assert FrameReader().feed(b"\x7e" + frame + frame[1:]) == [Packet(2, payload)] * 2
+    assert ShtpReader().feed(b"\x7e" + frame + frame[1:]) == [Packet(2, payload)] * 2
     cut_off = frame[:3] + b"\x7d"
-    assert FrameReader().feed(cut_off + frame) == [Packet(2, payload)]
+    assert ShtpReader().feed(cut_off + frame) == [Packet(2, payload)]
