@@ -129,14 +129,6 @@ def test_an_orientation_with_a_wrong_bit_is_ignored(bus: I2cBus, chip: Bno055Twi
     assert compass.read() is before
 
 
-@pytest.mark.parametrize("address", [0x29, 0x41])
-def test_a_part_that_does_not_answer_is_told_in_one_line(dev: I2cDev, address: int) -> None:
-    with pytest.raises(HardwareError, match=rf"BNO055: no answer at I²C address {address:#x}: .*121"):
-        open_bno055(CompassPart(address=address), HandClock())
-    with pytest.raises(HardwareError, match=rf"INA219: no answer at I²C address {address:#x}: .*121"):
-        open_battery_monitor(BatteryPart(driver="ina219", address=address), HandClock())
-
-
 def test_a_part_of_another_kind_is_told_in_one_line(dev: I2cDev) -> None:
     dev.parts = {0x28: Bno055Twin(chip_id=0x55), 0x40: Bno055Twin()}
     with pytest.raises(HardwareError, match="BNO055: the part at I²C address 0x28 says 0x55, not 0xa0"):

@@ -231,3 +231,55 @@ def test_any_bytes_come_through_as_they_were(datagrams: list[bytes]) -> None:
     assert heard == datagrams
     client.close()
     server.close()
+
+
+# A boat that calls a station does so from the same UDP port after each restart
+
+
+def call(station: Station) -> tuple[UdpOutPort, int]:
+    """A port that has sent, and the number that it sent from."""
+    port = UdpOutPort(HERE, station.number)
+    (link,) = port.accept()
+    assert link.send(b"hello")
+    return port, station.hear()[1]
+
+
+def test_boats_side_by_side_have_ports_of_their_own_and_find_them_again() -> None:
+    rounds = []
+    with Station() as station:
+        for _ in range(2):
+            boats = [call(station) for _ in range(5)]
+            rounds.append([source for _, source in boats])
+            for port, _ in boats:
+                port.close()
+    assert rounds[0] == rounds[1]
+    assert len(set(rounds[0])) == 5
+
+
+def test_a_port_that_somebody_else_has_is_left_out() -> None:
+    with Station() as station:
+        port, usual = call(station)
+        port.close()
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+            other.bind(("", usual))
+            port, source = call(station)
+            assert source not in (usual, other.getsockname()[1])
+            port.close()
+
+
+@pytest.mark.parametrize("destination", [1, 55_280, 55_281, 65_535])
+def test_any_destination_has_a_source_port(destination: int) -> None:
+    port = UdpOutPort(HERE, destination)
+    assert 1024 < source_port_of(port) <= 65_535
+    assert (source_port_of(port) > destination) is (destination <= 55_280)
+    port.close()
+
+
+def test_beyond_the_usual_ports_a_boat_calls_from_any(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("companion.links.udp._SOURCE_PORTS", 1)
+    boats = [UdpOutPort(HERE, 14550) for _ in range(2)]
+    first, other = map(source_port_of, boats)
+    assert other != first
+    assert other > 1024
+    for boat in boats:
+        boat.close()

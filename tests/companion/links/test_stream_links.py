@@ -71,12 +71,6 @@ def receive_all(link: Link, size: int) -> bytes:
     return b"".join(heard)
 
 
-def reset(client: socket.socket) -> None:
-    """Hang up rudely: the other end gets a reset, not an end of stream."""
-    client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
-    client.close()
-
-
 def test_many_clients_are_served_side_by_side(server: TcpInPort) -> None:
     pairs = [connect(server) for _ in range(5)]
     for index, (link, client) in enumerate(pairs):
@@ -102,13 +96,6 @@ def test_last_words_survive_a_send_that_fails(server: TcpInPort) -> None:
     assert receive_all(link, 10) == b"last words"
     assert link.is_closed
     assert link.fileno() == -1
-
-
-def test_a_reset_closes_the_link_without_an_error(server: TcpInPort) -> None:
-    link, client = connect(server)
-    reset(client)
-    eventually(lambda: link.receive() or link.is_closed)
-    assert not link.send(b"x")
 
 
 def test_a_descriptor_that_takes_nothing_and_says_nothing_is_given_up() -> None:

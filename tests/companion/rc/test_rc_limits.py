@@ -8,7 +8,7 @@ from companion.core.modes import Mode
 from companion.core.readings import RcReading
 from companion.core.requests import Arm, ChangeMode, Disarm, ManualControl
 from companion.core.vehicle_status import VehicleStatus
-from companion.rc.manual_input import ManualInput
+from companion.rc.manual_input import ManualInput, top_speed_m_s
 from companion.rc.parsers import PAUSE_S, SbusParser, _crc_table, crc8
 from companion.rc.pulses import (
     HIGH,
@@ -67,6 +67,16 @@ def test_a_deflection_begins_with_the_first_microsecond_beyond_the_dead_zone(
 @pytest.mark.parametrize(("share", "pulse_us"), [(0.5, 1500), (0.001, 1001), (-0.5, 1000)])
 def test_a_throttle_without_reverse_has_no_pulse_astern(share: float, pulse_us: int) -> None:
     assert pulse_of(share, RcChannel(min_us=1000, trim_us=1000, max_us=2000)) == pulse_us
+
+
+@pytest.mark.parametrize(("cruise_throttle", "top_m_s"), [(0.5, 4.0), (0.07, 2.0 / 0.07), (0.01, 40.0)])
+def test_the_top_speed_follows_from_a_cruise_throttle_that_was_measured(
+    cruise_throttle: float, top_m_s: float
+) -> None:
+    setting = with_value(
+        with_value(CONFIG, "speed.cruise_throttle", cruise_throttle), "speed.max_throttle", 1.0
+    )
+    assert top_speed_m_s(with_value(setting, "speed.cruise_m_s", 2.0).speed) == pytest.approx(top_m_s)
 
 
 def test_sticks_that_do_not_steer_are_no_fault_when_they_are_stale() -> None:

@@ -29,12 +29,6 @@ def test_a_field_to_port_is_an_easterly_heading_and_the_vertical_part_does_not_c
     assert level_field((200.0, 0.0, 440.0), (-1.0, 0.0, 0.0)) is None  # the bow points straight up
 
 
-def test_a_heeled_boat_on_north_has_a_field_to_one_side_and_still_heads_north() -> None:
-    axes = down(30.0, 0.0)
-    field = (200.0, 440.0 * axes[1], 440.0 * axes[2])
-    assert magnetic_heading(field, axes) == pytest.approx(0.0, abs=1e-12)
-
-
 def filled(rate: Vector = (0.0, 0.0, 0.0), seconds: float = 12.0, force: Vector = REST) -> AttitudeFilter:
     filter_ = AttitudeFilter()
     for step in range(round(seconds / 0.02) + 1):
