@@ -7,12 +7,7 @@ from mavutil_station import MavutilStation
 from playwright.sync_api import Locator, Page, expect
 
 GOALS = ((-1.2024312, 49.998788), (-1.2021523, 49.9987094), (-1.2020825, 49.9989791))  # near the pier
-CORNERS = (
-    (-1.2028, 49.99885),
-    (-1.2020, 49.99885),
-    (-1.2020, 49.99905),
-    (-1.2028, 49.99905),
-)
+CORNERS = ((-1.2028, 49.99885), (-1.2020, 49.99885), (-1.2020, 49.99905), (-1.2028, 49.99905))
 _PIXELS_PER_M = 2.0  # of a chart that follows its boat and was not zoomed
 _M_PER_DEGREE = 111_320.0
 

@@ -17,7 +17,6 @@ from page_rig import (
     needs_chromium,
     skipper,
     told,
-    until_mode,
 )
 from patience import MOMENT_S
 from playwright.sync_api import Locator, Page, expect
@@ -128,30 +127,6 @@ def test_a_motor_turns_while_its_button_is_held_and_stops_when_it_is_let_go(
     expect(told(page, "Left ahead: The motors are at rest")).to_be_visible()
 
 
-def test_a_key_turns_both_motors_astern_with_the_power_chosen(
-    visit: Visit, shore: ShoreBoat, watching: MavutilStation
-) -> None:
-    page = boat_view(skipper(visit, shore, "desktop"), "Motors")
-    clear(page)
-    page.get_by_label("30 %").check()
-    button(page, "Both astern").focus()
-    page.keyboard.down(" ")
-    watching.wait_for("SERVO_OUTPUT_RAW", lambda one: one.servo1_raw == one.servo3_raw == 1350)
-    page.keyboard.up(" ")
-    outputs(watching, left=False, right=False)
-
-
-def test_the_motor_stops_by_itself_when_nothing_more_comes_from_the_page(
-    visit: Visit, shore: ShoreBoat, watching: MavutilStation
-) -> None:
-    page = boat_view(skipper(visit, shore, "desktop"), "Motors")
-    clear(page)
-    with holding(page, button(page, "Right ahead")):
-        outputs(watching, left=False, right=True)
-        page.evaluate("() => (WebSocket.prototype.send = () => {})")  # no stop leaves the page either
-        outputs(watching, left=False, right=False)
-
-
 def test_the_box_is_unticked_at_each_opening_and_after_a_minute(visit: Visit, shore: ShoreBoat) -> None:
     page = skipper(visit, shore, "desktop")
     page.clock.install()
@@ -166,22 +141,6 @@ def test_the_box_is_unticked_at_each_opening_and_after_a_minute(visit: Visit, sh
     page.clock.run_for(61_000)
     expect(box).not_to_be_checked()
     expect(button(page, "Left ahead")).to_be_disabled()
-
-
-def test_an_armed_boat_turns_no_motor_and_calibrates_nothing(
-    visit: Visit, shore: ShoreBoat, station: MavutilStation
-) -> None:
-    page = boat_view(skipper(visit, shore, "desktop"), "Motors")
-    assert station.command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, 2989.0) == ACCEPTED
-    until_mode(station, Mode.HOLD, armed=True)
-    expect(page.get_by_text("Only on a disarmed boat that is heard.")).to_be_visible()
-    clear(page)
-    expect(button(page, "Left ahead")).to_be_disabled()
-    press(page, page.get_by_role("heading", name="Calibration", exact=True, level=2))
-    expect(button(page, "Start: Gyro")).to_be_disabled()
-    thrusters = page.get_by_role("region", name="Thrusters", exact=True)
-    expect(thrusters).to_contain_text("✓ armed")
-    expect(thrusters).to_contain_text("The boat sails by itself")
 
 
 def test_the_compass_calibration_shows_its_progress_and_is_cancelled(

@@ -62,14 +62,6 @@ def open_voyage(page: Page) -> None:
     expect(page.get_by_role("article", name="Voyage")).to_be_visible()
 
 
-def test_without_the_pin_logs_are_only_listed(visit: Visit) -> None:
-    page = visit("phone")
-    open_logs(page)
-    expect(page.get_by_text("Enter the PIN below")).to_be_visible()
-    expect(button(page, f"Show the voyage of {NAME}")).to_be_disabled()
-    expect(page.get_by_role("link", name=f"Download {NAME}")).not_to_have_attribute("href", re.compile("."))
-
-
 def test_a_download_has_the_bytes_of_the_file_on_the_boat(visit: Visit, shore: ShoreBoat, log: Path) -> None:
     page = skipper(visit, shore, "desktop")
     open_logs(page)
@@ -109,16 +101,3 @@ def test_a_voyage_is_as_long_as_pymavlink_says_and_a_moment_is_shown_everywhere(
     assert axe_faults(page) == []
     overflow = "document.getElementById('logs').scrollWidth - document.getElementById('logs').clientWidth"
     assert page.evaluate(overflow) == 0
-
-
-def test_a_voyage_is_saved_as_a_picture(visit: Visit, shore: ShoreBoat) -> None:
-    page = skipper(visit, shore, "desktop")
-    open_voyage(page)
-    with page.expect_download() as started:
-        press(page, button(page, "Save as picture"))
-    assert started.value.suggested_filename == "00001.png"
-    content = Path(started.value.path()).read_bytes()
-    assert content[:8] == b"\x89PNG\r\n\x1a\n"
-    assert len(content) > 50_000
-    press(page, button(page, "Back to the list"))
-    expect(button(page, f"Show the voyage of {NAME}")).to_be_focused()

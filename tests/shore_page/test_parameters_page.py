@@ -15,7 +15,6 @@ from pymavlink.dialects.v20 import all as dialect
 pytest_plugins = ("page_fixtures",)
 pytestmark = [pytest.mark.realtime, needs_chromium]
 
-FORCE = 2989.0  # param2 of COMPONENT_ARM_DISARM: without the checks
 LEAST_PX = 48.0
 
 
@@ -102,23 +101,6 @@ def test_choices_and_bits_are_named(visit: Visit, shore: ShoreBoat, station: Mav
     row = find(page, "ahrs_orientation")
     expect(row).to_contain_text("The boat has it fixed.")
     expect(row.get_by_role("button", name="Save")).to_have_count(0)
-
-
-def test_nothing_is_changed_while_the_boat_is_armed_or_seen_without_the_pin(
-    visit: Visit, shore: ShoreBoat, station: MavutilStation
-) -> None:
-    viewer = visit("desktop")
-    press(viewer, viewer.get_by_role("link", name="Boat"))
-    viewer.get_by_role("heading", name="Parameters", exact=True).click()
-    before = on_board(station, "CRUISE_SPEED")
-    expect(viewer.get_by_text("To see and change parameters, enter the PIN.")).to_be_visible()
-    expect(viewer.get_by_label("Search")).to_be_hidden()
-    page = open_panel(skipper(visit, shore))
-    row = find(page, "cruise_speed")
-    assert station.command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, FORCE) == dialect.MAV_RESULT_ACCEPTED
-    expect(page.get_by_text("The boat is armed: disarm it to change a parameter.")).to_be_visible()
-    expect(save(page, row, "0.5")).to_have_text("✕ The boat is armed: disarm it first")
-    assert on_board(station, "CRUISE_SPEED") == before
 
 
 def test_a_file_is_saved_compared_and_applied(

@@ -180,26 +180,3 @@ def test_options_are_sent_and_a_plan_of_other_places_is_not_uploaded(
         "task": "survey", "start": None, "goals": [], "any_order": False, "return": False, "clearance_m": 2.5,
         "speed_m_s": 1.2, "footprint_m": 4.0, "overlap": 0.2, "angle_deg": 90.0,
     }  # fmt: skip
-
-
-def test_a_keyboard_picks_places_moves_them_and_plans(
-    visit: Visit, shore: ShoreBoat, station: MavutilStation
-) -> None:
-    page = skipper(visit, shore, "desktop")
-    asked: list[dict[str, Any]] = []
-    answer_plans(page, asked)
-    view = open_plan(page)
-    canvas = page.locator("canvas")
-    for keys in (["ArrowRight", "Enter"], ["ArrowUp", "Enter"]):
-        for key in keys:
-            canvas.press(key)
-    expect(view.get_by_role("status")).to_contain_text("2 places")
-    first, second = kept(page)["places"]["route"]
-    assert second[0] == pytest.approx(first[0], abs=1e-6)
-    assert second[1] > first[1]
-    button(page, "Move down: Place 1").press("Enter")
-    assert kept(page)["places"]["route"] == [second, first]
-    expect(button(page, "Move up: Place 2")).to_be_focused()
-    button(page, "Plan").press("Enter")
-    expect(told(page, "Planned: 64 m, 1 min.")).to_be_visible()
-    assert len(asked) == 1

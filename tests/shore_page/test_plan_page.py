@@ -95,8 +95,7 @@ def test_a_voyage_is_uploaded_and_started_and_watched(
     press(page, page.get_by_role("link", name="Go to Sail"))
     expect(page.locator("#mode")).to_have_text("Auto")
     station.wait_for(
-        "GLOBAL_POSITION_INT",
-        lambda at: metres((at.lon / 1e7, at.lat / 1e7), GOALS[1]) < 0.7 * begun,
+        "GLOBAL_POSITION_INT", lambda at: metres((at.lon / 1e7, at.lat / 1e7), GOALS[1]) < 0.7 * begun
     )
 
 

@@ -1,16 +1,14 @@
 """Several boats in one page: the list, and that only the chosen one does what is pressed."""
 
 import re
-import socket
 from collections.abc import Iterator
 from typing import NamedTuple
 
 import pytest
 from finger import hold, press
 from mavutil_station import MavutilStation
-from page_rig import WAIT_MS, ShoreBoat, Visit, boat_at_sea, button, needs_chromium, told, unlock
+from page_rig import ShoreBoat, Visit, boat_at_sea, button, needs_chromium, told, unlock
 from playwright.sync_api import Page, expect
-from pymavlink.dialects.v20 import all as dialect
 
 from companion.core.modes import Mode
 
@@ -18,7 +16,6 @@ pytest_plugins = ("page_fixtures",)
 pytestmark = [pytest.mark.realtime, needs_chromium]
 
 FOLLOW_SCALE = 2.0  # of shared/chart.js: pixels a metre at first
-GONE = 77
 
 
 class Seen(NamedTuple):
@@ -106,20 +103,3 @@ def test_a_tap_near_another_boat_offers_to_choose_it(visit: Visit, shore: ShoreB
     boats_button(page, "Boat 2")
     assert "boat=2" in page.url
     expect(page.get_by_text("Boat 2 is here. Choose it?")).to_be_hidden()
-
-
-def test_a_boat_that_falls_silent_is_marked(visit: Visit, shore: ShoreBoat) -> None:
-    page = visit("desktop")
-    boats_button(page, "Boat 1")
-    options = shore.options()
-    port = int(options[options.index("--connect") + 1].rpartition(":")[2])
-    beat = dialect.MAVLink_heartbeat_message(dialect.MAV_TYPE_SURFACE_BOAT, 3, 1, 0, 3, 3)
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as wire:
-        wire.sendto(beat.pack(dialect.MAVLink(None, GONE, 1)), ("127.0.0.1", port))
-        expect(page.get_by_role("button", name=re.compile("a boat is not heard"))).to_be_visible()
-    press(page, page.get_by_role("button", name=re.compile("^Boat 1"), expanded=False))
-    row = page.get_by_role("button", name=re.compile(f"^Boat {GONE}"))
-    expect(row).to_contain_text(re.compile(r"not heard for \d+\ss"))
-    press(page, row)
-    expect(page.locator("#now-battery .value")).to_have_text("–")
-    expect(page.get_by_text("Boat not heard.").first).to_be_visible(timeout=WAIT_MS)

@@ -85,20 +85,6 @@ def test_the_page_is_small_and_shows_the_boat_to_everybody(
     assert axe_faults(page) == []
 
 
-def test_nothing_acts_before_the_pin(visit: Visit, shore: ShoreBoat, station: MavutilStation) -> None:
-    page = visit("phone")
-    for name in ("Hold", "Return", "Motors off", "Start", "Pause", "Continue"):
-        expect(button(page, name)).to_be_disabled()
-    unlock(page, "135790" if shore.pin != "135790" else "246801")
-    expect(told(page, "That is not the PIN")).to_be_visible()
-    expect(button(page, "Hold")).to_be_disabled()
-    unlock(page, shore.pin)
-    expect(button(page, "Hold")).to_be_enabled()
-    press(page, button(page, "Lock"))
-    expect(button(page, "Hold")).to_be_disabled()
-    assert station.mode() == Mode.HOLD
-
-
 def test_each_button_does_on_the_boat_what_it_says(
     visit: Visit, shore: ShoreBoat, station: MavutilStation
 ) -> None:

@@ -43,11 +43,3 @@ def test_the_address_names_the_view(visit: Visit, shore: ShoreBoat) -> None:
     expect(button(page, "Hold")).to_be_visible()
     page.go_back()
     expect(page.get_by_role("region", name="Plan", exact=True)).to_be_visible()
-
-
-def test_only_the_view_itself_scrolls(visit: Visit, shore: ShoreBoat) -> None:
-    page = visit("phone", address=f"{shore.address}#boat")
-    press(page, page.get_by_text("Motors", exact=True))
-    expect(page.get_by_text("The propellers are clear", exact=False)).to_be_visible()
-    page.get_by_role("region", name="Boat", exact=True).evaluate("box => box.scrollTo(0, box.scrollHeight)")
-    assert page.evaluate("document.documentElement.scrollHeight - innerHeight") <= 0

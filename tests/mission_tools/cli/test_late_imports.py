@@ -6,14 +6,7 @@ import sys
 
 import pytest
 
-HEAVY = (
-    "asyncio",
-    "matplotlib",
-    "mavsdk",
-    "pymavlink",
-    "rich",
-    "serial",
-)
+HEAVY = ("asyncio", "matplotlib", "mavsdk", "pymavlink", "rich", "serial")
 PLANS_WITHOUT = (*HEAVY, "numpy.testing", "pyproj", "scipy", "mission_tools.tasks.survey")
 HELPS_WITHOUT = (*PLANS_WITHOUT, "msgspec", "numpy", "shapely")
 

@@ -1,6 +1,5 @@
 """Pictures: that they are drawn, at the promised size, and show what they are told to."""
 
-import math
 from pathlib import Path
 from typing import Any
 
@@ -52,19 +51,6 @@ def test_a_picture_has_1600_by_1200_pixels_and_what_is_added_shows(pond: Chart, 
         seen.append(image)
 
 
-def test_open_water_and_a_pool_of_a_metre_can_be_drawn_too(tmp_path: Path) -> None:
-    frame = LocalFrame(ORIGIN)
-    sea = build_chart("Sea", frame, None, ())
-    save_figure(tmp_path / "sea.png", draw_picture(sea))
-    save_figure(
-        tmp_path / "leg.png", draw_picture(sea, [Point(0.0, 0.0), Point(200.0, 0.0)], clearance_m=2.0)
-    )
-    box = Feature("Box", "obstacle", shapely.box(0.4, 1.0, 0.6, 1.3))
-    pool = build_chart("Pool", frame, shapely.box(-0.05, -0.05, 1.175, 2.45), [box])
-    save_figure(tmp_path / "pool.png", draw_picture(pool, clearance_m=0.06))
-    assert all((tmp_path / name).stat().st_size > 10_000 for name in ("sea.png", "leg.png", "pool.png"))
-
-
 def pool() -> Chart:
     """Of the paper's size; a box by its right wall, so that its name would be cut there."""
     box = Feature("Box by the wall", "obstacle", shapely.box(0.9, 0.88, 1.12, 1.0))
@@ -96,18 +82,3 @@ def shown(route: list[Point]) -> list[Any]:
         build_chart("Lake", LocalFrame(ORIGIN), shapely.box(-9, -9, 400, 300), ()), route
     ).axes[0]
     return [text for text in axes.texts if text.get_visible()]
-
-
-def test_the_numbers_of_waypoints_never_overlap() -> None:
-    route = [Point(100.0 + 3.0 * math.sin(n), 10.0 + 1.5 * n) for n in range(200)]
-    numbers = [text for text in shown(route) if text.get_text().isdigit()]
-    boxes = [text.get_window_extent() for text in numbers]
-    assert 3 < len(boxes) < 40
-    assert all(a.count_overlaps([b for b in boxes if b is not a]) == 0 for a in boxes)
-
-
-def test_legs_with_room_have_their_length_and_the_tightest_place_its_distance() -> None:
-    texts = [text.get_text() for text in shown([Point(20.0, 0.0), Point(20.0, 200.0), Point(26.0, 208.0)])]
-    assert "200 m" in texts
-    assert "10.0 m" not in texts
-    assert "nearest: 9.00 m" in texts

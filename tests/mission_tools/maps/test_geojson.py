@@ -1,6 +1,5 @@
 """GeoJSON maps: what they become, and the one line said about each thing that can be wrong."""
 
-import json
 import math
 from pathlib import Path
 from typing import Any
@@ -17,7 +16,6 @@ from mission_tools.maps import load_geojson
 from mission_tools.maps.geojson import parse_geojson
 from mission_tools.maps.projection import to_local
 
-POND = Path(__file__).parents[3] / "examples" / "maps" / "mill_pond.geojson"
 SHORE_FILES = sorted(SHORES.glob("*.geojson"))
 ORIGIN = LatLon(50.0, -1.2)
 FRAME = LocalFrame(ORIGIN)
@@ -164,12 +162,6 @@ def test_the_projection_is_that_of_the_boats_own_frame(
     projected = to_local(shapely.Point(place.lon_deg, place.lat_deg), frame.origin)
     own = frame.to_local(place)
     assert math.hypot(projected.x - own.east_m, projected.y - own.north_m) < 2e-6
-
-
-def test_the_mill_pond_is_what_its_script_draws() -> None:
-    script: Json = {"__name__": "drawing", "__file__": str(POND.with_name("draw_mill_pond.py"))}
-    exec(compile(POND.with_name("draw_mill_pond.py").read_text(encoding="utf-8"), "draw", "exec"), script)  # noqa: S102
-    assert script["mill_pond"]() == json.loads(POND.read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize("path", SHORE_FILES, ids=lambda path: path.stem)

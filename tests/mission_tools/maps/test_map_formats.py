@@ -18,7 +18,6 @@ from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from companion.core.geo import LatLon, Point
-from mission_tools.assembly.areas import load_fence
 from mission_tools.errors import MapError
 from mission_tools.maps import load_map, load_source
 from mission_tools.maps.assemble import chart_of
@@ -485,14 +484,6 @@ def test_an_unknown_suffix_is_refused_with_the_known_ones(tmp_path: Path) -> Non
         load_source("lake.JPG")
 
 
-@pytest.mark.parametrize("suffix", MAP_SUFFIXES)
-def test_a_missing_file_of_any_format_is_named(suffix: str, tmp_path: Path) -> None:
-    if suffix in (".shp", ".gpkg", ".fgb", ".osm", ".pbf", ".000"):
-        pytest.importorskip("pyogrio", reason="the extra maps is not installed")
-    with pytest.raises(MapError, match=f"lake{suffix}: cannot be read: No such file"):
-        load_map(tmp_path / f"lake{suffix}")
-
-
 WORDS = st.lists(
     st.sampled_from(
         ["<kml>", "</kml>", "<Document>", "</Document>", "<Placemark>", "</Placemark>", "<Polygon>",
@@ -517,13 +508,3 @@ def test_no_text_raises_anything_but_a_map_error(text: str) -> None:
             said = f"{found.source}: read"
         assert said.startswith("f: ")
         assert "\n" not in said
-
-
-def test_a_map_of_any_format_is_a_fence(tmp_path: Path) -> None:
-    path = tmp_path / "lake.kml"
-    path.write_bytes(ISLES["extended data"])
-    outline, island = load_fence(path).fence.polygons
-    assert (outline.inclusion, island.inclusion) == (True, False)
-    assert {(c.lat_deg, c.lon_deg) for c in outline.corners} == {
-        (lat, lon) for lon, lat in LAKE.exterior.coords
-    }

@@ -157,13 +157,6 @@ def test_a_point_or_line_that_says_it_is_solid_is_never_sailed_over(
     assert 0.0 < 80_000 - chart.water.area < 60.0
 
 
-def test_many_notes_are_counted() -> None:
-    points = [feature(positions([(n, 0)])[0], "Point") for n in range(40)]
-    notes = chart_of(feature([ring(LAKE)]), *points).notes
-    assert len(notes) == 13
-    assert notes[-1] == "f: 28 more repaired or skipped"
-
-
 def test_a_byte_order_mark_and_capitals_in_the_suffix_are_read(tmp_path: Path) -> None:
     path = tmp_path / "LAKE.GEOJSON"
     path.write_text("\ufeff" + json.dumps(feature([ring(LAKE)])), encoding="utf-8")
@@ -235,28 +228,6 @@ def test_every_spelling_of_a_lake_across_the_antimeridian_is_one_piece_of_water(
     assert chart.reaches(LatLon(-16.997, -179.996))
     assert chart.is_clear(start, goal, 4.0)
     assert abs(abs(chart.frame.origin.lon_deg) - 180.0) < 1e-9
-
-
-def test_an_island_across_the_antimeridian_is_in_the_lake_however_it_is_spelt() -> None:
-    isle = feature([[[-179.999, -16.998], [-179.998, -16.998], [-179.998, -16.997], [-179.999, -16.998]]],
-                   kind="island", name="Isle")  # fmt: skip
-    for lake in SPELLINGS.values():
-        tree = {"type": "FeatureCollection", "features": [{**lake, "properties": {"kind": "water"}}, isle]}
-        chart = parse_geojson(tree, "f", "f")
-        at = chart.frame.to_local(LatLon(-16.9977, -179.9982))
-        assert chart.obstruction(at) == "on Isle"
-
-
-@pytest.mark.parametrize("lat_deg", [84.9, -84.9, 70.0])
-def test_a_map_at_a_high_latitude_reaches_over_many_degrees_of_longitude(lat_deg: float) -> None:
-    lake = [
-        [[10.0, lat_deg], [16.0, lat_deg], [16.0, lat_deg + 0.05], [10.0, lat_deg + 0.05], [10.0, lat_deg]]
-    ]
-    chart = parse_geojson(feature(lake), "f", "f")
-    place = LatLon(lat_deg + 0.025, 15.0)
-    assert chart.reaches(place)
-    assert chart.clearance_m(chart.frame.to_local(place)) > 1000.0
-    assert not chart.reaches(LatLon(lat_deg - 3.0, 13.0))
 
 
 @pytest.mark.parametrize("share", [0.05, 0.25, 0.5, 0.8])

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from companion.core.geo import LatLon, Point
+from companion.core.geo import Point
 from mission_tools.errors import MapError, UsageError
 from mission_tools.maps import Source, load_source
 from mission_tools.maps.scenario import decode_scenario
@@ -65,13 +65,6 @@ def test_a_pool_in_local_metres_with_its_cases() -> None:
     assert (case.start, case.goal, case.via) == (Point(0.28, 1.05), Point(1.75, 0.25), ())
     with pytest.raises(UsageError, match="no case '9' in Pool: there are 1"):
         source.with_case("9")
-
-
-def test_no_map_is_open_water() -> None:
-    chart = decode(ORIGIN).chart
-    assert chart.is_open
-    assert chart.shores.is_empty
-    assert chart.frame.origin == LatLon(50.0, -1.2)
 
 
 def test_obstacles_in_open_water_are_the_only_shores() -> None:

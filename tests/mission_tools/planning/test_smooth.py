@@ -9,13 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.core.geo import Point, distance_m, path_length_m
-from mission_tools.planning.smooth import (
-    IsClear,
-    corner_cut_m,
-    merge_short_legs,
-    pull_taut,
-    widen_corners,
-)
+from mission_tools.planning.smooth import IsClear, corner_cut_m, merge_short_legs, pull_taut, widen_corners
 
 BLOCK = shapely.box(-10.0, -10.0, 10.0, 10.0)
 

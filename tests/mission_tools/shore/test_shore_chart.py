@@ -101,13 +101,6 @@ def test_the_page_gets_every_feature_of_the_pond_with_its_kind_and_name() -> Non
             assert all(a == pytest.approx(b, abs=2e-7) for a, b in zip(*rings, strict=True))
 
 
-def test_a_straight_way_is_the_shortest_where_nothing_is_between(tmp_path: Path) -> None:
-    found = way(chart_of(tmp_path, polygon(LAKE)), (20, 50), (180, 50))
-    assert len(found.points) == 2
-    assert found.length_m == pytest.approx(160.0, abs=0.05)
-    assert found.clearance_m == CLEARANCES_M[0]
-
-
 @pytest.mark.parametrize("kind", ["island", "keep_out"])
 def test_a_way_goes_round_what_is_solid_and_what_to_keep_out_of(tmp_path: Path, kind: str) -> None:
     isle = box(90, 40, 110, 100)  # joined to the north shore: round its south end

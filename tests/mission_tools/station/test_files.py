@@ -2,10 +2,8 @@
 
 import pytest
 from boat_rig import Rig
-from pymavlink.mavftp_op import FTP_OP
 from shore_rig import Shore
 
-from companion.mavlink.ftp_frames import Opcode, make_request, parse_reply
 from mission_tools.station.ftp.jobs import Entry, FtpFailure
 
 
@@ -31,17 +29,3 @@ def test_a_boat_without_storage_has_no_logs() -> None:
     logs.request()
     shore.until(lambda: logs.failure is not None, 20.0)
     assert (logs.logs, getattr(logs.failure, "key", "")) == (None, "log.none")
-
-
-def test_a_request_is_what_pymavlink_would_send() -> None:
-    own = make_request(70_000, 3, Opcode.BURST_READ_FILE, 123_456, 239, b"")
-    theirs = FTP_OP(70_000 & 0xFFFF, 3, 15, 239, 0, 0, 123_456, None).pack()
-    assert own[:12] == bytes(theirs)[:12]
-
-
-def test_a_reply_of_pymavlink_is_read() -> None:
-    packed = FTP_OP(7, 1, 128, 3, 15, 1, 478, bytearray(b"abc")).pack()
-    reply = parse_reply(bytes(packed))
-    assert reply is not None
-    assert (reply.sequence, reply.session, reply.opcode, reply.code) == (7, 1, Opcode.BURST_READ_FILE, 0)
-    assert (reply.is_burst_over, reply.offset, reply.data) == (True, 478, b"abc")

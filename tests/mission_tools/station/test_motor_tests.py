@@ -7,7 +7,6 @@ from shore_rig import Shore
 from companion.core.requests import ManualControl
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
-from mission_tools.station.messages import Answer
 from mission_tools.station.requests import BadRequestError
 from mission_tools.station.setup.motor_tests import ENDED, HELD_UP, NO_ANSWER, STOPPED, MotorTests
 
@@ -47,11 +46,7 @@ def shore() -> Shore:
 
 @pytest.mark.parametrize(
     ("motor", "percent", "signs"),
-    [
-        ("right", 30.0, (0, 1)),
-        ("both", -50.0, (-1, -1)),
-        ("turn", 15.0, (1, -1)),
-    ],
+    [("right", 30.0, (0, 1)), ("both", -50.0, (-1, -1)), ("turn", 15.0, (1, -1))],
 )
 def test_the_motors_asked_for_turn_and_no_other(
     shore: Shore, motor: str, percent: float, signs: tuple[int, int]
@@ -141,18 +136,6 @@ def test_a_request_that_was_held_up_does_not_turn_a_motor(shore: Shore) -> None:
     assert turning(rig) == (False, False)
     assert shore.answers[-10].text == HELD_UP
     assert {one.text for one in shore.answers[-9:]} == {ENDED}
-
-
-def test_a_press_that_has_ended_never_turns_a_motor_again(shore: Shore) -> None:
-    (rig,) = shore.rigs
-    hold(shore, 0.6)
-    shore.send("motor_stop")
-    press(shore, 0.6)
-    shore.run(0.1)
-    assert turning(rig) == (False, False)
-    assert any(one == Answer(id=one.id, ok=False, text=ENDED) for one in shore.answers)
-    hold(shore, 0.6, name="b")
-    assert turning(rig) == (True, False)
 
 
 def test_a_boat_armed_by_somebody_else_meanwhile_refuses_in_its_own_words(shore: Shore) -> None:

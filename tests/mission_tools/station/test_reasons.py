@@ -142,18 +142,6 @@ def test_a_flood_of_reasons_is_bounded() -> None:
     assert len(reasons.now()) <= 40
 
 
-def test_the_page_shows_why_the_boat_does_not_arm() -> None:
-    rig = Rig(compass=Silent())
-    shore = Shore(rig)
-    shore.run(12.0)
-    reasons = shore.snapshot().reasons
-    assert "Compass: no heading" in [one.text for one in reasons]
-    assert all(one.why and one.next for one in reasons)
-    answer = shore.ask("arm")
-    assert not answer.ok
-    assert "Compass: no heading" in answer.text
-
-
 def test_the_reason_is_gone_when_the_boat_may_arm() -> None:
     battery = FakeBattery(10.0)
     rig = Rig(battery=battery)

@@ -24,17 +24,6 @@ def place(rig: Rig, north_m: float, east_m: float) -> dict[str, float]:
     return {"lat": at.lat_deg, "lon": at.lon_deg}
 
 
-def test_arm_and_disarm() -> None:
-    rig, shore = shore_with()
-    answer = shore.ask("arm")
-    assert (answer.ok, answer.text) == (True, "The propellers may turn")
-    assert rig.boat.vehicle.armed
-    shore.run(1.5)
-    assert shore.snapshot().armed
-    assert shore.ask("disarm").ok
-    assert not rig.boat.vehicle.armed
-
-
 def test_buttons_change_the_mode_and_the_speed() -> None:
     rig, shore = shore_with("armed")
     assert shore.ask("set_mode", {"mode": "GUIDED"}).ok
@@ -46,15 +35,6 @@ def test_buttons_change_the_mode_and_the_speed() -> None:
         assert rig.mode == mode
         shore.run(2.0)
         assert shore.snapshot().mode == mode
-
-
-def test_go_takes_the_boat_there() -> None:
-    rig, shore = shore_with("armed")
-    assert shore.ask("go", place(rig, 15.0, 10.0)).ok
-    assert rig.mode == "GUIDED"
-    start = rig.scenario.start
-    shore.until(lambda: rig.offset_m(start.north_m + 15.0, start.east_m + 10.0) < 3.0, 60.0)
-    assert len(shore.boat().view.track.points) > 5
 
 
 def test_stop_switches_the_motors_off_at_once() -> None:
@@ -155,18 +135,6 @@ def test_a_repetition_of_go_does_not_undo_hold() -> None:
     shore.run(9.0)
     assert rig.mode == "LOITER"
     assert shore.answers[-2].text == "Replaced by a newer request"
-
-
-def test_a_boat_that_goes_silent_after_the_upload_is_answered_for_in_time() -> None:
-    rig, shore = shore_with("armed")
-    points = [[at["lon"], at["lat"]] for at in (place(rig, 20.0, 0.0), place(rig, 20.0, 20.0))]
-    shore.ends[0].loss = 0.25  # so that the upload takes its time
-    shore.send("sail", {"points": points})
-    began_s = shore.now_s
-    shore.until(lambda: len(rig.items()) == len(points) + 1, 6.0)
-    shore.ends[0].loss = 1.0
-    shore.until(lambda: len(shore.answers) == 2, began_s + 10.0 - shore.now_s)
-    assert not shore.answers[-1].ok
 
 
 def test_restart_begins_the_boats_program_anew_and_is_noticed() -> None:

@@ -20,7 +20,6 @@ from mission_tools.station.words import texts
 OFF = dialect.FAILURE_TYPE_OFF
 GNSS, COMPASS = dialect.FAILURE_UNIT_SENSOR_GPS, dialect.FAILURE_UNIT_SENSOR_MAG
 SONAR, BATTERY = dialect.FAILURE_UNIT_SENSOR_DISTANCE_SENSOR, dialect.FAILURE_UNIT_SYSTEM_BATTERY
-RC = dialect.FAILURE_UNIT_SYSTEM_RC_SIGNAL
 
 
 def seen(shore: Shore) -> dict[str, Sensor]:
@@ -99,15 +98,6 @@ def test_a_reason_of_the_boat_comes_before_a_fine_verdict() -> None:
     battery = seen(shore)["battery"]
     assert battery.text == "The battery is too empty to set out."
     assert battery.cure == "Charge or change it."
-
-
-def test_a_transmitter_that_is_off_is_told() -> None:
-    rig = Rig("open", "sensors.rc.fitted=true")
-    shore = Shore(rig).ready()
-    watch_until(shore, lambda seen: seen["rc"].verdict == "fine")
-    assert len(seen(shore)["rc"].values["channels_us"]) >= 5
-    break_part(rig, RC, OFF)
-    watch_until(shore, lambda seen: seen["rc"].verdict == "warning")
 
 
 @pytest.mark.parametrize("loss", [0.0, 0.3])

@@ -57,14 +57,6 @@ def shore_of(rig: Rig) -> Shore:
     return Shore(rig.ready()).ready()
 
 
-def test_a_plan_arrives_with_its_commands_and_parameters() -> None:
-    rig = Rig()
-    shore = shore_of(rig)
-    assert send(shore, plan_upload(PLAN, is_started=False)) == Accepted("The plan is on board")
-    assert rig.items()[1:] == PLAN[1:]
-    assert rig.mode == "HOLD"
-
-
 def test_a_plan_arrives_although_a_fifth_of_the_frames_is_lost() -> None:
     rig = Rig()
     shore = shore_of(rig)
@@ -110,19 +102,6 @@ def test_hold_ends_the_upload_of_a_plan_that_would_be_started() -> None:
     shore.run(20.0)
     assert told == [Cancelled()]
     assert rig.mode == "LOITER"
-
-
-def test_a_boat_that_goes_silent_is_answered_for_once_and_in_time() -> None:
-    rig = Rig()
-    shore = shore_of(rig)
-    told: list[Outcome] = []
-    upload = plan_upload(survey(40), is_started=True)
-    shore.boats.upload(1, upload, told.append)
-    shore.run(0.2)
-    shore.ends[0].loss = 1.0
-    shore.until(lambda: bool(told), upload.limit_s + 1.0)
-    shore.run(30.0)
-    assert told == [Silent()]
 
 
 def test_a_boat_whose_last_answer_is_lost_has_not_refused_the_plan() -> None:

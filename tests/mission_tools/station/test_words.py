@@ -8,11 +8,10 @@ from pathlib import Path
 import pytest
 
 from mission_tools.shore.web.feed import encode
-from mission_tools.shore.web.guard import error
 from mission_tools.shore.web.static_files import read_files
 from mission_tools.station.messages import Answer
 from mission_tools.station.reasons import words as reason_words
-from mission_tools.station.words import FOLDER, LocalizedText, say, texts
+from mission_tools.station.words import FOLDER, say, texts
 
 FILES = sorted(FOLDER.glob("words.*.json"))
 ROOMS = (FOLDER.parent, FOLDER.parents[1] / "shore")
@@ -58,11 +57,6 @@ def test_a_said_text_in_a_result_crosses_the_wire() -> None:
     assert told["result"]["why"]["key"] == "way.none"
     with pytest.raises(TypeError, match="complex"):
         encode(Answer(id="1", ok=False, result=1j))
-
-
-def test_joined_with_another_text_it_is_plain() -> None:
-    assert type(say("way.none") + ".") is str
-    assert isinstance(say("way.none"), LocalizedText)
 
 
 def test_what_the_server_says_is_in_the_words_with_the_values_that_it_gives() -> None:
@@ -115,18 +109,3 @@ def test_the_document_tells_which_languages_the_server_has(tmp_path: Path) -> No
     assert files[""].plain == b'<html lang="en" data-languages="en pt-BR"><p>'
     assert files["index.html"] == files[""]
     assert read_files(FOLDER, ROOMS[1] / "page")[""].plain.count(b'data-languages="en"') == 1
-
-
-def test_an_error_by_http_has_the_key_of_its_text() -> None:
-    refused = error(403, say("pin.wait", n=12), say("error.name.expected"))
-    assert isinstance(refused.body, bytes)
-    assert json.loads(refused.body) == {
-        "error": "Too many wrong PINs. Try again in 12 s.",
-        "key": "pin.wait",
-        "values": {"n": 12},
-        "expected": str(say("error.name.expected")),
-        "expects": say("error.name.expected").to_page(),
-    }
-    plain = error(400, "Kraken", "water")
-    assert isinstance(plain.body, bytes)
-    assert json.loads(plain.body) == {"error": "Kraken", "expected": "water"}

@@ -50,11 +50,7 @@ def test_the_order_follows_the_routes_and_not_the_straight_lines() -> None:
 
 def test_every_stop_that_cannot_be_reached_is_named() -> None:
     island = shapely.box(60.0, 40.0, 80.0, 60.0)
-    stops = [
-        NEAR,
-        Stop(Point(50.0, 70.0), name="buoy"),
-        Stop(Point(150.0, 50.0)),
-    ]
+    stops = [NEAR, Stop(Point(50.0, 70.0), name="buoy"), Stop(Point(150.0, 50.0))]
     with pytest.raises(NoRoute, match=r"2 of 3 stops.*buoy:.*island 1.*stop 3:.*outside"):
         tour(basin(island), START, stops, SETTINGS)
     with pytest.raises(GoalBlocked, match="island 1"):

@@ -2,16 +2,9 @@
 
 import pytest
 
-from companion.core.geo import LatLon
 from mission_tools.vehicle.state import VehicleState
 
 HEARTBEAT = {"autopilot": 3, "type": 11, "custom_mode": 10, "base_mode": 129}
-
-
-def test_a_heartbeat_tells_mode_arming_and_that_the_link_lives() -> None:
-    state = VehicleState()
-    state.handle("HEARTBEAT", 1, HEARTBEAT, now_s=7.0)
-    assert (state.mode, state.armed, state.heard_s, state.is_ardupilot) == ("AUTO", True, 7.0, True)
 
 
 def test_heartbeats_of_other_components_are_not_the_boats() -> None:
@@ -31,13 +24,6 @@ def test_a_position_of_zero_zero_is_no_position() -> None:
     state = VehicleState()
     state.handle("GLOBAL_POSITION_INT", 1, {"time_boot_ms": 0, "lat": 0, "lon": 0, "vx": 0, "vy": 0}, 1.0)
     assert state.position is None
-
-
-def test_a_position_tells_place_speed_and_the_boats_time() -> None:
-    state = VehicleState()
-    fields = {"time_boot_ms": 1500, "lat": 500000000, "lon": -12000000, "vx": 30, "vy": 40}
-    state.handle("GLOBAL_POSITION_INT", 1, fields, 2.0)
-    assert (state.position, state.speed_m_s, state.boat_time_s) == (LatLon(50.0, -1.2), 0.5, 1.5)
 
 
 def test_reached_items_only_count_up() -> None:

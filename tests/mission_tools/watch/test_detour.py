@@ -9,7 +9,7 @@ from companion.core.geo import LatLon, LocalFrame, Point
 from companion.planning.water import Shore, Water
 from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import build_chart
-from mission_tools.mission.mission import Command, Frame, Mission, MissionItem
+from mission_tools.mission.mission import Command, Frame, MissionItem
 from mission_tools.watch.detour import SIGHTED_CLEARANCE_M, around, is_blocked, remainder_of
 
 FRAME = LocalFrame(LatLon(50.0, 10.0))
@@ -99,12 +99,3 @@ def test_a_mission_that_jumps_is_not_planned_anew() -> None:
     jump = MissionItem(Command.DO_JUMP, Frame.MISSION, (1.0, 2.0, 0.0, 0.0))
     with pytest.raises(NoRoute, match="DO_JUMP"):
         remainder_of([waypoint(0, 60), jump], CHART, 0)
-
-
-def test_a_mission_is_home_first() -> None:
-    mission, _ = around(
-        CHART, WATER, HERE, remainder_of([waypoint(0, 60)], CHART, 0), shapely.box(28, -2, 32, 2), 3.0
-    )
-    assert isinstance(mission, Mission)
-    assert mission.home is not None
-    assert FRAME.to_local(mission.home) == pytest.approx(HERE, abs=0.01)

@@ -126,9 +126,7 @@ def test_near_cells_are_one_obstacle_and_far_ones_two() -> None:
     assert all(part.bounds[2] - part.bounds[0] > 1.4 for part in parts)
 
 
-def test_what_is_taken_in_meanwhile_does_not_disturb_the_area(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_what_is_taken_in_meanwhile_does_not_disturb_the_area(monkeypatch: pytest.MonkeyPatch) -> None:
     """The area is drawn in a thread, and messages keep coming."""
     seen = Sightings(chart())
     for time_s in (0.0, 0.2):

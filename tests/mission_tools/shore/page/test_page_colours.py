@@ -8,17 +8,10 @@ from pathlib import Path
 import pytest
 
 PAGE = Path(__file__).parents[4] / "mission_tools" / "shore" / "page"
-STYLE = (PAGE / "shared" / "style.css").read_text("utf-8")
 CHART = (PAGE / "shared" / "chart-colours.js").read_text("utf-8")
 READABLE = 4.5  # WCAG 2.1, 1.4.3: text; 1.4.11: 3 for what is drawn
 SEEN = 3.0
 APART = 12.0  # CIE 1976 difference; 2.3 is just noticeable
-TEXT_ON = [
-    *((ink, fill) for ink in ("--ink", "--soft", "--danger", "--good") for fill in ("--paper", "--card")),
-    *((f"--on-{name}", f"--{name}") for name in ("strong", "return", "danger")),
-    ("--warn-ink", "--warn-fill"),
-    ("--bad-ink", "--bad-fill"),
-]
 # Machado, Oliveira and Fernandes 2009, severity 1.0, on linear RGB
 BLIND = {
     "protanopia": (
@@ -78,38 +71,11 @@ def difference(one: str, other: str, blindness: str) -> float:
     return math.sqrt(sum((a - b) ** 2 for a, b in pairs))
 
 
-def themes() -> dict[str, dict[str, str]]:
-    """The variables of the style by theme; the night is written twice: chosen, and as the device wants it."""
-    blocks = {
-        "day": r":root \{(.*?)\}",
-        "night": r":root\[data-theme=dark\] \{(.*?)\}",
-        "night by the device": r":root:not\(\[data-theme=light\]\) \{(.*?)\}",
-    }
-    found = {}
-    for name, block in blocks.items():
-        match = re.search(block, STYLE, re.DOTALL)
-        assert match is not None
-        found[name] = dict(re.findall(r"(--[\w-]+):\s*(#[0-9a-fA-F]{3,6})", match[1]))
-    return found
-
-
 def chart(name: str) -> dict[str, str]:
     """The plain colours of the chart by day or by night."""
     match = re.search(rf"const {name} = \{{(.*?)\}};", CHART, re.DOTALL)
     assert match is not None
     return dict(re.findall(r'(\w+): "(#[0-9a-f]{6})"', match[1]))
-
-
-@pytest.mark.parametrize("theme", themes())
-def test_text_is_readable_and_the_focus_is_seen(theme: str) -> None:
-    known = themes()[theme]
-    contrasts = {(ink, fill): contrast(known[ink], known[fill]) for ink, fill in TEXT_ON}
-    assert {pair: one for pair, one in contrasts.items() if one < READABLE} == {}
-    assert contrast(known["--focus"], known["--paper"]) >= SEEN
-
-
-def test_both_nights_are_the_same() -> None:
-    assert themes()["night"] == themes()["night by the device"]
 
 
 @pytest.mark.parametrize("light", ["DAY", "NIGHT"])

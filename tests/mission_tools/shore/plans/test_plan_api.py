@@ -30,7 +30,6 @@ POND = Path("sitl/scenarios/maps/mill_pond.geojson").resolve()
 LAKE = Sources(POND, "lake")
 HERE = Place(lat=49.99865, lon=-1.2027)
 GOAL = [-1.1975, 50.0017]
-ISLE = [[-1.2025, 49.9987], [-1.2010, 49.9987], [-1.2010, 49.9997], [-1.2025, 49.9997]]
 NO_FENCE: dict[str, Any] = {"type": "FeatureCollection", "features": []}
 GPX = "{http://www.topografix.com/GPX/1/1}"
 KML = "{http://www.opengis.net/kml/2.2}"
@@ -89,22 +88,6 @@ async def test_a_route_keeps_to_the_water_and_says_what_it_costs(lake: Server) -
     assert route["clearance_m"] >= 4.0
     assert all(a != b for a, b in pairwise(route["points"]))
     assert route["items"] == len(route["points"])  # the speed is one more, home is one less
-
-
-async def test_a_survey_of_an_area_covers_it_and_comes_back(lake: Server) -> None:
-    await lake.log_in()
-    prepare(lake)
-    wanted = {"task": "survey", "area": ISLE, "footprint_m": 10, "overlap": 0.2, "return": True}
-    status, survey = await plan(lake, wanted)
-    assert status == 200
-    line = shapely.LineString(survey["points"])
-    assert line.within(water())
-    near = shapely.affinity.scale(line, 1.0, 1 / 0.643, origin=(0, 0))  # degrees as long as each other
-    lit = near.buffer(5.5 / 71_500)
-    wet = shapely.affinity.scale(shapely.Polygon(ISLE).intersection(water()), 1.0, 1 / 0.643, origin=(0, 0))
-    inner = wet.buffer(-5.0 / 71_500)
-    assert lit.intersection(inner).area > 0.97 * inner.area
-    assert survey["points"][0] == survey["points"][-1]
 
 
 async def test_the_boats_fence_is_kept_to(lake: Server) -> None:

@@ -78,11 +78,7 @@ def test_a_fence_is_handed_over_with_its_areas_only() -> None:
     assert told is not None
     assert [
         (one["properties"]["kind"], one["properties"].get("radius_m")) for one in json.loads(told)["features"]
-    ] == [
-        ("inclusion", None),
-        ("exclusion", None),
-        ("exclusion", 5.0),
-    ]
+    ] == [("inclusion", None), ("exclusion", None), ("exclusion", 5.0)]
     assert fence_file({"features": [feature(5000, point)]}) is None
     assert fence_file(None) is None
 

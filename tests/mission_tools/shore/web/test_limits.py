@@ -188,14 +188,6 @@ async def test_an_address_that_asks_too_often_is_refused_and_others_are_served()
         assert await flood(one, 60) == [200] * 50 + [429] * 10
 
 
-async def test_strangers_together_are_held_up_and_a_skipper_is_not() -> None:
-    async with serving() as server, at(server, 2) as one, at(server, 3) as other:
-        assert await server.log_in() == 200
-        assert 429 in await flood(one, 400) + await flood(other, 400)
-        async with server.client.get("/api/session") as told:
-            assert (await told.json())["role"] == "skipper"
-
-
 async def test_a_page_that_leaves_before_its_socket_is_open_is_no_fault(
     server: Server, monkeypatch: pytest.MonkeyPatch
 ) -> None:

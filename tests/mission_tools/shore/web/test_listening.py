@@ -1,6 +1,5 @@
 """The port, its connections, and the program's own words."""
 
-import asyncio
 import io
 import socket
 import subprocess
@@ -12,7 +11,6 @@ from shore_server import PAGE, PIN, FakeBoats, FakeChart, FakeClock
 
 from companion.core.errors import ConfigError, LinkError
 from mission_tools.shore.program import run_program
-from mission_tools.shore.web.connections.access_control import MOST_OF_ADDRESS
 from mission_tools.shore.web.connections.listening import Listening, parse_listen
 from mission_tools.shore.web.login.pin_file import PinFile
 from mission_tools.shore.web.login.session import Sessions
@@ -33,27 +31,6 @@ def test_a_wrong_address_is_refused(text: str) -> None:
     assert parse_listen("[::1]:65535") == ("::1", 65535)
     with pytest.raises(ConfigError, match="expected HOST:PORT"):
         parse_listen(text)
-
-
-async def test_connections_too_many_are_closed_and_the_others_served(tmp_path: Path) -> None:
-    async def ends(reader: asyncio.StreamReader) -> bytes:
-        try:
-            return await reader.read()
-        except ConnectionError:
-            return b""
-
-    server = listening(tmp_path)
-    port = await server.open("127.0.0.1", 0)
-    pairs = [await asyncio.open_connection("127.0.0.1", port) for _ in range(MOST_OF_ADDRESS + 30)]
-    for reader, writer in pairs[MOST_OF_ADDRESS:]:
-        assert await ends(reader) == b""
-        writer.close()
-    reader, writer = pairs[0]
-    writer.write(f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode())
-    assert (await reader.readline()).startswith(b"HTTP/1.1 200 ")
-    for _, one in pairs[:MOST_OF_ADDRESS]:
-        one.close()
-    await server.close()
 
 
 async def test_a_port_in_use_is_named(tmp_path: Path) -> None:

@@ -75,12 +75,7 @@ async def test_the_list_comes_with_progress_then_whole_then_only_when_it_has_cha
     assert status == 200
     assert (body["texts"], body["missing"]) == ("here", 0)
     first, second = body["parameters"]
-    assert (first["name"], first["value"], first["default"], first["changed"]) == (
-        "A",
-        0.1,
-        None,
-        False,
-    )
+    assert (first["name"], first["value"], first["default"], first["changed"]) == ("A", 0.1, None, False)
     assert (second["text"], second["changed"], second["group"]) == ("The second", True, "G")
     status, body, again = await get(server, **{"If-None-Match": tag})
     assert (status, body, again) == (304, None, tag)
@@ -106,13 +101,7 @@ async def test_the_file_is_for_those_with_the_pin_and_pymavlink_reads_it(
     assert (await get(server, f"{PATH}.param"))[0] == 403
     await server.log_in()
     assert (await get(server, f"{PATH}.param"))[0] == 503
-    values = {
-        "CRUISE_SPEED": 0.1,
-        "ANGLE": -45.836624,
-        "BIG": 1e20,
-        "ZERO": 0.0,
-        "NONE": float("nan"),
-    }
+    values = {"CRUISE_SPEED": 0.1, "ANGLE": -45.836624, "BIG": 1e20, "ZERO": 0.0, "NONE": float("nan")}
     boat.fill(**values)
     async with server.client.get(f"{PATH}.param") as response:
         assert response.headers["Content-Disposition"] == 'attachment; filename="boat-1.param"'

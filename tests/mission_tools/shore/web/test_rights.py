@@ -69,15 +69,7 @@ async def test_a_broken_body_is_answered_and_no_fault(
 ) -> None:
     await server.log_in()
     server.boats.change(armed=False)
-    for body in (
-        b"",
-        b"{",
-        b"[" * 30_000,
-        b"\xff" * 100,
-        b'{"text":1}',
-        b"PK\x03\x04",
-        b'{"a":"\\ud800"}',
-    ):
+    for body in (b"", b"{", b"[" * 30_000, b"\xff" * 100, b'{"text":1}', b"PK\x03\x04", b'{"a":"\\ud800"}'):
         assert await status(server, row, server.own, body) < 500 or path_of(row).startswith("/api/b")
     assert [record.getMessage() for record in caplog.records if record.exc_info] == []
 
@@ -86,9 +78,4 @@ async def test_a_broken_body_is_answered_and_no_fault(
 async def test_an_endless_body_is_refused(server: Server, row: Row) -> None:
     await server.log_in()
     server.boats.change(armed=False)
-    assert await status(server, row, server.own, io.BytesIO(b"[" * 20_000_000)) in (
-        200,
-        404,
-        413,
-        503,
-    )
+    assert await status(server, row, server.own, io.BytesIO(b"[" * 20_000_000)) in (200, 404, 413, 503)

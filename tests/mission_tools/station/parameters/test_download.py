@@ -9,7 +9,6 @@ from shore_rig import Shore
 
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
-from mission_tools.station.boat import SILENT_S
 from mission_tools.station.parameters import download
 from mission_tools.station.parameters.download import Download, State
 from mission_tools.station.parameters.parameter_table import TableSnapshot
@@ -220,23 +219,4 @@ def test_all_parameters_of_a_real_boat_come_over_a_lossy_link(loss: float, seed:
     shore = Shore(rig, loss=loss, seed=seed)
     seen = until_here(shore, limit_s)
     assert seen.missing == 0
-    assert known(shore) == on_board(rig)
-
-
-def test_the_values_after_a_restart_are_those_of_the_boat() -> None:
-    rig = Rig()
-    shore = Shore(rig).ready()
-    until_here(shore, 5.0)
-    rig.storage.save("params.parm", b"CRUISE_SPEED 0.7\n")
-    shore.ends[0].close()
-    rig.reboot()
-    shore.run(SILENT_S + 2.0)
-    shore.ends.append(shore.link(rig))
-
-    def is_seen() -> bool:
-        snapshot(shore)
-        return known(shore).get("CRUISE_SPEED") == pytest.approx(0.7)
-
-    shore.until(is_seen, 60.0)
-    shore.until(lambda: snapshot(shore).state == "here", 10.0)
     assert known(shore) == on_board(rig)

@@ -95,17 +95,6 @@ def test_nothing_is_set_while_the_boat_is_armed() -> None:
     assert set_(shore, "CRUISE_SPEED", 0.5).ok
 
 
-def test_the_boats_own_reason_is_told_with_the_value_that_it_keeps() -> None:
-    rig = Rig()
-    shore = Shore(rig)
-    until_here(shore, 60.0)  # the texts have not come: only the boat knows the range
-    answer = set_(shore, "CRUISE_SPEED", 77.0)
-    assert not answer.ok
-    assert "The boat keeps CRUISE_SPEED at 2" in answer.text
-    assert answer.result == {"name": "CRUISE_SPEED", "value": known(shore)["CRUISE_SPEED"]}
-    assert answer.text.startswith("CRUISE_SPEED: 77 is outside")
-
-
 class Script:
     """Settings of a boat of which a test says what it sends."""
 
