@@ -4,7 +4,7 @@ import math
 
 import pytest
 from boat_rig import HOME_ITEM, Rig, waypoint
-from sailing_rig import VELOCITY, aim, do, over, reached, speed_m_s, told
+from sailing_rig import do, over, reached, speed_m_s, told
 
 from companion.core.units import wrap_pi
 from companion.mavlink.transfer import Completed
@@ -49,18 +49,6 @@ def test_turns_are_sailed_round_the_place_and_then_the_mission_goes_on() -> None
     assert -swept == pytest.approx(4.0 * math.pi, rel=0.15)
     assert max(map(abs, off[20:])) < 1.5
     assert over(rig) == [1, 2]
-
-
-def test_another_program_steers_until_its_limit_and_the_mission_goes_on() -> None:
-    rig = Rig().sail(waypoint(10.0, 0.0), do(LIMITS, 12.0), do(HAND_OVER, 1.0), waypoint(10.0, 10.0))
-    rig.until(lambda: rig.boat.vehicle.progress.current_seq == 3, 30.0)
-    rig.run(1.0)
-    for _ in range(16):
-        aim(rig, VELOCITY, velocity=(0.0, -1.5))
-        rig.run(0.5)
-    assert rig.world.truth.east_m < -4.0
-    assert rig.mode == "AUTO"
-    assert over(rig) == [1, 3, 4]
 
 
 def test_a_patrol_without_end_rounds_its_corner_without_stopping() -> None:

@@ -1,7 +1,5 @@
 """Modes on ground truth: LOITER, HOLD, GUIDED to a place, RTL, and those that sticks steer."""
 
-import math
-
 import pytest
 from boat_rig import OK, Rig
 from sailing_rig import CURRENT, armed, drifted_m, go_to, push, told
@@ -67,33 +65,3 @@ def test_acro_turns_at_the_rate_asked_for_and_holds_heading_and_speed() -> None:
     assert rig.world.truth.surge_m_s == pytest.approx(1.0, abs=0.15)  # cruise 2 m/s at 60 %: 30 % is 1 m/s
     assert stale(rig)
     assert rig.mode == "ACRO"
-
-
-def test_steering_turns_wider_the_faster_the_boat_is() -> None:
-    rig, rates = armed(Mode.STEERING), []
-    for throttle in (300, 600):
-        push(rig, 600, throttle, 12.0)
-        rates.append(rig.world.truth.yaw_rate_rad_s)
-        asked = 0.6 * rig.config.guidance.corner_accel_m_s2 / (throttle / 300.0)
-        assert rates[-1] == pytest.approx(asked, rel=0.25)
-    assert rates[0] > 1.5 * rates[1]
-    assert stale(rig)
-
-
-@pytest.mark.parametrize(
-    ("simple_type", "steering", "throttle", "off_rad"),
-    [(0, -350, -350, -0.75 * math.pi), (1, 500, 0, 0.5 * math.pi)],
-)
-def test_simple_goes_where_the_stick_points(
-    simple_type: int, steering: int, throttle: int, off_rad: float
-) -> None:
-    rig = armed(Mode.SIMPLE, config={"modes.simple_type": simple_type})
-    ahead_rad = rig.world.truth.heading_rad if simple_type == 0 else 0.0
-    push(rig, steering, throttle, 12.0)
-    assert wrap_pi(rig.world.truth.heading_rad - ahead_rad - off_rad) == pytest.approx(0.0, abs=0.1)
-    assert rig.world.truth.surge_m_s > 0.8
-    push(rig, 0, 0, 8.0)
-    assert abs(rig.world.truth.surge_m_s) < 0.2
-    assert wrap_pi(rig.world.truth.heading_rad - ahead_rad - off_rad) == pytest.approx(0.0, abs=0.15)
-    push(rig, 0, 500, 1.0)
-    assert stale(rig)

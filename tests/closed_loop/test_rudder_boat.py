@@ -92,15 +92,6 @@ def test_a_boat_that_cannot_steer_tries_to_come_free_then_drifts(what: str, kind
     assert is_stopped(rig)
 
 
-def test_a_part_that_works_badly_and_gusts_do_not_end_the_mission() -> None:
-    gusts = ("environment.wind_m_s=6.0", "environment.gust_m_s=10.0", "environment.wind_from_deg=0.0")
-    rig = Rig("open", RUDDER, *gusts).sail(waypoint(30.0, 0.0), waypoint(30.0, 30.0))
-    begin(rig, "rudder", "wrong", 10.0)
-    begin(rig, "motor_left", "weed", 0.2)
-    rig.until(lambda: rig.boat.vehicle.progress.finished, 150.0)
-    assert not tells(rig, "Failsafe")
-
-
 def test_the_autotune_measures_the_rudder_and_the_thruster_calibration_is_refused() -> None:
     rig = rudder_boat(Mode.LOITER)
     rig.run(3.0)

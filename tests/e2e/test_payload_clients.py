@@ -1,7 +1,6 @@
-"""The payload of an emulated boat as MAVSDK, MAVProxy and `mission-upload` meet it."""
+"""The payload of an emulated boat as MAVSDK and MAVProxy meet it."""
 
 import asyncio
-import json
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,11 +13,9 @@ from mavsdk.plugins.camera import CaptureInfo, VideoStreamUpdate
 from mavsdk_station import mavsdk_station
 from patience import JOB_S, MOMENT_S
 from payload_rig import CAMERA, PAYLOAD
-from programs import Program, RunningBoat, RunProgram, start_boat
-from pymavlink import mavutil
+from programs import Program, RunningBoat, start_boat
 
 pytestmark = pytest.mark.realtime
-pytest_plugins = ("program_fixtures",)
 
 
 @pytest.fixture(scope="module")
@@ -87,56 +84,3 @@ def test_mavproxy_sets_relay_and_servo(boat: RunningBoat, tmp_path: Path) -> Non
             proxy.wait_for(answer, MOMENT_S, after=said)
     finally:
         proxy.close()
-
-
-PLAN = {
-    "fileType": "Plan", "groundStation": "QGroundControl", "version": 1,
-    "geoFence": {"circles": [], "polygons": [], "version": 2}, "rallyPoints": {"points": [], "version": 2},
-    "mission": {
-        "cruiseSpeed": 2, "firmwareType": 3, "globalPlanAltitudeMode": 1, "hoverSpeed": 2,
-        "vehicleType": 11,
-        "plannedHomePosition": [50.0, -1.2, 0], "version": 2,
-        "items": [
-            {"type": "SimpleItem", "autoContinue": True, "command": command, "doJumpId": number,
-             "frame": frame, "params": params}
-            for number, (command, frame, params) in enumerate((
-                (16, 3, [0, 0, 0, None, 50.0002, -1.2, 0]),
-                (183, 2, [9, 1700, 0, 0, 0, 0, 0]),
-                (182, 2, [0, 2, 2, 0, 0, 0, 0]),
-                (211, 2, [1, 0, 0, 0, 0, 0, 0]),
-                (203, 2, [0, 0, 0, 0, 1, 0, 0]),
-                (217, 2, [7, 0, 0, 0, 0, 0, 0]),
-                (16, 3, [0, 0, 0, None, 50.0004, -1.2, 0]),
-            ), 1)
-        ],
-    },
-}  # fmt: skip
-
-
-def test_mission_upload_brings_payload_items_unchanged_and_the_boat_does_them(
-    boat: RunningBoat, run_program: RunProgram, tmp_path: Path
-) -> None:
-    plan = tmp_path / "drop.plan"
-    plan.write_text(json.dumps(PLAN), encoding="utf-8")
-    link = mavutil.mavlink_connection(f"tcp:127.0.0.1:{boat.port}", source_system=99)
-    lines: list[str] = []
-    try:
-        job = run_program("mission-upload", str(plan), "--connect", boat.url, "--start", "--follow", "--json")
-        while job.is_running:
-            link.mav.heartbeat_send(6, 8, 0, 0, 0)  # the operator of the tests before has gone
-            message = link.recv_match(type="STATUSTEXT", blocking=True, timeout=0.2)
-            lines += [] if message is None else [message.text]
-        ended = job.wait(JOB_S)
-    finally:
-        link.close()
-    assert ended.code == 0, ended
-    report = json.loads(ended.out)
-    assert report["upload"]["items"] == 8
-    assert report["upload"]["read_back_equal"] is True
-    for line in (
-        "Servo 9 (bait): 1700 us",
-        "Relay 0 (pump): 2 times, every 2 s",
-        "Gripper 1: open",
-        "Command 7 (sample): started",
-    ):
-        assert line in lines, lines
