@@ -5,8 +5,8 @@ from pathlib import Path
 
 import gpiozero
 import pytest
-from gpiozero.pins.mock import MockFactory, MockPin
 from twins.lines import known, opened
+from twins.pins import PinBoard
 from twins.pulses import PI_4, plug_in_pwm
 
 from companion.app.hardware import begin_payload
@@ -20,41 +20,15 @@ CHIP = Pca9685Part()
 OUT, IN = 17, 27
 
 
-class Pins:
-    """The Pi's pins, with a common record of changes."""
-
-    def __init__(self) -> None:
-        self.changes: list[tuple[int, int]] = []
-        pins = self
-
-        class RecordedPin(MockPin):  # type: ignore[misc]
-            def _change_state(self, value: float) -> bool:
-                has_changed: bool = super()._change_state(value)
-                if has_changed:
-                    pins.changes.append((int(self.info.name[4:]), int(value)))
-                return has_changed
-
-        self.factory = MockFactory(pin_class=RecordedPin)
-
-    def drain(self) -> list[tuple[int, int]]:
-        """Changes since the last call."""
-        changes, self.changes = self.changes, []
-        return changes
-
-    def function(self, number: int) -> str:
-        """Input or output."""
-        return str(self.factory.pin(number).function)
-
-
 @pytest.fixture
-def pins(monkeypatch: pytest.MonkeyPatch) -> Iterator[Pins]:
-    board = Pins()
+def pins(monkeypatch: pytest.MonkeyPatch) -> Iterator[PinBoard]:
+    board = PinBoard()
     monkeypatch.setattr(gpiozero.Device, "pin_factory", board.factory)
     yield board
     board.factory.reset()
 
 
-def test_a_relay_follows_and_is_off_and_an_input_after_the_end(pins: Pins) -> None:
+def test_a_relay_follows_and_is_off_and_an_input_after_the_end(pins: PinBoard) -> None:
     relay = open_output(RelayPayload(number=0, pin=17), CHIP)
     relay.write(1.0)
     relay.write(0.0)
@@ -63,22 +37,22 @@ def test_a_relay_follows_and_is_off_and_an_input_after_the_end(pins: Pins) -> No
     relay.close()
     relay.close()
     assert pins.drain()[0] == (17, 0)
-    assert pins.function(17) == "input"
+    assert pins.pin(17).function == "input"
 
 
-def test_an_active_low_relay_is_high_from_the_start(pins: Pins) -> None:
+def test_an_active_low_relay_is_high_from_the_start(pins: PinBoard) -> None:
     relay = open_output(RelayPayload(number=0, pin=17, active_low=True), CHIP)
-    assert pins.factory.pin(17).state == 1
+    assert pins.pin(17).state == 1
     relay.write(1.0)
-    assert pins.factory.pin(17).state == 0
+    assert pins.pin(17).state == 0
     relay.close()
     assert (17, 1) in pins.drain()
 
 
-def test_a_winch_counts_the_pulses_of_its_switch(pins: Pins) -> None:
+def test_a_winch_counts_the_pulses_of_its_switch(pins: PinBoard) -> None:
     setting = WinchPayload(out_pin=OUT, in_pin=IN, count_pin=22, pulse_m=0.25, line_m=5.0)
     counter = known(open_counter(setting))
-    switch = pins.factory.pin(22)
+    switch = pins.pin(22)
     switch.drive_low()
     switch.drive_high()
     switch.drive_low()
@@ -121,7 +95,7 @@ def config(*payload: dict[str, object]) -> BoatConfig:
     return decode_config({"payload": list(payload)}, "test")
 
 
-def test_parts_are_opened_by_their_table_whichever_fails(pins: Pins) -> None:
+def test_parts_are_opened_by_their_table_whichever_fails(pins: PinBoard) -> None:
     parts = begin_payload(
         config(
             {"kind": "relay", "number": 0, "pin": 17},
@@ -139,14 +113,14 @@ def test_parts_are_opened_by_their_table_whichever_fails(pins: Pins) -> None:
         parts.outputs[3].write(1500.0)
     parts.close()
     parts.close()
-    assert pins.function(17) == pins.function(23) == "input"
+    assert pins.pin(17).function == pins.pin(23).function == "input"
 
 
-def test_a_winch_without_its_counter_does_not_run(pins: Pins) -> None:
+def test_a_winch_without_its_counter_does_not_run(pins: PinBoard) -> None:
     taken = gpiozero.DigitalInputDevice(13)
     winch = {"kind": "winch", "out_pin": 23, "in_pin": 26, "count_pin": 13}
     parts = begin_payload(config(winch), opened)
     with pytest.raises(HardwareError, match="winch 1"):
         parts.outputs[0].write(1.0)
-    assert pins.function(23) == "input"
+    assert pins.pin(23).function == "input"
     taken.close()
