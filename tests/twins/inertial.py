@@ -33,10 +33,9 @@ class Mpu6050Twin(MeasuringTwin):
                 rate, force = self.sample((self.scene.rate_deg_s(), self.scene.force_g()))
                 per_g = (16384, 8192, 4096, 2048)[self.map[0x1C] >> 3 & 3]
                 per_rate = (131.0, 65.5, 32.8, 16.4)[self.map[0x1B] >> 3 & 3]
-                heard = [a + b for a, b in zip(rate, self.scene.gyro_bias_deg_s, strict=True)]
                 self.map[0x3B:0x41] = struct.pack(">3h", *whole_counts([one * per_g for one in force]))
                 self.map[0x41:0x43] = struct.pack(">h", round((25.0 - 36.53) * 340.0))
-                self.map[0x43:0x49] = struct.pack(">3h", *whole_counts([one * per_rate for one in heard]))
+                self.map[0x43:0x49] = struct.pack(">3h", *whole_counts([one * per_rate for one in rate]))
         return bytes(self.map[register : register + length])
 
     def put(self, register: int, data: bytes) -> None:
@@ -78,8 +77,7 @@ class Lsm6dsTwin(MeasuringTwin):
             rate, force = self.sample((self.scene.rate_deg_s(), self.scene.force_g()))
             mg = (0.061, 0.488, 0.122, 0.244)[self.map[0x10] >> 2 & 3]
             mdps = (8.75, 17.5, 35.0, 70.0)[self.map[0x11] >> 2 & 3]
-            heard = [a + b for a, b in zip(rate, self.scene.gyro_bias_deg_s, strict=True)]
-            self.map[0x22:0x28] = struct.pack("<3h", *whole_counts([one * 1000.0 / mdps for one in heard]))
+            self.map[0x22:0x28] = struct.pack("<3h", *whole_counts([one * 1000.0 / mdps for one in rate]))
             self.map[0x28:0x2E] = struct.pack("<3h", *whole_counts([one * 1000.0 / mg for one in force]))
         return bytes(self.map[register : register + length])
 

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 from patience import MOMENT_S
 
+from companion.links.memory import MemoryPort, memory_pair
 from companion.links.retried import Retried
 
 Part = TypeVar("Part", bound=Retried[Any])
@@ -40,6 +41,24 @@ class HandClock:
 
     def advance(self, seconds: float) -> None:
         self.now_s += seconds
+
+
+class MemoryLine:
+    """A serial line in memory; the test holds the far end."""
+
+    def __init__(self) -> None:
+        self.port = MemoryPort()
+        self.plug_in()
+
+    def plug_in(self) -> None:
+        near, self.far = memory_pair("line", is_datagram=False)
+        self.port.offer(near)
+
+    def say(self, data: bytes) -> None:
+        assert self.far.send(data)
+
+    def heard(self) -> bytes:
+        return b"".join(self.far.receive())
 
 
 class PtyLine:

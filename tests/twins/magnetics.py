@@ -22,11 +22,9 @@ class Scene:
     def __init__(self, now: Callable[[], float], seed: int = 1) -> None:
         self.now = now
         self.heading_deg = self.roll_deg = self.pitch_deg = 0.0
-        self.yaw_rate_deg_s = self.roll_rate_deg_s = self.pitch_rate_deg_s = 0.0
+        self.yaw_rate_deg_s = 0.0
         self.north_mg, self.down_mg = 200.0, 440.0
         self.iron_mg: Triple = (0.0, 0.0, 0.0)
-        self.gyro_bias_deg_s: Triple = (0.0, 0.0, 0.0)  # of the board
-        self.acceleration_m_s2: Triple = (0.0, 0.0, 0.0)  # of the boat, in body axes
         self.noise_mg = 1.5
         self.random = random.Random(seed)
 
@@ -56,16 +54,12 @@ class Scene:
     def force_g(self) -> Triple:
         """What an accelerometer feels, in body axes: it pushes up at rest."""
         x, y, z = self.to_body(0.0, 0.0, -1.0)
-        a, b, c = (one / 9.80665 + self.random.gauss(0.0, 0.003) for one in self.acceleration_m_s2)
+        a, b, c = (self.random.gauss(0.0, 0.003) for _ in range(3))
         return x + a, y + b, z + c
 
     def rate_deg_s(self) -> Triple:
         """The boat's rate in body axes (Fossen 2011, 2.28)."""
         x, y, z = self.to_body(0.0, 0.0, self.yaw_rate_deg_s)
-        phi = math.radians(self.roll_deg)
-        x += self.roll_rate_deg_s
-        y += self.pitch_rate_deg_s * math.cos(phi)
-        z -= self.pitch_rate_deg_s * math.sin(phi)
         noise = [self.random.gauss(0.0, 0.05) for _ in range(3)]
         return x + noise[0], y + noise[1], z + noise[2]
 

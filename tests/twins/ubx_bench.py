@@ -2,13 +2,39 @@
 
 from companion.core.readings import GnssFix
 from companion.hal.gnss.ubx import UbxGnss
+from companion.links.memory import MemoryPort, memory_pair
 from companion.sensors.gnss_heading import GnssHeading
 from companion.sensors.ubx.setup import Phase, UbxSetup
 from twins.lines import HandClock
-from twins.ubx_line import BaudLine
 from twins.ubx_receiver import NEO_M8N, Model, UbxReceiver
 
 STEP_S = 0.02
+
+
+class BaudLine:
+    """A serial line in memory to a receiver. Bytes at another baud rate arrive garbled."""
+
+    def __init__(self, receiver: UbxReceiver) -> None:
+        self.receiver = receiver
+        self.baud: int | None = None  # of the host
+        near, self._far = memory_pair(is_datagram=False)
+        self.port = MemoryPort(near)
+
+    def set_baud(self, baud: int) -> None:
+        """The host sets its end."""
+        self.baud = baud
+
+    def pump(self, now_s: float) -> None:
+        """Move the bytes of both directions."""
+        before = self.receiver.baud
+        for data in self._far.receive():
+            if self.receiver.baud in (None, self.baud):
+                self.receiver.hear(data)
+        data = self.receiver.run(now_s)
+        if self.baud not in (None, before) and before is not None:
+            data = bytes((7 * byte + 13) & 0xFF for byte in data[::2])
+        if data:
+            self._far.send(data)
 
 
 class Bench:

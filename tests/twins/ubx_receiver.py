@@ -77,7 +77,7 @@ class Settings:
 
 
 class UbxReceiver:
-    """deaf: its RX is not connected; mute: no power; refused: kinds (class, id) or keys answered by NAK."""
+    """deaf: its RX is not connected; refused: kinds (class, id) or keys answered by NAK."""
 
     def __init__(
         self, model: Model, *, interface: str = "UART1", baud: int | None = None, bursts: bool = False
@@ -86,13 +86,11 @@ class UbxReceiver:
         self.interface = interface
         self.saved_baud = baud or model.baud
         self.motion = Motion()
-        self.is_deaf = self.is_mute = False
+        self.is_deaf = False
         self.unacknowledged = False
         self.refused: set[object] = set()
         self.other_layers: list[int] = []
-        self.heard: list[UBXMessage] = []
         self.rtcm = b""
-        self.dips = 0
         self._out = bytearray()
         self._held = b""
         self._next_s: float | None = None
@@ -110,7 +108,6 @@ class UbxReceiver:
 
     def dip(self) -> None:
         """Power fails for an instant: all volatile settings are lost, and the buffers."""
-        self.dips += 1
         self.settings = self._factory()
         self._out.clear()
         self._held = b""
@@ -119,9 +116,6 @@ class UbxReceiver:
     def run(self, now_s: float) -> bytes:
         """What it puts on the line until now_s, at its baud rate."""
         dt, self._sent_s = now_s - self._sent_s, now_s
-        if self.is_mute:
-            self._out.clear()
-            return b""
         if self._next_s is None:
             self._next_s = now_s + 0.5  # start-up
         while self._next_s <= now_s:
@@ -139,7 +133,7 @@ class UbxReceiver:
 
     def hear(self, data: bytes) -> None:
         """Bytes from the host, at the right baud rate."""
-        if self.is_deaf or self.is_mute:
+        if self.is_deaf:
             return
         self._held += data
         while (at := self._held.find(b"\xb5\x62")) >= 0 and len(self._held) >= at + 6:
@@ -155,8 +149,7 @@ class UbxReceiver:
 
     def _take(self, raw: bytes) -> None:
         cls, number, payload = raw[2], raw[3], raw[6:-2]
-        message = UBXReader.parse(raw, msgmode=SET if payload else POLL)  # raises on a wrong checksum
-        self.heard.append(message)
+        UBXReader.parse(raw, msgmode=SET if payload else POLL)  # raises on a wrong checksum
         if (cls, number) == (0x0A, 0x04):
             self._say(0x0A, 0x04, self._version())
         elif (cls, number) == (0x06, 0x00) and not payload and self.model.protocol < 27:

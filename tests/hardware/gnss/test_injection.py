@@ -1,7 +1,7 @@
 """Corrections on their way to the receiver: over its line, no faster than that, and only at its baud rate."""
 
 from twins.lines import HandClock
-from twins.ubx_line import BaudLine
+from twins.ubx_bench import BaudLine
 from twins.ubx_receiver import ZED_F9P, UbxReceiver
 
 from companion.hal.gnss.receiver import NmeaGnss

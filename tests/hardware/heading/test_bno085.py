@@ -10,7 +10,7 @@ from twins.lines import HandClock, known
 from companion.config.sensors import CompassPart, Mounting
 from companion.core.readings import HeadingReading
 from companion.hal.heading.bno085 import BYTE_S, Bno085Compass
-from companion.links.memory import MemoryLink, MemoryPort, memory_pair
+from companion.links.memory import MemoryPort, memory_pair
 from companion.sensors.sh2 import Packet, Sh2Session, ShtpReader, encode
 
 HALF = math.sqrt(0.5)
@@ -23,15 +23,9 @@ class Bench:
         self.clock = HandClock()
         self.twin = Bno085Twin(turned)
         self.pauses: list[float] = []
-        self.far = MemoryLink("none")
-        self.port = MemoryPort()
-        self.plug_in()
-        part = part or CompassPart(driver="bno085")
-        self.compass = Bno085Compass(self.port, part, self.clock, self.pauses.append)
-
-    def plug_in(self) -> None:
         near, self.far = memory_pair("uart", is_datagram=False)
-        self.port.offer(near)
+        part = part or CompassPart(driver="bno085")
+        self.compass = Bno085Compass(MemoryPort(near), part, self.clock, self.pauses.append)
 
     def run(self, seconds: float, loss: float = 0.0) -> None:
         """loss: share of the part's bytes that do not arrive."""

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from twins.battery import Ads1115Twin
 from twins.i2c import plug_in
-from twins.lines import HandClock, known
+from twins.lines import HandClock, MemoryLine, known
 
 from companion.app.composition import check_config
 from companion.config.boat_config import decode_config
@@ -18,7 +18,6 @@ from companion.core.readings import ProbeReading
 from companion.hal.ads1115 import Ads1115
 from companion.hal.probes import PolledProbe, SerialLine, file_number, raw_number, value_of
 from companion.hal.raspberry_pi import open_i2c
-from companion.links.memory import MemoryPort, memory_pair
 
 W1_SLAVE = "72 01 4b 46 7f ff 0e 10 57 : crc=57 {crc}\n72 01 4b 46 7f ff 0e 10 57 t={milli}\n"
 """Linux, Documentation/w1/slaves/w1_therm.rst."""
@@ -211,37 +210,32 @@ def test_two_threads_on_one_converter_do_not_mix_their_inputs(
 # Lines
 
 
-class Wire:
-    """A serial line in memory."""
+class Wire(MemoryLine):
+    """A serial line with probes."""
 
     def __init__(self, clock: HandClock, *parts: ProbePart) -> None:
-        self.port = MemoryPort()
-        self.plug_in()
+        super().__init__()
         self.line = SerialLine(self.port, clock, parts)
 
-    def plug_in(self) -> None:
-        near, self.far = memory_pair("probe", False)
-        self.port.offer(near)
-
-    def say(self, data: bytes) -> list[float | None]:
-        assert self.far.send(data)
+    def values_after(self, data: bytes) -> list[float | None]:
+        self.say(data)
         self.line.step()
         return [None if (reading := probe.read()) is None else reading.value for probe in self.line.probes]
 
 
 def test_several_probes_take_their_numbers_from_one_line(clock: HandClock) -> None:
     wire = Wire(clock, line_probe("ph", column=0), line_probe("t", column=1, offset=-1.0))
-    assert wire.say(b"7.0") == [None, None]
-    assert wire.say(b"1,25.5\r\n") == [7.01, 24.5]
-    assert wire.say(b"7.02,?\r\n") == [7.02, 24.5]
-    assert wire.say(b"ERR\r\n\xff\xfe\r\n" + 600 * b"9") == [7.02, 24.5]
-    assert wire.say(b"\r\n7.03,26\r\n") == [7.03, 25.0]
+    assert wire.values_after(b"7.0") == [None, None]
+    assert wire.values_after(b"1,25.5\r\n") == [7.01, 24.5]
+    assert wire.values_after(b"7.02,?\r\n") == [7.02, 24.5]
+    assert wire.values_after(b"ERR\r\n\xff\xfe\r\n" + 600 * b"9") == [7.02, 24.5]
+    assert wire.values_after(b"\r\n7.03,26\r\n") == [7.03, 25.0]
 
 
 def test_a_line_that_was_cut_by_unplugging_is_dropped(clock: HandClock) -> None:
     wire = Wire(clock, line_probe())
-    wire.say(b"11")
+    wire.values_after(b"11")
     wire.far.close()
     wire.line.step()
     wire.plug_in()
-    assert wire.say(b"22\n") == [22.0]
+    assert wire.values_after(b"22\n") == [22.0]

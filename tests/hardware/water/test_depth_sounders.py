@@ -5,7 +5,7 @@ import struct
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from twins.lines import HandClock, known
+from twins.lines import HandClock, MemoryLine, known
 from twins.sounders import Ping1dTwin
 from twins.ubx_messages import sentence
 
@@ -14,48 +14,29 @@ from companion.core.readings import DepthReading
 from companion.hal.gnss.receiver import NmeaGnss
 from companion.hal.nmea_sensor import NmeaSensor, SharedDepthSounder, depth_assembler
 from companion.hal.ping1d import Ping1d, PingReader
-from companion.links.memory import MemoryPort, memory_pair
 from companion.sensors.nmea.depth import DEPTH_SENTENCES
 
 PART = DepthPart(driver="nmea")
 
 
-class Wire:
-    """A serial line in memory; the test holds the far end."""
-
-    def __init__(self) -> None:
-        self.port = MemoryPort()
-        self.plug_in()
-
-    def plug_in(self) -> None:
-        near, self.far = memory_pair("sounder", False)
-        self.port.offer(near)
-
-    def say(self, data: bytes) -> None:
-        assert self.far.send(data)
-
-    def heard(self) -> bytes:
-        return b"".join(self.far.receive())
-
-
-def sounding(sounder: NmeaSensor[DepthReading], wire: Wire, *sentences: str) -> DepthReading | None:
+def sounding(sounder: NmeaSensor[DepthReading], wire: MemoryLine, *sentences: str) -> DepthReading | None:
     wire.say(b"".join(map(sentence, sentences)))
     sounder.step()
     return sounder.read()
 
 
 @pytest.fixture
-def wire() -> Wire:
-    return Wire()
+def wire() -> MemoryLine:
+    return MemoryLine()
 
 
 @pytest.fixture
-def sounder(wire: Wire, clock: HandClock) -> NmeaSensor[DepthReading]:
+def sounder(wire: MemoryLine, clock: HandClock) -> NmeaSensor[DepthReading]:
     return NmeaSensor(wire.port, clock, DEPTH_SENTENCES, depth_assembler(PART).feed)
 
 
 def test_dpt_is_below_the_transducer_and_its_offset_to_the_surface_counts(
-    sounder: NmeaSensor[DepthReading], wire: Wire, clock: HandClock
+    sounder: NmeaSensor[DepthReading], wire: MemoryLine, clock: HandClock
 ) -> None:
     reading = sounding(sounder, wire, "SDDPT,2.1,0.3")
     assert reading == DepthReading(clock(), 2.1, None, 0.3, 0.3, 100.0)
@@ -68,14 +49,14 @@ def test_dpt_is_below_the_transducer_and_its_offset_to_the_surface_counts(
     "body", ["SDDBT,006.9,f,002.1,M,001.1,F", "SDDBT,006.89,f,,M,,F", "SDDBT,,f,,M,1.148,F"]
 )
 def test_dbt_is_read_in_whichever_unit_it_has(
-    sounder: NmeaSensor[DepthReading], wire: Wire, body: str
+    sounder: NmeaSensor[DepthReading], wire: MemoryLine, body: str
 ) -> None:
     reading = known(sounding(sounder, wire, body))
     assert reading.depth_m == pytest.approx(2.1, abs=0.005)
 
 
 def test_dpt_suppresses_dbt_for_two_seconds(
-    sounder: NmeaSensor[DepthReading], wire: Wire, clock: HandClock
+    sounder: NmeaSensor[DepthReading], wire: MemoryLine, clock: HandClock
 ) -> None:
     reading = known(sounding(sounder, wire, "SDDPT,2.1,0.3", "SDDBT,6.9,f,2.1,M,1.1,F"))
     assert reading.transducer_m == 0.3
@@ -85,7 +66,7 @@ def test_dpt_suppresses_dbt_for_two_seconds(
 
 
 def test_the_temperature_lives_for_ten_seconds(
-    sounder: NmeaSensor[DepthReading], wire: Wire, clock: HandClock
+    sounder: NmeaSensor[DepthReading], wire: MemoryLine, clock: HandClock
 ) -> None:
     assert sounding(sounder, wire, "SDMTW,18.5,C") is None
     for age_s, celsius in ((10.0, 18.5), (0.1, None)):
@@ -96,13 +77,13 @@ def test_the_temperature_lives_for_ten_seconds(
 
 @pytest.mark.parametrize("depth", ["", "0.0", "-1.0", "100.1"])
 def test_no_bottom_is_a_reading_without_a_depth(
-    sounder: NmeaSensor[DepthReading], wire: Wire, depth: str
+    sounder: NmeaSensor[DepthReading], wire: MemoryLine, depth: str
 ) -> None:
     reading = known(sounding(sounder, wire, f"SDDPT,{depth},0.3"))
     assert reading.depth_m is reading.water_m is None
 
 
-def test_a_sounder_may_share_the_receivers_line(wire: Wire, clock: HandClock) -> None:
+def test_a_sounder_may_share_the_receivers_line(wire: MemoryLine, clock: HandClock) -> None:
     gnss = NmeaGnss(wire.port, clock)
     depth = SharedDepthSounder(DepthPart(driver="gnss"))
     depth.listen_to(gnss)
@@ -131,11 +112,11 @@ def twin() -> Ping1dTwin:
 
 
 @pytest.fixture
-def ping(wire: Wire, clock: HandClock) -> Ping1d:
+def ping(wire: MemoryLine, clock: HandClock) -> Ping1d:
     return Ping1d(wire.port, clock, DepthPart(driver="ping1d", transducer_m=0.15))
 
 
-def interval(ping: Ping1d, twin: Ping1dTwin, wire: Wire, clock: HandClock) -> DepthReading | None:
+def interval(ping: Ping1d, twin: Ping1dTwin, wire: MemoryLine, clock: HandClock) -> DepthReading | None:
     """A tenth of a second: the part hears and measures, the driver reads."""
     ping.step()
     if said := twin.hear(wire.heard()) + twin.say():
@@ -146,7 +127,7 @@ def interval(ping: Ping1d, twin: Ping1dTwin, wire: Wire, clock: HandClock) -> De
 
 
 def test_the_part_is_set_up_and_its_distance_is_the_depth(
-    ping: Ping1d, twin: Ping1dTwin, wire: Wire, clock: HandClock
+    ping: Ping1d, twin: Ping1dTwin, wire: MemoryLine, clock: HandClock
 ) -> None:
     reading = interval(ping, twin, wire, clock)
     assert twin.settings == {1002: (1_480_000).to_bytes(4, "little"), 1003: b"\x01", 1004: b"\xc8\x00"}
@@ -159,7 +140,7 @@ def test_the_part_is_set_up_and_its_distance_is_the_depth(
 
 @pytest.mark.parametrize(("confidence", "is_found"), [(50, True), (49, False), (0, False)])
 def test_an_uncertain_distance_is_no_bottom(
-    ping: Ping1d, twin: Ping1dTwin, wire: Wire, clock: HandClock, confidence: int, is_found: bool
+    ping: Ping1d, twin: Ping1dTwin, wire: MemoryLine, clock: HandClock, confidence: int, is_found: bool
 ) -> None:
     twin.confidence = confidence
     reading = known(interval(ping, twin, wire, clock))
@@ -167,7 +148,7 @@ def test_an_uncertain_distance_is_no_bottom(
 
 
 def test_a_part_that_lost_its_supply_is_told_again_within_seconds_and_not_more_often(
-    ping: Ping1d, twin: Ping1dTwin, wire: Wire, clock: HandClock
+    ping: Ping1d, twin: Ping1dTwin, wire: MemoryLine, clock: HandClock
 ) -> None:
     before = interval(ping, twin, wire, clock)
     twin.power_up()
