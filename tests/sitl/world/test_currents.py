@@ -80,14 +80,14 @@ def test_a_grid_is_linear_between_its_points_and_constant_outside(tmp_path: Path
 
 def test_a_grid_in_time_is_linear_between_its_sheets(tmp_path: Path) -> None:
     path = tmp_path / "water.npz"
-    sheet = np.ones((2, 3))
+    sheet = np.array([[1.0] * 3, [1.0] * 3, [3.0] * 3])
     np.savez(
         path,
         time_s=[0.0, 100.0],
-        north_m=[0.0, 1.0],
+        north_m=[0.0, 1.0, 2.0],
         east_m=[0.0, 1.0, 2.0],
         current_north_m_s=np.stack([0.0 * sheet, 1.0 * sheet]),
-        current_east_m_s=np.stack([0.5 * sheet, 0.5 * sheet]),
+        current_east_m_s=np.full((2, 3, 3), 0.5),
     )
     grid = read_grid(path)
     assert grid.at(0.3, 1.7, 25.0) == pytest.approx((0.25, 0.5))

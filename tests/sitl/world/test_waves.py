@@ -1,8 +1,10 @@
 """Waves: their height, their drift, and what they do to hull and propellers."""
 
+import math
 import statistics
 
 import pytest
+from msgspec.structs import replace
 
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.environment.settings import Environment
@@ -40,6 +42,23 @@ def test_waves_from_ahead_do_not_turn_the_boat_but_those_from_the_bow_quarter_do
     yaw = [one[3] for one in watch(waves, 200.0)]
     assert statistics.pstdev(yaw) > 0.02
     assert abs(statistics.fmean(yaw)) < 0.01
+
+
+def test_a_sea_that_is_turned_with_the_boat_moves_it_the_same() -> None:
+    cos, sin = math.cos(1.0), math.sin(1.0)
+    ahead, turned = (Waves(replace(SEA, wave_from_deg=20.0 + math.degrees(by)), 1.0, 1) for by in (0.0, 1.0))
+    for tick in range(50):
+        ahead.step(0.1 * tick, 0.0, 0.0, 1.0, 0.0)
+        turned.step(0.1 * tick, 0.0, 0.0, cos, sin)
+        motion = (turned.yaw_rate_rad_s, turned.heave_m, turned.stern_m)
+        assert motion == pytest.approx((ahead.yaw_rate_rad_s, ahead.heave_m, ahead.stern_m))
+
+
+def test_a_hull_much_shorter_than_the_waves_follows_the_water_at_its_stern() -> None:
+    waves = Waves(SEA, 0.01, 1)
+    for tick in range(50):
+        waves.step(0.1 * tick, 0.0, 0.0, 1.0, 0.0)
+        assert abs(waves.stern_m) < 1e-5
 
 
 def test_a_breaking_sea_is_refused() -> None:
