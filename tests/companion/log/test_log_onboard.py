@@ -10,9 +10,12 @@ import msgspec
 import pytest
 from boat_rig import OK, waypoint
 from log_rig import LogRig, OpenRig, Record, of_kind, read_log
+from payload_rig import CAMERA, PAYLOAD
 
+from companion.core.geo import LatLon
 from companion.core.state import MotorCommand, NavState, PidOutput
 from companion.core.status_text import Severity, StatusText
+from companion.mavlink.items import MissionItem
 
 pytest_plugins = ("log_fixtures",)
 
@@ -353,3 +356,26 @@ def test_a_transmitters_channels_are_logged_and_its_loss_is_an_error_until_it_is
     assert len(heard) > 40
     assert {(one.C1, one.C2, one.C3, one.C4, one.C5) for one in heard} == {(1510, 1200, 1500, 1400, 0)}
     assert {(one.RXLQ, one.RXRSSI) for one in of_kind(records, "RSSI")} == {(75.0, -60.0)}
+
+
+def test_payload_actions_and_images_are_logged_with_their_place(tmp_path: Path) -> None:
+    rig = LogRig(tmp_path, PAYLOAD, CAMERA)
+    servo = MissionItem(2, 183, param1=9.0, param2=1250.0)
+    image = MissionItem(2, 2000, param3=1.0)
+    rig.sail(waypoint(12, 0), servo, image, waypoint(24, 0))
+    rig.until(lambda: rig.mode != "AUTO", 60.0)
+    rig.disarm()
+    rig.boat.close()
+    records = read_log(tmp_path / "00001.bin")
+    (written,) = [one for one in of_kind(records, "PAYL") if one.Val == 1250.0]
+    (taken,) = of_kind(records, "CAM")
+    assert written.Name.startswith("servo 9 (bait)")
+    frame = rig.scenario.frame
+    for one in (written, taken):
+        point = frame.to_local(LatLon(one.Lat, one.Lng))
+        assert abs(point.north_m - 12.0) < 3.0
+        assert abs(point.east_m) < 3.0
+    assert taken.TimeUS == pytest.approx(written.TimeUS, abs=40_000)  # at the shutter
+    assert taken.Img == 0
+    assert min(taken.Y, 360.0 - taken.Y) < 20.0
+    assert [one.C9 for one in of_kind(records, "RCOU")][-1] == 1250

@@ -71,14 +71,6 @@ def test_a_series_is_counted_and_evenly_spaced() -> None:
     assert not rig.camera.has_series
 
 
-def test_a_slow_camera_takes_all_images_of_a_series_one_after_the_other() -> None:
-    rig = Rig(run_s=3.0)
-    rig.camera.perform(StartCapture(3, 1.0), 0.0)
-    rig.run(20.0)
-    assert len(rig.images) == 3
-    assert rig.shutter.starts == pytest.approx([0.02, 3.02, 6.04], abs=0.05)
-
-
 def test_a_second_single_image_during_the_first_is_refused() -> None:
     rig = Rig()
     rig.camera.perform(StartCapture(), 0.0)
