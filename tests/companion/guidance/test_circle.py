@@ -46,17 +46,6 @@ def test_on_the_circle_the_course_is_the_tangent_ahead(bearing: float, clockwise
     assert rate == pytest.approx(side * speed / 20.0)
 
 
-@pytest.mark.parametrize(("clockwise", "side"), [(True, 1.0), (False, -1.0)])
-@pytest.mark.parametrize("off_m", [5.0, -5.0])
-def test_off_the_circle_the_course_leads_back_to_it(clockwise: bool, side: float, off_m: float) -> None:
-    circle = FollowCircle(CENTRE, 20.0, clockwise, 1.0)
-    course, cross_m, _ = circle_course_rad(circle, nav_on(0.0, 20.0 + off_m), CONFIG)
-    assert cross_m == pytest.approx(-side * off_m)
-    tangent = side * math.pi / 2.0
-    assert math.copysign(1.0, math.cos(course)) == -math.copysign(1.0, off_m), "north is outward here"
-    assert abs(wrap_pi(course - tangent)) < math.pi / 2.0
-
-
 def test_half_a_radius_off_half_of_the_curvature_counts_and_a_radius_off_none() -> None:
     circle = FollowCircle(CENTRE, 20.0, True, 1.0)
     for radius_m, share in ((30.0, 0.5), (10.0, 0.5), (40.0, 0.0), (60.0, 0.0)):
@@ -70,14 +59,6 @@ def test_a_small_circle_is_led_by_a_radian_at_most() -> None:
         FollowCircle(CENTRE, 0.2, True, 1.0), nav_on(0.0, 0.2, 2.0, math.pi / 2.0), CONFIG
     )
     assert course == pytest.approx(math.pi / 2.0 + 1.0, abs=1e-6)
-
-
-def test_in_the_centre_the_bow_says_which_way_is_out() -> None:
-    circle = FollowCircle(CENTRE, 20.0, True, 1.0)
-    course, cross_m, _ = circle_course_rad(circle, nav_on(0.0, 0.0, heading=0.7), CONFIG)
-    assert cross_m == 20.0
-    out = wrap_pi(course - 0.7)
-    assert -math.pi / 2.0 < out < math.pi / 2.0
 
 
 @pytest.mark.parametrize(

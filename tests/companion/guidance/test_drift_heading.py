@@ -34,15 +34,6 @@ class Wall:
         return reach_m if point.east_m + way_m * east > 15.0 else min(way_m, reach_m)
 
 
-def test_a_boat_adrift_goes_round_what_it_would_be_set_onto() -> None:
-    demand = drift_demand(nav_at(current_m_s=(0.8, 0.0)), Wall(), 0.35)
-    north = 0.8 + 0.35 * math.cos(demand.heading_rad)
-    east = 0.35 * math.sin(demand.heading_rad)
-    assert 40.0 / north * east > 15.0
-    through = demand.speed_m_s - 0.8 * math.cos(demand.heading_rad)
-    assert through == pytest.approx(0.35)
-
-
 def test_with_room_all_round_it_points_into_the_current() -> None:
     demand = drift_demand(nav_at(current_m_s=(0.0, -0.8)), Wall(), 0.35)
     assert demand.heading_rad == pytest.approx(math.pi / 2.0)

@@ -61,11 +61,6 @@ def test_a_corner_ends_where_the_boat_leaves_it_after_it_was_near() -> None:
     assert not Leg(START, END, EAST).has_ended(nav_at(99.0, -2.4), 2.0), "it was never near"
 
 
-@pytest.mark.parametrize(("north_m", "has_ended"), [(97.9, False), (98.1, True)])
-def test_a_turn_straight_back_ends_within_the_radius(north_m: float, has_ended: bool) -> None:
-    assert Leg(START, END, BACK).has_ended(nav_at(north_m, 0.0), 2.0) is has_ended
-
-
 def test_a_boat_carried_far_past_the_end_begins_another_line_to_it() -> None:
     leg = Leg(START, END)
     assert not leg.has_ended(nav_at(102.0, 30.0), 2.0)
@@ -83,15 +78,6 @@ def test_a_boat_carried_off_abeam_of_the_end_begins_another_line_to_it() -> None
     assert leg.start == START, "farther ahead the line leads to the end"
 
 
-def test_the_intent_is_made_once_for_a_speed_and_knows_what_follows() -> None:
-    onward = (Point(90.0, 90.0),)
-    leg = Leg(START, END, EAST, 3.0, onward)
-    intent = leg.intent(1.5)
-    assert intent == FollowLeg(START, END, 1.5, EAST, 3.0, onward)
-    assert leg.intent(1.5) is intent
-    assert leg.intent(1.0) == FollowLeg(START, END, 1.0, EAST, 3.0, onward)
-
-
 def test_another_next_leg_counts_at_once() -> None:
     leg = Leg(START, END, EAST)
     leg.intent(1.0)
@@ -102,11 +88,3 @@ def test_another_next_leg_counts_at_once() -> None:
     leg.turn_onto(EAST)
     assert leg.intent(1.0).next_end == EAST
     assert not leg.has_ended(nav_at(98.5, 0.0), 2.0)
-
-
-def test_another_start_counts_at_once() -> None:
-    leg = Leg(START, END)
-    leg.intent(1.0)
-    leg.begin_at(Point(100.0, 50.0))
-    assert leg.intent(1.0).start == Point(100.0, 50.0)
-    assert leg.has_ended(nav_at(96.5, -0.1), 2.0), "abeam of the end, coming from the east"

@@ -21,21 +21,11 @@ PATH = Path(
 )
 
 
-def test_along_track_distances_add_up() -> None:
-    assert [PATH.along_m(n) for n in range(4)] == pytest.approx([0.0, 9.0, 10.0, 20.0])
-    assert PATH.length_m == pytest.approx(20.0)
-
-
 @given(st.floats(0.0, 20.0))
 def test_a_boat_on_the_path_is_found_where_it_is(along_m: float) -> None:
     found, cross = PATH.locate(PATH.point(along_m), -math.inf, math.inf)
     assert found == pytest.approx(along_m, abs=1e-6)
     assert cross == pytest.approx(0.0, abs=1e-6)
-
-
-def test_to_starboard_is_positive() -> None:
-    assert PATH.locate(Point(4.0, 1.5), -math.inf, math.inf) == pytest.approx((4.0, 1.5))
-    assert PATH.locate(Point(11.0, 6.0), -math.inf, math.inf) == pytest.approx((16.0, -1.0))
 
 
 def test_the_path_goes_straight_on_before_and_beyond() -> None:
@@ -57,8 +47,3 @@ def test_course_goes_linearly_between_nodes_and_speed_as_at_an_even_acceleration
     assert PATH.speed_m_s(-1.0) == 2.0
     assert PATH.speed_m_s(15.0) == pytest.approx(math.sqrt(0.5))
     assert PATH.speed_m_s(20.0) == 0.0
-
-
-def test_a_path_needs_two_nodes() -> None:
-    with pytest.raises(ValueError, match="1 nodes"):
-        Path([Node(0.0, 0.0, 0.0, 1.0)])

@@ -7,10 +7,9 @@ import random
 import pytest
 from msgspec.structs import replace
 
-from companion.config.boat_config import BoatConfig, with_value
+from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.intent import (
-    Drive,
     FollowCircle,
     FollowLeg,
     HoldHeading,
@@ -34,12 +33,6 @@ def _demand(pilot: Pilot, intent: Intent, nav: NavState) -> Demand:
     demand = pilot.update(intent, nav, CONFIG, DT)
     assert isinstance(demand, Demand)
     return demand
-
-
-@pytest.mark.parametrize("intent", [Stop(), Drive(0.3, -0.1)])
-@pytest.mark.parametrize("nav", [None, NORTHBOUND])
-def test_stop_and_drive_go_through(intent: Stop | Drive, nav: NavState | None) -> None:
-    assert Pilot().update(intent, nav, CONFIG, DT) == intent
 
 
 @pytest.mark.parametrize("intent", [LEG, KeepStation(Point(0.0, 0.0))])
@@ -77,16 +70,6 @@ def test_a_step_aside_is_corrected_within_two_seconds() -> None:
     assert demand.heading_rad == pytest.approx(-math.atan(1.0 / CONFIG.guidance.lookahead_m), rel=0.06)
 
 
-def test_noise_of_the_current_is_smoothed_out_of_the_heading() -> None:
-    pilot, rng, headings = Pilot(), random.Random(7), []
-    for tick in range(500):
-        nav = replace(NORTHBOUND, north_m=50.0, current_east_m_s=rng.gauss(0.3, 0.02), time_s=DT * tick)
-        headings.append(_demand(pilot, LEG, nav).heading_rad)
-    rest = headings[250:]
-    assert max(rest) - min(rest) < 0.02  # unsmoothed: 0.06
-    assert sum(rest) / len(rest) == pytest.approx(-math.asin(0.3 / 2.0), abs=0.01)
-
-
 def test_a_boat_that_was_carried_off_its_fillet_sails_the_next_leg_without() -> None:
     pilot = Pilot()
     onward = FollowLeg(LEG.end, Point(100.0, 50.0), 2.0)
@@ -117,22 +100,6 @@ def test_a_fillet_once_begun_is_kept_in_any_current() -> None:
     onward = FollowLeg(LEG.end, Point(100.0, 50.0), 2.0)
     assert kept == following.update(onward, turning, CONFIG).tangent_rad
     assert kept != PathFollowing().update(CORNER, turning, CONFIG).tangent_rad
-
-
-def test_a_leg_that_does_not_go_on_from_the_corner_owes_it_nothing() -> None:
-    pilot = Pilot()
-    near = replace(NORTHBOUND, north_m=98.5)
-    _demand(pilot, CORNER, near)
-    elsewhere = FollowLeg(Point(98.5, 0.0), Point(200.0, 0.0), 2.0)
-    assert _demand(pilot, elsewhere, near) == Demand(0.0, 2.0, 0.0, 101.5)
-
-
-def test_the_bow_is_held_against_the_set() -> None:
-    in_a_current = replace(NORTHBOUND, current_east_m_s=0.5)
-    demand = _demand(Pilot(), LEG, in_a_current)
-    assert demand.heading_rad == pytest.approx(-math.atan(0.5 / 2.0))
-    # Along the bow, over ground: what it takes through the water, and the set's part of it.
-    assert demand.speed_m_s == pytest.approx(math.hypot(2.0, 0.5))
 
 
 def test_a_boat_at_rest_is_pointed_for_the_speed_that_it_has_and_not_for_the_one_it_will_have() -> None:
@@ -177,14 +144,6 @@ def test_a_new_station_forgets_the_old_ones_line() -> None:
     assert _demand(pilot, KeepStation(here), turned).heading_rad == pytest.approx(-1.0)
 
 
-def test_a_leg_without_length_is_sailed_straight_to_its_end() -> None:
-    end = Point(10.0, 10.0)
-    resting = replace(NORTHBOUND, north_m_s=0.0, surge_m_s=0.0)
-    demand = _demand(Pilot(), FollowLeg(end, end, 2.0), resting)
-    assert demand.heading_rad == pytest.approx(math.pi / 4)
-    assert demand.distance_m == pytest.approx(math.hypot(10.0, 10.0))
-
-
 def test_the_path_is_made_as_far_ahead_as_the_boat_may_have_to_brake() -> None:
     """Four braking distances of 5 m: a turn back 18 m beyond the leg counts, one 22 m beyond does not."""
     braking_m = LEG.speed_m_s**2 / (2.0 * CONFIG.guidance.accel_m_s2)
@@ -196,23 +155,6 @@ def test_the_path_is_made_as_far_ahead_as_the_boat_may_have_to_brake() -> None:
         following.update(leg, NORTHBOUND, CONFIG)
         assert following._plan is not None
         assert len(following._plan.places) == 3 + is_known
-
-
-@pytest.mark.parametrize("to_starboard", [1.0, -1.0])
-def test_a_boat_that_brakes_across_a_current_turns_into_it_as_it_slows(to_starboard: float) -> None:
-    """The crab angle is atan(current / speed), so its rate at a deceleration a is current · a / (v² + c²)."""
-    v, c = 1.2, 0.5  # 3 m before the end it brakes from 1.2 m/s
-    braking = replace(
-        NORTHBOUND,
-        north_m=97.0,
-        north_m_s=v,
-        surge_m_s=math.hypot(v, c),
-        heading_rad=-to_starboard * math.atan2(c, v),
-        current_east_m_s=to_starboard * c,
-    )
-    demand = _demand(Pilot(), LEG, braking)
-    expected = -to_starboard * c * CONFIG.guidance.accel_m_s2 / (v * v + c * c)
-    assert demand.yaw_rate_rad_s == pytest.approx(expected, rel=0.1)
 
 
 # By figures: 2 m/s, deceleration 0.4 m/s², response of the speed 1 s; course and speed are seen 0.1 s ahead
@@ -240,15 +182,6 @@ def test_at_the_end_steerage_way_is_left_unless_less_is_asked_for(asked_m_s: flo
     assert (guide.speed_m_s, guide.later_speed_m_s) == (speed_m_s, speed_m_s)
 
 
-@pytest.mark.parametrize(
-    ("next_end", "stops"),
-    [(Point(100.0, 50.0), False), (Point(200.0, 0.0), False), (Point(50.0, 0.5), True), (None, True)],
-)
-def test_a_path_stops_at_its_end_or_for_a_turn_back(next_end: Point | None, stops: bool) -> None:
-    leg = FollowLeg(LEG.start, LEG.end, 2.0, next_end)
-    assert PathFollowing().update(leg, replace(NORTHBOUND, north_m=50.0), CONFIG).stops is stops
-
-
 @pytest.mark.parametrize(("axis", "sign"), [("north", 1.0), ("north", -1.0), ("east", 1.0), ("east", -1.0)])
 @pytest.mark.parametrize(("change_m_s", "is_new"), [(0.099, False), (0.101, True)])
 def test_a_change_of_the_current_in_any_direction_makes_a_new_path(
@@ -259,28 +192,6 @@ def test_a_change_of_the_current_in_any_direction_makes_a_new_path(
     first = following._plan
     following.update(LEG, replace(far, **{f"current_{axis}_m_s": sign * change_m_s}), CONFIG)
     assert (following._plan is not first) is is_new
-
-
-def test_once_a_fillet_is_sailed_out_another_current_makes_a_new_path() -> None:
-    corner, last = Point(100.0, 0.0), Point(100.0, 50.0)
-    first = FollowLeg(Point(0.0, 0.0), corner, 2.0, last, 0.0, (Point(150.0, 50.0),))
-    second = FollowLeg(corner, last, 2.0, Point(150.0, 50.0))
-    middle = replace(
-        NORTHBOUND, north_m=99.34, east_m=0.66, heading_rad=math.pi / 4, north_m_s=0.9, east_m_s=0.9
-    )
-    following = PathFollowing()
-    following.update(first, replace(NORTHBOUND, north_m=90.0), CONFIG)
-    following.update(first, middle, CONFIG)
-    following.update(second, middle, CONFIG)
-    assert following._plan is not None
-    assert following._plan.at == 1, "the fillet is under way"
-    beyond = replace(
-        middle, north_m=100.0, east_m=25.0, heading_rad=math.pi / 2, north_m_s=0.0, east_m_s=2.0,
-        current_east_m_s=0.5,
-    )  # fmt: skip
-    following.update(second, beyond, CONFIG)
-    assert following._plan.at == 0
-    assert following._plan.current_east_m_s == 0.5
 
 
 @pytest.mark.parametrize(("current_m_s", "to_go_m", "turns"), [
@@ -310,16 +221,6 @@ def test_in_a_fillet_the_course_leads_by_hull_and_loop_and_its_rate_by_the_motor
     change = path.course_rad(turned_m + 0.25 * 1.3) - path.course_rad(turned_m + 0.15 * 1.3)
     assert guide.later_course_rad - guide.course_rad == pytest.approx(change)
     assert change > 0.0
-
-
-def test_the_course_of_a_hull_that_answers_faster_than_its_motors_does_not_lag() -> None:
-    quick = with_value(CONFIG, "handling.yaw_time_s", 0.1)
-    leg = FollowLeg(LEG.start, LEG.end, 2.0, Point(100.0, 50.0))
-    nav = replace(NORTHBOUND, north_m=97.5, north_m_s=1.3, surge_m_s=1.3)
-    following = PathFollowing()
-    guide = following.update(leg, nav, quick)
-    assert following._plan is not None
-    assert guide.course_rad == pytest.approx(following._plan.smooth.path.course_rad(97.5 + 0.4))
 
 
 # Round a circle

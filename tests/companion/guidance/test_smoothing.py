@@ -85,31 +85,11 @@ def test_where_each_place_is_passed_is_known() -> None:
     assert made.exits_m[-1] == pytest.approx(made.path.length_m)
 
 
-def test_a_turn_back_ends_the_path_there() -> None:
-    made = smoothed([Point(0.0, 0.0), Point(50.0, 0.0), Point(10.0, 3.0), Point(10.0, 50.0)])
-    assert len(made.marks_m) == 2
-    assert made.path.length_m == pytest.approx(50.0)
-    assert made.path.speed_m_s(50.0) == 0.0
-
-
 def test_a_place_on_a_straight_line_is_no_corner() -> None:
     made = smoothed([Point(0.0, 0.0), Point(20.0, 0.0), Point(60.0, 0.0)])
     assert not made.fillets
     assert made.marks_m == pytest.approx((0.0, 20.0, 60.0))
     assert made.path.speed_m_s(20.0) == 2.0
-
-
-def test_a_corner_that_follows_closely_is_reckoned_with_at_the_one_before_it() -> None:
-    lanes = [Point(0.0, 0.0), Point(50.0, 0.0), Point(50.0, 3.0), Point(0.0, 3.0)]
-    first, second = smoothed(lanes).fillets.values()
-    alone = next(iter(smoothed([Point(0.0, 0.0), Point(50.0, 0.0), Point(50.0, 50.0)]).fillets.values()))
-    assert first.nodes[-1].speed_m_s < alone.nodes[-1].speed_m_s
-    room_m = 3.0 - first.exit_m - second.entry_m
-    lost = first.nodes[-1].speed_m_s ** 2 - second.nodes[0].speed_m_s ** 2
-    assert lost <= 2.0 * ACCEL * room_m + 1e-9
-    (before_a_stop,) = smoothed([*lanes[:3], Point(50.0, -20.0)]).fillets.values()
-    room_m = 3.0 - before_a_stop.exit_m
-    assert before_a_stop.nodes[-1].speed_m_s ** 2 <= 2.0 * ACCEL * room_m + 1e-9
 
 
 def test_a_kept_fillet_is_sailed_as_it_was_made() -> None:

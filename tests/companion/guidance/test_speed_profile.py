@@ -41,11 +41,6 @@ def test_braking_covers_the_reaction_and_the_slowing(distance_m: float, end_spee
         assert distance_m <= end_speed * REACTION_S + 1e-6
 
 
-def test_an_end_that_is_far_or_needs_no_slowing_leaves_the_legs_speed() -> None:
-    assert leg_speed_m_s(2.0, 100.0, 0.0, CONFIG) == 2.0
-    assert leg_speed_m_s(2.0, 0.0, 2.5, CONFIG) == 2.0
-
-
 def test_steerage_way_is_kept_to_the_end_and_beyond() -> None:
     assert leg_speed_m_s(2.0, 0.0, 0.0, CONFIG) == SETTING.min_speed_m_s
     assert leg_speed_m_s(2.0, -5.0, 0.0, CONFIG) == SETTING.min_speed_m_s
@@ -97,21 +92,6 @@ def test_the_peak_between_two_speeds_lies_where_gaining_and_losing_meet(
     lost_m = (peak.speed_m_s**2 - end**2) / (2.0 * SETTING.accel_m_s2)
     assert gained_m == pytest.approx(peak.north_m)
     assert gained_m + lost_m == pytest.approx(length_m)
-
-
-def test_what_lies_behind_is_reckoned_with_over_several_nodes() -> None:
-    nodes = with_speeds(row((0.0, 2.0), (1.0, 2.0), (2.0, 2.0), (3.0, 0.0)), [], 2.0, CONFIG)
-    assert [node.speed_m_s**2 for node in nodes] == pytest.approx(
-        [min(4.0, 2.0 * SETTING.accel_m_s2 * (3.0 - node.north_m)) for node in nodes]
-    )
-
-
-def test_a_fillet_keeps_its_own_speeds_unless_the_way_behind_it_asks_for_less() -> None:
-    fillet = row((10.0, 1.0), (10.1, 1.8), (10.2, 1.2))  # the current alone changes speed like that
-    kept = with_speeds([*row((0.0, 2.0)), *fillet, *row((30.0, 0.0))], [(1, 3)], 2.0, CONFIG)
-    assert [node.speed_m_s for node in kept if 10.0 <= node.north_m <= 10.2] == [1.0, 1.8, 1.2]
-    braked = with_speeds([*row((0.0, 2.0)), *fillet, *row((10.3, 0.0))], [(1, 3)], 2.0, CONFIG)
-    assert max(node.speed_m_s for node in braked if node.north_m >= 10.0) < 0.5
 
 
 def test_speed_may_be_gathered_half_as_fast_again_as_it_is_lost() -> None:

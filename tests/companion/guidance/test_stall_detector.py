@@ -14,7 +14,6 @@ DT = 0.02
 FULL = MotorCommand(1.0, 1.0)
 NORTH = Demand(0.0, 2.0)
 STILL = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.02)
-UNDER_WAY = replace(STILL, north_m_s=2.0, surge_m_s=2.0)
 
 
 def judged(
@@ -27,24 +26,6 @@ def judged(
     for _ in range(round(seconds / DT)):
         headway.update(demand, command, nav, CONFIG, DT)
     return headway.verdict
-
-
-def test_a_current_as_fast_as_the_boat_leaves_no_headway() -> None:
-    headway = StallDetector()
-    judged(headway, replace(UNDER_WAY, north_m_s=0.2, current_north_m_s=-2.9), 120.0)
-    assert judged(headway, replace(STILL, current_north_m_s=-3.0), 1.1 * STALL_S) is StallVerdict.NO_HEADWAY
-
-
-def test_a_current_learned_while_stuck_is_not_blamed_for_the_stall() -> None:
-    headway = StallDetector()
-    judged(headway, UNDER_WAY, 60.0)
-    assert judged(headway, replace(STILL, current_north_m_s=-3.0), 60.0) is StallVerdict.STUCK
-
-
-def test_way_made_good_clears_the_verdict() -> None:
-    headway = StallDetector()
-    assert judged(headway, STILL, 2.0 * STALL_S) is StallVerdict.STUCK
-    assert judged(headway, UNDER_WAY, DT) is StallVerdict.MAKING_WAY
 
 
 TURNING = MotorCommand(-1.0, 1.0)
@@ -71,10 +52,6 @@ def test_steering_that_turns_nothing_at_the_shore_is_a_boat_aground() -> None:
     assert headway.held_s > 5.0
     assert held(headway, TURNING, 0.2 * HELD_S) is StallVerdict.AGROUND
     assert headway.update(NO_WAY, TURNING, STILL, CONFIG, DT, is_at_line=True) is StallVerdict.AGROUND
-
-
-def test_away_from_every_line_nothing_is_said_of_the_shore() -> None:
-    assert judged(StallDetector(), STILL, 60.0, TURNING, NO_WAY) is StallVerdict.MAKING_WAY
 
 
 @pytest.mark.parametrize("heading_deg", [0, 120])

@@ -9,13 +9,12 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig, decode_config
-from companion.core.geo import Point, distance_m
-from companion.core.intent import FollowCircle, FollowLeg, HoldHeading
+from companion.core.geo import Point
+from companion.core.intent import FollowCircle, FollowLeg
 from companion.core.state import Demand, NavState
 from companion.core.units import wrap_pi
 from companion.guidance.fillet import Bend, best_fillet
 from companion.guidance.pilot import Pilot
-from companion.guidance.speed_profile import steered_speed_m_s
 from companion.guidance.station_keeping import StationKeeping, turning_s
 
 RADIUS_M = 3.0
@@ -35,14 +34,6 @@ def config(layout: str = "rudder") -> BoatConfig:
 RUDDER, PAIR, BOTH = config(), config("differential"), config("differential_rudder")
 ORIGIN = Point(0.0, 0.0)
 STILL = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.02)
-
-
-@pytest.mark.parametrize(("setting", "speed_m_s"), [(RUDDER, 0.4), (PAIR, 0.0), (BOTH, 0.0)])
-def test_a_large_turn_takes_way_or_none(setting: BoatConfig, speed_m_s: float) -> None:
-    assert steered_speed_m_s(1.2, 2.0, setting) == speed_m_s
-    assert steered_speed_m_s(0.2, 2.0, setting) == min(speed_m_s, 0.2)
-    assert steered_speed_m_s(-0.4, 2.0, RUDDER) == -0.4
-    assert steered_speed_m_s(1.2, 0.2, setting) == 1.2
 
 
 @given(
@@ -96,20 +87,6 @@ def test_no_circle_is_smaller_than_the_least_radius(setting: BoatConfig, radius_
     assert demand.cross_track_m == pytest.approx(radius_m - 5.0)
 
 
-@pytest.mark.parametrize(
-    ("setting", "error_rad", "speed_m_s"), [(RUDDER, 0.9, 0.4), (RUDDER, 0.7, 0.0), (PAIR, 0.9, 0.0)]
-)
-def test_a_heading_is_turned_to_under_way_where_the_intent_says_so(
-    setting: BoatConfig, error_rad: float, speed_m_s: float
-) -> None:
-    demand = Pilot().update(HoldHeading(error_rad, 0.0, 0.8), STILL, setting, 0.1)
-    assert isinstance(demand, Demand)
-    assert demand.speed_m_s == speed_m_s
-    plain = Pilot().update(HoldHeading(error_rad, 0.0), STILL, setting, 0.1)
-    assert isinstance(plain, Demand)
-    assert plain.speed_m_s == 0.0
-
-
 def station(north_m: float, east_m: float, heading_rad: float = 0.0) -> Demand:
     nav = replace(STILL, north_m=north_m, east_m=east_m, heading_rad=heading_rad)
     return StationKeeping().update(ORIGIN, nav, RUDDER, 0.1)
@@ -134,39 +111,3 @@ def test_it_sails_on_into_the_inner_half_of_the_radius_then_drifts() -> None:
     for north_m in (-1.6, -1.0, -0.76, -0.74, -1.0, -1.49):
         speeds.append(keeping.update(ORIGIN, replace(STILL, north_m=north_m), RUDDER, 0.1).speed_m_s)
     assert [speed > 0.0 for speed in speeds] == [True, True, True, False, False, False]
-
-
-@pytest.mark.parametrize("bearing_deg", range(0, 360, 60))
-@pytest.mark.parametrize("away_m", [1.6, 6.0])
-def test_it_comes_back_within_three_turning_radii(bearing_deg: int, away_m: float) -> None:
-    """A point that turns by no less than its radius, at the demanded speed."""
-    keeping, dt_s = StationKeeping(), 0.1
-    angle = math.radians(bearing_deg)
-    nav = replace(STILL, north_m=-away_m * math.cos(angle), east_m=-away_m * math.sin(angle))
-    farthest_m = away_m
-    for _ in range(1200):
-        demand = keeping.update(ORIGIN, nav, RUDDER, dt_s)
-        if demand.speed_m_s == 0.0:
-            break
-        step = demand.speed_m_s * dt_s
-        turn = wrap_pi(demand.heading_rad - nav.heading_rad)
-        heading = nav.heading_rad + math.copysign(min(abs(turn), step / RADIUS_M), turn)
-        nav = replace(
-            nav,
-            heading_rad=wrap_pi(heading),
-            north_m=nav.north_m + step * math.cos(heading),
-            east_m=nav.east_m + step * math.sin(heading),
-        )
-        farthest_m = max(farthest_m, distance_m(nav.point, ORIGIN))
-    assert distance_m(nav.point, ORIGIN) < 0.8
-    assert farthest_m <= max(away_m, 1.5) + 3.0 * RADIUS_M
-
-
-@pytest.mark.parametrize("bow_rad", [0.0, 1.5])
-def test_bow_away_from_the_current_it_turns_into_it_under_way(bow_rad: float) -> None:
-    north, east = 0.4 * math.cos(bow_rad), 0.4 * math.sin(bow_rad)
-    nav = replace(STILL, heading_rad=bow_rad, current_north_m_s=north, current_east_m_s=east)
-    assert StationKeeping().update(ORIGIN, nav, PAIR, 0.1).speed_m_s == pytest.approx(
-        0.4
-    )  # carried, no thrust
-    assert StationKeeping().update(ORIGIN, nav, RUDDER, 0.1).speed_m_s == pytest.approx(0.8)

@@ -20,13 +20,6 @@ def field_of(*solid: Point, suspects: tuple[Point, ...] = (), at: Point = ORIGIN
     return field
 
 
-def test_an_empty_grid_is_free_everywhere_and_outside_of_it() -> None:
-    field = field_of()
-    for place in (Point(0.0, 0.0), Point(8.0, -8.0), Point(100.0, 0.0), Point(0.0, -100.0)):
-        assert field.at(*place) == 0
-        assert field.distance_m(*place) == FAR_M
-
-
 @pytest.mark.parametrize("seed", range(2))
 def test_the_distance_is_that_to_the_nearest_obstacle(seed: int) -> None:
     """Within a cell and the 8 % of the octagon, wherever the grid lies."""
@@ -53,11 +46,6 @@ def test_only_certain_obstacles_are_marked_as_touching() -> None:
     assert not field.at(2.5, 0.1) & SOLID
     assert field.distance_m(-2.9, 0.1) == 0.0
     assert not field.at(-2.9, 0.1) & SOLID
-
-
-def test_obstacles_beyond_the_grid_do_not_appear_on_its_other_side() -> None:
-    field = field_of(Point(0.1, 30.0), Point(30.0, 0.1), Point(-30.0, 0.1))
-    assert not any(field.cells)
 
 
 @pytest.mark.parametrize("margin_m", [0.0, 1.0, 2.0])

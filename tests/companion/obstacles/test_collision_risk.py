@@ -36,21 +36,6 @@ def test_a_new_echo_moves_with_the_prior_probability() -> None:
     assert moves_probability(new(4.0, 0.0)) == pytest.approx(0.5, abs=0.02)
 
 
-def test_what_was_seen_to_lie_still_does_not_move() -> None:
-    still = mover(4.0, 0.0)
-    still.is_mover = False
-    assert moves_probability(still) < 0.01
-    assert risk(still) == 0.0
-
-
-def test_what_was_seen_to_move_does() -> None:
-    track = mover(4.0, 0.0, -0.3, 0.0)
-    track.is_mover = False
-    assert moves_probability(track) > 0.99
-    track.is_mover = True
-    assert moves_probability(track) == 1.0
-
-
 def test_the_worst_velocity_is_within_two_standard_deviations_and_on_a_collision_course() -> None:
     ahead = new(4.0, 0.0)
     most_m_s = 2.0 * ahead.speed_sigma_m_s
@@ -99,7 +84,3 @@ def test_the_spread_of_a_known_mover_is_half_its_radius_and_the_boats(clear_m: f
     expected = 0.5 * 0.2**2 * 4.0 / radius_m**2
     assert (found.north2[0], found.east2[0]) == pytest.approx((expected, expected), rel=0.02)
     assert (found.cross[0], found.peak[0]) == pytest.approx((0.0, 2.0), abs=0.04)
-
-
-def test_a_sooner_collision_counts_more() -> None:
-    assert risk(mover(2.5, 0.0, -0.3, 0.0)) > risk(mover(4.5, 0.0, -0.3, 0.0)) > 0.0

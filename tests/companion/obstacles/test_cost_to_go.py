@@ -75,30 +75,10 @@ def test_a_narrow_gap_is_taken_only_where_the_way_around_is_long() -> None:
     assert left_m(short, 2.0, 2.0) < left_m(short, 2.0, 0.0) + 0.5
 
 
-def test_a_closed_ring_has_no_way_out() -> None:
-    assert not to_go(*ring(3.0)).is_open
-    assert to_go(*(at for at in ring(3.0) if at.north_m < 2.5 or at.east_m < 0.0), *ring(6.0)[:3]).is_open
-
-
-def test_a_goal_within_an_obstacle_has_no_way_to_it() -> None:
-    assert not to_go(*(Point(6.0 + n, e) for n, e in ring(1.5)), goal=Point(6.0, 0.0)).is_open
-
-
 def test_the_fence_closes_a_side_and_back_is_no_way() -> None:
     found = to_go(*wall(-6.0, 2.0), bounds=Lines(-12.0, 3.0))
     assert left_m(found, 0.0, -2.0) < -0.5
     assert not to_go(*wall(-6.0, 6.0), bounds=Lines(-6.0, 6.0)).is_open
-
-
-def test_a_boat_too_near_to_something_still_finds_its_way() -> None:
-    assert to_go(Point(0.3, 0.0)).is_open
-    assert to_go(bounds=Lines(-9.0, 0.5)).is_open
-
-
-def test_beyond_the_grid_the_nearest_cell_counts() -> None:
-    found = to_go()
-    assert found.at(40.0, 0.0) == pytest.approx(found.at(11.9, 0.0), abs=1.0)
-    assert found.at(0.0, -40.0) == pytest.approx(found.at(0.0, -11.9), abs=1.0)
 
 
 def test_long_ways_are_counted_up_to_the_limit_of_a_byte() -> None:

@@ -6,7 +6,6 @@ import pytest
 from avoidance_rig import CONFIG, boat
 from msgspec.structs import replace
 
-from companion.config.boat_config import with_value
 from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.geofence.fence import Fence, FenceCircle
@@ -43,19 +42,6 @@ def test_without_a_fence_the_default_and_always_limit_the_speed(by_sight: int, i
     assert looked().is_limited(HERE, by_sight, Fence()) is is_limited
 
 
-@pytest.mark.parametrize(
-    ("bounds", "is_limited"),
-    [
-        (fence(), False),
-        (fence(50.0, is_inclusion=False), True),  # the boat is outside, and it tells nothing of other water
-        (fence(5.0), True),  # the boat is outside
-    ],
-)
-def test_water_inside_an_inclusion_fence_is_known(bounds: Fence, is_limited: bool) -> None:
-    assert looked().is_limited(Point(20.0, 0.0), 3, bounds) is is_limited
-    assert looked().is_limited(Point(20.0, 0.0), 1, bounds)
-
-
 @pytest.mark.parametrize(("distance_m", "is_limited"), [(39.9, True), (40.1, False)])
 @pytest.mark.parametrize("by_sight", [2, 3])
 def test_within_forty_metres_of_what_no_map_has_the_chart_is_not_trusted(
@@ -65,10 +51,6 @@ def test_within_forty_metres_of_what_no_map_has_the_chart_is_not_trusted(
     water.note_unmapped_obstacle(Point(-distance_m, 0.0))
     assert water.is_limited(HERE, by_sight, fence()) is is_limited
     assert not water.is_limited(HERE, 0, fence())
-
-
-def test_a_boat_without_a_ranger_is_not_limited_by_default() -> None:
-    assert not LookedAtWater().is_limited(HERE, 3, Fence())
 
 
 def test_the_room_is_the_sight_ahead_less_the_way_made_since() -> None:
@@ -115,15 +97,6 @@ def test_a_current_from_astern_leaves_less_room() -> None:
     assert allowed_speed_m_s(nav, CONFIG, water, Fence(), 0.0) == pytest.approx(stopping_m_s(2.0), abs=0.1)
     nav = replace(boat(), current_north_m_s=-0.5)
     assert allowed_speed_m_s(nav, CONFIG, water, Fence(), 0.0) == pytest.approx(stopping_m_s(3.0), abs=0.1)
-
-
-def test_known_water_sets_no_limit_and_costs_no_bookkeeping() -> None:
-    water = looked(0.0)
-    assert allowed_speed_m_s(boat(), CONFIG, water, fence(), 0.0) == math.inf
-    assert not water.is_used
-    uncharted = with_value(CONFIG, "avoidance.by_sight", 1)
-    assert allowed_speed_m_s(boat(), uncharted, water, fence(), 0.0) < 2.0
-    assert water.is_used
 
 
 def test_the_frame_moves_and_all_is_forgotten() -> None:

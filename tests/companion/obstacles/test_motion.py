@@ -36,12 +36,6 @@ def test_after_five_seconds_the_boat_is_where_the_emulated_hull_is(
     assert found.bow_rad == pytest.approx(turn, abs=0.1)
 
 
-def test_port_is_starboard_in_the_mirror() -> None:
-    right, left = roll(1.0, 0.2, 0.6, 1.0, CONFIG), roll(1.0, -0.2, -0.6, 1.0, CONFIG)
-    assert right.ahead_m == pytest.approx(left.ahead_m)
-    assert right.right_m == pytest.approx([-side for side in left.right_m])
-
-
 def test_a_turn_leaves_no_thrust_for_braking() -> None:
     straight, turning = roll(1.5, 0.0, 0.0, 0.0, CONFIG), roll(1.5, 0.0, 1.0, 0.0, CONFIG)
     way = [math.hypot(*at) for at in zip(turning.ahead_m, turning.right_m, strict=True)]
@@ -66,15 +60,6 @@ def test_a_rudder_boat_needs_its_circle() -> None:
     assert found.bow_rad < pair.bow_rad
     assert found.ahead_m[-1] > pair.ahead_m[-1] + 0.3
     assert roll(0.0, 0.0, 1.0, 0.0, RUDDER).bow_rad == pytest.approx(0.0, abs=0.05)
-
-
-def test_the_fan_is_computed_once_for_a_speed() -> None:
-    fan = CourseFan()
-    first = fan.rollouts(1.0, 0.0, 1.0, CONFIG)
-    assert len(first) == len(TURNS)
-    assert fan.rollouts(1.03, 0.02, 0.98, CONFIG) is first
-    assert fan.rollouts(1.3, 0.0, 1.0, CONFIG) is not first
-    assert fan.rollouts(1.0, 0.0, 1.0, RUDDER) is not first
 
 
 def test_a_rudder_boat_has_one_way_to_stop_and_three_astern() -> None:

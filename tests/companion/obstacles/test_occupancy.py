@@ -57,15 +57,6 @@ def test_evidence_grows_by_one_an_echo_up_to_four_and_decays_in_ten_seconds_a_pi
     assert seen.evidence_at(Point(3.1, 3.1), 0.0) is None
 
 
-def test_a_ping_has_a_suspect_until_its_cells_are_observed_again() -> None:
-    single = look(3.1, 1.0)
-    assert grid(single).has_suspect_of(single)
-    assert not grid(single).has_suspect_of(look(3.1, 0.9))
-    assert not grid(single, look(3.1, 1.1)).has_suspect_of(single)
-    assert not grid(single, look(FREE, 1.1)).has_suspect_of(single)
-    assert not grid(look(3.1, 0.9), single).has_suspect_of(single), "it has confirmed another"
-
-
 def test_what_was_seen_through_is_doubted_down_to_minus_one_which_decays_too() -> None:
     seen = grid(look(3.1))
     seen.add(look(3.9, 1.0))
@@ -142,13 +133,6 @@ def test_an_echo_in_a_neighbouring_cell_counts_as_a_second_look(range_m: float, 
     assert seen.evidence_at(Point(range_m, 0.02 * range_m), 0.1) == pytest.approx(evidence)
 
 
-@pytest.mark.parametrize(("east_m", "evidence"), [(0.3, 1.99), (-0.3, 1.99), (0.5, 1.0), (-0.5, 1.0)])
-def test_neighbours_lie_to_the_side_as_well(east_m: float, evidence: float) -> None:
-    seen = grid(Beam(0.0, Point(0.0, 0.1 if east_m > 0.0 else -0.1), 0.0, 0.001, 3.1, 4.0))
-    seen.add(Beam(0.1, Point(0.0, east_m), 0.0, 0.001, 3.1, 4.0))
-    assert seen.evidence_at(Point(3.1, east_m), 0.1) == pytest.approx(evidence)
-
-
 @pytest.mark.parametrize(
     ("at", "now_s", "is_kept"),
     [
@@ -165,22 +149,6 @@ def test_cells_are_forgotten_by_age_and_distance(at: Point, now_s: float, is_kep
     seen = grid(look(3.1, width_rad=0.001))
     seen.forget(at, 5.0, now_s)
     assert (len(seen) > 0) is is_kept
-
-
-@pytest.mark.parametrize(
-    ("at", "is_near"), [((3.1, 0.0), True), ((8.0, 0.0), True), ((8.3, 0.0), False), ((3.1, 5.3), False)]
-)
-def test_near_is_measured_along_either_axis(at: tuple[float, float], is_near: bool) -> None:
-    assert grid(look(3.1, width_rad=0.001)).is_near(Point(*at), 5.0) is is_near
-
-
-@pytest.mark.parametrize("range_m", [3.5, FREE])
-def test_what_is_closer_than_the_ranger_sees_only_fades(range_m: float) -> None:
-    near = Point(0.5, 0.01)
-    seen = grid(look(0.5), look(0.5, 0.7))
-    for time_s in (1.4, 2.1, 2.8):
-        seen.add(Beam(time_s, HERE, 0.0, WIDTH_RAD, range_m, 4.0, 0.6))
-    assert seen.evidence_at(near, 2.8) == grid(look(0.5), look(0.5, 0.7)).evidence_at(near, 2.8)
 
 
 @given(

@@ -63,11 +63,6 @@ def test_the_reach_is_the_rangers_up_to_the_lookahead_and_an_echo_is_no_nearer_t
     assert beams_of(SonarReading(NOW_S, 0.0, 5.0, 0.2, 9.0))[0].blind_m == 0.2
 
 
-def test_the_boats_own_ranger_has_the_configured_width() -> None:
-    assert beams_of(SonarReading(NOW_S, 0.0, 3.0), width_rad=None)[0].width_rad == math.radians(15.0)
-    assert beams_of(SonarReading(NOW_S, 0.0, 3.0), width_rad=6.28)[0].width_rad == 6.28
-
-
 @pytest.mark.parametrize(
     ("ping", "is_used"),
     [
@@ -88,11 +83,6 @@ def test_the_boats_own_ranger_has_the_configured_width() -> None:
 )
 def test_a_ping_is_used_if_it_can_be(ping: SonarReading, is_used: bool) -> None:
     assert len(beams_of(ping)) == is_used
-
-
-@pytest.mark.parametrize(("width_rad", "is_used"), [(6.2, True), (6.3, False), (-0.1, False), (0.01, True)])
-def test_a_beam_is_no_wider_than_a_circle(width_rad: float, is_used: bool) -> None:
-    assert len(beams_of(SonarReading(NOW_S, 0.0, 3.0), width_rad=width_rad)) == is_used
 
 
 @pytest.mark.parametrize(
@@ -131,14 +121,6 @@ def test_silence_says_how_far_the_water_is_free(ping: SonarReading, reach_m: flo
     seen.ingest([(ping, None)], NAV, SETTING, NOW_S)
     assert seen.reach_m == reach_m
     assert seen.dropped == (reach_m == 0.0)
-
-
-@pytest.mark.parametrize(("east_m", "is_near"), [(4.9, True), (5.2, False)])
-def test_near_is_within_sight_and_the_margin(east_m: float, is_near: bool) -> None:
-    seen = ObstaclePerception(SETTING)
-    seen.ingest([(SonarReading(NOW_S, 0.0, 3.1), 0.01)], NAV, SETTING, NOW_S)
-    assert seen.is_near(Point(3.1, 0.1 + east_m)) is is_near
-    assert seen.is_near(Point(3.1 + east_m, 0.1)) is is_near
 
 
 def test_other_settings_of_the_grid_begin_another_one() -> None:
@@ -222,14 +204,6 @@ def test_beside_something_solid_a_single_echo_counts() -> None:
     assert min(distance_m(thing, Point(0.53, 1.93)) for thing in seen.suspects(0.18)) < 0.2
 
 
-def test_a_boat_that_does_not_know_where_it_is_puts_nothing_on_the_map() -> None:
-    assert seen_from(nav_at(age_s=10.0), ping()).is_empty
-    lost = ObstaclePerception(SETTING)
-    lost.ingest([(ping(), None)], None, SETTING, 0.0)
-    assert lost.is_empty
-    assert lost.dropped == 1
-
-
 @given(
     st.lists(
         st.builds(
@@ -280,16 +254,4 @@ def test_a_second_look_confirms_or_refutes_an_echo(second: SonarReading) -> None
 def test_an_echo_that_cannot_be_looked_at_again_is_given_up() -> None:
     assert sector_after(ping(0.0, 0.5), now_s=0.29) == pytest.approx((0.5, 0.5))
     port_rad, starboard_rad = sector_after(ping(0.0, 0.5), now_s=0.31)
-    assert starboard_rad - port_rad > 0.5
-
-
-def test_obstacles_of_others_do_not_turn_the_ranger() -> None:
-    perception = ObstaclePerception(SETTING)
-    perception.ingest([(ping(0.0, 0.5), 0.3)], at_speed(), SETTING, 0.02)
-    assert perception.sector[1] - perception.sector[0] > 0.5
-
-
-def test_among_things_that_lie_still_the_whole_sweep_is_kept_after_an_echo() -> None:
-    rock = [ping(0.0, -1.2, 2.0), ping(0.06, -1.2, 2.0)]
-    port_rad, starboard_rad = sector_after(*rock, ping(0.12, 0.5), now_s=0.14)
     assert starboard_rad - port_rad > 0.5

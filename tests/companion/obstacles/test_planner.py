@@ -1,8 +1,6 @@
 """Decisions of the local planner, from a map that each test draws; whole voyages are in closed_loop."""
 
 import math
-import random
-from itertools import pairwise
 
 import pytest
 from avoidance_rig import CONFIG, NORTH, Lines, Voyage, boat, mover, ring
@@ -13,7 +11,6 @@ from companion.core import intent as intents
 from companion.core.geo import Point
 from companion.core.intent import FollowLeg, HoldHeading, KeepStation
 from companion.obstacles.perception.perception import ObstaclePerception
-from companion.obstacles.planning.clearance import ClearanceField
 from companion.obstacles.planning.motion import roll
 from companion.obstacles.planning.planner import GIVING_WAY, NO_WAY, PERIOD_S, LocalPlanner, Stage
 
@@ -111,36 +108,6 @@ def test_what_is_avoided_for_certain_is_no_reason_to_be_gentle() -> None:
     assert not ghost.planner.eases
 
 
-def test_the_way_to_go_is_computed_twice_a_second() -> None:
-    voyage, found = Voyage(*ROCK), []
-    for tick in range(21):
-        voyage.at(0.1 * tick, intent=LEG)
-        found.append(id(voyage.planner._to_go))
-    changes = sum(one != other for one, other in pairwise(found))
-    assert 3 <= changes <= 4
-
-
-@pytest.mark.parametrize("moved", [Point(40.0, -60.0), Point(-128.0, 64.0)])
-def test_the_origin_makes_no_difference(moved: Point) -> None:
-    """A rock, traffic and a current, on a leg to the north-east."""
-
-    def found(at: Point) -> intents.Intent:
-        def place(north_m: float, east_m: float) -> Point:
-            return Point(at.north_m + north_m, at.east_m + east_m)
-
-        voyage = Voyage(*(place(3.5 + n, e) for n, e in ring(0.3)))
-        voyage.chart.tracks.all.append(mover(at.north_m + 2.0, at.east_m + 4.0, 0.0, -0.6))
-        nav = boat(at.north_m, at.east_m, heading_rad=0.4)
-        nav = replace(nav, current_north_m_s=0.1, current_east_m_s=-0.2)
-        return voyage.at(0.9, nav, FollowLeg(place(-1.0, 0.0), place(40.0, 20.0), 1.0))
-
-    here, there = found(Point(0.0, 0.0)), found(moved)
-    assert isinstance(here, HoldHeading)
-    assert isinstance(there, HoldHeading)
-    assert there.heading_rad == pytest.approx(here.heading_rad)
-    assert there.speed_m_s == pytest.approx(here.speed_m_s)
-
-
 def test_the_decision_holds_for_a_tenth_of_a_second() -> None:
     voyage = Voyage(*ROCK)
     first = voyage.at(0.0, intent=LEG)
@@ -168,16 +135,6 @@ def test_between_walls_the_boat_waits_tries_again_and_goes_on_when_they_are_gone
     assert voyage.said[-1] == "Obstacle: path is free"
 
 
-def test_the_station_is_where_there_was_room() -> None:
-    voyage = Voyage(*(Point(1.4 + n, e) for n, e in ring(2.4)))
-    for step in range(6):
-        voyage.at(0.1 * step, boat(-3.0 + 0.6 * step, 0.0), LEG)
-    found = [voyage.at(1.0 + 0.1 * step, boat(speed_m_s=0.0), LEG) for step in range(40)]
-    stations = {one.point for one in found if isinstance(one, KeepStation)}
-    assert len(stations) == 1
-    assert -2.6 < stations.pop().north_m < -1.9
-
-
 def test_a_new_goal_is_a_new_attempt() -> None:
     voyage = Voyage(*ring(2.5))
     for step in range(40):
@@ -200,13 +157,6 @@ def test_told_not_to_go_round_the_boat_stops_before() -> None:
     assert near.stage() is Stage.CLEAR
 
 
-def test_a_turn_by_hand_is_stopped_and_not_steered() -> None:
-    voyage = Voyage(*ROCK)
-    turn = intents.HoldTurn(0.0, 1.0)
-    assert voyage.at(0.0, intent=turn) is turn
-    assert voyage.limit_m_s < 1.0
-
-
 def test_by_hand_nothing_is_replaced_and_the_throttle_is_limited_only_on_request() -> None:
     free, held = Voyage(*ROCK), Voyage(*ROCK, config=with_value(CONFIG, "avoidance.by_hand", True))
     drive = intents.Drive(1.0, 0.0)
@@ -221,52 +171,6 @@ def test_switched_off_nothing_happens(enable: int) -> None:
     voyage = Voyage(*ROCK, config=with_value(CONFIG, "avoidance.enable", enable))
     assert voyage.at(0.0, intent=LEG) is LEG
     assert voyage.limit_m_s == math.inf
-
-
-def test_a_boat_on_its_station_stays_beside_a_rock() -> None:
-    voyage = Voyage(Point(0.8, 0.0))
-    station = KeepStation(Point(0.2, 0.0))
-    assert voyage.at(0.0, boat(speed_m_s=0.0), station) is station
-
-
-def test_too_near_and_bow_on_the_boat_backs_off() -> None:
-    rock = [Point(0.6, -1.5 + 0.2 * step) for step in range(16)]
-    voyage = Voyage(*rock)
-    found = voyage.at(0.0, boat(speed_m_s=0.0), LEG)
-    assert isinstance(found, HoldHeading)
-    assert found.speed_m_s < 0.0
-    assert voyage.stage() is Stage.BACK
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_a_rollout_that_touches_is_never_chosen_while_one_is_free(seed: int) -> None:
-    chance = random.Random(f"planner {seed}")
-    rocks = [Point(chance.uniform(1.5, 6.0), chance.uniform(-4.0, 4.0)) for _ in range(6)]
-    voyage = Voyage(*rocks)
-    nav = boat(speed_m_s=0.8)
-    found = voyage.at(0.0, nav, LEG)
-    field = ClearanceField(nav.point, 0.2, 9.0)
-    field.fill(rocks, rocks, 0.35)
-    if isinstance(found, HoldHeading):
-        way = roll(0.8, 0.0, found.heading_rad, found.speed_m_s, CONFIG)
-        stop = roll(0.8, 0.0, 0.0, 0.0, CONFIG)
-        stops_m = stop.ahead_m[-1]
-        near_m = [math.dist(at, rock) for at in zip(way.ahead_m, way.right_m, strict=True) for rock in rocks]
-        first = [at for at in zip(way.ahead_m, way.right_m, strict=True) if math.hypot(*at) < stops_m]
-        assert min(math.dist(at, rock) for at in first for rock in rocks) > 0.3, min(near_m)
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_what_is_steered_for_is_the_mirror_image_in_mirrored_water(seed: int) -> None:
-    """Up to the preference for starboard: rocks clearly to one side."""
-    chance = random.Random(f"mirror {seed}")
-    rocks = [Point(chance.uniform(2.5, 4.0), chance.uniform(0.3, 3.0)) for _ in range(4)]
-    there = Voyage(*rocks).at(0.0, intent=LEG)
-    back = Voyage(*(Point(n, -e) for n, e in rocks)).at(0.0, intent=LEG)
-    if there is LEG:
-        assert back is LEG
-    else:
-        assert heading_deg(there) < 0.0 < heading_deg(back)
 
 
 def crossing(*movers_at: tuple[float, float, float, float]) -> Voyage:
@@ -285,17 +189,6 @@ def test_a_mover_head_on_is_passed_to_starboard_and_reported_once() -> None:
     voyage.at(1.0, intent=NORTH_1)
     assert voyage.said == [GIVING_WAY]
     assert voyage.is_wary()
-
-
-def test_a_probable_mover_is_avoided_without_a_message_or_thrust_astern() -> None:
-    voyage = crossing((4.0, 0.0, -0.5, 0.0))
-    voyage.chart.tracks.all[0].is_mover = False
-    found = voyage.at(0.9, intent=NORTH_1)
-    assert isinstance(found, HoldHeading)
-    assert found.speed_m_s >= 0.0
-    assert voyage.planner.eases
-    assert voyage.said == []
-    assert not voyage.is_wary()
 
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])

@@ -30,13 +30,6 @@ def test_a_ping_fills_its_beam_and_no_more() -> None:
     assert farthest_cm == 400
 
 
-def test_a_beam_across_the_bow_wraps_round() -> None:
-    sweep = SonarScan()
-    sweep.add(SonarReading(1.0, -0.01, None), 1.2 * BEAM_RAD)
-    distances, farthest_cm = sweep.distances_cm(1.0)
-    assert {number for number, cm in enumerate(distances) if cm == farthest_cm + 1} == {71, 0, 1}
-
-
 def test_clear_as_far_as_a_short_ranger_sees_is_not_clear_as_far_as_a_long_one() -> None:
     sweep = SonarScan()
     sweep.add(SonarReading(1.0, 0.0, None, max_range_m=4.0), SECTOR_RAD)

@@ -55,22 +55,8 @@ def test_a_throttle_by_hand_is_limited_to_what_holds_the_speed() -> None:
     assert limit.apply(Stop(), boat(), CONFIG) == Stop()
 
 
-def test_unknown_water_limits_the_speed() -> None:
-    assert limit_of(by_sight=1).sight_m_s == CONFIG.guidance.min_speed_m_s
-    assert limit_of(by_sight=1).ahead_m_s == CONFIG.guidance.min_speed_m_s
-
-
 def test_released_nothing_is_limited_but_what_sight_asked_for_is_known() -> None:
     limit = limit_of(Point(2.1, 0.1), by_sight=1)
     limit.release()
     assert limit.ahead_m_s == limit.astern_m_s == math.inf
     assert limit.sight_m_s < 1.0
-
-
-def test_reducing_only_lowers() -> None:
-    limit = limit_of(Point(2.1, 0.1))
-    before = limit.ahead_m_s
-    limit.reduce_to(9.0)
-    assert limit.ahead_m_s == before
-    limit.reduce_to(0.1)
-    assert limit.ahead_m_s == 0.1

@@ -134,14 +134,6 @@ def test_an_observation_counts_and_its_size_shrinks_slowly() -> None:
     assert (track.observations, track.isolated_count, track.radius_m) == (3, 1, 2.0)
 
 
-def test_time_that_stands_still_changes_nothing() -> None:
-    track = moving(1.0, 0.0)
-    covariance, speed_sigma = track.covariance(1.2), track.speed_sigma_m_s
-    track.predict(1.2, 5.0)
-    track.predict(0.2, 5.0)
-    assert (track.covariance(1.2), track.speed_sigma_m_s) == (covariance, speed_sigma)
-
-
 # Verdicts. The least speed that counts is 0.2 m/s
 
 
@@ -167,15 +159,6 @@ def test_what_approaches_along_the_beam_moves(
     course = beam_rad + off_rad
     track = moving(speed_m_s * math.cos(course), speed_m_s * math.sin(course), beam_rad=beam_rad)
     assert judged(track).is_mover is is_mover
-
-
-def test_two_looks_in_free_water_may_be_two_false_echoes() -> None:
-    track = moving(-1.0, 0.0, is_alone=False)
-    assert not judged(track).is_mover
-    track.isolated_count = 2
-    assert not judged(track).is_mover
-    track.isolated_count = 3
-    assert judged(track).is_mover
 
 
 def test_what_is_too_fast_to_be_one_thing_is_no_mover() -> None:

@@ -62,12 +62,6 @@ def test_an_obstacle_lies_at_the_nearest_range_in_the_middle_of_its_echoes(
     assert (track.isolated_count, track.whole_count) == (1, 1)
 
 
-@pytest.mark.parametrize("scale_m", [1.0, 2.0])
-def test_a_group_of_more_than_two_scales_is_shore(scale_m: float) -> None:
-    assert len(Sweep(scale_m=scale_m).over([FREE, *[2.6 * scale_m] * 4, FREE])) == 1
-    assert Sweep(scale_m=scale_m).over([FREE, *[2.7 * scale_m] * 4, FREE]) == []
-
-
 def test_the_radius_is_between_three_tenths_of_the_scale_and_the_scale() -> None:
     (small,) = Sweep(scale_m=2.0).over([FREE, 3.0, FREE])
     assert small.radius_m == pytest.approx(0.6)
@@ -75,19 +69,6 @@ def test_the_radius_is_between_three_tenths_of_the_scale_and_the_scale() -> None
     for bearing_rad, range_m in ((-1.0, FREE), (0.0, 6.0), (1.0, FREE)):
         tracks.add(Beam(0.06 * bearing_rad, HERE, bearing_rad, 1.0, range_m, 10.0))
     assert tracks.all[0].radius_m == pytest.approx(1.0), "1.5 m by the width of the beam"
-
-
-def test_the_nearest_echo_places_the_obstacle_from_where_the_boat_was() -> None:
-    sweep = Sweep()
-    for bearing_rad, range_m, east_m in (
-        (-0.25, FREE, 0.0),
-        (0.0, 3.3, 0.0),
-        (0.25, 3.0, 0.5),
-        (0.5, FREE, 1.0),
-    ):
-        sweep.look(bearing_rad, range_m, at=Point(0.2, east_m))
-    at = sweep.tracks.all[0].point(0.0)
-    assert at == pytest.approx((0.2 + 3.0 * math.cos(0.125), 0.5 + 3.0 * math.sin(0.125)), abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -128,17 +109,6 @@ def test_an_obstacle_at_the_end_of_a_sweep_is_cut_off(end: str) -> None:
     assert (track.whole_count, track.isolated_count) == (0, 0)
 
 
-@pytest.mark.parametrize(("before_rad", "after_s"), [(-0.37, STEP_S), (-0.25, 0.39), (-0.03, STEP_S)])
-def test_a_neighbour_is_within_one_and_a_half_widths_and_two_fifths_of_a_second(
-    before_rad: float, after_s: float
-) -> None:
-    sweep = Sweep()
-    sweep.look(before_rad, FREE)
-    sweep.look(0.0, 3.0, after_s=after_s)
-    sweep.look(0.25, FREE)
-    assert sweep.tracks.all[0].whole_count == 1
-
-
 @pytest.mark.parametrize(("after_rad", "after_s"), [(0.38, STEP_S), (0.25, 0.41), (0.02, STEP_S)])
 def test_without_a_neighbour_behind_it_nothing_is_isolated(after_rad: float, after_s: float) -> None:
     sweep = Sweep()
@@ -146,15 +116,6 @@ def test_without_a_neighbour_behind_it_nothing_is_isolated(after_rad: float, aft
     sweep.look(0.0, 3.0)
     sweep.look(after_rad, FREE, after_s=after_s)
     assert (sweep.tracks.all[0].isolated_count, sweep.tracks.all[0].whole_count) == (0, 1)
-
-
-def test_the_echo_after_the_turn_of_the_sweep_belongs_to_another_look_at_the_same() -> None:
-    sweep = Sweep()
-    for bearing_rad, range_m in ((-0.25, FREE), (0.0, 3.0), (0.25, 3.0), (0.0, 3.0), (-0.25, FREE)):
-        sweep.look(bearing_rad, range_m)
-    (track,) = sweep.tracks.all
-    assert track.observations == 2
-    assert (track.whole_count, track.isolated_count) == (0, 0)
 
 
 def sigmas_m(track: Track) -> tuple[float, float]:
@@ -192,19 +153,6 @@ def test_an_obstacle_that_is_cut_off_is_located_along_the_beam_only() -> None:
     assert (track.observations, track.whole_count) == (2, 1)
     assert east_m > first_m
     assert north_m < 0.051
-
-
-def test_a_very_near_echo_is_no_better_across_than_along() -> None:
-    (track,) = Sweep().over([FREE, 0.2, FREE])  # 0.02 m across, by the beam
-    assert sigmas_m(track) == pytest.approx((0.05, 0.05), rel=1e-3)
-
-
-@pytest.mark.parametrize(("moved_m", "count"), [(0.2, 1), (2.5, 2)])
-def test_an_echo_elsewhere_is_another_obstacle(moved_m: float, count: int) -> None:
-    sweep = Sweep()
-    sweep.over([FREE, 3.0, FREE])
-    found = sweep.over([FREE, 3.0 + moved_m, FREE])
-    assert [track.number for track in found] == list(range(1, count + 1))
 
 
 def test_of_two_tracks_the_nearer_one_is_observed() -> None:
@@ -270,11 +218,3 @@ def test_a_single_echo_that_two_looks_refute_is_no_track(looks: int, is_kept: bo
     for _ in range(looks):
         sweep.look(0.03, FREE)
     assert bool(sweep.tracks.all) is is_kept
-
-
-def test_a_sweep_that_stands_still_has_not_turned_back() -> None:
-    sweep = Sweep()
-    for bearing_rad, range_m in ((-0.25, FREE), (0.0, 3.0), (0.25, 3.0), (0.25, FREE)):
-        sweep.look(bearing_rad, range_m)
-    (track,) = sweep.tracks.all
-    assert (track.whole_count, track.isolated_count) == (track.observations, 0)

@@ -8,8 +8,7 @@ from avoidance_rig import CONFIG, boat
 from companion.core import intent as intents
 from companion.core.geo import Point, distance_m
 from companion.core.intent import FollowLeg, KeepStation
-from companion.obstacles.planning.clearance import ClearanceField
-from companion.obstacles.planning.way_ahead import free_m, is_same_goal, places_on, requested_m_s, way_ahead
+from companion.obstacles.planning.way_ahead import is_same_goal, places_on, requested_m_s, way_ahead
 
 REACH_M = 10.0
 LEG = FollowLeg(Point(0.0, 0.0), Point(50.0, 0.0), 1.2)
@@ -32,23 +31,6 @@ def test_a_course_a_heading_and_a_turn_lead_straight_on_or_straight_back(
     here, end = way_ahead(intent, boat(3.0, -4.0, heading_rad=2.0), CONFIG, REACH_M)
     assert here == Point(3.0, -4.0)
     assert end == pytest.approx(Point(3.0, -4.0).moved(ahead, REACH_M))
-
-
-@pytest.mark.parametrize(
-    "intent",
-    [
-        intents.HoldHeading(0.5, 0.0),
-        intents.HoldTurn(0.3, 0.0),
-        intents.Drive(1.0, 0.0),
-        KeepStation(Point(3.0, -4.0)),
-    ],
-)
-def test_an_intent_without_a_destination_has_no_way(intent: intents.Intent) -> None:
-    assert way_ahead(intent, boat(3.0, -4.0), CONFIG, REACH_M) == [Point(3.0, -4.0)]
-
-
-def test_a_station_is_approached_directly() -> None:
-    assert way_ahead(STATION, boat(), CONFIG, REACH_M) == [Point(0.0, 0.0), Point(6.0, 8.0)]
 
 
 @pytest.mark.parametrize("cross_m", [-1.0, 1.0])
@@ -102,17 +84,6 @@ def test_places_lie_a_step_apart_around_corners_and_stay_at_the_end() -> None:
     assert places_on(way, 1.0, 7) == found
     assert places_on(way, 1.0, 2) == found[:2]
     assert places_on(way[:1], 1.0, 2) == [way[0]] * 2
-
-
-def test_a_path_is_free_as_far_as_it_keeps_its_distance() -> None:
-    field = ClearanceField(Point(0.0, 0.0), 0.2, REACH_M)
-    field.fill([Point(6.1, 0.1)], [Point(6.1, 0.1)], 0.35)
-    north, east = [Point(0.1, 0.1), Point(9.0, 0.1)], [Point(0.1, 0.1), Point(0.1, 9.0)]
-    assert free_m(north, field, 1.0) == pytest.approx(5.0, abs=0.5)
-    assert free_m(east, field, 1.0) == math.inf
-    away = [Point(5.5, 0.1), Point(0.0, 0.1)]
-    assert free_m(away, field, 1.0) == math.inf, "it leaves what it is near"
-    assert free_m([Point(5.5, 0.1), Point(7.0, 0.1)], field, 1.0) < 0.5
 
 
 def test_a_detour_goes_on_while_the_goal_is_the_same() -> None:
