@@ -5,7 +5,7 @@ from msgspec.structs import replace
 from companion.config.boat_config import BoatConfig, with_value
 from companion.core.modes import Mode
 from companion.core.readings import BatteryReading
-from companion.core.requests import Arm, ChangeMode, Disarm, GoTo, ManualControl
+from companion.core.requests import Arm, ChangeMode, GoTo
 from companion.failsafe.actions import Action
 from companion.failsafe.inputs import BoardReadings
 from companion.failsafe.table import Condition
@@ -62,11 +62,6 @@ def test_silence_fires_once_and_again_only_after_the_operator_came_back() -> Non
     assert live(vehicle, 3.0) == ["Failsafe over: operator heard again"], "it is told once"
 
 
-def test_no_limit_and_no_monitor_never_fire() -> None:
-    assert live(armed_vehicle(battery_low_v=0.0, battery_critical_v=0.0), 60.0, volt=1.0) == []
-    assert live(armed_vehicle(), 60.0) == []
-
-
 def test_a_critical_pack_brings_home_a_boat_that_was_sent_on_when_it_was_low() -> None:
     vehicle = armed_vehicle()
     live(vehicle, 12.0, volt=10.1)
@@ -105,32 +100,6 @@ def test_a_boat_that_does_not_know_its_track_takes_the_second_choice(action: Act
     assert vehicle.mode == mode
 
 
-def test_a_boat_that_cannot_go_home_stays_where_it_is_and_does_not_drift() -> None:
-    vehicle = armed_vehicle(action=int(Action.RTL))
-    vehicle.home = None
-    vehicle.failsafes.operator_heard_s = 0.0
-    for now_s in range(1, 10):
-        vehicle.home = None
-        vehicle.nav, vehicle._now_s = nav_at(time_s=now_s), float(now_s)
-        vehicle.decide()
-    assert vehicle.mode.name == "LOITER"
-
-
-@pytest.mark.parametrize("mode", [Mode.GUIDED, Mode.HOLD])
-def test_the_action_disarm_disarms_in_every_mode(mode: Mode) -> None:
-    vehicle = armed_vehicle(mode, action=int(Action.DISARM))
-    assert "Disarmed by failsafe" in lose_operator(vehicle)
-    assert not vehicle.armed
-
-
-def test_a_disarmed_boat_stays_in_its_mode_and_is_told_all_the_same() -> None:
-    vehicle = armed_vehicle(action=int(Action.RTL))
-    vehicle.request(Disarm())
-    vehicle.take_status_texts()
-    assert lose_operator(vehicle) == ["Failsafe: Operator lost for 5 s"]
-    assert vehicle.mode.name == "GUIDED"
-
-
 def test_after_a_failsafe_the_operators_choice_stands_however_long_the_trouble_lasts() -> None:
     vehicle = armed_vehicle(action=int(Action.HOLD), long_timeout_s=30.0)
     lose_operator(vehicle)
@@ -158,26 +127,6 @@ def test_a_planner_that_steers_and_falls_silent_leaves_the_boat_keeping_station(
 
 
 # The hand at the helm
-
-
-def driven_by_hand(mode: Mode = Mode.MANUAL) -> Vehicle:
-    vehicle = armed_vehicle(mode)
-    for _ in range(5):
-        vehicle.request(ManualControl(0.5, 0.0))
-        live(vehicle, 0.5)
-    return vehicle
-
-
-def test_a_hand_that_falls_silent_leaves_the_boat_keeping_station_and_not_adrift() -> None:
-    vehicle = driven_by_hand()
-    assert live(vehicle, 2.0) == []
-    assert live(vehicle, 1.5) == ["Failsafe: RC lost: no stick input", "Mode LOITER: failsafe"]
-    told = []
-    for _ in range(4):
-        vehicle.request(ManualControl(0.5, 0.0))
-        told += live(vehicle, 0.5)
-    assert told == ["Failsafe over: stick input again"]
-    assert vehicle.mode.name == "LOITER"
 
 
 @pytest.mark.parametrize("gives_way", [False, True])

@@ -6,44 +6,16 @@ from random import Random
 import pytest
 from msgspec.structs import replace
 
-from companion.config.boat_config import BoatConfig, decode_config
+from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon
 from companion.core.readings import BatteryReading, GnssFix
 from companion.core.state import NavState
-from companion.failsafe.motors.current import MotorCurrent
 from companion.failsafe.motors.evidence import MotorEvidence
-from companion.failsafe.motors.hypotheses import HYPOTHESES, WEIGHT, EffectSize, Fault
+from companion.failsafe.motors.hypotheses import WEIGHT, EffectSize
 from companion.failsafe.motors.motion_filter import MotionFilter
 from companion.failsafe.motors.watch import MotorWatch
 
 DT_S = 0.1
-EVEN = (0.5, 0.5)
-
-
-def driven(current: MotorCurrent, seconds: float, sigma_a: float, random: Random) -> None:
-    """Both motors at half of their command, two amperes with an error."""
-    for _ in range(round(seconds / DT_S)):
-        current.compare(EVEN, [0.5, 0.5], 0.0, 2.0 + random.gauss(0.0, sigma_a))
-        current.learn(DT_S, is_driven=True)
-
-
-def test_before_anything_is_learned_the_uncertainty_is_that_of_each_part_by_itself() -> None:
-    current = MotorCurrent()
-    current.compare(EVEN, [0.5, 0.5], 1.0, 3.0)
-    parts = (5.0 * 0.5, 3.0 * 0.5, 1.0 * 1.0, 2.0)  # A Σ d², B Σ d n, C Σ d u and the electronics
-    assert current.variance == pytest.approx(0.16**2 + sum(part**2 for part in parts))
-    assert current.residual_a == 3.0
-
-
-@pytest.mark.parametrize(("sigma_a", "expected_a"), [(0.1, 0.19), (0.6, 0.6)])
-def test_readings_that_scatter_widely_are_believed_less(sigma_a: float, expected_a: float) -> None:
-    """The scatter of this boat's readings is learned where it is larger than expected, never less.
-
-    Expected: 0.16 A, and 5 % of some two amperes.
-    """
-    current, random = MotorCurrent(), Random(1)
-    driven(current, 300.0, sigma_a, random)
-    assert math.sqrt(current.variance) == pytest.approx(expected_a, rel=0.15)
 
 
 @pytest.mark.parametrize("silent_a", [None, math.nan, math.inf])
@@ -112,20 +84,8 @@ def test_each_hypothesis_learns_for_itself_until_it_forgets() -> None:
     assert size.cost(1, 1.3, 1.0, 0.4, 0.04) < first[1]
 
 
-def test_two_neighbouring_samples_count_for_one() -> None:
-    """Their errors are alike: together they teach what one of an error of its own would."""
-    size, spread, variance = EffectSize(1), 0.4, 0.04
-    for _ in range(2):
-        size.cost(0, 1.0, 1.0, spread, variance)
-    assert 1.0 / size._variance[0] == pytest.approx(1.0 + spread**2 / variance)
-
-
 STILL = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.02)
 DT = 0.1
-
-
-def config(layout: str = "differential", driver: str = "l298n") -> BoatConfig:
-    return decode_config({"drive": {"layout": layout}, "parts": {"motors": {"driver": driver}}}, "test")
 
 
 def evidence(
@@ -143,24 +103,3 @@ def evidence(
         watch.update(0.6, 0.6, nav, None, battery, setting, tick * DT, DT, rudder)
         rate += DT * 0.8 * (0.65 * pushed - rate)
     return watch
-
-
-def test_one_motor_is_not_judged_against_another() -> None:
-    watch = evidence(config("rudder"), moment=0.9)
-    assert watch.verdict is None
-    assert max(watch._evidence.against) == 0.0
-
-
-def test_a_turn_by_the_rudder_is_no_evidence_against_the_motors() -> None:
-    both = config("differential_rudder")
-    unknown, known = evidence(both, moment=0.9), evidence(both, moment=0.9, is_rudder=True)
-    dead = [at for at, one in enumerate(HYPOTHESES) if one.fault is Fault.DEAD]
-    assert max(known._evidence.against[at] for at in dead) < max(unknown._evidence.against[at] for at in dead)
-    assert known.verdict is None
-
-
-@pytest.mark.parametrize(("driver", "has_current"), [("l298n", True), ("esc", False)])
-def test_the_current_of_a_speed_controller_tells_nothing(driver: str, has_current: bool) -> None:
-    watch = evidence(config(driver=driver), ampere=3.0)
-    assert watch._evidence.has_current is has_current
-    assert watch._evidence.knows_current is has_current

@@ -204,24 +204,6 @@ def test_wind_that_takes_all_steering_accuses_no_motor(turning: float, has_curre
         assert hull.watch.verdict is None, hull.now_s - began_s
 
 
-@pytest.mark.parametrize("seed", [1, 2])
-@pytest.mark.parametrize("has_current", [True, False])
-def test_gusts_accuse_no_motor(seed: int, has_current: bool) -> None:
-    hull, random = Hull(seed, has_current=has_current, fix_s=1.0), Random(seed)
-    gust = [0.0, 0.0]
-
-    def turning(_: float) -> float:
-        gust[0] += -gust[0] * 0.02 / 4.0 + random.gauss(0.0, 0.08 * math.sqrt(0.02))
-        return gust[0] + 0.2
-
-    def pushing(_: float) -> float:
-        gust[1] += -gust[1] * 0.02 / 4.0 + random.gauss(0.0, 0.05 * math.sqrt(0.02))
-        return gust[1] - 0.1
-
-    hull.turning, hull.pushing = turning, pushing
-    assert hull.seconds_to_verdict(60.0) == math.inf
-
-
 @SIDES
 def test_one_motor_alone_tells_which_propeller_is_fouled(side: int) -> None:
     """On a straight course both commands are alike, and the heading loop absorbs what turns the hull."""
@@ -239,27 +221,6 @@ def test_one_motor_alone_tells_which_propeller_is_fouled(side: int) -> None:
     assert named == [(side == 0, Fault.FOULED), None]
 
 
-def needs_comparison(hull: Hull) -> bool:
-    """A function, so that the type checker expects it to change."""
-    return hull.watch.needs_comparison
-
-
-def test_a_comparison_is_not_repeated_at_once() -> None:
-    hull = Hull()
-    hull.may_compare = False
-    hull.sail(40.0)
-    hull.faults[0] = Fault.FOULED
-    while not needs_comparison(hull):
-        hull.step(0.6, 0.6)
-    hull.watch.compare(hull.now_s)
-    began_s = hull.now_s
-    hull.step(0.6, 0.6)
-    assert not needs_comparison(hull)
-    while not needs_comparison(hull):
-        hull.step(0.6, 0.6)
-    assert 3.9 <= hull.now_s - began_s <= 4.2
-
-
 @pytest.mark.parametrize(("late_s", "waiting"), [(0.0, 0), (0.3, 3)])
 def test_a_fix_counts_for_the_time_it_was_measured(late_s: float, waiting: int) -> None:
     """What the motors have done since then is left for the next fix."""
@@ -270,24 +231,6 @@ def test_a_fix_counts_for_the_time_it_was_measured(late_s: float, waiting: int) 
         fix = GnssFix(now_s - late_s, HERE, 3, 12, 0.9, 1.0, 0.0)
         evidence.update(0.6, 0.6, nav, fix, None, 1.0, DT_S)
     assert len(evidence._pending) == waiting
-
-
-def test_disarming_ends_what_a_trial_has_said() -> None:
-    hull = sailed()
-    hull.watch.clear(hull.now_s)
-    hull.watch.rearm()
-    hull.sail(5.0)
-    hull.faults[1] = Fault.DEAD
-    assert hull.seconds_to_verdict(3.0) < 3.0
-
-
-def test_a_pause_drops_the_evidence_and_keeps_the_verdict() -> None:
-    hull = sailed()
-    hull.faults[0] = Fault.BLOCKED
-    hull.seconds_to_verdict(3.0)
-    hull.watch.pause()
-    assert verdict_of(hull) == (True, Fault.BLOCKED)
-    assert max(hull.watch._evidence.against) == 0.0
 
 
 def test_a_trial_that_clears_the_motors_stands_for_three_minutes() -> None:
@@ -363,13 +306,3 @@ def test_a_fault_is_proved_by_its_evidence_and_its_lead(
     assert hull.watch.verdict is (None if named is None else HYPOTHESES[named])
     assert hull.now_s - began_s > 0.75, "without a break"
     assert named is None or hull.now_s - began_s < 1.2
-
-
-@pytest.mark.parametrize(("nats", "is_worth_it"), [(9.5, False), (10.5, True)])
-def test_ten_nats_for_a_fouled_propeller_are_worth_a_comparison(
-    monkeypatch: pytest.MonkeyPatch, nats: float, is_worth_it: bool
-) -> None:
-    monkeypatch.setattr(MotorEvidence, "knows_current", True)
-    hull = watched(monkeypatch, {FOULED: nats})
-    hull.step(0.5, 0.5)
-    assert hull.watch.needs_comparison is is_worth_it

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from companion.config.boat_config import BoatConfig
 from companion.core.intent import Drive, Intent, Stop
-from companion.core.state import HEALTHY_MOTORS, MotorState, MotorStates
-from companion.failsafe.actions import UNGROUNDING, State, Trigger
+from companion.core.state import MotorState, MotorStates
+from companion.failsafe.actions import State, Trigger
 from companion.failsafe.recovery.motor_check import MotorCheck
 from companion.failsafe.recovery.recovery import RecoveryManeuvers
 from companion.geofence.fence import Fence
@@ -33,16 +33,6 @@ def recovery_in(state: State) -> RecoveryManeuvers:
         assert recovery.handle(trigger, 0.0)
     assert recovery.state is state
     return recovery
-
-
-@pytest.mark.parametrize("state", State)
-def test_what_steers_in_each_state(state: State) -> None:
-    recovery = recovery_in(state)
-    assert recovery.is_active is (state is not State.IDLE)
-    assert recovery.is_ungrounding is (state in UNGROUNDING)
-    assert recovery.is_checking is (state is State.CHECKING)
-    assert recovery.hides_motors is (state not in (State.IDLE, State.COMPARING))
-    assert recovery.handle(Trigger.RETREAT, 1.0) is (recovery.state is not state)
 
 
 def intents(recovery: RecoveryManeuvers, seconds: float) -> list[Intent]:
@@ -96,12 +86,6 @@ def test_a_check_ends_with_its_result_and_disarming_forgets_it() -> None:
     assert step.text == recovery.motor_check.found()
     recovery.reset()
     assert not recovery.motor_check.motors.has_failed
-
-
-def test_without_an_estimate_a_check_breaks_off_and_says_nothing() -> None:
-    recovery = recovery_in(State.CHECKING)
-    step = recovery.update(None, Fence(), CONFIG, 0.0, 0.0, 1.0)
-    assert (recovery.state, step) == (State.IDLE, (Stop(), "", None))
 
 
 def test_a_check_drives_each_motor_alone_ahead_and_astern_and_lasts_six_seconds() -> None:
@@ -169,13 +153,6 @@ def test_each_motor_is_known_by_the_turn_that_it_makes(left: int, right: int, wi
     assert bool(check.fault()) is check.motors.has_failed
 
 
-def test_a_hull_that_is_turned_by_what_it_touches_teaches_nothing() -> None:
-    check = MotorCheck()
-    tried(check, 1.0, 1.0, is_aground=True)
-    assert check.motors == HEALTHY_MOTORS
-    assert check.is_unclear
-
-
 @given(st.floats(0.2, 3.0), st.floats(-0.1, 0.1), st.sampled_from([1, 0, -1]))
 def test_neither_swing_nor_wind_hides_a_dead_motor(damping_s: float, wind: float, left: int) -> None:
     check = MotorCheck()
@@ -192,15 +169,6 @@ def test_a_motor_presumed_dead_is_tried_soon() -> None:
     assert check.is_due(126.0, has_room=True)
     assert not check.is_due(159.0, has_room=False)
     assert check.is_due(161.0, has_room=False)
-
-
-def test_a_reversed_motor_that_answers_as_it_is_driven_stays_turned_round() -> None:
-    check = MotorCheck()
-    tried(check, 1.0, -1.0)
-    tried(check, 1.0, 1.0)  # as it is driven now
-    assert check.motors == states(1, -1)
-    tried(check, 1.0, -1.0)  # the wires are right again
-    assert check.motors == HEALTHY_MOTORS
 
 
 def test_one_that_stays_dead_is_tried_ever_more_seldom_and_never_twice_in_a_hurry() -> None:
@@ -225,10 +193,3 @@ def test_a_motor_with_less_than_a_fifth_of_the_others_thrust_counts_as_failed(
     check = MotorCheck()
     tried(check, *((weaker, 0.4) if is_left else (0.4, weaker)))
     assert check.motors == (states(state, 1) if is_left else states(1, state))
-
-
-@pytest.mark.parametrize(("gain", "is_unclear"), [(0.04, True), (0.06, False)])
-def test_a_hull_that_hardly_turns_gives_no_clear_result(gain: float, is_unclear: bool) -> None:
-    check = MotorCheck()
-    tried(check, gain, gain)
-    assert check.is_unclear is is_unclear

@@ -86,24 +86,10 @@ def test_without_ten_seconds_of_room_a_motor_without_thrust_is_not_checked(
     assert decided(Action.CHECK_MOTORS, with_verdict(fault)(inputs(north_m_s))) == expected
 
 
-def test_a_motor_that_was_reversed_is_checked_instead_of_cleared() -> None:
-    assert decided(Action.CLEAR_PROPELLERS, inputs(reversed_motor=True)) == CHECKING
-
-
 @pytest.mark.parametrize(("room_m", "has_room"), [(3.0, False), (9.0, True)])
 def test_the_current_may_turn_by_seventeen_degrees_meanwhile(room_m: float, has_room: bool) -> None:
     seen = inputs(east_m_s=0.4, room_m=room_m)  # along the line: 24 m in a minute, and 7 m towards it
     assert may_drift(seen.nav, seen.fence, 60.0) is has_room
-
-
-def test_steering_without_effect_has_the_motors_checked() -> None:
-    wanted = [Recover(Trigger.CHECK, Severity.NOTICE, "Steering has no effect: checking the motors")]
-    assert routine_check(inputs(1.95, needs_motor_check=True)) == wanted
-
-
-def test_a_propeller_that_seems_fouled_has_the_motors_compared() -> None:
-    wanted = [Recover(Trigger.COMPARE, Severity.NOTICE, "Motors draw more current: comparing them")]
-    assert routine_check(inputs(1.95, needs_motor_comparison=True)) == wanted
 
 
 @pytest.mark.parametrize("recovery", State)

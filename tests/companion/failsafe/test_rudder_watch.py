@@ -1,7 +1,5 @@
 """The rudder watch: what proves a rudder or a motor useless, and what does not."""
 
-import math
-
 import pytest
 from msgspec.structs import replace
 
@@ -44,19 +42,11 @@ def test_hard_over_in_vain_is_a_fault_after_seconds(side: float) -> None:
     assert fault_after(6.0, rudder=side) == HELPLESS
 
 
-def test_a_rudder_that_holds_a_course_against_wind_or_a_trim_has_no_fault() -> None:
-    assert fault_after(300.0, rudder=0.7) == ""
-
-
 def test_a_slow_boat_is_given_more_time() -> None:
     # A tenth of full steering: ten times as long as full steering
     slow = {"throttle": 0.1, "surge_m_s": 0.4}
     assert fault_after(20.0, **slow) == ""  # type: ignore[arg-type]
     assert fault_after(35.0, **slow) == HELPLESS  # type: ignore[arg-type]
-
-
-def test_a_drifting_boat_is_not_judged() -> None:
-    assert fault_after(300.0, throttle=0.0, surge_m_s=0.1) == ""
 
 
 def test_a_turn_clears_the_fault_and_a_pause_does_not() -> None:
@@ -76,11 +66,3 @@ def test_going_astern_under_throttle_ahead_is_a_reversed_motor() -> None:
     assert fault_after(60.0, rudder=0.0, surge_m_s=-0.1) == ""
     assert fault_after(60.0, rudder=0.0, surge_m_s=-0.2, throttle=0.25) == ""
     assert fault_after(60.0, rudder=0.0, surge_m_s=-0.2, layout="differential_rudder") == ""
-
-
-def test_without_a_rudder_or_an_estimate_nothing_is_judged() -> None:
-    assert fault_after(60.0, layout="differential") == ""
-    watch = RudderWatch()
-    watch.update(0.5, 1.0, None, config(), DT)
-    assert watch.fault == ""
-    assert not math.isnan(watch._steered)

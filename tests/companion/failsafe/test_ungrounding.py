@@ -4,7 +4,6 @@ import itertools
 import math
 
 import pytest
-from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig
 from companion.config.tuning import FenceSetting
@@ -95,23 +94,7 @@ def test_once_off_it_stands_off_and_then_ends() -> None:
     assert not recovery.is_ungrounding
 
 
-def test_one_that_is_carried_back_rests_and_tries_again() -> None:
-    recovery, water, back = begun(), fence(), nav_at(-0.5, 0.0, 0.0)
-    get_off(recovery, nav_at(-1.5, 0.0, 0.0), water, 5.0)
-    for tick in range(15):
-        assert get_off(recovery, back, water, 6.0 + tick * DT) == Stop()
-    assert isinstance(get_off(recovery, back, water, 7.6), Drive)
-
-
 ASHORE = nav_at(-0.3, 0.0, 0.0)
-LOST = [None, replace(ASHORE, heading_age_s=60.0), replace(ASHORE, position_age_s=60.0)]
-
-
-@pytest.mark.parametrize("nav", LOST)
-def test_without_position_or_heading_it_ends(nav: NavState | None) -> None:
-    recovery = begun()
-    assert get_off(recovery, nav, fence(), 1.0) == Stop()
-    assert not recovery.is_ungrounding
 
 
 def test_the_operator_is_told_when_a_round_of_tries_did_not_help() -> None:

@@ -26,10 +26,6 @@ def faults(
     return sensor_faults(config, mode, nav, fix, battery, has_battery_monitor=has_battery_monitor)
 
 
-def test_a_boat_that_is_well_arms() -> None:
-    assert faults() == []
-
-
 @pytest.mark.parametrize(
     ("fix", "text"),
     [
@@ -40,11 +36,6 @@ def test_a_boat_that_is_well_arms() -> None:
 )
 def test_a_mode_that_steers_by_position_needs_a_good_fix(fix: GnssFix | None, text: str) -> None:
     assert faults(fix=fix) == [text]
-
-
-@pytest.mark.parametrize("mode", [Mode.MANUAL, Mode.HOLD])
-def test_a_mode_without_position_arms_without_a_receiver(mode: Mode) -> None:
-    assert faults(mode, nav=msgspec.structs.replace(nav_at(), position_age_s=float("inf")), fix=None) == []
 
 
 def test_a_stale_position_and_a_silent_compass_are_told_apart() -> None:
@@ -58,10 +49,6 @@ def test_an_empty_pack_and_a_silent_monitor_do_not_arm_and_a_missing_monitor_doe
     assert faults(battery=BatteryReading(0.0, 10.4)) == ["Battery: 10.4 V is below 10.5 V"]
     assert faults(battery=None) == ["Battery: unhealthy, the monitor is silent"]
     assert faults(battery=None, has_battery_monitor=False) == []
-
-
-def test_checks_that_are_switched_off_find_nothing() -> None:
-    assert faults(nav=None, fix=None, battery=BatteryReading(0.0, 1.0), setting=Arming(check=False)) == []
 
 
 def told_at(since_s: float, ticks: int, repeat_s: float = 30.0) -> list[float]:

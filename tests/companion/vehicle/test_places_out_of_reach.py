@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from boat_rig import BOAT, DENIED, FAILED, FRAME, HOME_ITEM, OK, Rig, nav_at, place, waypoint
+from boat_rig import BOAT, DENIED, FRAME, HOME_ITEM, OK, Rig, nav_at, place, waypoint
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon
@@ -143,11 +143,6 @@ def test_an_altitude_that_is_none_is_refused_by_name(rig: Rig, kind: MissionType
     assert any("altitude" in text for text in rig.peer.texts)
 
 
-@pytest.mark.parametrize("altitude_m", [-83_000.0, 0.0, 50.0, 83_000.0])
-def test_an_altitude_that_may_be_meant_is_taken(rig: Rig, altitude_m: float) -> None:
-    assert isinstance(rig.upload([HOME_ITEM, replace(waypoint(10.0, 0.0), z=altitude_m)]), Completed)
-
-
 @pytest.mark.parametrize(
     ("altitude_m", "result"), [(math.inf, DENIED), (1e9, DENIED), (50.0, OK), (math.nan, OK)]
 )
@@ -159,11 +154,3 @@ def test_a_command_to_a_place_without_an_altitude_that_may_be_meant_is_denied(
     rig: Rig, number: int, params: tuple[float, ...], altitude_m: float, result: int
 ) -> None:
     assert rig.ask(number, *params, 50.001, -1.2, altitude_m) == result
-
-
-def test_a_go_to_of_the_old_kind_is_held_to_the_same(rig: Rig) -> None:
-    rig.set_mode(15)
-    values = (0.0, 0.0, 0.0, 0.0, 50.001, -1.2, math.inf)
-    ack = rig.answer_to(dialect.MAVLink_mission_item_message(*BOAT, 0, 3, 16, 2, 1, *values), "MISSION_ACK")
-    assert ack.type == MissionResult.INVALID_PARAM7
-    assert rig.ask(CMD.MAV_CMD_MISSION_START) == FAILED

@@ -11,7 +11,6 @@ from companion.failsafe import actions
 from companion.failsafe.actions import Trigger
 from companion.geofence.fence import FenceCircle
 from companion.vehicle.failsafes import _carry_out as carry_out
-from companion.vehicle.failsafes import failsafe_inputs
 from companion.vehicle.mission.steps import Home, Mission, Waypoint
 from companion.vehicle.vehicle import Vehicle
 
@@ -60,23 +59,6 @@ def test_a_disarmed_boat_gives_no_thrust_in_any_mode(mode: Mode) -> None:
     assert tick(vehicle, nav_at(), 0.02) == Stop()
 
 
-def test_sticks_from_before_arming_do_not_move_the_boat() -> None:
-    vehicle = vehicle_at()
-    vehicle.request(requests.ChangeMode(Mode.MANUAL))
-    vehicle.request(requests.ManualControl(1.0, 0.0))
-    vehicle.request(requests.Arm())
-    assert tick(vehicle, nav_at(), 0.02) == Stop()
-
-
-def test_loiter_keeps_the_place_where_it_began() -> None:
-    vehicle = vehicle_at(3.0, 4.0, Mode.LOITER)
-    intent = tick(vehicle, nav_at(30.0, 4.0), 1.0)
-    assert isinstance(intent, KeepStation)
-    assert intent.point == pytest.approx((3.0, 4.0), abs=1e-3)
-    vehicle.request(requests.ChangeMode(Mode.LOITER))  # asked for again, it does not move the anchor
-    assert vehicle.decide() == intent
-
-
 def test_a_go_to_outside_guided_needs_leave_to_change_the_mode() -> None:
     vehicle = vehicle_at(mode=Mode.LOITER)
     assert vehicle.request(requests.GoTo(place(20.0, 0.0))).reason == "Go to: not in GUIDED"
@@ -112,19 +94,6 @@ def test_home_that_was_chosen_is_not_moved_by_arming() -> None:
     vehicle.request(requests.SetHome())
     assert vehicle.home is not None
     assert FRAME.to_local(vehicle.home) == pytest.approx((5.0, 5.0), abs=1e-3)
-
-
-def test_home_cannot_be_here_before_here_is_known() -> None:
-    assert Vehicle(BoatConfig()).request(requests.SetHome()).reason == "Home: no position yet"
-
-
-def test_a_refused_arming_says_every_reason() -> None:
-    vehicle = Vehicle(BoatConfig())
-    outcome = vehicle.request(requests.Arm())
-    assert outcome.reason == "Compass: no heading"
-    assert texts(vehicle) == ["Arm: Compass: no heading"]
-    assert vehicle.request(requests.Arm(force=True)).accepted
-    assert vehicle.armed
 
 
 def test_disarming_says_by_whom_and_only_once() -> None:
@@ -176,40 +145,6 @@ def test_a_speed_lasts_until_the_mode_changes() -> None:
     leg = tick(vehicle, nav_at(), 0.3)
     assert isinstance(leg, FollowLeg)
     assert leg.speed_m_s == 0.9
-
-
-def test_clearing_the_mission_under_way_leaves_auto() -> None:
-    vehicle = vehicle_at(mode=Mode.HOLD)
-    vehicle.set_mission(MISSION)
-    vehicle.request(requests.StartMission())
-    vehicle.set_mission(())
-    assert vehicle.mode is Mode.LOITER
-    assert texts(vehicle)[-1] == "Mode LOITER: mission cleared"
-
-
-def test_the_place_that_telemetry_shows_is_the_one_being_sailed_to() -> None:
-    assert vehicle_at(mode=Mode.HOLD).destination is None
-    vehicle = vehicle_at(mode=Mode.HOLD)
-    vehicle.set_mission(MISSION)
-    vehicle.request(requests.StartMission(2))
-    assert vehicle.destination == place(50.0, 50.0)
-    vehicle.request(requests.ChangeMode(Mode.RTL))
-    assert vehicle.destination == vehicle.home
-
-
-def test_an_estimate_that_goes_missing_stops_the_boat() -> None:
-    vehicle = vehicle_at(mode=Mode.LOITER)
-    vehicle.update_state(None, None, None, None, 1.0)
-    assert vehicle.decide() == Stop()
-
-
-def test_asking_for_the_inputs_of_the_failsafes_changes_nothing() -> None:
-    vehicle = vehicle_at(mode=Mode.LOITER)
-    vehicle.failsafes.planner.steers(0.0)
-    before = vehicle.failsafes.endurance.is_due(100.0), vehicle.failsafes.planner.is_steering
-    failsafe_inputs(vehicle, 100.0)
-    assert (vehicle.failsafes.endurance.is_due(100.0), vehicle.failsafes.planner.is_steering) == before
-    assert before == (True, True)
 
 
 def test_each_decision_of_the_failsafes_is_carried_out() -> None:

@@ -18,7 +18,7 @@ from companion.core.modes import Mode
 from companion.core.storage import MemoryStorage, Saving
 from companion.mavlink.dialect import dialect
 from companion.vehicle.resume import CHECK_S, VoyageResume
-from companion.vehicle.track import CONTINUES_WITHIN_M, SailedTrack
+from companion.vehicle.track import SailedTrack
 from companion.vehicle.track_record import FILE as TRACK
 from companion.vehicle.track_record import TrackRecord
 from companion.vehicle.vehicle import Vehicle
@@ -97,15 +97,6 @@ def test_the_boat_says_where_it_was_and_goes_on_from_there_when_told() -> None:
     assert [message.seq for message in rig.peer.said("MISSION_ITEM_REACHED")] == [2, 3]
 
 
-def test_home_is_where_it_was_not_where_the_power_went() -> None:
-    rig = restarted()
-    home = json.loads(_stored()[FILE])["home"]
-    for _ in range(2):
-        assert rig.boat.vehicle.home is not None
-        assert [rig.boat.vehicle.home.lat_deg, rig.boat.vehicle.home.lon_deg] == home
-        rig.ready().arm()
-
-
 def test_a_boat_that_may_goes_on_by_itself_after_a_warning() -> None:
     rig = restarted({"failsafe.resume": 2})
     rig.until(lambda: any("Resuming in 10 s" in text for text in rig.peer.texts), 30.0)
@@ -160,16 +151,6 @@ def test_a_boat_whose_power_is_back_outside_the_fence_comes_inside_and_sails_on(
         assert rig.boat.vehicle.progress.current_seq == 2
 
 
-def test_outside_the_fence_an_operator_is_told_which_modes_bring_the_boat_back() -> None:
-    rig = outside(1)
-    rig.run(10.0)
-    assert rig.set_mode(Mode.HOLD) == OK
-    assert rig.arm() != OK
-    assert "Arm: Fence: the boat is outside; armed in LOITER or RTL it comes back" in rig.peer.texts
-    assert rig.set_mode(Mode.RTL) == OK
-    assert rig.arm() == OK
-
-
 def test_a_boat_that_is_to_forget_begins_at_the_first_item_without_a_track() -> None:
     assert restarted().boat.vehicle.progress.current_seq == 2
     rig = restarted({"failsafe.resume": 0}).ready()
@@ -187,24 +168,6 @@ def test_a_boat_that_was_disarmed_has_nothing_to_take_up() -> None:
     rig.run(CHECK_S + TICK_S)
     vehicle = cut(rig).ready().boat.vehicle
     assert (vehicle.progress.current_seq, vehicle.track.points) == (1, [])
-
-
-def test_another_mission_is_not_taken_up_in_the_middle() -> None:
-    rig = restarted()
-    assert rig.upload([waypoint(0.0, 0.0), waypoint(5.0, 5.0), waypoint(9.0, 9.0), waypoint(1.0, 1.0)])
-    rig.storage.save(FILE, _stored()[FILE])
-    assert cut(rig).boat.vehicle.progress.current_seq == 1
-
-
-def test_the_records_are_written_seldom() -> None:
-    storage = Counting()
-    Rig(storage=storage).sail(waypoint(400.0, 0.0)).run(50.0)
-    assert 5 <= len(storage.sizes[FILE]) <= 9
-    winding = Counting()
-    rig = Rig(storage=winding, config={"modes.trail_accuracy_m": 0.2})
-    rig.sail(*(waypoint(8.0 * n, 8.0 * (n % 2)) for n in range(1, 40))).run(60.0)
-    assert 3 <= len(winding.sizes[TRACK]) <= 8
-    assert sum(winding.sizes[TRACK]) <= 60.0 * 1000.0
 
 
 def test_a_full_medium_is_told_and_the_boat_sails_on() -> None:
@@ -278,45 +241,6 @@ def test_after_a_power_cut_smart_rtl_goes_back_the_way_the_boat_has_come(by_itse
         farthest_m = max(farthest_m, off_the_track_m(rig))
         assert rig.now_s < 400.0
     assert farthest_m < 4.0, "but for the corners, along the sides of the square"
-
-
-PLACES = '"places": [[500000000, -12000000], [500000100, -12000000]]'
-
-
-@pytest.mark.parametrize(("voyage", "is_restored"), [(0, False), (1, True), (2, True), (3, False)])
-def test_a_track_is_of_the_voyage_that_was_cut_or_of_the_one_that_continues_it(
-    voyage: int, is_restored: bool
-) -> None:
-    storage, trail = MemoryStorage(), SailedTrack()
-    storage.content[TRACK] = f'{{"voyage": {voyage}, {PLACES}}}'.encode()
-    TrackRecord(storage, trail, 1).restore(FRAME, armed=False)
-    assert bool(trail.points) is is_restored
-
-
-@pytest.mark.parametrize("armed", [False, True])
-def test_a_boat_that_was_armed_before_it_knew_where_it_is_keeps_its_new_track(armed: bool) -> None:
-    storage, trail = MemoryStorage(), SailedTrack()
-    storage.content[TRACK] = f'{{"voyage": 1, {PLACES}}}'.encode()
-    record = TrackRecord(storage, trail, 1)
-    record.restore(None, armed=armed)
-    record.restore(FRAME, armed=False)
-    assert bool(trail.points) is not armed
-
-
-@pytest.mark.parametrize(
-    ("armed_at", "kept"),
-    [([Point(50.0, CONTINUES_WITHIN_M + 1.0)], 0), ([Point(50.0, 20.0)], 2), ([Point(50.0, 1.0)] * 2, 0)],
-    ids=["carried elsewhere", "near its end", "armed a second time"],
-)
-def test_a_cut_track_goes_on_once_where_it_ended(armed_at: list[Point], kept: int) -> None:
-    cut_track = [Point(0.0, 0.0), Point(50.0, 0.0)]
-    trail = SailedTrack()
-    trail.restore(cut_track)
-    for at in armed_at:
-        trail.restart(at)
-    for metre in range(40):
-        trail.add(Point(armed_at[-1].north_m + metre, armed_at[-1].east_m), 1.0, 500)
-    assert trail.points == [*cut_track[:kept], armed_at[-1]]
 
 
 def test_a_track_of_the_most_points_is_written_no_faster_than_a_kilobyte_a_second() -> None:

@@ -21,14 +21,6 @@ def nav_at(north_m: float = 0.0, heading: float = 0.0) -> NavState:
 # Conditions
 
 
-def test_without_a_condition_nothing_is_held_back() -> None:
-    waiting = ConditionalCommand()
-    assert waiting.is_empty
-    assert not waiting.holds_back(steps.SetSpeed(1.0))
-    assert waiting.is_empty
-    assert waiting.take_due(HERE, END, 0.0) == []
-
-
 def test_a_delay_counts_from_when_it_was_asked_for() -> None:
     waiting = ConditionalCommand()
     waiting.wait_for(steps.AfterDelay(5.0), 100.0)
@@ -38,17 +30,6 @@ def test_a_delay_counts_from_when_it_was_asked_for() -> None:
     assert waiting.take_due(HERE, END, 104.9) == []
     assert waiting.take_due(HERE, END, 105.0) == [steps.SetSpeed(1.0), steps.Skip()]
     assert waiting.is_empty
-
-
-def test_the_second_delay_counts_from_the_end_of_the_first() -> None:
-    waiting = ConditionalCommand()
-    waiting.wait_for(steps.AfterDelay(5.0), 0.0)
-    waiting.holds_back(steps.SetSpeed(1.0))
-    waiting.wait_for(steps.AfterDelay(3.0), 1.0)
-    waiting.holds_back(steps.SetSpeed(2.0))
-    assert waiting.take_due(HERE, END, 6.0) == [steps.SetSpeed(1.0)]
-    assert waiting.take_due(HERE, END, 8.9) == []
-    assert waiting.take_due(HERE, END, 9.0) == [steps.SetSpeed(2.0)]
 
 
 @pytest.mark.parametrize(("north_m", "is_due"), [(19.9, False), (20.1, True)])
@@ -68,15 +49,6 @@ def test_at_the_end_of_the_leg_every_distance_is_kept() -> None:
     assert waiting.take_due(HERE, None, 7.0) == [steps.SetSpeed(1.0)]
     assert waiting.take_due(HERE, END, 8.9) == []
     assert waiting.take_due(HERE, END, 9.0) == [steps.SetSpeed(2.0)]
-
-
-def test_what_is_cleared_never_happens() -> None:
-    waiting = ConditionalCommand()
-    waiting.wait_for(steps.AfterDelay(1.0), 0.0)
-    waiting.holds_back(steps.SetSpeed(1.0))
-    waiting.clear()
-    assert waiting.is_empty
-    assert waiting.take_due(HERE, None, 99.0) == []
 
 
 # Items that hold the boat up
@@ -120,13 +92,6 @@ def test_a_hand_over_keeps_station_until_time_or_distance_are_used_up() -> None:
     assert item.intent(step, nav_at(19.1), 119.9) is None
     assert item.intent(step, nav_at(18.9), 120.0) is None
     assert item.intent(steps.HandOver(is_on=False), nav_at(4.0), 100.0) is None
-
-
-def test_a_limit_of_zero_is_none() -> None:
-    item, step = StationaryItem(), steps.HandOver(is_on=True)
-    assert item.limit == steps.LimitHandOver(0.0, 0.0)
-    item.begin(step, nav_at(0.0), None, 0.0)
-    assert item.intent(step, nav_at(1e6), 1e6) is not None
 
 
 # Places

@@ -16,7 +16,6 @@ from companion.vehicle.mission.steps import (
     Home,
     Jump,
     LimitHandOver,
-    Mission,
     MoveHome,
     Offset,
     ReturnHome,
@@ -106,16 +105,6 @@ def test_an_interrupted_leg_goes_on_from_where_the_boat_is() -> None:
     assert progress.current_seq == 1
 
 
-@pytest.mark.parametrize("mission", [(), (Home(),)])
-def test_a_mission_without_anything_to_sail_is_over_at_once(mission: Mission) -> None:
-    progress = MissionProgress()
-    progress.replace(mission)
-    assert progress.is_empty
-    assert progress.last_seq == 0
-    assert isinstance(at(progress, 1.0, 2.0), KeepStation)
-    assert progress.finished
-
-
 steps = st.one_of(
     st.sampled_from([A, B, C, ReturnHome(), Home(), Skip(), MoveHome(None), HandOver(False)]),
     st.builds(GoRound, st.just(A.position), st.floats(0.1, 3.0), st.floats(0.0, 30.0), st.booleans()),
@@ -149,13 +138,6 @@ def test_what_waits_for_a_condition_is_done_in_the_course_of_the_leg_and_dropped
     at(progress, 50.0, 50.0, 12.0)
     assert progress.finished
     assert progress.speed_m_s == 1.0
-
-
-def test_an_item_made_current_drops_what_waited() -> None:
-    progress = begun(AfterDelay(5.0), SetSpeed(1.0), A, B)
-    leg_at(progress, 0.0, 0.0)
-    progress.set_current(4)
-    assert leg_at(progress, 0.0, 0.0, 10.0).speed_m_s == CRUISE_M_S
 
 
 def test_a_new_mission_goes_on_only_where_the_way_to_here_is_the_same() -> None:
@@ -192,14 +174,6 @@ def test_a_voyage_is_taken_up_at_its_item_on_its_leg() -> None:
     assert progress.loose_leg is not None
 
 
-@pytest.mark.parametrize("seq", [-1, 0, 4, 99])
-def test_an_item_that_is_not_there_is_not_taken_up(seq: int) -> None:
-    progress = begun(A, B, C)
-    assert not progress.restore(seq, None, 0.7, {1: 1})
-    assert (progress.current_seq, progress.has_started, progress.speed_m_s) == (1, False, None)
-    assert not MissionProgress().restore(0, None, None, {})
-
-
 @pytest.mark.parametrize(("seq", "is_there"), [(-1, False), (0, True), (2, True), (3, False)])
 def test_only_an_item_of_the_mission_can_be_made_current(seq: int, is_there: bool) -> None:
     progress = begun(A, B)
@@ -232,21 +206,6 @@ def test_a_command_before_the_first_waypoint_leaves_its_leg_loose(command: Step)
     assert progress.loose_leg is None
 
 
-def test_a_leg_after_a_turn_on_the_spot_is_loose() -> None:
-    progress = begun(A, Turn(0.0), B)
-    leg_at(progress, 3.0, 4.0)
-    assert leg_at(progress, 49.9, 0.6).start == (49.9, 0.6)
-    assert progress.loose_leg is not None
-
-
-def test_a_leg_that_is_begun_elsewhere_is_loose_no_more() -> None:
-    progress = begun(A, B)
-    leg_at(progress, 3.0, 4.0)
-    progress.begin_leg_at(Point(20.0, 0.0))
-    assert leg_at(progress, 3.0, 4.0).start == (20.0, 0.0)
-    assert progress.loose_leg is None
-
-
 def test_after_the_last_item_the_boat_stays_where_that_was() -> None:
     progress = begun(A)
     leg_at(progress, 0.0, 0.0)
@@ -257,14 +216,6 @@ def test_after_the_last_item_the_boat_stays_where_that_was() -> None:
     empty = MissionProgress()
     assert at(empty, 5.0, 6.0) == KeepStation(Point(5.0, 6.0))
     assert at(empty, 9.0, 9.0) == KeepStation(Point(5.0, 6.0))
-
-
-def test_a_hand_over_is_told_while_it_lasts_and_the_next_leg_begins_at_the_boat() -> None:
-    progress = begun(LimitHandOver(10.0, 0.0), HandOver(True), A)
-    at(progress, 0.0, 0.0, 100.0)
-    assert progress.is_handed_over
-    assert leg_at(progress, 7.0, 3.0, 110.0).start == (7.0, 3.0)
-    assert not progress.is_handed_over
 
 
 def test_a_restart_forgets_speed_limits_and_jumps() -> None:
@@ -279,13 +230,6 @@ def test_a_restart_forgets_speed_limits_and_jumps() -> None:
     at(progress, 0.0, 0.0, 0.0)
     at(progress, 0.0, 0.0, 1000.0)
     assert progress.is_handed_over, "the limit is forgotten"
-
-
-def test_an_item_made_current_after_a_restart_does_not_begin_on_the_interrupted_leg() -> None:
-    progress = begun(A, B, C)
-    assert progress.restore(2, place(50.0, 10.0), None, {})
-    assert progress.set_current(3)
-    assert leg_at(progress, 20.0, 20.0).start == (20.0, 20.0)
 
 
 # Commands and stops, as literal sequences
@@ -304,20 +248,6 @@ def test_what_waits_for_a_time_is_done_while_the_boat_stays_at_a_waypoint() -> N
     assert isinstance(leg, FollowLeg)
     assert (progress.current_seq, leg.speed_m_s) == (4, 1.0)
     assert leg.end == pytest.approx((50.0, 50.0), abs=1e-3)
-
-
-def test_a_wait_keeps_its_station_and_the_next_leg_begins_where_the_last_one_ended() -> None:
-    progress = begun(A, Wait(10.0), B)
-    at(progress, 0.0, 0.0, 0.0)
-    for now_s in (30.0, 39.9):
-        station = at(progress, 49.0, 0.5, now_s)
-        assert isinstance(station, KeepStation)
-        assert station.point == pytest.approx((50.0, 0.0), abs=1e-3)
-    assert progress.take_reached() == [1]
-    leg = at(progress, 49.0, 0.5, 40.1)
-    assert isinstance(leg, FollowLeg)
-    assert leg.start == pytest.approx((50.0, 0.0), abs=1e-3)
-    assert progress.take_reached() == [2]
 
 
 @pytest.mark.parametrize("clockwise", [True, False])

@@ -1,7 +1,6 @@
 """The way that a mission leads: its corners, and every waypoint still passed in its turn."""
 
 import math
-from itertools import pairwise
 
 import pytest
 from boat_rig import FRAME, nav_at, place
@@ -10,7 +9,7 @@ from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.intent import FollowLeg
 from companion.vehicle.mission.progress import MissionProgress
-from companion.vehicle.mission.route import MOST, MissionRoute, waypoints_ahead
+from companion.vehicle.mission.route import MissionRoute, waypoints_ahead
 from companion.vehicle.mission.steps import (
     GoRound,
     HandOver,
@@ -71,13 +70,6 @@ def test_it_looks_through_one_jump_as_often_as_that_is_still_made() -> None:
     assert waypoints_ahead(steps, 2, {3: 1}) == ([a, b], True)
 
 
-def test_it_does_not_look_through_the_whole_of_a_long_mission() -> None:
-    row = [Waypoint(place(float(n), 0.0)) for n in range(200)]
-    ahead, is_open = waypoints_ahead((Home(), *row), 1, {})
-    assert ahead == row[1 : 1 + MOST]
-    assert is_open
-
-
 # What is sailed
 
 
@@ -87,25 +79,6 @@ def test_a_long_mission_is_looked_through_piece_by_piece_without_a_bend_where_th
     courses = [leg.line.course_rad for leg in legs]
     assert max(courses) - min(courses) < math.radians(5.0)
     assert progress.take_reached() == list(range(1, 201))
-
-
-def test_a_leg_begins_where_the_one_before_it_was_told_to_lead() -> None:
-    """So the fillet between them is sailed to its end."""
-    turns = [(float(n), 0.0) for n in range(1, 12)] + [(11.0, float(n)) for n in range(1, 12)]
-    legs = sailed(mission(*turns, (11.0, 60.0), (80.0, 60.0)), Point(0.0, 0.0))
-    for leg, onward in pairwise(legs):
-        assert (leg.end, leg.next_end) == (onward.start, onward.end)
-
-
-def test_a_speed_between_two_waypoints_does_not_count_as_one() -> None:
-    turns = [Waypoint(place(float(n), 0.0)) for n in (4, 8, 12)]
-    progress = progress_of(
-        turns[0], SetSpeed(1.0), turns[1], SetSpeed(2.0), turns[2], Waypoint(place(12.0, 9.0))
-    )
-    legs = sailed(progress, Point(0.0, 0.0))
-    assert [leg.speed_m_s for leg in legs] == [2.0, 1.0, 2.0, 2.0]
-    assert [tuple(leg.end) for leg in legs[:3]] == [pytest.approx((12.0, 0.0), abs=1e-3)] * 3
-    assert progress.take_reached() == [1, 3, 5, 6]
 
 
 def test_a_boat_that_was_swept_away_from_a_short_leg_aims_at_its_waypoint_again() -> None:
@@ -131,23 +104,6 @@ def test_a_boat_that_passes_the_end_of_a_short_last_leg_turns_back_to_it() -> No
         assert intent.end == pytest.approx((39.0, 1.0), abs=1e-3)
         along_m, _ = intent.line.along_and_cross_track_m(Point(north, east))
         assert along_m < intent.line.length_m
-
-
-def test_with_short_legs_each_corner_has_the_radius_of_the_waypoint_that_it_stands_for() -> None:
-    """A spiral of short legs: it has corners all along, and is looked through several times."""
-    at, course, spiral = Point(0.0, 0.0), 0.0, []
-    for n in range(130):
-        course += math.radians(90.0 if n % 12 == 11 else 0.0)
-        length_m = 4.0 + 0.01 * n
-        at = Point(at.north_m + length_m * math.cos(course), at.east_m + length_m * math.sin(course))
-        spiral.append(at)
-    progress = progress_of(*(Waypoint(place(*one), radius_m=2.0 + 0.001 * n) for n, one in enumerate(spiral)))
-    legs = sailed(progress, Point(0.0, 0.0))
-    for leg in legs:
-        nearest = min(range(len(spiral)), key=lambda n: math.dist(spiral[n], leg.end))
-        assert math.dist(spiral[nearest], leg.end) < 1.0
-        assert leg.radius_m == pytest.approx(2.0 + 0.001 * nearest)
-    assert progress.take_reached() == list(range(1, 131))
 
 
 def test_what_follows_a_leg_is_looked_for_once_and_again_when_it_may_have_changed() -> None:
@@ -182,12 +138,3 @@ def test_a_loop_without_waypoints_is_not_looked_through_for_ever() -> None:
     assert waypoints_ahead((Home(), a, SetSpeed(1.0), Jump(2, -1), a), 1, {}) == ([], True)
     assert waypoints_ahead((Home(), a, *[SetSpeed(1.0)] * 200, a), 1, {}) == ([], True)
     assert waypoints_ahead((Home(), a, *[SetSpeed(1.0)] * 98, a), 1, {}) == ([a], False)
-
-
-def test_guidance_is_told_of_sixteen_corners_beyond_the_next_leg() -> None:
-    progress = mission(*((50.0 * n, 40.0 * (n % 2)) for n in range(1, 40)))
-    intent = progress.update(nav_at(0.0, 0.0), FRAME, CONFIG, 0.0)
-    assert isinstance(intent, FollowLeg)
-    assert [tuple(at) for at in intent.onward] == [
-        pytest.approx((50.0 * n, 40.0 * (n % 2)), abs=0.01) for n in range(3, 19)
-    ]

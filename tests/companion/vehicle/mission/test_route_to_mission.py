@@ -52,27 +52,6 @@ class Boat:
         return wanted, self.route_to_mission.update(wanted, self.progress, self.nav, CONFIG)
 
 
-@pytest.mark.parametrize(
-    ("here", "end"),
-    [
-        (Point(0.0, 0.0), (0.0, 60.0)),
-        (Point(0.0, 60.0), (60.0, 60.0)),
-        (Point(13.5, 0.0), (0.0, 60.0)),  # a berth with little room: it may be left
-        (Point(-13.5, -13.0), (0.0, 60.0)),
-    ],
-)
-def test_a_straight_way_through_open_water_is_sailed_as_it_is(here: Point, end: tuple[float, float]) -> None:
-    boat = Boat(here, end)
-    wanted, sailed = boat.sail()
-    assert sailed is wanted
-    assert boat.texts == []
-
-
-def test_without_a_fence_every_way_is_open() -> None:
-    wanted, sailed = Boat(Point(0.0, 0.0), (60.0, 60.0), areas=[]).sail()
-    assert sailed is wanted
-
-
 @pytest.mark.parametrize("here", [Point(0.0, 0.0), Point(13.5, 0.0)])
 def test_a_way_over_land_is_sailed_round_by_the_water(here: Point) -> None:
     boat = Boat(here, (60.0, 60.0))

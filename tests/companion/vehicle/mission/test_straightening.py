@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.core.geo import Line, Point, distance_m, path_length_m
-from companion.vehicle.mission.straightening import SHIFT_SHARE, is_short, straighten
+from companion.vehicle.mission.straightening import SHIFT_SHARE, straighten
 
 RADIUS_M = 2.0
 HALF_M = SHIFT_SHARE * RADIUS_M
@@ -44,22 +44,10 @@ def cell_walks(draw: st.DrawFn) -> list[Point]:
     return [*walk, Point(at.north_m + 10.0 * north, at.east_m + 10.0 * east)]
 
 
-def test_a_zigzag_from_cell_to_cell_becomes_one_leg() -> None:
-    stairs = [(0.0, 0.0), (1.0, 0.0), (2.0, 1.0), (3.0, 1.0), (4.0, 2.0), (5.0, 2.0), (6.0, 3.0), (9.0, 4.5)]
-    assert corners(*stairs) == [Point(0.0, 0.0), Point(9.0, 4.5)]
-
-
 def test_a_drawn_curve_is_kept_as_it_is() -> None:
     """Gentle turns to one side are no zigzag, and the shortest line would hug the inside."""
     curve = [(25.0 * math.sin(0.1 * n), 25.0 - 25.0 * math.cos(0.1 * n)) for n in range(30)]
     assert corners(*curve) == [Point(*at) for at in curve]
-
-
-def test_corners_between_long_legs_stay_where_they_are() -> None:
-    lanes = [(0.0, 0.0), (50.0, 0.0), (50.0, 2.5), (0.0, 2.5), (0.0, 5.0), (50.0, 5.0)]
-    assert corners(*lanes) == [Point(*at) for at in lanes]
-    assert is_short(2.5, RADIUS_M)
-    assert not is_short(50.0, RADIUS_M)
 
 
 @given(cell_walks())

@@ -45,12 +45,6 @@ def test_a_chosen_one_is_the_only_one() -> None:
     assert one.fault(mode_inputs(now_s=3.1, config=config)) == "system 7 is not heard"
 
 
-def test_one_that_is_too_far_away_is_not_followed() -> None:
-    one = following(seen(150, 0))
-    assert one.fault(mode_inputs()) == "system 2 is 150 m away (FOLL_DIST_MAX 100)"
-    assert one.fault(mode_inputs(config=BoatConfig(follow=Follow(max_distance_m=0.0)))) == ""
-
-
 @pytest.mark.parametrize(
     ("offset_type", "north_m", "east_m"), [(0, 40.0, 20.0), (1, 50.0, 10.0)], ids=["compass", "bow"]
 )
@@ -99,17 +93,6 @@ def test_vehicles_and_stations_can_be_followed_but_not_their_parts(sender: Addre
         assert lead.heading_rad == pytest.approx(math.pi / 2)  # the course, for want of a heading
 
 
-@pytest.mark.parametrize(("lat", "lon"), [(0, 0), (910_000_000, 0), (0, -(2**31))])
-def test_a_lead_that_is_nowhere_is_not_seen(lat: int, lon: int) -> None:
-    rig = Rig().ready()
-    peer = rig.connect(Address(2, 1))
-    rig.receive()
-    tell(peer, lat, lon)
-    rig.receive()
-    assert rig.boat.vehicle.modes.follow.lead is None
-    assert rig.boat.endpoint.faults == 0
-
-
 def test_a_follow_target_brings_velocity_and_attitude_as_far_as_it_knows_them() -> None:
     rig = Rig().ready()
     for known, heading, speed in ((0b1011, 1.0, 1.5), (0b0011, 0.0, 1.5), (0b0001, 0.0, 0.0)):
@@ -123,13 +106,6 @@ def test_a_follow_target_brings_velocity_and_attitude_as_far_as_it_knows_them() 
         lead = rig.boat.vehicle.modes.follow.lead
         assert lead is not None
         assert (lead.heading_rad, lead.north_m_s) == pytest.approx((heading, speed))
-
-
-def test_the_lead_is_heard_until_its_time_out() -> None:
-    one = following(seen(20.0, 0.0), now_s=100.0)
-    timeout_s = CONFIG.follow.timeout_s
-    assert one.fault(mode_inputs(now_s=100.0 + timeout_s)) == ""
-    assert one.fault(mode_inputs(now_s=100.1 + timeout_s)) == "no vehicle is heard"
 
 
 def test_the_leads_position_is_extrapolated_for_a_second_at_most() -> None:
@@ -161,10 +137,3 @@ def test_a_boat_ahead_of_its_place_keeps_the_leads_course_and_waits() -> None:
     near = one.intent(mode_inputs(nav_at(0.8 * ahead_m, 0.6 * ahead_m), config=BESIDE))
     assert isinstance(near, HoldCourse)
     assert (near.course_rad, near.speed_m_s) == pytest.approx((onward, 0.2), abs=1e-3)
-
-
-def test_a_slow_lead_is_followed_from_half_the_least_speed_on() -> None:
-    least_m_s = CONFIG.guidance.min_speed_m_s
-    crawling = following(seen(0.0, 0.0, 0.45 * least_m_s)).intent(mode_inputs())
-    assert isinstance(crawling, KeepStation)
-    assert isinstance(following(seen(0.0, 0.0, 0.55 * least_m_s)).intent(mode_inputs()), HoldCourse)

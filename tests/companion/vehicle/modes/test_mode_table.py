@@ -71,11 +71,3 @@ def test_a_boat_outside_the_fence_arms_only_in_modes_that_come_inside(mode: Mode
     vehicle.force_mode(mode, "test")
     refusals = [fault for fault in vehicle.arming_faults() if "outside" in fault]
     assert bool(refusals) is (mode not in (Mode.LOITER, Mode.RTL))
-
-
-@pytest.mark.parametrize("mode", Mode)
-def test_a_boat_without_gnss_arms_only_in_manual_and_hold(mode: Mode) -> None:
-    vehicle = vehicle_without("nothing")
-    vehicle.force_mode(mode, "test")
-    vehicle.update_state(nav_at(), FRAME, None, None, 1.0)
-    assert vehicle.request(Arm()).accepted is (mode in (Mode.MANUAL, Mode.HOLD))

@@ -4,7 +4,7 @@ import math
 
 import pytest
 from boat_rig import FRAME, nav_at, place
-from mode_inputs import fenced, mode_inputs, turned
+from mode_inputs import mode_inputs, turned
 
 from companion.config.boat_config import BoatConfig, with_value
 from companion.core.geo import Point
@@ -104,18 +104,6 @@ def test_smart_rtl_sails_the_track_back_leg_by_leg() -> None:
     assert track.points == [Point(0.0, 0.0)]
 
 
-def test_smart_rtl_needs_a_whole_track_inside_the_fence() -> None:
-    def fault(track: SailedTrack) -> str:
-        return SmartRtlMode(track, fenced(50.0), []).fault(mode_inputs())
-
-    assert fault(tracked((0.0, 0.0), (40.0, 0.0))) == ""
-    assert fault(tracked()) == "no track, the boat was not armed"
-    assert fault(tracked((0.0, 0.0), (60.0, 0.0))) == "the track leaves the fence"
-    lost = tracked((0.0, 0.0))
-    lost.is_incomplete = True
-    assert fault(lost) == "the track is longer than SRTL_POINTS 500"
-
-
 def auto(*steps: Waypoint | HandOver) -> tuple[AutoMode, GuidedMode, MissionProgress]:
     progress, guided = MissionProgress(), GuidedMode(Fence(), [])
     progress.replace((Home(), *steps))
@@ -157,35 +145,3 @@ def test_auto_keeps_station_where_a_hand_over_begins() -> None:
     assert isinstance(mode.intent(mode_inputs(nav_at(7.0, 0.0))), FollowLeg)  # entered once, not each tick
     mode.exit()
     assert guided.target is None
-
-
-def test_smart_rtl_begins_anew_when_it_is_entered_again() -> None:
-    mode = SmartRtlMode(tracked((0.0, 0.0)), Fence(), [])
-    away = mode_inputs(nav_at(30.0, 0.0))
-    for start in (nav_at(30.0, 0.0), nav_at(0.0, 40.0)):
-        leg = mode.intent(mode_inputs(start))
-        assert isinstance(leg, FollowLeg)
-        assert leg.start == start.point
-        mode.enter(away)
-    mode.intent(mode_inputs(nav_at()))  # arrives
-    assert isinstance(mode.intent(away), KeepStation)
-    mode.enter(away)
-    assert isinstance(mode.intent(away), FollowLeg)
-
-
-def test_auto_continues_on_a_new_leg_from_where_the_boat_is() -> None:
-    mode, _, _ = auto(Waypoint(place(50.0, 0.0)))
-    for north_m in (0.0, 20.0):
-        mode.enter(mode_inputs())
-        leg = mode.intent(mode_inputs(nav_at(north_m, 5.0)))
-        assert isinstance(leg, FollowLeg)
-        assert leg.start == pytest.approx((north_m, 5.0), abs=1e-3)
-
-
-def test_auto_keeps_station_anew_when_it_returns_to_a_hand_over() -> None:
-    mode, _, _ = auto(HandOver(True), Waypoint(place(50.0, 0.0)))
-    for north_m in (7.0, 30.0):
-        mode.enter(mode_inputs())
-        stays = mode.intent(mode_inputs(nav_at(north_m, 0.0)))
-        assert local(stays) == pytest.approx((north_m, 0.0), abs=1e-3)
-        mode.exit()
