@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from companion.config.boat_config import BoatConfig, decode_config, with_value
 from companion.control.allocation import Effort, allocate, by_hand, rudder_effect
-from companion.core.state import MotorState, MotorStates, Thrust
+from companion.core.state import Thrust
 
 SHARES = st.floats(-1.0, 1.0)
 SPEEDS = st.floats(-3.0, 3.0)
@@ -94,17 +94,6 @@ def test_below_steerage_way_the_throttle_kicks_ahead(
     surge: float, yaw: float, water_m_s: float, throttle: float
 ) -> None:
     assert allocate(Effort(surge, yaw, water_m_s), config()).left == pytest.approx(throttle)
-
-
-def test_a_rudder_outside_the_wash_gets_no_kick() -> None:
-    assert allocate(Effort(0.1, 1.0, 0.0), config(wash=0.0)).left == pytest.approx(0.1)
-
-
-def test_a_dead_motor_gets_none() -> None:
-    dead = MotorStates(MotorState.FAILED, MotorState.HEALTHY)
-    thrust = allocate(Effort(0.5, 0.3, 1.0), config(), dead)
-    assert (thrust.left, thrust.right) == (0.0, 0.0)
-    assert thrust.rudder == pytest.approx(0.5)  # what flows past it is the boat's way alone
 
 
 @pytest.mark.parametrize(

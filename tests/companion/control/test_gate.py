@@ -51,12 +51,6 @@ def _running() -> Gate:
     return gate
 
 
-def test_a_good_command_arrives_at_the_slew_rate() -> None:
-    gate = Gate()
-    lefts = [_check(gate).left for _ in range(9)]
-    assert lefts == pytest.approx([min(STEP * tick, 0.6) for tick in range(1, 10)])
-
-
 @pytest.mark.parametrize(
     ("faults", "reason"),
     [
@@ -102,11 +96,6 @@ def test_exactly_at_the_limit_is_still_good(limits: dict[str, object]) -> None:
     assert _check(Gate(), **limits).reason == ""  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("nav", [None, replace(NAV, position_age_s=math.inf, north_m=math.nan)])
-def test_the_operators_hand_needs_no_estimate(nav: NavState | None) -> None:
-    assert _check(Gate(), nav=nav, needs_estimate=False, nav_age_s=60.0) == MotorCommand(STEP, STEP)
-
-
 def test_a_reversal_stops_at_zero_for_a_tick() -> None:
     gate = _running()
     lefts = [_check(gate, Thrust(-0.6, -0.6)).left for _ in range(20)]
@@ -121,12 +110,6 @@ def test_the_dead_band_ends_where_it_says(wanted: float, sent: float) -> None:
     for _ in range(5):
         command = _check(gate, Thrust(wanted, -wanted))
     assert (command.left, command.right) == (sent, -sent)
-
-
-def test_a_slow_slew_climbs_out_of_the_dead_band() -> None:
-    gate, slow = Gate(), MotorLimits(slew_per_s=1.0, deadband=0.05)
-    lefts = [_check(gate, setting=slow).left for _ in range(4)]
-    assert lefts == pytest.approx([0.0, 0.0, 0.06, 0.08])
 
 
 @pytest.mark.parametrize("dt_s", [0.0, -1.0, math.nan])
@@ -158,14 +141,6 @@ def test_the_motors_get_valid_values_for_any_input(
         before = now
 
 
-@pytest.mark.parametrize(("share", "reached"), [(2.0, 1.0), (-2.0, -1.0)])
-def test_thrust_beyond_full_is_full(share: float, reached: float) -> None:
-    gate = Gate()
-    for _ in range(60):
-        command = _check(gate, Thrust(share, share))
-    assert (command.left, command.right) == (reached, reached)
-
-
 def test_the_rudder_turns_at_its_own_rate_to_its_end() -> None:
     gate = Gate()
     angles = [_check(gate, Thrust(0.6, 0.6, -7.0)).rudder for _ in range(20)]
@@ -178,16 +153,3 @@ def test_a_stop_centres_the_rudder_and_it_starts_from_there() -> None:
         _check(gate, Thrust(0.6, 0.6, 1.0))
     assert _check(gate, Thrust(0.6, 0.6, 1.0), armed=False) == MotorCommand(0.0, 0.0, "disarmed", 0.0)
     assert _check(gate, Thrust(0.6, 0.6, 1.0)).rudder == pytest.approx(0.06)
-
-
-@pytest.mark.parametrize("rudder", [math.nan, math.inf, -math.inf])
-def test_a_rudder_that_is_not_a_number_stops_all(rudder: float) -> None:
-    gate = _running()
-    assert _check(gate, Thrust(0.6, 0.6, rudder)) == MotorCommand(0.0, 0.0, "thrust is not a number", 0.0)
-
-
-@pytest.mark.parametrize("dt_s", [math.nan, -1.0, 0.0])
-def test_the_rudder_stays_where_no_time_passes(dt_s: float) -> None:
-    gate = Gate()
-    before = _check(gate, Thrust(0.6, 0.6, 1.0)).rudder
-    assert _check(gate, Thrust(0.6, 0.6, 1.0), dt_s=dt_s).rudder == before

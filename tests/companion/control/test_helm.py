@@ -6,7 +6,7 @@ from msgspec.structs import replace
 from companion.config.boat_config import BoatConfig, with_value
 from companion.control.helm import Helm
 from companion.core.intent import Drive, Stop
-from companion.core.state import Demand, MotorState, MotorStates, NavState, Thrust
+from companion.core.state import Demand, MotorState, MotorStates, NavState
 
 CONFIG = BoatConfig()
 STILL = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -16,22 +16,6 @@ CRUISING = replace(STILL, north_m_s=2.0, surge_m_s=2.0)
 def test_the_operators_hand_goes_through_the_mixer() -> None:
     thrust = Helm().update(Drive(0.5, 0.2), None, CONFIG, 0.02)
     assert (thrust.left, thrust.right) == pytest.approx((0.7, 0.3))
-
-
-def test_on_course_and_at_speed_only_the_feed_forward_drives() -> None:
-    helm = Helm()
-    thrust = helm.update(Demand(0.0, 2.0), CRUISING, CONFIG, 0.02)
-    assert (thrust.left, thrust.right) == pytest.approx((0.6, 0.6))
-    assert helm.heading_pid is not None
-    assert helm.heading_pid.total == 0.0
-    assert helm.speed_pid is not None
-    assert helm.speed_pid.total == pytest.approx(0.6)
-
-
-def test_a_demand_without_an_estimate_gives_no_thrust() -> None:
-    helm = Helm()
-    assert helm.update(Demand(1.5, 2.0), None, CONFIG, 0.02) == Thrust(0.0, 0.0)
-    assert helm.heading_pid is None
 
 
 @pytest.mark.parametrize("pause", [Stop(), Drive(0.2, 0.0)])
@@ -97,17 +81,3 @@ def test_without_braking_no_motor_turns_astern(heading_rad: float) -> None:
     eased = Helm().update(replace(demand, brakes=False), CRUISING, CONFIG, 0.02)
     assert min(eased.left, eased.right) == pytest.approx(0.0, abs=1e-9)
     assert eased.left - eased.right == pytest.approx(braked.left - braked.right)
-
-
-def test_without_braking_a_hard_turn_keeps_its_thrust() -> None:
-    eased = Helm().update(Demand(1.5, 0.4, brakes=False), CRUISING, CONFIG, 0.02)
-    assert (eased.left, eased.right) == (1.0, -1.0)
-
-
-def test_a_following_current_changes_nothing_at_the_same_speed_through_the_water() -> None:
-    config = with_value(CONFIG, "drive.layout", "rudder")
-    with_the_water = replace(CRUISING, north_m_s=2.5, surge_m_s=2.5, current_north_m_s=0.5)
-    still = Helm().update(Demand(0.1, 2.0), CRUISING, config, 0.02)
-    carried = Helm().update(Demand(0.1, 2.5), with_the_water, config, 0.02)
-    assert (carried.left, carried.rudder) == pytest.approx((still.left, still.rudder))
-    assert still.rudder > 0.0

@@ -11,35 +11,10 @@ from companion.control.speed import ASTERN_SHARE, feed_forward, speed_effort
 SETTING = Speed(cruise_m_s=2.0, cruise_throttle=0.6, kp=0.8, ki=0.2)
 
 
-def _sail(
-    demand_m_s: float, current_m_s: float, setting: Speed, seconds: float = 60.0
-) -> tuple[float, float]:
-    """Speed over ground and throttle after a while: thrust ∝ n², drag ∝ v² through the water."""
-    control, water, throttle = Pid(), 0.0, 0.0
-    for _ in range(round(seconds / 0.02)):
-        throttle = speed_effort(control, demand_m_s, water + current_m_s, setting, 0.02).total
-        balance = water * 0.3  # throttle that holds this speed
-        water += 0.02 * 4.0 * (throttle * abs(throttle) - balance * abs(balance))
-    return water + current_m_s, throttle
-
-
 def test_feed_forward_passes_through_zero_and_cruise() -> None:
     assert feed_forward(0.0, SETTING) == 0.0
     assert feed_forward(2.0, SETTING) == pytest.approx(0.6)
     assert feed_forward(-1.0, SETTING) == pytest.approx(-0.3)
-
-
-@pytest.mark.parametrize("current_m_s", [0.0, 0.5, -0.5])
-@pytest.mark.parametrize("demand_m_s", [0.4, 1.0, 2.0])
-def test_holds_the_speed_over_ground(demand_m_s: float, current_m_s: float) -> None:
-    speed, _ = _sail(demand_m_s, current_m_s, SETTING)
-    assert speed == pytest.approx(demand_m_s, abs=0.03)
-
-
-def test_a_stop_is_helped_astern_but_not_with_full_power() -> None:
-    out = speed_effort(Pid(), 0.0, 2.0, SETTING, 0.02)
-    assert out.total == -ASTERN_SHARE
-    assert out.saturated
 
 
 def test_throttle_never_passes_its_limit_and_does_not_wind_up_there() -> None:

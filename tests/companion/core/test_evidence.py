@@ -45,13 +45,6 @@ def test_evidence_is_never_negative_and_says_when_nothing_is_left() -> None:
     assert evidence.against == [0.0, pytest.approx(3.0 - 0.1 * FADE_S)]
 
 
-def test_evidence_fades_with_time() -> None:
-    evidence = FaultEvidence(1)
-    evidence.add(0, 10.0, 0.0)
-    evidence.add(0, 0.0, 4.0)
-    assert evidence.against[0] == pytest.approx(10.0 - 4.0 * FADE_S)
-
-
 def test_the_threshold_is_the_prior_odds_against_a_fault() -> None:
     evidence = FaultEvidence(2)
     assert max(evidence.probabilities((6.0, 12.0))) < 0.003

@@ -162,16 +162,6 @@ def test_both_generations_of_a_key_are_its_owners_alone_and_a_key_file_as_any(tm
 OLD, NEW = b"the old list", b"the new list, which is longer"
 
 
-def test_what_was_saved_is_loaded(tmp_path: Path) -> None:
-    storage = FolderStorage(tmp_path / "deep" / "state")
-    assert storage.load("mission.json") == b""
-    saving = storage.save("mission.json", OLD)
-    storage.close()
-    assert saving.is_done()
-    assert saving.error() == ""
-    assert FolderStorage(tmp_path / "deep" / "state").load("mission.json") == OLD
-
-
 def test_the_content_is_on_the_medium_before_the_name_changes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -228,14 +218,6 @@ def test_saves_that_wait_for_the_medium_become_one_for_each_name(tmp_path: Path)
     storage.close()
     assert written == [("params.parm", b"0"), ("params.parm", b"200"), ("mission.json", NEW)]
     assert all(saving.is_done() and not saving.error() for saving in savings)
-
-
-def test_what_is_being_saved_is_loaded(tmp_path: Path) -> None:
-    storage = FolderStorage(tmp_path)
-    for n in range(50):
-        storage.save("a", str(n).encode())
-    assert storage.load("a") == b"49"
-    storage.close()
 
 
 def test_a_folder_that_cannot_be_used_is_named(tmp_path: Path) -> None:

@@ -63,17 +63,6 @@ def test_a_step_is_the_product_of_matrices(state: int, shares: tuple[tuple[int, 
     assert np.array(covariance.rows) == pytest.approx(transition @ before @ transition.T, abs=1e-12)
 
 
-def test_a_state_that_is_forgotten_is_so_in_row_and_column() -> None:
-    covariance = mixed()
-    covariance.reset(SURGE, 4.0)
-    assert covariance.rows[SURGE] == [0.0] * SURGE + [4.0] + [0.0] * (STATES - SURGE - 1)
-    assert [row[SURGE] for row in covariance.rows] == covariance.rows[SURGE]
-    covariance.raise_to(SURGE, 3.0)
-    assert covariance.variance(SURGE) == 4.0
-    covariance.raise_to(SURGE, 5.0)
-    assert covariance.variance(SURGE) == 5.0
-
-
 def test_measurements_of_one_moment_give_what_the_matrix_form_gives() -> None:
     covariance, rng = mixed(), random.Random(4)
     before = np.array(covariance.rows)

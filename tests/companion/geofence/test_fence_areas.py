@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
-from companion.geofence.fence import Fence, FenceArea, FenceCircle, FencePolygon
+from companion.geofence.fence import Fence, FenceArea, FencePolygon
 from companion.planning.areas import Disc, Ring
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))
@@ -153,39 +153,6 @@ def laid(*areas: FenceArea, setting: FenceSetting | None = None, home: LatLon | 
     return fence
 
 
-def test_without_a_fence_there_is_room_for_ever() -> None:
-    fence = laid()
-    assert not fence.is_active
-    assert fence.margin_m(Point(1e6, 0.0)) == math.inf
-    assert fence.room_m(Point(0.0, 0.0), 1.0, 500.0) == 500.0
-    assert not fence.is_outside(Point(0.0, 0.0))
-
-
-def test_the_margin_is_to_the_nearest_line_and_negative_beyond_any() -> None:
-    fence = laid(square(50.0), FenceCircle(globe([(20.0, 0.0)])[0], 5.0, is_inclusion=False))
-    assert fence.margin_m(Point(0.0, 0.0)) == pytest.approx(15.0, abs=0.01)
-    assert fence.margin_m(Point(0.0, 40.0)) == pytest.approx(10.0, abs=0.01)
-    assert fence.margin_m(Point(20.0, 1.0)) == pytest.approx(-4.0, abs=0.01)
-    assert fence.margin_m(Point(0.0, 53.0)) == pytest.approx(-3.0, abs=0.01)
-
-
-def test_the_allowed_water_is_inside_every_inclusion_area() -> None:
-    fence = laid(square(50.0), square(50.0, north_m=60.0))
-    assert fence.margin_m(Point(30.0, 0.0)) == pytest.approx(20.0, abs=0.01)
-    assert fence.margin_m(Point(0.0, 0.0)) == pytest.approx(-10.0, abs=0.01)
-    inner = laid(square(50.0), square(20.0))
-    assert inner.margin_m(Point(60.0, 0.0)) == pytest.approx(-40.0, abs=0.01), "the one furthest off counts"
-
-
-def test_the_room_ends_at_the_line_ahead_only() -> None:
-    fence = laid(square(50.0))
-    here = Point(45.0, 0.0)
-    assert fence.room_m(here, 0.0, 20.0) == pytest.approx(5.0, abs=0.01)
-    assert fence.room_m(here, math.pi, 20.0) == 20.0
-    assert fence.room_m(here, 0.5 * math.pi, 20.0) == 20.0
-    assert fence.room_m(here, math.radians(60.0), 20.0) == pytest.approx(10.0, abs=0.01)
-
-
 def test_the_circle_round_home_counts_when_it_is_asked_for() -> None:
     home = FRAME.to_global(Point(100.0, 0.0))
     asked = laid(setting=FenceSetting(kinds=2, radius_m=30.0), home=home)
@@ -203,10 +170,3 @@ def test_what_is_remembered_changes_no_answer(track: list[Point], course_rad: fl
         assert asked_often.room_m(at, course_rad, reach_m) == fresh.room_m(at, course_rad, reach_m)
         assert asked_often.is_outside(at) is (fresh.margin_m(at) < 0.0)
         assert asked_often.is_near(at, reach_m) or fresh.margin_m(at) >= reach_m
-
-
-def test_a_way_is_seen_to_leave_the_water() -> None:
-    fence = laid(square(50.0), square(10.0, is_inclusion=False))
-    assert fence.crosses(Point(-30.0, 0.0), Point(30.0, 0.0))
-    assert not fence.crosses(Point(-30.0, 20.0), Point(30.0, 20.0))
-    assert not fence.crosses(Point(-30.0, 20.0), Point(-30.0, 20.0))

@@ -10,7 +10,7 @@ from test_fence_areas import ANGLE, FRAME, POINT, globe, laid, shape_of, square,
 
 from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
-from companion.geofence.fence import Fence, FenceCircle, FencePolygon
+from companion.geofence.fence import Fence, FenceCircle
 from companion.planning.areas import Disc, Ring
 
 ISLAND = FenceCircle(globe([(20.0, 0.0)])[0], 5.0, is_inclusion=False)
@@ -65,15 +65,6 @@ def test_without_a_frame_or_a_home_or_permission_there_are_no_lines() -> None:
     assert len(laid(square(50.0), setting=FenceSetting(kinds=6), home=HOME).areas) == 2
     assert isinstance(laid(square(50.0), setting=FenceSetting(kinds=2), home=HOME).areas[0], Disc)
     assert isinstance(laid(square(50.0), setting=FenceSetting(kinds=4), home=HOME).areas[0], Ring)
-
-
-def test_new_lines_make_the_fence_forget_the_margin_that_it_remembers() -> None:
-    fence, setting = laid(square(50.0)), FenceSetting()
-    assert fence.margin_m(Point(0.0, 0.0)) == pytest.approx(50.0, abs=0.01)
-    fence.set_areas([square(5.0, north_m=30.0)])
-    fence.update(FRAME, None, setting)
-    assert fence.is_outside(Point(0.0, 0.0))
-    assert fence.is_near(Point(24.0, 0.0), 2.0)
 
 
 @given(POINT, st.floats(0.1, 40.0))
@@ -168,15 +159,6 @@ def test_the_nearest_water_has_the_margin_that_was_asked_for(point: Point, margi
     assert laid().inside(point, margin_m) == point
 
 
-def test_from_the_line_itself_the_way_inside_is_found() -> None:
-    fence = laid(square(50.0))
-    line = fence.areas[0].nearest(50.0, 0.0)
-    found = fence.inside(line, 4.0)
-    assert found == pytest.approx((46.0, 0.0), abs=0.05)
-    corner = fence.areas[0].nearest(60.0, 60.0)
-    assert fence.margin_m(fence.inside(corner, 4.0)) >= 4.0 - 1e-6
-
-
 def test_a_margin_that_is_remembered_says_nothing_of_a_place_far_away() -> None:
     for far in (Point(-30.0, 0.0), Point(0.0, -70.0)):
         fence = laid(square(50.0, north_m=40.0))  # from 10 m south to 90 m north
@@ -184,18 +166,6 @@ def test_a_margin_that_is_remembered_says_nothing_of_a_place_far_away() -> None:
         assert fence.is_near(far, 5.0)
         fence.margin_m(Point(-far.north_m, -far.east_m / 2.0))
         assert fence.is_outside(far)
-
-
-def test_a_remembered_margin_reaches_from_its_own_place() -> None:
-    corners = [(-50.0, 0.0), (-50.0, 100.0), (50.0, 100.0), (50.0, 0.0)]
-    fence = laid(FencePolygon(globe(corners), is_inclusion=True))
-    assert fence.margin_m(Point(10.0, 50.0)) == pytest.approx(40.0, abs=0.01)
-    assert fence.is_outside(Point(10.0, -45.0))
-    assert not fence.is_outside(Point(-45.0, 50.0))
-    fence.margin_m(Point(40.0, 50.0))
-    assert fence.is_outside(Point(-55.0, 50.0))
-    fence.margin_m(Point(10.0, -40.0))
-    assert not fence.is_outside(Point(10.0, 45.0))
 
 
 @pytest.mark.parametrize(

@@ -113,12 +113,6 @@ def test_a_boat_near_a_line_leaves_it_straight_and_inside(here: Point, margin_m:
         assert not any(fence.crosses(one, other) for one, other in pairwise((start, *found.corners)))
 
 
-def test_from_outside_the_way_leads_first_to_the_nearest_water_with_the_clearance() -> None:
-    found = way(laid(L_WATER), Point(60.0, 80.0))
-    assert found is not None
-    assert found.corners[0] == pytest.approx((60.0, 72.0), abs=0.2)
-
-
 def test_of_several_goals_the_nearest_by_water_counts() -> None:
     fence = laid(L_WATER)
     behind, ahead = Point(10.0, 40.0), Point(60.0, 72.0)  # 22 m over land, and 28 m

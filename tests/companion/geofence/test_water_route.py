@@ -1,18 +1,16 @@
 """The route through the water: its legs go straight to the farthest corner in sight."""
 
 import pytest
-from test_fence_areas import globe, laid, square
+from test_fence_areas import laid, square
 from test_fence_water import L_WATER
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.state import NavState
-from companion.geofence.fence import Fence, FencePolygon
-from companion.geofence.water_route import FenceWater, WaterRoute, is_clear, way_by_water
+from companion.geofence.water_route import WaterRoute, is_clear
 
 CONFIG = BoatConfig()
 HOME = Point(0.0, 0.0)
-WALL = [(40.0, -200.0), (40.0, 200.0), (50.0, 200.0), (50.0, -200.0)]
 
 
 def nav_at(point: Point) -> NavState:
@@ -67,12 +65,6 @@ def test_the_next_leg_and_the_radius_of_a_corner_are_known_to_the_leg() -> None:
     assert route.end == HOME
 
 
-def test_the_end_counts_within_the_configured_radius() -> None:
-    route = WaterRoute(laid(square(50.0)), Point(-20.0, 0.0), row(0.0), 3.0, CONFIG)
-    assert not route.advance(nav_at(Point(-2.1, 0.0)), CONFIG)
-    assert route.advance(nav_at(Point(-1.9, 0.0)), CONFIG)
-
-
 @pytest.mark.parametrize(
     ("start", "end", "is_seen"),
     [
@@ -85,21 +77,3 @@ def test_the_end_counts_within_the_configured_radius() -> None:
 )
 def test_a_leg_keeps_the_clearance_of_its_ends(start: Point, end: Point, is_seen: bool) -> None:
     assert is_clear(laid(square(50.0)), start, end, 5.0) is is_seen
-
-
-@pytest.mark.parametrize(("north_m", "is_seen"), [(15.3, True), (14.6, False)])
-def test_a_leg_past_an_island_keeps_nearly_the_clearance(north_m: float, is_seen: bool) -> None:
-    fence = laid(square(50.0), square(10.0, is_inclusion=False))
-    assert is_clear(fence, Point(north_m, -40.0), Point(north_m, 40.0), 5.0) is is_seen
-
-
-def way_from(fence: Fence, here: Point) -> WaterRoute | None:
-    return way_by_water(fence, FenceWater(fence), here, [HOME], CONFIG)
-
-
-def test_without_water_there_is_no_route() -> None:
-    wall = square(60.0, is_inclusion=False, north_m=100.0)
-    fence = laid(square(200.0), wall)
-    assert way_from(fence, Point(100.0, 0.0)) is not None
-    walled = laid(square(100.0), FencePolygon(globe(WALL), is_inclusion=False))
-    assert way_from(walled, Point(80.0, 0.0)) is None

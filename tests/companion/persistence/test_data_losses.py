@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from boat_rig import FAILED, OK, PLANNER, Peer, Rig, waypoint
-from mission_station import FENCE, MISSION, RALLY, clear
+from mission_station import FENCE, MISSION, RALLY
 
 from companion.core.storage import FolderStorage
 from companion.mavlink.dialect import dialect
@@ -70,28 +70,6 @@ def test_a_boat_whose_fence_is_lost_says_so_and_does_not_arm(rig: StoredRig) -> 
     assert "Arm: Fence: the stored fence is lost: upload or clear it" in rig.peer.texts
     health = rig.peer.said("SYS_STATUS")
     assert not any(one.onboard_control_sensors_health & dialect.MAV_SYS_STATUS_PREARM_CHECK for one in health)
-
-
-@pytest.mark.parametrize("acts", ["uploads", "clears all"])
-def test_the_operator_ends_it(rig: StoredRig, acts: str) -> None:
-    rig.ready()
-    rig.keep(wide(300.0), MissionType.FENCE)
-    rig.damage("fence.json")
-    rig.run(10.0)
-    rig.peer.forget()
-    if acts == "uploads":
-        rig.keep(wide(200.0), MissionType.FENCE)
-    else:
-        rig.peer.send(clear(dialect.MAV_MISSION_TYPE_ALL))
-        rig.receive()
-        rig.step(2)
-    rig.peer.forget()
-    rig.run(REPEAT_S)
-    assert not lines(rig.peer, "Fence lost") + lines(rig.peer, "PreArm")
-    assert rig.arm() == OK
-    rig.reboot()
-    rig.run(10.0)
-    assert not lines(rig.peer, "Fence lost")
 
 
 @pytest.mark.parametrize("kind", [MissionType.MISSION, MissionType.RALLY])

@@ -5,12 +5,11 @@ from boat_rig import BOAT, HOME_ITEM, Rig, waypoint
 from held_storage import HeldStorage
 from hypothesis import given
 from hypothesis import strategies as st
-from mission_station import ACK, FENCE, MISSION, OTHER, RALLY, clear, count, result_of
+from mission_station import ACK, MISSION, OTHER, clear, count, result_of
 
 from companion.core.storage import MemoryStorage
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionResult, MissionType
-from companion.mavlink.transfer import Completed
 from companion.persistence.mission_store import load_items, save_items
 
 ITEMS = (HOME_ITEM, waypoint(10.0, 20.0, param1=float("inf")), waypoint(-1.0, 2.5))
@@ -64,19 +63,6 @@ def test_a_damaged_file_never_raises(at: int, damage: bytes) -> None:
     storage.content["mission.json"] = SAVED[:at] + damage + SAVED[at + len(damage) :]
     items, _ = load_items(storage, MissionType.MISSION)
     assert all(isinstance(item, MissionItem) for item in items)
-
-
-@pytest.mark.parametrize("kind", list(MissionType))
-def test_one_list_is_cleared_and_the_others_stay(kind: MissionType) -> None:
-    rig = Rig()
-    rig.step()
-    lists = {MissionType.MISSION: MISSION, MissionType.FENCE: FENCE, MissionType.RALLY: RALLY}
-    for one, items in lists.items():
-        assert isinstance(rig.upload(items, mission_type=one), Completed)
-    assert result_of(rig, clear(kind)) is MissionResult.ACCEPTED
-    rig.reboot()
-    for one, items in lists.items():
-        assert rig.items(one) == (() if one is kind else tuple(items))
 
 
 def uploading(storage: HeldStorage) -> Rig:
