@@ -13,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.ftp_frames import Code, Opcode, make_request
+from companion.mavlink.ftp_frames import Code, Opcode
 from mission_tools.station.ftp.blocks import WINDOW_BYTES
-from mission_tools.station.ftp.client import MOST_WAITING, FtpClient
-from mission_tools.station.ftp.jobs import Entry, FtpFailure
+from mission_tools.station.ftp.client import FtpClient
+from mission_tools.station.ftp.jobs import FtpFailure
 from mission_tools.station.ftp.reading import Reading
 from mission_tools.station.words import say
 from sitl.radio.channel import Channel, Quality
@@ -182,43 +182,6 @@ def test_a_sink_without_room_gets_no_more_and_the_boat_keeps_the_session(tmp_pat
     assert (line.ended, sink.content, sink.sizes) == ([None], content, [len(content)])
 
 
-def test_a_cancelled_transfer_closes_its_file_and_the_next_one_begins(tmp_path: Path) -> None:
-    content = put_log(tmp_path, 400_000)
-    line, first, second = Line(tmp_path, bad(0.0), 5), Bin(), Bin()
-    job = line.read(first)
-    line.read(second)
-    while job.done_bytes < 100_000:
-        line.step()
-    assert second.sizes == []
-    line.client.cancel(job)
-    line.until_ended()
-    assert (line.ended, second.content) == ([None], content)
-    for _ in range(20):
-        line.step()
-    assert not any(station.sessions for station in line.served.service._stations)
-    assert len(first.content) < len(content)
-
-
-def test_one_who_waits_can_be_cancelled_and_the_line_has_an_end(tmp_path: Path) -> None:
-    put_log(tmp_path, 1000)
-    line = Line(tmp_path, bad(0.0), 5)
-    sinks = [Bin() for _ in range(MOST_WAITING + 2)]
-    jobs = [line.read(sink) for sink in sinks]
-    assert line.ended == [FtpFailure(say("file.busy"))]
-    line.client.cancel(jobs[3])
-    line.until_ended(MOST_WAITING + 1)
-    assert [len(sink.content) for sink in sinks] == [1000] * 3 + [0] + [1000] * (MOST_WAITING - 3) + [0]
-
-
-def test_a_file_beyond_the_limit_is_refused_before_it_is_read(tmp_path: Path) -> None:
-    put_log(tmp_path, 50_000)
-    line, sink = Line(tmp_path, bad(0.0), 5), Bin()
-    line.client.read(PATH, sink, line.ended.append, most_bytes=49_999)
-    line.until_ended()
-    assert line.ended == [FtpFailure(say("file.too_large", n=50, most=49))]
-    assert sink.sizes == []
-
-
 def test_a_missing_file_and_a_silent_boat_are_told(tmp_path: Path) -> None:
     line = Line(tmp_path, bad(0.0), 5)
     line.read(Bin(), "logs/99999.bin")
@@ -228,16 +191,6 @@ def test_a_missing_file_and_a_silent_boat_are_told(tmp_path: Path) -> None:
     line.client.list_folder("logs", line.ended.append)
     line.until_ended(2, limit_s=30.0)
     assert line.ended[1] == FtpFailure(say("file.no_answer"))
-
-
-@pytest.mark.parametrize("loss", [0.0, 0.4])
-def test_a_long_folder_is_listed_whole(tmp_path: Path, loss: float) -> None:
-    for number in range(1, 120):
-        put_log(tmp_path, number, name=f"{number:05d}.bin")
-    line = Line(tmp_path, bad(loss), 9)
-    line.client.list_folder("logs", line.ended.append)
-    line.until_ended()
-    assert line.ended == [[Entry(f"{number:05d}.bin", number) for number in range(1, 120)]]
 
 
 class Liar:
@@ -390,8 +343,3 @@ def test_what_may_happen_only_once_happens_once(tmp_path: Path, loss: float) -> 
         assert line.ask(Opcode.RENAME, name + b"\0" + name + b"x").opcode == ACK
         assert line.ask(Opcode.REMOVE_DIRECTORY, name + b"x").opcode == ACK
     assert not list((tmp_path / "files").iterdir())
-
-
-def test_a_request_has_the_header_of_the_guide() -> None:
-    payload = make_request(0x10001, 2, Opcode.READ_FILE, 300, 239, b"x")
-    assert payload == struct.pack("<HBBBBBBI", 1, 2, 5, 239, 0, 0, 0, 300) + b"x" + bytes(238)

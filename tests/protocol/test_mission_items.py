@@ -103,19 +103,3 @@ def test_a_number_that_the_wire_cannot_hold_is_refused_by_name(field: str, value
     fields: dict[str, int] = {"frame": 3, "command": 16, field: value}
     with pytest.raises(ValueError, match=field):
         MissionItem(**fields)
-
-
-@pytest.mark.parametrize(
-    ("change", "named"),
-    [
-        ({"x": 1.5}, "x"),
-        ({"x": True}, "x"),
-        ({"param1": "fast"}, "param1"),
-        ({"z": [1]}, "z"),
-        ({"speed": 1}, "speed"),
-        ({"command": None}, "command"),
-    ],
-)
-def test_a_file_with_a_wrong_value_is_refused_by_the_key(change: dict[str, object], named: str) -> None:
-    with pytest.raises(ValueError, match=named):
-        MissionItem.from_dict({**MissionItem(3, 16).to_dict(), **change})

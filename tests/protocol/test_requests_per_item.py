@@ -62,12 +62,6 @@ def test_a_slow_station_is_asked_for_each_item_about_once(answer_s: float, most:
     assert 30 <= upload.requests <= most
 
 
-def test_a_round_trip_of_300_ms_does_not_double_the_requests() -> None:
-    upload = Upload(30, 0.0, Quality(delay_s=0.15))
-    assert isinstance(upload.run(), Completed)
-    assert upload.requests == 30
-
-
 def test_a_fifth_of_the_messages_lost_at_300_ms_still_ends() -> None:
     uploads = [
         Upload(22, 0.0, Quality(loss=0.2, delay_s=0.15, jitter_s=0.05), seed) for seed in range(0, 16, 2)

@@ -6,7 +6,6 @@ one, whole.
 
 from dataclasses import dataclass, field
 
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -168,20 +167,6 @@ def test_a_download_ends_and_leaves_the_old_or_the_new_list_whole(
     pair = download(mission_type, items, quality, seed)
     assert pair.receiver.store in (OLD, items)
     assert (pair.receiver.store == items) == isinstance(pair.receiver.verdict, Completed)
-
-
-@pytest.mark.parametrize("cut_after", range(1, 14))
-def test_a_link_that_dies_at_any_point_leaves_the_old_or_the_new_list(cut_after: int) -> None:
-    items = new_list(5)
-    pair = Pair(MissionType.MISSION, Quality(delay_s=TICK_S), 1, boat_receives=True, source=None)
-    assert isinstance(pair.sender.machine, Sender)
-    pair.sender.machine.offer(items, BOAT, 0.0)
-    pair.sender.settle(0.0)
-    for _ in range(cut_after):
-        pair.step()
-    pair.sender.out.quality = pair.receiver.out.quality = Quality(loss=1.0)
-    pair.run()
-    assert_whole(pair, items)
 
 
 @settings(max_examples=25)

@@ -6,7 +6,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.core.errors import LocalProtocolError
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.items import ItemFault, MissionItem, MissionResult, MissionType
@@ -83,18 +82,6 @@ def sending(items: Sequence[MissionItem] = ITEMS) -> Sender:
 # --- receiver
 
 
-def test_a_message_is_answered_within_the_call_that_hands_it_over() -> None:
-    machine = Receiver(BOAT, MISSION)
-    tell(machine, count(2))
-    assert said(machine) == [("REQUEST_INT", 0)]
-    tell(machine, item(0))
-    assert said(machine) == [("REQUEST_INT", 1)]
-    tell(machine, item(1))
-    assert said(machine) == []
-    machine.confirm(0.0)
-    assert said(machine) == [("ACK", MissionResult.ACCEPTED)]
-
-
 def test_nothing_is_accepted_before_the_owner_has_stored_the_list() -> None:
     machine = receiving(3, have=3)
     for k in range(100):
@@ -112,12 +99,6 @@ def test_a_count_that_does_not_name_us_is_not_ours(target: tuple[int, int]) -> N
     assert (machine.state, said(machine), machine.take_events()) == (TransferState.IDLE, [], [])
 
 
-def test_another_list_s_messages_are_not_ours() -> None:
-    machine = receiving()
-    tell(machine, count(2, mission_type=FENCE), MissionItem(3, 16).to_message(0, BOAT, FENCE))
-    assert (said(machine), machine.take_events()) == ([], [])
-
-
 def test_a_second_station_is_denied_and_the_first_goes_on() -> None:
     machine = receiving(3, have=1)
     machine.handle(count(2), SECOND, 0.0)
@@ -129,22 +110,6 @@ def test_a_second_station_is_denied_and_the_first_goes_on() -> None:
     assert machine.take_outbox() == []
     tell(machine, item(1), item(2))
     assert machine.take_events() == [Completed(ITEMS, STATION)]
-
-
-def test_a_new_count_from_the_same_station_begins_again() -> None:
-    machine = receiving(3, have=2)
-    tell(machine, count(1))
-    assert said(machine) == [("REQUEST_INT", 0)]
-    assert machine.take_events() == [Started(1, STATION)]
-    tell(machine, item(0))
-    assert machine.take_events() == [Completed(ITEMS[:1], STATION)]
-
-
-def test_a_doubled_count_only_repeats_the_first_request() -> None:
-    machine = receiving(3)
-    tell(machine, count(3))
-    assert said(machine) == [("REQUEST_INT", 0)]
-    assert machine.take_events() == []
 
 
 def test_a_skipped_item_is_asked_for_again_but_not_in_a_storm() -> None:
@@ -266,14 +231,6 @@ def test_a_station_that_goes_on_has_heard_the_last_acknowledgement(word: Message
     assert ("ACK", MissionResult.ACCEPTED) not in said(machine)
 
 
-def test_an_item_out_of_the_blue_is_answered_at_once_whoever_was_the_last_partner() -> None:
-    machine = receiving(3, have=1)
-    tell(machine, ack(MissionResult.OPERATION_CANCELLED))
-    machine.tick(60.0)
-    tell(machine, item(1), sender=SECOND, now_s=60.0)
-    assert said(machine) == [("ACK", MissionResult.ERROR)]
-
-
 # --- sender
 
 
@@ -286,16 +243,6 @@ def test_a_download_sends_the_list_of_the_moment_it_began() -> None:
     tell(machine, request(0), request(1), request(2), ack())
     assert said(machine) == [("ITEM_INT", 0), ("ITEM_INT", 1), ("ITEM_INT", 2)]
     assert machine.take_events() == [Started(3, STATION), Completed(ITEMS, STATION)]
-
-
-def test_a_sender_that_was_asked_does_not_press_its_list_on_the_partner() -> None:
-    machine = Sender(BOAT, MISSION, retry_s=0.5, retries=3, source=lambda: ITEMS)
-    tell(machine, request_list())
-    machine.take_outbox()
-    for k in range(100):
-        machine.tick(0.1 * k)
-    assert said(machine) == []
-    assert isinstance(machine.take_events()[-1], Failed)
 
 
 def test_a_second_station_is_denied_a_download_meanwhile() -> None:
@@ -337,23 +284,6 @@ def test_an_acknowledgement_before_all_was_asked_for_is_not_believed() -> None:
     assert machine.take_events() == [Completed(ITEMS, STATION)]
 
 
-def test_a_refusal_ends_it_with_the_partner_s_reason() -> None:
-    machine = sending()
-    tell(machine, request(0), ack(MissionResult.NO_SPACE))
-    (failed,) = machine.take_events()
-    assert failed == Failed(
-        MissionResult.NO_SPACE, "the other side answered NO_SPACE", STATION, FailureCause.REFUSED
-    )
-
-
-def test_a_partner_that_begins_again_gets_all_items_again_and_the_time_for_it() -> None:
-    machine = sending()
-    tell(machine, request(0), request(1), now_s=0.4)
-    tell(machine, request(0), now_s=0.8)
-    machine.tick(1.2)
-    assert said(machine) == [("ITEM_INT", 0), ("ITEM_INT", 1), ("ITEM_INT", 0)]
-
-
 def test_asking_for_the_same_item_for_ever_is_no_progress() -> None:
     machine = sending()
     now_s = 0.0
@@ -372,19 +302,6 @@ def test_requests_after_the_end_are_answered_but_do_not_keep_it_alive() -> None:
     assert said(machine) == [("ITEM_INT", 1), ("ITEM_INT", 2)]
     machine.tick(2.0)
     assert machine.is_idle
-
-
-def test_an_offer_while_another_partner_is_served_is_a_mistake_of_ours() -> None:
-    machine = sending()
-    with pytest.raises(LocalProtocolError, match="under way"):
-        machine.offer(ITEMS, SECOND, 0.0)
-    assert machine.partner == STATION
-
-
-def test_a_list_that_is_too_long_is_a_mistake_of_ours() -> None:
-    machine = Sender(BOAT, MISSION, max_items=2)
-    with pytest.raises(ValueError, match="3 items"):
-        machine.offer(ITEMS, STATION, 0.0)
 
 
 @pytest.mark.parametrize("machine", [receiving(3, have=1), sending()], ids=["receiver", "sender"])
@@ -444,15 +361,6 @@ def test_a_count_of_none_and_a_clear_are_an_empty_list() -> None:
         assert machine.take_events() == [Started(0, STATION), Completed((), STATION)]
         machine.confirm(0.0)
         assert said(machine) == [("ACK", MissionResult.ACCEPTED)]
-
-
-def test_a_request_out_of_the_blue_is_answered_at_once() -> None:
-    machine = Sender(BOAT, MISSION, source=lambda: ITEMS)
-    tell(machine, request(0))
-    assert (said(machine), machine.ignored) == ([("ACK", MissionResult.ERROR)], 1)
-    machine = Sender(BOAT, MISSION)
-    tell(machine, request_list())
-    assert (said(machine), machine.ignored) == ([], 1)
 
 
 def test_a_doubled_part_only_repeats_the_first_request_and_another_part_begins_again() -> None:

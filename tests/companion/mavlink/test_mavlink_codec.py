@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.mavlink.address import Address, concerns, is_named
+from companion.mavlink.address import Address
 from companion.mavlink.codec import Counters, Decoder, Encoder
-from companion.mavlink.dialect import Message, build_message, crc16, dialect, message_ids
+from companion.mavlink.dialect import Message, crc16, dialect
 from companion.mavlink.layout import LAYOUTS
 
 VECTORS: list[dict[str, Any]] = json.loads(
@@ -87,14 +87,6 @@ def test_a_flaw_in_a_stream_costs_none_of_the_frames_behind_it(row: dict[str, An
     assert total_of_flaws(decoder.counters) == 1
 
 
-def test_a_cut_off_datagram_leaves_nothing_behind_for_the_next() -> None:
-    frame = Encoder(STATION).encode(heartbeat(7))
-    decoder = Decoder(datagram=True)
-    assert decoder.feed(frame[:-4]) == []
-    assert decoder.feed(frame[-4:]) == []
-    assert [r.message.custom_mode for r in decoder.feed(frame)] == [7]
-
-
 @given(st.lists(st.binary(max_size=40), min_size=1, max_size=8), st.integers(1, 64))
 def test_frames_survive_any_dirt_between_them_and_any_way_of_cutting_the_stream(
     dirt: list[bytes], chunk: int
@@ -136,17 +128,6 @@ def test_a_text_that_is_no_text_raises_nothing_and_goes_out_as_it_came() -> None
     assert layout.pack(message).rstrip(b"\0") == payload.rstrip(b"\0")
 
 
-def test_noise_is_counted_once_however_it_is_cut_and_again_after_a_frame() -> None:
-    encoder, decoder = Encoder(STATION), Decoder(datagram=False)
-    for _ in range(10):
-        decoder.feed(b"noise")
-    assert decoder.counters.bad_frames == 1
-    decoder.feed(encoder.encode(heartbeat()) + b"noise")
-    assert decoder.counters.bad_frames == 2
-    decoder.feed(encoder.encode(heartbeat()))
-    assert decoder.counters.frames_in == 2
-
-
 def test_a_bad_frame_full_of_magic_bytes_is_counted_once_and_the_next_one_again() -> None:
     payload = b"\xfd\x01\x00\xfe\xff" * 10
     frame = bytearray(Encoder(STATION).encode(dialect.MAVLink_statustext_message(4, payload)))
@@ -182,26 +163,6 @@ def test_the_sequence_runs_round_and_gaps_are_counted_as_lost_per_sender() -> No
     assert decoder.counters.frames_in == 594 + 60
 
 
-@pytest.mark.parametrize(
-    ("target", "for_all", "by_name"),
-    [
-        ((0, 0), True, False),
-        ((0, 7), True, False),
-        ((1, 0), True, True),
-        ((1, 1), True, True),
-        ((1, 2), False, False),
-        ((2, 1), False, False),
-        ((2, 0), False, False),
-    ],
-)
-def test_a_target_concerns_us_as_the_routing_rules_say(
-    target: tuple[int, int], for_all: bool, by_name: bool
-) -> None:
-    own = Address(1, 1)
-    assert concerns(own, *target) is for_all
-    assert is_named(own, *target) is by_name
-
-
 def test_a_stream_of_begun_frames_never_fills_the_memory() -> None:
     decoder = Decoder(datagram=False)
     header = bytes.fromhex("fdff0000000101000000")  # a HEARTBEAT that claims 255 bytes
@@ -209,13 +170,3 @@ def test_a_stream_of_begun_frames_never_fills_the_memory() -> None:
         decoder.feed(header)
         assert len(decoder._finder._rest) < LONGEST_FRAME
     assert decoder.counters.bad_crc > 0
-
-
-def test_a_message_is_built_by_name_with_what_is_omitted_zero() -> None:
-    assert message_ids("HEARTBEAT", "ATTITUDE") == (0, 30)
-    battery = build_message("BATTERY_STATUS", id=3)
-    assert (battery.id, battery.voltages, battery.current_battery) == (3, [0] * 10, 0)
-    assert build_message("STATUSTEXT", text=b"x").text == "x"
-    for name in ("ATTITUDE", "MISSION_CURRENT"):
-        with pytest.raises(TypeError, match="pitchyaw"):
-            build_message(name, pitchyaw=1.0)

@@ -8,7 +8,7 @@ from boat_rig import DENIED, OK, QGC, UNSUPPORTED, Peer, Rig
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from payload_rig import PayloadRig
-from qgc_camera import IDLE, SERIES_IDLE, QgcCamera
+from qgc_camera import IDLE, QgcCamera
 
 from companion.core.geo import LatLon
 from companion.links.memory import memory_pair
@@ -79,18 +79,6 @@ def test_its_shutter_takes_an_image_that_appears_on_the_map(way: Literal["comman
     assert [one.image_index for one in station.photos] == [0, 1]
     assert not station.refused
     assert not station.unanswered
-
-
-def test_a_series_is_shown_until_it_ends() -> None:
-    rig = PayloadRig()
-    station = qgc(rig)
-    run(rig, station, 4.0)
-    assert station.press_shutter(rig.now_s, 2.0, 3)
-    run(rig, station, 1.5)
-    assert station.photo_status == SERIES_IDLE
-    run(rig, station, 5.0)
-    assert len(station.photos) == 3
-    assert station.photo_status == IDLE
 
 
 def test_a_failed_image_is_no_photo_and_is_told() -> None:
@@ -174,30 +162,6 @@ def test_one_image_is_told_once_by_the_camera_alone() -> None:
     rig.run(3.0)
     assert len(rig.peer.said("CAMERA_IMAGE_CAPTURED")) == 1
     assert not rig.peer.said("CAMERA_FEEDBACK")
-
-
-def test_an_observer_may_look_but_not_shoot() -> None:
-    rig = PayloadRig("open", "vehicle.identity.only_operator=true", "vehicle.identity.operator_system_id=255")
-    rig.run(1.0)
-    observer = rig.connect(Address(99, 190))
-    observer.forget()
-    for number, params in ((521, (1,)), (2504, (0,)), (2000, (0, 0, 1))):
-        p = [*params, *[0.0] * (7 - len(params))]
-        observer.send(dialect.MAVLink_command_long_message(1, 100, number, 0, *p))
-        rig.receive()
-    answers = [(one.message.command, one.message.result, one.sender.component)
-               for one in heard(observer) if one.message.get_type() == "COMMAND_ACK"]  # fmt: skip
-    assert answers == [(521, OK, 100), (2504, OK, 100), (2000, DENIED, 100)]
-
-
-def test_frames_in_the_cameras_name_are_not_taken_from_elsewhere() -> None:
-    rig = PayloadRig()
-    rig.run(1.0)
-    before = rig.boat.channels.router.echoes
-    liar = rig.connect(Address(1, 100))
-    liar.heartbeat()
-    rig.step(2)
-    assert rig.boat.channels.router.echoes == before + 1
 
 
 NUMBERS = sorted({*ROWS, *QUESTIONS, CMD.MAV_CMD_REQUEST_MESSAGE, CMD.MAV_CMD_SET_CAMERA_MODE})

@@ -3,7 +3,6 @@
 import random
 from dataclasses import dataclass, field
 
-import msgspec
 import pytest
 from boat_rig import QGC, Peer, Rig
 from hypothesis import given
@@ -15,7 +14,7 @@ from companion.core.status_text import StatusText
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.sensors.rtcm import RtcmReader, crc24q, message_type
-from companion.services.corrections import CorrectionService, CorrectionStatus
+from companion.services.corrections import CorrectionService
 from companion.services.outbox import Origin, Outbox
 from companion.services.telemetry.statustext import StatusTextService
 
@@ -122,11 +121,6 @@ def test_a_lost_fragment_loses_its_message_only() -> None:
         assert status.types == (1005, 1077, 1097)
 
 
-def test_a_lost_end_before_a_short_message_does_not_hold_that_back() -> None:
-    bench = Bench().hear(*fragments(frame(1087, 400), 2)[:2]).hear(*fragments(STATION, 3))
-    assert bench.receiver.frames == [STATION]
-
-
 def test_the_same_messages_on_two_links_reach_the_receiver_once() -> None:
     bench = Bench()
     for number, message in enumerate((frame(1077, 400), STATION)):
@@ -174,12 +168,6 @@ def test_made_up_preambles_cost_a_few_checksums_a_message() -> None:
     assert bench.receiver.frames == [STATION]
 
 
-def test_a_sender_that_cuts_its_stream_anywhere_is_understood() -> None:
-    stream = STATION + frame(1077, 300) + frame(1087, 250, 1) + STATION
-    bench = Bench().hear(*(rtcm_data(stream[at : at + 100]) for at in range(0, len(stream), 100)))
-    assert bench.receiver.frames[:3] == [STATION, frame(1077, 300), frame(1087, 250, 1)]
-
-
 def test_the_older_message_brings_a_stream_in_pieces() -> None:
     bench, stream = Bench(), STATION + frame(1077, 300) + STATION[:5]
     for at in range(0, len(stream), 110):
@@ -202,23 +190,6 @@ def test_the_operator_hears_of_the_first_frame_and_of_the_end() -> None:
     assert len(bench.texts) == 2
 
 
-def test_the_status_before_the_first_frame_can_be_read_back() -> None:
-    bench = Bench()
-    assert bench.service.status(bench.now_s) is None
-    bench.hear(fragments(frame(1077, 400), 1)[0])
-    status = bench.service.status(bench.now_s)
-    assert status is not None
-    assert (status.age_s, status.frames) == (None, 0)
-    assert msgspec.json.decode(msgspec.json.encode(status), type=CorrectionStatus) == status
-
-
-def test_refused_frames_are_counted() -> None:
-    bench = Bench(Receiver(takes=False)).hear(rtcm_data(STATION))
-    status = bench.service.status(bench.now_s)
-    assert status is not None
-    assert (status.frames, status.refused) == (0, 1)
-
-
 def send(peer: Peer, data: bytes, sequence: int) -> None:
     for message in fragments(data, sequence):
         peer.send(message)
@@ -233,16 +204,6 @@ def test_corrections_pass_through_the_whole_boat() -> None:
     rig.run(0.1)
     assert receiver.frames == [frame(1077, 600), STATION]
     assert "GNSS corrections from 255/190" in rig.peer.texts
-
-
-def test_a_boat_whose_receiver_takes_no_corrections_says_so_once() -> None:
-    rig = Rig()
-    for sequence in range(3):
-        send(rig.peer, STATION, sequence)
-        rig.run(1.0)
-    assert [text for text in rig.peer.texts if "corrections" in text] == [
-        "GNSS corrections: the receiver's driver takes none"
-    ]
 
 
 def test_a_preamble_among_noise_hides_no_frame_behind_it() -> None:

@@ -2,13 +2,12 @@
 
 import json
 import logging
-import math
 import random
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from boat_rig import BOAT, HOME_ITEM, OK, PLANNER, QGC, Peer, Rig, waypoint
+from boat_rig import BOAT, HOME_ITEM, OK, QGC, Peer, Rig, waypoint
 
 from companion.mavlink.dialect import dialect
 
@@ -16,27 +15,6 @@ pytestmark = pytest.mark.slow
 
 TABLE = json.loads((Path(__file__).parents[2] / "vectors" / "frames.json").read_text(encoding="utf-8"))
 FRAMES = 20_000
-
-
-def test_an_echo_of_the_boats_own_words_is_not_obeyed() -> None:
-    rig = Rig().ready()
-    echo = rig.connect(BOAT)
-    echo.command(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, 2989.0)
-    rig.receive()
-    assert not rig.boat.vehicle.armed
-
-
-def test_a_planners_heartbeat_is_not_the_operators() -> None:
-    rig = Rig()
-    planner = rig.connect(PLANNER)
-    rig.step()
-    planner.heartbeat(dialect.MAV_TYPE_ONBOARD_CONTROLLER)
-    rig.peer.heartbeat(dialect.MAV_TYPE_QUADROTOR)
-    rig.step()
-    assert math.isnan(rig.boat.vehicle.failsafes.operator_heard_s)
-    rig.peer.heartbeat()
-    rig.step()
-    assert rig.boat.vehicle.failsafes.operator_heard_s == pytest.approx(rig.now_s, abs=0.03)
 
 
 def test_a_fault_of_ours_is_counted_logged_once_and_stops_nothing(

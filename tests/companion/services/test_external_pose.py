@@ -3,12 +3,12 @@
 import math
 
 import pytest
-from boat_rig import OK, Peer, Rig, Silent, waypoint
+from boat_rig import OK, Peer, Rig, Silent
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from companion.core.geo import LatLon
-from companion.core.units import deg_to_e7, wrap_pi
+from companion.core.units import deg_to_e7
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 
@@ -98,30 +98,6 @@ def test_the_origin_is_told_and_once_laid_is_not_moved() -> None:
     assert rig.boat.vehicle.frame.origin == ORIGIN
 
 
-def test_the_configured_origin_and_direction_place_the_poses_of_a_pool() -> None:
-    origin: dict[str, object] = {"external.origin_lat_deg": 50.0, "external.origin_lon_deg": -1.2}
-    turn: dict[str, object] = {"external.north_rad": math.pi / 2}  # the pool's long side points east
-    rig = Rig(config={**ALONE, **origin, **turn}, gnss=Silent(), compass=Silent())
-    camera = rig.connect(CAMERA)
-    watch(rig, camera, 1.0, vision(3.0, -2.0, 0.1))
-    nav = rig.boat.nav
-    assert nav is not None
-    assert (nav.north_m, nav.east_m) == pytest.approx((2.0, 3.0), abs=1e-3)
-    assert nav.heading_rad == pytest.approx(math.pi / 2 + 0.1, abs=1e-3)
-
-
-def test_odometry_brings_velocity_and_yaw_rate_along() -> None:
-    rig, camera = blind()
-    yaw, surge, sway = math.pi / 2, 1.0, 0.2
-    watch(rig, camera, 1.0, odometry(1.0, 2.0, yaw, surge, sway, 0.1))
-    fix, heading = rig.boat.sensors.fix, rig.boat.sensors.heading
-    assert fix is not None
-    assert heading is not None
-    assert (fix.north_m_s, fix.east_m_s) == pytest.approx((-sway, surge), abs=1e-6)
-    assert heading.heading_rad == pytest.approx(yaw, abs=1e-6)
-    assert heading.yaw_rate_rad_s == pytest.approx(0.1)
-
-
 @pytest.mark.parametrize(
     "pose",
     [
@@ -204,15 +180,6 @@ def test_one_source_at_a_time_and_another_once_the_first_is_silent() -> None:
     assert rig.boat.nav.north_m == pytest.approx(99.0, abs=0.5)
 
 
-def test_a_flood_of_poses_is_thinned_to_one_a_tick() -> None:
-    rig, camera = blind()
-    for _ in range(50):
-        for _ in range(20):
-            camera.send(vision(1.0, 0.0, 0.0))
-        rig.step()
-    assert rig.boat.endpoint._pose.dropped == 50 * 19
-
-
 def test_gps_input_stands_in_for_receiver_and_compass() -> None:
     rig = Rig(config=ALONE, gnss=Silent(), compass=Silent())
     camera = rig.connect(CAMERA)
@@ -246,39 +213,6 @@ def test_obstacles_from_outside_are_told_on_bin_for_bin() -> None:
     assert bins(rig) == seen
     rig.run(4.0)
     assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE) != OK
-
-
-@pytest.mark.parametrize(("orientation", "sector"), [(0, 0), (2, 18), (6, 54)])
-def test_a_ranger_says_what_is_in_its_direction(orientation: int, sector: int) -> None:
-    rig = Rig(config={"external.obstacles": True}, sonar=None).ready()
-    camera = rig.connect(CAMERA)
-    camera.send(dialect.MAVLink_distance_sensor_message(0, 20, 700, 321, 0, 3, orientation, 255))
-    rig.step(2)
-    told = bins(rig)
-    assert told[sector] == 321
-    assert told[(sector + 36) % 72] == 0xFFFF
-
-
-def test_a_mission_is_sailed_by_vision_alone() -> None:
-    rig, camera = blind()
-
-    def sail(seconds: float) -> None:
-        for tick in range(round(seconds / 0.02)):
-            truth = rig.world.truth
-            if tick % 3 == 0:  # about 17 Hz
-                camera.send(vision(truth.north_m, truth.east_m, wrap_pi(truth.heading_rad)))
-            rig.step()
-
-    sail(3.0)
-    rig.upload([waypoint(0.0, 0.0), waypoint(10.0, 0.0)])
-    assert rig.arm() == OK
-    assert rig.ask(dialect.MAV_CMD_MISSION_START) == OK
-    nearest_m = math.inf
-    while "Mission complete" not in rig.peer.texts:
-        assert rig.now_s < 60.0
-        sail(0.5)
-        nearest_m = min(nearest_m, rig.offset_m(10.0, 0.0))
-    assert nearest_m < rig.config.guidance.waypoint_radius_m + 0.02
 
 
 @pytest.mark.parametrize(("week", "is_believed"), [(2400, True), (0, False), (65535, False)])

@@ -3,15 +3,12 @@
 import math
 
 import pytest
-from boat_rig import BOAT, OK, ORIGIN, Rig
+from boat_rig import BOAT, OK, Rig
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from companion.core.intent import HoldCourse, HoldHeading, HoldTurn
-from companion.core.units import deg_to_e7
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.items import MissionItem, MissionType
-from companion.mavlink.transfer import Completed
 
 pytestmark = pytest.mark.slow
 
@@ -154,20 +151,6 @@ def test_a_position_is_a_target_and_its_velocity_the_speed(rig: Rig) -> None:
     assert rig.boat.vehicle.speed_m_s == 1.25
 
 
-@pytest.mark.parametrize("mode", [0, 4, 5, 10, 11])
-def test_outside_guided_nothing_is_taken_and_it_is_said_once(mode: int) -> None:
-    rig = Rig().ready()
-    rig.set_mode(mode)
-    rig.peer.forget()
-    for message in (local(VELOCITY, vx=1.0), local(POSITION, x=5.0), attitude(0b00000111)) * 20:
-        assert held(rig, message) is None
-        rig.step()
-    assert [text for text in rig.peer.texts if "ignored" in text] == [
-        "Set-point of 255/190 ignored: not in GUIDED"
-    ]
-    assert rig.boat.vehicle.modes.guided.target is None or mode == 11
-
-
 floats = st.floats(width=32)
 
 
@@ -183,20 +166,3 @@ def test_any_set_point_leaves_the_boat_running(
     rig.step(3)
     assert rig.boat.endpoint.faults == 0
     assert math.isfinite(rig.boat.command.left + rig.boat.command.right)
-
-
-def test_a_stream_of_positions_beyond_the_fence_is_told_once(rig: Rig) -> None:
-    fence = [
-        MissionItem(
-            frame=0, command=5003, param1=50.0, x=deg_to_e7(ORIGIN.lat_deg), y=deg_to_e7(ORIGIN.lon_deg)
-        )
-    ]
-    assert isinstance(rig.upload(fence, mission_type=MissionType.FENCE), Completed)
-    rig.peer.forget()
-    for _ in range(20):
-        held(rig, globe(POSITION, 500_100_000, -12_000_000))
-        rig.step(5)
-    assert rig.boat.vehicle.modes.guided.target is None
-    assert [text for text in rig.peer.texts if "fence" in text] == [
-        "Set-point of 255/190 ignored: outside the fence"
-    ]

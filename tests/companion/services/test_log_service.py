@@ -68,15 +68,6 @@ def test_the_whole_list_counts_from_zero_as_mavsdk_expects(open_rig: OpenRig, tm
     assert entries(rig) == [(0, 3, 2, 300), (1, 3, 2, 100), (2, 3, 2, 200)]
 
 
-def test_a_boat_without_logs_says_so_at_once(open_rig: OpenRig, tmp_path: Path) -> None:
-    for rig in (open_rig(tmp_path), Rig()):
-        rig.run(0.1)
-        entry = rig.answer_to(dialect.MAVLink_log_request_list_message(*BOAT, 0, 0xFFFF), "LOG_ENTRY")
-        assert (entry.id, entry.num_logs, entry.size) == (0, 0, 0)
-        chunk = rig.answer_to(dialect.MAVLink_log_request_data_message(*BOAT, 1, 0, ALL), "LOG_DATA")
-        assert (chunk.id, chunk.ofs, chunk.count) == (1, 0, 0)
-
-
 @pytest.mark.parametrize("size", [1, 89, 90, 91, 180, 5000, 200_000])
 @pytest.mark.parametrize("number", [0, 1])
 def test_a_download_is_the_file_to_the_byte(
@@ -114,27 +105,6 @@ def test_a_station_that_asks_at_every_chunk_for_the_rest_is_not_sent_it_every_ti
     assert [chunk.ofs for chunk in rig.peer.said("LOG_DATA")] == [99 * CHUNK_BYTES]
 
 
-def test_a_download_can_be_begun_anew_and_ended(open_rig: OpenRig, tmp_path: Path) -> None:
-    contents = fill(tmp_path, 500_000, 400)
-    rig = open_rig(tmp_path)
-    rig.run(0.1)
-    request(rig.peer, 1)
-    rig.run(0.1)
-    request(rig.peer, 2)
-    rig.run(0.2)
-    rig.peer.forget()
-    rig.run(0.2)
-    assert rig.peer.said("LOG_DATA") == []  # the second has taken the first one's place
-    request(rig.peer, 1)
-    rig.run(0.1)
-    rig.peer.send(dialect.MAVLink_log_request_end_message(*BOAT))
-    rig.run(0.1)
-    rig.peer.forget()
-    rig.run(0.3)
-    assert rig.peer.said("LOG_DATA") == []
-    assert contents
-
-
 def test_a_tick_sends_no_more_than_its_share_and_less_while_the_boat_is_busy(
     open_rig: OpenRig, tmp_path: Path
 ) -> None:
@@ -153,18 +123,6 @@ def test_a_tick_sends_no_more_than_its_share_and_less_while_the_boat_is_busy(
     assert sent[-1] == 8
 
 
-def test_the_log_under_way_can_be_downloaded_as_far_as_it_goes(open_rig: OpenRig, tmp_path: Path) -> None:
-    rig = open_rig(tmp_path).ready()
-    assert rig.arm() == OK
-    rig.run(5.0)
-    ((_, _, _, size),) = entries(rig)
-    assert size > 6000
-    request(rig.peer, 1, 0, size)
-    rig.run(1.0)
-    assert put_together(rig.peer.said("LOG_DATA"), size) == (tmp_path / "00001.bin").read_bytes()[:size]
-    assert rig.log.is_writing
-
-
 def test_logs_are_erased_unless_the_boat_is_armed(open_rig: OpenRig, tmp_path: Path) -> None:
     fill(tmp_path, 100, 200)
     rig = open_rig(tmp_path, config={"log.after_disarm_s": 0.1}).ready()
@@ -179,22 +137,6 @@ def test_logs_are_erased_unless_the_boat_is_armed(open_rig: OpenRig, tmp_path: P
     rig.run(0.1)
     assert not rig.store.files
     assert entries(rig) == [(0, 0, 0, 0)]
-
-
-@pytest.mark.parametrize("target", [(0, 0), (1, 2), (2, 1)])
-def test_what_names_another_boat_or_none_changes_nothing(
-    open_rig: OpenRig, tmp_path: Path, target: tuple[int, int]
-) -> None:
-    fill(tmp_path, 100)
-    rig = open_rig(tmp_path)
-    rig.run(0.1)
-    rig.peer.forget()
-    rig.peer.send(dialect.MAVLink_log_erase_message(*target))
-    rig.peer.send(dialect.MAVLink_log_request_list_message(*target, 0, 0xFFFF))
-    rig.peer.send(dialect.MAVLink_log_request_data_message(*target, 1, 0, ALL))
-    rig.run(0.2)
-    assert len(rig.store.files) == 1
-    assert [m for m in rig.peer.listen() if m.get_type().startswith("LOG_")] == []
 
 
 class Desk:

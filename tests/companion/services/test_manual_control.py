@@ -33,15 +33,6 @@ def taken(rig: Rig) -> ManualControl:
     return rig.boat.vehicle.manual_input.latest
 
 
-@pytest.mark.parametrize(
-    ("y", "z", "throttle", "steering"),
-    [(0, 1000, 1.0, 0.0), (-1000, 0, 0.0, -1.0), (500, -250, -0.25, 0.5), (1000, -1000, -1.0, 1.0)],
-)
-def test_y_steers_and_z_is_the_throttle(rig: Rig, y: int, z: int, throttle: float, steering: float) -> None:
-    rig.peer.send(sticks(y, z))
-    assert taken(rig) == ManualControl(throttle, steering)
-
-
 @pytest.mark.parametrize(("y", "z", "command"), [(INVALID, 500, (0.5, 0.5)), (400, INVALID, (0.4, -0.4))])
 def test_one_invalid_axis_leaves_the_other_in_use(
     rig: Rig, y: int, z: int, command: tuple[float, float]
@@ -51,16 +42,6 @@ def test_one_invalid_axis_leaves_the_other_in_use(
         rig.run(0.1)
     assert (rig.boat.command.left, rig.boat.command.right) == pytest.approx(command)
     assert not any("RC lost" in text for text in rig.peer.texts)
-
-
-def test_a_message_without_a_valid_axis_is_ignored(rig: Rig) -> None:
-    rig.peer.send(sticks(0, 300))
-    before = taken(rig)
-    rig.run(0.5)
-    rig.peer.send(sticks(INVALID, INVALID))
-    assert taken(rig) == before
-    rig.run(0.7)  # and it does not keep the last one fresh either
-    assert (rig.world._motors.left, rig.world._motors.right) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -198,14 +179,6 @@ def test_channels_show_what_is_overridden_by_the_rules_of_the_message() -> None:
     assert shown(c9=1200) == {3: 1850, 9: 1200}  # each channel has its own lifetime
     rig.run(3.0)
     assert shown() == {}
-
-
-def test_an_ignored_axis_keeps_its_value_for_its_own_lifetime_only(rig: Rig) -> None:
-    rig.peer.send(override(1500, 1900))
-    for _ in range(19):
-        rig.run(0.1)
-        rig.peer.send(override(1600, KEEP))
-    assert taken(rig) == ManualControl(0.0, 0.2)
 
 
 def test_a_released_axis_is_centred_and_an_ignored_one_keeps_its_value(rig: Rig) -> None:

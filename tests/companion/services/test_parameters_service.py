@@ -1,18 +1,10 @@
 import math
-import struct
 
 import pytest
 from boat_rig import BOAT, Rig
 
 from companion.config.boat_config import BoatConfig
 from companion.mavlink.dialect import Message, dialect
-
-
-def read(rig: Rig, name: str = "", index: int = -1) -> list[Message]:
-    rig.peer.forget()
-    rig.peer.send(dialect.MAVLink_param_request_read_message(*BOAT, name.encode(), index))
-    rig.receive()
-    return rig.peer.said("PARAM_VALUE")
 
 
 def write(rig: Rig, name: str, value: float) -> Message:
@@ -42,20 +34,6 @@ def test_the_list_is_complete_with_its_true_count_and_comes_before_the_next_tick
     assert [value.param_type for value in values] == [row.kind for row in rig.boat.parameters.rows]
 
 
-def test_a_list_asked_for_twice_begins_again_and_other_stations_hear_nothing(rig: Rig) -> None:
-    other = rig.connect()
-    rig.step()
-    rig.peer.forget()
-    rig.boat.endpoint.outbox.room = lambda _: 10 * 37  # ten values at a time
-    for _ in range(2):
-        rig.peer.send(dialect.MAVLink_param_request_list_message(1, 1))
-        rig.receive()
-    rig.run(1.0)
-    indexes = [value.param_index for value in rig.peer.said("PARAM_VALUE")]
-    assert indexes == [*range(10), *range(len(rig.boat.parameters.rows))]
-    assert not other.said("PARAM_VALUE")
-
-
 def test_a_slow_line_gets_the_list_as_fast_as_it_carries_it(rig: Rig) -> None:
     left_bytes = 0
     rig.boat.endpoint.outbox.room = lambda _: left_bytes
@@ -66,13 +44,6 @@ def test_a_slow_line_gets_the_list_as_fast_as_it_carries_it(rig: Rig) -> None:
     left_bytes = 1
     rig.step(10)
     assert len(rig.peer.said("PARAM_VALUE")) == 10
-
-
-def test_one_is_read_by_name_or_by_index(rig: Rig) -> None:
-    (by_name,) = read(rig, "HDG_KP")
-    assert by_name.param_value == BoatConfig().heading.kp
-    (by_index,) = read(rig, index=by_name.param_index)
-    assert by_index.param_id == "HDG_KP"
 
 
 def test_a_change_is_told_to_every_station_and_takes_hold_at_once(rig: Rig) -> None:
@@ -89,23 +60,6 @@ def test_a_refused_change_is_answered_with_the_value_that_stays_and_the_reason(
 ) -> None:
     assert write(rig, "HDG_KP", value).param_value == BoatConfig().heading.kp
     assert any("HDG_KP" in text for text in rig.peer.texts)
-
-
-def test_a_name_that_does_not_exist_is_told_to_the_operator(rig: Rig) -> None:
-    rig.peer.forget()
-    rig.peer.send(dialect.MAVLink_param_set_message(*BOAT, b"NOT_THERE", 1.0, 9))
-    rig.receive()
-    assert not rig.peer.said("PARAM_VALUE")
-    assert rig.peer.texts == ["NOT_THERE: no such parameter"]
-
-
-def test_a_tenth_survives_the_wire_and_a_restart(rig: Rig) -> None:
-    tenth = struct.unpack("<f", struct.pack("<f", 0.1))[0]
-    assert write(rig, "HDG_KI", 0.1).param_value == tenth
-    rig.reboot()
-    rig.step()
-    assert rig.boat.parameters.config.heading.ki == 0.1
-    assert read(rig, "HDG_KI")[0].param_value == tenth
 
 
 def test_other_names_of_a_setting_are_told_with_it() -> None:

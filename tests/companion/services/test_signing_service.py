@@ -82,18 +82,6 @@ def test_what_was_recorded_cannot_be_played_again_by_another_link_or_after_a_res
         rig.step()
 
 
-def test_a_link_that_accepts_takes_both_and_signs_what_it_says() -> None:
-    rig = GuardedRig("accept")
-    plain, friend = rig.station(None), rig.station(KEY, Address(254, 190))
-    rig.step()
-    assert rig.ask(dialect.MAV_CMD_DO_SET_MODE, 1.0, 0, peer=plain) == OK
-    assert rig.ask(dialect.MAV_CMD_DO_SET_MODE, 1.0, 4, peer=friend) == OK
-    rig.step()
-    chunks = plain.link.receive()
-    assert chunks
-    assert all(is_signed(chunk) for chunk in chunks)
-
-
 def test_our_frames_leave_in_the_order_of_their_timestamps_although_answers_overtake_telemetry() -> None:
     rig = GuardedRig("required")
     rig.setting = LinkConfig(url="", signing="required", max_bytes_s=2000.0)
@@ -143,21 +131,6 @@ def test_no_key_comes_over_a_link_that_is_not_trusted(signing: SigningPolicy) ->
     assert "Signing key refused: this link is not trusted with keys" in offered(
         rig, setup_signing(OTHER), friend
     )
-    assert rig.boat.signing.boat.key == KEY
-
-
-def test_no_key_is_taken_while_armed() -> None:
-    rig = GuardedRig("off", trusted=True)
-    rig.ready()
-    assert rig.arm() == OK
-    assert "Signing key refused: disarm first" in offered(rig, setup_signing(OTHER))
-    assert rig.boat.signing.boat.key == KEY
-
-
-@pytest.mark.parametrize("target", [Address(0, 0), Address(0, 1), Address(2, 1), Address(1, 2)])
-def test_a_key_that_is_not_addressed_to_us_is_not_ours(target: Address) -> None:
-    rig = GuardedRig("off", trusted=True)
-    assert not any("key" in text for text in offered(rig, setup_signing(OTHER, target)))
     assert rig.boat.signing.boat.key == KEY
 
 
@@ -250,28 +223,6 @@ def test_a_link_that_is_not_safe_is_told_of_once(
     assert len(texts) == (1 if told and signing != "required" else 0), "a stranger is told nothing"
     assert all(told in text for text in texts)
     assert caplog.text.count(told) == 1 if told else "steer" not in caplog.text
-
-
-@pytest.mark.parametrize(("key", "why"), [(None, "not signed"), (OTHER, "not signed with our key")])
-def test_refused_messages_are_told_of_once(key: SigningKey | None, why: str) -> None:
-    rig = GuardedRig("required")
-    stranger, onlooker = rig.station(key), rig.onlooker()
-    rig.step()
-    for _ in range(20):
-        stranger.heartbeat()
-        rig.run(1.0)
-    (text,) = [text for text in onlooker.texts if "messages refused" in text]
-    assert why in text
-    assert rig.boat.channels.open[2].refused == 20
-
-
-def test_a_key_that_comes_again_or_goes_is_told() -> None:
-    rig = GuardedRig("off", None, trusted=True)
-    assert "Signing key stored" in offered(rig, setup_signing(KEY))
-    assert "Signing key stored" in offered(rig, setup_signing(OTHER))
-    assert rig.boat.signing.boat.key == OTHER
-    assert "Signing key removed" in offered(rig, setup_signing(None))
-    assert rig.boat.signing.boat.key is None
 
 
 def test_offers_of_keys_do_not_flood_the_operator() -> None:

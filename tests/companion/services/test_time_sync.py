@@ -30,18 +30,6 @@ def test_a_question_about_the_time_is_answered_at_once_with_its_own_stamp() -> N
     assert answer.tc1 == pytest.approx(2.0e9, abs=0.1e9)
 
 
-def test_a_ping_to_everybody_is_answered_and_an_answer_is_not() -> None:
-    rig = Rig()
-    rig.step()
-    answer = rig.answer_to(dialect.MAVLink_ping_message(55, 7, 0, 0), "PING")
-    assert (answer.time_usec, answer.seq) == (55, 7)
-    assert (answer.target_system, answer.target_component) == tuple(rig.peer.address)
-    rig.peer.forget()
-    rig.peer.send(dialect.MAVLink_ping_message(55, 7, 1, 1))
-    rig.receive()
-    assert not rig.peer.said("PING")
-
-
 @given(st.floats(-1e6, 1e6), st.floats(0.0, 0.9), st.floats(0.0, 0.9))
 def test_the_offset_is_off_by_no_more_than_half_the_difference_of_the_ways(
     offset_s: float, there_s: float, back_s: float
@@ -125,18 +113,3 @@ def test_a_station_sets_the_date_of_a_boat_that_has_none() -> None:
     assert rig.peer.said("SYSTEM_TIME")[-1].time_unix_usec == 0
     tell_date(rig, NOON_2026)
     assert date(rig) == pytest.approx(NOON_2026, abs=1.0)
-
-
-@pytest.mark.parametrize("unix_s", [0.0, 1.0, 1.5e9, 5e9])
-def test_a_date_that_cannot_be_is_not_believed(unix_s: float) -> None:
-    rig = Rig(gnss=Silent())
-    tell_date(rig, unix_s)
-    assert rig.boat.endpoint.unix_offset_s is None
-
-
-def test_another_vehicles_date_is_not_ours() -> None:
-    rig = Rig(gnss=Silent())
-    tell_date(rig, NOON_2026, Address(2, 1), dialect.MAV_TYPE_SURFACE_BOAT)
-    assert rig.boat.endpoint.unix_offset_s is None
-    tell_date(rig, NOON_2026, Address(1, 191), dialect.MAV_TYPE_ONBOARD_CONTROLLER)
-    assert rig.boat.endpoint.unix_offset_s is not None

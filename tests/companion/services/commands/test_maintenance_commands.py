@@ -73,16 +73,6 @@ def test_a_motor_turns_for_as_long_as_asked_and_no_other_does(
     assert motors(rig) == (0.0, 0.0)
 
 
-def test_no_motor_test_lasts_longer_than_half_a_minute(rig: Rig) -> None:
-    assert rig.ask(CMD.MAV_CMD_DO_MOTOR_TEST, LEFT, PERCENT, 20.0, 1e6) == OK
-    for _ in range(29):
-        rig.peer.heartbeat()
-        rig.run(1.0)
-    assert motors(rig)[0] > 0.0
-    rig.run(1.5)
-    assert motors(rig) == (0.0, 0.0)
-
-
 @pytest.mark.parametrize(
     ("number", "params"),
     [
@@ -104,15 +94,6 @@ def test_anything_else_that_is_asked_ends_a_motor_test(
         assert motors(rig) == (0.0, 0.0)  # before the next tick
     rig.step(15)
     assert motors(rig) == (0.0, 0.0)
-
-
-def test_a_motor_test_that_is_prolonged_is_announced_once(rig: Rig) -> None:
-    told = []
-    for percent, duration_s, pause_s in ((30, 1.0, 0.5), (30, 0.9, 0.5), (20, 1.0, 2.0), (20, 1.0, 0.5)):
-        assert rig.ask(CMD.MAV_CMD_DO_MOTOR_TEST, LEFT, PERCENT, percent, duration_s) == OK
-        rig.run(pause_s)
-        told += [text for text in rig.peer.texts if text.startswith("Motor test")]
-    assert told == ["Motor test: left 30 %", "Motor test: left 20 %", "Motor test: left 20 %"]
 
 
 def test_the_gyro_is_calibrated_in_a_while_and_its_bias_is_kept() -> None:
@@ -139,17 +120,6 @@ def test_the_gyro_is_calibrated_in_a_while_and_its_bias_is_kept() -> None:
     assert rig.boat.nav.yaw_rate_rad_s == pytest.approx(0.0, abs=1e-3)  # the fresh filter estimates a bias
     rig.reboot()
     assert value(rig, "INS_GYROFFS_Z") == pytest.approx(0.02, rel=1e-3)
-
-
-def test_a_boat_that_turns_is_not_calibrated() -> None:
-    gyro = Gyro()
-    rig = Rig(compass=gyro)
-    rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 1)
-    rig.run(1.0)
-    gyro.rate_rad_s = 0.5
-    rig.run(3.0)
-    assert results(rig.peer, CMD.MAV_CMD_PREFLIGHT_CALIBRATION)[-1] == FAILED
-    assert value(rig, "INS_GYROFFS_Z") == 0.0
 
 
 def test_a_calibration_can_be_given_up_and_ends_when_the_boat_is_armed() -> None:
@@ -276,12 +246,3 @@ def test_a_late_repetition_does_not_undo_what_another_station_has_commanded(rig:
     rig.run(16.0)
     assert send(9) == OK
     assert rig.mode == "RTL"
-
-
-def test_pre_arm_checks_are_run_and_told_when_asked() -> None:
-    rig = Rig(config={"arming.battery_min_v": 50.0})
-    rig.run(1.0)
-    assert rig.ask(CMD.MAV_CMD_RUN_PREARM_CHECKS) == OK
-    assert any(text.startswith("PreArm: Battery") for text in rig.peer.texts)
-    rig.arm(force=True)
-    assert rig.ask(CMD.MAV_CMD_RUN_PREARM_CHECKS) == REJECTED_FOR_NOW

@@ -4,7 +4,7 @@ import logging
 import math
 
 import pytest
-from boat_rig import BOAT, DENIED, FAILED, OK, UNSUPPORTED, Rig
+from boat_rig import DENIED, FAILED, UNSUPPORTED, Rig
 
 from companion.mavlink.dialect import dialect
 
@@ -49,23 +49,3 @@ def test_a_refusal_by_its_number_alone_is_logged(
 ) -> None:
     assert rig.ask(command, *params) == result
     assert line in lines(journal)
-
-
-def test_what_is_granted_or_only_asked_is_not_logged(rig: Rig, journal: pytest.LogCaptureFixture) -> None:
-    assert rig.set_mode(4) == OK
-    assert rig.ask(CMD.MAV_CMD_REQUEST_MESSAGE, 60000.0) != OK
-    assert not any("refused" in line for line in lines(journal))
-
-
-def test_a_station_that_repeats_itself_does_not_fill_the_log(
-    rig: Rig, journal: pytest.LogCaptureFixture
-) -> None:
-    for _ in range(200):
-        rig.peer.send(CMD.MAVLink_command_long_message(*BOAT, CMD.MAV_CMD_NAV_TAKEOFF, 0, *[0.0] * 7))
-    rig.run(0.1)
-    assert sum("refused" in line for line in lines(journal)) == 20
-    rig.run(10.0)
-    for _ in range(200):
-        rig.peer.send(CMD.MAVLink_command_long_message(*BOAT, CMD.MAV_CMD_NAV_TAKEOFF, 0, *[0.0] * 7))
-    rig.run(0.1)
-    assert sum("refused" in line for line in lines(journal)) == 25, "one in two seconds"

@@ -2,7 +2,6 @@
 
 import os
 import struct
-import zlib
 from concurrent.futures import Executor, Future
 from pathlib import Path
 from typing import Any
@@ -77,17 +76,6 @@ def test_an_upload_that_breaks_off_leaves_the_old_file(served: Served, tmp_path:
         served.service.forget(STATION.channel)
     assert served.ask(Opcode.WRITE_FILE, b"more", session).code is Code.INVALID_SESSION
     assert (tmp_path / "files" / "a.bin").read_bytes() == b"old"
-
-
-def test_reset_keeps_what_was_written_and_not_what_was_only_begun(served: Served, tmp_path: Path) -> None:
-    served.put(b"/files/begun", b"old")
-    written = served.ask(Opcode.CREATE_FILE, b"/files/written", session=1).session
-    served.ask(Opcode.WRITE_FILE, b"new", written)
-    served.ask(Opcode.CREATE_FILE, b"/files/begun", session=2)
-    assert served.ask(Opcode.RESET_SESSIONS).opcode == ACK
-    assert (tmp_path / "files" / "written").read_bytes() == b"new"
-    assert (tmp_path / "files" / "begun").read_bytes() == b"old"
-    assert served.ask(Opcode.WRITE_FILE, b"x", written).code is Code.INVALID_SESSION
 
 
 def test_write_only_keeps_what_is_there(served: Served, tmp_path: Path) -> None:
@@ -168,17 +156,6 @@ def test_what_is_being_written_cannot_be_read_nor_the_other_way_round(served: Se
     assert served.ask(Opcode.BURST_READ_FILE, session=writing).code is Code.FILE_PROTECTED
     assert served.ask(Opcode.WRITE_FILE, b"x", reading).code is Code.FILE_PROTECTED
     assert served.tick() == []
-
-
-def is_open(path: Path) -> bool:
-    return any(os.path.realpath(fd) == str(path) for fd in Path("/proc/self/fd").iterdir())
-
-
-def test_the_checksum_is_mavlinks_and_leaves_no_file_open(served: Served, tmp_path: Path) -> None:
-    served.put(b"/files/a.bin", TEXT)
-    crc = struct.unpack("<I", served.ask(Opcode.CALC_FILE_CRC32, b"/files/a.bin").data)[0]
-    assert crc == zlib.crc32(TEXT, 0xFFFFFFFF) ^ 0xFFFFFFFF
-    assert not is_open(tmp_path / "files" / "a.bin")
 
 
 def test_all_uploads_together_are_bounded(served: Served) -> None:
@@ -283,16 +260,6 @@ def test_a_repeated_request_gets_the_same_answer_and_is_not_carried_out_twice(
     assert not (tmp_path / "files" / "a").exists()
 
 
-def test_a_repeated_open_opens_once_and_after_closing_anew(served: Served) -> None:
-    message = request_of(500, Opcode.OPEN_FILE_RO, b"/metadata/general.json", session=4)
-    assert served.send(message) == served.send(message)
-    (station,) = served.service._stations
-    assert list(station.sessions) == [4]
-    served.ask(Opcode.RESET_SESSIONS)
-    assert served.send(message)[0].opcode == ACK
-    assert list(station.sessions) == [4]
-
-
 def burst(served: Served, path: bytes, size: int = 239) -> list[Any]:
     session = served.ask(Opcode.OPEN_FILE_RO, path).session
     replies = served.send(request_of(10, Opcode.BURST_READ_FILE, session=session, size=size))
@@ -342,31 +309,6 @@ def test_a_burst_waits_for_room_on_its_channel(served: Served) -> None:
     assert len(served.tick()) > 30
 
 
-def test_a_burst_asked_for_again_starts_where_the_station_is(served: Served) -> None:
-    served.put(b"/files/a", bytes(100_000))
-    session = served.ask(Opcode.OPEN_FILE_RO, b"/files/a").session
-    served.send(request_of(10, Opcode.BURST_READ_FILE, session=session, size=239))
-    served.service.tick(served.now_s)
-    served.replies()
-    again = served.send(request_of(20, Opcode.BURST_READ_FILE, session=session, size=239, offset=478))
-    served.service.tick(served.now_s)
-    replies = again + served.replies()
-    assert [(reply.sequence, reply.offset) for reply in replies[:2]] == [(21, 478), (22, 717)]
-    assert len({reply.offset for reply in replies}) == len(replies)
-
-
-def test_a_gap_is_read_while_the_burst_goes_on(served: Served) -> None:
-    content = os.urandom(100_000)
-    served.put(b"/files/a", content)
-    session = served.ask(Opcode.OPEN_FILE_RO, b"/files/a").session
-    served.send(request_of(10, Opcode.BURST_READ_FILE, session=session, size=239))
-    served.service.tick(served.now_s)
-    served.replies()
-    (gap,) = served.send(request_of(11, Opcode.READ_FILE, session=session, size=239, offset=239))
-    assert gap.data == content[239:478]
-    assert served.tick()
-
-
 def test_the_loop_never_waits_for_the_disk(tmp_path: Path) -> None:
     worker = Slow()
     served = Served(tmp_path, worker)
@@ -409,18 +351,6 @@ def test_what_waits_its_turn_is_bounded(tmp_path: Path) -> None:
     (station,) = served.service._stations
     assert len(station.queued) == 32
     assert served.service.dropped == 100 - 1 - 32
-
-
-def test_late_answers_are_dropped_once_the_link_has_closed(tmp_path: Path) -> None:
-    worker = Slow()
-    served = Served(tmp_path, worker)
-    (tmp_path / "files" / "a").write_bytes(TEXT)
-    served.send(request_of(1, Opcode.OPEN_FILE_RO, b"/files/a"))
-    served.service.forget(STATION.channel)
-    worker.work()
-    served.tick()
-    assert not served.service._stations
-    assert not is_open(tmp_path / "files" / "a")
 
 
 def test_requests_beyond_a_tick_are_dropped_and_the_next_tick_takes_more(served: Served) -> None:
@@ -502,29 +432,11 @@ def test_a_file_that_is_none_of_parameters_is_refused_at_its_end(served: Served)
     assert served.put(b"@PARAM/param.pck", bytes(70_000)).code is Code.FAIL_ERRNO
 
 
-def test_files_and_folders_are_made_renamed_cut_and_removed(served: Served, tmp_path: Path) -> None:
-    files = tmp_path / "files"
-    assert served.ask(Opcode.CREATE_DIRECTORY, b"/files/sub").opcode == ACK
-    served.put(b"/files/a", TEXT)
-    assert served.ask(Opcode.RENAME, b"/files/a\0/files/sub/b").opcode == ACK
-    assert served.ask(Opcode.TRUNCATE_FILE, b"/files/sub/b", offset=7).opcode == ACK
-    assert (files / "sub" / "b").read_bytes() == TEXT[:7]
-    assert served.ask(Opcode.REMOVE_FILE, b"/files/sub/b").opcode == ACK
-    assert served.ask(Opcode.REMOVE_DIRECTORY, b"/files/sub").opcode == ACK
-    assert list(files.iterdir()) == []
-
-
 def test_a_write_far_away_is_refused_and_costs_no_memory(served: Served) -> None:
     session = served.ask(Opcode.CREATE_FILE, b"/files/a").session
     for offset in (MAX_UPLOAD_BYTES, 2**32 - 1):
         assert served.ask(Opcode.WRITE_FILE, b"x", session, offset).code is Code.FAIL_ERRNO
     assert served.service._stations.uploads_bytes() == 0
-
-
-def test_a_link_is_listed_as_nothing_to_be_had(served: Served, tmp_path: Path) -> None:
-    (tmp_path / "files" / "link").symlink_to("/etc/passwd")
-    (tmp_path / "files" / "real").touch()
-    assert served.list(b"/files") == ["S", "Freal\t0"]
 
 
 def test_a_file_that_grows_ends_where_it_ended_when_opened(served: Served, tmp_path: Path) -> None:
@@ -543,8 +455,3 @@ def test_a_file_that_shrinks_ends_there_without_a_fault(served: Served, tmp_path
     session = served.ask(Opcode.OPEN_FILE_RO, b"/files/a").session
     os.truncate(tmp_path / "files" / "a", 10)
     assert served.ask(Opcode.READ_FILE, session=session, offset=500_000, size=239).code is Code.END_OF_FILE
-
-
-def test_a_data_size_beyond_a_block_is_refused(served: Served) -> None:
-    session = served.ask(Opcode.OPEN_FILE_RO, b"/metadata/general.json").session
-    assert served.ask(Opcode.READ_FILE, session=session, size=240).code is Code.INVALID_DATA_SIZE

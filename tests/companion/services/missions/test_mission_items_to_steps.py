@@ -41,10 +41,6 @@ def test_an_item_becomes_its_step(given: MissionItem, step: Step) -> None:
     assert to_step(1, given) == step
 
 
-def test_sequence_zero_is_home_with_any_content() -> None:
-    assert to_step(0, item(4711, p1=NAN)) == Home()
-
-
 @pytest.mark.parametrize(
     ("given", "result", "word"),
     [

@@ -1,6 +1,5 @@
 """Payload commands by hand and as mission items: every parameter is checked against the boat's payload."""
 
-import dataclasses
 import math
 
 import pytest
@@ -17,7 +16,6 @@ from companion.payload.fitted import FittedPayload
 from companion.services.payload.rows import ROWS, read_action
 
 CMD, NAN, INF = dialect, math.nan, math.inf
-REJECTED_FOR_NOW = 1
 
 ANSWERS = [
     (CMD.MAV_CMD_DO_SET_SERVO, (9, 1700), OK, ""),
@@ -138,17 +136,3 @@ def test_an_item_for_absent_payload_is_refused_or_skipped_aloud_as_configured() 
     assert isinstance(rig.upload(items), Completed)
     assert any("item 2" in line and "is ignored" in line for line in rig.peer.texts), rig.peer.texts
     assert rig.items() == tuple(items)
-
-
-def test_a_stored_mission_whose_payload_is_gone_is_not_sailed() -> None:
-    rig = PayloadRig().ready()
-    items = [HOME_ITEM, waypoint(20.0, 0.0), do(CMD.MAV_CMD_DO_SET_SERVO, 9, 1500)]
-    assert isinstance(rig.upload(items), Completed)
-    rig.reboot()
-    rig.step()
-    assert rig.items() == tuple(items)
-    rig.hardware = dataclasses.replace(rig.hardware, payload=None)
-    rig.reboot()
-    rig.run(31.0)
-    assert rig.items() == ()
-    assert any("this boat has no servo" in text for text in rig.peer.texts), rig.peer.texts

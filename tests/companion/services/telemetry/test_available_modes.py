@@ -1,5 +1,5 @@
 import pytest
-from boat_rig import FAILED, OK, Rig
+from boat_rig import OK, Rig
 
 from companion.core.modes import Mode
 from companion.mavlink.dialect import Message, dialect
@@ -40,21 +40,6 @@ def test_the_modes_are_asked_for_one_by_one_until_the_last() -> None:
         if one.mode_index >= one.number_modes:
             break
     assert found == QGROUNDCONTROLS
-
-
-def test_index_zero_asks_for_all_of_them() -> None:
-    rig = Rig()
-    rig.step()
-    assert rig.ask(REQUEST, AVAILABLE, 0) == OK
-    assert [one.mode_index for one in modes(rig)] == list(range(1, len(Mode) + 1))
-
-
-@pytest.mark.parametrize("index", [-1.0, len(Mode) + 1.0, 255.0, float("nan"), float("inf")])
-def test_an_index_that_there_is_not_fails_at_once(index: float) -> None:
-    rig = Rig()
-    rig.step()
-    assert rig.ask(REQUEST, AVAILABLE, index) == FAILED
-    assert not modes(rig)
 
 
 def test_the_mode_is_told_every_two_seconds_and_when_it_changes() -> None:

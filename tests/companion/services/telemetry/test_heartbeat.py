@@ -1,4 +1,3 @@
-import pytest
 from boat_rig import OK, Rig
 
 from companion.mavlink.dialect import Message, dialect
@@ -23,19 +22,6 @@ def test_a_station_hears_a_rover_boat_as_soon_as_its_link_is_up() -> None:
     assert beat.custom_mode == 4
     assert beat.system_status == dialect.MAV_STATE_STANDBY
     assert beat.mavlink_version == 3
-
-
-def test_it_beats_once_a_second() -> None:
-    rig = Rig()
-    rig.run(12.0)
-    assert len(beats(rig)) == pytest.approx(12, abs=1)
-
-
-@pytest.mark.parametrize("number", [0, 5, 11, 15])
-def test_a_new_mode_is_told_before_the_next_tick(number: int) -> None:
-    rig = Rig().ready()
-    assert rig.set_mode(number) == OK
-    assert [beat.custom_mode for beat in beats(rig)] == [number]
 
 
 def test_arming_and_disarming_are_told_before_the_next_tick_and_to_everyone() -> None:

@@ -5,14 +5,13 @@ import math
 from pathlib import Path
 
 import pytest
-from boat_rig import OK, Rig, waypoint
+from boat_rig import Rig, waypoint
 from log_rig import LogRig, of_kind, read_log
 from msgspec.structs import replace
 
 from companion.boat import Boat
 from companion.config.sensors import ProbePart
 from companion.core.readings import ProbeReading
-from companion.mavlink.dialect import dialect
 
 
 class FakeProbe:
@@ -89,14 +88,6 @@ def test_a_silent_probe_is_told_once_and_not_sent_and_comes_back() -> None:
     assert rig.peer.texts.count("Probe ph measures again") == 1
     assert rig.values("ph")
     assert not any(math.isnan(value) for value in rig.values("ph"))
-
-
-def test_all_values_can_be_requested() -> None:
-    rig = ProbeRig()
-    rig.run(1.0)
-    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_NAMED_VALUE_FLOAT) == OK
-    names = [one.name for one in rig.peer.said("NAMED_VALUE_FLOAT")]
-    assert names == ["turbidity", "ph", "abcdefghij"]
 
 
 class LoggedRig(LogRig):

@@ -18,14 +18,6 @@ def told(*texts: str) -> list[Message]:
     return [one.message for one in taken]
 
 
-@pytest.mark.parametrize("length", [0, 1, 49, 50])
-def test_a_short_line_is_one_message_without_an_id(length: int) -> None:
-    (message,) = told("x" * length)
-    assert message.id == 0
-    assert message.text == "x" * length
-    assert message.severity == Severity.WARNING
-
-
 @given(st.text(alphabet=st.characters(min_codepoint=32, max_codepoint=126), min_size=51, max_size=400))
 def test_a_long_line_is_whole_again_when_its_chunks_are_joined(text: str) -> None:
     chunks = told(text)
@@ -34,11 +26,6 @@ def test_a_long_line_is_whole_again_when_its_chunks_are_joined(text: str) -> Non
     assert len({chunk.id for chunk in chunks}) == 1
     assert chunks[0].id != 0
     assert len(chunks[-1].text) < 50  # only a zero byte tells a station that the line is over
-
-
-def test_the_bus_keeps_its_name() -> None:
-    (message,) = told("INA219: no answer at I²C address 0x40")
-    assert message.text == "INA219: no answer at I2C address 0x40"
 
 
 def test_what_is_not_ascii_is_replaced_not_raised() -> None:

@@ -23,13 +23,6 @@ def test_a_message_comes_as_often_as_asked(interval_s: float) -> None:
     assert sent(streams, 60.0) == pytest.approx(60.0 / interval_s, abs=1.01)
 
 
-def test_nothing_comes_faster_than_the_tick() -> None:
-    streams = Streams(0.0)
-    streams.set_interval(ATTITUDE, 0.001, 0.0)
-    assert streams.interval_s(ATTITUDE) == TICK_S
-    assert sent(streams, 1.0) == 50
-
-
 def test_a_long_pause_piles_up_no_work() -> None:
     streams = Streams(0.0)
     streams.set_interval(ATTITUDE, 0.1, 0.0)
@@ -42,15 +35,6 @@ def test_unasked_streams_follow_the_configured_rate_and_none_flow_at_zero() -> N
     assert sent(Streams(4.0), 10.0) == 40
     assert sent(Streams(4.0), 10.0, SYS_STATUS) == 10
     assert sent(Streams(0.0), 10.0) == 0
-
-
-def test_a_group_is_set_and_stopped_whole() -> None:
-    streams = Streams(0.0)
-    streams.set_group(dialect.MAV_DATA_STREAM_EXTENDED_STATUS, 2.0, 0.0)
-    assert not any(sent(Streams(0.0), 1.0, one) for one in GROUPS[2])
-    assert {one: streams.interval_s(one) for one in GROUPS[2]} == dict.fromkeys(GROUPS[2], 0.5)
-    streams.set_group(dialect.MAV_DATA_STREAM_EXTENDED_STATUS, 0.0, 0.0)
-    assert sent(streams, 10.0, SYS_STATUS) == 0
 
 
 def test_group_zero_is_all_groups_and_an_unknown_group_is_none() -> None:

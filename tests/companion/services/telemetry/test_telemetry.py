@@ -1,26 +1,13 @@
-import dataclasses
 import math
 
 import pytest
-from boat_rig import BOAT, HOME_ITEM, OK, Rig, Silent, waypoint
+from boat_rig import HOME_ITEM, OK, Rig, Silent, waypoint
 
 from companion.core.geo import LatLon
 from companion.mavlink.dialect import Message, dialect
 from companion.services.telemetry.service import BUILDERS
 
 pytestmark = pytest.mark.slow
-
-STREAMS = {1: 2, 2: 2, 3: 2, 6: 3, 10: 10, 11: 10, 12: 3}
-# What each of those groups must bring a boat
-TELEMETRY = {
-    "RAW_IMU": 2, "SCALED_IMU": 2,
-    "SYS_STATUS": 2, "POWER_STATUS": 2, "GPS_RAW_INT": 2, "MISSION_CURRENT": 2, "NAV_CONTROLLER_OUTPUT": 2,
-    "SERVO_OUTPUT_RAW": 2, "RC_CHANNELS": 2,
-    "GLOBAL_POSITION_INT": 3, "LOCAL_POSITION_NED": 3,
-    "ATTITUDE": 10, "VFR_HUD": 10,
-    "SYSTEM_TIME": 3, "BATTERY_STATUS": 3, "EKF_STATUS_REPORT": 3,
-    "HOME_POSITION": 1, "EXTENDED_SYS_STATE": 1,
-}  # fmt: skip
 
 
 def latest(rig: Rig, name: str) -> Message:
@@ -78,22 +65,6 @@ def test_position_and_motion_are_those_of_the_boat(rig: Rig) -> None:
     rig.run(5.0)  # for the tests that follow
 
 
-def test_guidance_and_motors_are_shown(rig: Rig) -> None:
-    output = latest(rig, "NAV_CONTROLLER_OUTPUT")
-    assert output.target_bearing == pytest.approx(90, abs=5)
-    assert output.wp_dist == pytest.approx(rig.offset_m(0.0, 100.0), abs=3.0)
-    assert abs(output.xtrack_error) < 1.0
-    target, item = latest(rig, "POSITION_TARGET_GLOBAL_INT"), waypoint(0.0, 100.0)
-    assert (target.lat_int, target.lon_int) == (item.x, item.y)
-    assert math.hypot(target.vx, target.vy) > 0.2
-    servos = latest(rig, "SERVO_OUTPUT_RAW")
-    assert servos.servo1_raw > 1600
-    assert servos.servo3_raw > 1600
-    pid = latest(rig, "PID_TUNING")
-    assert pid.axis == dialect.PID_TUNING_YAW
-    assert pid.desired == pytest.approx(90.0, abs=10.0)
-
-
 def test_a_boat_that_knows_nothing_says_so_instead_of_inventing() -> None:
     rig = Rig(gnss=Silent())
     rig.run(10.0)
@@ -138,56 +109,6 @@ def test_the_mission_is_reported_through_all_its_states() -> None:
     assert (current.seq, current.total) == (2, 2)
 
 
-def test_the_pack_is_reported_with_its_charge(rig: Rig) -> None:
-    battery = latest(rig, "BATTERY_STATUS")
-    assert 11.0 < battery.voltages[0] / 1000.0 < 12.7
-    assert battery.current_battery > 50
-    assert battery.current_consumed > 5
-    assert 50 <= battery.battery_remaining <= 100
-    assert battery.battery_remaining == latest(rig, "SYS_STATUS").battery_remaining
-
-
-def test_gyro_and_sonar_are_well_while_they_answer() -> None:
-    rig = Rig("lake").ready()
-    bits = dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO | dialect.MAV_SYS_STATUS_SENSOR_PROXIMITY
-    rig.run(2.0)
-    status = latest(rig, "SYS_STATUS")
-    assert status.onboard_control_sensors_present & bits == bits
-    assert status.onboard_control_sensors_health & bits == bits
-    rig.boat.sensors._hardware = dataclasses.replace(rig.hardware, compass=Silent(), sonar=None)
-    rig.run(5.0)
-    status = latest(rig, "SYS_STATUS")
-    assert not status.onboard_control_sensors_health & dialect.MAV_SYS_STATUS_SENSOR_PROXIMITY
-
-
-def test_rates_are_those_that_a_station_asks_for_and_another_channel_keeps_its_own() -> None:
-    rig = Rig().ready()
-    assert not rig.peer.said("POSITION_TARGET_GLOBAL_INT")
-    other = rig.connect()
-    for group, rate_hz in STREAMS.items():
-        rig.peer.send(dialect.MAVLink_request_data_stream_message(*BOAT, group, rate_hz, 1))
-    for message_id in (242, 245):
-        assert rig.ask(dialect.MAV_CMD_SET_MESSAGE_INTERVAL, message_id, 1e6) == OK
-    rig.run(0.5)
-    for peer in (rig.peer, other):
-        peer.forget()
-    rig.run(20.0)
-    counts = {name: len(rig.peer.said(name)) / 20.0 for name in TELEMETRY}
-    assert counts == pytest.approx(TELEMETRY, abs=1.01 / 20.0)
-    assert len(other.said("ATTITUDE")) == pytest.approx(80, abs=1)
-    assert not other.said("RAW_IMU")
-
-
-def test_the_old_request_for_the_version_is_answered_with_the_version() -> None:
-    rig = Rig()
-    rig.step()
-    version = rig.answer_to(dialect.MAVLink_autopilot_version_request_message(*BOAT), "AUTOPILOT_VERSION")
-    assert version.flight_sw_version == 0x04060000
-    assert int(bytes(version.flight_custom_version).decode("ascii"), 16) > 0
-    for bit in (4, 8, 64, 128, 256, 8192, 16384, 32768):  # MISSION_INT to MISSION_RALLY
-        assert version.capabilities & bit
-
-
 def test_the_set_of_the_water_and_the_estimates_accuracy_can_be_asked_for() -> None:
     rig = Rig("open", "environment.current_m_s=0.5", "environment.current_to_deg=90.0").ready()
     rig.run(20.0)
@@ -199,14 +120,3 @@ def test_the_set_of_the_water_and_the_estimates_accuracy_can_be_asked_for() -> N
     (status,) = rig.peer.said("ESTIMATOR_STATUS")
     assert status.flags & dialect.ESTIMATOR_POS_HORIZ_ABS
     assert 0.0 < status.pos_horiz_accuracy < 0.5
-
-
-def test_dead_reckoning_is_told_as_what_it_is() -> None:
-    rig = Rig("open").ready()
-    rig.boat.sensors._hardware = dataclasses.replace(rig.hardware, gnss=Silent())
-    rig.run(5.0)
-    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 193) == OK
-    (report,) = rig.peer.said("EKF_STATUS_REPORT")
-    assert not report.flags & dialect.EKF_POS_HORIZ_ABS
-    assert report.flags & dialect.EKF_POS_HORIZ_REL
-    assert 0.8 <= report.pos_horiz_variance < 1.0
