@@ -77,13 +77,6 @@ def test_the_page_imports_of_others_only_its_extra_and_the_base() -> None:
     )
 
 
-def test_every_package_of_the_extras_is_pinned() -> None:
-    pinned = (ROOT / "constraints.txt").read_text(encoding="utf-8").lower()
-    names = {re.split(r"[\[><=; ]", one)[0] for group in EXTRAS.values() for one in group} - {"mavboat"}
-    names |= {re.split(r"[\[><=; ]", one)[0] for one in PROJECT["dependencies"]}
-    assert [name for name in sorted(names) if f"{name.replace('_', '-')}==" not in pinned] == []
-
-
 @pytest.mark.parametrize(
     ("module", "extra", "arguments"),
     [

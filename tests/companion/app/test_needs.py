@@ -131,18 +131,6 @@ def test_wiring_that_cannot_be_is_refused(parts: dict[str, Any], message: str) -
         check_needs(config(parts), PI_4)
 
 
-def test_a_relay_on_the_bus_and_output_enable_on_the_1_wire_pin_are_refused() -> None:
-    relay = {"kind": "relay", "number": 0, "pin": 3, "active_low": True}
-    with pytest.raises(ConfigError, match=r"payload\[0\].pin: GPIO 3 belongs to parts.compass, /dev/i2c-1"):
-        check_needs(config(COMPASS, relay), PI_4)
-    probe = {"name": "t", "driver": "file", "path": "/sys/bus/w1/devices/28-*/temperature"}
-    tree = {"parts": {"pca9685": {"output_enable": 4}}, "probe": [probe, {**probe, "name": "t2"}]}
-    with pytest.raises(ConfigError, match=r"probe\[0\].path: GPIO 4 belongs to parts.pca9685.output_enable"):
-        check_needs(decode_config(tree, "test"), PI_4)
-    tree["parts"] = {}
-    check_needs(decode_config(tree, "test"), PI_4)
-
-
 def test_the_pins_of_a_pi_5_are_its_own() -> None:
     check_needs(config({"motors": {"driver": "esc", "left": {"pin": 12}, "right": {"pin": 18}}}), PI_5)
     check_needs(config({**BRIDGE, "sonar": {"driver": "tfmini", "port": "/dev/ttyAMA3"}}), PI_5)  # GPIO 8, 9

@@ -7,10 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from companion import __version__
 from companion.__main__ import main
 from companion.cli.interrupts import Run
-from companion.config.parameter_table import ROWS
 
 PROGRAMS = {
     "boat-companion": "companion.__main__",
@@ -22,19 +20,12 @@ PROGRAMS = {
     "mission-check": "mission_tools.cli.check",
     "mission-trace": "mission_tools.cli.trace",
 }
-programs = pytest.mark.parametrize("name", PROGRAMS)
 
 
 def program(name: str) -> Run:
     module = importlib.import_module(PROGRAMS[name])
     run: Run = module.run_program if name.startswith("mission-") else module.load()
     return run
-
-
-@programs
-def test_the_version_is_one_line(name: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert program(name)(["--version"]) == 0
-    assert capsys.readouterr().out == f"{__version__}\n"
 
 
 @pytest.mark.parametrize("name", sorted(set(PROGRAMS) - {"boat-shore"}))  # it needs none
@@ -109,12 +100,3 @@ def test_a_bad_configuration_is_one_line_and_exit_code_two(
     assert error.startswith("boat-companion: ")
     assert words in error
     assert error.count("\n") == 1
-
-
-def test_every_parameter_is_listed_with_its_meaning(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("COLUMNS", "200")
-    assert run(monkeypatch, "params") == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines[1:]] == [row.name for row in ROWS]

@@ -6,15 +6,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from boat_rig import Rig
 
 from companion.app.process import ServiceNotifier
-from companion.app.status_file import StatusFile, find_status, read_status, status_path
+from companion.app.status_file import find_status
 from companion.config.boat_config import BoatConfig
 from companion.config.boat_config import StorageSetting as Storage
 from companion.core.errors import ConfigError
-from companion.core.status_text import Severity, StatusText
-from companion.core.tick_count import TickCount
 
 
 class Manager:
@@ -123,17 +120,6 @@ def test_outside_a_unit_no_socket_is_opened(address: str, monkeypatch: pytest.Mo
 # Where the status file lies
 
 
-def test_under_its_unit_the_status_lies_in_memory(monkeypatch: pytest.MonkeyPatch) -> None:
-    config = BoatConfig(storage=Storage(folder="/var/lib/boat"))
-    monkeypatch.delenv("RUNTIME_DIRECTORY", raising=False)
-    assert status_path(config) == Path("/var/lib/boat/status.json")
-    monkeypatch.setenv("RUNTIME_DIRECTORY", "/run/mavboat")
-    assert status_path(config) == Path("/run/mavboat/status.json")
-    assert status_path(BoatConfig()) == Path("/run/mavboat/status.json")
-    named = BoatConfig(storage=Storage(folder="/var/lib/boat", status_file="/tmp/s.json"))  # noqa: S108
-    assert status_path(named) == Path("/tmp/s.json")  # noqa: S108
-
-
 def test_a_reader_outside_the_unit_finds_the_units_file_first(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -145,41 +131,3 @@ def test_a_reader_outside_the_unit_finds_the_units_file_first(
     (tmp_path / "status.json").touch()
     assert find_status(config, tmp_path) == tmp_path / "status.json"
     assert find_status(BoatConfig(), tmp_path) == tmp_path / "status.json"
-
-
-class Written:
-    """A status file whose writes are waited for."""
-
-    def __init__(self, path: Path) -> None:
-        self._boat = Rig().boat
-        self.file = StatusFile(path, self._boat)
-        self.texts: list[StatusText] = []
-        self.now_s = 0.0
-
-    def tick(self) -> None:
-        """The next write, once it has ended."""
-        self.file.tick(self.now_s, TickCount(), 0.1)
-        assert self.file._writing is not None
-        self.file._writing.exception(timeout=60.0)
-        self.now_s += 1.0
-        self.texts += self._boat.vehicle.take_status_texts()
-
-
-def test_a_write_that_fails_is_told_once_and_again_after_one_that_did_not(tmp_path: Path) -> None:
-    path = tmp_path / "run" / "status.json"
-    written = Written(path)
-    for _ in range(3):
-        written.tick()
-    assert written.texts == [
-        (Severity.WARNING, f"Status file {path} cannot be written: No such file or directory")
-    ]
-    path.parent.mkdir()
-    written.tick()
-    written.tick()
-    assert read_status(path).load == pytest.approx(0.1)
-    path.unlink()
-    path.parent.rmdir()
-    written.tick()
-    written.tick()
-    assert len(written.texts) == 2
-    written.file.close()

@@ -9,7 +9,7 @@ from companion.autopilot.pipeline import GUIDANCE_S, GuidancePipeline
 from companion.config.boat_config import BoatConfig
 from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
-from companion.core.intent import Drive, HoldCourse, Intent, Stop
+from companion.core.intent import HoldCourse, Intent
 from companion.core.modes import Mode
 from companion.core.state import Demand, MotorCommand, MotorState, MotorStates, NavState
 from companion.core.status_text import StatusText
@@ -73,16 +73,6 @@ def test_a_course_is_held_and_drives_both_motors() -> None:
     assert (demand.heading_rad, demand.speed_m_s) == (0.0, 1.0)
     command = line.drive(5.0)
     assert command.left == command.right > 0.2
-
-
-def test_the_operators_hand_goes_through_without_an_estimate() -> None:
-    line = Line(status=VehicleStatus(Mode.MANUAL, armed=True))
-    assert line.guide(Drive(0.4, 0.2), 5.0, None) is None
-    command = line.drive(5.0, None)
-    assert (command.left, command.right) == pytest.approx((0.6, 0.2))
-    line.guide(Stop(), 5.1)
-    command = line.drive(5.1)
-    assert (command.left, command.right) == (0.0, 0.0)
 
 
 def test_a_closed_loop_needs_an_estimate_and_a_fresh_one() -> None:

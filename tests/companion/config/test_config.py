@@ -4,20 +4,11 @@ from pathlib import Path
 import pytest
 
 from companion.config.boat_config import BoatConfig, decode_config, load_config, with_value
-from companion.config.payload import HornPayload, ServoPayload
 from companion.core.errors import ConfigError
 
 
 def decoded(text: str) -> BoatConfig:
     return decode_config(tomllib.loads(text), "boat.toml")
-
-
-def test_a_file_names_only_what_differs() -> None:
-    config = decoded("links = ['udpin::14550']\n[heading]\nkp = 4\n")
-    assert config.heading.kp == 4.0
-    assert isinstance(config.heading.kp, float)
-    assert config.heading.ki == BoatConfig().heading.ki
-    assert config.links == ("udpin::14550",)
 
 
 @pytest.mark.parametrize(
@@ -73,23 +64,6 @@ def test_a_value_that_does_not_fit_is_refused_by_its_path(path: str, value: obje
     with pytest.raises(ConfigError) as caught:
         with_value(BoatConfig(), path, value)
     assert str(caught.value).startswith(f"{path}:")
-
-
-def test_each_kind_has_its_number_and_its_safe_states() -> None:
-    config = decode_config(
-        {
-            "payload": [
-                {"kind": "horn", "number": 2, "pin": 22},
-                {"kind": "servo", "number": 9, "name": "bait", "start": 1500, "at_end": 1100},
-            ]
-        },
-        "boat.toml",
-    )
-    horn, servo = config.payload
-    assert isinstance(horn, HornPayload)
-    assert (horn.max_on_s, horn.on_disarm, horn.on_link_loss) == (5.0, "off", "off")
-    assert isinstance(servo, ServoPayload)
-    assert (horn.title, servo.title) == ("horn 2", "servo 9 (bait)")
 
 
 RELAY = {"kind": "relay", "number": 0, "pin": 17}

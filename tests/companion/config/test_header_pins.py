@@ -38,10 +38,3 @@ def test_the_pwm_pins_of_the_page_have_a_channel_each(model: str, pins: str) -> 
     numbers = [int(pin) for pin in pins.split(",")]
     channels = pwm_channels(model)
     assert len({channels[pin] for pin in numbers}) == len(numbers) == len(set(channels.values()))
-
-
-def test_no_two_uarts_of_a_model_share_a_pin_but_the_names_of_the_first() -> None:
-    for model in MODELS:
-        devices = [f"/dev/ttyAMA{number}" for number in range(6)]
-        pins = [pin for device in devices for pin in uart_pins(device, model)]
-        assert len(set(pins)) == len(pins)

@@ -1,7 +1,7 @@
 """A boat starts and drives with every parameter at either end of its range: stations may set them there."""
 
 import pytest
-from boat_rig import Rig, waypoint
+from boat_rig import Rig
 
 from companion.config.parameter_table import ROWS
 from companion.core.requests import Arm
@@ -24,12 +24,3 @@ def test_a_boat_starts_with_parameters_at_either_end_of_their_range(first: int, 
     rig.boat.vehicle.request(Arm(force=True))
     rig.run(0.5)
     assert (rig.boat.net.faults, rig.boat.endpoint.faults) == (0, 0)
-
-
-def test_a_boat_sails_with_what_it_drives_by_at_the_low_end() -> None:
-    storage = MemoryStorage()
-    lines = [f"{row.name} {row.low!r}\n" for row in ROWS if row.name in ("CRUISE_SPEED", "MOT_SLEWRATE")]
-    storage.content["params.parm"] = "".join(lines).encode()
-    rig = Rig(storage=storage).sail(waypoint(50.0, 0.0))
-    rig.run(20.0)
-    assert rig.boat.net.faults == 0

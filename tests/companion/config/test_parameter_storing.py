@@ -12,7 +12,7 @@ from companion.boat import TICK_S
 from companion.config.parameters import ParameterRow
 from companion.core.generations import unseal, write_atomically
 from companion.core.storage import FolderStorage
-from companion.mavlink.dialect import Message, dialect
+from companion.mavlink.dialect import dialect
 
 FSYNC_S = 0.05
 WRITE_S = 2 * FSYNC_S  # the file and its folder
@@ -111,29 +111,3 @@ def test_two_hundred_changes_are_all_answered_within_the_second(tmp_path: Path) 
     rig.until(lambda: len(rig.answers()) >= 200, QGC_WAITS_S)
     assert sorted(rig.answers()) == sorted(sent)
     assert rig.worker.done <= QGC_WAITS_S / WRITE_S  # a write covers what came during the one before
-
-
-def test_a_value_is_not_read_out_between_its_change_and_the_medium(tmp_path: Path) -> None:
-    rig = SlowRig(tmp_path)
-    index = rig.boat.parameters.index_of("WP_RADIUS")
-    rig.set("WP_RADIUS", 3.25)
-    ask: Callable[[], Message] = lambda: dialect.MAVLink_param_request_read_message(*BOAT, b"", index)  # noqa: E731
-    rig.peer.send(ask())
-    rig.receive()
-    assert rig.answers() == []
-    rig.until(lambda: bool(rig.answers()), QGC_WAITS_S)
-    rig.peer.send(ask())
-    rig.receive()
-    assert rig.answers() == [("WP_RADIUS", 3.25)] * 2
-
-
-def test_a_full_disk_is_told_once_and_the_change_is_answered_all_the_same(tmp_path: Path) -> None:
-    def refuse(path: Path, content: bytes, keep: Path | None) -> None:
-        raise OSError(28, "No space left on device")
-
-    rig = SlowRig(tmp_path, refuse)
-    for _ in range(5):
-        rig.set("WP_RADIUS", 3.25)
-    rig.until(lambda: len(rig.answers()) == 5, QGC_WAITS_S)
-    told = [text for text in rig.peer.texts if "not stored" in text]
-    assert told == ["Parameters not stored: params.parm: No space left on device"]

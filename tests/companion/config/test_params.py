@@ -10,8 +10,7 @@ from pymavlink import mavparm
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_page import parameter_page
 from companion.config.parameter_table import ROWS
-from companion.config.parameters import ParameterRow, Parameters, ParameterType
-from companion.core.errors import ConfigError
+from companion.config.parameters import Parameters, ParameterType
 from companion.core.storage import FolderStorage, MemoryStorage
 
 FILE = "params.parm"
@@ -48,24 +47,6 @@ def test_both_ends_of_a_range_fit_the_field_behind_it_and_nothing_beyond_is_acce
         for value in (row.low - 1.0, row.high * 1.01 + 1.0, math.nan, math.inf, -math.inf, 3e38):
             assert row.name in parameters.set(row.name, value)
         assert parameters.config is before, row
-
-
-def test_names_are_unique_sorted_and_fit_the_wire() -> None:
-    names = [row.name for row in ROWS]
-    assert names == sorted(set(names))
-    assert all(len(name.encode("ascii")) <= 16 for name in names)
-    with pytest.raises(ConfigError, match="A_NAME_MUCH_TOO_LONG"):
-        ParameterRow("A_NAME_MUCH_TOO_LONG", ParameterType.REAL32, "")
-
-
-def test_a_scaled_parameter_reaches_its_field_in_si() -> None:
-    parameters = fresh()
-    assert parameters.set("WP_PIVOT_ANGLE", 90.0) == ""
-    assert parameters.config.guidance.pivot_angle_rad == pytest.approx(math.pi / 2)
-    assert parameters.set("CRUISE_THROTTLE", 45.0) == ""
-    assert parameters.config.speed.cruise_throttle == pytest.approx(0.45)
-    assert parameters.set("FS_GCS_ENABLE", 0.0) == ""
-    assert parameters.config.failsafe.gcs_enabled is False
 
 
 def test_a_channels_option_makes_it_the_one_that_arms() -> None:

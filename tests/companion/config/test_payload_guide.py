@@ -9,8 +9,6 @@ from boat_rig import scenario
 
 from companion.config.boat_config import decode_config
 from companion.core.toml_text import parse_toml
-from companion.mavlink.dialect import dialect
-from companion.services.payload.rows import ROWS
 
 GUIDE = (Path(__file__).parents[3] / "docs/payload.md").read_text(encoding="utf-8")
 BLOCKS = [
@@ -32,10 +30,3 @@ def test_the_command_of_the_first_paragraph_is_valid() -> None:
     program, command, option, setting = shlex.split(line)
     assert (program, command, option) == ("boat-sitl", "serve", "--set")
     assert scenario("open", setting).vehicle.payload[0].name == "bait"
-
-
-def test_every_item_has_a_row() -> None:
-
-    for number in ROWS:
-        name = dialect.enums["MAV_CMD"][number].name.removeprefix("MAV_CMD_")
-        assert name in GUIDE, name

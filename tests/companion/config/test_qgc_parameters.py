@@ -29,12 +29,6 @@ SENSORS = {
 }  # fmt: skip
 COMPASS_CALIBRATION = {"COMPASS_CAL_FIT"}  # read and written once the first step has been accepted
 POWER = {"BATT_MONITOR", "BATT_CAPACITY", "BATT_ARM_VOLT", "BATT2_MONITOR"}
-# By these the Power page finds the module; one that is missing ends the search at the list's first name
-MODULE = ("BATT_VOLT_PIN", "BATT_CURR_PIN", "BATT_VOLT_MULT", "BATT_AMP_PERVLT", "BATT_AMP_OFFSET")
-MODULES = {
-    "Power Module 90A": (2.0, 3.0, 10.1, 17.0, 0.0),
-    "Power Module HV": (2.0, 3.0, 12.02, 39.877, 0.0),
-}  # two of seven, all on pins that are not −1
 SAFETY = {"FS_GCS_ENABLE", "FS_THR_ENABLE", "FS_THR_VALUE", "FS_ACTION", "FS_CRASH_CHECK", "ARMING_CHECK"}
 FLY_VIEW = {"WPNAV_SPEED", "WP_SPEED"}  # the speed slider's end: the one of 4.4, the one of later versions
 NAME = "parameters.json.xz"
@@ -56,13 +50,6 @@ def sent_by(rig: Rig) -> dict[str, float]:
 )
 def test_no_page_misses_a_parameter(page: set[str]) -> None:
     assert page <= set(sent_by(Rig()))
-
-
-def test_the_power_page_names_no_module_and_no_second_battery() -> None:
-    values = sent_by(Rig())
-    assert tuple(values[name] for name in MODULE) not in MODULES.values()
-    assert values["BATT_VOLT_PIN"] == values["BATT_CURR_PIN"] == -1.0
-    assert FACTS["BATT2_MONITOR"].shown(values["BATT2_MONITOR"]) == "Disabled"
 
 
 def test_every_parameter_has_a_text_and_is_shown_as_unchanged_on_a_fresh_boat() -> None:

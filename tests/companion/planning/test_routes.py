@@ -151,16 +151,6 @@ def test_a_channel_that_is_wide_enough_is_found(turn_deg: float, excess_m: float
     assert route.length_m < 640.0
 
 
-@pytest.mark.parametrize("turn_deg", [0.0, 27.0])
-def test_a_channel_that_is_too_narrow_is_not_taken(turn_deg: float) -> None:
-    turn_rad = math.radians(turn_deg)
-    ends = [Point(x * math.sin(turn_rad), x * math.cos(turn_rad)) for x in (-300.0, 300.0)]
-    with pytest.raises(NoWay) as failure:
-        channel(7.9999, turn_rad).routes(4.0).route(*ends)
-    assert failure.value.reason == "unconnected"
-    assert failure.value.nearest is None
-
-
 def test_a_start_or_goal_without_the_clearance_names_the_nearest_that_has_it() -> None:
     routes = Water([square(100.0), square(10.0)]).routes(4.0)
     free = Point(50.0, 50.0)
@@ -215,9 +205,3 @@ def test_a_place_that_is_not_finite_is_refused_at_once(place: Point, is_open: bo
         routes.route(place, Point(0.0, 0.0))
     assert (start.value.reason, start.value.nearest) == ("start", None)
     assert list(routes.exits(place)) == []
-
-
-@pytest.mark.parametrize("clearance_m", [-1.0, math.nan, math.inf])
-def test_a_clearance_that_makes_no_sense_is_refused(clearance_m: float) -> None:
-    with pytest.raises(ValueError, match="expected 0 or more"):
-        Water([Shore(SQUARE)]).routes(clearance_m)

@@ -32,15 +32,6 @@ def test_distances_and_sides_are_shapelys(seed: int) -> None:
             assert water.is_clear(a, b, clearance_m) == (distance_m >= max(clearance_m, 1e-6))
 
 
-def test_open_water_has_no_shore() -> None:
-    sea = Water([], is_open=True)
-    here, there = Point(0.0, 0.0), Point(1e6, 0.0)
-    assert sea.is_water(here)
-    assert sea.distance_m(here) == math.inf
-    assert sea.routes(10.0).route(here, there).points == (here, there)
-    assert not Water([]).is_water(here)
-
-
 def test_a_shore_may_ask_for_a_clearance_of_its_own() -> None:
     island = Shore(square(10.0).corners, clearance_m=5.0)
     sea = Water([island, square(10.0, north_m=100.0)], is_open=True)
@@ -64,14 +55,6 @@ def test_obstacles_may_overlap_the_shore_and_each_other() -> None:
     route = blocked.routes(2.0).route(Point(0.0, -50.0), Point(0.0, 50.0))
     assert route.length_m > lake.routes(2.0).route(Point(0.0, -50.0), Point(0.0, 50.0)).length_m
     assert blocked.with_shores([]) is blocked
-
-
-def test_a_single_point_is_kept_clear_of() -> None:
-    sea = Water([Shore([Point(0.0, 0.0)])], is_open=True)
-    assert not sea.is_clear(Point(2.9, -9.0), Point(2.9, 9.0), 3.0)
-    route = sea.routes(3.0).route(Point(0.0, -10.0), Point(0.0, 10.0))
-    taut_m = 2 * math.sqrt(100 - 9) + 3 * 2 * math.asin(0.3)
-    assert route.length_m == pytest.approx(taut_m, rel=1e-4)
 
 
 def test_a_wall_is_rounded_at_its_end() -> None:

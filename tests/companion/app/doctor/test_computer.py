@@ -8,7 +8,6 @@ import pytest
 from doctor_tree import Examine
 
 from companion.app.doctor.computer import (
-    check_clock,
     check_disk,
     check_network,
     check_open_links,
@@ -21,7 +20,6 @@ from companion.config.boat_config import BoatConfig, LinkConfig, StorageSetting
 pytest_plugins = ("doctor_fixtures",)
 
 THROTTLED = "/sys/devices/platform/soc/soc:firmware/get_throttled"
-JUNE_2026 = 1_781_000_000.0
 
 
 @pytest.mark.parametrize(
@@ -56,13 +54,6 @@ def test_the_disk_of_missions_and_logs(
     monkeypatch.setattr(os, "statvfs", statvfs)
     assert check_disk(examined).verdict is verdict
     assert asked == [examined.path("/var/lib")], "the folder is made at the first start"
-
-
-def test_a_clock_that_nothing_has_set_is_told(examine: Examine) -> None:
-    assert check_clock(examine({}), 86400.0).verdict is Verdict.WARNING
-    assert check_clock(examine({}), JUNE_2026).verdict is Verdict.FINE
-    own = check_clock(examine({"/sys/class/rtc/rtc0/name": "x"}), JUNE_2026)
-    assert own.text.endswith("kept by a clock with a battery")
 
 
 # two networks of a boat with an access point and a home network, as Linux shows them

@@ -8,7 +8,7 @@ import pytest
 from doctor_tree import PI_4, Tree
 
 from companion.app.cli import run_program
-from companion.app.doctor.accounts import check_own_groups, check_service, check_user
+from companion.app.doctor.accounts import check_own_groups, check_user
 from companion.app.doctor.findings import Examined, Verdict
 from companion.app.install.steps import apply_steps
 from companion.app.install.target import Target
@@ -112,27 +112,3 @@ def test_groups_of_whoever_asks(tree: Tree) -> None:
     found.fix[0].undo()
     assert check_own_groups(examined(root), "skipper").text == found.text
     assert check_own_groups(examined(root), "root").verdict is Verdict.FINE
-
-
-def test_whether_the_boat_starts_by_itself(tree: Tree) -> None:
-    root = tree(SOUND)
-    assert check_service(examined(root), {}).verdict is Verdict.WARNING
-    wants = root / "etc/systemd/system/multi-user.target.wants"
-    wants.mkdir(parents=True)
-    (wants / "mavboat.service").symlink_to("/etc/systemd/system/mavboat.service")
-    assert check_service(examined(root), {}).text == "starts with the computer"
-    running = {
-        "ActiveState": "active",
-        "SubState": "running",
-        "NRestarts": "0",
-        "StatusText": "HOLD, disarmed",
-    }
-    assert check_service(examined(root), running).text == "starts with the computer, runs now: HOLD, disarmed"
-    assert (
-        check_service(examined(root), {"ActiveState": "activating", "NRestarts": "0"}).verdict is Verdict.FINE
-    )
-    stopped = check_service(examined(root), {"ActiveState": "failed", "Result": "exit-code"})
-    assert (stopped.verdict, stopped.text) == (Verdict.WARNING, "has failed: exit-code")
-    failing = {"ActiveState": "activating", "NRestarts": "12"}
-    found = check_service(examined(root), failing)
-    assert (found.verdict, found.text) == (Verdict.FAILED, "fails, and was started again 12 times")

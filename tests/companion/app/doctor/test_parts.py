@@ -15,25 +15,15 @@ from companion.app.doctor.by_hand import nudge_motors
 from companion.app.doctor.findings import Verdict
 from companion.app.doctor.parts import (
     LivePart,
-    check_compass_calibration,
     check_part,
-    in_words,
     part_findings,
 )
 from companion.app.status_file import BoatStatus
 from companion.config.actuators import MotorsPart
-from companion.config.boat_config import BoatConfig, Parts, StorageSetting
-from companion.config.sensors import CompassPart, HullPart
-from companion.core.generations import Generation, seal
-from companion.core.geo import LatLon
+from companion.config.boat_config import BoatConfig, Parts
+from companion.config.sensors import HullPart
 from companion.core.readings import (
-    BatteryReading,
-    DepthReading,
-    GnssFix,
-    HeadingReading,
     HullReading,
-    RcReading,
-    SonarReading,
 )
 from companion.core.status_text import Severity, StatusText
 from companion.router.status import LinksStatus
@@ -73,15 +63,6 @@ def test_a_part_is_waited_for_and_closed() -> None:
     assert part.closed == 1
 
 
-@pytest.mark.parametrize("reading", [None, []])
-def test_a_silent_part_fails(reading: object) -> None:
-    part, clock = Part(reading), FakeClock()
-    found = check_part("hull", opening(part), FITTED, clock)
-    assert (found.verdict, found.text) == (Verdict.FAILED, "host: no reading within 10 s")
-    assert 10.0 <= clock.time_s < 10.5
-    assert part.closed == 1
-
-
 def test_what_the_running_boat_misses_is_found(examine: Examine) -> None:
     why = "BNO055: no answer at I²C address 0x28"
     status = BoatStatus(4711, 0.1, 1, 0, 0, 0.0, LinksStatus(0.0, (), 0, 0, 0, 0), missing={"Compass": why})
@@ -89,53 +70,6 @@ def test_what_the_running_boat_misses_is_found(examine: Examine) -> None:
     compass, others = part_findings(examine(files, FITTED), FakeClock())
     assert (compass.name, compass.verdict, compass.text) == ("Compass", Verdict.FAILED, why)
     assert (others.verdict, others.text) == (Verdict.SKIPPED, "the running boat uses the others")
-
-
-PLACE = LatLon(50.0, -1.2)
-
-
-@pytest.mark.parametrize(
-    ("reading", "verdict", "text"),
-    [
-        (
-            GnssFix(0.0, PLACE, 3, 9, 0.94),
-            Verdict.FINE,
-            "3-D fix, 9 satellites, HDOP 0.9, 50.000000 -1.200000",
-        ),
-        (GnssFix(0.0, PLACE, 1, 3, 99.0), Verdict.WARNING, "no fix, 3 satellites; not enough to arm"),
-        (
-            HeadingReading(0.0, 0.1, 0.01, 0.02, -0.02, is_magnetic=True),
-            Verdict.FINE,
-            "heading 6° magnetic, turning +0.6°/s, roll 1°, pitch -1°",
-        ),
-        (
-            BatteryReading(0.0, 9.0),
-            Verdict.WARNING,
-            "9.00 V, current not measured; below arming.battery_min_v = 10.5 V",
-        ),
-        (
-            BatteryReading(0.0, 14.8, 0.4),
-            Verdict.WARNING,
-            "14.80 V, 0.40 A; Battery: 14.8 V does not fit 3 cells, but 4",
-        ),
-        (
-            DepthReading(0.0, 2.0, 18.5, 0.25),
-            Verdict.FINE,
-            "2.00 m below the transducer, water 2.25 m, 18.5 °C",
-        ),
-        (DepthReading(0.0, None), Verdict.WARNING, "the sounder answers, no bottom found"),
-        (HullReading(0.0, is_wet=True, temperature_c=50.0), Verdict.FAILED, "WATER, 50 °C"),
-        (RcReading(0.0, (1500, 1000), rssi_dbm=-60.0), Verdict.FINE, "channels 1500 1000 µs, -60 dBm"),
-        (RcReading(0.0, (), is_failsafe=True), Verdict.WARNING, "receiver answers, transmitter off"),
-        (
-            [SonarReading(0.0, 0.0, 2.0), SonarReading(0.0, -0.5, 1.25)],
-            Verdict.FINE,
-            "nearest echo 1.25 m 29° to port",
-        ),
-    ],
-)
-def test_readings_in_words(reading: object, verdict: Verdict, text: str) -> None:
-    assert in_words(reading, BoatConfig()) == (verdict, text)
 
 
 # Motors
@@ -204,31 +138,3 @@ def test_a_key_pressed_meanwhile_stops_the_motors(board: PinBoard) -> None:
         nudge_motors(BRIDGED, Interrupted(), lambda question: "yes", lambda _: None)
     assert any(change.value for change in board.history)
     assert not any({change.pin: change.value for change in board.history}.values())
-
-
-BOAT = BoatConfig(
-    parts=Parts(compass=CompassPart(driver="qmc5883l")), storage=StorageSetting(folder="/var/lib/mavboat")
-)
-CALIBRATED = "COMPASS_OFS_X -120.5\nCOMPASS_OFS_Y 33\nCOMPASS_OFS_Z -8\n"
-
-
-@pytest.mark.parametrize(
-    ("stored", "verdict", "words"),
-    [
-        ("", Verdict.WARNING, "none: only MANUAL and HOLD arm"),
-        ("WP_RADIUS 3\n", Verdict.WARNING, "none: only MANUAL and HOLD arm"),
-        (CALIBRATED, Verdict.FINE, "offsets -120, 33, -8 mG; motors' field not measured"),
-        (f"{CALIBRATED}COMPASS_MOTCT 2\n", Verdict.FINE, "offsets -120, 33, -8 mG; motors' field by current"),
-    ],
-)
-def test_the_stored_parameters_tell_whether_it_is_calibrated(
-    examine: Examine, stored: str, verdict: Verdict, words: str
-) -> None:
-    files = {"/var/lib/mavboat/params.parm": seal(Generation(3, stored.encode())).decode()} if stored else {}
-    (finding,) = check_compass_calibration(examine(files, BOAT))
-    assert (finding.verdict, finding.text) == (verdict, words)
-    assert ("calibrate-compass" in finding.cure) is (verdict is Verdict.WARNING)
-
-
-def test_other_compasses_have_no_line(examine: Examine) -> None:
-    assert check_compass_calibration(examine({}, BoatConfig())) == []

@@ -1,7 +1,5 @@
 """The Pi's start-up files: what the doctor misses in them, and how it adds it."""
 
-from typing import Any, get_args, get_origin, get_type_hints
-
 import pytest
 from doctor_tree import PI_4, Examine
 
@@ -11,21 +9,15 @@ from companion.app.doctor.settings import (
     active_lines,
     check_boot_config,
     check_console,
-    check_devices,
-    check_main_port,
     check_motors_off,
 )
 from companion.app.install.steps import apply_steps
-from companion.app.needs import I2C_ADDRESSES
 from companion.config.actuators import MotorsPart, PulseOutputSetting
 from companion.config.actuators import RudderPart as Rudder
 from companion.config.boat_config import BoatConfig, Parts, decode_config
 from companion.config.payload import GripperPayload, ServoPayload
 from companion.config.sensors import BatteryPart, CompassPart, GnssPart
 from companion.config.tuning import Rc
-from companion.hal import ads1115
-from companion.hal.heading import bno055
-from companion.hal.heading.chips import Hmc5883l, Lis3mdl, Lsm6ds, Mpu6050, Qmc5883l, Qmc5883p
 
 pytest_plugins = ("doctor_fixtures",)
 
@@ -50,32 +42,6 @@ ESC = BoatConfig(
     ),
     payload=(GripperPayload(pin=4), ServoPayload(number=5, signal=PulseOutputSetting(pin=18))),
 )
-
-
-def driver_fields(kind: Any, seen: set[type]) -> set[str]:  # noqa: ANN401
-    """All drivers that a configuration can name."""
-    if get_origin(kind) is None and isinstance(kind, type) and hasattr(kind, "__struct_fields__"):
-        if kind in seen:
-            return set()
-        seen.add(kind)
-        drivers: set[str] = set()
-        for name, hint in get_type_hints(kind).items():
-            is_driver = name in ("driver", "imu")
-            drivers |= set(get_args(hint)) if is_driver else driver_fields(hint, seen)
-        return drivers
-    return set().union(*(driver_fields(one, seen) for one in get_args(kind)))
-
-
-def test_the_addresses_on_the_bus_are_those_of_the_drivers() -> None:
-    chips = {
-        kind.__name__.lower(): kind.ADDRESS
-        for kind in (Qmc5883l, Qmc5883p, Hmc5883l, Lis3mdl, Mpu6050, Lsm6ds)
-    }
-    chips |= {"bno055": bno055.ADDRESS, "ads1115": ads1115.ADDRESS}
-    assert {name: I2C_ADDRESSES[name] for name in chips} == chips
-    assert {I2C_ADDRESSES[name] for name in set(I2C_ADDRESSES) - set(chips)} == {0x40}, (
-        "INA2xx, A0 and A1 to ground"
-    )
 
 
 def test_conditions_of_config_txt_are_followed() -> None:
@@ -137,13 +103,6 @@ def test_a_console_on_the_receivers_line_is_taken_off(examine: Examine, console:
     assert found.verdict is Verdict.FINE
 
 
-def test_the_header_of_a_pi_5_has_another_port(examine: Examine) -> None:
-    (found,) = check_main_port(examine({"/proc/device-tree/model": PI_5}, KIT))
-    assert (found.verdict, found.cure) == (Verdict.FAILED, "for GPIO 14 and 15 set it to /dev/ttyAMA0")
-    assert check_main_port(examine({"/proc/device-tree/model": PI_4}, KIT)) == []
-    assert check_main_port(examine({"/proc/device-tree/model": PI_5})) == []
-
-
 @pytest.mark.parametrize(
     "payload",
     [
@@ -156,10 +115,3 @@ def test_the_header_of_a_pi_5_has_another_port(examine: Examine) -> None:
 def test_a_payload_on_pins_needs_that_program_too(examine: Examine, payload: dict[str, object]) -> None:
     config = decode_config({"parts": {"motors": {"driver": "esc"}}, "payload": [payload]}, "test")
     assert check_motors_off(examine({}, config))[0].verdict is Verdict.FAILED
-
-
-def test_missing_devices_are_named_with_their_keys(examine: Examine) -> None:
-    (found,) = check_devices(examine({"/dev/serial0": "", "/dev/ttyUSB0": ""}, KIT))
-    assert found.text == "missing: /dev/ttyAMA4 (rc.port), /dev/i2c-1 (parts.compass)"
-    (found,) = check_devices(examine({"/dev/ttyAMA4": "", "/dev/i2c-1": ""}, KIT))
-    assert (found.verdict, found.text) == (Verdict.FINE, "4 configured devices exist")

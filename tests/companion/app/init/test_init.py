@@ -86,18 +86,6 @@ def test_an_existing_file_is_kept_without_force(tmp_path: Path, capsys: pytest.C
     assert path.read_text(encoding="utf-8") == preset_text("lake")
 
 
-@pytest.mark.parametrize(
-    "arguments", [["--yes"], ["--preset", "submarine", "--yes"], ["--preset", "submarine"]]
-)
-def test_an_unknown_preset_is_wrong_usage(
-    arguments: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = tmp_path / "boat.toml"
-    assert run_program(["init", *arguments, "--output", str(path)]) == 2
-    assert f"expected one of {', '.join(PRESETS)}" in capsys.readouterr().err
-    assert not path.exists()
-
-
 def test_the_answers_are_in_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     replies = iter(["yacht", "lake", "10.0.0.255", "/dev/ttyUSB1"])
     asked, by_key = answers(identity__system_id="7", parts__gnss__driver="none")
@@ -186,10 +174,3 @@ def test_a_value_is_replaced_in_its_table_and_its_comment_stays_in_its_column() 
     assert with_values(TEXT, {"a.x": 20}).splitlines()[1] == "x = 20   # one"
     assert with_values(TEXT, {"a.name": 'new "x"'}).splitlines()[2] == r'name = "new \"x\""  # a name'
     assert with_values(TEXT, {"a.b.x": True}).splitlines() == [*TEXT.splitlines()[:4], "x = true"]
-
-
-def test_a_missing_key_and_a_missing_table_are_added() -> None:
-    assert tomllib.loads(with_values(TEXT, {"a.b.y": 3, "c.z": "w"})) == {
-        "a": {"x": 1, "name": "old", "b": {"x": 2, "y": 3}},
-        "c": {"z": "w"},
-    }

@@ -102,19 +102,6 @@ def test_everything_is_made_once(root: Path, capsys: pytest.CaptureFixture[str])
 
 
 @needs_passwd
-def test_a_configuration_is_checked_and_copied_but_never_over_the_owners(root: Path, tmp_path: Path) -> None:
-    own = tmp_path / "own.toml"
-    own.write_text('links = ["tcpin:0.0.0.0:5760"]\nparts.motors.driver = "l298n"\n', encoding="utf-8")
-    assert run_program(["install", "--root", str(root), "--config", str(own)]) == 2, "no position, no heading"
-    own.write_text(own.read_text() + "external = { position = 2, heading = 2 }\n", encoding="utf-8")
-    assert run_program(["install", "--root", str(root), "--config", str(own)]) == 0
-    installed = root / "etc/mavboat/boat.toml"
-    assert installed.read_text() == own.read_text()
-    assert run_program(["install", "--root", str(root)]) == 0
-    assert installed.read_text() == own.read_text()
-
-
-@needs_passwd
 @pytest.mark.parametrize("number", [0, len(ALL_STEPS) // 2, len(ALL_STEPS) - 1])
 def test_whatever_step_fails_the_system_is_as_before(
     root: Path, monkeypatch: pytest.MonkeyPatch, number: int, capsys: pytest.CaptureFixture[str]
@@ -208,19 +195,6 @@ def test_the_page_is_installed_only_if_asked_for_and_stays(
     assert not files(root) & PAGE_FILES
 
 
-@needs_passwd
-def test_the_map_is_an_option_and_stays(root: Path, tmp_path: Path) -> None:
-    water = tmp_path / "pond.geojson"
-    water.write_text("{}", encoding="utf-8")
-    assert install(root, "--page", "--page-map", str(water)) == 0
-    assert (root / "etc/mavboat/map.geojson").read_text("utf-8") == "{}"
-    unit = (root / "etc/systemd/system/mavboat-shore.service").read_text("utf-8")
-    assert " --map /etc/mavboat/map.geojson\n" in unit
-    after = snapshot(root)
-    assert install(root, "--page") == 0
-    assert snapshot(root) == after
-
-
 def test_a_page_that_could_not_start_is_not_installed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -276,15 +250,6 @@ def recorded(record: list[str], name: str, *, is_done: bool = False, fails: str 
             raise OSError(f"{name} fails")
 
     return InstallStep(name, lambda: is_done, lambda: call("apply"), lambda: call("undo"))
-
-
-def test_steps_are_applied_in_order_and_those_already_done_left_out() -> None:
-    record: list[str] = []
-    said: list[str] = []
-    steps = [recorded(record, "a"), recorded(record, "b", is_done=True), recorded(record, "c")]
-    apply_steps(steps, said.append)
-    assert record == ["apply a", "apply c"]
-    assert said == ["  done     a", "  already  b", "  done     c"]
 
 
 def test_a_step_that_fails_has_the_steps_before_it_undone_last_first() -> None:

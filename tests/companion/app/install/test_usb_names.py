@@ -48,12 +48,6 @@ def test_an_adapter_without_one_is_known_by_its_socket(tmp_path: Path, serial: s
     ]
 
 
-def test_the_second_port_of_an_adapter_is_told_from_its_first(tmp_path: Path) -> None:
-    plug_in(tmp_path, "ttyACM1", "1-1.1", CP2102, interface="02")
-    (rule,) = rules(usb_rules(["radio=/dev/ttyACM1"], sys_root=tmp_path))
-    assert 'ENV{ID_USB_INTERFACE_NUM}=="02"' in rule
-
-
 def test_names_given_before_stay_and_a_name_given_again_moves(tmp_path: Path) -> None:
     plug_in(tmp_path, "ttyUSB0", "1-1.3", CP2102)
     plug_in(tmp_path, "ttyUSB1", "1-1.4", CH340)
@@ -72,13 +66,3 @@ def test_an_option_that_is_no_name_and_device_is_refused(tmp_path: Path, option:
     plug_in(tmp_path, "ttyUSB0", "1-1.3", CP2102)
     with pytest.raises(InstallError, match="expected NAME=/dev/"):
         usb_rules([option], sys_root=tmp_path)
-
-
-def test_a_device_that_is_not_on_usb_is_refused(tmp_path: Path) -> None:
-    port = tmp_path / "class/tty/ttyAMA0"
-    (tmp_path / "devices/platform/serial").mkdir(parents=True)
-    port.mkdir(parents=True)
-    (port / "device").symlink_to(tmp_path / "devices/platform/serial")
-    for device in ("/dev/ttyAMA0", "/dev/ttyUSB9"):
-        with pytest.raises(InstallError, match="not a serial device on USB"):
-            usb_rules([f"gnss={device}"], sys_root=tmp_path)
