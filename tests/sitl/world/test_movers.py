@@ -50,20 +50,16 @@ def test_no_mover_ever_outruns_its_speed(
 
 
 @given(st.floats(-math.pi, math.pi), st.floats(0.1, 3.0), st.floats(0.05, 0.9))
-def test_a_ray_at_the_middle_of_a_mover_measures_to_its_edge(
-    bearing_rad: float, beyond_m: float, radius_m: float
-) -> None:
+def test_a_ray_at_a_mover_measures_to_its_edge(bearing_rad: float, beyond_m: float, radius_m: float) -> None:
     far_m = beyond_m + radius_m
-    movers = Movers(
-        [
-            MoverSettings(
-                start=(far_m * math.sin(bearing_rad), far_m * math.cos(bearing_rad)), radius_m=radius_m
-            )
-        ]
-    )
-    assert movers.range_m(0.0, 0.0, [bearing_rad], 4.0, 0.0) == pytest.approx(beyond_m)
-    assert movers.gap_m(0.0, 0.0, 0.0) == pytest.approx(beyond_m)
-    assert movers.range_m(0.0, 0.0, [bearing_rad + math.pi], 4.0, 0.0) == math.inf
+    start = (3.0 + far_m * math.sin(bearing_rad), far_m * math.cos(bearing_rad) - 2.0)
+    movers = Movers([MoverSettings(start=start, radius_m=radius_m)])
+    assert movers.range_m(3.0, -2.0, [bearing_rad], 4.0, 0.0) == pytest.approx(beyond_m)
+    assert movers.gap_m(3.0, -2.0, 0.0) == pytest.approx(beyond_m)
+    assert movers.range_m(3.0, -2.0, [bearing_rad + math.pi], 4.0, 0.0) == math.inf
+    off_rad = math.asin(0.6 * radius_m / far_m)
+    edge_m = far_m * math.cos(off_rad) - 0.8 * radius_m
+    assert movers.range_m(3.0, -2.0, [bearing_rad + off_rad], 4.0, 0.0) == pytest.approx(edge_m)
 
 
 @pytest.mark.parametrize(

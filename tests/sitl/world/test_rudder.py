@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from msgspec import structs
 
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.drive.rudder import STALLED_SHARE, Rudder, RudderSettings
+from sitl.world.drive.rudder import STALLED_SHARE, STALLING_RAD, Rudder, RudderSettings
 from sitl.world.drive.thruster import Thruster
 from sitl.world.world import World
 
@@ -43,6 +43,10 @@ def test_the_lift_slope_is_that_of_a_low_aspect_blade() -> None:
 def test_beyond_the_stall_the_lift_falls_off() -> None:
     peak = force(at_angle(30.0))[2]
     assert force(at_angle(29.0))[2] < peak
+    falling = 1.0 - (1.0 - STALLED_SHARE) * math.radians(3.0) / STALLING_RAD
+    assert force(at_angle(33.0))[2] == pytest.approx(
+        falling * peak * math.cos(math.radians(33.0)) / math.cos(math.radians(30.0))
+    )
     assert force(at_angle(40.0))[2] == pytest.approx(
         STALLED_SHARE * peak * math.cos(math.radians(40.0)) / math.cos(math.radians(30.0))
     )
