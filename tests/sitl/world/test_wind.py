@@ -81,6 +81,13 @@ def test_a_wind_over_the_bow_or_the_quarter_turns_the_hull_beam_on() -> None:
     assert windage.force(5.0, -5.0)[2] > 0.0  # from the starboard quarter: the bow comes up to starboard
 
 
+def test_the_moment_is_that_of_the_lever_and_of_the_slender_body() -> None:
+    windage = Windage(WindageSettings(lever_m=0.1), 2.0)
+    _, sway_n, yaw_nm = windage.force(3.0, 6.0)
+    body_nm = AIR_KG_M3 * BOAT.turning * BOAT.lateral_area_m2 * 2.0 * 3.0 * 6.0
+    assert yaw_nm == pytest.approx(0.1 * sway_n - body_nm)
+
+
 @given(ahead=SPEED, starboard=SPEED)
 def test_the_force_is_mirrored_with_the_wind_and_grows_with_its_square(
     ahead: float, starboard: float
