@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import mission_tools as mt
-from companion.core.geo import LocalFrame, Point, distance_m
+from companion.core.geo import LocalFrame, distance_m
 from mission_tools.mission.plan_file import load_mission
 
 RING = [[-1.2, 50.0], [-1.198, 50.0], [-1.198, 50.002], [-1.2, 50.002], [-1.2, 50.0]]
@@ -60,23 +60,10 @@ def test_a_route_keeps_its_clearance_and_adds_up(water: mt.WaterMap) -> None:
     assert water.route(mt.LatLon(*START), mt.LatLon(*GOAL), clearance_m=4) == route
 
 
-def test_a_leg_has_its_true_course(water: mt.WaterMap) -> None:
-    frame = LocalFrame(mt.LatLon(50.0002, -1.1998))
-    end = frame.to_global(Point(0.0, 60.0))
-    (leg,) = water.route((50.0002, -1.1998), end, clearance_m=2.0).legs
-    assert leg.course_deg == pytest.approx(90.0, abs=0.01)
-    assert leg.length_m == pytest.approx(60.0, abs=0.01)
-
-
 @pytest.mark.parametrize("place", [(50.0,), "50,-1", (math.nan, 0.0), (91.0, 0.0), 5.0, (None, 1.0)])
 def test_what_is_no_place_is_told(water: mt.WaterMap, place: Any) -> None:  # noqa: ANN401
     with pytest.raises(mt.UsageError, match="expected \\(latitude, longitude\\) in degrees"):
         water.route(START, place)
-
-
-def test_no_way_is_an_error_that_names_the_place(water: mt.WaterMap) -> None:
-    with pytest.raises(mt.NoRouteError, match="goal"):
-        water.route(START, (50.0010, -1.1990))
 
 
 def test_a_route_is_saved_in_the_format_of_its_suffix(water: mt.WaterMap, tmp_path: Path) -> None:
@@ -106,12 +93,6 @@ def test_a_survey_stays_in_its_area_and_needs_no_start(water: mt.WaterMap) -> No
     assert max(place.lon_deg for place in survey.points) < -1.1994
     assert survey.length_m > 5 * 200.0
     assert "on 0°" in survey.notes[-1]
-
-
-def test_a_shore_is_followed(water: mt.WaterMap) -> None:
-    round_island = water.follow_shore((50.0010, -1.1990), 5.0, clearance_m=3.0)
-    assert 4.49 <= round_island.min_clearance_m <= 5.0
-    assert is_same(round_island.points[0], round_island.points[-1])
 
 
 def test_the_package_imports_nothing_before_it_is_used() -> None:

@@ -128,18 +128,6 @@ def until_stage(station: MavutilStation, stage: int) -> None:
     station.wait_for("MISSION_CURRENT", lambda now: (now.get_srcSystem(), now.mission_state) == (1, stage))
 
 
-def test_a_place_on_land_offers_the_nearest_on_the_water(
-    visit: Visit, shore: ShoreBoat, station: MavutilStation
-) -> None:
-    page = skipper(visit, shore)
-    tap_land(page)
-    expect(page.get_by_text(re.compile(r"The nearest place with room is .*\sm from there"))).to_be_visible()
-    press(page, button(page, "Go to that place"))
-    expect(page.get_by_text(re.compile("Way by the water: "))).to_be_visible()
-    press(page, button(page, "Sail there"))
-    expect(told(page, re.compile("Sail there: The boat sails the way"))).to_be_visible()
-
-
 def sail_to_a_tapped_place(page: Page, station: MavutilStation) -> None:
     """By the way that the page shows; the boat then makes for the place that was tapped."""
     asked: list[dict[str, Any]] = []
@@ -174,23 +162,6 @@ def tap_open_water(page: Page) -> None:
         if told_way.is_visible():
             return
     raise AssertionError("no water was tapped")
-
-
-def tap_land(page: Page) -> None:
-    """Tap the edges of the whole pond until the page finds no water."""
-    for _ in range(4):
-        press(page, button(page, "Zoom out"))
-    chart = page.locator("canvas")
-    box = chart.bounding_box()
-    assert box is not None
-    ashore = page.get_by_text("That place is not on the map's water.").first
-    way = page.get_by_text(re.compile("Way by the water: "))
-    for x, y in ((0.02, 0.3), (0.3, 0.97), (0.98, 0.97), (0.5, 0.02)):
-        press(page, chart, {"x": x * box["width"], "y": y * box["height"]})
-        expect(way.or_(ashore)).to_be_visible()
-        if ashore.is_visible():
-            return
-    raise AssertionError("no land was tapped")
 
 
 def metres(at: Message, place: Place) -> float:

@@ -45,10 +45,6 @@ def collection(*features: dict[str, Any]) -> dict[str, Any]:
     return {"type": "FeatureCollection", "features": list(features)}
 
 
-def test_a_bare_polygon_is_an_inclusion() -> None:
-    assert parse_areas(polygon(RING), "f") == (Fence((FencePolygon(CORNERS, inclusion=True),)), (), ())
-
-
 def test_kinds_shapes_and_points_become_what_they_say() -> None:
     tree = collection(
         feature(polygon(RING), kind="exclusion"),
@@ -154,12 +150,6 @@ def test_a_file_without_a_fence_is_named(tmp_path: Path, name: str) -> None:
         with pytest.raises(MissionToolsError, match=name) as told:
             load(tmp_path / name)
         assert told.value.exit_code == 2
-
-
-def test_areas_given_replace_those_of_the_mission_and_others_stay() -> None:
-    mission = Mission((), fence=Fence((FencePolygon(CORNERS),)), rally=(Rally(PLACE),))
-    assert Areas(fence=Fence()).over(mission) == Mission((), fence=Fence(), rally=(Rally(PLACE),))
-    assert Areas().over(mission) == mission
 
 
 OLD_FENCE = """40.071308\t-105.229759

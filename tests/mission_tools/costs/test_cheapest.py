@@ -10,7 +10,7 @@ import shapely
 
 from companion.core.geo import LatLon, LocalFrame, Point, path_length_m
 from mission_tools.costs.cheapest import cheapest_route, route_cost
-from mission_tools.costs.current import River, UniformCurrent
+from mission_tools.costs.current import River
 from mission_tools.costs.travel import BoatSpeed, InZones, OpenWater, SpeedZone, TravelTime
 from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart, Feature, build_chart
@@ -74,15 +74,6 @@ def test_it_is_never_slower_than_the_shortest_route() -> None:
         assert keeps_clear(chart, found.points)
         # Both measured again, by finer steps than the planner's
         assert route_cost(travel, found.points, 0.1) <= route_cost(travel, direct, 0.1) * (1.0 + 1e-3)
-
-
-def test_in_a_uniform_current_and_in_still_water_the_straight_line_is_best() -> None:
-    chart, start, goal = channel(), Point(10.0, 10.0), Point(50.0, 300.0)
-    for travel in (
-        TravelTime(BoatSpeed(1.0, 1.5)),
-        TravelTime(BoatSpeed(1.0, 1.5), UniformCurrent(0.3, -0.6)),
-    ):
-        assert cheapest_route(chart, (start, goal), CLEARANCE_M, travel).points == (start, goal)
 
 
 def test_a_current_that_is_too_strong_everywhere_is_refused_with_the_place() -> None:

@@ -172,16 +172,6 @@ def test_what_this_package_wrote_keeps_its_home_and_leaves_its_fence_aside(
     assert drawn.mission.fence == Fence()
 
 
-def test_holds_of_geojson_that_this_package_wrote_are_kept(tmp_path: Path) -> None:
-    items = (
-        MissionItem.at(LatLon(50.0, -1.2), params=(60.0, 0.0, 0.0, 0.0)),
-        MissionItem.at(LatLon(50.001, -1.2)),
-    )
-    path = tmp_path / "own.geojson"
-    save_route(Mission(items), path)
-    assert load_drawn(path).mission.items == items
-
-
 @pytest.mark.parametrize(
     ("name", "content", "said"),
     [

@@ -29,11 +29,8 @@ from mission_tools.maps.formats.kml import parse_kml
 from mission_tools.maps.formats.mask import outlines
 from mission_tools.maps.geojson import load_geojson
 from mission_tools.mission.mission import (
-    Command,
     Fence,
-    FenceCircle,
     FencePolygon,
-    Frame,
     Mission,
     MissionItem,
 )
@@ -241,24 +238,6 @@ def test_the_fence_of_a_plan_is_the_water(tmp_path: Path) -> None:
     assert chart.navigable.area == pytest.approx(LAKE_M2 - ISLE_M2, rel=1e-3)
     assert not is_afloat(chart, 50.00075, 10.0015)
     assert not is_afloat(chart, 50.0021, 10.0015)
-
-
-def test_the_fence_items_of_a_wpl_file_are_the_water(tmp_path: Path) -> None:
-    path = tmp_path / "fence.waypoints"
-    fence = Fence(
-        (FencePolygon(corners(LAKE)), FencePolygon(corners(ISLE), inclusion=False)),
-        (FenceCircle(LatLon(50.0015, 10.003), 20.0, inclusion=False),),
-    )
-    home = MissionItem.at(LatLon(50.0, 10.0), frame=Frame.GLOBAL)
-    rows = [
-        f"{n}\t0\t{int(item.frame)}\t{int(item.command)}\t" + "\t".join(map(str, item.params))
-        + f"\t{item.x / 1e7}\t{item.y / 1e7}\t0\t1"
-        for n, item in enumerate((home, *fence.items()))
-    ]  # fmt: skip
-    path.write_text("\n".join(["QGC WPL 110", *rows]) + "\n")
-    chart = load_map(path)
-    assert chart.navigable.area == pytest.approx(LAKE_M2 - ISLE_M2 - 1256.6, rel=2e-3)
-    assert int(Command.NAV_FENCE_CIRCLE_EXCLUSION) == 5004
 
 
 def test_a_mission_without_a_fence_is_no_map(tmp_path: Path) -> None:

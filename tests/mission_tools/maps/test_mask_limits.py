@@ -7,7 +7,6 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from companion.core.geo import LatLon
 from mission_tools.errors import MapError
 from mission_tools.maps import load_map
 from mission_tools.maps.formats import mask as mask_format
@@ -46,18 +45,6 @@ def test_few_bytes_do_not_claim_millions_of_pixels(tmp_path: Path, name: str) ->
 def test_up_to_four_million_pixels_are_read_however_few_bytes_hold_them(tmp_path: Path) -> None:
     assert "no water in it" in refusal(saved(tmp_path / "m.png", np.zeros((2_000, 2_000), bool)))
     assert "4002000 pixels in" in refusal(saved(tmp_path / "m.png", np.zeros((2_001, 2_000), bool)))
-
-
-def test_cropping_leaves_the_water_where_it_is(tmp_path: Path) -> None:
-    mask = np.zeros((400, 400), bool)
-    mask[300:340, 200:260] = True
-    chart = load_map(saved(tmp_path / "m.png", mask))
-    middle = LatLon(50.0 - 319.5e-5, 10.0 + 229.5e-5)
-    assert chart.obstruction(chart.frame.to_local(middle)) is None
-    centroid = chart.frame.to_local(middle)
-    assert (chart.water.centroid.x, chart.water.centroid.y) == pytest.approx(
-        (centroid.east_m, centroid.north_m), abs=0.05
-    )
 
 
 def test_a_shore_of_too_many_edges_is_refused_before_it_is_contoured(

@@ -1,6 +1,5 @@
 """Scenario TOML as a planner reads it, and how SOURCE is found."""
 
-import math
 import tomllib
 from pathlib import Path
 
@@ -65,17 +64,6 @@ def test_a_pool_in_local_metres_with_its_cases() -> None:
     assert (case.start, case.goal, case.via) == (Point(0.28, 1.05), Point(1.75, 0.25), ())
     with pytest.raises(UsageError, match="no case '9' in Pool: there are 1"):
         source.with_case("9")
-
-
-def test_obstacles_in_open_water_are_the_only_shores() -> None:
-    chart = decode(ORIGIN + '[[map.obstacles]]\nname="buoy"\ncircle={centre=[0,10], radius_m=1.0}').chart
-    assert chart.is_open
-    assert chart.clearance_m(Point(5.0, 0.0)) == pytest.approx(4.0, abs=0.01)
-    assert chart.nearest_feature(Point(5.0, 0.0)) == "buoy"
-    for turn in range(128):  # no chord cuts into the circle
-        angle = turn * math.pi / 64.0
-        at = Point(10.0 + 0.9999 * math.cos(angle), 0.9999 * math.sin(angle))
-        assert chart.obstruction(at) == "on buoy"
 
 
 def test_a_map_file_lies_beside_the_scenario_and_may_get_more_obstacles() -> None:

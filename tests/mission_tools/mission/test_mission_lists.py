@@ -7,7 +7,6 @@ from dataclasses import astuple
 import pytest
 
 from companion.core.geo import LatLon
-from companion.mavlink.dialect import dialect
 from mission_tools.errors import UsageError
 from mission_tools.mission.mission import (
     Command,
@@ -21,7 +20,6 @@ from mission_tools.mission.mission import (
 )
 from mission_tools.mission.qgc_plan import compose as plan_text
 from mission_tools.mission.route import with_speed
-from mission_tools.mission.wire import Difference
 from mission_tools.mission.wpl_text import compose as wpl_text
 from mission_tools.mission.wpl_text import parse as parse_wpl
 from mission_tools.mission.wpl_text import parse_lists
@@ -123,21 +121,6 @@ def test_a_field_beyond_the_wires_is_refused() -> None:
         MissionItem(65536)
     with pytest.raises(ValueError, match="does not fit the 32 bits"):
         MissionItem(16, 2, (5e38, 0.0, 0.0, 0.0))
-
-
-def test_a_difference_names_item_field_and_both_values() -> None:
-    assert str(Difference(3, "param1", 1.0, 2.0)) == "item 3: param1 sent 1.0, held 2.0"
-
-
-def test_commands_have_the_numbers_of_the_dialect() -> None:
-    assert [int(one) for one in Command] == [getattr(dialect, f"MAV_CMD_{one.name}") for one in Command]
-
-
-def test_a_mission_of_commands_alone_has_a_home_at_zero() -> None:
-    (home, _) = Mission((MissionItem(Command.DO_CHANGE_SPEED, 2),)).wire_lists(home_first=True)[
-        MissionType.MISSION
-    ]
-    assert (home.x, home.y) == (0, 0)
 
 
 def test_the_fence_of_a_plan_has_the_versions_that_qgroundcontrol_reads() -> None:

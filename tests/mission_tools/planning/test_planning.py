@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 import shapely
-from data_files import SHORES
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely import affinity
@@ -71,21 +70,6 @@ def test_without_smoothing_the_route_is_the_grids_own_with_the_straight_points_l
     taut = plan_on_grid(pond, (JETTY, MILL), PlanSettings())
     assert taut.length_m < 0.99 * found.length_m
     assert taut.expanded == found.expanded > 100
-
-
-def test_via_points_are_visited_in_order(pond: Chart) -> None:
-    via = [Point(150.0, -190.0), Point(-150.0, 0.0)]
-    found = plan(pond, JETTY, MILL, PlanSettings(), via)
-    assert [point for point in found.points if point in via] == via
-    assert found.straight_m == pytest.approx(path_length_m([JETTY, *via, MILL]))
-    assert_keeps_clear(pond, found, 4.0)
-
-
-def test_open_water_is_one_straight_leg() -> None:
-    sea = build_chart("Sea", FRAME, None, ())
-    found = plan(sea, Point(0.0, 0.0), Point(300.0, -1234.5))
-    assert found.points == (Point(0.0, 0.0), Point(300.0, -1234.5))
-    assert found.min_clearance_m == math.inf
 
 
 def test_an_obstacle_in_open_water_is_rounded_at_the_clearance() -> None:
@@ -212,19 +196,6 @@ def test_every_route_keeps_its_clearance_to_the_true_polygons_and_its_ends(
         assert (found.length_m >= before_m - 1e-9) if cell_m is None else (found.length_m <= before_m + 1e-9)
 
 
-@pytest.mark.parametrize(
-    "name", ["pond_citra_fl", "pond_two_islands_nh", "lake_squam_nh", "lake_winnipesaukee_nh"]
-)
-def test_a_route_across_a_real_lake_keeps_clear_of_its_shore(name: str) -> None:
-    chart = load_geojson(SHORES / f"{name}.geojson")
-    deep = max(shapely.get_parts(chart.navigable.buffer(-12.0)), key=lambda part: float(part.area))
-    corners = sorted(deep.exterior.coords, key=lambda at: float(at[0] + at[1]))
-    start, goal = (Point(at[1], at[0]) for at in (corners[0], corners[-1]))
-    found = plan(chart, start, goal, PlanSettings(clearance_m=5.0))
-    assert_keeps_clear(chart, found, 5.0)
-    assert path_length_m(found.found) <= found.length_m <= 1.001 * path_length_m(found.found)
-
-
 def raft(west: float, south: float, east: float, north: float) -> Feature:
     return Feature("Raft", "raft", shapely.box(west, south, east, north))
 
@@ -259,11 +230,6 @@ def test_a_goal_and_a_start_that_have_the_clearance_but_no_margin_are_sailed_to(
         found = plan(chart, start, goal, PlanSettings(4.0, margin_m=0.6))
         assert_keeps_clear(chart, found, 4.0)
         assert found.notes == ("kept to 4 m: there is no room for a margin beside it",)
-
-
-def test_what_is_in_the_way_is_told_without_the_margin() -> None:
-    with pytest.raises(GoalBlocked, match="nearer than the clearance of 4 m"):
-        plan(basin(), Point(0, 0), Point(0, 47), PlanSettings(4.0, margin_m=0.6))
 
 
 @pytest.mark.parametrize("margin_m", [-0.1, math.inf, math.nan])

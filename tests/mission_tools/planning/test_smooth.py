@@ -91,15 +91,6 @@ def test_a_corner_moves_outwards_by_its_cut_and_the_ends_stay() -> None:
     assert moved.east_m < 0.0
 
 
-def test_the_rounded_track_no_longer_comes_nearer_to_the_headland_than_the_taut_corner_did() -> None:
-    _, moved, _ = widen_corners(CORNER, always, 2.0, math.inf)
-    headland = Point(96.0, 4.0)
-    inwards = math.atan2(headland.east_m - moved.east_m, headland.north_m - moved.north_m)
-    cut_m = corner_cut_m(0.5 * math.pi, 2.0)
-    apex = Point(moved.north_m + cut_m * math.cos(inwards), moved.east_m + cut_m * math.sin(inwards))
-    assert distance_m(apex, headland) == pytest.approx(distance_m(CORNER[1], headland), abs=0.01)
-
-
 def test_a_corner_with_little_room_moves_as_far_as_it_may() -> None:
     def is_south_of_a_quay(a: Point, b: Point) -> bool:
         return max(a.north_m, b.north_m) < 100.3

@@ -297,21 +297,3 @@ def test_the_first_boat_is_the_one_of_this_computer(tmp_path: Path) -> None:
     shore.run(0.1)
     assert shore.boats.first == 3
     assert (shore.snapshot(1).load, shore.snapshot(3).load) == (None, 0.25)
-
-
-def test_that_the_operator_of_a_boat_at_rest_was_away_is_no_news() -> None:
-    rig = Rig().ready()
-    shore = Shore(rig).ready()
-
-    def away() -> None:
-        shore.boats.is_operator = False
-        shore.run(8.0)
-        shore.boats.is_operator = True
-        shore.run(4.0)
-
-    away()
-    assert any(text.startswith("Failsafe over: operator") for text in rig.peer.texts), "the boat says it"
-    assert [line.text for line in shore.snapshot().lines if "perator" in line.text] == []
-    assert shore.ask("arm").ok
-    away()
-    assert any("perator" in line.text for line in shore.snapshot().lines), "of an armed boat it is news"

@@ -8,7 +8,7 @@ from companion.core.requests import ManualControl
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from mission_tools.station.requests import BadRequestError
-from mission_tools.station.setup.motor_tests import ENDED, HELD_UP, NO_ANSWER, STOPPED, MotorTests
+from mission_tools.station.setup.motor_tests import ENDED, HELD_UP, STOPPED, MotorTests
 
 LONGEST_S = 1.1  # a second, and what passes until the boat is polled
 EVERY_S = 0.3  # how often the page repeats while a button is held
@@ -117,13 +117,6 @@ def test_a_lost_stop_is_repeated(shore: Shore) -> None:
     assert turning(rig)[0]
     shore.ends[0].loss = 0.0
     assert until_rest(rig, shore) <= 0.3
-
-
-def test_a_stop_that_nobody_hears_is_told() -> None:
-    shore = Shore(Rig()).ready()
-    shore.ends[0].loss = 1.0
-    answer = shore.ask("motor_stop")
-    assert (answer.ok, answer.text) == (False, NO_ANSWER)
 
 
 def test_a_request_that_was_held_up_does_not_turn_a_motor(shore: Shore) -> None:

@@ -104,17 +104,6 @@ def test_bad_requests_are_answered_and_not_sent() -> None:
     assert (answer.ok, answer.text) == (False, "Boat 9 was never heard")
 
 
-@pytest.mark.parametrize("what", ["hold", "start", "sail"])
-def test_a_silent_boat_is_answered_for_within_ten_seconds(what: str) -> None:
-    _, shore = shore_with("armed")
-    shore.ends[0].loss = 1.0
-    answer = shore.ask(what, {"points": [[1.0, 50.0]]})
-    assert not answer.ok
-    assert "No answer" in answer.text
-    shore.run(12.0)
-    assert len([one for one in shore.answers if one.id == answer.id]) == 1
-
-
 def test_lost_frames_are_repeated() -> None:
     rig, shore = shore_with("armed")
     for seed, what, mode in ((0, "hold", "LOITER"), (1, "return", "RTL"), (2, "start", "AUTO")):

@@ -43,15 +43,6 @@ def test_a_text_is_found_by_its_key_and_its_values_are_put_in() -> None:
         assert say("answer.no_speed", n=number).startswith(f"{written} m/s")
 
 
-def test_an_answer_has_text_key_and_values() -> None:
-    answer = Answer(id="1", ok=True, text=say("answer.when_armed", what=say("answer.speed", n=2)))
-    told = json.loads(encode(answer))
-    assert told["text"] == "The speed is now 2 m/s as soon as it is armed"
-    assert told["key"] == "answer.when_armed"
-    inner = {"text": "The speed is now 2 m/s", "key": "answer.speed", "values": {"n": 2}}
-    assert told["values"] == {"what": inner}
-
-
 def test_a_said_text_in_a_result_crosses_the_wire() -> None:
     told = json.loads(encode(Answer(id="1", ok=False, result={"why": say("way.none")})))
     assert told["result"]["why"]["key"] == "way.none"

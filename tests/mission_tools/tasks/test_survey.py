@@ -86,14 +86,6 @@ def test_an_island_splits_the_tracks_into_four_cells() -> None:
     assert sorted(map(len, laid.cells)) == [2, 2, 4, 4]
 
 
-def test_an_area_is_covered_to_its_edge_and_hardly_beyond() -> None:
-    chart = basin(width_m=400.0, height_m=300.0)
-    area = shapely.Polygon([(100.0, 100.0), (300.0, 120.0), (280.0, 250.0), (120.0, 220.0)])
-    found = survey(chart, None, SETTINGS, area)
-    assert covered_share(found, area) >= 0.995
-    assert area.covers(route_line(found.route.points))
-
-
 def test_an_area_half_on_land_is_surveyed_where_there_is_water() -> None:
     chart = basin(ISLAND)
     area = shapely.box(60.0, 30.0, 120.0, 130.0)

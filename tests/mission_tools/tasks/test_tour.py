@@ -20,12 +20,6 @@ FAR, NEAR, MIDDLE = (
 )
 
 
-def test_stops_are_visited_in_the_given_order() -> None:
-    found = tour(basin(), START, [FAR, NEAR, MIDDLE], SETTINGS)
-    assert found.points == (START, FAR.place, NEAR.place, MIDDLE.place)
-    assert found.length_m == pytest.approx(180.0 + 150.0 + 50.0)
-
-
 def test_any_order_is_the_shortest() -> None:
     found = tour(basin(), START, [FAR, NEAR, MIDDLE], SETTINGS, any_order=True)
     assert found.points == (START, NEAR.place, MIDDLE.place, FAR.place)

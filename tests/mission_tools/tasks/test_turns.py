@@ -112,14 +112,3 @@ def test_the_turns_of_a_survey_are_those_of_the_boat_and_stay_in_the_water() -> 
         length_m = float(turn_length_m(np.array(across_m), np.array(0.0), RADIUS_M))
         assert legs[1].length_m >= 0.97 * min(length_m, across_m if across_m >= 2.0 * RADIUS_M else math.inf)
     assert found.route.length_of_m("transit") < 0.5 * route_line(found.route.points).length
-
-
-def test_most_tracks_are_taken_by_turns_where_neighbours_are_too_close() -> None:
-    """4 m apart with a radius of 5 m, a turn into the next track but two needs no detour."""
-    chart = basin(width_m=300.0, height_m=200.0)
-    settings = SurveySettings(spacing_m=4.0, plan=PlanSettings(clearance_m=4.0), turn_radius_m=RADIUS_M)
-    found = survey(chart, None, settings)
-    tracks = [leg for leg in found.route.legs if leg.kind == "track"]
-    steps_m = [abs(a.points[-1].north_m - b.points[0].north_m) for a, b in pairwise(tracks)]
-    assert sum(step_m >= 2.0 * RADIUS_M for step_m in steps_m) > 0.7 * len(steps_m)
-    assert found.coverage >= 0.995

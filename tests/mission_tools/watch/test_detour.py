@@ -60,11 +60,6 @@ def test_the_speed_that_was_set_before_still_holds() -> None:
     assert led_round(items, shapely.box(28, -2, 32, 2), current=2)[0] == SPEED
 
 
-def test_two_obstacles_are_both_gone_round() -> None:
-    seen = shapely.union_all([shapely.box(28, -2, 32, 2), shapely.box(68, -2, 72, 2)])
-    assert led_round([waypoint(0, 50), waypoint(0, 100)], seen)[-1] == waypoint(0, 100)
-
-
 def test_what_lies_beside_the_way_blocks_nothing() -> None:
     left = remainder_of([waypoint(0, 60)], CHART, 0)
     assert not is_blocked(HERE, left, shapely.box(28, 2.1, 32, 5))
