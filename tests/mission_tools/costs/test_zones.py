@@ -14,6 +14,7 @@ from mission_tools.assembly.planned_mission import open_source
 from mission_tools.assembly.zone_speeds import mission_in_zones
 from mission_tools.costs.travel import SpeedZone, for_draught, speed_zones
 from mission_tools.errors import MapError, NoRoute, NoRouteError, UsageError
+from mission_tools.geojson import collection, feature
 from mission_tools.maps.chart import Chart, Feature, build_chart
 from mission_tools.maps.geojson import load_geojson
 from mission_tools.mission.mission import Command
@@ -30,20 +31,10 @@ def square(west: float, south: float, east: float, north: float) -> list[list[li
 
 def write_map(folder: Path, **properties: object) -> Path:
     inner = {"kind": "water"} | properties
-    features = [
-        {
-            "type": "Feature",
-            "properties": {"kind": "water", "name": "Lake"},
-            "geometry": {"type": "Polygon", "coordinates": square(0, -1, 6, 1)},
-        },
-        {
-            "type": "Feature",
-            "properties": inner,
-            "geometry": {"type": "Polygon", "coordinates": square(2, -0.5, 4, 0.5)},
-        },
-    ]
+    lake = feature("Polygon", square(0, -1, 6, 1), kind="water", name="Lake")
+    tree = collection([lake, feature("Polygon", square(2, -0.5, 4, 0.5), **inner)])
     path = folder / "lake.geojson"
-    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    path.write_text(json.dumps(tree))
     return path
 
 

@@ -12,6 +12,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from companion.core.geo import LatLon, LocalFrame, Point
+from mission_tools import geojson
 from mission_tools.errors import MapError
 from mission_tools.maps import load_source
 from mission_tools.maps.chart import Chart
@@ -34,16 +35,12 @@ def ring(corners: Corners) -> list[list[float]]:
     return positions([*corners, corners[0]])
 
 
-def feature(coordinates: object, geometry: str = "Polygon", **properties: object) -> Json:
-    return {
-        "type": "Feature",
-        "properties": properties,
-        "geometry": {"type": geometry, "coordinates": coordinates},
-    }
+def feature(coordinates: Sequence[Any], geometry: str = "Polygon", **properties: object) -> Json:
+    return geojson.feature(geometry, coordinates, **properties)
 
 
 def chart_of(*features: Json) -> Chart:
-    return parse_geojson({"type": "FeatureCollection", "features": list(features)}, "f", "f", ORIGIN)
+    return parse_geojson(geojson.collection(list(features)), "f", "f", ORIGIN)
 
 
 def is_inside(corners: Corners, east_m: float, north_m: float) -> bool:
@@ -150,7 +147,7 @@ def test_what_encloses_nothing_is_skipped_with_a_note(beside: Json, said: str) -
 )
 @pytest.mark.parametrize("said", [{"kind": "obstacle"}, {"natural": "rock"}, {"man_made": "pier"}])
 def test_a_point_or_line_that_says_it_is_solid_is_never_sailed_over(
-    geometry: str, corners: object, said: Json
+    geometry: str, corners: Sequence[Any], said: Json
 ) -> None:
     chart = chart_of(feature([ring(LAKE)]), feature(corners, geometry, **said))
     assert chart.leg_clearance_m(Point(0.0, -50.0), Point(0.0, 50.0)) == 0.0

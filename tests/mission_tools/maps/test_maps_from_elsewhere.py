@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from companion.core.geo import LatLon, Point
+from mission_tools import geojson
 from mission_tools.assembly.areas import parse_areas
 from mission_tools.errors import MapError
 from mission_tools.maps.geojson import parse_geojson
@@ -30,15 +31,11 @@ def rectangle(west: float, south: float, east: float, north: float) -> list[list
 
 
 def feature(*rings: list[list[float]], **properties: object) -> Json:
-    return {
-        "type": "Feature",
-        "properties": properties,
-        "geometry": {"type": "Polygon", "coordinates": list(rings)},
-    }
+    return geojson.feature("Polygon", list(rings), **properties)
 
 
 def collection(*features: Json, **members: object) -> Json:
-    return {"type": "FeatureCollection", "features": list(features), **members}
+    return geojson.collection(list(features), **members)
 
 
 def named(name: str) -> Json:
@@ -213,9 +210,8 @@ def test_a_map_is_a_fence_outline_inside_islands_and_keep_outs_outside(lake: Jso
         feature(LAKE, ISLE[::-1], **lake),
         feature(rocks, kind="obstacle"),
         feature(swimmers, kind="swimming", name="Beach"),
-        {"type": "Feature", "properties": {"kind": "landmark", "name": "Mill"},
-         "geometry": {"type": "Point", "coordinates": place(0, 120)}},
-    )  # fmt: skip
+        geojson.feature("Point", place(0, 120), kind="landmark", name="Mill"),
+    )
     fence, rally, _ = parse_areas(tree, "f")
     assert rally == ()
     assert [polygon.inclusion for polygon in fence.polygons] == [True, False, False, False]

@@ -11,6 +11,7 @@ import pytest
 from companion.core.geo import LatLon
 from mission_tools.cli import plan_command
 from mission_tools.errors import MapError, PlanFileError
+from mission_tools.geojson import collection, feature
 from mission_tools.maps.geojson import parse_geojson
 from mission_tools.mission.mission import MOST_ITEMS, Command, Mission, MissionItem
 from mission_tools.mission.plan_file import parse_mission
@@ -29,23 +30,8 @@ PLAN["geoFence"] = {
 PLAN["rallyPoints"]["points"] = [[49.9991, -1.2014, 4.5]]
 HOME, ROW = "0 1 0 16 0 0 0 0 49.9991 -1.2011 0 1", "1 0 3 16 0.5 0 0 0 49.9992 -1.2 1.5 1"
 WPL = f"QGC WPL 110\n{HOME}\n{ROW}\n"
-AREAS = json.dumps(
-    {
-        "type": "FeatureCollection",
-        "features": [
-            {
-                "type": "Feature",
-                "properties": {"kind": "exclusion", "radius_m": 5.5},
-                "geometry": {"type": "Point", "coordinates": [-1.2, 50.001]},
-            },
-            {
-                "type": "Feature",
-                "properties": {"kind": "rally"},
-                "geometry": {"type": "Point", "coordinates": [-1.2011, 49.9991]},
-            },
-        ],
-    }
-)
+CIRCLE = feature("Point", [-1.2, 50.001], kind="exclusion", radius_m=5.5)
+AREAS = json.dumps(collection([CIRCLE, feature("Point", [-1.2011, 49.9991], kind="rally")]))
 NUMBER = re.compile(r"(?<![\w.])-?\d+\.\d+")
 
 
@@ -88,8 +74,7 @@ def star(corners: int, step: int) -> dict[str, Any]:
     """A line that crosses itself about corners × (step − 1) times."""
     turns = [2.0 * math.pi * step * n / corners for n in range(corners)] + [0.0]
     ring = [[10.0 + 0.004 * math.cos(turn), 50.0 + 0.004 * math.sin(turn)] for turn in turns]
-    feature = {"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": [ring]}}
-    return {"type": "FeatureCollection", "features": [feature]}
+    return collection([feature("Polygon", [ring])])
 
 
 def test_a_line_that_crosses_itself_without_end_is_refused_and_a_moderate_one_repaired() -> None:

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
+from mission_tools import geojson
 from mission_tools.errors import MapError
 from mission_tools.shore import chart as chart_module
 from mission_tools.shore import chart_file, thinning
@@ -35,20 +36,16 @@ def lon_lat(east_m: float, north_m: float, frame: LocalFrame = FRAME) -> list[fl
 
 def polygon(*rings: Ring, frame: LocalFrame = FRAME, **properties: object) -> dict[str, Any]:
     closed = [[lon_lat(*corner, frame) for corner in [*ring, ring[0]]] for ring in rings]
-    return {
-        "type": "Feature",
-        "properties": properties,
-        "geometry": {"type": "Polygon", "coordinates": closed},
-    }
+    return geojson.feature("Polygon", closed, **properties)
 
 
 def box(west: float, south: float, east: float, north: float) -> Ring:
     return [(west, south), (east, south), (east, north), (west, north)]
 
 
-def write(path: Path, *features: object, **more: object) -> Path:
+def write(path: Path, *features: object) -> Path:
     file = path / "map.geojson"
-    file.write_text(json.dumps({"type": "FeatureCollection", "features": list(features), **more}))
+    file.write_text(json.dumps({"type": "FeatureCollection", "features": list(features)}))
     return file
 
 
@@ -63,15 +60,12 @@ def way(chart: WaterChart, start: tuple[float, float], goal: tuple[float, float]
 
 
 def fence(*features: dict[str, Any]) -> dict[str, Any]:
-    return {"type": "FeatureCollection", "features": list(features)}
+    return geojson.collection(list(features))
 
 
 def circle(east_m: float, north_m: float, radius_m: float, command: int) -> dict[str, Any]:
-    return {
-        "type": "Feature",
-        "properties": {"seq": 0, "command": command, "name": "", "radius_m": radius_m},
-        "geometry": {"type": "Point", "coordinates": lon_lat(east_m, north_m)},
-    }
+    place = lon_lat(east_m, north_m)
+    return geojson.feature("Point", place, seq=0, command=command, name="", radius_m=radius_m)
 
 
 def blocked(chart: WaterChart, start: tuple[float, float], goal: tuple[float, float]) -> Blocked:

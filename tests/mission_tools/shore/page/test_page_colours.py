@@ -26,11 +26,8 @@ BLIND = {
     ),
     "none": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
 }
-LINES = (
-    "route",
-    "track",
-    "fence",
-)  # beside each other on the water; the exclusion's line is dotted and filled
+# Beside each other on the water; the exclusion's line is dotted and filled
+LINES = ("route", "track", "fence")
 FILLS = ("water", "land")
 HULLS = ("hull", "route", "unheard")  # disarmed, armed, not heard
 
