@@ -165,6 +165,18 @@ def test_one_round_over_all_links_takes_a_bounded_number_of_datagrams(server: Ud
         assert 0 < len(flooded.receive()) <= 256
 
 
+def test_the_same_port_can_be_taken_again_after_close(clock: HandClock) -> None:
+    port = UdpInPort(HERE, 0, clock)
+    with Station() as station:
+        link = call_in(port, station)
+    port.close()
+    port.close()
+    assert link.is_closed
+    assert link.receive() == [b"hello"]
+    assert port.accept() == []
+    UdpInPort(HERE, number_of(port), clock).close()
+
+
 def test_udpout_keeps_one_source_port_and_hears_only_its_station() -> None:
     with Station() as station, Station() as stranger:
         port = UdpOutPort(HERE, station.number)

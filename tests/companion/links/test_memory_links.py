@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from companion.links.memory import memory_pair
+from companion.links.memory import MemoryPort, memory_pair
 
 
 @given(st.lists(st.tuples(st.booleans(), st.binary(max_size=50))))
@@ -34,4 +34,16 @@ def test_closing_one_end_ends_the_other_after_its_last_words() -> None:
     assert not far.is_closed
     assert not far.send(b"anyone?")
     assert far.receive() == [b"last words"]
+    assert far.is_closed
+
+
+def test_a_port_hands_every_offered_link_out_once_and_closes_them_all() -> None:
+    near, far = memory_pair()
+    port = MemoryPort(near)
+    assert (port.name, port.fileno(), near.fileno()) == ("memory", -1, -1)
+    assert port.accept() == [near]
+    assert port.accept() == []
+    port.offer(far)
+    port.close()
+    assert near.is_closed
     assert far.is_closed

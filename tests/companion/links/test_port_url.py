@@ -105,3 +105,10 @@ def test_a_parts_device_is_opened_at_its_baud_rate_unless_it_states_one(
     for place in ("/dev/ttyAMA0", "/dev/ttyAMA0,4800", "tcp:boat.local:2947"):
         open_line(place, 9600.0, HandClock())
     assert urls == ["/dev/ttyAMA0,9600", "/dev/ttyAMA0,4800", "tcp:boat.local:2947"]
+
+
+@pytest.mark.parametrize("url", ["udpout:127.0.0.1:14550", "tcpout:127.0.0.1:5760"])
+def test_the_kinds_that_call_out_keep_their_url_as_name(url: str) -> None:
+    port = open_port(url, HandClock())
+    assert port.name == url
+    port.close()

@@ -235,6 +235,8 @@ def test_a_serial_line_is_set_up_for_its_format_and_baud_rate(line: PtyLine, clo
 def test_a_serial_line_that_is_unplugged_comes_back_as_a_new_link(line: PtyLine, clock: HandClock) -> None:
     port = SerialPort(line.device, 57600, clock)
     (link,) = port.accept()
+    assert link.name == port.name == f"serial:{line.device}:57600"
+    assert link.receive() == [], "and does not wait"
     line.unplug()
     assert link.receive() == []
     assert link.is_closed

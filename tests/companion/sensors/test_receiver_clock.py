@@ -90,6 +90,13 @@ def test_fixes_that_all_are_late_by_the_same_tell_of_a_clock_that_was_set() -> N
     assert errors_s == pytest.approx([-2.0] * 9 + [0.0] * 11, abs=1e-6)
 
 
+def test_delays_that_vary_are_no_clock_that_was_set() -> None:
+    clock = tracked()
+    for n in range(40):
+        delay_s = 1.0 + 0.3 * (n % 3)
+        assert clock.measured_s(40_010.0 + n, 10.0 + n + delay_s) - 10.0 - n == pytest.approx(0.0, abs=1e-6)
+
+
 def test_a_delay_is_forgotten_after_two_windows() -> None:
     clock, last_s = tracked(), 0.0
     for n in range(700):
