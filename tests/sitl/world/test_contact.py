@@ -86,6 +86,7 @@ def test_a_touch_is_where_the_shore_or_a_mover_meets_the_outline() -> None:
     assert aside == pytest.approx(Touch(0.3, -0.2, -0.6, 0.8))
     assert overlap(BOX, (0.3, -0.4), 0.19) is None
     assert overlap(BOX, (0.1, 0.1), 0.01) is not None, "a mover inside the hull"
+    assert overlap(BOX, (0.7, -0.4), 0.25) is None, "off a corner"
 
 
 PULL = st.floats(-3.0, 3.0)
@@ -109,6 +110,14 @@ def test_a_blow_takes_the_speed_into_the_shore_and_never_adds_energy(
         assert body.energy_j == before_j
     else:
         assert body.energy_j < before_j or into > -1e-6
+
+
+def test_a_hull_adrift_stops_at_the_shore_that_the_current_sets_it_on() -> None:
+    body = Hull(LAKE, heading_rad=1.0)
+    ahead, starboard = math.cos(1.0), -math.sin(1.0)  # of the current, in body axes
+    apply_contact(body, Touch(0.0, 0.0, -ahead, -starboard), Velocity(1.0, 0.0))
+    over_ground = body.surge_m_s + ahead, body.sway_m_s + starboard
+    assert over_ground[0] * ahead + over_ground[1] * starboard == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_soft_shore_holds_the_boat_until_the_pull_is_strong_enough() -> None:
