@@ -40,6 +40,37 @@ def test_runs_are_the_product_of_voyages_grid_and_seeds(tmp_path: Path) -> None:
     assert plan.factors == ("environment.current_to_deg",)
 
 
+def test_variants_are_named_bundles_of_settings_each_with_the_same_seeds(tmp_path: Path) -> None:
+    plan = campaign(
+        tmp_path,
+        """
+        [run]
+        course = "straight"
+        seeds = 2
+        settings.environment.current_m_s = 0.5
+        [variants.receiver]
+        standard = {}
+        rtk = { sensors.gnss.noise_m = 0.01, sensors.gnss.wander_m = 0.02 }
+        [grid]
+        environment.current_to_deg = [0.0, 90.0]
+        """,
+    )
+    assert [
+        (run.factors["receiver"], run.factors["environment.current_to_deg"], run.seed) for run in plan.runs
+    ] == [
+        (receiver, to_deg, seed)
+        for receiver in ("standard", "rtk")
+        for to_deg in (0.0, 90.0)
+        for seed in (1, 2)
+    ]
+    assert "sensors" not in plan.runs[0].settings
+    assert plan.runs[-1].settings == {
+        "environment": {"current_m_s": 0.5, "current_to_deg": 90.0},
+        "sensors": {"gnss": {"noise_m": 0.01, "wander_m": 0.02}},
+    }
+    assert plan.factors == ("receiver", "environment.current_to_deg")
+
+
 def test_every_draw_of_a_sample_has_seeds_of_its_own(tmp_path: Path) -> None:
     plan = campaign(
         tmp_path,

@@ -6,7 +6,7 @@ import pytest
 
 from companion.core.geo import Point
 from sitl.experiments.encounters.encounter import Encounter, encounter_trials, run_encounter
-from sitl.experiments.encounters.obstacles import Kind, Meeting, mover
+from sitl.experiments.encounters.obstacles import LEG_M, Kind, Meeting, mover, still_obstacles
 from sitl.experiments.encounters.table import run_rows, summary
 from sitl.experiments.trial import TrialResult
 from sitl.world.movers import Mover, MoverSettings
@@ -24,6 +24,14 @@ def test_what_moves_is_aimed_at_where_the_boat_would_be(kind: Kind, seed: int) -
     east_m, north_m = Mover(MoverSettings(**tree)).position_m(meeting.time_s)
     assert math.hypot(north_m - meeting.at.north_m, east_m - meeting.at.east_m) <= 0.5
     assert math.hypot(*tree["velocity_m_s"]) == pytest.approx(0.5)
+
+
+def test_rocks_leave_the_ends_of_the_leg_free() -> None:
+    for seed in range(1, 20):
+        for rock in still_obstacles("dense", seed)["map"]["obstacles"]:
+            east_m, north_m = rock["circle"]["centre"]
+            to_ends_m = min(math.hypot(north_m, east_m), math.hypot(north_m - LEG_M, east_m))
+            assert to_ends_m > rock["circle"]["radius_m"] + 4.0
 
 
 def test_without_avoidance_what_moves_is_touched_though_it_could_be_helped() -> None:

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from patience import MOMENT_S
 
+from companion.core.errors import ConfigError, LinkError
 from companion.core.units import wrap_pi
 from sitl.physics.backend import Backend
 from sitl.physics.json_interface import parse_servos
@@ -109,3 +110,16 @@ def test_an_autopilot_of_ours_holds_a_heading_over_a_real_socket(scenario: Scena
         thread.join()
     assert told["attitude"][2] == pytest.approx(1.0, abs=0.05)
     assert math.hypot(*told["velocity"][:2]) > 0.5
+
+
+@pytest.mark.parametrize(("left", "right"), [(0, 3), (1, 17), (2, 2)])
+def test_outputs_that_cannot_be_are_refused(scenario: Scenario, left: int, right: int) -> None:
+    with pytest.raises(ConfigError, match=r"expected"):
+        Backend(scenario, left, right)
+
+
+def test_a_port_that_is_taken_is_said_in_words(scenario: Scenario) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as taken:
+        taken.bind(("127.0.0.1", 0))
+        with pytest.raises(LinkError, match="cannot listen"):
+            PhysicsServer(Backend(scenario), port=taken.getsockname()[1])

@@ -111,3 +111,15 @@ def test_a_boat_with_stopped_motors_drifts_downwind_at_a_few_percent_of_the_wind
     truth = drift("environment.wind_m_s=8", "environment.wind_from_deg=270", for_s=120.0)
     assert 0.04 * 8.0 < truth.east_m_s < 0.07 * 8.0
     assert (truth.wind_north_m_s, truth.wind_east_m_s) == pytest.approx((0.0, 8.0), abs=1e-9)
+
+
+def test_another_wind_can_be_made_to_blow_at_run_time() -> None:
+    water = World(load_scenario("open"))
+    assert water.wind.is_calm
+    water.wind.set_wind(6.0, math.pi)
+    for _ in range(100):
+        water.step(DT_S)
+    assert water.truth.wind_north_m_s == pytest.approx(6.0)
+    assert water.truth.north_m_s > 0.0
+    water.wind.set_wind(0.0, 0.0)
+    assert water.wind.is_calm
