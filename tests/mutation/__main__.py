@@ -55,6 +55,10 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
         "tests/protocol/test_transfer_back_to_back.py",
         "tests/protocol/test_transfer_rules.py", "tests/companion/vehicle/mission/test_mission_parts.py",
     ),
+    "config": (
+        "tests/companion/config", "tests/companion/app/init", "tests/companion/app/test_needs.py",
+        "tests/companion/app/doctor/test_settings.py",
+    ),
     "services/ftp": ("tests/companion/services/ftp", "tests/protocol/test_ftp_client.py"),
     "services": (
         "tests/companion/services", "tests/closed_loop/test_calibration_compass.py",
@@ -82,6 +86,7 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
 }  # fmt: skip
 SEED = 20261122
 EXAMPLES = 25  # of Hypothesis for each property
+CHEAP_CPU_S = 15.0  # a package whose tests all run against a fault of a declaration
 SPARE_CPU_S = 10.0  # beyond twice what a test takes without a fault: a loop that does not end is killed
 OPTIONS = (
     "-q", "-x", "--no-header", "-p", "no:cacheprovider", "-p", "no:xdist",
@@ -270,14 +275,9 @@ def survivors(package: str, mutants: Sequence[Mutant], cores: int) -> tuple[set[
         base = measured
         jobs: list[tuple[Mutant, Callable[[], int]]] = []
         for mutant in mutants:
-            if not mutant.first_line:
-                continue
-            callers = base.calls.get((str(ROOT / mutant.path), mutant.first_line), set())
-            if callers:
+            if callers := _callers(mutant, base):
                 chosen = [items[at] for at in sorted(callers, key=lambda at: base.cpu_s[at])]
                 jobs.append((mutant, _within(mutant, chosen, session, base)))
-            else:
-                survived.add(mutant)
         survived.update(run_all(jobs, 2.0 * sum(base.cpu_s) + SPARE_CPU_S, cores))
 
     def whole() -> tuple[set[Mutant], Baseline]:
@@ -289,7 +289,7 @@ def survivors(package: str, mutants: Sequence[Mutant], cores: int) -> tuple[set[
         raise SystemExit(f"no tests of {package} were collected")
     for test in base.failed:
         print("left out, it fails without a fault:", test)
-    outside = [mutant for mutant in mutants if not mutant.first_line]
+    outside = [mutant for mutant in mutants if not _callers(mutant, base)]  # or called at import only
     jobs = [(mutant, _imported(package, mutant, base)) for mutant in outside]
     return survived | run_all(jobs, 2.0 * sum(base.cpu_s) + SPARE_CPU_S, cores), base
 
@@ -299,11 +299,18 @@ def module_of(mutant: Mutant) -> str:
     return mutant.path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
 
 
+def _callers(mutant: Mutant, base: Baseline) -> set[int]:
+    """The tests that call the function with the fault. Empty for a fault outside of functions."""
+    return base.calls.get((str(ROOT / mutant.path), mutant.first_line), set())
+
+
 def _tests_of(mutant: Mutant, base: Baseline) -> list[str]:
-    """The tests that call any function of the mutant's file, the quickest first."""
+    """The tests that call any function of the mutant's file, then all others if that takes little time."""
     path = str(ROOT / mutant.path)
     callers = {at for (name, _), tests in base.calls.items() if name == path for at in tests}
-    return [base.ids[at] for at in sorted(callers, key=lambda at: base.cpu_s[at])]
+    others = set(range(len(base.ids))) - callers if sum(base.cpu_s) < CHEAP_CPU_S else set()
+    chosen = [at for group in (callers, others) for at in sorted(group, key=lambda at: base.cpu_s[at])]
+    return [base.ids[at] for at in chosen]
 
 
 def _within(
