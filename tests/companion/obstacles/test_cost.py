@@ -115,6 +115,22 @@ def test_an_expensive_rollout_is_abandoned() -> None:
     assert 0.1 < costs.risk(to(0.0), 0.1) < costs.risk(to(0.0))
 
 
+def test_the_cheapest_rollout_is_chosen() -> None:
+    costs, path = model(Point(3.1, 0.1)), ([0.25 * (step + 1) for step in range(20)], [0.0] * 20)
+    best = costs.choose(CourseFan(), 1.0, path, None, is_certain=True)
+    assert best is not None
+    assert abs(best.turn_rad) > 0.1
+    assert costs.risk(best) < 1.0
+    assert model(Point(3.1, 3.1)).choose(CourseFan(), 1.0, path, None, is_certain=True) is None
+
+
+def test_a_path_that_leads_nowhere_is_not_kept() -> None:
+    costs = model(Point(3.1, 3.1))
+    best = costs.choose(CourseFan(), 1.0, None, None, is_certain=True)
+    assert best is not None
+    assert best.turn_rad == pytest.approx(0.0)
+
+
 def test_nothing_is_braked_for_a_single_echo() -> None:
     wall = tuple(Point(2.0, -3.0 + 0.2 * step) for step in range(31))
     path = ([0.25 * (step + 1) for step in range(20)], [0.0] * 20)

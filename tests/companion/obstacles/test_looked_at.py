@@ -6,6 +6,7 @@ import pytest
 from avoidance_rig import CONFIG, boat
 from msgspec.structs import replace
 
+from companion.config.boat_config import with_value
 from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.geofence.fence import Fence, FenceCircle
@@ -97,6 +98,15 @@ def test_a_current_from_astern_leaves_less_room() -> None:
     assert allowed_speed_m_s(nav, CONFIG, water, Fence(), 0.0) == pytest.approx(stopping_m_s(2.0), abs=0.1)
     nav = replace(boat(), current_north_m_s=-0.5)
     assert allowed_speed_m_s(nav, CONFIG, water, Fence(), 0.0) == pytest.approx(stopping_m_s(3.0), abs=0.1)
+
+
+def test_known_water_sets_no_limit_and_costs_no_bookkeeping() -> None:
+    water = looked(0.0)
+    assert allowed_speed_m_s(boat(), CONFIG, water, fence(), 0.0) == math.inf
+    assert not water.is_used
+    uncharted = with_value(CONFIG, "avoidance.by_sight", 1)
+    assert allowed_speed_m_s(boat(), uncharted, water, fence(), 0.0) < 2.0
+    assert water.is_used
 
 
 def test_the_frame_moves_and_all_is_forgotten() -> None:

@@ -36,6 +36,12 @@ def test_after_five_seconds_the_boat_is_where_the_emulated_hull_is(
     assert found.bow_rad == pytest.approx(turn, abs=0.1)
 
 
+def test_port_is_starboard_in_the_mirror() -> None:
+    right, left = roll(1.0, 0.2, 0.6, 1.0, CONFIG), roll(1.0, -0.2, -0.6, 1.0, CONFIG)
+    assert right.ahead_m == pytest.approx(left.ahead_m)
+    assert right.right_m == pytest.approx([-side for side in left.right_m])
+
+
 def test_a_turn_leaves_no_thrust_for_braking() -> None:
     straight, turning = roll(1.5, 0.0, 0.0, 0.0, CONFIG), roll(1.5, 0.0, 1.0, 0.0, CONFIG)
     way = [math.hypot(*at) for at in zip(turning.ahead_m, turning.right_m, strict=True)]

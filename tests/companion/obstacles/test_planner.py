@@ -173,6 +173,15 @@ def test_switched_off_nothing_happens(enable: int) -> None:
     assert voyage.limit_m_s == math.inf
 
 
+def test_too_near_and_bow_on_the_boat_backs_off() -> None:
+    rock = [Point(0.6, -1.5 + 0.2 * step) for step in range(16)]
+    voyage = Voyage(*rock)
+    found = voyage.at(0.0, boat(speed_m_s=0.0), LEG)
+    assert isinstance(found, HoldHeading)
+    assert found.speed_m_s < 0.0
+    assert voyage.stage() is Stage.BACK
+
+
 def crossing(*movers_at: tuple[float, float, float, float]) -> Voyage:
     voyage = Voyage()
     for number, each in enumerate(movers_at, 1):

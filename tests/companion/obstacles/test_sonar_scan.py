@@ -70,3 +70,10 @@ def test_an_echo_in_the_blind_range_is_at_its_end() -> None:
     sweep = SonarScan()
     sweep.add(SonarReading(1.0, 0.0, 0.1, 0.25, 4.5))
     assert sweep.distances_cm(1.0)[0][0] == 25
+
+
+def test_a_range_beyond_the_field_leaves_a_number_for_clear_water() -> None:
+    sweep = SonarScan()
+    sweep.add(SonarReading(1.0, 0.0, None, max_range_m=900.0), SECTOR_RAD)
+    distances, farthest_cm = sweep.distances_cm(1.0)
+    assert (distances[0], farthest_cm) == (65534, 65533)

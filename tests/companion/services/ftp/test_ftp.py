@@ -2,6 +2,7 @@
 
 import os
 import struct
+import zlib
 from concurrent.futures import Executor, Future
 from pathlib import Path
 from typing import Any
@@ -76,6 +77,17 @@ def test_an_upload_that_breaks_off_leaves_the_old_file(served: Served, tmp_path:
         served.service.forget(STATION.channel)
     assert served.ask(Opcode.WRITE_FILE, b"more", session).code is Code.INVALID_SESSION
     assert (tmp_path / "files" / "a.bin").read_bytes() == b"old"
+
+
+def test_reset_keeps_what_was_written_and_not_what_was_only_begun(served: Served, tmp_path: Path) -> None:
+    served.put(b"/files/begun", b"old")
+    written = served.ask(Opcode.CREATE_FILE, b"/files/written", session=1).session
+    served.ask(Opcode.WRITE_FILE, b"new", written)
+    served.ask(Opcode.CREATE_FILE, b"/files/begun", session=2)
+    assert served.ask(Opcode.RESET_SESSIONS).opcode == ACK
+    assert (tmp_path / "files" / "written").read_bytes() == b"new"
+    assert (tmp_path / "files" / "begun").read_bytes() == b"old"
+    assert served.ask(Opcode.WRITE_FILE, b"x", written).code is Code.INVALID_SESSION
 
 
 def test_write_only_keeps_what_is_there(served: Served, tmp_path: Path) -> None:
@@ -156,6 +168,17 @@ def test_what_is_being_written_cannot_be_read_nor_the_other_way_round(served: Se
     assert served.ask(Opcode.BURST_READ_FILE, session=writing).code is Code.FILE_PROTECTED
     assert served.ask(Opcode.WRITE_FILE, b"x", reading).code is Code.FILE_PROTECTED
     assert served.tick() == []
+
+
+def is_open(path: Path) -> bool:
+    return any(os.path.realpath(fd) == str(path) for fd in Path("/proc/self/fd").iterdir())
+
+
+def test_the_checksum_is_mavlinks_and_leaves_no_file_open(served: Served, tmp_path: Path) -> None:
+    served.put(b"/files/a.bin", TEXT)
+    crc = struct.unpack("<I", served.ask(Opcode.CALC_FILE_CRC32, b"/files/a.bin").data)[0]
+    assert crc == zlib.crc32(TEXT, 0xFFFFFFFF) ^ 0xFFFFFFFF
+    assert not is_open(tmp_path / "files" / "a.bin")
 
 
 def test_all_uploads_together_are_bounded(served: Served) -> None:
@@ -353,6 +376,18 @@ def test_what_waits_its_turn_is_bounded(tmp_path: Path) -> None:
     assert served.service.dropped == 100 - 1 - 32
 
 
+def test_late_answers_are_dropped_once_the_link_has_closed(tmp_path: Path) -> None:
+    worker = Slow()
+    served = Served(tmp_path, worker)
+    (tmp_path / "files" / "a").write_bytes(TEXT)
+    served.send(request_of(1, Opcode.OPEN_FILE_RO, b"/files/a"))
+    served.service.forget(STATION.channel)
+    worker.work()
+    served.tick()
+    assert not served.service._stations
+    assert not is_open(tmp_path / "files" / "a")
+
+
 def test_requests_beyond_a_tick_are_dropped_and_the_next_tick_takes_more(served: Served) -> None:
     answered = [served.send(request_of(number, Opcode.NONE)) for number in range(2 * REQUESTS_PER_TICK)]
     assert sum(map(len, answered)) == REQUESTS_PER_TICK
@@ -437,6 +472,12 @@ def test_a_write_far_away_is_refused_and_costs_no_memory(served: Served) -> None
     for offset in (MAX_UPLOAD_BYTES, 2**32 - 1):
         assert served.ask(Opcode.WRITE_FILE, b"x", session, offset).code is Code.FAIL_ERRNO
     assert served.service._stations.uploads_bytes() == 0
+
+
+def test_a_link_is_listed_as_nothing_to_be_had(served: Served, tmp_path: Path) -> None:
+    (tmp_path / "files" / "link").symlink_to("/etc/passwd")
+    (tmp_path / "files" / "real").touch()
+    assert served.list(b"/files") == ["S", "Freal\t0"]
 
 
 def test_a_file_that_grows_ends_where_it_ended_when_opened(served: Served, tmp_path: Path) -> None:

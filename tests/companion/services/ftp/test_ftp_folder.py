@@ -130,3 +130,12 @@ def test_the_owner_may_put_the_folder_elsewhere_by_a_link(tmp_path: Path) -> Non
     assert reading.read(0, 10) == b"here"
     reading.close()
     reading.close()
+
+
+def test_a_reading_ends_where_its_file_ended_when_it_was_opened(tmp_path: Path) -> None:
+    (tmp_path / "a").write_bytes(b"0123456789")
+    reading = FolderMount(tmp_path).open(("a",))
+    (tmp_path / "a").write_bytes(b"0123456789" * 5)
+    assert (reading.fetch(4, 100), reading.fetch(9, 5)) == (b"456789", b"9")
+    reading.close()
+    assert reading.fetch(0, 5) == b""
