@@ -1,5 +1,8 @@
 """A finger on the glass, or a mouse where there is no glass."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 from pictures.browser import SIZES
 from playwright.sync_api import Locator, Page, Position, expect
 
@@ -19,20 +22,27 @@ def press(page: Page, button: Locator, at: Position | None = None) -> None:
         button.click(position=at)
 
 
-def hold(page: Page, button: Locator, acted: Locator) -> None:
-    """Press until `acted` is seen."""
+@contextmanager
+def holding(page: Page, button: Locator) -> Iterator[None]:
+    """A finger, or the mouse, on a button."""
     button.scroll_into_view_if_needed()
     box = button.bounding_box()
     assert box is not None
     x, y = box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0
-    if has_touch(page):
-        wire = page.context.new_cdp_session(page)
-        wire.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x, "y": y}]})
-        expect(acted).to_be_visible()
-        wire.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
-        wire.detach()
-    else:
+    if not has_touch(page):
         page.mouse.move(x, y)
         page.mouse.down()
-        expect(acted).to_be_visible()
+        yield
         page.mouse.up()
+        return
+    wire = page.context.new_cdp_session(page)
+    wire.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x, "y": y}]})
+    yield
+    wire.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    wire.detach()
+
+
+def hold(page: Page, button: Locator, acted: Locator) -> None:
+    """Press until `acted` is seen."""
+    with holding(page, button):
+        expect(acted).to_be_visible()

@@ -3,10 +3,9 @@
 import re
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
 
 import pytest
-from finger import has_touch, press
+from finger import holding, press
 from mavutil_station import MavutilStation
 from page_rig import (
     ShoreBoat,
@@ -52,26 +51,6 @@ def sensor(page: Page, name: str) -> Locator:
 def clear(page: Page) -> None:
     """Tick the box of the motors' panel."""
     page.locator("#boat .motor-safe input:visible").check()
-
-
-@contextmanager
-def holding(page: Page, held: Locator) -> Iterator[None]:
-    """A finger, or the mouse, on a button."""
-    held.scroll_into_view_if_needed()
-    box = held.bounding_box()
-    assert box is not None
-    x, y = box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0
-    if not has_touch(page):
-        page.mouse.move(x, y)
-        page.mouse.down()
-        yield
-        page.mouse.up()
-        return
-    wire = page.context.new_cdp_session(page)
-    wire.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x, "y": y}]})
-    yield
-    wire.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
-    wire.detach()
 
 
 def outputs(station: MavutilStation, left: bool, right: bool) -> None:
