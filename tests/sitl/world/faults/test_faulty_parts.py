@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from companion.core.readings import GnssFix
+from sitl.radio.channel import WHOLE, Quality
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.world import Truth, World
 
@@ -201,6 +202,24 @@ def test_a_loose_contact_comes_and_goes() -> None:
     assert min(thrust_n for _, thrust_n in during) < 0.1
     assert max(thrust_n for _, thrust_n in during) > 0.3
     assert min(thrust_n for _, thrust_n in after) > 0.3
+
+
+@pytest.mark.parametrize(
+    ("fault", "quality"),
+    [
+        ('kind="off"', Quality(loss=1.0)),
+        ('kind="lossy", size=0.25', Quality(loss=0.25)),
+        ('kind="delayed", size=2', Quality(delay_s=2.0)),
+        ('kind="slow", size=300', Quality(bandwidth_bytes_s=300.0)),
+    ],
+)
+def test_a_faulty_link_has_the_quality_of_its_fault_until_it_is_well(fault: str, quality: Quality) -> None:
+    water = World(load_scenario("open", [f'faults=[{{what="link", {fault}, at_s=0.1, for_s=0.1}}]']))
+    seen = []
+    for _ in range(15):
+        water.step(DT_S)
+        seen.append(water.electronics.computer.link_quality)
+    assert (seen[0], seen[7], seen[-1]) == (WHOLE, quality, WHOLE)
 
 
 def test_a_later_fault_takes_the_place_of_an_earlier_one_and_outlasts_its_end() -> None:
