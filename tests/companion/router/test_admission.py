@@ -45,7 +45,9 @@ def test_speech_counts_more_than_silence_even_from_an_address_that_may_be_forged
     speaking = Caller("198.51.100.1", Standing.SPEAKING)
     assert speaking not in excess_links([speaking, *strangers(1000)], 0.0)
     talkers = [Caller(f"203.0.113.{n}", Standing.SPEAKING) for n in range(PLACES)]
-    assert excess_links([*talkers, Caller("198.51.100.1")], 0.0) == [talkers[0]], "a newcomer is let in"
+    newcomer, quiet = Caller("198.51.100.1"), Caller("198.51.100.2")
+    assert excess_links([*talkers, newcomer], 0.0) == [talkers[0]], "a newcomer is let in"
+    assert excess_links([*talkers[1:], quiet, newcomer], 0.0) == [quiet]
 
 
 def test_a_host_with_many_links_loses_one_of_its_own() -> None:

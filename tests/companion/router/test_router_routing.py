@@ -131,9 +131,9 @@ def test_a_rebooted_system_is_looked_for_anew(wire: Wire) -> None:
         router.route(channel, wire.frame(OTHER, dialect.MAVLink_system_time_message(0, boot_ms)), now_s)
 
     clock(60_000, 2, 1.0)
-    clock(59_500, 2, 1.1)  # overtaken on the way
+    clock(57_000, 2, 1.1)  # overtaken on the way
     assert router.routes.flushes == 0
-    clock(900, 3, 2.0)
+    clock(53_900, 3, 2.0)
     assert router.routes.flushes == 1
     assert router.route(1, wire.frame(GCS, command(OTHER)), 2.0).channels == (3,)
 
@@ -151,6 +151,18 @@ def test_a_link_that_goes_takes_its_routes_with_it(wire: Wire) -> None:
     router.forget(2)
     assert router.route(1, wire.frame(GCS, command(OTHER)), 0.0).channels == (3,)
     assert router.route(1, wire.frame(GCS), 0.0).channels == (3, 4)
+
+
+def test_a_target_is_reached_once_it_was_heard_and_who_spoke_last_is_kept(wire: Wire) -> None:
+    router = router_with()
+    assert router.route(1, wire.frame(GCS, command(OTHER)), 0.0).channels == ()
+    router.route(2, wire.frame(OTHER), 0.0)
+    assert router.route(1, wire.frame(GCS, command(OTHER)), 0.0).channels == (2,)
+    senders = [Address(3 + number % 250, 1 + number // 250) for number in range(MAX_HEARD)]
+    for number, sender in enumerate((*senders[1:], OTHER, senders[0])):
+        router.route(2, wire.frame(sender), 10.0 + number)
+    assert OTHER in router.routes.addresses_on(2)
+    assert senders[1] not in router.routes.addresses_on(2)
 
 
 def test_what_is_remembered_of_frames_is_bounded() -> None:

@@ -132,6 +132,10 @@ def test_own_frames_go_first_then_addressed_ones_and_what_is_stale_is_dropped() 
     room.drain(1.5)
     assert taken == [b"own", b"answer", b"telemetry"]
     assert (room.dropped, room.waiting_bytes) == (2, 0)
+    is_full = True
+    for _ in range(MAX_BYTES // 250 + 1):
+        room.put(bytes(250), 1.5)
+    assert room.dropped == 3, "the oldest, for the latest"
 
 
 @settings(max_examples=30)
@@ -215,4 +219,4 @@ def test_the_report_counts_and_gives_rates() -> None:
     first, second = reporter.report(2.0).links
     assert (first.name, first.frames_in, first.heard) == ("shore", 1, ("2/1",))
     assert first.in_bytes_s == second.out_bytes_s == pytest.approx(len(frame) / 2.0)
-    assert second.forwarded == 1
+    assert (second.forwarded, second.frames_out) == (1, 1)
