@@ -159,8 +159,8 @@ def test_a_target_is_reached_once_it_was_heard_and_who_spoke_last_is_kept(wire: 
     router.route(2, wire.frame(OTHER), 0.0)
     assert router.route(1, wire.frame(GCS, command(OTHER)), 0.0).channels == (2,)
     senders = [Address(3 + number % 250, 1 + number // 250) for number in range(MAX_HEARD)]
-    for number, sender in enumerate((*senders[1:], OTHER, senders[0])):
-        router.route(2, wire.frame(sender), 10.0 + number)
+    for sender in (*senders[1:], OTHER, senders[0]):
+        router.route(2, wire.frame(sender), 10.0)
     assert OTHER in router.routes.addresses_on(2)
     assert senders[1] not in router.routes.addresses_on(2)
 
