@@ -14,7 +14,7 @@ ROCK = {"name": "Rock", "circle": {"centre": (0.0, 8.0), "radius_m": 1.0}}
 
 
 def perception_after(seconds: float, *settings: str) -> ObstaclePerception:
-    """A boat at rest, bow north, with a rock whose near side is 7 m ahead."""
+    """A boat at rest, with a rock whose near side is 7 m north of it."""
     scenario = load_scenario("open", settings, over=[Layer("test", {"map": {"obstacles": [ROCK]}})])
     lockstep = Lockstep(scenario)
     for _ in range(round(seconds / 0.02)):
@@ -29,9 +29,11 @@ def perception_after(seconds: float, *settings: str) -> ObstaclePerception:
 )
 def test_a_second_ranger_marks_what_the_sonar_cannot_see(ranger: str, sight_m: float, is_seen: bool) -> None:
     settings = second_ranger(sight_m, "forward" if ranger == "forward" else "scan")
-    perception = perception_after(12.0, *settings)
+    heading_deg = 40.0 if ranger == "scan" else 0.0
+    perception = perception_after(12.0, *settings, f"boat.heading_deg={heading_deg}")
     solid = perception.solid(12.0)
     assert bool(solid) is is_seen
     assert perception.reach_m == sight_m
+    assert all(abs(cell.east_m) < 2.5 for cell in solid)
     near = [math.hypot(cell.north_m, cell.east_m) for cell in solid]
     assert not near or min(near) == pytest.approx(7.0, abs=0.8)
