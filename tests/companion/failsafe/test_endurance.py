@@ -86,6 +86,27 @@ def test_a_boat_that_has_hardly_sailed_or_is_home_knows_nothing(
     assert math.isnan(after(seconds, nav).way_home_mah(nav, HOME)) is not is_known
 
 
+def test_draw_and_speed_are_those_of_the_last_half_minute() -> None:
+    endurance = after(300.0, sailing())
+    for _ in range(300):
+        endurance.learn(BatteryReading(0.0, 12.0, 10.0), sailing(2.0), CONFIG, 0.1)
+    assert endurance.draw_a == pytest.approx(10.0 - 5.0 / math.e, abs=0.02)
+    assert endurance.water_speed_m_s == pytest.approx(2.0 - 1.0 / math.e, abs=0.01)
+
+
+def test_without_a_current_monitor_a_home_or_a_position_nothing_is_said() -> None:
+    endurance = after(30.0, sailing())
+    battery = BatteryReading(0.0, 12.0, 5.0)
+    for nav, home, reading in (
+        (None, HOME, battery),
+        (sailing(), None, battery),
+        (sailing(), HOME, None),
+        (sailing(), HOME, BatteryReading(0.0, 12.0)),
+    ):
+        endurance.compare(nav, home, math.inf, reading, 5000.0, CONFIG, 0.0)
+        assert endurance.range_fault == ""
+
+
 def test_a_new_pack_ends_the_shortfall_and_the_comparison_is_due_once_a_second() -> None:
     endurance = after(30.0, sailing())
     assert range_fault(endurance, sailing(), 4000.0)

@@ -62,6 +62,11 @@ def test_silence_fires_once_and_again_only_after_the_operator_came_back() -> Non
     assert live(vehicle, 3.0) == ["Failsafe over: operator heard again"], "it is told once"
 
 
+def test_no_limit_and_no_monitor_never_fire() -> None:
+    assert live(armed_vehicle(battery_low_v=0.0, battery_critical_v=0.0), 60.0, volt=1.0) == []
+    assert live(armed_vehicle(), 60.0) == []
+
+
 def test_a_critical_pack_brings_home_a_boat_that_was_sent_on_when_it_was_low() -> None:
     vehicle = armed_vehicle()
     live(vehicle, 12.0, volt=10.1)
@@ -98,6 +103,13 @@ def test_a_boat_that_does_not_know_its_track_takes_the_second_choice(action: Act
     vehicle.track.is_incomplete = True
     lose_operator(vehicle)
     assert vehicle.mode == mode
+
+
+@pytest.mark.parametrize("mode", [Mode.GUIDED, Mode.HOLD])
+def test_the_action_disarm_disarms_in_every_mode(mode: Mode) -> None:
+    vehicle = armed_vehicle(mode, action=int(Action.DISARM))
+    assert "Disarmed by failsafe" in lose_operator(vehicle)
+    assert not vehicle.armed
 
 
 def test_after_a_failsafe_the_operators_choice_stands_however_long_the_trouble_lasts() -> None:

@@ -10,12 +10,32 @@ from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon
 from companion.core.readings import BatteryReading, GnssFix
 from companion.core.state import NavState
+from companion.failsafe.motors.current import MotorCurrent
 from companion.failsafe.motors.evidence import MotorEvidence
 from companion.failsafe.motors.hypotheses import WEIGHT, EffectSize
 from companion.failsafe.motors.motion_filter import MotionFilter
 from companion.failsafe.motors.watch import MotorWatch
 
 DT_S = 0.1
+EVEN = (0.5, 0.5)
+
+
+def driven(current: MotorCurrent, seconds: float, sigma_a: float, random: Random) -> None:
+    """Both motors at half of their command, two amperes with an error."""
+    for _ in range(round(seconds / DT_S)):
+        current.compare(EVEN, [0.5, 0.5], 0.0, 2.0 + random.gauss(0.0, sigma_a))
+        current.learn(DT_S, is_driven=True)
+
+
+@pytest.mark.parametrize(("sigma_a", "expected_a"), [(0.1, 0.19), (0.6, 0.6)])
+def test_readings_that_scatter_widely_are_believed_less(sigma_a: float, expected_a: float) -> None:
+    """The scatter of this boat's readings is learned where it is larger than expected, never less.
+
+    Expected: 0.16 A, and 5 % of some two amperes.
+    """
+    current, random = MotorCurrent(), Random(1)
+    driven(current, 300.0, sigma_a, random)
+    assert math.sqrt(current.variance) == pytest.approx(expected_a, rel=0.15)
 
 
 @pytest.mark.parametrize("silent_a", [None, math.nan, math.inf])
@@ -82,6 +102,14 @@ def test_each_hypothesis_learns_for_itself_until_it_forgets() -> None:
     size.forget(0)
     assert first[0] == first[1] == size.cost(0, 1.3, 1.0, 0.4, 0.04)
     assert size.cost(1, 1.3, 1.0, 0.4, 0.04) < first[1]
+
+
+def test_two_neighbouring_samples_count_for_one() -> None:
+    """Their errors are alike: together they teach what one of an error of its own would."""
+    size, spread, variance = EffectSize(1), 0.4, 0.04
+    for _ in range(2):
+        size.cost(0, 1.0, 1.0, spread, variance)
+    assert 1.0 / size._variance[0] == pytest.approx(1.0 + spread**2 / variance)
 
 
 STILL = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.02)

@@ -233,6 +233,15 @@ def test_a_fix_counts_for_the_time_it_was_measured(late_s: float, waiting: int) 
     assert len(evidence._pending) == waiting
 
 
+def test_disarming_ends_what_a_trial_has_said() -> None:
+    hull = sailed()
+    hull.watch.clear(hull.now_s)
+    hull.watch.rearm()
+    hull.sail(5.0)
+    hull.faults[1] = Fault.DEAD
+    assert hull.seconds_to_verdict(3.0) < 3.0
+
+
 def test_a_trial_that_clears_the_motors_stands_for_three_minutes() -> None:
     hull = sailed()
     hull.faults[0] = Fault.DEAD

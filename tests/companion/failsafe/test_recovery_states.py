@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from companion.config.boat_config import BoatConfig
 from companion.core.intent import Drive, Intent, Stop
 from companion.core.state import MotorState, MotorStates
-from companion.failsafe.actions import State, Trigger
+from companion.failsafe.actions import UNGROUNDING, State, Trigger
 from companion.failsafe.recovery.motor_check import MotorCheck
 from companion.failsafe.recovery.recovery import RecoveryManeuvers
 from companion.geofence.fence import Fence
@@ -33,6 +33,16 @@ def recovery_in(state: State) -> RecoveryManeuvers:
         assert recovery.handle(trigger, 0.0)
     assert recovery.state is state
     return recovery
+
+
+@pytest.mark.parametrize("state", State)
+def test_what_steers_in_each_state(state: State) -> None:
+    recovery = recovery_in(state)
+    assert recovery.is_active is (state is not State.IDLE)
+    assert recovery.is_ungrounding is (state in UNGROUNDING)
+    assert recovery.is_checking is (state is State.CHECKING)
+    assert recovery.hides_motors is (state not in (State.IDLE, State.COMPARING))
+    assert recovery.handle(Trigger.RETREAT, 1.0) is (recovery.state is not state)
 
 
 def intents(recovery: RecoveryManeuvers, seconds: float) -> list[Intent]:
@@ -86,6 +96,12 @@ def test_a_check_ends_with_its_result_and_disarming_forgets_it() -> None:
     assert step.text == recovery.motor_check.found()
     recovery.reset()
     assert not recovery.motor_check.motors.has_failed
+
+
+def test_without_an_estimate_a_check_breaks_off_and_says_nothing() -> None:
+    recovery = recovery_in(State.CHECKING)
+    step = recovery.update(None, Fence(), CONFIG, 0.0, 0.0, 1.0)
+    assert (recovery.state, step) == (State.IDLE, (Stop(), "", None))
 
 
 def test_a_check_drives_each_motor_alone_ahead_and_astern_and_lasts_six_seconds() -> None:
@@ -193,3 +209,10 @@ def test_a_motor_with_less_than_a_fifth_of_the_others_thrust_counts_as_failed(
     check = MotorCheck()
     tried(check, *((weaker, 0.4) if is_left else (0.4, weaker)))
     assert check.motors == (states(state, 1) if is_left else states(1, state))
+
+
+@pytest.mark.parametrize(("gain", "is_unclear"), [(0.04, True), (0.06, False)])
+def test_a_hull_that_hardly_turns_gives_no_clear_result(gain: float, is_unclear: bool) -> None:
+    check = MotorCheck()
+    tried(check, gain, gain)
+    assert check.is_unclear is is_unclear

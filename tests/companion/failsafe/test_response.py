@@ -86,6 +86,10 @@ def test_without_ten_seconds_of_room_a_motor_without_thrust_is_not_checked(
     assert decided(Action.CHECK_MOTORS, with_verdict(fault)(inputs(north_m_s))) == expected
 
 
+def test_a_motor_that_was_reversed_is_checked_instead_of_cleared() -> None:
+    assert decided(Action.CLEAR_PROPELLERS, inputs(reversed_motor=True)) == CHECKING
+
+
 @pytest.mark.parametrize(("room_m", "has_room"), [(3.0, False), (9.0, True)])
 def test_the_current_may_turn_by_seventeen_degrees_meanwhile(room_m: float, has_room: bool) -> None:
     seen = inputs(east_m_s=0.4, room_m=room_m)  # along the line: 24 m in a minute, and 7 m towards it

@@ -1,5 +1,7 @@
 """The rudder watch: what proves a rudder or a motor useless, and what does not."""
 
+import math
+
 import pytest
 from msgspec.structs import replace
 
@@ -66,3 +68,11 @@ def test_going_astern_under_throttle_ahead_is_a_reversed_motor() -> None:
     assert fault_after(60.0, rudder=0.0, surge_m_s=-0.1) == ""
     assert fault_after(60.0, rudder=0.0, surge_m_s=-0.2, throttle=0.25) == ""
     assert fault_after(60.0, rudder=0.0, surge_m_s=-0.2, layout="differential_rudder") == ""
+
+
+def test_without_a_rudder_or_an_estimate_nothing_is_judged() -> None:
+    assert fault_after(60.0, layout="differential") == ""
+    watch = RudderWatch()
+    watch.update(0.5, 1.0, None, config(), DT)
+    assert watch.fault == ""
+    assert not math.isnan(watch._steered)

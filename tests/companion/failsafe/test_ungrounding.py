@@ -94,6 +94,14 @@ def test_once_off_it_stands_off_and_then_ends() -> None:
     assert not recovery.is_ungrounding
 
 
+def test_one_that_is_carried_back_rests_and_tries_again() -> None:
+    recovery, water, back = begun(), fence(), nav_at(-0.5, 0.0, 0.0)
+    get_off(recovery, nav_at(-1.5, 0.0, 0.0), water, 5.0)
+    for tick in range(15):
+        assert get_off(recovery, back, water, 6.0 + tick * DT) == Stop()
+    assert isinstance(get_off(recovery, back, water, 7.6), Drive)
+
+
 ASHORE = nav_at(-0.3, 0.0, 0.0)
 
 

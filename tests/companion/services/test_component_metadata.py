@@ -82,6 +82,15 @@ def test_every_parameter_is_described_as_the_schema_allows() -> None:
             assert entry["readOnly"]
 
 
+def test_numbers_are_as_people_write_them() -> None:
+    tree = json.loads(unpacked("parameters.json.xz", Served().get(PARAMETERS)))
+    entries = {entry["name"]: entry for entry in tree["parameters"]}
+    assert entries["HND_SLIP"]["default"] == 0.4
+    assert entries["SYSID_THISMAV"]["default"] == 1
+    assert entries["HDG_KI"]["group"] == "HDG"
+    assert entries["RC1_MIN"]["group"] == "RC"
+
+
 @pytest.mark.parametrize("number", [395, 397])
 def test_a_station_that_asks_is_led_to_the_general_file(number: int) -> None:
     rig = Rig()

@@ -190,6 +190,13 @@ def test_the_operator_hears_of_the_first_frame_and_of_the_end() -> None:
     assert len(bench.texts) == 2
 
 
+def test_refused_frames_are_counted() -> None:
+    bench = Bench(Receiver(takes=False)).hear(rtcm_data(STATION))
+    status = bench.service.status(bench.now_s)
+    assert status is not None
+    assert (status.frames, status.refused) == (0, 1)
+
+
 def send(peer: Peer, data: bytes, sequence: int) -> None:
     for message in fragments(data, sequence):
         peer.send(message)

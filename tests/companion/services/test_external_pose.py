@@ -215,6 +215,17 @@ def test_obstacles_from_outside_are_told_on_bin_for_bin() -> None:
     assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE) != OK
 
 
+@pytest.mark.parametrize(("orientation", "sector"), [(0, 0), (2, 18), (6, 54)])
+def test_a_ranger_says_what_is_in_its_direction(orientation: int, sector: int) -> None:
+    rig = Rig(config={"external.obstacles": True}, sonar=None).ready()
+    camera = rig.connect(CAMERA)
+    camera.send(dialect.MAVLink_distance_sensor_message(0, 20, 700, 321, 0, 3, orientation, 255))
+    rig.step(2)
+    told = bins(rig)
+    assert told[sector] == 321
+    assert told[(sector + 36) % 72] == 0xFFFF
+
+
 @pytest.mark.parametrize(("week", "is_believed"), [(2400, True), (0, False), (65535, False)])
 def test_the_date_of_gps_input_is_believed_where_it_can_be(week: int, is_believed: bool) -> None:
     rig = Rig(config=ALONE, gnss=Silent(), compass=Silent())

@@ -33,6 +33,15 @@ def taken(rig: Rig) -> ManualControl:
     return rig.boat.vehicle.manual_input.latest
 
 
+@pytest.mark.parametrize(
+    ("y", "z", "throttle", "steering"),
+    [(0, 1000, 1.0, 0.0), (-1000, 0, 0.0, -1.0), (500, -250, -0.25, 0.5), (1000, -1000, -1.0, 1.0)],
+)
+def test_y_steers_and_z_is_the_throttle(rig: Rig, y: int, z: int, throttle: float, steering: float) -> None:
+    rig.peer.send(sticks(y, z))
+    assert taken(rig) == ManualControl(throttle, steering)
+
+
 @pytest.mark.parametrize(("y", "z", "command"), [(INVALID, 500, (0.5, 0.5)), (400, INVALID, (0.4, -0.4))])
 def test_one_invalid_axis_leaves_the_other_in_use(
     rig: Rig, y: int, z: int, command: tuple[float, float]

@@ -7,6 +7,13 @@ from companion.config.boat_config import BoatConfig
 from companion.mavlink.dialect import Message, dialect
 
 
+def read(rig: Rig, name: str = "", index: int = -1) -> list[Message]:
+    rig.peer.forget()
+    rig.peer.send(dialect.MAVLink_param_request_read_message(*BOAT, name.encode(), index))
+    rig.receive()
+    return rig.peer.said("PARAM_VALUE")
+
+
 def write(rig: Rig, name: str, value: float) -> Message:
     message = dialect.MAVLink_param_set_message(*BOAT, name.encode(), value, dialect.MAV_PARAM_TYPE_REAL32)
     return rig.answer_to(message, "PARAM_VALUE")
@@ -44,6 +51,13 @@ def test_a_slow_line_gets_the_list_as_fast_as_it_carries_it(rig: Rig) -> None:
     left_bytes = 1
     rig.step(10)
     assert len(rig.peer.said("PARAM_VALUE")) == 10
+
+
+def test_one_is_read_by_name_or_by_index(rig: Rig) -> None:
+    (by_name,) = read(rig, "HDG_KP")
+    assert by_name.param_value == BoatConfig().heading.kp
+    (by_index,) = read(rig, index=by_name.param_index)
+    assert by_index.param_id == "HDG_KP"
 
 
 def test_a_change_is_told_to_every_station_and_takes_hold_at_once(rig: Rig) -> None:

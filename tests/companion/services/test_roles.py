@@ -3,7 +3,7 @@ from boat_rig import PLANNER, QGC
 
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
-from companion.services.roles import Role, role_of
+from companion.services.roles import MAX_STATIONS, Role, Roles, role_of
 
 GCS, ONBOARD, CAMERA, BOAT, NONE, ARDUPILOT = 6, 18, 30, 11, 8, 3
 
@@ -29,3 +29,11 @@ def test_a_heartbeat_says_what_somebody_is(
     heartbeat: Message, sender: Address, operator: int, role: Role
 ) -> None:
     assert role_of(heartbeat, sender, operator) is role
+
+
+def test_a_flood_of_stations_is_bounded_and_the_latest_are_known() -> None:
+    roles = Roles()
+    for component in range(1, 200):
+        roles.update(beat(ONBOARD), Address(9, component), 0)
+    assert roles.of(Address(9, 199)) is Role.PLANNER
+    assert roles.of(Address(9, 199 - MAX_STATIONS)) is Role.UNKNOWN

@@ -30,6 +30,18 @@ def test_a_question_about_the_time_is_answered_at_once_with_its_own_stamp() -> N
     assert answer.tc1 == pytest.approx(2.0e9, abs=0.1e9)
 
 
+def test_a_ping_to_everybody_is_answered_and_an_answer_is_not() -> None:
+    rig = Rig()
+    rig.step()
+    answer = rig.answer_to(dialect.MAVLink_ping_message(55, 7, 0, 0), "PING")
+    assert (answer.time_usec, answer.seq) == (55, 7)
+    assert (answer.target_system, answer.target_component) == tuple(rig.peer.address)
+    rig.peer.forget()
+    rig.peer.send(dialect.MAVLink_ping_message(55, 7, 1, 1))
+    rig.receive()
+    assert not rig.peer.said("PING")
+
+
 @given(st.floats(-1e6, 1e6), st.floats(0.0, 0.9), st.floats(0.0, 0.9))
 def test_the_offset_is_off_by_no_more_than_half_the_difference_of_the_ways(
     offset_s: float, there_s: float, back_s: float

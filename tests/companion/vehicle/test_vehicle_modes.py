@@ -96,6 +96,19 @@ def test_home_that_was_chosen_is_not_moved_by_arming() -> None:
     assert FRAME.to_local(vehicle.home) == pytest.approx((5.0, 5.0), abs=1e-3)
 
 
+def test_home_cannot_be_here_before_here_is_known() -> None:
+    assert Vehicle(BoatConfig()).request(requests.SetHome()).reason == "Home: no position yet"
+
+
+def test_a_refused_arming_says_every_reason() -> None:
+    vehicle = Vehicle(BoatConfig())
+    outcome = vehicle.request(requests.Arm())
+    assert outcome.reason == "Compass: no heading"
+    assert texts(vehicle) == ["Arm: Compass: no heading"]
+    assert vehicle.request(requests.Arm(force=True)).accepted
+    assert vehicle.armed
+
+
 def test_disarming_says_by_whom_and_only_once() -> None:
     vehicle = vehicle_at(mode=Mode.HOLD)
     vehicle.request(requests.Disarm("by emergency stop"))

@@ -18,7 +18,7 @@ from companion.core.modes import Mode
 from companion.core.storage import MemoryStorage, Saving
 from companion.mavlink.dialect import dialect
 from companion.vehicle.resume import CHECK_S, VoyageResume
-from companion.vehicle.track import SailedTrack
+from companion.vehicle.track import CONTINUES_WITHIN_M, SailedTrack
 from companion.vehicle.track_record import FILE as TRACK
 from companion.vehicle.track_record import TrackRecord
 from companion.vehicle.vehicle import Vehicle
@@ -170,6 +170,17 @@ def test_a_boat_that_was_disarmed_has_nothing_to_take_up() -> None:
     assert (vehicle.progress.current_seq, vehicle.track.points) == (1, [])
 
 
+def test_the_records_are_written_seldom() -> None:
+    storage = Counting()
+    Rig(storage=storage).sail(waypoint(400.0, 0.0)).run(50.0)
+    assert 5 <= len(storage.sizes[FILE]) <= 9
+    winding = Counting()
+    rig = Rig(storage=winding, config={"modes.trail_accuracy_m": 0.2})
+    rig.sail(*(waypoint(8.0 * n, 8.0 * (n % 2)) for n in range(1, 40))).run(60.0)
+    assert 3 <= len(winding.sizes[TRACK]) <= 8
+    assert sum(winding.sizes[TRACK]) <= 60.0 * 1000.0
+
+
 def test_a_full_medium_is_told_and_the_boat_sails_on() -> None:
     class Full(MemoryStorage):
         is_full = False
@@ -241,6 +252,22 @@ def test_after_a_power_cut_smart_rtl_goes_back_the_way_the_boat_has_come(by_itse
         farthest_m = max(farthest_m, off_the_track_m(rig))
         assert rig.now_s < 400.0
     assert farthest_m < 4.0, "but for the corners, along the sides of the square"
+
+
+@pytest.mark.parametrize(
+    ("armed_at", "kept"),
+    [([Point(50.0, CONTINUES_WITHIN_M + 1.0)], 0), ([Point(50.0, 20.0)], 2), ([Point(50.0, 1.0)] * 2, 0)],
+    ids=["carried elsewhere", "near its end", "armed a second time"],
+)
+def test_a_cut_track_goes_on_once_where_it_ended(armed_at: list[Point], kept: int) -> None:
+    cut_track = [Point(0.0, 0.0), Point(50.0, 0.0)]
+    trail = SailedTrack()
+    trail.restore(cut_track)
+    for at in armed_at:
+        trail.restart(at)
+    for metre in range(40):
+        trail.add(Point(armed_at[-1].north_m + metre, armed_at[-1].east_m), 1.0, 500)
+    assert trail.points == [*cut_track[:kept], armed_at[-1]]
 
 
 def test_a_track_of_the_most_points_is_written_no_faster_than_a_kilobyte_a_second() -> None:

@@ -246,3 +246,12 @@ def test_a_late_repetition_does_not_undo_what_another_station_has_commanded(rig:
     rig.run(16.0)
     assert send(9) == OK
     assert rig.mode == "RTL"
+
+
+def test_pre_arm_checks_are_run_and_told_when_asked() -> None:
+    rig = Rig(config={"arming.battery_min_v": 50.0})
+    rig.run(1.0)
+    assert rig.ask(CMD.MAV_CMD_RUN_PREARM_CHECKS) == OK
+    assert any(text.startswith("PreArm: Battery") for text in rig.peer.texts)
+    rig.arm(force=True)
+    assert rig.ask(CMD.MAV_CMD_RUN_PREARM_CHECKS) == REJECTED_FOR_NOW

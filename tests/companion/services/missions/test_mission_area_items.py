@@ -3,9 +3,11 @@
 import math
 
 import pytest
+from boat_rig import Rig
 
-from companion.mavlink.items import MissionItem, MissionResult
-from companion.services.missions.area_items import check_fence, check_fence_item
+from companion.mavlink.items import MissionItem, MissionResult, MissionType
+from companion.mavlink.transfer import Completed
+from companion.services.missions.area_items import check_fence, check_fence_item, check_rally_item
 
 
 def area(command: int, param1: float = 0.0, **fields: int) -> MissionItem:
@@ -55,6 +57,20 @@ def test_what_is_no_fence_is_refused_by_its_field(item: MissionItem, result: Mis
 
 
 @pytest.mark.parametrize(
+    ("item", "result"),
+    [
+        (area(5100), None),
+        (area(5001, 3.0), MissionResult.UNSUPPORTED),
+        (area(5100, frame=1), MissionResult.UNSUPPORTED_FRAME),
+        (area(5100, x=0, y=0), MissionResult.INVALID_PARAM5_X),
+    ],
+)
+def test_a_rally_point_is_a_place(item: MissionItem, result: MissionResult | None) -> None:
+    fault = check_rally_item(item)
+    assert (None if fault is None else fault.result) is result
+
+
+@pytest.mark.parametrize(
     "items",
     [
         [],
@@ -82,6 +98,16 @@ def test_broken_fences_are_refused_by_item(items: list[MissionItem], word: str) 
     fault = check_fence(items)
     assert fault is not None
     assert word in fault.text
+
+
+def test_what_the_disk_holds_is_checked_as_what_arrives() -> None:
+    rig = Rig()
+    rig.step()
+    assert isinstance(rig.upload(polygon(3), mission_type=MissionType.FENCE), Completed)
+    content = rig.storage.content["fence.json"]  # type: ignore[attr-defined]
+    rig.storage.content["fence.json"] = content.replace(b'"param1": 3.0', b'"param1": 4.0')  # type: ignore[attr-defined]
+    rig.reboot()
+    assert rig.items(MissionType.FENCE) == ()
 
 
 @pytest.mark.parametrize(("longitude", "is_refused"), [(-12_000_000, False), (0, False), (3_000_000, True)])

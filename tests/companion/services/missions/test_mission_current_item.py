@@ -29,6 +29,15 @@ def test_the_old_go_to_sails_there_and_touches_no_list(form: str) -> None:
     assert rig.items() == tuple(MISSION)
 
 
+def test_the_current_item_is_set_and_told_at_once() -> None:
+    rig = loaded()
+    current = rig.answer_to(dialect.MAVLink_mission_set_current_message(*BOAT, 2), "MISSION_CURRENT")
+    assert (current.seq, current.total) == (2, 3)
+    current = rig.answer_to(dialect.MAVLink_mission_set_current_message(*BOAT, 9), "MISSION_CURRENT")
+    assert current.seq == 2
+    assert "Mission has no item 9 (last is 3)" in rig.peer.texts
+
+
 def test_each_item_is_reported_once_and_in_order_with_the_current_item_moving_along() -> None:
     items = [waypoint(10.0, 0.0), waypoint(10.0, 10.0), waypoint(0.0, 10.0)]
     rig = Rig().sail(*items)

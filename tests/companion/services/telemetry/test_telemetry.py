@@ -65,6 +65,22 @@ def test_position_and_motion_are_those_of_the_boat(rig: Rig) -> None:
     rig.run(5.0)  # for the tests that follow
 
 
+def test_guidance_and_motors_are_shown(rig: Rig) -> None:
+    output = latest(rig, "NAV_CONTROLLER_OUTPUT")
+    assert output.target_bearing == pytest.approx(90, abs=5)
+    assert output.wp_dist == pytest.approx(rig.offset_m(0.0, 100.0), abs=3.0)
+    assert abs(output.xtrack_error) < 1.0
+    target, item = latest(rig, "POSITION_TARGET_GLOBAL_INT"), waypoint(0.0, 100.0)
+    assert (target.lat_int, target.lon_int) == (item.x, item.y)
+    assert math.hypot(target.vx, target.vy) > 0.2
+    servos = latest(rig, "SERVO_OUTPUT_RAW")
+    assert servos.servo1_raw > 1600
+    assert servos.servo3_raw > 1600
+    pid = latest(rig, "PID_TUNING")
+    assert pid.axis == dialect.PID_TUNING_YAW
+    assert pid.desired == pytest.approx(90.0, abs=10.0)
+
+
 def test_a_boat_that_knows_nothing_says_so_instead_of_inventing() -> None:
     rig = Rig(gnss=Silent())
     rig.run(10.0)
@@ -107,6 +123,15 @@ def test_the_mission_is_reported_through_all_its_states() -> None:
     assert state() == dialect.MISSION_STATE_COMPLETE
     current = latest(rig, "MISSION_CURRENT")
     assert (current.seq, current.total) == (2, 2)
+
+
+def test_the_pack_is_reported_with_its_charge(rig: Rig) -> None:
+    battery = latest(rig, "BATTERY_STATUS")
+    assert 11.0 < battery.voltages[0] / 1000.0 < 12.7
+    assert battery.current_battery > 50
+    assert battery.current_consumed > 5
+    assert 50 <= battery.battery_remaining <= 100
+    assert battery.battery_remaining == latest(rig, "SYS_STATUS").battery_remaining
 
 
 def test_the_set_of_the_water_and_the_estimates_accuracy_can_be_asked_for() -> None:

@@ -94,6 +94,13 @@ def test_a_hand_over_keeps_station_until_time_or_distance_are_used_up() -> None:
     assert item.intent(steps.HandOver(is_on=False), nav_at(4.0), 100.0) is None
 
 
+def test_a_limit_of_zero_is_none() -> None:
+    item, step = StationaryItem(), steps.HandOver(is_on=True)
+    assert item.limit == steps.LimitHandOver(0.0, 0.0)
+    item.begin(step, nav_at(0.0), None, 0.0)
+    assert item.intent(step, nav_at(1e6), 1e6) is not None
+
+
 # Places
 
 

@@ -63,6 +63,16 @@ def test_what_leaves_the_fence_is_found_and_told_once(steps: list[Step], fault: 
     assert looked(*steps) == (fault, [f"Mission: {fault}"] if fault else [])
 
 
+def test_ten_items_are_looked_at_in_a_tick() -> None:
+    inside, outside = to(0.0, 0.0), to(90.0, 0.0)
+    # Home is item 0: the first look ends with item 9
+    assert looked(*[inside] * 8, outside, looks=1)[0] == "item 9 is outside the fence"
+    assert looked(*[inside] * 9, outside, looks=1)[0] == ""
+    assert looked(*[inside] * 9, outside, looks=2)[0] == "item 10 is outside the fence"
+    assert looked(*[inside] * 19, outside, looks=2)[0] == ""
+    assert looked(*[inside] * 19, outside, looks=3)[0] == "item 20 is outside the fence"
+
+
 def test_the_way_is_looked_at_across_two_ticks() -> None:
     steps = [to(0.0, 10.0)] * 9 + [to(60.0, 60.0)]
     assert looked(*steps, looks=2)[0] == "the way to item 10 leaves the fence"

@@ -206,6 +206,13 @@ def test_a_command_before_the_first_waypoint_leaves_its_leg_loose(command: Step)
     assert progress.loose_leg is None
 
 
+def test_a_leg_after_a_turn_on_the_spot_is_loose() -> None:
+    progress = begun(A, Turn(0.0), B)
+    leg_at(progress, 3.0, 4.0)
+    assert leg_at(progress, 49.9, 0.6).start == (49.9, 0.6)
+    assert progress.loose_leg is not None
+
+
 def test_after_the_last_item_the_boat_stays_where_that_was() -> None:
     progress = begun(A)
     leg_at(progress, 0.0, 0.0)
@@ -216,6 +223,14 @@ def test_after_the_last_item_the_boat_stays_where_that_was() -> None:
     empty = MissionProgress()
     assert at(empty, 5.0, 6.0) == KeepStation(Point(5.0, 6.0))
     assert at(empty, 9.0, 9.0) == KeepStation(Point(5.0, 6.0))
+
+
+def test_a_hand_over_is_told_while_it_lasts_and_the_next_leg_begins_at_the_boat() -> None:
+    progress = begun(LimitHandOver(10.0, 0.0), HandOver(True), A)
+    at(progress, 0.0, 0.0, 100.0)
+    assert progress.is_handed_over
+    assert leg_at(progress, 7.0, 3.0, 110.0).start == (7.0, 3.0)
+    assert not progress.is_handed_over
 
 
 def test_a_restart_forgets_speed_limits_and_jumps() -> None:
@@ -248,6 +263,20 @@ def test_what_waits_for_a_time_is_done_while_the_boat_stays_at_a_waypoint() -> N
     assert isinstance(leg, FollowLeg)
     assert (progress.current_seq, leg.speed_m_s) == (4, 1.0)
     assert leg.end == pytest.approx((50.0, 50.0), abs=1e-3)
+
+
+def test_a_wait_keeps_its_station_and_the_next_leg_begins_where_the_last_one_ended() -> None:
+    progress = begun(A, Wait(10.0), B)
+    at(progress, 0.0, 0.0, 0.0)
+    for now_s in (30.0, 39.9):
+        station = at(progress, 49.0, 0.5, now_s)
+        assert isinstance(station, KeepStation)
+        assert station.point == pytest.approx((50.0, 0.0), abs=1e-3)
+    assert progress.take_reached() == [1]
+    leg = at(progress, 49.0, 0.5, 40.1)
+    assert isinstance(leg, FollowLeg)
+    assert leg.start == pytest.approx((50.0, 0.0), abs=1e-3)
+    assert progress.take_reached() == [2]
 
 
 @pytest.mark.parametrize("clockwise", [True, False])

@@ -138,3 +138,12 @@ def test_a_loop_without_waypoints_is_not_looked_through_for_ever() -> None:
     assert waypoints_ahead((Home(), a, SetSpeed(1.0), Jump(2, -1), a), 1, {}) == ([], True)
     assert waypoints_ahead((Home(), a, *[SetSpeed(1.0)] * 200, a), 1, {}) == ([], True)
     assert waypoints_ahead((Home(), a, *[SetSpeed(1.0)] * 98, a), 1, {}) == ([a], False)
+
+
+def test_guidance_is_told_of_sixteen_corners_beyond_the_next_leg() -> None:
+    progress = mission(*((50.0 * n, 40.0 * (n % 2)) for n in range(1, 40)))
+    intent = progress.update(nav_at(0.0, 0.0), FRAME, CONFIG, 0.0)
+    assert isinstance(intent, FollowLeg)
+    assert [tuple(at) for at in intent.onward] == [
+        pytest.approx((50.0 * n, 40.0 * (n % 2)), abs=0.01) for n in range(3, 19)
+    ]

@@ -45,6 +45,12 @@ def test_a_chosen_one_is_the_only_one() -> None:
     assert one.fault(mode_inputs(now_s=3.1, config=config)) == "system 7 is not heard"
 
 
+def test_one_that_is_too_far_away_is_not_followed() -> None:
+    one = following(seen(150, 0))
+    assert one.fault(mode_inputs()) == "system 2 is 150 m away (FOLL_DIST_MAX 100)"
+    assert one.fault(mode_inputs(config=BoatConfig(follow=Follow(max_distance_m=0.0)))) == ""
+
+
 @pytest.mark.parametrize(
     ("offset_type", "north_m", "east_m"), [(0, 40.0, 20.0), (1, 50.0, 10.0)], ids=["compass", "bow"]
 )
@@ -137,3 +143,10 @@ def test_a_boat_ahead_of_its_place_keeps_the_leads_course_and_waits() -> None:
     near = one.intent(mode_inputs(nav_at(0.8 * ahead_m, 0.6 * ahead_m), config=BESIDE))
     assert isinstance(near, HoldCourse)
     assert (near.course_rad, near.speed_m_s) == pytest.approx((onward, 0.2), abs=1e-3)
+
+
+def test_a_slow_lead_is_followed_from_half_the_least_speed_on() -> None:
+    least_m_s = CONFIG.guidance.min_speed_m_s
+    crawling = following(seen(0.0, 0.0, 0.45 * least_m_s)).intent(mode_inputs())
+    assert isinstance(crawling, KeepStation)
+    assert isinstance(following(seen(0.0, 0.0, 0.55 * least_m_s)).intent(mode_inputs()), HoldCourse)

@@ -120,6 +120,12 @@ def test_loiter_searches_its_heading_by_turns_in_a_current() -> None:
     assert ahead == [True] * 6 + [False] * 10 + [True] * 4
 
 
+def test_loiter_without_a_heading_drifts_in_a_slow_current() -> None:
+    mode = LoiterMode(Fence())
+    mode.enter(mode_inputs())
+    assert mode.intent(mode_inputs(without_heading(0.25))) == intents.Stop()
+
+
 def test_guided_sails_to_its_target_then_stays_there() -> None:
     texts: list[StatusText] = []
     mode = GuidedMode(Fence(), texts)
@@ -145,6 +151,13 @@ def test_follow_stays_where_it_loses_its_lead() -> None:
         stays = mode.intent(mode_inputs(nav_at(now_s, 0.0), now_s=now_s))
         assert local(stays) == pytest.approx((10.0, 0.0), abs=1e-3)
     assert [one.text for one in texts] == ["FOLLOW: no vehicle is heard, keeping station"]
+
+
+def test_simple_moves_from_a_small_push_on() -> None:
+    mode = SimpleMode(held(0.06, 0.0))
+    mode.enter(None)
+    intent = mode.intent(mode_inputs(turned(2.0)))
+    assert intent == intents.HoldHeading(0.0, 0.06 * TOP_M_S)
 
 
 def test_a_stale_set_point_is_reported_once_and_leaves_no_target() -> None:
