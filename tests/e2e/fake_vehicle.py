@@ -17,8 +17,8 @@ from pymavlink.dialects.v20 import all as dialect
 
 HOLD, AUTO = 4, 10
 METRES_PER_E7 = 0.0111319
-START_E7 = 500000000.0, -12000000.0
 TICK_S = 0.05
+SIGNING_EPOCH_S = 1420070400
 
 
 @dataclass
@@ -26,6 +26,7 @@ class Behaviour:
     """What goes wrong. Sequence numbers count from home = 0; None: it does not happen."""
 
     autopilot: int = dialect.MAV_AUTOPILOT_ARDUPILOTMEGA
+    at_e7: tuple[int, int] = (500000000, -12000000)
     speed_m_s: float = 100.0
     silent: bool = False
     refuse_item: int | None = None
@@ -34,9 +35,13 @@ class Behaviour:
     hushes: int = 10**6  # how often
     alter_item: int | None = None
     refuse_arming: str = ""
+    arming_refusals: int = 10**6  # how often it refuses before it gives in
     leave_auto_after: int | None = None
+    stick_after: int | None = None
     die_after: int | None = None
     lose_reached: bool = False
+    clearing: int | None = 0  # MAV_MISSION_RESULT of a MISSION_CLEAR_ALL; None: not answered
+    sign_key: bytes | None = None  # signs with it, and hears nothing that is not signed with it
 
 
 @dataclass
@@ -57,8 +62,9 @@ class FakeVehicle:
         self._server.settimeout(0.1)
         self._parser = dialect.MAVLink(None)
         self._parser.robust_parsing = True
+        self._parser.signing.secret_key = self.behaviour.sign_key
         self._mode, self._armed, self._current, self._state = HOLD, False, 0, 2
-        self._lat, self._lon = START_E7
+        self._lat, self._lon = (float(value) for value in self.behaviour.at_e7)
         self._pending: dict[int, list[Any]] = {}
         self._counts: dict[int, int] = {}
         self._dead = False
@@ -85,6 +91,9 @@ class FakeVehicle:
 
     def _talk(self, client: socket.socket) -> None:
         mav = dialect.MAVLink(_Writer(client), 1, 1)
+        mav.signing.secret_key = self.behaviour.sign_key
+        mav.signing.sign_outgoing = self.behaviour.sign_key is not None
+        mav.signing.timestamp = int((time.time() - SIGNING_EPOCH_S) * 1e5)
         client.settimeout(TICK_S / 4)
         next_beat_s = next_tick_s = time.monotonic()
         while not self._stop.is_set() and not self._dead:
@@ -102,6 +111,8 @@ class FakeVehicle:
             if not data:
                 return
             for message in self._parser.parse_buffer(data) or []:
+                if self.behaviour.sign_key is not None and message.get_type() == "BAD_DATA":
+                    continue  # what pymavlink makes of a frame whose signature does not hold
                 self._client = (message.get_srcSystem(), message.get_srcComponent())
                 self.heard.append((*self._client, message))
                 if not self.behaviour.silent:
@@ -126,7 +137,7 @@ class FakeVehicle:
             share = min(1.0, self.behaviour.speed_m_s * TICK_S / left_m) if left_m > 0.0 else 1.0
             if item.command != dialect.MAV_CMD_NAV_WAYPOINT:
                 self._current += 1
-            else:
+            elif self._current - 1 != self.behaviour.stick_after:
                 speed_m_s = self.behaviour.speed_m_s
                 self._lat += (item.x - self._lat) * share
                 self._lon += (item.y - self._lon) * share
@@ -161,9 +172,10 @@ class FakeVehicle:
             mav.mission_count_send(*self._client, len(self._list(message.mission_type)), message.mission_type)
         elif kind in {"MISSION_REQUEST_INT", "MISSION_REQUEST"}:
             self._give_item(mav, message)
-        elif kind == "MISSION_CLEAR_ALL":
-            self._list(message.mission_type).clear()
-            mav.mission_ack_send(*self._client, dialect.MAV_MISSION_ACCEPTED, message.mission_type)
+        elif kind == "MISSION_CLEAR_ALL" and self.behaviour.clearing is not None:
+            if self.behaviour.clearing == dialect.MAV_MISSION_ACCEPTED:
+                self._list(message.mission_type).clear()
+            mav.mission_ack_send(*self._client, self.behaviour.clearing, message.mission_type)
         elif kind == "MISSION_SET_CURRENT":
             self._current = message.seq
             mav.mission_current_send(self._current, max(len(self.mission) - 1, 0), self._state)
@@ -173,7 +185,8 @@ class FakeVehicle:
 
     def _obey(self, mav: Any, message: Any) -> int:
         if message.command == dialect.MAV_CMD_COMPONENT_ARM_DISARM:
-            if self.behaviour.refuse_arming:
+            if self.behaviour.refuse_arming and self.behaviour.arming_refusals > 0:
+                self.behaviour.arming_refusals -= 1
                 mav.statustext_send(dialect.MAV_SEVERITY_CRITICAL, self.behaviour.refuse_arming.encode())
                 return int(dialect.MAV_RESULT_FAILED)
             self._armed = True
