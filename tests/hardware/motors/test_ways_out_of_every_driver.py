@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import pytest
-from boat_rig import OK, Rig
+from boat_rig import DENIED, FAILED, OK, Rig
 from twins.i2c import plug_in
 from twins.lines import HandClock
 from twins.pins import BRIDGES, PinBoard, assert_is_safe, motors_of
@@ -264,6 +264,22 @@ def under_way(driver: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> t
     assert isinstance(boat.twin, EscTwin)
     assert boat.twin.chip is not None
     return boat, boat.twin.chip
+
+
+def test_the_outputs_are_off_at_once_and_the_boat_keeps_its_links(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    boat, chip = under_way("esc pca9685", monkeypatch, tmp_path)
+    chip.lost = LOST
+    boat.run(0.1)
+    assert not boat.twin.is_driving
+    boat.rig.peer.forget()
+    boat.run(10.0)
+    assert not boat.rig.boat.vehicle.armed
+    assert len(boat.rig.peer.said("HEARTBEAT")) >= 9
+    assert not [text for text in boat.rig.peer.texts if "switch the boat off" in text]
+    assert boat.rig.arm() in (DENIED, FAILED)
+    assert any("Motors: PCA9685: no answer on the I" in text for text in boat.rig.peer.texts)
 
 
 def test_a_boat_that_cannot_stop_its_motors_says_so_again_and_again(
