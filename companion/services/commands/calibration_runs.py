@@ -1,6 +1,6 @@
 """Commands that start calibration runs: DO_AUTOTUNE_ENABLE (heading), USER_1 (thrusters).
 
-Both answer Result.IN_PROGRESS until the run ends. Its results become parameters.
+Both answer IN_PROGRESS until the run ends. Its results become parameters.
 """
 
 from collections.abc import Callable
