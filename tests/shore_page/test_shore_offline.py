@@ -34,7 +34,7 @@ SCRIPT = "<img src=x onerror=document.title='taken'><b>Why"
 
 def test_what_the_boat_says_is_text_and_no_part_of_the_page(visit: Visit, shore: ShoreBoat) -> None:
     page = visit("phone")
-    expect(page.get_by_text("Connected").first).to_be_visible()
+    expect(page.get_by_text("Connected", exact=True).first).to_be_visible()
     link = dialect.MAVLink(None, 1, 1)
     options = shore.options()
     port = int(options[options.index("--connect") + 1].rpartition(":")[2])
@@ -64,7 +64,7 @@ def test_a_request_while_the_server_hangs_is_done_once_when_it_is_back(
     until_mode(station, Mode.RTL, armed=True)
     station.enter(Mode.HOLD)
     expect(told(page, "Return: The boat returns home")).to_be_visible()
-    expect(page.get_by_text("Connected").first).to_be_visible()
+    expect(page.get_by_text("Connected", exact=True).first).to_be_visible()
     beats = [message for message in station.listen(5.0) if message.get_type() == "HEARTBEAT"]
     modes = [beat.custom_mode for beat in beats if beat.get_srcSystem() == 1]
     assert set(modes[1:]) == {Mode.HOLD}
@@ -106,12 +106,12 @@ def test_the_page_goes_on_by_itself_when_its_server_starts_again(
     visit: Visit, lonely: ShoreBoat, run_program: RunProgram
 ) -> None:
     page = visit("phone", address=lonely.address)
-    expect(page.get_by_text("Connected").first).to_be_visible()
+    expect(page.get_by_text("Connected", exact=True).first).to_be_visible()
     options = lonely.options()
     options[options.index("--listen") + 1] = lonely.address.removeprefix("http://").rstrip("/")
     os.kill(lonely.child, signal.SIGKILL)
     expect(page.get_by_text("Not connected. Trying again.").first).to_be_visible()
     expect(page.get_by_text("Last heard").first).to_be_visible()
     run_program(sys.executable, "-m", "mission_tools.shore", *options)
-    expect(page.get_by_text("Connected").first).to_be_visible()
+    expect(page.get_by_text("Connected", exact=True).first).to_be_visible()
     expect(page.get_by_text("Last heard").first).to_be_hidden()

@@ -56,7 +56,7 @@ def test_the_page_is_small_and_shows_the_boat_to_everybody(
     expect(page.get_by_text("Hold", exact=True).first).to_be_visible()
     expect(page.get_by_role("term").filter(has_text="Battery")).to_be_visible()
     expect(page.locator("dl")).to_contain_text(re.compile(r"Battery\D*\d"))
-    expect(page.get_by_text("Connected").first).to_be_visible()
+    expect(page.get_by_text("Connected", exact=True).first).to_be_visible()
     expect(page.locator("#now-links .note")).to_contain_text(re.compile(r"^This computer, station 250:\s\d"))
     seen: dict[str, Any] = page.evaluate(
         """() => ({
