@@ -57,7 +57,11 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
     ),
     "config": (
         "tests/companion/config", "tests/companion/app/init", "tests/companion/app/test_needs.py",
-        "tests/companion/app/doctor/test_settings.py",
+        "tests/companion/app/doctor/test_settings.py", "tests/companion/rc", "tests/hardware/pulses",
+        "tests/companion/services/test_parameters_service.py", "tests/companion/services/ftp",
+    ),
+    "autopilot": (
+        "tests/companion/autopilot", "tests/companion/app/test_missing_parts.py", "tests/closed_loop/test_failsafe_rows.py",
     ),
     "services/ftp": ("tests/companion/services/ftp", "tests/protocol/test_ftp_client.py"),
     "services": (

@@ -106,3 +106,45 @@ def test_a_wrong_camera_is_refused_and_named(camera: dict[str, object], text: st
     with pytest.raises(ConfigError) as told:
         decode_config({"camera": camera}, "boat.toml")
     assert text in str(told.value)
+
+
+DRV8833 = "[parts.motors]\ndriver = 'drv8833'\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        (DRV8833 + "left_forward = 9\nleft_backward = 8", "left_backward = 8: GPIO 0 to 8 are high at reset"),
+        ("[parts.sonar]\ntrigger = 28", "sonar.trigger"),
+        ("[[probe]]\nname = 'ph'\ndriver = 'file'\npattern = '(\\d+)'", "path of the probe ph: expected"),
+        ("[[probe]]\nname = 'ph'\ndriver = 'serial'\npattern = '(\\d+)'", "port of the probe ph"),
+        ("[camera]\nname = '" + 32 * "x" + "'", "camera.name"),
+    ],
+)  # fmt: skip
+def test_a_part_that_cannot_work_is_refused_with_the_reason(text: str, reason: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        decoded(text)
+    assert reason in str(caught.value)
+
+
+def test_parts_that_can_work_are_accepted() -> None:
+    config = decoded(
+        DRV8833 + "left_forward = 9\nleft_backward = 10\nright_forward = 11\nright_backward = 12\n"
+        "[[probe]]\nname = 'ph'\ndriver = 'serial'\nport = '/dev/ttyUSB3'\npattern = '(\\d+)'\n"
+    )
+    assert config.parts.motors.pins(has_right=True) == {
+        "left_forward": 9, "left_backward": 10, "right_forward": 11, "right_backward": 12,
+    }  # fmt: skip
+    assert [probe.path for probe in config.probe] == [""]
+
+
+def test_the_switch_chooses_the_modes_in_the_order_of_its_positions() -> None:
+    config = decoded("[rc]\nmode_1 = 4\nmode_2 = 10\nmode_6 = 11")
+    assert [mode.name for mode in (*config.rc.modes[:2], config.rc.modes[5])] == ["HOLD", "AUTO", "RTL"]
+
+
+@pytest.mark.parametrize(
+    ("enable", "uses"), [(0, False), (1, False), (2, True), (3, True), (4, False), (7, True)]
+)
+def test_rangers_are_used_where_the_second_bit_of_avoid_enable_is_set(enable: int, uses: bool) -> None:
+    assert decoded(f"[avoidance]\nenable = {enable}").avoidance.avoids_obstacles is uses

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import shapely
 
 from companion.config.boat_config import BoatConfig
 from companion.core.errors import ConfigError
@@ -124,6 +125,16 @@ def test_a_route_that_leads_home_is_good_as_long_as_it_always_could_turn_back() 
     assert "comes home from everywhere" in found.lines()[-1]
 
 
+def test_a_budget_suffices_where_the_boat_always_comes_home_and_says_the_way_home() -> None:
+    assert (
+        budget([Point(0.0, 0.0), Point(0.5, 0.0)]).lines()[0].endswith("home from there 0.50 m, 0 s, 0 mAh")
+    )
+    assert budget([Point(0.0, 0.0), Point(600.0, 0.0), Point(0.0, 0.0)]).suffices is True
+    assert budget([Point(0.0, 0.0), Point(1600.0, 0.0)]).suffices is False
+    assert budget([Point(0.0, 0.0), Point(3000.0, 0.0)]).suffices is False
+    assert budget(boat=replace(BOAT, cruise_a=0.0, idle_a=0.0)).suffices is None
+
+
 def test_a_charge_that_does_not_last_is_refused_one_way_too() -> None:
     found = budget([Point(0.0, 0.0), Point(3000.0, 0.0)])
     assert found.reached_m == pytest.approx(900.0 / ((0.6 + 1.08 * 3.0) / 7.2), abs=20.0)
@@ -143,6 +154,16 @@ def test_the_way_home_is_never_longer_than_back_along_the_route() -> None:
     box = build_chart("sea", OPEN.frame, None, ())
     points = [Point(0.0, 0.0), Point(100.0, 0.0), Point(100.0, 100.0)]
     assert ways_home_m(box, points, 4.0) == [0.0, 100.0, pytest.approx(math.hypot(100.0, 100.0))]
+
+
+def test_round_an_island_the_way_home_leads_back_along_the_route_or_is_the_planned_one() -> None:
+    water = shapely.box(-200.0, -200.0, 200.0, 200.0).difference(shapely.box(-20.0, 20.0, 20.0, 80.0))
+    chart = build_chart("lake", OPEN.frame, water, ())
+    points = [Point(0.0, 0.0), Point(50.0, -60.0), Point(100.0, 0.0), Point(100.0, 5.0)]
+    there_m, across_m = math.hypot(50.0, 60.0), 5.0
+    along_m = [0.0, there_m, 2.0 * there_m, 2.0 * there_m + across_m]
+    assert ways_home_m(chart, points, 4.0) == pytest.approx(along_m)
+    assert ways_home_m(chart, points, 4.0, from_end_m=120.0) == pytest.approx([0.0, there_m, 125.0, 120.0])
 
 
 def test_a_speed_beyond_the_boat_is_refused() -> None:
