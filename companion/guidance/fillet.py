@@ -28,7 +28,7 @@ BEYOND_COST_S = 40.0  # per radius beyond the radius
 HASTY_SHARE = 0.1  # of yaw_time_s: faster change of the yaw rate, for short legs
 HASTY_LOSS_S = 1.0  # a fillet that loses more time is tried hastily as well
 EASY_LOSS_S = 0.25  # a fillet at full speed that loses less is taken without a search
-PASSED_RADII = 2.0  # from the waypoint: farther from it, a fillet does not pass it
+PASSED_RADII = 2.0  # from the waypoint: farther from it, a fillet passes only where a pivot drifts as far
 SHARP_RAD = 2.0  # for sharper turns, that is one radius
 SHARPEST_RAD = 2.4  # sharper turns are made on the spot
 LEAST_TURN_RAD = 0.01  # smaller turns are no corner
@@ -98,9 +98,17 @@ def best_fillet(bend: Bend, config: BoatConfig) -> Fillet | None:
             best is None or cost_s(hasty, bend, config) + 2.0 * ramp_s < cost_s(best, bend, config)
         ):
             best = hasty
-    if best is None or best.cut_m > reach_m:
+    if best is None or best.cut_m > max(reach_m, _drift_m(bend, config)):
         return None
     return best
+
+
+def _drift_m(bend: Bend, config: BoatConfig) -> float:
+    """How far the current carries a boat that turns on the spot instead."""
+    turning_s = (
+        abs(bend.turn_rad) / (TURN_SHARE * config.handling.turn_rate_rad_s) + config.handling.yaw_time_s
+    )
+    return math.hypot(bend.current_north_m_s, bend.current_east_m_s) * turning_s
 
 
 def cost_s(fillet: Fillet, bend: Bend, config: BoatConfig) -> float:

@@ -7,8 +7,9 @@
 What is measured comes from the truth. The *cross-track error* is the distance to the line of the leg being
 sailed, so that a corner that is cut counts with how far inside it the boat was. The *path error* is the
 distance to the nearest place of the whole planned line. The *overshoot* of a corner is how far the boat goes
-beyond the new leg, seen from the inside of the corner, while it sails the first OVERSHOOT_M of it. A run's
-overshoot is that of its worst corner.
+beyond the new leg, seen from the inside of the corner, while it sails the first OVERSHOOT_M of it. Its *cut*
+is the distance at which the boat passes the waypoint. A run's overshoot and cut are those of its worst
+corner.
 
 The boat starts at rest, so a current displaces it before it gathers speed. That displacement is reported
 separately (*start*); the other figures count from RUN_IN_M along the first leg.
@@ -18,7 +19,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -51,7 +52,7 @@ COURSES: dict[str, tuple[Point, ...]] = {
 
 @dataclass(frozen=True, slots=True)
 class Tracking:
-    """Path-following errors in metres. overshoot_m is None without a corner."""
+    """Path-following errors in metres. overshoot_m and cut_m are None without a corner."""
 
     rms_m: float
     percentile_95_m: float
@@ -59,6 +60,7 @@ class Tracking:
     path_rms_m: float
     path_max_m: float
     overshoot_m: float | None
+    cut_m: float | None
     start_max_m: float
 
 
@@ -80,13 +82,15 @@ def tracking(recorder: Recorder, planned: Sequence[Point]) -> Tracking | None:
         return None
     off = off_path_m(recorder, planned)[begun:]
     kept = cross[begun:]
+    corners = corners_sailed(recorder, planned)
     return Tracking(
         rms_m=math.sqrt(float(np.mean(kept * kept))),
         percentile_95_m=float(np.percentile(kept, 95.0)),
         max_m=float(kept.max()),
         path_rms_m=math.sqrt(float(np.mean(off * off))),
         path_max_m=float(off.max()),
-        overshoot_m=max(overshoots_m(recorder, planned), default=None),
+        overshoot_m=max((corner.beyond_m for corner in corners), default=None),
+        cut_m=max((corner.cut_m for corner in corners), default=None),
         start_max_m=float(cross[: begun + 1].max()),
     )
 
@@ -107,22 +111,32 @@ def _begun(recorder: Recorder, planned: Sequence[Point]) -> int:
     return sailed
 
 
-def overshoots_m(recorder: Recorder, planned: Sequence[Point]) -> list[float]:
-    """How far the boat went beyond each corner's new leg, 0 where it did not; corners in order.
+class Corner(NamedTuple):
+    """How far the boat went beyond the new leg, 0 where it did not, and how near it came to the waypoint."""
 
-    Only corners that were reached are counted.
-    """
-    beyond: dict[int, float] = {}
+    beyond_m: float
+    cut_m: float
+
+
+def corners_sailed(recorder: Recorder, planned: Sequence[Point]) -> list[Corner]:
+    """The corners that were reached, in order."""
+    track = np.asarray(recorder.track(), dtype=np.float64)
     lines = [Line(a, b) for a, b in pairwise(planned)]
-    turns = [wrap_pi(b.course_rad - a.course_rad) for a, b in pairwise(lines)]
-    for at, leg in zip(recorder.track(), recorder.legs.tolist(), strict=True):
-        if leg < 1 or turns[leg - 1] == 0.0:
+    found = []
+    for leg, (before, after) in enumerate(pairwise(lines), start=1):
+        turn_rad = wrap_pi(after.course_rad - before.course_rad)
+        onto = track[recorder.legs == leg]
+        if not turn_rad or not len(onto):
             continue
-        along_m, cross_m = lines[leg].along_and_cross_track_m(at)
-        if along_m <= OVERSHOOT_M:
-            outside_m = -math.copysign(cross_m, cross_m * turns[leg - 1])
-            beyond[leg] = max(beyond.get(leg, 0.0), outside_m)
-    return [beyond[leg] for leg in sorted(beyond)]
+        near = track[(recorder.legs == leg) | (recorder.legs == leg - 1)]
+        cut_m = float(np.hypot(near[:, 0] - after.start.north_m, near[:, 1] - after.start.east_m).min())
+        beyond_m = 0.0
+        for north_m, east_m in onto.tolist():
+            along_m, cross_m = after.along_and_cross_track_m(Point(north_m, east_m))
+            if along_m <= OVERSHOOT_M:
+                beyond_m = max(beyond_m, -math.copysign(cross_m, cross_m * turn_rad))
+        found.append(Corner(beyond_m, cut_m))
+    return found
 
 
 def off_path_m(recorder: Recorder, planned: Sequence[Point]) -> "NDArray[np.float64]":

@@ -22,6 +22,7 @@ _GROUPED = (
     "cross_track_rms_m",
     "cross_track_max_m",
     "overshoot_m",
+    "cut_m",
     "station_near_share",
     "station_95_m",
     "min_clearance_m",

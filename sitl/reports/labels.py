@@ -18,6 +18,7 @@ _LABELS = {
     "kept_max_m": "off the legs, largest (m)",
     "start_max_m": "off the first leg, largest (m)",
     "overshoot_m": "overshoot at corners (m)",
+    "cut_m": "passes waypoints by at most (m)",
     "min_clearance_m": "nearest to shore or obstacle (m)",
     "station_near_share": "share of time near the station",
     "station_95_m": "off the station, 95 % of time (m)",

@@ -7,7 +7,7 @@ import pytest
 from boat_rig import scenario
 from sailing_rig import CURRENT, GUSTS, mission_run
 
-from sitl.courses.courses import overshoots_m
+from sitl.courses.courses import corners_sailed
 from sitl.courses.missions import lay_out, plan_mission, wire_items
 from sitl.experiments.campaign.calm_figures import calm_figures
 from sitl.experiments.campaign.campaign import load_campaign
@@ -43,7 +43,7 @@ def test_a_current_oblique_to_both_legs_does_not_set_the_boat_over_a_corner(
         settings=(f"environment.current_m_s={current_m_s}", f"environment.current_to_deg={to_deg}"),
     )
     assert run.run().completed
-    *most, worst = sorted(overshoots_m(run.recorder, run.planned))
+    *most, worst = sorted(corner.beyond_m for corner in corners_sailed(run.recorder, run.planned))
     assert max(most) < most_m
     assert worst < (
         4.5 if current_m_s > 1.0 else most_m

@@ -13,6 +13,7 @@ from companion.guidance.fillet import (
     HASTY_SHARE,
     LEAST_AHEAD_SHARE,
     OUTSIDE_M,
+    PASSED_RADII,
     STEPS,
     TURN_SHARE,
     Bend,
@@ -160,10 +161,24 @@ def test_the_cost_is_the_time_lost_and_the_price_of_the_error(radius_m: float, e
 
 @pytest.mark.parametrize(
     ("turn", "current_m_s", "current_to_deg"),
-    [(1.9, 1.0, 45.0), (1.57, 2.0, 45.0), (2.1, 0.5, 45.0), (2.3, 0.5, 90.0)],
-    ids=["2.2 radii", "3 radii", "sharp, 1.5 radii", "sharp, 2 radii"],
+    [(1.9, 1.0, 45.0), (2.1, 0.5, 45.0), (2.3, 0.5, 90.0)],
+    ids=["2.2 radii", "sharp, 1.5 radii", "sharp, 2 radii"],
 )
 def test_a_corner_that_the_current_sweeps_too_far_off_is_turned_on_the_spot(
     turn: float, current_m_s: float, current_to_deg: float
 ) -> None:
     assert best_fillet(bend(turn, current_m_s, math.radians(current_to_deg)), CONFIG) is None
+
+
+@pytest.mark.parametrize(
+    ("radius_m", "current_m_s", "is_filleted"), [(0.1, 0.1, False), (0.1, 0.2, True), (2.0, 2.0, True)]
+)
+def test_a_fillet_is_sailed_where_a_boat_on_the_spot_would_drift_farther_than_it_cuts(
+    radius_m: float, current_m_s: float, is_filleted: bool
+) -> None:
+    following = bend(0.5 * math.pi, current_m_s, 0.25 * math.pi)._replace(radius_m=radius_m)
+    fillet = best_fillet(following, CONFIG)
+    assert (fillet is not None) == is_filleted
+    if fillet is not None:
+        turning_s = 0.5 * math.pi / (TURN_SHARE * CONFIG.handling.turn_rate_rad_s) + RAMP_S
+        assert PASSED_RADII * radius_m < fillet.cut_m < current_m_s * turning_s

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from companion.core.geo import LatLon, LocalFrame, Point
-from sitl.courses.courses import course_mission, overshoots_m, tracking
+from sitl.courses.courses import corners_sailed, course_mission, tracking
 from sitl.run.recording.recorder import Recorder
 from sitl.world.world import Truth
 
@@ -23,19 +23,33 @@ def recorded(*places: tuple[float, float, int]) -> Recorder:
 
 def test_a_cut_corner_is_no_overshoot_but_a_cross_track_error() -> None:
     cut = recorded((6.0, 0.0, 0), (9.0, 1.0, 1), (10.0, 5.0, 1))
-    assert overshoots_m(cut, PLANNED) == [0.0]
+    (corner,) = corners_sailed(cut, PLANNED)
+    assert tuple(corner) == pytest.approx((0.0, math.sqrt(2.0)))
     figures = tracking(cut, PLANNED)
     assert figures is not None
     assert figures.max_m == pytest.approx(1.0)
     assert figures.overshoot_m == 0.0
+    assert figures.cut_m == pytest.approx(math.sqrt(2.0))
+
+
+def test_figures_of_corners_are_those_of_the_worst_one_that_was_reached() -> None:
+    planned = [*PLANNED, Point(20.0, 10.0), Point(20.0, 20.0)]
+    sailed = recorded((9.5, 0.0, 0), (10.2, 1.0, 1), (10.0, 9.0, 1), (10.3, 9.8, 2), (30.0, 10.0, 2))
+    first, second = corners_sailed(sailed, planned)
+    assert tuple(first) == pytest.approx((0.2, 0.5))
+    assert tuple(second) == pytest.approx((0.0, math.hypot(0.3, 0.2)))
+    figures = tracking(sailed, planned)
+    assert figures is not None
+    assert figures.overshoot_m == pytest.approx(0.2)
+    assert figures.cut_m == pytest.approx(0.5)
 
 
 def test_the_overshoot_is_how_far_the_boat_goes_beyond_the_new_leg() -> None:
-    assert overshoots_m(recorded((10.3, 0.5, 1), (10.4, 2.0, 1), (9.0, 5.0, 1)), PLANNED) == [
-        pytest.approx(0.4)
-    ]
+    (corner,) = corners_sailed(recorded((10.3, 0.5, 1), (10.4, 2.0, 1), (9.0, 5.0, 1)), PLANNED)
+    assert corner.beyond_m == pytest.approx(0.4)
     to_port = [Point(0.0, 0.0), Point(10.0, 0.0), Point(10.0, -10.0)]
-    assert overshoots_m(recorded((10.3, -0.5, 1), (9.9, -2.0, 1)), to_port) == [pytest.approx(0.3)]
+    (corner,) = corners_sailed(recorded((10.3, -0.5, 1), (9.9, -2.0, 1)), to_port)
+    assert corner.beyond_m == pytest.approx(0.3)
 
 
 def test_the_path_error_is_to_the_nearest_place_of_the_line() -> None:
