@@ -61,7 +61,8 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
         "tests/companion/services/test_parameters_service.py", "tests/companion/services/ftp",
     ),
     "autopilot": (
-        "tests/companion/autopilot", "tests/companion/app/test_missing_parts.py", "tests/closed_loop/test_failsafe_rows.py",
+        "tests/companion/autopilot", "tests/companion/app/test_missing_parts.py",
+        "tests/closed_loop/test_failsafe_rows.py",
     ),
     "services/ftp": ("tests/companion/services/ftp", "tests/protocol/test_ftp_client.py"),
     "services": (
