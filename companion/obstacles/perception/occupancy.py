@@ -3,9 +3,12 @@
 A sparse occupancy grid (A. Elfes, *Using Occupancy Grids for Mobile Robot Perception and Navigation*, IEEE
 Computer 22(6), 1989), with small whole numbers in place of log odds. An echo adds 1 to the evidence of each
 cell on the arc across the beam at its range; a beam that reaches beyond a cell subtracts from it. One
-observation makes a cell suspect; a second one, of the cell or a neighbour, makes it solid, so a single echo
-of spray does not. Evidence decays with time: cells that were seen more often are kept for longer. Free water
-is not stored.
+observation makes a cell suspect; a second one, of the cell or a neighbour, makes it solid, so a single false
+echo does not. Evidence decays with time: cells that were seen more often are kept for longer. Free water is
+not stored.
+
+What comes close was first seen farther off. Within SPRAY_M an echo where nothing was seen before is most
+likely spray or a crest, and adds only UNSEEN.
 """
 
 import math
@@ -19,6 +22,12 @@ MAX_EVIDENCE: Final = 4.0  # two beams through a cell refute a moving obstacle t
 # A beam through a cell removes 1, one without any echo half: a smooth wall at an angle returns none.
 SILENCE: Final = 0.5
 CORE: Final = 0.7  # of the beam width, at half power: beyond it an echo is weak
+# A cone of 15° from 15 cm above the water meets the surface here: closer, waves and spray are in the beam
+SPRAY_M: Final = 1.1
+# ln(0.9 / 0.2) / ln(0.9 / 0.005): a thing against spray in one ping of five, as share of a thing against a
+# false echo in one of 200
+UNSEEN: Final = 0.3
+SEEN: Final = 0.9  # evidence from which an echo comes from what was seen before: one farther echo, 5 s ago
 SWEEP_S: Final = 1.5  # a full sweep of 24 pings takes 1.4 s: what is real is seen again within it
 MAX_CELLS: Final = 1200  # 240 m of shore in cells of 0.2 m
 
@@ -75,12 +84,11 @@ class Occupancy:
         """Remove all cells."""
         self._cells.clear()
 
-    def add(self, beam: Beam) -> None:
-        """Add a ping."""
+    def add(self, beam: Beam) -> bool:
+        """Add a ping. Returns whether its echo is believed: it is not spray."""
         if self._cells:
             self._clear_beam(beam)
-        if beam.is_echo:
-            self._mark(beam)
+        return not beam.is_echo or self._mark(beam)
 
     def evidence_at(self, point: Point, now_s: float) -> float | None:
         """The evidence at a place, negative if it was seen through; None: never observed."""
@@ -165,23 +173,26 @@ class Occupancy:
                     cell.evidence = max(self._decayed(cell, beam.time_s) - taken, -1.0)
                     cell.seen_s = beam.time_s
 
-    def _mark(self, beam: Beam) -> None:
-        """Add 1 to the evidence of each cell on the arc."""
+    def _mark(self, beam: Beam) -> bool:
+        """Add 1 to the evidence of each cell on the arc, UNSEEN for what may be spray. Whether it is not."""
         cells, side = self._cells, self.cell_m
         width_rad = CORE * beam.width_rad
         across = max(1, math.ceil(beam.range_m * width_rad / side))
-        for step in range(across + 1):
-            bearing = beam.bearing_rad + width_rad * (step / across - 0.5)
-            key = self._key(beam.at.moved(bearing, beam.range_m))
+        bearings = (beam.bearing_rad + width_rad * (step / across - 0.5) for step in range(across + 1))
+        keys = dict.fromkeys(self._key(beam.at.moved(bearing, beam.range_m)) for bearing in bearings)
+        earlier = {key: self._earlier_evidence(key, beam.time_s) for key in keys}
+        is_known = beam.range_m > SPRAY_M or max(earlier.values()) >= SEEN
+        for key, evidence in earlier.items():
             cell = cells.get(key)
             if cell is None:
                 if len(cells) >= MAX_CELLS:
                     del cells[next(iter(cells))]
                 cell = cells[key] = Cell(Point((key[0] + 0.5) * side, (key[1] + 0.5) * side))
             elif cell.seen_s == beam.time_s and cell.evidence > 0.0:
-                continue  # marked already
-            evidence = self._earlier_evidence(key, beam.time_s) + 1.0
-            cell.evidence, cell.seen_s = min(evidence, MAX_EVIDENCE), beam.time_s
+                continue  # marked already, by another beam of the same moment
+            cell.evidence = min(evidence + (1.0 if is_known else UNSEEN), MAX_EVIDENCE)
+            cell.seen_s = beam.time_s
+        return is_known
 
     def _earlier_evidence(self, key: tuple[int, int], now_s: float) -> float:
         """Evidence of earlier pings for a cell or, as ranges and positions are noisy, a neighbour."""

@@ -122,7 +122,8 @@ class ObstaclePerception:
         self.heard_s = beam.time_s
         if beam.reach_m >= self.reach_m or beam.time_s - self._reach_s > _STALE_S:
             self.reach_m, self._reach_s = beam.reach_m, beam.time_s
-        self.occupancy.add(beam)
+        if not self.occupancy.add(beam):
+            return
         self.tracks.add(beam)
         if self.water.is_used:
             self.water.add(beam)

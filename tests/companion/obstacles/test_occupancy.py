@@ -184,3 +184,42 @@ def test_the_map_knows_no_origin() -> None:
         one, other = (sorted(seen.obstacles(120.0, least)) for seen in (here, there))
         assert [Point(n - 40.0, e + 60.0) for n, e in other] == [pytest.approx(at, abs=0.02) for at in one]
         assert one
+
+
+CLOSE = Point(0.7, 0.1)
+
+
+def test_an_echo_close_by_where_nothing_was_seen_counts_for_little() -> None:
+    seen = grid()
+    assert not seen.add(look(0.7))
+    assert seen.evidence_at(CLOSE, 0.0) == pytest.approx(0.3)
+    assert not seen.add(look(1.09, 0.1, math.pi))
+    assert seen.add(look(1.11, 0.2, 0.5 * math.pi))
+    assert seen.evidence_at(Point(0.1, 1.1), 0.2) == 1.0
+
+
+def test_spray_in_one_ping_of_five_never_becomes_an_obstacle() -> None:
+    seen = grid()
+    for number in range(600):
+        seen.add(look(0.7 if number % 5 == 0 else FREE, 0.06 * number))
+        assert seen.obstacles(0.06 * number, SUSPECT) == []
+
+
+def test_what_was_seen_farther_off_may_come_close() -> None:
+    seen = grid(look(1.3))
+    assert seen.add(Beam(1.0, Point(0.6, 0.0), 0.0, WIDTH_RAD, 0.7, 4.0))
+    assert seen.evidence_at(Point(1.3, 0.1), 1.0) == pytest.approx(1.9)
+    forgotten = grid(look(1.3))
+    assert not forgotten.add(Beam(1.1, Point(0.6, 0.0), 0.0, WIDTH_RAD, 0.7, 4.0))  # evidence 0.89
+
+
+def test_what_stays_close_by_is_an_obstacle_from_the_fifth_ping() -> None:
+    seen = grid()
+    believed = [seen.add(look(0.7, 0.06 * number)) for number in range(5)]
+    assert believed == [False, False, False, False, True]
+    assert CLOSE in [Point(round(at.north_m, 6), round(at.east_m, 6)) for at in seen.obstacles(0.3)]
+
+
+def test_two_beams_of_one_moment_mark_a_cell_once() -> None:
+    seen = grid(look(3.1), look(3.1, 0.0, 0.01))
+    assert seen.evidence_at(ROCK, 0.0) == 1.0

@@ -27,8 +27,9 @@ class Recorder(Occupancy):
         super().__init__(0.2, 25.0)
         self.beams: list[Beam] = []
 
-    def add(self, beam: Beam) -> None:
+    def add(self, beam: Beam) -> bool:
         self.beams.append(beam)
+        return True
 
 
 def perception() -> tuple[ObstaclePerception, list[Beam]]:
@@ -255,3 +256,13 @@ def test_an_echo_that_cannot_be_looked_at_again_is_given_up() -> None:
     assert sector_after(ping(0.0, 0.5), now_s=0.29) == pytest.approx((0.5, 0.5))
     port_rad, starboard_rad = sector_after(ping(0.0, 0.5), now_s=0.31)
     assert starboard_rad - port_rad > 0.5
+
+
+def test_spray_is_neither_tracked_nor_looked_at_again_nor_free_water() -> None:
+    seen = ObstaclePerception(SETTING)
+    seen.water.is_used = True
+    fast = replace(NAV, north_m_s=2.0)
+    seen.ingest([(SonarReading(NOW_S, 0.0, 0.5), None)], fast, SETTING, NOW_S)
+    assert seen.tracks.known(NOW_S) == seen.tracks.all == []
+    assert seen.sector.port_rad < seen.sector.starboard_rad  # not pinned to the echo
+    assert not seen.water.is_known(Point(NAV.north_m + 0.2, NAV.east_m))
