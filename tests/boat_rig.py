@@ -31,10 +31,16 @@ PLANNER = Address(245, 191)
 OK, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4  # MAV_RESULT
 
 
+# The receiver of tests about control: theirs are the errors of steering, not those of a standalone receiver.
+# The pool has a camera.
+RTK = "sensors.gnss.receiver=rtk"
+STANDALONE = "sensors.gnss.receiver=standalone"  # the boats' own
+
+
 @cache
 def scenario(source: str = "open", *settings: str, case: str | None = None) -> Scenario:
-    """A scenario, read once."""
-    return load_scenario(source, settings, case)
+    """A scenario, read once. Its receiver is RTK unless the settings name another."""
+    return load_scenario(source, settings if source == "pool" else (RTK, *settings), case)
 
 
 def waypoint(

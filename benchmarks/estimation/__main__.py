@@ -18,7 +18,7 @@ def main(arguments: list[str]) -> int:
     seeds = range(chosen.first_seed, chosen.first_seed + chosen.runs)
     found = {
         f"{hull} hull, receiver {receiver}": consistency.campaign(seeds, hull, receiver)
-        for receiver in ("stated", "standard")
+        for receiver in ("stated", "better", "standalone")
         for hull in ("known", "other")
     }
     print(consistency.table(found))  # noqa: T201

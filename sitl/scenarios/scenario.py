@@ -25,6 +25,7 @@ from mission_tools.maps.chart import Chart
 from mission_tools.maps.scenario import decode_scenario
 from sitl.radio.link import LinkSettings
 from sitl.scenarios.layers import Layer, decode, explain, merge, parse_overrides
+from sitl.scenarios.parts import with_parts
 from sitl.scenarios.random_world import RandomWater, random_world
 from sitl.world.battery_settings import BatterySettings
 from sitl.world.drive.settings import ThrusterSettings
@@ -103,7 +104,7 @@ def load_scenario(
     """
     path, own = _find(source)
     layers = [own, *over, parse_overrides(overrides)]
-    layers = [_boat_layer(layers, path.parent), *_drawn(layers), *layers]
+    layers = with_parts([_boat_layer(layers, path.parent), *_drawn(layers), *layers])
     tree = decode(layers, Tree)
     waters = decode_scenario(merge(layers), path)
     if case is not None:

@@ -98,6 +98,6 @@ def test_averages_are_over_runs_and_shares_of_the_time() -> None:
 
 
 def test_the_filter_is_not_over_confident_on_other_hulls() -> None:
-    found, _ = campaign(range(1, 9), "other", "standard")
+    found, _ = campaign(range(1, 9), "other", "better")
     for name, one in found.items():
         assert one.mean / one.freedom < 1.5, name

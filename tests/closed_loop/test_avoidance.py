@@ -7,7 +7,7 @@ import math
 import random
 
 import pytest
-from boat_rig import Rig, waypoint
+from boat_rig import RTK, Rig, waypoint
 from fence_rig import box, fenced, polygon
 
 from sitl.courses.missions import plan_mission, wire_items
@@ -142,7 +142,7 @@ def test_what_moves_is_rarely_touched_and_the_goal_reached(mover: str) -> None:
 def test_a_plan_keeps_its_clearance_and_is_sailed_as_if_there_were_no_avoidance() -> None:
     figures = []
     for enable in (0, 3):
-        scenario = load_scenario("lake", [f"vehicle.avoidance.enable={enable}", "seed=101"])
+        scenario = load_scenario("lake", [RTK, f"vehicle.avoidance.enable={enable}", "seed=101"])
         mission, planned = plan_mission(scenario)
         assert planned.min_clearance_m >= 4.6
         result = MissionRun(scenario, wire_items(mission)).run(timeout_s=330.0)

@@ -26,7 +26,7 @@ def shore_ahead(source: str) -> tuple[Point, Point]:
 
 def test_a_mission_that_leads_into_shallow_water_goes_back_the_way_it_came() -> None:
     _, ashore = shore_ahead("lake")
-    rig = Rig("lake", FITTED, "faults=[]").ready()
+    rig = Rig("lake", FITTED, "faults=[]", "seed=3").ready()  # of eight runs: 0.8 to 1.3 m
     rig.sail(waypoint(ashore.north_m, ashore.east_m, "lake"))
     rig.until(lambda: tells(rig, SHALLOW), 200.0)
     nearest_m = 100.0

@@ -17,9 +17,9 @@ from companion.core.readings import GnssFix
 from companion.core.units import clamp
 from companion.sensors.receiver_clock import DAY_S, ReceiverClock
 from sitl.world.sensors.fault import SensorFault
+from sitl.world.sensors.receivers import GnssSettings
 from sitl.world.sensors.sampling import EPOCH_UNIX_S, TIME_SLACK_S, generator, normal
 from sitl.world.sensors.sensor import Sensor
-from sitl.world.sensors.settings import GnssSettings
 from sitl.world.shore import Shore
 
 _MULTIPATH_S = 15.0  # reflections change with the boat's place and the satellites' as slowly as this
@@ -54,14 +54,15 @@ class SimGnss(Sensor[GnssFix]):
         self._settings = settings
         self._frame = frame
         self._random = generator(seed, "gnss")
-        # The wander's share that lasts to the next fix, and the noise that keeps its deviation what it is.
-        self._keep = math.exp(-1.0 / (settings.rate_hz * settings.wander_s))
-        self._drive_m = settings.wander_m * math.sqrt(1.0 - self._keep * self._keep)
         self._accuracy_m = stated_accuracy_m(settings.fix_type, settings.hdop)
         self._under_way: deque[tuple[float, GnssFix]] = deque(maxlen=1024)
         self._next_s = 0.0
-        self._wander_n = self._random.gauss(0.0, settings.wander_m)
-        self._wander_e = self._random.gauss(0.0, settings.wander_m)
+        period_s = 1.0 / settings.rate_hz
+        self._wander = _GaussMarkov(self._random, settings.wander_m, settings.wander_s, period_s)
+        self._slow = _GaussMarkov(generator(seed, "gnss.slow"), settings.slow_m, settings.slow_s, period_s)
+        self._velocity = _GaussMarkov(
+            self._random, settings.velocity_noise_m_s, settings.velocity_noise_s, period_s, is_settled=False
+        )
         self._multipath: _Multipath | None = None
         if shore is not None and settings.multipath_m:
             self._multipath = _Multipath(settings, shore, generator(seed, "gnss.multipath"))
@@ -95,10 +96,12 @@ class SimGnss(Sensor[GnssFix]):
 
     def _fix(self, now_s: float, north_m: float, east_m: float, north_m_s: float, east_m_s: float) -> GnssFix:
         settings, numbers = self._settings, self._random
-        self._wander_n = self._keep * self._wander_n + self._drive_m * normal(numbers)
-        self._wander_e = self._keep * self._wander_e + self._drive_m * normal(numbers)
-        heard_n = north_m + self._wander_n + settings.noise_m * normal(numbers)
-        heard_e = east_m + self._wander_e + settings.noise_m * normal(numbers)
+        wander, slow, velocity = self._wander, self._slow, self._velocity
+        wander.step()
+        slow.step()
+        heard_n = north_m + wander.north + slow.north + settings.noise_m * normal(numbers)
+        heard_e = east_m + wander.east + slow.east + settings.noise_m * normal(numbers)
+        velocity.step()
         if self._multipath is not None:
             off_n, off_e = self._multipath.error_m(north_m, east_m)
             heard_n, heard_e = heard_n + off_n, heard_e + off_e
@@ -108,8 +111,8 @@ class SimGnss(Sensor[GnssFix]):
             fix_type=settings.fix_type,
             satellites=settings.satellites,
             hdop=settings.hdop,
-            north_m_s=north_m_s + settings.velocity_noise_m_s * normal(numbers),
-            east_m_s=east_m_s + settings.velocity_noise_m_s * normal(numbers),
+            north_m_s=north_m_s + velocity.north,
+            east_m_s=east_m_s + velocity.east,
             horizontal_accuracy_m=self._accuracy_m,
             speed_accuracy_m_s=settings.speed_accuracy_m_s or None,
             unix_time_s=EPOCH_UNIX_S + now_s,
@@ -192,19 +195,47 @@ def stated_accuracy_m(fix_type: int, hdop: float) -> float:
     return step_m * max(1, round(hdop * range_error_m / step_m))
 
 
+class _GaussMarkov:
+    """Two independent first-order Gauss-Markov processes, north and east, step by step.
+
+    deviation: of each; time_s: their time constant, 0 for white noise. is_settled: they begin in their steady
+    state, not at 0.
+    """
+
+    def __init__(
+        self,
+        numbers: random.Random,
+        deviation: float,
+        time_s: float,
+        step_s: float,
+        *,
+        is_settled: bool = True,
+    ) -> None:
+        self._random = numbers
+        # The share that lasts to the next step, and the noise that keeps the deviation what it is
+        self._keep = math.exp(-step_s / time_s) if time_s > 0.0 else 0.0
+        self._drive = deviation * math.sqrt(1.0 - self._keep * self._keep)
+        self.north = self.east = 0.0
+        if is_settled:
+            self.north, self.east = numbers.gauss(0.0, deviation), numbers.gauss(0.0, deviation)
+
+    def step(self) -> None:
+        """Advance by a step."""
+        if self._drive:
+            self.north = self._keep * self.north + self._drive * normal(self._random)
+            self.east = self._keep * self.east + self._drive * normal(self._random)
+
+
 class _Multipath:
     """Reflections off the shore: a wander whose deviation grows towards the water's edge."""
 
     def __init__(self, settings: GnssSettings, shore: Shore, numbers: random.Random) -> None:
-        self._shore, self._random = shore, numbers
+        self._shore = shore
         self._size_m, self._reach_m = settings.multipath_m, settings.multipath_reach_m
-        self._keep = math.exp(-1.0 / (settings.rate_hz * _MULTIPATH_S))
-        self._drive = math.sqrt(1.0 - self._keep * self._keep)
-        self._north, self._east = numbers.gauss(0.0, 1.0), numbers.gauss(0.0, 1.0)
+        self._wander = _GaussMarkov(numbers, 1.0, _MULTIPATH_S, 1.0 / settings.rate_hz)
 
     def error_m(self, north_m: float, east_m: float) -> tuple[float, float]:
         """The error of the next fix, north and east."""
-        self._north = self._keep * self._north + self._drive * normal(self._random)
-        self._east = self._keep * self._east + self._drive * normal(self._random)
+        self._wander.step()
         size_m = self._size_m * max(0.0, 1.0 - self._shore.room_m(east_m, north_m) / self._reach_m)
-        return size_m * self._north, size_m * self._east
+        return size_m * self._wander.north, size_m * self._wander.east

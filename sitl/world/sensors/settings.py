@@ -5,35 +5,7 @@ from typing import Annotated
 from msgspec import Meta
 
 from companion.config.section import NonNegative, Positive, Section, Share
-
-ErrorM = Annotated[float, Meta(ge=0.0, le=1e5)]  # of a position, which stays on the globe
-
-
-class GnssSettings(Section, frozen=True):
-    """A satellite receiver, or what stands in for one.
-
-    Position error is white noise plus a first-order Gauss-Markov wander of the given deviation and
-    correlation time, per axis. Near the shore, trees and walls add reflections: a further, faster wander of
-    deviation multipath_m at the water's edge, falling to nothing multipath_reach_m away.
-
-    A fix carries the receiver's time of day and arrives latency_s to latency_s + jitter_s later, evenly
-    distributed; the boat's own driver code dates it. The accuracy that it states follows from its class and
-    HDOP (`sitl.world.sensors.gnss`), not from its errors.
-    """
-
-    rate_hz: Positive = 5.0
-    noise_m: ErrorM = 0.10
-    wander_m: ErrorM = 0.15
-    wander_s: Positive = 30.0
-    velocity_noise_m_s: NonNegative = 0.08
-    multipath_m: ErrorM = 0.0
-    multipath_reach_m: Positive = 4.0
-    latency_s: NonNegative = 0.15
-    jitter_s: NonNegative = 0.15
-    fix_type: Annotated[int, Meta(ge=0, le=6)] = 3
-    satellites: Annotated[int, Meta(ge=0, le=60)] = 12
-    hdop: Positive = 0.9
-    speed_accuracy_m_s: NonNegative = 0.0  # as reported; 0: not reported
+from sitl.world.sensors.receivers import GnssSettings
 
 
 class CompassSettings(Section, frozen=True):

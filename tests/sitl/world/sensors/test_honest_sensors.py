@@ -11,7 +11,8 @@ from companion.core.readings import GnssFix, HeadingReading
 from mission_tools.maps.chart import build_chart
 from sitl.world.sensors.compass import SimCompass
 from sitl.world.sensors.gnss import SimGnss, stated_accuracy_m
-from sitl.world.sensors.settings import CompassSettings, GnssSettings, SonarSettings
+from sitl.world.sensors.receivers import GnssSettings
+from sitl.world.sensors.settings import CompassSettings, SonarSettings
 from sitl.world.sensors.sonar import SimSonar
 from sitl.world.shore import Shore
 

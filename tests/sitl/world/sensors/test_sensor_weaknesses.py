@@ -11,7 +11,8 @@ from mission_tools.maps.chart import build_chart
 from sitl.world.sensors.battery_monitor import SimBattery
 from sitl.world.sensors.compass import BodyField, SimCompass
 from sitl.world.sensors.gnss import SimGnss
-from sitl.world.sensors.settings import BatteryMonitorSettings, CompassSettings, GnssSettings, SonarSettings
+from sitl.world.sensors.receivers import GnssSettings
+from sitl.world.sensors.settings import BatteryMonitorSettings, CompassSettings, SonarSettings
 from sitl.world.sensors.sonar import SimSonar
 from sitl.world.shore import Shore
 
@@ -22,8 +23,9 @@ NO_NOISE = {"noise_deg": 0.0, "bias_deg": 0.0, "gyro_noise_deg_s": 0.0, "gyro_bi
 
 def gnss_deviation_m(east_m: float, shore: Shore) -> float:
     settings = GnssSettings(
-        rate_hz=1.0, latency_s=0.0, noise_m=0.0, wander_m=0.0, multipath_m=1.0, multipath_reach_m=2.0
-    )
+        rate_hz=1.0, latency_s=0.0, noise_m=0.0, wander_m=0.0, slow_m=0.0,
+        multipath_m=1.0, multipath_reach_m=2.0,
+    )  # fmt: skip
     gnss = SimGnss(settings, FRAME, 1, shore)
     errors = []
     for second in range(4_000):

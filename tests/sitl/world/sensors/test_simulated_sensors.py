@@ -12,7 +12,8 @@ from companion.core.readings import GnssFix, HeadingReading, SonarReading
 from mission_tools.maps.chart import build_chart
 from sitl.world.sensors.compass import SimCompass
 from sitl.world.sensors.gnss import SimGnss
-from sitl.world.sensors.settings import CompassSettings, GnssSettings, SonarSettings
+from sitl.world.sensors.receivers import GnssSettings
+from sitl.world.sensors.settings import CompassSettings, SonarSettings
 from sitl.world.sensors.sonar import SimSonar, sweep_bearings_rad
 from sitl.world.shore import Shore
 
@@ -68,8 +69,9 @@ def test_fixes_come_at_their_rate_and_arrive_late_by_the_latency() -> None:
 
 def test_white_noise_and_wander_have_the_deviations_asked_for() -> None:
     settings = GnssSettings(
-        rate_hz=50.0, noise_m=0.1, wander_m=0.3, wander_s=2.0, velocity_noise_m_s=0.05, jitter_s=0.0
-    )
+        rate_hz=50.0, noise_m=0.1, wander_m=0.3, wander_s=2.0, slow_m=0.0,
+        velocity_noise_m_s=0.05, velocity_noise_s=0.0, jitter_s=0.0,
+    )  # fmt: skip
     heard = fixes(settings, 600.0)
     north = [FRAME.to_local(fix.position).north_m - 100.0 for fix in heard]
     assert statistics.pstdev(north) == pytest.approx(math.hypot(0.1, 0.3), rel=0.1)
