@@ -112,7 +112,7 @@ class Boat:
         self.estimator = Estimator(figures.speed, figures.estimation, figures.drive, figures.handling)
         self._compass_correction = None if hardware.field is None else hardware.field.correction
         self._origin = OriginMonitor(self.estimator, self.sensors.external)
-        self.guidance = GuidancePipeline(config, self.vehicle.status_texts)
+        self.guidance = GuidancePipeline(config, self.vehicle.status_texts, self.vehicle.voyage)
         self.net = SafetyNet()
         self.resume = VoyageResume(storage, self.vehicle)
         self.load = 0.0  # share of the tick that the last steps took; set by the runner

@@ -8,8 +8,11 @@ from companion.core.geo import LatLon
 from companion.core.requests import ManualControl
 from companion.core.state import NavState
 from companion.geofence.fence import Fence, FenceCircle
+from companion.obstacles.perception.voyage_map import VoyageMap
 from companion.rc.manual_input import ManualInput
 from companion.vehicle.modes.controller import ModeInputs
+from companion.vehicle.surroundings import Surroundings
+from companion.vehicle.track import SailedTrack
 
 
 def mode_inputs(
@@ -41,3 +44,8 @@ def fenced(radius_m: float = 50.0) -> Fence:
 def turned(heading_rad: float) -> NavState:
     """A boat at rest at FRAME's origin."""
     return replace(nav_at(), heading_rad=heading_rad)
+
+
+def around(fence: Fence) -> Surroundings:
+    """A fence, in water where nothing was seen or sailed yet."""
+    return Surroundings(fence, VoyageMap(), SailedTrack())

@@ -20,6 +20,7 @@ from companion.guidance.drift_heading import DriftHeading
 from companion.guidance.pilot import Pilot
 from companion.guidance.stall_detector import StallDetector
 from companion.obstacles.perception.perception import ObstaclePerception
+from companion.obstacles.perception.voyage_map import VoyageMap
 from companion.obstacles.planning.planner import LocalPlanner
 
 GUIDANCE_S = 0.1
@@ -31,9 +32,9 @@ _STOP = Stop()
 class GuidancePipeline:
     """demand: set-points of the loops, None while they are open. headway: the stall detector."""
 
-    def __init__(self, config: BoatConfig, status_texts: list[StatusText]) -> None:
-        """status_texts: where messages to the operator are appended."""
-        self.perception = ObstaclePerception(config.avoidance)
+    def __init__(self, config: BoatConfig, status_texts: list[StatusText], voyage: VoyageMap) -> None:
+        """status_texts: where messages to the operator are appended. voyage: the map to keep."""
+        self.perception = ObstaclePerception(config.avoidance, voyage)
         self.avoidance = LocalPlanner(status_texts)
         self.helm = Helm()
         self.gate = Gate()

@@ -1,20 +1,23 @@
 """The fence as water between shores, the shortest way through it, and its route leg by leg.
 
 The boat must be inside every inclusion area and outside every exclusion area. Circles become polygons that
-keep them: inscribed to an inclusion circle, circumscribed about an exclusion circle.
+keep them: inscribed to an inclusion circle, circumscribed about an exclusion circle. What the boat has seen
+itself are more shores, with a clearance of their own.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Generator, Sequence
 from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig
-from companion.core.geo import Point, distance_m
+from companion.core.geo import Point, distance_m, path_length_m
 from companion.core.state import NavState
+from companion.core.steps import finished
 from companion.geofence.fence import Fence
 from companion.geofence.separation import Separation
 from companion.guidance.leg import Leg
 from companion.planning.area_shores import CIRCLE_ERROR_M, corners_of, outside_of
+from companion.planning.segments import segment_distance2
 from companion.planning.visibility import NoWay, Routes
 from companion.planning.water import Shore, Water
 
@@ -24,37 +27,60 @@ _CLEAR_SHARE = 0.95  # of the clearance at its ends: required along a straight l
 
 MARGIN_SHARES = (1.5, 0.75, 0.25)
 """Clearances of a way in shares of fence.margin_m, tried one after the other: the brake acts within 1."""
+LEAST_SEEN = 0.6  # margins: half the hull's length and half a cell, as in `obstacles/planning/cost.py`
+_AWAY_SHARE = 0.9  # of the squared distance: rounding
 _LEAST_CLEARANCE_M = 0.05
 _FRAME_M = 1.0  # between areas and the frame round them
 _EXIT_RADII = (0.5, 1.0, 2.0, 4.0)  # clearances
 _EXIT_BEARINGS = 16
 
 
+class Seen(NamedTuple):
+    """What the boat has seen, as straight stretches, and the margin to keep from it."""
+
+    stretches: Sequence[tuple[Point, Point]]
+    margin_m: float
+
+
+ClearLeg = Callable[[Point, Point, float, float], bool]
+"""Whether a straight leg keeps a clearance from the fence, and one from what was seen."""
+
+
 class Way(NamedTuple):
-    """Corners after the start; the last is the goal. clearance_m: from the lines, except at the ends."""
+    """Corners after the start; the last is the goal. clearance_m: from the lines, seen_m: from what was seen,
+    except at the ends.
+    """
 
     corners: tuple[Point, ...]
     length_m: float
     clearance_m: float
+    seen_m: float = math.inf
 
 
 class FenceWater:
-    """The allowed water of an active fence, and what parts it."""
+    """The water inside a fence, all water without one, and what parts it."""
 
     def __init__(self, fence: Fence) -> None:
         held = [corners_of(area) for area in fence.areas if area.is_inclusion]
         barred = [corners_of(area) for area in fence.areas if not area.is_inclusion]
-        frame = (
-            min(area.south_m for area in fence.areas) - _FRAME_M,
-            min(area.west_m for area in fence.areas) - _FRAME_M,
-            max(area.north_m for area in fence.areas) + _FRAME_M,
-            max(area.east_m for area in fence.areas) + _FRAME_M,
-        )
-        water = Water([Shore(corners) for corners in held[:1]], is_open=not held)
-        outsides = [outside_of(corners, frame) for corners in held[1:]]
-        self.water = water.with_shores([*outsides, *(Shore(corners) for corners in barred)])
+        self.water = Water([Shore(corners) for corners in held[:1]], is_open=not held)
+        if fence.areas:
+            frame = (
+                min(area.south_m for area in fence.areas) - _FRAME_M,
+                min(area.west_m for area in fence.areas) - _FRAME_M,
+                max(area.north_m for area in fence.areas) + _FRAME_M,
+                max(area.east_m for area in fence.areas) + _FRAME_M,
+            )
+            outsides = [outside_of(corners, frame) for corners in held[1:]]
+            self.water = self.water.with_shores([*outsides, *(Shore(corners) for corners in barred)])
         self._rings = [*held, *barred]
         self._separations: dict[float, Separation] = {}
+
+    def routes(self, clearance_m: float, seen: Seen | None, seen_m: float) -> Routes:
+        """The routes of a clearance; seen_m: the clearance from what was seen."""
+        if seen is None:
+            return self.water.routes(clearance_m)
+        return self.water.with_shores([Shore(one, seen_m) for one in seen.stretches]).routes(clearance_m)
 
     def prepare(self, margin_m: float) -> None:
         """Find out in one call for each clearance what parts its water, so that no later call takes all that
@@ -86,28 +112,42 @@ def way_to_nearest(
 
     Where the boat or a goal has less than the clearance, a straight leg joins it to water that has it.
     """
+    return finished(searching_way(fence, water, here, goals, margin_m, shares))
+
+
+def searching_way(
+    fence: Fence,
+    water: FenceWater,
+    here: Point,
+    goals: Sequence[Point],
+    margin_m: float,
+    shares: Sequence[float] = MARGIN_SHARES,
+    seen: Seen | None = None,
+) -> Generator[None, None, Way | None]:
+    """The same, clear of what was seen as well, a part of the search at a time."""
     for share in shares:
         clearance_m = _clearance_m(share, margin_m)
         best: Way | None = None
-        routes = water.water.routes(clearance_m)
+        seen_m = math.inf if seen is None else max(share, LEAST_SEEN) * seen.margin_m
+        routes = water.routes(clearance_m, seen, seen_m)
         start: Point | None = None
         for away_m, goal in sorted((distance_m(here, goal), goal) for goal in goals):
             if best is not None and away_m >= best.length_m:
                 break
-            start = start or _with_clearance(fence, routes, here, goal, clearance_m)
-            end = _with_clearance(fence, routes, goal, here, clearance_m)
+            start = start or _with_clearance(fence, routes, here, goal, clearance_m, seen)
+            end = _with_clearance(fence, routes, goal, here, clearance_m, seen)
             if start is None or end is None:
                 continue
             if not routes.is_clear(start, end) and water.separation(clearance_m).parts(start, end):
                 continue  # sooner known than by a search, which would look everywhere
             try:
-                route = routes.route(start, end)
+                route = yield from routes.searching(start, end)
             except NoWay:
                 continue
             length_m = distance_m(here, start) + route.length_m + distance_m(end, goal)
             if best is None or length_m < best.length_m:
                 corners = (*route.points[start == here :], *((goal,) if end != goal else ()))
-                best = Way(corners, length_m, clearance_m)
+                best = Way(corners, length_m, clearance_m, seen_m)
         if best is not None:
             return best
     return None
@@ -118,17 +158,20 @@ def _clearance_m(share: float, margin_m: float) -> float:
 
 
 def _with_clearance(
-    fence: Fence, routes: Routes, at: Point, towards: Point, clearance_m: float
+    fence: Fence, routes: Routes, at: Point, towards: Point, clearance_m: float, seen: Seen | None = None
 ) -> Point | None:
     """A place with the clearance, in a straight line inside the fence unless `at` is outside: the nearest,
-    else one of those a little farther off.
+    else one of those a little farther off. The line leads away from what was seen.
     """
     if routes.is_free(at):
         return at
     is_outside = not fence.allows(at)
+    stretches = () if seen is None else seen.stretches
 
     def is_exit(place: Point) -> bool:
-        return routes.is_free(place) and (is_outside or not fence.crosses(at, place))
+        if not routes.is_free(place) or not (is_outside or not fence.crosses(at, place)):
+            return False
+        return all(_leads_away(at, place, one) for one in stretches)
 
     nearest = fence.inside(at, clearance_m + CIRCLE_ERROR_M)
     if is_exit(nearest):
@@ -140,28 +183,47 @@ def _with_clearance(
             Point(at.north_m + radius_m * math.cos(b), at.east_m + radius_m * math.sin(b)) for b in bearings
         ]
         found = [place for place in around if is_exit(place)]
+        if found and stretches:  # beside what was seen there may be more of it
+            return max(found, key=lambda place: _distance2_m2(place, stretches))
         if found:
             return min(found, key=lambda place: distance_m(place, towards))
     return None
 
 
-class WaterRoute:
-    """leg: the present one, to the farthest corner in a straight line from its start."""
+def _distance2_m2(at: Point, stretches: Sequence[tuple[Point, Point]]) -> float:
+    return min(segment_distance2(*at, *at, *start, *end) for start, end in stretches)
 
-    def __init__(
-        self,
-        fence: Fence,
-        start: Point,
-        corners: Sequence[Point],
-        clearance_m: float,
-        config: BoatConfig,
-    ) -> None:
-        """corners: one or more; the last is the end."""
-        self._fence = fence
-        self._corners = corners
-        self._clearance_m = clearance_m
+
+def _leads_away(at: Point, place: Point, stretch: tuple[Point, Point]) -> bool:
+    """Whether a straight leg comes no nearer to a stretch than it begins."""
+    start, end = stretch
+    return segment_distance2(*at, *place, *start, *end) >= _AWAY_SHARE * segment_distance2(
+        *at, *at, *start, *end
+    )
+
+
+class WaterRoute:
+    """leg: the present one, to the farthest corner in a straight line from its start. seen_m: the clearance
+    from what was seen.
+    """
+
+    def __init__(self, is_clear: ClearLeg, start: Point, way: Way, config: BoatConfig) -> None:
+        """way: with one corner or more; the last is the end."""
+        self._has_clear_leg = is_clear
+        self._corners = way.corners
+        self._clearance_m = way.clearance_m
+        self.seen_m = way.seen_m
         self._at = 0
         self.leg = self._leg_from(start, 0, config)
+
+    @property
+    def corners_left(self) -> Sequence[Point]:
+        """Where the boat is still to pass."""
+        return self._corners[self._at :]
+
+    def left_m(self, here: Point) -> float:
+        """Length of the rest."""
+        return path_length_m((here, *self.corners_left))
 
     @property
     def end(self) -> Point:
@@ -188,7 +250,8 @@ class WaterRoute:
         if self.is_last:
             return Leg(start, corners[at])
         onward = corners[self._farthest(corners[at], at + 1)]
-        radius_m = min(config.guidance.waypoint_radius_m, _CORNER_SHARE * self._clearance_m)
+        clearance_m = min(self._clearance_m, self.seen_m)
+        radius_m = min(config.guidance.waypoint_radius_m, _CORNER_SHARE * clearance_m)
         return Leg(start, corners[at], onward, radius_m)
 
     def _farthest(self, start: Point, first: int) -> int:
@@ -197,20 +260,7 @@ class WaterRoute:
         return next((at for at in range(last, first, -1) if self._is_clear(start, self._corners[at])), first)
 
     def _is_clear(self, start: Point, end: Point) -> bool:
-        return is_clear(self._fence, start, end, self._clearance_m)
-
-
-def way_by_water(
-    fence: Fence,
-    water: FenceWater,
-    here: Point,
-    goals: Sequence[Point],
-    config: BoatConfig,
-    shares: Sequence[float] = MARGIN_SHARES,
-) -> WaterRoute | None:
-    """The shortest route to one of the goals, first back inside if necessary; None if there is none."""
-    way = way_to_nearest(fence, water, here, goals, config.fence.margin_m, shares)
-    return None if way is None else WaterRoute(fence, here, way.corners, way.clearance_m, config)
+        return self._has_clear_leg(start, end, self._clearance_m, self.seen_m)
 
 
 def is_clear(fence: Fence, start: Point, end: Point, clearance_m: float) -> bool:

@@ -6,10 +6,11 @@ legs, so few that the route is at most `MAX_EXCESS` longer, and each of them is 
 
 import math
 from array import array
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from companion.core.geo import Point, distance_m, path_length_m
+from companion.core.steps import finished
 from companion.planning import kernels
 from companion.planning.exits import exits
 from companion.planning.tangents import ARC_STEP_RAD, GRAZE_M, ROUNDING_M
@@ -24,7 +25,7 @@ MAX_EXCESS = 5e-5
 """Half of the 0.01 % that a route may be longer than with true arcs; where there is no room for large steps
 the arcs are followed in the kernel's, which are 0.01 % longer than the arc alone."""
 MAX_STEP_RAD = math.radians(30.0)
-TURN, TURN_BACK = 64, 8
+TURN, TURN_BACK = 16, 2
 """Tangents that the searches from the start and from the goal follow by turns: an eighth for what is found
 only where no route joins them."""
 
@@ -86,6 +87,14 @@ class Routes:
         Raises:
             NoWay: start or goal is no water or nearer to a shore than the clearance, or no route joins them.
         """
+        return finished(self.searching(start, goal))
+
+    def searching(self, start: Point, goal: Point) -> Generator[None, None, Route]:
+        """The same, a part of the search at a time.
+
+        Raises:
+            NoWay: as `route`.
+        """
         for place, reason in ((start, "start"), (goal, "goal")):
             if not self.is_free(place):
                 raise NoWay(
@@ -94,9 +103,9 @@ class Routes:
         if self.is_clear(start, goal):
             return Route((start, goal), distance_m(start, goal), 0)
         if goal < start:
-            there = self._search(goal, start)
+            there = yield from self._search(goal, start)
             return Route(there.points[::-1], there.length_m, there.expanded)
-        return self._search(start, goal)
+        return (yield from self._search(start, goal))
 
     def lengths_m(self, start: Point, goals: Sequence[Point]) -> list[float]:
         """Length of the route to each goal; infinite where there is none."""
@@ -120,7 +129,7 @@ class Routes:
             if not is_afloat or self._water.leg_distance_m(at, candidate) > 0.0:
                 yield candidate
 
-    def _search(self, start: Point, goal: Point) -> Route:
+    def _search(self, start: Point, goal: Point) -> Generator[None, None, Route]:
         """The shortest route by a search from the start and a slower one from the goal, whichever ends first.
 
         A goal in water of its own, as a rule a small cove, is found unconnected without a search of the lake.
@@ -134,6 +143,7 @@ class Routes:
             return _route(self._graph, search, start, goal)
         back.begin(goal.east_m, goal.north_m, start.east_m, start.north_m)
         while not back.is_done(TURN_BACK):
+            yield
             if search.is_done(TURN):
                 return _route(self._graph, search, start, goal)
         there = _route(self._graph, back, goal, start)

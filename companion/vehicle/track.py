@@ -7,7 +7,8 @@ algorithm for the piecewise linear approximation of planar curves", Computer Gra
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from itertools import pairwise
 
 from companion.core.geo import Line, Point, bearing_rad, distance_m
 from companion.core.units import wrap_pi
@@ -47,6 +48,34 @@ class SailedTrack:
     def continues_from(self, at: Point) -> bool:
         """Whether this is a restored track that ends near a point."""
         return self.is_restored and distance_m(self.points[-1], at) <= CONTINUES_WITHIN_M
+
+    def back_to(
+        self,
+        here: Point,
+        goals: Sequence[Point],
+        unsailed: float,
+        is_open: Callable[[Point, Point], bool],
+    ) -> tuple[list[Point], float] | None:
+        """The way back along the track to a goal, from where it is best joined, and its length, that of the
+        last leg, from the beginning of the track, `unsailed` times; None without a track that is joined
+        by an open straight way.
+        """
+        points = self.points if self.latest is None else [*self.points, self.latest]
+        if len(points) < 2 or not goals or self.is_incomplete:
+            return None
+        goal = min(goals, key=lambda goal: distance_m(points[0], goal))
+        sailed_m, least_m = unsailed * distance_m(points[0], goal), math.inf
+        best: tuple[list[Point], float] | None = None
+        for number, (before, after) in enumerate(pairwise(points)):
+            line = Line(before, after)
+            along_m = min(max(line.along_and_cross_track_m(here)[0], 0.0), line.length_m)
+            joins = before.towards(after, along_m / max(line.length_m, 1e-9))
+            back_m = along_m + sailed_m
+            if unsailed * distance_m(here, joins) + back_m < least_m and is_open(here, joins):
+                least_m = unsailed * distance_m(here, joins) + back_m
+                best = [joins, *points[number::-1], goal], back_m
+            sailed_m += line.length_m
+        return best
 
     def resume_at(self, at: Point | None) -> None:
         """Continue recording here, after part of the track was sailed back."""

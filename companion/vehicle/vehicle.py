@@ -16,6 +16,7 @@ from companion.failsafe.inputs import BoardReadings
 from companion.failsafe.monitor import Failsafes
 from companion.failsafe.recovery.recovery import RecoveryManeuvers
 from companion.geofence.fence import Fence, FenceArea
+from companion.obstacles.perception.voyage_map import VoyageMap
 from companion.persistence.mission_store import FENCE, DataLosses
 from companion.rc.manual_input import ManualInput
 from companion.vehicle.arming import PreArmReport, absolute_faults, fence_faults, rc_fault, sensor_faults
@@ -26,6 +27,7 @@ from companion.vehicle.mission.steps import Mission
 from companion.vehicle.modes.controller import ModeInputs
 from companion.vehicle.modes.registry import ModeRegistry
 from companion.vehicle.return_route import ReturnRoute
+from companion.vehicle.surroundings import Surroundings
 from companion.vehicle.track import SailedTrack
 
 _STOP = Stop()
@@ -45,9 +47,11 @@ class Vehicle:
         self.progress = MissionProgress()
         self.list_ids = (0, 0, 0)  # of mission, fence and rally points, by content; 0 if empty
         self.status_texts: list[StatusText] = []  # to the operator, until `take_status_texts`
-        self.route = ReturnRoute(self.fence, self.status_texts)
+        self.voyage = VoyageMap()  # kept by the perception
+        surroundings = Surroundings(self.fence, self.voyage, self.track)
+        self.route = ReturnRoute(surroundings, self.status_texts)
         self.modes = ModeRegistry(
-            self.fence, self.route, self.progress, self.track, self.manual_input, self.status_texts
+            surroundings, self.route, self.progress, self.track, self.manual_input, self.status_texts
         )
         self.failsafes = Failsafes(config, self.manual_input)
         self.recovery = RecoveryManeuvers()
@@ -290,6 +294,7 @@ class Vehicle:
         if not self.is_home_set and inputs is not None:
             self.home = inputs.position
         self.manual_input.release()
+        self.voyage.clear()
         self.track.restart(None if self.estimate_fault() or self.nav is None else self.nav.point)
         self.modes.controllers[self.mode].enter(inputs)
         self.notify(Severity.INFO, "Armed")

@@ -141,6 +141,25 @@ class Occupancy:
             and (cell.evidence >= SOLID or now_s - cell.seen_s <= 2.0 * SWEEP_S)
         }
 
+    def seen_since(self, since_s: float) -> list[Cell]:
+        """The cells that a beam met, or saw through, after this time."""
+        return [cell for cell in self._cells.values() if cell.seen_s > since_s]
+
+    def restore(self, at: Point, now_s: float) -> None:
+        """Make a cell solid that was observed long ago."""
+        cell = self._cell(self._key(at))
+        cell.evidence, cell.seen_s = max(self._decayed(cell, now_s), 2.0), now_s
+
+    def _cell(self, key: tuple[int, int]) -> Cell:
+        """A new cell, or the known one. The oldest goes where there is no room."""
+        cell = self._cells.get(key)
+        if cell is None:
+            if len(self._cells) >= MAX_CELLS:
+                del self._cells[next(iter(self._cells))]
+            side = self.cell_m
+            cell = self._cells[key] = Cell(Point((key[0] + 0.5) * side, (key[1] + 0.5) * side))
+        return cell
+
     def _key(self, point: Point) -> tuple[int, int]:
         return math.floor(point.north_m / self.cell_m), math.floor(point.east_m / self.cell_m)
 
@@ -175,20 +194,15 @@ class Occupancy:
 
     def _mark(self, beam: Beam) -> bool:
         """Add 1 to the evidence of each cell on the arc, UNSEEN for what may be spray. Whether it is not."""
-        cells, side = self._cells, self.cell_m
         width_rad = CORE * beam.width_rad
-        across = max(1, math.ceil(beam.range_m * width_rad / side))
+        across = max(1, math.ceil(beam.range_m * width_rad / self.cell_m))
         bearings = (beam.bearing_rad + width_rad * (step / across - 0.5) for step in range(across + 1))
         keys = dict.fromkeys(self._key(beam.at.moved(bearing, beam.range_m)) for bearing in bearings)
         earlier = {key: self._earlier_evidence(key, beam.time_s) for key in keys}
         is_known = beam.range_m > SPRAY_M or max(earlier.values()) >= SEEN
         for key, evidence in earlier.items():
-            cell = cells.get(key)
-            if cell is None:
-                if len(cells) >= MAX_CELLS:
-                    del cells[next(iter(cells))]
-                cell = cells[key] = Cell(Point((key[0] + 0.5) * side, (key[1] + 0.5) * side))
-            elif cell.seen_s == beam.time_s and cell.evidence > 0.0:
+            cell = self._cell(key)
+            if cell.seen_s == beam.time_s and cell.evidence > 0.0:
                 continue  # marked already, by another beam of the same moment
             cell.evidence = min(evidence + (1.0 if is_known else UNSEEN), MAX_EVIDENCE)
             cell.seen_s = beam.time_s

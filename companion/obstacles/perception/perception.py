@@ -17,6 +17,7 @@ from companion.obstacles.perception.occupancy import Beam, Occupancy
 from companion.obstacles.perception.sonar_noise import SonarNoiseMonitor
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector, choose_sector
 from companion.obstacles.perception.tracks import FREE_BESIDE, ObstacleTracks
+from companion.obstacles.perception.voyage_map import VoyageMap
 
 _CELLS_A_MARGIN: Final = 5.0  # the resolution follows the distance to keep
 _STALE_S: Final = 1.0  # a full sweep: an older ping was before the present one
@@ -26,12 +27,14 @@ _REMEMBERED_REACHES: Final = 3.0  # a detour of several sights comes back to wha
 
 
 class ObstaclePerception:
-    """occupancy: static obstacles. tracks: moving ones. water: known to be free. dropped: unusable pings.
+    """occupancy: static obstacles around the boat. voyage: those of the whole voyage. tracks: moving ones.
+    water: known to be free. dropped: unusable pings.
     reach_m: range of the farthest ranger that was heard lately. sector: where to point the boat's own ranger.
     wished_course_rad: about to be taken, set by the planner.
     """
 
-    def __init__(self, setting: AvoidanceSetting) -> None:
+    def __init__(self, setting: AvoidanceSetting, voyage: VoyageMap | None = None) -> None:
+        self.voyage = voyage or VoyageMap()
         self.water = LookedAtWater()
         self.dropped = 0
         self.reach_m, self.heard_s, self._reach_s = 0.0, -math.inf, -math.inf
@@ -57,6 +60,7 @@ class ObstaclePerception:
         """Forget all: the local frame has moved."""
         self.occupancy.clear()
         self.water.clear()
+        self.voyage.clear()
 
     def is_near(self, at: Point) -> bool:
         """Whether anything is known within sight of a place."""
@@ -98,9 +102,12 @@ class ObstaclePerception:
                 self.wished_course_rad,
                 is_open=is_open,
             )
-        if now_s >= self._tidy_s and not self.is_empty:
+        if now_s >= self._tidy_s:
             self._tidy_s = now_s + _STALE_S
-            self.occupancy.forget(nav.point, _REMEMBERED_REACHES * setting.lookahead_m, now_s)
+            reach_m = _REMEMBERED_REACHES * setting.lookahead_m
+            movers = [track.point(now_s) for track in self.tracks.movers(now_s)]
+            self.voyage.update(self.occupancy, setting.margin_m, movers, nav.point, reach_m, now_s)
+            self.occupancy.forget(nav.point, reach_m, now_s)
 
     def solid(self, now_s: float) -> list[Point]:
         """Centres of the solid cells, echoes of moving obstacles included."""

@@ -10,11 +10,11 @@ from companion.core.geo import Point, distance_m
 from companion.core.intent import FollowLeg, Intent, KeepStation
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
-from companion.geofence.fence import Fence
-from companion.geofence.water_route import MARGIN_SHARES, WaterRoute, is_clear, way_by_water
+from companion.core.steps import finished
+from companion.geofence.water_route import MARGIN_SHARES, WaterRoute, is_clear
 from companion.guidance.leg import Leg
 from companion.vehicle.mission.progress import MissionProgress
-from companion.vehicle.return_route import ReturnRoute
+from companion.vehicle.surroundings import Surroundings
 
 _CAST_OFF = 2.0  # clearances: a boat that starts nearer to a line may leave it within this distance
 
@@ -22,10 +22,9 @@ _CAST_OFF = 2.0  # clearances: a boat that starts nearer to a line may leave it 
 class RouteToMission:
     """Replaces the first leg where it is not clear, and tells the operator."""
 
-    def __init__(self, fence: Fence, route: ReturnRoute, status_texts: list[StatusText]) -> None:
-        """route: of the same fence, whose water it knows."""
-        self._fence = fence
-        self._route = route
+    def __init__(self, surroundings: Surroundings, status_texts: list[StatusText]) -> None:
+        self._surroundings = surroundings
+        self._fence = surroundings.fence
         self._status_texts = status_texts
         self._checked: Leg | None = None
         self._station: KeepStation | None = None  # while the route is not known
@@ -62,13 +61,12 @@ class RouteToMission:
 
     def _find(self, here: Point, end: Point, config: BoatConfig) -> bool:
         """Whether the route is known, or that there is none but the straight line."""
-        water = self._route.water
-        if water is None:
+        if self._surroundings.water is None:
             return False
         self._station = None
         # With less clearance only where the straight line leaves the water
         shares = MARGIN_SHARES if self._fence.crosses(here, end) else MARGIN_SHARES[:1]
-        self._way = way_by_water(self._fence, water, here, [end], config, shares)
+        self._way = finished(self._surroundings.searching(here, [end], config, shares))
         severity, where = (
             (Severity.WARNING, "near the fence") if self._way is None else (Severity.INFO, "round the shore")
         )

@@ -3,14 +3,13 @@
 from companion.core.geo import LatLon, LocalFrame
 from companion.core.intent import Intent
 from companion.core.status_text import StatusText
-from companion.geofence.fence import Fence
 from companion.vehicle.mission.check import MissionCheck
 from companion.vehicle.mission.progress import MissionProgress
 from companion.vehicle.mission.route_to_mission import RouteToMission
 from companion.vehicle.mission.steps import GoRound, Waypoint
 from companion.vehicle.modes.controller import ModeController, ModeInputs
 from companion.vehicle.modes.guided import GuidedMode
-from companion.vehicle.return_route import ReturnRoute
+from companion.vehicle.surroundings import Surroundings
 
 
 class AutoMode(ModeController):
@@ -20,16 +19,15 @@ class AutoMode(ModeController):
         self,
         progress: MissionProgress,
         guided: GuidedMode,
-        route: ReturnRoute,
-        fence: Fence,
+        surroundings: Surroundings,
         status_texts: list[StatusText],
     ) -> None:
         self._progress = progress
         self._guided = guided
         self._guided_seq = -1  # the item in which another program steers
-        self._fence = fence
+        self._fence = surroundings.fence
         self._check = MissionCheck(status_texts)
-        self._route_to_mission = RouteToMission(fence, route, status_texts)
+        self._route_to_mission = RouteToMission(surroundings, status_texts)
 
     def prepare(self, frame: LocalFrame) -> None:
         """Check some more items against the fence. To be called every tick."""

@@ -2,7 +2,6 @@
 
 from companion.core.modes import Mode
 from companion.core.status_text import StatusText
-from companion.geofence.fence import Fence
 from companion.rc.manual_input import ManualInput
 from companion.vehicle.mission.progress import MissionProgress
 from companion.vehicle.modes.auto import AutoMode
@@ -15,6 +14,7 @@ from companion.vehicle.modes.loiter import LoiterMode
 from companion.vehicle.modes.rtl import RtlMode
 from companion.vehicle.modes.smart_rtl import SmartRtlMode
 from companion.vehicle.return_route import ReturnRoute
+from companion.vehicle.surroundings import Surroundings
 from companion.vehicle.track import SailedTrack
 
 
@@ -23,7 +23,7 @@ class ModeRegistry:
 
     def __init__(
         self,
-        fence: Fence,
+        surroundings: Surroundings,
         route: ReturnRoute,
         progress: MissionProgress,
         track: SailedTrack,
@@ -31,12 +31,13 @@ class ModeRegistry:
         status_texts: list[StatusText],
     ) -> None:
         """status_texts: where messages to the operator are appended."""
+        fence = surroundings.fence
         self.manual = ManualMode(sticks)
         self.loiter = LoiterMode(fence)
         self.guided = GuidedMode(fence, status_texts)
         self.follow = FollowMode(status_texts)
         self.rtl = RtlMode(route, status_texts)
-        self.auto = AutoMode(progress, self.guided, route, fence, status_texts)
+        self.auto = AutoMode(progress, self.guided, surroundings, status_texts)
         self.controllers: dict[Mode, ModeController] = {
             Mode.MANUAL: self.manual,
             Mode.ACRO: AcroMode(sticks),

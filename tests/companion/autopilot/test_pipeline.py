@@ -16,6 +16,7 @@ from companion.core.status_text import StatusText
 from companion.core.vehicle_status import VehicleStatus
 from companion.geofence.fence import Fence, FencePolygon
 from companion.guidance.stall_detector import StallVerdict
+from companion.obstacles.perception.voyage_map import VoyageMap
 
 CONFIG = BoatConfig()
 FRAME = LocalFrame(LatLon(50.0, -1.2))
@@ -37,7 +38,7 @@ class Line:
 
     def __init__(self, fence: Fence | None = None, status: VehicleStatus = ARMED) -> None:
         self.texts: list[StatusText] = []
-        self.pipeline = GuidancePipeline(CONFIG, self.texts)
+        self.pipeline = GuidancePipeline(CONFIG, self.texts, VoyageMap())
         self.fence, self.status = fence or Fence(), status
 
     def guide(self, intent: Intent, now_s: float, nav: NavState | None = STILL) -> Demand | None:

@@ -6,6 +6,7 @@ from itertools import pairwise
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from mode_inputs import around
 from test_fence_areas import FRAME, globe, laid, square
 from test_fence_water import L_WATER
 
@@ -17,13 +18,14 @@ from companion.core.state import NavState
 from companion.core.status_text import StatusText
 from companion.geofence.fence import Fence, FenceCircle, FencePolygon
 from companion.vehicle.return_route import ReturnRoute
+from companion.vehicle.surroundings import Surroundings
 
 HOME = Point(0.0, 0.0)
 
 
 def way_home(fence: Fence, config: BoatConfig = BoatConfig(), rally: tuple[LatLon, ...] = ()) -> ReturnRoute:  # noqa: B008
     status_texts: list[StatusText] = []
-    way = ReturnRoute(fence, status_texts)
+    way = ReturnRoute(around(fence), status_texts)
     way.rally = rally
     home = FRAME.to_global(HOME)
     for _ in range(2):  # the goals, then the water
@@ -94,7 +96,7 @@ def test_of_rally_points_the_one_nearest_by_water_is_sailed_to() -> None:
 def test_where_there_is_no_way_the_boat_stays_and_says_so() -> None:
     wall = FencePolygon(globe([(40.0, -200.0), (40.0, 200.0), (50.0, 200.0), (50.0, -200.0)]), False)
     status_texts: list[StatusText] = []
-    way = ReturnRoute(laid(square(100.0), wall), status_texts)
+    way = ReturnRoute(around(laid(square(100.0), wall)), status_texts)
     start = Point(80.0, 0.0)
     way.restart()
     for tick in range(400):
@@ -104,24 +106,25 @@ def test_where_there_is_no_way_the_boat_stays_and_says_so() -> None:
     assert math.isinf(way.home_distance_m(start))
 
 
-def has_water(way: ReturnRoute) -> bool:
-    return way.water is not None
+def has_water(surroundings: Surroundings) -> bool:
+    return surroundings.water is not None
 
 
 def test_the_water_is_indexed_once_in_the_tick_after_a_change() -> None:
     fence, home = laid(L_WATER), FRAME.to_global(HOME)
-    way = ReturnRoute(fence, [])
+    surroundings = around(fence)
+    way = ReturnRoute(surroundings, [])
     way.prepare(FRAME, home, BoatConfig())
-    assert not has_water(way)
+    assert not has_water(surroundings)
     assert way.home_distance_m(Point(60.0, 60.0)) == pytest.approx(math.hypot(60.0, 60.0))
     way.prepare(FRAME, home, BoatConfig())
-    water = way.water
+    water = surroundings.water
     assert water is not None
     assert way.home_distance_m(Point(60.0, 60.0)) == pytest.approx(97.845, abs=0.01)
     for _ in range(3):  # another home is another goal in the same water
         way.prepare(FRAME, FRAME.to_global(Point(0.0, 60.0)), BoatConfig())
-        assert way.water is water
+        assert surroundings.water is water
     assert way.home_distance_m(Point(0.0, 0.0)) == pytest.approx(60.0, abs=0.01)
     fence.set_areas([square(50.0)])
     fence.update(FRAME, None, FenceSetting())
-    assert not has_water(way), "that of another fence"
+    assert not has_water(surroundings), "that of another fence"

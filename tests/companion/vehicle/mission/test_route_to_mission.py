@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import pytest
 from boat_rig import FRAME, nav_at, place
+from mode_inputs import around
 
 from companion.config.boat_config import BoatConfig
 from companion.config.tuning import FenceSetting
@@ -35,12 +36,13 @@ class Boat:
             [FencePolygon(tuple(place(*corner) for corner in ring), is_held) for ring, is_held in areas]
         )
         fence.update(FRAME, None, FenceSetting())
-        route = ReturnRoute(fence, [])
+        surroundings = around(fence)
+        route = ReturnRoute(surroundings, [])
         self.nav = nav_at(*here)
         self.route = route
         self.progress = MissionProgress()
         self.progress.replace((Home(), Waypoint(place(*end))))
-        self.route_to_mission = RouteToMission(fence, route, self.texts)
+        self.route_to_mission = RouteToMission(surroundings, self.texts)
 
     def prepare(self) -> None:
         """One tick of the route home, which indexes the water."""
@@ -94,12 +96,12 @@ def is_open(here: tuple[float, float], end: tuple[float, float], *areas: FenceAr
     fence, nav = Fence(), nav_at(*here)
     fence.set_areas([SQUARE, *areas])
     fence.update(FRAME, None, FenceSetting())
-    route = ReturnRoute(fence, [])
+    surroundings = around(fence)
     progress = MissionProgress()
     progress.replace((Home(), SetSpeed(1.0), Waypoint(place(*end))))
     wanted = progress.update(nav, FRAME, CONFIG, 0.0)
     assert isinstance(wanted, FollowLeg)
-    sailed = RouteToMission(fence, route, []).update(wanted, progress, nav, CONFIG)
+    sailed = RouteToMission(surroundings, []).update(wanted, progress, nav, CONFIG)
     assert sailed is wanted or sailed == KeepStation(Point(*here))
     return sailed is wanted
 
@@ -134,7 +136,7 @@ def test_what_is_no_leg_or_does_not_begin_at_the_boat_is_left_as_it_is() -> None
     fence = Fence()
     fence.set_areas([SQUARE, ISLAND])
     fence.update(FRAME, None, FenceSetting())
-    route, progress = RouteToMission(fence, ReturnRoute(fence, []), []), MissionProgress()
+    route, progress = RouteToMission(around(fence), []), MissionProgress()
     station, nav = KeepStation(Point(1.0, 2.0)), nav_at(0.0, -40.0)
     assert route.update(station, progress, nav, CONFIG) is station
     progress.replace((Home(), Waypoint(place(0.0, 40.0))))

@@ -4,7 +4,7 @@ import math
 
 import pytest
 from boat_rig import FRAME, nav_at, place
-from mode_inputs import mode_inputs, turned
+from mode_inputs import around, mode_inputs, turned
 
 from companion.config.boat_config import BoatConfig, with_value
 from companion.core.geo import Point
@@ -49,7 +49,7 @@ def test_circle_goes_round_a_point_ahead(direction: int, clockwise: bool) -> Non
 
 
 def routed(mode_texts: list[StatusText], config: BoatConfig = CONFIG) -> RtlMode:
-    route = ReturnRoute(Fence(), mode_texts)
+    route = ReturnRoute(around(Fence()), mode_texts)
     route.prepare(FRAME, place(50.0, 0.0), config)
     mode = RtlMode(route, mode_texts)
     mode.enter(mode_inputs())
@@ -73,7 +73,7 @@ def test_rtl_sails_home_at_its_own_speed_and_stays() -> None:
 
 
 def test_rtl_needs_a_home_unless_there_are_rally_points() -> None:
-    route = ReturnRoute(Fence(), [])
+    route = ReturnRoute(around(Fence()), [])
     mode = RtlMode(route, [])
     assert mode.fault(mode_inputs(home=None)) == "no home"
     assert mode.fault(mode_inputs(home=place(100_500.0, 0.0))) == "home is more than 100 km away"
@@ -107,7 +107,7 @@ def test_smart_rtl_sails_the_track_back_leg_by_leg() -> None:
 def auto(*steps: Waypoint | HandOver) -> tuple[AutoMode, GuidedMode, MissionProgress]:
     progress, guided = MissionProgress(), GuidedMode(Fence(), [])
     progress.replace((Home(), *steps))
-    mode = AutoMode(progress, guided, ReturnRoute(Fence(), []), Fence(), [])
+    mode = AutoMode(progress, guided, around(Fence()), [])
     mode.prepare(FRAME)
     return mode, guided, progress
 

@@ -1,0 +1,160 @@
+"""Map of the voyage: what the boat has seen, by place, for as long as it is armed.
+
+A sparse occupancy grid (S. Thrun, W. Burgard, D. Fox, *Probabilistic Robotics*, 2005, chapter 9) with cells
+of one margin. The local grid (`occupancy.py`) forgets what is out of sight; what it found solid stays
+here, until the boat sees through the place. Near the boat the local grid is given back what it
+forgot, so that the rangers confirm or refute it.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Final
+
+from companion.core.geo import Line, Point, distance_m
+from companion.obstacles.perception.occupancy import SOLID, Occupancy
+
+MAX_CELLS: Final = 4000  # 4 km of shore in cells of 1 m
+_STRAIGHT: Final = 0.3  # cells: places within it lie on one line
+_APPROACH: Final = 0.95  # of its nearer end's distance: a way that comes no nearer leads along or away
+
+Key = tuple[int, int]
+Stretch = tuple[Point, Point]
+
+
+class VoyageMap:
+    """version: changes with what was seen."""
+
+    def __init__(self) -> None:
+        self.version = 0
+        self._cell_m = 1.0
+        self._seen: dict[Key, Point] = {}
+        self._updated_s = -math.inf
+        self._stretches: tuple[int, list[Stretch]] = (0, [])
+
+    def clear(self) -> None:
+        """Forget all: another voyage begins, or the local frame has moved."""
+        self._seen.clear()
+        self.version += 1
+
+    def update(
+        self,
+        grid: Occupancy,
+        cell_m: float,
+        movers: Sequence[Point],
+        here: Point,
+        reach_m: float,
+        now_s: float,
+    ) -> None:
+        """Take what the local grid is sure of, and give back what it forgot within reach_m."""
+        if cell_m != self._cell_m:
+            self.clear()
+            self._cell_m = cell_m
+        known = {self._key(at) for at in grid.obstacles(now_s)}
+        hits: dict[Key, list[Point]] = {}
+        refuted = set()
+        for cell in grid.seen_since(self._updated_s):
+            if cell.evidence < 0.0:
+                refuted.add(self._key(cell.at))
+            elif cell.evidence >= SOLID and all(distance_m(cell.at, one) > 2.0 * cell_m for one in movers):
+                hits.setdefault(self._key(cell.at), []).append(cell.at)
+        self._updated_s = now_s
+        for key in refuted - known:
+            if self._seen.pop(key, None) is not None:
+                self.version += 1
+        for key, places in hits.items():
+            self._add(key, _middle(places))
+        for key, at in self._seen.items():
+            if key not in known and distance_m(at, here) < reach_m:
+                grid.restore(at, now_s)
+
+    def is_near(self, at: Point, within_m: float) -> bool:
+        """Whether something was seen within this distance of a place."""
+        return any(distance_m(at, one) < within_m for one in self._seen.values())
+
+    def bars(self, start: Point, end: Point, clearance_m: float, ends: Sequence[Point]) -> bool:
+        """Whether a straight way comes nearer than this to what was seen, and nearer than these ends of the
+        whole way, which may be as near as they are.
+        """
+        south_m, north_m = sorted((start.north_m, end.north_m))
+        west_m, east_m = sorted((start.east_m, end.east_m))
+        near = [
+            at
+            for at in self._seen.values()
+            if south_m - clearance_m < at.north_m < north_m + clearance_m
+            and west_m - clearance_m < at.east_m < east_m + clearance_m
+        ]
+        ends_m = min((distance_m(at, place) for at in near for place in ends), default=math.inf)
+        line, least_m = Line(start, end), min(clearance_m, _APPROACH * ends_m)
+        return any(_distance_m(line, at) < least_m for at in near)
+
+    def stretches(self) -> list[Stretch]:
+        """What was seen as straight stretches, which join neighbouring cells."""
+        if self._stretches[0] != self.version:
+            self._stretches = self.version, _joined(self._seen, _STRAIGHT * self._cell_m)
+        return self._stretches[1]
+
+    def _key(self, at: Point) -> Key:
+        return math.floor(at.north_m / self._cell_m), math.floor(at.east_m / self._cell_m)
+
+    def _add(self, key: Key, at: Point) -> None:
+        if key not in self._seen:
+            self.version += 1
+            if len(self._seen) >= MAX_CELLS:
+                del self._seen[next(iter(self._seen))]
+        self._seen[key] = at
+
+
+def _middle(places: Sequence[Point]) -> Point:
+    return Point(
+        sum(at.north_m for at in places) / len(places), sum(at.east_m for at in places) / len(places)
+    )
+
+
+def _distance_m(line: Line, at: Point) -> float:
+    """Distance from a point to a line segment."""
+    along_m, cross_m = line.along_and_cross_track_m(at)
+    return math.hypot(max(-along_m, along_m - line.length_m, 0.0), cross_m)
+
+
+def _joined(seen: dict[Key, Point], tolerance_m: float) -> list[Stretch]:
+    """Chains of neighbouring cells, each joined at both ends to the chains that it meets."""
+    stretches: list[Stretch] = []
+    left = dict(seen)
+    while left:
+        key = next(iter(left))
+        del left[key]
+        before = [seen[one] for one in _beside(key) if one in seen and one not in left]
+        chain = [*_nearest(seen[key], before), seen[key]]
+        while onward := [one for one in _beside(key) if one in left]:
+            key = min(onward, key=lambda one: distance_m(chain[-1], seen[one]))
+            del left[key]
+            chain.append(seen[key])
+        chain += _nearest(
+            chain[-1], [seen[one] for one in _beside(key) if one in seen and seen[one] not in chain[-3:]]
+        )
+        stretches += _straightened(chain, tolerance_m)
+    return stretches
+
+
+def _beside(key: Key) -> list[Key]:
+    return [(key[0] + row, key[1] + column) for row in (-1, 0, 1) for column in (-1, 0, 1) if row or column]
+
+
+def _nearest(at: Point, places: Sequence[Point]) -> list[Point]:
+    """The nearest of the places, if there is any."""
+    return [min(places, key=lambda place: distance_m(at, place))] if places else []
+
+
+def _straightened(chain: Sequence[Point], tolerance_m: float) -> list[Stretch]:
+    """A chain as few stretches, none of its places farther from them than the tolerance."""
+    stretches = []
+    first, last = 0, 1
+    while last < len(chain):
+        line = Line(chain[first], chain[last])
+        if any(_distance_m(line, at) > tolerance_m for at in chain[first + 1 : last]):
+            stretches.append((chain[first], chain[last - 1]))
+            first = last - 1
+        else:
+            last += 1
+    stretches.append((chain[first], chain[-1]))
+    return stretches
