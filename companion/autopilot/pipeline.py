@@ -25,12 +25,15 @@ from companion.obstacles.planning.planner import LocalPlanner
 
 GUIDANCE_S = 0.1
 _AT_LINE_M = 1.2  # half the hull length plus the position error
+_TOUCHING = 0.8  # margins: half the hull length plus the error of the map of the voyage
 _SLACK_S = 1e-6
 _STOP = Stop()
 
 
 class GuidancePipeline:
-    """demand: set-points of the loops, None while they are open. headway: the stall detector."""
+    """demand: set-points of the loops, None while they are open. headway: the stall detector. may_touch: the
+    hull may touch something that was seen.
+    """
 
     def __init__(self, config: BoatConfig, status_texts: list[StatusText], voyage: VoyageMap) -> None:
         """status_texts: where messages to the operator are appended. voyage: the map to keep."""
@@ -40,6 +43,7 @@ class GuidancePipeline:
         self.gate = Gate()
         self.headway = StallDetector()
         self.demand: Demand | None = None
+        self.may_touch = False
         self._pilot = Pilot()
         self._fence_brake = FenceBrake(status_texts)
         self._steered: Demand | Drive | Stop = _STOP
@@ -80,7 +84,10 @@ class GuidancePipeline:
         dt_s = min(max(now_s - self._guided_s, 0.0), 2.0 * GUIDANCE_S)
         self._guided_s = now_s
         self._due_s = now_s + GUIDANCE_S
-        is_at_line = nav is not None and fence.is_near(nav.point, _AT_LINE_M)
+        is_at_line = self.may_touch = False
+        if nav is not None:
+            self.may_touch = self.perception.voyage.is_near(nav.point, _TOUCHING * config.avoidance.margin_m)
+            is_at_line = self.may_touch or fence.is_near(nav.point, _AT_LINE_M)
         self.headway.update(self.demand, self._command, nav, config, dt_s, is_at_line=is_at_line)
         if status.is_ungrounding:  # what it is to keep clear of, it lies on
             self.avoidance.reset()

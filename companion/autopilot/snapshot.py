@@ -82,7 +82,7 @@ def board_readings(
         left=command.left,
         right=command.right,
         rudder=command.rudder,
-        judges_motors=not (gives_way or is_held or is_calibrating),
+        judges_motors=not (gives_way or is_held or guidance.may_touch or is_calibrating),
         stall=guidance.headway.verdict,
         held_s=guidance.headway.held_s,
         load=load,

@@ -108,7 +108,7 @@ def stuck(inputs: FailsafeInputs) -> str:
 
 
 def aground(inputs: FailsafeInputs) -> str:
-    """Close to a line of the fence, driven hard, and held."""
+    """Close to a line of the fence or a shore that was seen, driven hard, and held."""
     return "Aground: held at the shore" if inputs.board.stall is StallVerdict.AGROUND else ""
 
 

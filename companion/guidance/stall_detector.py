@@ -66,7 +66,7 @@ class StallDetector:
         """Evaluate one tick: demand, motor command and motion over ground.
 
         Ticks without an attempt (open loops, low demand, bow off the heading) are ignored; headway resets the
-        time. is_at_line: the hull may touch the shore at a fence line.
+        time. is_at_line: the hull may touch a shore.
         """
         if demand is None or nav is None:
             self.held_s = 0.0

@@ -161,7 +161,9 @@ def _retreat(modes: tuple[Mode, ...], vehicle: "Vehicle") -> None:
 def run_recovery(vehicle: "Vehicle", now_s: float) -> Intent:
     """Go on with the recovery under way."""
     board = vehicle.board
-    step = vehicle.recovery.update(vehicle.nav, vehicle.fence, vehicle.config, board.left, board.right, now_s)
+    nav, config = vehicle.nav, vehicle.config
+    seen = None if nav is None else vehicle.voyage.nearest(nav.point, 2.0 * config.fence.margin_m)
+    step = vehicle.recovery.update(nav, vehicle.fence, config, board.left, board.right, now_s, seen)
     if step.text:
         vehicle.notify(Severity.WARNING, step.text)
     if step.cleared:

@@ -94,7 +94,7 @@ class ReturnRoute:
         """What to sail now."""
         if self.has_arrived and self._station is not None:
             return self._station
-        self._passage.update(nav.point, self._goals, config, now_s)
+        self._passage.update(nav, self._goals, config, now_s)
         way = self._passage.way
         if way is None:
             if self._passage.has_failed and not self._is_reported:

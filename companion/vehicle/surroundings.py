@@ -13,6 +13,7 @@ from itertools import pairwise
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point, distance_m, path_length_m
+from companion.core.state import NavState
 from companion.core.steps import finished
 from companion.geofence.fence import Fence
 from companion.geofence.water_route import (
@@ -25,14 +26,17 @@ from companion.geofence.water_route import (
     is_clear,
     searching_way,
 )
+from companion.guidance.leg import Leg
 from companion.obstacles.perception.voyage_map import VoyageMap
 from companion.vehicle.track import SailedTrack
 
 _CHECK_S = 1.0  # how often the way ahead is checked
+_FAST = 1.5  # cruise over a speed from which the boat turns before it touches what bars the way
 _UNSEEN = 1.9  # the lake boat's cruise over its speed by a sight of 4 m (docs/avoidance.md)
 # Of its clearance to what was seen, a leg keeps so much to each cell, as outlines cut corners; with less the
 # way is barred
 _CLEAR_SHARE, _BARRED_SHARE = 0.75, 0.6
+_ROOM, _CLOSE = 1.2, 0.8  # margins to what was seen: there is room, and there is none
 
 
 class Surroundings:
@@ -80,40 +84,50 @@ class Surroundings:
         shares: Sequence[float] = MARGIN_SHARES,
         *,
         is_wary: bool = False,
+        via: Point | None = None,
     ) -> Generator[None, None, WaterRoute | None]:
         """Search the shortest way to one of the goals, a part at a time. is_wary: unseen water costs more.
+        via: sail there first.
 
         Without a way that is clear of what was seen, which may be wrong, one inside the fence.
         """
-        water, margin_m = self.water, config.fence.margin_m
+        water, margin_m, start = self.water, config.fence.margin_m, via or here
         if water is None:
             return None
-        stretches = self.voyage.stretches()
-        if not stretches:  # all at once: others search the same water
-            way = finished(searching_way(self.fence, water, here, goals, margin_m, shares))
-            return None if way is None else WaterRoute(self.is_clear, here, way, config)
-        seen = Seen(stretches, config.avoidance.margin_m)
-        way = yield from searching_way(self.fence, water, here, goals, margin_m, shares, seen)
-        length_m = math.inf if way is None else way.length_m
+        way, is_clear = None, self.is_clear
+        seen = Seen(self.voyage.stretches(), config.avoidance.margin_m)
+        if seen.stretches:
+            way = yield from searching_way(self.fence, water, start, goals, margin_m, shares, seen)
+            most_m = math.inf if way is None else _UNSEEN * way.length_m
+            back = (yield from self._searching_back(start, goals, config, seen, most_m)) if is_wary else None
+            if back is not None:
+                way, is_clear = back, _as_it_is
+        if way is None:  # all at once: others search the same water
+            way = finished(searching_way(self.fence, water, start, goals, margin_m, shares))
+        if way is not None and via is not None:
+            way = way._replace(corners=(via, *way.corners))
+        return None if way is None else WaterRoute(is_clear, here, way, config)
+
+    def _searching_back(
+        self, here: Point, goals: Sequence[Point], config: BoatConfig, seen: Seen, most_m: float
+    ) -> Generator[None, None, Way | None]:
+        """Search a way along the track; None where it costs more than most_m."""
 
         def is_open(start: Point, end: Point) -> bool:
             return not self.voyage.bars(start, end, seen.margin_m, (start, end))
 
-        back = self.track.back_to(here, goals, _UNSEEN, is_open) if is_wary else None
-        if back is not None:
-            joins, back_m = back
-            to_track = None
-            if _UNSEEN * distance_m(here, joins[0]) + back_m < _UNSEEN * length_m:
-                to_track = yield from searching_way(
-                    self.fence, water, here, joins[:1], margin_m, shares, seen
-                )
-            if to_track is not None and _UNSEEN * to_track.length_m + back_m < _UNSEEN * length_m:
-                corners = (*to_track.corners, *joins[1:])
-                way = Way(corners, path_length_m((here, *corners)), margin_m, LEAST_SEEN * seen.margin_m)
-                return WaterRoute(_as_it_is, here, way, config)
-        if way is None:
-            way = finished(searching_way(self.fence, water, here, goals, margin_m, shares))
-        return None if way is None else WaterRoute(self.is_clear, here, way, config)
+        water, margin_m = self.water, config.fence.margin_m
+        back = self.track.back_to(here, goals, _UNSEEN, is_open)
+        if water is None or back is None:
+            return None
+        track, back_m = back
+        if _UNSEEN * distance_m(here, track[0]) + back_m >= most_m:
+            return None
+        joins = yield from searching_way(self.fence, water, here, track[:1], margin_m, seen=seen)
+        if joins is None or _UNSEEN * joins.length_m + back_m >= most_m:
+            return None
+        corners = (*joins.corners, *track[1:])
+        return Way(corners, path_length_m((here, *corners)), margin_m, LEAST_SEEN * seen.margin_m)
 
 
 def _as_it_is(start: Point, end: Point, clearance_m: float, seen_m: float) -> bool:  # noqa: ARG001
@@ -133,22 +147,44 @@ class Passage:
 
     def restart(self) -> None:
         """Start from wherever the boat is."""
+        self._check_s = -math.inf
+        self._roomy: Point | None = None  # the latest place with room
+        self.aim_anew()
+
+    def aim_anew(self) -> None:
+        """There is another goal. However often there is, nothing is searched more often than before."""
         self.way: WaterRoute | None = None
         self.has_failed = False
         self._search: Generator[None, None, WaterRoute | None] | None = None
-        self._check_s = -math.inf
         self._version = -1
         self._is_wary = False  # something barred a way: the fence does not tell all
+        self._direct: Leg | None = None
 
-    def update(self, here: Point, goals: Sequence[Point], config: BoatConfig, now_s: float) -> None:
-        """Check the way from time to time, and search another where it is barred."""
+    def leg(self, nav: NavState, goals: Sequence[Point], config: BoatConfig, now_s: float) -> Leg | None:
+        """What to sail: straight to the first goal while no way is known. None once the end is reached."""
+        self.update(nav, goals, config, now_s)
+        if self.way is not None:
+            return None if self.way.advance(nav, config) else self.way.leg
+        self._direct = self._direct or Leg(nav.point, goals[0])
+        return None if self._direct.has_ended(nav, config.guidance.waypoint_radius_m) else self._direct
+
+    def update(self, nav: NavState, goals: Sequence[Point], config: BoatConfig, now_s: float) -> None:
+        """Check the way from time to time, and search another where it is barred.
+
+        A boat that comes upon something too fast brakes first: another way would have it turn instead.
+        """
+        here, margin_m = nav.point, config.avoidance.margin_m
+        if not self._surroundings.voyage.is_near(here, _ROOM * margin_m):
+            self._roomy = here
         if now_s >= self._check_s and self._search is None:
             self._check_s = now_s + _CHECK_S
             if self.way is not None and self._is_over_the_fence(here, self.way.leg.end):
                 self.way = None
-            is_barred = self.way is not None and self._is_barred(self.way, here)
+            is_barred = self.way is not None and self._is_barred(self.way, here, margin_m)
             self._is_wary = self._is_wary or is_barred
-            if self.way is None or is_barred:
+            if is_barred and math.hypot(nav.north_m_s, nav.east_m_s) > config.speed.cruise_m_s / _FAST:
+                self._check_s = now_s
+            elif self.way is None or is_barred:
                 self._begin(here, goals, config)
         if self._search is not None:
             try:
@@ -159,24 +195,28 @@ class Passage:
                 self.has_failed = self.way is None and self._surroundings.water is not None
 
     def _begin(self, here: Point, goals: Sequence[Point], config: BoatConfig) -> None:
-        self._version = self._surroundings.voyage.version
-        goal = self._surroundings.straight(here, goals, config)
+        """Without room, the boat goes back to where it last had some: it cannot tell which side is land."""
+        surroundings = self._surroundings
+        self._version = surroundings.voyage.version
+        goal = surroundings.straight(here, goals, config)
         if goal is not None:
-            way = Way((goal,), distance_m(here, goal), 0.0, MARGIN_SHARES[0] * config.avoidance.margin_m)
-            self.way = WaterRoute(self._surroundings.is_clear, here, way, config)
-        else:
-            self._search = self._surroundings.searching(here, goals, config, is_wary=self._is_wary)
+            self.way = WaterRoute(surroundings.is_clear, here, Way((goal,), 0.0, 0.0), config)
+            return
+        is_close = surroundings.voyage.is_near(here, _CLOSE * config.avoidance.margin_m)
+        self._search = surroundings.searching(
+            here, goals, config, is_wary=self._is_wary, via=self._roomy if is_close else None
+        )
 
     def _is_over_the_fence(self, here: Point, end: Point) -> bool:
         """Whether the fence now crosses the rest of the leg."""
         fence = self._surroundings.fence
         return fence.is_active and not fence.is_outside(here) and fence.crosses(here, end)
 
-    def _is_barred(self, way: WaterRoute, here: Point) -> bool:
+    def _is_barred(self, way: WaterRoute, here: Point, margin_m: float) -> bool:
         """Whether something was seen on the rest of the way since it was planned."""
         voyage = self._surroundings.voyage
         if voyage.version == self._version:
             return False
-        seen_m = _BARRED_SHARE * way.seen_m
+        seen_m = _BARRED_SHARE * min(way.seen_m, MARGIN_SHARES[0] * margin_m)
         left = [here, *way.corners_left]
         return any(voyage.bars(start, end, seen_m, (here, way.end)) for start, end in pairwise(left))

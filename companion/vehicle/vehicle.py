@@ -251,6 +251,11 @@ class Vehicle:
         """The current waypoint, target or station; None without one."""
         return self.modes.controllers[self.mode].destination
 
+    @property
+    def way_left_m(self) -> float | None:
+        """Length of the way to the destination; None where it is straight, or not known."""
+        return None if self.nav is None else self.modes.controllers[self.mode].way_left_m(self.nav)
+
     def _mode_inputs(self) -> ModeInputs | None:
         if self.nav is None or self.frame is None:
             return None

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from boat_rig import OK, Rig
 from fence_rig import INCLUDED, fenced
+from sailing_rig import armed, go_to
 
 from companion.core.geo import LatLon, Point
 from companion.core.modes import Mode
@@ -35,7 +36,7 @@ def test_a_wall_that_no_map_knew_is_rounded_on_the_way_home() -> None:
     corners = "[[-30, 20], [40, 20], [40, 22], [-30, 22]]"
     wall = f"map.obstacles=[{{name='wall', polygon={corners}}}]"
     rig = Rig("open", wall, config={"avoidance.by_sight": 1, "failsafe.gcs_enabled": False}).ready()
-    assert returned(rig, Point(45.0, 0.0), 240.0) < 150.0
+    assert returned(rig, Point(45.0, 0.0), 260.0) < 200.0
     assert rig.world.groundings == 0
     assert not is_accused(rig)
 
@@ -58,3 +59,14 @@ def test_islands_that_the_fence_lacks_are_rounded_on_the_way_home() -> None:
     home = Rig("lake").scenario.start
     rig = fenced(Rig("lake", f"route.start=[{start.east_m}, {start.north_m}]").ready(), *outline())
     assert returned(rig, home, 420.0) < 420.0
+
+
+def test_a_wall_across_the_way_to_a_guided_point_is_rounded() -> None:
+    corners = "[[-30, 20], [12, 20], [12, 22], [-30, 22]]"
+    wall = f"map.obstacles=[{{name='wall', polygon={corners}}}]"
+    rig = Rig("open", wall, config={"avoidance.by_sight": 1, "failsafe.gcs_enabled": False}).ready()
+    armed(Mode.GUIDED, rig=rig)
+    go_to(rig, 45.0, 0.0)
+    assert rig.until(lambda: rig.offset_m(45.0, 0.0) < 3.0, 260.0) < 200.0
+    assert rig.world.groundings == 0
+    assert not is_accused(rig)

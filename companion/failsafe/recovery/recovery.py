@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig
+from companion.core.geo import Point
 from companion.core.intent import Drive, Intent, Stop
 from companion.core.state import NavState
 from companion.failsafe.actions import TRANSITIONS, UNGROUNDING, State, Trigger
@@ -98,11 +99,20 @@ class RecoveryManeuvers:
         return True
 
     def update(
-        self, nav: NavState | None, fence: Fence, config: BoatConfig, left: float, right: float, now_s: float
+        self,
+        nav: NavState | None,
+        fence: Fence,
+        config: BoatConfig,
+        left: float,
+        right: float,
+        now_s: float,
+        seen: Point | None = None,
     ) -> RecoveryStep:
-        """Go on with the manoeuvre under way. left, right: what the motors were given until now."""
+        """Go on with the manoeuvre under way. left, right: what the motors were given until now. seen: the
+        nearest place of a shore that the rangers saw, if one is near.
+        """
         if self.is_ungrounding:
-            return self._unground(nav, fence, config, now_s)
+            return self._unground(nav, fence, seen, config, now_s)
         if self.state is State.CHECKING:
             return self._check_motors(nav, left, right, now_s)
         elapsed_s = now_s - self._began_s
@@ -116,9 +126,11 @@ class RecoveryManeuvers:
                 self.handle(Trigger.CHECK, now_s)  # has it helped?
         return RecoveryStep(clearing_intent(elapsed_s))
 
-    def _unground(self, nav: NavState | None, fence: Fence, config: BoatConfig, now_s: float) -> RecoveryStep:
+    def _unground(
+        self, nav: NavState | None, fence: Fence, seen: Point | None, config: BoatConfig, now_s: float
+    ) -> RecoveryStep:
         rounds = self._ungrounding.rounds
-        intent, trigger = self._ungrounding.update(self.state, nav, fence, config, now_s)
+        intent, trigger = self._ungrounding.update(self.state, nav, fence, seen, config, now_s)
         if trigger is not None:
             self.handle(trigger, now_s)
         is_next_round = self._ungrounding.rounds > rounds

@@ -48,19 +48,31 @@ class Ungrounding:
         self._off_s = 0.0  # when it began to stand off
 
     def update(
-        self, state: State, nav: NavState | None, fence: Fence, config: BoatConfig, now_s: float
+        self,
+        state: State,
+        nav: NavState | None,
+        fence: Fence,
+        seen: Point | None,
+        config: BoatConfig,
+        now_s: float,
     ) -> tuple[Intent, Trigger | None]:
-        """What the motors do now, and the trigger that follows from the motion, if any."""
+        """What the motors do now, and the trigger that follows from the motion, if any. seen: the nearest
+        place of a shore that the rangers saw, if one is near.
+        """
         timeout_s = config.motors.estimate_timeout_s
         is_lost = nav is None or lacks_position(nav, timeout_s) or lacks_heading(nav, timeout_s)
-        if nav is None or is_lost or not fence.is_active:
+        if nav is None or is_lost or not (fence.is_active or seen):
             return _STOP, Trigger.DONE
         margin_m = config.fence.margin_m
-        room_m = fence.margin_m(nav.point)
+        fence_m = fence.margin_m(nav.point)
+        room_m = fence_m if seen is None else min(fence_m, distance_m(nav.point, seen))
         is_past = state is State.STANDING_OFF and now_s - self._off_s > _STANDS_OFF_S
         if room_m >= max(_CLEAR_MARGINS * margin_m, _OFF_M) or is_past:
             return _STOP, Trigger.DONE
-        away_rad = bearing_rad(nav.point, fence.inside(nav.point, margin_m + _SEEN_M))
+        if seen is not None and room_m < fence_m:
+            away_rad = bearing_rad(seen, nav.point)
+        else:
+            away_rad = bearing_rad(nav.point, fence.inside(nav.point, margin_m + _SEEN_M))
         is_off = state is State.STANDING_OFF
         if room_m >= _OFF_M:
             if not is_off:

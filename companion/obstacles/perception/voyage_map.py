@@ -69,7 +69,15 @@ class VoyageMap:
 
     def is_near(self, at: Point, within_m: float) -> bool:
         """Whether something was seen within this distance of a place."""
-        return any(distance_m(at, one) < within_m for one in self._seen.values())
+        return self.nearest(at, within_m) is not None
+
+    def nearest(self, at: Point, within_m: float) -> Point | None:
+        """What was seen nearest to a place, if it is within this distance."""
+        reach, (row, column) = math.ceil(within_m / self._cell_m), self._key(at)
+        rows, columns = range(row - reach, row + reach + 1), range(column - reach, column + reach + 1)
+        near = [one for r in rows for c in columns if (one := self._seen.get((r, c))) is not None]
+        nearest = min(near, key=lambda one: distance_m(at, one), default=None)
+        return nearest if nearest is not None and distance_m(at, nearest) < within_m else None
 
     def bars(self, start: Point, end: Point, clearance_m: float, ends: Sequence[Point]) -> bool:
         """Whether a straight way comes nearer than this to what was seen, and nearer than these ends of the

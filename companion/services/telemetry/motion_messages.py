@@ -3,7 +3,7 @@
 import math
 
 from companion.autopilot.snapshot import Snapshot
-from companion.core.geo import LatLon, bearing_rad, position_to_e7
+from companion.core.geo import LatLon, bearing_rad, distance_m, position_to_e7
 from companion.core.readings import GnssFix
 from companion.core.units import clamp, wrap_two_pi
 from companion.mavlink.dialect import Message, build_message, dialect
@@ -171,7 +171,7 @@ def _antenna_yaw_cdeg(fix: GnssFix, is_fitted: bool) -> int:
 
 
 def nav_controller_output(now: Snapshot) -> Message | None:
-    """Guidance output. xtrack_error is positive to the right of the line."""
+    """Guidance output. wp_dist: along the way; xtrack_error is positive to the right of the line."""
     nav, demand = now.vehicle.nav, now.guidance.demand
     if nav is None:
         return None
@@ -179,13 +179,17 @@ def nav_controller_output(now: Snapshot) -> Message | None:
         heading_deg = _int16(math.degrees(nav.heading_rad))
         return build_message("NAV_CONTROLLER_OUTPUT", nav_bearing=heading_deg, target_bearing=heading_deg)
     target_deg = heading_deg = _int16(math.degrees(demand.heading_rad))
+    left_m = now.vehicle.way_left_m
     if now.vehicle.frame is not None and (waypoint := now.vehicle.destination) is not None:
-        target_deg = _int16(math.degrees(bearing_rad(nav.point, now.vehicle.frame.to_local(waypoint))))
+        target = now.vehicle.frame.to_local(waypoint)
+        target_deg = _int16(math.degrees(bearing_rad(nav.point, target)))
+        if demand.distance_m == 0.0:  # it gives way to an obstacle
+            left_m = left_m or distance_m(nav.point, target)
     return build_message(
         "NAV_CONTROLLER_OUTPUT",
         nav_bearing=heading_deg,
         target_bearing=target_deg,
-        wp_dist=round(min(demand.distance_m, 65535.0)),
+        wp_dist=round(min(left_m or demand.distance_m, 65535.0)),
         aspd_error=demand.speed_m_s - math.hypot(nav.north_m_s, nav.east_m_s),
         xtrack_error=demand.cross_track_m,
     )

@@ -42,6 +42,10 @@ class ModeController(ABC):
     def intent(self, inputs: ModeInputs) -> Intent:
         """What guidance is to do now."""
 
+    def way_left_m(self, nav: NavState) -> float | None:  # noqa: ARG002
+        """Length of the way to the destination; None where it is straight, or not known."""
+        return None
+
     @property
     def destination(self) -> LatLon | None:
         """The current waypoint, target or station, for telemetry; None without one."""

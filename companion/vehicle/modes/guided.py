@@ -5,26 +5,28 @@ import math
 from companion.core.geo import LatLon
 from companion.core.intent import Intent
 from companion.core.requests import SetPoint
+from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
-from companion.geofence.fence import Fence
-from companion.guidance.leg import Leg
 from companion.vehicle.modes.controller import ModeController, ModeInputs
 from companion.vehicle.modes.station import Station, nearest_inside
+from companion.vehicle.surroundings import Passage, Surroundings
 
 
 class GuidedMode(ModeController):
     """Holds a set-point while it is fresh, sails to the target, or keeps station. AUTO uses it, too.
 
+    The way to the target leads round the fence's lines and what was seen on this voyage.
+
     target: the position to sail to, None once it is reached. set_point: the one held, None without one.
     """
 
-    def __init__(self, fence: Fence, status_texts: list[StatusText]) -> None:
+    def __init__(self, surroundings: Surroundings, status_texts: list[StatusText]) -> None:
         self.target: LatLon | None = None
         self.set_point: SetPoint | None = None
-        self._fence = fence
+        self._fence = surroundings.fence
+        self._passage = Passage(surroundings)
         self._status_texts = status_texts
         self._station = Station()
-        self._leg: Leg | None = None
         self._set_point_s = -math.inf
 
     def enter(self, inputs: ModeInputs | None) -> None:
@@ -34,11 +36,13 @@ class GuidedMode(ModeController):
 
     def exit(self) -> None:
         """Drop target and set-point."""
-        self.set_point = self.target = self._leg = None
+        self.set_point = self.target = None
+        self._passage.restart()
 
     def go_to(self, position: LatLon) -> None:
         """Sail there from wherever the boat is."""
-        self.set_point, self.target, self._leg = None, position, None
+        self.set_point, self.target = None, position
+        self._passage.aim_anew()
 
     def hold(self, set_point: SetPoint, now_s: float) -> None:
         """Hold this until it goes stale."""
@@ -48,6 +52,11 @@ class GuidedMode(ModeController):
     def destination(self) -> LatLon | None:
         """The target, else the station."""
         return self.target or self._station.position
+
+    def way_left_m(self, nav: NavState) -> float | None:
+        """To the target, round what is in the way."""
+        way = self._passage.way
+        return None if way is None or self.target is None else way.left_m(nav.point)
 
     def intent(self, inputs: ModeInputs) -> Intent:
         """The set-point while it is fresh, else the leg to the target, else the station."""
@@ -59,8 +68,10 @@ class GuidedMode(ModeController):
             text = "GUIDED: set-point is stale, keeping station"
             self._status_texts.append(StatusText(Severity.WARNING, text))
         if self.target is not None:
-            leg = self._leg = self._leg or Leg(inputs.nav.point, inputs.frame.to_local(self.target))
-            if not leg.has_ended(inputs.nav, inputs.config.guidance.waypoint_radius_m):
+            leg = self._passage.leg(
+                inputs.nav, [inputs.frame.to_local(self.target)], inputs.config, inputs.now_s
+            )
+            if leg is not None:
                 return leg.intent(inputs.speed_m_s)
             self._station.set(self.target)
             self.target = None

@@ -34,7 +34,7 @@ class ModeRegistry:
         fence = surroundings.fence
         self.manual = ManualMode(sticks)
         self.loiter = LoiterMode(fence)
-        self.guided = GuidedMode(fence, status_texts)
+        self.guided = GuidedMode(surroundings, status_texts)
         self.follow = FollowMode(status_texts)
         self.rtl = RtlMode(route, status_texts)
         self.auto = AutoMode(progress, self.guided, surroundings, status_texts)

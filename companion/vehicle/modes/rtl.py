@@ -4,6 +4,7 @@ import math
 
 from companion.core.geo import LatLon, LocalFrame
 from companion.core.intent import Intent
+from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.estimation.estimator import MAX_OFFSET_M
 from companion.vehicle.modes.controller import ModeController, ModeInputs
@@ -43,6 +44,10 @@ class RtlMode(ModeController):
     def has_arrived(self) -> bool:
         """Whether the boat keeps station at the end of the route."""
         return self._route.has_arrived
+
+    def way_left_m(self, nav: NavState) -> float | None:
+        """Along the route."""
+        return self._route.way_left_m(nav.point)
 
     @property
     def destination(self) -> LatLon | None:

@@ -156,3 +156,18 @@ def test_a_boat_that_is_held_within_reach_of_the_line_is_aground(gap_m: float, v
             break
     assert line.pipeline.headway.verdict is verdict
     assert (now_s - 5.0 < 8.0) is (verdict is StallVerdict.AGROUND)
+
+
+@pytest.mark.parametrize(("gap_m", "verdict"), [(0.7, StallVerdict.AGROUND), (0.9, StallVerdict.STUCK)])
+def test_a_boat_that_is_held_where_it_saw_a_shore_is_aground(gap_m: float, verdict: StallVerdict) -> None:
+    line, east = Line(), HoldCourse(0.5 * math.pi, 3.0)
+    line.pipeline.perception.voyage._add((0, 0), Point(gap_m, 0.0))
+    nav = replace(STILL, heading_rad=0.5 * math.pi)
+    for tenth in range(130):
+        now_s = 5.0 + 0.1 * tenth
+        line.guide(east, now_s, nav)
+        assert line.pipeline.may_touch is (verdict is StallVerdict.AGROUND)
+        line.drive(now_s, nav, ticks=5)
+        if line.pipeline.headway.verdict is not StallVerdict.MAKING_WAY:
+            break
+    assert line.pipeline.headway.verdict is verdict

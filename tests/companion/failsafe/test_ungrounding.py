@@ -112,3 +112,21 @@ def test_the_operator_is_told_when_a_round_of_tries_did_not_help() -> None:
         if step.text:
             told.append((round(tick * DT), step.text))
     assert told == [(22, "Aground: motors rest before the next try")]
+
+
+@pytest.mark.parametrize("water", [Fence(), fence()], ids=["no fence", "fence"])
+def test_off_a_shore_that_only_the_rangers_saw_it_goes_straight_away_from_it(water: Fence) -> None:
+    recovery, seen = begun(), Point(-99.5, 0.0)
+    for tick in range(300):
+        at = nav_at(-100.0, 0.0, math.pi)
+        intent = recovery.update(at, water, CONFIG, 0.0, 0.0, tick * DT, seen).intent
+        if isinstance(intent, Drive) and tick * DT > 8.0:
+            break
+    assert isinstance(intent, Drive)
+    assert intent.throttle > 0.0, "the bow points south, off the shore"
+    off = recovery.update(nav_at(-101.0, 0.0, math.pi), water, CONFIG, 0.0, 0.0, 30.0, seen).intent
+    assert isinstance(off, HoldCourse)
+    assert abs(off.course_rad) == pytest.approx(math.pi)
+    clear = recovery.update(nav_at(-104.0, 0.0, math.pi), water, CONFIG, 0.0, 0.0, 31.0, None)
+    assert not recovery.is_ungrounding
+    assert clear.intent == Stop()

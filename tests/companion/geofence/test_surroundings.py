@@ -4,6 +4,8 @@ import math
 from itertools import pairwise
 
 import pytest
+from boat_rig import nav_at
+from msgspec.structs import replace
 from test_fence_areas import laid, square
 from test_fence_water import L_WATER
 
@@ -48,7 +50,7 @@ class Water:
         """After the search has ended."""
         self.now_s += 1.0
         for _ in range(200):
-            self.passage.update(here, [goal], CONFIG, self.now_s)
+            self.passage.update(nav_at(*here), [goal], CONFIG, self.now_s)
         assert self.passage.way is not None
         return self.passage.way
 
@@ -110,7 +112,7 @@ def test_the_present_way_is_kept_while_another_is_searched(monkeypatch: pytest.M
     here = Point(40.0, 0.0)
     first = water.way(here)
     water.see(*wall(Point(20.0, -90.0), Point(20.0, 30.0)), *wall(Point(10.0, -30.0), Point(10.0, 90.0)))
-    water.passage.update(here, [HOME], CONFIG, water.now_s + 1.0)
+    water.passage.update(nav_at(*here), [HOME], CONFIG, water.now_s + 1.0)
     assert water.passage.way is first
     assert water.way(here) is not first
 
@@ -121,7 +123,7 @@ def test_nothing_is_checked_more_often_than_once_a_second() -> None:
     first = water.way(here)
     water.see(*wall(Point(20.0, -5.0), Point(20.0, 5.0)))
     for _ in range(50):
-        water.passage.update(here, [HOME], CONFIG, water.now_s + 0.9)
+        water.passage.update(nav_at(*here), [HOME], CONFIG, water.now_s + 0.9)
     assert water.passage.way is first
 
 
@@ -132,6 +134,27 @@ def test_from_beside_a_wall_the_way_leads_off_it_first() -> None:
     corners = water.corners(here)
     assert corners[1].north_m > 21.0
     assert water.clearance_m(corners[1:]) > 1.1
+
+
+def test_a_boat_pressed_against_a_wall_goes_back_to_where_it_last_had_room() -> None:
+    water = Water()
+    water.way(Point(24.0, 0.0))
+    water.see(*wall(Point(20.0, -10.0), Point(20.0, 30.0)))
+    corners = water.corners(Point(20.4, 0.0))
+    assert corners[1] == Point(24.0, 0.0)
+    assert min(corner.east_m for corner in corners) < -11.0
+
+
+def test_a_fast_boat_brakes_before_another_way_is_searched() -> None:
+    water = Water()
+    here = Point(30.0, 0.0)
+    first = water.way(here)
+    water.see(*wall(Point(20.0, -10.0), Point(20.0, 30.0)))
+    for tick in range(50):
+        water.passage.update(replace(nav_at(*here), north_m_s=-1.5), [HOME], CONFIG, 10.0 + 0.1 * tick)
+    assert water.passage.way is first
+    water.passage.update(replace(nav_at(*here), north_m_s=-1.2), [HOME], CONFIG, 15.0)
+    assert water.passage.way is not first
 
 
 def test_a_goal_beside_what_was_seen_is_reached() -> None:
@@ -156,7 +179,7 @@ def test_what_was_seen_closes_a_strait_of_the_fence() -> None:
 def test_without_a_way_inside_the_fence_there_is_none() -> None:
     strait = laid(square(100.0), square(100.0))
     water = Water(strait)
-    water.passage.update(Point(500.0, 0.0), [Point(0.0, 500.0)], CONFIG, 0.0)
+    water.passage.update(nav_at(500.0, 0.0), [Point(0.0, 500.0)], CONFIG, 0.0)
     assert water.passage.way is not None or water.passage.has_failed
 
 

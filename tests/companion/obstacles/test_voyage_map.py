@@ -95,6 +95,17 @@ def test_what_moves_leaves_nothing_behind() -> None:
     assert water.map.is_near(Point(3.0, 0.0), 1.0)
 
 
+def test_the_nearest_of_what_was_seen_is_found_within_a_distance() -> None:
+    water = Water()
+    for at in (Point(3.5, 0.5), Point(3.5, 4.5)):
+        water.see(at)
+    nearest = water.map.nearest(Point(3.5, 3.0), 3.0)
+    assert nearest is not None
+    assert distance_m(nearest, Point(3.5, 4.5)) < 0.3
+    assert water.map.nearest(Point(3.5, 3.0), 1.0) is None
+    assert water.map.nearest(Point(-30.0, 3.0), 3.0) is None
+
+
 def bars(seen: VoyageMap, start: Point, end: Point) -> bool:
     return seen.bars(start, end, 1.0, (start, end))
 

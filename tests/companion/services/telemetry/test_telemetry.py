@@ -2,8 +2,11 @@ import math
 
 import pytest
 from boat_rig import HOME_ITEM, OK, Rig, Silent, waypoint
+from fence_rig import L_WATER, fenced, polygon
 
-from companion.core.geo import LatLon
+from companion.core.geo import LatLon, Point
+from companion.core.modes import Mode
+from companion.core.units import deg_to_e7
 from companion.mavlink.dialect import Message, dialect
 from companion.services.telemetry.service import BUILDERS
 
@@ -145,3 +148,16 @@ def test_the_set_of_the_water_and_the_estimates_accuracy_can_be_asked_for() -> N
     (status,) = rig.peer.said("ESTIMATOR_STATUS")
     assert status.flags & dialect.ESTIMATOR_POS_HORIZ_ABS
     assert 0.0 < status.pos_horiz_accuracy < 0.5
+
+
+def test_the_distance_home_is_that_along_the_way() -> None:
+    rig = fenced(Rig().ready(), *polygon(L_WATER))
+    assert rig.set_mode(Mode.RTL) == OK
+    place = rig.scenario.frame.to_global(Point(60.0, 60.0))
+    rig.peer.command_int(dialect.MAV_CMD_DO_SET_HOME, x=deg_to_e7(place.lat_deg), y=deg_to_e7(place.lon_deg))
+    rig.run(1.0)
+    assert rig.arm() == OK
+    rig.run(3.0)
+    left_m = rig.offset_m(15.0, 45.0) + math.hypot(45.0, 15.0)  # round the corner of the water
+    assert rig.offset_m(60.0, 60.0) < left_m - 5.0
+    assert latest(rig, "NAV_CONTROLLER_OUTPUT").wp_dist == pytest.approx(left_m, abs=4.0)

@@ -105,7 +105,7 @@ def test_smart_rtl_sails_the_track_back_leg_by_leg() -> None:
 
 
 def auto(*steps: Waypoint | HandOver) -> tuple[AutoMode, GuidedMode, MissionProgress]:
-    progress, guided = MissionProgress(), GuidedMode(Fence(), [])
+    progress, guided = MissionProgress(), GuidedMode(around(Fence()), [])
     progress.replace((Home(), *steps))
     mode = AutoMode(progress, guided, around(Fence()), [])
     mode.prepare(FRAME)

@@ -4,7 +4,7 @@ import math
 
 import pytest
 from boat_rig import nav_at, place
-from mode_inputs import fenced, held, mode_inputs, turned
+from mode_inputs import around, fenced, held, mode_inputs, turned
 from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig, with_value
@@ -128,7 +128,7 @@ def test_loiter_without_a_heading_drifts_in_a_slow_current() -> None:
 
 def test_guided_sails_to_its_target_then_stays_there() -> None:
     texts: list[StatusText] = []
-    mode = GuidedMode(Fence(), texts)
+    mode = GuidedMode(around(Fence()), texts)
     mode.enter(mode_inputs())
     mode.go_to(place(20.0, 0.0))
     leg = mode.intent(mode_inputs())
@@ -162,7 +162,7 @@ def test_simple_moves_from_a_small_push_on() -> None:
 
 def test_a_stale_set_point_is_reported_once_and_leaves_no_target() -> None:
     texts: list[StatusText] = []
-    mode = GuidedMode(Fence(), texts)
+    mode = GuidedMode(around(Fence()), texts)
     mode.enter(mode_inputs())
     mode.go_to(place(50.0, 0.0))
     mode.hold(SetPoint(intents.HoldCourse(1.0, 2.0)), 0.0)
