@@ -216,3 +216,5 @@ class Handling(Section, frozen=True):
     turn_rate_rad_s: Positive = 0.65  # at full steering under way
     yaw_time_s: Positive = 0.6  # delay from demanded heading to heading
     slip_m: NonNegative = 0.4  # outward slip in a turn, per turn rate
+    turn_time_s: Positive = 0.8  # delay from steering to turn rate: Nomoto's T
+    motor_time_s: Positive = 0.15  # delay from command to thrust

@@ -90,6 +90,18 @@ def test_a_rudder_turns_a_boat_under_way_and_not_one_at_rest() -> None:
     assert rates[1] > 0.05
 
 
+@pytest.mark.parametrize(("turn_s", "motor_s"), [(0.8, 0.15), (2.0, 0.15), (0.8, 0.6)])
+def test_the_rate_follows_steering_with_the_configured_delays(turn_s: float, motor_s: float) -> None:
+    """Two first-order lags in a row: their mean delays add up."""
+    handling = Handling(turn_time_s=turn_s, motor_time_s=motor_s)
+    model = NominalState(Speed(), Estimation(), DriveSetting(), handling).yaw_model
+    missing = 0.0
+    for _ in range(2000):
+        model.advance(1.0, -1.0, 0.0, 0.01)
+        missing += 0.01 * (1.0 - model.turning)
+    assert missing == pytest.approx(turn_s + motor_s, abs=0.03)  # two Euler steps less
+
+
 def test_the_gyro_teaches_what_turn_steering_gives() -> None:
     """The hull turns at 0.4 rad/s at full steering, in a wind that turns it by 0.05 rad/s."""
     hull, model, rng = YawModel(0.4), YawModel(0.6), random.Random(3)
