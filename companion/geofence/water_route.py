@@ -231,6 +231,11 @@ class WaterRoute:
         return self._corners[-1]
 
     @property
+    def is_straight(self) -> bool:
+        """Whether it is one straight leg."""
+        return len(self._corners) == 1
+
+    @property
     def is_last(self) -> bool:
         """Whether the present leg is the last."""
         return self._at == len(self._corners) - 1

@@ -160,6 +160,11 @@ class Passage:
         self._is_wary = False  # something barred a way: the fence does not tell all
         self._direct: Leg | None = None
 
+    def sail_straight(self, here: Point, goal: Point, config: BoatConfig) -> None:
+        """Sail straight to a goal, until something seen bars the way."""
+        self.aim_anew()
+        self.way = WaterRoute(self._surroundings.is_clear, here, Way((goal,), 0.0, 0.0), config)
+
     def leg(self, nav: NavState, goals: Sequence[Point], config: BoatConfig, now_s: float) -> Leg | None:
         """What to sail: straight to the first goal while no way is known. None once the end is reached."""
         self.update(nav, goals, config, now_s)

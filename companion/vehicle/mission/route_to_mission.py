@@ -1,8 +1,9 @@
-"""The route from the boat's position onto the mission, round the fence's lines.
+"""The route from the boat's position onto the mission, round the fence's lines and what was seen.
 
 A plan contains only the end of its first leg. The boat may have drifted from where the plan starts, and the
 straight line from there may cross a shore that the plan avoids. Such a leg is checked against the fence. If
-it comes too near, the boat follows a route by the water to its end, as RTL does.
+it comes too near, the boat follows a route by the water to its end, as RTL does. As long as it sails to that
+end, what it sees on the way leads to another route.
 """
 
 from companion.config.boat_config import BoatConfig
@@ -11,10 +12,10 @@ from companion.core.intent import FollowLeg, Intent, KeepStation
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.core.steps import finished
-from companion.geofence.water_route import MARGIN_SHARES, WaterRoute, is_clear
+from companion.geofence.water_route import MARGIN_SHARES, is_clear
 from companion.guidance.leg import Leg
 from companion.vehicle.mission.progress import MissionProgress
-from companion.vehicle.surroundings import Surroundings
+from companion.vehicle.surroundings import Passage, Surroundings
 
 _CAST_OFF = 2.0  # clearances: a boat that starts nearer to a line may leave it within this distance
 
@@ -27,25 +28,35 @@ class RouteToMission:
         self._fence = surroundings.fence
         self._status_texts = status_texts
         self._checked: Leg | None = None
+        self._end: Point | None = None  # of the first leg, while the boat sails to it
         self._station: KeepStation | None = None  # while the route is not known
-        self._way: WaterRoute | None = None
+        self._passage = Passage(surroundings)
 
-    def update(self, intent: Intent, progress: MissionProgress, nav: NavState, config: BoatConfig) -> Intent:
+    def update(
+        self, intent: Intent, progress: MissionProgress, nav: NavState, config: BoatConfig, now_s: float
+    ) -> Intent:
         """The intent in place of the mission's; usually the same."""
-        leg = progress.loose_leg
-        if leg is None or not isinstance(intent, FollowLeg):
-            self._checked = None
+        leg, line = progress.loose_leg, progress.leg_line()
+        if line is None or not isinstance(intent, FollowLeg):
+            self._checked = self._end = None
             return intent
-        if leg is not self._checked:
-            self._checked, self._way = leg, None
+        if leg is not None and leg is not self._checked:
+            self._checked, self._end = leg, leg.end
             needs_way = self._fence.is_active and not self._is_open(nav.point, leg.end, config)
             self._station = KeepStation(nav.point) if needs_way else None
-        if self._station is not None and not self._find(nav.point, leg.end, config):
+            self._passage.sail_straight(nav.point, leg.end, config)
+        if line.end != self._end:
+            self._end = None
+            return intent
+        if self._station is not None and not self._find(nav.point, line.end, config):
             return self._station
-        way = self._way
-        if way is None:
+        self._passage.update(nav, [line.end], config, now_s)
+        way = self._passage.way
+        if way is None or way.is_straight:
             return intent
         way.advance(nav, config)
+        if way.is_last and line.start == way.leg.start:
+            return intent
         if way.is_last:
             progress.begin_leg_at(way.leg.start)
         return way.leg.intent(intent.speed_m_s)
@@ -66,9 +77,10 @@ class RouteToMission:
         self._station = None
         # With less clearance only where the straight line leaves the water
         shares = MARGIN_SHARES if self._fence.crosses(here, end) else MARGIN_SHARES[:1]
-        self._way = finished(self._surroundings.searching(here, [end], config, shares))
-        severity, where = (
-            (Severity.WARNING, "near the fence") if self._way is None else (Severity.INFO, "round the shore")
-        )
+        way = finished(self._surroundings.searching(here, [end], config, shares))
+        severity, where = (Severity.WARNING, "near the fence")
+        if way is not None:
+            self._passage.way = way
+            severity, where = (Severity.INFO, "round the shore")
         self._status_texts.append(StatusText(severity, f"The way to the mission leads {where}"))
         return True

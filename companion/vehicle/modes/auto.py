@@ -55,7 +55,7 @@ class AutoMode(ModeController):
         intent = progress.update(inputs.nav, inputs.frame, inputs.config, inputs.now_s)
         if not progress.is_handed_over:
             self._guided_seq = -1
-            return self._route_to_mission.update(intent, progress, inputs.nav, inputs.config)
+            return self._route_to_mission.update(intent, progress, inputs.nav, inputs.config, inputs.now_s)
         if self._guided_seq != progress.current_seq:
             self._guided_seq = progress.current_seq
             self._guided.enter(inputs)

@@ -37,6 +37,7 @@ class Boat:
         )
         fence.update(FRAME, None, FenceSetting())
         surroundings = around(fence)
+        self.surroundings = surroundings
         route = ReturnRoute(surroundings, [])
         self.nav = nav_at(*here)
         self.route = route
@@ -51,7 +52,7 @@ class Boat:
     def sail(self) -> tuple[Intent, Intent]:
         """What the mission wants, and what is sailed instead."""
         wanted = self.progress.update(self.nav, FRAME, CONFIG, 0.0)
-        return wanted, self.route_to_mission.update(wanted, self.progress, self.nav, CONFIG)
+        return wanted, self.route_to_mission.update(wanted, self.progress, self.nav, CONFIG, 0.0)
 
 
 @pytest.mark.parametrize("here", [Point(0.0, 0.0), Point(13.5, 0.0)])
@@ -101,7 +102,7 @@ def is_open(here: tuple[float, float], end: tuple[float, float], *areas: FenceAr
     progress.replace((Home(), SetSpeed(1.0), Waypoint(place(*end))))
     wanted = progress.update(nav, FRAME, CONFIG, 0.0)
     assert isinstance(wanted, FollowLeg)
-    sailed = RouteToMission(surroundings, []).update(wanted, progress, nav, CONFIG)
+    sailed = RouteToMission(surroundings, []).update(wanted, progress, nav, CONFIG, 0.0)
     assert sailed is wanted or sailed == KeepStation(Point(*here))
     return sailed is wanted
 
@@ -138,12 +139,45 @@ def test_what_is_no_leg_or_does_not_begin_at_the_boat_is_left_as_it_is() -> None
     fence.update(FRAME, None, FenceSetting())
     route, progress = RouteToMission(around(fence), []), MissionProgress()
     station, nav = KeepStation(Point(1.0, 2.0)), nav_at(0.0, -40.0)
-    assert route.update(station, progress, nav, CONFIG) is station
+    assert route.update(station, progress, nav, CONFIG, 0.0) is station
     progress.replace((Home(), Waypoint(place(0.0, 40.0))))
     leg = progress.update(nav, FRAME, CONFIG, 0.0)
-    assert route.update(leg, progress, nav, CONFIG) == KeepStation(nav.point)
+    assert route.update(leg, progress, nav, CONFIG, 0.0) == KeepStation(nav.point)
     course = HoldCourse(0.0, 1.0)
-    assert route.update(course, progress, nav, CONFIG) is course
+    assert route.update(course, progress, nav, CONFIG, 0.0) is course
     progress.begin_leg_at(Point(0.0, -40.0))
     leg = progress.update(nav, FRAME, CONFIG, 0.0)
-    assert route.update(leg, progress, nav, CONFIG) is leg
+    assert route.update(leg, progress, nav, CONFIG, 0.0) is leg
+
+
+def test_what_is_seen_on_the_way_to_the_first_waypoint_leads_to_another_route() -> None:
+    boat = Boat(Point(0.0, 0.0), (60.0, 0.0), ())
+    for _ in range(2):
+        boat.prepare()
+    wanted, sailed = boat.sail()
+    assert sailed is wanted
+    for east_m in range(-10, 30):
+        boat.surroundings.voyage._add((20, east_m), Point(20.5, east_m + 0.5))
+    ends = []
+    for second in range(1, 60):
+        wanted = boat.progress.update(boat.nav, FRAME, CONFIG, float(second))
+        sailed = boat.route_to_mission.update(wanted, boat.progress, boat.nav, CONFIG, float(second))
+        assert isinstance(sailed, FollowLeg)
+        assert not boat.surroundings.voyage.bars(boat.nav.point, sailed.end, 0.9, ())
+        ends.append(sailed.end)
+        boat.nav = nav_at(*sailed.end)
+        if sailed.end.north_m > 55.0:
+            break
+    assert min(end.east_m for end in ends) < -10.5
+    assert ends[-1] == pytest.approx((60.0, 0.0), abs=1e-3)
+    assert boat.progress.loose_leg is None, "the rest is the mission's own leg"
+
+
+def test_after_the_first_leg_what_was_seen_is_left_to_the_local_planner() -> None:
+    boat = Boat(Point(0.0, 0.0), (60.0, 0.0), ())
+    for _ in range(2):
+        boat.prepare()
+    boat.progress.begin_leg_at(Point(0.0, 0.0))
+    boat.surroundings.voyage._add((20, 0), Point(20.5, 0.5))
+    wanted, sailed = boat.sail()
+    assert sailed is wanted
