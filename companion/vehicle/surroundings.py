@@ -31,7 +31,7 @@ from companion.obstacles.perception.voyage_map import VoyageMap
 from companion.vehicle.track import SailedTrack
 
 _CHECK_S = 1.0  # how often the way ahead is checked
-_FAST = 1.5  # cruise over a speed from which the boat turns before it touches what bars the way
+_LOOKS_M = 6.0  # to what was seen; the boat stops from its cruise within 5 m
 _UNSEEN = 1.9  # the lake boat's cruise over its speed by a sight of 4 m (docs/avoidance.md)
 # Of its clearance to what was seen, a leg keeps so much to each cell, as outlines cut corners; with less the
 # way is barred
@@ -176,7 +176,7 @@ class Passage:
     def update(self, nav: NavState, goals: Sequence[Point], config: BoatConfig, now_s: float) -> None:
         """Check the way from time to time, and search another where it is barred.
 
-        A boat that comes upon something too fast brakes first: another way would have it turn instead.
+        A boat that comes upon something brakes first: another way would have it turn instead.
         """
         here, margin_m = nav.point, config.avoidance.margin_m
         if not self._surroundings.voyage.is_near(here, _ROOM * margin_m):
@@ -187,7 +187,7 @@ class Passage:
                 self.way = None
             is_barred = self.way is not None and self._is_barred(self.way, here, margin_m)
             self._is_wary = self._is_wary or is_barred
-            if is_barred and math.hypot(nav.north_m_s, nav.east_m_s) > config.speed.cruise_m_s / _FAST:
+            if is_barred and self._comes_upon_something(nav, config):
                 self._check_s = now_s
             elif self.way is None or is_barred:
                 self._begin(here, goals, config)
@@ -211,6 +211,18 @@ class Passage:
         self._search = surroundings.searching(
             here, goals, config, is_wary=self._is_wary, via=self._roomy if is_close else None
         )
+
+    def _comes_upon_something(self, nav: NavState, config: BoatConfig) -> bool:
+        """Whether the boat approaches what was seen so fast that it can just stop."""
+        near = self._surroundings.voyage.nearest(nav.point, _LOOKS_M)
+        if near is None:
+            return False
+        away_m = max(distance_m(nav.point, near), 1e-6)
+        north_m, east_m = near.north_m - nav.north_m, near.east_m - nav.east_m
+        closing_m_s = (nav.north_m_s * north_m + nav.east_m_s * east_m) / away_m
+        room_m = away_m - LEAST_SEEN * config.avoidance.margin_m
+        is_fast = closing_m_s**2 > 2.0 * config.guidance.accel_m_s2 * room_m
+        return closing_m_s > config.guidance.min_speed_m_s and is_fast
 
     def _is_over_the_fence(self, here: Point, end: Point) -> bool:
         """Whether the fence now crosses the rest of the leg."""

@@ -145,15 +145,21 @@ def test_a_boat_pressed_against_a_wall_goes_back_to_where_it_last_had_room() -> 
     assert min(corner.east_m for corner in corners) < -11.0
 
 
-def test_a_fast_boat_brakes_before_another_way_is_searched() -> None:
+@pytest.mark.parametrize(
+    ("north_m_s", "east_m_s", "waits"), [(-1.5, 0.0, True), (-0.9, 0.0, False), (0.0, 1.5, False)]
+)
+def test_a_boat_that_comes_upon_something_brakes_before_another_way_is_searched(
+    north_m_s: float, east_m_s: float, waits: bool
+) -> None:
     water = Water()
-    here = Point(30.0, 0.0)
+    here = Point(22.0, 0.0)
     first = water.way(here)
     water.see(*wall(Point(20.0, -10.0), Point(20.0, 30.0)))
+    moving = replace(nav_at(*here), north_m_s=north_m_s, east_m_s=east_m_s)
     for tick in range(50):
-        water.passage.update(replace(nav_at(*here), north_m_s=-1.5), [HOME], CONFIG, 10.0 + 0.1 * tick)
-    assert water.passage.way is first
-    water.passage.update(replace(nav_at(*here), north_m_s=-1.2), [HOME], CONFIG, 15.0)
+        water.passage.update(moving, [HOME], CONFIG, 10.0 + 0.1 * tick)
+    assert (water.passage.way is first) is waits
+    water.passage.update(nav_at(*here), [HOME], CONFIG, 15.0)
     assert water.passage.way is not first
 
 
