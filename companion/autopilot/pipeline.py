@@ -82,6 +82,7 @@ class GuidancePipeline:
     ) -> None:
         """Decide what the control loops hold for the next GUIDANCE_S."""
         dt_s = min(max(now_s - self._guided_s, 0.0), 2.0 * GUIDANCE_S)
+        nav = None if nav is None else nav.without_waves
         self._guided_s = now_s
         self._due_s = now_s + GUIDANCE_S
         is_at_line = self.may_touch = False
@@ -133,6 +134,7 @@ class GuidancePipeline:
     ) -> MotorCommand:
         """Close the loops for one tick."""
         steered = self._steered
+        nav = None if nav is None else nav.without_waves
         thrust = self.helm.update(steered, nav, config, dt_s, status.motors)
         command = self.gate.check(
             thrust,

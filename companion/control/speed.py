@@ -28,12 +28,14 @@ def speed_effort(
     room: float = 1.0,
     current_m_s: float = 0.0,
     least: float = -1.0,
+    schedule: float = 1.0,
 ) -> PidOutput:
     """Throttle share that holds a speed along the bow, over ground.
 
     Astern it is limited to ASTERN_SHARE of what is allowed ahead. room: the share that steering leaves to
     throttle, 0..1; the integral must not wind up on what the mixer takes away. current_m_s: the known current
     along the bow; what is not known of it ends up in the integral. least: the lowest throttle share.
+    schedule: what the gains are multiplied by.
     """
     base = feed_forward(demand_m_s - current_m_s, setting)
     high = min(setting.max_throttle, room)
@@ -41,5 +43,13 @@ def speed_effort(
     # The PI works inside what the feed-forward leaves, whose span must contain 0.
     base = clamp(base, low, high)
     return pid.update(
-        setting.kp, setting.ki, 0.0, demand_m_s - surge_m_s, 0.0, dt_s, low - base, high - base, base
+        schedule * setting.kp,
+        schedule * setting.ki,
+        0.0,
+        demand_m_s - surge_m_s,
+        0.0,
+        dt_s,
+        low - base,
+        high - base,
+        base,
     )

@@ -8,8 +8,10 @@ from enum import Enum, IntFlag
 from typing import Final
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from companion.core.geo import Point
+from companion.core.units import wrap_pi
 
 
 class EstimateFault(IntFlag):
@@ -35,6 +37,7 @@ class NavState(Struct, frozen=True, gc=False):
     current_east_m_s: current over ground, leeway included. position_sigma_m: standard deviation, per axis.
     faults: bits of EstimateFault, as a plain integer for speed. gyro_rad_s: the gyro's latest rate less its
     bias, not smoothed; None without a gyro. yaw_rate_rad_s: the same rate, smoothed by the yaw model.
+    wave_rad, wave_rad_s: what waves add to heading and yaw rate. wave_share: 0 in calm water to 1 in waves.
     """
 
     time_s: float
@@ -53,6 +56,22 @@ class NavState(Struct, frozen=True, gc=False):
     position_sigma_m: float = 0.0
     faults: int = 0
     gyro_rad_s: float | None = None
+    wave_rad: float = 0.0
+    wave_rad_s: float = 0.0
+    wave_share: float = 0.0
+
+    @property
+    def without_waves(self) -> "NavState":
+        """The state that the loops close on: they do not answer waves."""
+        if self.wave_rad == 0.0:
+            return self
+        return replace(
+            self,
+            heading_rad=wrap_pi(self.heading_rad - self.wave_rad),
+            yaw_rate_rad_s=self.yaw_rate_rad_s - self.wave_rad_s,
+            wave_rad=0.0,
+            wave_rad_s=0.0,
+        )
 
     @property
     def measured_yaw_rate_rad_s(self) -> float:

@@ -148,6 +148,9 @@ class Estimator:
             self._sigma_m,
             faults,
             state.measured_rate_rad_s,
+            state.yaw_model.wave_rad,
+            state.yaw_model.wave_rad_s,
+            state.yaw_model.waves.share,
         )
 
     @property

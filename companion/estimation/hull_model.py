@@ -10,15 +10,6 @@ and quadratic damping, T. I. Fossen, *Handbook of Marine Craft Hydrodynamics and
 
 The last terms of the first line and the first of the second are the Coriolis forces of the hull and its
 added mass (section 6.5), with a lateral added mass of a hulls: in a turn the hull slips outward and slows.
-
-Yaw. Nomoto's first-order model (chapter 7) behind a motor lag, thrust proportional to the square of the
-command:
-
-    T_r ω̇ + ω = ½ (s_left |s_left| − s_right |s_right|) + m        r = K ω + ρ
-
-m is the rudder's moment, in shares of full steering. ρ, the rest of the rate, and K, initially
-`handling.turn_rate_rad_s`, are random walks: a Kalman filter corrects both by every reading of the gyro. The
-rate therefore follows a steering command at once by the model, and the gyro's noise is filtered.
 """
 
 import math
@@ -34,8 +25,6 @@ _SWAY_SHARE: Final = 0.2  # T_v / T: drag across is that of a bluff body
 _ASTERN: Final = 0.65
 GAIN: Final = 0.2  # initial deviation of the gains g and K, as a share,
 GAIN_WALK: Final = 0.005  # and their walk per √s: battery voltage falls, and thrust is not the model's
-_REST_WALK: Final = 0.008  # of ρ, rad/s per √s: NIS of the gyro: 0.98 in gusts of 8 m/s, 0.84 in calm
-_GYRO_RAD_S: Final = 0.006  # white noise of a MEMS gyro (BNO055 data sheet: 0.3°/s in 50 Hz)
 
 
 def _thrust(x: float) -> float:
@@ -77,49 +66,3 @@ class SurgeModel:
         self.slip_m_s2 = _ADDED * u * yaw_rate_rad_s
         self.sway_m_s = (v - dt_s * self.slip_m_s2) / (1.0 + dt_s / self._sway_s)
         return after
-
-
-class YawModel:
-    """rate_rad_s is r, turning is ω, rest_rad_s is ρ, gain_rad_s is K.
-
-    nominal_rad_s: initial K. innovation_rad_s, variance: of the gyro.
-    """
-
-    def __init__(self, gain_rad_s: float, turn_time_s: float = 0.8, motor_time_s: float = 0.15) -> None:
-        """gain_rad_s: initial K; turn_time_s: T_r; motor_time_s: lag of the motors."""
-        self._turn_s, self._motor_s = turn_time_s, motor_time_s
-        self._gain_variance, self._gain_walk = (GAIN * gain_rad_s) ** 2, (GAIN_WALK * gain_rad_s) ** 2
-        self.gain_rad_s = self.nominal_rad_s = gain_rad_s
-        self.rate_rad_s = self.turning = self.rest_rad_s = 0.0
-        self.innovation_rad_s, self.variance = 0.0, 1.0
-        self._effort = self._rest_variance = self._rest_gain = 0.0  # the last: covariance of ρ and K
-        self._is_measured = False  # since the last step
-
-    def advance(self, left: float, right: float, rudder: float, dt_s: float) -> None:
-        """Advance by dt_s with these commands, −1..1 per side. rudder: m above."""
-        dt_s = min(dt_s, self._motor_s)
-        share = min(dt_s / self._turn_s, 1.0)
-        asked = 0.5 * (left * abs(left) - right * abs(right)) + rudder
-        self._effort += dt_s / self._motor_s * (asked - self._effort)
-        self.turning += share * (self._effort - self.turning)
-        if not self._is_measured:
-            self.rest_rad_s -= share * self.rest_rad_s
-        self._is_measured = False
-        self._rest_variance += _REST_WALK * _REST_WALK * dt_s
-        self._gain_variance += self._gain_walk * dt_s
-        self.rate_rad_s = self.gain_rad_s * self.turning + self.rest_rad_s
-
-    def update(self, rate_rad_s: float) -> None:
-        """Correct the rate by a gyro's, its bias subtracted."""
-        self._is_measured = True
-        innovation = self.innovation_rad_s = rate_rad_s - self.rate_rad_s
-        turning = self.turning
-        rest = self._rest_variance + turning * self._rest_gain
-        gain = self._rest_gain + turning * self._gain_variance
-        variance = self.variance = rest + turning * gain + _GYRO_RAD_S * _GYRO_RAD_S
-        self._rest_variance -= rest * rest / variance
-        self._rest_gain -= rest * gain / variance
-        self._gain_variance -= gain * gain / variance
-        self.rest_rad_s += rest * innovation / variance
-        self.gain_rad_s += gain * innovation / variance
-        self.rate_rad_s = self.gain_rad_s * turning + self.rest_rad_s

@@ -14,7 +14,8 @@ from companion.config.tuning import Estimation, Speed
 from companion.control.allocation import rudder_effect
 from companion.core.state import MotorCommand
 from companion.core.units import wrap_pi
-from companion.estimation.hull_model import SurgeModel, YawModel
+from companion.estimation.hull_model import SurgeModel
+from companion.estimation.yaw_model import YawModel
 
 STRIDE_S: Final = 0.039  # the hull is slow: every second tick is enough
 UNMODELLED_S: Final = 3.0  # time constant of gusts and waves, that of the hull
@@ -102,7 +103,8 @@ class NominalState:
     @property
     def yaw_rate_rad_s(self) -> float:
         """The present yaw rate."""
-        return self.yaw_model.rate_rad_s if self.has_gyro else self.yaw_model.rate_rad_s - self.bias_rad_s
+        yaw = self.yaw_model
+        return yaw.rate_rad_s + yaw.wave_rad_s if self.has_gyro else yaw.rate_rad_s - self.bias_rad_s
 
     def move(self, now_s: float, command: MotorCommand | None) -> None:
         """Advance position and speed to now_s."""

@@ -108,3 +108,21 @@ def test_another_hull_sails_its_course(
         figure = outcome.figures[name]
         assert isinstance(figure, float)
         assert figure < most, name
+
+
+WAVES = tuple(
+    f"environment.{key}" for key in ("wave_height_m=0.3", "wave_period_s=1.8", "wind_m_s=6", "gust_m_s=10")
+)
+
+
+def test_waves_are_not_answered_by_the_motors_and_spray_is_no_obstacle() -> None:
+    """Calm water takes 157 s here. Without wave filter and history of echoes: no arrival, travel 118."""
+    world = scenario("open", *WAVES, "environment.wind_from_deg=180", "seed=9302")
+    run = MissionRun(world, wire_items(lay_out("zigzag", world)))
+    result = run.run()
+    assert result.completed
+    assert result.time_s < 170.0
+    travel = calm_figures(run)["motor_travel_per_min"]
+    assert travel is not None
+    assert travel < 25.0
+    assert not [text for text in run.lockstep.station.texts if "bstacle" in text]

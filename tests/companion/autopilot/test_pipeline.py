@@ -171,3 +171,15 @@ def test_a_boat_that_is_held_where_it_saw_a_shore_is_aground(gap_m: float, verdi
         if line.pipeline.headway.verdict is not StallVerdict.MAKING_WAY:
             break
     assert line.pipeline.headway.verdict is verdict
+
+
+def test_the_heading_that_waves_add_is_not_steered_against() -> None:
+    calm, wavy = Line(), Line()
+    for line, nav in (
+        (calm, STILL),
+        (wavy, replace(STILL, heading_rad=0.1, yaw_rate_rad_s=0.2, wave_rad=0.1, wave_rad_s=0.2)),
+    ):
+        line.guide(NORTH, 1.0, nav)
+        line.drive(1.0, nav)
+    assert wavy.pipeline.demand == calm.pipeline.demand
+    assert wavy.pipeline.helm.heading_pid == calm.pipeline.helm.heading_pid

@@ -81,3 +81,16 @@ def test_without_braking_no_motor_turns_astern(heading_rad: float) -> None:
     eased = Helm().update(replace(demand, brakes=False), CRUISING, CONFIG, 0.02)
     assert min(eased.left, eased.right) == pytest.approx(0.0, abs=1e-9)
     assert eased.left - eased.right == pytest.approx(braked.left - braked.right)
+
+
+def test_in_waves_the_gains_are_lower() -> None:
+    parts = []
+    for share in (0.0, 0.5, 1.0):
+        helm = Helm()
+        helm.update(Demand(0.01, 2.1), replace(CRUISING, wave_share=share), CONFIG, 0.02)
+        assert helm.heading_pid is not None
+        assert helm.speed_pid is not None
+        parts.append(
+            (helm.heading_pid.p / (0.01 * CONFIG.heading.kp), helm.speed_pid.p / (0.1 * CONFIG.speed.kp))
+        )
+    assert parts == [pytest.approx(one) for one in ((1.0, 1.0), (0.7, 0.65), (0.4, 0.3))]

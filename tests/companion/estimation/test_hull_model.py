@@ -1,7 +1,6 @@
 """How thrust and steering move the modelled hull."""
 
 import math
-import random
 
 import pytest
 from hypothesis import given
@@ -10,7 +9,7 @@ from hypothesis import strategies as st
 from companion.config.actuators import DriveSetting, Handling
 from companion.config.tuning import Estimation, Speed
 from companion.core.state import MotorCommand
-from companion.estimation.hull_model import SurgeModel, YawModel
+from companion.estimation.hull_model import SurgeModel
 from companion.estimation.nominal_state import NominalState
 
 TICK_S = 0.04
@@ -66,18 +65,6 @@ def test_the_speed_stays_within_reason(steps: list[tuple[float, float, float, fl
         )
 
 
-def test_a_gyro_is_smoothed_and_a_steady_turn_has_no_error() -> None:
-    model, rng, errors = YawModel(0.6), random.Random(2), []
-    for tick in range(3000):
-        model.update(0.5 + rng.gauss(0.0, 0.006))
-        if tick % 2 == 0:
-            model.advance(0.0, 0.0, 0.0, TICK_S)
-        errors.append(model.rate_rad_s - 0.5)
-    late = errors[500:]
-    assert sum(late) / len(late) == pytest.approx(0.0, abs=1e-3)
-    assert math.sqrt(sum(error * error for error in late) / len(late)) < 0.5 * 0.006
-
-
 def test_a_rudder_turns_a_boat_under_way_and_not_one_at_rest() -> None:
     rates = []
     for speed_m_s in (0.0, 2.0):
@@ -100,15 +87,3 @@ def test_the_rate_follows_steering_with_the_configured_delays(turn_s: float, mot
         model.advance(1.0, -1.0, 0.0, 0.01)
         missing += 0.01 * (1.0 - model.turning)
     assert missing == pytest.approx(turn_s + motor_s, abs=0.03)  # two Euler steps less
-
-
-def test_the_gyro_teaches_what_turn_steering_gives() -> None:
-    """The hull turns at 0.4 rad/s at full steering, in a wind that turns it by 0.05 rad/s."""
-    hull, model, rng = YawModel(0.4), YawModel(0.6), random.Random(3)
-    for tick in range(3000):
-        steering = 0.5 if tick % 200 < 100 else -0.5
-        for of in (hull, model):
-            of.advance(steering, -steering, 0.0, 0.02)
-        model.update(hull.rate_rad_s + 0.05 + rng.gauss(0.0, 0.006))
-    assert model.gain_rad_s == pytest.approx(0.4, rel=0.1)
-    assert model.rest_rad_s == pytest.approx(0.05, abs=0.02)
