@@ -31,16 +31,18 @@ PLANNER = Address(245, 191)
 OK, DENIED, UNSUPPORTED, FAILED = 0, 2, 3, 4  # MAV_RESULT
 
 
-# The receiver of tests about control: theirs are the errors of steering, not those of a standalone receiver.
-# The pool has a camera.
+# Receiver and ranger of tests about control, whose errors are those of steering and planning. The pool has a
+# camera.
 RTK = "sensors.gnss.receiver=rtk"
-STANDALONE = "sensors.gnss.receiver=standalone"  # the boats' own
+IDEAL = "sensors.sonar.ranger=ideal"
+STANDALONE = "sensors.gnss.receiver=standalone"  # the boats' own,
+HCSR04 = "sensors.sonar.ranger=hcsr04"  # and their ranger
 
 
 @cache
 def scenario(source: str = "open", *settings: str, case: str | None = None) -> Scenario:
-    """A scenario, read once. Its receiver is RTK unless the settings name another."""
-    return load_scenario(source, settings if source == "pool" else (RTK, *settings), case)
+    """A scenario, read once, with RTK and an ideal ranger unless the settings name others."""
+    return load_scenario(source, settings if source == "pool" else (RTK, IDEAL, *settings), case)
 
 
 def waypoint(

@@ -13,6 +13,8 @@ from sitl.world.world import World
 _RAYS = 72  # of an OBSTACLE_DISTANCE
 _UNKNOWN_CM = 0xFFFF
 _SENSOR_ID = 1
+_SCATTER_DB = 3.0
+_NEAREST_M = 0.01  # for the logarithm
 
 
 class LidarComponent:
@@ -20,7 +22,7 @@ class LidarComponent:
 
     def __init__(self, settings: LidarSettings, seed: int, system_id: int) -> None:
         self._settings = settings
-        self._random = generator(seed, "lidar")
+        self._random, self._levels = generator(seed, "lidar"), generator(seed, "lidar.level")
         self._encoder = Encoder(Address(system_id, dialect.MAV_COMP_ID_OBSTACLE_AVOIDANCE))
         self._link: Link | None = None
         self._due_s = 0.0
@@ -55,9 +57,13 @@ class LidarComponent:
             world.movers.range_m(*at, [bearing], most_m, world.time_s),
         )
         noise, lost = settings.noise_m * normal(self._random), self._random.random() < settings.lost_share
-        if lost or range_m > most_m:
+        if lost or range_m > most_m or self._is_faint(range_m):
             return round(100.0 * most_m) + 1
         return round(100.0 * min(max(range_m + noise, settings.min_range_m), most_m))
+
+    def _is_faint(self, range_m: float) -> bool:
+        excess_db = 20.0 * math.log10(self._settings.half_range_m / max(range_m, _NEAREST_M))
+        return excess_db < _SCATTER_DB * normal(self._levels)
 
     def _scan(self, world: World, ranges_cm: list[int]) -> Message:
         settings = self._settings

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 from sitl.scenarios.layers import Layer
+from sitl.world.sensors.rangers import OF_KIND, RANGERS
 from sitl.world.sensors.receivers import OF_CLASS, RECEIVERS
 
 # By table of [sensors] and its key: what each class sets.
@@ -15,6 +16,7 @@ CLASSES: Final[Mapping[tuple[str, str], Mapping[str, Mapping[str, Any]]]] = {
     ("gnss", "receiver"): {
         name: {key: getattr(one, key) for key in OF_CLASS} for name, one in RECEIVERS.items()
     },
+    ("sonar", "ranger"): {name: {key: getattr(one, key) for key in OF_KIND} for name, one in RANGERS.items()},
 }
 
 

@@ -154,7 +154,7 @@ class Contact:
         out: list[Touch] = []
         north_m, east_m, cos, sin = hull.north_m, hull.east_m, hull.cos, hull.sin
         reach = self._radius_m * self._radius_m
-        for at_east, at_north, d_east, d_north in self._shore.near(east_m, north_m):
+        for at_east, at_north, d_east, d_north, _ in self._shore.near(east_m, north_m):
             to_east, to_north = at_east - east_m, at_north - north_m
             share = -(to_east * d_east + to_north * d_north) / (d_east * d_east + d_north * d_north)
             share = 0.0 if share < 0.0 else min(share, 1.0)

@@ -8,6 +8,7 @@ from companion.hal.interfaces import Hardware
 from sitl.world.computer import Clocked, Computer
 from sitl.world.drive.rudder import Rudder
 from sitl.world.environment.bathymetry import Bathymetry
+from sitl.world.environment.waves import Waves
 from sitl.world.faults.injection import Injection
 from sitl.world.faults.parts import (
     FaultySensor,
@@ -113,8 +114,8 @@ class Electronics:
             field=self._compass.corrector,
         )
 
-    def sample(self, truth: "Truth", wave_m: float = 0.0) -> None:
-        """Apply faults that are due, then sample sensors that are due. wave_m: the waves' height."""
+    def sample(self, truth: "Truth", waves: Waves) -> None:
+        """Apply faults that are due, then sample sensors that are due."""
         now_s = truth.time_s
         self.faults.now_s = now_s
         self.payload.step(now_s)
@@ -122,12 +123,17 @@ class Electronics:
             self.faults.step()
         if now_s >= self._compass.due_s:
             self._compass.sample(
-                now_s, truth.heading_rad, truth.yaw_rate_rad_s, truth.current_a, truth.surge_m_s
+                now_s,
+                truth.heading_rad,
+                truth.yaw_rate_rad_s,
+                truth.current_a,
+                truth.surge_m_s,
+                (waves.roll_rad, waves.pitch_rad),
             )
         if now_s >= self._gnss.due_s:
             self._gnss.sample(now_s, truth.north_m, truth.east_m, truth.north_m_s, truth.east_m_s)
         if self._sonar is not None and now_s >= self._sonar.due_s:
-            self._sonar.sample(now_s, truth.north_m, truth.east_m, truth.heading_rad, wave_m)
+            self._sonar.sample(now_s, truth.north_m, truth.east_m, truth.heading_rad, waves)
         if self.rc is not None and now_s >= self.rc.due_s:
             self.rc.sample(now_s, truth.north_m, truth.east_m)
         if self._hull is not None and now_s >= self._hull.due_s:

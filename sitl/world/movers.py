@@ -12,6 +12,7 @@ from typing import Annotated
 from msgspec import Meta
 
 from companion.config.section import NonNegative, Positive, Section
+from companion.core.units import wrap_pi
 
 East_North = tuple[float, float]
 
@@ -113,3 +114,28 @@ class Movers:
                 if along_m > 0.0 and inside >= 0.0:
                     nearest_m = min(nearest_m, max(0.0, along_m - math.sqrt(inside)))
         return nearest_m if nearest_m <= max_range_m else math.inf
+
+    def echoes(
+        self,
+        east_m: float,
+        north_m: float,
+        bearing_rad: float,
+        cone_rad: float,
+        max_range_m: float,
+        time_s: float,
+    ) -> list[tuple[float, float, float]]:
+        """Range, radius and angle off the bearing of each mover within a cone about a bearing."""
+        out = []
+        for east, north, radius_m in self.positions_m(time_s):
+            to_east, to_north = east - east_m, north - north_m
+            away_m = math.hypot(to_east, to_north)
+            range_m = away_m - radius_m
+            if range_m > max_range_m:
+                continue
+            off_rad = 0.0
+            if range_m > 0.0:
+                aside_rad = abs(wrap_pi(math.atan2(to_east, to_north) - bearing_rad))
+                off_rad = max(0.0, aside_rad - math.asin(radius_m / away_m))
+            if off_rad <= cone_rad:
+                out.append((max(range_m, 0.0), radius_m, off_rad))
+        return out

@@ -16,12 +16,17 @@ from mission_tools.maps.chart import Chart
 
 
 class Segment(NamedTuple):
-    """A stretch of shore from (east_m, north_m) along (d_east_m, d_north_m)."""
+    """A stretch of shore from (east_m, north_m) along (d_east_m, d_north_m).
+
+    radius_m: how round it is. Of what lies in the water, that of the circle with the outline's length, or
+    more where its corners turn less; infinite for the bank.
+    """
 
     east_m: float
     north_m: float
     d_east_m: float
     d_north_m: float
+    radius_m: float = math.inf
 
 
 class Shore:
@@ -34,10 +39,11 @@ class Shore:
         """Index the edge of the chart's water. Areas to keep out of are water like any other."""
         self._reach_m = reach_m
         self._cells: dict[tuple[int, int], tuple[Segment, ...]] = {}
-        lines = _boundary_segments(chart)
+        lines, radii_m = _boundary_segments(chart)
         self._tree = shapely.STRtree(shapely.linestrings(lines)) if len(lines) else None
         self._segments = [
-            Segment(start[0], start[1], end[0] - start[0], end[1] - start[1]) for start, end in lines.tolist()
+            Segment(start[0], start[1], end[0] - start[0], end[1] - start[1], radius_m)
+            for (start, end), radius_m in zip(lines.tolist(), radii_m, strict=True)
         ]
 
     def near(self, east_m: float, north_m: float) -> tuple[Segment, ...]:
@@ -60,25 +66,36 @@ class Shore:
         )
 
     def range_m(
+        self, east_m: float, north_m: float, bearings_rad: Sequence[float], max_range_m: float
+    ) -> float:
+        """The nearest echo of a fan of rays from one point; infinite when there is none within max_range_m.
+
+        As for `echoes`.
+        """
+        echoes = self.echoes(east_m, north_m, bearings_rad, max_range_m)
+        return min((range_m for range_m, _ in echoes), default=math.inf)
+
+    def echoes(
         self,
         east_m: float,
         north_m: float,
         bearings_rad: Sequence[float],
         max_range_m: float,
         grazing: float = 0.0,
-    ) -> float:
-        """The nearest echo of a fan of rays from one point; infinite when there is none within max_range_m.
+    ) -> list[tuple[float, float]]:
+        """Range and radius of what each ray of a fan from one point meets; none if nothing is near.
 
-        The bearings come in clockwise order and span less than a half turn; max_range_m is within reach.
-        grazing: sine of the angle between ray and shore below which the shore mirrors a ray away.
+        The range is infinite without an echo within max_range_m. The bearings come in clockwise order and
+        span less than a half turn; max_range_m is within reach. grazing: sine of the angle between ray and
+        shore below which the shore mirrors a ray away.
         """
         segments = self.near(east_m, north_m)
         if not segments:
-            return math.inf
+            return []
         rays = [(math.sin(bearing), math.cos(bearing)) for bearing in bearings_rad]
         (first_east, first_north), (last_east, last_north) = rays[0], rays[-1]
-        nearest = [math.inf] * len(rays)
-        for at_east, at_north, d_east, d_north in segments:
+        nearest = [(math.inf, math.inf)] * len(rays)
+        for at_east, at_north, d_east, d_north, radius in segments:
             to_east, to_north = at_east - east_m, at_north - north_m
             # Most segments lie wholly to one side of the fan.
             side = to_east * first_north - to_north * first_east
@@ -92,18 +109,16 @@ class Shore:
                 across = ray_east * d_north - ray_north * d_east
                 if across != 0.0 and 0.0 <= (to_east * ray_north - to_north * ray_east) / across <= 1.0:
                     distance = area / across
-                    if 0.0 <= distance < abs(nearest[ray]):
+                    if 0.0 <= distance < abs(nearest[ray][0]):
                         is_mirrored = abs(across) < grazing * math.hypot(d_east, d_north)
-                        nearest[ray] = (
-                            -distance if is_mirrored else distance
-                        )  # lost, yet nothing behind it echoes
-        echo = min((distance for distance in nearest if distance >= 0.0), default=math.inf)
-        return echo if echo <= max_range_m else math.inf
+                        # A mirrored ray is lost, yet nothing behind it echoes.
+                        nearest[ray] = (-distance if is_mirrored else distance, radius)
+        return [(range_m if 0.0 <= range_m <= max_range_m else math.inf, of) for range_m, of in nearest]
 
     def room_m(self, east_m: float, north_m: float) -> float:
         """Distance to the nearest shore, or the reach where that is less."""
         nearest = self._reach_m * self._reach_m
-        for at_east, at_north, d_east, d_north in self.near(east_m, north_m):
+        for at_east, at_north, d_east, d_north, _ in self.near(east_m, north_m):
             to_east, to_north = east_m - at_east, north_m - at_north
             along = (to_east * d_east + to_north * d_north) / (d_east * d_east + d_north * d_north)
             along = 0.0 if along < 0.0 else min(along, 1.0)
@@ -120,13 +135,30 @@ class Shore:
         return [float(distance) for distance in distances]
 
 
-def _boundary_segments(chart: Chart) -> "np.ndarray[tuple[int, int, int], np.dtype[np.float64]]":
-    """Start and end of each stretch of shore, shape (n, 2, 2), in (east, north)."""
-    parts = [np.empty((0, 2, 2))]
+_STRAIGHT_RAD = 1e-3
+_Lines = np.ndarray[tuple[int, int, int], np.dtype[np.float64]]
+
+
+def _boundary_segments(chart: Chart) -> tuple[_Lines, list[float]]:
+    """Start and end of each stretch of shore, shape (n, 2, 2), in (east, north), and its radius."""
+    parts, radii_m = [np.empty((0, 2, 2))], []
     for area in shapely.get_parts(chart.water):
         rings = shapely.get_rings(area)
         for ring in rings[1:] if chart.is_open else rings:  # open water's outer ring only stands for the sea
             corners = shapely.get_coordinates(ring)
-            parts.append(np.stack([corners[:-1], corners[1:]], axis=1))
-    lines = np.concatenate(parts)
-    return lines[np.any(lines[:, 0] != lines[:, 1], axis=1)]  # a repeated corner is no stretch of shore
+            lines = np.stack([corners[:-1], corners[1:]], axis=1)
+            lines = lines[np.any(lines[:, 0] != lines[:, 1], axis=1)]  # a repeated corner is no stretch
+            parts.append(lines)
+            least_m = math.inf if ring is rings[0] else ring.length / math.tau
+            radii_m += _radii_m(lines, least_m)
+    return np.concatenate(parts), radii_m
+
+
+def _radii_m(lines: _Lines, least_m: float) -> list[float]:
+    """Of a closed outline's stretches: the length over what the outline turns at its ends, shared by both."""
+    ways = lines[:, 1] - lines[:, 0]
+    lengths_m, bearings = np.hypot(ways[:, 0], ways[:, 1]), np.arctan2(ways[:, 1], ways[:, 0])
+    turns = np.abs((np.diff(bearings, append=bearings[:1]) + math.pi) % math.tau - math.pi)
+    shared = 0.5 * (turns + np.roll(turns, 1))
+    radii_m: list[float] = np.maximum(lengths_m / np.maximum(shared, _STRAIGHT_RAD), least_m).tolist()
+    return radii_m

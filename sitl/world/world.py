@@ -117,7 +117,7 @@ class World:
         self._motors = self.electronics.motors
         self._since_tick, self._since_s, self._dt_s = 0, 0.0, math.nan
         self.truth = self._observe(0.0)
-        self.electronics.sample(self.truth, self.waves.height_m)
+        self.electronics.sample(self.truth, self.waves)
 
     @property
     def time_s(self) -> float:
@@ -205,7 +205,7 @@ class World:
         if pack.voltage_v < self._brownout_v or self._dark_until_s > 0.0:
             self._feed_computer(time_s)
         self.truth = truth = self._observe(time_s)
-        self.electronics.sample(truth, self.waves.height_m)
+        self.electronics.sample(truth, self.waves)
         return truth
 
     def _feed_computer(self, time_s: float) -> None:

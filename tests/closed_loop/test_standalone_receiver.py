@@ -2,7 +2,7 @@
 
 import statistics
 
-from boat_rig import STANDALONE, scenario
+from boat_rig import HCSR04, STANDALONE, scenario
 from sailing_rig import said
 
 from sitl.courses.missions import lay_out, plan_mission, wire_items
@@ -13,7 +13,7 @@ ALARMS = ("Failsafe", "GPS", "Compass", "Motor", "Steering", "Left", "Right", "O
 
 def sail(source: str, seed: int, course: str = "") -> Result:
     """Sailed to its end without an alarm."""
-    world = scenario(source, STANDALONE, f"seed={seed}")
+    world = scenario(source, STANDALONE, HCSR04, f"seed={seed}")
     mission = lay_out(course, world) if course else plan_mission(world)[0]
     sailed = MissionRun(world, wire_items(mission))
     result = sailed.run()

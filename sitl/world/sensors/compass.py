@@ -8,7 +8,7 @@ import msgspec
 from companion.core.readings import HeadingReading
 from companion.core.units import wrap_pi
 from companion.core.vectors import Vector
-from companion.sensors.compass.attitude import magnetic_heading
+from companion.sensors.compass.attitude import down_axis, magnetic_heading
 from companion.sensors.compass.magnetic_field import FieldCorrector
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.sampling import NORMAL, NORMALS, TIME_SLACK_S, generator
@@ -32,6 +32,7 @@ class SimCompass(Sensor[HeadingReading]):
         radians = math.radians
         self._random = generator(seed, "compass")
         self._rate_hz = settings.rate_hz
+        self._reports_lean = settings.reports_lean
         self._noise_rad = radians(settings.noise_deg)
         self._bias_rad = radians(settings.bias_deg - settings.declination_deg) + correction_rad
         self._hard_rad, self._hard_at_rad = (
@@ -69,8 +70,9 @@ class SimCompass(Sensor[HeadingReading]):
         yaw_rate_rad_s: float,
         motor_current_a: float = 0.0,
         surge_m_s: float = 0.0,
+        lean: tuple[float, float] = (0.0, 0.0),
     ) -> None:
-        """Sample when due."""
+        """Sample when due. lean: roll and pitch in rad."""
         if not self._is_due(now_s, self._rate_hz):
             return
         random = self._random.random
@@ -90,10 +92,13 @@ class SimCompass(Sensor[HeadingReading]):
             self._gyro_scale * yaw_rate_rad_s
             + self._gyro_bias
             + self._gyro_noise * NORMAL[int(NORMALS * random())],
+            lean[0] if self._reports_lean else None,
+            lean[1] if self._reports_lean else None,
         )
         if self._field is not None and self.corrector is not None:
             field = self._field.at(heading_rad, motor_current_a)
-            reading = self._of_field(reading, field, self.corrector.correct(field))
+            field = body_axes(field, *lean)
+            reading = self._of_field(reading, field, self.corrector.correct(field), lean)
         if self.fault is None and self.gyro_fault is None:
             self._latest = self._sampled = reading
         else:
@@ -101,14 +106,16 @@ class SimCompass(Sensor[HeadingReading]):
             if faulty is not None:
                 self._latest = faulty
 
-    def _of_field(self, reading: HeadingReading, measured: Vector, corrected: Vector) -> HeadingReading:
-        """The reading of a bare magnetometer on a level boat."""
-        heading_rad = magnetic_heading(corrected, (0.0, 0.0, 1.0)) or 0.0
+    def _of_field(
+        self, reading: HeadingReading, measured: Vector, corrected: Vector, lean: tuple[float, float]
+    ) -> HeadingReading:
+        """The reading of a bare magnetometer, its tilt known."""
+        heading_rad = magnetic_heading(corrected, down_axis(*lean)) or 0.0
         return msgspec.structs.replace(
             reading,
             heading_rad=wrap_pi(heading_rad + self._bias_rad),
-            roll_rad=0.0,
-            pitch_rad=0.0,
+            roll_rad=lean[0],
+            pitch_rad=lean[1],
             field_mg=measured,
             is_magnetic=True,
         )
@@ -202,6 +209,17 @@ class BodyField:
             self._horizontal_mg * aside + self._noise_mg * self._noise(),
             self._down_mg + self._noise_mg * self._noise(),
         )
+
+
+def body_axes(level: Vector, roll_rad: float, pitch_rad: float) -> Vector:
+    """A vector of level axes (ahead, to starboard, down) in those of a boat that leans."""
+    if roll_rad == pitch_rad == 0.0:
+        return level
+    ahead, aside, down = level
+    cos, sin = math.cos(pitch_rad), math.sin(pitch_rad)
+    ahead, down = ahead * cos - down * sin, ahead * sin + down * cos
+    cos, sin = math.cos(roll_rad), math.sin(roll_rad)
+    return ahead, aside * cos + down * sin, down * cos - aside * sin
 
 
 def _hard(size_deg: float, at_deg: float) -> tuple[float, float]:

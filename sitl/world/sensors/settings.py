@@ -5,6 +5,7 @@ from typing import Annotated
 from msgspec import Meta
 
 from companion.config.section import NonNegative, Positive, Section, Share
+from sitl.world.sensors.rangers import SonarSettings
 from sitl.world.sensors.receivers import GnssSettings
 
 
@@ -21,6 +22,9 @@ class CompassSettings(Section, frozen=True):
 
     Tilt compensation takes a share of the sideways acceleration in a turn, turn_tilt_share, for a heel of the
     hull, and turns the heading by that angle times the tangent of the field's dip_deg.
+
+    Roll and pitch are those of the hull in the waves. reports_lean: False for a part that measures only the
+    heading, such as an NMEA compass.
 
     The gyro is off by a scale error, white noise, a fixed bias and its random walk (the deviation after a
     minute).
@@ -39,44 +43,20 @@ class CompassSettings(Section, frozen=True):
     declination_deg: Annotated[float, Meta(ge=-180.0, le=180.0)] = 0.0
     dip_deg: Annotated[float, Meta(ge=-85.0, le=85.0)] = 66.0
     turn_tilt_share: Share = 0.0
+    reports_lean: bool = True
     gyro_scale: Positive = 1.0
     gyro_noise_deg_s: NonNegative = 0.3
     gyro_bias_deg_s: float = 0.1
     gyro_walk_deg_s: NonNegative = 0.0
 
 
-class SonarSettings(Section, frozen=True):
-    """An ultrasonic ranger on a servo that sweeps to and fro over sweep_deg about the bow.
-
-    A surface that is met at more than specular_deg from square throws the sound away like a mirror: smooth
-    walls from about 30°, stones and reeds hardly ever (90 loses nothing). spray_per_m is the share of pings
-    that meet spray instead, per metre of wave height. ghost_share of the pings hear an echo by a detour, or
-    of an earlier ping: a range where nothing is.
-
-    The servo is told a bearing with each ping and starts for it servo_dead_s later, at servo_deg_s; the ping
-    goes where the servo is, and its reading says where it was told to be.
-    """
-
-    fitted: bool = True
-    ping_s: Positive = 0.06
-    sweep_deg: Annotated[float, Meta(ge=0.0, le=360.0)] = 180.0
-    step_deg: Annotated[float, Meta(ge=0.1, le=360.0)] = 15.0
-    cone_deg: Annotated[float, Meta(ge=0.0, le=90.0)] = 15.0
-    specular_deg: Annotated[float, Meta(gt=0.0, le=90.0)] = 90.0
-    min_range_m: NonNegative = 0.02
-    max_range_m: Positive = 4.0
-    noise_m: NonNegative = 0.01
-    spray_per_m: NonNegative = 0.0
-    ghost_share: Share = 0.0
-    servo_dead_s: NonNegative = 0.03
-    servo_deg_s: Positive = 450.0
-
-
 class LidarSettings(Section, frozen=True):
     """A second ranger on another MAVLink component: a 2-D scan as OBSTACLE_DISTANCE, or one beam ahead.
 
     The scan has a ray every step_deg over field_deg about the bow. With field_deg 0 it is a fixed ranger of
-    beam_deg, such as a TFmini, that sends DISTANCE_SENSOR. lost_share of the rays return nothing.
+    beam_deg, such as a TFmini, that sends DISTANCE_SENSOR. lost_share of the rays return nothing; of those
+    that meet something half_range_m away, half: the light that comes back falls with the square of the
+    range (20 log of it in dB), and stones and reeds differ by some 3 dB.
     """
 
     fitted: bool = False
@@ -86,6 +66,8 @@ class LidarSettings(Section, frozen=True):
     beam_deg: Annotated[float, Meta(gt=0.0, le=90.0)] = 3.6
     min_range_m: NonNegative = 0.2
     max_range_m: Annotated[float, Meta(gt=0.0, le=100.0)] = 12.0
+    # An LD19's 12 m are on 70 % of reflection (its data sheet), 10 m on 50 %; a TFmini has 7 m outdoors
+    half_range_m: Positive = 10.0
     noise_m: NonNegative = 0.03
     lost_share: Share = 0.02
 

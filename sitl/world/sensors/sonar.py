@@ -1,4 +1,11 @@
-"""The ultrasonic ranger, swept by a servo."""
+"""The ranger, swept by a servo.
+
+Water. A level beam whose lower edge lies ½ w below its axis meets flat water height / tan ½ w away: 1.1 m for
+an HC-SR04 15 cm above it. Flat water mirrors it on. In waves the axis leans with the hull, and a face that
+rises away with the slope s, met at the grazing angle γ, is taken for as dull as it is steep: of a patch as
+wide as the beam and as long as the pulse, l = 3.4 cm, it sends back 4 w l s sin γ / (π r) of what a mirror
+there would (Lambert's law, Urick 1983, chapter 8, has sin γ for s). Light goes into the water.
+"""
 
 import math
 from collections import deque
@@ -9,25 +16,64 @@ import msgspec
 from companion.core.readings import SonarReading
 from companion.sensors.servo_scan import ServoScan
 from sitl.world.sensors.fault import SensorFault
+from sitl.world.sensors.rangers import SonarSettings
 from sitl.world.sensors.sampling import TIME_SLACK_S, generator, normal
-from sitl.world.sensors.settings import SonarSettings
 from sitl.world.shore import Shore
 
-CONE_RAYS = (-1.0, 0.0, 1.0)
-_SPRAY_M = 0.6  # water thrown up by the bow comes no further
+_EDGE = 1.5  # cones: beyond, the beam is 13 dB down
+_RAY_RAD = math.radians(7.5)  # from ray to ray, at most: a body of 0.3 m is 8.6° wide at 2 m
+_NEAREST_M = 0.02  # for the logarithm
+_SPRAY_M = 0.6  # water thrown up by the bow comes no further,
+_SPRAY_RAD = math.radians(60.0)  # nor abaft
+_WATER_M = (0.4, 0.7, 1.0, 1.4, 1.8, 2.4)  # where the surface is looked at, somewhat nearer or farther
+_PULSE_M = 0.034  # eight periods of 40 kHz, there and back
+_Echo = tuple[float, float]  # range in m, excess in dB
 
 
 class MovingObstacles(Protocol):
     """What moves about on the water."""
 
-    def range_m(
-        self, east_m: float, north_m: float, bearings_rad: list[float], max_range_m: float, time_s: float
-    ) -> float:
-        """The nearest echo of a fan of rays from one point, infinite when there is none in range."""
+    def echoes(
+        self,
+        east_m: float,
+        north_m: float,
+        bearing_rad: float,
+        cone_rad: float,
+        max_range_m: float,
+        time_s: float,
+    ) -> list[tuple[float, float, float]]:
+        """Range, radius and angle off the bearing of each within a cone."""
+
+
+class Sea(Protocol):
+    """The waves around the boat."""
+
+    @property
+    def is_calm(self) -> bool:
+        """Whether there are none."""
+
+    @property
+    def height_m(self) -> float:
+        """The significant height."""
+
+    @property
+    def heave_m(self) -> float:
+        """How high the boat is lifted,"""
+
+    @property
+    def roll_rad(self) -> float:
+        """leans to starboard"""
+
+    @property
+    def pitch_rad(self) -> float:
+        """and raises its bow."""
+
+    def surface(self, north_m: float, east_m: float, time_s: float) -> tuple[float, float, float]:
+        """Height of the water at a place, and its slopes northward and eastward."""
 
 
 class SimSonar:
-    """The swept ranger. Its cone is a fan of three rays of which the nearest echo counts."""
+    """The swept ranger. The nearest echo that exceeds its threshold counts."""
 
     def __init__(
         self, settings: SonarSettings, shore: Shore, seed: int, movers: MovingObstacles | None = None
@@ -37,8 +83,12 @@ class SimSonar:
         self._settings = settings
         self._shore = shore
         self._movers = movers
-        self._random = generator(seed, "sonar")
-        self._fan_rad = tuple(0.5 * math.radians(settings.cone_deg) * side for side in CONE_RAYS)
+        self._random, self._levels = generator(seed, "sonar"), generator(seed, "sonar.level")
+        self._cone_rad = _EDGE * 0.5 * math.radians(settings.cone_deg)
+        rays = math.ceil(self._cone_rad / _RAY_RAD - 1e-9)
+        self._fan_rad = tuple(self._cone_rad * ray / max(rays, 1) for ray in range(-rays, rays + 1))
+        self._patch_m = max(4.0 / math.pi * math.radians(settings.cone_deg) * _PULSE_M, 1e-9)
+        self._per_rad2 = 6.0 / max(0.5 * math.radians(settings.cone_deg), 1e-9) ** 2
         self._grazing = math.cos(math.radians(settings.specular_deg)) if settings.specular_deg < 90.0 else 0.0
         self._swing = ServoScan(sweep_bearings_rad(settings))
         self._servo = _Servo(settings, self._swing.bearing_rad)
@@ -47,9 +97,9 @@ class SimSonar:
         self._count, self.due_s = 0, 0.0
 
     def sample(
-        self, now_s: float, north_m: float, east_m: float, heading_rad: float, wave_m: float = 0.0
+        self, now_s: float, north_m: float, east_m: float, heading_rad: float, sea: Sea | None = None
     ) -> None:
-        """Ping when due. wave_m: the height of the waves."""
+        """Ping when due. sea: None is calm."""
         if now_s < self.due_s:
             return
         settings = self._settings
@@ -57,11 +107,16 @@ class SimSonar:
         self._servo.turn(now_s, self._swing.turn())
         self._count += 1
         self.due_s = self._count * settings.ping_s - TIME_SLACK_S
-        ahead = heading_rad + points_rad
-        echo_m = self._echo_m([ahead + side for side in self._fan_rad], north_m, east_m, now_s)
-        heard_m = None if echo_m is None else echo_m + settings.noise_m * normal(self._random)
+        waves = None if sea is None or sea.is_calm else sea
+        echoes = self._echoes(heading_rad + points_rad, north_m, east_m, now_s)
+        if waves is not None and not settings.is_light:
+            echoes += self._water(waves, points_rad, heading_rad, north_m, east_m, now_s)
+        heard_m = self._heard_m(echoes)
+        if heard_m is not None:
+            heard_m += settings.noise_m * normal(self._random)
         if settings.ghost_share or settings.spray_per_m:
-            heard_m = self._disturbed(heard_m, wave_m)
+            is_ahead = abs(points_rad) < _SPRAY_RAD
+            heard_m = self._disturbed(heard_m, waves.height_m if waves is not None and is_ahead else 0.0)
         if heard_m is not None:
             heard_m = min(max(heard_m, settings.min_range_m), settings.max_range_m)
         ping = SonarReading(
@@ -75,16 +130,67 @@ class SimSonar:
             if faulty is not None:
                 self._pings.append(faulty)
 
-    def _echo_m(self, rays_rad: list[float], north_m: float, east_m: float, now_s: float) -> float | None:
-        max_range_m = self._settings.max_range_m
-        nearest_m = self._shore.range_m(east_m, north_m, rays_rad, max_range_m, self._grazing)
+    def _heard_m(self, echoes: list[_Echo]) -> float | None:
+        """The nearest echo above the threshold. All echoes of a ping fluctuate alike."""
+        if not echoes:
+            return None
+        least_db = self._settings.scatter_db * normal(self._levels)
+        return min((range_m for range_m, excess_db in echoes if excess_db > least_db), default=None)
+
+    def _echoes(self, ahead_rad: float, north_m: float, east_m: float, now_s: float) -> list[_Echo]:
+        """Of shores and movers."""
+        most_m, echoes = self._settings.max_range_m, []
+        rays_rad = [ahead_rad + side for side in self._fan_rad]
+        found = self._shore.echoes(east_m, north_m, rays_rad, most_m, self._grazing)
+        for off_rad, (range_m, radius_m) in zip(self._fan_rad, found, strict=False):
+            if range_m <= most_m:
+                echoes.append((range_m, self._excess_db(range_m, radius_m, off_rad)))
         if self._movers is not None:
-            moving_m = self._movers.range_m(east_m, north_m, rays_rad, max_range_m, now_s)
-            nearest_m = min(nearest_m, moving_m)
-        return nearest_m if nearest_m <= max_range_m else None
+            echoes += [
+                (range_m, self._excess_db(range_m, radius_m, off_rad))
+                for range_m, radius_m, off_rad in self._movers.echoes(
+                    east_m, north_m, ahead_rad, self._cone_rad, most_m, now_s
+                )
+            ]
+        return echoes
+
+    def _excess_db(self, range_m: float, radius_m: float, off_rad: float) -> float:
+        """What an echo exceeds the threshold by, on average."""
+        settings = self._settings
+        range_m = max(range_m, _NEAREST_M)
+        excess_db = 20.0 * math.log10(settings.half_range_m / range_m) - self._per_rad2 * off_rad * off_rad
+        excess_db += 2.0 * settings.loss_db_m * (settings.half_range_m - range_m)
+        if radius_m < math.inf and not settings.is_light:
+            excess_db += 10.0 * math.log10(radius_m / (radius_m + range_m))
+        return excess_db
+
+    def _water(
+        self, sea: Sea, points_rad: float, heading_rad: float, north_m: float, east_m: float, now_s: float
+    ) -> list[_Echo]:
+        """Of wave faces in the beam."""
+        ahead_rad = heading_rad + points_rad
+        cos, sin = math.cos(ahead_rad), math.sin(ahead_rad)
+        rise = sea.pitch_rad * math.cos(points_rad) - sea.roll_rad * math.sin(points_rad)
+        height_m, echoes = sea.heave_m + self._settings.height_m, []
+        nearer = 0.85 + 0.3 * self._levels.random()
+        for at_m in _WATER_M:
+            range_m = nearer * at_m
+            up_m, slope_n, slope_e = sea.surface(north_m + range_m * cos, east_m + range_m * sin, now_s)
+            below = (height_m + range_m * rise - up_m) / range_m
+            slope = slope_n * cos + slope_e * sin
+            grazing = below + slope
+            if below < self._cone_rad and slope > 0.0 < grazing:
+                excess_db = self._excess_db(range_m, math.inf, max(below, 0.0))
+                patch = self._patch_m * slope * math.sin(min(grazing, 0.5 * math.pi)) / range_m
+                echoes.append((range_m, excess_db + 10.0 * math.log10(patch)))
+            if below <= 0.0:  # the axis meets the face
+                break
+        return echoes
 
     def _disturbed(self, heard_m: float | None, wave_m: float) -> float | None:
-        """A fixed number of draws a ping: what one ping meets does not depend on another."""
+        """With spray of waves so high. A fixed number of draws a ping: what one ping meets does not depend on
+        another.
+        """
         settings = self._settings
         sprayed, ghostly, where = self._random.random(), self._random.random(), self._random.random()
         if sprayed < settings.spray_per_m * wave_m:

@@ -9,6 +9,8 @@ from msgspec.structs import replace
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.environment.settings import Environment
 from sitl.world.environment.waves import Waves
+from sitl.world.sensors.compass import SimCompass
+from sitl.world.sensors.settings import CompassSettings
 from sitl.world.world import Truth, World
 
 DT_S = 0.02
@@ -91,3 +93,61 @@ def test_propellers_suck_air_now_and_then_in_a_steep_sea() -> None:
     assert min(thrusts) < 0.8 * max(thrusts)
     calm = [one.left_thrust_n for one in sailed(throttle=0.6, for_s=60.0)[500:]]
     assert min(calm) == pytest.approx(max(calm), rel=0.05)
+
+
+def test_the_hull_lies_along_the_water() -> None:
+    """A short hull's roll and pitch are the slopes of the surface, by differences of its height."""
+    waves, cos, sin = Waves(SEA, 0.01, 3), math.cos(0.7), math.sin(0.7)
+    for tick in range(100):
+        now_s, north_m, east_m = 0.1 * tick, 0.3 * tick, -0.2 * tick
+        waves.step(now_s, north_m, east_m, cos, sin)
+        height_m, slope_n, slope_e = waves.surface(north_m, east_m, now_s)
+        assert waves.heave_m == pytest.approx(height_m, abs=1e-4)
+
+        ahead = waves.surface(north_m + 0.01 * cos, east_m + 0.01 * sin, now_s)[0] - height_m
+        aside = waves.surface(north_m - 0.01 * sin, east_m + 0.01 * cos, now_s)[0] - height_m
+        assert waves.pitch_rad == pytest.approx(ahead / 0.01, abs=0.005)
+        assert waves.roll_rad == pytest.approx(-aside / 0.01, abs=0.005)
+        assert slope_n * cos + slope_e * sin == pytest.approx(waves.pitch_rad, abs=1e-5)
+
+
+def test_a_long_hull_leans_less_than_a_short_one() -> None:
+    leans = []
+    for length_m in (0.01, 1.0, 3.0):
+        waves, pitch = Waves(replace(SEA, wave_period_s=1.8), length_m, 3), []
+        for tick in range(3000):
+            waves.step(0.1 * tick, 0.0, 0.0, 1.0, 0.0)
+            pitch.append(waves.pitch_rad)
+        leans.append(statistics.pstdev(pitch))
+    assert leans == sorted(leans, reverse=True)
+    assert leans[0] > 1.3 * leans[2]
+
+
+def test_the_compass_reports_the_lean_and_a_bare_one_compensates_it() -> None:
+    for settings in (
+        CompassSettings(noise_deg=0.0, bias_deg=0.0),
+        CompassSettings(noise_deg=0.0, bias_deg=0.0, magnetometer_mg=200.0),
+    ):
+        compass = SimCompass(settings, 1)
+        compass.sample(0.0, 0.8, 0.0, lean=(0.2, -0.1))
+        heard = compass.read()
+        assert heard is not None
+        assert (heard.roll_rad, heard.pitch_rad) == (0.2, -0.1)
+        assert heard.heading_rad == pytest.approx(0.8, abs=1e-6)
+    plain = SimCompass(CompassSettings(reports_lean=False), 1)
+    plain.sample(0.0, 0.8, 0.0, lean=(0.2, -0.1))
+    reading = plain.read()
+    assert reading is not None
+    assert reading.roll_rad is reading.pitch_rad is None
+
+
+def test_a_boat_in_waves_knows_its_roll_and_pitch() -> None:
+    world = World(load_scenario("open", ["environment.wave_height_m=0.2", "environment.wave_from_deg=45"]))
+    leans = []
+    for _ in range(1500):
+        world.step(DT_S)
+        reading = world.hardware.compass.read()
+        assert reading is not None
+        assert (reading.roll_rad, reading.pitch_rad) == (world.waves.roll_rad, world.waves.pitch_rad)
+        leans.append((reading.roll_rad or 0.0, reading.pitch_rad or 0.0))
+    assert all(0.01 < statistics.pstdev(one) < 0.2 for one in zip(*leans, strict=True))

@@ -17,7 +17,7 @@ END_S = 12.0
 FRAME = load_scenario("open").frame
 ROCK_AHEAD = (
     "movers=[{start=[0, 3], radius_m=1.0}]", "boat.heading_deg=0", "sensors.sonar.sweep_deg=0",
-    "sensors.sonar.noise_m=0", "sensors.sonar.ghost_share=0",
+    "sensors.sonar.noise_m=0", "sensors.sonar.ghost_share=0", "sensors.sonar.scatter_db=0",
 )  # fmt: skip
 
 Row = tuple[Truth, Any]  # what a part says, and the truth of then

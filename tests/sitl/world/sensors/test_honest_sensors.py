@@ -2,6 +2,7 @@
 
 import math
 import statistics
+from typing import Any
 
 import pytest
 import shapely
@@ -11,14 +12,15 @@ from companion.core.readings import GnssFix, HeadingReading
 from mission_tools.maps.chart import build_chart
 from sitl.world.sensors.compass import SimCompass
 from sitl.world.sensors.gnss import SimGnss, stated_accuracy_m
+from sitl.world.sensors.rangers import SonarSettings
 from sitl.world.sensors.receivers import GnssSettings
-from sitl.world.sensors.settings import CompassSettings, SonarSettings
+from sitl.world.sensors.settings import CompassSettings
 from sitl.world.sensors.sonar import SimSonar
 from sitl.world.shore import Shore
 
 DT_S = 0.02
 FRAME = LocalFrame(LatLon(50.0, -1.2))
-STILL = {"noise_deg": 0.0, "bias_deg": 0.0, "gyro_noise_deg_s": 0.0, "gyro_bias_deg_s": 0.0}
+STILL: dict[str, Any] = {"noise_deg": 0.0, "bias_deg": 0.0, "gyro_noise_deg_s": 0.0, "gyro_bias_deg_s": 0.0}
 
 
 def arrivals(gnss: SimGnss, seconds: float) -> list[tuple[float, GnssFix]]:
@@ -106,7 +108,10 @@ def test_the_ranger_looks_where_its_servo_is_and_says_where_it_should_be() -> No
     shore = Shore(build_chart("wall", FRAME, wall, ()), reach_m=4.0)
 
     def by_bearing(dead_s: float, deg_s: float) -> dict[tuple[int, bool], float | None]:
-        settings = SonarSettings(noise_m=0.0, cone_deg=0.0, servo_dead_s=dead_s, servo_deg_s=deg_s)
+        settings = SonarSettings(
+            noise_m=0.0, scatter_db=0.0, half_range_m=100.0, ghost_share=0.0, cone_deg=0.0,
+            servo_dead_s=dead_s, servo_deg_s=deg_s,
+        )  # fmt: skip
         sonar, before = SimSonar(settings, shore, 1), -100
         out: dict[tuple[int, bool], float | None] = {}
         for tick in range(300):

@@ -2,23 +2,30 @@
 
 import math
 import statistics
+from typing import Any
 
+import msgspec
 import pytest
 import shapely
 
 from companion.core.geo import LatLon, LocalFrame
 from mission_tools.maps.chart import build_chart
+from sitl.world.environment.settings import Environment
+from sitl.world.environment.waves import Waves
 from sitl.world.sensors.battery_monitor import SimBattery
 from sitl.world.sensors.compass import BodyField, SimCompass
 from sitl.world.sensors.gnss import SimGnss
+from sitl.world.sensors.rangers import SonarSettings
 from sitl.world.sensors.receivers import GnssSettings
-from sitl.world.sensors.settings import BatteryMonitorSettings, CompassSettings, SonarSettings
+from sitl.world.sensors.settings import BatteryMonitorSettings, CompassSettings
 from sitl.world.sensors.sonar import SimSonar
 from sitl.world.shore import Shore
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 BASIN = Shore(build_chart("basin", FRAME, shapely.box(-3.0, -2.0, 3.0, 2.0), ()), reach_m=4.0)
-NO_NOISE = {"noise_deg": 0.0, "bias_deg": 0.0, "gyro_noise_deg_s": 0.0, "gyro_bias_deg_s": 0.0}
+NO_NOISE: dict[str, Any] = dict.fromkeys(
+    ("noise_deg", "bias_deg", "gyro_noise_deg_s", "gyro_bias_deg_s"), 0.0
+)
 
 
 def gnss_deviation_m(east_m: float, shore: Shore) -> float:
@@ -43,7 +50,7 @@ def test_reflections_grow_towards_the_waters_edge_and_are_gone_beyond_their_reac
     assert gnss_deviation_m(27.9, wide) < 1e-6
 
 
-def deviations_deg(motor_current_a: float = 0.0, **iron: float) -> list[float]:
+def deviations_deg(motor_current_a: float = 0.0, **iron: Any) -> list[float]:  # noqa: ANN401
     """Of a compass on every tenth degree."""
     out = []
     for heading_deg in range(0, 360, 10):
@@ -68,8 +75,10 @@ def test_hard_iron_turns_once_with_the_heading_and_soft_iron_twice() -> None:
 
 
 def test_the_field_at_a_magnetometer_is_that_of_the_same_iron() -> None:
-    iron = {"hard_iron_deg": 4.0, "hard_iron_at_deg": 30.0, "soft_iron_deg": 2.0, "soft_iron_at_deg": 20.0}
-    iron["motor_deg_per_a"] = 0.25
+    iron: dict[str, Any] = {
+        "hard_iron_deg": 4.0, "hard_iron_at_deg": 30.0, "soft_iron_deg": 2.0, "soft_iron_at_deg": 20.0,
+        "motor_deg_per_a": 0.25,
+    }  # fmt: skip
     field = BodyField(CompassSettings(**NO_NOISE, **iron, magnetometer_mg=200.0, dip_deg=60.0), lambda: 0.0)
     for number, deviation_deg in enumerate(deviations_deg(4.0, **iron)):
         heading_rad = math.radians(10.0 * number)
@@ -99,17 +108,23 @@ def test_the_gyros_bias_wanders_as_far_in_a_minute_as_it_should() -> None:
     assert statistics.pstdev(after_deg_s) == pytest.approx(0.5, rel=0.2)
 
 
+# Everything is heard
+SURE: dict[str, Any] = {"noise_m": 0.0, "scatter_db": 0.0, "half_range_m": 100.0, "ghost_share": 0.0}
+
+
 def ranges(settings: SonarSettings, heading_deg: float = 0.0, wave_m: float = 0.0) -> list[float | None]:
-    sonar = SimSonar(settings, BASIN, 1)
+    """Of a ranger that is too high for its beam to meet the water."""
+    sonar = SimSonar(msgspec.structs.replace(settings, height_m=100.0), BASIN, 1)
+    sea = Waves(Environment(wave_height_m=wave_m, wave_period_s=3.0), 1.0, 1)
     out: list[float | None] = []
     for ping in range(5_000):
-        sonar.sample(ping * settings.ping_s, 0.0, 0.0, math.radians(heading_deg), wave_m)
+        sonar.sample(ping * settings.ping_s, 0.0, 0.0, math.radians(heading_deg), sea)
         out += [heard.range_m for heard in sonar.read()]
     return out
 
 
 def test_a_wall_met_at_a_flat_angle_mirrors_the_ping_away() -> None:
-    settings = SonarSettings(sweep_deg=0.0, cone_deg=0.0, noise_m=0.0, specular_deg=25.0)
+    settings = SonarSettings(**SURE, sweep_deg=0.0, cone_deg=0.0, specular_deg=25.0)
     assert set(ranges(settings, 0.0)) == {2.0}
     assert {one and round(one, 9) for one in ranges(settings, 20.0)} == {
         round(2.0 / math.cos(math.radians(20.0)), 9)
@@ -118,7 +133,7 @@ def test_a_wall_met_at_a_flat_angle_mirrors_the_ping_away() -> None:
 
 
 def test_spray_makes_near_echoes_in_waves_alone() -> None:
-    settings = SonarSettings(sweep_deg=0.0, noise_m=0.0, spray_per_m=0.4)
+    settings = SonarSettings(**SURE, sweep_deg=0.0, spray_per_m=0.4)
     calm, rough = ranges(settings), ranges(settings, wave_m=0.5)
     assert set(calm) == {2.0}
     sprayed = [one for one in rough if one is not None and one < 1.0]
@@ -127,7 +142,7 @@ def test_spray_makes_near_echoes_in_waves_alone() -> None:
 
 
 def test_ghosts_are_as_frequent_as_asked_for_and_anywhere() -> None:
-    heard = ranges(SonarSettings(sweep_deg=0.0, noise_m=0.0, ghost_share=0.1))
+    heard = ranges(SonarSettings(**{**SURE, "ghost_share": 0.1}, sweep_deg=0.0))
     ghosts = [one for one in heard if one is not None and one != 2.0]
     assert len(ghosts) / len(heard) == pytest.approx(0.1, rel=0.1)
     assert min(ghosts) < 0.2

@@ -3,6 +3,7 @@
 import itertools
 import math
 import statistics
+from typing import Any
 
 import pytest
 import shapely
@@ -12,12 +13,15 @@ from companion.core.readings import GnssFix, HeadingReading, SonarReading
 from mission_tools.maps.chart import build_chart
 from sitl.world.sensors.compass import SimCompass
 from sitl.world.sensors.gnss import SimGnss
+from sitl.world.sensors.rangers import SonarSettings
 from sitl.world.sensors.receivers import GnssSettings
-from sitl.world.sensors.settings import CompassSettings, SonarSettings
+from sitl.world.sensors.settings import CompassSettings
 from sitl.world.sensors.sonar import SimSonar, sweep_bearings_rad
 from sitl.world.shore import Shore
 
 DT_S = 0.02
+# Everything is heard
+SURE: dict[str, Any] = {"noise_m": 0.0, "scatter_db": 0.0, "half_range_m": 100.0, "ghost_share": 0.0}
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 BASIN = Shore(build_chart("basin", FRAME, shapely.box(-3.0, -2.0, 3.0, 2.0), ()), reach_m=4.0)
 
@@ -109,7 +113,7 @@ def test_the_sweep_goes_to_and_fro_from_port_to_starboard() -> None:
 
 
 def test_pings_come_every_sixty_milliseconds_and_measure_the_walls() -> None:
-    settings = SonarSettings(noise_m=0.0, cone_deg=0.0, servo_dead_s=0.0, servo_deg_s=1000.0)
+    settings = SonarSettings(**SURE, cone_deg=0.0, servo_dead_s=0.0, servo_deg_s=1000.0)
     heard = pings(settings, 0.78)
     assert [ping.time_s for ping in heard] == pytest.approx([0.06 * n for n in range(13)])
     by_bearing = {round(math.degrees(ping.bearing_rad)): ping.range_m for ping in heard}
@@ -121,15 +125,16 @@ def test_pings_come_every_sixty_milliseconds_and_measure_the_walls() -> None:
 
 def test_a_wide_cone_hears_the_nearest_of_what_it_covers() -> None:
     narrow, wide = (
-        pings(SonarSettings(noise_m=0.0, sweep_deg=0.0, cone_deg=cone), 0.1, math.radians(60.0))[0].range_m
+        pings(SonarSettings(**SURE, sweep_deg=0.0, cone_deg=cone), 0.1, math.radians(60.0))[0].range_m
         for cone in (0.0, 40.0)
     )
     assert narrow == pytest.approx(3.0 / math.sin(math.radians(60.0)))
-    assert wide == pytest.approx(2.0 / math.cos(math.radians(40.0)))  # its left edge meets the north wall
+    # At 1.5 half cones, the left edge of what is heard of a loud echo meets the north wall.
+    assert wide == pytest.approx(2.0 / math.cos(math.radians(60.0 - 1.5 * 20.0)))
 
 
 def test_sonar_noise_stays_within_the_parts_range() -> None:
-    settings = SonarSettings(noise_m=1.0, min_range_m=0.5, max_range_m=3.5)
+    settings = SonarSettings(**{**SURE, "noise_m": 1.0}, min_range_m=0.5, max_range_m=3.5)
     ranges = [ping.range_m for ping in pings(settings, 60.0) if ping.range_m is not None]
     assert min(ranges) == 0.5
     assert max(ranges) == 3.5
