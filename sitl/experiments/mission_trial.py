@@ -25,7 +25,7 @@ def run_mission(trial: Trial) -> TrialResult:
         RunError: the boat refused the mission or did not start.
         ConfigError, MissionToolsError: a setting or file cannot be used, or no route can be planned.
     """
-    scenario = _scenario_of(trial)
+    scenario = scenario_of(trial)
     mission_run = MissionRun(
         scenario, _items_of(trial, scenario), fence=fence_along(scenario) if trial.fence else ()
     )
@@ -40,14 +40,15 @@ def run_mission(trial: Trial) -> TrialResult:
     )
 
 
-def _scenario_of(trial: Trial) -> Scenario:
+def scenario_of(trial: Trial) -> Scenario:
     """The trial's scenario.
 
     Raises:
         ConfigError, MissionToolsError: it cannot be used; names file and key.
     """
     over = Layer(trial.source or "campaign", {**trial.settings, "seed": trial.seed})
-    return load_scenario(trial.scenario, case=trial.case or None, over=(over,))
+    below = (Layer("below", trial.below),) if trial.below else ()
+    return load_scenario(trial.scenario, case=trial.case or None, over=(over,), below=below)
 
 
 def _items_of(trial: Trial, scenario: Scenario) -> list[MissionItem]:

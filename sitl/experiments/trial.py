@@ -22,9 +22,9 @@ class Trial(Struct, frozen=True, kw_only=True):
     """One simulation. The task decides what it does with a scenario.
 
     At most one of mission (a file) and course is given; with neither, the mission is planned on the
-    scenario's map. settings override the scenario's, as --set does; factors are what varies in the
-    experiment, by name. fence: upload the outline of the water as a fence. source: where the settings come
-    from, for messages.
+    scenario's map. settings override the scenario's, as --set does; below holds where the scenario has none;
+    factors are what varies in the experiment, by name. fence: upload the outline of the water as a fence.
+    source: where the settings come from, for messages.
     """
 
     number: int
@@ -35,6 +35,7 @@ class Trial(Struct, frozen=True, kw_only=True):
     mission: str = ""
     settings: dict[str, Any] = msgspec.field(default_factory=dict)
     factors: dict[str, Any] = msgspec.field(default_factory=dict)
+    below: dict[str, Any] = msgspec.field(default_factory=dict)
     timeout_s: float | None = None
     linger_s: float = 0.0
     fence: bool = False

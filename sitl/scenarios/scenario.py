@@ -89,13 +89,17 @@ class RandomSource(msgspec.Struct, frozen=True):
 
 
 def load_scenario(
-    source: str, overrides: Sequence[str] = (), case: str | None = None, over: Sequence[Layer] = ()
+    source: str,
+    overrides: Sequence[str] = (),
+    case: str | None = None,
+    over: Sequence[Layer] = (),
+    below: Sequence[Layer] = (),
 ) -> Scenario:
     """Read a scenario.
 
     source: an installed scenario's name (`lake`, `pool`, `open`, `random`), a TOML file, or a GeoJSON map, on
     which the lake boat then floats. overrides: settings such as `environment.current_m_s=0.5`. case: one of
-    [[cases]]. over: further layers between the file and the overrides.
+    [[cases]]. over: further layers between the file and the overrides; below: under the file, over its boat.
 
     Raises:
         ConfigError: no such scenario or boat, a start on land, or a key that cannot be used; it names file
@@ -104,7 +108,7 @@ def load_scenario(
     """
     path, own = _find(source)
     layers = [own, *over, parse_overrides(overrides)]
-    layers = with_parts([_boat_layer(layers, path.parent), *_drawn(layers), *layers])
+    layers = with_parts([_boat_layer(layers, path.parent), *_drawn(layers), *below, *layers])
     tree = decode(layers, Tree)
     waters = decode_scenario(merge(layers), path)
     if case is not None:

@@ -7,13 +7,14 @@
     course = ["straight", "zigzag"]          # or mission = "a.plan"; neither: planned on the scenario's map
     seeds = 20                               # how many, counted from first_seed
     settings.environment.current_m_s = 0.5   # as --set says it
+    waves = false                            # flat water; else a run draws waves by its seed
 
     [grid]                                   # every combination of these lists
     environment.current_to_deg = [0, 90, 180, 270]
 
     [variants.receiver]                      # named bundles of settings, each sailed as well
     standard = {}
-    rtk = { sensors.gnss.noise_m = 0.01, sensors.gnss.wander_m = 0.02 }
+    rtk = { sensors.gnss.receiver = "rtk" }
 
     [sample]                                 # or so many draws: [low, high] or { choose = […] }
     count = 100
@@ -42,6 +43,7 @@ from companion.config.section import NonNegative, Positive, Section
 from companion.core.errors import ConfigError
 from sitl.courses.missions import course_names
 from sitl.experiments.campaign.expect import Expectation
+from sitl.experiments.campaign.sea_state import draw_waves
 from sitl.experiments.trial import Trial
 from sitl.scenarios.layers import Layer, decode, merge
 from sitl.world.sensors.sampling import Seed, generator
@@ -104,7 +106,9 @@ Several = str | tuple[str, ...]
 
 
 class RunTable(Section, frozen=True):
-    """What every run has in common. seeds: a number of them, or a list."""
+    """What every run has in common. seeds: a number of them, or a list. waves: draw them, by the seed, where
+    neither the scenario nor the campaign sets any.
+    """
 
     scenario: Several = "open"
     case: Several = ""
@@ -115,6 +119,7 @@ class RunTable(Section, frozen=True):
     timeout_s: Positive | None = None
     linger_s: NonNegative = 0.0  # how long a boat is watched that has ended or left its mission
     fence: bool = False  # upload the outline of the water as one
+    waves: bool = True
     settings: dict[str, Any] = field(default_factory=dict)
 
 
@@ -212,11 +217,17 @@ def _runs(file: File, path: Path) -> Iterator[Trial]:
             mission=str(path.parent / mission) if mission else "",
             settings=tree,
             factors=factors,
+            below=draw_waves(seed + n % len(draws) * stride) if table.waves and not _has_waves(tree) else {},
             timeout_s=table.timeout_s,
             linger_s=table.linger_s,
             fence=table.fence,
             source=name,
         )
+
+
+def _has_waves(tree: Mapping[str, Any]) -> bool:
+    environment = tree.get("environment")
+    return isinstance(environment, Mapping) and "wave_height_m" in environment
 
 
 def _each(value: Several) -> tuple[str, ...]:

@@ -48,6 +48,7 @@ def figures_of(mission_run: MissionRun, result: Result) -> Figures:
     out["is_settled"] = result.completed or not _still_sails(mission_run)
     environment = mission_run.scenario.environment
     out["current_m_s"], out["gust_m_s"] = environment.current_m_s, environment.gust_m_s
+    out["wave_height_m"], out["wave_period_s"] = environment.wave_height_m, environment.wave_period_s
     return out
 
 

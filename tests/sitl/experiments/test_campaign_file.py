@@ -6,6 +6,8 @@ import pytest
 
 from companion.core.errors import ConfigError
 from sitl.experiments.campaign.campaign import Campaign, load_campaign
+from sitl.experiments.campaign.sea_state import draw_waves
+from sitl.experiments.mission_trial import scenario_of
 
 EXAMPLES = sorted(Path("examples/campaigns").glob("*.toml"))
 
@@ -88,6 +90,42 @@ def test_every_draw_of_a_sample_has_seeds_of_its_own(tmp_path: Path) -> None:
     lake = [run for run in plan.runs if run.factors["boat.model"] == "lake"]
     assert sorted(run.seed for run in lake) == list(range(1, 13))
     assert len({run.factors["environment.current_m_s"] for run in lake}) == 4
+
+
+def test_runs_draw_waves_by_their_seed_and_every_sea_is_met(tmp_path: Path) -> None:
+    plan = campaign(
+        tmp_path,
+        'run = {course = ["straight", "zigzag"], seeds = 60}\ngrid.environment.current_m_s = [0.0, 0.5]',
+    )
+    by_seed: dict[int, set[tuple[float, ...]]] = {}
+    for run in plan.runs:
+        sea = run.below["environment"]
+        by_seed.setdefault(run.seed, set()).add(
+            (sea["wave_height_m"], sea["wave_period_s"], sea["wave_from_deg"])
+        )
+    assert all(len(seas) == 1 for seas in by_seed.values())
+    seas = [sea for found in by_seed.values() for sea in found]
+    assert {sea[:2] for sea in seas} == {
+        (height, period) for height in (0.0, 0.1, 0.3) for period in (1.8, 3.0)
+    }
+    assert len({sea[2] for sea in seas}) == len(seas)
+
+
+@pytest.mark.parametrize(
+    ("scenario", "text", "height_m"),
+    [
+        ("open", "", 0.3),
+        ("open", "waves = false", 0.0),
+        ("open", "settings.environment.wave_height_m = 0.05", 0.05),
+        ("pool", "", 0.0),
+    ],
+)
+def test_drawn_waves_give_way_to_those_of_campaign_and_scenario(
+    tmp_path: Path, scenario: str, text: str, height_m: float
+) -> None:
+    seed = next(seed for seed in range(99) if draw_waves(seed)["environment"]["wave_height_m"] == 0.3)
+    (run,) = campaign(tmp_path, f'[run]\nscenario = "{scenario}"\nseeds = [{seed}]\n{text}').runs
+    assert scenario_of(run).environment.wave_height_m == height_m
 
 
 def test_the_fingerprint_changes_with_the_runs_and_with_the_files_they_name(tmp_path: Path) -> None:
