@@ -47,7 +47,7 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
     "hal": ("tests/hardware",),
     "planning": (
         "tests/companion/planning", "tests/companion/geofence/test_fence_areas.py",
-        "tests/companion/geofence/test_fence_water.py",
+        "tests/companion/geofence/test_fence_water.py", "tests/mission_tools/planning/test_exact_routes.py",
     ),
     "mavlink": (
         "tests/companion/mavlink", "tests/companion/services/ftp", "tests/protocol/test_mission_items.py",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from twins.i2c import plug_in
-from twins.inertial import Mpu6050Twin, OtherTwin
+from twins.inertial import Lsm6dsTwin, Mpu6050Twin, OtherTwin
 from twins.lines import HandClock
 from twins.magnetic_bench import INERTIAL, MAGNETOMETERS, Bench
 from twins.magnetics import Hmc5883lTwin, Qmc5883lTwin, Scene
@@ -131,7 +131,7 @@ def test_parts_that_are_missing_or_others_are_told_in_one_line(
 
 @pytest.mark.parametrize(
     "chip_id",
-    [0x68, 0x70, 0x98],
+    [0x68, 0x70, 0x98, 0x42],  # 0x42 is no part of the maker's: it is tried
 )
 def test_a_part_that_does_what_an_mpu_6050_does_is_taken_for_one(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, chip_id: int
@@ -144,6 +144,17 @@ def test_a_part_that_does_what_an_mpu_6050_does_is_taken_for_one(
     assert abs(bench.error_deg) < 1.0
     has_force_filter = chip_id != 0x68
     assert bench.motion.map[0x1D] == (0x03 if has_force_filter else 0x00)
+
+
+@pytest.mark.parametrize("chip_id", [0x69, 0x6A, 0x6B, 0x6C])
+def test_each_part_of_the_lsm6ds_family_measures_roll(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, chip_id: int
+) -> None:
+    monkeypatch.setattr(Lsm6dsTwin, "chip_id", chip_id)
+    bench = Bench(monkeypatch, tmp_path, CompassPart(driver="qmc5883l", imu="lsm6ds"))
+    bench.scene.roll_deg = 10.0
+    bench.run(12.0)
+    assert math.degrees(bench.reading.roll_rad or 0.0) == pytest.approx(10.0, abs=0.5)
 
 
 @pytest.mark.parametrize("chip_id", [0x00, 0xFF])

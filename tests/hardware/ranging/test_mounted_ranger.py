@@ -228,3 +228,11 @@ def test_the_thread_pings_along_the_sweep_and_the_servo_turns_with_it(bench: Ben
     assert [signal.width_us for signal in lgpio.history[:2]] == [2500, 500]  # port is the longest pulse
     assert {bench.twin.function, bench.echo.function} == {"input"}
     assert lgpio.handles == {}
+
+
+def test_a_servo_that_cannot_be_had_leaves_the_rangers_pins_to_others(bench: Bench, lgpio: LgpioTwin) -> None:
+    lgpio.chips = {}
+    with pytest.raises(HardwareError, match="can not open gpiochip"):
+        open_ranger(RangerPart(driver="hcsr04", servo=18), HandClock(), bench.factory)
+    lgpio.chips = {0: "pinctrl-bcm2711"}
+    open_ranger(RangerPart(driver="hcsr04", servo=18), HandClock(), bench.factory).close()

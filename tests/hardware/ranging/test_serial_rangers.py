@@ -27,6 +27,7 @@ tfmini = partial(tfmini_range_m, min_strength=100)
 def test_the_frames_of_the_data_sheets() -> None:
     assert RangerReader(A02YYUW).split(bytes.fromhex("FF07A1A7")) == [bytes.fromhex("FF07A1A7")]
     assert a02yyuw_range_m(bytes.fromhex("FF07A1A7")) == 1.953  # the example of the data sheet
+    assert (A02YYUW.baud, TFMINI.baud) == (9600, 115_200)
     assert a02yyuw_frame(1953) == bytes.fromhex("FF07A1A7")
     assert tfmini(tfmini_frame(1000)) == 10.0
 
@@ -80,6 +81,16 @@ def ranger(line: PtyLine) -> Iterator[SerialRanger]:
     yield ranger
     ranger.close()
     ranger.close()
+
+
+def test_a_closed_ranger_leaves_its_port_to_others(line: PtyLine) -> None:
+    port = open_line(line.device, 9600, HandClock())
+    ranger = SerialRanger(port, A02YYUW, a02yyuw_range_m, 4.5, HandClock())
+    line.say(a02yyuw_frame(1000))
+    assert ranger.ping_m() == 1.0
+    (link,) = ranger._links
+    ranger.close()
+    assert link.is_closed
 
 
 @pytest.mark.realtime
