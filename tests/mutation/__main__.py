@@ -62,7 +62,6 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
     ),
     "autopilot": (
         "tests/companion/autopilot", "tests/companion/app/test_missing_parts.py",
-        "tests/closed_loop/test_failsafe_rows.py",
     ),
     "services/ftp": ("tests/companion/services/ftp", "tests/protocol/test_ftp_client.py"),
     "services": (
