@@ -74,6 +74,10 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
         "tests/companion/services/test_external_pose.py",
         "tests/companion/services/test_corrections.py",
     ),
+    "log": (
+        "tests/companion/log", "tests/companion/services/test_log_service.py",
+        "tests/sitl/run/test_log_replay.py",
+    ),
     "mission_tools/assembly": (
         "tests/mission_tools/assembly", "tests/mission_tools/cli", "tests/mission_tools/test_python_face.py",
         "tests/mission_tools/costs/test_zones.py", "tests/mission_tools/costs/test_planned_currents.py",
@@ -90,7 +94,7 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
 }  # fmt: skip
 SEED = 20261122
 EXAMPLES = 25  # of Hypothesis for each property
-CHEAP_CPU_S = 15.0  # a package whose tests all run against a fault of a declaration
+CHEAP_CPU_S = 15.0  # of tests that do not call the file: against faults of declarations
 SPARE_CPU_S = 10.0  # beyond twice what a test takes without a fault: a loop that does not end is killed
 OPTIONS = (
     "-q", "-x", "--no-header", "-p", "no:cacheprovider", "-p", "no:xdist",
@@ -309,11 +313,13 @@ def _callers(mutant: Mutant, base: Baseline) -> set[int]:
 
 
 def _tests_of(mutant: Mutant, base: Baseline) -> list[str]:
-    """The tests that call any function of the mutant's file, then all others if that takes little time."""
+    """The tests that call any function of the mutant's file, then as many cheap ones as take CHEAP_CPU_S."""
     path = str(ROOT / mutant.path)
     callers = {at for (name, _), tests in base.calls.items() if name == path for at in tests}
-    others = set(range(len(base.ids))) - callers if sum(base.cpu_s) < CHEAP_CPU_S else set()
-    chosen = [at for group in (callers, others) for at in sorted(group, key=lambda at: base.cpu_s[at])]
+    chosen = sorted(callers, key=lambda at: base.cpu_s[at])
+    others, left_s = sorted(set(range(len(base.ids))) - callers, key=lambda at: base.cpu_s[at]), CHEAP_CPU_S
+    while others and (left_s := left_s - base.cpu_s[others[0]]) >= 0.0:
+        chosen.append(others.pop(0))
     return [base.ids[at] for at in chosen]
 
 

@@ -31,6 +31,16 @@ def test_places_are_those_of_the_frame(lon_deg: float, here: Point) -> None:
         assert min(around, 3_600_000_000 - around) < NEAREST_E7
 
 
+def test_far_from_the_origin_in_the_north_meridians_converge() -> None:
+    here, frame = Point(5000.0, 8000.0), LocalFrame(LatLon(70.0, 20.0))
+    linear = LinearFrame(frame, here)
+    for north_m, east_m in ((5030.0, 8030.0), (4970.0, 8015.0), (5005.0, 7975.0)):
+        place = frame.to_global(Point(north_m, east_m))
+        lat_e7, lon_e7 = linear.to_e7(north_m, east_m)
+        assert abs(lat_e7 - place.lat_deg * 1e7) < NEAREST_E7
+        assert abs(lon_e7 - place.lon_deg * 1e7) < 3 * NEAREST_E7  # a third of a metre's degrees at 70°
+
+
 def test_a_probes_value_is_logged_at_its_time_where_the_boat_is(tmp_path: Path) -> None:
     frame, path = LocalFrame(LatLon(50.0, -1.2)), tmp_path / "1.bin"
     reading = ProbeReading(2.5, "turbidity", 3.5, "NTU")

@@ -140,3 +140,20 @@ def test_a_log_takes_each_frame_as_the_channel_has_cleaned_it() -> None:
     log.add(frame)
     log.close()
     assert written.data == (7).to_bytes(8, "big") + frame
+
+
+def test_frames_are_handed_over_each_second_and_when_there_are_many() -> None:
+    written = Written()
+    log = TelemetryLog(written, lambda: 7)  # type: ignore[arg-type]
+    log.add(b"first")
+    log.tick(0.0)
+    log.add(b"second")
+    log.tick(0.98)
+    assert written.data.endswith(b"first")
+    log.tick(1.0)
+    assert written.data.endswith(b"second")
+    for _ in range(29):
+        log.add(bytes(280))
+    size = len(written.data)
+    log.add(b"last")
+    assert len(written.data) == size + 29 * (8 + 280)
