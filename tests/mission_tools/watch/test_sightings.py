@@ -48,6 +48,13 @@ def test_sectors_of_a_global_frame_are_counted_from_north_and_the_offset_is_adde
     assert echoes_of("OBSTACLE_DISTANCE", sector_message(frame=1), 0.5) == []
 
 
+def test_sectors_may_be_fractions_of_a_degree_wide() -> None:
+    message = sector_message(increment=0, increment_f=2.5)
+    assert [echo.bearing_rad for echo in echoes_of("OBSTACLE_DISTANCE", message, 0.0)] == pytest.approx(
+        [0.0, math.radians(45.0)]
+    )
+
+
 def test_a_sector_that_says_the_same_again_is_no_new_measurement() -> None:
     before, now = sector_message(), sector_message()
     assert echoes_of("OBSTACLE_DISTANCE", now, 0.0, before) == []
@@ -61,6 +68,8 @@ def test_a_sector_that_says_the_same_again_is_no_new_measurement() -> None:
         ({"orientation": 2, "current_distance": 300}, [Echo(0.5 + 0.5 * math.pi, 3.0, True)]),
         ({"orientation": 0, "current_distance": 501}, [Echo(0.5, 5.0, False)]),
         ({"orientation": 0, "current_distance": 10}, []),
+        ({"orientation": 7, "current_distance": 300}, [Echo(0.5 + 1.75 * math.pi, 3.0, True)]),
+        ({"orientation": 8, "current_distance": 300}, []),  # rolled on its side
         ({"orientation": 25, "current_distance": 300}, []),  # an echo sounder looks down
         (
             {
@@ -106,6 +115,29 @@ def test_a_ray_that_passes_through_takes_it_away_again() -> None:
         seen.take([AHEAD], HERE, time_s)
     seen.take([Echo(0.5, 5.0, False), Echo(math.pi, 5.0, False), Echo(0.0, 4.2, True)], HERE, 1.0)
     assert not seen.area(1.0).is_empty
+
+
+@pytest.mark.parametrize(
+    ("bearing_deg", "range_m", "passes"),
+    [
+        (45.0, 6.0, True),
+        (45.0, 4.3, False),  # it ends at the cell
+        (48.0, 6.0, True),  # 0.2 m beside its middle
+        (52.0, 6.0, False),  # 0.5 m
+        (38.0, 6.0, False),
+        (-45.0, 6.0, False),
+        (135.0, 6.0, False),
+        (225.0, 6.0, False),  # behind
+    ],
+)
+def test_a_ray_weakens_the_cells_in_its_way_and_no_others(
+    bearing_deg: float, range_m: float, passes: bool
+) -> None:
+    seen = Sightings(chart())
+    for time_s in (0.0, 0.2):
+        seen.take([Echo(math.radians(45.0), 4.0, True)], HERE, time_s)  # to 2.75 m north, 2.75 m east
+    seen.take([Echo(math.radians(bearing_deg), range_m, False)], HERE, 0.4)
+    assert seen.area(0.4).is_empty is passes
 
 
 def test_the_charts_own_shore_is_not_news() -> None:

@@ -49,3 +49,24 @@ def test_a_detour_keeps_the_clearance_that_a_feature_asks_for() -> None:
     line = shapely.LineString([(point.east_m, point.north_m) for point in way])
     assert line.distance(chart.features[0].shape) >= 10.0 - 0.01
     assert math.isclose(way[-1].north_m, 40.0, abs_tol=0.01)
+
+
+def test_a_heading_of_the_position_message_counts_where_there_is_no_attitude() -> None:
+    chart = build_chart("sea", FRAME, shapely.box(-60.0, -60.0, 60.0, 60.0), ())
+    goal = MissionItem.at(FRAME.to_global(Point(0.0, 40.0)))
+    watcher = Watcher(chart, Mission((goal,), home=FRAME.origin), 2.0)
+    here = {"lat": 500000000, "lon": 100000000, "hdg": 9000}
+    for time_s, range_cm in ((0.0, 1900), (0.2, 1896)):
+        watcher.take("GLOBAL_POSITION_INT", here, time_s)
+        watcher.take("OBSTACLE_DISTANCE", sectors(range_cm), time_s)
+    assert watcher.look(0, 0.2) is not None, "seen to the east, on the way"
+
+
+def test_without_any_heading_nothing_is_made_of_an_echo() -> None:
+    chart = build_chart("sea", FRAME, shapely.box(-60.0, -60.0, 60.0, 60.0), ())
+    goal = MissionItem.at(FRAME.to_global(Point(40.0, 0.0)))
+    watcher = Watcher(chart, Mission((goal,), home=FRAME.origin), 2.0)
+    for time_s, range_cm in ((0.0, 1900), (0.2, 1896)):
+        watcher.take("GLOBAL_POSITION_INT", {"lat": 500000000, "lon": 100000000, "hdg": 65535}, time_s)
+        watcher.take("OBSTACLE_DISTANCE", sectors(range_cm), time_s)
+    assert watcher.look(0, 0.2) is None
