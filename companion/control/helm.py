@@ -9,10 +9,10 @@ from companion.control.speed import speed_effort
 from companion.core.intent import Drive, Stop
 from companion.core.state import HEALTHY_MOTORS, Demand, MotorStates, NavState, PidOutput, Thrust
 
-# What is left of the gains in waves, which the boat cannot follow anyway: the heading loop at 0.63 of its
-# bandwidth, so that what the wave filter lets through drives the motors less. Zigzags of seeds 1302 and 1305
-_IN_WAVES = 0.4
-_SPEED_IN_WAVES = 0.3
+# What restraint leaves of the gains: the heading loop at 0.63 of its bandwidth, so that what the wave filter
+# lets through, and what is late, drives the motors less. Zigzags of seeds 1302 and 1305
+_RESTRAINED = 0.4
+_SPEED_RESTRAINED = 0.3
 _NO_THRUST = Thrust(0.0, 0.0)
 
 
@@ -57,7 +57,7 @@ class Helm:
         return by_hand(demand.throttle, demand.steering, config) if isinstance(demand, Drive) else _NO_THRUST
 
     def _close_loops(self, demand: Demand, nav: NavState, config: BoatConfig, dt_s: float) -> Thrust:
-        turn, waves = demand.yaw_rate_rad_s, nav.wave_share
+        turn, restraint = demand.yaw_rate_rad_s, nav.restraint
         current_along = nav.current_along_m_s(nav.heading_rad)
         schedule = gain_schedule(
             nav.surge_m_s - current_along, config.speed.cruise_m_s, config.heading.slow_gain
@@ -71,7 +71,7 @@ class Helm:
             dt_s,
             turn,
             turn / config.handling.turn_rate_rad_s if turn else 0.0,
-            schedule * (1.0 + (_IN_WAVES - 1.0) * waves),
+            schedule * (1.0 + (_RESTRAINED - 1.0) * restraint),
         )
         # Two motors that steer leave the rest to the speed loop; a rudder leaves all.
         steering = abs(heading.total) if config.drive.has_pair else 0.0
@@ -85,7 +85,7 @@ class Helm:
             1.0 - steering,
             current_along,
             least,
-            1.0 + (_SPEED_IN_WAVES - 1.0) * waves,
+            1.0 + (_SPEED_RESTRAINED - 1.0) * restraint,
         )
         self.heading_pid, self.speed_pid = heading, speed
         return allocate(Effort(speed.total, heading.total, nav.surge_m_s - current_along), config)

@@ -37,7 +37,8 @@ class NavState(Struct, frozen=True, gc=False):
     current_east_m_s: current over ground, leeway included. position_sigma_m: standard deviation, per axis.
     faults: bits of EstimateFault, as a plain integer for speed. gyro_rad_s: the gyro's latest rate less its
     bias, not smoothed; None without a gyro. yaw_rate_rad_s: the same rate, smoothed by the yaw model.
-    wave_rad, wave_rad_s: what waves add to heading and yaw rate. wave_share: 0 in calm water to 1 in waves.
+    wave_rad, wave_rad_s: what waves add to heading and yaw rate. restraint: from 0 to 1 in
+    waves or with late readings, where the loops slow down.
     """
 
     time_s: float
@@ -58,7 +59,7 @@ class NavState(Struct, frozen=True, gc=False):
     gyro_rad_s: float | None = None
     wave_rad: float = 0.0
     wave_rad_s: float = 0.0
-    wave_share: float = 0.0
+    restraint: float = 0.0
 
     @property
     def without_waves(self) -> "NavState":

@@ -62,7 +62,7 @@ class HeadingUpdate:
             rate = None
         before_rad = state.heading_rad
         state.is_late = rate is not None and (late.delay_s > 0.0 or self._pause_s > PAUSE_S)
-        state.turn(now_s, rate if late.delay_s == 0.0 else None)
+        state.turn(now_s, rate if late.delay_s == 0.0 else None, learns=not late.is_watching(stamp_s))
         time_s = stamp_s - late.delay_s
         dt, self.time_s = time_s - self.time_s, time_s
         if late.delay_s > 0.0 and rate is not None and 0.0 < dt < PAUSE_S:

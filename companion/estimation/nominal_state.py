@@ -71,15 +71,17 @@ class NominalState:
         """The gyro's latest rate less its bias; None without a gyro."""
         return self._rate_rad_s if self.has_gyro else None
 
-    def turn(self, now_s: float, gyro_rad_s: float | None) -> None:
-        """Advance heading and yaw rate to now_s. gyro_rad_s: a new reading of it, if any."""
+    def turn(self, now_s: float, gyro_rad_s: float | None, *, learns: bool = True) -> None:
+        """Advance heading and yaw rate to now_s. gyro_rad_s: a new reading of it, if any. learns: whether the
+        reading says what turn steering gives; late ones teach a gain that explains their delay.
+        """
         dt, yaw = now_s - self.turned_s, self.yaw_model
         self.turned_s = now_s
         if gyro_rad_s is not None:
             if not self.has_gyro:
                 self.use_gyro(has_gyro=True)
             self._gyro_s, self._gyro_rad_s = now_s, gyro_rad_s
-            yaw.update(gyro_rad_s - self.bias_rad_s)
+            yaw.update(gyro_rad_s - self.bias_rad_s, learns=learns)
         elif self.has_gyro and now_s - self._gyro_s > _GYRO_GAP_S:
             self.use_gyro(has_gyro=False)
         rate = (self._gyro_rad_s if self.has_gyro else yaw.rate_rad_s) - self.bias_rad_s

@@ -142,15 +142,18 @@ class YawModel:
         self._gain_rate = keep * self._gain_rate + back * self._gain_angle
         self._gain_angle += dt_s * self._gain_rate
 
-    def update(self, rate_rad_s: float) -> None:
-        """Correct the rate by a gyro's, its bias subtracted."""
+    def update(self, rate_rad_s: float, *, learns: bool = True) -> None:
+        """Correct the rate by a gyro's, its bias subtracted, and K unless that is taken for known."""
         self._is_measured = True
         innovation = self.innovation_rad_s = rate_rad_s - self.rate_rad_s - self.wave_rad_s
         turning = self.turning
-        rest = self._rest_variance + turning * self._rest_gain + self._rest_rate
-        gain = self._rest_gain + turning * self._gain_variance + self._gain_rate
-        rate = self._rest_rate + turning * self._gain_rate + self._rates
-        variance = self.variance = rest + turning * gain + rate + _GYRO_RAD_S * _GYRO_RAD_S
+        unknown = turning
+        if not learns:
+            unknown = self._rest_gain = self._gain_rate = self._gain_angle = 0.0
+        rest = self._rest_variance + unknown * self._rest_gain + self._rest_rate
+        gain = self._rest_gain + unknown * self._gain_variance + self._gain_rate
+        rate = self._rest_rate + unknown * self._gain_rate + self._rates
+        variance = self.variance = rest + unknown * gain + rate + _GYRO_RAD_S * _GYRO_RAD_S
         self._rest_variance -= rest * rest / variance
         self._rest_gain -= rest * gain / variance
         self._gain_variance -= gain * gain / variance
@@ -158,7 +161,7 @@ class YawModel:
         self.gain_rad_s += gain * innovation / variance
         self.rate_rad_s = self.gain_rad_s * turning + self.rest_rad_s
         if self._rates > 0.0:
-            angle = self._rest_angle + turning * self._gain_angle + self._rate_angle
+            angle = self._rest_angle + unknown * self._gain_angle + self._rate_angle
             self._rates -= rate * rate / variance
             self._angles -= angle * angle / variance
             self._rate_angle -= rate * angle / variance

@@ -35,7 +35,7 @@ def circle_course_rad(circle: FollowCircle, nav: NavState, config: BoatConfig) -
     lead = side * min((handling.slip_m + handling.yaw_time_s * ground_m_s) / radius_m, _MAX_LEAD_RAD)
     tangent = outward + side * 0.5 * math.pi
     cross_m_s = nav.east_m_s * math.cos(tangent) - nav.north_m_s * math.sin(tangent)
-    ahead_m = lookahead_m(ground_m_s, config.speed.cruise_m_s, config.guidance, nav.wave_share)
+    ahead_m = lookahead_m(ground_m_s, config.speed.cruise_m_s, config.guidance, nav.restraint)
     near = max(1.0 - abs(cross_m) / radius_m, 0.0)  # far off there is no curvature to follow
     course = desired_course_rad(tangent + near * lead, cross_m, cross_m_s, ahead_m, handling.yaw_time_s)
     return wrap_pi(course), cross_m, near * side * ground_m_s / radius_m

@@ -11,18 +11,18 @@ from companion.config.tuning import Guidance
 from companion.core.units import clamp
 
 LOOKAHEAD_SPAN = (0.5, 1.5)  # of the configured lookahead, over speed
-IN_WAVES = 4.0  # times as far ahead: waves carry the boat off the line and back, by their height and more
+RESTRAINED = 4.0  # times as far ahead: waves carry the boat off the line and back, by their height and more
 
 
-def lookahead_m(speed_m_s: float, cruise_m_s: float, setting: Guidance, wave_share: float = 0.0) -> float:
+def lookahead_m(speed_m_s: float, cruise_m_s: float, setting: Guidance, restraint: float = 0.0) -> float:
     """Lookahead distance: the configured one at cruise speed, proportional to speed within LOOKAHEAD_SPAN.
 
     The time to halve an offset, about 0.7 · lookahead / speed, then keeps its ratio to the heading loop's
-    time constant at every speed. wave_share: of IN_WAVES.
+    time constant at every speed. restraint: of RESTRAINED.
     """
     low, high = LOOKAHEAD_SPAN
     ahead_m = setting.lookahead_m * clamp(speed_m_s / cruise_m_s, low, high)
-    return ahead_m * (1.0 + (IN_WAVES - 1.0) * wave_share)
+    return ahead_m * (1.0 + (RESTRAINED - 1.0) * restraint)
 
 
 def desired_course_rad(

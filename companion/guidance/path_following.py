@@ -90,7 +90,7 @@ class PathFollowing:
         """
         cross_m_s = nav.east_m_s * math.cos(tangent_rad) - nav.north_m_s * math.sin(tangent_rad)
         ground = math.hypot(nav.north_m_s, nav.east_m_s)
-        ahead = lookahead_m(ground, config.speed.cruise_m_s, config.guidance, nav.wave_share)
+        ahead = lookahead_m(ground, config.speed.cruise_m_s, config.guidance, nav.restraint)
         smooth_s = config.handling.yaw_time_s
         response_s = config.handling.yaw_time_s + smooth_s
         wanted = desired_course_rad(0.0, cross_m, cross_m_s, ahead, response_s)

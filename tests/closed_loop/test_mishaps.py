@@ -1,10 +1,15 @@
 """Whole missions with one mishap on the way, as the random campaigns draw them, against the truth."""
 
 import pytest
+from boat_rig import scenario
 from sailing_rig import CURRENT, mission_run, said
 
 from companion.failsafe.table import Condition
+from sitl.courses.missions import lay_out, wire_items
 from sitl.run.mission_run import MissionRun, Result
+from sitl.world.world import Truth
+
+LEFT, RIGHT = Truth._fields.index("left_command"), Truth._fields.index("right_command")
 
 
 def sail(fault: str, *settings: str, linger_s: float = 0.0) -> tuple[MissionRun, Result]:
@@ -100,3 +105,15 @@ def test_one_reading_in_a_hundred_of_every_part_is_corrupt_and_nothing_changes()
         assert result.cross_track_rms_m is not None
         errors_m.append(result.cross_track_rms_m)
     assert errors_m[1] < 1.3 * errors_m[0]
+
+
+def test_a_compass_that_becomes_late_costs_little_and_the_motors_do_not_fight() -> None:
+    """A zigzag of 157 s. What late readings taught of the hull once made the motors go to and fro."""
+    world = scenario("open", "faults=[{what='compass', kind='delayed', at_s=40}]", "seed=9243")
+    run = MissionRun(world, wire_items(lay_out("zigzag", world)))
+    result = run.run()
+    assert result.completed
+    assert result.time_s < 175.0
+    assert any("Compass late" in text for text in said(run))
+    left, right = run.sailed_rows[3000:, LEFT], run.sailed_rows[3000:, RIGHT]
+    assert ((left * right < 0.0) & (abs(left) > 0.9) & (abs(right) > 0.9)).mean() < 0.15

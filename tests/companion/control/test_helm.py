@@ -83,11 +83,11 @@ def test_without_braking_no_motor_turns_astern(heading_rad: float) -> None:
     assert eased.left - eased.right == pytest.approx(braked.left - braked.right)
 
 
-def test_in_waves_the_gains_are_lower() -> None:
+def test_restraint_lowers_the_gains() -> None:
     parts = []
     for share in (0.0, 0.5, 1.0):
         helm = Helm()
-        helm.update(Demand(0.01, 2.1), replace(CRUISING, wave_share=share), CONFIG, 0.02)
+        helm.update(Demand(0.01, 2.1), replace(CRUISING, restraint=share), CONFIG, 0.02)
         assert helm.heading_pid is not None
         assert helm.speed_pid is not None
         parts.append(

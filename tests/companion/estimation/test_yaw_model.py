@@ -149,3 +149,15 @@ def test_waves_are_forgotten_in_calm_water_and_without_a_gyro() -> None:
     for _ in range(500):
         model.advance(0.0, 0.0, 0.0, TICK_S)
     assert model.wave_rad == pytest.approx(0.0, abs=1e-3)
+
+
+def test_readings_that_may_be_late_teach_no_gain() -> None:
+    model = YawModel(0.6)
+    for tick in range(500):
+        steering = 0.5 if tick % 200 < 100 else -0.5
+        model.advance(steering, -steering, 0.0, 0.02)
+        model.update(0.4 * model.turning, learns=False)
+    assert model.gain_rad_s == 0.6
+    assert model.rate_rad_s == pytest.approx(0.4 * model.turning, abs=0.02), "the rate follows all the same"
+    model.update(0.5, learns=True)
+    assert model.gain_rad_s != 0.6

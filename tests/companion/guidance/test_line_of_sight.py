@@ -38,6 +38,6 @@ def test_lookahead_grows_with_speed_between_its_bounds(speed: float, expected: f
     assert lookahead_m(speed, 2.0, SETTING) == pytest.approx(expected)
 
 
-def test_in_waves_the_boat_looks_four_times_as_far_ahead() -> None:
+def test_restraint_looks_up_to_four_times_as_far_ahead() -> None:
     assert lookahead_m(2.0, 2.0, SETTING, 1.0) == pytest.approx(4.0 * SETTING.lookahead_m)
     assert lookahead_m(2.0, 2.0, SETTING, 0.5) == pytest.approx(2.5 * SETTING.lookahead_m)
