@@ -22,6 +22,7 @@ from companion.planning.visibility import NoWay, Routes
 from companion.planning.water import Shore, Water
 
 _CORNER_SHARE = 0.5  # of the clearance: acceptance radius of a corner
+_LEAST_CORNER = 1.5  # margins: what was seen asks for no smaller radius than this clearance
 _CLEAR_SHARE = 0.95  # of the clearance at its ends: required along a straight leg
 
 
@@ -255,7 +256,7 @@ class WaterRoute:
         if self.is_last:
             return Leg(start, corners[at])
         onward = corners[self._farthest(corners[at], at + 1)]
-        clearance_m = min(self._clearance_m, self.seen_m)
+        clearance_m = min(self._clearance_m, max(self.seen_m, _LEAST_CORNER * config.avoidance.margin_m))
         radius_m = min(config.guidance.waypoint_radius_m, _CORNER_SHARE * clearance_m)
         return Leg(start, corners[at], onward, radius_m)
 

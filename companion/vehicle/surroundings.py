@@ -12,7 +12,7 @@ from collections.abc import Generator, Sequence
 from itertools import pairwise
 
 from companion.config.boat_config import BoatConfig
-from companion.core.geo import Point, distance_m, path_length_m
+from companion.core.geo import Line, Point, distance_m, path_length_m
 from companion.core.state import NavState
 from companion.core.steps import finished
 from companion.geofence.fence import Fence
@@ -135,6 +135,13 @@ def _as_it_is(start: Point, end: Point, clearance_m: float, seen_m: float) -> bo
     return False
 
 
+def _is_off(leg: Leg, here: Point, config: BoatConfig) -> bool:
+    """Whether the boat gave way to something, and its leg no longer leads from where it is."""
+    along_m, cross_m = Line(leg.start, leg.end).along_and_cross_track_m(here)
+    to_end_m = distance_m(leg.start, leg.end) - along_m
+    return abs(cross_m) > config.guidance.lookahead_m or to_end_m < -config.guidance.waypoint_radius_m
+
+
 class Passage:
     """The way to the nearest of some goals, and what the boat does of it. way: None while it is not known.
 
@@ -189,7 +196,7 @@ class Passage:
             self._is_wary = self._is_wary or is_barred
             if is_barred and self._comes_upon_something(nav, config):
                 self._check_s = now_s
-            elif self.way is None or is_barred:
+            elif self.way is None or is_barred or (self._is_wary and _is_off(self.way.leg, here, config)):
                 self._begin(here, goals, config)
         if self._search is not None:
             try:

@@ -228,3 +228,26 @@ def test_the_rest_of_the_way_is_as_long_as_its_legs() -> None:
     way = water.way(here)
     assert way.left_m(here) == pytest.approx(path_length_m([here, *way.corners_left]))
     assert way.left_m(here) > 40.5
+
+
+@pytest.mark.parametrize(
+    ("at", "is_planned_anew"),
+    [((71.0, 38.0), False), ((66.0, 34.0), True)],
+    ids=["near its leg", "off its leg"],
+)
+def test_a_boat_that_gave_way_to_something_is_led_on_from_where_it_is(
+    at: tuple[float, float], is_planned_anew: bool
+) -> None:
+    water = Water()
+    assert len(water.corners(Point(80.0, 0.0))) == 2
+    water.see(*wall(Point(70.0, -60.0), Point(70.0, 40.0)))
+    first = water.way(Point(72.0, 0.0))
+    assert first.leg.end.east_m > 40.0
+    assert (water.way(Point(*at)) is not first) is is_planned_anew
+
+
+def test_a_corner_beside_what_was_seen_counts_as_passed_within_a_hull_s_length() -> None:
+    water = Water(track=TRACK)
+    water.way(Point(80.0, 0.0))
+    water.see(*wall(Point(70.0, -60.0), Point(70.0, 40.0)))
+    assert water.way(Point(75.0, 0.0)).leg.radius_m == pytest.approx(0.75)
