@@ -67,7 +67,8 @@ class SonarSettings(Section, frozen=True):
 # which is 53° at half power. A02YYUW: 3 to 450 cm on a plane, 60° (DFRobot SEN0311), taken as −6 dB; it
 # processes its readings and sends ten a second. TFmini: 12 m on white (90 %) in a room, 7 m outdoors, of
 # which ArduPilot's wiki advises to use 6 m; its receiver sees 2.3°, the Plus 3.6°.
-# "ideal" hears whatever is in 15° and 4 m, as no part does: for tests and figures of the planner alone.
+# "ideal" hears whatever is in 15° and 4 m, but not the water, as no part does: for tests and figures of the
+# planner alone.
 RANGERS: Final[Mapping[str, SonarSettings]] = {
     one.ranger: one
     for one in (
@@ -84,7 +85,9 @@ RANGERS: Final[Mapping[str, SonarSettings]] = {
             ranger="tfmini", ping_s=0.02, cone_deg=3.6, min_range_m=0.1, max_range_m=12.0, half_range_m=7.0,
             loss_db_m=0.0, scatter_db=3.0, noise_m=0.03, ghost_share=0.001, is_light=True,
         ),
-        SonarSettings(ranger="ideal", cone_deg=10.0, half_range_m=100.0, scatter_db=0.0),
+        SonarSettings(
+            ranger="ideal", cone_deg=10.0, half_range_m=100.0, loss_db_m=0.0, scatter_db=0.0, is_light=True
+        ),
     )
 }  # fmt: skip
 OF_KIND: Final = (  # the keys that a kind sets

@@ -179,4 +179,4 @@ def test_the_water_is_met_within_the_reach_of_a_level_beams_lower_edge() -> None
 def test_a_bow_that_dips_brings_more_echoes_and_light_goes_into_the_water() -> None:
     up, level, down = (len(water("hcsr04", 0.3, 1.8, math.radians(by))) for by in (6.0, 0.0, -6.0))
     assert up < level < down
-    assert water("tfmini", 0.3, 1.8) == []
+    assert water("tfmini", 0.3, 1.8) == water("ideal", 0.3, 1.8) == []
