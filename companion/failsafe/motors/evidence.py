@@ -136,6 +136,11 @@ class MotorEvidence:
         for at in range(len(HYPOTHESES)):
             self._forget(at)
 
+    def relearn_current(self) -> None:
+        """Drop all evidence, and learn anew what healthy motors draw: it was not what was learned."""
+        self.acquit()
+        self._current = MotorCurrent()
+
     def _forget(self, at: int) -> None:
         """The fault begins now at the earliest."""
         self.against[at] = 0.0

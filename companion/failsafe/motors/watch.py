@@ -13,7 +13,9 @@ from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault, Hypothesis
 # Evidence, in nats, that proves a fault: one false alarm in e^16 independent samples, three weeks of them
 PROVED: Final = 16.0
 MARGIN: Final = 4.0  # nats ahead of every other hypothesis that counts: odds of 50 to 1
-CLEARED_S: Final = 180.0  # for which the result of a motor check that finds both healthy stands
+CLEARED_S: Final = (
+    180.0  # for which a motor check that finds both healthy, or a comparison both alike, stands
+)
 # Without a break: a shaft thrown into reverse draws as a blocked one does at first
 PROVED_S: Final = 0.8
 # Evidence for a fouled propeller that is worth a comparison. Failing motors reached it 0.3 s after 6 nats,
@@ -42,7 +44,7 @@ class MotorWatch:
     def __init__(self, config: BoatConfig) -> None:
         self._evidence = MotorEvidence(config)
         self._cleared_until_s = -math.inf
-        self._compare_from_s = -math.inf
+        self._compare_from_s = self._alike_until_s = -math.inf
         self.verdict: Hypothesis | None = None
         self.needs_comparison = self._is_compared = False
         self._steered = self._turn_rad_s = self._helpless_s = self._proved_s = 0.0
@@ -66,7 +68,7 @@ class MotorWatch:
         """The boat is disarmed: the next voyage begins without a verdict or the result of a motor check."""
         self.reset()
         self._evidence.rearm()
-        self._cleared_until_s = self._compare_from_s = -math.inf
+        self._cleared_until_s = self._compare_from_s = self._alike_until_s = -math.inf
 
     def pause(self) -> None:
         """The motion says nothing of the motors for now. A verdict stands."""
@@ -115,8 +117,12 @@ class MotorWatch:
             self._helpless_s = 0.0
             return
         against = evidence.against
-        self._is_compared = now_s < self._compare_from_s
-        self.needs_comparison = self.verdict is None and not self._is_compared and self._seems_fouled()
+        was_compared, self._is_compared = self._is_compared, now_s < self._compare_from_s
+        if was_compared and not self._is_compared and self.verdict is None and self._are_alike():
+            self._alike_until_s = now_s + CLEARED_S
+            evidence.relearn_current()
+        is_open = self.verdict is None and not self._is_compared and now_s >= self._alike_until_s
+        self.needs_comparison = is_open and self._seems_fouled()
         if self.verdict is not None:
             at = HYPOTHESES.index(self.verdict)
             against[at] = min(against[at], PROVED)
@@ -137,6 +143,13 @@ class MotorWatch:
         most = max(against)
         at = against.index(most)
         return self._evidence.knows_current and HYPOTHESES[at].fault is Fault.FOULED and most >= UNSURE
+
+    def _are_alike(self) -> bool:
+        """Whether both motors draw as much more: the model errs, or both propellers are worn."""
+        left, right = (
+            self._evidence.against[at] for at, one in enumerate(HYPOTHESES) if one.fault is Fault.FOULED
+        )
+        return abs(left - right) < MARGIN
 
     def _decide(self) -> Hypothesis | None:
         """The hypothesis that is proved, and ahead of every other."""

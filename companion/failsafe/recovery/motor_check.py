@@ -32,6 +32,7 @@ _SOON_S = 25.0  # or after this with room to drift, twice as long each time
 _LONGEST_S = 120.0  # between two checks with room
 _SAMPLE_S = 0.1  # the period of the failsafes
 _DEAD_SHARE = 0.2  # of the better motor's gain: less counts as no thrust
+_WEAK_SHARE = 0.6  # less counts as weak: a propeller that slips, worn brushes, a bad contact
 _FAINT_RAD_S2 = 0.05  # gain: with less from both motors the result is unclear
 _WORDS = {
     MotorState.HEALTHY: "works",
@@ -42,10 +43,11 @@ _UNEXPLAINED = 0.8  # of the squares: with larger residuals something else turne
 
 
 class MotorCheck:
-    """motors: the result so far. is_unclear: the last check gave none."""
+    """motors: the result so far. is_unclear: the last check gave none. shares: of the better motor's gain."""
 
     def __init__(self) -> None:
         self.is_unclear = False
+        self.shares = (1.0, 1.0)
         self.motors = HEALTHY_MOTORS
         self._began_s = 0.0
         self._wait_s = _SOON_S
@@ -108,9 +110,8 @@ class MotorCheck:
         self.is_unclear = is_faint or self._fit.residual(found) > _UNEXPLAINED * self._fit.square
         if self.is_unclear:
             return
-        self.motors = MotorStates(
-            _answer(left / most, self.motors.left), _answer(right / most, self.motors.right)
-        )
+        self.shares = left / most, right / most
+        self.motors = MotorStates(*map(_answer, self.shares, (self.motors.left, self.motors.right)))
         if not self.motors.has_failed:
             self._wait_s = _SOON_S
 
@@ -124,7 +125,11 @@ class MotorCheck:
         """The result, for the operator."""
         if self.is_unclear:
             return "Motor check: result unclear"
-        return f"Left motor {_WORDS[self.motors.left]}, right {_WORDS[self.motors.right]}"
+        left, right = (
+            "is weak" if state is MotorState.HEALTHY and abs(share) < _WEAK_SHARE else _WORDS[state]
+            for share, state in zip(self.shares, (self.motors.left, self.motors.right), strict=True)
+        )
+        return f"Left motor {left}, right {right}"
 
 
 def _answer(share: float, before: MotorState) -> MotorState:

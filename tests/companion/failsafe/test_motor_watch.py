@@ -248,7 +248,7 @@ def test_a_trial_that_clears_the_motors_stands_for_three_minutes() -> None:
     hull.watch.clear(hull.now_s)
     assert hull.seconds_to_verdict(179.0) == math.inf
     hull.faults[0] = None
-    hull.sail(20.0)
+    hull.sail(40.0)  # what both draw is learned anew, after three minutes with one alone
     hull.faults[0] = Fault.DEAD
     assert hull.seconds_to_verdict(3.0) < 3.0
 
@@ -315,3 +315,47 @@ def test_a_fault_is_proved_by_its_evidence_and_its_lead(
     assert hull.watch.verdict is (None if named is None else HYPOTHESES[named])
     assert hull.now_s - began_s > 0.75, "without a break"
     assert named is None or hull.now_s - began_s < 1.2
+
+
+LEFT_FOULED = 2
+
+
+def compared(monkeypatch: pytest.MonkeyPatch, left: float, right: float) -> Hull:
+    """A hull whose comparison has just ended, with these nats for weed on either side, which stand still."""
+    monkeypatch.setattr(MotorEvidence, "knows_current", property(lambda _: True))
+    hull = watched(monkeypatch, {LEFT_FOULED: left, FOULED: right})
+    hull.watch._evidence._current._learned_s = 99.0
+    hull.step(0.5, 0.5)
+    assert hull.watch.needs_comparison
+    hull.watch.compare(hull.now_s)
+    for _ in range(41):
+        hull.step(0.5, 0.5)
+    return hull
+
+
+def test_a_comparison_that_finds_both_motors_alike_clears_them_for_three_minutes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    hull = compared(monkeypatch, 10.5, 9.0)
+    against = hull.watch._evidence.against
+    assert max(against) == 0.0
+    assert hull.watch._evidence._current._learned_s == 0.0, "what both draw is learned as usual"
+    against[LEFT_FOULED] = 10.5
+    while hull.now_s < 183.9:
+        hull.step(0.5, 0.5)
+        assert not hull.watch.needs_comparison
+    while hull.now_s < 184.4:
+        hull.step(0.5, 0.5)
+    assert hull.watch.needs_comparison
+
+
+def test_the_next_voyage_begins_without_the_result_of_a_comparison(monkeypatch: pytest.MonkeyPatch) -> None:
+    hull = compared(monkeypatch, 10.5, 9.0)
+    hull.watch.rearm()
+    hull.watch._evidence.against[LEFT_FOULED] = 10.5
+    hull.step(0.5, 0.5)
+    assert hull.watch.needs_comparison
+
+
+def test_where_one_motor_draws_more_they_are_compared_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert compared(monkeypatch, 12.5, 8.0).watch.needs_comparison

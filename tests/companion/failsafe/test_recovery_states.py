@@ -216,3 +216,14 @@ def test_a_hull_that_hardly_turns_gives_no_clear_result(gain: float, is_unclear:
     check = MotorCheck()
     tried(check, gain, gain)
     assert check.is_unclear is is_unclear
+
+
+@pytest.mark.parametrize(
+    ("right", "text"), [(0.55, "is weak"), (0.65, "works"), (-0.5, "is reversed: compensated")]
+)
+def test_a_weak_motor_is_called_weak(right: float, text: str) -> None:
+    check = MotorCheck()
+    tried(check, 1.0, right)
+    assert check.found() == f"Left motor works, right {text}"
+    tried(check, 1.0, 1.0)
+    assert check.found() == "Left motor works, right works" or right < 0.0
