@@ -7,13 +7,11 @@ from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
-from companion.core.intent import (
-    HoldCourse,
-    Intent,
-)
+from companion.core.intent import FollowLeg, HoldCourse, Intent
 from companion.core.state import NavState
 from companion.core.status_text import StatusText
 from companion.geofence.fence import Fence
+from companion.obstacles.perception.occupancy import SWEEP_S, Beam
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.perception.track import Track
 from companion.obstacles.planning.clearance import ClearanceBounds
@@ -21,6 +19,8 @@ from companion.obstacles.planning.planner import LocalPlanner, Stage
 
 CONFIG = BoatConfig()
 NORTH = HoldCourse(0.0, 2.0)
+LEG = FollowLeg(Point(0.0, 0.0), Point(50.0, 0.0), 1.0)
+WALL = [Point(3.0, -9.0 + 0.2 * step) for step in range(91)]
 
 
 class Chart(ObstaclePerception):
@@ -106,6 +106,9 @@ def boat(
     )
 
 
+ROCK = [Point(3.5 + n, e) for n, e in (*ring(0.3), Point(0.0, 0.0))]
+
+
 class Voyage:
     """One avoidance, asked at literal times."""
 
@@ -128,6 +131,14 @@ class Voyage:
         return self.planner.update(
             intent, nav or boat(), self.config, self.chart, self.bounds, is_by_hand=is_by_hand, now_s=now_s
         )
+
+    def after_a_sweep(self, nav: NavState | None = None, intent: Intent = NORTH) -> Intent:
+        """The decision when the extent of what was met is known."""
+        self.at(self.now_s, nav, intent)
+        here = (nav or boat()).point
+        for bearing_rad in [math.radians(15.0 * step) for step in range(24)]:
+            self.chart.water.add(Beam(self.now_s, here, bearing_rad, 0.26, math.inf, 4.0))
+        return self.at(self.now_s + SWEEP_S + 0.1, nav, intent)
 
     def stage(self) -> Stage:
         return self.planner.stage

@@ -153,6 +153,8 @@ def _along_path(
     heading = guide.tangent_rad + clamp(wrap_pi(heading - guide.tangent_rad), -_MOST_OFF_RAD, _MOST_OFF_RAD)
     error = wrap_pi(heading - nav.heading_rad)
     steered = steered_speed_m_s(water, error, config)
+    if abs(wrap_pi(guide.tangent_rad - nav.heading_rad)) < setting.pivot_angle_rad:
+        steered = max(steered, min(setting.min_speed_m_s, water))  # only beside its path: no turn on the spot
     current_m_s = math.hypot(nav.current_north_m_s, nav.current_east_m_s)
     if current_m_s > INTO_CURRENT_SHARE * setting.min_speed_m_s and abs(error) < 0.5 * math.pi:
         steered = max(steered, min(current_m_s, water))

@@ -22,7 +22,7 @@ def draw_rollouts() -> str:
     rock = [Point(3.0 + 0.2 * n, 0.3 + 0.2 * e) for n in range(4) for e in range(-3, 4)]
     nav, fan = _nav(0.0, 0.0, 0.0, 1.0), CourseFan()
     costs = _costs(nav, _field(nav, rock))
-    best = costs.choose(fan, 1.0, None, None, is_certain=True)
+    best = costs.choose(fan, 1.0, None, None, is_certain=True, is_new=False)
     rated = []
     for speed in (1.0, 0.6, 0.4):
         for one in fan.rollouts(1.0, 0.0, speed, _CONFIG):

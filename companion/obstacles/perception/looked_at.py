@@ -1,17 +1,12 @@
-"""Water that is known to be free, and the speed from which the boat can stop within it.
+"""Water that is known to be free: inside an uploaded inclusion fence, and where two pings met nothing.
 
-Water is known inside an uploaded inclusion fence, and where two pings met nothing. A boat in other water may
-only go as fast as it can stop in what it knows ahead: with a margin d before the first unknown place, a
-reaction time t and the deceleration a, v² = 2 a (d − v t).
+`planning/speed_limit.py` has the speed that it allows.
 """
 
 import math
 from typing import Final, Protocol
 
-from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point, distance_m
-from companion.core.state import NavState
-from companion.guidance.speed_profile import braking_speed_m_s
 from companion.obstacles.perception.occupancy import Beam
 
 NEVER, ALWAYS, AFTER_MEETING, UNCHARTED = range(4)  # AVOID_SIGHT
@@ -20,12 +15,7 @@ _LOOKS: Final = 2  # a single ping can miss: a smooth wall at an angle returns n
 _CELL_M: Final = 0.5
 _MAX_CELLS: Final = 20_000  # 5,000 m², and about 2 MB
 _SECTORS: Final = 24  # of 15°, a beam's width
-# The sonar scheduler points ahead every 0.25 s at cruise: two passes find and confirm an echo. The response
-# time of the speed is added (`speed_profile.REACTION_S`).
-_CONFIRM_S: Final = 0.5
 _FRESH_S: Final = 1.0  # a sector looked at longer ago is not in sight: a full sweep takes 1.4 s
-_TURNS_S: Final = 2.0  # of a sharp turn: a current carries the boat on while it turns its bow into it
-STILL_SHARE: Final = 0.25  # of the slowest speed with steerage way: slower, the course is noise
 
 
 class ChartedWater(Protocol):
@@ -62,9 +52,12 @@ class LookedAtWater:
         else:
             at = self._unmapped_at
             is_wary = at is not None and distance_m(here, at) < WARY_M
-            is_unknown = by_sight == UNCHARTED and self.has_ranger and not bounds.is_charted(here)
-            self.is_used = is_wary or is_unknown
+            self.is_used = is_wary or self.is_uncharted(here, by_sight, bounds)
         return self.is_used
+
+    def is_uncharted(self, here: Point, by_sight: int, bounds: ChartedWater) -> bool:
+        """Whether it is limited for want of a fence."""
+        return by_sight == UNCHARTED and self.has_ranger and not bounds.is_charted(here)
 
     def add(self, beam: Beam) -> None:
         """Mark what a beam saw through."""
@@ -84,16 +77,20 @@ class LookedAtWater:
         while len(looks) > _MAX_CELLS:
             del looks[next(iter(looks))]
 
-    def is_known(self, point: Point) -> bool:
-        """Whether a place was looked at."""
+    def is_known(self, point: Point, least: int = _LOOKS) -> bool:
+        """Whether a place was looked at, at least so often."""
         cell = (math.floor(point.north_m / _CELL_M), math.floor(point.east_m / _CELL_M))
-        return self._looks.get(cell, 0) >= _LOOKS
+        return self._looks.get(cell, 0) >= least
 
-    def room_m(self, here: Point, course_rad: float, reach_m: float, now_s: float) -> float:
-        """Distance of known water along a course, at most reach_m."""
+    def room_m(
+        self, here: Point, course_rad: float, reach_m: float, now_s: float, between_m: float = 0.0
+    ) -> float:
+        """Distance of known water along a course, at most reach_m. between_m: what the boat makes between two
+        looks, which does not count: the next look is due.
+        """
         last, room_m = self._clear[_sector(course_rad)], 0.0
         if last is not None and now_s - last.time_s <= _FRESH_S:
-            room_m = max(last.reach_m - distance_m(here, last.at), 0.0)
+            room_m = max(last.reach_m - max(distance_m(here, last.at) - between_m, 0.0), 0.0)
         ahead_n, ahead_e = math.cos(course_rad), math.sin(course_rad)
         while room_m < reach_m:
             at_m = room_m + 0.5 * _CELL_M
@@ -105,20 +102,3 @@ class LookedAtWater:
 
 def _sector(bearing_rad: float) -> int:
     return round(bearing_rad * _SECTORS / math.tau) % _SECTORS
-
-
-def allowed_speed_m_s(
-    nav: NavState, config: BoatConfig, water: LookedAtWater, bounds: ChartedWater, now_s: float
-) -> float:
-    """The highest speed in this water; infinite where it is not limited, never below min_speed_m_s."""
-    if not water.is_limited(nav.point, config.avoidance.by_sight, bounds):
-        return math.inf
-    least_m_s = config.guidance.min_speed_m_s
-    is_still = math.hypot(nav.north_m_s, nav.east_m_s) < STILL_SHARE * least_m_s
-    course_rad = nav.heading_rad if is_still else math.atan2(nav.east_m_s, nav.north_m_s)
-    reaction_s = config.handling.surge_time_s + _CONFIRM_S
-    most_m_s, margin_m = config.handling.top_speed_m_s, config.avoidance.margin_m
-    stops_m = most_m_s * (reaction_s + 0.5 * most_m_s / config.guidance.accel_m_s2)
-    margin_m += _TURNS_S * max(nav.current_along_m_s(course_rad), 0.0)
-    room_m = water.room_m(nav.point, course_rad, margin_m + stops_m, now_s) - margin_m
-    return max(braking_speed_m_s(room_m, 0.0, config.guidance, reaction_s), least_m_s)

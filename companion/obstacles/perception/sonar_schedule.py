@@ -19,7 +19,7 @@ from companion.obstacles.perception.tracks import SAME_PASS_S, ObstacleTracks
 
 _HASTY_S: Final = 3.0  # a boat that covers its sight in less looks again at a single echo at once
 _CROSSING_M_S: Final = 0.8  # half a sweep hears ahead every 0.36 s at the speed of 4 m of sight, 1.06 m/s
-_AHEAD_RAD: Final = 0.53  # two bearings of 15° to either side: ahead, or to see the water beside a track
+AHEAD_RAD: Final = 0.53  # two bearings of 15° to either side: ahead, or to see the water beside a track
 _BESIDE_RAD: Final = 0.27  # a beam on either side of a course about to be taken
 _ABEAM_RAD: Final = 1.6  # the servo's reach, and what was ahead before is abaft it
 
@@ -57,7 +57,7 @@ def choose_sector(
         return _about(nearest, nav, now_s)
     if not is_open or speed_m_s <= _CROSSING_M_S:
         return ALL_ROUND
-    ahead = max(math.asin(_CROSSING_M_S / speed_m_s), _AHEAD_RAD)
+    ahead = max(math.asin(_CROSSING_M_S / speed_m_s), AHEAD_RAD)
     turn = 0.0 if wished_course_rad is None else wrap_pi(wished_course_rad - nav.heading_rad)
     return Sector(min(-ahead, turn - _BESIDE_RAD), max(ahead, turn + _BESIDE_RAD))
 
@@ -76,10 +76,10 @@ def _about(track: Track, nav: NavState, now_s: float) -> Sector:
     """The sector about a track; of a mover, the water ahead as well."""
     bearing = _off_bow_rad(nav, track.point(now_s))
     distance_m = max(track.distance_m(nav.point, now_s), 2.0 * track.radius_m)
-    half = _AHEAD_RAD + math.asin(track.radius_m / distance_m)
+    half = AHEAD_RAD + math.asin(track.radius_m / distance_m)
     if not track.is_mover:
         return Sector(bearing - half, bearing + half)
-    return Sector(min(bearing - half, -_AHEAD_RAD), max(bearing + half, _AHEAD_RAD))
+    return Sector(min(bearing - half, -AHEAD_RAD), max(bearing + half, AHEAD_RAD))
 
 
 def _off_bow_rad(nav: NavState, place: Point) -> float:

@@ -7,7 +7,7 @@ reach it, and so its distance to the nearest obstacle.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Final, Protocol
 
 from companion.core.geo import Point
@@ -15,7 +15,8 @@ from companion.core.geo import Point
 LEVELS: Final = 10  # discs, a cell apart: two margins
 LEVEL: Final = 31  # bits of a byte: discs that reach the cell, 0 far from everything,
 SOLID: Final = 32  # the hull would touch something certain,
-FENCE: Final = 64  # too near the fence, or outside
+FENCE: Final = 64  # too near the fence, or outside,
+UNSEEN: Final = 128  # no ranger has seen it free
 COARSE: Final = 2  # cells of a fence cell and of the wave's grid: half a hull's width
 
 
@@ -55,7 +56,7 @@ class ClearanceField:
         self.west_m = side_m * round(at.east_m / side_m) - self.half * cell_m
         self.centre = Point(self.south_m + self.half * cell_m, self.west_m + self.half * cell_m)
         self.cells = bytes(self.width * self.width)
-        self._fenced = 0
+        self._fenced = self._unseen = 0
 
     def fill(self, solid: Sequence[Point], suspects: Sequence[Point], hull_m: float) -> None:
         """Mark obstacles. suspects: the solid ones as well; hull_m: nearest distance of the boat's centre."""
@@ -64,7 +65,7 @@ class ClearanceField:
         marks = self._marked(suspects)
         certain = marks if len(solid) == len(suspects) else self._marked(solid)
         if not marks:
-            self.cells = self._fenced.to_bytes(size, "little")
+            self.cells = (self._fenced | self._unseen).to_bytes(size, "little")
             return
         skipped = (marks & -marks).bit_length() // row_bits - LEVELS  # rows below the first disc
         marks, certain = marks >> skipped * row_bits, certain >> skipped * row_bits
@@ -74,7 +75,7 @@ class ClearanceField:
             total += disc
         for step in range(1, hull_cells + 1 if certain else 0):
             certain = grown(certain, row_bits, step)
-        total = (total + certain * SOLID) << skipped * row_bits | self._fenced
+        total = (total + certain * SOLID) << skipped * row_bits | self._fenced | self._unseen
         self.cells = total.to_bytes(size, "little")
 
     def at(self, north_m: float, east_m: float) -> int:
@@ -88,6 +89,18 @@ class ClearanceField:
     def distance_m(self, north_m: float, east_m: float) -> float:
         """Distance to the nearest obstacle, suspects included; LEVELS cells where none is nearer."""
         return (LEVELS - (self.at(north_m, east_m) & LEVEL)) * self.cell_m
+
+    def look(self, is_known: Callable[[Point, int], bool]) -> None:
+        """Mark the cells that are not known to be free of obstacles."""
+        side_m, rows = COARSE * self.cell_m, bytearray()
+        for row in range(self.width // COARSE):
+            north_m = self.south_m + (row + 0.5) * side_m
+            line = bytearray()
+            for column in range(self.width // COARSE):
+                at = Point(north_m, self.west_m + (column + 0.5) * side_m)
+                line += bytes((0 if is_known(at, 1) else UNSEEN,)) * COARSE
+            rows += line * COARSE
+        self._unseen = int.from_bytes(rows, "little")
 
     def fence(self, bounds: ClearanceBounds, margin_m: float) -> None:
         """Mark the cells whose centre has less margin to the fence.

@@ -5,14 +5,25 @@ ICRA 1999): a wave from the goal over the free cells. Its only minimum is the go
 neither stays in a pocket nor changes its mind between two sides. The wave grows by a cell a step, squares and
 diamonds in turn (octagons, within 8 % of circles), as shifts of one large integer with a byte for each cell.
 It enters cells within the margin of an obstacle only at every second step, so that a narrow gap is taken only
-where the way around is long. Unknown water is free. For a goal beyond the grid waves begin on the edge, each
-as late as the goal is far from there.
+where the way around is long. For a goal beyond the grid waves begin on the edge, each
+as late as the goal is far from there. Nor does it enter water that no ranger has seen at more than that pace:
+a way that was seen free is taken before one that is only hoped for.
 """
 
+from collections.abc import Callable
 from typing import Final
 
 from companion.core.geo import Point, distance_m
-from companion.obstacles.planning.clearance import COARSE, FENCE, LEVEL, LEVELS, SOLID, ClearanceField, grown
+from companion.obstacles.planning.clearance import (
+    COARSE,
+    FENCE,
+    LEVEL,
+    LEVELS,
+    SOLID,
+    UNSEEN,
+    ClearanceField,
+    grown,
+)
 
 _MOST_STEPS: Final = 250  # with _INSIDE a byte's worth: 100 m
 _TIGHT_EVERY: Final = 2  # steps: cells within the margin cost twice as much
@@ -24,14 +35,28 @@ class CostToGo:
     """Computed once for a map and a goal."""
 
     def __init__(
-        self, field: ClearanceField, here: Point, goal: Point, margin_m: float, hull_m: float
+        self,
+        field: ClearanceField,
+        here: Point,
+        goal: Point,
+        margin_m: float,
+        hull_m: float,
+        shuts: Callable[[float, float], bool] | None = None,
     ) -> None:
-        """hull_m: nearest distance of the boat's centre. is_open: whether a way leads to the goal."""
+        """hull_m: nearest distance of the boat's centre. shuts: where no way leads on over water that was not
+        seen. is_open: whether a way leads to the goal.
+        """
         self._width = width = field.width // COARSE
         self.side_m = COARSE * field.cell_m
         self._south_m, self._west_m = field.south_m, field.west_m
-        free, wide = self._open(field, hull_m), self._open(field, margin_m)
+        free, wide = (
+            self._open(field, hull_m, SOLID | FENCE),
+            self._open(field, margin_m, SOLID | FENCE | UNSEEN),
+        )
         row = 8 * width
+        if shuts is not None:
+            free &= ~self._shut(field, shuts)
+            wide &= free
         reached = total = 0
         late = self._seeds(here, goal, free, width)
         near = 1 << 8 * self._cell(here)
@@ -73,16 +98,30 @@ class CostToGo:
         row = min(max(int((at.north_m - self._south_m) / self.side_m), 0), last)
         return row * self._width + min(max(int((at.east_m - self._west_m) / self.side_m), 0), last)
 
-    def _open(self, field: ClearanceField, clear_m: float) -> int:
-        """A 1 in each cell with this clearance; 0 in the last column, so that no wave enters the next row."""
+    def _open(self, field: ClearanceField, clear_m: float, shut: int) -> int:
+        """A 1 in each cell with this clearance and none of these marks; 0 in the last column, so that no wave
+        enters the next row.
+        """
         table = bytearray(256)
         for byte in range(256):
             is_clear = (LEVELS - (byte & LEVEL)) * field.cell_m >= clear_m
-            table[byte] = is_clear and not byte & (SOLID | FENCE)
+            table[byte] = is_clear and not byte & shut
         marks = bytearray()
         for row in range(self._width):
             cells = field.cells[COARSE * row * field.width :][: field.width : COARSE].translate(table)
             marks += cells[:-1] + b"\0"
+        return int.from_bytes(marks, "little")
+
+    def _shut(self, field: ClearanceField, shuts: Callable[[float, float], bool]) -> int:
+        """A 1 in each cell that is shut and that no ranger has seen."""
+        width = self._width
+        marks = bytearray(width * width)
+        for row in range(width):
+            north_m = self._south_m + (row + 0.5) * self.side_m
+            unseen = field.cells[COARSE * row * field.width :][: field.width : COARSE]
+            for column in range(width):
+                if unseen[column] & UNSEEN:
+                    marks[row * width + column] = shuts(north_m, self._west_m + (column + 0.5) * self.side_m)
         return int.from_bytes(marks, "little")
 
     def _seeds(self, here: Point, goal: Point, free: int, width: int) -> dict[int, int]:

@@ -18,21 +18,31 @@ from companion.guidance.speed_profile import steered_speed_m_s
 
 STEP_S: Final = 0.25  # half a hull's length at cruise
 STEPS: Final = 20  # five seconds: what comes within sight at 1 m/s, and a turn around
-TURNS: Final = tuple(math.radians(15.0 * step) for step in range(-12, 12))
+APART_RAD: Final = math.radians(15.0)
+TURNS: Final = tuple(APART_RAD * step for step in range(-12, 12))
+_BETWEEN: Final = 3  # offsets of the turns: 5°, to meet the heading that is held
 CRASH_STOP: Final = -10.0  # speed of the rollout with both propellers full astern until the boat is at rest,
 FULL_ASTERN: Final = -20.0  # and of the one that keeps them so
-_DELAY_S: Final = 0.25  # decision, slew and motors: the lake boat's motors take 0.22 s
+_DELAY_S: Final = (
+    0.2  # half a period of the decisions, and the motors: 0.15 s, as in guidance/path_following.py
+)
 # Full thrust at rest over mass, of guidance's accel_m_s2: the lake boat's 8.0 N on 8.6 kg are 0.93 m/s², less
 # what the battery loses
 _THRUST: Final = 2.0
 _ASTERN: Final = 0.6  # propellers' thrust astern, of ahead: 0.55 to 0.65 (sitl/boats/lake.toml)
+BOW: Final = (
+    0.25  # margins ahead of the centre, astern of it for a boat that goes astern: half a hull less its beam
+)
+_STILL_M_S: Final = 0.05  # slower it does not go astern
 _BIN: Final = 0.2  # m/s and rad/s: within it the rollouts of a fan end within half a hull
-_MOST_FANS: Final = 200
+_MOST_FANS: Final = 400  # 12 MB
+_HALVINGS: Final = 10  # of the speed interval: to a thousandth of the top speed
 
 
 class Rollout(NamedTuple):
-    """turn_rad: of the bow, clockwise; speed_m_s: through the water, negative astern; north, east: in the
-    boat's frame at the start (ahead, starboard), in the water; bow_rad: heading change at the end.
+    """turn_rad: of the bow, clockwise; speed_m_s: through the water, negative astern; ahead, right: of the
+    middle of the hull's leading half, in the boat's frame at the start, in the water; bow_rad: heading change
+    at the end.
     """
 
     turn_rad: float
@@ -56,9 +66,11 @@ def roll(
     top, radius_m, has_pair = handling.top_speed_m_s, config.drive.least_radius_m, config.drive.has_pair
     half_s = 0.5 * STEP_S  # of the integration
     follows = 1.0 - math.exp(-half_s / handling.yaw_time_s)
-    force = _THRUST * config.guidance.accel_m_s2
+    force, astern = _THRUST * config.guidance.accel_m_s2, _astern_share(config)
+    slew, held = config.motors.slew_per_s * half_s, feed_forward(max(surge_m_s, 0.0), setting)
     surge, rate, bow, ahead, right = surge_m_s, yaw_rate_rad_s, 0.0, 0.0, 0.0
     aheads, rights = [], []
+    bow_m = BOW * config.avoidance.margin_m
     for step in range(1, 2 * STEPS + 1):
         if step * half_s > _DELAY_S:
             error = turn_rad - bow
@@ -78,7 +90,8 @@ def roll(
                     -min(ASTERN_SHARE * setting.max_throttle, room) if brakes else 0.0,
                     min(setting.max_throttle, room),
                 )
-            thrust = throttle if throttle > 0.0 else _ASTERN * throttle
+            held = throttle = clamp(throttle, held - slew, held + slew)
+            thrust = throttle if throttle > 0.0 else astern * throttle
             if half_s * force * abs(surge) > top * top:
                 surge = half_s * force * thrust  # drag stops the boat within the step
             else:
@@ -91,9 +104,38 @@ def roll(
         ahead += half_s * (surge * c - slip * s)
         right += half_s * (surge * s + slip * c)
         if step % 2 == 0:
-            aheads.append(ahead)
-            rights.append(right)
+            lead_m = bow_m if surge > -_STILL_M_S else -bow_m
+            aheads.append(ahead + lead_m * c)
+            rights.append(right + lead_m * s)
     return Rollout(turn_rad, speed_m_s, tuple(aheads), tuple(rights), bow)
+
+
+def crash_stop_m(speed_m_s: float, reaction_s: float, config: BoatConfig) -> float:
+    """The way through the water to rest, by a crash stop that begins after reaction_s.
+
+    Under full thrust astern u' = −F (s + u² / top²), which takes top² / 2F ln(1 + u² / (s top²)). The motors
+    reach it by their slew: half the time of the reversal is lost.
+    """
+    top, force = config.handling.top_speed_m_s, _THRUST * config.guidance.accel_m_s2
+    astern = _astern_share(config) * config.speed.max_throttle
+    stops_m = 0.5 * top * top / force * math.log1p(speed_m_s * speed_m_s / (astern * top * top))
+    reversal = feed_forward(speed_m_s, config.speed) + config.speed.max_throttle
+    reaction_s += _DELAY_S + 0.5 * reversal / config.motors.slew_per_s
+    return reaction_s * speed_m_s + stops_m
+
+
+def crash_stop_speed_m_s(room_m: float, reaction_s: float, config: BoatConfig) -> float:
+    """The highest speed from which that takes room_m, at most the top speed."""
+    low, high = 0.0, config.handling.top_speed_m_s
+    for _ in range(_HALVINGS):
+        speed = 0.5 * (low + high)
+        low, high = (speed, high) if crash_stop_m(speed, reaction_s, config) <= room_m else (low, speed)
+    return high
+
+
+def _astern_share(config: BoatConfig) -> float:
+    """Thrust astern of that ahead; a calibrated asymmetry may know less."""
+    return min(_ASTERN, 1.0 / config.thrusters.asymmetry)
 
 
 class CourseFan:
@@ -101,7 +143,7 @@ class CourseFan:
 
     def __init__(self) -> None:
         self._config: BoatConfig | None = None
-        self._fans: dict[tuple[int, int, int, bool], list[Rollout]] = {}
+        self._fans: dict[tuple[int, int, int, int, bool], list[Rollout]] = {}
 
     def rollouts(
         self,
@@ -109,19 +151,27 @@ class CourseFan:
         yaw_rate_rad_s: float,
         speed_m_s: float,
         config: BoatConfig,
+        offset_rad: float = 0.0,
         *,
         brakes: bool = True,
     ) -> list[Rollout]:
-        """Every turn at one speed through the water; at rest and astern only those that make sense."""
+        """Every turn at one speed through the water; at rest and astern only those that make sense.
+
+        offset_rad: one of the turns, or a number of times APART_RAD away from one.
+        """
         if config is not self._config or len(self._fans) > _MOST_FANS:
             self._fans.clear()
             self._config = config
-        key = (round(surge_m_s / _BIN), round(yaw_rate_rad_s / _BIN), round(speed_m_s / _BIN), brakes)
+        offset = round(_BETWEEN * offset_rad / APART_RAD) % _BETWEEN
+        bins = [round(value / _BIN) for value in (surge_m_s, yaw_rate_rad_s, speed_m_s)]
+        key = (bins[0], bins[1], bins[2], offset, brakes)
         fan = self._fans.get(key)
         if fan is None:
             turns = TURNS
             if key[2] <= 0 and not (key[2] == 0 and config.drive.can_pivot):
                 turns = (0.0, -TURNS[14], TURNS[14]) if key[2] else (0.0,)
+            more = offset * APART_RAD / _BETWEEN if len(turns) == len(TURNS) else 0.0
             surge, rate, speed = key[0] * _BIN, key[1] * _BIN, key[2] * _BIN
-            fan = self._fans[key] = [roll(surge, rate, turn, speed, config, brakes=brakes) for turn in turns]
+            fan = [roll(surge, rate, turn + more, speed, config, brakes=brakes) for turn in turns]
+            self._fans[key] = fan
         return fan

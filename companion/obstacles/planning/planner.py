@@ -12,13 +12,13 @@ from enum import IntEnum
 from typing import Final
 
 from companion.config.boat_config import BoatConfig
+from companion.config.tuning import AvoidanceSetting
 from companion.core.geo import Point, distance_m
 from companion.core.intent import FollowLeg, HoldHeading, HoldTurn, Intent, KeepStation, Stop
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.core.units import wrap_pi
 from companion.guidance.speed_profile import braking_speed_m_s
-from companion.obstacles.perception.looked_at import STILL_SHARE
 from companion.obstacles.perception.occupancy import SWEEP_S
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.clearance import ClearanceBounds, ClearanceField
@@ -26,18 +26,20 @@ from companion.obstacles.planning.cost import HORIZON_S, HULL, TOUCH, CostModel
 from companion.obstacles.planning.cost_to_go import CostToGo
 from companion.obstacles.planning.motion import CRASH_STOP, STEPS, CourseFan, Rollout
 from companion.obstacles.planning.movers import predict
-from companion.obstacles.planning.speed_limit import SpeedLimit, crash_stop
+from companion.obstacles.planning.side import SideChoice
+from companion.obstacles.planning.speed_limit import STILL_SHARE, SpeedLimit, crash_stop
 from companion.obstacles.planning.way_ahead import free_m, is_same_goal, places_on, requested_m_s, way_ahead
 
 PERIOD_S: Final = 0.09  # between decisions, at least
 GIVING_WAY: Final = "Moving obstacle: giving way"
 NO_WAY: Final = "Obstacle: no way around, keeping station"
+BY_SIGHT: Final = "No fence: sailing by sight. Faster: upload a fence, or set AVOID_SIGHT 2"
 _BEYOND_M: Final = 6.0  # the map reaches beyond the sight: a detour
 _MOVES: Final = 0.2  # of the map: the boat's way off the centre after which it is laid anew
 _DRIFT_S: Final = 0.8  # a current carries the boat on for so long before it answers: more margin
 _FENCE_STEP_M: Final = 0.5  # of the margin that is left
 _SEARCH_S: Final = 0.5  # between two computations of the way to go: the boat moves half a hull
-_TURNS_RAD: Final = math.radians(10.0)  # what the operator is told of
+_SAME_S: Final = 10.0  # what moves in the way again so soon is the same thing: it is told once
 _LEADS_ON: Final = 0.5  # of its length: a path that brings the boat nearer to the goal by less is not kept
 
 
@@ -64,6 +66,8 @@ class LocalPlanner:
         self._field_key: tuple[object, ...] | None = None
         self._due_s = 0.0
         self._roomy: Point | None = None  # the latest place with room
+        self._has_told_sight = False
+        self._met: tuple[Point, float] | None = None  # where and when the boat came among obstacles
         self.reset()
 
     def reset(self) -> None:
@@ -80,9 +84,9 @@ class LocalPlanner:
         self._searched_s = self._open_s = -math.inf
         self._best_m, self._sailed_m = math.inf, 0.0
         self._last: Point | None = None
-        self._heading_rad: float | None = None  # held at the last decision
-        self._side = 0
-        self._has_notified = False
+        self._held: tuple[float, float] | None = None  # heading and speed through the water
+        self._side = SideChoice()
+        self._met_s = -math.inf  # when something moved in the way
         self._station: KeepStation | None = None
         self._retry_s = 0.0
 
@@ -121,7 +125,7 @@ class LocalPlanner:
             self._override = self._decide(
                 intent, nav, config, perception, bounds, is_by_hand=is_by_hand, now_s=now_s
             )
-            perception.wished_course_rad = None if self._override is None else self._heading_rad
+            perception.wished_course_rad = None if self._held is None else self._held[0]
         return intent if self._override is None else self._override
 
     def _decide(
@@ -144,6 +148,8 @@ class LocalPlanner:
         meets_mover = any(track.is_mover for track in tracks)
         suspects = perception.suspects(now_s)
         field = self._map(nav, config, bounds, perception.occupancy.cell_m, reach_m)
+        if suspects and perception.water.is_used and now_s >= self._searched_s + _SEARCH_S:
+            field.look(perception.water.is_known)
         field.fill(solid, suspects, TOUCH * margin_m)
         self.limit.update(nav, config, perception, field, bounds, now_s)
         if is_by_hand:
@@ -156,7 +162,7 @@ class LocalPlanner:
         if self.stage is Stage.BLOCKED and self._is_waiting(way, field, margin_m, now_s) and self._station:
             intent = self._station
             way = [here, intent.point]
-        speed = min(requested_m_s(intent, nav, config), self.limit.sight_m_s)
+        speed = self._speed_by_sight(requested_m_s(intent, nav, config), here, setting, perception, bounds)
         is_there = isinstance(intent, KeepStation) and distance_m(here, intent.point) < margin_m
         if not tracks and (speed <= 0.0 or is_there or not suspects):
             return self._keep()
@@ -165,7 +171,7 @@ class LocalPlanner:
         goal = intent.end if isinstance(intent, FollowLeg) and to_end_m > ahead_m else way[-1]
         to_go = self._search(field, here, goal, setting.margin_m, now_s, is_certain=bool(solid))
         self._note_progress(here, goal, margin_m, is_certain=bool(solid))
-        is_shut = now_s > self._open_s + SWEEP_S or self._sailed_m > setting.detour_m
+        is_shut = self._is_trapped(here, config, now_s, is_certain=bool(solid))
         if is_shut and self.stage is not Stage.BLOCKED:
             self._retry_s = now_s + setting.retry_s
             return self._stay(self._roomy or here, NO_WAY)
@@ -180,15 +186,22 @@ class LocalPlanner:
         wanted_m_s = speed * math.cos(wanted_rad), speed * math.sin(wanted_rad)
         movers = predict(tracks, nav, wanted_m_s, field, setting.margin_m, HULL * setting.margin_m, now_s)
         costs = CostModel(nav, field, to_go, movers, margin_m, ahead_m, wanted_rad, config)
+        self._meet(way, field, wanted_rad, margin_m, perception.reach_m, now_s, is_certain=bool(solid))
         best = costs.choose(
-            self._fan, speed, (norths_m, easts_m) if leads_on else None, self._heading_rad,
+            self._fan, speed, (norths_m, easts_m) if leads_on else None, self._held,
             is_certain=bool(solid) or meets_mover,
+            is_new=self._side.is_new(now_s) and not meets_mover,
         )  # fmt: skip
         if best is None:
             return self._keep()
+        if self._side.update(here, to_go, now_s):
+            self._to_go = None
+            self._notify(
+                Severity.INFO, f"Obstacle: passing to {'starboard' if self._side.side > 0 else 'port'}"
+            )
         if meets_mover or (bool(solid) and not leads_on):
             perception.water.note_unmapped_obstacle(here)
-        return self._hold(best, nav, config, has_solid=bool(solid), meets_mover=meets_mover)
+        return self._hold(best, nav, config, now_s, has_solid=bool(solid), meets_mover=meets_mover)
 
     def _search(
         self,
@@ -203,7 +216,8 @@ class LocalPlanner:
         """The way to go, computed anew from time to time. is_certain: not for single echoes alone."""
         to_go = self._to_go
         if to_go is None or now_s >= self._searched_s + _SEARCH_S:
-            to_go = self._to_go = CostToGo(field, here, goal, margin_m, HULL * margin_m)
+            shuts = self._side.shuts if self._side.side else None
+            to_go = self._to_go = CostToGo(field, here, goal, margin_m, HULL * margin_m, shuts)
             self._searched_s = now_s
             if to_go.is_open or not is_certain or self._open_s == -math.inf:
                 self._open_s = now_s
@@ -217,13 +231,35 @@ class LocalPlanner:
         away_m = distance_m(here, goal)
         if away_m < self._best_m - margin_m:
             self._best_m, self._sailed_m = away_m, 0.0
+            if not self._side.is_before(here):
+                self._side = SideChoice()
+
+    def _is_trapped(self, here: Point, config: BoatConfig, now_s: float, *, is_certain: bool) -> bool:
+        """Whether no way is open, the detour is too long, or the boat has been among obstacles, nearer than a
+        detour to one place, for as long as that takes at the slowest speed, whatever its goals were.
+        """
+        detour_m = config.avoidance.detour_m
+        if not is_certain:
+            self._met = None
+        elif self._met is None or distance_m(here, self._met[0]) > detour_m:
+            self._met = here, now_s
+        if now_s > self._open_s + SWEEP_S or self._sailed_m > detour_m:
+            return True
+        return self._met is not None and now_s > self._met[1] + detour_m / config.guidance.min_speed_m_s
 
     def _hold(
-        self, best: Rollout, nav: NavState, config: BoatConfig, *, has_solid: bool, meets_mover: bool
+        self,
+        best: Rollout,
+        nav: NavState,
+        config: BoatConfig,
+        now_s: float,
+        *,
+        has_solid: bool,
+        meets_mover: bool,
     ) -> Intent:
         """Hold a rollout's heading and speed, and report it."""
         heading, speed = wrap_pi(nav.heading_rad + best.turn_rad), best.speed_m_s
-        self._heading_rad = heading
+        self._held = heading, speed
         along_m_s = nav.current_along_m_s(nav.heading_rad)
         self.eases = not has_solid and not meets_mover  # a single echo may be noise
         if self.stage is not Stage.BLOCKED:
@@ -231,27 +267,52 @@ class LocalPlanner:
                 self.stage = Stage.BACK
             elif meets_mover:
                 self.stage = Stage.PASSING
-                if not self._has_notified:
-                    self._has_notified = True
+                if now_s > self._met_s + _SAME_S:
                     self._notify(Severity.INFO, GIVING_WAY)
+                self._met_s = now_s
             elif has_solid:
                 self.stage = Stage.ROUND
-                self._report_side(best)
         self.limit.release()
         return crash_stop(nav, config) if speed <= CRASH_STOP else HoldHeading(heading, speed + along_m_s)
 
-    def _report_side(self, best: Rollout) -> None:
-        side = (best.turn_rad > _TURNS_RAD) - (best.turn_rad < -_TURNS_RAD)
-        if side and not self._side:
-            self._side = side
-            self._notify(Severity.INFO, f"Obstacle: passing to {'starboard' if side > 0 else 'port'}")
+    def _speed_by_sight(
+        self,
+        speed_m_s: float,
+        here: Point,
+        setting: AvoidanceSetting,
+        perception: ObstaclePerception,
+        bounds: ClearanceBounds,
+    ) -> float:
+        """The speed within the limit; says once that a fence would lift it."""
+        is_slow = self.limit.sight_m_s < speed_m_s
+        if is_slow and not self._has_told_sight:
+            self._has_told_sight = perception.water.is_uncharted(here, setting.by_sight, bounds)
+            if self._has_told_sight:
+                self._notify(Severity.NOTICE, BY_SIGHT)
+        return min(speed_m_s, self.limit.sight_m_s)
+
+    def _meet(
+        self,
+        way: list[Point],
+        field: ClearanceField,
+        course_rad: float,
+        margin_m: float,
+        sight_m: float,
+        now_s: float,
+        *,
+        is_certain: bool,
+    ) -> None:
+        """Note an obstacle in the way."""
+        meets_m = free_m(way, field, margin_m) if is_certain else math.inf
+        if meets_m < math.inf:
+            self._side.begin(way[0].moved(course_rad, meets_m + 1.5 * margin_m), course_rad, sight_m, now_s)
 
     def _keep(self) -> Intent | None:
         """The intent as it is; while blocked the station."""
-        self._heading_rad = None
+        self._held = None
         if self.stage is Stage.BLOCKED:
             return self._station
-        self.stage, self._side, self._has_notified = Stage.CLEAR, 0, False
+        self.stage = Stage.CLEAR
         return None
 
     def _map(
@@ -296,7 +357,7 @@ class LocalPlanner:
         return self._stay(self._roomy or nav.point, "Obstacle ahead: keeping station")
 
     def _stay(self, place: Point, text: str) -> KeepStation:
-        self.stage, self._to_go = Stage.BLOCKED, None
+        self.stage, self._to_go, self._met = Stage.BLOCKED, None, None
         self._notify(Severity.NOTICE, text)
         self._station = KeepStation(place)
         return self._station

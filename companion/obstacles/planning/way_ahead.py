@@ -6,17 +6,20 @@ from companion.config.boat_config import BoatConfig
 from companion.core import intent as intents
 from companion.core.geo import Point, bearing_rad, distance_m
 from companion.core.state import NavState
+from companion.guidance.line_of_sight import lookahead_m
 from companion.guidance.speed_profile import braking_speed_m_s
 from companion.obstacles.planning.clearance import ClearanceField
 
 _STEP_RAD = 0.35  # between corners on a circle
+_CLOSING = (0.5, 1.0, 2.0, 4.0)  # lookaheads
 
 
 def way_ahead(intent: intents.Intent, nav: NavState, config: BoatConfig, reach_m: float) -> list[Point]:
     """Starts at the boat; a single corner for an intent without a destination."""
     here = nav.point
     if isinstance(intent, intents.FollowLeg):
-        return _leg(intent, here, config.guidance.lookahead_m)
+        speed_m_s = math.hypot(nav.north_m_s, nav.east_m_s)
+        return _leg(intent, here, lookahead_m(speed_m_s, config.speed.cruise_m_s, config.guidance))
     if isinstance(intent, intents.KeepStation):
         return [here, intent.point] if distance_m(here, intent.point) > 0.0 else [here]
     if isinstance(intent, intents.FollowCircle):
@@ -31,15 +34,19 @@ def way_ahead(intent: intents.Intent, nav: NavState, config: BoatConfig, reach_m
     return [here]
 
 
-def _leg(leg: intents.FollowLeg, here: Point, lookahead_m: float) -> list[Point]:
-    """Back to the line, along it, and on to the next leg."""
-    way = [here]
-    line = leg.line
+def _leg(leg: intents.FollowLeg, here: Point, ahead_m: float) -> list[Point]:
+    """Back to the line as line of sight leads there, along it, and on to the next leg.
+
+    By y' = −v sin(atan(y / Δ)) (`guidance/line_of_sight.py`) an offset y is y exp(−x / Δ) after x.
+    """
+    way, line = [here], leg.line
     if line.length_m > 0.0:
         along, cross = line.along_and_cross_track_m(here)
-        joins = along + min(lookahead_m, 2.0 * abs(cross))
-        if 0.0 < joins < line.length_m:
-            way.append(line.start.towards(line.end, joins / line.length_m))
+        for share in _CLOSING:
+            joins_m = along + share * ahead_m
+            if 0.0 < joins_m < line.length_m:
+                at = line.start.towards(line.end, joins_m / line.length_m)
+                way.append(at.moved(line.course_rad + 0.5 * math.pi, cross * math.exp(-share)))
     way.append(leg.end)
     if leg.next_end is not None:
         way.append(leg.next_end)
@@ -86,7 +93,7 @@ def places_on(way: list[Point], step_m: float, most: int) -> list[Point]:
             leg += 1
             start, end = way[leg], way[leg + 1]
             length_m = distance_m(start, end)
-        if at_m >= length_m:
+        if at_m >= length_m and leg + 2 == len(way):
             break
         found.append(start.towards(end, at_m / length_m))
     found += [way[-1]] * (most - len(found))

@@ -69,14 +69,19 @@ def test_astern_and_a_crash_stop_cost_extra() -> None:
     costs, still = model(), to(0.0, 0.0)._replace(bow_rad=math.pi)
     base = costs.plain(still, None) - 1.0 / 5.0
     assert costs.plain(still._replace(speed_m_s=-0.4), None) - base == pytest.approx(0.5, abs=0.05)
-    assert costs.plain(still._replace(speed_m_s=CRASH_STOP), None) - base == pytest.approx(0.5, abs=0.05)
+    assert costs.plain(still._replace(speed_m_s=CRASH_STOP), None) - base == pytest.approx(0.1, abs=0.05)
 
 
-def test_leaving_the_last_heading_costs() -> None:
+def test_leaving_the_last_heading_or_speed_costs() -> None:
     costs = model()
-    kept, left = costs.plain(to(30.0), math.radians(30.0)), costs.plain(to(30.0), math.radians(-60.0))
+    kept, left = (
+        costs.plain(to(30.0), (math.radians(30.0), 1.0)),
+        costs.plain(to(30.0), (math.radians(-60.0), 1.0)),
+    )
+    slower = costs.plain(to(30.0), (math.radians(30.0), 0.5))
     assert kept == costs.plain(to(30.0), None)
-    assert left - kept == pytest.approx(0.5)
+    assert left - kept == pytest.approx(0.15)
+    assert slower - kept == pytest.approx(0.15)
 
 
 @pytest.mark.parametrize(("aside_m", "least", "most"), [(3.0, 0.0, 0.0), (0.9, 0.01, 0.3), (0.7, 0.05, 0.8)])
@@ -117,16 +122,16 @@ def test_an_expensive_rollout_is_abandoned() -> None:
 
 def test_the_cheapest_rollout_is_chosen() -> None:
     costs, path = model(Point(3.1, 0.1)), ([0.25 * (step + 1) for step in range(20)], [0.0] * 20)
-    best = costs.choose(CourseFan(), 1.0, path, None, is_certain=True)
+    best = costs.choose(CourseFan(), 1.0, path, None, is_certain=True, is_new=False)
     assert best is not None
     assert abs(best.turn_rad) > 0.1
     assert costs.risk(best) < 1.0
-    assert model(Point(3.1, 3.1)).choose(CourseFan(), 1.0, path, None, is_certain=True) is None
+    assert model(Point(3.1, 3.1)).choose(CourseFan(), 1.0, path, None, is_certain=True, is_new=False) is None
 
 
 def test_a_path_that_leads_nowhere_is_not_kept() -> None:
     costs = model(Point(3.1, 3.1))
-    best = costs.choose(CourseFan(), 1.0, None, None, is_certain=True)
+    best = costs.choose(CourseFan(), 1.0, None, None, is_certain=True, is_new=False)
     assert best is not None
     assert best.turn_rad == pytest.approx(0.0)
 
@@ -135,14 +140,18 @@ def test_nothing_is_braked_for_a_single_echo() -> None:
     wall = tuple(Point(2.0, -3.0 + 0.2 * step) for step in range(31))
     path = ([0.25 * (step + 1) for step in range(20)], [0.0] * 20)
     nav = boat(speed_m_s=1.5)
-    sure = model(*wall, nav=nav).choose(CourseFan(), 1.5, path, None, is_certain=True)
-    unsure = model(suspects=wall, nav=nav).choose(CourseFan(), 1.5, path, None, is_certain=False)
+    sure = model(*wall, nav=nav).choose(CourseFan(), 1.5, path, None, is_certain=True, is_new=False)
+    unsure = model(suspects=wall, nav=nav).choose(
+        CourseFan(), 1.5, path, None, is_certain=False, is_new=False
+    )
     assert sure is not None
     assert sure.speed_m_s == CRASH_STOP
     assert unsure is None or unsure.speed_m_s >= 0.0
     close = boat(1.4, speed_m_s=0.0)
-    back = model(*wall, nav=close).choose(CourseFan(), 1.0, None, None, is_certain=True)
-    stay = model(suspects=wall, nav=close).choose(CourseFan(), 1.0, None, None, is_certain=False)
+    back = model(*wall, nav=close).choose(CourseFan(), 1.0, None, None, is_certain=True, is_new=False)
+    stay = model(suspects=wall, nav=close).choose(
+        CourseFan(), 1.0, None, None, is_certain=False, is_new=False
+    )
     assert back is not None
     assert back.speed_m_s < 0.0
     assert stay is not None
@@ -152,9 +161,9 @@ def test_nothing_is_braked_for_a_single_echo() -> None:
 def test_a_boat_at_rest_backs_away_from_what_comes_straight_at_it() -> None:
     nav = replace(boat(), north_m_s=0.0, surge_m_s=0.0)
     costs = model(nav=nav, movers=(mover(2.5, 0.0, -0.8, 0.0),))
-    best = costs.choose(CourseFan(), 1.0, None, None, is_certain=True)
+    best = costs.choose(CourseFan(), 1.0, None, None, is_certain=True, is_new=False)
     assert best is not None
     assert best.speed_m_s == FULL_ASTERN
-    unsure = costs.choose(CourseFan(), 1.0, None, None, is_certain=False)
+    unsure = costs.choose(CourseFan(), 1.0, None, None, is_certain=False, is_new=False)
     assert unsure is not None
     assert unsure.speed_m_s >= 0.0

@@ -1,22 +1,18 @@
-"""Water that is known to be free, and the speed that it allows."""
+"""Water that is known to be free."""
 
 import math
 
 import pytest
-from avoidance_rig import CONFIG, boat
-from msgspec.structs import replace
 
-from companion.config.boat_config import with_value
 from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.geofence.fence import Fence, FenceCircle
-from companion.obstacles.perception.looked_at import LookedAtWater, allowed_speed_m_s
+from companion.obstacles.perception.looked_at import LookedAtWater
 from companion.obstacles.perception.occupancy import Beam
 
 HERE = Point(0.0, 0.0)
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 BEAM_RAD = math.radians(15.0)
-A, MARGIN_M, REACTION_S = 0.4, 1.0, 1.5  # accel_m_s2, margin_m, surge_time_s and two passes of 0.25 s
 
 
 def fence(radius_m: float = 50.0, *, is_inclusion: bool = True) -> Fence:
@@ -32,10 +28,6 @@ def looked(*bearings_deg: float, time_s: float = 0.0, reach_m: float = 4.0, time
     for bearing_deg in bearings_deg * times:
         water.add(Beam(time_s, HERE, math.radians(bearing_deg), BEAM_RAD, math.inf, reach_m))
     return water
-
-
-def stopping_m_s(room_m: float) -> float:
-    return math.sqrt((A * REACTION_S) ** 2 + 2.0 * A * room_m) - A * REACTION_S
 
 
 @pytest.mark.parametrize(("by_sight", "is_limited"), [(0, False), (1, True), (2, False), (3, True)])
@@ -81,32 +73,6 @@ def test_a_longer_ranger_is_not_overruled_by_a_shorter_one() -> None:
     water = looked(0.0, reach_m=12.0)
     water.add(Beam(0.1, HERE, 0.0, BEAM_RAD, math.inf, 4.0))
     assert water.room_m(HERE, 0.0, 20.0, 0.5) >= 12.0
-
-
-@pytest.mark.parametrize(
-    ("reach_m", "speed_m_s"), [(4.0, stopping_m_s(3.0)), (8.0, stopping_m_s(7.0)), (1.0, 0.4)]
-)
-def test_the_boat_can_stop_within_what_it_has_looked_at(reach_m: float, speed_m_s: float) -> None:
-    water = looked(0.0, reach_m=reach_m)
-    found = allowed_speed_m_s(boat(), CONFIG, water, Fence(), 0.0)
-    assert found == pytest.approx(speed_m_s, abs=0.1)
-
-
-def test_a_current_from_astern_leaves_less_room() -> None:
-    water = looked(0.0)
-    nav = replace(boat(), current_north_m_s=0.5)
-    assert allowed_speed_m_s(nav, CONFIG, water, Fence(), 0.0) == pytest.approx(stopping_m_s(2.0), abs=0.1)
-    nav = replace(boat(), current_north_m_s=-0.5)
-    assert allowed_speed_m_s(nav, CONFIG, water, Fence(), 0.0) == pytest.approx(stopping_m_s(3.0), abs=0.1)
-
-
-def test_known_water_sets_no_limit_and_costs_no_bookkeeping() -> None:
-    water = looked(0.0)
-    assert allowed_speed_m_s(boat(), CONFIG, water, fence(), 0.0) == math.inf
-    assert not water.is_used
-    uncharted = with_value(CONFIG, "avoidance.by_sight", 1)
-    assert allowed_speed_m_s(boat(), uncharted, water, fence(), 0.0) < 2.0
-    assert water.is_used
 
 
 def test_the_frame_moves_and_all_is_forgotten() -> None:

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from avoidance_rig import CONFIG, NORTH, Lines, Voyage, boat, mover, ring
+from avoidance_rig import CONFIG, LEG, NORTH, ROCK, WALL, Lines, Voyage, boat, mover, ring
 from msgspec.structs import replace
 
 from companion.config.boat_config import with_value
@@ -12,12 +12,9 @@ from companion.core.geo import Point
 from companion.core.intent import FollowLeg, HoldHeading, KeepStation
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.motion import roll
-from companion.obstacles.planning.planner import GIVING_WAY, NO_WAY, PERIOD_S, LocalPlanner, Stage
+from companion.obstacles.planning.planner import BY_SIGHT, GIVING_WAY, NO_WAY, PERIOD_S, LocalPlanner, Stage
 
-LEG = FollowLeg(Point(0.0, 0.0), Point(50.0, 0.0), 1.0)
 NORTH_1 = intents.HoldCourse(0.0, 1.0)
-ROCK = [Point(3.5 + n, e) for n, e in (*ring(0.3), Point(0.0, 0.0))]
-WALL = [Point(3.0, -9.0 + 0.2 * step) for step in range(91)]
 
 
 def heading_deg(found: intents.Intent) -> float:
@@ -49,30 +46,30 @@ CIRCLE = intents.FollowCircle(Point(0.0, 20.0), 20.0, True, 1.0)
 @pytest.mark.parametrize("intent", [LEG, NORTH_1, KeepStation(Point(9.0, 0.0)), CIRCLE])
 def test_a_rock_ahead_is_passed_to_starboard_whatever_leads_there(intent: intents.Intent) -> None:
     voyage = Voyage(*ROCK)
-    found = voyage.at(0.0, intent=intent)
+    found = voyage.after_a_sweep(intent=intent)
     assert 10.0 < heading_deg(found) < 80.0
     assert voyage.stage() is Stage.ROUND
     assert voyage.said == ["Obstacle: passing to starboard"]
 
 
-@pytest.mark.parametrize("current_m_s", [0.3, -0.3])
+@pytest.mark.parametrize("current_m_s", [-0.1, -0.2])
 def test_what_is_held_through_the_water_is_told_over_ground(current_m_s: float) -> None:
     nav = replace(boat(), current_north_m_s=current_m_s, surge_m_s=1.0 + current_m_s)
-    found = Voyage(*ROCK).at(0.0, nav, LEG)
+    found = Voyage(*ROCK).after_a_sweep(nav, LEG)
     assert isinstance(found, HoldHeading)
     assert found.speed_m_s == pytest.approx(1.0, abs=0.1)
 
 
 def test_a_rock_to_starboard_is_passed_to_port() -> None:
     voyage = Voyage(*(Point(3.0, 0.7 + 0.2 * step) for step in range(10)))
-    assert heading_deg(voyage.at(0.0, intent=LEG)) < -5.0
+    assert heading_deg(voyage.after_a_sweep(intent=LEG)) < -5.0
     assert voyage.said == ["Obstacle: passing to port"]
 
 
 def test_the_fence_closes_a_side() -> None:
     voyage = Voyage(*ROCK)
     voyage.bounds = Lines(-12.0, 2.5)
-    assert heading_deg(voyage.at(0.0, intent=LEG)) < -5.0
+    assert heading_deg(voyage.after_a_sweep(intent=LEG)) < -5.0
 
 
 def test_likely_echoes_are_avoided_without_thrust_astern_and_without_a_message() -> None:
@@ -97,7 +94,7 @@ def test_what_is_avoided_for_certain_is_no_reason_to_be_gentle() -> None:
     ghost.chart.seen_once = [Point(3.5, 0.1)]
     met.chart.tracks.all.append(mover(4.0, 0.0, -0.4, 0.0))
     for voyage, eases in ((ghost, True), (rock, False), (met, False)):
-        assert isinstance(voyage.at(0.9, intent=LEG), HoldHeading)
+        assert voyage.at(0.9, intent=LEG) is not LEG
         assert voyage.planner.eases is eases
     voyage = Voyage(*ROCK)
     voyage.at(0.0, intent=LEG)
@@ -224,9 +221,50 @@ def test_without_a_position_nothing_is_decided() -> None:
 
 def test_the_sonar_is_told_the_course_that_is_held() -> None:
     voyage = Voyage(*ROCK)
-    found = voyage.at(0.0, intent=LEG)
+    found = voyage.after_a_sweep(intent=LEG)
     assert isinstance(found, HoldHeading)
     assert voyage.chart.wished_course_rad == pytest.approx(found.heading_rad)
     voyage.chart.rocks = []
-    voyage.at(1.0, intent=LEG)
+    voyage.at(3.0, intent=LEG)
     assert voyage.chart.wished_course_rad is None
+
+
+def test_that_the_boat_is_slow_for_want_of_a_fence_is_told_once() -> None:
+    voyage = Voyage()
+    voyage.chart.water.has_ranger = True
+    for step in range(10):
+        voyage.at(0.1 * step, intent=LEG)
+    voyage.planner.reset()
+    voyage.at(2.0, intent=LEG)
+    assert voyage.said == [BY_SIGHT]
+    assert "fence" in BY_SIGHT
+    assert "AVOID_SIGHT" in BY_SIGHT
+
+
+@pytest.mark.parametrize("by_sight", [0, 1, 2])
+def test_a_boat_that_was_set_to_sail_by_sight_is_not_told_about_it(by_sight: int) -> None:
+    voyage = Voyage(config=with_value(CONFIG, "avoidance.by_sight", by_sight))
+    voyage.chart.water.has_ranger = True
+    voyage.at(0.0, intent=LEG)
+    assert voyage.said == []
+
+
+def test_a_boat_that_wants_no_more_than_sight_allows_is_not_told_about_it() -> None:
+    voyage = Voyage()
+    voyage.chart.water.has_ranger = True
+    voyage.at(0.0, intent=FollowLeg(Point(0.0, 0.0), Point(50.0, 0.0), 0.3))
+    assert voyage.said == []
+
+
+def test_a_boat_that_stays_among_obstacles_says_that_there_is_no_way_whatever_its_goals_are() -> None:
+    voyage = Voyage(*ROCK, config=with_value(CONFIG, "avoidance.detour_m", 4.0))
+    for step in range(120):
+        goal = FollowLeg(Point(0.0, 0.0), Point(50.0 + step, 0.0), 1.0)  # the way is planned anew each time
+        voyage.at(0.1 * step, boat(speed_m_s=0.0), goal)
+        assert (NO_WAY in voyage.said) is (step > 100)
+    voyage = Voyage(*ROCK, config=with_value(CONFIG, "avoidance.detour_m", 4.0))
+    for step in range(120):
+        voyage.at(
+            0.1 * step, boat(0.05 * step, 9.0, 0.5), FollowLeg(Point(0.0, 9.0), Point(50.0 + step, 9.0), 1.0)
+        )
+    assert NO_WAY not in voyage.said, "it moves on"

@@ -34,13 +34,14 @@ def test_a_course_a_heading_and_a_turn_lead_straight_on_or_straight_back(
 
 
 @pytest.mark.parametrize("cross_m", [-1.0, 1.0])
-def test_a_boat_beside_its_leg_comes_back_to_it_ahead_of_itself(cross_m: float) -> None:
-    here, joins, end = way_ahead(LEG, boat(20.0, cross_m), CONFIG, REACH_M)
-    assert here == Point(20.0, cross_m)
-    assert joins == pytest.approx((22.0, 0.0))
-    assert end == LEG.end
-    far = way_ahead(LEG, boat(20.0, 20.0 * cross_m), CONFIG, REACH_M)
-    assert far[1] == pytest.approx((20.0 + CONFIG.guidance.lookahead_m, 0.0))
+def test_a_boat_beside_its_leg_comes_back_to_it_as_line_of_sight_leads(cross_m: float) -> None:
+    way = way_ahead(LEG, boat(20.0, cross_m), CONFIG, REACH_M)
+    assert (way[0], way[-1]) == (Point(20.0, cross_m), LEG.end)
+    ahead_m = 0.5 * CONFIG.guidance.lookahead_m  # at half the cruise speed
+    half, whole = way[1:3]
+    assert whole == pytest.approx((20.0 + ahead_m, cross_m / math.e))
+    slope = (half.east_m - cross_m) / (0.5 * ahead_m)
+    assert slope == pytest.approx(-cross_m / ahead_m, rel=0.25)  # where line of sight points
 
 
 def test_near_the_end_of_a_leg_the_way_goes_on_to_the_next_one() -> None:
@@ -95,3 +96,8 @@ def test_a_detour_goes_on_while_the_goal_is_the_same() -> None:
     assert is_same_goal(intents.HoldCourse(0.0, 1.0), intents.HoldCourse(1.0, 1.0))
     assert not is_same_goal(LEG, STATION)
     assert not is_same_goal(LEG, None)
+
+
+def test_a_place_just_at_a_corner_leads_on_to_the_next_stretch() -> None:
+    way = [Point(0.0, 0.0), Point(1.0, 0.0), Point(1.0, 2.0)]
+    assert places_on(way, 0.5, 4) == [Point(0.5, 0.0), Point(1.0, 0.0), Point(1.0, 0.5), Point(1.0, 1.0)]
