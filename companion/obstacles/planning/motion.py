@@ -23,13 +23,10 @@ TURNS: Final = tuple(APART_RAD * step for step in range(-12, 12))
 _BETWEEN: Final = 3  # offsets of the turns: 5°, to meet the heading that is held
 CRASH_STOP: Final = -10.0  # speed of the rollout with both propellers full astern until the boat is at rest,
 FULL_ASTERN: Final = -20.0  # and of the one that keeps them so
-_DELAY_S: Final = (
-    0.2  # half a period of the decisions, and the motors: 0.15 s, as in guidance/path_following.py
-)
-# Full thrust at rest over mass, of guidance's accel_m_s2: the lake boat's 8.0 N on 8.6 kg are 0.93 m/s², less
-# what the battery loses
-_THRUST: Final = 2.0
-_ASTERN: Final = 0.6  # propellers' thrust astern, of ahead: 0.55 to 0.65 (sitl/boats/lake.toml)
+_DECIDES_S: Final = 0.05  # half a period of the decisions
+# Full thrust at rest over mass, of guidance's accel_m_s2, at which the boat brakes with ASTERN_SHARE of it
+_THRUST: Final = 1.0 / ASTERN_SHARE
+_ASTERN: Final = 0.6  # propellers' thrust astern, of ahead: 0.5 to 0.7, as in estimation/hull_model.py
 BOW: Final = (
     0.25  # margins ahead of the centre, astern of it for a boat that goes astern: half a hull less its beam
 )
@@ -67,12 +64,13 @@ def roll(
     half_s = 0.5 * STEP_S  # of the integration
     follows = 1.0 - math.exp(-half_s / handling.yaw_time_s)
     force, astern = _THRUST * config.guidance.accel_m_s2, _astern_share(config)
+    delay_s = _DECIDES_S + handling.motor_time_s
     slew, held = config.motors.slew_per_s * half_s, feed_forward(max(surge_m_s, 0.0), setting)
     surge, rate, bow, ahead, right = surge_m_s, yaw_rate_rad_s, 0.0, 0.0, 0.0
     aheads, rights = [], []
     bow_m = BOW * config.avoidance.margin_m
     for step in range(1, 2 * STEPS + 1):
-        if step * half_s > _DELAY_S:
+        if step * half_s > delay_s:
             error = turn_rad - bow
             effort = clamp(gains.kp * error - gains.kd * rate, -gains.max_steering, gains.max_steering)
             fastest = handling.turn_rate_rad_s
@@ -120,7 +118,7 @@ def crash_stop_m(speed_m_s: float, reaction_s: float, config: BoatConfig) -> flo
     astern = _astern_share(config) * config.speed.max_throttle
     stops_m = 0.5 * top * top / force * math.log1p(speed_m_s * speed_m_s / (astern * top * top))
     reversal = feed_forward(speed_m_s, config.speed) + config.speed.max_throttle
-    reaction_s += _DELAY_S + 0.5 * reversal / config.motors.slew_per_s
+    reaction_s += _DECIDES_S + config.handling.motor_time_s + 0.5 * reversal / config.motors.slew_per_s
     return reaction_s * speed_m_s + stops_m
 
 
