@@ -192,6 +192,10 @@ SCENARIOS: dict[Condition, Scenario] = {
         with_nav(faults=int(EstimateFault.COMPASS_OFF)), with_nav(faults=int(EstimateFault.GNSS_FROZEN)),
         "Compass off: using gyro and course", "compass good again", NONE, 0.0, 3.0, modes=BY_POSITION,
     ),
+    Condition.GYRO_BAD: Scenario(
+        with_nav(faults=int(EstimateFault.GYRO_LOST)), with_nav(faults=int(EstimateFault.COMPASS_LATE)),
+        "Gyro lost: using yaw model", "gyro good again", NONE, 0.0, 3.0, modes=BY_POSITION,
+    ),
     Condition.SONAR_LOST: Scenario(
         with_board(has_lost_sonar=True), with_board(), "Sonar lost for 3 s", "sonar pings again",
         NONE, 0.0, 3.0, modes=AUTONOMOUS,

@@ -26,6 +26,8 @@ class EstimateFault(IntFlag):
     HEADING_LOST = 64  # no source of heading
     GNSS_LATE = 128  # fixes have an unreported latency, which is compensated
     COMPASS_LATE = 256  # the same for compass and gyro, or infrequent readings: the yaw model bridges them
+    GYRO_LOST = 512  # no rate, a constant one, or erratic ones, while headings are measured
+    GYRO_OFF = 1024  # a larger bias than its data sheet allows, which is compensated
 
 
 class NavState(Struct, frozen=True, gc=False):
@@ -178,6 +180,8 @@ FAULT_TEXTS: Final[tuple[tuple[EstimateFault, str], ...]] = (
     (EstimateFault.COMPASS_OFF, "Compass off: using gyro and course"),
     (EstimateFault.GNSS_LATE, "GPS late: compensated"),
     (EstimateFault.COMPASS_LATE, "Compass late: using yaw model"),
+    (EstimateFault.GYRO_LOST, "Gyro lost: using yaw model"),
+    (EstimateFault.GYRO_OFF, "Gyro off: bias compensated"),
 )
 """Worst first; each fits one STATUSTEXT with room for a prefix."""
 

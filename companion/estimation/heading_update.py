@@ -30,6 +30,9 @@ _LOST: Final = int(EstimateFault.COMPASS_LOST)
 _OFF: Final = int(EstimateFault.COMPASS_OFF)
 _LATE: Final = int(EstimateFault.COMPASS_LATE)
 _HEADING_LOST: Final = int(EstimateFault.HEADING_LOST)
+_GYRO_LOST: Final = int(EstimateFault.GYRO_LOST)
+_GYRO_OFF: Final = int(EstimateFault.GYRO_OFF)
+_GYRO_OFF_RAD_S: Final = 0.06  # 3.4°/s; a BNO055's data sheet allows 3
 
 
 class HeadingUpdate:
@@ -39,6 +42,7 @@ class HeadingUpdate:
         self._state = state
         self._gate_rad, self._timeout_s = setting.compass_gate_rad, setting.compass_timeout_s
         self.latency = DelayEstimator(_TURNING_RAD_S)  # of compass and gyro
+        self._rate_s = math.inf  # of the gyro's latest reading; infinite before the first
         self.time_s = self.compass_s = self._stamp_s = self._block_s = self._disagreed_s = -math.inf
         self.is_off = self._is_lost = False
         self._compass, self._gyro = SensorMonitor(), SensorMonitor()
@@ -60,6 +64,8 @@ class HeadingUpdate:
         has_heading = not math.isnan(reading.heading_rad)
         if rate is not None and not self._gyro.update(rate, stamp_s, 0.0) and has_heading:
             rate = None
+        if rate is not None:
+            self._rate_s = stamp_s
         before_rad = state.heading_rad
         state.is_late = rate is not None and (late.delay_s > 0.0 or self._pause_s > PAUSE_S)
         state.turn(now_s, rate if late.delay_s == 0.0 else None, learns=not late.is_watching(stamp_s))
@@ -195,6 +201,10 @@ class HeadingUpdate:
             faults = _LOST
         elif self.latency.delay_s > 0.0 or self._pause_s > PAUSE_S:
             faults = _LATE
+        if self._stamp_s - self._rate_s > self._timeout_s:
+            faults |= _GYRO_LOST
+        elif state.has_gyro and abs(state.bias_rad_s) > _GYRO_OFF_RAD_S:
+            faults |= _GYRO_OFF
         self._is_lost = self._sigma_rad > (BLIND_RAD if self._is_lost else LOST_RAD)
         return faults | _HEADING_LOST if self._is_lost else faults
 

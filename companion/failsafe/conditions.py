@@ -15,6 +15,7 @@ _GNSS: Final = int(
     EstimateFault.GNSS_LOST | EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING | EstimateFault.GNSS_LATE
 )
 _COMPASS: Final = int(EstimateFault.COMPASS_LOST | EstimateFault.COMPASS_OFF | EstimateFault.COMPASS_LATE)
+_GYRO: Final = int(EstimateFault.GYRO_LOST | EstimateFault.GYRO_OFF)
 
 
 # Position and heading
@@ -40,6 +41,11 @@ def gnss_bad(inputs: FailsafeInputs) -> str:
 def compass_bad(inputs: FailsafeInputs) -> str:
     """The compass is silent, late, stuck, or disagrees with the course."""
     return _worst(inputs, _COMPASS)
+
+
+def gyro_bad(inputs: FailsafeInputs) -> str:
+    """The gyro is silent, stuck, erratic or biased while the compass measures."""
+    return _worst(inputs, _GYRO)
 
 
 def _worst(inputs: FailsafeInputs, of: int) -> str:

@@ -55,6 +55,7 @@ class Condition(IntFlag):
     RC_LOST = 1 << 21
     AGROUND = 1 << 22
     SHALLOW = 1 << 23
+    GYRO_BAD = 1 << 24
 
 
 class Step(NamedTuple):
@@ -154,6 +155,8 @@ ROWS: tuple[Row, ...] = (
     Row(Condition.GNSS_BAD, conditions.gnss_bad, "gnss_action", "GPS good again",
         guard=Guard(POSITION_MODES), clear_s=3.0),
     Row(Condition.COMPASS_BAD, conditions.compass_bad, "compass_action", "compass good again",
+        guard=Guard(POSITION_MODES), clear_s=3.0),
+    Row(Condition.GYRO_BAD, conditions.gyro_bad, "compass_action", "gyro good again",
         guard=Guard(POSITION_MODES), clear_s=3.0),
     Row(Condition.SONAR_LOST, conditions.sonar_lost, "sonar_action", "sonar pings again",
         guard=Guard(AUTONOMOUS_MODES), clear_s=3.0),

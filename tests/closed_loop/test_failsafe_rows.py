@@ -50,6 +50,7 @@ CATAMARAN: dict[Condition, Course] = {
     Condition.RC_LOST: STAY_THEN_HOME,
     Condition.GNSS_BAD: TOLD,
     Condition.COMPASS_BAD: TOLD,
+    Condition.GYRO_BAD: TOLD,
     Condition.SONAR_LOST: TOLD,
     Condition.OVERRUN: Course((AUTO, LOITER), 10.0),
     Condition.STORAGE_FAILED: TOLD,

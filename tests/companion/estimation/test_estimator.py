@@ -1,6 +1,7 @@
 """The estimator against motions that are known exactly, and against readings that are not to be believed."""
 
 import math
+from collections.abc import Callable
 
 import pytest
 from hypothesis import given
@@ -189,3 +190,26 @@ def test_of_a_stated_accuracy_only_what_changes_within_minutes_counts(
     fix = GnssFix(0.0, ORIGIN, 3, 12, 0.9, 0.0, 0.0, horizontal_accuracy_m=stated_m)
     estimator.update(fix, None, 0.0)
     assert estimator.position.sigma_m == pytest.approx(math.hypot(sigma_m / math.sqrt(2.0), MAST_M))
+
+
+@pytest.mark.parametrize(
+    ("rate", "fault"),
+    [
+        (lambda tick: 0.01 + 0.001 * (tick % 3), EstimateFault(0)),
+        (lambda tick: 0.01 + 0.001 * (tick % 3) if tick < 100 else None, EstimateFault.GYRO_LOST),
+        (lambda _: None, EstimateFault(0)),  # a part without one
+        (lambda tick: 0.087 + 0.001 * (tick % 3), EstimateFault.GYRO_OFF),
+    ],
+    ids=["good", "silent", "none fitted", "biased"],
+)
+def test_a_gyro_that_fails_beside_a_good_compass_is_told(
+    rate: Callable[[int], float | None], fault: EstimateFault
+) -> None:
+    estimator = Estimator()
+    for tick in range(3000):
+        reading = HeadingReading(0.02 * tick, 0.001 * (tick % 7), rate(tick))
+        nav = estimator.update(None, reading, 0.02 * tick)
+        if fault is EstimateFault.GYRO_LOST and nav is not None:
+            assert bool(nav.faults & fault) is (tick > 100 + 76) or 170 < tick < 185
+    assert nav is not None
+    assert EstimateFault(nav.faults) & (EstimateFault.GYRO_LOST | EstimateFault.GYRO_OFF) == fault

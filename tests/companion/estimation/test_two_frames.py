@@ -116,7 +116,7 @@ def voyage(view: View, trouble: str, seconds: float) -> list[Moment]:
         ("none", EstimateFault(0), 0.3, 2.7),
         ("the compass drifts", EstimateFault.COMPASS_OFF, 0.3, 5.0),
         ("the compass is off", EstimateFault.COMPASS_LOST, 0.3, 9.0),
-        ("the gyro is off", EstimateFault(0), 0.3, 3.3),
+        ("the gyro is off", EstimateFault.GYRO_LOST, 0.3, 3.3),
         ("positions drift", EstimateFault.GNSS_JUMPING, 0.5, 3.0),
         ("positions jump", EstimateFault.GNSS_JUMPING, 0.3, 2.7),
         ("GNSS is off", EstimateFault.GNSS_LOST, 0.4, 3.0),
