@@ -35,7 +35,7 @@ _STRAIGHT: Final = 0.05  # of full steering, mean of a second: beyond, the rest 
 # Yaw acceleration in calm water: 0.03 on zigzags, 0.05 in gusts of 10 m/s. Waves of 0.05 m give 0.08
 _CALM_RAD_S2: Final = 0.06
 _BANDWIDTH_RAD_S: Final = 1.6  # of the heading loop (config.tuning.Heading), which answers what is slower
-_MISFIT: Final = 1.0  # of what steering gives, on a hull that is not the model: its own swings are no waves
+_MISFIT: Final = 0.5  # of what steering gives, on a hull that is not the model: its own swings are no waves
 
 
 class WaveSpectrum:
