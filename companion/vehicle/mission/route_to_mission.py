@@ -31,6 +31,7 @@ class RouteToMission:
         self._end: Point | None = None  # of the first leg, while the boat sails to it
         self._station: KeepStation | None = None  # while the route is not known
         self._passage = Passage(surroundings)
+        self._is_led = self._is_by_fence = False  # round what was seen; round the fence's lines
 
     def update(
         self, intent: Intent, progress: MissionProgress, nav: NavState, config: BoatConfig, now_s: float
@@ -45,6 +46,7 @@ class RouteToMission:
             needs_way = self._fence.is_active and not self._is_open(nav.point, leg.end, config)
             self._station = KeepStation(nav.point) if needs_way else None
             self._passage.sail_straight(nav.point, leg.end, config)
+            self._is_led = self._is_by_fence = False
         if line.end != self._end:
             self._end = None
             return intent
@@ -53,6 +55,12 @@ class RouteToMission:
         self._passage.update(nav, [line.end], config, now_s)
         way = self._passage.way
         if way is None or way.is_straight:
+            return intent
+        # What is rounded within sight, or lies at the end, is left to the local planner
+        away_m, sight_m = distance_m(nav.point, line.end), config.avoidance.lookahead_m
+        is_long = self._is_led or way.left_m(nav.point) > away_m + sight_m
+        self._is_led = is_long and away_m > sight_m
+        if not self._is_led and not self._is_by_fence:
             return intent
         way.advance(nav, config)
         if way.is_last and line.start == way.leg.start:
@@ -80,7 +88,7 @@ class RouteToMission:
         way = finished(self._surroundings.searching(here, [end], config, shares))
         severity, where = (Severity.WARNING, "near the fence")
         if way is not None:
-            self._passage.way = way
+            self._passage.way, self._is_by_fence = way, True
             severity, where = (Severity.INFO, "round the shore")
         self._status_texts.append(StatusText(severity, f"The way to the mission leads {where}"))
         return True

@@ -156,7 +156,7 @@ def test_what_is_seen_on_the_way_to_the_first_waypoint_leads_to_another_route() 
         boat.prepare()
     wanted, sailed = boat.sail()
     assert sailed is wanted
-    for east_m in range(-10, 30):
+    for east_m in range(-30, 40):
         boat.surroundings.voyage._add((20, east_m), Point(20.5, east_m + 0.5))
     ends = []
     for second in range(1, 60):
@@ -168,9 +168,21 @@ def test_what_is_seen_on_the_way_to_the_first_waypoint_leads_to_another_route() 
         boat.nav = nav_at(*sailed.end)
         if sailed.end.north_m > 55.0:
             break
-    assert min(end.east_m for end in ends) < -10.5
+    assert min(end.east_m for end in ends) < -30.5
     assert ends[-1] == pytest.approx((60.0, 0.0), abs=1e-3)
     assert boat.progress.loose_leg is None, "the rest is the mission's own leg"
+
+
+def test_what_is_rounded_within_sight_is_left_to_the_local_planner() -> None:
+    boat = Boat(Point(0.0, 0.0), (60.0, 0.0), ())
+    for _ in range(2):
+        boat.prepare()
+    boat.sail()
+    boat.surroundings.voyage._add((20, 0), Point(20.5, 0.5))
+    for second in range(1, 5):
+        wanted = boat.progress.update(boat.nav, FRAME, CONFIG, float(second))
+        sailed = boat.route_to_mission.update(wanted, boat.progress, boat.nav, CONFIG, float(second))
+        assert sailed is wanted
 
 
 def test_after_the_first_leg_what_was_seen_is_left_to_the_local_planner() -> None:
