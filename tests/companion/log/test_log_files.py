@@ -201,6 +201,16 @@ def test_pieces_are_those_of_the_file_whatever_is_asked_for(
         assert len(reader._blocks) <= 4
 
 
+def test_the_next_block_is_read_ahead(tmp_path: Path) -> None:
+    content = bytes(BLOCK_BYTES) + b"next"
+    (tmp_path / "00001.bin").write_bytes(content)
+    worker = LateWorker()
+    reader = LogReader(LogStore(tmp_path, 100.0), worker, "00001.bin")
+    assert reader.piece(0, 90) is None
+    worker.work()
+    assert reader.piece(BLOCK_BYTES, 90) == b"next"
+
+
 def test_a_file_that_grows_is_read_anew(tmp_path: Path) -> None:
     path = tmp_path / "00001.bin"
     path.write_bytes(b"begin")

@@ -73,6 +73,14 @@ def test_the_oldest_go_first_when_together_they_are_too_large(tmp_path: Path) ->
     assert names(store) == ["00003.bin", "00004.bin", "00005.bin"]
 
 
+def test_a_new_log_makes_room_first(tmp_path: Path) -> None:
+    for _ in range(5):
+        written(LogStore(tmp_path, 100.0), 300_000)
+    store = LogStore(tmp_path, 1.0)  # the owner has lowered the quota
+    written(store, 10, finished=False)
+    assert names(store) == ["00003.bin", "00004.bin", "00005.bin", "00006.bin"]
+
+
 def test_a_log_that_is_being_written_is_never_removed(tmp_path: Path) -> None:
     store = LogStore(tmp_path, 1.0)
     current = written(store, 5 * MB, finished=False)
