@@ -35,7 +35,7 @@ def test_the_main_values_of_a_boat() -> None:
     assert seen.battery.left_s is None, "at rest the charge lasts for hours"
     assert seen.fix is not None
     assert seen.compass is not None
-    assert (seen.fix.type, seen.compass.text) == ("3D", "good")
+    assert (seen.fix.type, seen.compass.text) == ("RTK float", "good")
     assert seen.fix.error_m is not None
     assert seen.place is not None
     at = scenario().frame.to_global(Point(truth.north_m, truth.east_m))

@@ -55,7 +55,7 @@ def test_the_parts_of_a_healthy_boat_are_fine_and_have_values() -> None:
     verdicts = {name: one.verdict for name, one in seen.items()}
     assert verdicts.pop("rc") == "skipped"
     assert set(verdicts.values()) == {"fine"}, seen
-    assert seen["gnss"].values["fix"] == 3
+    assert seen["gnss"].values["fix"] == 5
     assert seen["gnss"].values["satellites"] >= 6
     assert 0.3 < seen["gnss"].values["hdop"] < 2.5
     assert 0.0 <= seen["compass"].values["heading_deg"] < 360.0
