@@ -1,8 +1,9 @@
 """Speed limits: what the boat can stop from before known cells, and within the water it has looked at.
 
-In water that no chart knows, a crash stop must end before the first place that was not seen free. The boat
-reacts after half the time between two passes of the sweep over its course, and a second look. What it makes
-between two passes does not count, and so the limit does not fall and rise with each pass.
+In water that no chart knows, a crash stop must end a margin before the first place that was not seen free,
+and before the first where a ranger may miss a small thing. The boat reacts after half the time between two
+passes of the sweep over its course, and a second look. What it makes between two passes does not count, and
+so the limit does not fall and rise with each pass.
 """
 
 import math
@@ -26,7 +27,10 @@ _LEAST_STEERING: Final = 0.2  # and most of it: the thrust is for braking
 _PASS_S: Final = 0.23  # per rad of the sector, from one look ahead to the next: a ping of 60 ms every 15°,
 _LOOK_AGAIN_S: Final = 0.06  # and one more ping at what was met
 _STOPS_S: Final = 3.5  # a crash stop takes, while a current carries the boat on
-_BOW: Final = 0.5  # margins from the boat's centre: half the hull's length
+# Share of its reach in which a ranger finds small things: a wall's echo falls with the square of the range, a
+# rock's with the fourth power (R. J. Urick, *Principles of Underwater Sound*, 1983, section 2.3). At three
+# quarters a rock may be 5 dB weaker than the wall at the full reach
+_FINDS: Final = 0.75
 _FAR_ABOVE_M_S: Final = 0.5  # the limit of sight: the propellers turn astern for it
 STILL_SHARE: Final = 0.25  # of the slowest speed with steerage way: slower, the course is noise
 _GENTLE_SHARE: Final = 0.5  # of the room is for braking: near rest only the propellers brake, and weakly
@@ -111,10 +115,11 @@ def allowed_speed_m_s(
     pass_s = _PASS_S * min(max(starboard_rad - port_rad, 2.0 * AHEAD_RAD), math.pi)
     reaction_s = 0.5 * pass_s + _LOOK_AGAIN_S
     stops_m = crash_stop_m(config.handling.top_speed_m_s, reaction_s, config)
-    margin_m = _BOW * config.avoidance.margin_m + _STOPS_S * max(nav.current_along_m_s(course_rad), 0.0)
+    margin_m = config.avoidance.margin_m + _STOPS_S * max(nav.current_along_m_s(course_rad), 0.0)
     between_m = 2.0 * pass_s * speed_m_s  # at the edge of the sector
     room_m = water.room_m(nav.point, course_rad, margin_m + stops_m, now_s, between_m)
-    return max(crash_stop_speed_m_s(room_m - margin_m, reaction_s, config), least_m_s)
+    seen_m = min(room_m, _FINDS * perception.reach_m)
+    return max(crash_stop_speed_m_s(seen_m - margin_m, reaction_s, config), least_m_s)
 
 
 def _room_m(field: ClearanceField, here: Point, north: float, east: float, steps: int) -> float:

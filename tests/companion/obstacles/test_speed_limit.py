@@ -81,25 +81,26 @@ def looked(reach_m: float = 4.0, *, ahead_rad: float = 0.0) -> Chart:
     return chart
 
 
-@pytest.mark.parametrize("reach_m", [2.0, 4.0, 6.0])
-def test_by_sight_a_crash_stop_a_pass_of_the_sweep_later_ends_before_what_was_not_seen(
+@pytest.mark.parametrize("reach_m", [4.0, 6.0, 8.0])
+def test_by_sight_a_crash_stop_a_pass_of_the_sweep_later_ends_a_margin_before_what_a_ranger_may_miss(
     reach_m: float,
 ) -> None:
     found = allowed_speed_m_s(boat(speed_m_s=0.0), CONFIG, looked(reach_m), Fence(), 0.0)
     stops_m = max(roll(found, 0.0, 0.0, CRASH_STOP, CONFIG).ahead_m) - BOW
-    assert 0.85 * (reach_m - 0.5) < stops_m + 0.18 * found < reach_m - 0.3
+    room_m = 0.75 * reach_m - CONFIG.avoidance.margin_m
+    assert 0.85 * room_m < stops_m + 0.18 * found < room_m + 0.2
 
 
-def test_with_four_metres_of_sight_the_boat_sails_at_nearly_its_cruise() -> None:
-    assert allowed_speed_m_s(boat(), CONFIG, looked(), Fence(), 0.0) == pytest.approx(1.74, abs=0.03)
+def test_with_four_metres_of_sight_the_boat_sails_at_little_more_than_half_its_cruise() -> None:
+    assert allowed_speed_m_s(boat(), CONFIG, looked(), Fence(), 0.0) == pytest.approx(1.20, abs=0.03)
 
 
 def test_a_sweep_all_round_looks_ahead_seldom_and_so_the_boat_is_slower() -> None:
     chart = looked()
     chart.sector = Sector(-math.pi, math.pi)
-    assert allowed_speed_m_s(boat(), CONFIG, chart, Fence(), 0.0) == pytest.approx(1.61, abs=0.03)
+    assert allowed_speed_m_s(boat(), CONFIG, chart, Fence(), 0.0) == pytest.approx(1.10, abs=0.03)
     chart.sector = Sector(0.3, 0.3)  # a second look at an echo does not look ahead at all
-    assert allowed_speed_m_s(boat(), CONFIG, chart, Fence(), 0.0) == pytest.approx(1.74, abs=0.03)
+    assert allowed_speed_m_s(boat(), CONFIG, chart, Fence(), 0.0) == pytest.approx(1.20, abs=0.03)
 
 
 def test_the_sweep_does_not_make_the_limit_rise_and_fall() -> None:
@@ -113,7 +114,7 @@ def test_the_sweep_does_not_make_the_limit_rise_and_fall() -> None:
         if ping > 20:
             found.append(allowed_speed_m_s(nav, CONFIG, chart, Fence(), now_s))
     assert min(found) == pytest.approx(max(found), abs=0.01)
-    assert min(found) > 1.7
+    assert min(found) > 1.15
 
 
 def test_water_looked_at_too_long_ago_or_never_is_crossed_at_the_slowest_speed() -> None:
@@ -122,16 +123,17 @@ def test_water_looked_at_too_long_ago_or_never_is_crossed_at_the_slowest_speed()
 
 def test_a_current_from_astern_leaves_less_room() -> None:
     found = []
-    for current_m_s in (0.5, 0.0, -0.5):
+    for current_m_s in (0.2, 0.0, -0.2):
         nav = replace(boat(), current_north_m_s=current_m_s)
         found.append(allowed_speed_m_s(nav, CONFIG, looked(), Fence(), 0.0))
-    assert found[0] == pytest.approx(allowed_speed_m_s(boat(), CONFIG, looked(2.25), Fence(), 0.0), abs=0.05)
+    shorter = looked(4.0 - 3.5 * 0.2 / 0.75)
+    assert found[0] == pytest.approx(allowed_speed_m_s(boat(), CONFIG, shorter, Fence(), 0.0), abs=0.05)
     assert found[1] == found[2]
 
 
 def test_a_propeller_that_gives_little_astern_allows_less_speed() -> None:
     weak = with_value(CONFIG, "thrusters.asymmetry", 4.0)
-    assert allowed_speed_m_s(boat(), weak, looked(), Fence(), 0.0) < 1.4
+    assert allowed_speed_m_s(boat(), weak, looked(), Fence(), 0.0) < 1.05
 
 
 def test_known_water_sets_no_limit_and_costs_no_bookkeeping() -> None:
