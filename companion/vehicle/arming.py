@@ -6,10 +6,11 @@ from typing import Final
 from companion.config.boat_config import BoatConfig
 from companion.core.modes import Mode
 from companion.core.readings import BatteryReading, GnssFix
-from companion.core.state import NavState
+from companion.core.state import EstimateFault, NavState
 from companion.rc.manual_input import ManualInput
 
 RESTARTING: Final = "Program: restarting"
+_COMPASS_LOST: Final = int(EstimateFault.COMPASS_LOST)
 
 
 def absolute_faults(output_fault: str, *, is_restarting: bool) -> list[str]:
@@ -39,7 +40,7 @@ def sensor_faults(
 ) -> list[str]:
     """What the sensors lack for arming, worst first.
 
-    MANUAL and HOLD arm without a position. Every mode needs a compass.
+    MANUAL and HOLD arm without a position. Every mode needs a compass: at rest the course tells no heading.
     """
     setting, timeout_s = config.arming, config.motors.estimate_timeout_s
     if not setting.check:
@@ -52,7 +53,7 @@ def sensor_faults(
             faults.append(f"GPS: HDOP {fix.hdop:.1f} is above {setting.max_hdop:.1f}")
         elif nav is None or nav.position_age_s > timeout_s:
             faults.append("GPS: position is stale")
-    if nav is None or nav.heading_age_s > timeout_s:
+    if nav is None or nav.heading_age_s > timeout_s or nav.faults & _COMPASS_LOST:
         faults.append("Compass: no heading")
     if battery is None:
         if has_battery_monitor:

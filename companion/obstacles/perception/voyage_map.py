@@ -72,7 +72,9 @@ class VoyageMap:
         return self.nearest(at, within_m) is not None
 
     def nearest(self, at: Point, within_m: float) -> Point | None:
-        """What was seen nearest to a place, if it is within this distance."""
+        """What was seen nearest to a place, if it is within this distance; nothing is near to NaN."""
+        if not self._seen or not math.isfinite(at.north_m + at.east_m):
+            return None
         reach, (row, column) = math.ceil(within_m / self._cell_m), self._key(at)
         rows, columns = range(row - reach, row + reach + 1), range(column - reach, column + reach + 1)
         near = [one for r in rows for c in columns if (one := self._seen.get((r, c))) is not None]

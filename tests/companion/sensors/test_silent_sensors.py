@@ -101,7 +101,7 @@ def test_a_silent_receiver_has_no_fix_after_four_seconds_and_the_boat_does_not_a
     assert rig.health() & dialect.MAV_SYS_STATUS_SENSOR_GPS
     rig.silence("gnss")
     rig.run(3.5)
-    assert rig.peer.said("GPS_RAW_INT")[-1].fix_type == dialect.GPS_FIX_TYPE_3D_FIX
+    assert rig.peer.said("GPS_RAW_INT")[-1].fix_type == dialect.GPS_FIX_TYPE_RTK_FLOAT
     rig.run(1.0)
     rig.peer.forget()
     rig.run(1.0)

@@ -7,7 +7,7 @@ from boat_rig import GOOD_FIX, nav_at
 from companion.config.boat_config import Arming, BoatConfig
 from companion.core.modes import Mode
 from companion.core.readings import BatteryReading, GnssFix
-from companion.core.state import NavState
+from companion.core.state import EstimateFault, NavState
 from companion.vehicle.arming import PreArmReport, sensor_faults
 
 FULL = BatteryReading(0.0, 12.4)
@@ -43,6 +43,12 @@ def test_a_stale_position_and_a_silent_compass_are_told_apart() -> None:
     assert faults(nav=nav) == ["GPS: position is stale", "Compass: no heading"]
     assert faults(Mode.MANUAL, nav=None) == ["Compass: no heading"]
     assert faults(nav=nav_at(age_s=2.9)) == []
+
+
+def test_a_heading_by_gyro_and_course_does_not_arm() -> None:
+    nav = msgspec.structs.replace(nav_at(), faults=int(EstimateFault.COMPASS_LOST))
+    assert faults(nav=nav) == ["Compass: no heading"]
+    assert faults(nav=msgspec.structs.replace(nav, faults=int(EstimateFault.COMPASS_LATE))) == []
 
 
 def test_an_empty_pack_and_a_silent_monitor_do_not_arm_and_a_missing_monitor_does() -> None:
