@@ -18,7 +18,7 @@ from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import SAME_PASS_S, ObstacleTracks
 
 _HASTY_S: Final = 3.0  # a boat that covers its sight in less looks again at a single echo at once
-_CROSSING_M_S: Final = 0.8  # half a sweep hears ahead every 0.36 s at the speed of 4 m of sight, 1.06 m/s
+_CROSSING_M_S: Final = 0.8  # half a sweep hears ahead every 0.36 s at the speed of 4 m of sight, 1.2 m/s
 AHEAD_RAD: Final = 0.53  # two bearings of 15° to either side: ahead, or to see the water beside a track
 _BESIDE_RAD: Final = 0.27  # a beam on either side of a course about to be taken
 _ABEAM_RAD: Final = 1.6  # the servo's reach, and what was ahead before is abaft it
