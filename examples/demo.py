@@ -43,6 +43,7 @@ PATIENCE_S = 80.0  # for first heartbeat and position: the usual ten at eight ti
 FASTEST = 120.0  # times real time; what an emulated boat keeps up with on a small machine
 FARTHEST_M = 700.0
 KEEPS_WITHIN_M = 0.5  # how far inside the clearance the boat may stray where there is no room for a margin
+RECEIVER = "sensors.gnss.receiver=rtk"  # the kit's receiver wanders by metres, which would hide plan and PID
 REACHED_M = 2.5  # a waypoint passed nearer than this, in truth, was reached: the boat's radius and its GNSS
 PASSING_M = 40.0  # an obstacle nearer than this to the track was sailed past
 DRAWN_POINTS = 3000
@@ -78,7 +79,7 @@ def main() -> int:
     straight_m = distance_m(start, goal)
     speedup = min(max(1.5 * straight_m / CRUISE_M_S / SAIL_S, 1.0), FASTEST)
     ends = [frame.to_global(start), frame.to_global(goal)]
-    console.print(f"1  boat-sitl serve {arguments.map} --speedup {speedup:.0f}")
+    console.print(f"1  boat-sitl serve {arguments.map} --set {RECEIVER} --speedup {speedup:.0f}")
     with _emulator(arguments.map, ends[0], speedup, out / "track.csv", console) as url:
         console.print(f"2  mission-upload {arguments.map} --connect {url} --start --follow")
         report = _upload(arguments.map, ends, clearance_m, url, out / "demo.plan")
@@ -136,6 +137,8 @@ def _emulator(source: str, start: LatLon, speedup: float, track: Path, console: 
     """A boat-sitl process on a port of the system's choice; its url."""
     command = [_program("boat-sitl"), "serve", source, f"--start={start.lat_deg:.7f},{start.lon_deg:.7f}"]
     command += [
+        "--set",
+        RECEIVER,
         "--speedup",
         f"{speedup:.1f}",
         "--tcp",
