@@ -32,7 +32,7 @@ from companion.vehicle.track import SailedTrack
 
 _CHECK_S = 1.0  # how often the way ahead is checked
 _LOOKS_M = 6.0  # to what was seen; the boat stops from its cruise within 5 m
-_UNSEEN = 1.9  # the lake boat's cruise over its speed by a sight of 4 m (docs/avoidance.md)
+_UNSEEN = 1.9  # a cruise of 2 m/s over 1.06 m/s, the former speed by a sight of 4 m (docs/avoidance.md)
 # Of its clearance to what was seen, a leg keeps so much to each cell, as outlines cut corners; with less the
 # way is barred
 _CLEAR_SHARE, _BARRED_SHARE = 0.75, 0.6
@@ -170,7 +170,7 @@ class Passage:
     def sail_straight(self, here: Point, goal: Point, config: BoatConfig) -> None:
         """Sail straight to a goal, until something seen bars the way."""
         self.aim_anew()
-        self.way = WaterRoute(self._surroundings.is_clear, here, Way((goal,), 0.0, 0.0), config)
+        self._go_straight(here, goal, config)
 
     def leg(self, nav: NavState, goals: Sequence[Point], config: BoatConfig, now_s: float) -> Leg | None:
         """What to sail: straight to the first goal while no way is known. None once the end is reached."""
@@ -212,12 +212,15 @@ class Passage:
         self._version = surroundings.voyage.version
         goal = surroundings.straight(here, goals, config)
         if goal is not None:
-            self.way = WaterRoute(surroundings.is_clear, here, Way((goal,), 0.0, 0.0), config)
+            self._go_straight(here, goal, config)
             return
         is_close = surroundings.voyage.is_near(here, _CLOSE * config.avoidance.margin_m)
         self._search = surroundings.searching(
             here, goals, config, is_wary=self._is_wary, via=self._roomy if is_close else None
         )
+
+    def _go_straight(self, here: Point, goal: Point, config: BoatConfig) -> None:
+        self.way = WaterRoute(self._surroundings.is_clear, here, Way((goal,), 0.0, 0.0), config)
 
     def _comes_upon_something(self, nav: NavState, config: BoatConfig) -> bool:
         """Whether the boat approaches what was seen so fast that it can just stop."""

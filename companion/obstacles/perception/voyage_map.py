@@ -10,8 +10,9 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
-from companion.core.geo import Line, Point, distance_m
+from companion.core.geo import Point, distance_m
 from companion.obstacles.perception.occupancy import SOLID, Occupancy
+from companion.planning.segments import point_distance2
 
 MAX_CELLS: Final = 4000  # 4 km of shore in cells of 1 m
 _STRAIGHT: Final = 0.3  # cells: places within it lie on one line
@@ -94,8 +95,8 @@ class VoyageMap:
             and west_m - clearance_m < at.east_m < east_m + clearance_m
         ]
         ends_m = min((distance_m(at, place) for at in near for place in ends), default=math.inf)
-        line, least_m = Line(start, end), min(clearance_m, _APPROACH * ends_m)
-        return any(_distance_m(line, at) < least_m for at in near)
+        least_m = min(clearance_m, _APPROACH * ends_m)
+        return any(point_distance2(*at, *start, *end) < least_m * least_m for at in near)
 
     def stretches(self) -> list[Stretch]:
         """What was seen as straight stretches, which join neighbouring cells."""
@@ -118,12 +119,6 @@ def _middle(places: Sequence[Point]) -> Point:
     return Point(
         sum(at.north_m for at in places) / len(places), sum(at.east_m for at in places) / len(places)
     )
-
-
-def _distance_m(line: Line, at: Point) -> float:
-    """Distance from a point to a line segment."""
-    along_m, cross_m = line.along_and_cross_track_m(at)
-    return math.hypot(max(-along_m, along_m - line.length_m, 0.0), cross_m)
 
 
 def _joined(seen: dict[Key, Point], tolerance_m: float) -> list[Stretch]:
@@ -160,8 +155,8 @@ def _straightened(chain: Sequence[Point], tolerance_m: float) -> list[Stretch]:
     stretches = []
     first, last = 0, 1
     while last < len(chain):
-        line = Line(chain[first], chain[last])
-        if any(_distance_m(line, at) > tolerance_m for at in chain[first + 1 : last]):
+        start, end = chain[first], chain[last]
+        if any(point_distance2(*at, *start, *end) > tolerance_m**2 for at in chain[first + 1 : last]):
             stretches.append((chain[first], chain[last - 1]))
             first = last - 1
         else:
