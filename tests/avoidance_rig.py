@@ -40,10 +40,10 @@ class Chart(ObstaclePerception):
     def is_near(self, at: Point) -> bool:
         return self.is_within_sight
 
-    def solid(self, now_s: float) -> list[Point]:
+    def solid(self) -> list[Point]:
         return self.rocks
 
-    def suspects(self, now_s: float) -> list[Point]:
+    def suspects(self) -> list[Point]:
         return self.rocks + self.seen_once
 
 

@@ -94,7 +94,6 @@ class AvoidanceSetting(Section, frozen=True):
     margin_m: Positive = 1.0  # from the edge of obstacles
     lookahead_m: Positive = 6.0  # obstacles farther off are ignored
     beam_rad: Annotated[float, Meta(gt=0.0, le=math.pi)] = math.radians(15.0)  # of the boat's own ranger
-    memory_s: Positive = 120.0  # how long a well-observed obstacle is kept out of sight
     detour_m: NonNegative = 80.0  # longest detour
     retry_s: Positive = 30.0  # until the next attempt
 

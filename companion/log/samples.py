@@ -143,7 +143,7 @@ def _around(now: Snapshot, us: int, nav: NavState) -> Iterator[bytes]:
     if perception is None or avoidance is None or perception.is_empty:
         return
     here, now_s = nav.point, now.now_s
-    nearest_m = min((distance_m(here, thing) for thing in perception.solid(now_s)), default=_NAN)
+    nearest_m = min((distance_m(here, thing) for thing in perception.solid()), default=_NAN)
     movers = perception.tracks.movers(now_s)
     closing = _NAN
     if movers:

@@ -12,7 +12,7 @@ from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from companion.core.intent import FollowLeg, KeepStation
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
-from companion.geofence.water_route import MARGIN_SHARES, is_clear, way_to_nearest
+from companion.geofence.water_route import MARGIN_SHARES, way_to_nearest
 from companion.vehicle.surroundings import Passage, Surroundings
 
 
@@ -67,15 +67,13 @@ class ReturnRoute:
         """The distance home by the water; the straight line until that is indexed."""
         straight_m = min((distance_m(point, goal) for goal in self._goals), default=0.0)
         water, basis = self._surroundings.water, self._basis
-        if water is None or basis is None or not self._goals or self._is_straight(point, basis.margin_m):
+        if water is None or basis is None or not self._goals:
+            return straight_m
+        goal = min(self._goals, key=lambda goal: distance_m(point, goal))
+        if self._surroundings.is_clear(point, goal, MARGIN_SHARES[0] * basis.margin_m, 0.0):
             return straight_m
         way = way_to_nearest(self._fence, water, point, self._goals, basis.margin_m)
         return math.inf if way is None else way.length_m
-
-    def _is_straight(self, point: Point, margin_m: float) -> bool:
-        """Whether the fence lets the boat sail straight to the nearest goal."""
-        goal = min(self._goals, key=lambda goal: distance_m(point, goal))
-        return not self._fence.is_active or is_clear(self._fence, point, goal, MARGIN_SHARES[0] * margin_m)
 
     def way_left_m(self, point: Point) -> float | None:
         """Length of the rest of the route; None while it is not known."""

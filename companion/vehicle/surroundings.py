@@ -28,11 +28,11 @@ from companion.geofence.water_route import (
 )
 from companion.guidance.leg import Leg
 from companion.obstacles.perception.voyage_map import VoyageMap
+from companion.obstacles.planning.cost_to_go import UNSEEN_COST
 from companion.vehicle.track import SailedTrack
 
 _CHECK_S = 1.0  # how often the way ahead is checked
 _LOOKS_M = 6.0  # to what was seen; the boat stops from its cruise within 5 m
-_UNSEEN = 1.9  # a cruise of 2 m/s over 1.06 m/s, the former speed by a sight of 4 m (docs/avoidance.md)
 # Of its clearance to what was seen, a leg keeps so much to each cell, as outlines cut corners; with less the
 # way is barred
 _CLEAR_SHARE, _BARRED_SHARE = 0.75, 0.6
@@ -98,7 +98,7 @@ class Surroundings:
         seen = Seen(self.voyage.stretches(), config.avoidance.margin_m)
         if seen.stretches:
             way = yield from searching_way(self.fence, water, start, goals, margin_m, shares, seen)
-            most_m = math.inf if way is None else _UNSEEN * way.length_m
+            most_m = math.inf if way is None else UNSEEN_COST * way.length_m
             back = (yield from self._searching_back(start, goals, config, seen, most_m)) if is_wary else None
             if back is not None:
                 way, is_clear = back, _as_it_is
@@ -117,14 +117,14 @@ class Surroundings:
             return not self.voyage.bars(start, end, seen.margin_m, (start, end))
 
         water, margin_m = self.water, config.fence.margin_m
-        back = self.track.back_to(here, goals, _UNSEEN, is_open)
+        back = self.track.back_to(here, goals, UNSEEN_COST, is_open)
         if water is None or back is None:
             return None
         track, back_m = back
-        if _UNSEEN * distance_m(here, track[0]) + back_m >= most_m:
+        if UNSEEN_COST * distance_m(here, track[0]) + back_m >= most_m:
             return None
         joins = yield from searching_way(self.fence, water, here, track[:1], margin_m, seen=seen)
-        if joins is None or _UNSEEN * joins.length_m + back_m >= most_m:
+        if joins is None or UNSEEN_COST * joins.length_m + back_m >= most_m:
             return None
         corners = (*joins.corners, *track[1:])
         return Way(corners, path_length_m((here, *corners)), margin_m, LEAST_SEEN * seen.margin_m)

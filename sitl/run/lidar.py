@@ -52,10 +52,8 @@ class LidarComponent:
         settings, truth = self._settings, world.truth
         most_m, bearing = settings.max_range_m, truth.heading_rad + ray_rad
         at = (truth.east_m, truth.north_m)
-        range_m = min(
-            world.shore.range_m(*at, [bearing], most_m),
-            world.movers.range_m(*at, [bearing], most_m, world.time_s),
-        )
+        movers = world.movers.echoes(*at, bearing, 0.0, most_m, world.time_s)
+        range_m = min([world.shore.range_m(*at, [bearing], most_m), *(away_m for away_m, _, _ in movers)])
         noise, lost = settings.noise_m * normal(self._random), self._random.random() < settings.lost_share
         if lost or range_m > most_m or self._is_faint(range_m):
             return round(100.0 * most_m) + 1

@@ -94,27 +94,6 @@ class Movers:
         ]
         return min(gaps, default=math.inf)
 
-    def range_m(
-        self, east_m: float, north_m: float, bearings_rad: Sequence[float], max_range_m: float, time_s: float
-    ) -> float:
-        """The nearest echo of a fan of rays from one point; infinite when there is none within max_range_m.
-
-        A round body sends some sound back from wherever it is hit.
-        """
-        nearest_m = math.inf
-        for east, north, radius_m in self.positions_m(time_s):
-            to_east, to_north = east - east_m, north - north_m
-            if math.hypot(to_east, to_north) > max_range_m + radius_m:
-                continue
-            for bearing in bearings_rad:
-                ray_east, ray_north = math.sin(bearing), math.cos(bearing)
-                along_m = to_east * ray_east + to_north * ray_north
-                aside_m = to_east * ray_north - to_north * ray_east
-                inside = radius_m * radius_m - aside_m * aside_m
-                if along_m > 0.0 and inside >= 0.0:
-                    nearest_m = min(nearest_m, max(0.0, along_m - math.sqrt(inside)))
-        return nearest_m if nearest_m <= max_range_m else math.inf
-
     def echoes(
         self,
         east_m: float,
@@ -124,18 +103,22 @@ class Movers:
         max_range_m: float,
         time_s: float,
     ) -> list[tuple[float, float, float]]:
-        """Range, radius and angle off the bearing of each mover within a cone about a bearing."""
+        """Range, radius and angle off the bearing of each mover that a cone about a bearing meets, as far as
+        the cone's ray nearest to its middle. A cone of 0 is a single ray.
+        """
         out = []
         for east, north, radius_m in self.positions_m(time_s):
             to_east, to_north = east - east_m, north - north_m
             away_m = math.hypot(to_east, to_north)
-            range_m = away_m - radius_m
-            if range_m > max_range_m:
-                continue
-            off_rad = 0.0
-            if range_m > 0.0:
+            range_m, off_rad = 0.0, 0.0
+            if away_m > radius_m:
                 aside_rad = abs(wrap_pi(math.atan2(to_east, to_north) - bearing_rad))
                 off_rad = max(0.0, aside_rad - math.asin(radius_m / away_m))
-            if off_rad <= cone_rad:
-                out.append((max(range_m, 0.0), radius_m, off_rad))
+                if off_rad > cone_rad:
+                    continue
+                off_middle_m = away_m * math.sin(max(0.0, aside_rad - cone_rad))
+                range_m = math.sqrt(away_m**2 - off_middle_m**2)
+                range_m -= math.sqrt(max(radius_m**2 - off_middle_m**2, 0.0))
+            if range_m <= max_range_m:
+                out.append((range_m, radius_m, off_rad))
         return out

@@ -1,11 +1,11 @@
-"""Local occupancy grid with evidence that decays.
+"""Local occupancy grid.
 
 A sparse occupancy grid (A. Elfes, *Using Occupancy Grids for Mobile Robot Perception and Navigation*, IEEE
 Computer 22(6), 1989), with small whole numbers in place of log odds. An echo adds 1 to the evidence of each
 cell on the arc across the beam at its range; a beam that reaches beyond a cell subtracts from it. One
 observation makes a cell suspect; a second one, of the cell or a neighbour, makes it solid, so a single false
-echo does not. Evidence decays with time: cells that were seen more often are kept for longer. Free water is
-not stored.
+echo does not. A suspect is forgotten after two sweeps; what is solid stays until a beam sees through it. Free
+water is not stored.
 
 What comes close was first seen farther off. Within SPRAY_M an echo where nothing was seen before is most
 likely spray or a crest, and adds only UNSEEN.
@@ -16,8 +16,8 @@ from typing import Final, NamedTuple
 
 from companion.core.geo import Point, distance_m
 
-SOLID: Final = 1.5  # evidence, after decay: two echoes
-SUSPECT: Final = 0.5  # one echo
+SOLID: Final = 1.6  # evidence: two echoes, and no look that met nothing
+SUSPECT: Final = 0.6  # one echo, likewise
 MAX_EVIDENCE: Final = 4.0  # two beams through a cell refute a moving obstacle that has left it
 # A beam through a cell removes 1, one without any echo half: a smooth wall at an angle returns none.
 SILENCE: Final = 0.5
@@ -27,7 +27,7 @@ SPRAY_M: Final = 1.1
 # ln(0.9 / 0.2) / ln(0.9 / 0.005): a thing against spray in one ping of five, as share of a thing against a
 # false echo in one of 200
 UNSEEN: Final = 0.3
-SEEN: Final = 0.9  # evidence from which an echo comes from what was seen before: one farther echo, 5 s ago
+SEEN: Final = 1.0  # evidence from which an echo comes from what was seen before: one farther echo
 SWEEP_S: Final = 1.5  # a full sweep of 24 pings takes 1.4 s: what is real is seen again within it
 MAX_CELLS: Final = 1200  # 240 m of shore in cells of 0.2 m
 
@@ -58,7 +58,7 @@ class Beam(NamedTuple):
 
 
 class Cell:
-    """A square of water. evidence: as of seen_s."""
+    """A square of water. seen_s: when a beam last met it or saw through it."""
 
     __slots__ = ("at", "evidence", "seen_s")
 
@@ -70,10 +70,8 @@ class Cell:
 class Occupancy:
     """The cells with evidence, at most MAX_CELLS."""
 
-    def __init__(self, cell_m: float, memory_s: float) -> None:
-        """memory_s: how long a cell with full evidence stays solid out of sight."""
+    def __init__(self, cell_m: float) -> None:
         self.cell_m = cell_m
-        self._fade_s = memory_s / (MAX_EVIDENCE - SOLID)  # in which the evidence decays by 1
         self._cells: dict[tuple[int, int], Cell] = {}
 
     def __len__(self) -> int:
@@ -90,35 +88,29 @@ class Occupancy:
             self._clear_beam(beam)
         return not beam.is_echo or self._mark(beam)
 
-    def evidence_at(self, point: Point, now_s: float) -> float | None:
+    def evidence_at(self, point: Point) -> float | None:
         """The evidence at a place, negative if it was seen through; None: never observed."""
         cell = self._cells.get(self._key(point))
-        return None if cell is None else self._decayed(cell, now_s)
+        return None if cell is None else cell.evidence
 
-    def obstacles(self, now_s: float, least: float = SOLID) -> list[Point]:
+    def obstacles(self, least: float = SOLID) -> list[Point]:
         """The centres of the cells with at least this evidence."""
-        return [cell.at for cell in self._known(now_s, least)]
+        return [cell.at for cell in self._cells.values() if cell.evidence >= least]
 
-    def likely(self, now_s: float, apart_m: float) -> list[Point]:
+    def likely(self, apart_m: float) -> list[Point]:
         """Where something is solid, the centres of all cells with an echo; in open water those that have
         another echo within apart_m.
 
         False echoes are independent. With one in 200 pings and five pings until an echo is confirmed or
         refuted, one in 50 has another near; two echoes of one thing nearly always come together.
         """
-        known = self._known(now_s, SUSPECT)
+        known = [cell for cell in self._cells.values() if cell.evidence >= SUSPECT]
         if any(cell.evidence >= SOLID for cell in known):
             return [cell.at for cell in known]
         return [
             cell.at
             for cell in known
             if any(one.seen_s != cell.seen_s and distance_m(one.at, cell.at) < apart_m for one in known)
-        ]
-
-    def _known(self, now_s: float, least: float) -> list[Cell]:
-        fade_s = self._fade_s
-        return [
-            cell for cell in self._cells.values() if cell.evidence - (now_s - cell.seen_s) / fade_s >= least
         ]
 
     def has_suspect_of(self, beam: Beam) -> bool:
@@ -132,12 +124,11 @@ class Occupancy:
         return any(_is_within(cell.at, at, reach_m) for cell in self._cells.values())
 
     def forget(self, at: Point, reach_m: float, now_s: float) -> None:
-        """Remove decayed cells, and those farther than reach_m from a place."""
+        """Remove old suspects, and what is farther than reach_m from a place."""
         self._cells = {
             key: cell
             for key, cell in self._cells.items()
             if _is_within(cell.at, at, reach_m)
-            and abs(cell.evidence) > (now_s - cell.seen_s) / self._fade_s
             and (cell.evidence >= SOLID or now_s - cell.seen_s <= 2.0 * SWEEP_S)
         }
 
@@ -148,7 +139,7 @@ class Occupancy:
     def restore(self, at: Point, now_s: float) -> None:
         """Make a cell solid that was observed long ago."""
         cell = self._cell(self._key(at))
-        cell.evidence, cell.seen_s = max(self._decayed(cell, now_s), 2.0), now_s
+        cell.evidence, cell.seen_s = max(cell.evidence, 2.0), now_s
 
     def _cell(self, key: tuple[int, int]) -> Cell:
         """A new cell, or the known one. The oldest goes where there is no room."""
@@ -162,10 +153,6 @@ class Occupancy:
 
     def _key(self, point: Point) -> tuple[int, int]:
         return math.floor(point.north_m / self.cell_m), math.floor(point.east_m / self.cell_m)
-
-    def _decayed(self, cell: Cell, now_s: float) -> float:
-        kept = max(abs(cell.evidence) - (now_s - cell.seen_s) / self._fade_s, 0.0)
-        return math.copysign(kept, cell.evidence)
 
     def _clear_beam(self, beam: Beam) -> None:
         """Reduce the evidence of the cells in the core of the beam, well before the echo. What the ranger is
@@ -189,7 +176,7 @@ class Occupancy:
                 distance = math.sqrt(north * north + east * east)
                 across = abs(north * ahead_e - east * ahead_n)
                 if beam.blind_m <= distance < clear_m and across < sine * distance + slack_m:
-                    cell.evidence = max(self._decayed(cell, beam.time_s) - taken, -1.0)
+                    cell.evidence = max(cell.evidence - taken, -1.0)
                     cell.seen_s = beam.time_s
 
     def _mark(self, beam: Beam) -> bool:
@@ -215,7 +202,7 @@ class Occupancy:
             for near_column in (column - 1, column, column + 1):
                 cell = self._cells.get((near_row, near_column))
                 if cell is not None and cell.seen_s != now_s:
-                    best = max(best, self._decayed(cell, now_s))
+                    best = max(best, cell.evidence)
         return best
 
 

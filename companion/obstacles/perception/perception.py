@@ -76,7 +76,7 @@ class ObstaclePerception:
         """Process the tick's pings, each with its beam width in rad; None: the boat's own ranger."""
         if setting is not self._setting:
             before, self._setting = self._setting, setting
-            if (setting.margin_m, setting.memory_s) != (before.margin_m, before.memory_s):
+            if setting.margin_m != before.margin_m:
                 self.occupancy, self.tracks = _empty_map(setting)
         is_lost = nav is None or max(nav.position_age_s, nav.heading_age_s) > _STALE_POSE_S
         self.water.has_ranger = self.water.has_ranger or bool(pings)
@@ -92,7 +92,7 @@ class ObstaclePerception:
         if nav is None:
             return
         if pings and setting.avoids_obstacles:
-            is_open = self.is_empty or not self.occupancy.obstacles(now_s)
+            is_open = self.is_empty or not self.solid()
             self.sector = choose_sector(
                 nav,
                 self.tracks,
@@ -109,13 +109,13 @@ class ObstaclePerception:
             self.voyage.update(self.occupancy, setting.margin_m, movers, nav.point, reach_m, now_s)
             self.occupancy.forget(nav.point, reach_m, now_s)
 
-    def solid(self, now_s: float) -> list[Point]:
+    def solid(self) -> list[Point]:
         """Centres of the solid cells, echoes of moving obstacles included."""
-        return self.occupancy.obstacles(now_s)
+        return self.occupancy.obstacles()
 
-    def suspects(self, now_s: float) -> list[Point]:
+    def suspects(self) -> list[Point]:
         """As `solid`, with cells seen only once, but not for a lone echo in open water."""
-        return self.occupancy.likely(now_s, FREE_BESIDE * self._setting.margin_m)
+        return self.occupancy.likely(FREE_BESIDE * self._setting.margin_m)
 
     def _unconfirmed(self, now_s: float) -> Beam | None:
         """The latest echo, until a second look confirms or refutes it."""
@@ -146,7 +146,7 @@ class ObstaclePerception:
 
 
 def _empty_map(setting: AvoidanceSetting) -> tuple[Occupancy, ObstacleTracks]:
-    return Occupancy(setting.margin_m / _CELLS_A_MARGIN, setting.memory_s), ObstacleTracks(setting.margin_m)
+    return Occupancy(setting.margin_m / _CELLS_A_MARGIN), ObstacleTracks(setting.margin_m)
 
 
 def _beam(

@@ -1,9 +1,8 @@
 """Map of the voyage: what the boat has seen, by place, for as long as it is armed.
 
 A sparse occupancy grid (S. Thrun, W. Burgard, D. Fox, *Probabilistic Robotics*, 2005, chapter 9) with cells
-of one margin. The local grid (`occupancy.py`) forgets what is out of sight; what it found solid stays
-here, until the boat sees through the place. Near the boat the local grid is given back what it
-forgot, so that the rangers confirm or refute it.
+of one margin. The local grid (`occupancy.py`) is a finer window of it around the boat, and is given back what
+comes near again, so that the rangers confirm or refute it.
 """
 
 import math
@@ -50,7 +49,7 @@ class VoyageMap:
         if cell_m != self._cell_m:
             self.clear()
             self._cell_m = cell_m
-        known = {self._key(at) for at in grid.obstacles(now_s)}
+        known = {self._key(at) for at in grid.obstacles()}
         hits: dict[Key, list[Point]] = {}
         refuted = set()
         for cell in grid.seen_since(self._updated_s):
@@ -86,6 +85,8 @@ class VoyageMap:
         """Whether a straight way comes nearer than this to what was seen, and nearer than these ends of the
         whole way, which may be as near as they are.
         """
+        if clearance_m <= 0.0:
+            return False
         south_m, north_m = sorted((start.north_m, end.north_m))
         west_m, east_m = sorted((start.east_m, end.east_m))
         near = [

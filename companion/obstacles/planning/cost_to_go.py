@@ -26,7 +26,7 @@ from companion.obstacles.planning.clearance import (
 )
 
 _MOST_STEPS: Final = 250  # with _INSIDE a byte's worth: 100 m
-_TIGHT_EVERY: Final = 2  # steps: cells within the margin cost twice as much
+UNSEEN_COST: Final = 2  # steps to enter a cell within the margin, or one that no ranger has seen
 _FARTHER: Final = 0.5  # of half the grid: where the boat leaves it, it may be farther from the goal by this
 _INSIDE: Final = 3  # steps of the last wave, over all cells: what lies within an obstacle's margin
 
@@ -65,11 +65,11 @@ class CostToGo:
         steps, still = 0, 0
         for steps in range(1, _MOST_STEPS + 1):
             before = reached
-            passable = free if steps % _TIGHT_EVERY == 0 else wide
-            reached |= (grown(reached, row, steps // _TIGHT_EVERY) & passable) | late.pop(steps, 0)
+            passable = free if steps % UNSEEN_COST == 0 else wide
+            reached |= (grown(reached, row, steps // UNSEEN_COST) & passable) | late.pop(steps, 0)
             total += reached
             still = 0 if reached != before else still + 1
-            if still > 2 * _TIGHT_EVERY and not late:
+            if still > 2 * UNSEEN_COST and not late:
                 break
         self.is_open = bool(reached & near)
         everywhere = (1 << 8 * width * width) - 1

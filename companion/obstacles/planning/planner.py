@@ -12,21 +12,20 @@ from enum import IntEnum
 from typing import Final
 
 from companion.config.boat_config import BoatConfig
-from companion.config.tuning import AvoidanceSetting
 from companion.core.geo import Point, distance_m
 from companion.core.intent import FollowLeg, HoldHeading, HoldTurn, Intent, KeepStation, Stop
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.core.units import wrap_pi
 from companion.guidance.speed_profile import braking_speed_m_s
-from companion.obstacles.perception.occupancy import SWEEP_S
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.clearance import ClearanceBounds, ClearanceField
-from companion.obstacles.planning.cost import HORIZON_S, HULL, TOUCH, CostModel
+from companion.obstacles.planning.cost import HORIZON_S, HULL, CostModel
 from companion.obstacles.planning.cost_to_go import CostToGo
+from companion.obstacles.planning.detour import Detour
+from companion.obstacles.planning.local_map import LocalMap
 from companion.obstacles.planning.motion import CRASH_STOP, STEPS, CourseFan, Rollout
 from companion.obstacles.planning.movers import predict
-from companion.obstacles.planning.side import SideChoice
 from companion.obstacles.planning.speed_limit import STILL_SHARE, SpeedLimit, crash_stop
 from companion.obstacles.planning.way_ahead import free_m, is_same_goal, places_on, requested_m_s, way_ahead
 
@@ -35,10 +34,7 @@ GIVING_WAY: Final = "Moving obstacle: giving way"
 NO_WAY: Final = "Obstacle: no way around, keeping station"
 BY_SIGHT: Final = "No fence: sailing by sight. Faster: upload a fence, or set AVOID_SIGHT 2"
 _BEYOND_M: Final = 6.0  # the map reaches beyond the sight: a detour
-_MOVES: Final = 0.2  # of the map: the boat's way off the centre after which it is laid anew
 _DRIFT_S: Final = 0.8  # a current carries the boat on for so long before it answers: more margin
-_FENCE_STEP_M: Final = 0.5  # of the margin that is left
-_SEARCH_S: Final = 0.5  # between two computations of the way to go: the boat moves half a hull
 _SAME_S: Final = 10.0  # what moves in the way again so soon is the same thing: it is told once
 _LEADS_ON: Final = 0.5  # of its length: a path that brings the boat nearer to the goal by less is not kept
 
@@ -62,17 +58,17 @@ class LocalPlanner:
         self.limit = SpeedLimit()
         self._status_texts = status_texts
         self._fan = CourseFan()
-        self._field: ClearanceField | None = None
-        self._field_key: tuple[object, ...] | None = None
+        self._map = LocalMap()
+        self._detour = Detour()
         self._due_s = 0.0
         self._roomy: Point | None = None  # the latest place with room
-        self._has_told_sight = False
-        self._met: tuple[Point, float] | None = None  # where and when the boat came among obstacles
+        self._has_told_sight = self._has_new_goal = False
         self.reset()
 
     def reset(self) -> None:
         """Forget the present detour and the limits."""
         self._forget()
+        self._detour.forget()
         self.limit.clear()
         self._intent: Intent | None = None
         self._override: Intent | None = None
@@ -80,12 +76,8 @@ class LocalPlanner:
 
     def _forget(self) -> None:
         self.stage = Stage.CLEAR
-        self._to_go: CostToGo | None = None
-        self._searched_s = self._open_s = -math.inf
-        self._best_m, self._sailed_m = math.inf, 0.0
-        self._last: Point | None = None
+        self._map.forget()
         self._held: tuple[float, float] | None = None  # heading and speed through the water
-        self._side = SideChoice()
         self._met_s = -math.inf  # when something moved in the way
         self._station: KeepStation | None = None
         self._retry_s = 0.0
@@ -120,6 +112,7 @@ class LocalPlanner:
             self._due_s = now_s + PERIOD_S
             if not is_same_goal(intent, self._intent):
                 self._forget()
+                self._has_new_goal = True
             self._intent = intent
             self.eases = False
             self._override = self._decide(
@@ -143,14 +136,10 @@ class LocalPlanner:
         here, setting = nav.point, config.avoidance
         reach_m = (perception.reach_m or setting.lookahead_m) + _BEYOND_M
         margin_m = setting.margin_m + _DRIFT_S * math.hypot(nav.current_north_m_s, nav.current_east_m_s)
-        solid = perception.solid(now_s)
-        tracks = perception.tracks.possible_movers(now_s, in_open_water=not solid)
+        is_certain = bool(perception.solid())
+        tracks = perception.tracks.possible_movers(now_s, in_open_water=not is_certain)
         meets_mover = any(track.is_mover for track in tracks)
-        suspects = perception.suspects(now_s)
-        field = self._map(nav, config, bounds, perception.occupancy.cell_m, reach_m)
-        if suspects and perception.water.is_used and now_s >= self._searched_s + _SEARCH_S:
-            field.look(perception.water.is_known)
-        field.fill(solid, suspects, TOUCH * margin_m)
+        field = self._map.update(nav, config, perception, bounds, margin_m, reach_m, now_s)
         self.limit.update(nav, config, perception, field, bounds, now_s)
         if is_by_hand:
             return None
@@ -162,90 +151,50 @@ class LocalPlanner:
         if self.stage is Stage.BLOCKED and self._is_waiting(way, field, margin_m, now_s) and self._station:
             intent = self._station
             way = [here, intent.point]
-        speed = self._speed_by_sight(requested_m_s(intent, nav, config), here, setting, perception, bounds)
+        speed = self._speed_by_sight(requested_m_s(intent, nav, config), here, config, perception, bounds)
         is_there = isinstance(intent, KeepStation) and distance_m(here, intent.point) < margin_m
-        if not tracks and (speed <= 0.0 or is_there or not suspects):
+        if not tracks and (speed <= 0.0 or is_there or not perception.suspects()):
             return self._keep()
         ahead_m = max(speed * HORIZON_S, reach_m - _BEYOND_M)
         to_end_m = distance_m(here, intent.end) if isinstance(intent, FollowLeg) else 0.0
         goal = intent.end if isinstance(intent, FollowLeg) and to_end_m > ahead_m else way[-1]
-        to_go = self._search(field, here, goal, setting.margin_m, now_s, is_certain=bool(solid))
-        self._note_progress(here, goal, margin_m, is_certain=bool(solid))
-        is_shut = self._is_trapped(here, config, now_s, is_certain=bool(solid))
-        if is_shut and self.stage is not Stage.BLOCKED:
+        to_go = self._map.way_to(
+            field, here, goal, setting.margin_m, self._detour, now_s, is_certain=is_certain
+        )
+        is_too_long = self._detour.is_too_long(
+            here, setting.detour_m, config.guidance.min_speed_m_s, now_s, is_certain=is_certain
+        )
+        if (is_too_long or self._map.is_shut(now_s)) and self.stage is not Stage.BLOCKED:
             self._retry_s = now_s + setting.retry_s
             return self._stay(self._roomy or here, NO_WAY)
-        norths_m, easts_m = [], []
-        for at in places_on(way, ahead_m / STEPS, STEPS):
-            norths_m.append(at.north_m - here.north_m)
-            easts_m.append(at.east_m - here.east_m)
-        length_m = math.hypot(norths_m[-1], easts_m[-1])
-        won_m = to_go.at(*here) - to_go.at(here.north_m + norths_m[-1], here.east_m + easts_m[-1])
-        leads_on = not solid or won_m >= _LEADS_ON * length_m - to_go.side_m
+        places = places_on(way, ahead_m / STEPS, STEPS)
+        norths_m = [at.north_m - here.north_m for at in places]
+        easts_m = [at.east_m - here.east_m for at in places]
+        leads_on = not is_certain or _leads_on(here, places[-1], to_go)
         wanted_rad = math.atan2(easts_m[-1], norths_m[-1])
         wanted_m_s = speed * math.cos(wanted_rad), speed * math.sin(wanted_rad)
         movers = predict(tracks, nav, wanted_m_s, field, setting.margin_m, HULL * setting.margin_m, now_s)
         costs = CostModel(nav, field, to_go, movers, margin_m, ahead_m, wanted_rad, config)
-        self._meet(way, field, wanted_rad, margin_m, perception.reach_m, now_s, is_certain=bool(solid))
+        meets_m = free_m(way, field, margin_m) if is_certain else math.inf
+        if self._has_new_goal:
+            self._has_new_goal = False
+            self._detour.aim(wanted_rad)
+        if meets_m < math.inf:
+            at = here.moved(wanted_rad, meets_m + 1.5 * margin_m)
+            self._detour.begin(at, wanted_rad, perception.reach_m, now_s)
         best = costs.choose(
             self._fan, speed, (norths_m, easts_m) if leads_on else None, self._held,
-            is_certain=bool(solid) or meets_mover,
-            is_new=self._side.is_new(now_s) and not meets_mover,
+            is_certain=is_certain or meets_mover,
+            is_new=self._detour.is_new(now_s) and not meets_mover,
         )  # fmt: skip
         if best is None:
             return self._keep()
-        if self._side.update(here, to_go, now_s):
-            self._to_go = None
-            self._notify(
-                Severity.INFO, f"Obstacle: passing to {'starboard' if self._side.side > 0 else 'port'}"
-            )
-        if meets_mover or (bool(solid) and not leads_on):
+        if self._detour.update(here, to_go, now_s):
+            self._map.search_anew()
+            self._notify(f"Obstacle: passing to {'starboard' if self._detour.side > 0 else 'port'}")
+        if meets_mover or (is_certain and not leads_on):
             perception.water.note_unmapped_obstacle(here)
-        return self._hold(best, nav, config, now_s, has_solid=bool(solid), meets_mover=meets_mover)
-
-    def _search(
-        self,
-        field: ClearanceField,
-        here: Point,
-        goal: Point,
-        margin_m: float,
-        now_s: float,
-        *,
-        is_certain: bool,
-    ) -> CostToGo:
-        """The way to go, computed anew from time to time. is_certain: not for single echoes alone."""
-        to_go = self._to_go
-        if to_go is None or now_s >= self._searched_s + _SEARCH_S:
-            shuts = self._side.shuts if self._side.side else None
-            to_go = self._to_go = CostToGo(field, here, goal, margin_m, HULL * margin_m, shuts)
-            self._searched_s = now_s
-            if to_go.is_open or not is_certain or self._open_s == -math.inf:
-                self._open_s = now_s
-        return to_go
-
-    def _note_progress(self, here: Point, goal: Point, margin_m: float, *, is_certain: bool) -> None:
-        """Add up what was sailed since the boat was last nearer to the goal."""
-        if self._last is not None and is_certain:
-            self._sailed_m += distance_m(self._last, here)
-        self._last = here
-        away_m = distance_m(here, goal)
-        if away_m < self._best_m - margin_m:
-            self._best_m, self._sailed_m = away_m, 0.0
-            if not self._side.is_before(here):
-                self._side = SideChoice()
-
-    def _is_trapped(self, here: Point, config: BoatConfig, now_s: float, *, is_certain: bool) -> bool:
-        """Whether no way is open, the detour is too long, or the boat has been among obstacles, nearer than a
-        detour to one place, for as long as that takes at the slowest speed, whatever its goals were.
-        """
-        detour_m = config.avoidance.detour_m
-        if not is_certain:
-            self._met = None
-        elif self._met is None or distance_m(here, self._met[0]) > detour_m:
-            self._met = here, now_s
-        if now_s > self._open_s + SWEEP_S or self._sailed_m > detour_m:
-            return True
-        return self._met is not None and now_s > self._met[1] + detour_m / config.guidance.min_speed_m_s
+        return self._hold(best, nav, config, now_s, is_certain=is_certain, meets_mover=meets_mover)
 
     def _hold(
         self,
@@ -254,23 +203,23 @@ class LocalPlanner:
         config: BoatConfig,
         now_s: float,
         *,
-        has_solid: bool,
+        is_certain: bool,
         meets_mover: bool,
     ) -> Intent:
         """Hold a rollout's heading and speed, and report it."""
         heading, speed = wrap_pi(nav.heading_rad + best.turn_rad), best.speed_m_s
         self._held = heading, speed
         along_m_s = nav.current_along_m_s(nav.heading_rad)
-        self.eases = not has_solid and not meets_mover  # a single echo may be noise
+        self.eases = not is_certain and not meets_mover  # a single echo may be noise
         if self.stage is not Stage.BLOCKED:
             if CRASH_STOP < speed < 0.0:
                 self.stage = Stage.BACK
             elif meets_mover:
                 self.stage = Stage.PASSING
                 if now_s > self._met_s + _SAME_S:
-                    self._notify(Severity.INFO, GIVING_WAY)
+                    self._notify(GIVING_WAY)
                 self._met_s = now_s
-            elif has_solid:
+            elif is_certain:
                 self.stage = Stage.ROUND
         self.limit.release()
         return crash_stop(nav, config) if speed <= CRASH_STOP else HoldHeading(heading, speed + along_m_s)
@@ -279,76 +228,40 @@ class LocalPlanner:
         self,
         speed_m_s: float,
         here: Point,
-        setting: AvoidanceSetting,
+        config: BoatConfig,
         perception: ObstaclePerception,
         bounds: ClearanceBounds,
     ) -> float:
         """The speed within the limit; says once that a fence would lift it."""
         is_slow = self.limit.sight_m_s < speed_m_s
         if is_slow and not self._has_told_sight:
-            self._has_told_sight = perception.water.is_uncharted(here, setting.by_sight, bounds)
+            self._has_told_sight = perception.water.is_uncharted(here, config.avoidance.by_sight, bounds)
             if self._has_told_sight:
-                self._notify(Severity.NOTICE, BY_SIGHT)
+                self._notify(BY_SIGHT, Severity.NOTICE)
         return min(speed_m_s, self.limit.sight_m_s)
 
-    def _meet(
-        self,
-        way: list[Point],
-        field: ClearanceField,
-        course_rad: float,
-        margin_m: float,
-        sight_m: float,
-        now_s: float,
-        *,
-        is_certain: bool,
-    ) -> None:
-        """Note an obstacle in the way."""
-        meets_m = free_m(way, field, margin_m) if is_certain else math.inf
-        if meets_m < math.inf:
-            self._side.begin(way[0].moved(course_rad, meets_m + 1.5 * margin_m), course_rad, sight_m, now_s)
-
-    def _keep(self) -> Intent | None:
+    def _keep(self, *, is_blocked: bool = True) -> Intent | None:
         """The intent as it is; while blocked the station."""
         self._held = None
-        if self.stage is Stage.BLOCKED:
+        if is_blocked and self.stage is Stage.BLOCKED:
             return self._station
         self.stage = Stage.CLEAR
         return None
-
-    def _map(
-        self, nav: NavState, config: BoatConfig, bounds: ClearanceBounds, cell_m: float, reach_m: float
-    ) -> ClearanceField:
-        """The grid around the boat, with the fence in it. Nearer to the fence than its margin, the boat keeps
-        what is left.
-        """
-        field, here, fence_m = self._field, nav.point, -1.0
-        if bounds.is_active and bounds.is_near(here, 2.0 * reach_m):
-            least_m = config.fence.margin_m
-            room_m = bounds.margin_within_m(*here, least_m + cell_m)
-            fence_m = least_m if room_m > least_m else _FENCE_STEP_M * math.floor(room_m / _FENCE_STEP_M)
-        key = (bounds.version, cell_m, reach_m, fence_m)
-        is_off = field is None or distance_m(field.centre, here) > _MOVES * reach_m
-        if field is None or is_off or key != self._field_key:
-            field = self._field = ClearanceField(here, cell_m, reach_m)
-            self._field_key, self._to_go = key, None
-            if fence_m >= 0.0:
-                field.fence(bounds, fence_m)
-        return field
 
     def _is_waiting(self, way: list[Point], field: ClearanceField, margin_m: float, now_s: float) -> bool:
         """Whether to keep station on: until the path is free or the next attempt is due."""
         is_open = free_m(way, field, margin_m) == math.inf
         if not is_open and now_s < self._retry_s:
             return True
-        self._notify(Severity.INFO, "Obstacle: path is free" if is_open else "Obstacle: trying again")
+        self._notify("Obstacle: path is free" if is_open else "Obstacle: trying again")
         self._forget()
+        self._detour.forget()
         return False
 
     def _stop_before(self, nav: NavState, config: BoatConfig, room_m: float) -> Intent | None:
         """Detours are disabled: stop, and keep station until the path is free."""
         if room_m == math.inf:
-            self._forget()
-            return None
+            return self._keep(is_blocked=False)
         if self.stage is Stage.BLOCKED:
             return self._station
         self.limit.reduce_to(braking_speed_m_s(0.5 * room_m, 0.0, config.guidance))
@@ -357,10 +270,17 @@ class LocalPlanner:
         return self._stay(self._roomy or nav.point, "Obstacle ahead: keeping station")
 
     def _stay(self, place: Point, text: str) -> KeepStation:
-        self.stage, self._to_go, self._met = Stage.BLOCKED, None, None
-        self._notify(Severity.NOTICE, text)
+        self.stage = Stage.BLOCKED
+        self._detour.forget()
+        self._map.forget()
+        self._notify(text, Severity.NOTICE)
         self._station = KeepStation(place)
         return self._station
 
-    def _notify(self, severity: int, text: str) -> None:
+    def _notify(self, text: str, severity: int = Severity.INFO) -> None:
         self._status_texts.append(StatusText(severity, text))
+
+
+def _leads_on(here: Point, end: Point, to_go: CostToGo) -> bool:
+    """Whether a path brings the boat nearer to the goal."""
+    return to_go.at(*here) - to_go.at(*end) >= _LEADS_ON * distance_m(here, end) - to_go.side_m

@@ -40,7 +40,7 @@ def _remembered_cm(now: Snapshot) -> dict[int, int]:
     if perception is None or nav is None:
         return nearest
     here, half_m = nav.point, 0.5 * perception.occupancy.cell_m
-    for thing in perception.solid(now.now_s):
+    for thing in perception.solid():
         distance = max(distance_m(here, thing), half_m)
         centre = wrap_pi(bearing_rad(here, thing) - nav.heading_rad)
         half = math.atan2(half_m, distance)

@@ -60,7 +60,7 @@ def _has_cause(mission_run: MissionRun, truth: Truth) -> bool:
     east_m, north_m = truth.east_m, truth.north_m
     if world.shore.range_m(east_m, north_m, fan, sonar.max_range_m) < math.inf:
         return True
-    if world.movers.range_m(east_m, north_m, fan, sonar.max_range_m, truth.time_s) < math.inf:
+    if any(world.movers.echoes(east_m, north_m, one, 0.0, sonar.max_range_m, truth.time_s) for one in fan):
         return True
     guidance = vehicle.guidance
     stops_m = moves_m_s * vehicle.handling.surge_time_s + moves_m_s**2 / (2.0 * guidance.accel_m_s2)

@@ -15,7 +15,7 @@ class Water:
     """A local grid and the map that is kept of it, a second apart."""
 
     def __init__(self) -> None:
-        self.grid, self.map = Occupancy(0.2, 120.0), VoyageMap()
+        self.grid, self.map = Occupancy(0.2), VoyageMap()
         self.now_s = 0.0
 
     def ping(self, range_m: float, bearing_rad: float = 0.0, at: Point = HERE) -> None:
@@ -65,7 +65,7 @@ def test_the_local_grid_is_given_back_what_is_near_the_boat_and_only_that() -> N
     water.update(here=Point(3.5 + REACH_M + 1.0, 0.5))
     assert len(water.grid) == 0
     water.update(here=Point(3.5 + REACH_M - 1.0, 0.5))
-    (restored,) = water.grid.obstacles(water.now_s)
+    (restored,) = water.grid.obstacles()
     assert distance_m(restored, Point(3.5, 0.5)) < 0.3
 
 

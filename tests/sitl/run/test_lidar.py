@@ -31,7 +31,7 @@ def test_a_second_ranger_marks_what_the_sonar_cannot_see(ranger: str, sight_m: f
     settings = second_ranger(sight_m, "forward" if ranger == "forward" else "scan")
     heading_deg = 40.0 if ranger == "scan" else 0.0
     perception = perception_after(12.0, *settings, f"boat.heading_deg={heading_deg}")
-    solid = perception.solid(12.0)
+    solid = perception.solid()
     assert bool(solid) is is_seen
     assert perception.reach_m == sight_m
     assert all(abs(cell.east_m) < 2.5 for cell in solid)

@@ -54,12 +54,17 @@ def test_a_ray_at_a_mover_measures_to_its_edge(bearing_rad: float, beyond_m: flo
     far_m = beyond_m + radius_m
     start = (3.0 + far_m * math.sin(bearing_rad), far_m * math.cos(bearing_rad) - 2.0)
     movers = Movers([MoverSettings(start=start, radius_m=radius_m)])
-    assert movers.range_m(3.0, -2.0, [bearing_rad], 4.0, 0.0) == pytest.approx(beyond_m)
     assert movers.gap_m(3.0, -2.0, 0.0) == pytest.approx(beyond_m)
-    assert movers.range_m(3.0, -2.0, [bearing_rad + math.pi], 4.0, 0.0) == math.inf
-    off_rad = math.asin(0.6 * radius_m / far_m)
-    edge_m = far_m * math.cos(off_rad) - 0.8 * radius_m
-    assert movers.range_m(3.0, -2.0, [bearing_rad + off_rad], 4.0, 0.0) == pytest.approx(edge_m)
+    (echo,) = movers.echoes(3.0, -2.0, bearing_rad, 0.1, 4.0, 0.0)
+    assert echo == pytest.approx((beyond_m, radius_m, 0.0), abs=1e-6)
+    assert movers.echoes(3.0, -2.0, bearing_rad, 0.1, 0.99 * beyond_m, 0.0) == []
+    assert movers.echoes(3.0, -2.0, bearing_rad + math.pi, 0.1, 4.0, 0.0) == []
+    aside_rad = math.asin(0.6 * radius_m / far_m)
+    edge_m = far_m * math.cos(aside_rad) - 0.8 * radius_m
+    assert movers.echoes(3.0, -2.0, bearing_rad + aside_rad, 0.0, 4.0, 0.0)[0][0] == pytest.approx(edge_m)
+    off_rad = math.asin(radius_m / far_m) + 0.09  # its edge is within the cone
+    assert movers.echoes(3.0, -2.0, bearing_rad + off_rad, 0.1, 4.0, 0.0)[0][2] == pytest.approx(0.09)
+    assert movers.echoes(3.0, -2.0, bearing_rad + off_rad + 0.02, 0.1, 4.0, 0.0) == []
 
 
 @pytest.mark.parametrize(

@@ -6,25 +6,25 @@ import pytest
 from avoidance_rig import CONFIG, LEG, ROCK, WALL, Voyage, boat
 
 from companion.core.geo import Point
-from companion.core.intent import Drive, HoldHeading
+from companion.core.intent import Drive, FollowLeg, HoldHeading
 from companion.obstacles.perception.occupancy import SWEEP_S
 from companion.obstacles.planning.clearance import UNSEEN, ClearanceField
 from companion.obstacles.planning.cost_to_go import CostToGo
-from companion.obstacles.planning.side import SideChoice
+from companion.obstacles.planning.detour import Detour
 
 HERE, WALL_AT, SIGHT_M = Point(0.0, 0.0), Point(3.0, 0.0), 4.0
 GOAL = Point(50.0, 0.0)
 
 
-def to_go(*solid: Point, seen: bool = True, shuts: SideChoice | None = None) -> CostToGo:
+def to_go(*solid: Point, seen: bool = True, shuts: Detour | None = None) -> CostToGo:
     field = ClearanceField(HERE, 0.2, 9.0)
     field.look(lambda at, least: seen)
     field.fill(list(solid), list(solid), 0.35)
     return CostToGo(field, HERE, GOAL, 1.0, 0.6, shuts.shuts if shuts else None)
 
 
-def begun(side_m: float = 0.0, course_rad: float = 0.0) -> SideChoice:
-    side = SideChoice()
+def begun(side_m: float = 0.0, course_rad: float = 0.0) -> Detour:
+    side = Detour()
     side.begin(WALL_AT.moved(0.5 * math.pi, side_m), course_rad, SIGHT_M, 0.0)
     return side
 
@@ -63,7 +63,7 @@ def test_what_is_shut_lies_before_the_wall_on_the_other_side() -> None:
     assert not begun().shuts(2.0, -1.0), "no side was chosen"
     assert choice.is_before(Point(2.9, 0.0))
     assert not choice.is_before(Point(3.1, 0.0))
-    assert not SideChoice().is_before(HERE)
+    assert not Detour().is_before(HERE)
 
 
 def test_the_first_obstacle_counts_until_it_is_passed() -> None:
@@ -73,7 +73,7 @@ def test_the_first_obstacle_counts_until_it_is_passed() -> None:
 
 
 def test_a_side_is_told_from_the_way_to_the_goal() -> None:
-    east = SideChoice()
+    east = Detour()
     east.begin(Point(0.0, 3.0), math.pi / 2, SIGHT_M, 0.0)
     south = [Point(-5.0 + 0.2 * step, 3.0) for step in range(31)]  # the wall reaches from -5 m to 1 m north
     field = ClearanceField(HERE, 0.2, 9.0)
@@ -134,3 +134,41 @@ def test_a_path_that_meets_something_is_not_kept(speed_m_s: float) -> None:
     config = CONFIG
     voyage = Voyage(*WALL, config=config)
     assert voyage.after_a_sweep(boat(speed_m_s=speed_m_s), LEG) is not LEG
+
+
+@pytest.mark.parametrize(("course_deg", "is_kept"), [(0.0, True), (55.0, True), (-55.0, True), (65.0, False)])
+def test_a_side_outlives_a_new_goal_behind_the_same_obstacle(course_deg: float, is_kept: bool) -> None:
+    choice, way = begun(), to_go(*wall(-5.0, 2.0))
+    choice.update(HERE, way, 2.0)
+    choice.aim(math.radians(course_deg))
+    assert (choice.side, choice.is_before(HERE)) == ((1, True) if is_kept else (0, False))
+
+
+def test_a_new_goal_near_by_does_not_tell_the_side_again() -> None:
+    voyage = Voyage(*ROCK)
+    voyage.after_a_sweep(intent=LEG)
+    for step in range(20):
+        voyage.at(2.0 + 0.1 * step, intent=FollowLeg(Point(0.0, 0.0), Point(12.0 + step, 2.0), 1.0))
+    assert voyage.said == ["Obstacle: passing to starboard"]
+
+
+def test_behind_the_obstacle_the_detour_ends() -> None:
+    choice = begun()
+    choice.update(HERE, to_go(*wall(-5.0, 2.0)), 2.0)
+    for at, side in ((Point(2.9, 3.0), 1), (Point(3.1, 3.0), 0)):
+        choice.is_too_long(at, 80.0, 0.4, 3.0, is_certain=True)
+        assert choice.side == side
+
+
+@pytest.mark.parametrize(
+    ("now_s", "north_m", "is_long"), [(200.9, 79.0, False), (201.1, 79.0, True), (999.0, 81.0, False)]
+)
+def test_a_detour_is_too_long_by_the_time_that_the_boat_stays_near(
+    now_s: float, north_m: float, is_long: bool
+) -> None:
+    choice = Detour()
+    assert not choice.is_too_long(HERE, 80.0, 0.4, 1.0, is_certain=True)
+    at = Point(north_m, 0.0)
+    assert choice.is_too_long(at, 80.0, 0.4, now_s, is_certain=True) is is_long
+    assert not choice.is_too_long(at, 80.0, 0.4, now_s, is_certain=False), "nothing is near"
+    assert not choice.is_too_long(at, 80.0, 0.4, now_s, is_certain=True), "it begins anew"
