@@ -62,6 +62,7 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
     ),
     "autopilot": (
         "tests/companion/autopilot", "tests/companion/app/test_missing_parts.py",
+        "tests/companion/sensors/test_silent_sensors.py",
     ),
     "services/ftp": ("tests/companion/services/ftp", "tests/protocol/test_ftp_client.py"),
     "services": (
@@ -78,6 +79,7 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
         "tests/companion/log", "tests/companion/services/test_log_service.py",
         "tests/sitl/run/test_log_replay.py",
     ),
+    "vehicle": ("tests/companion/vehicle", "tests/companion/geofence/test_surroundings.py"),
     "mission_tools/assembly": (
         "tests/mission_tools/assembly", "tests/mission_tools/cli", "tests/mission_tools/test_python_face.py",
         "tests/mission_tools/costs/test_zones.py", "tests/mission_tools/costs/test_planned_currents.py",

@@ -1,9 +1,11 @@
+import math
+
 import pytest
 from boat_rig import FRAME, GOOD_FIX, nav_at, place
 
 from companion.config.boat_config import BoatConfig
 from companion.core import requests
-from companion.core.intent import FollowLeg, KeepStation, Stop
+from companion.core.intent import FollowLeg, HoldCourse, KeepStation, Stop
 from companion.core.modes import Mode, mode_from_number
 from companion.core.state import NavState
 from companion.core.status_text import Severity
@@ -158,6 +160,16 @@ def test_a_speed_lasts_until_the_mode_changes() -> None:
     leg = tick(vehicle, nav_at(), 0.3)
     assert isinstance(leg, FollowLeg)
     assert leg.speed_m_s == 0.9
+
+
+def test_a_set_point_steers_only_in_guided() -> None:
+    vehicle, east = vehicle_at(mode=Mode.LOITER), HoldCourse(math.pi / 2.0, 0.7)
+    point = requests.SetPoint(east)
+    assert vehicle.request(point).reason == "not in GUIDED"
+    vehicle.request(requests.ChangeMode(Mode.GUIDED))
+    assert tick(vehicle, nav_at(), 0.1) != east
+    assert vehicle.request(point).accepted
+    assert tick(vehicle, nav_at(), 0.2) == east
 
 
 def test_each_decision_of_the_failsafes_is_carried_out() -> None:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from companion.boat import TICK_S
 from companion.config.boat_config import BoatConfig
-from companion.core.geo import Line, Point
+from companion.core.geo import LatLon, Line, LocalFrame, Point
 from companion.core.modes import Mode
 from companion.core.storage import MemoryStorage, Saving
 from companion.mavlink.dialect import dialect
@@ -279,6 +279,27 @@ def test_a_track_of_the_most_points_is_written_no_faster_than_a_kilobyte_a_secon
         record.update(1, FRAME, float(second))
     assert len(storage.sizes[TRACK]) >= 3
     assert sum(storage.sizes[TRACK][:-1]) <= 300.0 * 1000.0
+
+
+def test_the_place_of_a_point_is_computed_once() -> None:
+    class Frame(LocalFrame):
+        computed: list[Point]
+
+        def to_global(self, point: Point) -> LatLon:
+            self.computed.append(point)
+            return super().to_global(point)
+
+    storage, trail, frame = MemoryStorage(), SailedTrack(), Frame(FRAME.origin)
+    frame.computed = []
+    record = TrackRecord(storage, trail, None)
+    for count in (2, 3, 4):
+        trail.points = SAILED[:count]
+        record.update(1, frame, 100.0 * count)
+    assert frame.computed == SAILED
+    trail.points = [SAILED[0], SAILED[3]]  # a loop was cut off
+    record.update(1, frame, 500.0)
+    assert frame.computed == [*SAILED, SAILED[3]]
+    assert len(json.loads(storage.content[TRACK])["places"]) == 2
 
 
 @given(

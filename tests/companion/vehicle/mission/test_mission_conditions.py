@@ -32,6 +32,16 @@ def test_a_delay_counts_from_when_it_was_asked_for() -> None:
     assert waiting.is_empty
 
 
+def test_a_second_delay_counts_from_the_end_of_the_first() -> None:
+    waiting = ConditionalCommand()
+    waiting.wait_for(steps.AfterDelay(5.0), 100.0)
+    waiting.wait_for(steps.AfterDelay(3.0), 100.0)
+    waiting.holds_back(steps.Skip())
+    assert waiting.take_due(HERE, END, 106.0) == []
+    assert waiting.take_due(HERE, END, 108.9) == []
+    assert waiting.take_due(HERE, END, 109.0) == [steps.Skip()]
+
+
 @pytest.mark.parametrize(("north_m", "is_due"), [(19.9, False), (20.1, True)])
 def test_a_distance_is_to_the_end_of_the_leg(north_m: float, is_due: bool) -> None:
     waiting = ConditionalCommand()

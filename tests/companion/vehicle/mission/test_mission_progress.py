@@ -51,6 +51,12 @@ def leg_at(progress: MissionProgress, north_m: float, east_m: float, now_s: floa
     return intent
 
 
+def test_a_mission_of_one_waypoint_is_sailed_at_once() -> None:
+    progress = MissionProgress()
+    progress.replace((A,))
+    assert leg_at(progress, 0.0, 0.0).end == pytest.approx(PLACES["A"], abs=1e-3)
+
+
 def test_the_next_leg_begins_at_the_waypoint_not_at_the_boat() -> None:
     progress = begun(A, B)
     leg_at(progress, 0.0, 0.0)

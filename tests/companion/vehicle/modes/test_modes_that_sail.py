@@ -102,6 +102,10 @@ def test_smart_rtl_sails_the_track_back_leg_by_leg() -> None:
     assert local(mode.intent(mode_inputs(nav_at()))) == (0.0, 0.0)
     assert [one.text for one in texts] == ["SMART_RTL: arrived"]
     assert track.points == [Point(0.0, 0.0)]
+    mode.enter(mode_inputs())
+    assert isinstance(mode.intent(mode_inputs(nav_at(20.0, 0.0))), FollowLeg), (
+        "sailed again when entered again"
+    )
 
 
 def auto(*steps: Waypoint | HandOver) -> tuple[AutoMode, GuidedMode, MissionProgress]:
