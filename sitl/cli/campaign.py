@@ -101,14 +101,8 @@ def _print(
     if verdicts:
         table = RichTable("expected", "over", "runs", "bound", "found", "", box=None)
         for verdict in verdicts:
-            table.add_row(*verdict_cells(verdict))
+            word = "met" if verdict.is_met else "NOT MET"
+            table.add_row(verdict.what, verdict.group, str(verdict.runs), verdict.bound, verdict.found, word)
         console.print(table)
     for result in [result for result in results if result.ended == "error"][:_MOST_ERRORS]:
         console.print(f"run {result.number}: {result.why}")
-
-
-def verdict_cells(verdict: ExpectationVerdict) -> tuple[str, ...]:
-    """One verdict as the cells of a table."""
-    value = f"{verdict.value:.4g}" if verdict.value is not None else f"missing in {verdict.missing}"
-    word = "met" if verdict.is_met else "NOT MET"
-    return verdict.what, verdict.group, str(verdict.runs), verdict.bound, value, word

@@ -12,6 +12,7 @@ from companion.cli.command_line import Option, echo
 from companion.cli.output_file import output_folder, write_text
 from sitl.cli.arguments import Workers
 from sitl.cli.progress import progress_bar
+from sitl.experiments.campaign.table import write_csv
 from sitl.experiments.paper import figures, table
 from sitl.experiments.paper.conditions import FIRST_SEED, RUNS, Method, seeds
 from sitl.experiments.paper.run import paper_trials, run_paper_trial
@@ -52,8 +53,8 @@ def paper(
         results = run_trials(pool, run_paper_trial, trials, advance=advance, is_strict=True)
     rows = table.rows(results)
     text = table.markdown(rows)
-    table.write_csv(out / "runs.csv", [result.figures for result in results])
-    table.write_csv(out / "table3.csv", [dataclasses.asdict(row) for row in rows])
+    write_csv([result.figures for result in results], out / "runs.csv")
+    write_csv([dataclasses.asdict(row) for row in rows], out / "table3.csv")
     write_text(out / "tables.md", text)
     figures.draw_step_responses(step_responses(reported[0]), out / "figure5.png")
     figures.draw_pool(out / "figure16.png")

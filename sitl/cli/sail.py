@@ -12,11 +12,13 @@ from companion.cli.output_file import write_text
 from companion.core.errors import OutputError
 from companion.log.logbook import Logbook
 from companion.log.sink import InlineWorker, SingleFile
+from mission_tools.drawing.draw import save_figure
 from mission_tools.errors import UsageError
 from mission_tools.mission.plan_file import load_mission
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
 from sitl.courses.missions import course_names, fence_along, lay_out, plan_mission, wire_items
-from sitl.reports.run_figures import as_json, draw, print_table
+from sitl.reports.run_figures import as_json, print_table
+from sitl.reports.run_pictures import draw_track_chart
 from sitl.run.mission_run import MissionRun, Result
 from sitl.run.recording.run_record import RunRecord
 from sitl.run.station_commands import RunError
@@ -62,7 +64,6 @@ def sail(
     Example:  boat-sitl sail pool --case 2 --set environment.current_m_s=0.01 --png out/pool.png
     """
     console = Console(stderr=as_json_text, highlight=False, soft_wrap=True)
-    plan = None
     if mission is not None and course is not None:
         raise UsageError("--course: a run sails either a course or a mission")
     if mission is not None:
@@ -73,7 +74,7 @@ def sail(
         to_sail = lay_out(course, scenario)
     else:
         scenario = scenario_from(source, settings, case, seed, start)
-        to_sail, plan = plan_mission(scenario)
+        to_sail, _ = plan_mission(scenario)
     logbook = None if log is None else Logbook(SingleFile(log), None, InlineWorker())
     mission_run = MissionRun(scenario, wire_items(to_sail), logbook, fence_along(scenario) if fence else ())
     try:
@@ -84,10 +85,11 @@ def sail(
         mission_run.recorder.write_csv(csv, every=5)
     if json_file is not None:
         write_text(json_file, as_json(result) + "\n")
+    kept = RunRecord.of(mission_run, result)
     if png is not None:
-        draw(mission_run, result, png, plan.settings.clearance_m if plan else 0.0)
+        save_figure(png, draw_track_chart(kept))
     if record is not None:
-        RunRecord.of(mission_run, result).save(record)
+        kept.save(record)
     if as_json_text:
         echo(as_json(result))
     else:

@@ -84,7 +84,7 @@ def cores() -> int:
 @contextmanager
 def local_pool(size: int) -> Iterator[TrialPool]:
     """A pool of processes of this machine. Leaving it early abandons unfinished trials."""
-    executor = worker_pool(size)
+    executor = WorkerPool(size, multiprocessing.get_context("spawn"), initializer=_initialize)
     try:
         yield TrialPool(executor, size)
     except BaseException:
@@ -130,11 +130,6 @@ class WorkerPool(ProcessPoolExecutor):
         for worker in multiprocessing.active_children():
             worker.terminate()
         self.shutdown(cancel_futures=True)
-
-
-def worker_pool(size: int) -> WorkerPool:
-    """A pool of fresh interpreters."""
-    return WorkerPool(size, multiprocessing.get_context("spawn"), initializer=_initialize)
 
 
 @contextmanager

@@ -70,7 +70,7 @@ def _expectations(page: Page, plan: Campaign, table: Table) -> None:
             labelled(verdict.group),
             verdict.runs,
             verdict.bound,
-            f"{verdict.value:.4g}" if verdict.value is not None else f"missing in {verdict.missing}",
+            verdict.found,
             f"met{so_far}" if verdict.is_met else f"not met{so_far}",
         )
         for verdict in verdicts

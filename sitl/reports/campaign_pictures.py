@@ -2,8 +2,7 @@
 
 import math
 import textwrap
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,7 +11,7 @@ from matplotlib.figure import Figure
 
 from mission_tools.drawing.style import FAULT, INK, PLANNED, SAILED, new_figure, style_axes
 from sitl.courses.courses import COURSES
-from sitl.experiments.campaign.expect import Expectation
+from sitl.experiments.campaign.expect import Expectation, Row
 from sitl.experiments.trial import TrialResult
 from sitl.reports.labels import label, labelled
 
@@ -22,14 +21,11 @@ _NAME_COLUMNS = 44  # letters that fit over a small chart
 _COLUMNS = 3
 
 
-Row = Mapping[str, Any]
-
-
 def draw_expectation(expectation: Expectation, table: Sequence[Row]) -> Figure | None:
     """A dot a run and a bar for each group's mean, against the bound. None where no run has the figure."""
     groups = [
-        (name, values)
-        for name, rows in groups_of(expectation, table)
+        (name or "all runs", values)
+        for name, rows in expectation.groups(table).items()
         if (values := _values(expectation.figure, rows))
     ]
     if not groups:
@@ -71,17 +67,6 @@ def draw_expectation(expectation: Expectation, table: Sequence[Row]) -> Figure |
 def _wrapped(text: str) -> str:
     """Over several lines, as a long name would be cut off."""
     return "\n".join(textwrap.wrap(text, _NAME_COLUMNS))
-
-
-def groups_of(expectation: Expectation, table: Sequence[Row]) -> list[tuple[str, list[Row]]]:
-    """The runs of each group that the expectation is about, by the group's name."""
-    each = (expectation.each,) if isinstance(expectation.each, str) else expectation.each
-    groups: dict[str, list[Row]] = {}
-    for row in table:
-        if expectation.is_about(row):
-            name = ", ".join(f"{column} {row.get(column)}" for column in each) or "all runs"
-            groups.setdefault(name, []).append(row)
-    return list(groups.items())
 
 
 def draw_tracks(named: Sequence[tuple[str, Sequence[TrialResult]]]) -> Figure | None:

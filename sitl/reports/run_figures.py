@@ -1,20 +1,12 @@
-"""A run's figures for people, for scripts and as a picture."""
+"""A run's figures for people and for scripts."""
 
 import dataclasses
 import json
-from pathlib import Path
 
-import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from companion.core.geo import Point
-from mission_tools.drawing.draw import draw_picture, save_figure
-from sitl.run.mission_run import MissionRun, Result
-from sitl.world.world import Truth
-
-_DRAWN = ("north_m", "east_m", "north_m_s", "east_m_s")
-_MAX_DRAWN = 4000  # points of a track: more than a picture has pixels across
+from sitl.run.mission_run import Result
 
 
 def as_json(result: Result) -> str:
@@ -40,30 +32,6 @@ def print_table(result: Result, console: Console) -> None:
     ):
         table.add_row(name, value)
     console.print(table)
-
-
-def draw(mission_run: MissionRun, result: Result, path: Path, clearance_m: float = 0.0) -> None:
-    """Chart, plan and true track, coloured by speed.
-
-    Raises:
-        OSError: the file cannot be written.
-    """
-    rows = mission_run.recorder.rows
-    rows = rows[:: max(1, len(rows) // _MAX_DRAWN)]
-    north_m, east_m, north_m_s, east_m_s = (rows[:, Truth._fields.index(name)] for name in _DRAWN)
-    track = [Point(*at) for at in zip(north_m.tolist(), east_m.tolist(), strict=True)]
-    scenario = mission_run.scenario
-    figure = draw_picture(
-        scenario.chart,
-        mission_run.planned,
-        track,
-        title=scenario.title,
-        subtitle=f"{result.path_length_m:.4g} m sailed in {result.time_s:.0f} s, "
-        f"cross-track RMS {_metres(result.cross_track_rms_m)}",
-        clearance_m=clearance_m,
-        speeds_m_s=np.hypot(north_m_s, east_m_s).tolist(),
-    )
-    save_figure(path, figure)
 
 
 def _metres(value: float | None) -> str:

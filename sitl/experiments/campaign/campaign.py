@@ -33,6 +33,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from random import Random
 from typing import Annotated, Any, Literal
 
 import msgspec
@@ -78,12 +79,18 @@ def grid_rows(grid: Mapping[str, Sequence[Any]]) -> Iterator[Row]:
 def sample_rows(sample: Sample, ranges: Mapping[str, Range]) -> list[Row]:
     """The sample's rows, one value a range.
 
-    A Latin hypercube cuts each range into as many equal shares as there are rows, and meets each once (McKay,
-    Beckman, Conover 1979). The numbers depend on the sample's seed and the setting's name, so that one
-    setting more never changes another one's values.
+    The numbers depend on the sample's seed and the setting's name, so that one setting more never changes
+    another one's values.
     """
     columns = {name: _drawn(sample, name, range_) for name, range_ in ranges.items()}
     return [{name: values[row] for name, values in columns.items()} for row in range(sample.count)]
+
+
+def latin_hypercube(random: Random, count: int) -> list[float]:
+    """Shares of a range, one in each of `count` equal parts, shuffled (McKay, Beckman, Conover 1979)."""
+    order = list(range(count))
+    random.shuffle(order)
+    return [(stratum + random.random()) / count for stratum in order]
 
 
 def _drawn(sample: Sample, name: str, range_: Range) -> list[Any]:
@@ -92,9 +99,7 @@ def _drawn(sample: Sample, name: str, range_: Range) -> list[Any]:
     if sample.method == "random":
         shares = [random.random() for _ in range(count)]
     else:
-        order = list(range(count))
-        random.shuffle(order)
-        shares = [(stratum + random.random()) / count for stratum in order]
+        shares = latin_hypercube(random, count)
     if isinstance(range_, Choice):
         return [range_.choose[int(share * len(range_.choose))] for share in shares]
     low, high = range_

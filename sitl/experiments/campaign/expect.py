@@ -14,6 +14,7 @@ from msgspec import field
 
 from companion.config.section import Section
 
+Row = Mapping[str, Any]
 Statistic = Literal["mean", "median", "smallest", "largest", "deviation"]
 
 STATISTICS: dict[str, Callable[[Sequence[float]], float]] = {
@@ -47,9 +48,15 @@ class Expectation(Section, frozen=True):
         if self.at_least is None and self.at_most is None and self.at_most_times is None:
             raise ValueError(f"figure {self.figure}: expected at_least, at_most or at_most_times")
 
-    def is_about(self, row: Mapping[str, Any]) -> bool:
-        """Whether a run, by its columns, is one of those that `where` picks."""
-        return _fits(row, self.where)
+    def groups(self, table: Sequence[Row]) -> dict[str, list[Row]]:
+        """The runs that `where` picks, by group: the columns of `each` with their values."""
+        each = (self.each,) if isinstance(self.each, str) else self.each
+        groups: dict[str, list[Row]] = {}
+        for row in table:
+            if _fits(row, self.where):
+                name = ", ".join(f"{column} {row.get(column)}" for column in each)
+                groups.setdefault(name, []).append(row)
+        return groups
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,16 +71,18 @@ class ExpectationVerdict:
     missing: int
     is_met: bool
 
+    @property
+    def found(self) -> str:
+        """The value, or in how many runs it is missing, for tables."""
+        return f"missing in {self.missing}" if self.value is None else f"{self.value:.4g}"
 
-def judge(
-    expectations: Sequence[Expectation], table: Sequence[Mapping[str, Any]]
-) -> list[ExpectationVerdict]:
+
+def judge(expectations: Sequence[Expectation], table: Sequence[Row]) -> list[ExpectationVerdict]:
     """Every expectation's verdicts, in order. table: one row a run, by column."""
     return [verdict for expectation in expectations for verdict in _verdicts(expectation, table)]
 
 
-def _verdicts(expectation: Expectation, table: Sequence[Mapping[str, Any]]) -> list[ExpectationVerdict]:
-    each = (expectation.each,) if isinstance(expectation.each, str) else expectation.each
+def _verdicts(expectation: Expectation, table: Sequence[Row]) -> list[ExpectationVerdict]:
     if expectation.at_most_times is not None:
         wanted = {**expectation.where, **expectation.against}
         base, _ = _value(expectation, [row for row in table if _fits(row, wanted)])
@@ -81,16 +90,17 @@ def _verdicts(expectation: Expectation, table: Sequence[Mapping[str, Any]]) -> l
             return [_verdict(expectation, "no run to compare with", [])]
         most = expectation.at_most_times * base
         expectation = msgspec.structs.replace(expectation, at_most=most, against={}, at_most_times=None)
-    groups: dict[tuple[Any, ...], list[Mapping[str, Any]]] = {}
-    for row in table:
-        if expectation.is_about(row):
-            groups.setdefault(tuple(row.get(column) for column in each), []).append(row)
+    groups = expectation.groups(table)
     if not groups:
         return [_verdict(expectation, "no run is like this", [])]
-    return [_verdict(expectation, _group(expectation, each, key), rows) for key, rows in groups.items()]
+    where = [f"{column} {value}" for column, value in expectation.where.items()]
+    return [
+        _verdict(expectation, ", ".join([*where, *filter(None, [name])]) or "all runs", rows)
+        for name, rows in groups.items()
+    ]
 
 
-def _fits(row: Mapping[str, Any], where: Mapping[str, Any]) -> bool:
+def _fits(row: Row, where: Mapping[str, Any]) -> bool:
     return all(_is_among(row.get(column), wanted) for column, wanted in where.items())
 
 
@@ -98,12 +108,7 @@ def _is_among(value: object, wanted: object) -> bool:
     return value in wanted if isinstance(wanted, list | tuple) else value == wanted
 
 
-def _group(expectation: Expectation, each: Sequence[str], key: Sequence[Any]) -> str:
-    named = [*expectation.where.items(), *zip(each, key, strict=True)]
-    return ", ".join(f"{column} {value}" for column, value in named) or "all runs"
-
-
-def _verdict(expectation: Expectation, group: str, rows: Sequence[Mapping[str, Any]]) -> ExpectationVerdict:
+def _verdict(expectation: Expectation, group: str, rows: Sequence[Row]) -> ExpectationVerdict:
     value, missing = _value(expectation, rows)
     low, high = expectation.at_least, expectation.at_most
     is_met = value is not None and (low is None or value >= low) and (high is None or value <= high)
@@ -112,7 +117,7 @@ def _verdict(expectation: Expectation, group: str, rows: Sequence[Mapping[str, A
     return ExpectationVerdict(what, group, ", ".join(bounds), value, len(rows), missing, is_met)
 
 
-def _value(expectation: Expectation, rows: Sequence[Mapping[str, Any]]) -> tuple[float | None, int]:
+def _value(expectation: Expectation, rows: Sequence[Row]) -> tuple[float | None, int]:
     """The statistic, None where some run lacks the figure; how many lack it."""
     values = [
         float(value) for row in rows if isinstance(value := row.get(expectation.figure), bool | int | float)

@@ -16,6 +16,7 @@ from typing import Final, NamedTuple
 
 from companion.boat import TICK_S
 from companion.core.units import wrap_pi
+from companion.planning.segments import point_distance2
 from sitl.run.recording.recorder import Rows
 from sitl.world.drive.thruster import Thrusters
 from sitl.world.hull import Hull
@@ -137,14 +138,8 @@ class _Search:
             if math.hypot(north, east) > radius_m + self._radius_m:
                 continue
             place = (north * hull.cos + east * hull.sin, east * hull.cos - north * hull.sin)
-            if any(_distance_m(place, start, end) <= radius_m for start, end in self._sides):
+            if any(
+                point_distance2(*place, *start, *end) <= radius_m * radius_m for start, end in self._sides
+            ):
                 return True
         return False
-
-
-def _distance_m(place: Pair, start: Pair, end: Pair) -> float:
-    """Distance of a place from a line segment."""
-    along, aside = end[0] - start[0], end[1] - start[1]
-    share = ((place[0] - start[0]) * along + (place[1] - start[1]) * aside) / (along * along + aside * aside)
-    share = min(max(share, 0.0), 1.0)
-    return math.hypot(place[0] - start[0] - share * along, place[1] - start[1] - share * aside)

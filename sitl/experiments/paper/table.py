@@ -1,13 +1,10 @@
 """The paper's Table 3: by its own equations and from ground truth."""
 
-import csv
 import math
 import statistics
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
-from companion.cli.output_file import output_file
 from sitl.experiments.paper.conditions import CASES, RUNS, Method
 from sitl.experiments.trial import TrialResult
 
@@ -170,19 +167,3 @@ def markdown(table: Sequence[Row]) -> str:
         for case, shares in reductions(table).items()
     ]
     return "\n".join(lines) + "\n"
-
-
-def write_csv(path: Path, records: Sequence[Mapping[str, object]]) -> None:
-    """Write one row a record.
-
-    Raises:
-        OutputError: the file cannot be written.
-    """
-    with output_file(path) as aside, aside.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(records[0]))
-        writer.writeheader()
-        writer.writerows({key: _plain(value) for key, value in record.items()} for record in records)
-
-
-def _plain(value: object) -> object:
-    return f"{value:.6f}" if isinstance(value, float) else value

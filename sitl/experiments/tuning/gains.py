@@ -1,12 +1,12 @@
 """The gains that are tuned: their names as parameters, their values in a configuration, their file."""
 
-import math
 from collections.abc import Mapping, Sequence
 from random import Random
 from typing import Any
 
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
+from sitl.experiments.campaign.campaign import latin_hypercube
 
 TUNED = ("heading.kp", "heading.ki", "heading.kd", "speed.kp", "speed.ki")
 """Fields of the boat's configuration."""
@@ -42,13 +42,9 @@ def drawn_around(centre: Mapping[str, float], reach: float, count: int, random: 
     """
     columns: dict[str, list[float]] = {}
     for path, value in centre.items():
-        order = list(range(count))
-        random.shuffle(order)
         middle = max(value, _FLOOR.get(path, 0.0))
-        columns[path] = [
-            _short(middle * math.exp(math.log(reach) * (2.0 * (stratum + random.random()) / count - 1.0)))
-            for stratum in order
-        ]
+        shares = latin_hypercube(random, count)
+        columns[path] = [float(f"{middle * reach ** (2.0 * share - 1.0):.{_DIGITS}g}") for share in shares]
     return [{path: values[row] for path, values in columns.items()} for row in range(count)]
 
 
@@ -58,7 +54,3 @@ def parameter_file(gains: Mapping[str, float], remarks: Sequence[str]) -> str:
     lines = [f"# {remark}" for remark in remarks]
     lines += [f"{names[path]} {value:g}" for path, value in gains.items()]
     return "\n".join(lines) + "\n"
-
-
-def _short(value: float) -> float:
-    return float(f"{value:.{_DIGITS}g}")
