@@ -61,7 +61,6 @@ class SensorRecorder:
         self._ticks.extend((now_s, fix_index, heading_index, command.left, command.right, command.rudder))
 
     def recording(self, scenario: Scenario, name: str) -> SensorRecording:
-        """What was recorded so far."""
         settings = {
             one: msgspec.to_builtins(getattr(scenario.vehicle, one))
             for one in ("speed", "estimation", "drive")

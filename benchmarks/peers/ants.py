@@ -100,7 +100,6 @@ class _Trails:
         return total / STRAIGHT
 
     def evaporate(self, share: float) -> None:
-        """On all steps."""
         keep = 1.0 - share
         self._level = max(self._level * keep, _LAST_PHEROMONE)
         self._pheromone = {

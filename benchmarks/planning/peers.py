@@ -42,7 +42,6 @@ class Tally:
 
     @property
     def time_ms(self) -> float:
-        """The median."""
         return 1e3 * statistics.median(self.times_s)
 
     def __str__(self) -> str:

@@ -18,7 +18,6 @@ def rows() -> list[Row]:
 
 
 def _cpu_s(code: str) -> float:
-    """Of one process."""
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.DEVNULL) as process:
         _, status, used = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)

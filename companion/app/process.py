@@ -142,7 +142,6 @@ class ServiceNotifier:
         self._send(["STOPPING=1"])
 
     def close(self) -> None:
-        """Release the socket. May be called twice."""
         if self._socket is not None:
             self._socket.close()
             self._socket = None

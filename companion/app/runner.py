@@ -37,7 +37,6 @@ class SystemClock:
         self._start_s = time.monotonic()
 
     def now_s(self) -> float:
-        """Seconds since the clock was made."""
         return time.monotonic() - self._start_s
 
     def sleep(self, seconds: float) -> None:

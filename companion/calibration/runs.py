@@ -136,8 +136,6 @@ def go_to_edge(inputs: RoutineInputs, heading_rad: float) -> Step[None]:
 
 
 class RunPair(NamedTuple):
-    """A run and the one back."""
-
     out: Run
     back: Run
 

@@ -164,7 +164,6 @@ class DriveSetting(Section, frozen=True):
 
     @property
     def has_rudder(self) -> bool:
-        """Whether a rudder steers."""
         return self.layout != "differential"
 
     @property

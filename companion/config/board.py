@@ -92,5 +92,4 @@ def is_main_uart(device: str) -> bool:
 
 
 def i2c_device(bus: int | str) -> str:
-    """The device of a bus."""
     return bus if isinstance(bus, str) else f"/dev/i2c-{bus}"

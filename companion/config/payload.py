@@ -97,7 +97,6 @@ class ServoPayload(_Payload, frozen=True, kw_only=True, tag="servo"):
 
     @property
     def signal_in_use(self) -> PulseOutputSetting | None:
-        """The servo signal that it uses, if any."""
         return self.signal
 
     def __post_init__(self) -> None:
@@ -120,7 +119,6 @@ class GripperPayload(_Payload, frozen=True, kw_only=True, tag="gripper"):
 
     @property
     def signal_in_use(self) -> PulseOutputSetting | None:
-        """Its servo signal; None with a pin."""
         return self.signal if self.pin is None else None
 
     def __post_init__(self) -> None:
@@ -147,7 +145,6 @@ class WinchPayload(_Payload, frozen=True, kw_only=True, tag="winch"):
 
     @property
     def signal_in_use(self) -> PulseOutputSetting | None:
-        """Its servo signal; None with pins."""
         return self.signal if self.out_pin is None else None
 
     def __post_init__(self) -> None:
@@ -248,5 +245,4 @@ class CameraSetting(Section, frozen=True):
 
     @property
     def is_fitted(self) -> bool:
-        """Whether there is a camera."""
         return bool(self.rtsp or self.capture)

@@ -238,5 +238,4 @@ class Rc(Section, frozen=True):
         return (self.mode_1, self.mode_2, self.mode_3, self.mode_4, self.mode_5, self.mode_6)
 
     def stick(self, number: int) -> RcChannel:
-        """The stick channel 1 to 4."""
         return (self.channel_1, self.channel_2, self.channel_3, self.channel_4)[number - 1]

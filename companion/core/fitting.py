@@ -13,7 +13,6 @@ class Fit:
         self.square = 0.0
 
     def add(self, regressors: Sequence[float], value: float, weight: float = 1.0) -> None:
-        """Add a measurement."""
         self.count += 1
         self.square += weight * value * value
         for row, one in zip(self._rows, regressors, strict=True):

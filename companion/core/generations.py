@@ -187,7 +187,6 @@ class ProfileFile:
             return b""
 
     def save(self, content: bytes) -> None:
-        """Replace the profile."""
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             save_next(self._path, content, write_atomically)

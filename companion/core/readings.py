@@ -83,8 +83,6 @@ class DepthReading(Struct, frozen=True, gc=False):
 
 
 class ProbeReading(Struct, frozen=True, gc=False):
-    """One value of a probe, in its unit."""
-
     time_s: float
     name: str
     value: float

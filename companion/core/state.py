@@ -83,7 +83,6 @@ class NavState(Struct, frozen=True, gc=False):
 
     @property
     def point(self) -> Point:
-        """The position."""
         return Point(self.north_m, self.east_m)
 
     def current_along_m_s(self, course_rad: float) -> float:

@@ -62,11 +62,9 @@ class MemoryStorage:
         return self.content.get(name, b"")
 
     def damage(self, name: str) -> str:  # noqa: ARG002
-        """Never damaged."""
         return ""
 
     def save(self, name: str, content: bytes) -> Saving:
-        """Replace the content."""
         self.content[name] = content
         return _Done()
 
@@ -126,11 +124,9 @@ class FolderStorage:
         return generation.content
 
     def damage(self, name: str) -> str:
-        """Damage found by the last load of this name, and what was returned instead."""
         return self._damage.get(name, "")
 
     def save(self, name: str, content: bytes) -> Saving:
-        """Start replacing the content."""
         with self._lock:
             if (write := self._waiting.get(name)) is not None:
                 write.content = content

@@ -228,7 +228,6 @@ class WaterRoute:
 
     @property
     def end(self) -> Point:
-        """The destination."""
         return self._corners[-1]
 
     @property

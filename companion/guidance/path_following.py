@@ -61,7 +61,6 @@ class PathFollowing:
         self._corrected_s = 0.0
 
     def forget(self) -> None:
-        """Drop the path."""
         self._leg = self._plan = self._correction_rad = None
 
     def update(self, leg: FollowLeg, nav: NavState, config: BoatConfig) -> Guide:

@@ -97,10 +97,8 @@ class BackgroundSensor(Generic[Reading]):
         self._texts.append(StatusText(severity, text))
 
     def take_texts(self) -> list[StatusText]:
-        """The messages since the last call."""
         return [self._texts.popleft() for _ in range(len(self._texts))]
 
     def close(self) -> None:
-        """Stop the thread, then release the part. May be called twice."""
         self._background.close()
         self._release()

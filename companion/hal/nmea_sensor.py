@@ -69,7 +69,6 @@ class SharedDepthSounder:
         gnss.listen(DEPTH_SENTENCES, self._ingest)
 
     def read(self) -> DepthReading | None:
-        """The latest sounding, None before the first."""
         return self._latest
 
     def close(self) -> None:

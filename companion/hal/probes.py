@@ -114,7 +114,6 @@ class LineProbe:
         self.close = close
 
     def read(self) -> ProbeReading | None:
-        """The latest reading, None before the first."""
         return self._latest
 
     def ingest(self, text: str, time_s: float) -> None:

@@ -89,7 +89,6 @@ class Registers:
         self.address = address
 
     def read(self, register: int, length: int) -> bytes:
-        """Read bytes."""
         return bytes(self.bus.read_i2c_block_data(self.address, register, length))
 
     def read_word(self, register: int) -> int:
@@ -97,7 +96,6 @@ class Registers:
         return int.from_bytes(self.read(register, 2), "big")
 
     def write(self, register: int, *values: int) -> None:
-        """Write bytes."""
         self.bus.write_i2c_block_data(self.address, register, values)
 
 

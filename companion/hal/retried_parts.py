@@ -28,7 +28,6 @@ class RetriedPart(Retried[Part]):
     """Tells the part's own messages too."""
 
     def take_texts(self) -> list[StatusText]:
-        """The messages since the last call."""
         texts, part = super().take_texts(), self.opened
         return texts + part.take_texts() if isinstance(part, ReportingPart) else texts
 
@@ -43,7 +42,6 @@ class RetriedMotors(RetriedPart[WatchedMotors]):
             self.opened.write(left, right)
 
     def stop(self) -> None:
-        """Stop both motors now."""
         if self.opened is not None:
             self.opened.stop()
 
@@ -56,7 +54,6 @@ class RetriedRudder(RetriedPart[Rudder]):
     """Satisfies `companion.hal.interfaces.Rudder`; commands before the opening have no effect."""
 
     def write(self, share: float) -> None:
-        """Turn to a share of the full angle."""
         if self.opened is not None:
             self.opened.write(share)
 
@@ -67,7 +64,6 @@ class RetriedSensor(RetriedPart[Sensor[Reading]]):
     may_pause = False
 
     def read(self) -> Reading | None:
-        """The latest reading, None before the first."""
         part = self.opened
         if part is None:
             return None
@@ -80,7 +76,6 @@ class RetriedGnss(RetriedSensor[GnssFix]):
     """Satisfies `Gnss` and `CorrectionInput`."""
 
     def inject(self, data: bytes) -> bool:
-        """Send a whole RTCM 3 frame to the receiver; False if it takes none now."""
         return isinstance(self.opened, GnssReceiver) and self.opened.inject(data)
 
 
@@ -90,7 +85,6 @@ class RetriedSonar(RetriedPart[Sonar]):
     _sector: tuple[float, float] | None = None  # that the part has not been told yet
 
     def read(self) -> Sequence[SonarReading]:
-        """The pings since the last call, oldest first."""
         if self.opened is None:
             return ()
         if self._sector is not None:
@@ -133,7 +127,6 @@ class RetriedProbe:
         return self._group.is_open
 
     def read(self) -> ProbeReading | None:
-        """The latest reading, None before the first."""
         group = self._group.opened
         return None if group is None else group.probes[self._index].read()
 
@@ -146,7 +139,6 @@ class CountedOutput:
         self.counter = counter
 
     def close(self) -> None:
-        """Close both. May be called twice."""
         self.output.close()
         if self.counter is not None:
             self.counter.close()
@@ -167,6 +159,5 @@ class RetriedOutput(Retried[CountedOutput]):
 
     @property
     def count(self) -> int:
-        """Pulses since it was opened."""
         counter = None if self.opened is None else self.opened.counter
         return 0 if counter is None else counter.count

@@ -95,7 +95,6 @@ class MemoryPort:
         return -1
 
     def close(self) -> None:
-        """Close all links. May be called twice."""
         self._is_closed = True
         for link in (*self._links, *self._offered):
             link.close()

@@ -115,11 +115,9 @@ class Retried(Generic[Opened]):
 
     @property
     def is_open(self) -> bool:
-        """Whether it has been opened."""
         return self.opened is not None
 
     def take_texts(self) -> list[StatusText]:
-        """The messages since the last call."""
         return [self._texts.popleft() for _ in range(len(self._texts))]
 
     def close(self) -> None:

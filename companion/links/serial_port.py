@@ -92,7 +92,6 @@ class SerialPort:
         return -1
 
     def close(self) -> None:
-        """Close the device. May be called twice."""
         self._is_closed = True
         self._link.close()
 

@@ -75,7 +75,6 @@ class StreamLink:
         return self._descriptor
 
     def close(self) -> None:
-        """Close the descriptor. May be called twice."""
         if self._descriptor >= 0:
             self._descriptor = -1
             self._pending.clear()

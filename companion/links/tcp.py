@@ -55,7 +55,6 @@ class TcpInPort:
         return self._socket.fileno()
 
     def close(self) -> None:
-        """Stop listening and close all links. May be called twice."""
         self._socket.close()
         for link in self._links:
             link.close()
@@ -106,7 +105,6 @@ class TcpOutPort:
         return -1
 
     def close(self) -> None:
-        """Close the connection and stop. May be called twice."""
         self._is_closed = True
         if self._dialling is not None:
             self._dialling.close()

@@ -39,7 +39,6 @@ class UdpOutPort:
         self._fresh: list[Link] = [self._link]
 
     def accept(self) -> list[Link]:
-        """The link, once."""
         fresh, self._fresh = self._fresh, []
         return fresh
 
@@ -48,7 +47,6 @@ class UdpOutPort:
         return -1
 
     def close(self) -> None:
-        """Close the link. May be called twice."""
         self._link.close()
 
 
@@ -164,7 +162,6 @@ class UdpInPort:
         return self._socket.fileno()
 
     def close(self) -> None:
-        """Close the socket and every link. May be called twice."""
         for peer in list(self._peers.values()):
             peer.close()
         self._socket.close()

@@ -125,13 +125,11 @@ def changed_parameters(us: int, held: Parameters, before: BoatConfig, after: Boa
 
 
 def mission(us: int, items: Sequence[MissionItem]) -> Iterator[bytes]:
-    """All stored items."""
     for seq in range(len(items)):
         yield command(r.CMD.pack, us, items, seq)
 
 
 def command(pack: Callable[..., bytes], us: int, items: Sequence[MissionItem], seq: int) -> bytes:
-    """One mission item."""
     item = items[seq]
     return pack(
         us, len(items), seq, item.command, item.param1, item.param2, item.param3, item.param4, item.x, item.y,

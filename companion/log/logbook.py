@@ -35,7 +35,6 @@ class TelemetryLog:
         sink.begin()
 
     def add(self, frame: bytes) -> None:
-        """Log one frame."""
         if len(self._block) > _BLOCK_BYTES:
             self._hand_over()
         self._block += _STAMP.pack(self._clock_us()) + frame
@@ -75,7 +74,6 @@ class Logbook:
         self._clock_us = 0
 
     def note(self, notice: StatusText) -> None:
-        """Log a status text."""
         if self.onboard is not None:
             self.onboard.note(notice)
 

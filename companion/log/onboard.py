@@ -110,7 +110,6 @@ class OnboardLog:
         return time_us(self._now_s)
 
     def close(self) -> None:
-        """Complete the log."""
         if self.is_writing:
             self._end(0.0)
 

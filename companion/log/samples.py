@@ -156,7 +156,6 @@ def _around(now: Snapshot, us: int, nav: NavState) -> Iterator[bytes]:
 
 
 def _loops(now: Snapshot, us: int, nav: NavState, demand: Demand, centideg: int) -> Iterator[bytes]:
-    """The closed loops."""
     if (pid := now.guidance.helm.heading_pid) is not None:
         wanted, actual = demand.heading_rad, nav.heading_rad
         error_deg = wrap_pi(wanted - actual) * _DEG

@@ -46,7 +46,6 @@ class InlineWorker:
     room_bytes = _MOST_BYTES
 
     def submit(self, job: Job, size_bytes: int = 0) -> bool:  # noqa: ARG002
-        """Run it."""
         _do(job)
         return True
 
@@ -71,11 +70,9 @@ class ThreadWorker:
 
     @property
     def room_bytes(self) -> int:
-        """Bytes that may still be queued."""
         return self._most_bytes - (self._taken_bytes - self._done_bytes)
 
     def submit(self, job: Job, size_bytes: int = 0) -> bool:
-        """Queue it."""
         if self._is_closing or size_bytes > self.room_bytes or len(self._jobs) >= self._most_jobs:
             return False
         self._taken_bytes += size_bytes
@@ -84,7 +81,6 @@ class ThreadWorker:
         return True
 
     def close(self) -> None:
-        """Finish the queue and the thread."""
         if not self._is_closing:
             self._is_closing = True
             self._waiting.release()
@@ -150,12 +146,10 @@ class FileSink:
         return self._worker.room_bytes
 
     def begin(self) -> bool:
-        """Begin a new file."""
         self.fault = ""
         return self._worker.submit(self._open)
 
     def write(self, block: bytes, unix_s: float) -> bool:
-        """Queue a block."""
         return self._worker.submit(partial(self._append, block, unix_s), len(block))
 
     def end(self) -> None:
@@ -231,15 +225,12 @@ class SingleFile:
             raise StorageError(f"{path}: cannot be written: {error.strerror}") from None
 
     def begin(self) -> bool:
-        """No effect."""
         return True
 
     def write(self, block: bytes, unix_s: float) -> bool:  # noqa: ARG002
-        """Write."""
         return self._attempt(lambda: self._file.write(block))
 
     def end(self) -> None:
-        """Flush."""
         self._attempt(self._file.flush)
 
     def close(self) -> None:

@@ -61,7 +61,6 @@ class LogStore:
         return tuple(file for file in self.files if file.is_onboard_log)
 
     def find(self, name: str) -> LogFile | None:
-        """A file by its name."""
         return next((file for file in self.files if file.name == name), None)
 
     def open(self, name: str) -> BinaryIO:

@@ -18,7 +18,6 @@ class Address(NamedTuple):
 
 @cache
 def address(system: int, component: int) -> Address:
-    """A cached address."""
     return Address(system, component)
 
 

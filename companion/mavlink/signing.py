@@ -67,7 +67,6 @@ def sign(frame: bytes, key: SigningKey, link_id: int, timestamp: int) -> bytes:
 
 
 def without_signature(frame: bytes) -> bytes:
-    """The frame without its signature."""
     return _with_flag(frame[:-_BLOCK_BYTES], 0) if is_signed(frame) else frame
 
 
@@ -199,7 +198,6 @@ class SigningCounters:
 
     @property
     def refused(self) -> int:
-        """All refused frames."""
         return self.unsigned + self.forged + self.old
 
 
@@ -221,7 +219,6 @@ class SigningGuard:
 
     @property
     def key(self) -> SigningKey | None:
-        """The present key."""
         return self._signatory.key
 
     def verifies_with(self, key: SigningKey | None) -> bool:

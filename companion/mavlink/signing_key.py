@@ -39,7 +39,6 @@ class SigningKey:
 
     @classmethod
     def from_passphrase(cls, passphrase: str) -> "SigningKey":
-        """The key of a passphrase."""
         return cls(hashlib.sha256(passphrase.encode()).digest())
 
     def signature(self, signed: bytes) -> bytes:

@@ -52,8 +52,6 @@ MOST_ITEMS = 65535  # MISSION_COUNT counts in 16 bits
 
 
 class TransferState(Enum):
-    """State of a transfer."""
-
     IDLE = auto()
     LISTING = auto()  # receiver: list requested, waiting for the count
     RECEIVING = auto()  # receiver: waiting for the requested item

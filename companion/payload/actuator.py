@@ -128,7 +128,6 @@ class Winch(Actuator):
         self._is_homing = action.motion is WinchMotion.RETRACT
 
     def stop(self, now_s: float) -> None:
-        """Stop the winch where it is."""
         self._start(0.0, 0.0, now_s)
 
     def tick(self, now_s: float) -> None:

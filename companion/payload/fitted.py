@@ -97,7 +97,6 @@ class FittedPayload:
         return ActionFault(0, f"this boat has no {what}", is_absent=True)
 
     def of_kind(self, kind: type[_Setting]) -> tuple[_Setting, ...]:
-        """The settings of a kind."""
         return tuple(one for one in self.settings if isinstance(one, kind))
 
 

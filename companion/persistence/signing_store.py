@@ -52,7 +52,6 @@ class KeyFloors:
             self._others = max(self._others, floor)
 
     def to_tree(self) -> dict[str, Any]:
-        """For the file."""
         return {"keys": dict(self._floors), "others": self._others}
 
     @classmethod

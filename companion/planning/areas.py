@@ -201,7 +201,6 @@ class Disc:
 
     @property
     def area_m2(self) -> float:
-        """Within it."""
         return math.pi * self.radius_m * self.radius_m
 
     def contains(self, north_m: float, east_m: float) -> bool:

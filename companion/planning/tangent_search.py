@@ -63,7 +63,6 @@ class TangentSearch:
         self.start = self.tangents.fan_of(-1, 0.0, 0.0)
 
     def begin(self, start_x: float, start_y: float, goal_x: float, goal_y: float) -> None:
-        """Start a search."""
         for node in range(2 * self.tangents.count):
             self.best[node] = inf
         self.arrivals = self.entries = self.heap_size = 0

@@ -167,7 +167,6 @@ class Tangents:
         return at
 
     def fan(self, node: int) -> Fan:
-        """The tangents of a node."""
         known = self.fans[node]
         if known is None:
             known = self.fan_of(node, 0.0, 0.0)

@@ -186,7 +186,6 @@ class SbusParser(RcParser):
         self._heard_s = -math.inf
 
     def feed(self, data: bytes, time_s: float) -> RcReading | None:
-        """Parse more bytes. The latest reading in them, None without a complete frame."""
         pause_s, self._heard_s = time_s - self._heard_s, time_s
         if not self._is_in_step:
             if pause_s >= PAUSE_S:
@@ -197,7 +196,6 @@ class SbusParser(RcParser):
         return super().feed(data, time_s)
 
     def forget(self) -> None:
-        """Drop half a frame: the line was cut."""
         super().forget()
         self._is_in_step = False
 

@@ -224,7 +224,6 @@ class Channels:
         return self._filenos
 
     def close(self) -> None:
-        """Close everything. May be called twice."""
         for channel in self.open.values():
             channel.link.close()
         self.open.clear()

@@ -78,23 +78,18 @@ class ConfiguredPort:
 
     @property
     def name(self) -> str:
-        """The url."""
         return self._port.name
 
     def accept(self) -> list[Link]:
-        """New links since the last call."""
         return self._port.accept()
 
     def fileno(self) -> int:
-        """A descriptor to wait on for new links, −1 without one."""
         return self._port.fileno()
 
     def take_texts(self) -> list[StatusText]:
-        """Messages to the operator since the last call."""
         return self._port.take_texts() if isinstance(self._port, RetriedPort) else []
 
     def close(self) -> None:
-        """Close, with all its links. May be called twice."""
         self._port.close()
 
 

@@ -30,7 +30,6 @@ class RouteTable:
         self._clock_ms: OrderedDict[Address, int] = OrderedDict()
 
     def open(self, channel: int) -> None:
-        """A channel has opened."""
         self._heard[channel] = OrderedDict()
         self.version += 1
 

@@ -150,7 +150,6 @@ class TxQueue:
 
     @property
     def waiting_bytes(self) -> int:
-        """Bytes in the queue."""
         return self._own.bytes + sum(source.bytes for source in self._sources.values())
 
     def may_send(self, now_s: float) -> bool:

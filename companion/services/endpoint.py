@@ -213,11 +213,9 @@ class Endpoint:
         return self._time.unix_offset_s
 
     def mission_items(self) -> tuple[MissionItem, ...]:
-        """The stored mission."""
         return self._missions.items(MissionType.MISSION)
 
     def close(self) -> None:
-        """Close files and their thread. May be called twice."""
         self._files.close()
 
     def handle(self, channel: int, received: Received, now_s: float) -> None:

@@ -39,11 +39,9 @@ class Outbox:
         return not self._queue
 
     def send(self, channel: int, message: Message, component: int = 0) -> None:
-        """To one channel."""
         self._queue.append(Outgoing(message, channel, component))
 
     def broadcast(self, message: Message, component: int = 0) -> None:
-        """To all channels."""
         self._queue.append(Outgoing(message, None, component))
 
     def has_room(self, channel: int) -> bool:

@@ -49,7 +49,6 @@ class ParameterService:
         self._sets_left = _SETS_PER_TICK
 
     def open(self, channel: int) -> None:
-        """A channel has opened."""
         self._listing[channel] = deque()
 
     def on_request_list(self, origin: Origin) -> None:

@@ -49,7 +49,6 @@ class Roles:
         self._roles: OrderedDict[Address, Role] = OrderedDict()
 
     def update(self, heartbeat: Message, sender: Address, operator_system_id: int) -> Role:
-        """Process a heartbeat."""
         role = role_of(heartbeat, sender, operator_system_id)
         self._roles[sender] = role
         self._roles.move_to_end(sender)

@@ -20,7 +20,6 @@ class Orbit:
 
     @property
     def turns(self) -> float:
-        """Turns sailed."""
         return self._turned_rad / TAU
 
     def update(self, nav: NavState) -> None:

@@ -120,5 +120,4 @@ def run_parsed(parser: Parser, arguments: Sequence[str], work: Callable[[Namespa
 
 
 def print_json(tree: Mapping[str, object], indent: int | None = 2) -> None:
-    """What --json prints."""
     sys.stdout.write(json.dumps(tree, indent=indent) + "\n")

@@ -162,7 +162,6 @@ class UniformCurrent:
         return cls(speed_m_s * math.cos(to_rad), speed_m_s * math.sin(to_rad))
 
     def at(self, north_m: Floats, east_m: Floats) -> tuple[Floats, Floats]:
-        """The same velocity at every place."""
         return np.full_like(north_m, self.north_m_s), np.full_like(east_m, self.east_m_s)
 
 
@@ -248,7 +247,6 @@ class Currents:
     parts: Sequence[Current]
 
     def at(self, north_m: Floats, east_m: Floats) -> tuple[Floats, Floats]:
-        """The sum of the velocities."""
         velocities = [part.at(north_m, east_m) for part in self.parts]
         zero = np.zeros_like(north_m)
         return sum((one[0] for one in velocities), zero), sum((one[1] for one in velocities), zero)

@@ -130,11 +130,9 @@ class OpenWater:
 
     @property
     def unit(self) -> str:
-        """That of the cost below, only for comparison."""
         return self.travel.unit
 
     def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats) -> Floats:
-        """The cost below, weighted."""
         near = np.exp(-self.room_m(north_m, east_m) / self.scale_m)
         return self.travel.per_m(north_m, east_m, course_rad) * (1.0 + self.weight * near)
 
@@ -156,11 +154,9 @@ class InZones:
 
     @property
     def unit(self) -> str:
-        """That of the cost outside the zones."""
         return self.travel.unit
 
     def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats) -> Floats:
-        """The cost at each place's speed."""
         cost = self.travel.per_m(north_m, east_m, course_rad)
         for zone in sorted(self.zones, key=lambda one: -one.limit_m_s):
             inside = shapely.contains_xy(zone.area, east_m, north_m)

@@ -84,7 +84,6 @@ class Boats:
             self._board.poll(now_s)
 
     def close(self) -> None:
-        """Close the port. May be called twice."""
         self._port.close()
 
     @property

@@ -111,7 +111,6 @@ class BoatTrack:
         self._step_m = _FIRST_STEP_M
 
     def add(self, place: Place) -> None:
-        """A new place of the boat."""
         if self.points and _apart_m(self.points[-1], place) < self._step_m:
             return
         self.points.append((place.lon, place.lat))

@@ -22,8 +22,6 @@ _PLAIN: Final = {5: 0, 6: 3, 11: 10}  # MAV_FRAME_…_INT means the same in MISS
 
 
 class ListUpload(NamedTuple):
-    """One list to upload: its kind and items."""
-
     kind: Kind
     number: MissionType
     items: Sequence[MissionItem]

@@ -227,7 +227,6 @@ def on_home(view: View, message: Message) -> None:
 
 
 def on_mission_current(view: View, message: Message) -> None:
-    """How far the mission is."""
     state = _PROGRESS.get(message.mission_state)
     view.progress = None if state is None else MissionState(current=message.seq, state=state)
     view.mission_total = None if message.total == _UNKNOWN_16 else message.total

@@ -110,13 +110,11 @@ class UdpLink(asyncio.DatagramProtocol):
         """Nobody there yet; what was sent is lost, as on any link."""
 
     def send(self, data: bytes) -> None:
-        """Send one frame to the peer, if there is one."""
         if self._transport is not None and self._peer is not None and not self._transport.is_closing():
             connected = self._transport.get_extra_info("peername")
             self._transport.sendto(data, None if connected else self._peer)
 
     def close(self) -> None:
-        """Close the socket."""
         if self._transport is not None:
             self._transport.close()
 
@@ -146,13 +144,11 @@ class SerialLine:
             self._on_bytes(data)
 
     def send(self, data: bytes) -> None:
-        """Send one frame to the peer, if there is one."""
         with contextlib.suppress(OSError):
             if self._line.is_open:
                 os.write(self._descriptor, data)
 
     def close(self) -> None:
-        """Let the device go."""
         if self._line.is_open:
             self._loop.remove_reader(self._descriptor)
             self._line.close()

@@ -58,7 +58,6 @@ class TrialResult(Struct, frozen=True, kw_only=True):
     cpu_s: float = 0.0
 
     def value(self, name: str) -> float:
-        """A figure as a number."""
         return float(self.figures[name] or 0.0)
 
 

@@ -23,15 +23,12 @@ class Page:
         self._parts: list[str] = [f"<h1>{_text(title)}</h1>", f'<p class="lead">{_text(lead)}</p>']
 
     def heading(self, text: str) -> None:
-        """A new section."""
         self._parts.append(f"<h2>{_text(text)}</h2>")
 
     def paragraph(self, text: str) -> None:
-        """Plain text."""
         self._parts.append(f"<p>{_text(text)}</p>")
 
     def warning(self, text: str) -> None:
-        """Highlighted text."""
         self._parts.append(f'<p class="warning">{_text(text)}</p>')
 
     def tiles(self, figures: Iterable[tuple[str, str]]) -> None:
@@ -76,7 +73,6 @@ class Page:
         self._parts.append(f"<details><summary>{_text(summary)}</summary><pre>{_text(text)}</pre></details>")
 
     def render(self) -> str:
-        """The whole page."""
         style = _STYLE.read_text(encoding="utf-8")
         head = '<meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">'
         head += f"<title>{_text(self._title)}</title>\n<style>\n{style}</style>"

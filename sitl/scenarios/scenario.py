@@ -136,7 +136,6 @@ def load_scenario(
 
 
 def scenario_names() -> list[str]:
-    """The installed scenarios."""
     return sorted(path.stem for path in SCENARIOS.glob("*.toml"))
 
 

@@ -19,7 +19,6 @@ _UNSET_YEAR = 2025  # an older date was not set by anything
 
 
 def check_model(examined: Examined) -> Finding:
-    """Which computer this is."""
     memory = (examined.read("/proc/meminfo") or "").split("kB")[0].split()
     size = f", {int(memory[-1]) / 1e6:.1f} GB" if memory and memory[-1].isdigit() else ""
     if not examined.model:

@@ -64,7 +64,6 @@ class Target:
         return {fields[0]: set(filter(None, fields[3].split(","))) for fields in self._accounts("group", 4)}
 
     def users(self) -> set[str]:
-        """The users of the target."""
         return {fields[0] for fields in self._accounts("passwd", 7)}
 
     def ids(self, user: str) -> tuple[int, int]:

@@ -26,7 +26,6 @@ class GpsdGnss(PortSensor[GnssFix]):
         self._silence, self._timeout_s = SilenceMonitor("GNSS: gpsd"), timeout_s
 
     def step(self) -> None:
-        """Process received reports. Never waits."""
         super().step()
         if self._must_ask and self._links:
             self._must_ask = not self._links[-1].send(WATCH)

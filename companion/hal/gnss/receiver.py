@@ -125,7 +125,6 @@ class NmeaGnss(GnssReceiver):
         self._is_silent = False
 
     def step(self) -> None:
-        """Process received bytes, and send corrections. Never waits."""
         super().step()
         is_silent = self._now() - self._sentence_s > _SILENT_S
         if is_silent and not self._is_silent:

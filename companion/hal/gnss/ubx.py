@@ -44,7 +44,6 @@ class UbxGnss(GnssReceiver):
         self._assembler = UbxFixAssembler(latency_s)
 
     def step(self) -> None:
-        """Process received bytes, go on with the set-up, and send corrections. Never waits."""
         super().step()
         setup = self.setup
         if self._links:

@@ -44,7 +44,6 @@ class AntennaCompass:
         return self._combined or latest
 
     def take_texts(self) -> list[StatusText]:
-        """Those of the compass in reserve, and of the receiver if it is owned."""
         parts: tuple[object, ...] = (self._reserve, self._receiver)
         return [text for part in parts if isinstance(part, ReportingPart) for text in part.take_texts()]
 

@@ -50,7 +50,6 @@ class Bno085Compass(PortSensor[HeadingReading]):
         self._is_silent = False
 
     def step(self) -> None:
-        """Process received bytes, and send what the part needs."""
         super().step()
         now_s = self._now()
         self._session.tick(now_s)

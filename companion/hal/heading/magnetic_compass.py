@@ -69,7 +69,6 @@ class _Watched(Generic[Sample]):
         self._equal = 0
 
     def read(self, now_s: float) -> Sample | None:
-        """A new sample that may be used."""
         sample = self._sample(now_s)
         if sample is not None:
             self._heard_s = self._asked_s = now_s

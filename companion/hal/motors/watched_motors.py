@@ -48,13 +48,11 @@ class WatchedMotors:
                 self._written_s = None
 
     def stop(self) -> None:
-        """Stop both motors now."""
         with self._lock:
             self._motors.stop()
             self._written_s = None
 
     def close(self) -> None:
-        """Stop, then release the part. May be called twice."""
         try:
             with self._lock:
                 self._motors.close()

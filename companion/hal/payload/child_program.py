@@ -47,11 +47,9 @@ class ChildProgram:
 
     @property
     def is_running(self) -> bool:
-        """Whether a run has not ended yet."""
         return self._thread is not None and self._thread.is_alive()
 
     def start(self) -> str:
-        """Start it; no effect while it runs."""
         self._begin(self._arguments)
         return ""
 
@@ -63,18 +61,15 @@ class ChildProgram:
         self._thread.start()
 
     def poll(self) -> str | None:
-        """How a run has ended, told once."""
         if self.is_running:
             return None
         end, self._end = self._end, None
         return end
 
     def end(self) -> None:
-        """Begin to end it, without waiting."""
         self._stop.set()
 
     def close(self) -> None:
-        """End it, and wait for that. May be called twice."""
         self.end()
         if self._thread is not None:
             self._thread.join(_GRACE_S + 1.0)

@@ -73,7 +73,6 @@ class ShareOutput:
         self._pulses.write_us(self._signal.width_us(value))
 
     def close(self) -> None:
-        """Stop, then release the output. May be called twice."""
         self._pulses.close()
 
 
@@ -104,7 +103,6 @@ class BridgeOutput:
         self._title = title
 
     def write(self, value: float) -> None:
-        """Run out, run in, or stop."""
         with _reporting(self._title):
             if value <= 0.0:
                 self._outward.off()
@@ -116,7 +114,6 @@ class BridgeOutput:
                 self._inward.on()
 
     def close(self) -> None:
-        """Stop, then release the pins. May be called twice."""
         with ExitStack() as rest:
             for device in (self._outward, self._inward):
                 rest.callback(device.close)
@@ -136,7 +133,6 @@ class PinCounter:
         self.count += 1
 
     def close(self) -> None:
-        """Release the pin. May be called twice."""
         self._device.close()
 
 

@@ -39,5 +39,4 @@ class RudderServo:
         self._output.write_us(self._setting.width_us(share))
 
     def close(self) -> None:
-        """No more pulses. May be called twice."""
         self._output.close()

@@ -105,7 +105,6 @@ class EchoPinRanger:
         self._ranges_m.clear()
 
     def close(self) -> None:
-        """Release the pins. May be called twice."""
         self._trigger.close()
         self._echo.close()
 

@@ -115,18 +115,15 @@ class MountedRanger:
         return self._period_s
 
     def read(self) -> Sequence[SonarReading]:
-        """The pings since the last call, oldest first."""
         readings: list[SonarReading] = []
         while self._readings:
             readings.append(self._readings.popleft())
         return readings
 
     def set_sector(self, port_rad: float, starboard_rad: float) -> None:
-        """Sweep between these bearings."""
         self._scan.set_sector(port_rad, starboard_rad)
 
     def close(self) -> None:
-        """Stop the thread and release the pins. May be called twice."""
         if self._is_closed:
             return
         self._is_closed = True

@@ -108,13 +108,11 @@ class SerialRanger:
             select.select(descriptors, [], [], _POLL_S)
 
     def forget(self) -> None:
-        """Drop what was measured until now."""
         for _ in self._receive():
             pass
         self.reader.forget()
 
     def close(self) -> None:
-        """Release the port. May be called twice."""
         self._port.close()
 
     def _receive(self) -> Iterator[bytes]:

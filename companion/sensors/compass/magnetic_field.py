@@ -77,7 +77,6 @@ def compass_hooks(corrector: FieldCorrector) -> list[ParameterHook]:
 
 
 def parameter_values(correction: MagneticCorrection) -> list[tuple[str, float]]:
-    """The parameters of a correction."""
     matrix = correction.matrix
     off_diagonal = (matrix[0][1], matrix[0][2], matrix[1][2])
     values = [("COMPASS_MOTCT", float(correction.motor_source))]

@@ -88,7 +88,6 @@ class UbxSetup:
         return taken
 
     def take_texts(self) -> list[StatusText]:
-        """Messages to the operator."""
         taken, self._texts = self._texts, []
         return taken
 

@@ -62,7 +62,6 @@ class CameraComponent:
         }
 
     def heartbeat(self) -> Message:
-        """The camera's own."""
         return build_message(
             "HEARTBEAT",
             type=dialect.MAV_TYPE_CAMERA,
@@ -80,7 +79,6 @@ class CameraComponent:
             self._execute(from_int(message, origin, now_s))
 
     def open(self, channel: int) -> None:
-        """A channel has opened."""
         self._outbox.send(channel, self.heartbeat(), self.component)
 
     def tick(self, now_s: float) -> None:

@@ -75,7 +75,6 @@ def capture_status(now: Snapshot) -> Message:
 
 
 def image_status(camera: Camera) -> int:
-    """As in CAMERA_CAPTURE_STATUS."""
     if camera.has_series:
         return _SERIES_BUSY if camera.is_capturing else _SERIES_IDLE
     return _BUSY if camera.is_capturing else _IDLE

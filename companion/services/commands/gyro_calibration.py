@@ -22,7 +22,6 @@ class GyroCalibration:
         self._rates_rad_s: list[float] = []
 
     def progress_percent(self, now_s: float) -> int:
-        """Progress."""
         return min(int(100.0 * (now_s - self._began_s) / GYRO_S), 99)
 
     def update(self, reading: HeadingReading | None, now_s: float) -> None:

@@ -94,7 +94,6 @@ class MaintenanceCommands:
         return self._report(job.result, job.notice.text, job.notice.severity)
 
     def cancel(self) -> Result:
-        """Cancel the calibration."""
         self.calibration = None
         return Result.CANCELLED
 

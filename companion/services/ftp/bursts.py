@@ -37,7 +37,6 @@ class Bursts:
         self._advance(station, session, self._blocks_left, now_s)
 
     def tick(self, now_s: float) -> None:
-        """Continue every burst."""
         self._blocks_left = BLOCKS_PER_TICK
         running = [(station, s) for station in self._stations for s in station.sessions.values() if s.burst]
         for index, (station, session) in enumerate(running):

@@ -66,7 +66,6 @@ class Operations:
         }
 
     def carry_out(self, station: FtpStation, request: Request, now_s: float) -> Reply:
-        """Execute a request."""
         operation = self._table.get(request.opcode)
         if operation is None:
             raise Refusal(Code.UNKNOWN_COMMAND)

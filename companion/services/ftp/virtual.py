@@ -69,7 +69,6 @@ class VirtualMount:
         self._files = dict(files)
 
     def open(self, names: Names) -> Content:
-        """Generate the content."""
         name, _, query = _single(names).partition("?")
         pairs = (pair.partition("=") for pair in query.split("&"))
         options = Options({key: value for key, _, value in pairs})
@@ -89,7 +88,6 @@ class VirtualMount:
         return b""
 
     def save(self, names: Names, content: bytes) -> None:
-        """Process the content."""
         take = self._file(_single(names)).take
         if take is None:
             raise Refusal(Code.FILE_PROTECTED)

@@ -73,7 +73,6 @@ class MissionList:
 
     @property
     def items(self) -> tuple[MissionItem, ...]:
-        """The stored items."""
         return tuple([entry.item for entry in self.entries])
 
     def offered(self) -> tuple[MissionItem, ...]:

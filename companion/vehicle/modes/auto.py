@@ -63,7 +63,6 @@ class AutoMode(ModeController):
 
     @property
     def destination(self) -> LatLon | None:
-        """The current item's position."""
         progress = self._progress
         if progress.current_seq >= len(progress.mission):
             return None

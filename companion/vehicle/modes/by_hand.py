@@ -24,7 +24,6 @@ class HoldMode(ModeController):
     """Motors off."""
 
     def intent(self, inputs: ModeInputs) -> Intent:  # noqa: ARG002
-        """No thrust."""
         return _STOP
 
 
@@ -68,7 +67,6 @@ class AcroMode(StickMode):
     """Full steering is ACRO_TURN_RATE at every speed."""
 
     def steer(self, throttle: float, steering: float, inputs: ModeInputs) -> Intent:
-        """The sticks' speed and turn rate."""
         config = inputs.config
         return HoldTurn(steering * config.modes.turn_rate_rad_s, throttle * top_speed_m_s(config.speed))
 
@@ -77,7 +75,6 @@ class SteeringMode(StickMode):
     """Full steering is the corner acceleration, up to ACRO_TURN_RATE."""
 
     def steer(self, throttle: float, steering: float, inputs: ModeInputs) -> Intent:
-        """The sticks' speed and turn."""
         config = inputs.config
         speed_m_s, most_rad_s = throttle * top_speed_m_s(config.speed), config.modes.turn_rate_rad_s
         at_least_m_s = max(abs(speed_m_s), config.guidance.min_speed_m_s)

@@ -18,7 +18,6 @@ class CircleMode(ModeController):
         self._orbit = None
 
     def intent(self, inputs: ModeInputs) -> Intent:
-        """Round the centre."""
         setting = inputs.config.modes
         if self._orbit is None:
             centre = inputs.nav.point.moved(inputs.nav.heading_rad, setting.circle_radius_m)

@@ -45,7 +45,6 @@ class FollowMode(ModeController):
         return ""
 
     def enter(self, inputs: ModeInputs | None) -> None:  # noqa: ARG002
-        """Begin to follow."""
         self._has_lost_lead = False
 
     def intent(self, inputs: ModeInputs) -> Intent:

@@ -35,7 +35,6 @@ class GuidedMode(ModeController):
         self._station.set(nearest_inside(inputs, self._fence))
 
     def exit(self) -> None:
-        """Drop target and set-point."""
         self.set_point = self.target = None
         self._passage.restart()
 

@@ -46,7 +46,6 @@ class LoiterMode(ModeController):
 
     @property
     def destination(self) -> LatLon | None:
-        """The station."""
         return self._station.position
 
     @property

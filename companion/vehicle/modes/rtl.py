@@ -32,7 +32,6 @@ class RtlMode(ModeController):
         self._route.restart()
 
     def intent(self, inputs: ModeInputs) -> Intent:
-        """Along the route."""
         had_arrived = self._route.has_arrived
         speed_m_s = inputs.config.mission.rtl_speed_m_s or inputs.speed_m_s
         intent = self._route.update(inputs.nav, inputs.config, speed_m_s, inputs.now_s)
@@ -46,12 +45,10 @@ class RtlMode(ModeController):
         return self._route.has_arrived
 
     def way_left_m(self, nav: NavState) -> float | None:
-        """Along the route."""
         return self._route.way_left_m(nav.point)
 
     @property
     def destination(self) -> LatLon | None:
-        """The end of the route."""
         return self._route.target
 
 

@@ -18,7 +18,6 @@ class Station:
         self.position, self._intent = position, None
 
     def intent(self, inputs: ModeInputs) -> KeepStation:
-        """Keep the station."""
         if self.position is None:
             self.position = inputs.position
         if self._intent is None:

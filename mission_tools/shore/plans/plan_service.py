@@ -57,8 +57,6 @@ class File(NamedTuple):
 
 
 class PlanService:
-    """The plans of a server."""
-
     def __init__(self, boats: Boats, sources: Sources, planner: Planner | None = None) -> None:
         self._boats = boats
         self._water = None if sources.water is None else str(sources.water.resolve())

@@ -72,7 +72,6 @@ class PlanStore:
         return self._kept.get(ident)
 
     def close(self) -> None:
-        """Remove everything. May be called twice."""
         root, self._root = self._root, None
         self._kept.clear()
         if root is not None:

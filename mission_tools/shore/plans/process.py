@@ -104,7 +104,6 @@ class Planner:
                 self._process = None
 
     def close(self) -> None:
-        """End what runs. May be called twice."""
         self._is_closed = True
         if self._process is not None:
             _kill(self._process)

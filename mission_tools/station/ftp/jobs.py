@@ -90,16 +90,13 @@ class Listing(Job):
         self._count = 0  # of all lines, unreadable ones included
 
     def start(self, now_s: float) -> None:
-        """Ask for the first page."""
         self._asking.ask(Opcode.LIST_DIRECTORY, self._on_page, now_s, offset=self._count, data=self._path)
 
     def cancel(self, now_s: float) -> None:  # noqa: ARG002
-        """Close what is open on the boat."""
         self._asking.drop()
         self.is_over = True
 
     def refuse(self, failure: FtpFailure) -> None:
-        """It is not even begun."""
         self.is_over = True
         self._done(failure)
 

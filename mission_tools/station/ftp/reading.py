@@ -130,7 +130,6 @@ class Reading(Job):
             self._close(now_s)
 
     def refuse(self, failure: FtpFailure) -> None:
-        """It is not even begun."""
         self.is_over = True
         done, self._done = self._done, None
         if done is not None:

@@ -47,7 +47,6 @@ class Encounter:
 
     @property
     def name(self) -> str:
-        """For tables."""
         moves = f" {self.speed_m_s:g} m/s" if self.speed_m_s else ""
         current = f", current {self.current_m_s:g} m/s" if self.current_m_s else ""
         return f"{self.kind.replace('_', ' ')}{moves}{current}"

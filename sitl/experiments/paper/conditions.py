@@ -39,7 +39,6 @@ class Method(StrEnum):
 
     @property
     def meaning(self) -> str:
-        """In a sentence."""
         return _MEANINGS[self]
 
 

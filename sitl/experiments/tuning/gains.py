@@ -18,7 +18,6 @@ Gains = dict[str, float]
 
 
 def gains_of(config: BoatConfig) -> Gains:
-    """What a boat is configured with."""
     out = {}
     for path in TUNED:
         section, _, name = path.partition(".")

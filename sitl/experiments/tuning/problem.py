@@ -62,7 +62,6 @@ class TuningProblem:
         ]
 
     def cost(self, result: TrialResult) -> float:
-        """Of one result."""
         names = ("kept_rms_m", "kept_max_m", "overshoot_m", "command_travel_per_s")
         values = [result.figures.get(name) for name in names]
         if result.ended != "completed" or not all(isinstance(value, float) for value in values):

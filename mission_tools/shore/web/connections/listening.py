@@ -72,7 +72,6 @@ class Listening:
         return number
 
     async def close(self) -> None:
-        """End: no new connections, then the open ones."""
         if self._server is not None:
             self._server.close()
         await self._runner.cleanup()

@@ -34,18 +34,15 @@ class LogStream:
         self._change = asyncio.Event()
 
     def begin(self, size: int) -> None:
-        """The boat has opened it."""
         self.size = size
         self._change.set()
 
     def write(self, data: bytes) -> None:
-        """Take bytes that have come from the boat."""
         self._parts.append(data)
         self._held += len(data)
         self._change.set()
 
     def room(self) -> int:
-        """What is free of the window."""
         return WINDOW_BYTES - self._held
 
     def end(self, failure: FtpFailure | None) -> None:

@@ -87,7 +87,6 @@ class Voyages:
         return voyage.state
 
     def close(self) -> None:
-        """End what is under way."""
         for voyage in self._kept.values():
             if voyage.task is not None:
                 voyage.task.cancel()
