@@ -1,6 +1,6 @@
 """Every driver of motors in the whole boat: off within a tick at every way out, and never a forbidden pin.
 
-The boat sails in simulated water, with the real driver over a twin. `tests/e2e/test_ways_out.py` has signals.
+The boat sails in simulated water, with the real driver over a twin. `tests/e2e/boat` has the signals.
 """
 
 import contextlib

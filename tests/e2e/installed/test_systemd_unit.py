@@ -20,7 +20,7 @@ from companion.config.boat_config import load_config
 
 pytest_plugins = ("program_fixtures",)
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 UNIT = (ROOT / "examples" / "mavboat.service").read_text(encoding="utf-8")
 GUIDE = (ROOT / "docs" / "hardware.md").read_text(encoding="utf-8")
 BOAT = ROOT / "examples" / "configs" / "boat.toml"

@@ -18,7 +18,7 @@ from companion.hal.pulses import sysfs_pwm
 
 def main(root: Path, arguments: list[str]) -> int:
     """The program's exit code."""
-    sys.path.append(str(Path(__file__).parents[1]))  # last: there is a folder of tests named companion
+    sys.path.append(str(Path(__file__).parents[2]))  # last: there is a folder of tests named companion
     from twins.pulses import PI_4, KernelPwm  # noqa: PLC0415
 
     kernel = KernelPwm(root, PI_4, time.monotonic)

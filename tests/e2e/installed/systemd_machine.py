@@ -20,7 +20,7 @@ from patience import MOMENT_S
 from programs import until
 
 HOST_ROOT = Path(os.environ.get("MAVBOAT_DEBIAN_ROOT", "/"))
-PROJECT = Path(__file__).parents[2]
+PROJECT = Path(__file__).parents[3]
 _NEEDED = ("unshare", "nsenter", "mount", "chroot", "useradd", "systemctl")
 _NAMESPACES = ("--mount", "--pid", "--cgroup", "--uts", "--ipc")
 

@@ -12,7 +12,7 @@ from patience import JOB_S
 
 pytestmark = pytest.mark.realtime
 
-DEMO = Path(__file__).parents[2] / "examples" / "demo.py"
+DEMO = Path(__file__).parents[3] / "examples" / "demo.py"
 
 
 def test_the_demonstration_ends_as_it_should_and_leaves_its_picture_plan_and_track(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from data_files import SHORES
 from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.maps import Chart, Feature, build_chart, load_source
 
-POND = Path(__file__).parents[1] / "examples" / "maps" / "mill_pond.geojson"
+POND = Path(__file__).parents[2] / "examples" / "maps" / "mill_pond.geojson"
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 
 
