@@ -2,38 +2,23 @@
 
 import contextlib
 import logging
-from pathlib import Path
 from typing import Annotated
-
-import msgspec
-from rich.console import Console
-from rich.table import Table
 
 from companion import __version__
 from companion.app.calibrate import calibrate_compass as run_compass_calibration
 from companion.app.calibrate import calibrate_escs as run_calibration
 from companion.app.composition import check_config, open_storage, run_boat
-from companion.app.doctor.cli import doctor
-from companion.app.init.questions import init
-from companion.app.install.cli import install, uninstall
 from companion.app.process import Shutdown, restart_program
 from companion.app.runner import SystemClock
-from companion.app.status_file import find_status, read_status, watch
-from companion.cli.command_line import Option, Program, echo
+from companion.cli.command_line import ConfigFile, Option, Program, echo
 from companion.cli.program_end import busy_port_explained
 from companion.config.actuators import PulseOutputSetting
-from companion.config.boat_config import BoatConfig, load_config
-from companion.config.parameter_page import parameter_page
-from companion.config.parameter_table import ROWS
-from companion.config.parameters import Parameters
+from companion.config.boat_config import load_config
 from companion.core.errors import BoatError
-from companion.core.storage import MemoryStorage
 from companion.hal.interfaces import PulseOutput
 from companion.hal.pulses.opening import open_pulse_output
 
 PROGRAM = "boat-companion"
-
-ConfigFile = Annotated[Path, Option("--config", "-c", help="The boat's TOML file.")]
 
 
 def run(
@@ -86,34 +71,6 @@ def calibrate_escs(config: ConfigFile) -> None:
         echo("not confirmed; nothing was sent")
 
 
-def links(
-    config: ConfigFile,
-    as_json: Annotated[bool, Option("--json", help="Print the figures once, as JSON.")] = False,
-) -> None:
-    """Show the running boat's links, second by second, until Ctrl-C.
-
-    Example:  boat-companion links --config /etc/mavboat/boat.toml
-    """
-    path = find_status(load_config(config))
-    if as_json:
-        echo(msgspec.json.format(msgspec.json.encode(read_status(path))).decode())
-        return
-    with contextlib.suppress(KeyboardInterrupt):
-        watch(path, Console())
-
-
-def params(markdown: Annotated[bool, Option("--markdown", help="Print docs/parameters.md.")] = False) -> None:
-    """List every parameter with its default, unit and meaning."""
-    if markdown:
-        echo(parameter_page(), newline="")
-        return
-    table = Table("name", "default", "unit", "meaning", box=None)
-    parameters = Parameters(BoatConfig(), ROWS, MemoryStorage())
-    for row in ROWS:
-        table.add_row(row.name, f"{parameters.value(row):g}", row.unit, row.text)
-    Console().print(table)
-
-
 def version() -> None:
     """Print the version of the installed program."""
     echo(__version__)
@@ -122,7 +79,19 @@ def version() -> None:
 program = Program(
     PROGRAM,
     "The vehicle: drives the boat and speaks MAVLink to every ground station.",
-    (init, run, check, doctor, install, uninstall, calibrate_compass, calibrate_escs, links, params, version),
+    (
+        "companion.app.init.questions:init",
+        run,
+        check,
+        "companion.app.doctor.cli:doctor",
+        "companion.app.install.cli:install",
+        "companion.app.install.cli:uninstall",
+        calibrate_compass,
+        calibrate_escs,
+        "companion.app.links:links",
+        "companion.app.params:params",
+        version,
+    ),
     expected=(BoatError,),
 )
 

@@ -3,6 +3,7 @@ are its command line, and its docstring is its help.
 """
 
 import functools
+import importlib
 import inspect
 import sys
 import types
@@ -10,8 +11,9 @@ from argparse import SUPPRESS, ArgumentTypeError, Namespace
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, Literal, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Final, Literal, Union, get_args, get_origin, get_type_hints
 
+from companion.cli.interrupts import importing
 from companion.cli.parser import Parser, number
 from companion.cli.program_end import end_with
 from companion.core.errors import UsageError
@@ -37,6 +39,9 @@ class Option:
         self.least, self.most, self.is_hidden = least, most, is_hidden
 
 
+ConfigFile = Annotated[Path, Option("--config", "-c", help="The boat's TOML file.")]
+
+
 @dataclass(frozen=True)
 class Argument:
     """The one argument without a name."""
@@ -47,13 +52,14 @@ class Argument:
 
 @dataclass(frozen=True)
 class Program:
-    """A program. name: as it is started. text: what it is. expected: roots of the errors that a user can
-    correct; each has its own `exit_code`.
+    """A program. name: as it is started. text: what it is. commands: functions, or MODULE:FUNCTION to be
+    imported when it is called. expected: roots of the errors that a user can correct; each has its own
+    `exit_code`.
     """
 
     name: str
     text: str
-    commands: Sequence[Command]
+    commands: Sequence[Command | str]
     expected: tuple[type[Exception], ...]
 
     def run(self, arguments: Sequence[str]) -> int:
@@ -63,10 +69,10 @@ class Program:
             if not rest:
                 self._parser().print_help(sys.stderr)
                 return 2
-            known = self.by_name()
-            if rest[0] not in known:
+            named = {_typed(command): command for command in self.commands}
+            if rest[0] not in named:
                 self._parser().read(rest[:1])  # --help, --version, or an error that says what is wrong
-            command = known[rest[0]]
+            command = _function(named[rest[0]])
             given = command_parser(self.name, command).read(rest[1:])
             return command(**_values(command, given)) or 0
         except SystemExit as done:  # --help and --version
@@ -76,7 +82,7 @@ class Program:
 
     def by_name(self) -> dict[str, Command]:
         """The commands under the names that a user types."""
-        return {command.__name__.replace("_", "-"): command for command in self.commands}
+        return {_typed(command): _function(command) for command in self.commands}
 
     def _parser(self) -> Parser:
         known = self.by_name()
@@ -86,6 +92,20 @@ class Program:
         parser = Parser(self.name, text, usage=f"{self.name} [options] COMMAND ...")
         parser.add_common(has_json=False)
         return parser
+
+
+def _typed(command: Command | str) -> str:
+    name = command if isinstance(command, str) else command.__name__
+    return name.rpartition(":")[2].replace("_", "-")
+
+
+def _function(command: Command | str) -> Command:
+    if not isinstance(command, str):
+        return command
+    module, _, name = command.partition(":")
+    with importing():
+        function: Command = getattr(importlib.import_module(module), name)
+        return function
 
 
 def echo(text: str, *, is_error: bool = False, newline: str = "\n") -> None:

@@ -12,13 +12,11 @@ from companion.cli.output_file import write_text
 from companion.core.errors import OutputError
 from companion.log.logbook import Logbook
 from companion.log.sink import InlineWorker, SingleFile
-from mission_tools.drawing.draw import save_figure
 from mission_tools.errors import UsageError
 from mission_tools.mission.plan_file import load_mission
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
 from sitl.courses.missions import course_names, fence_along, lay_out, plan_mission, wire_items
 from sitl.reports.run_figures import as_json, print_table
-from sitl.reports.run_pictures import draw_track_chart
 from sitl.run.mission_run import MissionRun, Result
 from sitl.run.recording.run_record import RunRecord
 from sitl.run.station_commands import RunError
@@ -87,6 +85,10 @@ def sail(
         write_text(json_file, as_json(result) + "\n")
     kept = RunRecord.of(mission_run, result)
     if png is not None:
+        # matplotlib takes a second to import
+        from mission_tools.drawing.draw import save_figure  # noqa: PLC0415
+        from sitl.reports.run_pictures import draw_track_chart  # noqa: PLC0415
+
         save_figure(png, draw_track_chart(kept))
     if record is not None:
         kept.save(record)
