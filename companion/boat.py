@@ -189,6 +189,7 @@ class Boat:
         accepts_links = now_s >= self._links_due_s
         if accepts_links:
             self._links_due_s = now_s + _LINKS_S
+            self.vehicle.output_fault = self._hardware.output_fault
             for part in self._reporting:
                 for severity, told in part.take_texts():
                     self.vehicle.notify(severity, told)
@@ -197,8 +198,7 @@ class Boat:
         is_bare = self.calibration.is_bare or self.motor_test.is_running
         setting = _BARE if is_bare else self.parameters.config.thrusters
         try:
-            self.motors.write(command, self.vehicle.status.motors, setting)
-            self.vehicle.output_fault = self._hardware.output_fault
+            self.motors.write(command, self.vehicle.recovery.motor_check.motors, setting)
         except SilentOutputsError as error:
             self.vehicle.output_fault = str(error)
             self._catch(error)
@@ -279,8 +279,9 @@ class Boat:
 
     def _follow_rc(self, now_s: float) -> None:
         vehicle, config = self.vehicle, self.parameters.config
-        sticks, status = vehicle.manual_input, vehicle.status
-        actions = self.rc_control.update(self.sensors.rc, sticks, status, config, now_s)
+        actions = self.rc_control.update(
+            self.sensors.rc, vehicle.manual_input, vehicle.mode, vehicle.armed, config, now_s
+        )
         if actions.text:
             vehicle.notify(Severity.NOTICE, actions.text)
         for request in actions.requests:

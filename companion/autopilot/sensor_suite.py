@@ -35,7 +35,7 @@ from companion.sensors.silence import LatePart, SilenceMonitor, fresh
 
 _FIX_2D = 2
 _FIELD_RATIO = (0.6, 1.5)  # of the horizontal field to the earth's; beyond, iron is near
-READ_S = 0.1  # between looks at the probes: their highest rate
+READ_S = 0.1  # between readings of the slow parts: the highest rate of the probes
 SONAR_START_S = 5.0  # in which a ranger pings for the first time; later the failsafe SONAR_LOST tells
 
 
@@ -68,7 +68,7 @@ class SensorSuite:
         self.notices: list[StatusText] = []  # of this tick, for the operator
         self.earth = EarthFieldModel()
         self._sonar_silence = _monitor("Sonar", hardware.sonar)
-        self._probes_due_s = 0.0
+        self._slow_due_s = 0.0
         self._probe_silences: dict[str, SilenceMonitor] = {}
         self._depth_silence = _monitor("Depth sounder", hardware.depth)
         self._hull_silence = _monitor("Hull sensor", hardware.hull)
@@ -144,23 +144,13 @@ class SensorSuite:
         own_heading = trimmed(compass, config.trim, self.declination_rad(parts.compass))
         heading = external.choose_heading(own_heading, config.external, now_s)
         self.heading = None if heading is own_heading and self.compass is None else heading
-        if hardware.battery is not None:
-            self._read_battery(self._battery_gate.judge(hardware.battery.read()), config, now_s, command)
+        if now_s >= self._slow_due_s:
+            self._slow_due_s = now_s + READ_S - 1e-6
+            self._read_slow_parts(config, now_s, command)
         if hardware.field is not None:
             battery = self.battery
             throttle = 0.5 * (abs(command.left) + abs(command.right))
             hardware.field.load = MotorLoad(throttle, None if battery is None else battery.current_a)
-        if hardware.hull is not None:
-            self.hull = fresh(hardware.hull.read(), parts.hull.timeout_s, now_s)
-            self._tell(self._hull_silence, parts.hull.timeout_s, now_s, self.hull)
-        if hardware.depth is not None:
-            self.depth = fresh(self._depth_gate.judge(hardware.depth.read()), parts.depth.timeout_s, now_s)
-            found = self.bottom if self.depth is None or self.depth.depth_m is None else self.depth
-            self.bottom = fresh(found, parts.depth.timeout_s, now_s)
-            self._tell(self._depth_silence, parts.depth.timeout_s, now_s, self.depth)
-        if hardware.probes and now_s >= self._probes_due_s:
-            self._probes_due_s = now_s + READ_S - 1e-6
-            self._read_probes(config, now_s)
         if hardware.rc is not None:
             self.rc = hardware.rc.read()
         if self.pings:
@@ -172,11 +162,27 @@ class SensorSuite:
                     self.sweep.add(ping)
                     self.pings.append((ping, None))
             self.sonar = fresh(self.sonar, config.failsafe.sonar_timeout_s, now_s)
-            self._tell(self._sonar_silence, SONAR_START_S, now_s, self.has_sonar or None)
         while external.pings:
             ping, beam_rad = external.pings.popleft()
             self.sweep.add(ping, beam_rad)
             self.pings.append((ping, beam_rad))
+
+    def _read_slow_parts(self, config: BoatConfig, now_s: float, command: MotorCommand) -> None:
+        hardware, parts = self._hardware, config.parts
+        if hardware.battery is not None:
+            self._read_battery(self._battery_gate.judge(hardware.battery.read()), config, now_s, command)
+        if hardware.hull is not None:
+            self.hull = fresh(hardware.hull.read(), parts.hull.timeout_s, now_s)
+            self._tell(self._hull_silence, parts.hull.timeout_s, now_s, self.hull)
+        if hardware.depth is not None:
+            self.depth = fresh(self._depth_gate.judge(hardware.depth.read()), parts.depth.timeout_s, now_s)
+            found = self.bottom if self.depth is None or self.depth.depth_m is None else self.depth
+            self.bottom = fresh(found, parts.depth.timeout_s, now_s)
+            self._tell(self._depth_silence, parts.depth.timeout_s, now_s, self.depth)
+        if hardware.probes:
+            self._read_probes(config, now_s)
+        if hardware.sonar is not None:
+            self._tell(self._sonar_silence, SONAR_START_S, now_s, self.has_sonar or None)
 
     def _read_battery(
         self, battery: BatteryReading | None, config: BoatConfig, now_s: float, command: MotorCommand

@@ -170,8 +170,13 @@ class Parameters:
         """Whether the present value is not yet stored; `poll_saves` will report it."""
         return any(name in values and not saving.is_done() for saving, values, _ in self._savings)
 
+    @property
+    def is_saving(self) -> bool:
+        """Whether `poll_saves` has something to report."""
+        return bool(self._savings)
+
     def poll_saves(self) -> list[Stored]:
-        """The saves that have finished since the last call. Call it every tick."""
+        """The saves that have finished since the last call. Call it every tick while there are some."""
         ended: list[Stored] = []
         while self._savings and self._savings[0][0].is_done():
             saving, values, counts = self._savings.pop(0)

@@ -36,7 +36,9 @@ in proportion, so that a share which oscillates about zero does not make the mot
 import math
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import Final, NamedTuple
+from typing import Final
+
+from msgspec import Struct
 
 from companion.config.actuators import DriveSetting, Thrusters
 from companion.config.boat_config import BoatConfig
@@ -48,7 +50,7 @@ FAINT: Final = 0.01
 _LEAST_EFFECT: Final = 0.05  # of the rudder: with less, its angle would jump about with noise
 
 
-class Effort(NamedTuple):
+class Effort(Struct, frozen=True, gc=False):
     """What the loops ask for, in shares of full drive and full steering, and the speed through the water."""
 
     surge: float

@@ -94,11 +94,11 @@ class LocalFrame:
         self._lon0_rad = math.radians(origin.lon_deg)
         self._radius0_m = _meridian_radius_m(self._lat0_rad)
 
-    def _arc_m(self, lat_rad: float) -> float:
-        """Meridian arc from the origin's latitude (Simpson's rule on the radius of curvature)."""
+    def _arc_m(self, lat_rad: float, radius_m: float) -> float:
+        """Meridian arc from the origin's latitude (Simpson's rule on the radius of curvature, radius_m)."""
         lat0 = self._lat0_rad
         mid = _meridian_radius_m(0.5 * (lat_rad + lat0))
-        ends = self._radius0_m + _meridian_radius_m(lat_rad)
+        ends = self._radius0_m + radius_m
         return (lat_rad - lat0) * (ends + 4.0 * mid) / 6.0
 
     def to_local(self, position: LatLon) -> Point:
@@ -112,7 +112,7 @@ class LocalFrame:
         a = dlon * cos_lat
         fifth = (5.0 - 18.0 * t2 + t2 * t2 + 72.0 * eta2) / 120.0
         east = normal * a * (1.0 + a * a * ((1.0 - t2 + eta2) / 6.0 + a * a * fifth))
-        north = self._arc_m(lat) + normal * math.tan(lat) * a * a * (
+        north = self._arc_m(lat, _meridian_radius_m(lat)) + normal * math.tan(lat) * a * a * (
             0.5 + a * a * (5.0 - t2 + 9.0 * eta2) / 24.0
         )
         return Point(north, east)
@@ -122,7 +122,8 @@ class LocalFrame:
         # The footpoint latitude has the same northing on the central meridian; two Newton steps suffice.
         foot = self._lat0_rad + point.north_m / self._radius0_m
         for _ in range(3):
-            foot += (point.north_m - self._arc_m(foot)) / _meridian_radius_m(foot)
+            radius_m = _meridian_radius_m(foot)
+            foot += (point.north_m - self._arc_m(foot, radius_m)) / radius_m
         normal = _normal_radius_m(foot)
         tan_foot = math.tan(foot)
         t2 = tan_foot * tan_foot

@@ -1,12 +1,12 @@
 """The vehicle's status: what guidance, calibration and the RC receiver's switches depend on."""
 
-from typing import NamedTuple
+from msgspec import Struct
 
 from companion.core.modes import Mode
 from companion.core.state import HEALTHY_MOTORS, MotorStates
 
 
-class VehicleStatus(NamedTuple):
+class VehicleStatus(Struct, frozen=True, gc=False):
     """One tick's status.
 
     failsafes: bits of the failsafes that are active. needs_position: False while the intent needs a heading

@@ -23,7 +23,8 @@ STATES: Final = len(STATE_NAMES)
 MOST: Final = 5  # measurements of one moment: compass, velocity and position
 _LEAST: Final = 1e-12  # variance that rounding may leave; keeps the matrix positive
 
-Shares = tuple[tuple[int, float], ...]  # of states
+Shares = tuple[tuple[int, float], ...]  # of states, five at most
+_NONE: Final = ((0, 0.0),) * 5
 
 
 class Covariance:
@@ -70,10 +71,17 @@ class Covariance:
             other[state] = value
 
     def _sum(self, shares: Shares) -> list[float]:
-        rows, total = self._rows, [0.0] * STATES
-        for other, share in shares:
-            total = [t + share * p for t, p in zip(total, rows[other], strict=True)]
-        return total
+        rows = self._rows
+        if len(shares) == 1:
+            ((one, share),) = shares
+            return [share * p for p in rows[one]]
+        (i, a), (j, b), (k, c), (m, d), (n, e) = (*shares, *_NONE[len(shares) :])
+        if len(shares) == 2:
+            return [a * p + b * q for p, q in zip(rows[i], rows[j], strict=True)]
+        return [
+            a * p + b * q + c * r + d * s + e * t
+            for p, q, r, s, t in zip(rows[i], rows[j], rows[k], rows[m], rows[n], strict=True)
+        ]
 
     def measure(self, shares: Shares, innovation: float, white: float) -> tuple[float, float]:
         """Measure the sum of these shares of states, with white noise of this variance.
@@ -100,6 +108,14 @@ class Covariance:
         for cross, precision, innovation in pending:
             weight = precision * innovation
             step = [x + weight * a for x, a in zip(step, cross, strict=True)]
+        if len(pending) == 1:  # the compass, four times a second
+            ((a, s, _),) = pending
+            for state, row in enumerate(self._rows):
+                i = s * a[state]
+                self._rows[state] = less = [x - i * p for x, p in zip(row, a, strict=True)]
+                less[state] = max(less[state], _LEAST)
+            pending.clear()
+            return step
         none = [0.0] * STATES
         a, b, c, d, e = [cross for cross, _, _ in pending] + (MOST - len(pending)) * [none]
         s, t, u, v, w = [precision for _, precision, _ in pending] + (MOST - len(pending)) * [0.0]

@@ -103,12 +103,15 @@ class SensorBank:
         self.drift = DriftTest(setting)
         self.restart(0.0, 0.0)
 
+    def probabilities(self) -> list[float]:
+        """Of each sensor to be wrong."""
+        return self.evidence.probabilities(THRESHOLDS)
+
     def hypotheses(self) -> tuple[tuple[str, float], ...]:
         """Name and probability of each."""
-        shares = self.evidence.probabilities(THRESHOLDS)
         return tuple(
             (f"{sensor.name.lower()} wrong", share)
-            for sensor, share in zip(SuspectedSensor, shares, strict=True)
+            for sensor, share in zip(SuspectedSensor, self.probabilities(), strict=True)
         )
 
     def restart(self, compass_rad: float, bias_rad_s: float) -> None:

@@ -7,9 +7,12 @@ straight.
 import math
 from bisect import bisect_right
 from collections.abc import Sequence
-from typing import NamedTuple
+from itertools import pairwise
+from typing import Final, NamedTuple
 
 from companion.core.geo import Point
+
+_SLACK_M: Final = 1e-6  # rounding
 
 
 class Node(NamedTuple):
@@ -29,13 +32,15 @@ class Path:
     def __init__(self, nodes: Sequence[Node]) -> None:
         if len(nodes) < 2:
             raise ValueError(f"a path of {len(nodes)} nodes")
-        along_m, sum_m = [0.0], 0.0
-        for n in range(1, len(nodes)):
-            one, other = nodes[n - 1], nodes[n]
-            sum_m += math.hypot(other.north_m - one.north_m, other.east_m - one.east_m)
-            along_m.append(sum_m)
         self.nodes = nodes
-        self._along_m = along_m
+        self._along_m, sum_m = [0.0], 0.0
+        # along-track distance, start, difference to the end, and length
+        self._stretches: list[tuple[float, float, float, float, float, float]] = []
+        for one, other in pairwise(nodes):
+            north, east = other.north_m - one.north_m, other.east_m - one.east_m
+            start_m, sum_m = sum_m, sum_m + math.hypot(north, east)
+            self._stretches.append((start_m, one.north_m, one.east_m, north, east, sum_m - start_m))
+            self._along_m.append(sum_m)
 
     @property
     def length_m(self) -> float:
@@ -50,22 +55,27 @@ class Path:
         """Along-track distance of the nearest place between from_m and to_m, and the distance to its
         right.
         """
-        nodes, along_m = self.nodes, self._along_m
-        last = len(nodes) - 2
+        along_m, stretches = self._along_m, self._stretches
+        last = len(stretches) - 1
         first = max(min(bisect_right(along_m, from_m) - 1, last), 0)
         best, found = math.inf, (0.0, 0.0)
-        for n in range(first, last + 1):
-            if n > first and along_m[n] > to_m:
+        n = first - 1
+        while n < last:
+            n += 1
+            start_m, north_m, east_m, north, east, length = stretches[n]
+            if n > first and start_m > to_m:
                 break
-            one, other = nodes[n], nodes[n + 1]
-            north, east = other.north_m - one.north_m, other.east_m - one.east_m
-            length = along_m[n + 1] - along_m[n]
+            off_n, off_e = at.north_m - north_m, at.east_m - east_m
             if length <= 0.0:
                 continue
-            off_n, off_e = at.north_m - one.north_m, at.east_m - one.east_m
+            if 0 < n < last:  # if farther away than the best place, so is all within the difference
+                beyond_m = start_m + math.hypot(off_n, off_e) - best - _SLACK_M
+                if beyond_m > start_m + length:
+                    n = max(bisect_right(along_m, beyond_m, n, last) - 2, n)
+                    continue
             along = (off_n * north + off_e * east) / length
-            low = from_m - along_m[n] if n == first and n > 0 else 0.0
-            high = min(to_m - along_m[n], length)
+            low = from_m - start_m if n == first and n > 0 else 0.0
+            high = min(to_m - start_m, length)
             if n == 0:
                 low = -math.inf
             if n == last and to_m >= along_m[n + 1]:
@@ -76,7 +86,7 @@ class Path:
             if away < best - 1e-9:
                 best = away
                 cross = (off_e * north - off_n * east) / length
-                found = (along_m[n] + along, math.copysign(away, cross))
+                found = (start_m + along, math.copysign(away, cross))
         return found
 
     def course_rad(self, along_m: float) -> float:

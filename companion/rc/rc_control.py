@@ -3,9 +3,9 @@
 from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig
+from companion.core.modes import Mode
 from companion.core.readings import RcReading
 from companion.core.requests import Request
-from companion.core.vehicle_status import VehicleStatus
 from companion.rc.manual_input import ManualInput
 from companion.rc.switches import Switches
 
@@ -37,7 +37,8 @@ class RcControl:
         self,
         reading: RcReading | None,
         sticks: ManualInput,
-        status: VehicleStatus,
+        mode: Mode,
+        armed: bool,
         config: BoatConfig,
         now_s: float,
     ) -> RcActions:
@@ -50,10 +51,10 @@ class RcControl:
         if not (is_good or overridden):
             return _NOTHING
         channels_us = sticks.channels_us(config, now_s)
-        requests = self._switches.update(channels_us, status.armed, config.rc, now_s)
+        requests = self._switches.update(channels_us, armed, config.rc, now_s)
         if not is_good:
             return RcActions(requests, is_urgent=bool(requests))
-        rc, by_hand = sticks.rc, status.mode.is_by_hand
+        rc, by_hand = sticks.rc, mode.is_by_hand
         text, is_overridden = "", sticks.has_station(config, now_s)
         if is_overridden is not self._is_overridden:
             self._is_overridden = is_overridden
@@ -63,7 +64,7 @@ class RcControl:
         if requests:
             return RcActions(requests, text, is_urgent=True)
         change = abs(rc.steering - self._steering) + abs(rc.throttle - self._throttle)
-        is_urgent = change >= _STICK_CHANGE and not is_overridden and status.armed and by_hand
+        is_urgent = change >= _STICK_CHANGE and not is_overridden and armed and by_hand
         if is_urgent:
             self._steering, self._throttle = rc.steering, rc.throttle
         return RcActions((), text, is_urgent)

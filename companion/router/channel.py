@@ -126,14 +126,19 @@ class Channel:
         """Cost of garbage since the link opened, see `FrameFinder`."""
         return self._finder.wasted_checks
 
+    def poll(self) -> bool:
+        """Read the link, unless something is left; whether there is anything to `receive`."""
+        if self._chunks or self._finder.is_behind:
+            return True
+        arrived = self.link.receive()
+        self._chunks.extend(arrived)
+        return bool(arrived)
+
     def receive(self, most_frames: int, most_wasted_looks: int) -> Sequence[Frame]:
         """The next received frames, within the limits. The rest is kept, and no more is read."""
+        if not self.poll():
+            return ()
         chunks, finder = self._chunks, self._finder
-        if not (chunks or finder.is_behind):
-            arrived = self.link.receive()
-            if not arrived:
-                return ()  # the usual case
-            chunks.extend(arrived)
         last_look = finder.wasted_checks + most_wasted_looks
         taken: list[Frame] = []
         while finder.is_behind or chunks:

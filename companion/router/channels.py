@@ -141,6 +141,8 @@ class Channels:
             if frames_left <= 0 or (looks_left <= 0 and channel.is_noisy):
                 passed_over = turn if passed_over is None else passed_over
                 continue
+            if not channel.poll():  # the usual case
+                continue
             before = channel.wasted_checks
             share_left = self._share - (before - channel.wasted_before)
             frames = channel.receive(min(frames_left, _FRAMES_PER_LINK), max(min(looks_left, share_left), 1))

@@ -49,7 +49,7 @@ from companion.vehicle.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)
 
-_SLOW_S = 0.1  # period of slow tasks
+_PERIOD_S = 0.1  # of the services with nothing under way
 
 _STEERING = message_ids(
     *("COMMAND_LONG", "COMMAND_INT", "SET_ATTITUDE_TARGET"),
@@ -89,7 +89,7 @@ class Endpoint:
         self.ignored = 0  # messages without a service
         self.faults = 0  # messages whose handling went wrong: a defect of ours, see the log
         self._logged: set[str] = set()
-        self._upkeep_s = 0.0
+        self._ticked_s = self._due_s = 0.0
         self._own = own
         self._vehicle = vehicle
         self._parameters = parameters
@@ -227,6 +227,7 @@ class Endpoint:
             self.ignored += 1
             return
         origin = Origin(channel, sender)
+        self._due_s = now_s
         try:
             self._commands.on_message(origin, now_s)
             if self._access.refuses(message, origin, now_s):
@@ -241,7 +242,7 @@ class Endpoint:
             self._count_fault(message.get_type())
 
     def tick(self, now_s: float, unix_s: float, heading: HeadingReading | None, load: float) -> None:
-        """Periodic work. Never raises.
+        """Periodic work: services with nothing under way every _PERIOD_S. Never raises.
 
         unix_s: Unix time known to the boat itself, 0 if unknown. heading: as measured. load: share of the
         tick used.
@@ -258,24 +259,34 @@ class Endpoint:
             logger.exception("fault %d, in handling %s; further ones are only counted", self.faults, where)
 
     def _tick(self, now_s: float, unix_s: float, heading: HeadingReading | None, load: float) -> None:
+        if now_s >= self._due_s:
+            self._tick_services(now_s, unix_s, heading, load)
+        if self._camera is not None:
+            self._camera.tick(now_s)
+        if self._vehicle.status_texts:
+            self.texts.send(self._vehicle.take_status_texts())
+        self._telemetry.tick(now_s)
+
+    def _tick_services(
+        self, now_s: float, unix_s: float, heading: HeadingReading | None, load: float
+    ) -> None:
         self._signing.tick(now_s, unix_s)  # after boot, nothing is sent before timestamps are reserved
         self._heartbeat.tick(now_s)
         self._missions.tick(now_s)
         self._commands.tick(heading, now_s)
-        if self._camera is not None:
-            self._camera.tick(now_s)
         self._listings.tick()
         self._files.tick(now_s)
         self._logs.tick(now_s, load)
-        if now_s >= self._upkeep_s:
-            self._upkeep_s = now_s + _SLOW_S
-            self._modes.tick(now_s)
-            self._time.tick(now_s)
-            self.corrections.tick(now_s)
-            self.texts.tick(_SLOW_S)
-        if status_texts := self._vehicle.take_status_texts():
-            self.texts.send(status_texts)
-        self._telemetry.tick(now_s)
+        self._modes.tick(now_s)
+        self._time.tick(now_s)
+        self.corrections.tick(now_s)
+        self.texts.tick(now_s - self._ticked_s)
+        self._ticked_s = now_s
+        is_busy = any(
+            service.is_busy
+            for service in (self._missions, self._commands, self._listings, self._files, self._logs)
+        )
+        self._due_s = now_s if is_busy else now_s + _PERIOD_S
 
     def _note_planner(self, message: Message, sender: Address, now_s: float) -> None:
         """A planner in control triggers a failsafe when it falls silent."""

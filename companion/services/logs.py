@@ -100,6 +100,11 @@ class LogService:
     def __post_init__(self) -> None:
         self._store = None if self._logbook is None else self._logbook.store
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether a list or a download is in progress."""
+        return bool(self._entries or self._downloads)
+
     def handle(self, message: Message, origin: Origin, now_s: float) -> None:
         """Handle a request that names this boat."""
         if not is_named(self._own, message.target_system, message.target_component):

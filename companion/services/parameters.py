@@ -48,6 +48,12 @@ class ParameterService:
         self._sets: dict[int, deque[tuple[str, float]]] = {}
         self._sets_left = _SETS_PER_TICK
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether a list, a change or a save is in progress."""
+        is_saving = self._parameters.is_saving
+        return is_saving or bool(self._answers or self._sets) or any(self._listing.values())
+
     def open(self, channel: int) -> None:
         self._listing[channel] = deque()
 

@@ -26,6 +26,7 @@ class PayloadControl:
         self.units = Payloads(settings, parts)
         self.capture: Capture | None = None if parts is None else parts.capture
         self.camera = Camera(self.capture)
+        self._is_fitted = self.capture is not None or bool(settings)
         self.images: list[Image] = []  # of the latest tick
         self.written: list[Written] = []  # values of the latest tick
         self._vehicle = vehicle
@@ -53,6 +54,8 @@ class PayloadControl:
         for action in vehicle.progress.take_actions():
             if fault := self.perform(action, now_s):
                 vehicle.notify(Severity.WARNING, f"Mission: {fault}")
+        if not self._is_fitted:
+            return
         is_lost = vehicle.failsafes.is_active(Condition.OPERATOR_LOST)
         self.units.tick(now_s, is_armed=vehicle.armed, is_operator_lost=is_lost)
         if self.capture is not None:

@@ -139,21 +139,21 @@ class MissionRun:
         lockstep, world = self.lockstep, self.lockstep.world
         record, legs = self.recorder.record, self._leg_of_seq
         ticks_per_second = round(1.0 / TICK_S)
-        ended_s = math.nan
-        while lockstep.time_s < deadline_s:
+        ended_s, truth = math.nan, world.truth
+        while truth.time_s < deadline_s:
             boat = lockstep.boat
             if _is_under_way(boat.vehicle):
                 ended_s, self._sailed = math.nan, None
             elif math.isnan(ended_s):
-                ended_s, self._sailed = lockstep.time_s, len(self.recorder)
-            if lockstep.time_s - ended_s >= linger_s:
+                ended_s, self._sailed = truth.time_s, len(self.recorder)
+            if truth.time_s - ended_s >= linger_s:
                 break
             self._step()
-            seq = boat.vehicle.progress.current_seq
-            record(world.truth, legs.get(seq, NO_LEG) if math.isnan(ended_s) else NO_LEG)
-            self.estimates.tick(boat, world.time_s)
+            seq, truth = boat.vehicle.progress.current_seq, world.truth
+            record(truth, legs.get(seq, NO_LEG) if math.isnan(ended_s) else NO_LEG)
+            self.estimates.tick(boat, truth.time_s)
             if tell is not None and world.tick % ticks_per_second == 0:
-                tell(lockstep.time_s, seq)
+                tell(truth.time_s, seq)
         for _ in range(ticks_per_second):  # receive the last messages
             self._step()
         vehicle = lockstep.boat.vehicle

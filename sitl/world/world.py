@@ -163,7 +163,7 @@ class World:
             self._since_tick, self._since_s, self._dt_s = self.tick, self.time_s, dt_s
         self.tick += 1
         motors, hull, pack = self._motors, self._hull, self._pack
-        before = Pose(hull.north_m, hull.east_m, hull.heading_rad)
+        north_m, east_m, heading_rad = hull.north_m, hull.east_m, hull.heading_rad
         surge_n, yaw_nm = self._thrusters.step(
             motors.left, motors.right, pack.supply_v, hull.surge_m_s, hull.yaw_rate_rad_s, dt_s
         )
@@ -196,9 +196,9 @@ class World:
             )
         time_s = self._since_s + (self.tick - self._since_tick) * dt_s
         contact = self._contact
-        contact.room_m -= abs(hull.north_m - before.north_m) + abs(hull.east_m - before.east_m)
+        contact.room_m -= abs(hull.north_m - north_m) + abs(hull.east_m - east_m)
         if (contact.room_m <= 0.0 or contact.is_watchful) and contact.meets(
-            hull, before, Velocity(self._flow_n, self._flow_e), dt_s, time_s
+            hull, Pose(north_m, east_m, heading_rad), Velocity(self._flow_n, self._flow_e), dt_s, time_s
         ):
             self.groundings += not self.truth.grounded
             self._touched_s = time_s

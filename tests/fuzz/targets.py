@@ -256,7 +256,9 @@ def radio(data: bytes) -> None:
         if reading is not None:
             assert min(reading.channels_us, default=0) >= 0
             assert max(reading.channels_us, default=0) <= 0xFFFF
-            actions = rc_control.update(reading, vehicle.manual_input, vehicle.status, vehicle.config, now_s)
+            actions = rc_control.update(
+                reading, vehicle.manual_input, vehicle.mode, vehicle.armed, vehicle.config, now_s
+            )
             for request in actions.requests:
                 vehicle.request(request)
 

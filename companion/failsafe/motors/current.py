@@ -63,11 +63,7 @@ class MotorCurrent:
         self._regressors = x = [squares, -speeds, -flows, 1.0]
         total = self.drawn[0] + self.drawn[1]
         self.residual_a = current_a - total - idle
-        unknown = sum(
-            one * other * self._covariance[row][column]
-            for row, one in enumerate(x)
-            for column, other in enumerate(x)
-        )
+        unknown = sum([one * gain for one, gain in zip(x, _product(self._covariance, x), strict=True)])
         self._noise = _SIGMA_A * _SIGMA_A + (_SIGMA_SHARE * total) ** 2 + (_SIGMA_SLIP_A * slip) ** 2
         self._noise += (_SIGMA_ASTERN_A * astern) ** 2
         self._noise *= self._noise_share
@@ -90,9 +86,14 @@ class MotorCurrent:
         x, covariance = self._regressors, self._covariance
         for at in range(_SIZE):
             covariance[at][at] += _WALK_S[at] * dt_s
-        gains = [sum(row[at] * x[at] for at in range(_SIZE)) for row in covariance]
-        share = 1.0 / (sum(gain * one for gain, one in zip(gains, x, strict=True)) + alike * self._noise)
-        for row in range(_SIZE):
-            self._theta[row] += gains[row] * share * self.residual_a
-            for column in range(_SIZE):
-                covariance[row][column] -= share * gains[row] * gains[column]
+        gains = _product(covariance, x)
+        share = 1.0 / (sum([gain * one for gain, one in zip(gains, x, strict=True)]) + alike * self._noise)
+        for at, gain in enumerate(gains):
+            self._theta[at] += gain * share * self.residual_a
+            weight = share * gain
+            covariance[at] = [p - weight * other for p, other in zip(covariance[at], gains, strict=True)]
+
+
+def _product(matrix: list[list[float]], x: list[float]) -> list[float]:
+    a, b, c, d = x
+    return [a * p + b * q + c * r + d * s for p, q, r, s in matrix]

@@ -49,6 +49,11 @@ _MOST_PENDING: Final = 50  # cycles, 5 s: the receiver is taken for lost earlier
 _SLACK_S: Final = 1e-6
 _PRIOR: Final = 200.0  # samples that the configured gains are worth: seconds of steering or speeding up
 
+# Of the motion for each hypothesis, and the spread of its effect
+_WEIGHTS: Final = tuple(
+    (VAGUE if one.fault is Fault.FOULED else 1.0, one.thrust_spread) for one in HYPOTHESES
+)
+
 # Plain numbers: an IntFlag's arithmetic costs microseconds
 _NO_COMPASS: Final = int(
     EstimateFault.COMPASS_LOST
@@ -290,7 +295,6 @@ def _weigh(motion: MotionFilter, sizes: EffectSize, gained: list[float]) -> None
     """Add each hypothesis's log likelihood ratio against healthy motors."""
     variance, residual = motion.variance, motion.residual
     healthy = 0.5 * min(residual * residual / variance, MOST_SQUARE)
-    for at, other in enumerate(motion.residuals):
-        effect, hypothesis = residual - other, HYPOTHESES[at]
-        gain = healthy - sizes.cost(at, residual, effect, hypothesis.thrust_spread * effect, variance)
-        gained[at] += VAGUE * gain if hypothesis.fault is Fault.FOULED else gain
+    for at, (other, (weight, spread)) in enumerate(zip(motion.residuals, _WEIGHTS, strict=True)):
+        effect = residual - other
+        gained[at] += weight * (healthy - sizes.cost(at, residual, effect, spread * effect, variance))

@@ -98,6 +98,9 @@ class EffectSize:
 
         spread: one standard deviation of the effect, in the unit of the residual.
         """
+        if not spread:  # a known size
+            off = residual - effect
+            return 0.5 * min(off * off / variance, MOST_SQUARE)
         known = self._variance[hypothesis] * spread
         wider = variance + known * spread
         innovation = residual - effect - spread * self._theta[hypothesis]

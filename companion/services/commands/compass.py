@@ -70,6 +70,11 @@ class CompassCommands:
         """Whether the compass is a bare magnetometer."""
         return self._sensors.field is not None
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether a calibration is in progress."""
+        return self._calibration is not None or self._motors is not None
+
     def forget(self, channel: int) -> None:
         """A channel has closed; a calibration that was started on it goes on without reports."""
         if channel == self._channel:

@@ -102,6 +102,11 @@ class CommandService:
         """When to restart the program; infinite without a request."""
         return self._upkeep.restart_due_s
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether a calibration or a motor test is in progress."""
+        return self._slow is not None or self._motor_test.is_running or self._compass.is_busy
+
     def on_set_mode(self, message: Message, origin: Origin) -> None:
         """SET_MODE, deprecated; acknowledged like the command, as ArduPilot does."""
         p = (float(message.base_mode), float(message.custom_mode), 0.0, 0.0)

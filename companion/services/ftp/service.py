@@ -90,6 +90,11 @@ class FtpService:
         else:
             self._carry_out(station, request)
 
+    @property
+    def is_busy(self) -> bool:
+        """Whether a station has work or open sessions."""
+        return bool(self._jobs or self._stations)
+
     def tick(self, now_s: float) -> None:
         """Answer finished work, continue bursts, close idle sessions."""
         self._now_s = now_s

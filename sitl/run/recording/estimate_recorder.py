@@ -8,7 +8,7 @@ import numpy as np
 
 from companion.boat import Boat
 from companion.core.geo import LatLon, LocalFrame, Point
-from companion.estimation.estimator import EstimatorReport
+from companion.estimation.estimator import Estimator
 
 EVERY_S = 0.1
 MOST_ECHOES = 100_000
@@ -117,28 +117,28 @@ def _estimate(boat: Boat, shift: Point, now_s: float) -> Estimate:
                 float(nav.faults),
             )
         ),
-        demand_heading_rad=_NAN if demand is None else demand.heading_rad,
-        demand_speed_m_s=_NAN if demand is None else demand.speed_m_s,
-        left=command.left,
-        right=command.right,
-        mode=float(vehicle.mode),
-        armed=float(vehicle.armed),
-        **_inside(boat.estimator.report),
+        *((_NAN, _NAN) if demand is None else (demand.heading_rad, demand.speed_m_s)),
+        command.left,
+        command.right,
+        float(vehicle.mode),
+        float(vehicle.armed),
+        *_inside(boat.estimator),
     )
 
 
-def _inside(report: EstimatorReport | None) -> dict[str, float]:
-    if report is None:
-        return {}
-    out = {
-        f"{name}_nu": one.value / math.sqrt(one.variance)
-        for name in ("position_north", "position_east", "velocity_north", "velocity_east", "compass")
-        if (one := getattr(report, name)).time_s >= 0.0
-    }
-    for name, one in (
-        ("position", report.position_north),
-        ("velocity", report.velocity_north),
-        ("compass", report.compass),
-    ):
-        out[f"rejected_{name}"] = float(one.time_s >= 0.0 and not one.is_accepted)
-    return out | {f"wrong_{name.split()[0]}": probability for name, probability in report.hypotheses}
+def _inside(estimator: Estimator) -> tuple[float, ...]:
+    """Innovations, rejections and probabilities; nothing before the first fix."""
+    if estimator.frame is None:
+        return ()
+    position, velocity, compass = estimator.state.position, estimator.state.velocity, estimator.state.compass
+    return (
+        *[
+            one.value / math.sqrt(one.variance) if one.time_s >= 0.0 else _NAN
+            for one in (position.north, position.east, velocity.north, velocity.east, compass)
+        ],
+        *[
+            float(one.time_s >= 0.0 and not one.is_accepted)
+            for one in (position.north, velocity.north, compass)
+        ],
+        *estimator.heading.bank.probabilities(),
+    )

@@ -85,7 +85,7 @@ def test_a_closed_loop_needs_an_estimate_and_a_fresh_one() -> None:
     assert line.pipeline.drive(old, ARMED, CONFIG, 5.0, 0.02).reason == "estimate is stale"
     lost = replace(STILL, time_s=5.0, position_age_s=4.0)
     assert line.pipeline.drive(lost, ARMED, CONFIG, 5.0, 0.02).reason == "position is stale"
-    heading_only = ARMED._replace(needs_position=False)
+    heading_only = replace(ARMED, needs_position=False)
     assert line.pipeline.drive(lost, heading_only, CONFIG, 5.0, 0.02).reason == ""
 
 
@@ -105,8 +105,8 @@ def test_before_the_fence_the_boat_slows_unless_motors_are_checked_or_it_gets_of
     near = replace(STILL, north_m=16.0, north_m_s=2.0, surge_m_s=2.0)
     for status, brakes in (
         (ARMED, True),
-        (ARMED._replace(is_checking_motors=True), False),
-        (ARMED._replace(is_ungrounding=True), False),
+        (replace(ARMED, is_checking_motors=True), False),
+        (replace(ARMED, is_ungrounding=True), False),
     ):
         demand = Line(square(20.0), status).guide(fast, 5.0, near)
         assert demand is not None
@@ -114,7 +114,7 @@ def test_before_the_fence_the_boat_slows_unless_motors_are_checked_or_it_gets_of
 
 
 def test_with_one_motor_the_boat_drifts_where_it_cannot_hold_its_own() -> None:
-    status = ARMED._replace(motors=MotorStates(left=MotorState.FAILED))
+    status = replace(ARMED, motors=MotorStates(left=MotorState.FAILED))
     demand = Line(status=status).guide(NORTH, 5.0)
     assert demand is not None
     assert demand.speed_m_s == 1.0

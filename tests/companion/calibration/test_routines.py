@@ -201,7 +201,9 @@ def test_what_keeps_a_calibration_from_starting() -> None:
     assert refusal(HEADING, config=both) == "steers with motors or a rudder, not both"
     assert refusal(status=VehicleStatus(Mode.LOITER)) == "arm first"
     assert refusal(status=VehicleStatus(Mode.MANUAL, armed=True)) == "choose LOITER first"
-    assert refusal(status=LOITERING._replace(failsafes=1)) == "something is wrong with the boat"
+    assert (
+        refusal(status=msgspec.structs.replace(LOITERING, failsafes=1)) == "something is wrong with the boat"
+    )
     assert refusal(faults=1) == "something is wrong with the boat"
     assert refusal(radius_m=39.0, fence_m=40.0) == "the fence leaves 38.0 m"
     assert refusal(fence_m=25.9) == "needs 24.0 m of free water all round"
@@ -223,8 +225,8 @@ def test_what_keeps_a_calibration_from_starting() -> None:
     ("changes", "reason"),
     [
         ({"status": VehicleStatus(Mode.LOITER)}, "disarmed"),
-        ({"status": LOITERING._replace(failsafes=4)}, "failsafe"),
-        ({"status": LOITERING._replace(mode=Mode.HOLD)}, "mode HOLD"),
+        ({"status": msgspec.structs.replace(LOITERING, failsafes=4)}, "failsafe"),
+        ({"status": msgspec.structs.replace(LOITERING, mode=Mode.HOLD)}, "mode HOLD"),
         ({"intent": Stop()}, "the boat was asked for something else"),
         ({"intent": KeepStation(Point(1.0, 0.0))}, "the boat was asked for something else"),
         ({"faults": 1}, "position or heading are in doubt"),
@@ -307,7 +309,7 @@ def test_a_motor_test_is_refused_and_ended_by_what_the_boat_does() -> None:
     assert [one.value for one in MOTORS] == [1, 2, 3, 4], "as in Rover"
     assert test.start(MOTORS.LEFT, 0.5, 2.0, LOITERING, 0.0) == "disarm first"
     assert (
-        test.start(MOTORS.LEFT, 0.5, 2.0, DISARMED._replace(is_restarting=True), 0.0)
+        test.start(MOTORS.LEFT, 0.5, 2.0, msgspec.structs.replace(DISARMED, is_restarting=True), 0.0)
         == "the program is restarting"
     )
     one = DriveSetting(layout="rudder")
@@ -316,9 +318,9 @@ def test_a_motor_test_is_refused_and_ended_by_what_the_boat_does() -> None:
         == "this boat has one motor: test throttle or steering"
     )
     for changed in (
-        DISARMED._replace(armed=True),
-        DISARMED._replace(failsafes=2),
-        DISARMED._replace(mode=Mode.LOITER),
+        msgspec.structs.replace(DISARMED, armed=True),
+        msgspec.structs.replace(DISARMED, failsafes=2),
+        msgspec.structs.replace(DISARMED, mode=Mode.LOITER),
     ):
         assert test.start(MOTORS.LEFT, 0.5, 99.0, DISARMED, 0.0) == ""
         assert test.thrust(DISARMED, 29.9) == Thrust(0.5, 0.0)

@@ -49,7 +49,12 @@ class Hand:
             if self.is_on:
                 reading = RcReading(self.now_s, tuple(self.channels), self.is_failsafe)
                 actions = self.rc_control.update(
-                    reading, self.vehicle.manual_input, self.vehicle.status, self.vehicle.config, self.now_s
+                    reading,
+                    self.vehicle.manual_input,
+                    self.vehicle.mode,
+                    self.vehicle.armed,
+                    self.vehicle.config,
+                    self.now_s,
                 )
                 if actions.text:
                     self.vehicle.notify(Severity.NOTICE, actions.text)
@@ -111,7 +116,9 @@ def test_a_stick_that_moves_is_urgent_once_and_one_that_rests_is_not() -> None:
         hand.now_s += STEP_S
         hand.channels[THROTTLE] = throttle
         reading = RcReading(hand.now_s, tuple(hand.channels))
-        return hand.rc_control.update(reading, sticks, hand.vehicle.status, config, hand.now_s).is_urgent
+        vehicle = hand.vehicle
+        actions = hand.rc_control.update(reading, sticks, vehicle.mode, vehicle.armed, config, hand.now_s)
+        return actions.is_urgent
 
     assert [frame(throttle) for throttle in (1500, 1800, 1800, 1803, 1806)] == [
         False,

@@ -7,7 +7,6 @@ from companion.config.tuning import Rc, RcChannel
 from companion.core.modes import Mode
 from companion.core.readings import RcReading
 from companion.core.requests import Arm, ChangeMode, Disarm, ManualControl
-from companion.core.vehicle_status import VehicleStatus
 from companion.rc.manual_input import ManualInput, top_speed_m_s
 from companion.rc.parsers import PAUSE_S, SbusParser, _crc_table, crc8
 from companion.rc.pulses import (
@@ -122,12 +121,12 @@ def test_a_frame_leaps_when_most_of_its_channels_do(moved: int, leaps: bool) -> 
 def test_a_movement_of_a_switch_and_of_nothing_else_cannot_wait() -> None:
     control, sticks = RcControl(), ManualInput()
     config = with_value(CONFIG, "rc.mode_channel", 6)
-    status = VehicleStatus(Mode.MANUAL, armed=False)
     actions = []
     for tick in range(30):
         now_s = 0.02 * tick
         sticks.override({6: HOLD_US}, now_s)
-        actions.append(control.update(RcReading(now_s, (1500,) * 4), sticks, status, config, now_s))
+        reading = RcReading(now_s, (1500,) * 4)
+        actions.append(control.update(reading, sticks, Mode.MANUAL, armed=False, config=config, now_s=now_s))
     assert [one for one in actions if one != RcActions()] == [
         RcActions((ChangeMode(Mode.HOLD, is_initial=True),), "", is_urgent=True)
     ]
