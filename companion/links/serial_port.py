@@ -26,6 +26,7 @@ class LineFormat(NamedTuple):
 
     parity: str = serial.PARITY_NONE
     stop_bits: int = serial.STOPBITS_ONE
+    has_flow_control: bool = False  # by RTS and CTS
 
 
 LINE_8N1 = LineFormat()
@@ -103,6 +104,7 @@ class SerialPort:
                 self._baud,
                 parity=self._line.parity,
                 stopbits=self._line.stop_bits,
+                rtscts=self._line.has_flow_control,
                 timeout=0,
                 write_timeout=0,
                 exclusive=True,

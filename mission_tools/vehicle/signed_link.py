@@ -8,20 +8,21 @@ from pathlib import Path
 
 from mavsdk.asyncio import Mavsdk
 
-from companion.mavlink.signing import (
-    Signatory,
-    SignatureVerdict,
-    SigningGuard,
-    Stamps,
-    timestamp_at,
-    without_signature,
-)
+from companion.core.errors import LinkError
+from companion.links.interfaces import Link, Port
+from companion.links.port_url import open_port
+from companion.links.serial_port import LineFormat, SerialPort
+from companion.mavlink.finder import FrameFinder
+from companion.mavlink.framing import begins_with_frame
+from companion.mavlink.signing import Signatory, SigningGuard, Stamps, timestamp_at, without_signature
 from companion.mavlink.signing_key import SigningKey, read_key_file
 from mission_tools.errors import NoVehicle, UsageError
-from mission_tools.vehicle.byte_link import open_byte_link
 from mission_tools.vehicle.link_url import LinkUrl
 
 RAW = "raw://"
+_FLOW_CONTROL = "serial_flowcontrol://"
+_LINK_ID = 1
+_POLL_S = 0.05  # between looks for new connections
 
 
 def read_sign_key(path: Path) -> SigningKey:
@@ -36,86 +37,106 @@ def read_sign_key(path: Path) -> SigningKey:
         raise UsageError(str(error)) from None
 
 
-_MAGIC_V1, _MAGIC_V2, _SIGNED = 0xFE, 0xFD, 0x01
-_OVERHEAD, _BLOCK = 12, 13
-_LINK_ID = 1
-
-
 class SignedStream:
-    """One link to one vehicle.
-
-    is_datagram: each chunk that comes in stands for itself; otherwise they are pieces of one stream, of which
-    at most one unfinished frame is kept.
-    """
+    """One link to one vehicle. is_datagram: each chunk that comes in stands for itself."""
 
     def __init__(self, key: SigningKey, is_datagram: bool) -> None:
-        self.verified = 0
-        self.unsigned = 0
-        self.forged = 0
-        self.old = 0
-        self._is_datagram = is_datagram
-        self._signatory = Signatory(key, Stamps())
-        self._guard = SigningGuard(self._signatory, "required", _LINK_ID)
-        self._rest = b""
+        self._stamps = Stamps()
+        self._guard = SigningGuard(Signatory(key, self._stamps), "required", _LINK_ID)
+        self._incoming, self._outgoing = FrameFinder(is_datagram), FrameFinder(datagram=True)
 
     def set_date(self, timestamp: int) -> None:
         """What time it is, as `companion.mavlink.signing.timestamp_at` has it."""
-        self._signatory.stamps.clock = timestamp
+        self._stamps.clock = timestamp
 
-    def sign(self, frames: bytes) -> list[bytes]:
-        """Whole MAVLink 2 frames, one behind the other, each signed. What is none is left out."""
-        sealed: list[bytes] = []
-        at = 0
-        while at + _OVERHEAD <= len(frames) and frames[at] == _MAGIC_V2:
-            end = at + _length(frames, at)
-            if end <= len(frames) and (frame := self._guard.seal(frames[at:end])) is not None:
-                sealed.append(frame)
-            at = end
-        return sealed
+    def sign(self, data: bytes) -> list[bytes]:
+        """Whole frames, one behind the other, each signed. What is none is left out."""
+        sealed = [self._guard.seal(frame.data) for frame in self._outgoing.feed(data)]
+        return [frame for frame in sealed if frame is not None]
 
     def open(self, data: bytes) -> list[bytes]:
         """The frames that these bytes complete and whose signatures hold, without them. Never raises."""
-        data, at = self._rest + data, 0
-        opened: list[bytes] = []
-        while (at := data.find(_MAGIC_V2, at)) >= 0:
-            if at + 3 > len(data) or (end := at + _length(data, at)) > len(data):
-                if not self._is_datagram:
-                    self._rest = data[at:]
-                    return opened
-                at += 1
-                continue
-            frame = data[at:end]
-            verdict = self._signatory.check(frame)
-            if verdict is SignatureVerdict.GOOD:
-                self.verified += 1
-                opened.append(without_signature(frame))
-            elif verdict is SignatureVerdict.OLD:
-                self.old += 1
-            else:
-                if end == len(data) or data[end] in (_MAGIC_V1, _MAGIC_V2):
-                    self.unsigned += verdict is SignatureVerdict.UNSIGNED
-                    self.forged += verdict is SignatureVerdict.FORGED
-                end = at + 1  # what only looks like a frame may hide one
-            at = end
-        self._rest = b""
-        return opened
+        found = self._incoming.feed(data)
+        return [without_signature(frame.data) for frame in found if self._guard.admits(frame.data)]
 
     def warning(self) -> str:
         """Why nothing came in, if something was said; empty otherwise."""
-        if self.verified:
+        counters = self._guard.counters
+        if counters.verified:
             return ""
-        if self.forged:
+        if counters.forged:
             return "what it says is signed with another key"
-        if self.old:
+        if counters.old:
             return "what it says is out of date: are both clocks right?"
-        if self.unsigned:
+        if counters.unsigned:
             return "what it says is not signed: give the boat the same key, or leave --sign-key out"
         return ""
 
 
-def _length(data: bytes, at: int) -> int:
-    """How long the frame at a magic byte says it is."""
-    return _OVERHEAD + data[at + 1] + (_BLOCK if data[at + 2] & _SIGNED else 0)
+class SignedWire:
+    """A port as one way to one vehicle: of several callers, to the last one; by datagrams, to the last whose
+    signature holds.
+
+    hear: gets the vehicle's frames, without their signatures. date: in Unix seconds.
+    """
+
+    def __init__(
+        self, port: Port, stream: SignedStream, hear: Callable[[bytes], object], date: Callable[[], float]
+    ) -> None:
+        self._port, self._stream, self._hear, self._date = port, stream, hear, date
+        self._links: list[Link] = []  # the last is spoken to
+
+    def send(self, data: bytes) -> None:
+        """Send frames; they are lost without a peer."""
+        self._stream.set_date(timestamp_at(self._date()))
+        for frame in self._stream.sign(data):
+            if self._links:
+                self._links[-1].send(frame)
+
+    def poll(self) -> None:
+        """Take what has come in."""
+        self._stream.set_date(timestamp_at(self._date()))
+        for link in self._port.accept():
+            if link.is_datagram:
+                self._links.insert(0, link)
+            else:
+                for older in self._links:
+                    older.close()
+                self._links.append(link)
+        self._links = [link for link in self._links if not link.is_closed]
+        for link in self._links.copy():
+            frames = [frame for chunk in link.receive() for frame in self._stream.open(chunk)]
+            for frame in frames:
+                self._hear(frame)
+            if frames:
+                self._links.remove(link)
+                self._links.append(link)
+
+    async def run(self) -> None:
+        """Take what comes in, until cancelled."""
+        loop, news = asyncio.get_running_loop(), asyncio.Event()
+        while True:
+            self.poll()
+            numbers = {self._port.fileno(), *(link.fileno() for link in self._links)} - {-1}
+            for number in numbers:
+                loop.add_reader(number, news.set)
+            try:
+                async with asyncio.timeout(_POLL_S):
+                    await news.wait()
+            except TimeoutError:
+                pass
+            finally:
+                for number in numbers:
+                    loop.remove_reader(number)
+            news.clear()
+
+
+def _open(url: str) -> Port:
+    """The port of a url as MAVSDK writes it."""
+    if url.startswith(_FLOW_CONTROL):
+        device, _, baud = url.removeprefix(_FLOW_CONTROL).rpartition(":")
+        return SerialPort(device, int(baud), time.monotonic, line=LineFormat(has_flow_control=True))
+    return open_port(url, time.monotonic, is_call=begins_with_frame)
 
 
 @asynccontextmanager
@@ -130,34 +151,25 @@ async def signed_link(
     raw = mavsdk._mavsdk  # the asyncio wrapper leaves the raw connection's two functions out
     loop = asyncio.get_running_loop()
 
-    def on_bytes(data: bytes) -> bool:
-        stream.set_date(timestamp_at(date()))
-        frames = stream.open(data)
-        for frame in frames:
-            raw.pass_received_raw_bytes(frame)
-        return bool(frames)
-
-    def send(data: bytes) -> None:
-        stream.set_date(timestamp_at(date()))
-        for frame in stream.sign(data):
-            wire.send(frame)
-
     def on_send(data: bytes) -> None:  # on a thread of MAVSDK's
         if not loop.is_closed():
-            loop.call_soon_threadsafe(send, data)
+            loop.call_soon_threadsafe(wire.send, data)
 
     stream = SignedStream(key, is_datagram=link.mavsdk.startswith("udp"))
     try:
-        wire = await open_byte_link(link.mavsdk, on_bytes)
-    except OSError as error:
-        reason = error.strerror or str(error)
-        raise NoVehicle(f"{link.typed}: cannot be opened ({reason}): {link.advice}") from None
+        port = _open(link.mavsdk)
+    except LinkError as error:
+        raise NoVehicle(f"{link.typed}: cannot be opened ({error}): {link.advice}") from None
+    wire = SignedWire(port, stream, raw.pass_received_raw_bytes, date)
     try:
         await mavsdk.add_any_connection(RAW)
         handle = raw.subscribe_raw_bytes_to_be_sent(on_send)
+        running = asyncio.create_task(wire.run())
         try:
             yield stream
         finally:
             raw.unsubscribe_raw_bytes_to_be_sent(handle)
+            running.cancel()
+            await asyncio.gather(running, return_exceptions=True)
     finally:
-        wire.close()
+        port.close()

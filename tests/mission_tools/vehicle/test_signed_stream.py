@@ -1,11 +1,16 @@
+import os
+import pty
+import tty
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pymavlink.dialects.v20 import all as dialect
 
+from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 from companion.mavlink.signing import timestamp_at
 from companion.mavlink.signing_key import SigningKey
-from mission_tools.vehicle.signed_link import SignedStream
+from mission_tools.vehicle.signed_link import SignedStream, SignedWire, _open
 
 KEY = SigningKey.from_passphrase("correct horse")
 OTHER = SigningKey.from_passphrase("battery staple")
@@ -44,7 +49,7 @@ def test_pymavlink_takes_what_is_sealed() -> None:
 def test_what_is_no_whole_frame_is_not_sealed() -> None:
     (plain,) = frames(boat(None), 1)
     assert stream().sign(plain[:-1]) == []
-    assert stream().sign(b"\xfe" + plain) == []
+    assert len(stream().sign(b"\xfe" + plain)) == 1
     assert len(stream().sign(plain + plain[:-1])) == 1
 
 
@@ -74,7 +79,7 @@ def test_any_bytes_are_survived_and_at_most_one_frame_is_kept(chunks: list[bytes
     mine = stream(is_datagram)
     for chunk in chunks:
         assert mine.open(chunk) == []
-        assert len(mine._rest) <= (0 if is_datagram else 280)
+        assert len(mine._incoming._rest) <= (0 if is_datagram else 280)
 
 
 def test_nothing_of_a_datagram_is_kept_for_the_next() -> None:
@@ -106,4 +111,48 @@ def test_a_replay_does_not_come_in() -> None:
     mine = stream()
     assert len(mine.open(frame)) == 1
     assert mine.open(frame) == []
-    assert mine.old == 1
+    assert mine._guard.counters.old == 1
+
+
+def wired(*links: MemoryLink) -> tuple[SignedWire, list[bytes]]:
+    """A wire over links in memory, and what it hands to MAVSDK."""
+    heard: list[bytes] = []
+    mine = SignedStream(KEY, is_datagram=links[0].is_datagram)
+    return SignedWire(MemoryPort(*links), mine, heard.append, lambda: 1.8e9), heard
+
+
+def test_of_two_callers_the_last_one_counts() -> None:
+    (first, first_far), (last, last_far) = memory_pair(is_datagram=False), memory_pair(is_datagram=False)
+    wire, heard = wired(first, last)
+    wire.send(*frames(boat(None), 1))  # lost
+    last_far.send(frames(boat(), 1)[0])
+    wire.poll()
+    wire.send(*frames(boat(None), 1))
+    assert len(heard) == len(last_far.receive()) == 1
+    assert first_far.is_closed
+
+
+def test_datagrams_answer_whoever_signs_and_nobody_else() -> None:
+    (friend, friend_far), (stranger, stranger_far) = memory_pair(), memory_pair()
+    wire, heard = wired(stranger, friend)
+    friend_far.send(frames(boat(), 1)[0])
+    wire.poll()
+    stranger_far.send(frames(boat(OTHER), 1)[0])
+    wire.poll()
+    wire.send(*frames(boat(None), 1))
+    assert len(heard) == len(friend_far.receive()) == 1
+    assert stranger_far.receive() == []
+
+
+def test_a_serial_line_with_flow_control_is_opened_and_survives_its_unplugging() -> None:
+    ours, theirs = pty.openpty()
+    tty.setraw(theirs)
+    port = _open(f"serial_flowcontrol://{os.ttyname(theirs)}:57600")
+    wire = SignedWire(port, stream(), lambda _: None, lambda: 1.8e9)
+    wire.poll()
+    wire.send(*frames(boat(None), 1))
+    assert boat().parse_buffer(os.read(ours, 100))[0].get_type() == "HEARTBEAT"
+    os.close(ours)
+    os.close(theirs)
+    wire.poll()
+    wire.send(*frames(boat(None), 1))
