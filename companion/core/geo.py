@@ -190,12 +190,3 @@ class Line:
         """Distance of `at` along the line from its start, and to the right of it (starboard positive)."""
         north, east = at.north_m - self.start.north_m, at.east_m - self.start.east_m
         return north * self._cos + east * self._sin, east * self._cos - north * self._sin
-
-    def cross_speed_m_s(self, north_m_s: float, east_m_s: float) -> float:
-        """The component of a velocity to the right of the line."""
-        return east_m_s * self._cos - north_m_s * self._sin
-
-
-def along_and_cross_track_m(start: Point, end: Point, at: Point) -> tuple[float, float]:
-    """As `Line.along_and_cross_track_m`, for a single query."""
-    return Line(start, end).along_and_cross_track_m(at)

@@ -39,12 +39,7 @@ class NmeaSensor(PortSensor[Reading]):
 
 
 def open_nmea_compass(part: CompassPart, now: Callable[[], float]) -> NmeaSensor[HeadingReading]:
-    """Open the compass on its port and start reading.
-
-    Raises:
-        ConfigError: the port url is invalid.
-        LinkError: the port cannot be opened.
-    """
+    """Open the compass on its port and start reading. Raises as `open_line`."""
     port, assembler = open_line(part.port, part.baud, now), HeadingAssembler(part.correction_rad)
     return NmeaSensor(port, now, HEADING_SENTENCES, assembler.feed).start()
 
@@ -79,11 +74,6 @@ class SharedDepthSounder:
 
 
 def open_nmea_depth(part: DepthPart, now: Callable[[], float]) -> NmeaSensor[DepthReading]:
-    """Open the sounder on its port and start reading.
-
-    Raises:
-        ConfigError: the port url is invalid.
-        LinkError: the port cannot be opened.
-    """
+    """Open the sounder on its port and start reading. Raises as `open_line`."""
     port = open_line(part.port, part.baud or BAUD, now)
     return NmeaSensor(port, now, DEPTH_SENTENCES, depth_assembler(part).feed).start()

@@ -113,10 +113,5 @@ class Ping1d(PortSensor[DepthReading]):
 
 
 def open_ping1d(part: DepthPart, now: Callable[[], float]) -> Ping1d:
-    """Open the sounder on its port and start reading.
-
-    Raises:
-        ConfigError: the port url is invalid.
-        LinkError: the port cannot be opened.
-    """
+    """Open the sounder on its port and start reading. Raises as `open_line`."""
     return Ping1d(open_line(part.port, part.baud or BAUD, now), now, part).start()

@@ -148,11 +148,6 @@ class SerialLine(PortSensor[str]):
 
 
 def open_serial_probes(parts: Sequence[ProbePart], now: Callable[[], float]) -> tuple[LineProbe, ...]:
-    """Open the port of these probes, which is one, and start reading.
-
-    Raises:
-        ConfigError: the port url is invalid.
-        LinkError: the port cannot be opened.
-    """
+    """Open the port of these probes, which is one, and start reading. Raises as `open_line`."""
     line = SerialLine(open_line(parts[0].port, parts[0].baud, now), now, parts).start()
     return line.probes

@@ -45,15 +45,6 @@ class Ring:
                 band.append(side)
             before = vertex
 
-    @property
-    def area_m2(self) -> float:
-        """Area by the shoelace formula; smaller if the polygon intersects itself."""
-        twice, before = 0.0, self.vertices[-1]
-        for vertex in self.vertices:
-            twice += before.north_m * vertex.east_m - vertex.north_m * before.east_m
-            before = vertex
-        return abs(0.5 * twice)
-
     def contains(self, north_m: float, east_m: float) -> bool:
         """Whether a ray from the point crosses the line an odd number of times."""
         if not (self.south_m <= north_m <= self.north_m and self.west_m <= east_m <= self.east_m):
@@ -198,10 +189,6 @@ class Disc:
         self.is_inclusion = is_inclusion
         self.south_m, self.north_m = centre.north_m - radius_m, centre.north_m + radius_m
         self.west_m, self.east_m = centre.east_m - radius_m, centre.east_m + radius_m
-
-    @property
-    def area_m2(self) -> float:
-        return math.pi * self.radius_m * self.radius_m
 
     def contains(self, north_m: float, east_m: float) -> bool:
         """Whether a point is inside."""

@@ -65,11 +65,6 @@ class Budget:
             return None
         return self.reached_m is None and self.no_return_m is None
 
-    @property
-    def left_mah(self) -> float:
-        """At the end of the route."""
-        return self.usable_mah - self.charge_mah
-
     def lines(self) -> list[str]:
         """The budget as lines of output: under way, home, point of no return."""
         said = f"budget: {duration(self.time_s)}"

@@ -140,7 +140,8 @@ class WaterChart:
             points = _points(water, clearance_m + self._error_m, start, goal)
             if points is not None:
                 is_open = self._frame is None and water is self._water  # nothing is known to be clear of
-                return _way(frame, points, None if is_open else clearance_m)
+                corners = [_lon_lat(frame, point) for point in points]
+                return Way(corners, path_length_m(points), None if is_open else clearance_m)
         return Blocked(say("way.none"))
 
 
@@ -162,10 +163,6 @@ def _points(water: Water, clearance_m: float, start: Point, goal: Point) -> list
 
 def _with_clearance(routes: Routes, at: Point, *, is_afloat: bool) -> Point | None:
     return at if routes.is_free(at) else next(routes.exits(at, is_afloat=is_afloat), None)
-
-
-def _way(frame: LocalFrame, points: list[Point], clearance_m: float | None) -> Way:
-    return Way([_lon_lat(frame, point) for point in points], path_length_m(points), clearance_m)
 
 
 def _lon_lat(frame: LocalFrame, point: Point) -> tuple[float, float]:

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
-from companion.mavlink.address import Address
+from companion.mavlink.address import Address, concerns
 from companion.mavlink.dialect import Message, dialect
 from mission_tools.station.outcome import Accepted, Answered, Cancelled, Outcome, Refused, Silent
 from mission_tools.station.requests import BoatCommand
@@ -80,11 +80,8 @@ class Commands:
     def on_ack(self, message: Message, now_s: float) -> None:
         """COMMAND_ACK of the boat."""
         one = self._under_way.get(message.command)
-        to_other = message.target_system not in (0, self._own.system) or message.target_component not in (
-            0,
-            self._own.component,
-        )
-        if one is None or to_other or one.result is not None:
+        is_own = concerns(self._own, message.target_system, message.target_component)
+        if one is None or not is_own or one.result is not None:
             return
         if message.result == dialect.MAV_RESULT_ACCEPTED:
             self._end(one, Accepted(one.command.done))

@@ -88,7 +88,8 @@ class Reasons:
             if len(self._pre_arm) < _MOST:
                 self._pre_arm[said] = _reason(text.severity, said)
         elif text.text.startswith(_OVER):
-            self._end(text.text.removeprefix(_OVER))
+            over = text.text.removeprefix(_OVER)
+            self._failsafes = {key: one for key, one in self._failsafes.items() if one[1] != over}
         elif text.text.startswith(_FAILSAFE):
             said = text.text.removeprefix(_FAILSAFE).removesuffix(" (persists)")
             found = words_for(said)
@@ -115,10 +116,6 @@ class Reasons:
             return False
         self._asked_s, self._asked_in = now_s, view.mode
         return True
-
-    def _end(self, over: str) -> None:
-        for key in [key for key, (_, end) in self._failsafes.items() if end == over]:
-            del self._failsafes[key]
 
 
 def _verdicts(view: View) -> list[str]:

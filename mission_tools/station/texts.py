@@ -50,7 +50,7 @@ class Texts:
         if message.chunk_seq >= _MOST_CHUNKS:
             return []
         part.chunks[message.chunk_seq] = raw
-        ends = [number for number, chunk in part.chunks.items() if _is_last(chunk)]
+        ends = [n for n, chunk in part.chunks.items() if "\0" in chunk or len(chunk) < _CHUNK_BYTES]
         if not ends or any(number not in part.chunks for number in range(min(ends) + 1)):
             return []
         del self._open[message.id]
@@ -68,10 +68,6 @@ class Texts:
             line = TextLine(number=self._number, at_s=unix_s, severity=text.severity, text=text.text)
             self.lines.append(line)
         return told
-
-
-def _is_last(chunk: str) -> bool:
-    return "\0" in chunk or len(chunk) < _CHUNK_BYTES
 
 
 def _joined(part: _Chunked) -> Text:

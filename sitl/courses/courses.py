@@ -55,7 +55,6 @@ class Tracking:
     """Path-following errors in metres. overshoot_m and cut_m are None without a corner."""
 
     rms_m: float
-    percentile_95_m: float
     max_m: float
     path_rms_m: float
     path_max_m: float
@@ -85,7 +84,6 @@ def tracking(recorder: Recorder, planned: Sequence[Point]) -> Tracking | None:
     corners = corners_sailed(recorder, planned)
     return Tracking(
         rms_m=math.sqrt(float(np.mean(kept * kept))),
-        percentile_95_m=float(np.percentile(kept, 95.0)),
         max_m=float(kept.max()),
         path_rms_m=math.sqrt(float(np.mean(off * off))),
         path_max_m=float(off.max()),

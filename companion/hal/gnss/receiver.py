@@ -144,11 +144,9 @@ class NmeaGnss(GnssReceiver):
 
 
 def open_nmea_gnss(part: GnssPart, now: Callable[[], float], heading: GnssHeading | None = None) -> NmeaGnss:
-    """Open the receiver on its port and start reading. heading: of its two antennas, if they are used.
+    """Open the receiver on its port and start reading. Raises as `open_line`.
 
-    Raises:
-        ConfigError: the port url is invalid.
-        LinkError: the port cannot be opened.
+    heading: of its two antennas, if they are used.
     """
     baud = int(part.baud) or _BAUD
     port = open_line(part.port, baud, now)

@@ -96,11 +96,9 @@ class UbxGnss(GnssReceiver):
 
 
 def open_ubx_gnss(part: GnssPart, now: Callable[[], float], heading: GnssHeading | None = None) -> UbxGnss:
-    """Open the receiver's port and start its set-up. heading: of its two antennas, if they are used.
+    """Open the receiver's port and start its set-up. Raises as `open_line`.
 
-    Raises:
-        ConfigError: the port url is invalid.
-        LinkError: the port cannot be opened.
+    heading: of its two antennas, if they are used.
     """
     baud = int(part.baud) or _BAUD
     port = open_line(part.port, baud, now)

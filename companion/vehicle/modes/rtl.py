@@ -39,11 +39,6 @@ class RtlMode(ModeController):
             self._status_texts.append(StatusText(Severity.INFO, "RTL: arrived"))
         return intent
 
-    @property
-    def has_arrived(self) -> bool:
-        """Whether the boat keeps station at the end of the route."""
-        return self._route.has_arrived
-
     def way_left_m(self, nav: NavState) -> float | None:
         return self._route.way_left_m(nav.point)
 

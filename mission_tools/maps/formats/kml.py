@@ -230,8 +230,3 @@ def _local(name: str) -> str:
 def text_of(element: Element, path: str) -> str:
     """The text of a descendant; empty if there is none."""
     return (element.findtext(path) or "").strip()
-
-
-def children(element: Element, *tags: str) -> Iterator[Element]:
-    """The children with one of these tags."""
-    return (child for child in element if child.tag in tags)

@@ -117,10 +117,7 @@ def lists_of(report: Mapping[str, Sequence[Sequence[Any]]], kinds: Sequence[str]
 
 def _item(frame: int, command: int, autocontinue: int, *numbers: float | None) -> MissionItem:
     param1, param2, param3, param4, x, y, z = (float("nan") if one is None else one for one in numbers)
-    return MissionItem(
-        frame=frame, command=command, autocontinue=autocontinue, param1=param1, param2=param2, param3=param3,
-        param4=param4, x=int(x), y=int(y), z=z,
-    )  # fmt: skip
+    return MissionItem(frame, command, 0, autocontinue, param1, param2, param3, param4, int(x), int(y), z)
 
 
 def line(report: Mapping[str, Any]) -> list[tuple[float, float]]:

@@ -20,32 +20,27 @@ class _Asked(Struct, frozen=True, forbid_unknown_fields=True):
     with_areas: bool = False
 
 
-class PlanUploads:
-    """Makes a stored plan the boat's mission."""
+def upload_stored_plan(
+    boats: Boats, plans: PlanService, request: PageRequest, reply: Callable[[Answer], None]
+) -> None:
+    """Upload, read back and start if asked; `reply` is called once, minutes later for a long plan."""
+    try:
+        asked = convert(request.arguments, _Asked)
+    except ValidationError:
+        reply(Answer(id=request.id, ok=False, text=say("answer.plan_expected")))
+        return
+    kept = plans.store.find(asked.plan)
+    if kept is None:
+        reply(Answer(id=request.id, ok=False, text=say("answer.plan_gone")))
+        return
+    mission, fence, rally = kept.lists
+    areas = (fence, rally) if asked.with_areas else ((), ())
 
-    def __init__(self, boats: Boats, plans: PlanService) -> None:
-        self._boats = boats
-        self._plans = plans
+    def answered(outcome: Outcome) -> None:
+        snapshot = boats.snapshot(request.boat)
+        ok, text = isinstance(outcome, Accepted), outcome.text
+        if ok and asked.start and snapshot is not None and snapshot.armed is False:
+            text = say("answer.when_armed", what=text)
+        reply(Answer(id=request.id, ok=ok, text=text, result={"items": kept.plan.items} if ok else None))
 
-    def ask(self, request: PageRequest, reply: Callable[[Answer], None]) -> None:
-        """Upload, read back and start if asked; `reply` is called once, minutes later for a long plan."""
-        try:
-            asked = convert(request.arguments, _Asked)
-        except ValidationError:
-            reply(Answer(id=request.id, ok=False, text=say("answer.plan_expected")))
-            return
-        kept = self._plans.store.find(asked.plan)
-        if kept is None:
-            reply(Answer(id=request.id, ok=False, text=say("answer.plan_gone")))
-            return
-        mission, fence, rally = kept.lists
-        areas = (fence, rally) if asked.with_areas else ((), ())
-
-        def answered(outcome: Outcome) -> None:
-            snapshot = self._boats.snapshot(request.boat)
-            ok, text = isinstance(outcome, Accepted), outcome.text
-            if ok and asked.start and snapshot is not None and snapshot.armed is False:
-                text = say("answer.when_armed", what=text)
-            reply(Answer(id=request.id, ok=ok, text=text, result={"items": kept.plan.items} if ok else None))
-
-        self._boats.upload(request.boat, plan_upload(mission, *areas, is_started=asked.start), answered)
+    boats.upload(request.boat, plan_upload(mission, *areas, is_started=asked.start), answered)

@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable
+from functools import partial
 from typing import Final
 
 import msgspec
@@ -9,7 +10,7 @@ import msgspec
 from mission_tools.shore.chart import WaterChart
 from mission_tools.shore.clock import Clock
 from mission_tools.shore.plans.plan_service import PlanService, Sources
-from mission_tools.shore.plans.uploading import PlanUploads
+from mission_tools.shore.plans.uploading import upload_stored_plan
 from mission_tools.shore.web.feed import Feed, Viewer
 from mission_tools.shore.web.login.session import Sessions
 from mission_tools.shore.web.logs.voyages import LogService
@@ -66,7 +67,7 @@ class Hub:
         self._request_log = RequestLog()
         self._services: dict[str, Callable[[PageRequest, Reply], None]] = {
             "route": RouteService(boats, chart).ask,
-            "upload_plan": PlanUploads(boats, self.plans).ask,
+            "upload_plan": partial(upload_stored_plan, boats, self.plans),
         }
         self._next_s = float("-inf")
 

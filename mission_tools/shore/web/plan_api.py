@@ -1,7 +1,7 @@
 """Plans over HTTP: compute, read from a file, download."""
 
 import asyncio
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable
 from typing import Final, TypeVar
 
 import msgspec
@@ -13,7 +13,7 @@ from mission_tools.shore.plans.plan_service import FORMATS, MOST_BYTES, File
 from mission_tools.shore.plans.process import PlannerBusyError, PlannerError, PlannerMissingError
 from mission_tools.shore.web.guard import error
 from mission_tools.shore.web.hub import Hub
-from mission_tools.shore.web.rows import BOAT, Row, boat_of, json_answer, read_body
+from mission_tools.shore.web.rows import BOAT, Handler, Row, boat_of, json_answer, read_body
 from mission_tools.station.words import say
 
 _LOOK_S: Final = 0.5  # between looks whether the page is still there
@@ -23,61 +23,22 @@ _KINDS: Final = "|".join(FORMATS)
 Done = TypeVar("Done")
 
 
-async def _plan(hub: Hub, request: web.Request) -> web.StreamResponse:
-    async def work() -> web.StreamResponse:
-        plan = await hub.plans.plan(boat_of(request), parse_wish(await read_body(request)))
-        return json_answer(msgspec.json.encode(plan))
-
-    return await _answered(request, work)
-
-
-async def _import(hub: Hub, request: web.Request) -> web.StreamResponse:
-    async def work() -> web.StreamResponse:
-        body = await read_body(request, MOST_BYTES, _READ_S)
-        plan = await hub.plans.read(boat_of(request), request.query.get("name", ""), body)
-        return json_answer(msgspec.json.encode(plan))
-
-    return await _answered(request, work)
-
-
-async def _file(hub: Hub, request: web.Request) -> web.StreamResponse:
-    async def work() -> web.StreamResponse:
-        file = await hub.plans.file(request.match_info["id"], request.match_info["kind"])
-        return error(404, say("planner.no_plan"), "") if file is None else _download(file)
-
-    return await _answered(request, work)
-
-
-async def _on_board(hub: Hub, request: web.Request) -> web.StreamResponse:
-    async def work() -> web.StreamResponse:
-        file = await hub.plans.on_board(boat_of(request), request.match_info["kind"])
-        return error(404, say("planner.no_mission"), "") if file is None else _download(file)
-
-    return await _answered(request, work)
-
-
-def _download(file: File) -> web.Response:
-    """The name is letters, digits and hyphens (`file_name`)."""
-    response = web.Response(body=file.content, content_type=file.kind)
-    response.headers["Content-Disposition"] = f'attachment; filename="{file.name}"'
-    response.enable_compression()
-    return response
-
-
-async def _answered(
-    request: web.Request, work: Callable[[], Awaitable[web.StreamResponse]]
-) -> web.StreamResponse:
+def _answered(work: Handler) -> Handler:
     """What the work gives, or why it gives nothing."""
-    try:
-        return await _while_open(request, work())
-    except PlanRequestError as refused:
-        return error(422, refused.args[0], refused.expected)
-    except PlannerError as refused:
-        return error(422, refused.args[0], "")
-    except PlannerMissingError as refused:
-        return error(503, refused.args[0], "")
-    except (PlannerBusyError, StorageError) as refused:
-        return error(503, refused.args[0], "", {"Retry-After": "5"})
+
+    async def answer(hub: Hub, request: web.Request) -> web.StreamResponse:
+        try:
+            return await _while_open(request, work(hub, request))
+        except PlanRequestError as refused:
+            return error(422, refused.args[0], refused.expected)
+        except PlannerError as refused:
+            return error(422, refused.args[0], "")
+        except PlannerMissingError as refused:
+            return error(503, refused.args[0], "")
+        except (PlannerBusyError, StorageError) as refused:
+            return error(503, refused.args[0], "", {"Retry-After": "5"})
+
+    return answer
 
 
 async def _while_open(request: web.Request, work: Awaitable[Done]) -> Done:
@@ -95,6 +56,39 @@ async def _while_open(request: web.Request, work: Awaitable[Done]) -> Done:
             task.cancel()
             await asyncio.gather(task, return_exceptions=True)
     raise ConnectionResetError
+
+
+@_answered
+async def _plan(hub: Hub, request: web.Request) -> web.StreamResponse:
+    plan = await hub.plans.plan(boat_of(request), parse_wish(await read_body(request)))
+    return json_answer(msgspec.json.encode(plan))
+
+
+@_answered
+async def _import(hub: Hub, request: web.Request) -> web.StreamResponse:
+    body = await read_body(request, MOST_BYTES, _READ_S)
+    plan = await hub.plans.read(boat_of(request), request.query.get("name", ""), body)
+    return json_answer(msgspec.json.encode(plan))
+
+
+@_answered
+async def _file(hub: Hub, request: web.Request) -> web.StreamResponse:
+    file = await hub.plans.file(request.match_info["id"], request.match_info["kind"])
+    return error(404, say("planner.no_plan"), "") if file is None else _download(file)
+
+
+@_answered
+async def _on_board(hub: Hub, request: web.Request) -> web.StreamResponse:
+    file = await hub.plans.on_board(boat_of(request), request.match_info["kind"])
+    return error(404, say("planner.no_mission"), "") if file is None else _download(file)
+
+
+def _download(file: File) -> web.Response:
+    """The name is letters, digits and hyphens (`file_name`)."""
+    response = web.Response(body=file.content, content_type=file.kind)
+    response.headers["Content-Disposition"] = f'attachment; filename="{file.name}"'
+    response.enable_compression()
+    return response
 
 
 ROWS: Final = (

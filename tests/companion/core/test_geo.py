@@ -7,9 +7,9 @@ from pyproj import Transformer
 
 from companion.core.geo import (
     LatLon,
+    Line,
     LocalFrame,
     Point,
-    along_and_cross_track_m,
     bearing_rad,
     distance_m,
 )
@@ -79,14 +79,14 @@ def test_bearings_turn_clockwise_from_north() -> None:
 def test_along_and_cross_track_are_a_rotation(
     n0: float, e0: float, n1: float, e1: float, n: float, e: float
 ) -> None:
-    along_m, cross_m = along_and_cross_track_m(Point(n0, e0), Point(n1, e1), Point(n, e))
+    along_m, cross_m = Line(Point(n0, e0), Point(n1, e1)).along_and_cross_track_m(Point(n, e))
     assert math.hypot(along_m, cross_m) == pytest.approx(distance_m(Point(n0, e0), Point(n, e)), abs=1e-6)
 
 
 def test_starboard_of_the_line_is_positive() -> None:
-    assert along_and_cross_track_m(Point(0, 0), Point(10, 0), Point(3, 2)) == pytest.approx((3.0, 2.0))
-    assert along_and_cross_track_m(Point(0, 0), Point(0, 10), Point(3, 2)) == pytest.approx((2.0, -3.0))
-    assert along_and_cross_track_m(Point(0, 0), Point(0, 0), Point(3, 2)) == pytest.approx((3.0, 2.0))
+    assert Line(Point(0, 0), Point(10, 0)).along_and_cross_track_m(Point(3, 2)) == pytest.approx((3.0, 2.0))
+    assert Line(Point(0, 0), Point(0, 10)).along_and_cross_track_m(Point(3, 2)) == pytest.approx((2.0, -3.0))
+    assert Line(Point(0, 0), Point(0, 0)).along_and_cross_track_m(Point(3, 2)) == pytest.approx((3.0, 2.0))
 
 
 angles = st.floats(-1e4, 1e4)

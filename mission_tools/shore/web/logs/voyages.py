@@ -77,7 +77,7 @@ class Voyages:
         key, now_s = (boat, log.name, log.bytes), self._clock.now_s()
         voyage = self._kept.get(key)
         if voyage is None:
-            self._make_room()
+            self._drop_oldest(_MOST_KEPT - 1)
             voyage = self._kept[key] = _Voyage(now_s, Waiting("fetching", 0.0))
             voyage.task = asyncio.create_task(self._make(voyage, boat, log.name))
         voyage.asked_s = now_s
@@ -87,13 +87,10 @@ class Voyages:
         return voyage.state
 
     def close(self) -> None:
-        for voyage in self._kept.values():
-            if voyage.task is not None:
-                voyage.task.cancel()
-        self._kept.clear()
+        self._drop_oldest(0)
 
-    def _make_room(self) -> None:
-        while len(self._kept) >= _MOST_KEPT:
+    def _drop_oldest(self, left: int) -> None:
+        while len(self._kept) > left:
             _, oldest = self._kept.popitem(last=False)
             if oldest.task is not None:
                 oldest.task.cancel()
