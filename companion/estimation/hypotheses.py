@@ -27,8 +27,8 @@ from companion.estimation.innovation import square
 
 # Of evidence, in nats, that proves a fault. With samples 1 s apart that count and 15 onsets to choose from,
 # one false alarm in exp(15) / 15 s = 60 h of positions. Headings are judged only while they differ by
-# GAP_RAD, which is rare: odds of 400 to 1. A list: a compiled module may use a tuple before it is set.
-THRESHOLDS: Final[list[float]] = [6.0, 6.0, 15.0]
+# GAP_RAD, which is rare: odds of 400 to 1.
+THRESHOLDS: Final = (6.0, 6.0, 15.0)
 GAP_RAD: Final = 0.12  # three standard deviations of a compass that heels in turns and feels the motors
 # Time constant of the shadow: a few turns; shorter at first. A wrong compass has to agree for as long.
 _SHADOW_S: Final = 20.0

@@ -24,8 +24,7 @@ from companion.obstacles.perception.occupancy import MAX_EVIDENCE, SWEEP_S
 _CONFIRMED: Final = 3
 SURE_SIGMAS: Final = 3.0  # 1 in 700 of static obstacles, one-sided
 FASTEST: Final = 12.0  # of the least speed: 1.4 m/s; faster tracks join two ghosts
-# A list: a compiled module may use a tuple before it is set
-_SPREAD: Final[list[float]] = [100.0, 100.0, 0.25, 0.25]  # initial variances: anywhere in sight, 0.5 m/s
+_SPREAD: Final = (100.0, 100.0, 0.25, 0.25)  # initial variances: anywhere in sight, 0.5 m/s
 
 
 class Track:
