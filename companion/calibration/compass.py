@@ -12,6 +12,7 @@ fitness) is small, and the field turned as far as the gyro.
 import math
 from collections import deque
 from enum import IntEnum
+from statistics import fmean
 from typing import Final, NamedTuple
 
 from companion.calibration.ellipsoid import Ellipsoid, Point, fit_ellipsoid
@@ -154,7 +155,7 @@ class CompassCalibration:
             if not _EARTH_RATIO[0] <= radius / wanted <= _EARTH_RATIO[1]:
                 told = f"field of {radius:.0f} mG, the earth's is {wanted:.0f} mG"
                 return self.failed(told, CompassVerdict.BAD_RADIUS)
-        fitness = radius * _rms([found.distance(point) - 1.0 for point in self._points()])
+        fitness = radius * math.sqrt(fmean((found.distance(point) - 1.0) ** 2 for point in self._points()))
         fit = FieldFit(CompassVerdict.SUCCESS, "", self._correction(found, wanted), fitness, radius)
         if not self._turns_with_gyro(fit.correction):
             return self.failed("turns against the gyro: check the mounting", CompassVerdict.BAD_ORIENTATION)
@@ -180,8 +181,7 @@ class CompassCalibration:
             return MagneticCorrection(offset, matrix, before.motor, before.motor_source)  # type: ignore[arg-type]
         down = before.offset[2]
         if self._earth is not None:
-            mean = sum(sample.level[2] for sample in self._samples) / len(self._samples)
-            down = self._earth.down_mg - mean
+            down = self._earth.down_mg - fmean(sample.level[2] for sample in self._samples)
         (a, b), (c, d) = rows
         return MagneticCorrection(
             (-centre[0], -centre[1], down),
@@ -216,10 +216,6 @@ def _heading(field: Vector) -> float:
 
 def _minus(a: Vector, b: Vector) -> Vector:
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
-
-
-def _rms(values: list[float]) -> float:
-    return math.sqrt(sum(value * value for value in values) / len(values))
 
 
 def _limits_fault(correction: MagneticCorrection) -> str:

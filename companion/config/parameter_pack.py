@@ -23,7 +23,6 @@ _HEADER = struct.Struct("<HHH")
 _MAGIC, _MAGIC_DEFAULTS = 0x671B, 0x671C
 _HAS_DEFAULT = 0x10
 _SHARED_MAX = 15
-# ArduPilot's own numbers of types, not MAV_PARAM_TYPE
 # ArduPilot's own type numbers, not MAV_PARAM_TYPE
 _TYPES = {ParameterType.INT8: 1, ParameterType.INT16: 2, ParameterType.INT32: 3, ParameterType.REAL32: 4}
 _VALUES = {1: struct.Struct("<b"), 2: struct.Struct("<h"), 3: struct.Struct("<i"), 4: struct.Struct("<f")}

@@ -120,15 +120,17 @@ def save_next(path: Path, content: bytes, write: Write) -> None:
     write(path, seal(Generation(number, content)), old if has_whole else None)
 
 
-def write_atomically(path: Path, content: bytes, keep: Path | None = None) -> None:
-    """Replace a file so that a power cut leaves the old or the new content. A *.key is readable by its owner
-    only.
+def write_atomically(
+    path: Path, content: bytes, keep: Path | None = None, *, is_private: bool = False
+) -> None:
+    """Replace a file so that a power cut leaves the old or the new content.
 
-    keep: name under which the present file is kept. On failure no temporary file is left.
+    keep: name under which the present file is kept. is_private: readable by its owner only, as every *.key
+    is. On failure no temporary file is left.
     """
     aside = path.with_name(path.name + _NEW)
     try:
-        if path.suffix == ".key":
+        if is_private or path.suffix == ".key":
             aside.unlink(missing_ok=True)
             aside.touch(mode=0o600, exist_ok=False)
         with aside.open("wb") as file:
@@ -140,7 +142,7 @@ def write_atomically(path: Path, content: bytes, keep: Path | None = None) -> No
         aside.replace(path)
     except OSError:
         with contextlib.suppress(OSError):
-            if path.exists():
+            if keep is None or path.exists():
                 aside.unlink(missing_ok=True)
         raise
     folder = os.open(path.parent, os.O_RDONLY)

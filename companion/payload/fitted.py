@@ -69,7 +69,8 @@ class FittedPayload:
         if isinstance(action, SetRelay):
             for one in self.of_kind(CommandPayload):
                 if one.relay == action.number:
-                    return RunCommand(one.number) if action.is_on else ActionFault(2, _only_on(one))
+                    fault = f"{one.title}: relay {one.relay} off, expected on, which starts it"
+                    return RunCommand(one.number) if action.is_on else ActionFault(2, fault)
         return self.fault(action) or action
 
     def fault(self, action: PayloadAction) -> ActionFault | None:
@@ -103,10 +104,6 @@ class FittedPayload:
 def _list_of(fitted: Iterable[PayloadSetting]) -> str:
     named = [f"{one.number} ({one.name})" if one.name else f"{one.number}" for one in fitted]
     return named[0] if len(named) == 1 else f"{', '.join(named[:-1])} or {named[-1]}"
-
-
-def _only_on(command: CommandPayload) -> str:
-    return f"{command.title}: relay {command.relay} off, expected on, which starts it"
 
 
 def _limit_fault(setting: PayloadSetting, action: UnitAction) -> ActionFault | None:

@@ -30,6 +30,7 @@ from mission_tools.wording import counted, distance, duration
 WORST_PLACES = 3
 MOST_CORNERS = 60_000  # of a shore on the page; a larger one is drawn simpler
 BAND_TOLERANCE = 0.05  # of the clearance: how far the drawn edge of its band may be off
+_NAMED = KEPT_OUT | SOLID | {"landmark"}
 _HERE = Path(__file__)
 
 
@@ -189,7 +190,7 @@ def _map(chart: Chart, points: Sequence[Point], track: Sequence[Point], clearanc
     parts += [f'<path class="keep-out" d="{_path(shape, decimals)}"/>' for shape in kept_out]
     if not chart.is_open:
         parts.append(f'<path class="shore" d="{_path(drawn, decimals)}"/>')
-    parts += [_name(feature.name, feature.shape) for feature in chart.features if _is_named(feature.kind)]
+    parts += [_name(feature.name, feature.shape) for feature in chart.features if feature.kind in _NAMED]
     if track:
         parts.append(f'<polyline class="track" points="{_points(track)}"/>')
     parts.append(f'<polyline class="route casing" points="{_points(points)}"/>')
@@ -203,10 +204,6 @@ def _map(chart: Chart, points: Sequence[Point], track: Sequence[Point], clearanc
             f"<text{' class=long' if len(text) > 2 else ''}>{text}</text></g>"
         )
     return "\n".join(parts)
-
-
-def _is_named(kind: str) -> bool:
-    return kind in KEPT_OUT | SOLID or kind == "landmark"
 
 
 def _name(name: str, shape: BaseGeometry) -> str:

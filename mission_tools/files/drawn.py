@@ -13,8 +13,9 @@ from xml.etree.ElementTree import Element
 
 import shapely
 
-from companion.core.geo import LatLon, LocalFrame, Point, distance_m
+from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.errors import PlanFileError
+from mission_tools.files.written import leg_length_m
 from mission_tools.geojson import position
 from mission_tools.maps.formats.kml import parse_xml, text_of
 from mission_tools.maps.geojson import feature_entries, read_json
@@ -90,9 +91,7 @@ def _items(stops: Sequence[DrawnStop]) -> Iterator[MissionItem]:
 
 
 def _is_same(a: LatLon, b: LatLon) -> bool:
-    return (
-        abs(a.lat_deg - b.lat_deg) < 1e-4 and distance_m(Point(0.0, 0.0), LocalFrame(a).to_local(b)) < _SAME_M
-    )
+    return abs(a.lat_deg - b.lat_deg) < 1e-4 and leg_length_m(a, b) < _SAME_M
 
 
 def _thinned(line: list[DrawnStop], notes: list[str]) -> list[DrawnStop]:

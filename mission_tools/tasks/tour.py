@@ -72,7 +72,8 @@ def _check_reachable(transits: Transits, start: Point, stops: Sequence[Stop]) ->
             transits.route(start, stops[number].place)
         except NoRouteError as error:
             failures.append(error)
-    if len(failures) == 1 or (failures and len(failures) == len(stops) > 1 and _are_same(failures)):
+    is_one_reason = len({str(error) for error in failures}) == 1  # for all stops, such as a start ashore
+    if len(failures) == 1 or (is_one_reason and len(failures) == len(stops)):
         raise failures[0]
     if failures:
         named = "; ".join(
@@ -80,11 +81,6 @@ def _check_reachable(transits: Transits, start: Point, stops: Sequence[Stop]) ->
             for number, error in zip(unreachable, failures, strict=True)
         )
         raise NoRoute(f"{len(failures)} of {len(stops)} stops cannot be reached: {named}")
-
-
-def _are_same(failures: Sequence[NoRouteError]) -> bool:
-    """Whether all fail for one reason, such as a start ashore."""
-    return len({str(error) for error in failures}) == 1
 
 
 EXACT_STOPS = 12

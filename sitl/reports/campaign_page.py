@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from statistics import fmean
 from typing import Any
 
+import msgspec
+
 from sitl.experiments.campaign.campaign import Campaign, leaves
 from sitl.experiments.campaign.expect import judge
 from sitl.experiments.campaign.table import Table, tabulate
@@ -53,7 +55,7 @@ def campaign_page(plan: Campaign, results: Sequence[TrialResult]) -> str:
         page.picture(clearances, "A dot a run.")
     _runs_to_look_at(page, plan, results, table)
     page.heading("What was sailed")
-    page.details("the first run", json.dumps(_tree(plan.runs[0]), indent=2, ensure_ascii=False))
+    page.details("the first run", msgspec.json.format(msgspec.json.encode(plan.runs[0])).decode())
     return page.render()
 
 
@@ -173,7 +175,3 @@ def _is_grouping(name: str, table: Table) -> bool:
 def _mean(values: Sequence[Any]) -> float | None:
     numbers = [float(value) for value in values if isinstance(value, bool | int | float)]
     return fmean(numbers) if numbers else None
-
-
-def _tree(run: Trial) -> dict[str, Any]:
-    return {name: getattr(run, name) for name in run.__struct_fields__}

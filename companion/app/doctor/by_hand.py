@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 
 from companion.app import parts
 from companion.app.doctor.findings import Finding, failed, fine, skipped
-from companion.app.doctor.parts import in_words
+from companion.app.doctor.parts import degrees, in_words
 from companion.app.runner import Clock
 from companion.config.boat_config import BoatConfig
 from companion.core.errors import BoatError
@@ -85,8 +85,8 @@ def _reading(compass: Compass, clock: Clock) -> HeadingReading | None:
 def _faults(step: _Step, reading: HeadingReading) -> list[str]:
     if step.heading_rad is not None:
         error_rad = wrap_pi(reading.heading_rad - step.heading_rad)
-        expected = f"{math.degrees(step.heading_rad):.0f}°"
-        return [f"heading {_degrees(reading.heading_rad % math.tau)} instead of {expected}"] * (
+        expected = degrees(step.heading_rad)
+        return [f"heading {degrees(reading.heading_rad % math.tau)} instead of {expected}"] * (
             abs(error_rad) > _OFF_RAD
         )
     angles = {"roll": reading.roll_rad, "pitch": reading.pitch_rad}
@@ -95,11 +95,7 @@ def _faults(step: _Step, reading: HeadingReading) -> list[str]:
     if tilt_rad is None or other_rad is None:  # a sensor that measures neither
         return []
     is_right = tilt_rad > _TILT_RAD and abs(other_rad) < tilt_rad
-    return [] if is_right else [f"{step.tilted} {_degrees(tilt_rad)} where it should have grown"]
-
-
-def _degrees(angle_rad: float) -> str:
-    return f"{math.degrees(angle_rad):.0f}°"
+    return [] if is_right else [f"{step.tilted} {degrees(tilt_rad)} where it should have grown"]
 
 
 def nudge_motors(

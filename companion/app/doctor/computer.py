@@ -144,7 +144,7 @@ def _is_open(link: LinkConfig) -> bool:
 
 
 def _routes(table: str) -> list[IPv4Network]:
-    """Whether the addresses of the links are in reach; a broadcast, in a network of our own."""
+    """The networks of the kernel's routing table."""
     networks = []
     for line in table.splitlines()[1:]:
         columns = line.split()

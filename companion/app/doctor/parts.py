@@ -182,7 +182,8 @@ def in_words(reading: object, config: BoatConfig) -> Words:
             return Verdict.FINE, str(reading)
 
 
-def _degrees(angle_rad: float) -> str:
+def degrees(angle_rad: float) -> str:
+    """An angle for people."""
     return f"{math.degrees(angle_rad):.0f}°"
 
 
@@ -199,11 +200,11 @@ def _fix_in_words(fix: GnssFix, config: BoatConfig) -> Words:
 
 def _heading_in_words(reading: HeadingReading) -> str:
     north = "magnetic" if reading.is_magnetic else "true"
-    text = f"heading {_degrees(wrap_two_pi(reading.heading_rad))} {north}"
+    text = f"heading {degrees(wrap_two_pi(reading.heading_rad))} {north}"
     if reading.yaw_rate_rad_s is not None:
         text += f", turning {math.degrees(reading.yaw_rate_rad_s):+.1f}°/s"
     if reading.roll_rad is not None and reading.pitch_rad is not None:
-        text += f", roll {_degrees(reading.roll_rad)}, pitch {_degrees(reading.pitch_rad)}"
+        text += f", roll {degrees(reading.roll_rad)}, pitch {degrees(reading.pitch_rad)}"
     if reading.field_mg is not None:
         text += f", field {math.hypot(*reading.field_mg):.0f} mG"
     return text
@@ -232,5 +233,5 @@ def _pings_in_words(pings: Sequence[SonarReading]) -> str:
         return f"{len(pings)} pings, no echo within {max(ping.max_range_m for ping in pings):.1f} m"
     range_m, bearing_rad = min(echoes)
     side = "to starboard" if bearing_rad > 0.0 else "to port"
-    where = "ahead" if abs(bearing_rad) < math.radians(1.0) else f"{_degrees(abs(bearing_rad))} {side}"
+    where = "ahead" if abs(bearing_rad) < math.radians(1.0) else f"{degrees(abs(bearing_rad))} {side}"
     return f"nearest echo {range_m:.2f} m {where}"

@@ -217,11 +217,6 @@ class CompassCommands:
 
     # The motors' field
 
-    @property
-    def is_measuring_motors(self) -> bool:
-        """Whether the motors' field is being measured."""
-        return self._motors is not None
-
     def measure_motors(self, command: Command) -> Result:
         """PREFLIGHT_CALIBRATION with param6 = 1. The operator runs the motors, armed in MANUAL or by motor
         tests.
@@ -236,14 +231,14 @@ class CompassCommands:
             self._texts.notify(Severity.NOTICE, _MOTORS_STARTED)
         return Result.IN_PROGRESS
 
-    def motors_percent(self, now_s: float) -> int:
-        """Progress of the measurement."""
-        return 0 if self._motors is None else self._motors.progress_percent(now_s)
+    def motors_percent(self, now_s: float) -> int | None:
+        """Progress of the measurement, None without one."""
+        return None if self._motors is None else self._motors.progress_percent(now_s)
 
-    def cancel_motors(self) -> Result:
-        """End the measurement without a result."""
-        self._motors = None
-        return Result.CANCELLED
+    def cancel_motors(self) -> Result | None:
+        """End the measurement without a result; None if there is none."""
+        motors, self._motors = self._motors, None
+        return None if motors is None else Result.CANCELLED
 
     def _measure_motors(self, job: MotorFieldCalibration, now_s: float) -> Result | None:
         if not self._may_calibrate():

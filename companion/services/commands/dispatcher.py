@@ -175,11 +175,11 @@ class CommandService:
             self._slow = None
             self._answer(slow, result)
         elif now_s >= self._progress_s:
-            job, percent = self._upkeep.calibration, self._calibration.progress_percent(now_s)
-            if job is not None:
-                percent = job.progress_percent(now_s)
-            elif self._compass.is_measuring_motors:
-                percent = self._compass.motors_percent(now_s)
+            percent = self._compass.motors_percent(now_s)
+            if percent is None:
+                percent = self._calibration.progress_percent(now_s)
+            if self._upkeep.calibration is not None:
+                percent = self._upkeep.calibration.progress_percent(now_s)
             if percent is not None:
                 self._progress_s = now_s + _PROGRESS_S
                 self._answer(slow, Result.IN_PROGRESS, percent)

@@ -152,8 +152,8 @@ class MaintenanceCommands:
         wanted = [one if math.isfinite(one) else 0.0 for one in (*command.p, command.fifth, command.sixth)]
         if not any(wanted):
             radio.calibrated_until_s = -math.inf
-            if self._compass.is_measuring_motors:
-                return self._compass.cancel_motors()
+            if (cancelled := self._compass.cancel_motors()) is not None:
+                return cancelled
             if self.calibration is None:
                 return Result.ACCEPTED
             return self.cancel()

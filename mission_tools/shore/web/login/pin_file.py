@@ -1,14 +1,13 @@
 """The PIN's hash in a file that only its owner reads."""
 
-import contextlib
 import hashlib
 import hmac
-import os
 import secrets
 from pathlib import Path
 from typing import Final
 
 from companion.core.errors import ConfigError, OutputError, StorageError
+from companion.core.generations import write_atomically
 
 LEAST_CHARACTERS: Final = 6
 MOST_CHARACTERS: Final = 64
@@ -16,26 +15,6 @@ _COST: Final = 2**13  # with 8 blocks: 8 MB; two rounds: about 0.05 s on a lapto
 _BLOCKS: Final = 8
 _ROUNDS: Final = 2
 _HEAD: Final = f"scrypt {_COST} {_BLOCKS} {_ROUNDS}"
-
-
-def write_private(path: Path, content: bytes) -> None:
-    """Replace a file whole; only its owner reads it.
-
-    Raises:
-        OSError: the old one stays.
-    """
-    aside = path.with_name(f".{path.name}.new")
-    try:
-        aside.unlink(missing_ok=True)
-        with os.fdopen(os.open(aside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        aside.replace(path)
-    except OSError:
-        with contextlib.suppress(OSError):
-            aside.unlink(missing_ok=True)
-        raise
 
 
 def check_pin(pin: str) -> None:
@@ -115,6 +94,6 @@ class PinFile:
         check_pin(pin)
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-            write_private(self.path, f"{hashed(pin)}\n".encode("ascii"))
+            write_atomically(self.path, f"{hashed(pin)}\n".encode("ascii"), is_private=True)
         except OSError as error:
             raise OutputError.of(self.path, error) from None

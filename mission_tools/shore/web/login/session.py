@@ -12,9 +12,10 @@ from typing import Final, NamedTuple
 import msgspec
 
 from companion.core.errors import StorageError
+from companion.core.generations import write_atomically
 from mission_tools.shore.clock import Clock
 from mission_tools.shore.web.connections.throttle import Throttle
-from mission_tools.shore.web.login.pin_file import MOST_CHARACTERS, PinFile, is_pin, write_private
+from mission_tools.shore.web.login.pin_file import MOST_CHARACTERS, PinFile, is_pin
 from mission_tools.station.messages import Role
 from mission_tools.station.words import say
 
@@ -93,7 +94,7 @@ class Sessions:
             for key, one in self._open.items()
         ]
         with contextlib.suppress(OSError):  # the PIN opens a session again
-            write_private(self._file, msgspec.json.encode(stored))
+            write_atomically(self._file, msgspec.json.encode(stored), is_private=True)
 
     def refusal(self) -> str:
         """Why a viewer's request is refused."""
