@@ -138,6 +138,11 @@ class LocalFrame:
         return LatLon(math.degrees(lat), lon_deg)
 
 
+def geodesic_m(start: LatLon, end: LatLon) -> float:
+    """Distance of two positions some kilometres apart."""
+    return math.hypot(*LocalFrame(start).to_local(end))
+
+
 def longitude_difference_deg(lon_deg: float, from_deg: float) -> float:
     """Eastward difference of two longitudes, the short way around: in [−180, 180)."""
     return (lon_deg - from_deg + 180.0) % 360.0 - 180.0

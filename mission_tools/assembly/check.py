@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import shapely
 
-from companion.core.geo import LatLon, LocalFrame, Point, distance_m, longitude_difference_deg
+from companion.core.geo import LatLon, Point, geodesic_m, longitude_difference_deg
 from mission_tools.maps import Chart
 from mission_tools.mission.mission import Command, Frame, Mission, MissionItem, command_name, plain_frame
 
@@ -92,12 +92,7 @@ def _distances(mission: Mission) -> Iterator[Finding]:
         if item.place is None or item.place == NOWHERE:
             continue
         if previous is not None:
-            frame = LocalFrame(previous)
-            leg_m = (
-                distance_m(Point(0.0, 0.0), frame.to_local(item.place))
-                if _is_near(previous, item.place)
-                else math.inf
-            )
+            leg_m = geodesic_m(previous, item.place) if _is_near(previous, item.place) else math.inf
             if leg_m > FAR_M:
                 yield Finding(seq, f"more than {FAR_M / 1000:.0f} km from the point before it")
             elif leg_m < SAME_PLACE_M and previous is not mission.home:

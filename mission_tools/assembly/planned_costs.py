@@ -139,14 +139,6 @@ def _between_stops(points: Sequence[Point], stops: Sequence[Point]) -> list[tupl
 def _note(travel: Travel, cost: float, shortest: float, options: PlanOptions) -> str:
     if options.open_water_m is not None:
         return f"off the shore: a metre there costs up to {1.0 + OPEN_WATER_WEIGHT:g} times one in open water"
-    if travel.unit == "s":
-        return f"takes {duration(cost)} in this current; the shortest route {_said_s(shortest)}"
-    return f"takes {cost:.0f} mAh in this current; the shortest route {_said_mah(shortest)}"
-
-
-def _said_s(value: float) -> str:
-    return duration(value) if value < np.inf else "cannot be sailed"
-
-
-def _said_mah(value: float) -> str:
-    return f"{value:.0f} mAh" if value < np.inf else "cannot be sailed"
+    said: Callable[[float], str] = duration if travel.unit == "s" else "{:.0f} mAh".format
+    other = said(shortest) if shortest < np.inf else "cannot be sailed"
+    return f"takes {said(cost)} in this current; the shortest route {other}"

@@ -9,14 +9,7 @@ import shapely
 from companion.core.geo import LocalFrame, Point
 from mission_tools.costs.travel import SpeedZone
 from mission_tools.errors import UsageError
-from mission_tools.mission.mission import (
-    GROUND_SPEED,
-    KEEP_THROTTLE,
-    Command,
-    Frame,
-    Mission,
-    MissionItem,
-)
+from mission_tools.mission.mission import Mission, MissionItem, speed_item
 
 _LEAST_M = 0.5  # a shorter piece of a leg, where a zone is only touched, is not worth a waypoint
 
@@ -42,7 +35,7 @@ def mission_in_zones(
     for end, limit in pieces:
         speed = speed_m_s if limit is None else min(limit, speed_m_s)
         if speed != present:
-            items.append(_speed_item(speed))
+            items.append(speed_item(speed))
             present = speed
         items.append(MissionItem.at(frame.to_global(end)))
     return Mission(tuple(items), home=frame.to_global(points[0]))
@@ -74,7 +67,3 @@ def _pieces(start: Point, end: Point, zones: Sequence[SpeedZone]) -> list[tuple[
         else:
             pieces.append((place, limit))
     return pieces
-
-
-def _speed_item(speed_m_s: float) -> MissionItem:
-    return MissionItem(Command.DO_CHANGE_SPEED, Frame.MISSION, (GROUND_SPEED, speed_m_s, KEEP_THROTTLE, 0.0))

@@ -6,7 +6,7 @@ Items are aligned first, so that one inserted waypoint is one line and not a cha
 from collections.abc import Iterator, Mapping, Sequence
 from difflib import SequenceMatcher
 
-from companion.core.geo import LatLon, LocalFrame, Point, distance_m
+from companion.core.geo import LatLon, geodesic_m
 from companion.core.units import e7_to_deg
 from mission_tools.mission.mission import (
     LIST_NAMES,
@@ -75,9 +75,7 @@ def _change(held: MissionItem, new: MissionItem) -> str:
     if (held.x, held.y) != (new.x, new.y):
         here, there = _place(held), _place(new)
         if here is not None and there is not None:
-            frame = LocalFrame(here)
-            moved_m = distance_m(Point(0.0, 0.0), frame.to_local(there))
-            changes.append(f"moved by {distance(moved_m)} to {_at(there)}")
+            changes.append(f"moved by {distance(geodesic_m(here, there))} to {_at(there)}")
         else:
             changes.append(f"x, y {held.x}, {held.y} becomes {new.x}, {new.y}")
     pairs = zip((*held.params, held.z), (*new.params, new.z), strict=True)

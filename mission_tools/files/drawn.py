@@ -13,9 +13,8 @@ from xml.etree.ElementTree import Element
 
 import shapely
 
-from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.geo import LatLon, LocalFrame, Point, geodesic_m
 from mission_tools.errors import PlanFileError
-from mission_tools.files.written import leg_length_m
 from mission_tools.geojson import position
 from mission_tools.maps.formats.kml import parse_xml, text_of
 from mission_tools.maps.geojson import feature_entries, read_json
@@ -91,7 +90,7 @@ def _items(stops: Sequence[DrawnStop]) -> Iterator[MissionItem]:
 
 
 def _is_same(a: LatLon, b: LatLon) -> bool:
-    return abs(a.lat_deg - b.lat_deg) < 1e-4 and leg_length_m(a, b) < _SAME_M
+    return abs(a.lat_deg - b.lat_deg) < 1e-4 and geodesic_m(a, b) < _SAME_M
 
 
 def _thinned(line: list[DrawnStop], notes: list[str]) -> list[DrawnStop]:

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from companion.cli.output_file import write_text
 from companion.core.errors import OutputError
-from companion.core.geo import LatLon, LocalFrame, Point, distance_m, longitude_difference_deg
+from companion.core.geo import LatLon, LocalFrame, Point, geodesic_m, longitude_difference_deg
 from mission_tools.errors import PlanFileError
 from mission_tools.geojson import collection, feature
 from mission_tools.mission.mission import Fence, FenceCircle, Mission
@@ -58,12 +58,7 @@ def waypoints(mission: Mission) -> list[Waypoint]:
 
 def length_m(places: Sequence[LatLon]) -> float:
     """The length of a line of places, leg by leg."""
-    return sum(leg_length_m(start, end) for start, end in pairwise(places))
-
-
-def leg_length_m(start: LatLon, end: LatLon) -> float:
-    """The length of the geodesic between two places some kilometres apart."""
-    return distance_m(Point(0.0, 0.0), LocalFrame(start).to_local(end))
+    return sum(geodesic_m(start, end) for start, end in pairwise(places))
 
 
 def fence_areas(fence: Fence) -> Iterator[FenceArea]:

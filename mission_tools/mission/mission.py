@@ -180,6 +180,11 @@ class MissionItem:
         return self.params[0] if self.command in waits and self.params[0] > 0.0 else 0.0
 
 
+def speed_item(speed_m_s: float) -> MissionItem:
+    """From here on at this speed over ground."""
+    return MissionItem(Command.DO_CHANGE_SPEED, Frame.MISSION, (GROUND_SPEED, speed_m_s, KEEP_THROTTLE, 0.0))
+
+
 def shifted_jump(item: MissionItem, by: int) -> MissionItem:
     """The item, its target moved by that many sequence numbers if it is a DO_JUMP."""
     if item.command != Command.DO_JUMP:
@@ -300,9 +305,7 @@ class Mission:
 
     def at_speed(self, speed_m_s: float) -> "Mission":
         """The same mission, sailed at this speed over ground (must be positive)."""
-        params = (GROUND_SPEED, speed_m_s, KEEP_THROTTLE, 0.0)
-        first = MissionItem(Command.DO_CHANGE_SPEED, Frame.MISSION, params)
-        items = (first, *(shifted_jump(item, 1) for item in self.items))
+        items = (speed_item(speed_m_s), *(shifted_jump(item, 1) for item in self.items))
         return replace(self, items=items, speed_m_s=speed_m_s)
 
     @property

@@ -67,7 +67,8 @@ def follow_shore(chart: Chart, start: Point | None, settings: ShoreSettings) -> 
     if settings.first is not None and settings.last is not None:
         points = _stretch(line, settings.first, settings.last)
     else:
-        points = _begun_at(line, start or settings.near)
+        begin = start or settings.near
+        points = begun_at(line, shapely.Point(begin.east_m, begin.north_m))
     along = tuple(Point(float(north_m), float(east_m)) for east_m, north_m in points)
     legs = [TaskLeg("shore", along)]
     if start is not None and start != along[0]:
@@ -96,10 +97,9 @@ def _line_along(chart: Chart, settings: ShoreSettings) -> Array:
     return line if water_on_left == (settings.shore_to == "starboard") else line[::-1]
 
 
-def _begun_at(line: Array, place: Point) -> Array:
+def begun_at(line: Array, place: shapely.Point) -> Array:
     """The closed line, begun and ended at its point nearest to a place."""
-    ring = shapely.LineString(line)
-    at_m = ring.project(shapely.Point(place.east_m, place.north_m))
+    at_m = shapely.LineString(line).project(place)
     return _between(line, at_m, at_m)
 
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from companion.core.geo import LatLon, LocalFrame, Point, distance_m
+from companion.core.geo import LatLon, geodesic_m
 from companion.core.units import e7_to_deg
 from companion.geofence.fence import FenceArea, FenceCircle, FencePolygon
 from companion.mavlink.dialect import constants, dialect
@@ -57,7 +57,7 @@ def check_fence(items: Sequence[MissionItem]) -> ItemFault | None:
             if not same or (vertices > 1 and items[at].param1 != first.param1):
                 text = f"item {min(at, len(items) - 1)}: a polygon of {vertices} vertices breaks off"
                 return ItemFault(MissionResult.INVALID_PARAM1, f"{text} after {at - seq}")
-            if at > seq and (far_m := _distance_m(first, items[at])) > _MOST_EXTENT_M:
+            if at > seq and (far_m := geodesic_m(_position(first), _position(items[at]))) > _MOST_EXTENT_M:
                 text = f"item {at}: {far_m / 1e3:.0f} km from the first vertex; at most"
                 return ItemFault(MissionResult.INVALID_PARAM5_X, f"{text} {_MOST_EXTENT_M / 1e3:.0f} km")
         seq += vertices
@@ -87,10 +87,6 @@ def fence_areas(items: Sequence[MissionItem]) -> list[FenceArea]:
 def rally_points(items: Sequence[MissionItem]) -> list[LatLon]:
     """The positions of a checked list."""
     return [_position(item) for item in items]
-
-
-def _distance_m(one: MissionItem, other: MissionItem) -> float:
-    return distance_m(Point(0.0, 0.0), LocalFrame(_position(one)).to_local(_position(other)))
 
 
 def _position(item: MissionItem) -> LatLon:

@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
+from mission_tools.tasks.shoreline import begun_at
 from mission_tools.tasks.survey.coverage import way_lengths_m
 from mission_tools.tasks.survey.sequence import Mode, best_sequence
 from mission_tools.tasks.survey.tracks import Tracks
@@ -85,7 +86,7 @@ def with_rings(
         ]
         cost_m = cost_m.T
         gap, station = _first_clear(cost_m, before, after, stations, water)
-        done.insert(gap, Visit("shore", _from_station(ring, stations[station])))
+        done.insert(gap, Visit("shore", begun_at(ring, shapely.Point(stations[station]))))
     return done
 
 
@@ -142,16 +143,6 @@ def _along(ring: Array, spacing_m: float) -> Array:
         for start, end, gap_m in zip(ring, ring[1:], gaps_m, strict=False)
     ]
     return np.vstack(parts)
-
-
-def _from_station(ring: Array, station: Array) -> Array:
-    """The closed ring, begun and ended at a point on it."""
-    line = shapely.LinearRing(ring)
-    at_m = line.project(shapely.Point(station))
-    along_m = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(ring, axis=0).T))))
-    ahead = ring[:-1][along_m[:-1] > at_m + 1e-6]
-    behind = ring[:-1][along_m[:-1] < at_m - 1e-6]
-    return np.vstack((station, ahead, behind, station))
 
 
 def _gaps_m(places: list[Array | None], stations: Array) -> Array:
