@@ -1,7 +1,7 @@
 """Outputs of the payload: servo signals, pins, and the two inputs of a winch's bridge."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
 from typing import Any
 
@@ -37,12 +37,9 @@ def _reporting(part: str) -> Iterator[None]:
 class ServoOutput:
     """Pulse widths in µs, 0 without pulses. end_us: the last position, 0 for none."""
 
-    def __init__(
-        self, pulses: PulseOutput, end_us: float = 0.0, wait: Callable[[float], None] = time.sleep
-    ) -> None:
+    def __init__(self, pulses: PulseOutput, end_us: float = 0.0) -> None:
         self._pulses = pulses
         self._end_us = end_us
-        self._wait = wait
         self._is_closed = False
 
     def write(self, value: float) -> None:
@@ -59,7 +56,7 @@ class ServoOutput:
         with closing(self._pulses):
             if self._end_us:
                 self._pulses.write_us(self._end_us)
-                self._wait(_TRAVEL_S)
+                time.sleep(_TRAVEL_S)
 
 
 class ShareOutput:

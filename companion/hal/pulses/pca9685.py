@@ -34,7 +34,7 @@ class OutputEnable(Protocol):
 class Pca9685Board:
     """A chip, and the thread that writes to it. `step` is one turn of the thread."""
 
-    def __init__(self, chip: Pca9685, enable: OutputEnable | None = None, name: str = "PCA9685") -> None:
+    def __init__(self, chip: Pca9685, enable: OutputEnable | None = None) -> None:
         """enable: on while the chip answers; None: OE is wired to ground."""
         self.dips = 0  # number of times that it had to be set up again
         self.fault = ""  # why it does not answer; empty while it does
@@ -43,13 +43,12 @@ class Pca9685Board:
         self._enable = enable
         self._are_off = False  # by OE
         self._let_out(True)
-        self._name = name
         self._lock = threading.Lock()
         self._changed = threading.Event()
         self._wanted: dict[int, int] = {}  # steps to be written, by channel
         self._sent: dict[int, int] = {}  # or under way
         self._failures = 0
-        self._background = Background(self._run, name, retry_s=_RETRY_S)
+        self._background = Background(self._run, "PCA9685", retry_s=_RETRY_S)
 
     def start(self) -> None:
         """Begin to write in a thread."""
@@ -76,9 +75,7 @@ class Pca9685Board:
                     self._wanted.clear()  # the users are told, and begin anew
                     self._sent.clear()
                     self.dips += 1
-                _log.error(
-                    "%s: its supply dipped; all its signals are off until they are set again", self._name
-                )
+                _log.error("PCA9685: its supply dipped; all its signals are off until they are set again")
             while changes := self._next():
                 try:
                     self._chip.write(min(changes), *(changes[channel] for channel in sorted(changes)))
@@ -91,14 +88,14 @@ class Pca9685Board:
         except OSError as error:
             self._failures += 1
             if self._failures == _FAILURES:
-                self.fault = f"{self._name}: no answer on the I²C bus: {error}"
+                self.fault = f"PCA9685: no answer on the I²C bus: {error}"
                 _log.error("%s", self.fault)
             if self.fault:
                 self._let_out(False)
             return
         if self.fault:
             self._let_out(True)
-            _log.info("%s: answers again", self._name)
+            _log.info("PCA9685: answers again")
         self._failures, self.fault = 0, ""
 
     def check(self) -> None:
@@ -113,7 +110,7 @@ class Pca9685Board:
         try:
             self._chip.all_off()
         except OSError as error:
-            raise HardwareError(f"{self._name}: its pulses could not be ended: {error}") from error
+            raise HardwareError(f"PCA9685: its pulses could not be ended: {error}") from error
         finally:
             self._chip.bus.close()
             self._let_out(False)

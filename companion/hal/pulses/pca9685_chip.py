@@ -1,7 +1,6 @@
 """The registers of a PCA9685, from its data sheet (NXP PCA9685, Rev. 4, 16 April 2015)."""
 
 import time
-from collections.abc import Callable
 from typing import Final
 
 from companion.config.actuators import Pca9685Part
@@ -25,14 +24,7 @@ _OSCILLATOR_STARTS_S: Final = 0.0005  # 7.3.1.1
 class Pca9685:
     """Registers of the chip at one bus address."""
 
-    def __init__(
-        self,
-        bus: I2cBus,
-        part: Pca9685Part,
-        wait: Callable[[float], None] = time.sleep,
-        *,
-        sets_up: bool = True,
-    ) -> None:
+    def __init__(self, bus: I2cBus, part: Pca9685Part, *, sets_up: bool = True) -> None:
         """sets_up: False leaves the chip as it is.
 
         Raises:
@@ -41,7 +33,6 @@ class Pca9685:
         """
         self.bus = bus
         self._registers = Registers(bus, part.address)
-        self._wait = wait
         self._pre_scale = pre_scale(part.oscillator_hz, part.frequency_hz)
         self._step_us = 1e6 * (self._pre_scale + 1) / part.oscillator_hz
         if sets_up:
@@ -59,7 +50,7 @@ class Pca9685:
             self._registers.write(PRE_SCALE, self._pre_scale)
         self._registers.write(MODE2, TOTEM_POLE)
         self._registers.write(MODE1, AUTO_INCREMENT)
-        self._wait(_OSCILLATOR_STARTS_S)
+        time.sleep(_OSCILLATOR_STARTS_S)
 
     def is_set_up(self) -> bool:
         """False after a dip of its supply, which puts it to sleep with all channels off (7.3.1, table 4)."""

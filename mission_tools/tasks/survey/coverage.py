@@ -16,9 +16,9 @@ SAMPLES = 40_000  # of the area: the error of the share is well below 0.1 %
 FAR_M = 1e9
 
 
-def coverage(path: Sequence[Point], target: BaseGeometry, swath_m: float, samples: int = SAMPLES) -> float:
+def coverage(path: Sequence[Point], target: BaseGeometry, swath_m: float) -> float:
     """The share of the target that lies within half a swath of the path, by a regular grid of samples."""
-    points = sample_points(target, samples)
+    points = sample_points(target, SAMPLES)
     line = shapely.LineString([(point.east_m, point.north_m) for point in path])
     return float(np.mean(is_covered(points, line, swath_m)))
 

@@ -17,7 +17,6 @@ from mission_tools.mission.plan_file import save_mission
 
 POND = LatLon(50.0, -1.2)
 START, GOAL = Point(0.0, 0.0), Point(200.0, 0.0)
-MERIDIAN = LatLon(-17.0, 180.0)
 
 
 def open_source(origin: LatLon = POND, start: Point | None = START, goal: Point | None = GOAL) -> Source:
