@@ -18,13 +18,13 @@ def main(arguments: list[str]) -> int:
     seeds = range(chosen.first_seed, chosen.first_seed + chosen.runs)
     found = {
         f"{hull} hull, receiver {receiver}": consistency.campaign(seeds, hull, receiver)
-        for receiver in ("stated", "better", "standalone")
+        for receiver in consistency.RECEIVERS
         for hull in ("known", "other")
     }
     print(consistency.table(found))  # noqa: T201
     if chosen.png is not None:
-        stated = {title: nees for title, (nees, _) in found.items() if title.endswith("stated")}
-        draw_nees(stated, chosen.png)
+        alone = {title: nees for title, (nees, _) in found.items() if title.endswith("standalone")}
+        draw_nees(alone, chosen.png)
     return 0
 
 

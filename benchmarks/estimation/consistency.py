@@ -6,12 +6,10 @@ lies with 95 % probability between the 2.5 % and 97.5 % points of χ² with N n 
 (Y. Bar-Shalom, X. R. Li, T. Kirubarajan, *Estimation with Applications to Tracking and Navigation*, 2001,
 section 5.4). Above the bounds the filter is over-confident, below them too cautious.
 
-The runs draw what the filter cannot know from what its settings assume: the compass offset, the gyro's bias,
-the current, and with the receiver "stated" the receiver's error. "better" is off by less than it states,
-"standalone" is the boats' own (`sitl.world.sensors.receivers`), which is off by more. The truth of the
-current is known in still air only: wind adds leeway. A helm
-that sees the truth sails each run, turning and changing speed: a run costs little and does not depend on the
-estimator.
+The runs draw what the filter cannot know from what its settings assume: the compass offset, the gyro's bias
+and the current. The receivers are those of the emulator (`sitl.world.sensors.receivers`), of which the filter
+knows what they state. The truth of the current is known in still air only: wind adds leeway. A helm that sees
+the truth sails each run, turning and changing speed: a run costs little and does not depend on the estimator.
 """
 
 import math
@@ -42,13 +40,7 @@ LENGTH_S: Final = 100.0  # of a run
 REST_S: Final = 8.0  # at its start
 LEG_S: Final = 15.0
 _Z: Final = 1.959964  # 97.5 % point of the normal distribution
-# Per axis, of what the filter assumes for a receiver that states 1.1 m: 0.31 m, 0.8 of it coloured with 60 s
-_BETTER: Final = {"receiver": "rtk", "fix_type": 3, "satellites": 12}
-_RECEIVERS: Final[Mapping[str, Mapping[str, Any]]] = {
-    "stated": {**_BETTER, "noise_m": 0.187, "wander_m": 0.249, "wander_s": 60.0},
-    "better": _BETTER,
-    "standalone": {},
-}
+RECEIVERS: Final = ("standalone", "sbas", "rtk")
 _OFFSET_DEG: Final = 2.0  # compass_doubt_rad
 _BIAS_DEG_S: Final = 0.5  # of a MEMS gyro that was calibrated at rest
 
@@ -58,7 +50,7 @@ Numbers = NDArray[np.float64]
 def draw(seed: int, hull: str, receiver: str) -> Scenario:
     """A random run. hull: known, or other: its figures within ±30 %. Every second run is in still air.
 
-    receiver: one of _RECEIVERS.
+    receiver: one of RECEIVERS.
     """
     numbers = random.Random(f"{seed} {hull} {receiver}")
     wind_m_s = 4.0 * (seed % 2)
@@ -75,7 +67,7 @@ def draw(seed: int, hull: str, receiver: str) -> Scenario:
                 "bias_deg": numbers.gauss(0.0, _OFFSET_DEG),
                 "gyro_bias_deg_s": numbers.gauss(0.0, _BIAS_DEG_S),
             },
-            "gnss": _RECEIVERS[receiver],
+            "gnss": {"receiver": receiver},
         },
     }
     if hull == "other":

@@ -41,6 +41,7 @@ from companion.estimation.covariance import (
     THRUST_GAIN,
     Covariance,
 )  # fmt: skip
+from companion.estimation.fix_error import FixError
 from companion.estimation.hull_model import GAIN, GAIN_WALK
 from companion.estimation.innovation import NO_INNOVATION, square
 from companion.estimation.nominal_state import STALL_S, UNMODELLED_S, NominalState
@@ -59,8 +60,8 @@ _DEVIATION: Final = 0.015  # of gyro scale and compass deviation, between two he
 _DELAY_S: Final = 0.03  # of the receiver's delay beyond the configured one
 _UNKNOWN_RAD: Final = 1.0  # a larger deviation of the heading has no meaning
 _ADAPTS: Final = 0.05  # weight of one innovation in the noise: a memory of four seconds at 5 Hz
+_TELLS: Final = 3.0  # deviations of a velocity, through the water, from which its course tells the heading
 _CLIP: Final = 4.0  # largest normalised square in it: an outlier is no noise
-VELOCITY_M_S: Final = 0.05  # Doppler noise of a common receiver, per axis
 
 
 class ErrorStateFilter(NominalState):
@@ -75,7 +76,7 @@ class ErrorStateFilter(NominalState):
     ) -> None:  # fmt: skip
         super().__init__(speed, setting, drive, handling or Handling())
         self._setting, self._covariance_s = setting, 0.0
-        self._wander_variance = 0.0
+        self._wander_variance, self._wander_s = 0.0, 1.0
         self._gyro_bias_variance = _BIAS_RAD_S * _BIAS_RAD_S
         current = _CURRENT * speed.cruise_m_s
         self.covariance = Covariance(
@@ -127,7 +128,7 @@ class ErrorStateFilter(NominalState):
         fade = math.exp(surge.slope * dt)
         covariance.mix(SURGE, ((SURGE, fade), (THRUST_GAIN, surge.per_gain * (1.0 - fade) / -surge.slope)))
         covariance.mix(SWAY, ((SWAY, 1.0 - dt / UNMODELLED_S),))
-        keep = math.exp(-dt / self._setting.wander_s)
+        keep = math.exp(-dt / self._wander_s)
         self.gnss_north_m *= keep
         self.gnss_east_m *= keep
         walk, fresh = (_CURRENT_WALK * cruise) ** 2 * dt, self._wander_variance * (1.0 - keep * keep)
@@ -217,50 +218,53 @@ class ErrorStateFilter(NominalState):
         self.offset_rad, self.bias_rad_s = offset_rad, bias_rad_s
         self.current_north_m_s, self.current_east_m_s = current_m_s.real, current_m_s.imag
 
-    def start_position(self, north_m: float, east_m: float, sigma_m: float) -> None:
-        """Take the position from a fix of now. sigma_m: its deviation per axis."""
+    def start_position(self, north_m: float, east_m: float, error: FixError) -> None:
+        """Take the position from a fix of now."""
         self.commit()
         self._propagate()
-        covariance, wander = self.covariance, (self._setting.wander_share * sigma_m) ** 2
-        self._wander_variance = wander
+        covariance, wander = self.covariance, error.wander_m2
+        self._wander_variance, self._wander_s = wander, error.wander_s
         self._place(north_m - self.north_m, east_m - self.east_m)
         self.gnss_north_m = self.gnss_east_m = 0.0
         least = (_CURRENT * self.cruise_m_s) ** 2
         for here, wandering, current in (
             (NORTH, GNSS_NORTH, CURRENT_NORTH), (EAST, GNSS_EAST, CURRENT_EAST)
         ):  # fmt: skip
-            covariance.reset(here, sigma_m * sigma_m - wander)
+            covariance.reset(here, error.white_m2)
             covariance.reset(wandering, wander)
             covariance.mix(here, ((here, 1.0), (wandering, -1.0)))
             covariance.raise_to(current, least)
 
     def predict_velocity(
-        self, heading_rad: float, before_m_s: complex, velocity_m_s: complex, variance: float
+        self, heading_rad: float, before_m_s: complex, velocity_m_s: complex, error: FixError
     ) -> "InnovationPair":
         """Measure a velocity over ground; pending until `commit`, or until it is withdrawn.
 
-        heading_rad and before_m_s: state and velocity at its time. variance: stated, per axis.
+        heading_rad and before_m_s: state and velocity at its time.
         """
         self._propagate()
         self.is_pending = True
         cos, sin, measure = math.cos(heading_rad), math.sin(heading_rad), self.covariance.measure
         through = before_m_s - self.current_m_s
-        off, white = velocity_m_s - before_m_s, variance * self.velocity.noise
+        off, white = velocity_m_s - before_m_s, error.velocity_m2_s2 * self.velocity.noise
+        if square(through) < _TELLS * _TELLS * white:  # noise has a direction, too
+            through = 0j
+        coloured, white = (error.density - 1.0) * white, error.density * white
         north = ((HEADING, -through.imag), (SURGE, cos), (SWAY, -sin), (CURRENT_NORTH, 1.0))
         east = ((HEADING, through.real), (SURGE, sin), (SWAY, cos), (CURRENT_EAST, 1.0))
         return self.velocity.next(
-            self.turned_s, measure(north, off.real, white), measure(east, off.imag, white), off
+            self.turned_s, measure(north, off.real, white), measure(east, off.imag, white), off, coloured
         )
 
     def predict_position(
-        self, then: complex, velocity_m_s: complex, at: complex, sigma_m: float
+        self, then: complex, velocity_m_s: complex, at: complex, error: FixError
     ) -> "InnovationPair":
-        """The same for a position, north + i east; then: where the boat was. sigma_m: per axis."""
+        """The same for a position, north + i east; then: where the boat was."""
         self._propagate()
         self.is_pending = True
-        self._wander_variance = (self._setting.wander_share * sigma_m) ** 2
+        self._wander_variance, self._wander_s = error.wander_m2, error.wander_s
         off, measure = at - then - complex(self.gnss_north_m, self.gnss_east_m), self.covariance.measure
-        white = self.position.noise * (sigma_m * sigma_m - self._wander_variance)
+        white = self.position.noise * error.white_m2
         north = ((NORTH, 1.0), (GNSS_NORTH, 1.0), (GNSS_DELAY, -velocity_m_s.real))
         east = ((EAST, 1.0), (GNSS_EAST, 1.0), (GNSS_DELAY, -velocity_m_s.imag))
         return self.position.next(
@@ -291,16 +295,20 @@ class InnovationPair:
         self.value = self._before = 0j
 
     def next(
-        self, time_s: float, north: tuple[float, float], east: tuple[float, float], value: complex
-    ) -> "InnovationPair":
-        """Take the measurement that follows: innovation and variance of each component."""
-        self.north, self.east = self.north.next(time_s, *north), self.east.next(time_s, *east)
+        self, time_s: float, north: tuple[float, float], east: tuple[float, float], value: complex,
+        coloured: float = 0.0,
+    ) -> "InnovationPair":  # fmt: skip
+        """Take the measurement that follows: innovation and variance of each component, and how much of the
+        latter stands for the errors that last.
+        """
+        self.north = self.north.next(time_s, north[0], north[1] - coloured)
+        self.east = self.east.next(time_s, east[0], east[1] - coloured)
         self.north.is_accepted = self.east.is_accepted = True
         self.nis, self.value = self.north.nis + self.east.nis, value
         return self
 
-    def adapt(self) -> None:
+    def adapt(self, lasts: float = 0.0) -> None:
         """Adapt the noise to what changes from one measurement to the next: a lag or a drift is no noise."""
         step, self._before = self.value - self._before, self.value
         share = 1.0 / self.north.variance + 1.0 / self.east.variance
-        self.noise = _adapted(self.noise, 1.0, 0.125 * share * square(step))  # 1 on average
+        self.noise = _adapted(self.noise, 1.0, 0.125 * share * square(step) / (1.0 - lasts))  # 1 on average

@@ -23,19 +23,13 @@ from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import EstimateFault, MotorCommand, NavState
 from companion.estimation.covariance import STATE_NAMES
 from companion.estimation.error_state import ErrorStateFilter
+from companion.estimation.fix_error import fix_error, stated_m
 from companion.estimation.heading_update import HeadingUpdate
 from companion.estimation.innovation import Innovation
 from companion.estimation.nominal_state import STRIDE_S
 from companion.estimation.position_update import PositionUpdate
 
 MIN_FIX_TYPE: Final = 3  # a 3-D fix
-SIGMA_PER_HDOP_M: Final = 0.8  # for receivers that state no accuracy
-MAST_M: Final = 0.03  # an antenna half a metre up, rolling by 3°
-# Receivers state their accuracy over hours: u-blox receivers under open sky state 1 to 1.5 m and drift by
-# 0.2 to 0.4 m within minutes, which is what the filter needs. RTK receivers and cameras, which state a
-# decimetre or less, state their scatter.
-WITHIN_MINUTES: Final = 0.4
-STATES_SCATTER_M: Final = 0.1
 MAX_SIGMA_M: Final = 1000.0  # larger values are treated as faults; the comparison also rejects NaN
 MAX_SPEED_M_S: Final = 100.0
 MAX_FIX_AGE_S: Final = 10.0  # on arrival; an older fix is not used
@@ -184,9 +178,7 @@ class Estimator:
     def _ingest_fix(self, fix: GnssFix, now_s: float) -> None:
         if not now_s - fix.time_s <= MAX_FIX_AGE_S:
             return
-        sigma_m = fix.horizontal_accuracy_m
-        if sigma_m is None:
-            sigma_m = SIGMA_PER_HDOP_M * fix.hdop
+        sigma_m = stated_m(fix)
         velocity = None
         if fix.north_m_s is not None and fix.east_m_s is not None:
             velocity = complex(fix.north_m_s, fix.east_m_s)
@@ -201,11 +193,8 @@ class Estimator:
         if _is_near(at):
             self.far_m = 0.0
             self._far_heard_s = -math.inf
-            sigma_m = max(min(sigma_m, STATES_SCATTER_M), WITHIN_MINUTES * sigma_m) / math.sqrt(2.0)
-            sigma_m = math.hypot(sigma_m, MAST_M)
-            self.position.update(
-                fix.time_s, complex(*at), velocity, sigma_m, fix.reset_counter, fix.speed_accuracy_m_s
-            )
+            error = fix_error(fix, self._setting, fix.time_s - self.position.fix_s)
+            self.position.update(fix.time_s, complex(*at), velocity, error, fix.reset_counter)
         elif fix.time_s > self._far_heard_s:
             self._note_far_fix(fix.time_s, math.hypot(*at))
 

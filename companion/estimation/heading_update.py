@@ -48,7 +48,7 @@ class HeadingUpdate:
         self._compass, self._gyro = SensorMonitor(), SensorMonitor()
         self._pause_s = self._before_s = self._sum_rad = 0.0  # shorter of the last two pauses, last pause
         self._count = 0
-        self.bank = SensorBank(setting)
+        self.bank = SensorBank()
 
     def advance(self, reading: HeadingReading | None, now_s: float, *, ends_block: bool) -> None:
         """Advance the filter's heading to now_s, with the latest reading. ends_block: a fix has arrived."""

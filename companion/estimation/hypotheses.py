@@ -21,8 +21,8 @@ from collections import deque
 from enum import IntEnum, auto
 from typing import Final
 
-from companion.config.tuning import Estimation
 from companion.core.evidence import LEARNING, MOST_SQUARE, FaultEvidence
+from companion.estimation.fix_error import FixError
 from companion.estimation.innovation import square
 
 # Of evidence, in nats, that proves a fault. With samples 1 s apart that count and 15 onsets to choose from,
@@ -35,7 +35,6 @@ _SHADOW_S: Final = 20.0
 _UNDECIDED_S: Final = 120.0  # without a decision, the gyro is doubted: it is seldom in use
 _ONSETS: Final = 15  # of a drift that are considered,
 _ONSET_S: Final = 2.0  # so far apart: half a minute
-_UNDERSTATED: Final = 1.5  # a receiver under trees errs by more than it states
 
 
 class SuspectedSensor(IntEnum):
@@ -52,8 +51,7 @@ class DriftTest:
     The onset may lie up to half a minute back. drift_m: since the likeliest one. steady_s: time since a jump.
     """
 
-    def __init__(self, setting: Estimation) -> None:
-        self._wander_s, self._share = setting.wander_s, setting.wander_share**2
+    def __init__(self) -> None:
         self._past: deque[tuple[float, complex]] = deque(maxlen=_ONSETS)
         self._last_s, self._last_m, self._velocity, self._way_m = -math.inf, 0j, 0j, 0j
         self.restart()
@@ -63,8 +61,12 @@ class DriftTest:
         self._past.clear()
         self.drift_m = self.steady_s = 0.0
 
-    def update(self, time_s: float, at: complex, velocity: complex, sigma_m: float, variance: float) -> float:
-        """Evidence for a drift, in nats. sigma_m of the position, and variance of the velocity, per axis."""
+    def update(
+        self, time_s: float, at: complex, velocity: complex, error: FixError, noise: float, doppler: float
+    ) -> float:
+        """Evidence for a drift, in nats. noise, doppler: learned factors of the white noise of the position
+        and of the velocity's.
+        """
         dt_s, self._last_s = time_s - self._last_s, time_s
         if dt_s > _ONSET_S:
             self.restart()
@@ -72,10 +74,10 @@ class DriftTest:
             self._way_m += 0.5 * dt_s * (self._velocity + velocity)
         rest_m, before_m, self._velocity = at - self._way_m, self._last_m, velocity
         self._last_m = rest_m
-        scatter_m2 = (_UNDERSTATED * sigma_m) ** 2
-        white, wander, walk = (1.0 - self._share) * scatter_m2, self._share * scatter_m2, variance * dt_s
+        white, wander, wander_s = noise * error.white_m2, error.wander_m2, error.wander_s
+        walk = doppler * error.density * error.velocity_m2_s2 * dt_s
         if self._past:
-            usual = white + (wander / self._wander_s + 0.5 * walk) * dt_s
+            usual = white + (wander / wander_s + 0.5 * walk) * dt_s
             if 0.25 * square(rest_m - before_m) > MOST_SQUARE * usual:  # a jump: the filter's gate decides
                 self.restart()
             else:
@@ -83,7 +85,7 @@ class DriftTest:
         most = self.drift_m = 0.0
         for then_s, then_m in self._past:
             for_s = time_s - then_s
-            spread = white + wander * (1.0 - math.exp(-for_s / self._wander_s)) + 0.5 * walk * for_s
+            spread = white + wander * (1.0 - math.exp(-for_s / wander_s)) + 0.5 * walk * for_s
             nats = 0.25 * square(rest_m - then_m) / spread
             if nats > most:
                 most, self.drift_m = nats, abs(rest_m - then_m)
@@ -95,12 +97,12 @@ class DriftTest:
 class SensorBank:
     """gap_rad: the shadow's heading less the compass's. Its bias_rad_s, current_m_s, offset_rad."""
 
-    def __init__(self, setting: Estimation) -> None:
+    def __init__(self) -> None:
         self.evidence = FaultEvidence(len(SuspectedSensor))
         self.is_compass_wrong = self.is_gnss_wrong = False
         self.current_m_s, self.offset_rad = 0j, 0.0
         self._agrees_s = 0.0
-        self.drift = DriftTest(setting)
+        self.drift = DriftTest()
         self.restart(0.0, 0.0)
 
     def probabilities(self) -> list[float]:
@@ -175,16 +177,16 @@ class SensorBank:
         return not self.is_compass_wrong
 
     def weigh_position(
-        self, time_s: float, at: complex, velocity: complex | None, predicted: complex, sigma_m: float,
-        variance: float,
+        self, time_s: float, at: complex, velocity: complex | None, predicted: complex, error: FixError,
+        noise: float, doppler: float,
     ) -> None:  # fmt: skip
         """Whether positions drift from their own velocities; sets `is_gnss_wrong`.
 
-        predicted: the filter's velocity, by which jumps are detected, but no drift is proved. sigma_m of the
-        position, and variance of the velocity, per axis.
+        predicted: the filter's velocity, by which jumps are detected, but no drift is proved. noise,
+        doppler: as in `DriftTest`.
         """
         way = predicted if velocity is None else velocity
-        evidence = self.drift.update(time_s, at, way, sigma_m, variance)
+        evidence = self.drift.update(time_s, at, way, error, noise, doppler)
         if velocity is None:
             evidence = 0.0
         self.evidence.against[SuspectedSensor.GNSS] = evidence

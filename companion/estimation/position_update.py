@@ -13,14 +13,12 @@ from companion.core.evidence import MOST_SQUARE
 from companion.core.state import EstimateFault
 from companion.estimation.covariance import EAST, NORTH, SURGE, SWAY
 from companion.estimation.delay import DELAYS, PAUSE_S, STEP_S, DelayEstimator
-from companion.estimation.error_state import VELOCITY_M_S, ErrorStateFilter, InnovationPair
+from companion.estimation.error_state import ErrorStateFilter, InnovationPair
+from companion.estimation.fix_error import FixError
 from companion.estimation.heading_update import HeadingUpdate
 from companion.estimation.innovation import DISAGREES_S, GATE_2
 from companion.estimation.monitor import SensorMonitor
 
-# Share of the stated speed accuracy. Receivers state it with a wide margin: the velocities of six u-blox
-# receivers at rest, which stated 0.19 to 4.5 m/s, were off by 0.03 to 0.13 of that.
-SPEED_ACCURACY_SHARE: Final = 0.2
 _AT_REST: Final = 0.1  # share of cruise speed
 _IDLE_S: Final = 10.0  # without thrust, steady positions are accepted after this, however far
 # Cruise speeds: how fast the gate opens for positions that are rejected but agree with their velocities:
@@ -62,14 +60,13 @@ class PositionUpdate:
         stamp_s: float,
         at: complex,
         velocity: complex | None,
-        sigma_m: float,
+        error: FixError,
         reset_counter: int,
-        speed_accuracy_m_s: float | None = None,
     ) -> None:
         """Process a fix, at the time of its measurement.
 
-        at: m, velocity: m/s, None if not reported. sigma_m: per axis. A changed reset_counter means that the
-        source has restarted; its position is then accepted unconditionally. speed_accuracy_m_s: as stated.
+        at: m, velocity: m/s, None if not reported. A changed reset_counter means that the source has
+        restarted; its position is then accepted unconditionally.
         """
         state, bank = self._state, self._bank
         pause_s, self.fix_s = stamp_s - self.fix_s, stamp_s
@@ -77,9 +74,6 @@ class PositionUpdate:
             self.latency.note_gap(stamp_s, pause_s)
         is_otherwise_late = velocity is not None and self.latency.compare(stamp_s, velocity)
         time_s = stamp_s - self.latency.delay_s
-        # Without a statement: a camera pose is a hundred times more accurate than GNSS; so is its velocity
-        stated = VELOCITY_M_S if speed_accuracy_m_s is None else SPEED_ACCURACY_SHARE * speed_accuracy_m_s
-        variance = max(VELOCITY_M_S, stated) ** 2
         north_m, east_m, heading_rad, predicted = state.at(time_s - state.delay_s)
         then = complex(north_m, east_m)
         dt, self._time_s = time_s - self._time_s, time_s
@@ -93,9 +87,9 @@ class PositionUpdate:
         ):  # fmt: skip
             self._reset_counter = reset_counter
             here = at + complex(state.north_m, state.east_m) - then
-            state.start_position(here.real, here.imag, sigma_m)
+            state.start_position(here.real, here.imag, error)
             if velocity is not None:
-                state.predict_velocity(heading_rad, predicted, velocity, variance)
+                state.predict_velocity(heading_rad, predicted, velocity, error)
                 self._velocity_s = stamp_s
             bank.drift.restart()
             self.accepted_s, self._rejected_s = stamp_s, 0.0
@@ -107,15 +101,15 @@ class PositionUpdate:
             else:
                 bank.drift.restart()
             return
-        scatter_m = sigma_m * math.sqrt(max(state.position.noise, 1.0))
-        doppler_variance = variance * state.velocity.noise
-        bank.weigh_position(stamp_s, at, velocity, predicted, scatter_m, doppler_variance)
-        if velocity is not None and self._has_updated_velocity(heading_rad, predicted, velocity, variance):
+        bank.weigh_position(
+            stamp_s, at, velocity, predicted, error, state.position.noise, state.velocity.noise
+        )
+        if velocity is not None and self._has_updated_velocity(heading_rad, predicted, velocity, error):
             self._velocity_s = stamp_s
             white = 0.5 * (state.velocity.north.variance + state.velocity.east.variance)
             self._heading.check_velocity(velocity, heading_rad, predicted, white, dt)
         state.end_stall(time_s)
-        position = state.predict_position(then, predicted, at, sigma_m)
+        position = state.predict_position(then, predicted, at, error)
         if position.nis <= GATE_2 and not bank.is_gnss_wrong:
             position.adapt()
             self.accepted_s, self._rejected_s = stamp_s, 0.0
@@ -155,17 +149,17 @@ class PositionUpdate:
         return min(waited_s, self._state.turned_s - self._state.driven_s) > _IDLE_S
 
     def _has_updated_velocity(
-        self, heading_rad: float, predicted: complex, velocity: complex, variance: float
+        self, heading_rad: float, predicted: complex, velocity: complex, error: FixError
     ) -> bool:
         state = self._state
-        pair = state.predict_velocity(heading_rad, predicted, velocity, variance)
+        pair = state.predict_velocity(heading_rad, predicted, velocity, error)
         if pair.nis > GATE_2:
             state.withdraw(pair)
             if self._bank.drift.steady_s > 0.0:  # the receiver is right, the model is not
                 state.covariance.add(SURGE, abs(pair.value) ** 2)
                 state.covariance.add(SWAY, abs(pair.value) ** 2)
             return False
-        pair.adapt()
+        pair.adapt(error.lasts)
         return True
 
     def has_expired(self, now_s: float) -> bool:

@@ -3,15 +3,19 @@
 import cmath
 import math
 import random
+import statistics
 from dataclasses import dataclass, field
 
+import msgspec
 import pytest
+from fix_errors import scatter
 
 from companion.config.tuning import Estimation, Speed
 from companion.core.state import MotorCommand
 from companion.core.units import wrap_pi
-from companion.estimation.covariance import HEADING, NORTH
-from companion.estimation.error_state import VELOCITY_M_S, ErrorStateFilter
+from companion.estimation.covariance import CURRENT_NORTH, HEADING, NORTH, SURGE
+from companion.estimation.error_state import ErrorStateFilter, InnovationPair
+from companion.estimation.fix_error import VELOCITY_M_S
 from companion.estimation.hull_model import SurgeModel
 from companion.estimation.innovation import GATE_2
 
@@ -105,11 +109,11 @@ class Voyage:
     def _ingest(self, stamp_s: float, at: complex, velocity: complex) -> None:
         state = self.state
         if self.now_s < 0.5:
-            state.start_position(at.real, at.imag, self.sigma_m)
+            state.start_position(at.real, at.imag, scatter(self.sigma_m))
             return
         north_m, east_m, heading_rad, before = state.at(stamp_s - state.delay_s)
-        state.predict_velocity(heading_rad, before, velocity, VELOCITY_M_S**2).adapt()
-        state.predict_position(complex(north_m, east_m), before, at, self.sigma_m)
+        state.predict_velocity(heading_rad, before, velocity, scatter(self.sigma_m)).adapt()
+        state.predict_position(complex(north_m, east_m), before, at, scatter(self.sigma_m))
         state.commit()
         off = complex(state.north_m, state.east_m) - self.at_m
         self.nees.append(0.5 * abs(off) ** 2 / state.covariance.variance(NORTH))
@@ -168,13 +172,13 @@ def test_a_position_beyond_the_gate_is_seen_and_changes_nothing_unless_it_is_app
     state = voyage.state
     before = state.north_m, state.covariance.rows
     here, way = complex(state.north_m, state.east_m), voyage.velocity_m_s
-    wrong = state.predict_position(here, way, voyage.at_m + 10.0, SIGMA_M)
+    wrong = state.predict_position(here, way, voyage.at_m + 10.0, scatter(SIGMA_M))
     assert wrong.nis > GATE_2
     state.withdraw(wrong)
     assert not wrong.north.is_accepted
     state.commit()
     assert (state.north_m, state.covariance.rows) == before
-    assert state.predict_position(here, way, voyage.at_m, SIGMA_M).nis < GATE_2
+    assert state.predict_position(here, way, voyage.at_m, scatter(SIGMA_M)).nis < GATE_2
 
 
 def test_uncertainty_grows_without_measurements_and_a_stall_adds_to_it() -> None:
@@ -215,7 +219,7 @@ def test_a_sideways_motion_that_the_model_does_not_know_is_estimated_and_fades()
     for _ in range(3):
         here = complex(state.north_m, state.east_m)
         _, _, heading_rad, way = state.at(voyage.now_s)
-        state.predict_velocity(heading_rad, way, voyage.velocity_m_s + aside, VELOCITY_M_S**2)
+        state.predict_velocity(heading_rad, way, voyage.velocity_m_s + aside, scatter(SIGMA_M))
         state.commit()
     assert here == pytest.approx(complex(state.north_m, state.east_m), abs=0.3)
     gust = state.sway_m_s - before
@@ -240,3 +244,43 @@ def test_the_history_knows_where_the_boat_was_by_what_is_known_now() -> None:
     assert velocity == pytest.approx(voyage.velocity_m_s, abs=0.1)
     oldest = state.at(0.0)
     assert abs(complex(oldest[0], oldest[1]) - complex(state.north_m, state.east_m)) < 6.0 * abs(velocity)
+
+
+@pytest.mark.parametrize("lasts", [0.0, 0.5, 0.8])
+def test_a_velocity_whose_error_lasts_corrects_less_and_is_judged_by_its_own_size(lasts: float) -> None:
+    """By hand: prior variance of the velocity ahead p, of the noise r; density (1 + ρ) / (1 − ρ)."""
+    state = ErrorStateFilter(Speed(), Estimation())
+    p = sum(state.covariance.variance(one) for one in (SURGE, CURRENT_NORTH))
+    error = msgspec.structs.replace(scatter(SIGMA_M), lasts=lasts)
+    pair = state.predict_velocity(0.0, 0j, 0.3 + 0j, error)
+    r = VELOCITY_M_S**2
+    assert pair.north.variance == pytest.approx(p + r)
+    state.commit()
+    assert state.surge_m_s + state.current_north_m_s == pytest.approx(
+        0.3 * p / (p + r * (1.0 + lasts) / (1.0 - lasts))
+    )
+
+
+@pytest.mark.parametrize("lasts", [0.0, 0.5, 0.8])
+def test_noise_is_learned_from_what_of_it_changes(lasts: float) -> None:
+    rng, pair, sigma = random.Random(2), InnovationPair(), 0.3
+    value, learned = 0j, []
+    for tick in range(4000):
+        step = sigma * math.sqrt(1.0 - lasts * lasts)
+        value = lasts * value + complex(rng.gauss(0.0, step), rng.gauss(0.0, step))
+        variance = 0.01 * pair.noise
+        pair.next(0.2 * tick, (value.real, variance), (value.imag, variance), value)
+        pair.adapt(lasts)
+        learned.append(pair.noise)
+    assert statistics.mean(learned[400:]) == pytest.approx(sigma * sigma / 0.01, rel=0.15)
+
+
+@pytest.mark.parametrize(("speed_m_s", "tells"), [(0.14, False), (0.16, True)])
+def test_the_course_tells_the_heading_from_three_deviations_of_the_velocity_on(
+    speed_m_s: float, tells: bool
+) -> None:
+    state = ErrorStateFilter(Speed(), Estimation())
+    before = state.covariance.variance(HEADING)
+    state.predict_velocity(0.0, complex(speed_m_s, 0.0), complex(speed_m_s, 0.01), scatter(SIGMA_M))
+    state.commit()
+    assert (state.covariance.variance(HEADING) < before) is tells

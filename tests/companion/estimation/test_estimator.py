@@ -1,6 +1,7 @@
 """The estimator against motions that are known exactly, and against readings that are not to be believed."""
 
 import math
+import random
 from collections.abc import Callable
 
 import pytest
@@ -11,7 +12,8 @@ from msgspec.structs import replace
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import EstimateFault
-from companion.estimation.estimator import MAST_M, Estimator
+from companion.estimation.covariance import HEADING
+from companion.estimation.estimator import Estimator
 
 ORIGIN = LatLon(50.0, -1.2)
 FRAME = LocalFrame(ORIGIN)
@@ -181,18 +183,6 @@ def test_an_origin_that_fixes_have_left_for_seconds_may_be_laid_anew() -> None:
 
 
 @pytest.mark.parametrize(
-    ("stated_m", "sigma_m"), [(2.5, 1.0), (1.1, 0.44), (0.2, 0.1), (0.05, 0.05), (0.014, 0.014)]
-)
-def test_of_a_stated_accuracy_only_what_changes_within_minutes_counts(
-    stated_m: float, sigma_m: float
-) -> None:
-    estimator = Estimator()
-    fix = GnssFix(0.0, ORIGIN, 3, 12, 0.9, 0.0, 0.0, horizontal_accuracy_m=stated_m)
-    estimator.update(fix, None, 0.0)
-    assert estimator.position.sigma_m == pytest.approx(math.hypot(sigma_m / math.sqrt(2.0), MAST_M))
-
-
-@pytest.mark.parametrize(
     ("rate", "fault"),
     [
         (lambda tick: 0.01 + 0.001 * (tick % 3), EstimateFault(0)),
@@ -213,3 +203,19 @@ def test_a_gyro_that_fails_beside_a_good_compass_is_told(
             assert bool(nav.faults & fault) is (tick > 100 + 76) or 170 < tick < 185
     assert nav is not None
     assert EstimateFault(nav.faults) & (EstimateFault.GYRO_LOST | EstimateFault.GYRO_OFF) == fault
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_at_rest_without_a_compass_coloured_velocities_tell_no_heading(seed: int) -> None:
+    rng, estimator, lasts = random.Random(seed), Estimator(), math.exp(-0.2)
+    step, velocity = 0.08 * math.sqrt(1.0 - lasts * lasts), 0j
+    for tick in range(1, 6000):
+        now_s, fix = 0.02 * tick, None
+        if tick % 10 == 0:
+            velocity = lasts * velocity + complex(rng.gauss(0.0, step), rng.gauss(0.0, step))
+            at = Point(rng.gauss(0.0, 0.1), rng.gauss(0.0, 0.1))
+            north, east = velocity.real, velocity.imag
+            fix = GnssFix(now_s, FRAME.to_global(at), 3, 12, 0.9, north, east, horizontal_accuracy_m=1.1)
+        estimator.update(fix, HeadingReading(now_s, math.nan, rng.gauss(0.0, 0.005)), now_s)
+    assert estimator.heading.is_blind
+    assert math.sqrt(estimator.state.covariance.variance(HEADING)) > 0.9

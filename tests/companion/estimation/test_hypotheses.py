@@ -5,8 +5,8 @@ import math
 import random
 
 import pytest
+from fix_errors import scatter
 
-from companion.config.tuning import Estimation
 from companion.estimation.hypotheses import THRESHOLDS, SensorBank, SuspectedSensor
 
 TICK_S = 0.2
@@ -17,7 +17,7 @@ class Passage:
     """A boat on a steady course: a filter that follows the compass within two seconds, and the bank."""
 
     def __init__(self, speed_m_s: float = 2.0) -> None:
-        self.bank = SensorBank(Estimation())
+        self.bank = SensorBank()
         self.verdict: SuspectedSensor | None = None
         self.now_s = self.told_s = 0.0
         self.error_rad = math.inf
@@ -65,7 +65,7 @@ def test_without_way_the_gyro_is_taken_to_be_wrong_after_two_minutes() -> None:
 
 
 def test_a_wrong_compass_has_to_agree_for_twenty_seconds() -> None:
-    bank = SensorBank(Estimation())
+    bank = SensorBank()
     bank.reject_compass()
     assert bool(bank.is_compass_wrong) is True
     assert bank.evidence.against[SuspectedSensor.COMPASS] == THRESHOLDS[SuspectedSensor.COMPASS]
@@ -89,8 +89,8 @@ def alarm_s(
     jump_m: float = 0.0,
 ) -> float:
     """When positions are said to contradict their velocities; they drift or jump after 120 s."""
-    # What the filter has learned of the noise, six tenths of which are white
-    rng, bank = random.Random(seed), SensorBank(Estimation())
+    error = scatter(max(0.2, noise_m / 0.6), 0.08)  # as learned; six tenths are white
+    rng, bank = random.Random(seed), SensorBank()
     dt_s, wander, now_s = 1.0 / rate_hz, 0j, 0.0
     keep = math.exp(-dt_s / 30.0)
 
@@ -104,7 +104,7 @@ def alarm_s(
         at = 20.0 * cmath.rect(1.0, 0.1 * now_s) + wander + gauss(noise_m)
         at += drift_m_s * late_s + (jump_m if late_s > 0.0 else 0.0)
         velocity = 2.0j * cmath.rect(1.0, 0.1 * now_s) + gauss(0.08) + bias_m_s
-        bank.weigh_position(now_s, at, velocity, velocity, max(0.2, noise_m / 0.6), 0.08**2)
+        bank.weigh_position(now_s, at, velocity, velocity, error, 1.0, 1.0)
         if bank.is_gnss_wrong:
             return now_s - 120.0
     return math.inf
@@ -121,12 +121,12 @@ def test_positions_that_drift_from_their_velocities_are_found_out(
 
 
 def test_the_drift_is_known_and_a_jump_back_ends_it() -> None:
-    bank, drift_m = SensorBank(Estimation()), 0.0
+    bank, drift_m = SensorBank(), 0.0
     for tick in range(1, 300):
         at_m = 0.5 * max(0.2 * tick - 20.0, 0.0)
-        bank.weigh_position(0.2 * tick, at_m, 0j, 0j, 0.2, 0.0025)
+        bank.weigh_position(0.2 * tick, at_m, 0j, 0j, scatter(0.2), 1.0, 1.0)
         drift_m = max(drift_m, bank.drift.drift_m)
     assert bank.is_gnss_wrong
     assert drift_m == pytest.approx(0.5 * 30.0, abs=1.5)
-    bank.weigh_position(60.0, 0.0, 0j, 0j, 0.2, 0.0025)
+    bank.weigh_position(60.0, 0.0, 0j, 0j, scatter(0.2), 1.0, 1.0)
     assert not bank.is_gnss_wrong

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from fix_errors import scatter
 
 from companion.config.tuning import Estimation, Speed
 from companion.core.readings import HeadingReading
@@ -15,6 +16,7 @@ from companion.estimation.position_update import PositionUpdate
 
 FIX_S = 0.2
 TICK_S = 0.02
+SCATTER = scatter(0.2)
 CRUISE_M_S = Speed().cruise_m_s
 
 
@@ -44,7 +46,7 @@ class Boat:
             if self._ticks % 10 == 0 and off_m is not None:
                 at = self.speed_m_s * (now_s - late_s) + off_m + 0.001 * (self._ticks % 20)
                 velocity = complex(self.speed_m_s, 0.0001 * (self._ticks % 20)) if self.has_velocity else None
-                self.fixing.update(now_s, at, velocity, 0.2, reset_counter)
+                self.fixing.update(now_s, at, velocity, SCATTER, reset_counter)
             self.state.commit()
             if self._ticks % 5 == 0:
                 self.fixing.add_expected(now_s)
@@ -86,7 +88,7 @@ def test_a_fix_that_repeats_bit_by_bit_under_way_is_frozen_after_a_second() -> N
     frozen_s = math.inf
     for tick in range(10):
         now_s = 20.2 + FIX_S * tick
-        boat.fixing.update(now_s, at, velocity, 0.2, 0)
+        boat.fixing.update(now_s, at, velocity, SCATTER, 0)
         boat.state.commit()
         if boat.fixing.faults(now_s) & EstimateFault.GNSS_FROZEN:
             frozen_s = min(frozen_s, FIX_S * tick)
@@ -105,7 +107,7 @@ def test_a_receiver_that_freezes_as_the_boat_starts_tells_nothing_of_its_thrust(
         )
         boat.state.move(now_s, MotorCommand(boat._throttle, boat._throttle))
         if tick % 10 == 9:
-            boat.fixing.update(now_s, 0.02 + 0j, complex(0.0, 0.002), 0.2, 0)
+            boat.fixing.update(now_s, 0.02 + 0j, complex(0.0, 0.002), SCATTER, 0)
         boat.state.commit()
     assert not boat.fixing.faults(now_s) & EstimateFault.GNSS_LOST
     assert boat.state.gain > 0.9
@@ -175,10 +177,10 @@ def test_no_fix_from_before_the_end_of_a_stall_tells_how_far_the_boat_went() -> 
     state, before_s = boat.state, boat.now_s
     state.turn(before_s + 2.0, 0.0)
     for late_s in (0.0, 0.2, 0.4):
-        boat.fixing.update(before_s + late_s, CRUISE_M_S * (before_s + late_s), CRUISE_M_S + 0j, 0.2, 0)
+        boat.fixing.update(before_s + late_s, CRUISE_M_S * (before_s + late_s), CRUISE_M_S + 0j, SCATTER, 0)
         state.commit()
         assert boat.fixing.sigma_m > 0.9 * CRUISE_M_S
-    boat.fixing.update(before_s + 2.2, CRUISE_M_S * before_s + 0j, CRUISE_M_S + 0j, 0.2, 0)
+    boat.fixing.update(before_s + 2.2, CRUISE_M_S * before_s + 0j, CRUISE_M_S + 0j, SCATTER, 0)
     state.commit()
     assert boat.fixing.accepted_s == before_s + 2.2
     assert boat.fixing.sigma_m < 0.3

@@ -89,7 +89,7 @@ def voyage(view: View, trouble: str, seconds: float) -> list[Moment]:
             place = FRAME.to_global(Point(fix_m.real, fix_m.imag))
             arrives_s = view.start_s + TICK_S * arrives
             fixes[arrives] = GnssFix(
-                arrives_s, place, 3, 12, 0.9, ground.real, ground.imag, 0.0, 0.3, reset_counter=1
+                arrives_s, place, 5, 12, 0.9, ground.real, ground.imag, 0.0, 0.3, reset_counter=1
             )
         command = MotorCommand(0.6 + view.side * steer, 0.6 - view.side * steer)
         nav = estimator.update(fixes.pop(tick, None), readings.pop(tick, None), now_s, command)
@@ -131,7 +131,7 @@ def test_a_voyage_is_estimated_well_and_the_same_in_another_frame(
     log = voyage(View(), trouble, seconds)
     # Noises adapt to the variance of north, and of east given north: in other axes these differ a little
     for one, same in zip(log, voyage(View(2.0, -1, 4096.0), trouble, seconds), strict=True):
-        assert same.numbers == pytest.approx(one.numbers, abs=5e-3)
+        assert same.numbers == pytest.approx(one.numbers, abs=8e-3)
         assert same.faults == one.faults
     faults = EstimateFault(0)
     for moment in log:
