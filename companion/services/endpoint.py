@@ -242,7 +242,7 @@ class Endpoint:
             self._count_fault(message.get_type())
 
     def tick(self, now_s: float, unix_s: float, heading: HeadingReading | None, load: float) -> None:
-        """Periodic work: services with nothing under way every _PERIOD_S. Never raises.
+        """Periodic work: services with nothing under way every _PERIOD_S, or with news. Never raises.
 
         unix_s: Unix time known to the boat itself, 0 if unknown. heading: as measured. load: share of the
         tick used.
@@ -259,7 +259,7 @@ class Endpoint:
             logger.exception("fault %d, in handling %s; further ones are only counted", self.faults, where)
 
     def _tick(self, now_s: float, unix_s: float, heading: HeadingReading | None, load: float) -> None:
-        if now_s >= self._due_s:
+        if now_s >= self._due_s or self._vehicle.status_texts or self._vehicle.progress.reached:
             self._tick_services(now_s, unix_s, heading, load)
         if self._camera is not None:
             self._camera.tick(now_s)
