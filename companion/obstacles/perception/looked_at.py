@@ -4,6 +4,7 @@
 """
 
 import math
+from collections.abc import Iterator, Sequence
 from typing import Final, Protocol
 
 from companion.core.geo import Point, distance_m
@@ -77,10 +78,17 @@ class LookedAtWater:
         while len(looks) > _MAX_CELLS:
             del looks[next(iter(looks))]
 
-    def is_known(self, point: Point, least: int = _LOOKS) -> bool:
-        """Whether a place was looked at, at least so often."""
+    def is_known(self, point: Point) -> bool:
+        """Whether a place was looked at twice."""
         cell = (math.floor(point.north_m / _CELL_M), math.floor(point.east_m / _CELL_M))
-        return self._looks.get(cell, 0) >= least
+        return self._looks.get(cell, 0) >= _LOOKS
+
+    def are_known(self, norths_m: Sequence[float], easts_m: Sequence[float]) -> Iterator[list[bool]]:
+        """Whether the places where these rows and columns cross were looked at once, row by row."""
+        looks, columns = self._looks, [math.floor(east_m / _CELL_M) for east_m in easts_m]
+        for north_m in norths_m:
+            row = math.floor(north_m / _CELL_M)
+            yield [(row, column) in looks for column in columns]
 
     def room_m(
         self, here: Point, course_rad: float, reach_m: float, now_s: float, between_m: float = 0.0

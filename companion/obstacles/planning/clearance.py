@@ -7,7 +7,7 @@ reach it, and so its distance to the nearest obstacle.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Final, Protocol
 
 from companion.core.geo import Point
@@ -90,17 +90,18 @@ class ClearanceField:
         """Distance to the nearest obstacle, suspects included; LEVELS cells where none is nearer."""
         return (LEVELS - (self.at(north_m, east_m) & LEVEL)) * self.cell_m
 
-    def look(self, is_known: Callable[[Point, int], bool]) -> None:
-        """Mark the cells that are not known to be free of obstacles."""
-        side_m, rows = COARSE * self.cell_m, bytearray()
-        for row in range(self.width // COARSE):
-            north_m = self.south_m + (row + 0.5) * side_m
-            line = bytearray()
-            for column in range(self.width // COARSE):
-                at = Point(north_m, self.west_m + (column + 0.5) * side_m)
-                line += bytes((0 if is_known(at, 1) else UNSEEN,)) * COARSE
-            rows += line * COARSE
-        self._unseen = int.from_bytes(rows, "little")
+    def look(self, are_known: Callable[[Sequence[float], Sequence[float]], Iterable[Iterable[bool]]]) -> None:
+        """Mark the cells that are not known to be free of obstacles. are_known: row by row, for the places
+        where these rows and columns cross.
+        """
+        middles_m = [(cell + 0.5) * COARSE * self.cell_m for cell in range(self.width // COARSE)]
+        norths_m = [self.south_m + middle_m for middle_m in middles_m]
+        easts_m = [self.west_m + middle_m for middle_m in middles_m]
+        marks = (bytes((UNSEEN,)) * COARSE, bytes(COARSE))
+        rows = [
+            b"".join([marks[is_known] for is_known in row]) * COARSE for row in are_known(norths_m, easts_m)
+        ]
+        self._unseen = int.from_bytes(b"".join(rows), "little")
 
     def fence(self, bounds: ClearanceBounds, margin_m: float) -> None:
         """Mark the cells whose centre has less margin to the fence.

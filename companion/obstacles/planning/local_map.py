@@ -59,7 +59,7 @@ class LocalMap:
                 field.fence(bounds, fence_m)
         suspects = perception.suspects()
         if suspects and perception.water.is_used and now_s >= self._searched_s + _SEARCH_S:
-            field.look(perception.water.is_known)
+            field.look(perception.water.are_known)
         field.fill(perception.solid(), suspects, TOUCH * margin_m)
         return field
 

@@ -8,7 +8,9 @@ current it serves every decision (the dynamic window of D. Fox, W. Burgard, S. T
 Automation Magazine 4(1), 1997, with headings in place of yaw rates).
 """
 
+import functools
 import math
+from collections.abc import Hashable
 from typing import Final, NamedTuple
 
 from companion.config.boat_config import BoatConfig
@@ -63,42 +65,47 @@ def roll(
     top, radius_m, has_pair = handling.top_speed_m_s, config.drive.least_radius_m, config.drive.has_pair
     half_s = 0.5 * STEP_S  # of the integration
     follows = 1.0 - math.exp(-half_s / handling.yaw_time_s)
-    force, astern = _THRUST * config.guidance.accel_m_s2, _astern_share(config)
+    push, square = half_s * _THRUST * config.guidance.accel_m_s2, top * top
     delay_s = _DECIDES_S + handling.motor_time_s
     slew, held = config.motors.slew_per_s * half_s, feed_forward(max(surge_m_s, 0.0), setting)
     surge, rate, bow, ahead, right = surge_m_s, yaw_rate_rad_s, 0.0, 0.0, 0.0
+    kp, kd, most, fastest = gains.kp, gains.kd, gains.max_steering, handling.turn_rate_rad_s
+    most_throttle, astern, slip_m = setting.max_throttle, _astern_share(config), handling.slip_m
+    wanted, base = speed_m_s, feed_forward(speed_m_s, setting)
+    eases_rad = 0.5 * config.guidance.pivot_angle_rad  # beyond this error the speed is reduced
     aheads, rights = [], []
     bow_m = BOW * config.avoidance.margin_m
     for step in range(1, 2 * STEPS + 1):
         if step * half_s > delay_s:
             error = turn_rad - bow
-            effort = clamp(gains.kp * error - gains.kd * rate, -gains.max_steering, gains.max_steering)
-            fastest = handling.turn_rate_rad_s
             if radius_m > 0.0:
-                fastest = min(fastest, abs(surge) / radius_m)
-            follows_rad_s = gains.kp * error / max(gains.kd, 1.0)  # where proportional and rate terms cancel
+                fastest = min(handling.turn_rate_rad_s, abs(surge) / radius_m)
+            effort = abs(kp * error - kd * rate)
+            room = 1.0 - min(effort, most) if has_pair else 1.0
+            follows_rad_s = kp * error / max(kd, 1.0)  # where proportional and rate terms cancel
             rate += follows * (clamp(follows_rad_s, -fastest, fastest) - rate)
-            wanted = steered_speed_m_s(speed_m_s, error, config) if speed_m_s > 0.0 else speed_m_s
-            room = 1.0 - abs(effort) if has_pair else 1.0
             if speed_m_s <= CRASH_STOP:
-                throttle = -setting.max_throttle if surge > 0.0 or speed_m_s == FULL_ASTERN else 0.0
+                throttle = -most_throttle if surge > 0.0 or speed_m_s == FULL_ASTERN else 0.0
             else:
+                if speed_m_s > 0.0 and (wanted != speed_m_s or abs(error) > eases_rad):
+                    wanted = steered_speed_m_s(speed_m_s, error, config)
+                    base = feed_forward(wanted, setting)
                 throttle = clamp(
-                    feed_forward(wanted, setting) + setting.kp * (wanted - surge),
-                    -min(ASTERN_SHARE * setting.max_throttle, room) if brakes else 0.0,
-                    min(setting.max_throttle, room),
+                    base + setting.kp * (wanted - surge),
+                    -min(ASTERN_SHARE * most_throttle, room) if brakes else 0.0,
+                    min(most_throttle, room),
                 )
             held = throttle = clamp(throttle, held - slew, held + slew)
             thrust = throttle if throttle > 0.0 else astern * throttle
-            if half_s * force * abs(surge) > top * top:
-                surge = half_s * force * thrust  # drag stops the boat within the step
+            if push * abs(surge) > square:
+                surge = push * thrust  # drag stops the boat within the step
             else:
-                surge += half_s * force * (thrust - surge * abs(surge) / (top * top))
+                surge += push * (thrust - surge * abs(surge) / square)
             if speed_m_s == CRASH_STOP:
                 surge = max(surge, 0.0)
         bow += half_s * rate
         c, s = math.cos(bow), math.sin(bow)
-        slip = -handling.slip_m * rate * min(abs(surge), 1.0)  # outwards; none on the spot
+        slip = -slip_m * rate * min(abs(surge), 1.0)  # outwards; none on the spot
         ahead += half_s * (surge * c - slip * s)
         right += half_s * (surge * s + slip * c)
         if step % 2 == 0:
@@ -136,12 +143,21 @@ def _astern_share(config: BoatConfig) -> float:
     return min(_ASTERN, 1.0 / config.thrusters.asymmetry)
 
 
+_Fans = dict[tuple[int, int, int, int, bool], list[Rollout]]
+
+
+@functools.lru_cache(maxsize=2)
+def _fans_of(*figures: Hashable) -> _Fans:  # noqa: ARG001
+    """What is known of the boats with the same figures in this process."""
+    return {}
+
+
 class CourseFan:
     """The rollouts of a boat, by its speed and yaw rate."""
 
     def __init__(self) -> None:
         self._config: BoatConfig | None = None
-        self._fans: dict[tuple[int, int, int, int, bool], list[Rollout]] = {}
+        self._fans: _Fans = {}
 
     def rollouts(
         self,
@@ -157,9 +173,21 @@ class CourseFan:
 
         offset_rad: one of the turns, or a number of times APART_RAD away from one.
         """
-        if config is not self._config or len(self._fans) > _MOST_FANS:
-            self._fans.clear()
+        if config is not self._config:
             self._config = config
+            self._fans = _fans_of(
+                *(
+                    config.handling,
+                    config.heading,
+                    config.speed,
+                    config.drive,
+                    config.guidance,
+                    config.motors,
+                ),
+                *(config.thrusters.asymmetry, config.avoidance.margin_m),
+            )
+        if len(self._fans) > _MOST_FANS:
+            self._fans.clear()
         offset = round(_BETWEEN * offset_rad / APART_RAD) % _BETWEEN
         bins = [round(value / _BIN) for value in (surge_m_s, yaw_rate_rad_s, speed_m_s)]
         key = (bins[0], bins[1], bins[2], offset, brakes)

@@ -18,7 +18,7 @@ GOAL = Point(50.0, 0.0)
 
 def to_go(*solid: Point, seen: bool = True, shuts: Detour | None = None) -> CostToGo:
     field = ClearanceField(HERE, 0.2, 9.0)
-    field.look(lambda at, least: seen)
+    field.look(lambda norths_m, easts_m: [[seen for _ in easts_m] for _ in norths_m])
     field.fill(list(solid), list(solid), 0.35)
     return CostToGo(field, HERE, GOAL, 1.0, 0.6, shuts.shuts if shuts else None)
 
@@ -103,7 +103,7 @@ def test_over_unseen_water_no_way_leads_to_the_side_that_is_shut() -> None:
 
 def test_cells_that_were_not_seen_are_marked() -> None:
     field = ClearanceField(HERE, 0.2, 4.0)
-    field.look(lambda at, least: at.north_m > 0.0 and least == 1)
+    field.look(lambda norths_m, easts_m: [[at_m > 0.0 for _ in easts_m] for at_m in norths_m])
     field.fill([], [], 0.35)
     assert field.at(1.0, 1.0) == 0
     assert field.at(-1.0, 1.0) == UNSEEN

@@ -93,3 +93,12 @@ def test_every_rollout_is_finite_and_drag_never_turns_the_boat_around(
     rollout = roll(surge_m_s, 0.0, 0.0, speed_m_s, config)
     fastest_m_s = max(abs(surge_m_s), STEP_S * accel_m_s2 + top_m_s)
     assert all(abs(ahead_m) <= 5.0 * fastest_m_s + BOW for ahead_m in rollout.ahead_m)
+
+
+def test_boats_with_the_same_figures_share_their_rollouts_and_others_do_not() -> None:
+    one, other = CourseFan(), CourseFan()
+    same = with_value(RUDDER, "drive.layout", "differential")
+    fan = one.rollouts(1.0, 0.0, 1.0, CONFIG)
+    assert other.rollouts(1.0, 0.0, 1.0, same) is fan
+    assert other.rollouts(1.0, 0.0, 1.0, with_value(CONFIG, "handling.slip_m", 0.9)) != fan
+    assert one.rollouts(1.0, 0.0, 1.0, CONFIG) is fan
