@@ -184,15 +184,9 @@ def _with_clearance(
             Point(at.north_m + radius_m * math.cos(b), at.east_m + radius_m * math.sin(b)) for b in bearings
         ]
         found = [place for place in around if is_exit(place)]
-        if found and stretches:  # beside what was seen there may be more of it
-            return max(found, key=lambda place: _distance2_m2(place, stretches))
         if found:
             return min(found, key=lambda place: distance_m(place, towards))
     return None
-
-
-def _distance2_m2(at: Point, stretches: Sequence[tuple[Point, Point]]) -> float:
-    return min(segment_distance2(*at, *at, *start, *end) for start, end in stretches)
 
 
 def _leads_away(at: Point, place: Point, stretch: tuple[Point, Point]) -> bool:

@@ -136,6 +136,16 @@ def test_from_beside_a_wall_the_way_leads_off_it_first() -> None:
     assert water.clearance_m(corners[1:]) > 1.1
 
 
+def test_a_boat_beside_a_rock_that_it_passes_is_not_sent_back() -> None:
+    water = Water()
+    water.way(Point(60.0, 0.0))
+    water.see(*(Point(north_m, 0.2) for north_m in (19.5, 18.5, 17.5)))
+    here = Point(20.5, 1.0)  # abeam of the rock, nearer than a way keeps
+    corners = water.corners(here)
+    assert corners[1].north_m < here.north_m
+    assert path_length_m(corners) < 1.1 * distance_m(here, HOME)
+
+
 def test_a_boat_pressed_against_a_wall_goes_back_to_where_it_last_had_room() -> None:
     water = Water()
     water.way(Point(24.0, 0.0))
