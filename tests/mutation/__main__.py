@@ -89,6 +89,10 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
         "tests/mission_tools/costs", "tests/mission_tools/contract/test_budget.py",
         "tests/mission_tools/cli/test_task_options.py",
     ),
+    "mission_tools/station": (
+        "tests/mission_tools/station", "tests/protocol/test_ftp_client.py",
+        "tests/mission_tools/shore/web/test_logs.py",
+    ),
     "mission_tools/maps": (
         "tests/mission_tools/maps", "tests/mission_tools/mission/test_hostile_files.py",
         "tests/mission_tools/planning/test_fenced_planning.py", "tests/mission_tools/tracing",
