@@ -45,7 +45,8 @@ def _parser() -> Parser:
     return parser
 
 
-def _plan(given: Namespace) -> None:
+def run_job(given: Namespace) -> None:
+    """Do what the options of mission-plan or mission-upload ask for."""
     with importing():
         from mission_tools.cli.report import as_json  # noqa: PLC0415 - numpy and more, not needed for --help
         from mission_tools.job.job import run  # noqa: PLC0415
@@ -61,4 +62,4 @@ def _plan(given: Namespace) -> None:
 
 def run_program(arguments: list[str]) -> int:
     """Run the program; returns its exit code."""
-    return run_parsed(_parser(), with_places(arguments), _plan)
+    return run_parsed(_parser(), with_places(arguments), run_job)

@@ -1,21 +1,11 @@
 """The command mission-upload."""
 
 import math
-import sys
-from argparse import Namespace
 
-from companion.cli.interrupts import importing
 from companion.cli.parser import Parser, number
-from mission_tools.cli.arguments import print_json, run_parsed, with_places
-from mission_tools.cli.options import (
-    add_areas,
-    add_costs,
-    add_link,
-    add_outputs,
-    add_route,
-    add_tasks,
-    request,
-)
+from mission_tools.cli.arguments import run_parsed, with_places
+from mission_tools.cli.options import add_areas, add_costs, add_link, add_outputs, add_route, add_tasks
+from mission_tools.cli.plan_command import run_job
 
 
 def _parser() -> Parser:
@@ -47,27 +37,14 @@ def _parser() -> Parser:
     )
     sail.add_argument("--dry-run", action="store_true", help="plan and report; no vehicle")
     add_link(parser)
+    parser.set_defaults(items=False)
     parser.add_common()
     return parser
 
 
-def _upload(given: Namespace) -> None:
-    with importing():
-        from mission_tools.cli.report import as_json  # noqa: PLC0415 - numpy and more, not needed for --help
-        from mission_tools.job.job import run  # noqa: PLC0415
-        from mission_tools.job.planned import Report  # noqa: PLC0415
-        from mission_tools.wording import Printer  # noqa: PLC0415
-
-    asked = request(given)
-    report = Report()
-    run(asked, report, Printer(sys.stderr if given.as_json else sys.stdout))
-    if given.as_json:
-        print_json(as_json(report))
-
-
 def run_program(arguments: list[str]) -> int:
     """Run the program; returns its exit code."""
-    return run_parsed(_parser(), with_places(arguments), _upload)
+    return run_parsed(_parser(), with_places(arguments), run_job)
 
 
 PROGRAM = "mission-upload"

@@ -1,12 +1,12 @@
 """A boat as the planner needs it, from its TOML: speeds, charge, and how much of a fence it holds."""
 
-import importlib.util
 from dataclasses import dataclass
 from pathlib import Path
 
 from companion.config.boat_config import BoatConfig, decode_config, load_toml
 from mission_tools.costs.travel import BoatSpeed, Floats
 from mission_tools.errors import UsageError
+from mission_tools.maps.catalogue import emulator_folder
 
 SLOW_EXPONENT, FAST_EXPONENT = 2.1, 2.7
 """Of the speed through the water, below and above cruise, for what the motors draw.
@@ -122,7 +122,7 @@ def load_boat(name: str | None) -> Boat:
     if name is None:
         return Boat.of(BoatConfig())
     path = Path(name)
-    folder = boat_folder()
+    folder = emulator_folder("boats")
     if path.suffix.lower() != ".toml":
         if folder is None or not (folder / f"{name}.toml").is_file():
             known = ", ".join(sorted(file.stem for file in folder.glob("*.toml"))) if folder else "none"
@@ -133,10 +133,3 @@ def load_boat(name: str | None) -> Boat:
         vehicle = tree.get("vehicle")
         tree = vehicle if isinstance(vehicle, dict) else {}
     return Boat.of(decode_config(tree, str(path)), path.stem)
-
-
-def boat_folder() -> Path | None:
-    """Where the emulated boats are installed; None without the emulator. Does not import it."""
-    spec = importlib.util.find_spec("sitl")
-    places = spec.submodule_search_locations if spec is not None else None
-    return next((Path(place) / "boats" for place in places or ()), None)

@@ -75,16 +75,16 @@ class Source:
         return replace(self, route=replace(self.route, start=start, goal=goal, via=()))
 
 
-def scenario_folder() -> Path | None:
-    """Where the emulator's scenarios are installed; None without the emulator. Does not import it."""
+def emulator_folder(name: str) -> Path | None:
+    """Where the emulator's `boats` or `scenarios` are installed; None without it. Does not import it."""
     spec = importlib.util.find_spec("sitl")
     places = spec.submodule_search_locations if spec is not None else None
-    return next((Path(place) / "scenarios" for place in places or ()), None)
+    return next((Path(place) / name for place in places or ()), None)
 
 
 def scenario_names() -> tuple[str, ...]:
     """The names of the scenarios that come with the emulator."""
-    folder = scenario_folder()
+    folder = emulator_folder("scenarios")
     return tuple(sorted(file.stem for file in folder.glob("*.toml"))) if folder else ()
 
 
@@ -100,7 +100,7 @@ def load_source(text: str, *, lines_are_outlines: bool = False) -> Source:
     suffix = path.suffix.lower()
     if suffix in MAP_SUFFIXES:
         return Source(load_map(path, lines_are_outlines=lines_are_outlines))
-    folder = scenario_folder()
+    folder = emulator_folder("scenarios")
     is_installed = folder is not None and path.name == text and (folder / f"{text}.toml").is_file()
     if suffix == ".toml" or is_installed:
         from mission_tools.maps.scenario import load_scenario  # noqa: PLC0415 (a map needs no TOML)

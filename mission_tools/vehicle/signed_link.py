@@ -11,6 +11,7 @@ from mavsdk.asyncio import Mavsdk
 from companion.core.errors import LinkError
 from companion.links.interfaces import Link, Port
 from companion.links.port_url import open_port
+from companion.links.readable import readable
 from companion.links.serial_port import LineFormat, SerialPort
 from companion.mavlink.finder import FrameFinder
 from companion.mavlink.framing import begins_with_frame
@@ -114,21 +115,9 @@ class SignedWire:
 
     async def run(self) -> None:
         """Take what comes in, until cancelled."""
-        loop, news = asyncio.get_running_loop(), asyncio.Event()
         while True:
             self.poll()
-            numbers = {self._port.fileno(), *(link.fileno() for link in self._links)} - {-1}
-            for number in numbers:
-                loop.add_reader(number, news.set)
-            try:
-                async with asyncio.timeout(_POLL_S):
-                    await news.wait()
-            except TimeoutError:
-                pass
-            finally:
-                for number in numbers:
-                    loop.remove_reader(number)
-            news.clear()
+            await readable({self._port.fileno(), *(link.fileno() for link in self._links)} - {-1}, _POLL_S)
 
 
 def _open(url: str) -> Port:

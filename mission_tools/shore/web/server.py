@@ -8,6 +8,7 @@ from typing import Final
 
 from aiohttp import web
 
+from companion.links.readable import readable
 from mission_tools.shore.chart import WaterChart
 from mission_tools.shore.clock import Clock
 from mission_tools.shore.plans.plan_service import Sources
@@ -95,21 +96,6 @@ async def _poll(hub: Hub, sockets: Sockets) -> None:
         sockets.drop_lost(hub.clock.now_s())
         if hub.boats.is_transferring:  # each item is asked for as soon as the one before has come
             await asyncio.sleep(_GATHER_S)
-            await _readable(hub.boats.filenos(), POLL_S)
+            await readable(hub.boats.filenos(), POLL_S)
         else:
             await asyncio.sleep(POLL_S)
-
-
-async def _readable(filenos: list[int], longest_s: float) -> None:
-    """Until one of the descriptors has something to read, or for so long."""
-    loop, came = asyncio.get_running_loop(), asyncio.Event()
-    for number in filenos:
-        loop.add_reader(number, came.set)
-    try:
-        async with asyncio.timeout(longest_s):
-            await came.wait()
-    except TimeoutError:
-        pass
-    finally:
-        for number in filenos:
-            loop.remove_reader(number)
