@@ -27,9 +27,21 @@ Reading = TypeVar("Reading")
 class RetriedPart(Retried[Part]):
     """Tells the part's own messages too."""
 
+    _reporting: ReportingPart | None = None  # the part once it is open, if it is one
+    _pausing: PausingPart | None = None
+    _is_known = False
+
+    def _know(self, part: Part) -> None:
+        """Find out once what it can: an isinstance with a protocol takes as long as a filter's step."""
+        self._is_known = True
+        self._reporting = part if isinstance(part, ReportingPart) else None
+        self._pausing = part if isinstance(part, PausingPart) else None
+
     def take_texts(self) -> list[StatusText]:
         texts, part = super().take_texts(), self.opened
-        return texts + part.take_texts() if isinstance(part, ReportingPart) else texts
+        if part is not None and not self._is_known:
+            self._know(part)
+        return texts if self._reporting is None else texts + self._reporting.take_texts()
 
 
 class RetriedMotors(RetriedPart[WatchedMotors]):
@@ -67,8 +79,10 @@ class RetriedSensor(RetriedPart[Sensor[Reading]]):
         part = self.opened
         if part is None:
             return None
-        if isinstance(part, PausingPart):
-            part.may_pause = self.may_pause
+        if not self._is_known:
+            self._know(part)
+        if self._pausing is not None:
+            self._pausing.may_pause = self.may_pause
         return part.read()
 
 
