@@ -56,13 +56,13 @@ class RouteToMission:
         way = self._passage.way
         if way is None or way.is_straight:
             return intent
+        way.advance(nav, config)  # also the corners that the local planner has taken the boat past
         # What is rounded within sight, or lies at the end, is left to the local planner
         away_m, sight_m = distance_m(nav.point, line.end), config.avoidance.lookahead_m
         is_long = self._is_led or way.left_m(nav.point) > away_m + sight_m
         self._is_led = is_long and away_m > sight_m
         if not self._is_led and not self._is_by_fence:
             return intent
-        way.advance(nav, config)
         if way.is_last and line.start == way.leg.start:
             return intent
         if way.is_last:

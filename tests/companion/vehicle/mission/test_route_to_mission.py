@@ -185,6 +185,19 @@ def test_what_is_rounded_within_sight_is_left_to_the_local_planner() -> None:
         assert sailed is wanted
 
 
+def test_a_corner_that_the_local_planner_has_passed_is_not_sailed_back_to() -> None:
+    boat = Boat(Point(0.0, 0.0), (60.0, 0.0), ())
+    for _ in range(2):
+        boat.prepare()
+    boat.sail()
+    boat.surroundings.voyage._add((20, 0), Point(20.5, 0.5))
+    for second, north_m in enumerate((0.0, 0.0, 0.0, 30.0, 35.0), 1):
+        boat.nav = nav_at(north_m, 3.0 if north_m else 0.0)
+        wanted = boat.progress.update(boat.nav, FRAME, CONFIG, float(second))
+        sailed = boat.route_to_mission.update(wanted, boat.progress, boat.nav, CONFIG, float(second))
+        assert sailed is wanted
+
+
 def test_after_the_first_leg_what_was_seen_is_left_to_the_local_planner() -> None:
     boat = Boat(Point(0.0, 0.0), (60.0, 0.0), ())
     for _ in range(2):
