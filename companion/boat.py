@@ -189,7 +189,6 @@ class Boat:
         accepts_links = now_s >= self._links_due_s
         if accepts_links:
             self._links_due_s = now_s + _LINKS_S
-            self.vehicle.output_fault = self._hardware.output_fault
             for part in self._reporting:
                 for severity, told in part.take_texts():
                     self.vehicle.notify(severity, told)
@@ -199,6 +198,8 @@ class Boat:
         setting = _BARE if is_bare else self.parameters.config.thrusters
         try:
             self.motors.write(command, self.vehicle.recovery.motor_check.motors, setting)
+            if accepts_links:  # not before it has worked
+                self.vehicle.output_fault = self._hardware.output_fault
         except SilentOutputsError as error:
             self.vehicle.output_fault = str(error)
             self._catch(error)

@@ -1,6 +1,10 @@
+import logging
+
 import pytest
 from boat_rig import OK, Rig
 
+from companion.core.errors import SilentOutputsError
+from companion.core.requests import Arm
 from companion.failsafe.table import Condition
 from companion.mavlink.dialect import dialect
 
@@ -64,3 +68,41 @@ def test_a_tick_that_comes_more_than_a_second_late_is_told(pause_s: float, *, is
     rig.run(1.0)
     rig.boat.step(rig.now_s + pause_s)
     assert any(text.startswith("Clock leapt by") for text in rig.peer.texts) is is_told
+
+
+class Silent(Recorded):
+    """Motors whose outputs may stop answering."""
+
+    answers = True
+
+    def write(self, left: float, right: float) -> None:
+        """As long as they answer."""
+        if not self.answers:
+            raise SilentOutputsError("PCA9685: no answer", are_off=False)
+        super().write(left, right)
+
+
+def test_a_boat_whose_outputs_are_silent_arms_in_no_tick_until_they_have_answered(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    motors = Silent()
+    rig = Rig(motors=motors)
+    rig.ready()
+    boat, outcomes = rig.boat, []
+    logging.getLogger("companion.autopilot.motor_output").disabled = True
+    receive = boat._receive
+
+    def arming(*args: object, **options: bool) -> int:
+        outcomes.append(boat.vehicle.request(Arm()).accepted)
+        boat.vehicle.disarm("")
+        return receive(*args, **options)  # type: ignore[arg-type]
+
+    motors.answers = False
+    rig.step(1)
+    monkeypatch.setattr(boat, "_receive", arming)
+    rig.step(20)
+    assert outcomes == [False] * 20
+    motors.answers = True
+    rig.step(10)
+    assert outcomes[-1]
+    logging.getLogger("companion.autopilot.motor_output").disabled = False
