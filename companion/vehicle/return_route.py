@@ -50,7 +50,7 @@ class ReturnRoute:
         return self._basis.places[index]
 
     def prepare(self, frame: LocalFrame, home: LatLon | None, config: BoatConfig) -> None:
-        """Take the goals; in the ticks after they have changed, prepare the water."""
+        """Take the goals; in the cycles after they have changed, prepare the water."""
         places = self.rally
         if home is not None and (config.fence.rally_includes_home or not places):
             places = (*places, home)

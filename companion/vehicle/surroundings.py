@@ -42,7 +42,7 @@ _ROOM, _CLOSE = 1.2, 0.8  # margins to what was seen: there is room, and there i
 class Surroundings:
     """fence: the uploaded areas. voyage: what the boat has seen. track: where it has sailed.
 
-    The fence's shores are indexed when they change, in ticks of their own.
+    The fence's shores are indexed when they change, in cycles of their own.
     """
 
     def __init__(self, fence: Fence, voyage: VoyageMap, track: SailedTrack) -> None:
@@ -53,7 +53,7 @@ class Surroundings:
         self._version = -1
 
     def prepare(self, margin_m: float) -> None:
-        """Index the fence's shores if they have changed. To be called every tick."""
+        """Index the fence's shores if they have changed. To be called every cycle."""
         if self._water is None or self._version != self.fence.version:
             self._water, self._version = FenceWater(self.fence), self.fence.version
         else:

@@ -102,6 +102,9 @@ class Vehicle:
         self.nav, self.frame, self.fix, self.battery, self._now_s = nav, frame, fix, battery, now_s
         if self.home is None and nav is not None and frame is not None:
             self.home = frame.to_global(nav.point)
+        self.fence.update(frame, self.home, self.config.fence)
+        if nav is not None and frame is not None:
+            self.modes.auto.prepare(frame)
 
     def reset_position(self, far_m: float) -> None:
         """The local frame has a new origin, far_m away. Disarmed only."""
@@ -112,10 +115,8 @@ class Vehicle:
 
     def decide(self) -> Intent:
         """Run the failsafes, then the mode. The intent for guidance."""
-        self.fence.update(self.frame, self.home, self.config.fence)
         if self.nav is not None and self.frame is not None:
             self.route.prepare(self.frame, self.home, self.config)
-            self.modes.auto.prepare(self.frame)
         if self.failsafes.is_due(self._now_s):
             run_failsafes(self, self._now_s)
         for text in self.data_losses.update(self._now_s):
