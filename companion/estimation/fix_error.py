@@ -26,7 +26,7 @@ _RTK_FLOAT: Final = 5
 CODE_SHARE: Final = 1.15
 # Of the code's error: beyond, the share that is white is learned. Its autocorrelation bends at one minute
 # and goes on for several (D. L. Wilson, *Correlation of errors*, gpscorr.htm; D. Schumayer et al., Sensors
-# 20(21) 6050, 2020); `benchmarks.estimation` is the same within 5 % from 100 to 400 s
+# 20(21) 6050, 2020). From 100 to 400 s errors of `benchmarks.estimation` differ by less than 5 %
 CODE_WANDER_SHARE: Final = 0.98
 CODE_WANDER_S: Final = 200.0
 # Velocities at 5 Hz correlate by 0.8 to 0.9 (K. Borre, C. Tiberius, ION GPS 2000): 0.9 to 1.9 s
