@@ -133,10 +133,7 @@ def test_a_list_that_another_station_changes_gets_a_new_version() -> None:
     assert after is not None
     assert (after.count, after.version) == (2, 2)
     rig.upload([HOME_ITEM, waypoint(61.0, 0.0), waypoint(0.0, 60.0)])  # as many items
-    shore.run(40.0)
-    last = shore.snapshot().mission
-    assert last is not None
-    assert last.version == 3
+    shore.until(lambda: (last := shore.snapshot().mission) is not None and last.version == 3, 40.0)
 
 
 def test_the_page_is_the_operator_only_while_somebody_steers() -> None:
