@@ -235,11 +235,17 @@ class WaterRoute:
         return self._at == len(self._corners) - 1
 
     def advance(self, nav: NavState, config: BoatConfig) -> bool:
-        """Change to the next leg at each corner; returns whether the end is reached."""
+        """Change to the next leg at each corner; returns whether the end is reached. A boat that was carried
+        past a corner sails on from where it is: the corner is no place to be.
+        """
+        start = self.leg.start
         while self.leg.has_ended(nav, config.guidance.waypoint_radius_m):
             if self.is_last:
                 return True
             self.leg = self._leg_from(self.leg.end, self._at + 1, config)
+            start = self.leg.start
+        if self.leg.start != start and not self.is_last:
+            self.leg = self._leg_from(nav.point, self._at, config)
         return False
 
     def _leg_from(self, start: Point, first: int, config: BoatConfig) -> Leg:
