@@ -9,6 +9,7 @@ import pytest
 import shapely
 
 from companion.core.geo import LatLon, LocalFrame, Point, path_length_m
+from mission_tools.costs.cheapest import _STEPS as STEPS
 from mission_tools.costs.cheapest import cheapest_route, route_cost
 from mission_tools.costs.current import River
 from mission_tools.costs.travel import BoatSpeed, InZones, OpenWater, SpeedZone, TravelTime
@@ -55,6 +56,19 @@ def test_against_the_stream_it_goes_along_the_bank_and_with_it_down_the_middle()
     down = cheapest_route(chart, (low, high), CLEARANCE_M, travel)
     assert down.points == (low, high)
     assert down.cost == down.shortest_cost == pytest.approx(380.0 / 1.5)
+
+
+def test_the_lattice_has_sixteen_directions_18_to_27_degrees_apart() -> None:
+    courses = sorted(
+        math.degrees(math.atan2(right, up)) % 360.0
+        for step in STEPS
+        for up, right in (step, (-step[0], -step[1]))
+    )
+    gaps = [after - before for before, after in pairwise([*courses, courses[0] + 360.0])]
+    assert len(gaps) == 16
+    assert min(gaps) > 18.4
+    assert max(gaps) < 26.6
+    assert max(math.hypot(*step) for step in STEPS) == pytest.approx(math.sqrt(5.0))
 
 
 def test_it_is_never_slower_than_the_shortest_route() -> None:

@@ -68,6 +68,7 @@ def test_a_metre_near_the_shore_costs_more() -> None:
     assert [per_m(travel, NORTH, 0.0, east) for east in (0.0, 5.0, 500.0)] == pytest.approx(
         [2.0, 0.5 * (1.0 + 3.0 / math.e), 0.5]
     )
+    assert travel.unit == "s"
 
 
 @pytest.mark.parametrize(("over_ground", "top"), [(0.0, 1.0), (-1.0, 1.0), (2.0, 1.0), (1.0, math.inf)])
