@@ -33,6 +33,17 @@ def test_the_path_goes_straight_on_before_and_beyond() -> None:
     assert PATH.locate(Point(9.0, 12.0), -math.inf, math.inf) == pytest.approx((22.0, 1.0))
 
 
+PLACES = st.tuples(st.floats(-20.0, 20.0), st.floats(-20.0, 20.0))
+
+
+@given(st.lists(PLACES, min_size=2, max_size=12), PLACES)
+def test_no_place_of_the_path_is_nearer(corners: list[tuple[float, float]], at: tuple[float, float]) -> None:
+    path = Path([Node(north_m, east_m, 0.0, 1.0) for north_m, east_m in corners])
+    _, cross = path.locate(Point(*at), 0.0, path.length_m)
+    for share in range(101):
+        assert abs(cross) <= math.dist(path.point(0.01 * share * path.length_m), at) + 1e-6
+
+
 def test_only_the_stretch_that_is_asked_for_is_looked_at() -> None:
     near_both = Point(7.0, 2.9)
     assert PATH.locate(near_both, -math.inf, math.inf)[0] == pytest.approx(7.0)
