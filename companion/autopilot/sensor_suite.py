@@ -1,4 +1,4 @@
-"""All sensors and their external substitutes, read once a tick.
+"""All sensors and their external substitutes: read once a tick, slow parts ten times a second.
 
 The one place that knows how old a reading is: a part that is silent for longer than the `timeout_s` of its
 configuration has no reading, and all that use one need only handle None.

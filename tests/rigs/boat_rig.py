@@ -5,6 +5,7 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any, Self
 
+from companion.autopilot.sensor_suite import READ_S
 from companion.boat import TICK_S, Boat
 from companion.config.boat_config import BoatConfig, with_value
 from companion.core.geo import LatLon, LocalFrame, Point
@@ -291,7 +292,7 @@ class FakeBattery:
 
     def read(self) -> BatteryReading:
         """The reading of now."""
-        self.time_s += TICK_S
+        self.time_s += READ_S
         return BatteryReading(self.time_s, self.voltage_v, 1.0)
 
     def close(self) -> None:
