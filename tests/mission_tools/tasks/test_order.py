@@ -1,6 +1,6 @@
 """The order of a tour: exact against brute force, local search against exact."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise, permutations
 
 import numpy as np
@@ -53,6 +53,30 @@ def test_local_search_comes_near_the_exact_order(monkeypatch: pytest.MonkeyPatch
     assert min(ratios) >= 1.0 - 1e-12
     assert float(np.mean(ratios)) < 1.02
     assert max(ratios) < 1.12
+
+
+def neighbours(order: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
+    """Every order with one stretch reversed, or one of up to three stops moved, either way round."""
+    for first in range(len(order)):
+        for end in range(first + 1, len(order) + 1):
+            stretch = order[first:end]
+            yield order[:first] + stretch[::-1] + order[end:]
+            rest = order[:first] + order[end:]
+            if end - first <= module.LONGEST_SEGMENT:
+                for at in range(len(rest) + 1):
+                    for turned in (stretch, stretch[::-1]):
+                        yield rest[:at] + turned + rest[at:]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_no_single_move_shortens_what_local_search_has_found(
+    monkeypatch: pytest.MonkeyPatch, seed: int
+) -> None:
+    monkeypatch.setattr(module, "EXACT_STOPS", 0)
+    lengths = matrix_of(seed, 9, is_symmetric=False)
+    found = best_order(lengths, is_return=True)
+    least_m = order_length_m(lengths, found, is_return=True)
+    assert all(order_length_m(lengths, one, is_return=True) >= least_m - 1e-9 for one in neighbours(found))
 
 
 def test_many_stops_along_a_ring_are_visited_round_it() -> None:
