@@ -193,7 +193,8 @@ class Passage:
             if self.way is not None and self._is_over_the_fence(here, self.way.leg.end):
                 self.way = None
             is_barred = self.way is not None and self._is_barred(self.way, here, margin_m)
-            self._is_wary = self._is_wary or is_barred
+            if is_barred:
+                self._is_wary = self._surroundings.voyage.has_barred_a_way = True
             if is_barred and self._comes_upon_something(nav, config):
                 self._check_s = now_s
             elif self.way is None or is_barred or (self._is_wary and _is_off(self.way.leg, here, config)):

@@ -34,6 +34,7 @@ class LookedAtWater:
         self._clear: list[Beam | None] = [None] * _SECTORS
         self._unmapped_at: Point | None = None
         self.has_ranger = False  # some ranger was heard: a boat without one cannot look
+        self.distrusts_chart = False  # on this voyage: it lacks what barred a way that was planned by it
         self.is_used = False  # whether the speed was limited when it was last asked for
 
     def clear(self) -> None:
@@ -53,7 +54,7 @@ class LookedAtWater:
         else:
             at = self._unmapped_at
             is_wary = at is not None and distance_m(here, at) < WARY_M
-            self.is_used = is_wary or self.is_uncharted(here, by_sight, bounds)
+            self.is_used = is_wary or self.distrusts_chart or self.is_uncharted(here, by_sight, bounds)
         return self.is_used
 
     def is_uncharted(self, here: Point, by_sight: int, bounds: ChartedWater) -> bool:

@@ -80,6 +80,7 @@ class ObstaclePerception:
                 self.occupancy, self.tracks = _empty_map(setting)
         is_lost = nav is None or max(nav.position_age_s, nav.heading_age_s) > _STALE_POSE_S
         self.water.has_ranger = self.water.has_ranger or bool(pings)
+        self.water.distrusts_chart = self.voyage.has_barred_a_way
         for ping, width_rad in pings:
             is_own = width_rad is None
             beam = None

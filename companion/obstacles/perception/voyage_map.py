@@ -22,10 +22,11 @@ Stretch = tuple[Point, Point]
 
 
 class VoyageMap:
-    """version: changes with what was seen."""
+    """version: changes with what was seen. has_barred_a_way: the chart that a way was planned by lacks it."""
 
     def __init__(self) -> None:
         self.version = 0
+        self.has_barred_a_way = False
         self._cell_m = 1.0
         self._seen: dict[Key, Point] = {}
         self._updated_s = -math.inf
@@ -34,6 +35,7 @@ class VoyageMap:
     def clear(self) -> None:
         """Forget all: another voyage begins, or the local frame has moved."""
         self._seen.clear()
+        self.has_barred_a_way = False
         self.version += 1
 
     def update(

@@ -106,6 +106,20 @@ def test_a_way_that_is_not_barred_is_not_planned_anew() -> None:
     assert water.way(Point(36.0, 0.0)) is not first
 
 
+def test_what_bars_a_way_tells_for_the_voyage_that_the_chart_lacks_something() -> None:
+    water = Water()
+    told = []
+    for north_m, east_m in ((40.0, 9.0), (38.0, 1.3), (36.0, 0.3)):
+        water.see(Point(20.0, east_m))
+        water.way(Point(north_m, 0.0))
+        told.append(water.voyage.has_barred_a_way)
+    water.passage.restart()
+    told.append(water.voyage.has_barred_a_way)
+    water.voyage.clear()
+    told.append(water.voyage.has_barred_a_way)
+    assert told == [False, False, True, True, False]
+
+
 def test_the_present_way_is_kept_while_another_is_searched(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(visibility, "TURN", 1)
     water = Water(laid(square(100.0)))

@@ -46,6 +46,15 @@ def test_within_forty_metres_of_what_no_map_has_the_chart_is_not_trusted(
     assert not water.is_limited(HERE, 0, fence())
 
 
+@pytest.mark.parametrize(("by_sight", "is_limited"), [(0, False), (2, True), (3, True)])
+def test_a_chart_that_lacks_what_barred_a_planned_way_is_trusted_nowhere(
+    by_sight: int, is_limited: bool
+) -> None:
+    water = looked()
+    water.distrusts_chart = True
+    assert water.is_limited(HERE, by_sight, fence()) is is_limited
+
+
 def test_the_room_is_the_sight_ahead_less_the_way_made_since() -> None:
     water = looked(0.0)
     assert water.room_m(HERE, 0.0, 10.0, 0.5) == pytest.approx(4.0, abs=0.5)

@@ -265,3 +265,12 @@ def test_spray_is_neither_tracked_nor_looked_at_again_nor_free_water() -> None:
     assert seen.tracks.known(NOW_S) == seen.tracks.all == []
     assert seen.sector.port_rad < seen.sector.starboard_rad  # not pinned to the echo
     assert not seen.water.is_known(Point(NAV.north_m + 0.2, NAV.east_m))
+
+
+def test_where_something_barred_a_planned_way_the_chart_is_distrusted_until_the_map_is_cleared() -> None:
+    seen = ObstaclePerception(SETTING)
+    for barred in (True, False):
+        seen.voyage.clear()
+        seen.voyage.has_barred_a_way = barred
+        seen.ingest([], NAV, SETTING, NOW_S)
+        assert seen.water.distrusts_chart is barred
