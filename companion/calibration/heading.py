@@ -18,6 +18,7 @@ The integral time is far longer, _INTEGRAL periods: wind and unequal motors chan
 the drift, and every turn would wind the integral up.
 """
 
+import math
 from statistics import median
 from typing import Final
 
@@ -34,9 +35,11 @@ from companion.calibration.runs import go_to_edge, has_room, opposite
 from companion.calibration.yaw_model import FittedYawModel, YawFit, yaw_model
 from companion.control.allocation import rudder_effect
 from companion.core.intent import Drive, HoldHeading
+from companion.core.state import NavState
 from companion.core.units import clamp, wrap_pi
 
 _THROW: Final = 0.3
+_LEAST_DAMPING_PER_S: Final = 0.1  # a hull that hardly damps: T is 10 s
 _LEAST_THROW: Final = 0.1
 _HYSTERESES_RAD: Final = (0.02, 0.08)
 _CYCLES: Final = 4  # of each hysteresis
@@ -122,7 +125,7 @@ def tune_heading(inputs: RoutineInputs) -> Routine:
     if model is None:
         raise CalibrationError("the swings do not tell how the bow answers")
     yield from come_back(inputs)
-    return gains(model, median(periods[_HYSTERESES_RAD[0]]))
+    return [*gains(model, median(periods[_HYSTERESES_RAD[0]])), *hull(inputs.nav)]
 
 
 def _swing(
@@ -147,6 +150,17 @@ def _steered(inputs: RoutineInputs) -> float:
         return 0.5 * (command.left - command.right)
     water_m_s = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
     return command.rudder * rudder_effect(command.left, water_m_s, config.drive, config.speed)
+
+
+def hull(nav: NavState) -> list[TrialFinding]:
+    """The hull that the gains are for, as the filter has learned it; nothing if it has not."""
+    if not nav.yaw_accel_rad_s2 > 0.0:
+        return []
+    damping_per_s = max(nav.yaw_damping_per_s, _LEAST_DAMPING_PER_S)
+    return [
+        TrialFinding("HND_TURN_ACCEL", math.degrees(nav.yaw_accel_rad_s2)),
+        TrialFinding("HND_TURN_TIME", 1.0 / damping_per_s),
+    ]
 
 
 def gains(model: FittedYawModel, period_s: float) -> list[TrialFinding]:

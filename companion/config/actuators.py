@@ -216,4 +216,5 @@ class Handling(Section, frozen=True):
     yaw_time_s: Positive = 0.6  # delay from demanded heading to heading
     slip_m: NonNegative = 0.4  # outward slip in a turn, per turn rate
     turn_time_s: Positive = 0.8  # delay from steering to turn rate: Nomoto's T
+    turn_accel_rad_s2: NonNegative = 0.0  # Nomoto's K/T of the hull that the gains are for; 0: not known
     motor_time_s: Positive = 0.15  # delay from command to thrust

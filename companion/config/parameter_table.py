@@ -44,6 +44,7 @@ def _tuning() -> list[ParameterRow]:
         ParameterRow("HND_TURN_RATE", _REAL, "Turn rate at full steering under way; calibrated", "handling.turn_rate_rad_s", scale=_DEG, unit="deg/s", low=0.1, high=360),
         ParameterRow("HND_YAW_TIME", _REAL, "Delay of the heading behind its demand", "handling.yaw_time_s", unit="s", low=0.01, high=20),
         ParameterRow("HND_SURGE_TIME", _REAL, "Delay of the speed behind the throttle", "handling.surge_time_s", unit="s", low=0.01, high=100),
+        ParameterRow("HND_TURN_ACCEL", _REAL, "Angular acceleration by full steering (Nomoto's K/T) that the gains are for; calibrated", "handling.turn_accel_rad_s2", scale=_DEG, unit="deg/s/s", low=0, high=3600),
         ParameterRow("HND_TURN_TIME", _REAL, "Delay of the turn rate behind steering (Nomoto's T)", "handling.turn_time_s", unit="s", low=0.05, high=20),
         ParameterRow("HND_MOTOR_TIME", _REAL, "Delay of the thrust behind the command", "handling.motor_time_s", unit="s", low=0.02, high=5),
         ParameterRow("HND_SLIP", _REAL, "Outward slip in a turn, per turn rate", "handling.slip_m", unit="m", low=0, high=20),

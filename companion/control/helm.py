@@ -2,7 +2,7 @@
 
 from companion.config.boat_config import BoatConfig
 from companion.control.allocation import Effort, allocate, by_hand
-from companion.control.heading import gain_schedule, heading_effort
+from companion.control.heading import gain_schedule, heading_effort, learned_gains
 from companion.control.pid import Pid
 from companion.control.single_thruster import SingleThrusterController
 from companion.control.speed import speed_effort
@@ -62,6 +62,7 @@ class Helm:
         schedule = gain_schedule(
             nav.surge_m_s - current_along, config.speed.cruise_m_s, config.heading.slow_gain
         )
+        stiffness, damping = learned_gains(nav.yaw_accel_rad_s2, nav.yaw_damping_per_s, config.handling)
         heading = heading_effort(
             self._heading,
             demand.heading_rad,
@@ -71,7 +72,8 @@ class Helm:
             dt_s,
             turn,
             turn / config.handling.turn_rate_rad_s if turn else 0.0,
-            schedule * (1.0 + (_RESTRAINED - 1.0) * restraint),
+            stiffness * schedule * (1.0 + (_RESTRAINED - 1.0) * restraint),
+            damping,
         )
         # Two motors that steer leave the rest to the speed loop; a rudder leaves all.
         steering = abs(heading.total) if config.drive.has_pair else 0.0

@@ -62,6 +62,8 @@ class NavState(Struct, frozen=True, gc=False):
     wave_rad: float = 0.0
     wave_rad_s: float = 0.0
     restraint: float = 0.0
+    yaw_accel_rad_s2: float = 0.0
+    yaw_damping_per_s: float = 0.0
 
     @property
     def without_waves(self) -> "NavState":

@@ -148,6 +148,8 @@ class Estimator:
             state.yaw_model.wave_rad,
             state.yaw_model.wave_rad_s,
             max(state.yaw_model.waves.share, min(_RESTRAINT * self.heading.latency.delay_s, 1.0)),
+            state.yaw_model.hull.accel_rad_s2,
+            state.yaw_model.hull.damping_per_s,
         )
 
     @property

@@ -37,7 +37,8 @@ class NominalState:
         self.cruise_m_s = speed.cruise_m_s
         self._speed, self._drive = speed, drive
         self.surge_model = SurgeModel(speed.cruise_m_s, speed.cruise_throttle, setting.surge_time_s)
-        self.yaw_model = YawModel(handling.turn_rate_rad_s, handling.turn_time_s, handling.motor_time_s)
+        accel = handling.turn_accel_rad_s2 or handling.turn_rate_rad_s / handling.turn_time_s
+        self.yaw_model = YawModel(accel, handling.turn_time_s, handling.motor_time_s)
         self.time_s = self.turned_s = self.driven_s = 0.0
         self.north_m = self.east_m = self.heading_rad = self.surge_m_s = self.side_m_s = 0.0
         self.current_north_m_s = self.current_east_m_s = 0.0

@@ -5,14 +5,16 @@ Nomoto's first-order model (T. I. Fossen, *Handbook of Marine Craft Hydrodynamic
 
     T_r ω̇ + ω = ½ (s_left |s_left| − s_right |s_right|) + m        r = K ω + ρ
 
-m is the rudder's moment, in shares of full steering. ρ, the rest of the rate, and K, initially
-`handling.turn_rate_rad_s`, are random walks. First-order waves turn the hull to and fro as well, by ψ_w with
-the rate r_w, faster than steering can answer. They are a lightly damped oscillator at the encounter frequency
-ω_e (the same, chapter 13: wave filtering):
+m is the rudder's moment, in shares of full steering; ρ, the rest of the rate, is a random walk. K / T_r, the
+acceleration by full steering, and 1 / T_r, what the hull itself damps, are learned by recursive least squares
+(K. J. Åström, B. Wittenmark, *Adaptive Control*, 2nd ed. 1995, section 2.2) from the measured rate, filtered
+about the bandwidth of the heading loop: what is slower is wind. First-order waves turn the hull to and fro as
+well, by ψ_w with the rate r_w, faster than steering can answer. They are a lightly damped oscillator at the
+encounter frequency ω_e (the same, chapter 13: wave filtering):
 
     ψ̈_w + 2 λ ω_e ψ̇_w + ω_e² ψ_w = noise        gyro = r + r_w
 
-A Kalman filter corrects ρ, K, r_w and ψ_w by every reading of the gyro. The rate r therefore follows a
+A Kalman filter corrects ρ, r_w and ψ_w by every reading of the gyro. The rate r therefore follows a
 steering command at once by the model, without the gyro's noise and the waves.
 """
 
@@ -20,9 +22,8 @@ import math
 from typing import Final
 
 from companion.core.units import clamp
-from companion.estimation.hull_model import GAIN, GAIN_WALK
 
-_REST_WALK: Final = 0.008  # of ρ, rad/s per √s: NIS of the gyro: 0.98 in gusts of 8 m/s, 0.84 in calm,
+_REST_WALK: Final = 0.014  # of ρ, rad/s per √s: NIS of the gyro: 1.1 on the known hull, 1.0 to 2.8 on others,
 # more in waves, which lift propellers out of the water: shares of r_w per √s, chosen on zigzags of seeds
 # 1302 and 1305. With less the boat answers its own swings too late.
 _WAVE_WALK: Final = 0.15
@@ -30,12 +31,62 @@ _GYRO_RAD_S: Final = 0.006  # white noise of a MEMS gyro (BNO055 data sheet: 0.3
 _DAMPING: Final = 0.26  # λ of a Pierson-Moskowitz sea (Fossen, section 10.2)
 _SLOW_RAD_S: Final = 0.7  # what turns the hull more slowly are gusts, or errors of K,
 _FAST_RAD_S: Final = 8.0  # and faster, noise
+_SINGULAR: Final = 1e-3  # below, steering and rate do not tell b from a
 _MEMORY_S: Final = 8.0  # of the spectrum: two waves or more
 _STRAIGHT: Final = 0.05  # of full steering, mean of a second: beyond, the rest is the model's error
 # Yaw acceleration in calm water: 0.03 on zigzags, 0.05 in gusts of 10 m/s. Waves of 0.05 m give 0.08
 _CALM_RAD_S2: Final = 0.06
 _BANDWIDTH_RAD_S: Final = 1.6  # of the heading loop (config.tuning.Heading), which answers what is slower
 _MISFIT: Final = 0.5  # of what steering gives, on a hull that is not the model: its own swings are no waves
+
+
+# Of what is learned of the hull: ∫φ² dt of the filtered steering φ. A corner gives some 0.05
+_MEMORY: Final = 0.5
+_PRIOR: Final = 0.02  # what the configured figures count
+_STEADY_RAD_S: Final = 0.3  # wind changes more slowly
+_MOST: Final = 2.0  # by what K / T_r is off: 30 % in each of thrust and inertia make 1.9
+
+
+class HullFit:
+    """accel_rad_s2: K / T_r; damping_per_s: 1 / T_r, initially as given.
+
+    With L = 1 / (s + ω_b), ω_b the bandwidth, ṙ = b e − a r is s L r = b L e − a L r.
+    """
+
+    __slots__ = (
+        "_ee", "_er", "_ey", "_nominal", "_rate", "_rr", "_ry", "_slow", "_steering",
+        "accel_rad_s2", "damping_per_s",
+    )  # fmt: skip
+
+    def __init__(self, accel_rad_s2: float, damping_per_s: float) -> None:
+        self.accel_rad_s2, self.damping_per_s = self._nominal = accel_rad_s2, damping_per_s
+        self._rate = self._steering = 0.0  # by L
+        self._slow = (0.0, 0.0, 0.0)
+        self._ee = self._rr = _PRIOR
+        self._er, self._ey, self._ry = 0.0, _PRIOR * accel_rad_s2, -_PRIOR * damping_per_s
+
+    def update(self, rate_rad_s: float, effort: float, dt_s: float, *, learns: bool) -> None:
+        """Take a measured rate and the steering, −1..1, behind the motors' lag."""
+        self._rate += dt_s * (rate_rad_s - _BANDWIDTH_RAD_S * self._rate)
+        self._steering += dt_s * (effort - _BANDWIDTH_RAD_S * self._steering)
+        faster = rate_rad_s - _BANDWIDTH_RAD_S * self._rate
+        slow_y, slow_e, slow_r = self._slow
+        y, e, r = faster - slow_y, self._steering - slow_e, self._rate - slow_r
+        low = dt_s * _STEADY_RAD_S
+        self._slow = slow_y + low * y, slow_e + low * e, slow_r + low * r
+        if not learns:
+            return
+        keep = 1.0 - dt_s * e * e / _MEMORY
+        self._ee, self._er = keep * self._ee + dt_s * e * e, keep * self._er + dt_s * e * r
+        self._rr, self._ey = keep * self._rr + dt_s * r * r, keep * self._ey + dt_s * e * y
+        self._ry = keep * self._ry + dt_s * r * y
+        accel, damping = self._nominal
+        size = self._ee * self._rr - self._er * self._er
+        if size > _SINGULAR * self._ee * self._rr:
+            b = (self._rr * self._ey - self._er * self._ry) / size
+            a = (self._er * self._ey - self._ee * self._ry) / size
+            self.accel_rad_s2 = clamp(b, accel / _MOST, _MOST * accel)
+            self.damping_per_s = clamp(a, 0.0, _MOST * damping)
 
 
 class WaveSpectrum:
@@ -85,23 +136,24 @@ class YawModel:
     nominal_rad_s: initial K. innovation_rad_s, variance: of the gyro.
     """
 
-    def __init__(self, gain_rad_s: float, turn_time_s: float = 0.8, motor_time_s: float = 0.15) -> None:
-        """gain_rad_s: initial K; turn_time_s: T_r; motor_time_s: lag of the motors."""
+    def __init__(self, accel_rad_s2: float, turn_time_s: float = 1.5, motor_time_s: float = 0.15) -> None:
+        """accel_rad_s2: initial K / T_r; turn_time_s: T_r; motor_time_s: lag of the motors."""
         self._turn_s, self._motor_s = turn_time_s, motor_time_s
-        self._gain_variance, self._gain_walk = (GAIN * gain_rad_s) ** 2, (GAIN_WALK * gain_rad_s) ** 2
-        self.gain_rad_s = self.nominal_rad_s = gain_rad_s
+        self.gain_rad_s = self.nominal_rad_s = accel_rad_s2 * turn_time_s
+        self.hull = HullFit(accel_rad_s2, 1.0 / turn_time_s)
         self.rate_rad_s = self.turning = self.rest_rad_s = 0.0
         self.innovation_rad_s, self.variance = 0.0, 1.0
-        self._effort = self._rest_variance = self._rest_gain = 0.0  # the last: covariance of ρ and K
-        self._is_measured = False  # since the last step
+        self._effort = self._rest_variance = 0.0
+        self._measured: float | None = None  # since the last step
+        self._learns = True
         self.waves = WaveSpectrum()
         self._forget_waves()
 
     def _forget_waves(self) -> None:
         self.wave_rad = self.wave_rad_s = 0.0
-        # variances of r_w and ψ_w, and covariances: of r_w with ψ_w, of ρ with both, of K with both
+        # variances of r_w and ψ_w, and covariances: of r_w with ψ_w, of ρ with both
         self._rates = self._angles = self._rate_angle = 0.0
-        self._rest_rate = self._rest_angle = self._gain_rate = self._gain_angle = 0.0
+        self._rest_rate = self._rest_angle = 0.0
 
     def advance(self, left: float, right: float, rudder: float, dt_s: float) -> None:
         """Advance by dt_s with these commands, −1..1 per side. rudder: m above."""
@@ -110,15 +162,17 @@ class YawModel:
         asked = 0.5 * (left * abs(left) - right * abs(right)) + rudder
         self._effort += dt_s / self._motor_s * (asked - self._effort)
         self.turning += share * (self._effort - self.turning)
-        if not self._is_measured:
+        if self._measured is None:
             self.rest_rad_s -= share * self.rest_rad_s
         else:
+            learns = self._learns and self.waves.share == 0.0  # a rate with waves biases the fit
+            self.hull.update(self._measured, self._effort, dt_s, learns=learns)
+            self.gain_rad_s = self.hull.accel_rad_s2 * self._turn_s
             unexplained = self.innovation_rad_s + self.rest_rad_s + self.wave_rad_s
             accel_rad_s2 = self.gain_rad_s * (self._effort - self.turning) / self._turn_s
             self.waves.update(unexplained, self.turning, accel_rad_s2, dt_s)
-        self._is_measured = False
+        self._measured = None
         self._rest_variance += _REST_WALK * _REST_WALK * dt_s
-        self._gain_variance += self._gain_walk * dt_s
         self.rate_rad_s = self.gain_rad_s * self.turning + self.rest_rad_s
         if self.waves.variance > 0.0:
             self._advance_waves(dt_s)
@@ -139,35 +193,22 @@ class YawModel:
         self._angles += dt_s * (mixed + self._rate_angle)
         self._rest_rate = keep * self._rest_rate + back * self._rest_angle
         self._rest_angle += dt_s * self._rest_rate
-        self._gain_rate = keep * self._gain_rate + back * self._gain_angle
-        self._gain_angle += dt_s * self._gain_rate
 
     def update(self, rate_rad_s: float, *, learns: bool = True) -> None:
         """Correct the rate by a gyro's, its bias subtracted, and K unless that is taken for known."""
-        self._is_measured = True
+        self._measured, self._learns = rate_rad_s, learns
         innovation = self.innovation_rad_s = rate_rad_s - self.rate_rad_s - self.wave_rad_s
-        turning = self.turning
-        unknown = turning
-        if not learns:
-            unknown = self._rest_gain = self._gain_rate = self._gain_angle = 0.0
-        rest = self._rest_variance + unknown * self._rest_gain + self._rest_rate
-        gain = self._rest_gain + unknown * self._gain_variance + self._gain_rate
-        rate = self._rest_rate + unknown * self._gain_rate + self._rates
-        variance = self.variance = rest + unknown * gain + rate + _GYRO_RAD_S * _GYRO_RAD_S
+        rest, rate = self._rest_variance + self._rest_rate, self._rest_rate + self._rates
+        variance = self.variance = rest + rate + _GYRO_RAD_S * _GYRO_RAD_S
         self._rest_variance -= rest * rest / variance
-        self._rest_gain -= rest * gain / variance
-        self._gain_variance -= gain * gain / variance
         self.rest_rad_s += rest * innovation / variance
-        self.gain_rad_s += gain * innovation / variance
-        self.rate_rad_s = self.gain_rad_s * turning + self.rest_rad_s
+        self.rate_rad_s = self.gain_rad_s * self.turning + self.rest_rad_s
         if self._rates > 0.0:
-            angle = self._rest_angle + unknown * self._gain_angle + self._rate_angle
+            angle = self._rest_angle + self._rate_angle
             self._rates -= rate * rate / variance
             self._angles -= angle * angle / variance
             self._rate_angle -= rate * angle / variance
             self._rest_rate -= rest * rate / variance
             self._rest_angle -= rest * angle / variance
-            self._gain_rate -= gain * rate / variance
-            self._gain_angle -= gain * angle / variance
             self.wave_rad_s += rate * innovation / variance
             self.wave_rad += angle * innovation / variance

@@ -100,5 +100,5 @@ def test_the_autotune_measures_the_rudder_and_the_thruster_calibration_is_refuse
     assert rig.ask(dialect.MAV_CMD_DO_AUTOTUNE_ENABLE, 1.0) == 5
     rig.until(lambda: not rig.boat.calibration.is_running, 300.0)
     rig.run(0.1)
-    assert "Heading autotune done: 3 parameters set" in rig.peer.texts
+    assert "Heading autotune done: 5 parameters set" in rig.peer.texts
     assert 3.0 < rig.boat.parameters.config.heading.kp < 20.0

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from companion.config.actuators import Handling
 from companion.config.tuning import Heading
-from companion.control.heading import heading_effort
+from companion.control.heading import heading_effort, learned_gains
 from companion.control.pid import Pid
 from companion.core.units import wrap_pi
 
@@ -81,3 +82,19 @@ def test_a_turn_makes_the_integral_forget_and_a_rate_that_is_no_number_too() -> 
         for _ in range(75):  # 1.5 rad
             heading_effort(control, 0.1, 0.0, rate, setting, 0.02)
         assert abs(_integral(control, setting)) < 0.005
+
+
+@pytest.mark.parametrize(("accel", "damping"), [(0.65, 1.0 / 1.5), (0.4, 0.0), (1.3, 1.2)])
+def test_poles_stay_where_the_configured_hull_has_them(accel: float, damping: float) -> None:
+    """Kp b and Kd b + a are the square of the bandwidth and twice its damping."""
+    handling, setting = Handling(turn_accel_rad_s2=0.65, turn_time_s=1.5), Heading(kp=3.0, ki=0.0, kd=2.0)
+    schedule, more = learned_gains(accel, damping, handling)
+    by_error = heading_effort(Pid(), 0.1, 0.0, 0.0, setting, 0.02, schedule=schedule, damping=more)
+    by_rate = heading_effort(Pid(), 0.0, 0.0, 0.1, setting, 0.02, schedule=schedule, damping=more)
+    assert by_error.total / 0.1 * accel == pytest.approx(3.0 * 0.65)
+    assert -by_rate.total / 0.1 * accel + damping == pytest.approx(2.0 * 0.65 + 1.0 / 1.5)
+
+
+def test_an_unknown_hull_has_the_configured_gains() -> None:
+    assert learned_gains(0.0, 0.0, Handling(turn_accel_rad_s2=0.65)) == (1.0, 0.0)
+    assert learned_gains(0.65, 0.3, Handling()) == (1.0, 0.0)

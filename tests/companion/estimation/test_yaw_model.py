@@ -12,7 +12,7 @@ TICK_S = 0.04
 
 
 def test_a_gyro_is_smoothed_and_a_steady_turn_has_no_error() -> None:
-    model, rng, errors = YawModel(0.6), random.Random(2), []
+    model, rng, errors = YawModel(0.6, 1.0), random.Random(2), []
     for tick in range(3000):
         model.update(0.5 + rng.gauss(0.0, 0.006))
         if tick % 2 == 0:
@@ -25,14 +25,16 @@ def test_a_gyro_is_smoothed_and_a_steady_turn_has_no_error() -> None:
 
 def test_the_gyro_teaches_what_turn_steering_gives() -> None:
     """The hull turns at 0.4 rad/s at full steering, in a wind that turns it by 0.05 rad/s."""
-    hull, model, rng = YawModel(0.4), YawModel(0.6), random.Random(3)
-    for tick in range(3000):
-        steering = 0.5 if tick % 200 < 100 else -0.5
+    hull, model, rng = YawModel(0.4 / 1.6, 1.6), YawModel(0.4, 1.0), random.Random(3)
+    for tick in range(6000):
+        steering = 0.5 if tick % 400 < 200 else -0.5
         for of in (hull, model):
             of.advance(steering, -steering, 0.0, 0.02)
         model.update(hull.rate_rad_s + 0.05 + rng.gauss(0.0, 0.006))
-    assert model.gain_rad_s == pytest.approx(0.4, rel=0.1)
-    assert model.rest_rad_s == pytest.approx(0.05, abs=0.02)
+    assert model.hull.accel_rad_s2 == pytest.approx(0.4 / 1.6, rel=0.1)
+    assert model.hull.damping_per_s == pytest.approx(1.0 / 1.6, rel=0.2)
+    assert model.gain_rad_s == pytest.approx(model.hull.accel_rad_s2 * 1.0)
+    assert model.rest_rad_s == pytest.approx(0.05, abs=0.15)
 
 
 def spectrum(
@@ -92,7 +94,7 @@ def in_waves(
     steering: Callable[[float], float], size: float = 0.3, omega: float = 4.0
 ) -> list[tuple[float, float]]:
     """A hull in regular waves for 60 s: errors of rate and wave angle over the last 20 s."""
-    hull, model, rng, errors = YawModel(0.6), YawModel(0.6), random.Random(4), []
+    hull, model, rng, errors = YawModel(0.6, 1.0), YawModel(0.6, 1.0), random.Random(4), []
     for tick in range(3000):
         time_s = 0.02 * tick
         wave = size * math.sin(omega * time_s)
@@ -124,7 +126,7 @@ def test_a_turn_among_waves_is_known_at_once() -> None:
 
 
 def test_a_wind_among_waves_is_found() -> None:
-    model = YawModel(0.6)
+    model = YawModel(0.6, 1.0)
     for tick in range(3000):
         if tick % 2 == 0:
             model.advance(0.0, 0.0, 0.0, TICK_S)
@@ -134,7 +136,7 @@ def test_a_wind_among_waves_is_found() -> None:
 
 
 def test_waves_are_forgotten_in_calm_water_and_without_a_gyro() -> None:
-    model = YawModel(0.6)
+    model = YawModel(0.6, 1.0)
     for tick in range(6000):
         if tick % 2 == 0:
             model.advance(0.0, 0.0, 0.0, TICK_S)
@@ -152,7 +154,7 @@ def test_waves_are_forgotten_in_calm_water_and_without_a_gyro() -> None:
 
 
 def test_readings_that_may_be_late_teach_no_gain() -> None:
-    model = YawModel(0.6)
+    model = YawModel(0.6, 1.0)
     for tick in range(500):
         steering = 0.5 if tick % 200 < 100 else -0.5
         model.advance(steering, -steering, 0.0, 0.02)
@@ -160,4 +162,38 @@ def test_readings_that_may_be_late_teach_no_gain() -> None:
     assert model.gain_rad_s == 0.6
     assert model.rate_rad_s == pytest.approx(0.4 * model.turning, abs=0.02), "the rate follows all the same"
     model.update(0.5, learns=True)
+    model.advance(0.5, -0.5, 0.0, 0.02)
     assert model.gain_rad_s != 0.6
+
+
+def test_what_is_learned_of_a_hull_is_bounded_and_starts_as_configured() -> None:
+    model = YawModel(0.6, 1.0)
+    assert (model.hull.accel_rad_s2, model.hull.damping_per_s) == (0.6, 1.0)
+    for tick in range(3000):  # held aground
+        model.update(0.001 * (tick % 3))
+        steering = 0.5 if tick % 400 < 200 else -0.5
+        model.advance(steering, -steering, 0.0, 0.02)
+    assert model.hull.accel_rad_s2 == 0.3
+    assert 0.0 <= model.hull.damping_per_s <= 2.0
+
+
+def test_waves_teach_nothing_of_the_hull() -> None:
+    model, rng = YawModel(0.6, 1.0), random.Random(7)
+    for tick in range(3000):
+        wave = 0.3 * math.sin(0.08 * tick)
+        steering = -0.3 * wave if tick < 1500 else 0.5 * math.sin(0.06 * tick)
+        if tick % 2 == 0:
+            model.advance(steering, -steering, 0.0, TICK_S)
+        model.update(wave + rng.gauss(0.0, 0.006))
+        if tick == 1500:
+            before = model.hull.accel_rad_s2
+            assert model.waves.share > 0.9
+    assert model.hull.accel_rad_s2 == before
+
+
+def test_a_steady_wind_teaches_nothing_of_the_hull() -> None:
+    model = YawModel(0.6, 1.0)
+    for _ in range(3000):
+        model.update(0.05)
+        model.advance(0.3, -0.3, 0.0, 0.02)
+    assert model.hull.accel_rad_s2 == pytest.approx(0.6, rel=0.2)
