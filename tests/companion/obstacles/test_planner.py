@@ -268,3 +268,33 @@ def test_a_boat_that_stays_among_obstacles_says_that_there_is_no_way_whatever_it
             0.1 * step, boat(0.05 * step, 9.0, 0.5), FollowLeg(Point(0.0, 9.0), Point(50.0 + step, 9.0), 1.0)
         )
     assert NO_WAY not in voyage.said, "it moves on"
+
+
+def test_a_goal_in_another_direction_ends_the_detour() -> None:
+    voyage = Voyage(*ROCK)
+    voyage.after_a_sweep(intent=LEG)
+    assert voyage.planner._detour.side == 1
+    voyage.at(2.0, boat(), FollowLeg(Point(0.0, 0.0), Point(-50.0, 0.0), 1.0))
+    assert voyage.planner._detour.side == 0
+
+
+def test_without_a_way_the_station_is_where_there_was_room() -> None:
+    voyage = Voyage(config=with_value(CONFIG, "avoidance.detour_m", 4.0))
+    voyage.at(0.0, boat(-3.0, 0.0), LEG)
+    voyage.chart.rocks = [Point(0.9, 0.0), Point(0.9, 0.2)]
+    for step in range(1, 120):
+        voyage.at(0.1 * step, boat(speed_m_s=0.0), LEG)
+    assert NO_WAY in voyage.said
+    assert voyage.planner._station == KeepStation(Point(-3.0, 0.0))
+
+
+def test_a_new_attempt_begins_without_a_side() -> None:
+    voyage = Voyage(*ROCK, config=with_value(CONFIG, "avoidance.detour_m", 4.0))
+    for step in range(450):
+        if voyage.stage() is Stage.BLOCKED:
+            voyage.planner._detour.side = 1
+        voyage.at(0.1 * step, boat(speed_m_s=0.0), LEG)
+        if "Obstacle: trying again" in voyage.said:
+            break
+    assert voyage.said.count(NO_WAY) == 1
+    assert voyage.planner._detour.side == 0

@@ -18,7 +18,7 @@ from companion.obstacles.perception.occupancy import Beam
 from companion.obstacles.perception.sonar_schedule import Sector
 from companion.obstacles.planning.clearance import ClearanceField
 from companion.obstacles.planning.motion import BOW, CRASH_STOP, roll
-from companion.obstacles.planning.speed_limit import SpeedLimit, allowed_speed_m_s
+from companion.obstacles.planning.speed_limit import SpeedLimit, allowed_speed_m_s, crash_stop
 
 FAST = Demand(0.0, 2.0)
 
@@ -155,3 +155,12 @@ def test_no_propeller_turns_astern_for_the_limit_of_sight_unless_the_boat_is_muc
     assert limit.apply(FAST, boat(speed_m_s=1.6), CONFIG) == Demand(0.0, 1.0)
     limit.reduce_to(0.8)  # before something known
     assert limit.apply(FAST, boat(speed_m_s=1.0), CONFIG) == Demand(0.0, 0.8)
+
+
+@pytest.mark.parametrize(("yaw_rate_rad_s", "steering"), [(0.2, -0.1), (-0.2, 0.1), (1.0, -0.2)])
+def test_a_crash_stop_steadies_the_heading_with_little_of_the_thrust(
+    yaw_rate_rad_s: float, steering: float
+) -> None:
+    found = crash_stop(replace(boat(), yaw_rate_rad_s=yaw_rate_rad_s), CONFIG)
+    assert found.steering == pytest.approx(steering)
+    assert found.throttle == -CONFIG.speed.max_throttle

@@ -106,6 +106,15 @@ def test_the_nearest_of_what_was_seen_is_found_within_a_distance() -> None:
     assert water.map.nearest(Point(-30.0, 3.0), 3.0) is None
 
 
+def test_cells_of_half_a_metre_are_searched_as_far() -> None:
+    water = Water()
+    water.map.update(water.grid, 0.5, (), HERE, REACH_M, water.now_s)
+    for _ in range(2):
+        water.ping(3.0)
+    water.map.update(water.grid, 0.5, (), HERE, REACH_M, water.now_s)
+    assert water.map.is_near(Point(0.5, 0.0), 3.0)
+
+
 def bars(seen: VoyageMap, start: Point, end: Point) -> bool:
     return seen.bars(start, end, 1.0, (start, end))
 
