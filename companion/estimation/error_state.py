@@ -53,7 +53,8 @@ _CURRENT: Final = 0.5  # of the initial current, in cruise speeds; also what a s
 _CURRENT_WALK: Final = 0.004  # in cruise speeds per √s: tides, and leeway in gusts
 _BIAS_RAD_S: Final = 0.03  # of a gyro's initial bias: a BNO055's data sheet allows 3°/s, typical 1
 _BIAS_WALK: Final = 2e-4  # rad/s per √s
-_BLIND_RAD_S: Final = 0.25  # of the yaw model's rate without a gyro
+_BLIND_RAD_S: Final = 0.25  # of the yaw model's rate without a gyro,
+_BLIND_SHARE: Final = 0.5  # and of it where the hull turns: 30 % off in each of thrust and inertia make 0.5
 _LATE_RAD_S: Final = 0.005  # the same with a gyro that is late
 _COMPASS_RAD: Final = 0.02  # of one reading, initially (BNO055: 2.5° in all, most of it deviation)
 _DEVIATION: Final = 0.015  # of gyro scale and compass deviation, between two headings one rad apart
@@ -101,7 +102,9 @@ class ErrorStateFilter(NominalState):
 
     @property
     def _blind_variance(self) -> float:
-        return (_LATE_RAD_S if self.is_late else _BLIND_RAD_S) ** 2
+        if self.is_late:
+            return _LATE_RAD_S * _LATE_RAD_S
+        return _BLIND_RAD_S * _BLIND_RAD_S + (_BLIND_SHARE * self.yaw_rate_rad_s) ** 2
 
     def _propagate(self) -> None:
         """Advance the covariance to the latest tick."""

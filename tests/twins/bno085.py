@@ -74,6 +74,8 @@ class Bno085Twin:
             self._answers += b"\x7e\x00" + struct.pack("<H", self.space) + b"\x7e"
             return
         assert frame[0] == 0x01
+        if len(frame) < 5:  # cut off where the line was unplugged
+            return
         size, channel, _ = struct.unpack_from("<HBB", frame, 1)
         assert size == len(frame) - 1
         payload = frame[5:]

@@ -4,6 +4,7 @@ The system's limit on a file's size stands for the disk: beyond it a real write 
 """
 
 import resource
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -21,13 +22,15 @@ CAMPAIGN = '[run]\nscenario = "open"\ncourse = "straight"\ntimeout_s = 8.0\n'
 
 @contextmanager
 def room_for(size_bytes: int) -> Iterator[None]:
-    """No file grows larger."""
+    """No file grows larger. Of what is imported meanwhile no bytecode is written, which would be cut off."""
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    before, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     resource.setrlimit(resource.RLIMIT_FSIZE, (size_bytes, hard))
     try:
         yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        sys.dont_write_bytecode = before
 
 
 @pytest.mark.parametrize("option", ["--csv a.csv", "--record a.npz"])

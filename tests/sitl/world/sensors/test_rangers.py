@@ -106,8 +106,8 @@ def test_the_beams_edge_hears_a_quarter_of_the_loudness() -> None:
     for margin_db, is_heard in ((5.9, False), (6.1, True)):
         settings = of_kind("hcsr04", half_range_m=4.0, **sure)
         range_m = 4.0 * 10.0 ** (-margin_db / 20.0)
-        off_rad = math.radians(7.5) + math.asin(1000.0 / (1000.0 + range_m))  # of a body as wide as a wall
-        away_m = 1000.0 + range_m
+        away_m = math.hypot(1000.0, range_m)  # of a body as wide as a wall, which the beam's edge just meets
+        off_rad = math.radians(7.4999999) + math.asin(1000.0 / away_m)
         post = (away_m * math.sin(off_rad), away_m * math.cos(off_rad), 1000.0)
         assert (share(settings, post=post, pings=3) > 0.5) is is_heard
 
