@@ -102,13 +102,14 @@ def test_the_wide_beams_hear_what_is_far_off_their_axis(ranger: str, is_heard: b
 
 
 def test_the_beams_edge_hears_a_quarter_of_the_loudness() -> None:
-    sure = {"scatter_db": 0.0, "loss_db_m": 0.0}
+    range_m, radius_m = 2.0, 0.05
+    small_db = 10.0 * math.log10((radius_m + range_m) / radius_m)
+    away_m = range_m + radius_m
+    off_rad = math.radians(7.5) + math.asin(radius_m / away_m)
+    post = (away_m * math.sin(off_rad), away_m * math.cos(off_rad), radius_m)
     for margin_db, is_heard in ((5.9, False), (6.1, True)):
-        settings = of_kind("hcsr04", half_range_m=4.0, **sure)
-        range_m = 4.0 * 10.0 ** (-margin_db / 20.0)
-        away_m = math.hypot(1000.0, range_m)  # of a body as wide as a wall, which the beam's edge just meets
-        off_rad = math.radians(7.4999999) + math.asin(1000.0 / away_m)
-        post = (away_m * math.sin(off_rad), away_m * math.cos(off_rad), 1000.0)
+        half_range_m = range_m * 10.0 ** ((small_db + margin_db) / 20.0)
+        settings = of_kind("hcsr04", half_range_m=half_range_m, scatter_db=0.0, loss_db_m=0.0)
         assert (share(settings, post=post, pings=3) > 0.5) is is_heard
 
 
