@@ -7,9 +7,12 @@ import pytest
 import shapely
 
 from companion.core.geo import Point
+from mission_tools.errors import UsageError
 from mission_tools.tasks.room import polygons
 from mission_tools.tasks.survey.coverage import _distances_m as distances_m
 from mission_tools.tasks.survey.coverage import sample_points
+from mission_tools.tasks.survey.settings import SurveySettings
+from mission_tools.tasks.survey.survey import _check_water as check_water
 from mission_tools.tasks.survey.tracks import Track, Tracks, lines_across
 from mission_tools.tasks.survey.turns import _can_round as can_round
 from mission_tools.tasks.survey.visits import _along as along
@@ -112,3 +115,20 @@ def test_polygons_are_found_in_collections_and_lines_are_left_out() -> None:
     assert polygons(shapely.MultiPolygon([box])) == [box]
     assert polygons(line) == []
     assert all(part.area == 1.0 for part in polygons(nested))
+
+
+@pytest.mark.parametrize(("spacing_m", "fits"), [(49.0, True), (51.0, False)])
+def test_tracks_are_no_farther_apart_than_the_area_is_across_wherever_it_lies(
+    spacing_m: float, fits: bool
+) -> None:
+    water, settings = [shapely.box(1000.0, 2000.0, 1030.0, 2040.0)], SurveySettings(spacing_m=spacing_m)
+    if fits:
+        check_water(water, settings)
+    else:
+        with pytest.raises(UsageError, match="the area is 50 m across"):
+            check_water(water, settings)
+
+
+def test_samples_fill_a_narrow_target_as_densely_as_a_wide_one() -> None:
+    strip = shapely.box(0.0, 0.0, 1.0, 400.0)
+    assert len(sample_points(strip, 4000)) == pytest.approx(4000, rel=0.06)
