@@ -112,3 +112,15 @@ def test_it_stays_symmetric_and_positive(seed: int, noises: list[float]) -> None
     rows = np.array(covariance.rows)
     assert np.array_equal(rows, rows.T) or rows == pytest.approx(rows.T, rel=1e-12)
     assert min(np.linalg.eigvalsh(0.5 * (rows + rows.T))) > -1e-9
+
+
+@pytest.mark.parametrize("states", [(NORTH,), (NORTH, EAST)])
+def test_no_measurement_is_so_good_that_nothing_is_left_to_be_learned(states: tuple[int, ...]) -> None:
+    covariance = Covariance(DEVIATIONS)
+    for state in states:
+        covariance.measure(((state, 1.0),), 0.1, 0.0)
+    covariance.commit()
+    assert all(0.0 < covariance.variance(state) < 1e-9 for state in states)
+    for state in states:  # the next one divides by what is left
+        _, variance = covariance.measure(((state, 1.0),), 0.1, 0.0)
+        assert variance > 0.0
