@@ -30,7 +30,8 @@ from companion.core.units import clamp, wrap_pi
 from sitl.scenarios.layers import Layer
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.scenario import Scenario
-from sitl.world.world import Truth, World
+from sitl.world.truth import Truth
+from sitl.world.world import World
 
 GROUPS: Final = {"position": 2, "heading": 1, "velocity": 2, "current": 2}  # and their degrees of freedom
 SENSORS: Final = {"position": 2, "velocity": 2, "compass": 1, "gyro": 1}

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from companion.core.readings import GnssFix, HeadingReading
 from companion.core.state import MotorCommand
 from sitl.world.scenario import Scenario
-from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 TICK_COLUMNS = ("now_s", "fix", "heading", "left", "right", "rudder")
 TRUTH_EVERY = 5  # ticks

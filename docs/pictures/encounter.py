@@ -5,7 +5,7 @@ from typing import Final
 from pictures.svg import Drawing
 from sitl.experiments.encounters.encounter import Encounter, encounter_trials, sail_encounter
 from sitl.world.movers import Movers
-from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 SEED: Final = 5
 _BEFORE_S, _AFTER_S = 6, 6  # the closest approach

@@ -7,7 +7,8 @@ from companion.core.errors import ConfigError
 from sitl.physics.json_interface import NO_ECHO_M, ServoPacket, parse_servos, state_line
 from sitl.world.hull_settings import LONGEST_STEP_S
 from sitl.world.scenario import Scenario
-from sitl.world.world import Truth, World
+from sitl.world.truth import Truth
+from sitl.world.world import World
 
 CHANNELS = 16
 _AHEAD_RAD = math.radians(10.0)  # a ping this near to the bow is what a fixed ranger would have heard

@@ -16,7 +16,7 @@ import math
 import struct
 from typing import NamedTuple
 
-from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 GRAVITY_M_S2 = 9.80665
 NO_ECHO_M = 300.0  # beyond every RNGFND1_MAX; drivers that count centimetres in 16 bits end at 655 m

@@ -1,7 +1,6 @@
 """The electronics aboard: sensors, motor inputs and computer, and their faults."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from companion.config.parameters import ParameterHook
 from companion.hal.interfaces import Hardware
@@ -35,9 +34,7 @@ from sitl.world.sensors.rc import SimRc
 from sitl.world.sensors.sonar import SimSonar
 from sitl.world.shore import Shore
 from sitl.world.simulated_hardware import SimMotors, SimRudder
-
-if TYPE_CHECKING:
-    from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 
 class Electronics:
@@ -114,7 +111,7 @@ class Electronics:
             field=self._compass.corrector,
         )
 
-    def sample(self, truth: "Truth", waves: Waves) -> None:
+    def sample(self, truth: Truth, waves: Waves) -> None:
         """Apply faults that are due, then sample sensors that are due."""
         now_s = truth.time_s
         self.faults.now_s = now_s

@@ -9,7 +9,6 @@ function of the scenario and of the motor commands.
 """
 
 import math
-from typing import NamedTuple
 
 from companion.core.errors import ConfigError
 from companion.core.units import wrap_pi
@@ -27,44 +26,13 @@ from sitl.world.pack import Pack
 from sitl.world.parameters import tide_hooks, wind_hooks
 from sitl.world.scenario import Scenario
 from sitl.world.shore import Shore
+from sitl.world.truth import Truth
 from sitl.world.windage import Windage
 
 POWER_UP_S = 0.5  # the pack must be well for that long before the computer starts again
 GROUNDED_S = 1.0  # a hull that rubs along the shore touches it now and then, and has run aground once
 _FURTHEST_M = 1e6  # from the origin; the frame's formulas are good for less than a tenth of it
 _new = tuple.__new__  # half the cost of a NamedTuple's own
-
-
-class Truth(NamedTuple):
-    """Ground truth, which the boat does not see.
-
-    Position in the scenario's frame; heading in [−π, π), clockwise from north; surge and sway through the
-    water, ahead and to starboard; north_m_s and east_m_s over ground; grounded: it touched the shore within
-    the last second, or sticks there. Current and wind are the velocities of water (averaged over the waves)
-    and air over ground at the boat; the commands are those that stand at the motors, −1..1; voltage and
-    current are the pack's.
-    """
-
-    time_s: float
-    north_m: float
-    east_m: float
-    heading_rad: float
-    surge_m_s: float
-    sway_m_s: float
-    yaw_rate_rad_s: float
-    north_m_s: float
-    east_m_s: float
-    left_thrust_n: float
-    right_thrust_n: float
-    grounded: bool
-    current_north_m_s: float = 0.0
-    current_east_m_s: float = 0.0
-    wind_north_m_s: float = 0.0
-    wind_east_m_s: float = 0.0
-    left_command: float = 0.0
-    right_command: float = 0.0
-    voltage_v: float = 0.0
-    current_a: float = 0.0
 
 
 class World:

@@ -17,7 +17,7 @@ from benchmarks.estimation.consistency import (
 from benchmarks.estimation.replay import NAV
 from benchmarks.estimation.replay import SENSORS as CHANNELS
 from benchmarks.estimation.sensor_recorder import SensorRecording
-from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 
 @pytest.mark.parametrize(

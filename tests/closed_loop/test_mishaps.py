@@ -7,7 +7,7 @@ from sailing_rig import CURRENT, mission_run, said
 from companion.failsafe.table import Condition
 from sitl.courses.missions import lay_out, wire_items
 from sitl.run.mission_run import MissionRun, Result
-from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 LEFT, RIGHT = Truth._fields.index("left_command"), Truth._fields.index("right_command")
 

@@ -17,7 +17,7 @@ import numpy as np
 from companion.boat import TICK_S
 from companion.core.geo import Point, distance_m
 from sitl.run.mission_run import MissionRun
-from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 SAMPLE_S: Final = 0.1
 FAST_M_S: Final = 0.7

@@ -12,7 +12,7 @@ from companion.core.state import EstimateFault
 from sitl.courses.courses import off_path_m
 from sitl.run.mission_run import MissionRun
 from sitl.run.recording.estimate_recorder import Estimate
-from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 _GNSS: Final = (
     EstimateFault.GNSS_LOST | EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING | EstimateFault.GNSS_LATE

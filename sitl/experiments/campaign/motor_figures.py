@@ -4,7 +4,7 @@ from typing import Final
 
 from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault
 from sitl.run.mission_run import MissionRun
-from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 NEEDED: Final = 0.3  # of command: from here on a motor's thrust matters
 _FAULTS: Final = {

@@ -27,8 +27,8 @@ from sitl.world.hull import Hull
 from sitl.world.hull_settings import HullSettings
 from sitl.world.pack import Pack
 from sitl.world.scenario import Scenario
+from sitl.world.truth import Truth
 from sitl.world.windage import AIR_KG_M3
-from sitl.world.world import Truth
 
 CELL_M: Final = 0.5
 STEP_S: Final = 0.5

@@ -29,7 +29,7 @@ from sitl.scenarios.layers import COMMAND_LINE, Layer
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.scenario import Scenario
 from sitl.world.sensors.sampling import generator
-from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 MOST_S = 400.0
 SONAR_M = 4.0  # sight without a second ranger

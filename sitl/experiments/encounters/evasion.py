@@ -22,7 +22,7 @@ from sitl.world.drive.thruster import Thrusters
 from sitl.world.hull import Hull
 from sitl.world.movers import Movers
 from sitl.world.scenario import Scenario
-from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 Pair = tuple[float, float]
 

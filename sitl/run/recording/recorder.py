@@ -13,7 +13,7 @@ import numpy as np
 from companion.cli.output_file import output_file
 from companion.core.geo import Point
 from sitl.world.shore import Shore
-from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 NO_LEG = -1
 _FIELDS = len(Truth._fields)

@@ -19,7 +19,7 @@ from mission_tools.maps.chart import Area, Chart, Feature, build_chart
 from sitl.run.mission_run import MissionRun, Result
 from sitl.run.recording.estimate_recorder import Estimate
 from sitl.run.timeline import Event
-from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 _SETTINGS = ("environment", "faults", "movers", "hull", "thrusters", "battery", "sensors", "vehicle")
 Numbers = NDArray[np.float64]

@@ -20,7 +20,7 @@ from mission_tools.maps import Source, build_chart
 from sitl.courses.missions import wire_items
 from sitl.run.mission_run import MissionRun
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 pytestmark = pytest.mark.slow
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from sitl.__main__ import run_program
-from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 pytestmark = pytest.mark.slow
 

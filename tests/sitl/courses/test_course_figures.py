@@ -7,7 +7,7 @@ import pytest
 from companion.core.geo import LatLon, LocalFrame, Point
 from sitl.courses.courses import corners_sailed, course_mission, tracking
 from sitl.run.recording.recorder import Recorder
-from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 PLANNED = [Point(0.0, 0.0), Point(10.0, 0.0), Point(10.0, 10.0)]  # a right angle to starboard
 

@@ -9,7 +9,8 @@ from companion.core.geo import Point
 from sitl.experiments.campaign.calm_figures import calm_figures
 from sitl.run.mission_run import MissionRun
 from sitl.run.recording.recorder import Recorder
-from sitl.world.world import Truth, World
+from sitl.world.truth import Truth
+from sitl.world.world import World
 
 TICK_S = 0.02
 STILL = Truth(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, False)

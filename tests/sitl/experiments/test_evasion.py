@@ -10,7 +10,7 @@ from sitl.scenarios.layers import Layer
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.movers import Movers
 from sitl.world.scenario import Scenario
-from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 TICK_S = 0.02
 

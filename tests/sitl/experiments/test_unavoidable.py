@@ -11,7 +11,7 @@ from sitl.experiments.campaign.unavoidable import has_way_clear, remaining_speed
 from sitl.run.mission_run import MissionRun
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.scenario import Scenario
-from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 DEAD = FaultSetting(what="motor_left", at_s=10.0)
 WATER = [[-100.0, -100.0], [100.0, -100.0], [100.0, 100.0], [-100.0, 100.0]]

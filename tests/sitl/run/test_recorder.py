@@ -11,7 +11,7 @@ from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.maps.chart import build_chart
 from sitl.run.recording.recorder import Recorder
 from sitl.world.shore import Shore
-from sitl.world.world import Truth
+from sitl.world.truth import Truth
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 SEA = Shore(build_chart("sea", FRAME, None, ()), 1.0)

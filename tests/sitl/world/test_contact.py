@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.contact import Touch, Velocity, apply_contact, crossing, overlap
 from sitl.world.hull import Hull
-from sitl.world.world import Truth, World
+from sitl.world.truth import Truth
+from sitl.world.world import World
 
 DT_S = 0.02
 LAKE = load_scenario("open").hull

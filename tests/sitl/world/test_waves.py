@@ -11,7 +11,8 @@ from sitl.world.environment.settings import Environment
 from sitl.world.environment.waves import Waves
 from sitl.world.sensors.compass import SimCompass
 from sitl.world.sensors.settings import CompassSettings
-from sitl.world.world import Truth, World
+from sitl.world.truth import Truth
+from sitl.world.world import World
 
 DT_S = 0.02
 SEA = Environment(wave_height_m=0.3, wave_period_s=2.5, wave_from_deg=0.0)

@@ -11,8 +11,9 @@ from sitl.scenarios.scenario import load_scenario
 from sitl.world.environment.settings import Environment
 from sitl.world.environment.wind import PEAK_FACTOR, Wind
 from sitl.world.hull_settings import WindageSettings
+from sitl.world.truth import Truth
 from sitl.world.windage import AIR_KG_M3, Windage
-from sitl.world.world import Truth, World
+from sitl.world.world import World
 
 DT_S = 0.02
 SPEED = st.floats(-15.0, 15.0)

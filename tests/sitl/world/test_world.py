@@ -8,7 +8,8 @@ from companion.hal.interfaces import Motors
 from sitl.run.recording.recorder import Recorder
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.simulated_hardware import SimMotors
-from sitl.world.world import Truth, World
+from sitl.world.truth import Truth
+from sitl.world.world import World
 
 DT_S = 0.02
 

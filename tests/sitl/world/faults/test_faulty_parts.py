@@ -9,7 +9,8 @@ import pytest
 from companion.core.readings import GnssFix
 from sitl.radio.channel import WHOLE, Quality
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.world import Truth, World
+from sitl.world.truth import Truth
+from sitl.world.world import World
 
 DT_S = 0.02
 AT_S, FOR_S = 2.0, 6.0
