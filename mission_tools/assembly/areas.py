@@ -28,8 +28,8 @@ from mission_tools.errors import MapError, PlanFileError
 from mission_tools.geojson import KEPT_OUT, SOLID, labelled, position, tagged_kind
 from mission_tools.geojson import KINDS as MAP_KINDS
 from mission_tools.maps.assemble import Classified, classified
-from mission_tools.maps.catalogue import FEATURE_SUFFIXES, read_features
 from mission_tools.maps.geojson import feature_entries, polygon_parts, raw_map, read_json
+from mission_tools.maps.map_files import FEATURE_SUFFIXES, read_features
 from mission_tools.maps.projection import wrapped_lon_deg
 from mission_tools.mission.mission import (
     Command,

@@ -25,8 +25,9 @@ from shapely.geometry import Polygon
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.toml_text import parse_toml
 from mission_tools.errors import MapError
-from mission_tools.maps.catalogue import RouteDefaults, Source, load_map
 from mission_tools.maps.chart import Chart, Feature, build_chart
+from mission_tools.maps.map_files import load_map
+from mission_tools.maps.source import RouteDefaults, Source
 
 Positive = Annotated[float, Meta(gt=0.0)]
 Metres = Annotated[float, Meta(ge=-1e6, le=1e6)]  # from the origin; places on the globe follow from them

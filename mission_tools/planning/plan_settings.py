@@ -6,7 +6,7 @@ from typing import Any, Literal, get_args
 
 from companion.core.geo import Point
 from mission_tools.errors import UsageError
-from mission_tools.maps.catalogue import RouteDefaults
+from mission_tools.maps.source import RouteDefaults
 
 HeuristicName = Literal["octile", "euclidean", "manhattan"]
 HEURISTICS: tuple[HeuristicName, ...] = get_args(HeuristicName)

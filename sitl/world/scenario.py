@@ -5,8 +5,8 @@ from pathlib import Path
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LocalFrame, Point
-from mission_tools.maps.catalogue import RouteDefaults
 from mission_tools.maps.chart import Chart
+from mission_tools.maps.source import RouteDefaults
 from sitl.radio.link import LinkSettings
 from sitl.world.battery_settings import BatterySettings
 from sitl.world.drive.settings import ThrusterSettings

@@ -21,13 +21,13 @@ from companion.core.geo import LatLon, Point
 from mission_tools.errors import MapError
 from mission_tools.maps import load_map, load_source
 from mission_tools.maps.assemble import chart_of
-from mission_tools.maps.catalogue import MAP_SUFFIXES
 from mission_tools.maps.chart import Chart
 from mission_tools.maps.formats.georeference import georeference_of
 from mission_tools.maps.formats.gpx import parse_gpx
 from mission_tools.maps.formats.kml import parse_kml
 from mission_tools.maps.formats.mask import outlines
 from mission_tools.maps.geojson import load_geojson
+from mission_tools.maps.map_files import MAP_SUFFIXES
 from mission_tools.mission.mission import (
     Fence,
     FencePolygon,
