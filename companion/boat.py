@@ -45,7 +45,7 @@ TICK_S = 0.02
 LEAP_S = 1.0  # between two ticks; shorter than the timeout of any failsafe
 SETTLE_S = 1.5  # heartbeats come each second, all readings sooner
 _BARE = Thrusters()  # without trim, while the motors are measured
-_LINKS_S = 0.1  # how often links without a descriptor are checked
+_SLOW_S = 0.1  # between looks at links without a descriptor, and at texts and faults of parts
 
 
 class Boat:
@@ -125,7 +125,7 @@ class Boat:
         self._logbook = logbook
         self._wall_time = WallTime(unix_offset_s)
         self._now_s = 0.0
-        self._links_due_s = 0.0
+        self._slow_due_s = 0.0
 
     def receive(self, now_s: float, ready: Collection[int] | None = None) -> int:
         """Accept links, handle messages, forward those for others, and answer at once.
@@ -186,19 +186,19 @@ class Boat:
         if text := self.motors.trip_text(self.parameters.config.motors.command_timeout_s):
             self.vehicle.notify(Severity.CRITICAL, text)
         self._sense(now_s)
-        accepts_links = now_s >= self._links_due_s
-        if accepts_links:
-            self._links_due_s = now_s + _LINKS_S
+        is_slow_due = now_s >= self._slow_due_s
+        if is_slow_due:
+            self._slow_due_s = now_s + _SLOW_S
             for part in self._reporting:
                 for severity, told in part.take_texts():
                     self.vehicle.notify(severity, told)
-        self._receive(now_s, None, accepts_links=accepts_links)
+        self._receive(now_s, None, accepts_links=is_slow_due)
         command = self._steer(now_s)
         is_bare = self.calibration.is_bare or self.motor_test.is_running
         setting = _BARE if is_bare else self.parameters.config.thrusters
         try:
             self.motors.write(command, self.vehicle.recovery.motor_check.motors, setting)
-            if accepts_links:  # not before it has worked
+            if is_slow_due:  # once the motors have answered
                 self.vehicle.output_fault = self._hardware.output_fault
         except SilentOutputsError as error:
             self.vehicle.output_fault = str(error)
