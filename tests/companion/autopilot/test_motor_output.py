@@ -1,8 +1,5 @@
 """Motors and rudder at the end of a tick: what becomes of them after a fault, and what the operator hears."""
 
-import logging
-from collections.abc import Iterator
-
 import pytest
 
 from companion.autopilot.motor_output import STUCK_AGAIN_S, MotorOutput
@@ -14,28 +11,29 @@ from companion.hal.interfaces import Hardware
 AHEAD = MotorCommand(0.5, 0.5, rudder=0.25)
 
 
-@pytest.fixture(autouse=True)
-def quiet() -> Iterator[None]:
-    """The faults of these tests are meant."""
-    logging.getLogger("companion.autopilot.motor_output").disabled = True
-    yield
-    logging.getLogger("companion.autopilot.motor_output").disabled = False
+pytest_plugins = ("meant_faults",)
+pytestmark = pytest.mark.usefixtures("meant_faults")
 
 
 class Output:
-    """Motors or rudder; fault: what it raises."""
+    """Motors or rudder; fault: what it raises. calls: may be shared, to see the order."""
 
-    def __init__(self) -> None:
+    def __init__(self, name: str = "", calls: list[str] | None = None) -> None:
         self.fault: Exception | None = None
         self.shares: tuple[float, ...] = ()
+        self._name, self._calls = name, [] if calls is None else calls
 
     def write(self, *shares: float) -> None:
+        self._do(shares, " ".join(f"{share:g}" for share in shares))
+
+    def stop(self) -> None:
+        self._do((0.0, 0.0), "stop")
+
+    def _do(self, shares: tuple[float, ...], what: str) -> None:
         if self.fault is not None:
             raise self.fault
         self.shares = shares
-
-    def stop(self) -> None:
-        self.write(0.0, 0.0)
+        self._calls.append(f"{self._name} {what}")
 
     def read(self) -> None:
         """No reading."""
@@ -46,6 +44,16 @@ class Output:
 
 class Cutoff:
     trips = 0
+
+
+def test_a_stop_cuts_the_motors_first_then_centres_the_rudder() -> None:
+    calls: list[str] = []
+    motors, rudder = Output("motors", calls), Output("rudder", calls)
+    output = MotorOutput(Hardware(motors, Output(), Output(), rudder=rudder))
+    output.write(MotorCommand(0.5, 0.5, rudder=-0.25), HEALTHY_MOTORS, Thrusters())
+    output.stop()
+    assert calls[2:] == ["motors stop", "rudder 0"]
+    assert output.command == STOPPED
 
 
 def test_a_fault_elsewhere_stops_both_motors_and_centres_the_rudder() -> None:

@@ -12,6 +12,7 @@ from boat_rig import OK, waypoint
 from log_rig import LogRig, OpenRig, Record, of_kind, read_log
 from payload_rig import CAMERA, PAYLOAD
 
+from companion.control.heading import learned_gains
 from companion.core.geo import LatLon
 from companion.core.state import MotorCommand, NavState, PidOutput
 from companion.core.status_text import Severity, StatusText
@@ -89,10 +90,10 @@ def test_pid_terms_are_those_of_the_loops(voyage: Voyage) -> None:
         pid = voyage.heading[pids.TimeUS]
         assert (pids.P, pids.I, pids.D, pids.Limit) == (near(pid.p), near(pid.i), near(pid.d), pid.saturated)
         assert near(pid.ff) == pids.FF
-        # the gain follows the hull as it is learned
-        assert math.radians(pids.Err) * voyage.rig.config.heading.kp == pytest.approx(
-            pid.p, rel=0.15, abs=1e-5
-        )
+        nav, config = voyage.nav[pids.TimeUS], voyage.rig.config
+        stiffness, _ = learned_gains(nav.yaw_accel_rad_s2, nav.yaw_damping_per_s, config.handling)
+        kp = stiffness * config.heading.kp
+        assert math.radians(pids.Err) * kp == pytest.approx(pid.p, abs=1e-5)
     for pida in voyage.of("PIDA"):
         pid = voyage.speed[pida.TimeUS]
         assert (pida.P, pida.I, pida.Limit) == (near(pid.p), near(pid.i), pid.saturated)
