@@ -5,6 +5,7 @@ from pathlib import Path
 
 import msgspec
 import pytest
+from blank_messages import blank
 from boat_rig import HOME_ITEM, Rig, scenario, waypoint
 from pymavlink.dialects.v20 import all as peer
 from shore_rig import UNIX_S, LossyEnd, Shore
@@ -242,8 +243,7 @@ def test_the_time_left_is_told_once_the_armed_boat_has_sailed_for_a_minute() -> 
     view, left_s = View(), []
 
     def hear(kind: str, **values: float) -> None:
-        message = getattr(dialect, f"MAVLink_{kind}_message")
-        message = message(**(dict.fromkeys(message.fieldnames, 0) | values))
+        message = blank(kind, **values)
         HANDLERS[message.get_msgId()](view, message)
 
     hear("battery_status", time_remaining=900)

@@ -3,6 +3,7 @@
 from typing import Any
 
 import pytest
+from blank_messages import blank
 
 from companion.mavlink.dialect import dialect
 from mission_tools.station.setup import sensor_checks as checks
@@ -15,14 +16,9 @@ GYRO, RC = dialect.MAV_SYS_STATUS_SENSOR_3D_GYRO, dialect.MAV_SYS_STATUS_SENSOR_
 ALL = 0x7FFFFFFF
 
 
-def message(kind: str, **values: Any) -> Any:  # noqa: ANN401 (a message)
-    build = getattr(dialect, f"MAVLink_{kind}_message")
-    return build(**(dict.fromkeys(build.fieldnames, 0) | values))
-
-
 def status(fitted: int = ALL, well: int = ALL, **values: Any) -> Any:  # noqa: ANN401
     bits = {"onboard_control_sensors_present": fitted, "onboard_control_sensors_health": well}
-    return message("sys_status", **(bits | values))
+    return blank("sys_status", **(bits | values))
 
 
 def seen(*messages: Any, now_s: float = 1.0, board: Board | None = None) -> SensorSnapshot:  # noqa: ANN401
@@ -38,7 +34,7 @@ def seen(*messages: Any, now_s: float = 1.0, board: Board | None = None) -> Sens
 
 
 def fix(fix_type: int, **values: Any) -> Any:  # noqa: ANN401
-    return message("gps_raw_int", fix_type=fix_type, **values)
+    return blank("gps_raw_int", fix_type=fix_type, **values)
 
 
 @pytest.mark.parametrize(
@@ -54,10 +50,10 @@ def fix(fix_type: int, **values: Any) -> Any:  # noqa: ANN401
         ([fix(3, eph=250)], 1.0, "good"),
         ([fix(3, eph=251)], 1.0, "inaccurate"),
         ([fix(3, eph=0xFFFF)], 1.0, "good"),
-        ([fix(3), message("ekf_status_report", flags=dialect.EKF_GPS_GLITCHING)], 1.0, "doubted"),
-        ([fix(3), message("ekf_status_report", pos_horiz_variance=0.79)], 1.0, "good"),
-        ([fix(3), message("ekf_status_report", pos_horiz_variance=0.8)], 1.0, "replaced"),
-        ([fix(3), message("ekf_status_report", pos_horiz_variance=float("nan"))], 1.0, "replaced"),
+        ([fix(3), blank("ekf_status_report", flags=dialect.EKF_GPS_GLITCHING)], 1.0, "doubted"),
+        ([fix(3), blank("ekf_status_report", pos_horiz_variance=0.79)], 1.0, "good"),
+        ([fix(3), blank("ekf_status_report", pos_horiz_variance=0.8)], 1.0, "replaced"),
+        ([fix(3), blank("ekf_status_report", pos_horiz_variance=float("nan"))], 1.0, "replaced"),
     ],
 )
 def test_a_receiver_is_judged_by_its_fix_and_by_the_boats_filter(
@@ -86,15 +82,15 @@ def test_a_receiver_tells_only_what_it_knows() -> None:
 )
 def test_a_compass_is_judged_by_how_far_the_filter_doubts_it(well: int, doubt: float, state: str) -> None:
     found = checks.examine_compass(
-        seen(status(well=well), message("ekf_status_report", compass_variance=doubt))
+        seen(status(well=well), blank("ekf_status_report", compass_variance=doubt))
     )
     assert found[0] == state
     assert found[1]["doubt"] == pytest.approx(min(doubt, 1.0), abs=0.01)
 
 
 def test_a_compass_tells_its_field_and_heading() -> None:
-    imu = message("scaled_imu", xmag=300, ymag=-400)
-    heard = seen(status(), imu, message("vfr_hud", heading=302))
+    imu = blank("scaled_imu", xmag=300, ymag=-400)
+    heard = seen(status(), imu, blank("vfr_hud", heading=302))
     assert checks.examine_compass(heard) == (
         "good",
         {"field_mg": 500, "heading_deg": 302.0},
@@ -103,7 +99,7 @@ def test_a_compass_tells_its_field_and_heading() -> None:
 
 
 def test_a_gyro_is_fitted_well_or_silent() -> None:
-    turning = message("scaled_imu", zgyro=-100)
+    turning = blank("scaled_imu", zgyro=-100)
     assert checks.examine_gyro(seen(turning)) == ("unheard", {})
     assert checks.examine_gyro(seen(status(fitted=ALL & ~GYRO))) == ("absent", {})
     assert checks.examine_gyro(seen(status(), turning)) == ("good", {"rate_deg_s": -5.7})
@@ -138,18 +134,18 @@ def test_a_battery_tells_what_is_measured() -> None:
 def test_cells_are_shown_where_they_are_measured_one_by_one(
     voltages: list[int], cells_v: list[float] | None
 ) -> None:
-    pack = message("battery_status", voltages=(voltages + [0xFFFF] * 10)[:10], voltages_ext=[0] * 4)
+    pack = blank("battery_status", voltages=(voltages + [0xFFFF] * 10)[:10], voltages_ext=[0] * 4)
     heard = seen(status(voltage_battery=11_400), pack)
     assert checks.examine_battery(heard)[1].get("cells_v") == cells_v
 
 
 def test_a_transmitter_shows_its_channels_and_signal() -> None:
-    rc = message("rc_channels", chancount=3, chan1_raw=1500, chan2_raw=0xFFFF, chan3_raw=1100, rssi=127)
+    rc = blank("rc_channels", chancount=3, chan1_raw=1500, chan2_raw=0xFFFF, chan3_raw=1100, rssi=127)
     assert checks.examine_rc(seen(rc)) == ("unheard", {})
     assert checks.examine_rc(seen(status(fitted=ALL & ~RC))) == ("absent", {})
     assert checks.examine_rc(seen(status(), rc)) == ("good", {"channels_us": [1500, 1100], "signal": 0.5})
     assert checks.examine_rc(seen(status(well=ALL & ~RC), rc))[0] == "off"
-    unknown = message("rc_channels", rssi=0xFF)
+    unknown = blank("rc_channels", rssi=0xFF)
     assert checks.examine_rc(seen(status(), unknown)) == ("good", {})
 
 
@@ -157,22 +153,22 @@ def test_a_transmitter_shows_its_channels_and_signal() -> None:
     ("left_us", "right_us", "state"), [(1500, 0, "rest"), (1501, 1500, "turning"), (1500, 1499, "turning")]
 )
 def test_motors_turn_when_either_pulse_is_off_its_rest(left_us: int, right_us: int, state: str) -> None:
-    outputs = message("servo_output_raw", servo1_raw=left_us, servo2_raw=1900, servo3_raw=right_us)
+    outputs = blank("servo_output_raw", servo1_raw=left_us, servo2_raw=1900, servo3_raw=right_us)
     assert checks.examine_motors(seen(outputs)) == (state, {"left_us": left_us, "right_us": right_us})
 
 
 def test_a_clock_is_good_once_it_knows_the_date() -> None:
     assert checks.examine_clock(seen()) == ("unheard", {})
-    boot = message("system_time", time_boot_ms=61_500)
+    boot = blank("system_time", time_boot_ms=61_500)
     assert checks.examine_clock(seen(boot)) == ("unknown", {"running_s": 61})
-    dated = message("system_time", time_boot_ms=1000, time_unix_usec=1_700_000_000_900_000)
+    dated = blank("system_time", time_boot_ms=1000, time_unix_usec=1_700_000_000_900_000)
     assert checks.examine_clock(seen(dated)) == ("good", {"running_s": 1, "date_s": 1_700_000_000})
 
 
 def test_a_computer_is_busy_or_hot_from_its_limits_on() -> None:
     def found(load: int, **board: float) -> Found:
         return checks.examine_computer(
-            seen(status(load=load), message("meminfo", freemem32=5 * 10**8), board=board)
+            seen(status(load=load), blank("meminfo", freemem32=5 * 10**8), board=board)
         )
 
     assert checks.examine_computer(seen()) == ("unheard", {})
