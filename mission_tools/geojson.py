@@ -55,10 +55,8 @@ def collection(features: Sequence[Mapping[str, Any]], **members: object) -> dict
 
 
 def entries_of(tree: object, source: str) -> list[Any]:
-    """The features of whatever kind of GeoJSON this is; `source` stands before every error message.
-
-    Raises:
-        MapError: it is none.
+    """The features of whatever kind of GeoJSON this is; `source` stands before every error message. Raises
+    MapError: it is none.
     """
     if isinstance(tree, Mapping):
         kind = tree.get("type")
@@ -74,11 +72,7 @@ def entries_of(tree: object, source: str) -> list[Any]:
 
 
 def labelled(entry: object, where: str) -> tuple[str, Mapping[str, Any], Mapping[str, Any]]:
-    """A feature's name for messages, its properties and its geometry.
-
-    Raises:
-        MapError: it has no geometry.
-    """
+    """A feature's name for messages, its properties and its geometry. Raises MapError: it has no geometry."""
     if not isinstance(entry, Mapping) or not isinstance(entry.get("geometry"), Mapping):
         raise MapError(f"{where}: no geometry: expected a Feature with a Polygon or a Point")
     properties = entry.get("properties")
@@ -88,10 +82,8 @@ def labelled(entry: object, where: str) -> tuple[str, Mapping[str, Any], Mapping
 
 
 def simple_geometries(geometry: Mapping[str, Any], where: str) -> Iterator[Mapping[str, Any]]:
-    """The geometries of a collection; a single one as it is.
-
-    Raises:
-        MapError: something else is in the collection.
+    """The geometries of a collection; a single one as it is. Raises MapError: something else is in the
+    collection.
     """
     if geometry.get("type") != "GeometryCollection":
         yield geometry
@@ -107,10 +99,8 @@ def simple_geometries(geometry: Mapping[str, Any], where: str) -> Iterator[Mappi
 
 
 def position(value: object, where: str, most_lat_deg: float = 90.0) -> tuple[float, float]:
-    """Longitude and latitude in degrees; longitudes beyond ±180° are the antimeridian's other side.
-
-    Raises:
-        MapError: not two numbers, or not on Earth, or beyond a latitude.
+    """Longitude and latitude in degrees; longitudes beyond ±180° are the antimeridian's other side. Raises
+    MapError: not two numbers, or not on Earth, or beyond a latitude.
     """
     numbers = value if isinstance(value, list) else []
     if len(numbers) < 2 or not all(map(_is_finite, numbers[:2])):

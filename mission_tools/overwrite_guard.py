@@ -24,10 +24,8 @@ _HEAD_BYTES = 2048
 
 
 def check_replaceable(option: str, path: Path, *, force: bool) -> None:
-    """See whether a file may be written: it does not exist, is no regular file, or was written here.
-
-    Raises:
-        UsageError: names the option and the file.
+    """See whether a file may be written: it does not exist, is no regular file, or was written here. Raises
+    UsageError: names the option and the file.
     """
     if force or not path.is_file():
         return
@@ -83,10 +81,8 @@ PICTURE_SUFFIXES = frozenset({".png", ".svg", ".pdf", ".html"})
 
 
 def check_picture_name(path: Path, option: str = "--preview") -> None:
-    """Refuse early what could not be written after an hour's run.
-
-    Raises:
-        UsageError: no kind of picture, or a file where its folder would be.
+    """Refuse early what could not be written after an hour's run. Raises UsageError: no kind of picture, or a
+    file where its folder would be.
     """
     if path.suffix.lower() not in PICTURE_SUFFIXES:
         raise UsageError(

@@ -94,11 +94,8 @@ class RoutePlan:
     def save(self, path: str | PathLike[str], *, force: bool = False) -> Path:
         """Write the mission, or a picture of it; the suffix chooses the format. Returns the path.
 
-        force: replace a file that this program did not write.
-
-        Raises:
-            PlanFileError, UsageError: no such format, or it cannot hold the mission.
-            OutputError: the file cannot be written.
+        force: replace a file that this program did not write. Raises PlanFileError, UsageError: no such
+        format, or it cannot hold the mission. OutputError: the file cannot be written.
         """
         file = Path(path)
         check_outputs(file, None, (), force=force)
@@ -108,21 +105,17 @@ class RoutePlan:
     def budget(self, boat: str | PathLike[str], current: str | None = None) -> "Budget":
         """Time in s and charge in mAh, out and home. boat: its TOML, or an emulated boat's name.
 
-        current: speed and direction it flows to, as "0.5,90", or a file (see `mission-plan --help`).
-
-        Raises:
-            ConfigError, UsageError, MapError: boat or current.
-            NoRoute: a leg that cannot be sailed against the current.
+        current: speed and direction it flows to, as "0.5,90", or a file (see `mission-plan --help`). Raises
+        ConfigError, UsageError, MapError: boat or current. NoRoute: a leg that cannot be sailed against the
+        current.
         """
         from mission_tools.contract.budget import planned_budget  # noqa: PLC0415 - seldom needed
 
         return planned_budget(self.planned, fspath(boat), current)
 
     def with_contract(self, boat: str | PathLike[str] | None = None) -> "RoutePlan":
-        """The same route with a fence and rally points from its map, within what the boat holds.
-
-        Raises:
-            NoRoute: no fence holds this route.
+        """The same route with a fence and rally points from its map, within what the boat holds. Raises
+        NoRoute: no fence holds this route.
         """
         from mission_tools.contract.water_contract import with_contract  # noqa: PLC0415 - as above
         from mission_tools.costs.boat import load_boat  # noqa: PLC0415

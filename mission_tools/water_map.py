@@ -24,10 +24,8 @@ MapSourceName: TypeAlias = str | PathLike[str] | Mapping[str, Any]
 
 
 def open_map(source: MapSourceName) -> "WaterMap":
-    """Open a map: the path of a map file or scenario, a scenario's name, GeoJSON as a dict or as text.
-
-    Raises:
-        MapError: it cannot be used; one line that names the file, the feature and the place.
+    """Open a map: the path of a map file or scenario, a scenario's name, GeoJSON as a dict or as text. Raises
+    MapError: it cannot be used; one line that names the file, the feature and the place.
     """
     if isinstance(source, Mapping):
         return WaterMap(Source(parse_geojson(source, "the map", "map")))
@@ -190,11 +188,7 @@ def _via(places: Sequence[Place]) -> tuple[Via, ...]:
 
 
 def _at(what: str, place: Place | None) -> LatLon | None:
-    """A place as LatLon.
-
-    Raises:
-        UsageError: not a latitude and a longitude.
-    """
+    """A place as LatLon. Raises UsageError: not a latitude and a longitude."""
     if place is None or isinstance(place, LatLon):
         return place
     try:

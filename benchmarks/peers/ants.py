@@ -26,11 +26,7 @@ _LAST_PHEROMONE = 1e-3  # never less, so that no cell is closed for good
 
 
 def ant_colony(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline) -> Path:
-    """The best path of any ant.
-
-    Raises:
-        NoPath: no ant arrived.
-    """
+    """The best path of any ant. Raises NoPath: no ant arrived."""
     draw = random.Random(seed)
     grid, first, last = _coarsest(sea, start, goal)
     trails = _Trails(grid, last)

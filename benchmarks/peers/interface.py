@@ -91,11 +91,7 @@ class Sea:
         return occupancy(self.chart, self.bounds, cell_m, self.clearance_m)
 
     def entries(self, grid: Grid, start: Point, goal: Point) -> tuple[int, int]:
-        """A cell near the start and one near the goal in the same region.
-
-        Raises:
-            NoPath: there are none.
-        """
+        """A cell near the start and one near the goal in the same region. Raises NoPath: there are none."""
         try:
             water = FreeWater(self.chart, grid, self.clearance_m)
             out, into = water.entry_from_start(start).cells, water.entry_to_stop(goal, "goal").cells

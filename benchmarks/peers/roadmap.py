@@ -23,9 +23,7 @@ _TRIES = 60  # per sample
 
 def prm(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline) -> Path:
     """Even samples of the free water, each joined to its nearest neighbours that it sees; the shortest way.
-
-    Raises:
-        NoPath: the roadmap does not join start and goal.
+    Raises NoPath: the roadmap does not join start and goal.
     """
     draw = random.Random(seed)
     west, south, east, north = sea.bounds

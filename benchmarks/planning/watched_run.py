@@ -65,10 +65,8 @@ def sail_watched(
     limit_s: float = 200.0,
     speed_m_s: float = 1.0,
 ) -> SailedWatched:
-    """Sail a route in a pond with obstacles (east, north, radius) that its chart does not have.
-
-    Raises:
-        RunError: the boat refused a mission, or did not start.
+    """Sail a route in a pond with obstacles (east, north, radius) that its chart does not have. Raises
+    RunError: the boat refused a mission, or did not start.
     """
     scenario_file = folder / "pond.toml"
     scenario_file.write_text(_POND)

@@ -103,10 +103,8 @@ class FileAreas(NamedTuple):
 
 
 def open_areas(fence: str | None, rally: str | None) -> Areas:
-    """Read what --fence and --rally name: a file, `none`, or nothing.
-
-    Raises:
-        PlanFileError, MapError: one line that names the file and what is wrong in it.
+    """Read what --fence and --rally name: a file, `none`, or nothing. Raises PlanFileError, MapError: one
+    line that names the file and what is wrong in it.
     """
     cleared = FileAreas(Fence())
     fences = None if fence is None else cleared if fence == NONE else load_fence(Path(fence))
@@ -120,10 +118,8 @@ def open_areas(fence: str | None, rally: str | None) -> Areas:
 
 
 def load_fence(path: Path) -> FileAreas:
-    """The fence of a `.plan` or `.geojson` file.
-
-    Raises:
-        PlanFileError, MapError: cannot be read, or there is no fence in it.
+    """The fence of a `.plan` or `.geojson` file. Raises PlanFileError, MapError: cannot be read, or there is
+    no fence in it.
     """
     areas = _load(path)
     if not (areas.fence.polygons or areas.fence.circles):
@@ -132,10 +128,8 @@ def load_fence(path: Path) -> FileAreas:
 
 
 def load_rally(path: Path) -> FileAreas:
-    """The rally points of a `.plan` or `.geojson` file.
-
-    Raises:
-        PlanFileError, MapError: cannot be read, or there are none in it.
+    """The rally points of a `.plan` or `.geojson` file. Raises PlanFileError, MapError: cannot be read, or
+    there are none in it.
     """
     areas = _load(path)
     if not areas.rally:
@@ -165,10 +159,8 @@ def _load(path: Path) -> FileAreas:
 
 
 def parse_areas(tree: object, source: str) -> FileAreas:
-    """Fence and rally points of decoded GeoJSON; `source` stands before every error message.
-
-    Raises:
-        MapError: names the feature and what was expected there.
+    """Fence and rally points of decoded GeoJSON; `source` stands before every error message. Raises MapError:
+    names the feature and what was expected there.
     """
     found: list[FencePolygon | FenceCircle | Rally] = []
     returns: list[LatLon] = []
@@ -203,10 +195,8 @@ def _is_of_a_map(entry: object, where: str) -> bool:
 
 
 def _fence_of_map(found: Classified, source: str) -> FileAreas:
-    """The water's outline, without its islands and whatever else is no water to sail on.
-
-    Raises:
-        MapError: no water, or several pieces of it, while a boat must be inside of all inclusions.
+    """The water's outline, without its islands and whatever else is no water to sail on. Raises MapError: no
+    water, or several pieces of it, while a boat must be inside of all inclusions.
     """
     features, notes = found
     water = shapely.union_all([feature.shape for feature in features if feature.kind == "water"])

@@ -81,11 +81,7 @@ class PlanOptions:
         return self.least is not None or self.open_water_m is not None or self.current is not None
 
     def check_costs(self) -> None:
-        """See that costs are asked for where they are obeyed.
-
-        Raises:
-            UsageError: names the options.
-        """
+        """See that costs are asked for where they are obeyed. Raises UsageError: names the options."""
         asked = self.least is not None or self.open_water_m is not None
         if asked and self.is_task:
             raise UsageError("--least, --open-water: only for a way from place to place")

@@ -34,11 +34,8 @@ OPEN_WATER_WEIGHT = 2.0  # a metre at the shore costs three times one in open wa
 
 
 def cheapest(chart: Chart, found: Plan, stops: Sequence[Point], options: PlanOptions) -> Plan:
-    """The plan with its legs made cheapest, from stop to stop.
-
-    Raises:
-        NoRoute: a current that cannot be stemmed; names the place.
-        UsageError: a cost that needs to know the boat.
+    """The plan with its legs made cheapest, from stop to stop. Raises NoRoute: a current that cannot be
+    stemmed; names the place. UsageError: a cost that needs to know the boat.
     """
     travel = _travel(chart, found.points, options)
     points: list[Point] = [found.points[0]]

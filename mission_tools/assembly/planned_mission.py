@@ -64,10 +64,7 @@ class PlannedMission:
 
 def open_source(text: str, options: PlanOptions, areas: Areas = NO_AREAS) -> "MissionFile | MapSource":
     """Find out what SOURCE is. areas: fence and rally points that go with it; a route keeps inside the fence.
-
-    Raises:
-        UsageError: wishes that do not go with it.
-        PlanFileError, MapError: it cannot be used.
+    Raises UsageError: wishes that do not go with it. PlanFileError, MapError: it cannot be used.
     """
     path = Path(text)
     if options.is_route_file:
@@ -176,11 +173,8 @@ class MapSource:
         return self._named_start is None and self._usual_start is None
 
     def prepare(self, here: LatLon | None = None) -> PlannedMission:
-        """Plan a route; `here` is where the boat is, used where no start was named.
-
-        Raises:
-            NoRouteError: there is none; says what is in the way.
-            UsageError: no start.
+        """Plan a route; `here` is where the boat is, used where no start was named. Raises NoRouteError:
+        there is none; says what is in the way. UsageError: no start.
         """
         try:
             return self._planned(here)
@@ -237,11 +231,7 @@ class MapSource:
         return PlannedMission(chart.name, mission, chart, found, None, clearance_m, notes)
 
     def _stops_of(self, text: str, source: Source) -> list[Stop]:
-        """Where the route leads, the goal last.
-
-        Raises:
-            UsageError: nowhere.
-        """
+        """Where the route leads, the goal last. Raises UsageError: nowhere."""
         options, route = self._wishes, source.route
         if options.starts_anywhere:
             return []
@@ -265,10 +255,7 @@ class MapSource:
     def _start_of(self, here: LatLon | None) -> Point | None:
         """The boat's position, or the scenario's start if that is unknown or within the clearance.
 
-        None where the task finds a start of its own.
-
-        Raises:
-            UsageError: neither is known.
+        None where the task finds a start of its own. Raises UsageError: neither is known.
         """
         usual = self._usual_start
         if here is None:
@@ -284,11 +271,7 @@ class MapSource:
         return usual if usual is not None and is_there else at
 
     def _local(self, what: str, place: LatLon) -> Point:
-        """A place in the chart's frame.
-
-        Raises:
-            UsageError: so far away that the frame does not reach it.
-        """
+        """A place in the chart's frame. Raises UsageError: so far away that the frame does not reach it."""
         if not self._chart.reaches(place):
             origin = self._chart.frame.origin
             said = (

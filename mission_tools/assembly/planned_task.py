@@ -36,11 +36,7 @@ class SurveyArea(NamedTuple):
 
 
 def check_task(options: PlanOptions) -> None:
-    """See that the options of one task are given, and none of another.
-
-    Raises:
-        UsageError: names the options.
-    """
+    """See that the options are those of one task. Raises UsageError: names the options."""
     given = options.given()
     tasks = [name for name in ("survey", "follow_shore_at") if name in given]
     if len(tasks) == 2:
@@ -75,11 +71,8 @@ def task_route(
     """The route of a task other than a survey; None where only a way from place to place is asked for.
 
     start: None only where the task finds its own. stops: where a tour leads. local: the place that an option
-    names, in the chart's frame.
-
-    Raises:
-        NoRouteError: no way leads there.
-        UsageError: values that make no sense.
+    names, in the chart's frame. Raises NoRouteError: no way leads there. UsageError: values that make no
+    sense.
     """
     if options.follow_shore_at is not None:
         return _shore_of(chart, start, options, settings, local)
@@ -96,11 +89,8 @@ def _shore_of(
     settings: PlanSettings,
     local: Callable[[str, LatLon], Point],
 ) -> TaskRoute:
-    """Along the shore that was named.
-
-    Raises:
-        NoRouteError: too narrow, or no way leads there.
-        UsageError: values that make no sense.
+    """Along the shore that was named. Raises NoRouteError: too narrow, or no way leads there. UsageError:
+    values that make no sense.
     """
     from mission_tools.tasks.shoreline import ShoreSettings, follow_shore  # noqa: PLC0415 - seldom needed
 
@@ -123,11 +113,8 @@ def survey_of(
     settings: PlanSettings,
     area: SurveyArea,
 ) -> "Survey":
-    """The survey of an area.
-
-    Raises:
-        NoRouteError: no water in it that is wide enough.
-        UsageError: values that make no sense.
+    """The survey of an area. Raises NoRouteError: no water in it that is wide enough. UsageError: values that
+    make no sense.
     """
     from mission_tools.tasks.survey.settings import SurveySettings  # noqa: PLC0415 - seldom needed
     from mission_tools.tasks.survey.survey import survey  # noqa: PLC0415
@@ -153,10 +140,8 @@ def survey_of(
 
 
 def _turn_radius_m(options: PlanOptions) -> float:
-    """As given, else of the named boat at the speed of the mission; 0 without either.
-
-    Raises:
-        UsageError: no such boat.
+    """As given, else of the named boat at the speed of the mission; 0 without either. Raises UsageError: no
+    such boat.
     """
     from mission_tools.costs.boat import load_boat  # noqa: PLC0415 - seldom needed
     from mission_tools.tasks.survey.settings import turn_radius_m  # noqa: PLC0415
@@ -170,21 +155,15 @@ def _turn_radius_m(options: PlanOptions) -> float:
 
 
 def survey_area(chart: Chart, areas: FileAreas, name: str) -> SurveyArea:
-    """The area inside a fence; `name` begins what is said about it.
-
-    Raises:
-        MapError: an area that is no area, or far from the chart.
+    """The area inside a fence; `name` begins what is said about it. Raises MapError: an area that is no area,
+    or far from the chart.
     """
     area = fence_area(chart, areas.fence, name)
     return SurveyArea(area if isinstance(area, Polygon | MultiPolygon) else MultiPolygon(), areas.notes)
 
 
 def named_survey_area(chart: Chart, name: str) -> SurveyArea:
-    """The area in a file.
-
-    Raises:
-        MapError, PlanFileError: the file.
-    """
+    """The area in a file. Raises MapError, PlanFileError: the file."""
     return SurveyArea(None) if name == WHOLE_WATER else survey_area(chart, load_fence(Path(name)), name)
 
 

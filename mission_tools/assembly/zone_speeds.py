@@ -17,10 +17,8 @@ _LEAST_M = 0.5  # a shorter piece of a leg, where a zone is only touched, is not
 def mission_in_zones(
     frame: LocalFrame, points: Sequence[Point], zones: Sequence[SpeedZone], speed_m_s: float | None
 ) -> Mission | None:
-    """The mission along a route, start first; None if the route enters no zone that is slower.
-
-    Raises:
-        UsageError: it does, and no speed says how fast the boat is elsewhere.
+    """The mission along a route, start first; None if the route enters no zone that is slower. Raises
+    UsageError: it does, and no speed says how fast the boat is elsewhere.
     """
     pieces = [piece for a, b in pairwise(points) for piece in _pieces(a, b, zones)]
     slow = [limit for _, limit in pieces if limit is not None and (speed_m_s is None or limit < speed_m_s)]

@@ -53,10 +53,8 @@ def _is_meant_as_place(text: str) -> bool:
 
 
 def position(option: str, text: str | None) -> LatLon | None:
-    """Read LAT,LON in degrees, with minutes and seconds or without; None stays None.
-
-    Raises:
-        UsageError: names the option and what is wrong.
+    """Read LAT,LON in degrees, with minutes and seconds or without; None stays None. Raises UsageError: names
+    the option and what is wrong.
     """
     if text is None:
         return None
@@ -70,10 +68,8 @@ def position(option: str, text: str | None) -> LatLon | None:
 
 
 def _degrees(text: str) -> tuple[float, float] | None:
-    """Latitude and longitude of a text; None if it is no place.
-
-    Raises:
-        ValueError: minutes or seconds of 60 or more, or a fraction before the last part.
+    """Latitude and longitude of a text; None if it is no place. Raises ValueError: minutes or seconds of 60
+    or more, or a fraction before the last part.
     """
     plain = " ".join(text.translate(_MARKS).upper().split())
     if match := _LETTERED.fullmatch(plain):

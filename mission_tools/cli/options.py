@@ -182,11 +182,7 @@ def add_link(parser: Parser, default: str | None = DEFAULT_LINK) -> None:
 
 
 def plan_options(given: Namespace) -> PlanOptions:
-    """What the route options ask for.
-
-    Raises:
-        UsageError: names the option and what was expected there.
-    """
+    """What the route options ask for. Raises UsageError: names the option and what was expected there."""
     chosen: dict[str, Any] = {"via": tuple(map(_via, given.via))}
     for field in fields(PlanOptions):
         flag = next(flags([field.name]))

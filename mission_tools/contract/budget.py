@@ -88,10 +88,8 @@ class Budget:
         return [out, f"comes home from everywhere on it with {self.margin:g} times the charge for the way"]
 
     def check(self, *, one_way: bool = False) -> None:
-        """See that the boat comes home; one_way: that it comes to the end.
-
-        Raises:
-            BeyondRange: it does not; says how far it comes.
+        """See that the boat comes home; one_way: that it comes to the end. Raises BeyondRange: it does not;
+        says how far it comes.
         """
         if self.reached_m is not None:
             raise BeyondRange(
@@ -117,11 +115,8 @@ def budget_of(
     """The budget of a route from a full pack.
 
     points: start, which is home, and the waypoints. holds_s: at each waypoint, so one less. ways_home_m: from
-    each point by water. speed_m_s: over ground, None: the boat's cruise speed.
-
-    Raises:
-        NoRoute: a leg that the boat cannot sail against the current.
-        UsageError: a speed beyond the boat's.
+    each point by water. speed_m_s: over ground, None: the boat's cruise speed. Raises NoRoute: a leg that the
+    boat cannot sail against the current. UsageError: a speed beyond the boat's.
     """
     at, legs = _stations(points)
     speed = boat.speed(speed_m_s)
@@ -277,11 +272,8 @@ def _manoeuvres_s(
 
 def planned_budget(planned: PlannedMission, boat: Boat | str, current: Current | str | None = None) -> Budget:
     """What a mission costs a boat. boat: its TOML or an emulated boat's name. current: also as in --current.
-
-    Raises:
-        MapError: the current's file.
-        UsageError: no such boat, or nowhere to go.
-        NoRoute: a leg that cannot be sailed against the current.
+    Raises MapError: the current's file. UsageError: no such boat, or nowhere to go. NoRoute: a leg that
+    cannot be sailed against the current.
     """
     boat = load_boat(boat) if isinstance(boat, str) else boat
     if isinstance(current, str):

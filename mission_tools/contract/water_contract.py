@@ -24,11 +24,8 @@ def with_contract(
 ) -> PlannedMission:
     """The mission with a fence and rally points from its own chart, and a note about them.
 
-    boat: how much of them it holds, and how far inside its fence it stops.
-
-    Raises:
-        UsageError: a mission from a file, which has no chart.
-        NoRoute: no fence of so few corners holds the route.
+    boat: how much of them it holds, and how far inside its fence it stops. Raises UsageError: a mission from
+    a file, which has no chart. NoRoute: no fence of so few corners holds the route.
     """
     if planned.plan is None and planned.task is None:
         raise UsageError(
@@ -81,10 +78,7 @@ def fence_of_water(
     """The fence for a route on a chart, and how near the route comes to it in metres.
 
     clearance_m: that the route keeps from shores. margin_m: how far inside its fence the boat stops.
-    most_items: corners that the boat holds.
-
-    Raises:
-        NoRoute: no fence of so few corners holds the route.
+    most_items: corners that the boat holds. Raises NoRoute: no fence of so few corners holds the route.
     """
     line = LineString([(point.east_m, point.north_m) for point in route])
     if chart.is_open:

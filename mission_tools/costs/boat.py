@@ -87,11 +87,7 @@ class Boat:
         return (1.0 - self.reserve) * self.capacity_mah
 
     def speed(self, over_ground_m_s: float | None = None) -> BoatSpeed:
-        """Its speeds; over_ground_m_s: instead of the cruise speed.
-
-        Raises:
-            UsageError: faster than the boat.
-        """
+        """Its speeds; over_ground_m_s: in place of cruise. Raises UsageError: faster than the boat."""
         return BoatSpeed(over_ground_m_s or self.cruise_m_s, self.top_m_s, self.slowest_m_s)
 
     def drawn_a(self, through_m_s: Floats) -> Floats:
@@ -113,11 +109,8 @@ class Boat:
 def load_boat(name: str | None) -> Boat:
     """A boat's TOML, that of `boat-companion` or that of an emulated boat (also by name, such as `lake`).
 
-    None: this project's boat as it is without a file.
-
-    Raises:
-        ConfigError: names file and key.
-        UsageError: no such boat.
+    None: this project's boat as it is without a file. Raises ConfigError: names file and key. UsageError: no
+    such boat.
     """
     if name is None:
         return Boat.of(BoatConfig())

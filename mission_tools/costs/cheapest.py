@@ -71,10 +71,8 @@ def cheapest_route(
 ) -> CheapestRoute:
     """Improve on a shortest route: from its first to its last point, with the same clearance.
 
-    Where the shortest route begins nearer to a shore than the clearance, its first leg stays.
-
-    Raises:
-        NoRoute: every route meets a current that cannot be stemmed; names the place.
+    Where the shortest route begins nearer to a shore than the clearance, its first leg stays. Raises NoRoute:
+    every route meets a current that cannot be stemmed; names the place.
     """
     points = tuple(shortest)
     way_out: tuple[Point, ...] = ()

@@ -45,8 +45,7 @@ def read_current_table(path: Path, frame: LocalFrame | None = None) -> CurrentTa
     .npz: arrays east_m (n), north_m (m), current_east_m_s and current_north_m_s (m, n), or with time_s (k)
     both of shape (k, m, n). Axes rise.
 
-    Raises:
-        ConfigError: the file cannot be read, or is not such a grid; it says what is wrong.
+    Raises ConfigError: the file cannot be read, or is not such a grid; it says what is wrong.
     """
     try:
         table = _read_npz(path, frame) if path.suffix.lower() == ".npz" else _read_csv(path, frame)
@@ -78,10 +77,8 @@ def _check(table: CurrentTable) -> None:
 
 
 def _columns(names: Collection[str], frame: LocalFrame | None) -> tuple[str, str, str, str]:
-    """The columns of east, north and the velocity's parts: in metres or, given a frame, in degrees.
-
-    Raises:
-        ValueError: one is missing.
+    """The columns of east, north and the velocity's parts: in metres or, given a frame, in degrees. Raises
+    ValueError: one is missing.
     """
     axes = DEGREES if frame is not None and set(DEGREES) <= set(names) else METRES
     missing = [name for name in (*axes, *VELOCITY) if name not in names]
@@ -173,10 +170,8 @@ class River:
     """A channel that flows along its middle line, from the first point to the last.
 
     The profile is the parabola of laminar and, nearly, of turbulent open channels: full speed on the middle
-    line, none at width_m / 2 from it and beyond.
-
-    Raises:
-        ValueError: fewer than two points, or a width that is not positive.
+    line, none at width_m / 2 from it and beyond. Raises ValueError: fewer than two points, or a width that is
+    not positive.
     """
 
     middle: tuple[Point, ...]

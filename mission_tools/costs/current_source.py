@@ -54,11 +54,8 @@ class _Flow(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def open_current(text: str, frame: LocalFrame) -> Current:
-    """Read a current in a chart's frame.
-
-    Raises:
-        UsageError: none of the forms.
-        MapError: a file that cannot be used; says what is wrong in it.
+    """Read a current in a chart's frame. Raises UsageError: none of the forms. MapError: a file that cannot
+    be used; says what is wrong in it.
     """
     uniform = _UNIFORM.fullmatch(text)
     if uniform is not None:

@@ -30,9 +30,7 @@ class BoatSpeed:
 
     over_ground_m_s: its cruise speed. top_m_s: through the water, at full throttle. keep_m_s: the least speed
     through the water with steerage way, which it also keeps in a current that is faster than its cruise.
-
-    Raises:
-        UsageError: not positive, or a cruise speed above the top speed.
+    Raises UsageError: not positive, or a cruise speed above the top speed.
     """
 
     over_ground_m_s: float = 2.0
@@ -169,11 +167,8 @@ class InZones:
 def for_draught(chart: Chart, draught_m: float | None) -> Chart:
     """The chart for a boat of this draught: water that is less deep is an obstacle.
 
-    Water without a depth counts as deep enough; a note says so where the map has no depths at all.
-
-    Raises:
-        MapError: nothing is deep enough, or a depth is no number; names the area.
-        UsageError: a draught below 0.
+    Water without a depth counts as deep enough; a note says so where the map has no depths at all. Raises
+    MapError: nothing is deep enough, or a depth is no number; names the area. UsageError: a draught below 0.
     """
     if draught_m is None:
         return chart
@@ -197,11 +192,7 @@ def for_draught(chart: Chart, draught_m: float | None) -> Chart:
 
 
 def speed_zones(chart: Chart) -> tuple[SpeedZone, ...]:
-    """The chart's areas with a speed limit.
-
-    Raises:
-        MapError: a limit is no number above 0; names the area.
-    """
+    """The chart's areas with a speed limit. Raises MapError: a limit is no number above 0; names the area."""
     zones = []
     for feature in chart.features:
         limit_m_s = property_number(feature, SPEED_LIMIT)

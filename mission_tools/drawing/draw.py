@@ -74,11 +74,7 @@ def draw_route(axes: Axes, route: Sequence[Point]) -> None:
 def draw_track(
     axes: Axes, track: Sequence[Point], speeds_m_s: Sequence[float] | None = None
 ) -> LineCollection | None:
-    """Where the boat sailed; coloured by speed if speeds are given, one for each point.
-
-    Returns:
-        The coloured line for a colour bar, None for a plain one.
-    """
+    """Where the boat sailed. With speeds, one for each point, it is coloured; the line for a colour bar."""
     east, north = _columns(track)
     if speeds_m_s is None:
         axes.plot(east, north, color=SAILED, linewidth=1.7, zorder=10, solid_capstyle="round")
@@ -91,11 +87,7 @@ def draw_track(
 
 
 def save_figure(path: Path, figure: Figure) -> None:
-    """Write a figure; the suffix of path chooses the format.
-
-    Raises:
-        OutputError: the file cannot be written.
-    """
+    """Write a figure; the suffix of path chooses the format. Raises OutputError: it cannot be written."""
     with output_file(path) as aside:
         figure.savefig(aside, metadata=PICTURE_METADATA.get(path.suffix.lower()))
 

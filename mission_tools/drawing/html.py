@@ -114,11 +114,7 @@ def _tightest(chart: Chart, start: Point, end: Point) -> tuple[float, str, Point
 
 
 def save_page(path: Path, planned: PlannedMission, monitor: MissionMonitor | None = None) -> None:
-    """Write the page.
-
-    Raises:
-        OutputError: the file cannot be written.
-    """
+    """Write the page. Raises OutputError: the file cannot be written."""
     write_text(path, compose(planned, monitor))
 
 

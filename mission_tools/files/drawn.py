@@ -57,10 +57,8 @@ class DrawnMission(NamedTuple):
 
 
 def load_drawn(path: Path) -> DrawnMission:
-    """The route in a .gpx, .kml or .geojson file.
-
-    Raises:
-        MapError, PlanFileError: one line that names the file and what was expected in it.
+    """The route in a .gpx, .kml or .geojson file. Raises MapError, PlanFileError: one line that names the
+    file and what was expected in it.
     """
     read = _READERS.get(path.suffix.lower())
     if read is None:

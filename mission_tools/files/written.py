@@ -250,10 +250,8 @@ ROUTE_SUFFIXES = frozenset(_COMPOSERS) | MISSION_SUFFIXES
 
 
 def check_route_name(path: Path) -> None:
-    """See whether a mission can be written under this name.
-
-    Raises:
-        PlanFileError: its suffix is of no format that is written here.
+    """See whether a mission can be written under this name. Raises PlanFileError: its suffix is of no format
+    that is written here.
     """
     suffix = path.suffix.lower()
     if suffix not in ROUTE_SUFFIXES:
@@ -265,11 +263,8 @@ def check_route_name(path: Path) -> None:
 
 
 def save_route(mission: Mission, path: Path, title: str = "") -> None:
-    """Write a mission. title: what the file calls itself; else the file's name.
-
-    Raises:
-        PlanFileError: the name cannot be used, the file cannot be written, or the format cannot hold the
-            mission.
+    """Write a mission. title: what the file calls itself; else the file's name. Raises PlanFileError: the
+    name cannot be used, the file cannot be written, or the format cannot hold the mission.
     """
     check_route_name(path)
     compose = _COMPOSERS.get(path.suffix.lower())

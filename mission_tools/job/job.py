@@ -10,10 +10,8 @@ from mission_tools.wording import Printer
 
 
 def run(request: Request, report: Report, say: Printer) -> None:
-    """Do the job; `report` is filled in on the way and `say` gets a line for every step.
-
-    Raises:
-        MissionToolsError: what went wrong, with the exit code it stands for.
+    """Do the job; `report` is filled in on the way and `say` gets a line for every step. Raises
+    MissionToolsError: what went wrong, with the exit code it stands for.
     """
     link = parse_link(request.link)
     inputs = (request.source, request.fence, request.rally, request.sign_key)
@@ -48,11 +46,7 @@ _OF_SOURCES = ("start", "follow", "save", "preview", "fence_from_map", "rally_fr
 
 
 def _check_areas_alone(request: Request, areas: Areas) -> None:
-    """See that nothing is asked for that needs a route.
-
-    Raises:
-        UsageError: names the options.
-    """
+    """See that nothing is asked for that needs a route. Raises UsageError: names the options."""
     unfit = [name for name in _OF_SOURCES if getattr(request, name)]
     if unfit or request.options != PlanOptions():
         options = ", ".join("--" + name.replace("_", "-") for name in unfit) or "options about the route"

@@ -78,10 +78,7 @@ def check_outputs(
     save: Path | None, preview: Path | None, inputs: Iterable[Path | str | None], *, force: bool = False
 ) -> None:
     """See whether what is asked for can be written: in a known format, over nothing that is read, and over no
-    other program's file unless forced.
-
-    Raises:
-        PlanFileError, UsageError: names the file.
+    other program's file unless forced. Raises PlanFileError, UsageError: names the file.
     """
     if preview is not None:
         check_picture_name(preview)
@@ -105,10 +102,8 @@ def check_outputs(
 
 def save(mission: Mission, path: Path, planned: PlannedMission | None = None) -> None:
     """Write a mission in the format of the file's suffix: also a picture, where there is a chart to draw.
-
-    Raises:
-        PlanFileError: the format cannot hold it, or the file cannot be written.
-        UsageError: a picture without a chart.
+    Raises PlanFileError: the format cannot hold it, or the file cannot be written. UsageError: a picture
+    without a chart.
     """
     if path.suffix.lower() not in PICTURE_SUFFIXES:
         from mission_tools.files.written import save_route  # noqa: PLC0415 - for files alone
@@ -123,12 +118,8 @@ def save(mission: Mission, path: Path, planned: PlannedMission | None = None) ->
 
 def take_planned(planned: PlannedMission, request: Request, report: Report, say: Printer) -> PlannedMission:
     """Describe what was planned and what it costs the boat, and save it; with the fence that was asked for.
-
-    Raises:
-        NoRoute: no fence holds the route.
-        UsageError: more items than the boat holds.
-        BeyondRange: the boat does not come home.
-        PlanFileError: it cannot be written.
+    Raises NoRoute: no fence holds the route. UsageError: more items than the boat holds. BeyondRange: the
+    boat does not come home. PlanFileError: it cannot be written.
     """
     if request.fence_from_map or request.rally_from_map:
         from mission_tools.contract.water_contract import with_contract  # noqa: PLC0415 - seldom needed
@@ -156,10 +147,8 @@ def take_planned(planned: PlannedMission, request: Request, report: Report, say:
 
 
 def _within_capacity(planned: PlannedMission, boat: str | None) -> PlannedMission:
-    """The mission, with a note if it has more items than this project's boat holds by default.
-
-    Raises:
-        UsageError: more than the named boat holds.
+    """The mission, with a note if it has more items than this project's boat holds by default. Raises
+    UsageError: more than the named boat holds.
     """
     items = len(planned.mission.wire_lists(home_first=True)[MissionType.MISSION])
     most = MOST_ITEMS
@@ -176,11 +165,7 @@ def _within_capacity(planned: PlannedMission, boat: str | None) -> PlannedMissio
 
 
 def draw(planned: PlannedMission, request: Request, report: Report, say: Printer) -> None:
-    """Draw plan and track, if a picture is asked for.
-
-    Raises:
-        OutputError: it cannot be written.
-    """
+    """Draw plan and track, if a picture is asked for. Raises OutputError: it cannot be written."""
     if request.preview is not None:
         save_preview(request.preview, planned, report.monitor)
         report.preview = request.preview

@@ -29,10 +29,8 @@ def run_session(
     report: Report,
     say: Printer,
 ) -> None:
-    """Connect and do what was asked for. source: None for fence and rally points alone.
-
-    Raises:
-        MissionToolsError: what went wrong.
+    """Connect and do what was asked for. source: None for fence and rally points alone. Raises
+    MissionToolsError: what went wrong.
     """
     session = _UploadSession(request, link, report, say)
     asyncio.run(session.upload_areas(areas) if source is None else session.upload(source, areas))

@@ -52,11 +52,9 @@ class _Piece(NamedTuple):
 
 
 def chart_of(raw: RawMap, origin: LatLon | None = None) -> Chart:
-    """The chart of a map; without an origin the middle of its water becomes one.
-
-    Raises:
-        MapError: no water in it, an island that does not say so, or a map too large or too near a pole; names
-            the file and, where there is one, the feature.
+    """The chart of a map; without an origin the middle of its water becomes one. Raises MapError: no water in
+    it, an island that does not say so, or a map too large or too near a pole; names the file and, where there
+    is one, the feature.
     """
     classified_map = classified(raw)
     features, notes = classified_map
@@ -101,10 +99,8 @@ def chart_of(raw: RawMap, origin: LatLon | None = None) -> Chart:
 
 
 def classified(raw: RawMap) -> Classified:
-    """What each feature is, repaired where that is needed.
-
-    Raises:
-        MapError: a kind that does not exist, tags that say neither water nor land, or a possible island.
+    """What each feature is, repaired where that is needed. Raises MapError: a kind that does not exist, tags
+    that say neither water nor land, or a possible island.
     """
     if len(raw.features) > MOST_FEATURES:
         raise MapError(
@@ -220,10 +216,8 @@ _TOLD = ("place", "natural", "man_made", "waterway", "building")  # whose unknow
 
 
 def kind_of(properties: Mapping[str, Any], where: str) -> tuple[Kind, bool]:
-    """The kind of a feature, and whether the file says so: False for water by default.
-
-    Raises:
-        MapError: a kind that does not exist, or tags that say neither water nor land.
+    """The kind of a feature, and whether the file says so: False for water by default. Raises MapError: a
+    kind that does not exist, or tags that say neither water nor land.
     """
     if "kind" in properties:
         kind = properties["kind"]

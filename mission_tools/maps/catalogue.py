@@ -27,10 +27,8 @@ def scenario_names() -> tuple[str, ...]:
 def load_source(text: str, *, lines_are_outlines: bool = False) -> Source:
     """A scenario's name such as `lake`, the path of a scenario (.toml), or of a map (MAP_SUFFIXES).
 
-    lines_are_outlines: GPX tracks and routes that do not say what they are enclose water.
-
-    Raises:
-        MapError: nothing of that name, or it cannot be used.
+    lines_are_outlines: GPX tracks and routes that do not say what they are enclose water. Raises MapError:
+    nothing of that name, or it cannot be used.
     """
     path = Path(text)
     suffix = path.suffix.lower()

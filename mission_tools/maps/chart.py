@@ -111,10 +111,8 @@ class Chart:
 
 
 def property_number(feature: Feature, key: str) -> float | None:
-    """A number that the map says about a feature; None if it says none.
-
-    Raises:
-        MapError: it says something else; names the feature.
+    """A number that the map says about a feature; None if it says none. Raises MapError: it says something
+    else; names the feature.
     """
     value: Any = feature.properties.get(key)
     if value is None:
@@ -135,10 +133,8 @@ def build_chart(
     features: Iterable[Feature],
     notes: Iterable[str] = (),
 ) -> Chart:
-    """Cut solid features out of the water (None: open water), collect those to keep out of.
-
-    Raises:
-        MapError: nothing navigable is left.
+    """Cut solid features out of the water (None: open water), collect those to keep out of. Raises MapError:
+    nothing navigable is left.
     """
     features = tuple(features)
     half = OPEN_WATER_HALF_SIDE_M

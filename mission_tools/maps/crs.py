@@ -30,10 +30,8 @@ _ADVICE = "convert the file to WGS 84, as by ogr2ogr -t_srs EPSG:4326 OUT.geojso
 
 
 def to_wgs84(tree: Mapping[str, Any], source: str) -> Mapping[str, Any]:
-    """The tree with its positions in WGS 84, and without a CRS; as it is when it names none.
-
-    Raises:
-        MapError: names the CRS and why it cannot be used.
+    """The tree with its positions in WGS 84, and without a CRS; as it is when it names none. Raises MapError:
+    names the CRS and why it cannot be used.
     """
     features = tree.get("features")
     entries = features if isinstance(features, list) else []
@@ -58,10 +56,8 @@ def to_wgs84(tree: Mapping[str, Any], source: str) -> Mapping[str, Any]:
 def shapes_to_wgs84(shapes: Sequence[BaseGeometry], name: str, source: str) -> list[BaseGeometry]:
     """Shapes of one CRS, named as PROJ understands it (also WKT), in WGS 84 degrees.
 
-    Edges longer than 1 km of a projected CRS get corners in between, as they are straight there.
-
-    Raises:
-        MapError: as `to_wgs84`.
+    Edges longer than 1 km of a projected CRS get corners in between, as they are straight there. Raises
+    MapError: as `to_wgs84`.
     """
     crs = _known(name, source)
     if not shapes or _is_wgs84(crs):
@@ -86,11 +82,7 @@ def shapes_to_wgs84(shapes: Sequence[BaseGeometry], name: str, source: str) -> l
 
 
 def from_wgs84(place: LatLon, name: str, source: str) -> tuple[float, float]:
-    """x and y of a place in a CRS.
-
-    Raises:
-        MapError: the CRS is not known, or has no place for it.
-    """
+    """x and y of a place in a CRS. Raises MapError: the CRS is not known, or has no place for it."""
     crs = _known(name, source)
     x, y = pyproj.Transformer.from_crs(_WGS84, crs, always_xy=True).transform(place.lon_deg, place.lat_deg)
     if not (math.isfinite(x) and math.isfinite(y)):
@@ -121,10 +113,8 @@ def _known(name: str, source: str) -> pyproj.CRS:
 
 
 def _transformed(positions: Sequence[Sequence[float]], crs: pyproj.CRS, where: str) -> list[list[float]]:
-    """Longitude and latitude of each x and y.
-
-    Raises:
-        MapError: PROJ has no transformation that is good enough here.
+    """Longitude and latitude of each x and y. Raises MapError: PROJ has no transformation that is good enough
+    here.
     """
     x, y = ([float(at[axis]) for at in positions] for axis in (0, 1))
     found = list(map(list, zip(*_best(x, y, crs, where).transform(x, y), strict=True)))

@@ -24,10 +24,8 @@ _SEGMENTS_PER_QUARTER = 32
 
 
 def fenced(chart: Chart, fence: Fence, source: str) -> Chart:
-    """The chart, to be planned on inside the fence. `source` names the fence in messages.
-
-    Raises:
-        MapError: an area that is no area or far from the chart, or a fence that leaves no water.
+    """The chart, to be planned on inside the fence. `source` names the fence in messages. Raises MapError: an
+    area that is no area or far from the chart, or a fence that leaves no water.
     """
     inside: BaseGeometry | None = None
     features = list(chart.features)
@@ -80,10 +78,8 @@ def _at(chart: Chart, place: LatLon, where: str) -> tuple[float, float]:
 
 
 def fence_area(chart: Chart, fence: Fence, source: str) -> BaseGeometry:
-    """Everything inside one of the inclusions and outside the exclusions, in the chart's frame.
-
-    Raises:
-        MapError: an area that is no area, or far from the chart.
+    """Everything inside one of the inclusions and outside the exclusions, in the chart's frame. Raises
+    MapError: an area that is no area, or far from the chart.
     """
     shapes = [(area.inclusion, _shape(chart, area, f"{source}: {label}")) for label, area in _labelled(fence)]
     inside = shapely.union_all([shape for is_inclusion, shape in shapes if is_inclusion])
@@ -91,10 +87,8 @@ def fence_area(chart: Chart, fence: Fence, source: str) -> BaseGeometry:
 
 
 def load_mission_map(path: Path, origin: LatLon | None = None) -> Chart:
-    """The water inside a mission file's fence, or around its exclusions.
-
-    Raises:
-        MapError: the file cannot be read, or has no fence.
+    """The water inside a mission file's fence, or around its exclusions. Raises MapError: the file cannot be
+    read, or has no fence.
     """
     try:
         mission = load_mission(path)

@@ -36,20 +36,16 @@ _CROSSINGS = ("Self-intersection", "Ring Self-intersection")
 
 
 def load_geojson(path: Path, origin: LatLon | None = None) -> Chart:
-    """Read a map; without an origin the middle of its water becomes one.
-
-    Raises:
-        MapError: cannot be read, is not GeoJSON, a shape cannot be used, or there is no water in it; one line
-            that names the file, the feature and the place.
+    """Read a map; without an origin the middle of its water becomes one. Raises MapError: cannot be read, is
+    not GeoJSON, a shape cannot be used, or there is no water in it; one line that names the file, the feature
+    and the place.
     """
     return parse_geojson(read_json(path), str(path), path.stem, origin)
 
 
 def read_json(path: Path) -> object:
-    """What is in a file of JSON; a byte order mark is ignored.
-
-    Raises:
-        MapError: cannot be read, or is not JSON.
+    """What is in a file of JSON; a byte order mark is ignored. Raises MapError: cannot be read, or is not
+    JSON.
     """
     try:
         return json.loads(read_bytes(path).decode("utf-8-sig"))
@@ -62,10 +58,8 @@ def read_json(path: Path) -> object:
 
 
 def parse_geojson(tree: object, source: str, name: str, origin: LatLon | None = None) -> Chart:
-    """Build a chart from decoded JSON; `source` stands before every error message.
-
-    Raises:
-        MapError: as `load_geojson`.
+    """Build a chart from decoded JSON; `source` stands before every error message. Raises MapError: as
+    `load_geojson`.
     """
     title = tree.get("name") if isinstance(tree, Mapping) else None
     raw = raw_map(feature_entries(tree, source), source, name, title if isinstance(title, str) else "")
@@ -73,10 +67,8 @@ def parse_geojson(tree: object, source: str, name: str, origin: LatLon | None = 
 
 
 def raw_map(entries: Sequence[object], source: str, fallback_name: str = "", title: str = "") -> RawMap:
-    """The features of a map as they are in the file.
-
-    Raises:
-        MapError: names the feature and what is wrong with it.
+    """The features of a map as they are in the file. Raises MapError: names the feature and what is wrong
+    with it.
     """
     notes: list[str] = []
     features: list[RawFeature] = []
@@ -94,11 +86,7 @@ def raw_map(entries: Sequence[object], source: str, fallback_name: str = "", tit
 
 
 def feature_entries(tree: object, source: str) -> list[Any]:
-    """The features of whatever kind of GeoJSON this is, in WGS 84.
-
-    Raises:
-        MapError: it is none.
-    """
+    """The features of whatever kind of GeoJSON this is, in WGS 84. Raises MapError: it is none."""
     if isinstance(tree, Mapping) and _names_crs(tree):
         from mission_tools.maps.crs import to_wgs84  # noqa: PLC0415 (PROJ takes 0.1 s to import)
 
@@ -184,9 +172,7 @@ def _corners(ring: list[Any], where: str) -> Corners:
 
 def polygon_parts(geometry: Mapping[str, Any], where: str) -> list[Polygon]:
     """The polygons of a Polygon or MultiPolygon, in degrees: x longitude, y latitude; nothing is repaired.
-
-    Raises:
-        MapError: another geometry, or rings that are no polygon.
+    Raises MapError: another geometry, or rings that are no polygon.
     """
     kind = geometry.get("type")
     if kind not in ("Polygon", "MultiPolygon"):

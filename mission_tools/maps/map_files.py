@@ -39,10 +39,8 @@ MAP_SUFFIXES = (*_CHART_READERS, *_FEATURE_READERS)
 def load_map(path: Path, origin: LatLon | None = None, *, lines_are_outlines: bool = False) -> Chart:
     """Read a map file; without an origin the middle of its water becomes one.
 
-    lines_are_outlines: as of `catalogue.load_source`.
-
-    Raises:
-        MapError: the suffix is not known, or the map cannot be used.
+    lines_are_outlines: as of `catalogue.load_source`. Raises MapError: the suffix is not known, or the map
+    cannot be used.
     """
     suffix = path.suffix.lower()
     if suffix in _FEATURE_READERS:
@@ -57,10 +55,7 @@ def load_map(path: Path, origin: LatLon | None = None, *, lines_are_outlines: bo
 def read_features(path: Path, *, lines_are_outlines: bool = False) -> RawMap:
     """The features of a map file whose suffix is in FEATURE_SUFFIXES.
 
-    lines_are_outlines: as of `catalogue.load_source`.
-
-    Raises:
-        MapError: the map cannot be used.
+    lines_are_outlines: as of `catalogue.load_source`. Raises MapError: the map cannot be used.
     """
     suffix = path.suffix.lower()
     read = cast(Callable[..., RawMap], _function(*_FEATURE_READERS[suffix]))

@@ -46,11 +46,7 @@ class RawMap:
 
 
 def read_bytes(path: Path) -> bytes:
-    """A map file.
-
-    Raises:
-        MapError: it cannot be read, or is too large for a map of one piece of water.
-    """
+    """A map file. Raises MapError: it cannot be read, or is too large for a map of one piece of water."""
     try:
         if path.stat().st_size > MAX_FILE_BYTES:
             raise MapError(f"{path}: more than {MAX_FILE_BYTES // 1_000_000} MB: cut out what matters")

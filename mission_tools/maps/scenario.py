@@ -93,11 +93,8 @@ class _Scenario(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def load_scenario(path: Path) -> Source:
-    """Read a scenario's chart, route and cases.
-
-    Raises:
-        MapError: cannot be read, not TOML, a key that cannot be used, or a map that cannot; one line that
-            names the file and the key.
+    """Read a scenario's chart, route and cases. Raises MapError: cannot be read, not TOML, a key that cannot
+    be used, or a map that cannot; one line that names the file and the key.
     """
     try:
         tree = parse_toml(path.read_text(encoding="utf-8"))
@@ -110,9 +107,7 @@ def load_scenario(path: Path) -> Source:
 
 def decode_scenario(tree: Mapping[str, Any], path: Path) -> Source:
     """Build the source from a TOML tree; `path` names it in messages and is where map.file is looked for.
-
-    Raises:
-        MapError: as `load_scenario`.
+    Raises MapError: as `load_scenario`.
     """
     try:
         scenario = msgspec.convert(dict(tree), _Scenario)

@@ -31,11 +31,7 @@ class Source:
     cases: Mapping[str, tuple[Point, Point]] = field(default_factory=dict)
 
     def with_case(self, name: str) -> "Source":
-        """The same source with a case's start and goal.
-
-        Raises:
-            UsageError: no case of that name.
-        """
+        """The same source with a case's start and goal. Raises UsageError: no case of that name."""
         if name not in self.cases:
             known = ", ".join(self.cases) or "none"
             raise UsageError(f"no case {name!r} in {self.chart.name}: there are {known}")

@@ -85,11 +85,7 @@ _WIDEST_M = 1e7  # a quarter of the way round the Earth
 
 
 def check_count(count: int) -> None:
-    """See early whether a file's items fit into a mission.
-
-    Raises:
-        ValueError: they do not.
-    """
+    """See early whether a file's items fit into a mission. Raises ValueError: they do not."""
     if count > MOST_ITEMS:
         raise ValueError(f"{count} items: a mission holds {MOST_ITEMS} at most; cut it into parts")
 
@@ -106,10 +102,8 @@ def is_global_frame(frame: int) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class MissionItem:
-    """One item: what to do and where. A NaN parameter means "as the vehicle likes".
-
-    Raises:
-        ValueError: a field outside what MISSION_ITEM_INT can carry, or a place that is not on Earth.
+    """One item: what to do and where. A NaN parameter means "as the vehicle likes". Raises ValueError: a
+    field outside what MISSION_ITEM_INT can carry, or a place that is not on Earth.
     """
 
     command: int

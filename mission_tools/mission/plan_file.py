@@ -14,20 +14,14 @@ MISSION_SUFFIXES = frozenset({".plan", ".waypoints", ".wpl", ".txt"})
 
 
 def load_mission(path: Path) -> Mission:
-    """Read a mission file, its format told by what is in it.
-
-    Raises:
-        PlanFileError: names the file, the item or line, and what was expected there.
+    """Read a mission file, its format told by what is in it. Raises PlanFileError: names the file, the item
+    or line, and what was expected there.
     """
     return parse_mission(read_text(path), str(path))
 
 
 def read_text(path: Path) -> str:
-    """The text of a mission file.
-
-    Raises:
-        PlanFileError: it cannot be read, or is no text.
-    """
+    """The text of a mission file. Raises PlanFileError: it cannot be read, or is no text."""
     try:
         return path.read_text(encoding="utf-8")
     except OSError as error:
@@ -37,10 +31,8 @@ def read_text(path: Path) -> str:
 
 
 def parse_mission(text: str, source: str) -> Mission:
-    """Read a mission from text; `source` is its name for people.
-
-    Raises:
-        PlanFileError: names the source, the item or line, and what was expected there.
+    """Read a mission from text; `source` is its name for people. Raises PlanFileError: names the source, the
+    item or line, and what was expected there.
     """
     from mission_tools.mission import qgc_plan, wpl_text  # noqa: PLC0415 - msgspec, for files alone
 
@@ -52,10 +44,8 @@ def parse_mission(text: str, source: str) -> Mission:
 
 
 def check_mission_name(path: Path) -> None:
-    """See whether a mission can be written under this name.
-
-    Raises:
-        PlanFileError: its ending is of no format that is written here; names those that are.
+    """See whether a mission can be written under this name. Raises PlanFileError: its ending is of no format
+    that is written here; names those that are.
     """
     if path.suffix.lower() not in MISSION_SUFFIXES:
         raise PlanFileError(
@@ -65,11 +55,9 @@ def check_mission_name(path: Path) -> None:
 
 
 def save_mission(mission: Mission, path: Path) -> None:
-    """Write a mission; `.plan` gives QGroundControl's format, the other endings QGC WPL 110.
-
-    Raises:
-        PlanFileError: the file cannot be written, the name is of no known format, or the format cannot hold
-            the mission.
+    """Write a mission; `.plan` gives QGroundControl's format, the other endings QGC WPL 110. Raises
+    PlanFileError: the file cannot be written, the name is of no known format, or the format cannot hold the
+    mission.
     """
     from mission_tools.mission import qgc_plan, wpl_text  # noqa: PLC0415 - msgspec, for files alone
 

@@ -98,11 +98,7 @@ class _Plan(msgspec.Struct, frozen=True, rename="camel"):
 
 
 def parse(text: str) -> Mission:
-    """Read a `.plan`.
-
-    Raises:
-        ValueError: not such a file, or names the item and what was expected there.
-    """
+    """Read a `.plan`. Raises ValueError: not such a file, or names the item and what was expected there."""
     try:
         plan = msgspec.json.decode(text.removeprefix("\ufeff"), type=_Plan)
     except msgspec.ValidationError as error:

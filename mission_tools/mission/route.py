@@ -12,10 +12,8 @@ FASTEST_M_S = 100.0
 def mission_along(path: Sequence[LatLon], speed_m_s: float | None = None) -> Mission:
     """Waypoints along a path whose first point is where the boat starts: that one becomes home.
 
-    How near a waypoint must be passed is the vehicle's own setting.
-
-    Raises:
-        UsageError: fewer than two points, or a speed out of range.
+    How near a waypoint must be passed is the vehicle's own setting. Raises UsageError: fewer than two points,
+    or a speed out of range.
     """
     if len(path) < 2:
         raise UsageError(f"a route needs a start and a goal, got {len(path)} point(s)")
@@ -24,10 +22,8 @@ def mission_along(path: Sequence[LatLon], speed_m_s: float | None = None) -> Mis
 
 
 def with_speed(mission: Mission, speed_m_s: float | None) -> Mission:
-    """The mission with its speed over ground as the first item; None leaves the speed to the vehicle.
-
-    Raises:
-        UsageError: a speed out of range.
+    """The mission with its speed over ground as the first item; None leaves the speed to the vehicle. Raises
+    UsageError: a speed out of range.
     """
     if speed_m_s is None:
         return mission

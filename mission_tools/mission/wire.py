@@ -29,9 +29,7 @@ FENCE_COMMANDS = frozenset({*_VERTICES, *_CIRCLES, Command.NAV_FENCE_RETURN_POIN
 
 def mission_from(lists: Mapping[MissionType, Sequence[MissionItem]], *, home_first: bool) -> Mission:
     """The mission, fence and rally points of a vehicle. home_first: item 0 is home, as ArduPilot keeps it.
-
-    Raises:
-        ValueError: a fence that is none; names the item.
+    Raises ValueError: a fence that is none; names the item.
     """
     items = tuple(lists.get(MissionType.MISSION, ()))
     home, altitude_m = None, 0.0
@@ -50,10 +48,8 @@ def mission_from(lists: Mapping[MissionType, Sequence[MissionItem]], *, home_fir
 
 
 def fence_from(items: Sequence[MissionItem]) -> Fence:
-    """The fence of a list of items; every vertex carries its polygon's number of vertices.
-
-    Raises:
-        ValueError: names the item and what was expected there.
+    """The fence of a list of items; every vertex carries its polygon's number of vertices. Raises ValueError:
+    names the item and what was expected there.
     """
     polygons: list[FencePolygon] = []
     circles: list[FenceCircle] = []

@@ -25,11 +25,7 @@ HEADER = "QGC WPL 110"
 
 
 def parse(text: str) -> Mission:
-    """Read a mission.
-
-    Raises:
-        ValueError: names the line and what was expected there.
-    """
+    """Read a mission. Raises ValueError: names the line and what was expected there."""
     lines = [line.strip() for line in text.removeprefix("\ufeff").splitlines()]
     rows = [(number, line) for number, line in enumerate(lines, start=1) if line and not line.startswith("#")]
     if not rows or rows[0][1].split() != HEADER.split():
@@ -107,10 +103,8 @@ _FEWEST_CORNERS = 3
 
 
 def parse_lists(text: str) -> tuple[Fence, tuple[Rally, ...]] | None:
-    """The fence and rally points of a text; None if it is no such list.
-
-    Raises:
-        ValueError: names the line and what was expected there.
+    """The fence and rally points of a text; None if it is no such list. Raises ValueError: names the line and
+    what was expected there.
     """
     lines = [(number, line.split()) for number, line in enumerate(text.splitlines(), 1)]
     rows = [(number, row) for number, row in lines if row and not row[0].startswith("#")]

@@ -46,14 +46,8 @@ class SearchResult:
 def astar(expansion: EightNeighbours, estimates: Sequence[int], start: int, goal: int) -> SearchResult:
     """Find the cheapest path between two cells (if the estimates are consistent; else a valid one).
 
-    Args:
-        expansion: the map as steps and costs.
-        estimates: H for each cell, in the expansion's units.
-        start: number of the first cell.
-        goal: number of the last cell.
-
-    Raises:
-        NoRoute: the open list ran empty.
+    expansion: the map as steps and costs. estimates: H for each cell, in the expansion's units. start, goal:
+    numbers of cells. Raises NoRoute: the open list ran empty.
     """
     moves = expansion.moves
     push, pop = heapq.heappush, heapq.heappop

@@ -41,20 +41,14 @@ class FreeWater:
         self._rows, self._columns = np.nonzero(grid.free)
 
     def entry_from_start(self, start: Point) -> EntryCells:
-        """Entry cells of the start; relaxed where it is nearer to a shore than the clearance.
-
-        Raises:
-            StartBlocked: shut in.
+        """Entry cells of the start; relaxed where it is nearer to a shore than the clearance. Raises
+        StartBlocked: shut in.
         """
         is_free = self._chart.clearance_m(start) >= self._clearance_m
         return self._entry_cells(start, "start", StartBlocked, self._clearance_m if is_free else 0.0)
 
     def entry_to_stop(self, stop: Point, name: str) -> EntryCells:
-        """Entry cells of the goal or a via point, as named.
-
-        Raises:
-            GoalBlocked: shut in.
-        """
+        """Entry cells of the goal or a via point, as named. Raises GoalBlocked: shut in."""
         return self._entry_cells(stop, name, GoalBlocked, self._clearance_m)
 
     def no_route(self, start: Point, goal: Point) -> str:

@@ -55,10 +55,8 @@ def water_of(chart: Chart) -> Water:
 
 
 def own_clearances(chart: Chart) -> list[tuple[BaseGeometry, float]]:
-    """The shapes that ask for a clearance of their own, in metres.
-
-    Raises:
-        MapError: one is no number, or negative; names the feature.
+    """The shapes that ask for a clearance of their own, in metres. Raises MapError: one is no number, or
+    negative; names the feature.
     """
     found = []
     for feature in chart.features:
@@ -89,11 +87,7 @@ def _corners(ring: LinearRing) -> list[Point]:
 
 
 def plan_exactly(chart: Chart, stops: Sequence[Point], settings: PlanSettings) -> Plan:
-    """Plan with the whole margin.
-
-    Raises:
-        StartBlocked, GoalBlocked, NoRoute: as `plan`.
-    """
+    """Plan with the whole margin. Raises StartBlocked, GoalBlocked, NoRoute: as `plan`."""
     water = water_of(chart)
     routes = water.routes(settings.required_m)
     clearance_m = settings.required_m
@@ -123,10 +117,8 @@ def plan_exactly(chart: Chart, stops: Sequence[Point], settings: PlanSettings) -
 
 
 def check_stops(chart: Chart, routes: Routes, stops: Sequence[Point], clearance_m: float) -> None:
-    """See that a boat can leave the start, and that the others have the clearance.
-
-    Raises:
-        StartBlocked, GoalBlocked: as `mission_tools.planning.planner.plan`.
+    """See that a boat can leave the start, and that the others have the clearance. Raises StartBlocked,
+    GoalBlocked: as `mission_tools.planning.planner.plan`.
     """
     if not routes.is_free(stops[0]):
         _raise_if_obstructed(chart, routes, stops[0], "start", clearance_m)

@@ -129,10 +129,8 @@ def occupancy(chart: Chart, bounds: Bounds, cell_m: float, clearance_m: float) -
     """Rasterise the navigable water within bounds, grown inwards by the clearance.
 
     A Euclidean distance transform of the cells that a shore runs through settles nearly all cells; the few
-    for which its error of less than a cell matters are measured against the true shore.
-
-    Raises:
-        UsageError: the cells are so small that the grid would not fit in memory.
+    for which its error of less than a cell matters are measured against the true shore. Raises UsageError:
+    the cells are so small that the grid would not fit in memory.
     """
     west, south, east, north = bounds
     columns, rows = (math.ceil(span / cell_m) + 2 * BORDER for span in (east - west, north - south))

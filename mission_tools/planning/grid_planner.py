@@ -35,10 +35,8 @@ MIN_LEG_CELLS = 3.0
 
 
 def plan_on_grid(chart: Chart, stops: Sequence[Point], settings: PlanSettings) -> Plan:
-    """Plan with the whole margin, in cells finer and finer.
-
-    Raises:
-        StartBlocked, GoalBlocked, NoRoute, UsageError: as `plan`.
+    """Plan with the whole margin, in cells finer and finer. Raises StartBlocked, GoalBlocked, NoRoute,
+    UsageError: as `plan`.
     """
     check_stops(chart, water_of(chart).routes(settings.required_m), stops, settings.required_m)
     bounds = _bounds(chart, stops, settings.required_m)

@@ -17,12 +17,10 @@ class PlanSettings:
     """What a plan is asked to be.
 
     clearance_m: distance kept from shores, obstacles and keep-out areas. margin_m: planned on top of it where
-    there is room, for what the boat will sail beside the plan: its corners and its receiver's wander.
-    Routes are exact, among the polygons, unless a grid is asked for by one of these: cell_m: side of a cell;
-    heuristic: its name; smooth: False for the path from cell to cell.
-
-    Raises:
-        UsageError: a value that makes no sense.
+    there is room, for what the boat will sail beside the plan: its corners and its receiver's wander. Routes
+    are exact, among the polygons, unless a grid is asked for by one of these: cell_m: side of a cell;
+    heuristic: its name; smooth: False for the path from cell to cell. Raises UsageError: a value that makes
+    no sense.
     """
 
     clearance_m: float = 4.0
@@ -44,9 +42,7 @@ class PlanSettings:
     @classmethod
     def from_route(cls, route: RouteDefaults, **given: object) -> "PlanSettings":
         """What was given on the command line (None: nothing), else what the scenario says, else the default.
-
-        Raises:
-            UsageError: a value that makes no sense.
+        Raises UsageError: a value that makes no sense.
         """
         names = ("clearance_m", "margin_m", "cell_m", "heuristic", "smooth")
         named: dict[str, Any] = {name: getattr(route, name) for name in names}

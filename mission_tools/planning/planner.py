@@ -22,15 +22,12 @@ def plan(
 ) -> Plan:
     """Plan the shortest route from start through the via points to the goal, or one on a grid if asked for.
 
-    Where the margin leaves no route, or a stop has less room, half of it is tried, then none; notes say so.
-    A start that is afloat but nearer to a shore than the clearance (a boat at its jetty) is left straight for
-    the nearest free water; the plan's notes say so.
-
-    Raises:
-        StartBlocked, GoalBlocked: the place is on land, outside, kept out of or (not the start) too near to a
-            shore; names the feature and the nearest free water.
-        NoRoute: no water of the asked clearance joins them.
-        UsageError: cells so small that the grid would not fit in memory.
+    Where the margin leaves no route, or a stop has less room, half of it is tried, then none; notes say so. A
+    start that is afloat but nearer to a shore than the clearance (a boat at its jetty) is left straight for
+    the nearest free water; the plan's notes say so. Raises StartBlocked, GoalBlocked: the place is on land,
+    outside, kept out of or (not the start) too near to a shore; names the feature and the nearest free water.
+    NoRoute: no water of the asked clearance joins them. UsageError: cells so small that the grid would not
+    fit in memory.
     """
     settings = settings or PlanSettings()
     stops = (start, *via, goal)

@@ -26,10 +26,8 @@ class ShoreSettings:
     near: a place near the shore to follow. distance_m: from it, at least the clearance. error_m: how much
     farther or nearer than that a leg may be, None: a tenth of it; never nearer than the clearance. shore_to:
     the side of the boat that the shore is on. first, last: follow only the stretch between the places of the
-    shore's line that are nearest to these two; None: all of it, back to where it began.
-
-    Raises:
-        UsageError: values that make no sense.
+    shore's line that are nearest to these two; None: all of it, back to where it began. Raises UsageError:
+    values that make no sense.
     """
 
     near: Point
@@ -57,11 +55,8 @@ class ShoreSettings:
 def follow_shore(chart: Chart, start: Point | None, settings: ShoreSettings) -> TaskRoute:
     """The route from start to the shore and along it; the legs of kind "shore" follow it.
 
-    start: where the boat is, None: begin on the line, nearest to `near`.
-
-    Raises:
-        NoRoute: the water round this shore is too narrow for the distance.
-        NoRouteError: no way leads there.
+    start: where the boat is, None: begin on the line, nearest to `near`. Raises NoRoute: the water round this
+    shore is too narrow for the distance. NoRouteError: no way leads there.
     """
     line = _line_along(chart, settings)
     if settings.first is not None and settings.last is not None:

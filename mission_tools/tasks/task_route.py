@@ -105,10 +105,8 @@ def mission_of(route: TaskRoute, frame: LocalFrame, speed_m_s: float | None = No
     """The route as a mission: its first point is home, the others are waypoints.
 
     A hold is the first parameter of its NAV_WAYPOINT, which ArduPilot, PX4, QGroundControl and this project's
-    boat all read as seconds to wait there. ArduPilot keeps whole seconds: a fraction is rounded up.
-
-    Raises:
-        UsageError: fewer than two points, or a speed out of range.
+    boat all read as seconds to wait there. ArduPilot keeps whole seconds: a fraction is rounded up. Raises
+    UsageError: fewer than two points, or a speed out of range.
     """
     waypoints = route.waypoints
     if len(waypoints) < 2:
@@ -139,11 +137,7 @@ class Transits:
         self._found: dict[tuple[Point, Point], tuple[Point, ...] | NoRouteError] = {}
 
     def route(self, start: Point, goal: Point) -> tuple[Point, ...]:
-        """The points of the way, both ends included.
-
-        Raises:
-            NoRouteError: there is none.
-        """
+        """The points of the way, both ends included. Raises NoRouteError: there is none."""
         found = self._found.get((start, goal))
         if found is None:
             found = self._found[start, goal] = self._plan(start, goal)

@@ -32,11 +32,9 @@ def tour(
     """The route from start to every stop, one leg each.
 
     any_order: the stops in the order that makes the route shortest (with the way back, where is_return),
-    measured along the true routes; otherwise as given. is_return: back to the start at the end.
-
-    Raises:
-        UsageError: no stops.
-        NoRouteError: the start is no place for a boat, or a stop cannot be reached; names every such stop.
+    measured along the true routes; otherwise as given. is_return: back to the start at the end. Raises
+    UsageError: no stops. NoRouteError: the start is no place for a boat, or a stop cannot be reached; names
+    every such stop.
     """
     if not stops:
         raise UsageError("a tour needs at least one place to sail to")

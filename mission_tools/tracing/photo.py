@@ -79,19 +79,11 @@ class TracedWater:
         return parse_geojson(json.loads(self.geojson()), self.name, self.name)
 
     def save(self, path: Path) -> None:
-        """Write the map.
-
-        Raises:
-            OutputError: it cannot be written.
-        """
+        """Write the map. Raises OutputError: it cannot be written."""
         write_text(path, self.geojson())
 
     def preview(self, path: Path) -> None:
-        """Draw the outline over the photograph.
-
-        Raises:
-            OutputError: the file cannot be written.
-        """
+        """Draw the outline over the photograph. Raises OutputError: the file cannot be written."""
         tinted = self.rgb.astype(np.float64)
         tinted[self.mask] = 0.7 * tinted[self.mask] + 0.3 * np.array(_TINT)
         picture = Image.fromarray(tinted.astype(np.uint8))
@@ -115,11 +107,8 @@ def trace_photo(
     land: Sequence[LatLon] = (),
     settings: TraceSettings | None = None,
 ) -> TracedWater:
-    """Trace the water that the seeds lie on. land: places whose like is never water.
-
-    Raises:
-        MapError: the photograph cannot be read, nothing says where it lies, a seed is outside of it, or no
-            water grew.
+    """Trace the water that the seeds lie on. land: places whose like is never water. Raises MapError: the
+    photograph cannot be read, nothing says where it lies, a seed is outside of it, or no water grew.
     """
     settings = settings or TraceSettings()
     if not seeds:

@@ -43,9 +43,7 @@ async def connect(
     clock: Callable[[], float] = time.monotonic,
 ) -> AsyncIterator[Vehicle]:
     """Open the link and wait for an autopilot's heartbeat. key: sign all that is sent, hear nothing unsigned.
-
-    Raises:
-        NoVehicle: the link cannot be opened, or no vehicle answers on it; says what to try.
+    Raises NoVehicle: the link cannot be opened, or no vehicle answers on it; says what to try.
     """
     log_subscribe(_log_quietly)
     configuration = Configuration.create_with_component_type(ComponentType.COMPANION_COMPUTER)

@@ -31,20 +31,13 @@ class Transfer:
 async def holdings(
     vehicle: Vehicle, kinds: Iterable[MissionType]
 ) -> dict[MissionType, tuple[MissionItem, ...]]:
-    """What the vehicle holds of these lists.
-
-    Raises:
-        UploadRejected, LinkLost: as `Vehicle.download`.
-    """
+    """What the vehicle holds of these lists. Raises UploadRejected, LinkLost: as `Vehicle.download`."""
     return {kind: await vehicle.download(kind) for kind in kinds}
 
 
 async def held_mission(vehicle: Vehicle) -> Mission:
-    """The mission, fence and rally points that are on board.
-
-    Raises:
-        VehicleError: a fence on board that is none; names the item.
-        UploadRejected, LinkLost: as `Vehicle.download`.
+    """The mission, fence and rally points that are on board. Raises VehicleError: a fence on board that is
+    none; names the item. UploadRejected, LinkLost: as `Vehicle.download`.
     """
     held = await holdings(vehicle, MissionType)
     try:
@@ -54,11 +47,8 @@ async def held_mission(vehicle: Vehicle) -> Mission:
 
 
 async def send(vehicle: Vehicle, lists: Lists) -> Transfer:
-    """Replace the vehicle's lists by these, empty ones too, and read them back.
-
-    Raises:
-        ReadBackMismatch: it does not hold what was sent; names list, item and field.
-        UploadRejected, LinkLost: as `Vehicle.upload`.
+    """Replace the vehicle's lists by these, empty ones too, and read them back. Raises ReadBackMismatch: it
+    does not hold what was sent; names list, item and field. UploadRejected, LinkLost: as `Vehicle.upload`.
     """
     began_s = time.perf_counter()
     for kind, items in lists.items():
@@ -110,12 +100,8 @@ class Held:
 def ask_vehicle(
     link: str, patience_s: float, sign_key: Path | None = None, system_id: int = DEFAULT_SYSTEM_ID
 ) -> Held:
-    """Connect, and download mission, fence and rally points.
-
-    Raises:
-        NoVehicle, LinkLost: no answer.
-        VehicleError: it does not hand them out, or they make no sense.
-        UsageError: the link or the key.
+    """Connect, and download mission, fence and rally points. Raises NoVehicle, LinkLost: no answer.
+    VehicleError: it does not hand them out, or they make no sense. UsageError: the link or the key.
     """
     where = parse_link(link)
     key = None if sign_key is None else read_sign_key(sign_key)

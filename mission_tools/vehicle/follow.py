@@ -49,10 +49,8 @@ class Lookout:
         self._ready_s = clock()
 
     async def step(self) -> Mission | None:
-        """Look once; a mission that was uploaded, None while the way ahead is free.
-
-        Raises:
-            UploadRejected, LinkLost: the vehicle did not take it.
+        """Look once; a mission that was uploaded, None while the way ahead is free. Raises UploadRejected,
+        LinkLost: the vehicle did not take it.
         """
         vehicle, now_s = self._vehicle, self._clock()
         first = 1 if vehicle.state.is_ardupilot else 0
@@ -148,11 +146,8 @@ async def follow(
     """Watch until the mission has ended; the monitor keeps the track, also of one that ends badly.
 
     lookout: gives the vehicle another mission where the way ahead is blocked. Returns the last one's monitor,
-    whose track is that of the whole voyage.
-
-    Raises:
-        VehicleError: the mission ended badly, or has not ended within timeout_s.
-        LinkLost: the vehicle fell silent.
+    whose track is that of the whole voyage. Raises VehicleError: the mission ended badly, or has not ended
+    within timeout_s. LinkLost: the vehicle fell silent.
     """
     began_s = clock()
     console = Console(file=stream, highlight=False, markup=False, soft_wrap=True)

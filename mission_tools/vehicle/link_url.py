@@ -52,10 +52,8 @@ class LinkUrl:
 
 
 def parse_link(text: str) -> LinkUrl:
-    """Understand what a person typed after --connect.
-
-    Raises:
-        UsageError: names what was typed, says what is wrong with it and lists the forms.
+    """Understand what a person typed after --connect. Raises UsageError: names what was typed, says what is
+    wrong with it and lists the forms.
     """
     typed = text.strip()
     scheme, separator, rest = _split(typed)

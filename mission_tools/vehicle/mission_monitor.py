@@ -81,10 +81,8 @@ class MissionMonitor:
         return path_length_m(points)
 
     def update(self, state: VehicleState, now_s: float) -> Progress:
-        """Take in the vehicle's state as of now.
-
-        Raises:
-            VehicleError: the vehicle left AUTO, disarmed, or makes no progress; says where and why.
+        """Take in the vehicle's state as of now. Raises VehicleError: the vehicle left AUTO, disarmed, or
+        makes no progress; says where and why.
         """
         self._was_active = self._was_active or state.mission_state == MISSION_ACTIVE
         self._record(state, now_s)

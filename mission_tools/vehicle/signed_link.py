@@ -27,10 +27,8 @@ _POLL_S = 0.05  # between looks for new connections
 
 
 def read_sign_key(path: Path) -> SigningKey:
-    """The key that `--sign-key` names.
-
-    Raises:
-        UsageError: no such file, one that others may read, or no key in it; says what to do.
+    """The key that `--sign-key` names. Raises UsageError: no such file, one that others may read, or no key
+    in it; says what to do.
     """
     try:
         return read_key_file(path)
@@ -133,9 +131,7 @@ async def signed_link(
     mavsdk: Mavsdk, link: LinkUrl, key: SigningKey, date: Callable[[], float] = time.time
 ) -> AsyncIterator[SignedStream]:
     """Open the link and let MAVSDK speak over it, for as long as the context lasts. date: in Unix seconds.
-
-    Raises:
-        NoVehicle: the link cannot be opened.
+    Raises NoVehicle: the link cannot be opened.
     """
     raw = mavsdk._mavsdk  # the asyncio wrapper leaves the raw connection's two functions out
     loop = asyncio.get_running_loop()

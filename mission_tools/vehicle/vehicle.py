@@ -56,20 +56,15 @@ class Vehicle:
         return self._clock() - self.state.heard_s > SILENCE_S
 
     def raise_if_lost(self, doing: str) -> None:
-        """Raise:
-        LinkLost: the vehicle has fallen silent; `doing` says in the middle of what.
-        """
+        """Raises LinkLost: the vehicle has fallen silent; `doing` says in the middle of what."""
         if self.is_lost:
             raise LinkLost(
                 f"{self.link.typed}: lost the vehicle while {doing}: no heartbeat for {SILENCE_S:.0f} s"
             )
 
     async def upload(self, kind: MissionType, items: Sequence[MissionItem]) -> None:
-        """Replace one of the vehicle's lists.
-
-        Raises:
-            UploadRejected: the vehicle refused; says which list, why and at which item.
-            LinkLost: the vehicle stopped answering.
+        """Replace one of the vehicle's lists. Raises UploadRejected: the vehicle refused; says which list,
+        why and at which item. LinkLost: the vehicle stopped answering.
         """
         raw = [_raw_item(seq, item, kind) for seq, item in enumerate(items)]
         upload = {
@@ -80,11 +75,8 @@ class Vehicle:
         await self._transfer(f"uploading the {LIST_NAMES[kind]}", lambda: upload(raw))
 
     async def download(self, kind: MissionType) -> tuple[MissionItem, ...]:
-        """One of the lists that the vehicle holds.
-
-        Raises:
-            UploadRejected: the vehicle does not hand it out.
-            LinkLost: the vehicle stopped answering.
+        """One of the lists that the vehicle holds. Raises UploadRejected: the vehicle does not hand it out.
+        LinkLost: the vehicle stopped answering.
         """
         download = {
             MissionType.MISSION: self._missions.download_mission,
@@ -94,11 +86,8 @@ class Vehicle:
         return tuple(map(_item, await self._transfer(f"reading back the {LIST_NAMES[kind]}", download)))
 
     async def clear(self, kind: MissionType) -> None:
-        """Empty one of the vehicle's lists: MAVSDK uploads no empty ones.
-
-        Raises:
-            UploadRejected: the vehicle refused.
-            LinkLost: no answer.
+        """Empty one of the vehicle's lists: MAVSDK uploads no empty ones. Raises UploadRejected: the vehicle
+        refused. LinkLost: no answer.
         """
         began_s, answers = self._clock(), self.state.answers
         answers.pop(kind, None)
@@ -158,11 +147,8 @@ class Vehicle:
         """Begin the mission from its first item: arm, then MISSION_START.
 
         A vehicle that is not ready to arm is asked again until patience_s has passed. One that was armed for
-        this and then refuses to start is disarmed again.
-
-        Raises:
-            CommandRefused: with the vehicle's reason.
-            LinkLost: the vehicle stopped answering.
+        this and then refuses to start is disarmed again. Raises CommandRefused: with the vehicle's reason.
+        LinkLost: the vehicle stopped answering.
         """
         with contextlib.suppress(MissionRawError):  # a vehicle without this starts from its first item anyway
             await self._missions.set_current_mission_item(1 if self.state.is_ardupilot else 0)
@@ -202,11 +188,8 @@ class Vehicle:
     async def command(
         self, command: Command, doing: str, *params: float, reason_since_s: float | None = None
     ) -> None:
-        """Send a command and wait for its answer. Its reason may stand since an earlier try.
-
-        Raises:
-            CommandRefused: with the vehicle's reason, and its text if one came.
-            LinkLost: no answer.
+        """Send a command and wait for its answer. Its reason may stand since an earlier try. Raises
+        CommandRefused: with the vehicle's reason, and its text if one came. LinkLost: no answer.
         """
         began_s = self._clock()
         fields = {f"param{number}": 0.0 for number in range(1, 8)}

@@ -34,9 +34,7 @@ class Remainder(NamedTuple):
 
 def remainder_of(items: Sequence[MissionItem], chart: Chart, current: int) -> Remainder:
     """The items from index `current` on (0: the first after home), after the last speed that was set before.
-
-    Raises:
-        NoRoute: the mission jumps: what is left of it depends on how often it has.
+    Raises NoRoute: the mission jumps: what is left of it depends on how often it has.
     """
     if any(item.command == Command.DO_JUMP for item in items):
         raise NoRoute("the mission jumps (DO_JUMP): what is left of it cannot be planned anew")
@@ -54,9 +52,7 @@ def around(
     chart: Chart, water: Water, here: Point, left: Remainder, seen: Polygon | MultiPolygon, clearance_m: float
 ) -> tuple[Mission, frozenset[int]]:
     """The mission that is left, from here, clear of what was seen; and the indices of the detours' items.
-
-    Raises:
-        NoRoute: what was seen lies on the last waypoint, or closes every way.
+    Raises NoRoute: what was seen lies on the last waypoint, or closes every way.
     """
     wide = water.with_shores(_rings(seen, DETOUR_M)).routes(clearance_m)
     narrow = water.with_shores(_rings(seen, SIGHTED_CLEARANCE_M)).routes(clearance_m)
@@ -130,10 +126,8 @@ def _rings(seen: Polygon | MultiPolygon, by_m: float) -> list[Shore]:
 
 
 def _route(routes: Routes, start: Point, goal: Point) -> list[Point]:
-    """The corners between two places. A boat that is too near already leaves by the shortest way.
-
-    Raises:
-        NoRoute: nothing leads there.
+    """The corners between two places. A boat that is too near already leaves by the shortest way. Raises
+    NoRoute: nothing leads there.
     """
     way_out: list[Point] = []
     if not routes.is_free(start):

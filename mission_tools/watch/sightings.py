@@ -45,10 +45,8 @@ def echoes_of(
     """The rays of an OBSTACLE_DISTANCE or DISTANCE_SENSOR message.
 
     before: the last message of the kind. A sector that says the same again is what was measured then: a sonar
-    needs a second or two for a sweep, and reports all of it meanwhile.
-
-    Raises:
-        KeyError, TypeError, ValueError: fields that make no sense.
+    needs a second or two for a sweep, and reports all of it meanwhile. Raises KeyError, TypeError,
+    ValueError: fields that make no sense.
     """
     if name == "OBSTACLE_DISTANCE":
         return list(_sectors(fields, heading_rad, () if before is None else before["distances"]))

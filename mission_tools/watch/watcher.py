@@ -48,10 +48,8 @@ class Watcher:
         self._changed_s = self._swept_s = -math.inf
 
     def take(self, name: str, fields: Mapping[str, Any], now_s: float) -> None:
-        """Take in a message of the vehicle's.
-
-        Raises:
-            KeyError, TypeError, ValueError: fields that make no sense.
+        """Take in a message of the vehicle's. Raises KeyError, TypeError, ValueError: fields that make no
+        sense.
         """
         if name == "GLOBAL_POSITION_INT":
             if (fields["lat"], fields["lon"]) != (0, 0):
@@ -73,10 +71,8 @@ class Watcher:
     def look(self, current: int, now_s: float) -> Mission | None:
         """The mission that is left, led round what blocks it; None while nothing does.
 
-        current: the index in `mission.items` of the item that is sailed to.
-
-        Raises:
-            NoRoute: nothing leads round it, said once; the boat's own look-out is what keeps it off.
+        current: the index in `mission.items` of the item that is sailed to. Raises NoRoute: nothing leads
+        round it, said once; the boat's own look-out is what keeps it off.
         """
         seen, here = self._sightings.area(now_s), self._position(now_s)
         if seen.is_empty or here is None or not 0 <= current < len(self.mission.items):

@@ -44,11 +44,7 @@ class Georeference(NamedTuple):
         )
 
     def in_degrees(self, shape: BaseGeometry, source: str) -> BaseGeometry:
-        """A shape of pixel corners in WGS 84.
-
-        Raises:
-            MapError: the reference system cannot be transformed.
-        """
+        """A shape of pixel corners in WGS 84. Raises MapError: the reference system cannot be transformed."""
         placed = shapely.transform(shape, self.places)
         if self.crs == "EPSG:4326":
             return placed
@@ -57,10 +53,8 @@ class Georeference(NamedTuple):
         return shapes_to_wgs84([placed], self.crs, source)[0]
 
     def pixel_of(self, place: LatLon, source: str) -> tuple[float, float]:
-        """Column and row, in pixel corners, of a place.
-
-        Raises:
-            MapError: the reference system cannot be transformed.
+        """Column and row, in pixel corners, of a place. Raises MapError: the reference system cannot be
+        transformed.
         """
         x, y = place.lon_deg, place.lat_deg
         if self.crs != "EPSG:4326":
@@ -73,10 +67,8 @@ class Georeference(NamedTuple):
 
 
 def georeference_of(path: Path, tags: Mapping[int, Any] | None = None) -> Georeference:
-    """Where a picture lies. tags: of a TIFF.
-
-    Raises:
-        MapError: nothing says where, or not in numbers that can be used.
+    """Where a picture lies. tags: of a TIFF. Raises MapError: nothing says where, or not in numbers that can
+    be used.
     """
     if tags and (_TRANSFORMATION in tags or (_SCALE in tags and _TIEPOINTS in tags)):
         found = _of_tags(tags, str(path))

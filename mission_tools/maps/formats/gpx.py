@@ -24,20 +24,12 @@ MOST_GAP_SHARE = 0.1  # of an outline's length between its end and its beginning
 
 
 def read_gpx(path: Path, lines_are_outlines: bool = False) -> RawMap:
-    """Read a .gpx map.
-
-    Raises:
-        MapError: one line that names the file, the track and the place.
-    """
+    """Read a .gpx map. Raises MapError: one line that names the file, the track and the place."""
     return parse_gpx(read_bytes(path), str(path), path.stem, lines_are_outlines)
 
 
 def parse_gpx(data: bytes, source: str, fallback_name: str = "", lines_are_outlines: bool = False) -> RawMap:
-    """The outlines of a GPX text.
-
-    Raises:
-        MapError: names the source, the track and what was expected.
-    """
+    """The outlines of a GPX text. Raises MapError: names the source, the track and what was expected."""
     root = parse_xml(data, source)
     if root.tag != "gpx":
         raise MapError(f"{source}: not GPX: its root is <{root.tag}>")

@@ -23,10 +23,8 @@ _HEADER = ("type", "height", "width")
 
 
 def load_grid_map(path: Path, origin: LatLon | None = None) -> Chart:
-    """Read a `.map` file, for scenarios, which give it an origin. Passable cells are water.
-
-    Raises:
-        MapError: it cannot be read, is no such map, or no cell is passable; names file and line.
+    """Read a `.map` file, for scenarios, which give it an origin. Passable cells are water. Raises MapError:
+    it cannot be read, is no such map, or no cell is passable; names file and line.
     """
     free = _passable(path)
     rows_down = outlines(free)

@@ -27,28 +27,20 @@ _SHAPES = ("Polygon", "MultiGeometry", "Point", "LineString", "LinearRing", "Tra
 
 
 def read_kml(path: Path) -> RawMap:
-    """Read a .kml map.
-
-    Raises:
-        MapError: one line that names the file, the placemark and the place.
-    """
+    """Read a .kml map. Raises MapError: one line that names the file, the placemark and the place."""
     return parse_kml(read_bytes(path), str(path), path.stem)
 
 
 def read_kmz(path: Path) -> RawMap:
-    """Read a .kmz map: the first .kml in the archive.
-
-    Raises:
-        MapError: as `read_kml`; also an archive that unpacks to too much.
+    """Read a .kmz map: the first .kml in the archive. Raises MapError: as `read_kml`; also an archive that
+    unpacks to too much.
     """
     return parse_kml(unpacked(read_bytes(path), str(path)), str(path), path.stem)
 
 
 def unpacked(archive: bytes, source: str) -> bytes:
-    """The first .kml of a zip archive, at most MAX_FILE_BYTES of it.
-
-    Raises:
-        MapError: no archive, none in it, encrypted, damaged or too large.
+    """The first .kml of a zip archive, at most MAX_FILE_BYTES of it. Raises MapError: no archive, none in it,
+    encrypted, damaged or too large.
     """
     try:
         with zipfile.ZipFile(BytesIO(archive)) as opened:
@@ -67,11 +59,7 @@ def unpacked(archive: bytes, source: str) -> bytes:
 
 
 def parse_kml(data: bytes, source: str, fallback_name: str = "") -> RawMap:
-    """The features of a KML text.
-
-    Raises:
-        MapError: names the source, the placemark and what was expected.
-    """
+    """The features of a KML text. Raises MapError: names the source, the placemark and what was expected."""
     root = parse_xml(data, source)
     if root.tag not in ("kml", "Document", "Folder", "Placemark"):
         raise MapError(f"{source}: not KML: its root is <{root.tag}>")
@@ -183,10 +171,8 @@ MAX_DEPTH = 100
 
 
 def parse_xml(data: bytes, source: str) -> Element:
-    """The root element; tags and attributes are without their namespaces.
-
-    Raises:
-        MapError: not XML, or XML with a document type.
+    """The root element; tags and attributes are without their namespaces. Raises MapError: not XML, or XML
+    with a document type.
     """
     builder = TreeBuilder()
     parser = ParserCreate(namespace_separator="}")

@@ -45,20 +45,14 @@ _DETAIL_HINT = "remove its specks, crop it or scale it down"
 
 
 def read_mask(path: Path) -> RawMap:
-    """Read a mask.
-
-    Raises:
-        MapError: one line that names the file and what is wrong with it.
-    """
+    """Read a mask. Raises MapError: one line that names the file and what is wrong with it."""
     levels, georeference = read_levels(path)
     return mask_map(levels >= BRIGHT, georeference, str(path), path.stem)
 
 
 def read_levels(path: Path) -> tuple[Levels, Georeference]:
-    """The brightness of each pixel, 0 where it is transparent, and where the picture lies.
-
-    Raises:
-        MapError: no picture, in colours, or without a georeference.
+    """The brightness of each pixel, 0 where it is transparent, and where the picture lies. Raises MapError:
+    no picture, in colours, or without a georeference.
     """
     picture, georeference = open_picture(path, MAX_MASK_PIXELS)
     pixels = np.asarray(
@@ -76,10 +70,8 @@ def read_levels(path: Path) -> tuple[Levels, Georeference]:
 
 
 def open_picture(path: Path, most_pixels: int = MAX_PIXELS):  # type: ignore[no-untyped-def]  # noqa: ANN201 (Pillow's own class)
-    """A picture and where it lies.
-
-    Raises:
-        MapError: no picture that can be read, one too large, or nothing says where it lies.
+    """A picture and where it lies. Raises MapError: no picture that can be read, one too large, or nothing
+    says where it lies.
     """
     from PIL import Image, UnidentifiedImageError  # noqa: PLC0415 (pictures only)
 
@@ -129,10 +121,8 @@ def _scaled(pixels: NDArray[Any], source: str) -> Levels:
 
 
 def mask_map(mask: Mask, georeference: Georeference, source: str, fallback_name: str) -> RawMap:
-    """The water of a mask as a map.
-
-    Raises:
-        MapError: no water in it, or a shore too detailed for a route to be planned along it.
+    """The water of a mask as a map. Raises MapError: no water in it, or a shore too detailed for a route to
+    be planned along it.
     """
     edges = int(np.count_nonzero(mask[1:] != mask[:-1]) + np.count_nonzero(mask[:, 1:] != mask[:, :-1]))
     if edges > MAX_EDGES:
@@ -150,10 +140,8 @@ def mask_map(mask: Mask, georeference: Georeference, source: str, fallback_name:
 
 
 def outlines(mask: Mask, most: float = math.inf) -> Area:
-    """The water of a mask as polygons of pixel corners (column, row): never over a pixel of land.
-
-    Raises:
-        MapError: more lines round water and islands than `most`.
+    """The water of a mask as polygons of pixel corners (column, row): never over a pixel of land. Raises
+    MapError: more lines round water and islands than `most`.
     """
     rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
     if not len(rows):
@@ -172,10 +160,7 @@ def traced_area(
 ) -> Area:
     """Polygons of pixel corners around where values are above a level. Beyond the picture is land.
 
-    corner: column and row of the first pixel in the whole picture.
-
-    Raises:
-        MapError: more lines than `most`.
+    corner: column and row of the first pixel in the whole picture. Raises MapError: more lines than `most`.
     """
     from contourpy import FillType, contour_generator  # noqa: PLC0415 (pictures only)
 

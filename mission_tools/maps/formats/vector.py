@@ -35,10 +35,8 @@ class _Layer(NamedTuple):
 
 
 def read_vector(path: Path) -> RawMap:
-    """The features of all layers of a file that GDAL reads, in WGS 84.
-
-    Raises:
-        MapError: pyogrio is not installed, or one line that names the file, the layer and the feature.
+    """The features of all layers of a file that GDAL reads, in WGS 84. Raises MapError: pyogrio is not
+    installed, or one line that names the file, the layer and the feature.
     """
     suffix, source = path.suffix.lower(), str(path)
     notes: list[str] = []

@@ -21,10 +21,7 @@ class SurveySettings:
     shore, round each island and along the area's edge as well, so that nothing is left out between the ends
     of the tracks. cross_spacing_m: between lines across the tracks, for checking; None: no cross lines.
     turn_radius_m: of the boat's turns at its survey speed; 0: it turns on the spot. is_return: end where the
-    boat started.
-
-    Raises:
-        UsageError: values that make no sense, or do not go together.
+    boat started. Raises UsageError: values that make no sense, or do not go together.
     """
 
     spacing_m: float | None = None

@@ -66,12 +66,8 @@ def survey(
 
     start: where the boat is; None begins at the most convenient track. Of waters that are apart, the one with
     the start is surveyed, without a start the largest. area: in the chart's frame, x = east and y = north;
-    land in it is left out.
-
-    Raises:
-        UsageError: open water without an area, or far too many tracks.
-        NoRoute: no water in the area is wide enough for the clearance.
-        NoRouteError: the start is no place for a boat.
+    land in it is left out. Raises UsageError: open water without an area, or far too many tracks. NoRoute: no
+    water in the area is wide enough for the clearance. NoRouteError: the start is no place for a boat.
     """
     plan, swath_m = settings.plan, settings.swath_m
     if area is None and chart.is_open:
@@ -134,11 +130,8 @@ def survey(
 
 
 def _check_water(water: Sequence[Polygon], settings: SurveySettings) -> None:
-    """See that tracks may fit.
-
-    Raises:
-        NoRoute: no water.
-        UsageError: the tracks are farther apart than the area is across.
+    """See that tracks may fit. Raises NoRoute: no water. UsageError: the tracks are farther apart than the
+    area is across.
     """
     if not water:
         raise NoRoute(f"no water in the area keeps {settings.plan.required_m:g} m from every shore")
