@@ -42,11 +42,9 @@ _HELP = """Signals: high = {high} µs, neutral = {neutral} µs, low = {low} µs;
 def calibrate_compass(
     config: BoatConfig, storage: Storage, clock: Clock, say: Callable[[str], object]
 ) -> None:
-    """Collect the field while the operator turns the boat, and store the result.
-
-    Raises:
-        ConfigError: there is nothing to calibrate, or nowhere to keep the result.
-        HardwareError: the part does not answer, the boat's program runs, or the calibration has failed.
+    """Collect the field while the operator turns the boat, and store the result. Raises ConfigError: there is
+    nothing to calibrate, or nowhere to keep the result. HardwareError: the part does not answer, the boat's
+    program runs, or the calibration has failed.
     """
     part = config.parts.compass
     if not part.is_magnetometer:
@@ -89,11 +87,8 @@ def calibrate_escs(
 ) -> bool:
     """Send the pulses that the operator asks for, to all motors at once; False if it was not confirmed.
 
-    Neutral is sent before the pulses end, also after Ctrl-C.
-
-    Raises:
-        ConfigError: the motors have no speed controllers.
-        HardwareError: a signal cannot be opened, or failed.
+    Neutral is sent before the pulses end, also after Ctrl-C. Raises ConfigError: the motors have no speed
+    controllers. HardwareError: a signal cannot be opened, or failed.
     """
     part = config.parts.motors
     if part.driver != "esc":

@@ -41,11 +41,7 @@ _SHORT_QUEUE_BYTES = 512
 
 
 def check_config(config: BoatConfig, model: str | None = None) -> None:
-    """What can be said of a configuration without touching hardware. model: default: of this computer.
-
-    Raises:
-        ConfigError: names the key.
-    """
+    """What can be said without hardware; a ConfigError names the key. model: default: of this computer."""
     for number, link in enumerate(config.link_settings):
         policy_of(link, f"links[{number}]")
         if link.signing != "off" and link.key_file:
@@ -80,11 +76,7 @@ def check_config(config: BoatConfig, model: str | None = None) -> None:
 
 
 def check_channels(setting: Rc) -> None:
-    """No two things on one channel of the transmitter.
-
-    Raises:
-        ConfigError: names the key.
-    """
+    """No two things on one channel of the transmitter; a ConfigError names the key."""
     taken: dict[int, str] = {}
     for key in ("steering_channel", "throttle_channel", "arm_channel", "mode_channel"):
         channel = getattr(setting, key)
@@ -94,11 +86,7 @@ def check_channels(setting: Rc) -> None:
 
 
 def policy_of(link: LinkConfig, key: str) -> Policy:
-    """The rules of one link.
-
-    Raises:
-        ConfigError: names the url, or the key with a message that does not exist.
-    """
+    """The rules of one link. A ConfigError names the url, or the key with a message that does not exist."""
     url = parse_port_url(link.url)
     is_loopback = url.place in ("localhost", "::1") or url.place.startswith("127.")
     baud = url.number if url.kind == "serial" else 0
@@ -106,11 +94,7 @@ def policy_of(link: LinkConfig, key: str) -> Policy:
 
 
 def open_ports(links: Sequence[LinkConfig], now: Now) -> list[Port]:
-    """Open every link of a configuration, or none.
-
-    Raises:
-        ConfigError, LinkError: names the url.
-    """
+    """Open every link of a configuration, or none; a ConfigError or LinkError names the url."""
     with ExitStack() as undo:
         ports: list[Port] = []
         for number, link in enumerate(links):
@@ -122,11 +106,7 @@ def open_ports(links: Sequence[LinkConfig], now: Now) -> list[Port]:
 
 
 def retry_links(links: Sequence[LinkConfig], now: Now, pace: Pace = PACE) -> list[RetriedPort]:
-    """Begin to open every link of a configuration; those that can be opened are open on return.
-
-    Raises:
-        ConfigError: names the url.
-    """
+    """Begin to open every link; those that can be opened are open on return. A ConfigError names the url."""
     with ExitStack() as undo:
         ports: list[RetriedPort] = []
         for number, link in enumerate(links):
@@ -146,20 +126,12 @@ def _open_link(url: str, policy: Policy, now: Now) -> Port:
 
 
 def open_storage(folder: str) -> Storage:
-    """Memory that survives, or memory that does not when no folder is named.
-
-    Raises:
-        StorageError: the folder cannot be used.
-    """
+    """Memory that survives, or memory that does not when no folder is named. StorageError: it is unusable."""
     return FolderStorage(Path(folder).expanduser()) if folder else MemoryStorage()
 
 
 def open_log(config: BoatConfig, folder: str) -> Logbook | None:
-    """The boat's logbook beside what it stores; none when no folder is named.
-
-    Raises:
-        StorageError: the folder cannot be used.
-    """
+    """The boat's logbook beside what it stores; none without a folder. StorageError: it is unusable."""
     setting = config.log
     if not folder:
         return None
@@ -180,11 +152,8 @@ def run_boat(
     """Run the boat until told to stop, or until it `wants_restart`.
 
     Parts and links that cannot be opened join the boat later. Whatever happens, the motors are off when this
-    returns or raises.
-
-    Raises:
-        ConfigError, StorageError: the boat could not be put together.
-        LinkError: no link can be opened, and no service manager waits for one.
+    returns or raises. Raises ConfigError, StorageError: the boat could not be put together. LinkError: no
+    link can be opened, and no service manager waits for one.
     """
     check_config(config)
     clock = clock or SystemClock()

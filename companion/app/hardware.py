@@ -40,10 +40,9 @@ class Begin(Protocol):
 
 
 def open_hardware(config: BoatConfig, now: Now, pace: Pace = PACE) -> Hardware:
-    """Begin to open every part that the configuration names; those that answer are open on return.
+    """Begin to open every configured part; those that answer are open on return.
 
-    Raises:
-        ConfigError: a part can never open so; all are closed again.
+    After a ConfigError, a part that can never open so, all are closed again.
     """
     with ExitStack() as undo:
         assembly = _Assembly(config, now, pace, undo)

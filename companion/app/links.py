@@ -53,11 +53,7 @@ def draw(status: BoatStatus) -> Table:
 
 
 def watch(path: Path, console: Console, pause: Callable[[float], None] = time.sleep) -> None:
-    """Draw the links again and again, until interrupted or the boat ends.
-
-    Raises:
-        StorageError: the boat does not run.
-    """
+    """Draw the links again and again, until interrupted. StorageError: the boat does not run."""
     with Live(draw(read_status(path)), console=console, auto_refresh=False) as live:
         while True:
             pause(_REFRESH_S)

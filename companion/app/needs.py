@@ -136,10 +136,7 @@ def check_needs(config: BoatConfig, model: str) -> None:
     """No pin, device, signal, PWM channel or address twice; each pin can do what it is used for; motors and
     winches have signals that can be ended.
 
-    model: of the computer; a Pi before the Pi 5 if it is none.
-
-    Raises:
-        ConfigError: names both keys.
+    model: of the computer; a Pi before the Pi 5 if it is none. A ConfigError names both keys.
     """
     needs, claims = needs_of(config), _Claims()
     winches = (n for n, one in enumerate(config.payload) if isinstance(one, WinchPayload))
@@ -178,11 +175,7 @@ def _check_pwm(pins: Mapping[str, int], channels: Mapping[int, int]) -> None:
 
 
 def check_ports(needs: Needs) -> None:
-    """No device twice, by whatever name, but for probes on one line.
-
-    Raises:
-        ConfigError: names both keys.
-    """
+    """No device twice, by whatever name, but for probes on one line. A ConfigError names both keys."""
     claims = _Claims()
     for key, port in needs.ports.items():
         use = "a line of probes" if key.startswith("probe[") else ""

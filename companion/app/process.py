@@ -20,10 +20,7 @@ from companion.core.vehicle_status import VehicleStatus
 def only_program(folder: str) -> Iterator[None]:
     """Lock the folder of the boat's files, if there is one that can be locked.
 
-    A second program would drive the same pins and write the same files.
-
-    Raises:
-        StorageError: another program has locked it.
+    A second program would drive the same pins and write the same files: it gets a StorageError.
     """
     descriptor = -1
     if folder:

@@ -99,11 +99,7 @@ def status_path(config: BoatConfig) -> Path | None:
 
 
 def find_status(config: BoatConfig, runtime: Path = RUNTIME_DIRECTORY) -> Path:
-    """The same for a program outside the unit, which does not know the unit's runtime directory.
-
-    Raises:
-        ConfigError: it writes none.
-    """
+    """The same for a program outside the unit, without its runtime directory. ConfigError: it writes none."""
     own, of_unit = status_path(config), runtime / _NAME
     if not config.storage.status_file and of_unit.exists():
         return of_unit
@@ -113,11 +109,7 @@ def find_status(config: BoatConfig, runtime: Path = RUNTIME_DIRECTORY) -> Path:
 
 
 def read_status(path: Path) -> BoatStatus:
-    """The status of the boat that runs.
-
-    Raises:
-        StorageError: there is no such file, or it is none of ours.
-    """
+    """The status of the boat that runs. Raises StorageError: there is no such file, or it is none of ours."""
     try:
         return msgspec.json.decode(path.read_bytes(), type=BoatStatus)
     except FileNotFoundError:

@@ -69,11 +69,7 @@ class RelayFeedback:
         self._halves = 0
 
     def update(self, off_rad: float, now_s: float) -> None:
-        """Switch the relay if needed. off_rad: heading error, positive to starboard.
-
-        Raises:
-            CalibrationError: the heading does not oscillate.
-        """
+        """Switch if needed. off_rad: heading error, starboard positive. CalibrationError: no oscillation."""
         side = 1.0 if self.steering > self.offset else -1.0
         if side * off_rad > self._hysteresis_rad:
             self._switch(-side, now_s)
@@ -96,8 +92,7 @@ class RelayFeedback:
 def tune_heading(inputs: RoutineInputs) -> Routine:
     """Oscillate about a heading and its opposite until there are enough cycles.
 
-    Raises:
-        CalibrationError: the heading does not oscillate, or there is too little room.
+    Raises CalibrationError: the heading does not oscillate, or there is too little room.
     """
     config, heading, offset = inputs.config, inputs.nav.heading_rad, 0.0
     room = 1.0 - config.speed.cruise_throttle if config.drive.has_pair else 1.0

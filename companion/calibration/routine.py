@@ -66,11 +66,7 @@ class CalibrationError(Exception):
 
 
 def come_back(inputs: RoutineInputs) -> Step[None]:
-    """Sail to the centre.
-
-    Raises:
-        CalibrationError: it is not reached.
-    """
+    """Sail to the centre. Raises CalibrationError: it is not reached."""
     until_s, station = inputs.now_s + _COMING_S, KeepStation(inputs.centre)
     while inputs.off_m > inputs.config.guidance.station_radius_m:
         if inputs.now_s > until_s:
@@ -88,11 +84,7 @@ def rest(inputs: RoutineInputs, seconds: float) -> Step[None]:
 
 
 def aim(inputs: RoutineInputs, heading_rad: float, speed_m_s: float = 0.0) -> Step[None]:
-    """Turn to a heading, and hold it for _AIMED_S.
-
-    Raises:
-        CalibrationError: the heading is not reached.
-    """
+    """Turn to a heading, and hold it for _AIMED_S. Raises CalibrationError: the heading is not reached."""
     until_s, aimed_s = inputs.now_s + _TURNING_S, math.inf
     intent = HoldHeading(heading_rad, speed_m_s, _AIMED_RAD)
     while inputs.now_s < aimed_s + _AIMED_S:

@@ -117,11 +117,7 @@ def has_room(inputs: RoutineInputs, heading_rad: float) -> bool:
 
 
 def go_to_edge(inputs: RoutineInputs, heading_rad: float) -> Step[None]:
-    """Sail to the start of a run on this heading.
-
-    Raises:
-        CalibrationError: it is not reached.
-    """
+    """Sail to the start of a run on this heading. Raises CalibrationError: it is not reached."""
     off_m = -START_SHARE * inputs.radius_m
     c, s = math.cos(heading_rad), math.sin(heading_rad)
     edge = Point(inputs.centre.north_m + off_m * c, inputs.centre.east_m + off_m * s)

@@ -51,11 +51,7 @@ _LEAST_GAIN: Final = 0.25
 
 
 def calibrate(inputs: RoutineInputs) -> Routine:
-    """The whole calibration. The motors must be driven without trim meanwhile.
-
-    Raises:
-        CalibrationError: the boat does not do what it is asked to.
-    """
+    """The whole calibration. The motors must be driven without trim meanwhile."""
     pulses = PulseTest()
     yield from pulses.sail(inputs)
     curves = {one: pulses.curve(one) for _, _, one in _BANDS}

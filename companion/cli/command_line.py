@@ -116,10 +116,8 @@ def echo(text: str, *, is_error: bool = False, newline: str = "\n") -> None:
 
 
 def ask(question: str, default: str | None = None) -> str:
-    """The user's answer; an empty one stands for the default, without which the question is repeated.
-
-    Raises:
-        KeyboardInterrupt: the input has ended.
+    """The user's answer; an empty one stands for the default, without which the question is repeated. The end
+    of the input is a KeyboardInterrupt.
     """
     shown = f" [{default}]" if default else ""
     while True:

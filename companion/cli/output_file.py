@@ -17,10 +17,7 @@ def state_home() -> Path:
 @contextmanager
 def output_file(path: Path) -> Iterator[Path]:
     """Yield a temporary path that becomes the file when the block succeeds. Missing folders are created.
-    Devices and pipes are written directly.
-
-    Raises:
-        OutputError: the file cannot be written; an existing one is unchanged.
+    Devices and pipes are written directly. After an OutputError an existing file is unchanged.
     """
     if path.exists() and not path.is_file():
         with _named(path):
@@ -40,21 +37,13 @@ def output_file(path: Path) -> Iterator[Path]:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file.
-
-    Raises:
-        OutputError: as `output_file`.
-    """
+    """Write a text file. Raises OutputError: as `output_file`."""
     with output_file(path) as aside:
         aside.write_text(text, encoding="utf-8")
 
 
 def output_folder(path: Path) -> Path:
-    """Create a folder if necessary.
-
-    Raises:
-        OutputError: it cannot be created.
-    """
+    """Create a folder if necessary. Raises OutputError: it cannot be created."""
     with _named(path):
         path.mkdir(parents=True, exist_ok=True)
     return path

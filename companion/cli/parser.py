@@ -70,11 +70,7 @@ class Parser(argparse.ArgumentParser):
         group.add_argument("-h", "--help", action="help", help="print this text")
 
     def read(self, arguments: Sequence[str]) -> argparse.Namespace:
-        """Parse; the positional argument is `source`, None where it is left out.
-
-        Raises:
-            UsageError: names the option and what was expected there.
-        """
+        """Parse; the positional argument is `source`, None without. A UsageError says what was expected."""
         try:
             given, rest = self.parse_known_args(self._with_negative_values(arguments))
         except argparse.ArgumentError as error:
@@ -95,9 +91,7 @@ class Parser(argparse.ArgumentParser):
         return given
 
     def error(self, message: str) -> NoReturn:
-        """Raise:
-        UsageError: with advice.
-        """
+        """Raise UsageError, with advice."""
         said = message.replace("the following arguments are required:", "Missing option")
         raise UsageError(f"{said} (see {self.prog} --help)")
 

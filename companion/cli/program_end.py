@@ -78,11 +78,7 @@ class PortInUseError(BoatError):
 
 @contextmanager
 def busy_port_explained(advice: str) -> Iterator[None]:
-    """Explain what to do about a port in use. advice: how to choose another port.
-
-    Raises:
-        PortInUseError: in place of the LinkError.
-    """
+    """A PortInUseError in place of its LinkError. advice: how to choose another port."""
     try:
         yield
     except LinkError as error:

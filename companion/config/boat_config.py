@@ -249,11 +249,7 @@ class BoatConfig(Section, frozen=True):
 
 
 def decode_config(tree: Mapping[str, Any], source: str) -> BoatConfig:
-    """Build the configuration from a TOML tree.
-
-    Raises:
-        ConfigError: names the source, the key and the expected value.
-    """
+    """The configuration of a TOML tree. A ConfigError names the source, the key and the expected value."""
     try:
         return msgspec.convert(_with_bus(tree), BoatConfig)
     except msgspec.ValidationError as error:
@@ -284,11 +280,7 @@ def load_config(path: Path) -> BoatConfig:
 
 
 def load_toml(path: Path) -> dict[str, Any]:
-    """Read a TOML file into plain values.
-
-    Raises:
-        ConfigError: no such file, not UTF-8, or not TOML (names the line).
-    """
+    """Read a TOML file into plain values. ConfigError: no such file, not UTF-8, or not TOML, and where."""
     try:
         return parse_toml(path.read_text(encoding="utf-8"))
     except OSError as error:
@@ -298,10 +290,8 @@ def load_toml(path: Path) -> dict[str, Any]:
 
 
 def with_value(config: BoatConfig, path: str, value: object) -> BoatConfig:
-    """A copy of the tree with one field replaced, such as `heading.kp` or `rc.channel_1.trim_us`.
-
-    Raises:
-        ConfigError: no such field, or a value outside its type or range.
+    """A copy of the tree with one field replaced, such as `heading.kp` or `rc.channel_1.trim_us`. Raises
+    ConfigError if there is no such field, or the value is outside its type or range.
     """
     if "." not in path:
         raise ConfigError(f"{path}: no such setting")

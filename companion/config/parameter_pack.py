@@ -85,11 +85,7 @@ def _fitting(kind: ParameterType, value: float) -> float:
 
 
 def unpack_upload(file: bytes) -> list[tuple[str, float]]:
-    """Names and values of an uploaded file.
-
-    Raises:
-        PackError: truncated, a length other than in the header, or an invalid entry.
-    """
+    """Names and values of an uploaded file. A PackError says where it is damaged."""
     if len(file) < _HEADER.size:
         raise PackError(f"{len(file)} bytes are too few for a parameter file")
     magic, count, length = _HEADER.unpack_from(file)

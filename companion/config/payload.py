@@ -191,11 +191,7 @@ PayloadSetting = (
 
 
 def check_payloads(payloads: Iterable[PayloadSetting]) -> None:
-    """No two with one number.
-
-    Raises:
-        ValueError: names the table and the key.
-    """
+    """No two with one number. A ValueError names the table and the key."""
     numbers: dict[tuple[str, int], str] = {}
     for index, one in enumerate(payloads):
         key = f"payload[{index}]"

@@ -16,11 +16,7 @@ FLOAT32_MAX = 3.4028234663852886e38  # limit of a MAVLink parameter
 
 
 class Section(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A table of the TOML file.
-
-    Raises:
-        ValueError: a number that is not finite; names the field.
-    """
+    """A table of the TOML file. A ValueError names the field with a number that is not finite."""
 
     def __post_init__(self) -> None:
         for name in self.__struct_fields__:
@@ -35,9 +31,7 @@ S = TypeVar("S", bound=Section)
 def replaced(table: S, path: Sequence[str], value: object) -> S:
     """A copy of a table with one value changed. path: names of the nested tables, then the key.
 
-    Raises:
-        LookupError: no such key, or it names a table.
-        msgspec.ValidationError: a value outside the key's type or range.
+    LookupError: no such key, or it names a table; ValidationError: a value outside the key's type or range.
     """
     name, *rest = path
     if name not in table.__struct_fields__:

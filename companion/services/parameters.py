@@ -105,11 +105,7 @@ class ParameterService:
         return reason
 
     def value(self, name: str) -> float:
-        """The present value, as stations see it.
-
-        Raises:
-            KeyError: no such parameter.
-        """
+        """The present value, as stations see it. Raises KeyError: no such parameter."""
         index = self._parameters.index_of(name)
         if index is None:
             raise KeyError(name)
@@ -121,11 +117,7 @@ class ParameterService:
         self._answer()
 
     def set_from_file(self, file: bytes) -> None:
-        """Set parameters from a packed file; changes are broadcast.
-
-        Raises:
-            Refusal: not a packed file; nothing has changed.
-        """
+        """Set parameters from a packed file; changes are broadcast. After a Refusal nothing has changed."""
         try:
             values = unpack_upload(file)
         except PackError as error:

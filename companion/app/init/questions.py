@@ -116,11 +116,7 @@ def _choices(config: BoatConfig, key: str) -> str:
 
 
 def _read(answer: str, kind: type) -> Value:
-    """An answer as a value of its key's type.
-
-    Raises:
-        ConfigError: it is not a number, where one is expected.
-    """
+    """An answer as a value of its key's type. ConfigError: it is no number where one is expected."""
     if kind is str:
         return answer
     try:

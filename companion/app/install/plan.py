@@ -100,11 +100,7 @@ def uninstall_steps(target: Target, *, purge: bool) -> list[InstallStep]:
 
 
 def check_page_program(target: Target, programs: Path) -> None:
-    """Start the page's program, which does its imports.
-
-    Raises:
-        UnmetError: it cannot start, with what it says.
-    """
+    """Start the page's program, which does its imports. Raises UnmetError, with what it says."""
     try:
         target.run(str(programs / "boat-shore"), "--version")
     except InstallError as error:

@@ -43,11 +43,7 @@ class InstallStep:
 
 
 def apply_steps(steps: Sequence[InstallStep], say: Say) -> None:
-    """Apply all steps, or none.
-
-    Raises:
-        OSError: the step's error, after the steps before it have been undone.
-    """
+    """Apply all steps, or none: a step's OSError comes out after the steps before it have been undone."""
     applied: list[InstallStep] = []
     try:
         for step in steps:

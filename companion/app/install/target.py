@@ -39,11 +39,7 @@ class Target:
         return self.root / path.relative_to("/")
 
     def run(self, *command: str) -> str:
-        """Run one of the system's programs, such as useradd; returns its output.
-
-        Raises:
-            InstallError: with what the program said.
-        """
+        """Run one of the system's programs, such as useradd; its output. InstallError: with what it said."""
         try:
             done = subprocess.run(  # noqa: S603
                 command, check=True, capture_output=True, text=True, timeout=_LONGEST_S
@@ -88,11 +84,7 @@ class Target:
 
 
 def need_programs(*names: str) -> None:
-    """The system's own programs that the steps will run.
-
-    Raises:
-        UnmetError: names the first that is missing.
-    """
+    """The system's own programs that the steps will run. An UnmetError names the first that is missing."""
     for name in names:
         if shutil.which(name) is None:
             raise UnmetError(f"{name}: not installed; expected a Linux system with systemd and passwd")

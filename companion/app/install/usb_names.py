@@ -18,10 +18,8 @@ HEAD = "# mavboat: names of the boat's USB parts, written by `boat-companion ins
 
 
 def usb_rules(options: Sequence[str], before: str = "", sys_root: Path = Path("/sys")) -> str:
-    """The file's text: the rules for NAME=DEVICE options, and of `before` those of other names.
-
-    Raises:
-        InstallError: an option that is wrong, or a device that is not on USB.
+    """The file's text: the rules for NAME=DEVICE options, and of `before` those of other names. Raises
+    InstallError for an option that is wrong, or a device that is not on USB.
     """
     rules = {name: rule for rule in before.splitlines() if (name := _named(rule))}
     for option in options:

@@ -21,11 +21,7 @@ class Quota:
         self._is_counted = False
 
     def check(self, more_bytes: int, more_entries: int) -> None:
-        """Check for room.
-
-        Raises:
-            OSError: there is none.
-        """
+        """Check for room. Raises OSError: there is none."""
         if self._is_counted and self._has_room(more_bytes, more_entries):
             return
         self._count()

@@ -29,11 +29,7 @@ class Upload:
         self.is_written = False
 
     def growth(self, end: int) -> int:
-        """Growth of the file when written up to an offset.
-
-        Raises:
-            OSError: too long.
-        """
+        """Growth of the file when written up to an offset. Raises OSError: too long."""
         if end > MAX_UPLOAD_BYTES:
             raise OSError(errno.EFBIG, "too long")
         return max(end - len(self.content), 0)
@@ -75,11 +71,7 @@ class Session:
 
     @property
     def reading(self) -> Reading:
-        """The file being read.
-
-        Raises:
-            Refusal: it is being written.
-        """
+        """The file being read. Raises Refusal: it is being written."""
         if isinstance(self.file, Upload):
             raise Refusal(Code.FILE_PROTECTED)
         return self.file
@@ -115,11 +107,7 @@ class FtpStation:
         return any(raw[SESSION_AT] == number for raw in self.waiting)
 
     def session(self, number: int, now_s: float) -> Session:
-        """An open session; marks it as used.
-
-        Raises:
-            Refusal: no such session.
-        """
+        """An open session; marks it as used. Raises Refusal: no such session."""
         session = self.sessions.get(number)
         if session is None:
             raise Refusal(Code.INVALID_SESSION)
@@ -127,11 +115,7 @@ class FtpStation:
         return session
 
     def open(self, wanted: int, file: Reading | Upload, on_disk: bool, now_s: float) -> Session:
-        """Open a session with the wanted number, or the lowest free one.
-
-        Raises:
-            Refusal: too many sessions.
-        """
+        """Open a session with the wanted number, or the lowest free one. Refusal: there are too many."""
         if len(self.sessions) >= MAX_SESSIONS or self.is_gone:
             raise Refusal(Code.NO_SESSIONS_AVAILABLE)
         number = wanted
@@ -141,11 +125,7 @@ class FtpStation:
         return session
 
     def close(self, number: int) -> Session:
-        """Close a session.
-
-        Raises:
-            Refusal: no such session.
-        """
+        """Close a session. Raises Refusal: no such session."""
         session = self.sessions.pop(number, None)
         if session is None:
             raise Refusal(Code.INVALID_SESSION)

@@ -95,11 +95,7 @@ class FileTree:
         self._all = {**self._mounts, **(aliases or {})}
 
     def find(self, path: bytes) -> Place | None:
-        """Resolve a path; None is the root.
-
-        Raises:
-            Refusal: no such place.
-        """
+        """Resolve a path; None is the root. Raises Refusal: no such place."""
         names = split_path(path)
         if not names:
             return None
@@ -114,11 +110,7 @@ class FileTree:
 
 
 def split_path(path: bytes) -> Names:
-    """The names of a path.
-
-    Raises:
-        Refusal: it leads upwards, is not text, or is too deep.
-    """
+    """The names of a path. Raises Refusal: it leads upwards, is not text, or is too deep."""
     try:
         text = path.rstrip(b"\x00").decode("utf-8")
     except UnicodeDecodeError:
@@ -130,11 +122,7 @@ def split_path(path: bytes) -> Names:
 
 
 def page_of(entries: list[DirectoryEntry], first: int) -> bytes:
-    """The part of a listing from an index that fits one reply.
-
-    Raises:
-        Refusal: the end of the listing.
-    """
+    """The part of a listing from an index that fits one reply. Raises Refusal: the end of the listing."""
     page = b""
     for entry in entries[first:]:
         line = _line(entry)

@@ -16,11 +16,7 @@ class Options(NamedTuple):
     values: Mapping[str, str]
 
     def whole(self, key: str) -> int:
-        """An option as a number; 0 if missing.
-
-        Raises:
-            OSError: not a number.
-        """
+        """An option as a number; 0 if missing. Raises OSError: not a number."""
         text = self.values.get(key, "0")
         if not (text.isascii() and text.isdigit() and len(text) <= 9):
             raise self.wrong(key)
