@@ -24,7 +24,7 @@ from companion.router.channel import Channel
 from companion.services.access import AccessService
 from companion.services.address_check import AddressCheck
 from companion.services.camera.component import CameraComponent
-from companion.services.commands.command import from_int, from_long
+from companion.services.commands.command import command_of
 from companion.services.commands.dispatcher import CommandService
 from companion.services.corrections import CorrectionService
 from companion.services.external_pose import ExternalPoseService
@@ -80,7 +80,7 @@ class Endpoint:
         take_snapshot: TakeSnapshot,
         payload: PayloadControl,
         corrections: CorrectionInput | None = None,
-        faults: FaultInjector | None = None,  # failed handlers: our defects, see the log
+        faults: FaultInjector | None = None,
     ) -> None:
         """may_send: whether a channel has room for telemetry; answers are always sent. take_snapshot: the
         present state of the boat.
@@ -144,8 +144,8 @@ class Endpoint:
         listings, telemetry, commands = self._listings, self._telemetry, self._commands
         return {
             dialect.MAVLINK_MSG_ID_HEARTBEAT: self._on_heartbeat,
-            dialect.MAVLINK_MSG_ID_COMMAND_LONG: lambda m, o, t: commands.handle(from_long(m, o, t)),
-            dialect.MAVLINK_MSG_ID_COMMAND_INT: lambda m, o, t: commands.handle(from_int(m, o, t)),
+            dialect.MAVLINK_MSG_ID_COMMAND_LONG: lambda m, o, t: commands.handle(command_of(m, o, t)),
+            dialect.MAVLINK_MSG_ID_COMMAND_INT: lambda m, o, t: commands.handle(command_of(m, o, t)),
             dialect.MAVLINK_MSG_ID_AUTOPILOT_VERSION_REQUEST: commands.on_version_request,
             dialect.MAVLINK_MSG_ID_TIMESYNC: self._time.on_timesync,
             dialect.MAVLINK_MSG_ID_PING: self._on_ping,

@@ -1,6 +1,7 @@
 """The parameter protocol: list, read, set. Values are C-cast floats, as ArduPilot's."""
 
 from collections import deque
+from dataclasses import dataclass, field
 
 from companion.config.parameter_pack import PackError, unpack_upload
 from companion.config.parameters import Parameters
@@ -21,27 +22,23 @@ _MOST_SETS = 250  # waiting, of a channel: all parameters; a station repeats wha
 _NAMED_REASONS = 3  # of a refused file; others are counted
 
 
+@dataclass(eq=False)
 class ParameterService:
     """Confirms a change once it is stored; lists are sent over several ticks.
 
-    A value that cannot be stored stays in use until the restart: it is confirmed, and the operator is named.
+    A value that cannot be stored stays in use until the restart: it is confirmed, and the operator is told.
     """
 
-    def __init__(
-        self,
-        parameters: Parameters,
-        outbox: Outbox,
-        texts: StatusTextService,
-        losses: DataLosses | None = None,
-    ) -> None:
-        self._losses = losses or DataLosses()
-        if parameters.loss:
-            self._losses.add(_STORED, parameters.loss, "Set any parameter to keep what is in use")
-        self._parameters = parameters
+    _parameters: Parameters
+    _outbox: Outbox
+    _texts: StatusTextService
+    _losses: DataLosses = field(default_factory=DataLosses)
+
+    def __post_init__(self) -> None:
+        if self._parameters.loss:
+            self._losses.add(_STORED, self._parameters.loss, "Set any parameter to keep what is in use")
         self._answers: deque[tuple[int, float]] = deque()  # stored values to confirm
         self._answers_left = _ANSWERS_PER_TICK
-        self._outbox = outbox
-        self._texts = texts
         self._listing: dict[int, deque[int]] = {}  # by open channel: indexes to send
         self._left = _LIST_PER_TICK  # list entries left for this tick
         # by channel, in order of their turns: asked for and not yet done

@@ -48,7 +48,7 @@ class SigningService:
             self._vehicle.data_losses.add(name, what, "Set or remove the signing key")
 
     def open(self, channel: int) -> None:
-        """A channel has opened: guard it; problems are reported once. ConfigError: the key file is invalid."""
+        """A channel has opened: guard it; problems are told once. ConfigError: its key file is invalid."""
         opened = self._channels[channel]
         policy, setting = opened.policy, opened.policy.setting
         name = opened.link.name

@@ -1,19 +1,20 @@
 """The links' end of the data flow: messages in from every channel, messages out from the outbox."""
 
 from collections.abc import Collection
+from dataclasses import dataclass
 
 from companion.log.logbook import Logbook
 from companion.router.channels import Channels
 from companion.services.endpoint import Endpoint
 
 
+@dataclass(eq=False)
 class StationLinks:
     """Between the channels and the endpoint."""
 
-    def __init__(self, channels: Channels, endpoint: Endpoint, logbook: Logbook | None) -> None:
-        self._channels = channels
-        self._endpoint = endpoint
-        self._logbook = logbook
+    _channels: Channels
+    _endpoint: Endpoint
+    _logbook: Logbook | None
 
     def receive(
         self, now_s: float, unix_s: float, ready: Collection[int] | None, *, accepts_links: bool

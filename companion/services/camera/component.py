@@ -7,13 +7,12 @@ depending on its version and the try. It removes a camera without a heartbeat fo
 """
 
 from collections import deque
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from companion.mavlink.dialect import Message, build_message, constants, dialect, message_ids
 from companion.payload.camera import Image
 from companion.services.camera import messages as build
-from companion.services.commands.command import Command, Result, acknowledgement, from_int, from_long
+from companion.services.commands.command import Command, CommandTable, Result, acknowledgement, command_of
 from companion.services.commands.payload import act
 from companion.services.outbox import Origin, Outbox
 from companion.services.telemetry.service import TakeSnapshot
@@ -23,7 +22,7 @@ from companion.vehicle.payload_control import PayloadControl
 _PERIOD_S = 1.0
 _RESEND_S = 2.0  # as of the autopilot's commands
 _REMEMBERED = 1000  # images that can be asked for again
-_COMMAND = dialect
+_COMMANDS = message_ids("COMMAND_LONG", "COMMAND_INT")
 
 # The older commands that ask for a message; the stream is in the first parameter
 _ASKED = (
@@ -54,11 +53,11 @@ class CameraComponent:
     _images: deque[Image] = field(default_factory=lambda: deque(maxlen=_REMEMBERED), init=False)
 
     def __post_init__(self) -> None:
-        self._table: dict[int, Callable[[Command], Result]] = {
+        self._table: CommandTable = {
             **dict.fromkeys(_SHOTS, self._shoot),
-            _COMMAND.MAV_CMD_SET_CAMERA_MODE: _set_mode,
-            _COMMAND.MAV_CMD_VIDEO_START_STREAMING: self._stream,
-            _COMMAND.MAV_CMD_VIDEO_STOP_STREAMING: self._stream,
+            dialect.MAV_CMD_SET_CAMERA_MODE: _set_mode,
+            dialect.MAV_CMD_VIDEO_START_STREAMING: self._stream,
+            dialect.MAV_CMD_VIDEO_STOP_STREAMING: self._stream,
         }
 
     def heartbeat(self) -> Message:
@@ -72,11 +71,8 @@ class CameraComponent:
 
     def handle(self, message: Message, origin: Origin, now_s: float) -> None:
         """A message addressed to the camera; only commands have an effect."""
-        number = message.get_msgId()
-        if number == dialect.MAVLINK_MSG_ID_COMMAND_LONG:
-            self._execute(from_long(message, origin, now_s))
-        elif number == dialect.MAVLINK_MSG_ID_COMMAND_INT:
-            self._execute(from_int(message, origin, now_s))
+        if message.get_msgId() in _COMMANDS:
+            self._execute(command_of(message, origin, now_s))
 
     def open(self, channel: int) -> None:
         self._outbox.send(channel, self.heartbeat(), self.component)
@@ -102,7 +98,7 @@ class CameraComponent:
     def _execute(self, command: Command) -> None:
         """Acknowledge a command, then send the messages that it asks for."""
         answers: list[Message] = []
-        if command.number == _COMMAND.MAV_CMD_REQUEST_MESSAGE:
+        if command.number == dialect.MAV_CMD_REQUEST_MESSAGE:
             result = self._request(command.whole(0), command.p[1], answers)
         elif command.number in _QUESTIONS:
             result = self._request(_QUESTIONS[command.number], command.p[0], answers)

@@ -3,12 +3,12 @@
 Both answer IN_PROGRESS until the run ends. Its results become parameters.
 """
 
-from collections.abc import Callable
+from dataclasses import dataclass
 
 from companion.calibration.runner import HEADING, THRUSTERS, Calibration, CalibrationRunner
 from companion.core.status_text import Severity
 from companion.mavlink.dialect import dialect
-from companion.services.commands.command import Command, Result
+from companion.services.commands.command import Command, CommandTable, Result
 from companion.services.parameters import ParameterService
 from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
@@ -16,21 +16,17 @@ from companion.vehicle.vehicle import Vehicle
 _AXES = (0, 4)  # AUTOTUNE_AXIS: default, yaw
 
 
+@dataclass(eq=False)
 class CalibrationCommands:
     """Starts runs and stores their results."""
 
-    def __init__(
-        self,
-        vehicle: Vehicle,
-        runner: CalibrationRunner,
-        parameters: ParameterService,
-        texts: StatusTextService,
-    ) -> None:
-        self._vehicle = vehicle
-        self._runner = runner
-        self._parameters = parameters
-        self._texts = texts
-        self.table: dict[int, Callable[[Command], Result]] = {
+    _vehicle: Vehicle
+    _runner: CalibrationRunner
+    _parameters: ParameterService
+    _texts: StatusTextService
+
+    def __post_init__(self) -> None:
+        self.table: CommandTable = {
             dialect.MAV_CMD_DO_AUTOTUNE_ENABLE: self._tune_heading,
             dialect.MAV_CMD_USER_1: self._calibrate_thrusters,
         }

@@ -81,6 +81,10 @@ class Command(Struct, frozen=True):
         )
 
 
+CommandTable = dict[int, Callable[[Command], Result]]
+"""Carries out a command, by its number."""
+
+
 def acknowledgement(number: int, result: Result, asker: Address, progress_percent: int = 0) -> Message:
     """COMMAND_ACK to the sender of a command."""
     return build_message(
@@ -97,34 +101,11 @@ def _alike(a: float, b: float) -> bool:
     return a == b or (math.isnan(a) and math.isnan(b))
 
 
-def from_long(message: Message, origin: Origin, now_s: float) -> Command:
-    """COMMAND_LONG has a position as floats in param5 and param6."""
-    return Command(
-        message.command,
-        (message.param1, message.param2, message.param3, message.param4),
-        message.param5,
-        message.param6,
-        dialect.MAV_FRAME_GLOBAL,
-        origin,
-        now_s,
-        message.param5,
-        message.param6,
-        message.param7,
-        message.confirmation,
-    )
-
-
-def from_int(message: Message, origin: Origin, now_s: float) -> Command:
-    """COMMAND_INT has a position as 1e7 integers."""
-    return Command(
-        message.command,
-        (message.param1, message.param2, message.param3, message.param4),
-        e7_to_deg(message.x),
-        e7_to_deg(message.y),
-        message.frame,
-        origin,
-        now_s,
-        float(message.x),
-        float(message.y),
-        message.z,
-    )
+def command_of(message: Message, origin: Origin, now_s: float) -> Command:
+    """COMMAND_LONG has a position as floats in param5 and param6, COMMAND_INT as 1e7 integers."""
+    number, p = message.command, (message.param1, message.param2, message.param3, message.param4)
+    if message.get_msgId() == dialect.MAVLINK_MSG_ID_COMMAND_INT:
+        raw, place = (float(message.x), float(message.y)), (e7_to_deg(message.x), e7_to_deg(message.y))
+        return Command(number, p, *place, message.frame, origin, now_s, *raw, message.z)
+    place, frame = (message.param5, message.param6), dialect.MAV_FRAME_GLOBAL
+    return Command(number, p, *place, frame, origin, now_s, *place, message.param7, message.confirmation)

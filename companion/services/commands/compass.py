@@ -6,7 +6,6 @@ which are stored at once.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -23,7 +22,7 @@ from companion.sensors.compass.magnetic_field import (
     MotorLoad,
     parameter_values,
 )
-from companion.services.commands.command import Command, Result
+from companion.services.commands.command import Command, CommandTable, Result
 from companion.services.outbox import Outbox
 from companion.services.parameters import ParameterService
 from companion.services.telemetry.statustext import StatusTextService
@@ -56,7 +55,7 @@ class CompassCommands:
 
     def __post_init__(self) -> None:
         self._report = FieldFit(CompassVerdict.FAILED, "", MagneticCorrection())
-        self.table: dict[int, Callable[[Command], Result]] = {}
+        self.table: CommandTable = {}
         if self.is_fitted:
             self.table = {
                 dialect.MAV_CMD_DO_START_MAG_CAL: self._start,
@@ -231,8 +230,8 @@ class CompassCommands:
             self._texts.notify(Severity.NOTICE, _MOTORS_STARTED)
         return Result.IN_PROGRESS
 
-    def motors_percent(self, now_s: float) -> int | None:
-        """Progress of the measurement, None without one."""
+    def progress_percent(self, now_s: float) -> int | None:
+        """Progress of the motors' measurement, None without one."""
         return None if self._motors is None else self._motors.progress_percent(now_s)
 
     def cancel_motors(self) -> Result | None:

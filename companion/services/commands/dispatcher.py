@@ -6,7 +6,6 @@ answer was lost is not executed again if that would make a difference.
 
 import math
 from collections import deque
-from collections.abc import Callable
 
 from companion.autopilot.sensor_suite import SensorSuite
 from companion.calibration.motor_test import MotorTest
@@ -16,7 +15,7 @@ from companion.core.status_text import Severity
 from companion.hal.interfaces import FaultInjector
 from companion.mavlink.dialect import Message, constants, dialect
 from companion.services.commands.calibration_runs import CalibrationCommands
-from companion.services.commands.command import Command, Result, acknowledgement
+from companion.services.commands.command import Command, CommandTable, Result, acknowledgement
 from companion.services.commands.compass import CompassCommands
 from companion.services.commands.maintenance import MaintenanceCommands
 from companion.services.commands.messages import MessageCommands
@@ -75,7 +74,7 @@ class CommandService:
         self._calibration = CalibrationCommands(vehicle, calibration, parameters, texts)
         self._vehicle_commands = VehicleCommands(vehicle, parameters, texts)
         self._questions = MessageCommands(telemetry, self._send_later).table
-        self._table: dict[int, Callable[[Command], Result]] = {
+        self._table: CommandTable = {
             **self._questions,
             **self._upkeep.table,
             **self._compass.table,
@@ -85,9 +84,7 @@ class CommandService:
             dialect.MAV_CMD_DO_SET_GLOBAL_ORIGIN: lambda command: _set_origin(pose, command),
         }
         if faults is not None:
-            self._table[dialect.MAV_CMD_INJECT_FAILURE] = lambda command: _inject_fault(
-                command, faults, texts
-            )
+            self._table[dialect.MAV_CMD_INJECT_FAILURE] = lambda one: _inject_fault(one, faults, texts)
         self.questions = frozenset((*self._questions, *_HARMLESS))
         """Commands that change nothing."""
         self._refusals = RefusalLog(texts)
@@ -162,12 +159,8 @@ class CommandService:
         """Continue calibrations and trials. heading: as measured."""
         self._refusals.tick(now_s)
         self._vehicle_commands.tick()
-        result = self._upkeep.tick(heading, now_s)
-        if result is None:
-            result = self._calibration.tick()
-        motors_result = self._compass.tick(now_s)
-        if result is None:
-            result = motors_result
+        results = self._upkeep.tick(heading, now_s), self._calibration.tick(), self._compass.tick(now_s)
+        result = next((one for one in results if one is not None), None)
         slow = self._slow
         if slow is None:
             return
@@ -175,11 +168,9 @@ class CommandService:
             self._slow = None
             self._answer(slow, result)
         elif now_s >= self._progress_s:
-            percent = self._compass.motors_percent(now_s)
-            if percent is None:
-                percent = self._calibration.progress_percent(now_s)
-            if self._upkeep.calibration is not None:
-                percent = self._upkeep.calibration.progress_percent(now_s)
+            jobs = self._upkeep, self._compass, self._calibration
+            shares = (job.progress_percent(now_s) for job in jobs)
+            percent = next((share for share in shares if share is not None), None)
             if percent is not None:
                 self._progress_s = now_s + _PROGRESS_S
                 self._answer(slow, Result.IN_PROGRESS, percent)

@@ -1,7 +1,7 @@
 """Maintenance commands: calibration, motor test, stored settings, restart."""
 
 import math
-from collections.abc import Callable
+from dataclasses import dataclass, field
 
 from companion import __version__
 from companion.calibration.motor_test import MotorTest, TestedMotor
@@ -10,9 +10,8 @@ from companion.core.status_text import Severity
 from companion.core.units import wrap_pi
 from companion.mavlink.dialect import dialect
 from companion.sensors.fuel_gauge import FuelGauge
-from companion.services.commands.command import Command, Result
+from companion.services.commands.command import Command, CommandTable, Result
 from companion.services.commands.compass import CompassCommands
-from companion.services.commands.gyro_calibration import GyroCalibration
 from companion.services.outbox import Origin
 from companion.services.parameters import ParameterService
 from companion.services.telemetry.statustext import StatusTextService
@@ -33,32 +32,58 @@ _NOTHING_TO_CALIBRATE = (  # param2 to param6 of PREFLIGHT_CALIBRATION
 )
 _TRIM, _BIAS = "HDG_TRIM", "INS_GYROFFS_Z"
 
+_GYRO_S = 3.0  # of a calibration
+_LEAST_READINGS = 20
+_STILL_RAD_S = 0.1  # largest deviation from the mean at rest
+_MOST_BIAS_RAD_S = 0.2
 
+
+@dataclass(eq=False)
+class _GyroCalibration:
+    """Averages the yaw gyro's readings, as measured, while the boat is at rest."""
+
+    _began_s: float
+    _rates_rad_s: dict[float, float] = field(default_factory=dict)  # by the time of their reading
+
+    def progress_percent(self, now_s: float) -> int:
+        return min(int(100.0 * (now_s - self._began_s) / _GYRO_S), 99)
+
+    def update(self, reading: HeadingReading | None, now_s: float) -> bool:
+        """Add the latest reading. Whether there are enough."""
+        if reading is not None and reading.yaw_rate_rad_s is not None and reading.time_s > self._began_s:
+            self._rates_rad_s[reading.time_s] = reading.yaw_rate_rad_s
+        return now_s - self._began_s >= _GYRO_S
+
+    def bias_rad_s(self) -> float | str:
+        """The mean rate, or why it is no bias."""
+        rates = self._rates_rad_s.values()
+        if len(rates) < _LEAST_READINGS:
+            return "Gyro: the compass measures no yaw rate"
+        mean = sum(rates) / len(rates)
+        if max(abs(rate - mean) for rate in rates) > _STILL_RAD_S or abs(mean) > _MOST_BIAS_RAD_S:
+            return "Gyro: the boat moved, not calibrated"
+        return mean
+
+
+@dataclass(eq=False)
 class MaintenanceCommands:
     """All of them require a disarmed boat."""
 
-    def __init__(
-        self,
-        vehicle: Vehicle,
-        motor_test: MotorTest,
-        parameters: ParameterService,
-        texts: StatusTextService,
-        compass: CompassCommands,
-        gauge: FuelGauge,
-    ) -> None:
-        self.restart_due_s = math.inf
-        self.calibration: GyroCalibration | None = None  # in progress, or just ended
-        self._heading: HeadingReading | None = None
-        self._vehicle = vehicle
-        self._motor_test = motor_test
-        self._parameters = parameters
-        self._texts = texts
-        self._compass = compass
-        self._gauge = gauge
-        self._tester: Origin | None = None  # the station that requested the motor test
-        self._tester_seen_s = -math.inf
-        self._test_told = ""
-        self.table: dict[int, Callable[[Command], Result]] = {
+    _vehicle: Vehicle
+    _motor_test: MotorTest
+    _parameters: ParameterService
+    _texts: StatusTextService
+    _compass: CompassCommands
+    _gauge: FuelGauge
+    restart_due_s: float = field(default=math.inf, init=False)
+    _gyro: _GyroCalibration | None = field(default=None, init=False)  # in progress
+    _heading: HeadingReading | None = field(default=None, init=False)
+    _tester: Origin | None = field(default=None, init=False)  # the station that requested the motor test
+    _tester_seen_s: float = field(default=-math.inf, init=False)
+    _test_told: str = field(default="", init=False)
+
+    def __post_init__(self) -> None:
+        self.table: CommandTable = {
             dialect.MAV_CMD_BATTERY_RESET: self._reset_battery,
             dialect.MAV_CMD_DO_CANCEL_MAG_CAL: self._calibrate_compass,  # by which QGroundControl's page asks
             dialect.MAV_CMD_DO_START_MAG_CAL: self._calibrate_compass,
@@ -80,21 +105,26 @@ class MaintenanceCommands:
         if now_s > self.restart_due_s + _RESTART_LATEST_S:
             self.restart_due_s, self._vehicle.is_restarting = math.inf, False
             self._report(Result.FAILED, "Reboot: this program does not restart")
-        job = self.calibration
+        job = self._gyro
         if job is None:
             return None
         if self._vehicle.armed:
-            return self.cancel()
-        job.update(heading, now_s)
-        if job.result is None:
+            return self._cancel()
+        if not job.update(heading, now_s):
             return None
-        self.calibration = None
-        if job.result == Result.ACCEPTED and (reason := self._parameters.set(_BIAS, job.bias_rad_s)):
+        self._gyro, bias = None, job.bias_rad_s()
+        if isinstance(bias, str):
+            return self._report(Result.FAILED, bias, Severity.WARNING)
+        if reason := self._parameters.set(_BIAS, bias):
             return self._report(Result.FAILED, reason)
-        return self._report(job.result, job.notice.text, job.notice.severity)
+        return self._report(Result.ACCEPTED, "Gyro calibrated", Severity.NOTICE)
 
-    def cancel(self) -> Result:
-        self.calibration = None
+    def progress_percent(self, now_s: float) -> int | None:
+        """Progress of a gyro calibration, None without one."""
+        return None if self._gyro is None else self._gyro.progress_percent(now_s)
+
+    def _cancel(self) -> Result:
+        self._gyro = None
         return Result.CANCELLED
 
     def on_message(self, origin: Origin, now_s: float) -> None:
@@ -154,9 +184,7 @@ class MaintenanceCommands:
             radio.calibrated_until_s = -math.inf
             if (cancelled := self._compass.cancel_motors()) is not None:
                 return cancelled
-            if self.calibration is None:
-                return Result.ACCEPTED
-            return self.cancel()
+            return Result.ACCEPTED if self._gyro is None else self._cancel()
         if wanted[3] and radio.is_fitted and not any(wanted[:3] + wanted[4:]):
             return self._calibrate_radio(command.now_s)
         if wanted[5] == 1.0 and self._compass.is_fitted and not any(wanted[:5]):
@@ -168,8 +196,8 @@ class MaintenanceCommands:
             return Result.UNSUPPORTED
         if self._vehicle.armed:
             return self._report(Result.REJECTED_FOR_NOW, "Calibration: disarm first")
-        if self.calibration is None:
-            self.calibration = GyroCalibration(command.now_s)
+        if self._gyro is None:
+            self._gyro = _GyroCalibration(command.now_s)
         return Result.IN_PROGRESS
 
     def _calibrate_radio(self, now_s: float) -> Result:

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from companion.mavlink.dialect import dialect
-from companion.services.commands.command import Command, Result, SendLater
+from companion.services.commands.command import Command, CommandTable, Result, SendLater
 from companion.services.telemetry.service import TelemetryService
 from companion.services.telemetry.streams import MIN_INTERVAL_S
 
@@ -18,7 +18,7 @@ class MessageCommands:
     def __init__(self, telemetry: TelemetryService, send_later: SendLater) -> None:
         self._telemetry = telemetry
         self._send_later = send_later
-        self.table: dict[int, Callable[[Command], Result]] = {
+        self.table: CommandTable = {
             dialect.MAV_CMD_GET_HOME_POSITION: self._asks_for(dialect.MAVLINK_MSG_ID_HOME_POSITION),
             dialect.MAV_CMD_GET_MESSAGE_INTERVAL: self._get_interval,
             dialect.MAV_CMD_REQUEST_AUTOPILOT_CAPABILITIES: self._asks_for(

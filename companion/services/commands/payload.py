@@ -1,11 +1,9 @@
 """Payload commands by hand: the actions of mission items, at once."""
 
-from collections.abc import Callable
-
 from companion.core.status_text import Severity
 from companion.mavlink.dialect import constants, dialect
 from companion.payload.actions import ActionFault
-from companion.services.commands.command import Command, Result
+from companion.services.commands.command import Command, CommandTable, Result
 from companion.services.payload.rows import ROWS, read_action
 from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.payload_control import PayloadControl
@@ -17,9 +15,7 @@ NOT_TWICE = constants(
 )
 
 
-def payload_commands(
-    payload: PayloadControl, texts: StatusTextService
-) -> dict[int, Callable[[Command], Result]]:
+def payload_commands(payload: PayloadControl, texts: StatusTextService) -> CommandTable:
     """The table of handlers."""
     return dict.fromkeys(ROWS, lambda command: act(command, payload, texts))
 

@@ -1,24 +1,13 @@
 """Vehicle commands: each is one request to the vehicle."""
 
 import math
-from collections.abc import Callable
 
 from companion.config.tuning import CIRCLE_KIND
+from companion.core import requests
 from companion.core.modes import Mode
-from companion.core.requests import (
-    Arm,
-    ChangeMode,
-    ChangeSpeed,
-    Disarm,
-    GoTo,
-    Request,
-    SetCurrentItem,
-    SetHome,
-    StartMission,
-)
 from companion.core.status_text import Severity, StatusText
 from companion.mavlink.dialect import constants, dialect
-from companion.services.commands.command import Command, Result
+from companion.services.commands.command import Command, CommandTable, Result
 from companion.services.parameters import ParameterService
 from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
@@ -40,7 +29,7 @@ class VehicleCommands:
         self._parameters = parameters
         self._texts = texts
         self._paused: Mode | None = None
-        self.table: dict[int, Callable[[Command], Result]] = {
+        self.table: CommandTable = {
             dialect.MAV_CMD_COMPONENT_ARM_DISARM: self._arm_disarm,
             dialect.MAV_CMD_DO_CHANGE_SPEED: self._change_speed,
             dialect.MAV_CMD_DO_FENCE_ENABLE: self._fence_enable,
@@ -51,25 +40,25 @@ class VehicleCommands:
             dialect.MAV_CMD_DO_SET_MISSION_CURRENT: self._set_current,
             dialect.MAV_CMD_DO_SET_MODE: self._set_mode,
             dialect.MAV_CMD_MISSION_START: self._start_mission,
-            dialect.MAV_CMD_NAV_LOITER_UNLIM: lambda _: self._ask(ChangeMode(Mode.LOITER)),
-            dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: lambda _: self._ask(ChangeMode(Mode.RTL)),
+            dialect.MAV_CMD_NAV_LOITER_UNLIM: lambda _: self._ask(requests.ChangeMode(Mode.LOITER)),
+            dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: lambda _: self._ask(requests.ChangeMode(Mode.RTL)),
             dialect.MAV_CMD_RUN_PREARM_CHECKS: self._check,
             **dict.fromkeys(REGIONS_OF_INTEREST, self._refuse_region),
         }
 
-    def _ask(self, request: Request) -> Result:
+    def _ask(self, request: requests.Request) -> Result:
         return Result.ACCEPTED if self._vehicle.request(request).accepted else Result.FAILED
 
     def _arm_disarm(self, command: Command) -> Result:
         arm, magic = command.whole(0), command.p[1]
         if arm == 1:
-            return self._ask(Arm(force=magic in _ARM_MAGIC))
+            return self._ask(requests.Arm(force=magic in _ARM_MAGIC))
         if arm == 0:
-            return self._ask(Disarm("by emergency stop" if magic == _DISARM_MAGIC else "by command"))
+            return self._ask(requests.Disarm("by emergency stop" if magic == _DISARM_MAGIC else "by command"))
         return Result.DENIED
 
     def _terminate(self, command: Command) -> Result:
-        return self._ask(Disarm("by flight termination")) if command.whole(0) == 1 else Result.DENIED
+        return self._ask(requests.Disarm("by flight termination")) if command.whole(0) == 1 else Result.DENIED
 
     def _check(self, command: Command) -> Result:  # noqa: ARG002
         if self._vehicle.armed:
@@ -82,24 +71,26 @@ class VehicleCommands:
         flags, number = command.whole(0), command.whole(1)
         if flags is None or number is None or not flags & dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED:
             return Result.DENIED
-        return self._ask(ChangeMode(number))
+        return self._ask(requests.ChangeMode(number))
 
     def _start_mission(self, command: Command) -> Result:
         first = command.whole(0)
-        return Result.DENIED if first is None or first < 0 else self._ask(StartMission(first or None))
+        return (
+            Result.DENIED if first is None or first < 0 else self._ask(requests.StartMission(first or None))
+        )
 
     def _pause_continue(self, command: Command) -> Result:
         """Pause keeps station (drifts without a position); continue returns to the paused mode."""
         wanted, mode = command.whole(0), self._vehicle.mode
         if wanted == 0:
             goes_on = mode not in (Mode.LOITER, Mode.HOLD)
-            result = self._ask(ChangeMode(Mode.LOITER))
+            result = self._ask(requests.ChangeMode(Mode.LOITER))
             if result == Result.ACCEPTED and goes_on:
                 self._paused = mode
             return result
         if wanted == 1:
             paused, self._paused = self._paused, None
-            return self._ask(ChangeMode(paused or Mode.AUTO))
+            return self._ask(requests.ChangeMode(paused or Mode.AUTO))
         return Result.DENIED
 
     def _set_current(self, command: Command) -> Result:
@@ -108,7 +99,7 @@ class VehicleCommands:
         if seq is None or seq < -1:
             return Result.DENIED
         is_beyond = seq > self._vehicle.progress.last_seq
-        result = self._ask(SetCurrentItem(None if seq == -1 else seq, reset=command.whole(1) == 1))
+        result = self._ask(requests.SetCurrentItem(None if seq == -1 else seq, reset=command.whole(1) == 1))
         return Result.DENIED if is_beyond else result
 
     def _reposition(self, command: Command) -> Result:
@@ -117,7 +108,7 @@ class VehicleCommands:
             return Result.DENIED
         speed_m_s = command.p[0] if math.isfinite(command.p[0]) and command.p[0] > 0.0 else None
         change_mode = bool((command.whole(1) or 0) & dialect.MAV_DO_REPOSITION_FLAGS_CHANGE_MODE)
-        return self._ask(GoTo(position, speed_m_s, change_mode))
+        return self._ask(requests.GoTo(position, speed_m_s, change_mode))
 
     def _change_speed(self, command: Command) -> Result:
         kind, speed_m_s = command.p[0], command.p[1]
@@ -129,13 +120,13 @@ class VehicleCommands:
             speed_m_s = self._vehicle.config.speed.cruise_m_s
         if not math.isfinite(speed_m_s) or speed_m_s <= 0.0:
             return Result.DENIED
-        return self._ask(ChangeSpeed(speed_m_s))
+        return self._ask(requests.ChangeSpeed(speed_m_s))
 
     def _set_home(self, command: Command) -> Result:
         if command.whole(0) == 1:
-            return self._ask(SetHome())
+            return self._ask(requests.SetHome())
         position = command.position()
-        return Result.DENIED if position is None else self._ask(SetHome(position))
+        return Result.DENIED if position is None else self._ask(requests.SetHome(position))
 
     def _refuse_region(self, command: Command) -> Result:  # noqa: ARG002
         self._texts.notify(Severity.ERROR, "ROI: this boat has no camera mount that turns")

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from concurrent.futures import Executor
+from dataclasses import dataclass, field
 
 from companion.mavlink.ftp_frames import DATA_BYTES, Code, Refusal, Request, ack, nak
 from companion.services.ftp.sessions import Burst, FtpStation, Session, Stations
@@ -10,9 +11,8 @@ from companion.services.ftp.tree import refusal_of
 BLOCKS_PER_TICK = 96  # of all stations: a megabyte per second
 _BLOCKS_PER_BURST = 512
 
-Post = Callable[[FtpStation, bytes], None]
 
-
+@dataclass(eq=False)
 class Bursts:
     """Sends blocks within the room of the channel and the share of the tick.
 
@@ -20,14 +20,11 @@ class Bursts:
     at the end of the file. If that is lost, the station asks again.
     """
 
-    def __init__(
-        self, stations: Stations, worker: Executor, post: Post, has_room: Callable[[int], bool]
-    ) -> None:
-        self._blocks_left = BLOCKS_PER_TICK
-        self._stations = stations
-        self._worker = worker
-        self._post = post
-        self._has_room = has_room
+    _stations: Stations
+    _worker: Executor
+    _post: Callable[[FtpStation, bytes], None]
+    _has_room: Callable[[int], bool]
+    _blocks_left: int = field(default=BLOCKS_PER_TICK, init=False)
 
     def begin(self, station: FtpStation, request: Request, session: Session, now_s: float) -> None:
         """Start a burst from an offset, replacing the present one; a repeated request continues it."""

@@ -1,7 +1,8 @@
 """Table of the file-transfer operations over the file tree."""
 
 from collections.abc import Callable
-from typing import Any, Protocol
+from dataclasses import dataclass
+from typing import Any
 
 from companion.mavlink.ftp_frames import DATA_BYTES, Code, Opcode, Refusal, Request, ack
 from companion.services.ftp.sessions import MAX_UPLOADS_BYTES, FtpStation, Session, Stations, Upload
@@ -11,36 +12,23 @@ Reply = bytes | None
 """A reply's payload; None where it comes later."""
 
 
-class Later(Protocol):
-    """Runs work that may wait for a disk in the worker, other work at once, and makes the reply."""
-
-    def __call__(
-        self,
-        station: FtpStation,
-        request: Request,
-        on_disk: bool,
-        work: Callable[[], Any],
-        then: Callable[[Any], bytes],
-    ) -> Reply:
-        """The reply, if the work was done at once."""
+Later = Callable[[FtpStation, Request, bool, Callable[[], Any], Callable[[Any], bytes]], Reply]
+"""Runs work that may wait for a disk (the third argument) in the worker, other work at once, and makes the
+reply of its result.
+"""
 
 
+@dataclass(eq=False)
 class Operations:
     """Operations raise Refusal or OSError when refused. `begin_burst` sends its replies itself."""
 
-    def __init__(
-        self,
-        tree: FileTree,
-        stations: Stations,
-        later: Later,
-        release: Callable[[list[Session]], None],
-        begin_burst: Callable[[FtpStation, Request, Session], None],
-    ) -> None:
-        self._tree = tree
-        self._stations = stations
-        self._later = later
-        self._release = release
-        self._begin_burst = begin_burst
+    _tree: FileTree
+    _stations: Stations
+    _later: Later
+    _release: Callable[[list[Session]], None]
+    _begin_burst: Callable[[FtpStation, Request, Session], None]
+
+    def __post_init__(self) -> None:
         change = self._change
         self._table: dict[int, Callable[[FtpStation, Request, float], Reply]] = {
             Opcode.NONE: lambda _, r, t: ack(r),

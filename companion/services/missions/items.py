@@ -10,27 +10,8 @@ from companion.mavlink.items import GLOBAL_FRAMES, ItemFault, MissionItem, Missi
 from companion.payload.actions import ActionFault
 from companion.payload.fitted import CAMERA, FittedPayload
 from companion.services.payload.rows import ROWS, read_action
-from companion.vehicle.mission.steps import (
-    Act,
-    AfterDelay,
-    EnableFence,
-    GoRound,
-    HandOver,
-    Home,
-    Jump,
-    LimitHandOver,
-    MoveHome,
-    Offset,
-    Place,
-    ReturnHome,
-    SetSpeed,
-    Skip,
-    Step,
-    Turn,
-    Wait,
-    Waypoint,
-    WithinDistance,
-)
+from companion.vehicle.mission import steps
+from companion.vehicle.mission.steps import Step
 
 HIGHEST_M = 83_000.0  # ArduPilot's limit: 24 bits of centimetres
 _NONE = FittedPayload()
@@ -65,9 +46,9 @@ def to_step(seq: int, item: MissionItem, fitted: FittedPayload = _NONE) -> Step 
     fitted: the boat's payload.
     """
     if seq == 0:
-        return Home()
+        return steps.Home()
     if item.command in IGNORED:
-        return Skip()
+        return steps.Skip()
     if item.command in ROWS:
         return _act(item, fitted)
     translate = _TABLE.get(item.command)
@@ -81,20 +62,20 @@ def _act(item: MissionItem, fitted: FittedPayload) -> Step | ItemFault:
     p = (item.param1, item.param2, item.param3, item.param4, float(item.x), float(item.y), item.z)
     action = read_action(item.command, p, fitted)
     if not isinstance(action, ActionFault):
-        return Act(action)
+        return steps.Act(action)
     if action.is_absent and (fitted.is_skipped or ROWS[item.command].payload == CAMERA):
-        return Skip()
+        return steps.Skip()
     result = MissionResult.UNSUPPORTED
     if action.parameter:
         result = MissionResult(MissionResult.INVALID_PARAM1 + action.parameter - 1)
     return ItemFault(result, f"{command_name(item.command)}: {action.text}")
 
 
-def check_jumps(steps: Sequence[Step]) -> ItemFault | None:
+def check_jumps(mission: Sequence[Step]) -> ItemFault | None:
     """Check the jump targets of a complete list."""
-    for seq, step in enumerate(steps):
-        if isinstance(step, Jump) and not 1 <= step.target < len(steps):
-            text = f"item {seq} jumps to {step.target}, the list ends at {len(steps) - 1}"
+    for seq, step in enumerate(mission):
+        if isinstance(step, steps.Jump) and not 1 <= step.target < len(mission):
+            text = f"item {seq} jumps to {step.target}, the list ends at {len(mission) - 1}"
             return ItemFault(MissionResult.INVALID_PARAM1, text)
     return None
 
@@ -114,7 +95,7 @@ def global_position(item: MissionItem) -> LatLon | ItemFault:
     return LatLon(e7_to_deg(item.x), e7_to_deg(item.y))
 
 
-def _place(item: MissionItem) -> Place | ItemFault:
+def _place(item: MissionItem) -> steps.Place | ItemFault:
     """MAV_FRAME_LOCAL_NED is relative to the origin of the local frame, as LOCAL_POSITION_NED;
     MAV_FRAME_LOCAL_OFFSET_NED to the start of the leg.
     """
@@ -123,7 +104,7 @@ def _place(item: MissionItem) -> Place | ItemFault:
     if item.frame == dialect.MAV_FRAME_LOCAL_NED:
         return Point(item.x * _LOCAL_SCALE, item.y * _LOCAL_SCALE)
     if item.frame == dialect.MAV_FRAME_LOCAL_OFFSET_NED:
-        return Offset(item.x * _LOCAL_SCALE, item.y * _LOCAL_SCALE)
+        return steps.Offset(item.x * _LOCAL_SCALE, item.y * _LOCAL_SCALE)
     if item.frame not in GLOBAL_FRAMES:
         text = f"frame {item.frame} is neither global nor LOCAL_NED (1) nor LOCAL_OFFSET_NED (7)"
         return ItemFault(MissionResult.UNSUPPORTED_FRAME, text)
@@ -143,12 +124,12 @@ def _waypoint(item: MissionItem) -> Step | ItemFault:
         return place
     radius_m = item.param2 if 0.0 < item.param2 < math.inf else 0.0
     hold_s = 0.0 if math.isnan(item.param1) else item.param1
-    return _not_negative(hold_s, "time", Waypoint(place, hold_s, radius_m))
+    return _not_negative(hold_s, "time", steps.Waypoint(place, hold_s, radius_m))
 
 
 def _loiter_for_ever(item: MissionItem) -> Step | ItemFault:
     place = _place(item)
-    return place if isinstance(place, ItemFault) else Waypoint(place, math.inf)
+    return place if isinstance(place, ItemFault) else steps.Waypoint(place, math.inf)
 
 
 def _loiter_for_a_time(item: MissionItem) -> Step | ItemFault:
@@ -156,7 +137,7 @@ def _loiter_for_a_time(item: MissionItem) -> Step | ItemFault:
     if isinstance(place, ItemFault):
         return place
     hold_s = 0.0 if math.isnan(item.param1) else item.param1
-    return _not_negative(hold_s, "time", Waypoint(place, hold_s))
+    return _not_negative(hold_s, "time", steps.Waypoint(place, hold_s))
 
 
 def _loiter_turns(item: MissionItem) -> Step | ItemFault:
@@ -168,27 +149,27 @@ def _loiter_turns(item: MissionItem) -> Step | ItemFault:
     radius_m = 0.0 if math.isnan(item.param3) else item.param3
     if math.isinf(radius_m):
         return ItemFault(MissionResult.INVALID_PARAM3, f"radius {radius_m} m is not a radius")
-    return GoRound(place, item.param1, abs(radius_m), clockwise=radius_m >= 0.0)
+    return steps.GoRound(place, item.param1, abs(radius_m), clockwise=radius_m >= 0.0)
 
 
 def _delay(item: MissionItem) -> Step | ItemFault:
     if item.param1 == -1.0:
         return ItemFault(MissionResult.INVALID_PARAM1, "delay -1, until a time of day, is not supported")
-    return _not_negative(item.param1, "delay", Wait(item.param1))
+    return _not_negative(item.param1, "delay", steps.Wait(item.param1))
 
 
 def _speed(item: MissionItem) -> Step | ItemFault:
     speed_m_s = item.param2
     if not math.isfinite(speed_m_s):
         return ItemFault(MissionResult.INVALID_PARAM2, f"speed {speed_m_s} is not a number")
-    return SetSpeed(max(speed_m_s, 0.0))  # −1 and −2 mean "as it is" and "the default"
+    return steps.SetSpeed(max(speed_m_s, 0.0))  # −1 and −2 mean "as it is" and "the default"
 
 
 def _set_home(item: MissionItem) -> Step | ItemFault:
     if item.param1 == 1.0:
-        return MoveHome(None)
+        return steps.MoveHome(None)
     place = global_position(item)
-    return place if isinstance(place, ItemFault) else MoveHome(place)
+    return place if isinstance(place, ItemFault) else steps.MoveHome(place)
 
 
 def _turn(item: MissionItem) -> Step | ItemFault:
@@ -196,7 +177,7 @@ def _turn(item: MissionItem) -> Step | ItemFault:
         return ItemFault(MissionResult.INVALID_PARAM1, f"heading {item.param1} is not a number")
     is_relative = item.param4 == 1.0
     side = -1.0 if is_relative and item.param3 < 0.0 else 1.0
-    return Turn(math.radians(side * item.param1), is_relative)
+    return steps.Turn(math.radians(side * item.param1), is_relative)
 
 
 def _limits(item: MissionItem) -> Step | ItemFault:
@@ -204,21 +185,21 @@ def _limits(item: MissionItem) -> Step | ItemFault:
     distance_m = 0.0 if math.isnan(item.param4) else item.param4
     if not 0.0 <= distance_m < math.inf:
         return ItemFault(MissionResult.INVALID_PARAM4, f"distance {distance_m} m is not a distance")
-    return _not_negative(timeout_s, "time-out", LimitHandOver(timeout_s, distance_m))
+    return _not_negative(timeout_s, "time-out", steps.LimitHandOver(timeout_s, distance_m))
 
 
 def _within(item: MissionItem) -> Step | ItemFault:
     if not 0.0 <= item.param1 < math.inf:
         return ItemFault(MissionResult.INVALID_PARAM1, f"distance {item.param1} m is not a distance")
-    return WithinDistance(item.param1)
+    return steps.WithinDistance(item.param1)
 
 
 def _enable_fence(item: MissionItem) -> Step | ItemFault:
     match item.param1:
         case 0.0 | 1.0:
-            return EnableFence(item.param1 == 1.0)
+            return steps.EnableFence(item.param1 == 1.0)
         case 2.0:  # only the floor, which a boat does not have
-            return Skip()
+            return steps.Skip()
         case value:
             return ItemFault(MissionResult.INVALID_PARAM1, f"{value:g} is neither 0 nor 1")
 
@@ -230,7 +211,7 @@ def _jump(item: MissionItem) -> Step | ItemFault:
     ):
         if not math.isfinite(value) or value != int(value):
             return ItemFault(result, f"jump parameter {value} is not a whole number")
-    return Jump(int(item.param1), int(item.param2))
+    return steps.Jump(int(item.param1), int(item.param2))
 
 
 def _not_negative(seconds: float, name: str, step: Step) -> Step | ItemFault:
@@ -245,11 +226,11 @@ _TABLE: dict[int, Callable[[MissionItem], Step | ItemFault]] = {
     dialect.MAV_CMD_NAV_LOITER_UNLIM: _loiter_for_ever,
     dialect.MAV_CMD_NAV_LOITER_TURNS: _loiter_turns,
     dialect.MAV_CMD_NAV_LOITER_TIME: _loiter_for_a_time,
-    dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: lambda _: ReturnHome(),
-    dialect.MAV_CMD_NAV_GUIDED_ENABLE: lambda item: HandOver(item.param1 > 0.5),
+    dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: lambda _: steps.ReturnHome(),
+    dialect.MAV_CMD_NAV_GUIDED_ENABLE: lambda item: steps.HandOver(item.param1 > 0.5),
     dialect.MAV_CMD_NAV_DELAY: _delay,
     dialect.MAV_CMD_CONDITION_DELAY: lambda item: _not_negative(
-        item.param1, "delay", AfterDelay(item.param1)
+        item.param1, "delay", steps.AfterDelay(item.param1)
     ),
     dialect.MAV_CMD_CONDITION_DISTANCE: _within,
     dialect.MAV_CMD_CONDITION_YAW: _turn,

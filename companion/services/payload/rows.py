@@ -9,22 +9,8 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from companion.mavlink.dialect import dialect
-from companion.payload.actions import (
-    ActionFault,
-    CaptureByDistance,
-    MoveGripper,
-    MoveWinch,
-    PayloadAction,
-    RepeatRelay,
-    RepeatServo,
-    RunCommand,
-    SetLights,
-    SetRelay,
-    SetServo,
-    StartCapture,
-    StopCapture,
-    WinchMotion,
-)
+from companion.payload import actions
+from companion.payload.actions import ActionFault, PayloadAction, WinchMotion
 from companion.payload.fitted import CAMERA, FittedPayload
 
 LEAST_PERIOD_S = 0.1  # half of it is two and a half pulses of a servo, which come every 20 ms
@@ -70,7 +56,7 @@ def _set_servo(p: Parameters) -> PayloadAction | ActionFault:
     channel, width_us = _whole(p[0], 1, 32), _whole(p[1], 1, 32767)
     if channel is None:
         return _wrong(1, p[0], "a servo channel")
-    return _wrong(2, p[1], "a pulse width in us") if width_us is None else SetServo(channel, width_us)
+    return _wrong(2, p[1], "a pulse width in us") if width_us is None else actions.SetServo(channel, width_us)
 
 
 def _repetition(count: float, period_s: float, first: int) -> ActionFault | None:
@@ -84,30 +70,34 @@ def _repetition(count: float, period_s: float, first: int) -> ActionFault | None
 
 def _repeat_servo(p: Parameters) -> PayloadAction | ActionFault:
     servo = _set_servo(p)
-    if not isinstance(servo, SetServo):
+    if not isinstance(servo, actions.SetServo):
         return servo
-    return _repetition(p[2], p[3], 3) or RepeatServo(servo.number, servo.width_us, int(p[2]), p[3])
+    return _repetition(p[2], p[3], 3) or actions.RepeatServo(servo.number, servo.width_us, int(p[2]), p[3])
 
 
 def _set_relay(p: Parameters) -> PayloadAction | ActionFault:
     number, is_on = _whole(p[0], 0, 15), _whole(p[1], 0, 1)
     if number is None:
         return _wrong(1, p[0], "a relay, from 0")
-    return _wrong(2, p[1], "0 or 1") if is_on is None else SetRelay(number, bool(is_on))
+    return _wrong(2, p[1], "0 or 1") if is_on is None else actions.SetRelay(number, bool(is_on))
 
 
 def _repeat_relay(p: Parameters) -> PayloadAction | ActionFault:
     number = _whole(p[0], 0, 15)
     if number is None:
         return _wrong(1, p[0], "a relay, from 0")
-    return _repetition(p[1], p[2], 2) or RepeatRelay(number, int(p[1]), p[2])
+    return _repetition(p[1], p[2], 2) or actions.RepeatRelay(number, int(p[1]), p[2])
 
 
 def _gripper(p: Parameters) -> PayloadAction | ActionFault:
     number, action = _whole(p[0], 0, 255), _whole(p[1], _RELEASE, _GRAB)
     if number is None:
         return _wrong(1, p[0], "a gripper, or 0 for all")
-    return _wrong(2, p[1], "0 release or 1 grab") if action is None else MoveGripper(number, action == _GRAB)
+    return (
+        _wrong(2, p[1], "0 release or 1 grab")
+        if action is None
+        else actions.MoveGripper(number, action == _GRAB)
+    )
 
 
 def _winch(p: Parameters) -> PayloadAction | ActionFault:
@@ -122,23 +112,23 @@ def _winch(p: Parameters) -> PayloadAction | ActionFault:
     if motion == WinchMotion.RATE and not math.isfinite(p[3]):
         return _wrong(4, p[3], "a rate in m/s")
     if motion == WinchMotion.LENGTH:
-        return MoveWinch(number, WinchMotion.LENGTH, p[2], 0.0 if math.isnan(p[3]) else abs(p[3]))
-    return MoveWinch(number, WinchMotion(motion), 0.0, p[3] if motion == WinchMotion.RATE else 0.0)
+        return actions.MoveWinch(number, WinchMotion.LENGTH, p[2], 0.0 if math.isnan(p[3]) else abs(p[3]))
+    return actions.MoveWinch(number, WinchMotion(motion), 0.0, p[3] if motion == WinchMotion.RATE else 0.0)
 
 
 def _lights(p: Parameters) -> PayloadAction | ActionFault:
     is_on = _whole(p[0], 0, 1)
-    return _wrong(1, p[0], "0 or 1") if is_on is None else SetLights(bool(is_on))
+    return _wrong(1, p[0], "0 or 1") if is_on is None else actions.SetLights(bool(is_on))
 
 
 def _command(p: Parameters) -> PayloadAction | ActionFault:
     number = _whole(p[0], 0, 65535)
-    return _wrong(1, p[0], "a command's number") if number is None else RunCommand(number)
+    return _wrong(1, p[0], "a command's number") if number is None else actions.RunCommand(number)
 
 
 def _shoot(p: Parameters) -> PayloadAction | ActionFault:
     """DO_DIGICAM_CONTROL: only "shoot" has an effect."""
-    return StartCapture() if p[4] in (1.0, _E7) else _wrong(5, p[4], "1, to take an image")
+    return actions.StartCapture() if p[4] in (1.0, _E7) else _wrong(5, p[4], "1, to take an image")
 
 
 def _start_capture(p: Parameters) -> PayloadAction | ActionFault:
@@ -150,13 +140,13 @@ def _start_capture(p: Parameters) -> PayloadAction | ActionFault:
         return _wrong(3, p[2], "a number of images, or 0 until stopped")
     if count != 1 and interval_s <= 0.0:
         return _wrong(2, p[1], "an interval in s between two images")
-    return StartCapture(count, interval_s)
+    return actions.StartCapture(count, interval_s)
 
 
 def _by_distance(p: Parameters) -> PayloadAction | ActionFault:
     if not 0.0 <= p[0] <= _FARTHEST_M:
         return _wrong(1, p[0], "a distance in m, or 0 to stop")
-    return CaptureByDistance(p[0], p[2] == 1.0)
+    return actions.CaptureByDistance(p[0], p[2] == 1.0)
 
 
 ROWS: dict[int, PayloadRow] = {
@@ -170,6 +160,6 @@ ROWS: dict[int, PayloadRow] = {
     dialect.MAV_CMD_DO_SEND_SCRIPT_MESSAGE: PayloadRow("command", _command),
     dialect.MAV_CMD_DO_DIGICAM_CONTROL: PayloadRow(CAMERA, _shoot),
     dialect.MAV_CMD_IMAGE_START_CAPTURE: PayloadRow(CAMERA, _start_capture),
-    dialect.MAV_CMD_IMAGE_STOP_CAPTURE: PayloadRow(CAMERA, lambda _: StopCapture()),
+    dialect.MAV_CMD_IMAGE_STOP_CAPTURE: PayloadRow(CAMERA, lambda _: actions.StopCapture()),
     dialect.MAV_CMD_DO_SET_CAM_TRIGG_DIST: PayloadRow(CAMERA, _by_distance),
 }

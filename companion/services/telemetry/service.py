@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import InitVar, dataclass, field
 
 from companion.autopilot.snapshot import Snapshot
 from companion.config.sensors import ProbePart
@@ -54,25 +55,21 @@ MaySend = Callable[[int, float], bool]
 """Whether a channel has room for telemetry now."""
 
 TakeSnapshot = Callable[[], Snapshot | None]
-"""The present state of the boat."""
+"""The present state of the boat; None before the first step."""
 
 
+@dataclass(eq=False)
 class TelemetryService:
     """Sends due messages on each channel; without room, all messages wait."""
 
-    def __init__(
-        self,
-        outbox: Outbox,
-        take_snapshot: TakeSnapshot,
-        may_send: MaySend,
-        probes: Sequence[ProbePart],
-    ) -> None:
-        """take_snapshot: the present state, None before the first step. Called only if something is due."""
+    _outbox: Outbox
+    _take_snapshot: TakeSnapshot  # called only if something is due
+    _may_send: MaySend
+    probes: InitVar[Sequence[ProbePart]]
+    _streams: dict[int, Streams] = field(default_factory=dict, init=False)  # by channel
+
+    def __post_init__(self, probes: Sequence[ProbePart]) -> None:
         self._probes = ProbeSchedule(probes)
-        self._outbox = outbox
-        self._take_snapshot = take_snapshot
-        self._may_send = may_send
-        self._streams: dict[int, Streams] = {}
 
     def open(self, channel: int, stream_hz: float) -> None:
         """A channel has opened."""
@@ -88,10 +85,7 @@ class TelemetryService:
         return message_id in BUILDERS or message_id in INDEXED
 
     def build_all(self, message_id: int, which: float) -> list[Message]:
-        """The messages for a request; empty if not available yet.
-
-        which: the request's second parameter, an index for some messages.
-        """
+        """The messages for a request; empty if not available yet. which: its second parameter, an index."""
         now = self._take_snapshot()
         if now is None:
             return []
