@@ -42,10 +42,9 @@ _SHORT_QUEUE_BYTES = 512
 
 def check_config(config: BoatConfig, model: str | None = None) -> None:
     """What can be said without hardware; a ConfigError names the key. model: default: of this computer."""
-    for number, link in enumerate(config.link_settings):
-        policy_of(link, f"links[{number}]")
-        if link.signing != "off" and link.key_file:
-            read_key_file(Path(link.key_file).expanduser())
+    for policy in policies_of(config.link_settings):
+        if policy.setting.signing != "off" and policy.setting.key_file:
+            read_key_file(Path(policy.setting.key_file).expanduser())
     if not config.links:
         raise ConfigError("links: a boat without a link cannot be reached; expected at least one")
     parts, external = config.parts, config.external
@@ -93,25 +92,29 @@ def policy_of(link: LinkConfig, key: str) -> Policy:
     return Policy(link, key, baud, is_loopback, accepts_any_source=url.kind == "udpin")
 
 
+def policies_of(links: Sequence[LinkConfig]) -> list[Policy]:
+    """The rules of all links, as `policy_of`."""
+    return [policy_of(link, f"links[{number}]") for number, link in enumerate(links)]
+
+
 def open_ports(links: Sequence[LinkConfig], now: Now) -> list[Port]:
     """Open every link of a configuration, or none; a ConfigError or LinkError names the url."""
     with ExitStack() as undo:
         ports: list[Port] = []
-        for number, link in enumerate(links):
-            policy = policy_of(link, f"links[{number}]")
-            ports.append(ConfiguredPort(_open_link(link.url, policy, now), policy))
+        for policy in policies_of(links):
+            ports.append(ConfiguredPort(_open_link(policy, now), policy))
             undo.callback(ports[-1].close)
         undo.pop_all()
     return ports
 
 
-def retry_links(links: Sequence[LinkConfig], now: Now, pace: Pace = PACE) -> list[RetriedPort]:
-    """Begin to open every link; those that can be opened are open on return. A ConfigError names the url."""
+def retry_links(policies: Sequence[Policy], now: Now, pace: Pace = PACE) -> list[RetriedPort]:
+    """Begin to open every link; those that can be opened are open on return."""
     with ExitStack() as undo:
         ports: list[RetriedPort] = []
-        for number, link in enumerate(links):
-            opening = partial(_open_link, link.url, policy_of(link, f"links[{number}]"), now)
-            ports.append(RetriedPort(str(parse_port_url(link.url)), opening, pace))
+        for policy in policies:
+            opening = partial(_open_link, policy, now)
+            ports.append(RetriedPort(str(parse_port_url(policy.setting.url)), opening, pace))
             undo.callback(ports[-1].close)
             ports[-1].start()
         await_first(ports, pace)
@@ -119,8 +122,9 @@ def retry_links(links: Sequence[LinkConfig], now: Now, pace: Pace = PACE) -> lis
     return ports
 
 
-def _open_link(url: str, policy: Policy, now: Now) -> Port:
-    port = open_port(url, now, _SHORT_QUEUE_BYTES if policy.stale_s else None, begins_with_frame)
+def _open_link(policy: Policy, now: Now) -> Port:
+    queue_bytes = _SHORT_QUEUE_BYTES if policy.stale_s else None
+    port = open_port(policy.setting.url, now, queue_bytes, begins_with_frame)
     logger.info("listening on %s", port.name)
     return port
 
@@ -163,8 +167,8 @@ def run_boat(
         undo.callback(hardware.close)
         storage = open_storage(config.storage.folder)
         undo.callback(storage.close)
-        links = retry_links(config.link_settings, clock.now_s)
-        policies = (policy_of(link, f"links[{number}]") for number, link in enumerate(config.link_settings))
+        policies = policies_of(config.link_settings)
+        links = retry_links(policies, clock.now_s)
         ports = [ConfiguredPort(link, policy) for link, policy in zip(links, policies, strict=True)]
         for port in ports:
             undo.callback(port.close)

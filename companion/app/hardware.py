@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import ExitStack
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, Protocol, TypeVar
 
@@ -51,15 +52,15 @@ def open_hardware(config: BoatConfig, now: Now, pace: Pace = PACE) -> Hardware:
     return hardware
 
 
+@dataclass(eq=False)
 class _Assembly:
     """Begins the attempts, and joins the parts that share something."""
 
-    def __init__(self, config: BoatConfig, now: Now, pace: Pace, undo: ExitStack) -> None:
-        self._config = config
-        self._now = now
-        self._pace = pace
-        self._undo = undo
-        self._begun: list[Retried[Any]] = []
+    _config: BoatConfig
+    _now: Now
+    _pace: Pace
+    _undo: ExitStack
+    _begun: list[Retried[Any]] = field(default_factory=list, init=False)
 
     def open(self) -> Hardware:
         """The motors first, so that they are off from the start."""

@@ -15,6 +15,7 @@ from companion.config.payload import PayloadSetting, WinchPayload
 from companion.config.sensors import ProbePart
 from companion.core.errors import HardwareError
 from companion.core.generations import ProfileFile
+from companion.hal import interfaces as parts
 from companion.hal.battery import open_battery_monitor
 from companion.hal.gnss.gpsd import open_gpsd_gnss
 from companion.hal.gnss.receiver import GnssReceiver, open_nmea_gnss
@@ -24,18 +25,6 @@ from companion.hal.heading.bno055 import open_bno055
 from companion.hal.heading.bno085 import open_bno085
 from companion.hal.heading.magnetic_compass import open_magnetic_compass
 from companion.hal.hull import open_hull
-from companion.hal.interfaces import (
-    Battery,
-    Compass,
-    DepthSounder,
-    Gnss,
-    Hull,
-    Motors,
-    Probe,
-    RcReceiver,
-    Rudder,
-    Sonar,
-)
 from companion.hal.motors.bridges import open_bridges
 from companion.hal.motors.esc import open_escs
 from companion.hal.motors.watched_motors import WatchedMotors
@@ -66,7 +55,7 @@ class _Absent:
 def open_motors(config: BoatConfig, now: Now) -> WatchedMotors:
     """The motors, with their watchdog, which is not started yet."""
     part, has_right = config.parts.motors, config.drive.has_pair
-    motors: Motors
+    motors: parts.Motors
     match part.driver:
         case "none":
             raise HardwareError("motors: no driver is configured")
@@ -83,7 +72,7 @@ def open_motors(config: BoatConfig, now: Now) -> WatchedMotors:
     return WatchedMotors(motors, now, config.motors.command_timeout_s)
 
 
-def open_rudder(config: BoatConfig) -> Rudder:
+def open_rudder(config: BoatConfig) -> parts.Rudder:
     """The rudder's servo, which begins amidships."""
     part = config.parts.rudder
     return RudderServo(open_pulse_output(part.signal, config.parts.pca9685), part.signal)
@@ -99,7 +88,7 @@ def antenna_heading(config: BoatConfig) -> GnssHeading | None:
     )
 
 
-def open_gnss(config: BoatConfig, now: Now, heading: GnssHeading | None = None) -> Gnss:
+def open_gnss(config: BoatConfig, now: Now, heading: GnssHeading | None = None) -> parts.Gnss:
     """The GNSS receiver; a silent one where none is fitted. heading: of its antennas; default: a new one."""
     part = config.parts.gnss
     heading = heading or antenna_heading(config)
@@ -114,7 +103,7 @@ def open_gnss(config: BoatConfig, now: Now, heading: GnssHeading | None = None) 
             return _Absent()
 
 
-def open_compass(config: BoatConfig, now: Now, field: FieldCorrector | None = None) -> Compass:
+def open_compass(config: BoatConfig, now: Now, field: FieldCorrector | None = None) -> parts.Compass:
     """The heading sensor; a silent one where none is fitted. field: the live correction of a magnetometer."""
     part = config.parts.compass
     match part.driver:
@@ -143,22 +132,22 @@ def bare_compass(config: BoatConfig) -> BoatConfig:
     return with_value(config, "parts.compass.driver", config.parts.compass.part_driver)
 
 
-def open_sonar(config: BoatConfig, now: Now) -> Sonar:
+def open_sonar(config: BoatConfig, now: Now) -> parts.Sonar:
     """The ranger with its servo, which begins to ping."""
     return open_ranger(config.parts.sonar, now)
 
 
-def open_battery(config: BoatConfig, now: Now) -> Battery:
+def open_battery(config: BoatConfig, now: Now) -> parts.Battery:
     """The monitor of the battery pack."""
     return open_battery_monitor(config.parts.battery, now)
 
 
-def open_hull_sensor(config: BoatConfig, now: Now) -> Hull:
+def open_hull_sensor(config: BoatConfig, now: Now) -> parts.Hull:
     """The sensors inside the hull."""
     return open_hull(config.parts.hull, now)
 
 
-def open_depth(config: BoatConfig, now: Now) -> DepthSounder:
+def open_depth(config: BoatConfig, now: Now) -> parts.DepthSounder:
     """The depth sounder; one on the line of the GNSS receiver has that line to itself."""
     part = config.parts.depth
     match part.driver:
@@ -179,7 +168,7 @@ def probe_groups(config: BoatConfig) -> list[tuple[ProbePart, ...]]:
     return [tuple(group) for group in groups.values()]
 
 
-def open_probe_group(group: Sequence[ProbePart], now: Now) -> tuple[Probe, ...]:
+def open_probe_group(group: Sequence[ProbePart], now: Now) -> tuple[parts.Probe, ...]:
     """The probes of a group, in its order."""
     match group[0].driver:
         case "serial":
@@ -190,7 +179,7 @@ def open_probe_group(group: Sequence[ProbePart], now: Now) -> tuple[Probe, ...]:
             return (open_file_probe(group[0], now),)
 
 
-def open_rc(config: BoatConfig, now: Now) -> RcReceiver:
+def open_rc(config: BoatConfig, now: Now) -> parts.RcReceiver:
     """The receiver of the RC transmitter."""
     return open_rc_receiver(config.rc, now)
 

@@ -80,9 +80,7 @@ def restart_program() -> NoReturn:
 
 
 _USEC: Final = 1e6
-RESTART_WATCHDOG_S: Final = (
-    30.0  # while the program replaces itself: its imports take up to 10 s on a Pi Zero 2
-)
+RESTART_WATCHDOG_S: Final = 30.0  # while the program replaces itself: imports take 10 s on a Pi Zero 2
 
 
 class ServiceNotifier:
@@ -92,10 +90,8 @@ class ServiceNotifier:
     """
 
     def __init__(self, environment: Mapping[str, str]) -> None:
-        address = environment.get("NOTIFY_SOCKET", "")
-        self._address = (
-            "\0" + address[1:] if address.startswith("@") else address
-        )  # @: the abstract namespace
+        address = environment.get("NOTIFY_SOCKET", "")  # @: the abstract namespace
+        self._address = "\0" + address[1:] if address.startswith("@") else address
         self._watchdog_usec = _watchdog_usec(environment)
         self._socket: socket.socket | None = None
         self._is_ready = False

@@ -8,6 +8,7 @@ skipped, never caught up. A clock is read nowhere else.
 import select
 import time
 from collections.abc import Callable, Collection
+from dataclasses import KW_ONLY, dataclass, field
 from typing import Protocol
 
 from companion.app import garbage_collection as garbage
@@ -50,87 +51,75 @@ class SystemClock:
         return unix_s - self.now_s() if unix_s > 1.6e9 else 0.0
 
 
+@dataclass(eq=False)
 class Runner:
     """Calls `step(number)` once a period and `receive(ready)` whenever a link has something in between.
 
     ready: the descriptors that have become readable. `receive` may return how many frames it took. Under a
     heavy stream of frames (a bridge between two fast links) they are left to gather for a millisecond, which
-    costs less than waking up for each.
+    costs less than waking up for each. skip_missed: False for the emulator, whose ticks are its time: it runs
+    slow rather than skip. has_more: whether `receive` has left something behind, which no descriptor tells.
     """
 
-    def __init__(
-        self,
-        clock: Clock,
-        period_s: float,
-        step: Callable[[int], None],
-        receive: Callable[[Collection[int]], int | None],
-        filenos: Callable[[], list[int]],
-        *,
-        skip_missed: bool = True,
-        has_more: Callable[[], bool] = lambda: False,
-    ) -> None:
-        """skip_missed: False for the emulator, whose ticks are its time: it runs slow rather than skip.
-
-        has_more: whether `receive` has left something behind, which no descriptor would tell.
-        """
-        self.ticks = TickCount()
-        self.load = 0.0  # share of the period spent in `step`, smoothed over about a second
-        self._clock = clock
-        self._period_s = period_s
-        self._step = step
-        self._receive = receive
-        self._filenos = filenos
-        self._skip_missed = skip_missed
-        self._has_more = has_more
-        self._poll = select.poll()
-        self._polled: list[int] = []
-        self._ready: list[int] = []
-        self._frames = 0  # taken in this period so far, or in the one before it
+    clock: Clock
+    period_s: float
+    step: Callable[[int], None]
+    receive: Callable[[Collection[int]], int | None]
+    filenos: Callable[[], list[int]]
+    _: KW_ONLY
+    skip_missed: bool = True
+    has_more: Callable[[], bool] = lambda: False
+    ticks: TickCount = field(default_factory=TickCount, init=False)
+    load: float = field(default=0.0, init=False)  # share of the period spent in `step`, over about a second
+    _poll: select.poll = field(default_factory=select.poll, init=False)
+    _polled: list[int] = field(default_factory=list, init=False)
+    _ready: list[int] = field(default_factory=list, init=False)
+    _frames: int = field(default=0, init=False)  # taken in this period so far, or in the one before it
 
     def run(self, should_stop: Callable[[], bool]) -> None:
         """Run until told to stop. What `step` raises comes out here."""
-        due_s = self._clock.now_s()
+        due_s = self.clock.now_s()
         number = 0
         while not should_stop():
             self._listen_until(due_s, should_stop)
-            start_s = self._clock.now_s()
+            start_s = self.clock.now_s()
             late_s = start_s - due_s
             self.ticks.run += 1
             self.ticks.worst_s = max(self.ticks.worst_s, late_s)
             if late_s > LATE_S:
                 self.ticks.late += 1
-            self._step(number)
-            self.load += 0.02 * ((self._clock.now_s() - start_s) / self._period_s - self.load)
+            self.step(number)
+            self.load += 0.02 * ((self.clock.now_s() - start_s) / self.period_s - self.load)
             number += 1
-            due_s += self._period_s
-            missed = int((self._clock.now_s() - due_s) / self._period_s)
+            due_s += self.period_s
+            missed = int((self.clock.now_s() - due_s) / self.period_s)
             if missed > 0:
                 self.ticks.skipped += missed
-                due_s += missed * self._period_s
-                if self._skip_missed:
+                due_s += missed * self.period_s
+                if self.skip_missed:
                     number += missed
-            garbage.sweep(due_s - self._clock.now_s())
+            garbage.sweep(due_s - self.clock.now_s())
 
     def _listen_until(self, due_s: float, should_stop: Callable[[], bool]) -> None:
         is_busy, self._frames = self._frames > _BUSY_FRAMES, 0
         for _ in range(_MAX_RECEIVES):
-            left_s = due_s - self._clock.now_s()
+            left_s = due_s - self.clock.now_s()
             if left_s <= 0.0 or should_stop():
                 return
-            has_more = self._has_more()
+            has_more = self.has_more()
             if not (self._wait(0.0 if has_more else left_s) or has_more):
                 return
-            frames = self._receive(self._ready) or 0
+            frames = self.receive(self._ready) or 0
             self._frames += frames
             if frames < _FEW_FRAMES and (is_busy or self._frames > _BUSY_FRAMES):
-                self._clock.sleep(min(_GATHER_S, due_s - self._clock.now_s()))
-        self._clock.sleep(due_s - self._clock.now_s())
+                self.clock.sleep(min(_GATHER_S, due_s - self.clock.now_s()))
+        self.clock.sleep(due_s - self.clock.now_s())
 
     def _wait(self, seconds: float) -> bool:
         """Whether a link has something to say before the time is over."""
-        filenos = self._filenos()
+        filenos = self.filenos()
         if not filenos:
-            self._clock.sleep(seconds)
+            self.clock.sleep(seconds)
             return False
         if filenos != self._polled:
             self._polled = filenos
@@ -141,5 +130,5 @@ class Runner:
         self._ready = [fileno for fileno, _ in self._poll.poll(int(seconds * 1e3))]
         if self._ready:
             return True
-        self._clock.sleep(min(seconds, 0.001))
+        self.clock.sleep(min(seconds, 0.001))
         return False

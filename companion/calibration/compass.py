@@ -116,7 +116,7 @@ class CompassCalibration:
         roll, pitch = reading.roll_rad or 0.0, reading.pitch_rad or 0.0
         self._is_level = self._is_level and max(abs(roll), abs(pitch)) <= _LEVEL_RAD
         samples = self._samples
-        if samples and length(_minus(field, samples[-1].field)) < _APART_MG:
+        if samples and length(plus(field, samples[-1].field, -1.0)) < _APART_MG:
             return
         level = level_field(field, down_axis(roll, pitch))
         if level is None:
@@ -212,10 +212,6 @@ class CompassCalibration:
 
 def _heading(field: Vector) -> float:
     return math.atan2(-field[1], field[0])
-
-
-def _minus(a: Vector, b: Vector) -> Vector:
-    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 def _limits_fault(correction: MagneticCorrection) -> str:

@@ -5,6 +5,7 @@ from typing import Final
 
 from msgspec.structs import replace
 
+from companion.calibration import runs
 from companion.calibration.pulses import (
     LEFT_AHEAD,
     LEFT_ASTERN,
@@ -20,15 +21,6 @@ from companion.calibration.routine import (
     Step,
     TrialFinding,
     come_back,
-)
-from companion.calibration.runs import (
-    Run,
-    RunPair,
-    go_to_edge,
-    hard_turn_rad_s,
-    opposite,
-    sail_run,
-    surge_time_s,
 )
 from companion.config.actuators import Thrusters
 from companion.config.boat_config import BoatConfig
@@ -83,25 +75,25 @@ def calibrate(inputs: RoutineInputs) -> Routine:
 
     rates = []
     for side in (1.0, -1.0):
-        yield from go_to_edge(inputs, heading)
+        yield from runs.go_to_edge(inputs, heading)
         drive = _steered(setting, side * config.heading.max_steering)
-        rates.append((yield from hard_turn_rad_s(inputs, heading, drive)))
+        rates.append((yield from runs.hard_turn_rad_s(inputs, heading, drive)))
     findings.append(TrialFinding("HND_TURN_RATE", math.degrees(0.5 * (rates[0] + rates[1]))))
     yield from come_back(inputs)
     return findings
 
 
-def _out_and_back(inputs: RoutineInputs, heading_rad: float, speed_m_s: float) -> Step[RunPair]:
-    runs: list[Run] = []
-    for course in (heading_rad, opposite(heading_rad)):
+def _out_and_back(inputs: RoutineInputs, heading_rad: float, speed_m_s: float) -> Step[runs.RunPair]:
+    sailed: list[runs.Run] = []
+    for course in (heading_rad, runs.opposite(heading_rad)):
         for _ in range(_TRIES):
-            yield from go_to_edge(inputs, course)
-            if (run := (yield from sail_run(inputs, course, speed_m_s))) is not None:
-                runs.append(run)
+            yield from runs.go_to_edge(inputs, course)
+            if (run := (yield from runs.sail_run(inputs, course, speed_m_s))) is not None:
+                sailed.append(run)
                 break
         else:
             raise CalibrationError("something is in the way of every run")
-    return RunPair(*runs)
+    return runs.RunPair(*sailed)
 
 
 def _asymmetry(sides: list[tuple[ThrustCurve | None, ThrustCurve | None]]) -> float | None:
@@ -114,7 +106,7 @@ def _asymmetry(sides: list[tuple[ThrustCurve | None, ThrustCurve | None]]) -> fl
     return clamp(sum(ratios) / len(ratios), 1.0, 10.0) if ratios else None
 
 
-def _balanced(setting: Thrusters, pairs: tuple[RunPair, RunPair]) -> Thrusters:
+def _balanced(setting: Thrusters, pairs: tuple[runs.RunPair, runs.RunPair]) -> Thrusters:
     """Add the gains of left and right with which the boat went straight."""
     ratios = []
     for pair in pairs:
@@ -129,7 +121,9 @@ def _balanced(setting: Thrusters, pairs: tuple[RunPair, RunPair]) -> Thrusters:
     return replace(setting, left_gain=min(ratio, 1.0), right_gain=min(1.0 / ratio, 1.0))
 
 
-def _speeds(setting: Thrusters, full: RunPair, cruising: RunPair, config: BoatConfig) -> list[TrialFinding]:
+def _speeds(
+    setting: Thrusters, full: runs.RunPair, cruising: runs.RunPair, config: BoatConfig
+) -> list[TrialFinding]:
     findings, cruise_m_s, top_m_s = [], config.speed.cruise_m_s, full.speed_m_s
     if full.is_steady:
         findings.append(TrialFinding("HND_TOP_SPEED", top_m_s))
@@ -142,7 +136,9 @@ def _speeds(setting: Thrusters, full: RunPair, cruising: RunPair, config: BoatCo
     throttle = min(throttle * cruise_m_s / cruising.speed_m_s, 1.0)
     findings.append(TrialFinding("CRUISE_THROTTLE", 100.0 * throttle))
     if full.is_steady:
-        findings.append(TrialFinding("EST_SURGE_TIME", surge_time_s(full, top_m_s, cruise_m_s, throttle)))
+        findings.append(
+            TrialFinding("EST_SURGE_TIME", runs.surge_time_s(full, top_m_s, cruise_m_s, throttle))
+        )
     return findings
 
 

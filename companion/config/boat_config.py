@@ -13,31 +13,11 @@ from typing import Annotated, Any, Literal
 import msgspec
 from msgspec import Meta
 
+from companion.config import sensors, tuning
 from companion.config.actuators import DriveSetting, Handling, MotorsPart, Pca9685Part, RudderPart, Thrusters
 from companion.config.board import I2cBus
 from companion.config.payload import CameraSetting, PayloadSetting, check_payloads
 from companion.config.section import NonNegative, Positive, Section, SystemId, replaced
-from companion.config.sensors import (
-    BatteryPart,
-    CompassPart,
-    DepthPart,
-    GnssPart,
-    HullPart,
-    ProbePart,
-    RangerPart,
-    check_probes,
-)
-from companion.config.tuning import (
-    AvoidanceSetting,
-    Estimation,
-    Failsafe,
-    FenceSetting,
-    Guidance,
-    Heading,
-    MotorLimits,
-    Rc,
-    Speed,
-)
 from companion.core.errors import ConfigError
 from companion.core.toml_text import parse_toml
 
@@ -48,12 +28,12 @@ class Parts(Section, frozen=True):
     i2c_bus: I2cBus = 1
     motors: MotorsPart = MotorsPart()
     rudder: RudderPart = RudderPart()
-    gnss: GnssPart = GnssPart()
-    compass: CompassPart = CompassPart()
-    sonar: RangerPart = RangerPart()
-    battery: BatteryPart = BatteryPart()
-    hull: HullPart = HullPart()
-    depth: DepthPart = DepthPart()
+    gnss: sensors.GnssPart = sensors.GnssPart()
+    compass: sensors.CompassPart = sensors.CompassPart()
+    sonar: sensors.RangerPart = sensors.RangerPart()
+    battery: sensors.BatteryPart = sensors.BatteryPart()
+    hull: sensors.HullPart = sensors.HullPart()
+    depth: sensors.DepthPart = sensors.DepthPart()
     pca9685: Pca9685Part = Pca9685Part()
 
 
@@ -210,37 +190,37 @@ class BoatConfig(Section, frozen=True):
 
     links: tuple[str | LinkConfig, ...] = ()
     identity: Identity = Identity()
-    heading: Heading = Heading()
-    speed: Speed = Speed()
-    motors: MotorLimits = MotorLimits()
+    heading: tuning.Heading = tuning.Heading()
+    speed: tuning.Speed = tuning.Speed()
+    motors: tuning.MotorLimits = tuning.MotorLimits()
     drive: DriveSetting = DriveSetting()
     thrusters: Thrusters = Thrusters()
-    guidance: Guidance = Guidance()
+    guidance: tuning.Guidance = tuning.Guidance()
     handling: Handling = Handling()
-    estimation: Estimation = Estimation()
+    estimation: tuning.Estimation = tuning.Estimation()
     mission: Mission = Mission()
     modes: Modes = Modes()
     follow: Follow = Follow()
-    failsafe: Failsafe = Failsafe()
-    fence: FenceSetting = FenceSetting()
-    avoidance: AvoidanceSetting = AvoidanceSetting()
+    failsafe: tuning.Failsafe = tuning.Failsafe()
+    fence: tuning.FenceSetting = tuning.FenceSetting()
+    avoidance: tuning.AvoidanceSetting = tuning.AvoidanceSetting()
     arming: Arming = Arming()
     battery: BatteryPack = BatteryPack()
     trim: Trim = Trim()
     external: External = External()
-    rc: Rc = Rc()
+    rc: tuning.Rc = tuning.Rc()
     mavlink: Mavlink = Mavlink()
     storage: StorageSetting = StorageSetting()
     log: Log = Log()
     parts: Parts = Parts()
     payload: tuple[PayloadSetting, ...] = ()
-    probe: tuple[ProbePart, ...] = ()
+    probe: tuple[sensors.ProbePart, ...] = ()
     camera: CameraSetting = CameraSetting()
 
     def __post_init__(self) -> None:
         super().__post_init__()
         check_payloads(self.payload)
-        check_probes(self.probe)
+        sensors.check_probes(self.probe)
 
     @property
     def link_settings(self) -> tuple[LinkConfig, ...]:

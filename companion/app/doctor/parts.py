@@ -17,27 +17,17 @@ from companion.config.parameter_table import ROWS
 from companion.config.parameters import PARAMETER_FILE, Parameters
 from companion.config.payload import CommandPayload
 from companion.config.sensors import ProbePart
+from companion.core import readings
 from companion.core.errors import BoatError
 from companion.core.generations import find_newest
-from companion.core.readings import (
-    BatteryReading,
-    DepthReading,
-    GnssFix,
-    HeadingReading,
-    HullReading,
-    ProbeReading,
-    RcReading,
-    SonarReading,
-)
 from companion.core.storage import MemoryStorage
 from companion.core.units import wrap_two_pi
 from companion.hal.interfaces import ReportingPart
 from companion.sensors.compass.magnetic_field import BY_CURRENT, NO_MOTORS, FieldCorrector, compass_hooks
 from companion.sensors.fuel_gauge import cells_fault
 
-_PATIENCE_S = (
-    10.0  # for a first reading: a BNO055 starts in 0.7 s, a receiver without a fix speaks every second
-)
+# For a first reading: a BNO055 starts in 0.7 s, a receiver without a fix speaks every second
+_PATIENCE_S = 10.0
 _POLL_S = 0.1
 
 
@@ -157,23 +147,23 @@ _FIX_NAMES = ("no receiver", "no fix", "2-D fix", "3-D fix", "DGNSS fix", "RTK f
 def in_words(reading: object, config: BoatConfig) -> Words:
     """A part's reading, by its type; one of another type as it prints itself."""
     match reading:
-        case GnssFix():
+        case readings.GnssFix():
             return _fix_in_words(reading, config)
-        case HeadingReading():
+        case readings.HeadingReading():
             return Verdict.FINE, _heading_in_words(reading)
-        case BatteryReading():
+        case readings.BatteryReading():
             return _battery_in_words(reading, config)
-        case HullReading():
+        case readings.HullReading():
             wet = {None: "no leak switch", False: "dry", True: "WATER"}[reading.is_wet]
             text = wet if reading.temperature_c is None else f"{wet}, {reading.temperature_c:.0f} °C"
             return Verdict.FAILED if reading.is_wet else Verdict.FINE, text
-        case DepthReading():
+        case readings.DepthReading():
             return _depth_in_words(reading)
-        case ProbeReading():
+        case readings.ProbeReading():
             return Verdict.FINE, f"{reading.value:.6g} {reading.unit}".rstrip()
-        case RcReading(is_failsafe=True):
+        case readings.RcReading(is_failsafe=True):
             return Verdict.WARNING, "receiver answers, transmitter off"
-        case RcReading():
+        case readings.RcReading():
             text = f"channels {' '.join(str(width) for width in reading.channels_us[:8])} µs"
             return Verdict.FINE, text if reading.rssi_dbm is None else f"{text}, {reading.rssi_dbm:.0f} dBm"
         case list():
@@ -187,7 +177,7 @@ def degrees(angle_rad: float) -> str:
     return f"{math.degrees(angle_rad):.0f}°"
 
 
-def _fix_in_words(fix: GnssFix, config: BoatConfig) -> Words:
+def _fix_in_words(fix: readings.GnssFix, config: BoatConfig) -> Words:
     name = _FIX_NAMES[min(fix.fix_type, len(_FIX_NAMES) - 1)]
     text = f"{name}, {fix.satellites} satellites"
     if fix.fix_type >= 2:
@@ -198,7 +188,7 @@ def _fix_in_words(fix: GnssFix, config: BoatConfig) -> Words:
     return (Verdict.FINE, text) if good else (Verdict.WARNING, f"{text}; not enough to arm")
 
 
-def _heading_in_words(reading: HeadingReading) -> str:
+def _heading_in_words(reading: readings.HeadingReading) -> str:
     north = "magnetic" if reading.is_magnetic else "true"
     text = f"heading {degrees(wrap_two_pi(reading.heading_rad))} {north}"
     if reading.yaw_rate_rad_s is not None:
@@ -210,7 +200,7 @@ def _heading_in_words(reading: HeadingReading) -> str:
     return text
 
 
-def _battery_in_words(reading: BatteryReading, config: BoatConfig) -> Words:
+def _battery_in_words(reading: readings.BatteryReading, config: BoatConfig) -> Words:
     text = f"{reading.voltage_v:.2f} V"
     text += ", current not measured" if reading.current_a is None else f", {reading.current_a:.2f} A"
     if reading.voltage_v < config.arming.battery_min_v:
@@ -220,14 +210,14 @@ def _battery_in_words(reading: BatteryReading, config: BoatConfig) -> Words:
     return Verdict.FINE, text
 
 
-def _depth_in_words(reading: DepthReading) -> Words:
+def _depth_in_words(reading: readings.DepthReading) -> Words:
     if reading.depth_m is None or reading.water_m is None:
         return Verdict.WARNING, "the sounder answers, no bottom found"
     text = f"{reading.depth_m:.2f} m below the transducer, water {reading.water_m:.2f} m"
     return Verdict.FINE, text if reading.temperature_c is None else f"{text}, {reading.temperature_c:.1f} °C"
 
 
-def _pings_in_words(pings: Sequence[SonarReading]) -> str:
+def _pings_in_words(pings: Sequence[readings.SonarReading]) -> str:
     echoes = [(ping.range_m, ping.bearing_rad) for ping in pings if ping.range_m is not None]
     if not echoes:
         return f"{len(pings)} pings, no echo within {max(ping.max_range_m for ping in pings):.1f} m"

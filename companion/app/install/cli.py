@@ -7,17 +7,7 @@ from typing import Annotated
 
 from companion.app.composition import check_config
 from companion.app.init.presets import preset_text
-from companion.app.install.plan import (
-    CONFIG,
-    PIN_FILE,
-    PROGRAMS,
-    SHORE_UNIT,
-    SHORE_UNIT_FILE,
-    USB_FILE,
-    check_page_program,
-    install_steps,
-    uninstall_steps,
-)
+from companion.app.install import plan
 from companion.app.install.steps import UNIT, USER, apply_steps, describe_steps
 from companion.app.install.target import InstallError, Target, is_readable_by_others, need_programs
 from companion.app.install.usb_names import usb_rules
@@ -50,17 +40,17 @@ def install(
     """
     target = _target(root, needs_root=not dry_run)
     if programs is None:
-        programs = Path(sys.executable).parent if target.is_this_machine else PROGRAMS
+        programs = Path(sys.executable).parent if target.is_this_machine else plan.PROGRAMS
     if config is not None:
         check_config(load_config(config))
     text = config.read_text(encoding="utf-8") if config else preset_text("lake")
-    has_page = page or target.path(SHORE_UNIT_FILE).exists()  # one that is installed stays
+    has_page = page or target.path(plan.SHORE_UNIT_FILE).exists()  # one that is installed stays
     if page_map is not None and not page:
         raise UsageError("--page-map needs --page")
     map_text = page_map.read_text(encoding="utf-8") if page_map else "" if has_page else None
     if page and target.is_this_machine:
-        check_page_program(target, programs)
-    steps = install_steps(
+        plan.check_page_program(target, programs)
+    steps = plan.install_steps(
         target, programs, text, _usb_text(target, usb or []), map_text if has_page else None
     )
     program = programs / "boat-companion"
@@ -76,10 +66,10 @@ def install(
     if not target.path(program).exists():
         echo(f"{program} is missing in {target.root}: install mavboat there before the first start")
     if target.is_this_machine:
-        units = UNIT if not has_page else f"{UNIT} {SHORE_UNIT}"
-        echo(f"Edit {CONFIG}, run `boat-companion doctor`, then: sudo systemctl restart {units}")
-    if has_page and not target.path(PIN_FILE).exists():
-        echo(f"Set the page's PIN: sudo -u {USER} {programs}/boat-shore pin --pin-file {PIN_FILE}")
+        units = UNIT if not has_page else f"{UNIT} {plan.SHORE_UNIT}"
+        echo(f"Edit {plan.CONFIG}, run `boat-companion doctor`, then: sudo systemctl restart {units}")
+    if has_page and not target.path(plan.PIN_FILE).exists():
+        echo(f"Set the page's PIN: sudo -u {USER} {programs}/boat-shore pin --pin-file {plan.PIN_FILE}")
 
 
 def uninstall(
@@ -92,7 +82,7 @@ def uninstall(
     Without --purge, the configuration, missions, logs and the user that owns them stay as well.
     """
     target = _target(root, needs_root=not dry_run)
-    steps = uninstall_steps(target, purge=purge)
+    steps = plan.uninstall_steps(target, purge=purge)
     if dry_run:
         describe_steps(steps, echo)
         return
@@ -101,7 +91,7 @@ def uninstall(
 
 
 def _usb_text(target: Target, usb: list[str]) -> str:
-    path = target.path(USB_FILE)
+    path = target.path(plan.USB_FILE)
     before = path.read_text(encoding="utf-8") if path.exists() else ""
     return usb_rules(usb, before) if usb else before
 

@@ -119,7 +119,7 @@ def test_whatever_step_fails_the_system_is_as_before(
         monkeypatch.setattr(made[number], "is_done", lambda: False)
         return made
 
-    monkeypatch.setattr("companion.app.install.cli.install_steps", patched)
+    monkeypatch.setattr("companion.app.install.plan.install_steps", patched)
     assert run_program(["install", "--root", str(root), "--page"]) == 1
     assert "no space left" in capsys.readouterr().err
     assert snapshot(root) == before
