@@ -64,11 +64,7 @@ def seal(generation: Generation) -> bytes:
 
 
 def unseal(file: bytes) -> Generation:
-    """Content of a file, with or without a generation line.
-
-    Raises:
-        DamagedError: it is damaged.
-    """
+    """Content of a file, with or without a generation line. Raises DamagedError: it is damaged."""
     line, _, content = file.partition(b"\n")
     if not any(mark in file[:_HEAD_BYTES] for mark in _MARKS):
         # Our files are never empty, have no zero bytes, and are never cut off within the first line
@@ -85,11 +81,7 @@ def unseal(file: bytes) -> Generation:
 
 
 def find_newest(path: Path) -> Found:
-    """The newest intact generation of a file.
-
-    Raises:
-        OSError: a file exists but cannot be read.
-    """
+    """The newest intact generation of a file. Raises OSError: a file exists but cannot be read."""
     none = Generation(0, b"")
     current, fault = _read(path)
     if current is not None and not current.number:
@@ -107,9 +99,7 @@ def find_newest(path: Path) -> Found:
 
 def save_next(path: Path, content: bytes, write: Write) -> None:
     """Write the next generation of a file, and keep the newest intact one.
-
-    Raises:
-        OSError: the medium refuses.
+    Raises OSError: the medium refuses.
     """
     found = find_newest(path)
     if found.is_aside:  # it is the only copy

@@ -42,9 +42,7 @@ class Point(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class LatLon:
     """A WGS 84 position in degrees.
-
-    Raises:
-        ValueError: not finite, latitude outside ±90 or longitude outside ±180.
+    Raises ValueError: not finite, latitude outside ±90 or longitude outside ±180.
     """
 
     lat_deg: float

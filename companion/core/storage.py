@@ -89,9 +89,7 @@ class _Write:
 
 class FolderStorage:
     """Files in a folder, which is created if missing.
-
-    Raises:
-        StorageError: the folder cannot be created, or a file in it cannot be read.
+    Raises StorageError: the folder cannot be created, or a file in it cannot be read.
     """
 
     def __init__(self, folder: Path, write: Write = write_atomically, worker: Executor | None = None) -> None:

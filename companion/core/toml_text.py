@@ -12,9 +12,7 @@ _LONG_KEY = re.compile(rf"(?<![\w\-\"'])(?:[\w\-\"']++[ \t]*+\.[ \t]*+){{{_MOST_
 
 def parse_toml(text: str) -> dict[str, Any]:
     """Parse TOML into plain values.
-
-    Raises:
-        ValueError: not TOML (names the line), nested too deeply, or a number with too many digits.
+    Raises ValueError: not TOML (names the line), nested too deeply, or a number with too many digits.
     """
     if _LONG_KEY.search(text):
         raise ValueError("nesting is too deep")

@@ -26,11 +26,8 @@ class Ads1115:
     """One part at one bus address. A conversion averages the input over 31 ms."""
 
     def __init__(self, bus: I2cBus, address: int, pause: Callable[[float], None] = time.sleep) -> None:
-        """pause: waits these seconds.
-
-        Raises:
-            HardwareError: the part does not keep its configuration, so it is not an ADS1115.
-            OSError: nothing answers.
+        """pause: waits these seconds. Raises HardwareError: the part does not keep its configuration, so it
+        is not an ADS1115; OSError: nothing answers.
         """
         self.bus = bus
         self._registers = Registers(bus, address)
@@ -43,10 +40,7 @@ class Ads1115:
 
     def read_v(self, channel: int) -> float | None:
         """Voltage at an input, None at full scale. Takes 32 ms.
-
-        Raises:
-            HardwareError: the conversion does not end.
-            OSError: it does not answer.
+        Raises HardwareError: the conversion does not end; OSError: it does not answer.
         """
         with _LOCKS[self._registers.address]:
             return self._convert_v(channel)

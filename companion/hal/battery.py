@@ -100,10 +100,7 @@ class ShuntMonitor:
     """
 
     def __init__(self, chip: ShuntChip, bus: I2cBus, address: int, shunt_ohm: float) -> None:
-        """Raises:
-        HardwareError: another kind of part is at the address.
-        OSError: nothing answers.
-        """
+        """Raises HardwareError: another kind of part is at the address; OSError: nothing answers."""
         self.bus = bus
         self._chip = chip
         self._registers = Registers(bus, address)
@@ -119,9 +116,7 @@ class ShuntMonitor:
 
     def read(self) -> Measurement | None:
         """The latest average; None at the first call after opening or a supply dip: the part measures then.
-
-        Raises:
-            OSError: it does not answer.
+        Raises OSError: it does not answer.
         """
         chip = self._chip
         if not self._is_set_up():
@@ -163,10 +158,8 @@ class AnalogMonitor:
 
     def read(self) -> Measurement:
         """One conversion of each input. The current is None without a sensor, or beyond the input's range.
-
-        Raises:
-            HardwareError: the pack's voltage is beyond the divider's range, or the converter hangs.
-            OSError: it does not answer.
+        Raises HardwareError: the pack's voltage is beyond the divider's range, or the converter hangs;
+        OSError: it does not answer.
         """
         part = self._part
         input_v = self._converter.read_v(part.voltage_channel)
@@ -192,9 +185,7 @@ class Monitor(Protocol):
 
     def read(self) -> Measurement | None:
         """The latest measurement, None if there is none yet.
-
-        Raises:
-            HardwareError, OSError: it does not answer.
+        Raises HardwareError, OSError: it does not answer.
         """
 
 
@@ -215,9 +206,7 @@ class BatterySensor(BackgroundSensor[BatteryReading]):
 
 def open_battery_monitor(part: BatteryPart, now: Callable[[], float]) -> BatterySensor:
     """Open the monitor on the Pi's I²C bus and start reading.
-
-    Raises:
-        HardwareError: smbus2 is missing, there is no bus, or nothing answers at the address.
+    Raises HardwareError: smbus2 is missing, there is no bus, or nothing answers at the address.
     """
 
     def create(bus: I2cBus) -> Monitor:

@@ -56,9 +56,7 @@ def _celsius(thermometer: Path) -> float | None:
 
 def open_hull(part: HullPart, now: Callable[[], float]) -> HullSensor:
     """Open the thermometer, and the switch if configured, and start reading.
-
-    Raises:
-        HardwareError: the pin is not available.
+    Raises HardwareError: the pin is not available.
     """
     switch: DigitalInput | None = None
     if part.leak >= 0:

@@ -37,10 +37,7 @@ class PayloadOutput(Protocol):
 
     def write(self, value: float) -> None:
         """Set it. A servo: pulse width in µs, 0 without pulses. A pin: 1 on, 0 off. A winch: share of full
-        speed, positive out. Never blocks.
-
-        Raises:
-            HardwareError: the output does not answer.
+        speed, positive out. Never blocks. Raises HardwareError: the output does not answer.
         """
 
     def close(self) -> None:

@@ -62,9 +62,7 @@ class PolledProbe(BackgroundSensor[ProbeReading]):
 
     def step(self) -> float:
         """Measure once; returns the seconds to wait before the next time.
-
-        Raises:
-            HardwareError, OSError: there is no measurement.
+        Raises HardwareError, OSError: there is no measurement.
         """
         part, began_s = self._part, self._now()
         raw = self._measure()
@@ -77,9 +75,7 @@ class PolledProbe(BackgroundSensor[ProbeReading]):
 
 def file_number(part: ProbePart) -> float | None:
     """The number in the probe's file, None if there is none.
-
-    Raises:
-        OSError: no such file, or the part behind it does not answer.
+    Raises OSError: no such file, or the part behind it does not answer.
     """
     path = part.path
     if "*" in path:
@@ -94,9 +90,7 @@ def open_file_probe(part: ProbePart, now: Callable[[], float]) -> PolledProbe:
 
 def open_analog_probe(part: ProbePart, now: Callable[[], float]) -> PolledProbe:
     """Open the converter and start to read the input, in volts.
-
-    Raises:
-        HardwareError: smbus2 is missing, there is no bus, or nothing answers at the address.
+    Raises HardwareError: smbus2 is missing, there is no bus, or nothing answers at the address.
     """
     converter = open_i2c_part("ADS1115", part.i2c_bus, part.address, lambda bus: Ads1115(bus, part.address))
     return PolledProbe(part, now, lambda: converter.read_v(part.channel), converter.bus.close).start()

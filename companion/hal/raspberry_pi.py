@@ -26,9 +26,7 @@ _PINS = threading.RLock()  # gpiozero makes its pin factory once, and warnings a
 
 def import_optional(module: str, part: str) -> ModuleType:
     """Import a module of the extra `pi`.
-
-    Raises:
-        HardwareError: it is not installed or does not load; the message says what to do.
+    Raises HardwareError: it is not installed or does not load; the message says what to do.
     """
     try:
         return importlib.import_module(module)
@@ -47,9 +45,7 @@ def import_optional(module: str, part: str) -> ModuleType:
 @contextmanager
 def opening_pins(part: str) -> Iterator[ModuleType]:
     """gpiozero, in a context that explains its errors.
-
-    Raises:
-        HardwareError: gpiozero is missing, there are no pins, or one is in use.
+    Raises HardwareError: gpiozero is missing, there are no pins, or one is in use.
     """
     gpiozero = import_optional("gpiozero", part)
     with _PINS, warnings.catch_warnings(record=True) as fallbacks:  # why gpiozero could not use lgpio
@@ -102,9 +98,7 @@ class Registers:
 def open_i2c(part: str, bus: int | str = 1) -> I2cBus:
     """Open the bus, by its number or its device, for one part. Each part opens its own: the address belongs
     to the file, not to the call.
-
-    Raises:
-        HardwareError: smbus2 is missing, or the bus cannot be opened; the message says what to do.
+    Raises HardwareError: smbus2 is missing, or the bus cannot be opened; the message says what to do.
     """
     smbus2 = import_optional("smbus2", part)
     device = ROOT / i2c_device(bus).lstrip("/")
@@ -127,9 +121,7 @@ def open_i2c(part: str, bus: int | str = 1) -> I2cBus:
 
 def open_i2c_part(part: str, bus: int | str, address: int, create: Callable[[I2cBus], _Part]) -> _Part:
     """Open the bus and create the part on it.
-
-    Raises:
-        HardwareError: smbus2 is missing, there is no bus, or the part does not answer.
+    Raises HardwareError: smbus2 is missing, there is no bus, or the part does not answer.
     """
     opened = open_i2c(part, bus)
     try:

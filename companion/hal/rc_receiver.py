@@ -44,10 +44,7 @@ class SerialRcReceiver(PortSensor[RcReading]):
 
 def open_rc_receiver(setting: Rc, now: Callable[[], float]) -> SerialRcReceiver:
     """Open the receiver on its port and start reading. The port is a device or a port url.
-
-    Raises:
-        ConfigError: the port url is invalid, or no driver is named.
-        LinkError: the port cannot be opened.
+    Raises ConfigError: the port url is invalid, or no driver is named; LinkError: the port cannot be opened.
     """
     protocol = _PROTOCOLS.get(setting.driver)
     if protocol is None:

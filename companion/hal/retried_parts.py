@@ -162,11 +162,7 @@ class RetriedOutput(Retried[CountedOutput]):
     """Satisfies `PayloadOutput` and `PulseCounter` of `companion.hal.interfaces`."""
 
     def write(self, value: float) -> None:
-        """Set it.
-
-        Raises:
-            HardwareError: it is not open, or does not answer.
-        """
+        """Set it. Raises HardwareError: it is not open, or does not answer."""
         if self.opened is None:
             raise HardwareError(f"{self.name}: {self.fault}")
         self.opened.output.write(value)

@@ -17,9 +17,7 @@ class SocketAddress(NamedTuple):
 
 def resolve(kind: str, host: str, port: int) -> SocketAddress:
     """Resolve a host, IPv4 preferred. An empty host means all local addresses.
-
-    Raises:
-        LinkError: names kind, host and port.
+    Raises LinkError: names kind, host and port.
     """
     try:
         found = socket.getaddrinfo(host or "0.0.0.0", port, type=socket.SOCK_STREAM)  # noqa: S104
@@ -37,9 +35,7 @@ def listen(
     """A bound socket that does not block, and its url with the port, which the system chooses for port 0.
 
     option: of SOL_SOCKET, set to value.
-
-    Raises:
-        LinkError: the host is unknown, or the address is in use or not ours.
+    Raises LinkError: the host is unknown, or the address is in use or not ours.
     """
     address = resolve(kind, host, port)
     bound = socket.socket(address.family, socket_kind)

@@ -46,11 +46,7 @@ class PortUrl:
 
 
 def parse_port_url(url: str) -> PortUrl:
-    """Parse a url.
-
-    Raises:
-        ConfigError: names the url and the expected form.
-    """
+    """Parse a url. Raises ConfigError: names the url and the expected form."""
     text = url.strip()
     if text.startswith("/"):
         return _serial(url, text)
@@ -76,10 +72,7 @@ def open_port(
 
     queue_bytes: output queue of a stream; None: the driver's default. is_call: whether a datagram from a new
     address creates a link; default: any non-empty one.
-
-    Raises:
-        ConfigError: the url is invalid.
-        LinkError: the port cannot be opened.
+    Raises ConfigError: the url is invalid; LinkError: the port cannot be opened.
     """
     parsed = parse_port_url(url)
     queue = {} if queue_bytes is None else {"queue_bytes": queue_bytes}
@@ -98,10 +91,7 @@ def open_port(
 
 def open_line(place: str, baud: float, now: Callable[[], float]) -> Port:
     """Open a part's serial device at a baud rate, or any other port url.
-
-    Raises:
-        ConfigError: the url is invalid.
-        LinkError: the port cannot be opened.
+    Raises ConfigError: the url is invalid; LinkError: the port cannot be opened.
     """
     return open_port(f"{place},{int(baud)}" if place.startswith("/") and "," not in place else place, now)
 

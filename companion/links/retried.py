@@ -88,9 +88,7 @@ class Retried(Generic[Opened]):
 
     def attempt(self) -> float:
         """Try once; returns the seconds to the next attempt, 0 once open.
-
-        Raises:
-            ConfigError: it can never open.
+        Raises ConfigError: it can never open.
         """
         try:
             opened = self._open()
@@ -157,9 +155,7 @@ class RetriedPort(Retried[Port]):
 
 def await_first(parts: Sequence[Retried[Any]], pace: Pace) -> None:
     """Wait for the first attempt of each, no longer than a start may take.
-
-    Raises:
-        ConfigError: one of them can never open.
+    Raises ConfigError: one of them can never open.
     """
     for first in wait([part.first for part in parts], pace.start_s).done:
         first.result()

@@ -37,9 +37,7 @@ class SerialPort:
     """`serial:DEVICE:BAUD`: one link at a time, and a new one when the device is plugged in again.
 
     pyserial configures the line; data is moved through the descriptor, which never blocks.
-
-    Raises:
-        LinkError: the device is missing, not accessible, or in use.
+    Raises LinkError: the device is missing, not accessible, or in use.
     """
 
     def __init__(

@@ -19,9 +19,7 @@ class TcpInPort:
     """`tcpin:HOST:PORT`: listens; every client is a link.
 
     With port 0 the system chooses; `name` shows the choice. Clients beyond max_clients are rejected.
-
-    Raises:
-        LinkError: the address is in use or not ours.
+    Raises LinkError: the address is in use or not ours.
     """
 
     def __init__(
@@ -64,9 +62,7 @@ class TcpOutPort:
     """`tcpout:HOST:PORT`: connects, and reconnects with growing delays.
 
     Every connection is a new link. `accept` makes the attempts, without blocking.
-
-    Raises:
-        LinkError: the host is unknown.
+    Raises LinkError: the host is unknown.
     """
 
     def __init__(

@@ -27,9 +27,7 @@ class UdpOutPort:
 
     The socket is not connected: the boat may start before the network, and a missing station must not be an
     error. Only datagrams of that host and port are accepted, unless the destination is a broadcast address.
-
-    Raises:
-        LinkError: the host is unknown.
+    Raises LinkError: the host is unknown.
     """
 
     def __init__(self, host: str, port: int) -> None:
@@ -125,10 +123,7 @@ class UdpInPort:
 
     is_call: whether the first datagram of an address creates a link; others are dropped. A peer that is
     silent for PEER_IDLE_S is removed; beyond max_peers, new ones are ignored. With port 0 the system chooses;
-    `name` shows the choice.
-
-    Raises:
-        LinkError: the address is in use or not ours.
+    `name` shows the choice. Raises LinkError: the address is in use or not ours.
     """
 
     def __init__(

@@ -120,9 +120,7 @@ class Logbook:
 
 def open_logbook(folder: Path, *, quota_mb: float, min_free_mb: float, keeps_telemetry: bool) -> Logbook:
     """A logbook in a subfolder of `folder`, written in a thread.
-
-    Raises:
-        StorageError: the folder cannot be used.
+    Raises StorageError: the folder cannot be used.
     """
     store = LogStore(folder / FOLDER, quota_mb, min_free_mb)
     worker = ThreadWorker()

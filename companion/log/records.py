@@ -38,10 +38,8 @@ class RecordKind:
 
     codes: one letter per field, as in _CODES. units, multipliers: one letter per field, as in UNITS and
     MULTIPLIERS. `pack` takes the raw values in order and returns the record.
-
-    Raises:
-        ValueError: inconsistent, or too long for the FMT record; names the type.
-        struct.error: (from `pack`) a value that does not fit its field.
+    Raises ValueError: inconsistent, or too long for the FMT record; names the type. `pack` raises
+    struct.error for a value that does not fit its field.
     """
 
     number: int

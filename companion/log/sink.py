@@ -208,9 +208,7 @@ class FileSink:
 
 class SingleFile:
     """One file, written immediately: for lockstep runs. A second log is appended.
-
-    Raises:
-        StorageError: the file cannot be written.
+    Raises StorageError: the file cannot be written.
     """
 
     room_bytes = 1 << 20

@@ -37,9 +37,7 @@ class LogFile(NamedTuple):
 
 class LogStore:
     """Numbers are never reused, even after erasing: LASTLOG.TXT stores the last.
-
-    Raises:
-        StorageError: the folder cannot be created or listed.
+    Raises StorageError: the folder cannot be created or listed.
     """
 
     def __init__(self, folder: Path, quota_mb: float, min_free_mb: float = 0.0) -> None:
@@ -64,11 +62,7 @@ class LogStore:
         return next((file for file in self.files if file.name == name), None)
 
     def open(self, name: str) -> BinaryIO:
-        """Open a listed file for reading.
-
-        Raises:
-            StorageError: no such file, or it cannot be read.
-        """
+        """Open a listed file for reading. Raises StorageError: no such file, or it cannot be read."""
         if self.find(name) is None:
             raise StorageError(f"{name}: no such log")
         try:
@@ -78,9 +72,7 @@ class LogStore:
 
     def create(self, suffix: str) -> tuple[str, BinaryIO]:
         """Make room and create a file; returns its name and the open file. `finish` ends it.
-
-        Raises:
-            OSError: the medium is full or refuses.
+        Raises OSError: the medium is full or refuses.
         """
         self.make_room()
         free_mb = shutil.disk_usage(self.folder).free / _MB
@@ -107,9 +99,7 @@ class LogStore:
 
     def date(self, name: str) -> None:
         """Set a file's date from the boat's time; the computer's may be wrong.
-
-        Raises:
-            OSError: the medium refuses.
+        Raises OSError: the medium refuses.
         """
         if (file := self.find(name)) is not None:
             os.utime(self.folder / name, (file.unix_s, file.unix_s))

@@ -31,11 +31,7 @@ class Encoder:
         self._sequence = 0
 
     def encode(self, message: Message) -> bytes:
-        """One frame.
-
-        Raises:
-            struct.error: a value does not fit its field.
-        """
+        """One frame. Raises struct.error: a value does not fit its field."""
         layout = LAYOUTS[message.get_msgId()]
         data = build_frame(self.address, self._sequence, layout, layout.pack(message))
         self._sequence = (self._sequence + 1) & 0xFF

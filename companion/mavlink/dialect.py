@@ -38,11 +38,7 @@ def message_ids(*names: str) -> tuple[int, ...]:
 
 
 def build_message(name: str, **fields: object) -> Message:
-    """A message of the dialect. Omitted fields are zero or empty.
-
-    Raises:
-        TypeError: no such field.
-    """
+    """A message of the dialect. Omitted fields are zero or empty. Raises TypeError: no such field."""
     message_type, zeros = _zeros(name)
     message: Message = message_type(**{**zeros, **fields})
     return message

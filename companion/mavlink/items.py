@@ -83,9 +83,7 @@ class MissionItem:
     """One item of a mission, fence or rally list, as in MISSION_ITEM_INT.
 
     Floats are rounded to single precision, so an item equals itself after a transfer. NaN equals NaN.
-
-    Raises:
-        ValueError: a value that does not fit its field; names the field.
+    Raises ValueError: a value that does not fit its field; names the field.
     """
 
     frame: int
@@ -155,11 +153,7 @@ class MissionItem:
 
     @staticmethod
     def from_dict(values: Mapping[str, Any]) -> "MissionItem":
-        """From `to_dict`.
-
-        Raises:
-            ValueError: a missing or unknown key, or an invalid value; names the key.
-        """
+        """From `to_dict`. Raises ValueError: a missing or unknown key, or an invalid value; names the key."""
         if set(values) != set(_NAMES):
             wrong = ", ".join(sorted(set(values) ^ set(_NAMES)))
             raise ValueError(f"a mission item with missing or unknown keys: {wrong}")

@@ -43,11 +43,7 @@ class Receiver(Transfer):
         self._interval = RepeatInterval(self.retry_s)
 
     def request_list(self, partner: Address, now_s: float) -> None:
-        """Request a partner's list.
-
-        Raises:
-            LocalProtocolError: a transfer is in progress.
-        """
+        """Request a partner's list. Raises LocalProtocolError: a transfer is in progress."""
         self._begin(TransferTrigger.ASK, partner)
         self._interval = RepeatInterval(self.retry_s)
         request = dialect.MAVLink_mission_request_list_message(*partner, self.mission_type)
@@ -79,9 +75,7 @@ class Receiver(Transfer):
 
     def confirm(self, now_s: float, result: MissionResult = MissionResult.ACCEPTED) -> None:
         """Answer to `Completed`: the list is stored, or `result` says why not.
-
-        Raises:
-            LocalProtocolError: nothing to confirm.
+        Raises LocalProtocolError: nothing to confirm.
         """
         self._settle(TransferTrigger.STORED, None, now_s)
         self._latest = self._acknowledge(self._partner, result)

@@ -36,11 +36,8 @@ class Sender(Transfer):
     _asked: set[int] = field(default_factory=set, init=False)  # requested since the last start at item 0
 
     def offer(self, items: Sequence[MissionItem], partner: Address, now_s: float) -> None:
-        """Start sending a list; restarts a transfer with the same partner.
-
-        Raises:
-            ValueError: more items than max_items.
-            LocalProtocolError: a transfer with another partner is in progress.
+        """Start sending a list; restarts a transfer with the same partner. Raises ValueError: more items than
+        max_items; LocalProtocolError: a transfer with another partner is in progress.
         """
         if len(items) > self.max_items:
             raise ValueError(f"{len(items)} items are more than the {self.max_items} that can be sent")

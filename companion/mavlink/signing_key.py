@@ -25,9 +25,7 @@ _FORMS = "expected 32 bytes, 64 hexadecimal digits, or one line with a passphras
 
 class SigningKey:
     """A 32-byte secret. repr, str and format do not show it.
-
-    Raises:
-        ValueError: not 32 bytes, or all zero, which on the wire means "no key".
+    Raises ValueError: not 32 bytes, or all zero, which on the wire means "no key".
     """
 
     __slots__ = ("_secret",)
@@ -69,9 +67,7 @@ class SigningKey:
 
 def read_key_file(path: Path) -> SigningKey:
     """The key in a file.
-
-    Raises:
-        ConfigError: no such file, accessible to others, or without a key; says what to do.
+    Raises ConfigError: no such file, accessible to others, or without a key; says what to do.
     """
     try:
         with path.open("rb") as file:
@@ -88,11 +84,7 @@ def read_key_file(path: Path) -> SigningKey:
 
 
 def parse_key(content: bytes) -> SigningKey:
-    """The key in a file's content.
-
-    Raises:
-        ValueError: no key; reports only the length of the content.
-    """
+    """The key in a file's content. Raises ValueError: no key; reports only the length of the content."""
     comment, _, rest = content.partition(b"\n")
     if comment.startswith(b"# ") and rest and len(content) != KEY_BYTES:
         content = rest

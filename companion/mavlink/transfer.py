@@ -235,9 +235,7 @@ class Transfer:
 
     def _move(self, trigger: TransferTrigger) -> None:
         """Follow a row of the table.
-
-        Raises:
-            LocalProtocolError: there is none: our own error, as messages are checked before.
+        Raises LocalProtocolError: there is none: our own error, as messages are checked before.
         """
         try:
             self.state = TRANSITIONS[self.state][trigger]

@@ -57,9 +57,7 @@ class KeyFloors:
     @classmethod
     def from_tree(cls, tree: Any, seen: int) -> "KeyFloors":  # noqa: ANN401
         """From the file; earlier versions store one timestamp for all keys, `seen`.
-
-        Raises:
-            KeyError, TypeError, ValueError: invalid content.
+        Raises KeyError, TypeError, ValueError: invalid content.
         """
         if tree is None:
             return cls(others=seen)
@@ -93,9 +91,7 @@ class SigningStore:
 
     def signatory(self, key_file: str) -> Signatory:
         """The signatory of a key file; without a name, the boat's own.
-
-        Raises:
-            ConfigError: the file has no key, or others may read it.
+        Raises ConfigError: the file has no key, or others may read it.
         """
         if not key_file:
             return self.boat

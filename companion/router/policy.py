@@ -23,9 +23,7 @@ class Policy:
     """Rules of one link, for the boat's own and for forwarded messages.
 
     bytes_s: rate limit, 0 without; stale_s: how long a frame may wait.
-
-    Raises:
-        ConfigError: names the key and the unknown message.
+    Raises ConfigError: names the key and the unknown message.
     """
 
     def __init__(

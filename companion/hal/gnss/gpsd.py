@@ -44,10 +44,7 @@ class GpsdGnss(PortSensor[GnssFix]):
 
 def open_gpsd_gnss(part: GnssPart, now: Callable[[], float]) -> GpsdGnss:
     """Connect in the background.
-
-    Raises:
-        ConfigError: the port is not HOST:PORT.
-        LinkError: the host is unknown.
+    Raises ConfigError: the port is not HOST:PORT; LinkError: the host is unknown.
     """
     place = _DEFAULT if part.port == GnssPart().port else part.port
     url = place if place.startswith("tcp") else f"tcp:{place}"

@@ -64,9 +64,7 @@ class Bno055:
     """Registers of the part at one bus address. Calls do not wait; it needs 20 ms between two."""
 
     def __init__(self, bus: I2cBus, address: int = ADDRESS) -> None:
-        """Raises:
-        HardwareError: another part answers.
-        """
+        """Raises HardwareError: another part answers."""
         self.bus = bus
         self._registers = Registers(bus, address)
         (found,) = self._registers.read(_CHIP_ID_AT, 1)
@@ -76,11 +74,7 @@ class Bno055:
             )
 
     def read(self) -> Bno055Sample | None:
-        """The present reading; None before it is set up.
-
-        Raises:
-            OSError: it does not answer.
-        """
+        """The present reading; None before it is set up. Raises OSError: it does not answer."""
         p, q, r, w, x, y, z = _DATA.unpack(self._registers.read(_DATA_AT, _DATA.size))
         status = self._registers.read(_STATUS_AT, _STATUS_BYTES)  # read after the data
         is_set_up = status[_MODE_AT - _STATUS_AT] & _MODE_BITS == NDOF_MODE
@@ -99,10 +93,7 @@ class Bno055:
 
     def set_up(self, profile: bytes = b"") -> None:
         """Start measuring, with a calibration profile. From another mode it takes two calls: units, axes and
-        profile can only change in CONFIG mode.
-
-        Raises:
-            OSError: it does not answer.
+        profile can only change in CONFIG mode. Raises OSError: it does not answer.
         """
         (mode,) = self._registers.read(_MODE_AT, 1)
         if mode & _MODE_BITS != CONFIG_MODE:
@@ -193,9 +184,7 @@ def open_bno055(
     part: CompassPart, now: Callable[[], float], profile: ProfileFile | None = None
 ) -> Bno055Compass:
     """Open the part on its I²C bus and start reading. profile: its calibration.
-
-    Raises:
-        HardwareError: smbus2 is missing, there is no bus, or the part does not answer.
+    Raises HardwareError: smbus2 is missing, there is no bus, or the part does not answer.
     """
     address = part.address or ADDRESS
 

@@ -90,9 +90,6 @@ class Bno085Compass(PortSensor[HeadingReading]):
 
 def open_bno085(part: CompassPart, now: Callable[[], float]) -> Bno085Compass:
     """Open the part on its serial line and start reading.
-
-    Raises:
-        ConfigError: the port url is invalid.
-        LinkError: the port cannot be opened.
+    Raises ConfigError: the port url is invalid; LinkError: the port cannot be opened.
     """
     return Bno085Compass(open_line(part.port, BAUD, now), part, now).start()

@@ -192,9 +192,7 @@ def open_magnetic_compass(
     wait: Callable[[float], None] = time.sleep,
 ) -> MagneticCompass:
     """Open the parts on their I²C bus and start reading. wait: while a part starts.
-
-    Raises:
-        HardwareError: smbus2 is missing, there is no bus, or a part does not answer.
+    Raises HardwareError: smbus2 is missing, there is no bus, or a part does not answer.
     """
     bus = open_i2c(part.driver.upper(), part.i2c_bus)
     try:

@@ -102,9 +102,7 @@ class HalfBridgePair:
 
     def release(self) -> None:
         """Open the bridge: enable first, then both legs. All pins are tried even if one raises.
-
-        Raises:
-            HardwareError: a pin could not be switched.
+        Raises HardwareError: a pin could not be switched.
         """
         if self._direction != 0:
             self._released_s = self._now()
@@ -113,11 +111,7 @@ class HalfBridgePair:
         self._direction = 0
 
     def close(self) -> None:
-        """Release the pins.
-
-        Raises:
-            HardwareError: a pin could not be released.
-        """
+        """Release the pins. Raises HardwareError: a pin could not be released."""
         _try_all(*(pin.close for pin in self._pins))
 
 
@@ -137,9 +131,7 @@ class BridgeMotors:
 
     def write(self, left: float, right: float) -> None:
         """Drive the motors, −1..1, limited; a non-finite value stops both.
-
-        Raises:
-            HardwareError: closed, or a pin failed; both motors are then off.
+        Raises HardwareError: closed, or a pin failed; both motors are then off.
         """
         if self._is_closed:
             raise HardwareError(f"{self._name}: written to after close")
@@ -160,19 +152,13 @@ class BridgeMotors:
             raise
 
     def stop(self) -> None:
-        """Open the bridges now.
-
-        Raises:
-            HardwareError: a pin could not be switched off; all others were.
-        """
+        """Open the bridges now. Raises HardwareError: a pin could not be switched off; all others were."""
         if not self._is_closed:
             self._all(*(side.release for side in self._sides))
 
     def close(self) -> None:
         """Stop, then release the pins. May be called twice.
-
-        Raises:
-            HardwareError: as `stop`; the pins are released anyway.
+        Raises HardwareError: as `stop`; the pins are released anyway.
         """
         if self._is_closed:
             return
@@ -200,9 +186,7 @@ def open_bridges(
     """Open the bridges on the Pi's pins. `pin_factory` is gpiozero's; None: the default.
 
     The legs of a reversed motor are swapped here.
-
-    Raises:
-        HardwareError: gpiozero is missing, there are no pins, or one is in use.
+    Raises HardwareError: gpiozero is missing, there are no pins, or one is in use.
     """
     plan = PLANS[part.driver]
     dead_time_s = max(part.dead_time_s, _PERIODS / part.pwm_hz) if plan.legs_pulsed else part.dead_time_s

@@ -68,9 +68,7 @@ class EscMotors:
 
     def write(self, left: float, right: float) -> None:
         """Drive the motors, −1..1, limited; a non-finite value stops both, as does any while arming.
-
-        Raises:
-            HardwareError: closed, or a signal failed; the others are then neutral.
+        Raises HardwareError: closed, or a signal failed; the others are then neutral.
         """
         if self._is_closed:
             raise HardwareError("ESC: written to after close")
@@ -86,19 +84,13 @@ class EscMotors:
             raise
 
     def stop(self) -> None:
-        """Neutral on every signal.
-
-        Raises:
-            HardwareError: a signal failed; all others are neutral.
-        """
+        """Neutral on every signal. Raises HardwareError: a signal failed; all others are neutral."""
         if not self._is_closed and (error := self._neutral()) is not None:
             raise error
 
     def close(self) -> None:
         """Neutral for some pulses, then no more pulses. May be called twice.
-
-        Raises:
-            HardwareError: a signal failed; all others have ended.
+        Raises HardwareError: a signal failed; all others have ended.
         """
         if self._is_closed:
             return
@@ -135,9 +127,7 @@ def open_escs(
     wait: Callable[[float], None] = time.sleep,
 ) -> EscMotors:
     """Open the signals, one a motor, left first, and send neutral.
-
-    Raises:
-        HardwareError: a signal cannot be opened; those already open are closed again.
+    Raises HardwareError: a signal cannot be opened; those already open are closed again.
     """
     outputs: list[PulseOutput] = []
     try:

@@ -135,9 +135,7 @@ class PinCounter:
 
 def open_output(setting: PayloadSetting, chip: Pca9685Part) -> PayloadOutput:
     """Open the output of a payload, in its safe state.
-
-    Raises:
-        HardwareError: it cannot be opened; the message says what to do.
+    Raises HardwareError: it cannot be opened; the message says what to do.
     """
     match setting:
         case RelayPayload():
@@ -169,9 +167,7 @@ def _open_pin(setting: RelayPayload | GripperPayload, pin: int, *, is_on: bool) 
 
 def open_counter(setting: WinchPayload) -> PinCounter | None:
     """Open the switch that measures a winch's line; None without one.
-
-    Raises:
-        HardwareError: the pin cannot be opened.
+    Raises HardwareError: the pin cannot be opened.
     """
     if setting.count_pin is None:
         return None

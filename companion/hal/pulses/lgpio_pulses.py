@@ -39,9 +39,7 @@ class LgpioPulses:
 
     def write_us(self, width_us: float) -> None:
         """Send pulses of this width, limited to the setting's, after the one under way.
-
-        Raises:
-            HardwareError: closed, or lgpio refused.
+        Raises HardwareError: closed, or lgpio refused.
         """
         whole_us = round(self._setting.limited_us(width_us))
         if self._handle < 0:
@@ -52,9 +50,7 @@ class LgpioPulses:
 
     def off(self) -> None:
         """One more pulse, then none, and the pin low: a pulse cut short would be another command.
-
-        Raises:
-            HardwareError: lgpio refused.
+        Raises HardwareError: lgpio refused.
         """
         if self._handle >= 0 and self._width_us:
             self._send(self._width_us, 1)
@@ -85,9 +81,7 @@ class LgpioPulses:
 
 def open_lgpio_pulses(setting: PulseOutputSetting) -> LgpioPulses:
     """Open the setting's pin, low and without pulses.
-
-    Raises:
-        HardwareError: lgpio is missing, there are no pins, or this one is in use.
+    Raises HardwareError: lgpio is missing, there are no pins, or this one is in use.
     """
     part = f"GPIO {setting.pin}"
     lgpio = import_optional("lgpio", part)

@@ -9,9 +9,7 @@ from companion.hal.pulses.sysfs_pwm import open_sysfs_pulses
 
 def open_pulse_output(setting: PulseOutputSetting, chip: Pca9685Part) -> PulseOutput:
     """Open a servo signal, without pulses until the first write.
-
-    Raises:
-        HardwareError: it cannot be opened; the message says what to do.
+    Raises HardwareError: it cannot be opened; the message says what to do.
     """
     match setting.output:
         case "hardware":
@@ -32,9 +30,7 @@ class RudderServo:
 
     def write(self, share: float) -> None:
         """Turn to a share of full travel, −1 to 1, limited; amidships for a value that is not finite.
-
-        Raises:
-            HardwareError: closed, or the signal failed.
+        Raises HardwareError: closed, or the signal failed.
         """
         self._output.write_us(self._setting.width_us(share))
 

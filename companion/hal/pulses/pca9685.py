@@ -160,11 +160,8 @@ class Pca9685Pulses:
         self._is_closed = False
 
     def write_us(self, width_us: float) -> None:
-        """Send pulses of this width, limited to the setting's.
-
-        Raises:
-            HardwareError: closed, or the chip lost its settings in a dip of its supply.
-            SilentOutputsError: no answer.
+        """Send pulses of this width, limited to the setting's. Raises HardwareError: closed, or the chip lost
+        its settings in a dip of its supply; SilentOutputsError: no answer.
         """
         if self._is_closed:
             raise HardwareError(f"PCA9685 channel {self._setting.channel}: written to after close")
@@ -201,9 +198,7 @@ _opening = threading.Lock()
 
 def open_pca9685_pulses(setting: PulseOutputSetting, part: Pca9685Part) -> Pca9685Pulses:
     """Open a channel, without pulses. Its first channel opens the chip, its last closes it.
-
-    Raises:
-        HardwareError: smbus2 is missing, there is no bus, or nothing answers at the address.
+    Raises HardwareError: smbus2 is missing, there is no bus, or nothing answers at the address.
     """
     with _opening:
         place = (part.i2c_bus, part.address)
@@ -238,9 +233,7 @@ def _output_enable(pin: int) -> OutputEnable | None:
 
 def replace_pca9685_pulses(channel: int, width_us: float, part: Pca9685Part) -> None:
     """From outside the program: give pulses another width; 0: end those of every channel.
-
-    Raises:
-        HardwareError: there is no bus, or nothing answers at the address.
+    Raises HardwareError: there is no bus, or nothing answers at the address.
     """
 
     def replace(bus: I2cBus) -> None:

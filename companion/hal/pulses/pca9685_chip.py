@@ -25,11 +25,8 @@ class Pca9685:
     """Registers of the chip at one bus address."""
 
     def __init__(self, bus: I2cBus, part: Pca9685Part, *, sets_up: bool = True) -> None:
-        """sets_up: False leaves the chip as it is.
-
-        Raises:
-            HardwareError: the part does not keep its registers, so it is not a PCA9685.
-            OSError: it does not answer.
+        """sets_up: False leaves the chip as it is. Raises HardwareError: the part does not keep its
+        registers, so it is not a PCA9685; OSError: it does not answer.
         """
         self.bus = bus
         self._registers = Registers(bus, part.address)

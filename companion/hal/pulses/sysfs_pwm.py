@@ -35,9 +35,7 @@ class SysfsPulses:
 
     def __init__(self, folder: Path, setting: PulseOutputSetting) -> None:
         """folder: the channel's, such as /sys/class/pwm/pwmchip0/pwm0.
-
-        Raises:
-            OSError: a file cannot be written; BlockingIOError: another part has this channel.
+        Raises OSError: a file cannot be written; BlockingIOError: another part has this channel.
         """
         self._folder = folder
         self._setting = setting
@@ -52,9 +50,7 @@ class SysfsPulses:
 
     def write_us(self, width_us: float) -> None:
         """Send pulses of this width, limited to the setting's.
-
-        Raises:
-            HardwareError: closed, or the kernel refused.
+        Raises HardwareError: closed, or the kernel refused.
         """
         width_ns = round(1e3 * self._setting.limited_us(width_us))
         if self._duty < 0:
@@ -70,11 +66,7 @@ class SysfsPulses:
         self._width_ns = width_ns
 
     def off(self) -> None:
-        """No more pulses.
-
-        Raises:
-            HardwareError: the kernel refused.
-        """
+        """No more pulses. Raises HardwareError: the kernel refused."""
         if self._duty < 0:
             return
         try:
@@ -108,9 +100,7 @@ class SysfsPulses:
 
 def find_channel(pin: int) -> tuple[Path, int]:
     """The chip's folder and the channel of a pin.
-
-    Raises:
-        HardwareError: no chip of a Pi has this pin; the message says what to do.
+    Raises HardwareError: no chip of a Pi has this pin; the message says what to do.
     """
     for chip in sorted(ROOT.glob("pwmchip*")):
         pins = CHANNELS.get((chip / "device").resolve().name, {})
@@ -123,9 +113,7 @@ def find_channel(pin: int) -> tuple[Path, int]:
 
 def open_sysfs_pulses(setting: PulseOutputSetting, wait: Callable[[float], None] = time.sleep) -> SysfsPulses:
     """Open the channel of the setting's pin, without pulses.
-
-    Raises:
-        HardwareError: no such channel, no permission, or it is in use; the message says what to do.
+    Raises HardwareError: no such channel, no permission, or it is in use; the message says what to do.
     """
     chip, channel = find_channel(setting.pin)
     folder = chip / f"pwm{channel}"
@@ -162,9 +150,7 @@ def _export(chip: Path, channel: int) -> None:
 
 def replace_sysfs_pulses(pin: int, width_us: float) -> None:
     """From outside the program: give pulses another width, if there are any; 0: end them.
-
-    Raises:
-        HardwareError, OSError: there is no such channel, or it cannot be written.
+    Raises HardwareError, OSError: there is no such channel, or it cannot be written.
     """
     chip, channel = find_channel(pin)
     folder = chip / f"pwm{channel}"

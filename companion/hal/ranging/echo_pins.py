@@ -78,9 +78,7 @@ class EchoPinRanger:
     def ping_m(self) -> float | None:
         """Range in metres, None without an echo in range; takes up to 20 ms plus the longest travel time. In
         one direction it is the median of three.
-
-        Raises:
-            HardwareError: the echo pin is stuck high, or never rose: the part is missing.
+        Raises HardwareError: the echo pin is stuck high, or never rose: the part is missing.
         """
         self._has_fallen.clear()
         if self._echo.pin.state and not self._has_fallen.wait(_HELD_S):

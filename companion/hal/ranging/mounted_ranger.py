@@ -50,9 +50,7 @@ class Ranger(Protocol):
 
     def ping_m(self) -> float | None:
         """Range of the nearest echo, None without one in range.
-
-        Raises:
-            HardwareError: the part does not respond.
+        Raises HardwareError: the part does not respond.
         """
 
     def forget(self) -> None:
@@ -99,9 +97,7 @@ class MountedRanger:
 
     def step(self) -> float:
         """Ping once, turn to the next bearing, and return the seconds to the next ping.
-
-        Raises:
-            HardwareError: the part does not respond.
+        Raises HardwareError: the part does not respond.
         """
         bearing_rad = self._scan.bearing_rad
         if self._turn is not None:
@@ -135,11 +131,8 @@ class MountedRanger:
 
 def open_ranger(part: RangerPart, now: Callable[[], float], pin_factory: object = None) -> MountedRanger:
     """Open the ranger, and its servo if configured, and start pinging.
-
-    Raises:
-        ConfigError: the port url is invalid.
-        HardwareError: gpiozero is missing, there are no pins, or one is in use.
-        LinkError: the port cannot be opened.
+    Raises ConfigError: the port url is invalid; HardwareError: gpiozero is missing, there are no pins, or one
+    is in use; LinkError: the port cannot be opened.
     """
     with ExitStack() as undo:
         ranger = _open_bare(part, now, pin_factory)

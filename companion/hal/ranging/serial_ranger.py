@@ -58,9 +58,7 @@ def a02yyuw_range_m(frame: bytes) -> float | None:
 
 def tfmini_range_m(frame: bytes, min_strength: int) -> float | None:
     """Range in metres, None where nothing reflects enough. A strong reflection at 0 touches the part: 1 cm.
-
-    Raises:
-        HardwareError: blinded by sunlight or a mirror: the range is unknown.
+    Raises HardwareError: blinded by sunlight or a mirror: the range is unknown.
     """
     centimetres, strength = int.from_bytes(frame[2:4], "little"), int.from_bytes(frame[4:6], "little")
     if centimetres in (_SATURATED, _DAZZLED) or strength == 0xFFFF:
@@ -92,9 +90,7 @@ class SerialRanger:
 
     def ping_m(self) -> float | None:
         """The newest range that has arrived, or the next one; takes up to half a second.
-
-        Raises:
-            HardwareError: no frame arrives, or the part is blinded.
+        Raises HardwareError: no frame arrives, or the part is blinded.
         """
         deadline_s = self._clock() + _PATIENCE_S
         while True:
