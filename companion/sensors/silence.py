@@ -31,13 +31,15 @@ class LatePart(Protocol):
 class SilenceMonitor:
     """Tells once that a part is silent, and once that it measures again. A missing part is not silent."""
 
-    def __init__(self, name: str, part: LatePart | None = None) -> None:
-        self._name = name
+    def __init__(self, name: str, part: LatePart | None = None, again: str = "measures again") -> None:
+        self._name, self._again = name, again
         self._part = part
         self._began_s: float | None = None
         self._is_silent = False
 
-    def update(self, timeout_s: float, now_s: float, *, is_heard: bool) -> StatusText | None:
+    def update(
+        self, timeout_s: float, now_s: float, *, is_heard: bool, what: str = "is silent"
+    ) -> StatusText | None:
         """is_heard: there is a fresh reading. timeout_s: that long after the start a part may give none."""
         if self._part is not None and not self._part.is_open:
             return None
@@ -47,5 +49,5 @@ class SilenceMonitor:
         if self._is_silent is was_silent:
             return None
         if self._is_silent:
-            return StatusText(Severity.WARNING, f"{self._name} is silent")
-        return StatusText(Severity.NOTICE, f"{self._name} measures again")
+            return StatusText(Severity.WARNING, f"{self._name} {what}")
+        return StatusText(Severity.NOTICE, f"{self._name} {self._again}")

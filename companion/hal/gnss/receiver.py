@@ -6,7 +6,6 @@ from typing import Final
 
 from companion.config.sensors import GnssPart
 from companion.core.readings import GnssFix
-from companion.core.status_text import Severity
 from companion.hal.port_sensor import PortSensor
 from companion.links.interfaces import Port
 from companion.links.port_url import open_line
@@ -16,6 +15,7 @@ from companion.sensors.nmea.fix import GNSS_SENTENCES, FixAssembler
 from companion.sensors.nmea.heading import TRUE_SENTENCES, HeadingAssembler
 from companion.sensors.nmea.sentences import NmeaReader, Sentence
 from companion.sensors.receiver_clock import ReceiverClock
+from companion.sensors.silence import SilenceMonitor
 
 _BITS_A_BYTE: Final = 10  # start, eight, stop
 _NETWORK_BYTES_S: Final = 11_520.0  # of a receiver behind a network port, as at 115,200 baud
@@ -122,17 +122,15 @@ class NmeaGnss(GnssReceiver):
         super().__init__(port, now, latency_s, heading, baud)
         self._sentence_s = now()  # of the latest sentence, at first of the start
         self._noise_bytes = 0  # since then
-        self._is_silent = False
+        self._silence = SilenceMonitor("GNSS receiver")
 
     def step(self) -> None:
         super().step()
-        is_silent = self._now() - self._sentence_s > _SILENT_S
-        if is_silent and not self._is_silent:
-            heard = "sends no sentences; check parts.gnss.baud" if self._noise_bytes else "is silent"
-            self.notify(Severity.WARNING, f"GNSS receiver {heard}")
-        elif self._is_silent and not is_silent:
-            self.notify(Severity.NOTICE, "GNSS receiver measures again")
-        self._is_silent = is_silent
+        now_s = self._now()
+        is_heard = now_s - self._sentence_s <= _SILENT_S
+        what = "sends no sentences; check parts.gnss.baud" if self._noise_bytes else "is silent"
+        if (text := self._silence.update(0.0, now_s, is_heard=is_heard, what=what)) is not None:
+            self.notify(*text)
 
     def _decode(self, chunk: bytes, time_s: float) -> Iterator[GnssFix]:
         before = self.reader.accepted + self.reader.skipped

@@ -17,6 +17,7 @@ from companion.hal.port_sensor import PortSensor
 from companion.links.interfaces import Port
 from companion.links.port_url import open_line
 from companion.sensors.sh2 import Sh2Session
+from companion.sensors.silence import SilenceMonitor
 
 BAUD: Final = 3_000_000
 # The part needs 100 µs from one byte to the next (data sheet 1000-3927, 1.2.3.1)
@@ -47,26 +48,20 @@ class Bno085Compass(PortSensor[HeadingReading]):
         self._knows_north = False
         self._resets = 0
         self._heard_s = now()
-        self._is_silent = False
+        self._silence = SilenceMonitor("Compass: BNO085", again="answers again")
 
     def step(self) -> None:
         super().step()
         now_s = self._now()
         self._session.tick(now_s)
-        self._tell_silence(now_s)
+        is_heard = now_s - self._heard_s <= _SILENT_S
+        if (text := self._silence.update(0.0, now_s, is_heard=is_heard)) is not None:
+            self.notify(*text)
         for frame in self._session.take_outbox():
             for link in self._links:
                 for at in range(len(frame)):
                     link.send(frame[at : at + 1])
                     self._pause(BYTE_S)
-
-    def _tell_silence(self, now_s: float) -> None:
-        is_silent = now_s - self._heard_s > _SILENT_S
-        if is_silent and not self._is_silent:
-            self.notify(Severity.WARNING, "Compass: BNO085 is silent")
-        elif self._is_silent and not is_silent:
-            self.notify(Severity.NOTICE, "Compass: BNO085 answers again")
-        self._is_silent = is_silent
 
     def _forget(self) -> None:
         self._session = Sh2Session(self._now())
