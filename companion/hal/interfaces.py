@@ -21,42 +21,30 @@ from companion.core.readings import (
     SonarReading,
 )
 from companion.core.status_text import StatusText
+from companion.links.interfaces import Closable
 from companion.links.retried import Retried
 from companion.sensors.compass.magnetic_field import FieldCorrector
 
 
-class Closable(Protocol):
-    """A part to release."""
-
-    def close(self) -> None:
-        """Release it. May be called twice."""
-
-
-class PayloadOutput(Protocol):
-    """One output of the payload."""
+class PayloadOutput(Closable, Protocol):
+    """One output of the payload. Closing sets the state for the end of the program first."""
 
     def write(self, value: float) -> None:
         """Set it. A servo: pulse width in µs, 0 without pulses. A pin: 1 on, 0 off. A winch: share of full
         speed, positive out. Never blocks. Raises HardwareError: the output does not answer.
         """
 
-    def close(self) -> None:
-        """Set the state for the end of the program, then release the output. May be called twice."""
 
-
-class PulseCounter(Protocol):
+class PulseCounter(Closable, Protocol):
     """Counts the pulses of a switch, such as a winch's."""
 
     @property
     def count(self) -> int:
         """Pulses since it was opened."""
 
-    def close(self) -> None:
-        """Release the part. May be called twice."""
 
-
-class OwnersProgram(Protocol):
-    """A program outside the boat's own, which is started by it."""
+class OwnersProgram(Closable, Protocol):
+    """A program outside the boat's own, which is started by it, and ended and awaited when closed."""
 
     def start(self) -> str:
         """Start it; no effect while it runs. Never blocks.
@@ -73,9 +61,6 @@ class OwnersProgram(Protocol):
 
     def end(self) -> None:
         """Begin to end it, without waiting."""
-
-    def close(self) -> None:
-        """End it, and wait for that. May be called twice."""
 
 
 class Capture(OwnersProgram, Protocol):
@@ -109,8 +94,8 @@ class PayloadParts:
 Reading_co = TypeVar("Reading_co", covariant=True)
 
 
-class Motors(Protocol):
-    """Two thrusters. Values are shares of full drive, −1 (full astern) to 1 (full ahead)."""
+class Motors(Closable, Protocol):
+    """Two thrusters, stopped when closed. Values are shares of full drive, −1 (astern) to 1 (ahead)."""
 
     def write(self, left: float, right: float) -> None:
         """Drive both motors; a non-finite value stops both."""
@@ -118,11 +103,8 @@ class Motors(Protocol):
     def stop(self) -> None:
         """Stop both motors now."""
 
-    def close(self) -> None:
-        """Stop, then release the part. May be called twice."""
 
-
-class Rudder(Protocol):
+class Rudder(Closable, Protocol):
     """A rudder, set by a servo."""
 
     def write(self, share: float) -> None:
@@ -130,21 +112,15 @@ class Rudder(Protocol):
         centres it.
         """
 
-    def close(self) -> None:
-        """Release the part. May be called twice."""
 
-
-class PulseOutput(Protocol):
-    """The signal of one servo or ESC."""
+class PulseOutput(Closable, Protocol):
+    """The signal of one servo or ESC; without pulses once closed."""
 
     def write_us(self, width_us: float) -> None:
         """Send pulses of this width, limited to the part's range; one that is not finite is its trim."""
 
     def off(self) -> None:
         """Send no more pulses until the next width."""
-
-    def close(self) -> None:
-        """No more pulses, then release the part. May be called twice."""
 
 
 class MotorCutoff(Protocol):
@@ -155,14 +131,11 @@ class MotorCutoff(Protocol):
         """How often the motors were cut off."""
 
 
-class Sensor(Protocol[Reading_co]):
+class Sensor(Closable, Protocol[Reading_co]):
     """A part that measures."""
 
     def read(self) -> Reading_co | None:
         """The latest reading, repeated until a new one arrives; None before the first."""
-
-    def close(self) -> None:
-        """Release the part. May be called twice."""
 
 
 class CorrectionInput(Protocol):
@@ -197,7 +170,7 @@ RcReceiver = Sensor[RcReading]
 """A reading is stamped with the arrival of its frame."""
 
 
-class Sonar(Protocol):
+class Sonar(Closable, Protocol):
     """Ultrasonic ranger, swept or fixed."""
 
     def read(self) -> Sequence[SonarReading]:
@@ -205,9 +178,6 @@ class Sonar(Protocol):
 
     def set_sector(self, port_rad: float, starboard_rad: float) -> None:
         """Sweep between these bearings from the bow, as far as the part reaches; no effect on a fixed one."""
-
-    def close(self) -> None:
-        """Release the part. May be called twice."""
 
 
 class FaultInjector(Protocol):

@@ -18,9 +18,10 @@ from companion.hal.interfaces import (
     Sonar,
 )
 from companion.hal.motors.watched_motors import WatchedMotors
-from companion.links.retried import ClosablePort, Pace, Retried
+from companion.links.interfaces import Closable
+from companion.links.retried import Pace, Retried
 
-Part = TypeVar("Part", bound=ClosablePort)
+Part = TypeVar("Part", bound=Closable)
 Reading = TypeVar("Reading")
 
 

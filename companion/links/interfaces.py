@@ -3,7 +3,14 @@
 from typing import Protocol
 
 
-class Link(Protocol):
+class Closable(Protocol):
+    """A link, port or part to release."""
+
+    def close(self) -> None:
+        """Release it. May be called twice."""
+
+
+class Link(Closable, Protocol):
     """A byte pipe to one station or radio. Never blocks, never raises once open.
 
     A datagram link returns whole datagrams, a stream link any chunks.
@@ -34,12 +41,9 @@ class Link(Protocol):
     def fileno(self) -> int:
         """A descriptor to wait on for received bytes, −1 without one."""
 
-    def close(self) -> None:
-        """Close. May be called twice."""
 
-
-class Port(Protocol):
-    """A source of links: a listening socket, or a device."""
+class Port(Closable, Protocol):
+    """A source of links: a listening socket, or a device. Closing closes its links too."""
 
     @property
     def name(self) -> str:
@@ -50,6 +54,3 @@ class Port(Protocol):
 
     def fileno(self) -> int:
         """A descriptor to wait on for new links, −1 without one."""
-
-    def close(self) -> None:
-        """Close, with all its links. May be called twice."""

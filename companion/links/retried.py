@@ -4,11 +4,11 @@ import threading
 from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, wait
-from typing import Any, Final, Generic, NamedTuple, Protocol, Self, TypeVar
+from typing import Any, Final, Generic, NamedTuple, Self, TypeVar
 
 from companion.core.errors import ConfigError
 from companion.core.status_text import Severity, StatusText
-from companion.links.interfaces import Link, Port
+from companion.links.interfaces import Closable, Link, Port
 
 
 class Backoff:
@@ -37,14 +37,7 @@ class Backoff:
         self._due_s = float("-inf")
 
 
-class ClosablePort(Protocol):
-    """A part or port."""
-
-    def close(self) -> None:
-        """Release it. May be called twice."""
-
-
-Opened = TypeVar("Opened", bound=ClosablePort)
+Opened = TypeVar("Opened", bound=Closable)
 
 
 class Pace(NamedTuple):

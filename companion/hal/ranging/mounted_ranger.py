@@ -21,6 +21,7 @@ from companion.hal.ranging.serial_ranger import (
     tfmini_range_m,
 )
 from companion.hal.raspberry_pi import opening_pins
+from companion.links.interfaces import Closable
 from companion.links.port_url import open_line
 from companion.sensors.servo_scan import ServoScan
 
@@ -43,7 +44,7 @@ def sweep_bearings_rad(sweep_rad: float, step_rad: float) -> tuple[float, ...]:
     return (*across, *across[-2:0:-1])
 
 
-class Ranger(Protocol):
+class Ranger(Closable, Protocol):
     """Measures ranges in the direction that it is turned to. period_s: between two of them, at least."""
 
     period_s: float
@@ -55,9 +56,6 @@ class Ranger(Protocol):
 
     def forget(self) -> None:
         """Drop what was measured before: it has been turned since."""
-
-    def close(self) -> None:
-        """Release its pins or port. May be called twice."""
 
 
 class MountedRanger:
