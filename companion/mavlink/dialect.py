@@ -1,9 +1,9 @@
 """The only import of the generated dialect: module, message type and CRC."""
 
-from collections.abc import Callable
 from functools import cache
 from typing import Any, Protocol, TypeAlias
 
+from fastcrc.crc16 import mcrf4xx as crc16
 from pymavlink.dialects.v20 import all as dialect
 
 from companion.mavlink import metadata_messages  # noqa: F401  (they join the dialect when imported)
@@ -53,12 +53,3 @@ def _zeros(name: str) -> tuple[MessageType, dict[str, object]]:
         for field, kind in zip(message_type.fieldnames, message_type.fieldtypes, strict=True)
     }
     return message_type, zeros
-
-
-def _crc16_interpreted(data: bytes) -> int:
-    crc: int = dialect.x25crc(data).crc
-    return crc
-
-
-crc16: Callable[[bytes], int] = dialect.mcrf4xx or _crc16_interpreted
-"""CRC-16/MCRF4XX of some bytes; compiled code where the dialect found it."""

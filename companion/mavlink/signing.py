@@ -16,6 +16,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Literal
 
+from fastcrc.crc16 import mcrf4xx
+
 from companion.mavlink.signing_key import SIGNATURE_BYTES, SigningKey
 
 EPOCH_UNIX_S = 1_420_070_400.0  # 2015-01-01 00:00 UTC
@@ -39,19 +41,8 @@ def timestamp_at(unix_s: float) -> int:
     return min(max(int((unix_s - EPOCH_UNIX_S) * TICKS_PER_S), 0), _FARTHEST)
 
 
-def _flag_crcs() -> tuple[int, ...]:
-    """Effect of the signed flag on the CRC, by payload length: CRC-16/MCRF4XX of the flag alone."""
-    crc, table = 0, []
-    for position, byte in enumerate([_SIGNED, *[0] * (255 + 8)]):  # to the end of the payload and crc_extra
-        low = (byte ^ crc) & 0xFF
-        low ^= (low << 4) & 0xFF
-        crc = (crc >> 8) ^ (low << 8) ^ (low << 3) ^ (low >> 4)
-        if position >= 8:
-            table.append(crc)
-    return tuple(table)
-
-
-_FLAG_CRCS = _flag_crcs()
+# Effect of the signed flag on the CRC, by payload length: that of the flag alone, to the end of crc_extra
+_FLAG_CRCS = tuple(mcrf4xx(bytes((_SIGNED,)) + bytes(length + 8), 0) for length in range(256))
 
 
 def is_signed(frame: bytes) -> bool:

@@ -4,6 +4,8 @@ import math
 from abc import abstractmethod
 from typing import Final
 
+from fastcrc.crc8 import dvb_s2
+
 from companion.core.readings import RcReading
 from companion.sensors.framing import FrameReader
 
@@ -44,28 +46,6 @@ _SHORTEST, _LONGEST = 2, 62  # valid length bytes: type and CRC alone; a frame o
 _CHANNELS_KIND: Final = 0x16
 _STATISTICS_KIND: Final = 0x14
 _STATISTICS_BYTES: Final = 10
-_POLYNOMIAL: Final = 0xD5
-
-
-def _crc_table() -> bytes:
-    table = bytearray()
-    for byte in range(256):
-        crc = byte
-        for _ in range(8):
-            crc = crc << 1 ^ (_POLYNOMIAL if crc & 0x80 else 0)
-        table.append(crc & 0xFF)
-    return bytes(table)
-
-
-_TABLE: Final = _crc_table()
-
-
-def crc8(data: bytes) -> int:
-    """CRC-8/DVB-S2."""
-    crc = 0
-    for byte in data:
-        crc = _TABLE[crc ^ byte]
-    return crc
 
 
 class CrsfParser(RcParser):
@@ -95,7 +75,7 @@ class CrsfParser(RcParser):
         return length + 2 if _SHORTEST <= length <= _LONGEST else 0
 
     def _is_whole(self, frame: bytes) -> bool:
-        return crc8(frame[2:]) == 0  # a CRC over data and CRC is 0
+        return dvb_s2(frame[2:]) == 0  # a CRC over data and CRC is 0
 
     def _reading(self, frame: bytes, time_s: float) -> RcReading | None:
         kind, payload = frame[2], frame[3:-1]

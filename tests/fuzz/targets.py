@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from fastcrc.crc8 import dvb_s2 as crc8
 from pymavlink.dialects.v20 import all as dialect
 
 from companion.config.boat_config import BoatConfig, load_config
@@ -24,7 +25,7 @@ from companion.hal.ranging.serial_ranger import (
     tfmini_range_m,
 )
 from companion.mavlink.codec import Decoder
-from companion.rc.parsers import CrsfParser, IbusParser, SbusParser, crc8
+from companion.rc.parsers import CrsfParser, IbusParser, SbusParser
 from companion.rc.rc_control import RcControl
 from companion.sensors.gnss_heading import GnssHeading
 from companion.sensors.gpsd import GpsdReader

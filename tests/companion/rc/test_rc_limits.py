@@ -8,7 +8,7 @@ from companion.core.modes import Mode
 from companion.core.readings import RcReading
 from companion.core.requests import Arm, ChangeMode, Disarm, ManualControl
 from companion.rc.manual_input import ManualInput, top_speed_m_s
-from companion.rc.parsers import PAUSE_S, SbusParser, _crc_table, crc8
+from companion.rc.parsers import PAUSE_S, SbusParser
 from companion.rc.pulses import (
     HIGH,
     LOW,
@@ -25,12 +25,6 @@ from companion.rc.switches import SETTLE_S, Switches
 
 CONFIG = BoatConfig()
 UP, DOWN, HOLD_US = 2000, 1000, 1300
-
-
-def test_the_checksum_of_crsf_is_the_catalogues() -> None:
-    """CRC-8/DVB-S2 of "123456789" is 0xBC, by the catalogue of parametrised CRC algorithms."""
-    assert crc8(b"123456789") == 0xBC
-    assert (len(_crc_table()), _crc_table()[:3]) == (256, bytes((0x00, 0xD5, 0x7F)))
 
 
 @pytest.mark.parametrize(("pulse_us", "is_valid"), [(799, False), (800, True), (2200, True), (2201, False)])

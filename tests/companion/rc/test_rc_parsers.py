@@ -3,12 +3,13 @@
 from itertools import pairwise
 
 import pytest
+from fastcrc.crc8 import dvb_s2 as crc8
 from hypothesis import given
 from hypothesis import strategies as st
 from twins.lines import known
 
 from companion.core.readings import RcReading
-from companion.rc.parsers import PAUSE_S, CrsfParser, IbusParser, RcParser, SbusParser, crc8
+from companion.rc.parsers import PAUSE_S, CrsfParser, IbusParser, RcParser, SbusParser
 
 CENTRED = bytes.fromhex(
     "c81816e0031ff8c0073ef0810f7ce0031ff8c0073ef0810f7cad"

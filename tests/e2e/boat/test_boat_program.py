@@ -9,11 +9,10 @@ from pathlib import Path
 
 import nmea_boat
 import pytest
+from fastcrc.crc8 import dvb_s2 as crc8
 from mavutil_station import MavutilStation, OpenStation
 from programs import Program, RunProgram
 from pymavlink.dialects.v20 import all as dialect
-
-from companion.rc.parsers import crc8
 
 pytestmark = pytest.mark.realtime
 pytest_plugins = ("program_fixtures",)

@@ -4,6 +4,7 @@ import dataclasses
 from collections.abc import Iterator
 
 import pytest
+from fastcrc.crc8 import dvb_s2 as crc8
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mock_pi import PINS, MockPi
@@ -14,7 +15,7 @@ from companion.config.tuning import Rc
 from companion.core.storage import MemoryStorage
 from companion.hal.rc_receiver import SerialRcReceiver
 from companion.links.memory import MemoryPort, memory_pair
-from companion.rc.parsers import CrsfParser, crc8
+from companion.rc.parsers import CrsfParser
 
 CONFIG = BoatConfig(parts=Parts(motors=PINS), rc=Rc(driver="crsf", arm_channel=5, mode_channel=6))
 REST, AHEAD, DOWN, UP, MANUAL, HOLD = 1500, 2000, 1000, 2000, 1000, 1300
