@@ -2,9 +2,11 @@
 new ones, and prints what it takes to replay a failure.
 """
 
+import gc
 import os
 import signal
 import sys
+from collections.abc import Generator
 from pathlib import Path
 
 import pytest
@@ -45,3 +47,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         metavar="URL",
         help="a vehicle to test, such as tcp:127.0.0.1:5760 (as pymavlink takes it)",
     )
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """The garbage collector passes over what collection makes, thousands of tests that stay to the end."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+        gc.freeze()

@@ -193,6 +193,7 @@ def put_in(code: CodeType, first_line: int) -> None:
         pending += inner
     if changed is None:
         raise LookupError(f"no function at line {first_line}")
+    gc.unfreeze()  # or what was made during collection is not among the objects
     for live in gc.get_objects():
         if isinstance(live, FunctionType):
             old = live.__code__

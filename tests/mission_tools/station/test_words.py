@@ -3,6 +3,7 @@
 import ast
 import json
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -26,12 +27,15 @@ TO_PAGE: dict[str, tuple[int | str, ...]] = {
 }
 
 
-CALLS = [
-    (path, getattr(node.func, "id", getattr(node.func, "attr", "")), node)
-    for path in SOURCES
-    for node in ast.walk(ast.parse(path.read_text("utf-8")))
-    if isinstance(node, ast.Call)
-]
+@cache
+def calls() -> list[tuple[Path, str, ast.Call]]:
+    """Every call in the sources, with its file and the function's name."""
+    return [
+        (path, getattr(node.func, "id", getattr(node.func, "attr", "")), node)
+        for path in SOURCES
+        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        if isinstance(node, ast.Call)
+    ]
 
 
 def test_a_text_is_found_by_its_key_and_its_values_are_put_in() -> None:
@@ -51,7 +55,7 @@ def test_a_said_text_in_a_result_crosses_the_wire() -> None:
 
 
 def test_what_the_server_says_is_in_the_words_with_the_values_that_it_gives() -> None:
-    said = [(path.name, call) for path, name, call in CALLS if name == "say"]
+    said = [(path.name, call) for path, name, call in calls() if name == "say"]
     assert len(said) > 150
     for file, call in said:
         where = f"{file}, line {call.lineno}"
@@ -63,7 +67,7 @@ def test_what_the_server_says_is_in_the_words_with_the_values_that_it_gives() ->
 
 def test_no_text_for_the_page_is_written_in_the_source() -> None:
     written = []
-    for path, name, call in CALLS:
+    for path, name, call in calls():
         for place in TO_PAGE.get(name, ()):
             given = [one.value for one in call.keywords if one.arg == place]
             if isinstance(place, int):
