@@ -16,17 +16,15 @@ import math
 import random
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.estimation.replay import NAV, replay
-from benchmarks.estimation.replay import SENSORS as CHANNELS
-from benchmarks.estimation.sensor_recorder import SensorRecorder, SensorRecording
 from companion.boat import TICK_S
 from companion.core.state import STOPPED, MotorCommand
 from companion.core.units import clamp, wrap_pi
+from companion.estimation.estimator import Estimator, EstimatorReport
 from sitl.scenarios.layers import Layer
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.scenario import Scenario
@@ -36,7 +34,7 @@ from sitl.world.world import World
 GROUPS: Final = {"position": 2, "heading": 1, "velocity": 2, "current": 2}  # and their degrees of freedom
 SENSORS: Final = {"position": 2, "velocity": 2, "compass": 1, "gyro": 1}
 SETTLED_S: Final = 20.0  # after boot
-ROW_HZ: Final = 10.0  # of recorded truths
+ROW_HZ: Final = 10.0  # of recorded truths and estimates
 LENGTH_S: Final = 100.0  # of a run
 REST_S: Final = 8.0  # at its start
 LEG_S: Final = 15.0
@@ -44,8 +42,29 @@ _Z: Final = 1.959964  # 97.5 % point of the normal distribution
 RECEIVERS: Final = ("standalone", "sbas", "rtk")
 _OFFSET_DEG: Final = 2.0  # compass_doubt_rad
 _BIAS_DEG_S: Final = 0.5  # of a MEMS gyro that was calibrated at rest
+NAV: Final = (
+    "north_m", "east_m", "heading_rad", "north_m_s", "east_m_s", "current_north_m_s", "current_east_m_s",
+)  # fmt: skip
+CHANNELS: Final = (
+    "position_north", "position_east", "velocity_north", "velocity_east", "compass", "gyro",
+)  # fmt: skip
 
 Numbers = NDArray[np.float64]
+
+
+class Sailed(NamedTuple):
+    """A run, a row every tenth of a second; NaN before the first estimate.
+
+    truth: fields of Truth. nav: fields NAV of the estimate, in the truth's frame. innovations: of CHANNELS,
+    time, value and variance each.
+    """
+
+    truth: Numbers
+    nav: Numbers
+    state: Numbers
+    covariance: Numbers
+    innovations: Numbers
+    is_still_air: bool
 
 
 def draw(seed: int, hull: str, receiver: str) -> Scenario:
@@ -88,14 +107,26 @@ def draw(seed: int, hull: str, receiver: str) -> Scenario:
     return load_scenario("open", over=(Layer("consistency", {**settings, "seed": seed}),))
 
 
-def sail(scenario: Scenario, length_s: float = LENGTH_S) -> SensorRecording:
-    """Rest, then sail with a new course and throttle every LEG_S, steered by the truth."""
-    world, recorder, command = World(scenario), SensorRecorder(), STOPPED
+def sail(scenario: Scenario, length_s: float = LENGTH_S) -> Sailed:
+    """Rest, then sail with a new course and throttle every LEG_S, steered by the truth, and estimate."""
+    world, command, boat = World(scenario), STOPPED, scenario.vehicle
     hardware, numbers = world.hardware, random.Random(f"legs {scenario.seed}")
+    estimator = Estimator(boat.speed, boat.estimation, boat.drive)
     heading_rad, throttle, leg_ends_s = 0.0, 0.0, REST_S
-    for _ in range(round(length_s / TICK_S)):
+    truths, navs = list[Truth](), list[Sequence[float]]()
+    reports: list[EstimatorReport | None] = []
+    for tick in range(round(length_s / TICK_S)):
         truth, now_s = world.truth, world.time_s
-        recorder.record(now_s, truth, hardware.gnss.read(), hardware.compass.read(), command)
+        nav = estimator.update(hardware.gnss.read(), hardware.compass.read(), now_s, command)
+        if tick % round(1.0 / ROW_HZ / TICK_S) == 0:
+            row = [math.nan] * len(NAV)
+            if nav is not None and estimator.frame is not None:
+                shift = scenario.frame.to_local(estimator.frame.origin)
+                row = [float(getattr(nav, name)) for name in NAV]
+                row[0], row[1] = row[0] + shift.north_m, row[1] + shift.east_m
+            truths.append(truth)
+            navs.append(row)
+            reports.append(estimator.report)
         if now_s >= leg_ends_s:
             leg_ends_s += LEG_S
             heading_rad += numbers.uniform(-2.0, 2.0)
@@ -106,24 +137,40 @@ def sail(scenario: Scenario, length_s: float = LENGTH_S) -> SensorRecording:
             command = MotorCommand(min(throttle + turn, 1.0), min(throttle - turn, 1.0))
         hardware.motors.write(command.left, command.right)
         world.step(TICK_S)
-    return recorder.recording(scenario, str(scenario.seed))
+    is_still_air = scenario.environment.wind_m_s == 0.0
+    return Sailed(np.array(truths), np.array(navs), *_inside(reports), is_still_air)
 
 
-def nees(recording: SensorRecording, replayed: Mapping[str, Any]) -> dict[str, Numbers]:
+def _inside(reports: Sequence[EstimatorReport | None]) -> tuple[Numbers, Numbers, Numbers]:
+    """State, covariance and innovations of each report."""
+    states = len(next(one.state for one in reports if one is not None))
+    unknown = np.full((states, states), math.nan)
+    silent = [(math.nan,) * 3] * len(CHANNELS)
+    innovations = [
+        silent if one is None else [
+            (each.time_s, each.value, each.variance) for each in (getattr(one, name) for name in CHANNELS)
+        ]
+        for one in reports
+    ]  # fmt: skip
+    return (
+        np.array([unknown[0] if one is None else one.state for one in reports]),
+        np.array([unknown if one is None else one.covariance for one in reports]),
+        np.array(innovations),
+    )
+
+
+def nees(run: Sailed) -> dict[str, Numbers]:
     """The NEES of each group, row by row (tenths of a second); NaN where it is not known."""
-    nav, truth = replayed["nav"], recording.truth
-    rows = min(len(nav), len(truth))
-    nav, truth = nav[:rows], truth[:rows]
 
     def off(name: str) -> Numbers:
-        return np.asarray(nav[:, NAV.index(name)] - truth[:, Truth._fields.index(name)])
+        return np.asarray(run.nav[:, NAV.index(name)] - run.truth[:, Truth._fields.index(name)])
 
     north, east = off("north_m"), off("east_m")
-    covariance, state = replayed["covariance"][:rows], replayed["state"][:rows]
+    covariance, state = run.covariance, run.state
     turn = (off("heading_rad") + math.pi) % (2.0 * math.pi) - math.pi
     cos, sin = np.cos(state[:, 2]), np.sin(state[:, 2])
     surge, sway = state[:, 3], state[:, 4]
-    jacobian = np.zeros((rows, 2, covariance.shape[1]))  # of the velocity over ground by the states
+    jacobian = np.zeros((len(state), 2, covariance.shape[1]))  # of the velocity over ground by the states
     jacobian[:, 0, 2], jacobian[:, 1, 2] = -sin * surge - cos * sway, cos * surge - sin * sway
     jacobian[:, 0, 3], jacobian[:, 0, 4], jacobian[:, 0, 5] = cos, -sin, 1.0
     jacobian[:, 1, 3], jacobian[:, 1, 4], jacobian[:, 1, 6] = sin, cos, 1.0
@@ -133,7 +180,7 @@ def nees(recording: SensorRecording, replayed: Mapping[str, Any]) -> dict[str, N
         "heading": np.asarray(turn**2 / covariance[:, 2, 2]),
         "velocity": _squared(off("north_m_s"), off("east_m_s"), of_velocity),
     }
-    if recording.settings["environment"]["wind_m_s"] == 0.0:
+    if run.is_still_air:
         current = off("current_north_m_s"), off("current_east_m_s")
         out["current"] = _squared(*current, covariance[:, 5:7, 5:7])
     return out
@@ -145,12 +192,12 @@ def _squared(north: Numbers, east: Numbers, covariance: Numbers) -> Numbers:
     return np.asarray((c * north**2 - 2.0 * b * north * east + a * east**2) / (a * c - b * b))
 
 
-def nis(replayed: Mapping[str, Any]) -> dict[str, tuple[float, int]]:
+def nis(innovations: Numbers) -> dict[str, tuple[float, int]]:
     """The sum of the NIS of each sensor's measurements after SETTLED_S, and how many there were.
 
     Reports are made ten times a second: the gyro's are a sample, the others all that there were.
     """
-    times, values, variances = replayed["innovations"][round(SETTLED_S * ROW_HZ) :].transpose(2, 1, 0)
+    times, values, variances = innovations[round(SETTLED_S * ROW_HZ) :].transpose(2, 1, 0)
     out = {}
     for sensor, freedom in SENSORS.items():
         total, count = 0.0, 0
@@ -225,14 +272,8 @@ def average_nis(runs: Sequence[Mapping[str, tuple[float, int]]]) -> dict[str, Av
 
 def campaign(seeds: range, hull: str, receiver: str) -> tuple[dict[str, Average], dict[str, Average]]:
     """Average NEES and NIS of the estimator over random runs."""
-    nees_of: list[dict[str, Numbers]] = []
-    nis_of: list[dict[str, tuple[float, int]]] = []
-    for seed in seeds:
-        recording = sail(draw(seed, hull, receiver))
-        replayed = replay(recording)
-        nees_of.append(nees(recording, replayed))
-        nis_of.append(nis(replayed))
-    return average_nees(nees_of), average_nis(nis_of)
+    runs = [sail(draw(seed, hull, receiver)) for seed in seeds]
+    return average_nees([nees(run) for run in runs]), average_nis([nis(run.innovations) for run in runs])
 
 
 def table(found: Mapping[str, tuple[Mapping[str, Average], Mapping[str, Average]]]) -> str:

@@ -1,5 +1,6 @@
 """A boat in lockstep whose planner watches the way ahead, as `mission-upload --watch` does over MAVSDK."""
 
+import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,6 +13,7 @@ from mission_tools.mission.mission import Mission
 from mission_tools.mission.route import mission_along
 from mission_tools.station.outcome import Accepted, Outcome
 from mission_tools.station.requests import BoatCommand
+from mission_tools.vehicle.follow import LOOK_EVERY_S
 from mission_tools.watch.watcher import WATCHED_HZ, Watcher
 from sitl.courses.missions import wire_items
 from sitl.run.lockstep import Lockstep
@@ -27,6 +29,7 @@ IDS = {
     "DISTANCE_SENSOR": dialect.MAVLINK_MSG_ID_DISTANCE_SENSOR,
     "MISSION_CURRENT": dialect.MAVLINK_MSG_ID_MISSION_CURRENT,
 }
+_CLEARANCE_M, _LIMIT_S, _SPEED_M_S = 3.0, 200.0, 1.0
 _POND = """
 [origin]
 lat_deg = 50.0
@@ -52,18 +55,11 @@ class SailedWatched:
     uploads: list[tuple[float, float]] = field(default_factory=list)
     missions: list[tuple[Point, ...]] = field(default_factory=list)
     track: list[Point] = field(default_factory=list)
-    failures: list[str] = field(default_factory=list)
     modes: set[str] = field(default_factory=set)
 
 
 def sail_watched(
-    folder: Path,
-    route: Sequence[Point],
-    obstacles: Sequence[tuple[float, float, float]],
-    seed: int,
-    clearance_m: float = 3.0,
-    limit_s: float = 200.0,
-    speed_m_s: float = 1.0,
+    folder: Path, route: Sequence[Point], obstacles: Sequence[tuple[float, float, float]], seed: int
 ) -> SailedWatched:
     """Sail a route in a pond with obstacles (east, north, radius) that its chart does not have. Raises
     RunError: the boat refused a mission, or did not start.
@@ -74,8 +70,8 @@ def sail_watched(
     scenario = load_scenario(
         str(scenario_file), over=(Layer("watched run", {"seed": seed, "movers": movers}),)
     )
-    mission = mission_along([scenario.frame.to_global(point) for point in route], speed_m_s)
-    watcher = Watcher(scenario.chart, mission, clearance_m)
+    mission = mission_along([scenario.frame.to_global(point) for point in route], _SPEED_M_S)
+    watcher = Watcher(scenario.chart, mission, _CLEARANCE_M)
     lockstep, timeline, sailed = Lockstep(scenario), Timeline(), SailedWatched()
     station = lockstep.station
 
@@ -88,8 +84,8 @@ def sail_watched(
     _start(orders, mission)
     taken: dict[str, object] = {}
     answers: list[Outcome] = []
-    uploading, blocked_s, wait_until_s = False, 0.0, 0.0
-    deadline_s = lockstep.time_s + limit_s
+    uploading, blocked_s, wait_until_s, looked_s = False, 0.0, 0.0, 0.0
+    deadline_s = lockstep.time_s + _LIMIT_S
     vehicle: Vehicle = lockstep.boat.vehicle
     while lockstep.time_s < deadline_s and not vehicle.progress.finished:
         step()
@@ -108,13 +104,11 @@ def sail_watched(
             answers.clear()
             uploading, wait_until_s = False, now_s + 0.5  # until MISSION_CURRENT is of the new mission
             sailed.uploads.append((now_s, now_s - blocked_s))
-        if uploading or current is None or now_s < wait_until_s:
+        if uploading or current is None or now_s < max(wait_until_s, looked_s + LOOK_EVERY_S):
             continue
-        try:
+        looked_s, found = now_s, None
+        with contextlib.suppress(NoRoute):
             found = watcher.look(current.seq - 1, now_s)
-        except NoRoute as error:
-            sailed.failures.append(str(error))
-            continue
         if found is not None:
             station.upload(wire_items(found), answers.append, now_s)
             uploading, blocked_s = True, now_s
