@@ -53,7 +53,10 @@ async def connect(
         if key is not None:
             signed = await stack.enter_async_context(signed_link(mavsdk, link, key))
         else:
-            await _open(mavsdk, link)
+            try:
+                await mavsdk.add_any_connection(link.mavsdk)
+            except MavsdkConnectionError as error:
+                raise NoVehicle(f"{link.typed}: cannot be opened ({error}): {link.advice}") from None
         system = await mavsdk.first_autopilot(timeout_s)
         if system is None:
             advice = (signed.warning() if signed is not None else "") or link.advice
@@ -73,13 +76,6 @@ async def connect(
                 watcher.cancel()
             await asyncio.gather(*watchers, return_exceptions=True)
             vehicle.close()
-
-
-async def _open(mavsdk: Mavsdk, link: LinkUrl) -> None:
-    try:
-        await mavsdk.add_any_connection(link.mavsdk)
-    except MavsdkConnectionError as error:
-        raise NoVehicle(f"{link.typed}: cannot be opened ({error}): {link.advice}") from None
 
 
 def _log_quietly(level: int, message: str, file: str | None, line: int) -> bool:

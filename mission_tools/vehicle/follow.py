@@ -53,7 +53,7 @@ class Lookout:
         LinkLost: the vehicle did not take it.
         """
         vehicle, now_s = self._vehicle, self._clock()
-        first = 1 if vehicle.state.is_ardupilot else 0
+        first = vehicle.state.first_seq
         if now_s < self._ready_s:
             return None
         try:
@@ -93,10 +93,7 @@ async def looking_out(
     hearers = [asyncio.create_task(lookout.hear(name)) for name in WATCHED_HZ]
     try:
         await vehicle.ask_for_rates(
-            {
-                MESSAGE_IDS[name]: rate_hz
-                for name, rate_hz in (WATCHED_HZ | {"MISSION_CURRENT": CURRENT_HZ}).items()
-            }
+            {MESSAGE_IDS[name]: rate for name, rate in (*WATCHED_HZ.items(), ("MISSION_CURRENT", CURRENT_HZ))}
         )
         yield lookout
     finally:
@@ -159,8 +156,7 @@ async def follow(
             if progress.finished:
                 return monitor
             if lookout is not None and (found := await lookout.step()) is not None:
-                first_seq = 1 if vehicle.state.is_ardupilot else 0
-                monitor = monitor.replaced(found, clock(), first_seq=first_seq)
+                monitor = monitor.replaced(found, clock(), first_seq=vehicle.state.first_seq)
             if clock() - began_s > timeout_s:
                 raise VehicleError(
                     f"the mission has not ended within {timeout_s:g} s: {progress.left_m:.1f} m are left; "

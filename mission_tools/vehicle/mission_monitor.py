@@ -61,7 +61,7 @@ class MissionMonitor:
     @classmethod
     def of(cls, state: VehicleState, mission: Mission, now_s: float) -> Self:
         """A monitor that counts items as the vehicle of this state does."""
-        return cls(mission, now_s, first_seq=1 if state.is_ardupilot else 0)
+        return cls(mission, now_s, first_seq=state.first_seq)
 
     def replaced(self, mission: Mission, now_s: float, *, first_seq: int = 1) -> "MissionMonitor":
         """A monitor of the mission that took this one's place; the track goes on."""

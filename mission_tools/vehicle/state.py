@@ -78,6 +78,11 @@ class VehicleState:
         return self.autopilot == MAV_AUTOPILOT_ARDUPILOTMEGA
 
     @property
+    def first_seq(self) -> int:
+        """The sequence number of a mission's first item: 1 where 0 is home."""
+        return 1 if self.is_ardupilot else 0
+
+    @property
     def has_refused(self) -> bool:
         """Whether it does not take what was sent; one that gave up waiting may take it at another try."""
         return self.refused not in (0, CANCELLED)

@@ -151,7 +151,7 @@ class Vehicle:
         LinkLost: the vehicle stopped answering.
         """
         with contextlib.suppress(MissionRawError):  # a vehicle without this starts from its first item anyway
-            await self._missions.set_current_mission_item(1 if self.state.is_ardupilot else 0)
+            await self._missions.set_current_mission_item(self.state.first_seq)
         was_armed = self.state.armed
         if not was_armed:
             await self._arm(patience_s)

@@ -49,6 +49,10 @@ def test_a_completed_mission_state_ends_the_voyage_only_after_an_active_one() ->
     assert monitor.update(sailing(300.0, mission_state=MISSION_COMPLETE), 1.0).finished
 
 
+def test_a_mission_without_places_leads_nowhere() -> None:
+    assert MissionMonitor(Mission(()), now_s=0.0).update(sailing(9.0), 0.0).left_m == 0.0
+
+
 def test_items_of_other_autopilots_count_from_zero() -> None:
     monitor = MissionMonitor.of(VehicleState(autopilot=12), MISSION, 0.0)
     assert not monitor.update(sailing(299.0, 3, autopilot=12, reached_item=2), 0.0).finished

@@ -138,6 +138,7 @@ def test_datagrams_answer_whoever_signs_and_nobody_else() -> None:
     friend_far.send(frames(boat(), 1)[0])
     wire.poll()
     stranger_far.send(frames(boat(OTHER), 1)[0])
+    stranger_far.send(frames(boat(now=NOW - 7_000_000), 1)[0])  # out of date by the wire's own clock
     wire.poll()
     wire.send(*frames(boat(None), 1))
     assert len(heard) == len(friend_far.receive()) == 1

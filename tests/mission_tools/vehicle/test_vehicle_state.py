@@ -2,6 +2,7 @@
 
 import pytest
 
+from companion.core.geo import LatLon
 from mission_tools.vehicle.state import VehicleState
 
 HEARTBEAT = {"autopilot": 3, "type": 11, "custom_mode": 10, "base_mode": 129}
@@ -24,6 +25,29 @@ def test_a_position_of_zero_zero_is_no_position() -> None:
     state = VehicleState()
     state.handle("GLOBAL_POSITION_INT", 1, {"time_boot_ms": 0, "lat": 0, "lon": 0, "vx": 0, "vy": 0}, 1.0)
     assert state.position is None
+
+
+def test_each_message_becomes_what_it_says() -> None:
+    state = VehicleState()
+    state.handle("HEARTBEAT", 1, HEARTBEAT, now_s=7.0)
+    assert (state.autopilot, state.type, state.custom_mode, state.armed, state.heard_s) == (
+        3,
+        11,
+        10,
+        True,
+        7.0,
+    )
+    assert not state.says_more
+    fix = {"time_boot_ms": 2500, "lat": 500000000, "lon": -12000000, "vx": 30, "vy": -40}
+    state.handle("GLOBAL_POSITION_INT", 1, fix, 8.0)
+    assert (state.position, state.boat_time_s, state.speed_m_s) == (LatLon(50.0, -1.2), 2.5, 0.5)
+    for fields, found in (({"seq": 4, "mission_state": 3}, (4, 3)), ({"seq": 5}, (5, 0))):
+        state.handle("MISSION_CURRENT", 1, fields, 8.0)
+        assert (state.current_item, state.mission_state) == found
+    state.handle("MISSION_REQUEST_INT", 1, {"seq": 2}, 8.0)
+    state.handle("MISSION_ACK", 1, {"type": 4, "mission_type": 1}, 8.0)
+    state.handle("MISSION_ACK", 1, {"type": 0}, 8.0)
+    assert (state.requested_item, state.answers, state.says_more) == (2, {1: 4, 0: 0}, True)
 
 
 def test_reached_items_only_count_up() -> None:
