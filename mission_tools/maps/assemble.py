@@ -4,7 +4,7 @@ Shapes are made continuous across the antimeridian and valid (`repair.py`), clas
 (`projection.py`) and joined. What says of itself that it is solid is never dropped, also as a point or a
 line; whatever else is no polygon is skipped with a note. A feature is what its property `kind` says, or
 else its OpenStreetMap tags, or else water, so that a plain lake works as it is; but a shape within
-another's water is then ambiguous, most likely an island: `ambiguity` finds it.
+another's water is then ambiguous, most likely an island.
 """
 
 import math
@@ -36,6 +36,8 @@ MAX_EXTENT_DEG = 9.0  # of the water, of a great circle: 1000 km
 AROUND_DEG = 0.2  # of the water: what lies farther off is not on the chart
 MOST_NOTES = 12  # lines for a person; more are counted
 MOST_FEATURES = 200_000
+INSIDE_SHARE = 0.5  # of a shape's area: a bay that is drawn as a piece of its own overlaps its lake by less
+_TOLD = ("place", "natural", "man_made", "waterway", "building")  # whose unknown values are asked about
 
 
 class Classified(NamedTuple):
@@ -136,8 +138,7 @@ def _piece(raw_feature: RawFeature, raw: RawMap, notes: list[str]) -> _Piece | N
         notes.append(f"{where}: no geometry: skipped")
         return None
     is_area = isinstance(shape, Polygon | MultiPolygon)
-    is_asked = "kind" in properties or (is_area and raw.unlabelled != "skipped")
-    kind, is_said = kind_of(properties, where) if is_asked else _tagged(properties)
+    kind, is_said = _kind_of(properties, where, is_asked=is_area and raw.unlabelled != "skipped")
     if not is_said and raw.unlabelled == "skipped":
         return None
     name = properties.get("name")
@@ -151,11 +152,6 @@ def _piece(raw_feature: RawFeature, raw: RawMap, notes: list[str]) -> _Piece | N
     if fixed.shape.is_empty:
         return None
     return _Piece(where, Feature(name or _default_name(kind), kind, fixed.shape, properties), is_said)
-
-
-def _tagged(properties: Mapping[str, Any]) -> tuple[Kind, bool]:
-    kind = tagged_kind(properties)
-    return kind or "water", kind is not None
 
 
 def _drawn_without_width(raw_feature: RawFeature, kind: Kind, name: str, notes: list[str]) -> _Piece | None:
@@ -176,8 +172,7 @@ def _with_islands(pieces: Sequence[_Piece], raw: RawMap, notes: list[str]) -> li
     """Features, unlabelled ones within other water asked about or taken as land."""
     water = [(n, piece) for n, piece in enumerate(pieces) if piece.feature.kind == "water"]
     features = [piece.feature for piece in pieces]
-    found = ambiguity([(piece.where, piece.feature.shape, piece.is_said) for _, piece in water])
-    for inner, outer in found:
+    for inner, outer in _nested([piece for _, piece in water]):
         where, other = water[inner][1].where, water[outer][1].where.rpartition(": ")[2]
         if raw.nested == "asked about":
             raise MapError(
@@ -210,12 +205,7 @@ def _projected(shape: BaseGeometry, raw: RawMap, frame: LocalFrame) -> BaseGeome
     return local if local.is_valid else area_of(shapely.make_valid(local))
 
 
-INSIDE_SHARE = 0.5  # of a shape's area: a bay that is drawn as a piece of its own overlaps its lake by less
-
-_TOLD = ("place", "natural", "man_made", "waterway", "building")  # whose unknown values are asked about
-
-
-def kind_of(properties: Mapping[str, Any], where: str) -> tuple[Kind, bool]:
+def _kind_of(properties: Mapping[str, Any], where: str, *, is_asked: bool) -> tuple[Kind, bool]:
     """The kind of a feature, and whether the file says so: False for water by default. Raises MapError: a
     kind that does not exist, or tags that say neither water nor land.
     """
@@ -228,7 +218,7 @@ def kind_of(properties: Mapping[str, Any], where: str) -> tuple[Kind, bool]:
     if tagged is not None:
         return tagged, True
     said = next((f"{key}={properties[key]}" for key in _TOLD if properties.get(key)), None)
-    if said is not None:
+    if said is not None and is_asked:
         raise MapError(
             f"{where}: {said} says neither water nor land here: "
             f"add the property kind, one of {', '.join(KINDS)}"
@@ -236,23 +226,20 @@ def kind_of(properties: Mapping[str, Any], where: str) -> tuple[Kind, bool]:
     return "water", False
 
 
-def ambiguity(shapes: Sequence[tuple[str, BaseGeometry, bool]]) -> list[tuple[int, int]]:
-    """Water by default that lies in other water: taken as water, an island would be sailed over.
-
-    shapes: every piece of water as (name for messages, shape, whether the file says that it is water).
-
-    Returns:
-        Pairs of indices: the inner piece, and the one around it.
+def _nested(water: Sequence[_Piece]) -> list[tuple[int, int]]:
+    """Water by default that lies in other water, as indices of the inner piece and the one around it: taken
+    as water, an island would be sailed over.
     """
-    if len(shapes) < 2 or all(is_said for _, _, is_said in shapes):
+    if len(water) < 2 or all(piece.is_said for piece in water):
         return []
-    tree = shapely.STRtree([shape for _, shape, _ in shapes])
+    shapes = [piece.feature.shape for piece in water]
+    tree = shapely.STRtree(shapes)
     found: list[tuple[int, int]] = []
-    for inner, (_, shape, is_said) in enumerate(shapes):
-        if is_said:
+    for inner, shape in enumerate(shapes):
+        if water[inner].is_said:
             continue
         for outer in sorted(tree.query(shape, "intersects").tolist()):
-            around = shapes[outer][1]
+            around = shapes[outer]
             if around.area > shape.area and shape.intersection(around).area > INSIDE_SHARE * shape.area:
                 found.append((inner, outer))
                 break

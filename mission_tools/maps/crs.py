@@ -30,17 +30,8 @@ _ADVICE = "convert the file to WGS 84, as by ogr2ogr -t_srs EPSG:4326 OUT.geojso
 
 
 def to_wgs84(tree: Mapping[str, Any], source: str) -> Mapping[str, Any]:
-    """The tree with its positions in WGS 84, and without a CRS; as it is when it names none. Raises MapError:
-    names the CRS and why it cannot be used.
-    """
-    features = tree.get("features")
-    entries = features if isinstance(features, list) else []
-    if any(isinstance(entry, Mapping) and entry.get("crs") for entry in entries):
-        raise MapError(f"{source}: a feature has a crs of its own: expected one for the whole file")
-    given = tree.get("crs")
-    if given is None:
-        return tree
-    name = _name(given, source)
+    """A tree that names a CRS with its positions in WGS 84. Raises MapError: why the CRS cannot be used."""
+    name = _name(tree["crs"], source)
     leaves: list[list[Any]] = []
     rest = {key: value for key, value in tree.items() if key != "crs"}
     crs = _known(name, source)

@@ -87,17 +87,16 @@ def raw_map(entries: Sequence[object], source: str, fallback_name: str = "", tit
 
 def feature_entries(tree: object, source: str) -> list[Any]:
     """The features of whatever kind of GeoJSON this is, in WGS 84. Raises MapError: it is none."""
-    if isinstance(tree, Mapping) and _names_crs(tree):
-        from mission_tools.maps.crs import to_wgs84  # noqa: PLC0415 (PROJ takes 0.1 s to import)
+    if isinstance(tree, Mapping):
+        features = tree.get("features")
+        entries = features if isinstance(features, list) else []
+        if any(isinstance(entry, Mapping) and entry.get("crs") for entry in entries):
+            raise MapError(f"{source}: a feature has a crs of its own: expected one for the whole file")
+        if tree.get("crs") is not None:
+            from mission_tools.maps.crs import to_wgs84  # noqa: PLC0415 (PROJ takes 0.1 s to import)
 
-        tree = to_wgs84(tree, source)
+            tree = to_wgs84(tree, source)
     return entries_of(tree, source)
-
-
-def _names_crs(tree: Mapping[str, Any]) -> bool:
-    features = tree.get("features")
-    entries = features if isinstance(features, list) else []
-    return tree.get("crs") is not None or any(isinstance(e, Mapping) and e.get("crs") for e in entries)
 
 
 def _shape(geometry: Mapping[str, Any], where: str, notes: list[str]) -> BaseGeometry | None:

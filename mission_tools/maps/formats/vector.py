@@ -144,30 +144,15 @@ def _of_chart_objects(layers: list[_Layer], source: str) -> tuple[list[_Layer], 
     return kept, notes
 
 
-_KINDS: dict[str, str] = {
-    "LNDARE": "island",
-    "LNDRGN": "",
-    "DRGARE": "water",
-    "LAKARE": "water",
-    "RIVERS": "water",
-    "CANALS": "water",
-    "DOCARE": "water",
-    "BUISGL": "obstacle",
-    "SLCONS": "pier",
-    "PONTON": "pier",
-    "FLODOC": "pier",
-    "GATCON": "pier",
-    "DAMCON": "pier",
-    "MORFAC": "obstacle",
-    "HULKES": "obstacle",
-    "OBSTRN": "obstacle",
-    "WRECKS": "obstacle",
-    "UWTROC": "obstacle",
-    "PILPNT": "obstacle",
-    "OFSPLF": "obstacle",
-    "FSHFAC": "obstacle",
-    "MARCUL": "obstacle",
-}
+_CLASSES = {  # of S-57, by what they are to a boat
+    "island": ("LNDARE",),
+    "water": ("DRGARE", "LAKARE", "RIVERS", "CANALS", "DOCARE"),
+    "pier": ("SLCONS", "PONTON", "FLODOC", "GATCON", "DAMCON"),
+    "obstacle": (
+        "BUISGL", "MORFAC", "HULKES", "OBSTRN", "WRECKS", "UWTROC", "PILPNT", "OFSPLF", "FSHFAC", "MARCUL",
+    ),
+}  # fmt: skip
+_KINDS = {object_class: kind for kind, classes in _CLASSES.items() for object_class in classes}
 _DEPTH_AREA = "DEPARE"
 _OVERHEAD = {"BRIDGE": "a bridge", "CBLOHD": "a cable", "PIPOHD": "a pipe", "CONVYR": "a conveyor"}
 _CLEARANCES = ("verclr", "verccl", "vercsa")  # m: of a fixed span, a closed one, and a safe one under a cable
@@ -175,7 +160,7 @@ _CLEARANCES = ("verclr", "verccl", "vercsa")  # m: of a fixed span, a closed one
 
 def is_known(object_class: str) -> bool:
     """Whether a layer of this object class matters to a route."""
-    return object_class == _DEPTH_AREA or bool(_KINDS.get(object_class))
+    return object_class == _DEPTH_AREA or object_class in _KINDS
 
 
 def s57_properties(object_class: str, row: Mapping[str, Any]) -> dict[str, Any]:
