@@ -63,14 +63,6 @@ def test_a_drawn_route_is_a_map_unless_it_is_said_to_be_a_route(
     assert "is a mission already" in report["error"]
 
 
-def test_a_plan_beyond_the_charge_is_made_where_that_is_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
-    survey = ("lake", "--survey", "all", "--spacing", "20", "--boat", "lake")
-    assert run(capsys, *survey)[0] == 1
-    code, report = run(capsys, *survey, "--beyond-range")
-    assert code == 0
-    assert report["budget"]["suffices"] is False
-
-
 def test_items_are_as_on_the_wire(across: str, capsys: pytest.CaptureFixture[str]) -> None:
     _, report = run(capsys, across, "--as-route", "--items", "--speed", "1.5")
     home, speed, first, last = report["items"]["mission"]

@@ -155,6 +155,8 @@ def test_a_plan_that_does_not_come_home_is_refused_and_not_saved(
     Path("tiny.toml").write_text("[battery]\ncapacity_mah = 20.0\ncruise_a = 2.7\nidle_a = 0.6\n")
     assert run_plan([*common, "--boat", "tiny.toml", "--one-way"]) == 1
     assert "the charge lasts for " in capsys.readouterr().err
+    assert run_plan([*common, "--boat", "tiny.toml", "--beyond-range", "--json", "--force"]) == 0
+    assert json.loads(capsys.readouterr().out)["budget"]["suffices"] is False
 
 
 def test_fence_and_rally_points_of_the_map_go_into_the_file(plan: Any, capsys: Any) -> None:  # noqa: ANN401

@@ -170,7 +170,7 @@ def test_too_little_room_for_the_boats_margin_is_noted() -> None:
 def test_a_boat_sails_its_contract_as_it_sails_without_a_fence() -> None:
     """The fence's brake leaves the route alone, and nothing is told of a breach."""
     scenario = load_scenario("lake")
-    near = PlanOptions(goal=LatLon(49.9995, -1.2010))
+    near = PlanOptions(goal=LatLon(49.99895, -1.2020))
     planned = MapSource("lake", Source(scenario.chart, scenario.route), near).prepare()
     contracted = with_contract(planned, Boat.of(scenario.vehicle))
     fence = [

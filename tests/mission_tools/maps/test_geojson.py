@@ -2,11 +2,11 @@
 
 import math
 from pathlib import Path
-from typing import Any
 
 import pytest
 import shapely
 from data_files import SHORES
+from drawn_maps import ORIGIN, box, chart_of, collection, feature
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -17,42 +17,18 @@ from mission_tools.maps.geojson import parse_geojson
 from mission_tools.maps.projection import to_local
 
 SHORE_FILES = sorted(SHORES.glob("*.geojson"))
-ORIGIN = LatLon(50.0, -1.2)
-FRAME = LocalFrame(ORIGIN)
 
-Json = dict[str, Any]
-
-
-def ring(west: float, south: float, east: float, north: float) -> list[list[float]]:
-    """A rectangle of local metres as GeoJSON positions."""
-    corners = [(south, west), (south, east), (north, east), (north, west), (south, west)]
-    places = [FRAME.to_global(Point(*corner)) for corner in corners]
-    return [[place.lon_deg, place.lat_deg] for place in places]
-
-
-def feature(coordinates: object, geometry: str = "Polygon", **properties: str) -> Json:
-    return {"type": "Feature", "properties": properties,
-            "geometry": {"type": geometry, "coordinates": coordinates}}  # fmt: skip
-
-
-def collection(*features: Json) -> Json:
-    return {"type": "FeatureCollection", "features": list(features)}
-
-
-LAKE = feature([ring(-100, -50, 100, 50)], name="Lake", kind="water")
+LAKE = feature([box(-100, -50, 100, 50)], name="Lake", kind="water")
 
 
 def test_water_loses_its_islands_and_obstacles_but_keeps_the_areas_to_keep_out_of() -> None:
-    chart = parse_geojson(
-        collection(
-            LAKE,
-            feature([ring(-10, -10, 10, 10)], name="Isle", kind="island"),
-            feature([ring(40, 0, 44, 10)], name="Raft", kind="raft"),
-            feature([ring(-60, 20, -40, 50)], name="Beach", kind="swimming"),
-            feature(ring(0, 60, 1, 61)[0], "Point", name="Church", kind="landmark"),
-        ),
-        "f", "f", ORIGIN,
-    )  # fmt: skip
+    chart = chart_of(
+        LAKE,
+        feature([box(-10, -10, 10, 10)], name="Isle", kind="island"),
+        feature([box(40, 0, 44, 10)], name="Raft", kind="raft"),
+        feature([box(-60, 20, -40, 50)], name="Beach", kind="swimming"),
+        feature(box(0, 60, 1, 61)[0], "Point", name="Church", kind="landmark"),
+    )
     assert chart.water.area == pytest.approx(200 * 100 - 20 * 20 - 4 * 10, rel=1e-6)
     assert chart.navigable.area == pytest.approx(chart.water.area - 20 * 30, rel=1e-6)
     assert chart.name == "Lake"
@@ -81,23 +57,17 @@ def test_without_an_origin_the_middle_of_the_water_becomes_one() -> None:
     ("tree", "said"),
     [
         ([], "not GeoJSON"),
-        ({"type": "Topology"}, "not GeoJSON"),
         ({"type": "GeometryCollection", "geometries": []}, "GeometryCollection"),
-        (collection(), "no water in it"),
-        (collection(feature([ring(0, 0, 1, 1)], name="Isle", kind="island")), "no water in it"),
         (collection({"type": "Feature", "geometry": None}), "feature 1: no geometry"),
-        (collection(LAKE, feature([ring(0, 0, 1, 1)], name="X", kind="reef")), 'feature 2 "X": kind '),
+        (collection(LAKE, feature([box(0, 0, 1, 1)], name="X", kind="reef")), 'feature 2 "X": kind '),
         (feature([[0, 0], [1, 1]], "LineString"), "no water in it"),
         (feature([[0, 0], [1, 1]], "Curve"), "geometry is 'Curve': expected Polygon"),
-        (feature([], name="Void"), 'feature 1 "Void": empty geometry'),
-        (feature([[]]), "ring 1: empty ring"),
-        (feature([[[0, 0], [1, 0], [0, 0]]]), "3 positions: a closed ring has at least 4"),
         (feature([[[50.0, -101.2], [50.1, -101.2], [50.1, -101.3], [50.0, -101.2]]]), "look swapped"),
         (feature([[[200.0, 95.0], [1, 1], [2, 2], [200.0, 95.0]]]), "position 1: [200, 95] is out of range"),
         (feature([[[0, "x"], [1, 1], [2, 2], [0, "x"]]]), "expected [longitude, latitude], got [0, 'x']"),
         (feature([[[0, math.nan], [1, 1], [2, 2], [0, 0]]]), "expected [longitude, latitude]"),
         (collection(LAKE, feature([0, 0], kind="landmark")), "expected a list of positions, got 0"),
-        (collection(LAKE, feature([ring(-200, -200, 200, 200)], kind="keep_out")), "no water is left"),
+        (collection(LAKE, feature([box(-200, -200, 200, 200)], kind="keep_out")), "no water is left"),
     ],
 )  # fmt: skip
 def test_each_thing_that_is_wrong_gets_one_line_that_names_it(tree: object, said: str) -> None:

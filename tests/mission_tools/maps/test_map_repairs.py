@@ -8,48 +8,16 @@ from typing import Any
 
 import pytest
 import shapely
+from drawn_maps import Corners, Json, chart_of, feature, is_inside, positions, ring
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from companion.core.geo import LatLon, LocalFrame, Point
-from mission_tools import geojson
+from companion.core.geo import LatLon, Point
 from mission_tools.errors import MapError
 from mission_tools.maps import load_source
-from mission_tools.maps.chart import Chart
 from mission_tools.maps.geojson import parse_geojson
 
-Json = dict[str, Any]
-Corners = Sequence[tuple[float, float]]  # east, north in metres
-
-ORIGIN = LatLon(50.0, -1.2)
-FRAME = LocalFrame(ORIGIN)
 LAKE = [(-200, -100), (200, -100), (200, 100), (-200, 100)]
-
-
-def positions(corners: Corners) -> list[list[float]]:
-    places = [FRAME.to_global(Point(north, east)) for east, north in corners]
-    return [[place.lon_deg, place.lat_deg] for place in places]
-
-
-def ring(corners: Corners) -> list[list[float]]:
-    return positions([*corners, corners[0]])
-
-
-def feature(coordinates: Sequence[Any], geometry: str = "Polygon", **properties: object) -> Json:
-    return geojson.feature(geometry, coordinates, **properties)
-
-
-def chart_of(*features: Json) -> Chart:
-    return parse_geojson(geojson.collection(list(features)), "f", "f", ORIGIN)
-
-
-def is_inside(corners: Corners, east_m: float, north_m: float) -> bool:
-    """Even-odd rule by counting crossings."""
-    crossings = 0
-    for (e1, n1), (e2, n2) in zip(corners, [*corners[1:], corners[0]], strict=True):
-        if (n1 > north_m) != (n2 > north_m):
-            crossings += east_m < e1 + (north_m - n1) / (n2 - n1) * (e2 - e1)
-    return crossings % 2 == 1
 
 
 @pytest.mark.parametrize(
@@ -229,24 +197,19 @@ def test_every_spelling_of_a_lake_across_the_antimeridian_is_one_piece_of_water(
 
 @pytest.mark.parametrize("share", [0.05, 0.25, 0.5, 0.8])
 @pytest.mark.parametrize(
-    ("ends", "tolerance_m"),
-    [
-        (((9.7, 50.0), (10.3, 50.0)), 0.03),
-        (((9.8, 49.9), (10.2, 50.1)), 0.03),
-        (((0.0, 84.0), (2.0, 84.0)), 0.03),
-    ],
+    ("start", "end"), [((9.7, 50.0), (10.3, 50.0)), ((9.8, 49.9), (10.2, 50.1)), ((0.0, 84.0), (2.0, 84.0))]
 )
 def test_a_long_edge_is_straight_in_longitude_and_latitude(
-    ends: tuple[tuple[float, float], tuple[float, float]], tolerance_m: float, share: float
+    start: tuple[float, float], end: tuple[float, float], share: float
 ) -> None:
     """RFC 7946, 3.1.1: a line between two positions is straight in its coordinates."""
-    (west, south), (east, north) = ends
+    (west, south), (east, north) = start, end
     top = max(south, north) + 0.2
     chart = parse_geojson(feature([[[west, south], [east, north], [east, top], [west, top], [west, south]]]),
                           "f", "f")  # fmt: skip
     on_edge = LatLon(south + share * (north - south), west + share * (east - west))
     at = chart.frame.to_local(on_edge)
-    assert chart.shores.distance(shapely.Point(at.east_m, at.north_m)) < tolerance_m
+    assert chart.shores.distance(shapely.Point(at.east_m, at.north_m)) < 0.03
 
 
 def test_a_map_of_half_the_world_is_refused_with_its_extent() -> None:
@@ -269,13 +232,7 @@ def test_a_place_11_m_off_a_shore_of_40_km_is_afloat() -> None:
 
     def box(half_east_m: float, half_north_m: float) -> list[list[float]]:
         east, north = half_east_m / (111_320.0 * math.cos(math.radians(50.0))), half_north_m / 111_229.0
-        corners = [
-            (10 - east, 50 - north),
-            (10 + east, 50 - north),
-            (10 + east, 50 + north),
-            (10 - east, 50 + north),
-        ]
-        return [list(corner) for corner in [*corners, corners[0]]]
+        return [[10 + x * east, 50 + y * north] for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1))]
 
     chart = parse_geojson(feature([box(50_000.0, 50_000.0), box(20_000.0, 100.0)[::-1]]), "f", "f")
     off_shore = chart.frame.to_local(LatLon(49.9990, 10.0))

@@ -1,49 +1,26 @@
 """Maps as GIS programs and OpenStreetMap write them: islands without a kind, other reference systems."""
 
 import math
-from pathlib import Path
-from typing import Any
 
 import pytest
+from drawn_maps import ORIGIN, Json, box, collection, feature, is_inside, positions
 
-from companion.core.geo import LatLon, Point
+from companion.core.geo import Point
 from mission_tools import geojson
 from mission_tools.assembly.areas import parse_areas
 from mission_tools.errors import MapError
 from mission_tools.maps.geojson import parse_geojson
 from mission_tools.mission.mission import FencePolygon
 
-LAT, LON = 50.0, 10.0
 START, GOAL = Point(50.0, -150.0), Point(-50.0, 150.0)
-POND = Path(__file__).parents[3] / "examples" / "maps" / "mill_pond.geojson"
-
-Json = dict[str, Any]
-
-
-def place(east_m: float, north_m: float) -> list[float]:
-    """[longitude, latitude] near the middle of the lake, by round figures of a degree's length."""
-    return [LON + east_m / (111_320.0 * math.cos(math.radians(LAT))), LAT + north_m / 111_229.0]
-
-
-def rectangle(west: float, south: float, east: float, north: float) -> list[list[float]]:
-    corners = [(west, south), (east, south), (east, north), (west, north), (west, south)]
-    return [place(*corner) for corner in corners]
-
-
-def feature(*rings: list[list[float]], **properties: object) -> Json:
-    return geojson.feature("Polygon", list(rings), **properties)
-
-
-def collection(*features: Json, **members: object) -> Json:
-    return geojson.collection(list(features), **members)
 
 
 def named(name: str) -> Json:
     return {"crs": {"type": "name", "properties": {"name": name}}}
 
 
-LAKE = rectangle(-200, -100, 200, 100)
-ISLE = rectangle(-20, -80, 20, 80)
+LAKE = box(-200, -100, 200, 100)
+ISLE = box(-20, -80, 20, 80)
 
 
 @pytest.mark.parametrize(
@@ -61,7 +38,7 @@ ISLE = rectangle(-20, -80, 20, 80)
 def test_what_openstreetmap_calls_land_or_a_structure_is_never_sailed_over(
     tags: Json, name: str, lake_tags: Json
 ) -> None:
-    chart = parse_geojson(collection(feature(LAKE, **lake_tags), feature(ISLE, **tags)), "f", "f")
+    chart = parse_geojson(collection(feature([LAKE], **lake_tags), feature([ISLE], **tags)), "f", "f")
     assert chart.obstruction(Point(0.0, 0.0)) == f"on {name}"
     assert chart.leg_clearance_m(START, GOAL) == 0.0
     assert chart.obstruction(START) is None
@@ -70,7 +47,7 @@ def test_what_openstreetmap_calls_land_or_a_structure_is_never_sailed_over(
 @pytest.mark.parametrize("order", [1, -1])
 @pytest.mark.parametrize("lake_kind", [{}, {"kind": "water"}, {"natural": "water"}])
 def test_a_shape_in_the_lake_that_does_not_say_what_it_is_is_asked_about(order: int, lake_kind: Json) -> None:
-    features = [feature(LAKE, name="Lake", **lake_kind), feature(ISLE, name="Isle")][::order]
+    features = [feature([LAKE], name="Lake", **lake_kind), feature([ISLE], name="Isle")][::order]
     with pytest.raises(MapError) as told:
         parse_geojson(collection(*features), "m.geojson", "m")
     assert '"Isle": lies within feature' in str(told.value)
@@ -80,7 +57,7 @@ def test_a_shape_in_the_lake_that_does_not_say_what_it_is_is_asked_about(order: 
 
 @pytest.mark.parametrize("said", [{"kind": "water"}, {"natural": "water"}, {"waterway": "dock"}])
 def test_water_in_water_that_says_so_is_sailed_over(said: Json) -> None:
-    chart = parse_geojson(collection(feature(LAKE), feature(ISLE, **said)), "f", "f")
+    chart = parse_geojson(collection(feature([LAKE]), feature([ISLE], **said)), "f", "f")
     assert chart.leg_clearance_m(START, GOAL) > 10.0
 
 
@@ -88,8 +65,8 @@ def test_water_in_water_that_says_so_is_sailed_over(said: Json) -> None:
 def test_two_pieces_of_a_lake_that_overlap_by_less_than_half_are_joined(
     east_m: float, is_asked: bool
 ) -> None:
-    arm = rectangle(east_m, -50, east_m + 200.0, 50)
-    tree = collection(feature(LAKE), feature(arm))
+    arm = box(east_m, -50, east_m + 200.0, 50)
+    tree = collection(feature([LAKE]), feature([arm]))
     if is_asked:
         with pytest.raises(MapError, match="lies within feature 1"):
             parse_geojson(tree, "f", "f")
@@ -100,7 +77,7 @@ def test_two_pieces_of_a_lake_that_overlap_by_less_than_half_are_joined(
 
 def test_tags_that_say_neither_water_nor_land_are_asked_about() -> None:
     with pytest.raises(MapError, match=r"feature 2.*natural=glacier says neither water nor land"):
-        parse_geojson(collection(feature(LAKE), feature(ISLE, natural="glacier")), "f", "f")
+        parse_geojson(collection(feature([LAKE]), feature([ISLE], natural="glacier")), "f", "f")
 
 
 # Reference systems. The expected places come from national control data, not from PROJ:
@@ -116,10 +93,10 @@ def mercator(lon_deg: float, lat_deg: float) -> list[float]:
 
 @pytest.mark.parametrize("name", ["urn:ogc:def:crs:EPSG::3857", "EPSG:3857"])
 def test_web_mercator_is_transformed(name: str) -> None:
-    tree = collection(feature([mercator(*corner) for corner in LAKE]), **named(name))
+    tree = collection(feature([[mercator(*corner) for corner in LAKE]]), **named(name))
     chart = parse_geojson(tree, "f", "f")
-    assert chart.frame.origin.lat_deg == pytest.approx(LAT, abs=1e-6)
-    assert chart.frame.origin.lon_deg == pytest.approx(LON, abs=1e-6)
+    assert chart.frame.origin.lat_deg == pytest.approx(ORIGIN.lat_deg, abs=1e-6)
+    assert chart.frame.origin.lon_deg == pytest.approx(ORIGIN.lon_deg, abs=1e-6)
     assert chart.water.area == pytest.approx(400.0 * 200.0, rel=0.01)
 
 
@@ -128,15 +105,15 @@ def test_utm_is_transformed() -> None:
     meridian_arc_m = 5540847.0416  # equator to 50° N on WGS 84 (Helmert's series)
     north_m = 0.9996 * meridian_arc_m
     ring = [[500_000.0 + e, north_m + n] for e, n in ((-50, -40), (50, -40), (50, 40), (-50, 40), (-50, -40))]
-    chart = parse_geojson(collection(feature(ring), **named("urn:ogc:def:crs:EPSG::32632")), "f", "f")
+    chart = parse_geojson(collection(feature([ring]), **named("urn:ogc:def:crs:EPSG::32632")), "f", "f")
     assert chart.frame.origin.lon_deg == pytest.approx(9.0, abs=1e-7)
     assert chart.frame.origin.lat_deg == pytest.approx(50.0, abs=1e-6)
 
 
 @pytest.mark.parametrize("name", ["urn:ogc:def:crs:OGC:1.3:CRS84", "urn:ogc:def:crs:EPSG::4326", "EPSG:4326"])
 def test_wgs_84_by_any_name_stays_as_it_is(name: str) -> None:
-    plain = parse_geojson(collection(feature(LAKE)), "f", "f")
-    chart = parse_geojson(collection(feature(LAKE), **named(name)), "f", "f")
+    plain = parse_geojson(collection(feature([LAKE])), "f", "f")
+    chart = parse_geojson(collection(feature([LAKE]), **named(name)), "f", "f")
     assert chart.frame.origin == plain.frame.origin
     assert chart.water.equals(plain.water)
 
@@ -158,7 +135,7 @@ def test_wgs_84_by_any_name_stays_as_it_is(name: str) -> None:
 )
 def test_a_reference_system_that_is_unknown_here_is_refused_by_name(crs: Json, said: str) -> None:
     with pytest.raises(MapError, match=said):
-        parse_geojson(collection(feature(LAKE), **crs), "m.geojson", "m")
+        parse_geojson(collection(feature([LAKE]), **crs), "m.geojson", "m")
 
 
 def test_a_transformation_of_nine_metres_is_refused_with_its_accuracy() -> None:
@@ -167,18 +144,18 @@ def test_a_transformation_of_nine_metres_is_refused_with_its_accuracy() -> None:
     with pytest.raises(
         MapError, match=r"\(NAD27\): can be transformed to WGS 84 only to 9 m here, expected 5 m"
     ):
-        parse_geojson(collection(feature(ring), **named("EPSG:4267")), "f", "f")
+        parse_geojson(collection(feature([ring]), **named("EPSG:4267")), "f", "f")
 
 
 def test_a_grid_whose_numbers_look_like_degrees_is_not_taken_for_degrees() -> None:
     """A few metres from the British grid's corner: at sea, outside of what the grid is defined for."""
     ring = [[1.0, 1.0], [3.0, 1.0], [3.0, 2.0], [1.0, 2.0], [1.0, 1.0]]
     with pytest.raises(MapError, match=r"EPSG::27700.*British National Grid\): no transformation to WGS 84"):
-        parse_geojson(collection(feature(ring), **named("urn:ogc:def:crs:EPSG::27700")), "f", "f")
+        parse_geojson(collection(feature([ring]), **named("urn:ogc:def:crs:EPSG::27700")), "f", "f")
 
 
 def test_a_fence_in_another_reference_system_is_transformed_too() -> None:
-    fence, *_ = parse_areas(collection(feature([mercator(*c) for c in LAKE]), **named("EPSG:3857")), "f")
+    fence, *_ = parse_areas(collection(feature([[mercator(*c) for c in LAKE]]), **named("EPSG:3857")), "f")
     (polygon,) = fence.polygons
     assert polygon.corners[0].lat_deg == pytest.approx(LAKE[0][1], abs=1e-9)
 
@@ -186,50 +163,39 @@ def test_a_fence_in_another_reference_system_is_transformed_too() -> None:
 # A fence from a map
 
 
-def holds(polygon: FencePolygon, at: LatLon) -> bool:
-    """Whether a place lies inside, by counting crossings (even-odd rule)."""
-    inside = False
-    corners = polygon.corners
-    for a, b in zip(corners, (*corners[1:], corners[0]), strict=True):
-        if (a.lat_deg > at.lat_deg) != (b.lat_deg > at.lat_deg):
-            share = (at.lat_deg - a.lat_deg) / (b.lat_deg - a.lat_deg)
-            if at.lon_deg < a.lon_deg + share * (b.lon_deg - a.lon_deg):
-                inside = not inside
-    return inside
-
-
-def at(east_m: float, north_m: float) -> LatLon:
-    lon_deg, lat_deg = place(east_m, north_m)
-    return LatLon(lat_deg, lon_deg)
+def holds(polygon: FencePolygon, east_m: float, north_m: float) -> bool:
+    """Whether a place lies inside."""
+    ((lon_deg, lat_deg),) = positions([(east_m, north_m)])
+    return is_inside([(corner.lon_deg, corner.lat_deg) for corner in polygon.corners], lon_deg, lat_deg)
 
 
 @pytest.mark.parametrize("lake", [{"kind": "water"}, {"natural": "water"}])
 def test_a_map_is_a_fence_outline_inside_islands_and_keep_outs_outside(lake: Json) -> None:
-    rocks, swimmers = rectangle(100, -80, 110, -70), rectangle(-180, -90, -150, -60)
+    rocks, swimmers = box(100, -80, 110, -70), box(-180, -90, -150, -60)
     tree = collection(
-        feature(LAKE, ISLE[::-1], **lake),
-        feature(rocks, kind="obstacle"),
-        feature(swimmers, kind="swimming", name="Beach"),
-        geojson.feature("Point", place(0, 120), kind="landmark", name="Mill"),
+        feature([LAKE, ISLE[::-1]], **lake),
+        feature([rocks], kind="obstacle"),
+        feature([swimmers], kind="swimming", name="Beach"),
+        geojson.feature("Point", positions([(0, 120)])[0], kind="landmark", name="Mill"),
     )
     fence, rally, _ = parse_areas(tree, "f")
     assert rally == ()
     assert [polygon.inclusion for polygon in fence.polygons] == [True, False, False, False]
     assert fence.circles == ()
     outline, *closed = fence.polygons
-    assert holds(outline, at(-150, 50))
-    assert not holds(outline, at(210, 0))
-    for inside in (at(0, 0), at(105, -75), at(-160, -75)):
-        assert [polygon for polygon in closed if holds(polygon, inside)]
-    assert not [polygon for polygon in closed if holds(polygon, at(-150, 50))]
+    assert holds(outline, -150, 50)
+    assert not holds(outline, 210, 0)
+    for inside in ((0, 0), (105, -75), (-160, -75)):
+        assert [polygon for polygon in closed if holds(polygon, *inside)]
+    assert not [polygon for polygon in closed if holds(polygon, -150, 50)]
 
 
 def test_pieces_of_one_water_are_joined_and_two_waters_are_no_fence() -> None:
-    joined = collection(feature(LAKE, kind="water"), feature(rectangle(150, -50, 350, 50), kind="water"))
+    joined = collection(feature([LAKE], kind="water"), feature([box(150, -50, 350, 50)], kind="water"))
     fence, *_ = parse_areas(joined, "f")
     (outline,) = fence.polygons
-    assert holds(outline, at(-150, 0))
-    assert holds(outline, at(300, 0))
-    apart = collection(feature(LAKE, kind="water"), feature(rectangle(250, -50, 350, 50), kind="water"))
+    assert holds(outline, -150, 0)
+    assert holds(outline, 300, 0)
+    apart = collection(feature([LAKE], kind="water"), feature([box(250, -50, 350, 50)], kind="water"))
     with pytest.raises(MapError, match="f: 2 separate pieces of water"):
         parse_areas(apart, "f")

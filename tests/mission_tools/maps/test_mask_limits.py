@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from mission_tools.errors import MapError
-from mission_tools.maps import load_map
+from mission_tools.maps import crs, load_map
 from mission_tools.maps.formats import mask as mask_format
 
 WORLD = "1e-5\n0\n0\n-1e-5\n10\n50\n"
@@ -81,10 +81,18 @@ def test_a_mask_of_other_numbers_has_two_values(tmp_path: Path, values: tuple[fl
     assert said in refusal(path)
 
 
-@pytest.mark.parametrize(("pixel", "is_refused"), [("9.0e5", False), ("1.1e6", True), ("1e30", True)])
-def test_lines_far_longer_than_the_earth_are_refused(tmp_path: Path, pixel: str, is_refused: bool) -> None:
-    """The outline of 120 pixels by 120, drawn inwards, is 472 pixels long: 4.2e8 m and 5.2e8 m."""
+@pytest.mark.parametrize(("pixel", "is_refused"), [("9.0e2", False), ("1.1e3", True), ("1e30", True)])
+def test_lines_far_longer_than_any_shore_are_refused(
+    tmp_path: Path, pixel: str, is_refused: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The outline of 120 pixels by 120, drawn inwards, is 472 pixels long: 425 km and 519 km."""
+    assert crs.MOST_LENGTH_M == 12.5 * 4e7  # round the Earth
+    monkeypatch.setattr(crs, "MOST_LENGTH_M", 5e5)
     path = saved(tmp_path / "m.png", np.ones((120, 120), bool))
     path.with_suffix(".wld").write_text(f"{pixel}\n0\n0\n-{pixel}\n0\n0\n", encoding="ascii")
     path.with_suffix(".prj").write_text("EPSG:3857", encoding="ascii")
-    assert ("km long in crs WGS 84 / Pseudo-Mercator: at most 500000 km" in refusal(path)) == is_refused
+    is_long = "km long in crs WGS 84 / Pseudo-Mercator: at most 500 km"
+    if is_refused:
+        assert is_long in refusal(path)
+    else:
+        assert load_map(path).water.area > 1e9

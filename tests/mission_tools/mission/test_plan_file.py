@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from companion.core.geo import LatLon
@@ -72,6 +72,7 @@ def items_equal(a: Mission, b: Mission) -> bool:
     return len(a.items) == len(b.items) and not differences(a.items, b.items, home_is_the_vehicles=False)
 
 
+@settings(max_examples=40)
 @given(missions)
 def test_a_plan_reads_back_as_it_was_written(mission: Mission) -> None:
     again = qgc_plan.parse(qgc_plan.compose(mission))
@@ -79,6 +80,7 @@ def test_a_plan_reads_back_as_it_was_written(mission: Mission) -> None:
     assert replace(again, items=()) == replace(mission, items=())
 
 
+@settings(max_examples=50)
 @given(items, known_homes, finite)
 def test_wpl_reads_back_as_it_was_written(
     items: tuple[MissionItem, ...], home: LatLon, altitude_m: float
@@ -234,6 +236,7 @@ def test_saving_chooses_the_format_by_the_name_and_never_drops_a_fence(tmp_path:
     assert not (tmp_path / "b.waypoints").exists()
 
 
+@settings(max_examples=40)
 @given(missions)
 def test_what_goes_over_the_wire_counts_corners_and_puts_home_first(mission: Mission) -> None:
     lists = mission.wire_lists(home_first=True)

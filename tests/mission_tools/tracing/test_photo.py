@@ -23,7 +23,6 @@ from mission_tools.tracing.region import lab_of
 pytestmark = pytest.mark.slow
 
 PHOTO = SHORES / "mask_citra_pond_fl_photo.jpg"
-ON_THE_POND = LatLon(29.40815, -82.16953)
 GAP_M2 = 420.0  # the mosaic's gap and the fountain's glint, which the mask has as water
 
 Picture = NDArray[np.uint8]
@@ -46,14 +45,6 @@ def test_the_photograph_of_a_real_pond_gives_its_mask() -> None:
     away_m = shore_distances_m(traced.water, mask.water)
     assert float(np.mean(away_m)) < 0.6
     assert float(np.quantile(away_m, 0.9)) < 1.5
-
-
-def test_what_is_no_water_stays_land_unless_it_is_to_be_filled() -> None:
-    traced = trace_photo(PHOTO, [ON_THE_POND])
-    gap = LatLon(29.4088277 - 370 * 2.70244e-6, -82.1713843 + 563 * 3.08638e-6)  # in the white of the mosaic
-    chart = traced.chart()
-    assert chart.clearance_m(chart.frame.to_local(gap)) == 0.0
-    assert any("holes in the water are taken as land (410 m²" in note for note in traced.notes)
 
 
 GREEN, BROWN, GREY = (90, 150, 70), (150, 120, 80), (160, 160, 165)
@@ -93,6 +84,9 @@ def test_a_round_pond_is_traced_to_a_pixel_and_drawn_into_the_water(tmp_path: Pa
     middle = pond.centroid
     assert (middle.x, middle.y) == pytest.approx((10.0 + 99.15e-5, -89.5e-5), abs=2e-6)
     assert len(pond.interiors) == 1
+    assert any(note.startswith("holes in the water are taken as land (2") for note in traced.notes)
+    filled = trace_photo(tmp_path / "p.png", [place(80, 90)], settings=TraceSettings(fill_m2=300.0))
+    assert filled.outline.area == pytest.approx(math.pi * 49**2, rel=0.02)
 
 
 def test_a_second_pond_and_a_path_of_the_same_colour_are_left_out(tmp_path: Path) -> None:
