@@ -1,4 +1,4 @@
-"""All failsafes: ten times a second, which have fired, escalated or ended."""
+"""All failsafes: ten times a second, which have fired, escalated, ended or got another reason."""
 
 import math
 from collections.abc import Sequence
@@ -54,6 +54,7 @@ class Change(Enum):
     FIRES = 1
     ESCALATES = 2  # the condition has lasted: the next step
     ENDS = 3
+    RENAMED = 4  # the condition lasts, for another reason
 
 
 class Escalation:
@@ -67,11 +68,11 @@ class Escalation:
 
     def reset(self) -> None:
         """Forget everything but when it ended, in case it comes back."""
-        self.text = ""  # the condition in words, as last seen
+        self.text = self._told = ""  # the condition in words: as last seen, and as told
         self.action = Action.NONE
         self.is_active = False
         self.is_overruled = False  # the operator has chosen a mode since it fired
-        self._since_s = self._calm_s = math.nan
+        self._since_s = self._calm_s = self._renamed_s = math.nan
         self._step_s = 0.0
 
     def update(self, text: str, setting: Failsafe, now_s: float) -> Change:
@@ -88,14 +89,21 @@ class Escalation:
             self._ended_s = now_s
             return Change.ENDS
         self._calm_s = math.nan
+        if _reason(text) != _reason(self.text):
+            self._renamed_s = now_s
         self.text = text
         if self.is_active:
-            return self._escalate(setting, now_s)
+            change = self._escalate(setting, now_s)
+            if change is Change.STAYS and self._is_renamed(now_s):
+                change = Change.RENAMED
+            if change is not Change.STAYS:
+                self._told = text
+            return change
         if math.isnan(self._since_s):
             self._since_s = now_s
         if now_s - self._since_s < _seconds(self.row.after, setting):
             return Change.STAYS
-        self.is_active, self._step_s = True, now_s
+        self.is_active, self._step_s, self._told = True, now_s, text
         steps, first = _steps(self.row, setting), _action(self.row.action, setting)
         is_relapse = now_s - self._ended_s < self.row.relapse_s and first is not Action.NONE
         if is_relapse and self._next < len(steps):
@@ -115,9 +123,18 @@ class Escalation:
         self._take(steps[self._next], setting)
         return Change.ESCALATES
 
+    def _is_renamed(self, now_s: float) -> bool:
+        """Whether it has had another reason than the one told, for as long as its end would have to last."""
+        return _reason(self.text) != _reason(self._told) and now_s - self._renamed_s >= self.row.clear_s
+
     def _take(self, step: Step, setting: Failsafe) -> None:
         self.action = _action(step.action, setting)
         self._next += 1
+
+
+def _reason(text: str) -> str:
+    """A condition's words without its figures."""
+    return "".join(letter for letter in text if letter.isalpha() or letter == " ")
 
 
 def _steps(row: Row, setting: Failsafe) -> tuple[Step, ...]:
@@ -140,7 +157,7 @@ def _action(value: Action | str, setting: Failsafe) -> Action:
 
 
 class Alarm(NamedTuple):
-    """A row has fired, escalated or ended. action: what is to be done, NONE where it is only told."""
+    """What a row has just done. action: what is to be done, NONE where it is only told."""
 
     row: Row
     change: Change
@@ -228,6 +245,7 @@ class Failsafes:
             elif change is not Change.STAYS:
                 self.active |= int(row.condition)
                 is_concerned = inputs.mode in row.guard.modes
-                action = escalation.action if is_concerned else Action.NONE
+                acts = is_concerned and change is not Change.RENAMED
+                action = escalation.action if acts else Action.NONE
                 alarms.append(Alarm(row, change, escalation.text, action))
         return alarms

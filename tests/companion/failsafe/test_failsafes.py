@@ -3,12 +3,15 @@ from boat_rig import FRAME, GOOD_FIX, nav_at
 from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig, with_value
+from companion.config.tuning import Failsafe
 from companion.core.modes import Mode
 from companion.core.readings import BatteryReading
 from companion.core.requests import Arm, ChangeMode, GoTo
+from companion.core.state import EstimateFault
 from companion.failsafe.actions import Action
 from companion.failsafe.inputs import BoardReadings
-from companion.failsafe.table import Condition
+from companion.failsafe.monitor import Change, Escalation
+from companion.failsafe.table import ROWS, Condition
 from companion.vehicle.vehicle import Vehicle
 
 
@@ -169,3 +172,52 @@ def test_a_new_pack_ends_the_failsafes_of_the_pack_and_no_other() -> None:
     failsafes.renew_pack(1.0)
     assert (failsafes.pack_is_low, failsafes.is_active(Condition.OPERATOR_LOST)) == (False, True)
     assert live(vehicle, 3.0, volt=12.0) == [], "the operator's failsafe does not fire again"
+
+
+def escalation_of(condition: Condition, text: str) -> Escalation:
+    """Has just fired, at 0 s."""
+    escalation = Escalation(next(row for row in ROWS if row.condition is condition))
+    assert escalation.update(text, Failsafe(), 0.0) is Change.FIRES
+    return escalation
+
+
+def test_a_condition_that_lasts_for_another_reason_is_told_again_once_that_is_certain() -> None:
+    gnss = escalation_of(Condition.GNSS_BAD, "GPS lost: dead reckoning")
+    gnss.update("GPS late", Failsafe(), 2.0)
+    assert gnss.update("GPS late", Failsafe(), 4.9) is Change.STAYS
+    assert gnss.update("GPS late", Failsafe(), 5.0) is Change.RENAMED
+    assert gnss.update("GPS late", Failsafe(), 50.0) is Change.STAYS
+
+
+def test_a_reason_that_comes_and_goes_is_not_told() -> None:
+    gnss = escalation_of(Condition.GNSS_BAD, "GPS jumping: rejected")
+    for second in range(1, 60):
+        text = "GPS lost: dead reckoning" if second % 3 else "GPS jumping: rejected"
+        assert gnss.update(text, Failsafe(), float(second)) is Change.STAYS
+
+
+def test_another_figure_is_no_other_reason() -> None:
+    capsized = Escalation(next(row for row in ROWS if row.condition is Condition.CAPSIZED))
+    changes = {
+        capsized.update(f"Capsized: roll {-second}, pitch 4", Failsafe(), second) for second in range(60)
+    }
+    assert changes == {Change.STAYS, Change.FIRES}
+
+
+def test_a_new_reason_is_told_and_changes_nothing() -> None:
+    vehicle = armed_vehicle(gnss_action=int(Action.LOITER_OR_HOLD))
+    assert vehicle.mode is Mode.GUIDED
+
+    def sees(fault: EstimateFault) -> list[str]:
+        for _ in range(40):
+            now_s = vehicle._now_s + 0.1
+            nav = replace(nav_at(time_s=now_s), faults=int(fault))
+            vehicle.update_state(nav, vehicle.frame, GOOD_FIX, None, now_s)
+            vehicle.decide()
+        return [notice.text for notice in vehicle.take_status_texts()]
+
+    assert sees(EstimateFault.GNSS_LOST) == ["Failsafe: GPS lost: dead reckoning", "Mode LOITER: failsafe"]
+    assert vehicle.request(ChangeMode(Mode.GUIDED)).accepted
+    vehicle.take_status_texts()
+    assert sees(EstimateFault.GNSS_LATE) == ["Failsafe: GPS late: compensated"]
+    assert vehicle.mode is Mode.GUIDED
