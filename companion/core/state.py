@@ -20,7 +20,7 @@ class EstimateFault(IntFlag):
     GNSS_LOST = 1  # no fix, or no data
     GNSS_FROZEN = 2  # constant position while the boat moves
     GNSS_JUMPING = 4  # fixes outside the gate
-    COMPASS_LOST = 8  # no data, or a constant value
+    COMPASS_LOST = 8  # no data
     COMPASS_OFF = 16  # disagrees with the course made good
     POSITION_LOST = 32  # dead reckoning has lasted too long
     HEADING_LOST = 64  # no source of heading
@@ -28,6 +28,7 @@ class EstimateFault(IntFlag):
     COMPASS_LATE = 256  # the same for compass and gyro, or infrequent readings: the yaw model bridges them
     GYRO_LOST = 512  # no rate, a constant one, or erratic ones, while headings are measured
     GYRO_OFF = 1024  # a larger bias than its data sheet allows, which is compensated
+    COMPASS_FROZEN = 2048  # constant heading while the boat turns
 
 
 class NavState(Struct, frozen=True, gc=False):
@@ -178,6 +179,7 @@ FAULT_TEXTS: Final[tuple[tuple[EstimateFault, str], ...]] = (
     (EstimateFault.GNSS_FROZEN, "GPS frozen: dead reckoning"),
     (EstimateFault.GNSS_JUMPING, "GPS jumping: rejected"),
     (EstimateFault.COMPASS_LOST, "Compass lost: using gyro and course"),
+    (EstimateFault.COMPASS_FROZEN, "Compass frozen: using gyro and course"),
     (EstimateFault.COMPASS_OFF, "Compass off: using gyro and course"),
     (EstimateFault.GNSS_LATE, "GPS late: compensated"),
     (EstimateFault.COMPASS_LATE, "Compass late: using yaw model"),
@@ -187,6 +189,15 @@ FAULT_TEXTS: Final[tuple[tuple[EstimateFault, str], ...]] = (
 """Worst first; each fits one STATUSTEXT with room for a prefix."""
 
 # Plain numbers: an IntFlag's arithmetic costs microseconds
+GNSS_FAULTS: Final = int(
+    EstimateFault.GNSS_LOST | EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING | EstimateFault.GNSS_LATE
+)
+COMPASS_FAULTS: Final = int(
+    EstimateFault.COMPASS_LOST
+    | EstimateFault.COMPASS_FROZEN
+    | EstimateFault.COMPASS_OFF
+    | EstimateFault.COMPASS_LATE
+)
 _POSITION_LOST: Final = int(EstimateFault.POSITION_LOST)
 _HEADING_LOST: Final = int(EstimateFault.HEADING_LOST)
 

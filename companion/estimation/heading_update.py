@@ -8,7 +8,7 @@ from companion.config.tuning import Estimation
 from companion.core.readings import HeadingReading
 from companion.core.state import EstimateFault
 from companion.core.units import wrap_pi
-from companion.estimation.covariance import HEADING
+from companion.estimation.covariance import HEADING, RATE_BIAS
 from companion.estimation.delay import PAUSE_S, DelayEstimator
 from companion.estimation.error_state import ErrorStateFilter
 from companion.estimation.hypotheses import GAP_RAD, SensorBank, SuspectedSensor
@@ -27,6 +27,7 @@ _RATE: Final = plausibility.HEADING["yaw_rate_rad_s"]
 _TURNING_RAD_S: Final = 0.15  # error in a turn of the rate that steering lets expect
 # Plain numbers: an IntFlag's arithmetic costs microseconds
 _LOST: Final = int(EstimateFault.COMPASS_LOST)
+_FROZEN: Final = int(EstimateFault.COMPASS_FROZEN)
 _OFF: Final = int(EstimateFault.COMPASS_OFF)
 _LATE: Final = int(EstimateFault.COMPASS_LATE)
 _HEADING_LOST: Final = int(EstimateFault.HEADING_LOST)
@@ -194,7 +195,7 @@ class HeadingUpdate:
         if not state.has_heading:
             return 0
         if self._compass.is_stuck:
-            faults = _LOST
+            faults = _FROZEN
         elif self.is_off or abs(state.offset_rad) > self._gate_rad:
             faults = _OFF
         elif now_s - self.compass_s > self._timeout_s + self.latency.delay_s:
@@ -203,8 +204,10 @@ class HeadingUpdate:
             faults = _LATE
         if self._stamp_s - self._rate_s > self._timeout_s:
             faults |= _GYRO_LOST
-        elif state.has_gyro and abs(state.bias_rad_s) > _GYRO_OFF_RAD_S:
-            faults |= _GYRO_OFF
+        elif state.has_gyro:
+            unsure_rad_s = 3.0 * math.sqrt(state.covariance.variance(RATE_BIAS))
+            if abs(state.bias_rad_s) > _GYRO_OFF_RAD_S + unsure_rad_s:
+                faults |= _GYRO_OFF
         self._is_lost = self._sigma_rad > (BLIND_RAD if self._is_lost else LOST_RAD)
         return faults | _HEADING_LOST if self._is_lost else faults
 

@@ -4,17 +4,20 @@ import math
 from typing import Final
 
 from companion.core.modes import Mode
-from companion.core.state import EstimateFault, fault_texts, lacks_heading, lacks_position
+from companion.core.state import (
+    COMPASS_FAULTS,
+    GNSS_FAULTS,
+    EstimateFault,
+    fault_texts,
+    lacks_heading,
+    lacks_position,
+)
 from companion.failsafe.inputs import FailsafeInputs
 from companion.failsafe.motors.hypotheses import Fault
 from companion.guidance.stall_detector import StallVerdict
 
 _RC_EXCEPT_AUTO: Final = 2  # FS_THR_ENABLE: a mission goes on without a transmitter
 # Plain numbers: an IntFlag's arithmetic costs microseconds
-_GNSS: Final = int(
-    EstimateFault.GNSS_LOST | EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING | EstimateFault.GNSS_LATE
-)
-_COMPASS: Final = int(EstimateFault.COMPASS_LOST | EstimateFault.COMPASS_OFF | EstimateFault.COMPASS_LATE)
 _GYRO: Final = int(EstimateFault.GYRO_LOST | EstimateFault.GYRO_OFF)
 
 
@@ -35,12 +38,12 @@ def heading_lost(inputs: FailsafeInputs) -> str:
 
 def gnss_bad(inputs: FailsafeInputs) -> str:
     """The receiver is silent, late, frozen or jumping."""
-    return _worst(inputs, _GNSS)
+    return _worst(inputs, GNSS_FAULTS)
 
 
 def compass_bad(inputs: FailsafeInputs) -> str:
-    """The compass is silent, late, stuck, or disagrees with the course."""
-    return _worst(inputs, _COMPASS)
+    """The compass is silent, late, frozen, or disagrees with the course."""
+    return _worst(inputs, COMPASS_FAULTS)
 
 
 def gyro_bad(inputs: FailsafeInputs) -> str:

@@ -18,6 +18,9 @@ from companion.rc.manual_input import ManualInput
 
 PERIOD_S = 0.1
 _SLACK_S = 1e-6
+# Times what ends a condition: one that comes back so soon has to stay away twice as long to be over. So a
+# loose contact is told a few times, and not every few seconds
+_SOON = 4.0
 _JUDGED = (State.IDLE, State.COMPARING)  # where the motion says something about the motors
 _POWER = int(Condition.BATTERY_CRITICAL | Condition.BATTERY_LOW | Condition.OUT_OF_RANGE)
 
@@ -63,6 +66,7 @@ class Escalation:
     def __init__(self, row: Row) -> None:
         self.row = row
         self._ended_s = -math.inf
+        self._clear_s = row.clear_s
         self._next = 0
         self.reset()
 
@@ -83,7 +87,7 @@ class Escalation:
                 return Change.STAYS
             if math.isnan(self._calm_s):
                 self._calm_s = now_s
-            if now_s - self._calm_s < self.row.clear_s:
+            if now_s - self._calm_s < self._clear_s:
                 return Change.STAYS
             self.reset()
             self._ended_s = now_s
@@ -105,6 +109,9 @@ class Escalation:
             return Change.STAYS
         self.is_active, self._step_s, self._told = True, now_s, text
         steps, first = _steps(self.row, setting), _action(self.row.action, setting)
+        if self.row.relapse_s == 0.0:
+            comes_and_goes = now_s - self._ended_s < _SOON * self._clear_s
+            self._clear_s = 2.0 * self._clear_s if comes_and_goes else self.row.clear_s
         is_relapse = now_s - self._ended_s < self.row.relapse_s and first is not Action.NONE
         if is_relapse and self._next < len(steps):
             self._take(steps[self._next], setting)  # what was done before has not lasted

@@ -10,7 +10,7 @@ from companion.core.state import EstimateFault, NavState
 from companion.rc.manual_input import ManualInput
 
 RESTARTING: Final = "Program: restarting"
-_COMPASS_LOST: Final = int(EstimateFault.COMPASS_LOST)
+_NO_COMPASS: Final = int(EstimateFault.COMPASS_LOST | EstimateFault.COMPASS_FROZEN)
 
 
 def absolute_faults(output_fault: str, *, is_restarting: bool) -> list[str]:
@@ -53,7 +53,7 @@ def sensor_faults(
             faults.append(f"GPS: HDOP {fix.hdop:.1f} is above {setting.max_hdop:.1f}")
         elif nav is None or nav.position_age_s > timeout_s:
             faults.append("GPS: position is stale")
-    if nav is None or nav.heading_age_s > timeout_s or nav.faults & _COMPASS_LOST:
+    if nav is None or nav.heading_age_s > timeout_s or nav.faults & _NO_COMPASS:
         faults.append("Compass: no heading")
     if battery is None:
         if has_battery_monitor:

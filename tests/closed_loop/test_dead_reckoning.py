@@ -108,7 +108,7 @@ def test_positions_that_creep_away_from_their_velocities_are_noticed(
 @pytest.mark.parametrize(
     ("fault", "bit"),
     [
-        ("kind='stuck'", EstimateFault.COMPASS_LOST),
+        ("kind='stuck'", EstimateFault.COMPASS_FROZEN),
         ("kind='wrong', size=45.0", EstimateFault.COMPASS_OFF),
         ("kind='garbage'", EstimateFault.COMPASS_OFF | EstimateFault.COMPASS_LOST),
     ],

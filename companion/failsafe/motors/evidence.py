@@ -15,7 +15,7 @@ from typing import Final, NamedTuple
 from companion.config.boat_config import BoatConfig
 from companion.core.evidence import LEARNING, MOST_SQUARE, FaultEvidence
 from companion.core.readings import BatteryReading, GnssFix
-from companion.core.state import EstimateFault, NavState
+from companion.core.state import COMPASS_FAULTS, GNSS_FAULTS, EstimateFault, NavState
 from companion.failsafe.motors.current import MotorCurrent
 from companion.failsafe.motors.hypotheses import HYPOTHESES, WEIGHT, EffectSize, Fault
 from companion.failsafe.motors.motion_filter import MotionFilter
@@ -55,19 +55,8 @@ _WEIGHTS: Final = tuple(
 )
 
 # Plain numbers: an IntFlag's arithmetic costs microseconds
-_NO_COMPASS: Final = int(
-    EstimateFault.COMPASS_LOST
-    | EstimateFault.COMPASS_OFF
-    | EstimateFault.COMPASS_LATE
-    | EstimateFault.HEADING_LOST
-)
-_NO_GNSS: Final = int(
-    EstimateFault.GNSS_LOST
-    | EstimateFault.GNSS_FROZEN
-    | EstimateFault.GNSS_JUMPING
-    | EstimateFault.GNSS_LATE
-    | EstimateFault.POSITION_LOST
-)
+_NO_COMPASS: Final = COMPASS_FAULTS | int(EstimateFault.HEADING_LOST)
+_NO_GNSS: Final = GNSS_FAULTS | int(EstimateFault.POSITION_LOST)
 
 
 class _Push(NamedTuple):

@@ -1,7 +1,7 @@
 """Telemetry of the estimate: its quality, and the current."""
 
 from companion.autopilot.snapshot import Snapshot
-from companion.core.state import EstimateFault
+from companion.core.state import COMPASS_FAULTS, EstimateFault
 from companion.mavlink.dialect import Message, build_message, dialect
 
 _GNSS_BAD = EstimateFault.GNSS_LOST | EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING
@@ -28,7 +28,7 @@ def _health(now: Snapshot) -> tuple[int, float, float]:
         position = 1.0
     if faults & EstimateFault.HEADING_LOST:
         heading = 1.0
-    elif faults & (EstimateFault.COMPASS_LOST | EstimateFault.COMPASS_OFF):
+    elif faults & COMPASS_FAULTS & ~EstimateFault.COMPASS_LATE:
         heading = max(heading, _SHAKEN)
     flags = dialect.EKF_ATTITUDE if heading < 1.0 else 0
     if position < 1.0:

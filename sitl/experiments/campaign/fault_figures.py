@@ -8,17 +8,13 @@ from typing import Final
 
 import numpy as np
 
-from companion.core.state import EstimateFault
+from companion.core.state import COMPASS_FAULTS, GNSS_FAULTS, EstimateFault
 from sitl.courses.courses import off_path_m
 from sitl.run.mission_run import MissionRun
 from sitl.run.recording.estimate_recorder import Estimate
 from sitl.world.truth import Truth
 
-_GNSS: Final = (
-    EstimateFault.GNSS_LOST | EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING | EstimateFault.GNSS_LATE
-)
-_COMPASS: Final = EstimateFault.COMPASS_LOST | EstimateFault.COMPASS_OFF | EstimateFault.COMPASS_LATE
-_BITS: Final = {"gnss": int(_GNSS), "compass": int(_COMPASS)}
+_BITS: Final = {"gnss": GNSS_FAULTS, "compass": COMPASS_FAULTS}
 _LOST: Final = int(EstimateFault.POSITION_LOST)
 _NAMES: Final = ("notice_s", "given_up_s", "astray_m", "astray_share", "off_plan_m")
 

@@ -221,3 +221,17 @@ def test_a_new_reason_is_told_and_changes_nothing() -> None:
     vehicle.take_status_texts()
     assert sees(EstimateFault.GNSS_LATE) == ["Failsafe: GPS late: compensated"]
     assert vehicle.mode is Mode.GUIDED
+
+
+def test_a_loose_contact_is_told_a_few_times_and_then_taken_for_one_trouble() -> None:
+    gnss = Escalation(next(row for row in ROWS if row.condition is Condition.GNSS_BAD))
+    told = []
+    for tick in range(6000):  # ten minutes: lost for half a second, good for 3.5 s
+        now_s = 0.1 * tick
+        change = gnss.update("GPS lost: dead reckoning" if tick % 40 < 5 else "", Failsafe(), now_s)
+        told += [now_s] if change is not Change.STAYS else []
+    assert len(told) == 3
+    assert max(told) < 10.0
+    for tick in range(6000, 6100):
+        assert gnss.update("", Failsafe(), 0.1 * tick) in (Change.STAYS, Change.ENDS)
+    assert not gnss.is_active
