@@ -41,8 +41,7 @@ def scenario_from(
 ) -> Scenario:
     """The scenario that the command line names. home: where a bare map's boat lies if nothing else says so.
 
-    Raises:
-        ConfigError, MissionToolsError: it cannot be used; names file and key.
+    Raises ConfigError, MissionToolsError: it cannot be used; names file and key.
     """
     overrides = list(settings or ())
     if seed is not None:

@@ -153,8 +153,7 @@ def serve(
 def _held_folder(asked: str | None, usual: Path | None) -> tuple[Path | None, str]:
     """Where to store, if anywhere, and a line that says so.
 
-    Raises:
-        StorageError, StateInUseError: a folder that was asked for cannot be used.
+    Raises StorageError, StateInUseError: a folder that was asked for cannot be used.
     """
     nothing = "missions, parameters and logs are forgotten at the end"
     if asked == NONE or (asked is None and usual is None):
@@ -171,11 +170,7 @@ def _held_folder(asked: str | None, usual: Path | None) -> tuple[Path | None, st
 
 
 def _words(options: str) -> list[str]:
-    """As a shell divides them.
-
-    Raises:
-        ConfigError: a quote is not closed.
-    """
+    """As a shell divides them. Raises ConfigError: a quote is not closed."""
     try:
         return shlex.split(options)
     except ValueError as error:

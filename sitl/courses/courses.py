@@ -64,11 +64,7 @@ class Tracking:
 
 
 def course_mission(name: str, frame: LocalFrame, start: Point) -> Mission:
-    """A course laid out from where the boat lies.
-
-    Raises:
-        KeyError: no such course.
-    """
+    """A course laid out from where the boat lies. Raises KeyError: no such course."""
     points = [Point(start.north_m + at.north_m, start.east_m + at.east_m) for at in COURSES[name]]
     return mission_along([frame.to_global(point) for point in points])
 

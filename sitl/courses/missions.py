@@ -19,9 +19,7 @@ from sitl.world.scenario import Scenario
 def plan_mission(scenario: Scenario) -> tuple[Mission, Plan]:
     """A* from where the boat lies to the scenario's goal.
 
-    Raises:
-        UsageError: the scenario names no goal.
-        NoRouteError: its family says what is in the way.
+    Raises UsageError: the scenario names no goal; NoRouteError: its family says what is in the way.
     """
     route = scenario.route
     if route.goal is None:
@@ -37,11 +35,7 @@ def course_names() -> tuple[str, ...]:
 
 
 def lay_out(course: str, scenario: Scenario) -> Mission:
-    """A course from where the boat lies.
-
-    Raises:
-        UsageError: no such course.
-    """
+    """A course from where the boat lies. Raises UsageError: no such course."""
     if course not in course_names():
         raise UsageError(f"no course {course!r}: expected {', '.join(course_names())}")
     if course == STATION:

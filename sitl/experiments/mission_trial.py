@@ -21,9 +21,8 @@ _MARGIN_S = 120.0  # to reach a station
 def run_mission(trial: Trial) -> TrialResult:
     """The figures of the mission, and its track with a point about every second.
 
-    Raises:
-        RunError: the boat refused the mission or did not start.
-        ConfigError, MissionToolsError: a setting or file cannot be used, or no route can be planned.
+    Raises RunError: the boat refused the mission or did not start; ConfigError, MissionToolsError: a setting
+    or file cannot be used, or no route can be planned.
     """
     scenario = scenario_of(trial)
     mission_run = MissionRun(
@@ -41,11 +40,7 @@ def run_mission(trial: Trial) -> TrialResult:
 
 
 def scenario_of(trial: Trial) -> Scenario:
-    """The trial's scenario.
-
-    Raises:
-        ConfigError, MissionToolsError: it cannot be used; names file and key.
-    """
+    """The trial's scenario. Raises ConfigError, MissionToolsError: it cannot be used; names file and key."""
     over = Layer(trial.source or "campaign", {**trial.settings, "seed": trial.seed})
     below = (Layer("below", trial.below),) if trial.below else ()
     return load_scenario(trial.scenario, case=trial.case or None, over=(over,), below=below)

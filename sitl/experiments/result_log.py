@@ -35,9 +35,8 @@ class ResultLog:
     def __init__(self, folder: Path, campaign: Campaign) -> None:
         """Open or create the log; the folder is created.
 
-        Raises:
-            ConfigError: the folder holds the runs of another campaign.
-            OutputError: the folder cannot be written to.
+        Raises ConfigError: the folder holds the runs of another campaign; OutputError: the folder cannot be
+        written to.
         """
         output_folder(folder)
         self.path = folder / NAME
@@ -84,8 +83,7 @@ class ResultLog:
     def read(cls, folder: Path) -> tuple[Campaign, list[TrialResult]]:
         """A folder's campaign and its finished runs in order.
 
-        Raises:
-            ConfigError: there is no campaign in it.
+        Raises ConfigError: there is no campaign in it.
         """
         try:
             campaign = msgspec.json.decode((folder / PLAN).read_bytes(), type=Campaign)

@@ -28,11 +28,7 @@ class TrialPool:
         self._size = size
 
     def run(self, task: Task, trials: Iterable[Trial]) -> Iterator[TrialResult]:
-        """Every trial's result, in the order in which they end.
-
-        Raises:
-            BoatError: a worker died.
-        """
+        """Every trial's result, in the order in which they end. Raises BoatError: a worker died."""
         waiting = iter(trials)
         running = {
             self.executor.submit(attempt, task, trial)
@@ -60,10 +56,8 @@ def run_trials(
 ) -> list[TrialResult]:
     """Results in the order of the trials. Trials whose result is in the log are not run again.
 
-    advance: called after each trial. is_strict: a trial that is refused or fails ends the experiment.
-
-    Raises:
-        BoatError: a worker died, or a trial failed where none may.
+    advance: called after each trial. is_strict: a trial that is refused or fails ends the experiment. Raises
+    BoatError: a worker died, or a trial failed where none may.
     """
     finished = {} if log is None else dict(log.results)
     for result in pool.run(task, [trial for trial in trials if trial.number not in finished]):
@@ -97,9 +91,7 @@ def local_pool(size: int) -> Iterator[TrialPool]:
 def cluster_pool(address: str) -> Iterator[TrialPool]:
     """The workers of a Dask cluster, on which this package is installed.
 
-    Raises:
-        ConfigError: Dask is not installed here.
-        LinkError: no scheduler answers at the address.
+    Raises ConfigError: Dask is not installed here; LinkError: no scheduler answers at the address.
     """
     try:
         from distributed import Client  # noqa: PLC0415 (an extra)

@@ -40,8 +40,7 @@ class Backend:
     ) -> None:
         """left, right: which servo outputs drive the motors, counted from 1 (SERVOn_FUNCTION 73 and 74).
 
-        Raises:
-            ConfigError: no such output, or the same for both.
+        Raises ConfigError: no such output, or the same for both.
         """
         for name, channel in (("left", left), ("right", right)):
             if not 1 <= channel <= CHANNELS:

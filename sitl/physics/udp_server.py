@@ -15,11 +15,7 @@ class PhysicsServer:
     """One socket for one autopilot. told: is called with the address of each new one."""
 
     def __init__(self, backend: Backend, host: str = "127.0.0.1", port: int = PORT) -> None:
-        """Open the port; 0 takes a free one.
-
-        Raises:
-            LinkError: the system refuses the port.
-        """
+        """Open the port; 0 takes a free one. Raises LinkError: the system refuses the port."""
         self._backend = backend
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:

@@ -12,10 +12,8 @@ class Quality:
 
     loss and duplication are probabilities, 0..1. Each copy arrives delay_s + up to jitter_s later (uniform),
     so that jitter reorders. bandwidth_bytes_s limits the flow, 0 for no limit; what would have to queue for
-    longer than backlog_s is dropped, as a radio's full buffer drops it.
-
-    Raises:
-        ValueError: a probability outside 0..1, or a negative time or bandwidth; names the field.
+    longer than backlog_s is dropped, as a radio's full buffer drops it. Raises ValueError: a probability
+    outside 0..1, or a negative time or bandwidth; names the field.
     """
 
     loss: float = 0.0

@@ -14,10 +14,8 @@ _MOST_OUTAGES = 10_000
 class LinkSettings(Section, frozen=True):
     """[link] of a scenario: what every link does each way, see `Quality`.
 
-    outages: from when to when, in seconds of the world's time, nothing comes through.
-
-    Raises:
-        ValueError: an outage that ends before it begins.
+    outages: from when to when, in seconds of the world's time, nothing comes through. Raises ValueError: an
+    outage that ends before it begins.
     """
 
     loss: Share = 0.0

@@ -28,10 +28,8 @@ _PLACES_A_BOAT = 200
 def fleet(scenario: Scenario, count: int) -> list[Scenario]:
     """The scenario once for each boat, with system ids and seeds counting up and separate starts.
 
-    The boats do not see or touch each other.
-
-    Raises:
-        ConfigError: ids beyond 255, or not enough water about the start.
+    The boats do not see or touch each other. Raises ConfigError: ids beyond 255, or not enough water about
+    the start.
     """
     first = scenario.vehicle.identity.system_id
     if not 1 <= count <= MOST_BOATS or first + count - 1 > 255:
@@ -54,9 +52,8 @@ def start_fleet(
 ) -> list[SimulatedBoat]:
     """The boats with their links. Those without a link of their own are reached through the first.
 
-    Raises:
-        ConfigError, LinkError: a url that cannot be read, or that the system refuses.
-        StorageError: a state folder cannot be used.
+    Raises ConfigError, LinkError: a url that cannot be read, or that the system refuses; StorageError: a
+    state folder cannot be used.
     """
     boats: list[SimulatedBoat] = []
     bridges: list[Bridge] = []

@@ -79,11 +79,9 @@ class MissionRun:
         """Sail the mission to its end.
 
         timeout_s: simulated seconds after the start; by default a multiple of the planned time and the waits.
-        linger_s: how long to watch a boat that has ended its mission, or has left it, within that time.
-        tell: called about once a simulated second with the time and the current item.
-
-        Raises:
-            RunError: the boat never became armable, refused the mission or the arming, or could not start.
+        linger_s: how long to watch a boat that has ended its mission, or has left it, within that time. tell:
+        called about once a simulated second with the time and the current item. Raises RunError: the boat
+        never became armable, refused the mission or the arming, or could not start.
         """
         began_s = time.process_time()
         self._prepare()

@@ -53,9 +53,8 @@ class SimulatedBoat:
     ) -> None:
         """Open the ports.
 
-        Raises:
-            ConfigError, LinkError: a url that cannot be read, or that the system refuses.
-            StorageError: the folder cannot be used.
+        Raises ConfigError, LinkError: a url that cannot be read, or that the system refuses; StorageError:
+        the folder cannot be used.
         """
         self._options = options = options or BoatOptions()
         self.recorder = Recorder()  # of the truth, if options.record
@@ -155,8 +154,7 @@ class SimulatedBoat:
 def _open_storage(folder: str, computer: Computer) -> Storage:
     """A folder, or without one memory that survives simulated power cuts.
 
-    Raises:
-        StorageError: the folder cannot be used.
+    Raises StorageError: the folder cannot be used.
     """
     if folder:
         return FolderStorage(Path(folder).expanduser(), file_writer(computer))

@@ -40,9 +40,7 @@ def default_folder(source: str, seed: int, port: int | None) -> Path | None:
 def lock_folder(folder: Path) -> int:
     """Create the folder and lock it for other emulators until the returned descriptor is closed.
 
-    Raises:
-        StorageError: it cannot be made.
-        StateInUseError: another emulator has it.
+    Raises StorageError: it cannot be made; StateInUseError: another emulator has it.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)

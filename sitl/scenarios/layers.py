@@ -31,10 +31,7 @@ def parse_overrides(overrides: Sequence[str]) -> Layer:
     """Settings from the command line, such as `environment.current_m_s=0.5`.
 
     The value is read as TOML; what is not TOML is taken as a string, so that `boat.model=pool` needs no
-    quotes.
-
-    Raises:
-        ConfigError: no `=`, an empty part in the key, or a key below another that has a value.
+    quotes. Raises ConfigError: no `=`, an empty part in the key, or a key below another that has a value.
     """
     tree: dict[str, Any] = {}
     for override in overrides:
@@ -83,8 +80,7 @@ def _joined(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any
 def decode(layers: Sequence[Layer], type_: type[T]) -> T:
     """Merge the layers and decode the result.
 
-    Raises:
-        ConfigError: names the layer, the key and what was expected there.
+    Raises ConfigError: names the layer, the key and what was expected there.
     """
     tree = merge(layers)
     try:

@@ -51,8 +51,7 @@ class RandomWater(Section, frozen=True):
 def random_world(settings: RandomWater, seed: int) -> Tree:
     """The tables [map], [route], [environment] and, where asked for, [[faults]].
 
-    Raises:
-        ValueError: no water of the asked size has room for a way of the asked length.
+    Raises ValueError: no water of the asked size has room for a way of the asked length.
     """
     random = generator(seed, "world")
     weather = _weather(settings, generator(seed, "weather"))

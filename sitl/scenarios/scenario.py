@@ -100,11 +100,8 @@ def load_scenario(
     source: an installed scenario's name (`lake`, `pool`, `open`, `random`), a TOML file, or a GeoJSON map, on
     which the lake boat then floats. overrides: settings such as `environment.current_m_s=0.5`. case: one of
     [[cases]]. over: further layers between the file and the overrides; below: under the file, over its boat.
-
-    Raises:
-        ConfigError: no such scenario or boat, a start on land, or a key that cannot be used; it names file
-            and key.
-        MissionToolsError: the map cannot be used, or there is no such case.
+    Raises ConfigError: no such scenario or boat, a start on land, or a key that cannot be used; it names file
+    and key; MissionToolsError: the map cannot be used, or there is no such case.
     """
     path, own = _find(source)
     layers = [own, *over, parse_overrides(overrides)]

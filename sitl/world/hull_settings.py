@@ -23,11 +23,8 @@ class HullSettings(Section, frozen=True):
     linear ones in N per m/s (N m per rad/s for yaw), quadratic ones per their square. sway_quadratic is Yvv
     of `sitl.world.hull`, spread over crossflow_length_m = 2 h amidships: less than the hull's length where
     the draught tapers to the ends; yaw_quadratic is what the strips do not account for. The skeg's lift is k
-    of the same text in kg/m, its arm a in m abaft the centre.
-
-    Raises:
-        ValueError: the hull is wider than long, its strips reach beyond it, or it is so light for its
-            damping that a step of 50 ms is unstable.
+    of the same text in kg/m, its arm a in m abaft the centre. Raises ValueError: the hull is wider than long,
+    its strips reach beyond it, or it is so light for its damping that a step of 50 ms is unstable.
     """
 
     mass_kg: Positive

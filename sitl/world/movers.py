@@ -22,10 +22,7 @@ class MoverSettings(Section, frozen=True):
 
     It is at start until at_s. Then it goes from waypoint to waypoint at speed_m_s, and stops at the last one
     or, with loop, goes back to start and round again; without waypoints it goes straight on at velocity_m_s,
-    [east, north].
-
-    Raises:
-        ValueError: both waypoints and a velocity, or waypoints without a speed.
+    [east, north]. Raises ValueError: both waypoints and a velocity, or waypoints without a speed.
     """
 
     start: East_North

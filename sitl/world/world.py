@@ -120,9 +120,8 @@ class World:
     def step(self, dt_s: float) -> Truth:
         """Advance by one tick; the truth at its end.
 
-        Raises:
-            ValueError: a step too long for the hull's integrator, or not a positive time.
-            ConfigError: with settings like these no boat stays on the map.
+        Raises ValueError: a step too long for the hull's integrator, or not a positive time; ConfigError:
+        with settings like these no boat stays on the map.
         """
         if dt_s != self._dt_s:
             if not 0.0 < dt_s <= LONGEST_STEP_S:

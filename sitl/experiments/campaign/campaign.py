@@ -160,8 +160,7 @@ class Campaign:
 def load_campaign(path: Path) -> Campaign:
     """Read a campaign's file.
 
-    Raises:
-        ConfigError: it cannot be used; names the file, the key and what was expected.
+    Raises ConfigError: it cannot be used; names the file, the key and what was expected.
     """
     name = str(path)
     file = decode([Layer(name, load_toml(path))], File)

@@ -35,11 +35,7 @@ def _of_outcome(result: TrialResult) -> dict[str, Any]:
 
 
 def write_csv(table: Table, path: Path) -> None:
-    """Write the table; what is missing is empty.
-
-    Raises:
-        OutputError: it cannot be written.
-    """
+    """Write the table; what is missing is empty. Raises OutputError: it cannot be written."""
     with output_file(path) as aside, aside.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(table[0] if table else ())

@@ -63,8 +63,7 @@ def seeds(runs: int = RUNS, first: int = FIRST_SEED) -> tuple[int, ...]:
 def conditions(case: str, seed: int) -> Scenario:
     """The pool of one case under one seed's disturbances.
 
-    Raises:
-        ConfigError, MissionToolsError: no such case.
+    Raises ConfigError, MissionToolsError: no such case.
     """
     draw = generator(seed, f"paper/{case}")
     speed_m_s = MAX_CURRENT_M_S * math.sqrt(draw.random())  # even over the disc of velocities

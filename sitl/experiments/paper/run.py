@@ -70,8 +70,7 @@ def planned(case: str, is_exact: bool) -> tuple[Point, ...]:
 def run_paper_trial(trial: Trial) -> TrialResult:
     """Simulate from boot to the goal, or for MOST_S. The figures are a row of runs.csv, from ground truth.
 
-    Raises:
-        RunError: the boat did not arm or change mode.
+    Raises RunError: the boat did not arm or change mode.
     """
     case, method = trial.case, Method(trial.factors["method"])
     scenario = conditions(case, trial.seed)

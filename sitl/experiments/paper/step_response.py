@@ -52,8 +52,7 @@ class StepResponse:
 def step_responses(seed: int = 1) -> list[StepResponse]:
     """One response for each gain set: the pool boat on open water.
 
-    Raises:
-        RunError: the boat did not arm or change mode.
+    Raises RunError: the boat did not arm or change mode.
     """
     scenario = load_scenario("open", ("boat.model=pool", f"seed={seed}"))
     return [_respond(scenario, gains) for gains in GAIN_SETS]

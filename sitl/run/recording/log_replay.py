@@ -61,8 +61,7 @@ class LoggedRun:
 def read_log(path: Path) -> LoggedRun:
     """Read a log of the boat.
 
-    Raises:
-        ConfigError: it cannot be read, or has no heading readings: an older log, or another vehicle's.
+    Raises ConfigError: it cannot be read, or has no heading readings: an older log, or another vehicle's.
     """
     try:
         with path.open("rb") as file:  # pymavlink leaves an empty file open

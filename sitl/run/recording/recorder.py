@@ -72,16 +72,14 @@ class Recorder:
     def cross_track_m(self, planned: Sequence[Point]) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
         """Signed distance to the active leg's line at each tick that had one; starboard of it is positive.
 
-        Raises:
-            ValueError: a recorded leg is not in the plan.
+        Raises ValueError: a recorded leg is not in the plan.
         """
         return cross_track_m(self.rows[:, _PLACE], self.legs, planned)
 
     def metrics(self, planned: Sequence[Point], shore: Shore, sailed: int | None = None) -> TrackMetrics:
         """The figures of the run so far. sailed: only the first so many ticks count for time and length.
 
-        Raises:
-            ValueError: nothing was recorded, or a recorded leg is not in the plan.
+        Raises ValueError: nothing was recorded, or a recorded leg is not in the plan.
         """
         if not self._legs:
             raise ValueError("nothing was recorded")
@@ -108,8 +106,7 @@ class Recorder:
     def write_csv(self, path: Path, every: int = 1) -> None:
         """Write the trajectory, every n-th tick, one column per field of Truth and the leg.
 
-        Raises:
-            OutputError: the file cannot be written.
+        Raises OutputError: the file cannot be written.
         """
         with output_file(path) as aside, aside.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
@@ -125,10 +122,8 @@ def cross_track_m(
 ) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
     """Signed distance to the line of the leg at each tick that has one; starboard is positive.
 
-    at: north and east of every tick; legs: its leg, negative for none.
-
-    Raises:
-        ValueError: a leg is not in the plan.
+    at: north and east of every tick; legs: its leg, negative for none. Raises ValueError: a leg is not in the
+    plan.
     """
     sailed = legs >= 0
     if not sailed.any():

@@ -69,11 +69,7 @@ class RunRecord:
         return [Point(north_m, east_m) for north_m, east_m in columns]
 
     def save(self, path: Path) -> None:
-        """Write the file.
-
-        Raises:
-            OutputError: it cannot be written.
-        """
+        """Write the file. Raises OutputError: it cannot be written."""
         rest = {
             "result": self.result,
             "settings": self.settings,
@@ -97,11 +93,7 @@ class RunRecord:
 
 
 def load_record(path: Path) -> RunRecord:
-    """Read a run.
-
-    Raises:
-        ConfigError: it cannot be read, or is not the record of a run.
-    """
+    """Read a run. Raises ConfigError: it cannot be read, or is not the record of a run."""
     expected = "the record of a run, as boat-sitl sail --record writes it"
     try:
         with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:

@@ -23,10 +23,8 @@ class PropellerSettings(Section, frozen=True):
     """K_T0, K_Q0, J_T and J_Q above, and the share of thrust that is left astern.
 
     depth_m is how deep the shaft lies below the still surface: where waves or trim bring it nearer than the
-    blades reach, it sucks air.
-
-    Raises:
-        ValueError: somewhere between bollard pull and no thrust it would give more power than it takes.
+    blades reach, it sucks air. Raises ValueError: somewhere between bollard pull and no thrust it would give
+    more power than it takes.
     """
 
     diameter_m: Positive

@@ -16,11 +16,7 @@ class Current:
     """All of it. is_uniform: one velocity, the same everywhere and always."""
 
     def __init__(self, environment: Environment) -> None:
-        """Read the file, if there is one.
-
-        Raises:
-            ConfigError: the file cannot be used.
-        """
+        """Read the file, if there is one. Raises ConfigError: the file cannot be used."""
         self._uniform = (environment.current_north_m_s, environment.current_east_m_s)
         self._north_m_s, self._east_m_s = self._uniform
         self._river, self._gyre, self._tide = environment.river, environment.gyre, environment.tide

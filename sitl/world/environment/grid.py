@@ -55,8 +55,7 @@ def _piece(marks: list[float], value: float) -> tuple[int, float]:
 def read_grid(path: Path) -> Grid:
     """Read a current in metres of the scenario's frame (see `mission_tools.costs.current`).
 
-    Raises:
-        ConfigError: the file cannot be read, or is not such a grid; it says what is wrong.
+    Raises ConfigError: the file cannot be read, or is not such a grid; it says what is wrong.
     """
     table = read_current_table(path)
     pairs = np.stack([table.current_north_m_s, table.current_east_m_s], axis=-1).tolist()

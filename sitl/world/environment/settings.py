@@ -51,10 +51,8 @@ class Environment(Section, frozen=True):
     waves.
 
     shore_hold_n is the force with which a soft shore holds a grounded hull; 0 is a hard wall. The bottom
-    slopes down by shore_slope from every shore to depth_m. The depth acts on the depth sounder only.
-
-    Raises:
-        ValueError: gusts that are weaker than the mean wind, or waves that are too steep to stand.
+    slopes down by shore_slope from every shore to depth_m. The depth acts on the depth sounder only. Raises
+    ValueError: gusts that are weaker than the mean wind, or waves that are too steep to stand.
     """
 
     current_m_s: NonNegative = 0.0

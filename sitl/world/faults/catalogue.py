@@ -134,10 +134,8 @@ CATALOGUE: dict[str, dict[str, Effect]] = {
 class FaultSetting(Section, frozen=True):
     """One fault: what fails, how, from when on and for how long (else for good).
 
-    towards_deg: clockwise from north, for what is pulled away.
-
-    Raises:
-        ValueError: no such part, a kind of fault that it cannot have, or a size that makes no sense.
+    towards_deg: clockwise from north, for what is pulled away. Raises ValueError: no such part, a kind of
+    fault that it cannot have, or a size that makes no sense.
     """
 
     what: str

@@ -50,19 +50,11 @@ class Faults:
         self._look_ahead()
 
     def begin(self, fault: FaultSetting) -> None:
-        """Begin a fault now; its own at_s is ignored.
-
-        Raises:
-            KeyError: this boat has no such part.
-        """
+        """Begin a fault now; its own at_s is ignored. Raises KeyError: this boat has no such part."""
         self._start(msgspec.structs.replace(fault, at_s=self.now_s))
 
     def end(self, what: str) -> None:
-        """End the fault of a part.
-
-        Raises:
-            KeyError: this boat has no such part.
-        """
+        """End the fault of a part. Raises KeyError: this boat has no such part."""
         self._parts[what](None, self.now_s)
         self.active.pop(what, None)
 
