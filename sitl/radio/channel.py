@@ -3,7 +3,12 @@
 import heapq
 import math
 import random
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Annotated
+
+from msgspec import Meta
+
+from companion.config.section import NonNegative, Positive, Section, Share
 
 
 @dataclass(frozen=True, slots=True)
@@ -12,8 +17,7 @@ class Quality:
 
     loss and duplication are probabilities, 0..1. Each copy arrives delay_s + up to jitter_s later (uniform),
     so that jitter reorders. bandwidth_bytes_s limits the flow, 0 for no limit; what would have to queue for
-    longer than backlog_s is dropped, as a radio's full buffer drops it. Raises ValueError: a probability
-    outside 0..1, or a negative time or bandwidth; names the field.
+    longer than backlog_s is dropped, as a radio's full buffer drops it.
     """
 
     loss: float = 0.0
@@ -24,14 +28,6 @@ class Quality:
     backlog_s: float = 2.0
     reordering: float = 0.0
     reordering_s: float = 0.1
-
-    def __post_init__(self) -> None:
-        for name in ("loss", "duplication", "reordering"):
-            if not 0.0 <= getattr(self, name) <= 1.0:
-                raise ValueError(f"{name} {getattr(self, name)} is outside 0..1")
-        for name in ("delay_s", "jitter_s", "bandwidth_bytes_s", "backlog_s", "reordering_s"):
-            if not 0.0 <= getattr(self, name) < float("inf"):
-                raise ValueError(f"{name} {getattr(self, name)} is not a number from 0 up")
 
     def with_(self, other: "Quality") -> "Quality":
         """Two channels one after the other."""
@@ -49,6 +45,35 @@ class Quality:
 
 
 WHOLE = Quality()
+
+
+class LinkSettings(Section, frozen=True):
+    """[link] of a scenario: what every link does each way, see `Quality`.
+
+    outages: from when to when, in seconds of the world's time, nothing comes through. Raises ValueError: an
+    outage that ends before it begins.
+    """
+
+    loss: Share = 0.0
+    delay_s: NonNegative = 0.0
+    jitter_s: NonNegative = 0.0
+    duplication: Share = 0.0
+    reordering: Share = 0.0
+    reordering_s: NonNegative = 0.1
+    bandwidth_bytes_s: NonNegative = 0.0
+    backlog_s: Positive = 2.0
+    outages: Annotated[tuple[tuple[float, float], ...], Meta(max_length=10_000)] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for from_s, to_s in self.outages:
+            if not 0.0 <= from_s < to_s:
+                raise ValueError(f"outages: [{from_s}, {to_s}]: expected a begin from 0 up and a later end")
+
+    @property
+    def quality(self) -> Quality:
+        """As a channel knows it."""
+        return Quality(**{field.name: getattr(self, field.name) for field in fields(Quality)})
 
 
 class Channel:

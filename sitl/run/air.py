@@ -8,8 +8,7 @@ loses whole chunks, as a serial radio does.
 from collections.abc import Callable
 
 from companion.links.interfaces import Link, Port
-from sitl.radio.channel import WHOLE, Channel, Quality
-from sitl.radio.link import LinkSettings
+from sitl.radio.channel import WHOLE, Channel, LinkSettings, Quality
 from sitl.world.computer import Computer
 from sitl.world.sensors.sampling import generator
 

@@ -14,7 +14,7 @@ from sitl.run.air import Air, AirPort
 from sitl.run.lidar import LidarComponent
 from sitl.run.program import Program
 from sitl.run.station import Station
-from sitl.world.disk import Disk
+from sitl.world.computer import Disk
 from sitl.world.scenario import Scenario
 from sitl.world.world import World
 

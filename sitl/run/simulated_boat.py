@@ -21,8 +21,7 @@ from companion.vehicle import voyage_record as resume
 from sitl.run.air import Air, AirPort
 from sitl.run.program import Program
 from sitl.run.recording.recorder import NO_LEG, Recorder
-from sitl.world.computer import Computer
-from sitl.world.disk import Disk, file_writer
+from sitl.world.computer import Computer, Disk, file_writer
 from sitl.world.scenario import Scenario
 from sitl.world.world import World
 

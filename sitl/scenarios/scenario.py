@@ -9,9 +9,9 @@ Positions are [east, north] in metres of the local frame, or {lat_deg, lon_deg}.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Final
 
 import msgspec
 import shapely
@@ -23,17 +23,18 @@ from companion.core.errors import ConfigError
 from companion.core.geo import LatLon, Point, bearing_rad, distance_m
 from mission_tools.maps.chart import Chart
 from mission_tools.maps.scenario import decode_scenario
-from sitl.radio.link import LinkSettings
+from sitl.radio.channel import LinkSettings
 from sitl.scenarios.layers import Layer, decode, explain, merge, parse_overrides
-from sitl.scenarios.parts import with_parts
 from sitl.scenarios.random_world import RandomWater, random_world
-from sitl.world.battery_settings import BatterySettings
 from sitl.world.drive.settings import ThrusterSettings
 from sitl.world.environment.settings import Environment
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.hull_settings import HullSettings
 from sitl.world.movers import MoverSettings
+from sitl.world.pack import BatterySettings
 from sitl.world.scenario import Scenario
+from sitl.world.sensors.rangers import OF_KIND, RANGERS
+from sitl.world.sensors.receivers import OF_CLASS, RECEIVERS
 from sitl.world.sensors.sampling import Seed
 from sitl.world.sensors.settings import Sensors
 
@@ -42,6 +43,13 @@ BOATS = SCENARIOS.with_name("boats")
 DEFAULT_BOAT = "lake"
 
 Table = dict[str, Any]
+# By table of [sensors] and its key: what each class sets, with one key for all
+CLASSES: Final[Mapping[tuple[str, str], Mapping[str, Mapping[str, Any]]]] = {
+    ("gnss", "receiver"): {
+        name: {key: getattr(one, key) for key in OF_CLASS} for name, one in RECEIVERS.items()
+    },
+    ("sonar", "ranger"): {name: {key: getattr(one, key) for key in OF_KIND} for name, one in RANGERS.items()},
+}
 
 
 class Global(Section, frozen=True):
@@ -105,7 +113,7 @@ def load_scenario(
     """
     path, own = _find(source)
     layers = [own, *over, parse_overrides(overrides)]
-    layers = with_parts([_boat_layer(layers, path.parent), *_drawn(layers), *below, *layers])
+    layers = _with_classes([_boat_layer(layers, path.parent), *_drawn(layers), *below, *layers])
     tree = decode(layers, Tree)
     waters = decode_scenario(merge(layers), path)
     if case is not None:
@@ -183,6 +191,28 @@ def _drawn(layers: Sequence[Layer]) -> list[Layer]:
         return [Layer("random", random_world(dice.random, dice.seed))]
     except ValueError as error:
         raise ConfigError(f"{layers[0].name}: {error}") from None
+
+
+def _with_classes(layers: Sequence[Layer]) -> list[Layer]:
+    """The layers, with a further one below each that names the class of a sensor. So its own keys, and those
+    of later layers, change single figures. An unknown class is left to the decoder.
+    """
+    out: list[Layer] = []
+    for layer in layers:
+        for (table, key), classes in CLASSES.items():
+            name = _at(layer.tree, "sensors", table, key)
+            if isinstance(name, str) and name in classes:
+                out.append(Layer(f"{table} {name}", {"sensors": {table: classes[name]}}))
+        out.append(layer)
+    return out
+
+
+def _at(tree: object, *keys: str) -> object:
+    for key in keys:
+        if not isinstance(tree, Mapping):
+            return None
+        tree = tree.get(key)
+    return tree
 
 
 def _vehicle(tree: Table, layers: Sequence[Layer]) -> BoatConfig:

@@ -6,7 +6,6 @@ from companion.config.parameters import ParameterHook
 from companion.hal.interfaces import Hardware
 from sitl.world.computer import Clocked, Computer
 from sitl.world.drive.rudder import Rudder
-from sitl.world.environment.bathymetry import Bathymetry
 from sitl.world.environment.waves import Waves
 from sitl.world.faults.injection import Injection
 from sitl.world.faults.parts import (
@@ -27,7 +26,7 @@ from sitl.world.payload import SimPayload
 from sitl.world.scenario import Scenario
 from sitl.world.sensors.battery_monitor import SimBattery
 from sitl.world.sensors.compass import SimCompass
-from sitl.world.sensors.depth import SimDepthSounder
+from sitl.world.sensors.depth import Bathymetry, SimDepthSounder
 from sitl.world.sensors.gnss import SimGnss
 from sitl.world.sensors.hull_sensor import SimHullSensor
 from sitl.world.sensors.rc import SimRc

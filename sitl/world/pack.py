@@ -5,8 +5,11 @@ does whose cells are drained too deep: so a boat that sails on loses first its s
 """
 
 import math
+from typing import Annotated
 
-from sitl.world.battery_settings import BatterySettings
+from msgspec import Meta
+
+from companion.config.section import NonNegative, Positive, Section, Share
 
 # Open-circuit voltage of one cell at 0, 10 … 100 % charge: the shape common to LiPo cells at rest, flat in
 # the middle and steep at the empty end.
@@ -18,6 +21,24 @@ _LAST = 0.2  # share of the charge over which the resistance rises
 # after 3.6 s, 1 s and 0.27 s.
 _MELTS_S = 3.0
 _RISE = 2.0  # how much more of it there is when empty, of what there is when full
+
+
+class BatterySettings(Section, frozen=True):
+    """One pack. charge is the share left at the start; idle_a is what computer and sensors draw.
+
+    brownout_v is the voltage at the terminals below which the computer's regulator gives up: five volts,
+    the two that a plain one drops, and some for the leads. fuse_a: rating of the fuse beside the pack, 0
+    without one.
+    """
+
+    capacity_mah: Positive = 2200.0
+    cells: Annotated[int, Meta(ge=1, le=10)] = 3
+    resistance_ohm: NonNegative = 0.05
+    charge: Share = 1.0
+    idle_a: NonNegative = 0.6
+    brownout_v: NonNegative = 7.0
+    rate_hz: Positive = 10.0
+    fuse_a: NonNegative = 0.0
 
 
 class Pack:
@@ -42,11 +63,6 @@ class Pack:
     def used_mah(self) -> float:
         """Charge taken out since full."""
         return self._used_c / 3.6
-
-    @property
-    def is_fuse_blown(self) -> bool:
-        """Whether the fuse has opened: nothing aboard has power."""
-        return self._fuse_heat_s >= _MELTS_S
 
     @property
     def is_browned_out(self) -> bool:

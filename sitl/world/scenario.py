@@ -7,13 +7,13 @@ from companion.config.boat_config import BoatConfig
 from companion.core.geo import LocalFrame, Point
 from mission_tools.maps.chart import Chart
 from mission_tools.maps.source import RouteDefaults
-from sitl.radio.link import LinkSettings
-from sitl.world.battery_settings import BatterySettings
+from sitl.radio.channel import LinkSettings
 from sitl.world.drive.settings import ThrusterSettings
 from sitl.world.environment.settings import Environment
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.hull_settings import HullSettings
 from sitl.world.movers import MoverSettings
+from sitl.world.pack import BatterySettings
 from sitl.world.sensors.settings import Sensors
 
 

@@ -2,12 +2,29 @@
 
 import msgspec
 
+from companion.core.geo import Point
 from companion.core.readings import DepthReading
-from sitl.world.environment.bathymetry import Bathymetry
+from mission_tools.maps.chart import Chart
+from sitl.world.environment.settings import Environment
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.sampling import generator, normal
 from sitl.world.sensors.sensor import Sensor
 from sitl.world.sensors.settings import DepthSettings
+
+
+class Bathymetry:
+    """Depth of a chart's water. Its bottom slopes down from every shore to an even depth."""
+
+    def __init__(self, chart: Chart, environment: Environment) -> None:
+        self._chart = chart
+        self._deepest_m = environment.depth_m
+        self._slope = environment.shore_slope
+
+    def depth_m(self, north_m: float, east_m: float) -> float:
+        """Depth at a place, 0 ashore."""
+        if self._chart.is_open:
+            return self._deepest_m
+        return min(self._deepest_m, self._slope * self._chart.clearance_m(Point(north_m, east_m)))
 
 
 class SimDepthSounder(Sensor[DepthReading]):

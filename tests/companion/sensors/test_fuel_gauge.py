@@ -11,8 +11,7 @@ from companion.core.readings import BatteryReading
 from companion.core.state import STOPPED, MotorCommand
 from companion.mavlink.dialect import dialect
 from companion.sensors.fuel_gauge import FuelGauge, _loads
-from sitl.world.battery_settings import BatterySettings
-from sitl.world.pack import Pack
+from sitl.world.pack import BatterySettings, Pack
 
 RESET = dialect.MAV_CMD_BATTERY_RESET
 REJECTED_FOR_NOW = 1

@@ -6,8 +6,7 @@ from hypothesis import strategies as st
 
 from companion.core.errors import ConfigError
 from companion.links.memory import MemoryPort, memory_pair
-from sitl.radio.channel import WHOLE, Quality
-from sitl.radio.link import LinkSettings
+from sitl.radio.channel import WHOLE, LinkSettings, Quality
 from sitl.run.air import Air, AirLink, AirPort
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.computer import Computer

@@ -6,8 +6,7 @@ from hypothesis import strategies as st
 from msgspec import structs
 
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.battery_settings import BatterySettings
-from sitl.world.pack import CELL_V, CLIFF, Pack
+from sitl.world.pack import CELL_V, CLIFF, BatterySettings, Pack
 
 KIT = load_scenario("bench_boat").battery
 
@@ -75,7 +74,7 @@ def test_the_fuse_opens_when_a_blade_fuse_does(times: float, least_s: float, mos
     # ISO 8820-3, operating time of blade fuses
     pack = Pack(structs.replace(KIT, idle_a=0.0, capacity_mah=50000.0))
     seconds = 0.0
-    while not pack.is_fuse_blown:
+    while pack.voltage_v > 0.0:
         pack.step(times * (KIT.fuse_a or 0.0), 0.02)
         seconds += 0.02
     assert least_s < seconds < most_s

@@ -7,9 +7,8 @@ import pytest
 from companion.core.geo import Point
 from companion.core.readings import DepthReading
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.environment.bathymetry import Bathymetry
 from sitl.world.environment.settings import Environment
-from sitl.world.sensors.depth import SimDepthSounder
+from sitl.world.sensors.depth import Bathymetry, SimDepthSounder
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.sampling import generator
 from sitl.world.sensors.settings import DepthSettings
