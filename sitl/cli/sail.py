@@ -1,10 +1,13 @@
 """`boat-sitl sail`: one mission in lockstep, as fast as the machine goes."""
 
+import dataclasses
+import json
 from pathlib import Path
 from typing import Annotated
 
 from rich.console import Console
 from rich.progress import Progress
+from rich.table import Table
 
 from companion.app import garbage_collection as garbage
 from companion.cli.command_line import Option, echo
@@ -16,7 +19,6 @@ from mission_tools.errors import UsageError
 from mission_tools.mission.plan_file import load_mission
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
 from sitl.courses.missions import course_names, fence_along, lay_out, plan_mission, wire_items
-from sitl.reports.run_figures import as_json, print_table
 from sitl.run.mission_run import MissionRun, Result
 from sitl.run.recording.run_record import RunRecord
 from sitl.run.station_commands import RunError
@@ -81,8 +83,9 @@ def sail(
         mission_run.lockstep.close()  # a run that went wrong has its log, too
     if csv is not None:
         mission_run.recorder.write_csv(csv, every=5)
+    figures = json.dumps(dataclasses.asdict(result), indent=2)
     if json_file is not None:
-        write_text(json_file, as_json(result) + "\n")
+        write_text(json_file, figures + "\n")
     kept = RunRecord.of(mission_run, result)
     if png is not None:
         # matplotlib takes a second to import
@@ -93,9 +96,9 @@ def sail(
     if record is not None:
         kept.save(record)
     if as_json_text:
-        echo(as_json(result))
+        echo(figures)
     else:
-        print_table(result, console)
+        _print_table(result, console)
     if not result.completed:
         raise RunError(f"the mission was not completed: {mission_run.ending()}")
     if logbook is not None and logbook.sink.fault:
@@ -112,3 +115,27 @@ def _run(mission_run: MissionRun, timeout: float | None, linger_s: float, consol
 
         garbage.settle()
         return mission_run.run(timeout, tell, linger_s)
+
+
+def _print_table(result: Result, console: Console) -> None:
+    """One figure a row."""
+    table = Table(title=f"{result.scenario}, seed {result.seed}", box=None, show_header=False)
+    for name, value in (
+        ("mission", "completed" if result.completed else f"not completed, ends in {result.final_mode}"),
+        ("waypoints reached", f"{result.waypoints_reached} of {result.waypoints}"),
+        ("planned length", _metres(result.planned_length_m)),
+        ("path length", _metres(result.path_length_m)),
+        ("time", f"{result.time_s:.1f} s"),
+        ("cross-track error, RMS", _metres(result.cross_track_rms_m)),
+        ("cross-track error, largest", _metres(result.cross_track_max_m)),
+        ("nearest to shore or obstacle", _metres(result.min_clearance_m)),
+        ("groundings", str(result.groundings)),
+        ("simulated", f"{result.sim_seconds:.1f} s at {result.real_time_factor:.0f} × real time"),
+        ("state hash", result.state_hash[:16]),
+    ):
+        table.add_row(name, value)
+    console.print(table)
+
+
+def _metres(value: float | None) -> str:
+    return "–" if value is None else f"{value:.3g} m" if value < 100.0 else f"{value:.1f} m"

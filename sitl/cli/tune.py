@@ -19,9 +19,8 @@ from sitl.experiments.mission_trial import run_mission
 from sitl.experiments.result_log import ResultLog
 from sitl.experiments.runner import TrialPool, cores, local_pool, run_trials
 from sitl.experiments.trial import Trial, TrialResult
-from sitl.experiments.tuning.gains import Gains, gains_of, parameter_file
 from sitl.experiments.tuning.picture import draw_search
-from sitl.experiments.tuning.problem import TuningProblem
+from sitl.experiments.tuning.problem import Gains, TuningProblem, gains_of, parameter_file
 from sitl.experiments.tuning.search import (
     CANDIDATES,
     REACHES,

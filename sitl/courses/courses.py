@@ -17,11 +17,11 @@ separately (*start*); the other figures count from RUN_IN_M along the first leg.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+import shapely
 
 from companion.core.geo import Line, LocalFrame, Point
 from companion.core.units import wrap_pi
@@ -50,43 +50,33 @@ COURSES: dict[str, tuple[Point, ...]] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Tracking:
-    """Path-following errors in metres. overshoot_m and cut_m are None without a corner."""
-
-    rms_m: float
-    max_m: float
-    path_rms_m: float
-    path_max_m: float
-    overshoot_m: float | None
-    cut_m: float | None
-    start_max_m: float
-
-
 def course_mission(name: str, frame: LocalFrame, start: Point) -> Mission:
     """A course laid out from where the boat lies. Raises KeyError: no such course."""
     points = [Point(start.north_m + at.north_m, start.east_m + at.east_m) for at in COURSES[name]]
     return mission_along([frame.to_global(point) for point in points])
 
 
-def tracking(recorder: Recorder, planned: Sequence[Point]) -> Tracking | None:
-    """The figures of a run along a planned line; None when no leg was sailed beyond the run-in."""
+def tracking(recorder: Recorder, planned: Sequence[Point]) -> dict[str, float | None]:
+    """The figures of a run along a planned line; none when no leg was sailed beyond the run-in.
+
+    kept_*: cross-track error; path_*: path error; overshoot_m and cut_m are None without a corner.
+    """
     cross = np.abs(recorder.cross_track_m(planned))
     begun = _begun(recorder, planned)
     if begun >= len(cross):
-        return None
-    off = off_path_m(recorder, planned)[begun:]
-    kept = cross[begun:]
+        return {}
+    track = np.asarray(recorder.track(), dtype=np.float64)[recorder.legs >= 0]
+    off, kept = off_path_m(track[begun:], planned), cross[begun:]
     corners = corners_sailed(recorder, planned)
-    return Tracking(
-        rms_m=math.sqrt(float(np.mean(kept * kept))),
-        max_m=float(kept.max()),
-        path_rms_m=math.sqrt(float(np.mean(off * off))),
-        path_max_m=float(off.max()),
-        overshoot_m=max((corner.beyond_m for corner in corners), default=None),
-        cut_m=max((corner.cut_m for corner in corners), default=None),
-        start_max_m=float(cross[: begun + 1].max()),
-    )
+    return {
+        "path_rms_m": math.sqrt(float(np.mean(off * off))),
+        "path_max_m": float(off.max()),
+        "kept_rms_m": math.sqrt(float(np.mean(kept * kept))),
+        "kept_max_m": float(kept.max()),
+        "start_max_m": float(cross[: begun + 1].max()),
+        "overshoot_m": max((corner.beyond_m for corner in corners), default=None),
+        "cut_m": max((corner.cut_m for corner in corners), default=None),
+    }
 
 
 def _begun(recorder: Recorder, planned: Sequence[Point]) -> int:
@@ -95,14 +85,11 @@ def _begun(recorder: Recorder, planned: Sequence[Point]) -> int:
         return 0
     first = Line(planned[0], planned[1])
     run_in_m = min(RUN_IN_M, 0.5 * first.length_m)
-    sailed = 0
-    for at, leg in zip(recorder.track(), recorder.legs.tolist(), strict=True):
-        if leg < 0:
-            continue
+    sailed = [(at, leg) for at, leg in zip(recorder.track(), recorder.legs.tolist(), strict=True) if leg >= 0]
+    for tick, (at, leg) in enumerate(sailed):
         if leg > 0 or first.along_and_cross_track_m(at)[0] >= run_in_m:
-            return sailed
-        sailed += 1
-    return sailed
+            return tick
+    return len(sailed)
 
 
 class Corner(NamedTuple):
@@ -133,16 +120,8 @@ def corners_sailed(recorder: Recorder, planned: Sequence[Point]) -> list[Corner]
     return found
 
 
-def off_path_m(recorder: Recorder, planned: Sequence[Point]) -> "NDArray[np.float64]":
-    """Distance to the nearest place of the planned line, at every tick that had a leg."""
-    sailed = recorder.legs >= 0
-    at = np.asarray(recorder.track(), dtype=np.float64)[sailed]
-    nearest = np.full(len(at), np.inf)
-    for start, end in pairwise(np.asarray(planned, dtype=np.float64)):
-        along = end - start
-        length_2 = float(along @ along)
-        off = at - start
-        share = np.clip(off @ along / length_2, 0.0, 1.0) if length_2 > 0.0 else np.zeros(len(at))
-        foot = off - share[:, None] * along
-        nearest = np.minimum(nearest, np.hypot(foot[:, 0], foot[:, 1]))
-    return nearest
+def off_path_m(track: "NDArray[np.float64]", planned: Sequence[Point]) -> "NDArray[np.float64]":
+    """Distance of each place of a track, north and east, to the nearest one of the planned line."""
+    line = shapely.LineString(np.asarray([*planned, planned[-1]], dtype=np.float64))
+    off_m: NDArray[np.float64] = shapely.distance(shapely.points(track), line)
+    return off_m

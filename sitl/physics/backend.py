@@ -47,20 +47,23 @@ class Backend:
                 raise ConfigError(f"--{name} {channel}: expected a servo output from 1 to {CHANNELS}")
         if left == right:
             raise ConfigError(f"--left {left} and --right {right}: expected two different servo outputs")
-        self.world = World(scenario)
-        self.world.hold_position()
-        self._is_moored = True
-        self._has_rested = False  # both outputs have been in the middle
-        self._driven = 0  # frames in which a motor was driven, without a pause
-        self.steps = 0
-        self.restarts = 0
+        self.steps = self.restarts = 0
         self.ignored = 0  # datagrams that are no servo packet
         self._scenario = scenario
         self._left, self._right = left, right
         self._record = record
         self._frame: int | None = None
         self._reply = b""
-        self._range_m = self._silence_m()
+        self._moor()
+
+    def _moor(self) -> None:
+        """Begin with a new world."""
+        self.world = World(self._scenario)
+        self.world.hold_position()
+        self._is_moored = True
+        self._has_rested = False  # both outputs have been in the middle
+        self._driven = 0  # frames in which a motor was driven, without a pause
+        self._range_m = None if self.world.hardware.sonar is None else NO_ECHO_M
         self._heard_s = -math.inf
 
     def handle(self, data: bytes) -> bytes | None:
@@ -74,7 +77,8 @@ class Backend:
         if self._frame is None:
             self._has_rested = packet.frame > 0  # this side has started late or again: the other is at work
         elif packet.frame < self._frame:
-            self._restart()
+            self.restarts += 1
+            self._moor()
         self._frame = packet.frame
         self._driven = self._driven + 1 if self._is_driven(packet) else 0
         if self._is_moored and self._driven >= max(1, _CAST_OFF_S * packet.rate_hz):
@@ -92,13 +96,6 @@ class Backend:
         is_in_the_middle = max(abs(packet.share(self._left)), abs(packet.share(self._right))) <= _DRIVEN
         self._has_rested = self._has_rested or is_in_the_middle
         return self._has_rested and not is_in_the_middle
-
-    def _restart(self) -> None:
-        self.restarts += 1
-        self.world = World(self._scenario)
-        self.world.hold_position()
-        self._is_moored, self._has_rested, self._driven = True, False, 0
-        self._range_m, self._heard_s = self._silence_m(), -math.inf
 
     def _advance(self, dt_s: float) -> None:
         """One frame, in as many steps as the hull's integrator needs."""
@@ -122,7 +119,3 @@ class Backend:
                 self._heard_s = ping.time_s
         if now_s - self._heard_s > _STALE_S:
             self._range_m = NO_ECHO_M
-
-    def _silence_m(self) -> float | None:
-        """The range without an echo; None without a sonar."""
-        return None if self.world.hardware.sonar is None else NO_ECHO_M

@@ -16,6 +16,7 @@ from sitl.world.truth import Truth
 
 _BITS: Final = {"gnss": GNSS_FAULTS, "compass": COMPASS_FAULTS}
 _LOST: Final = int(EstimateFault.POSITION_LOST)
+_PLACE: Final = slice(Truth._fields.index("north_m"), Truth._fields.index("east_m") + 1)
 _NAMES: Final = ("notice_s", "given_up_s", "astray_m", "astray_share", "off_plan_m")
 
 
@@ -42,10 +43,8 @@ def fault_figures(mission_run: MissionRun) -> dict[str, float | None]:
     given_up_s = out["given_up_s"]
     ends_s = min(fault.ends_s, math.inf if given_up_s is None else fault.at_s + given_up_s)
     _add_position_errors(out, since[since[:, 0] < ends_s], truth)
-    sailed = mission_run.recorder.legs >= 0
-    late = truth[sailed, 0] >= fault.at_s
-    off = off_path_m(mission_run.recorder, mission_run.planned)[late]
-    out["off_plan_m"] = float(off.max()) if len(off) else None
+    late = truth[(mission_run.recorder.legs >= 0) & (truth[:, 0] >= fault.at_s), _PLACE]
+    out["off_plan_m"] = float(off_path_m(late, mission_run.planned).max()) if len(late) else None
     return out
 
 
@@ -54,12 +53,11 @@ def _add_position_errors(
     estimates: "np.ndarray[tuple[int, int], np.dtype[np.float64]]",
     truth: "np.ndarray[tuple[int, int], np.dtype[np.float64]]",
 ) -> None:
-    place = slice(Truth._fields.index("north_m"), Truth._fields.index("east_m") + 1)
     believed = slice(Estimate._fields.index("north_m"), Estimate._fields.index("east_m") + 1)
     rows = np.minimum(np.searchsorted(truth[:, 0], estimates[:, 0] - 1e-6), len(truth) - 1)
     if not len(rows):
         return
-    at = truth[rows, place]
+    at = truth[rows, _PLACE]
     error_m = np.hypot(*(estimates[:, believed] - at).T)
     way_m = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(at, axis=0).T))))
     grown_m = error_m - error_m[0]

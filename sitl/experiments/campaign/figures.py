@@ -27,12 +27,7 @@ def figures_of(mission_run: MissionRun, result: Result) -> Figures:
         for name, value in dataclasses.asdict(result).items()
         if name not in _OF_THE_MACHINE | _OF_THE_RUN
     }
-    kept = tracking(mission_run.recorder, mission_run.planned) if len(mission_run.planned) > 1 else None
-    if kept is not None:
-        out["path_rms_m"], out["path_max_m"] = kept.path_rms_m, kept.path_max_m
-        out["kept_rms_m"], out["kept_max_m"] = kept.rms_m, kept.max_m  # once under way
-        out["start_max_m"] = kept.start_max_m
-        out["overshoot_m"], out["cut_m"] = kept.overshoot_m, kept.cut_m
+    out.update(tracking(mission_run.recorder, mission_run.planned))
     out["command_travel_per_s"] = _command_travel_per_s(mission_run)
     if _stays(mission_run):
         out.update(station_figures(mission_run.recorder, mission_run.planned[-1]))

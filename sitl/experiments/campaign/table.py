@@ -17,21 +17,17 @@ Table = list[dict[str, Any]]
 def tabulate(campaign: Campaign, results: Sequence[TrialResult]) -> Table:
     """One dictionary a run: what it was, how it ended, its figures. Every row has every column."""
     runs = {run.number: run for run in campaign.runs}
-    rows = [{**_of_run(runs[result.number]), **_of_outcome(result)} for result in results]
+    rows = [_row(runs[result.number], result) for result in results]
     columns = dict.fromkeys(column for row in rows for column in row)
     return [{column: row.get(column) for column in columns} for row in rows]
 
 
-def _of_run(run: Trial) -> dict[str, Any]:
+def _row(run: Trial, result: TrialResult) -> dict[str, Any]:
     named = {name: value for name in ("case", "course", "mission") if (value := getattr(run, name))}
     factors = {name: _plain(value) for name, value in run.factors.items()}
-    return {"run": run.number, "scenario": run.scenario, **named, "seed": run.seed, **factors}
-
-
-def _of_outcome(result: TrialResult) -> dict[str, Any]:
-    touched = "; ".join(result.touched)
-    figures = {"completed": False, **result.figures}
-    return {"ended": result.ended, **figures, "touched": touched, "why": result.why}
+    ended = {"ended": result.ended, "completed": False, **result.figures}
+    ended |= {"touched": "; ".join(result.touched), "why": result.why}
+    return {"run": run.number, "scenario": run.scenario, **named, "seed": run.seed, **factors, **ended}
 
 
 def write_csv(table: Table, path: Path) -> None:

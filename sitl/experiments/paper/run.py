@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from itertools import product
 
-import shapely
+import numpy as np
 
 from companion.core.geo import Point, path_length_m
 from companion.core.modes import Mode
@@ -13,6 +13,7 @@ from companion.core.units import deg_to_e7
 from companion.mavlink.dialect import dialect
 from mission_tools.mission.route import mission_along
 from mission_tools.planning.planner import PlanSettings, plan
+from sitl.courses.courses import off_path_m
 from sitl.courses.missions import wire_items
 from sitl.experiments.paper.conditions import CASES, Method, conditions
 from sitl.experiments.paper.shore_steering import (
@@ -110,6 +111,7 @@ def run_paper_trial(trial: Trial) -> TrialResult:
         arrived = lockstep.boat.vehicle.progress.finished
     lockstep.close()
     track = recorder.track()
+    off_m = off_path_m(np.asarray(track, dtype=np.float64), points)
     return TrialResult(
         number=trial.number,
         ended="completed" if arrived else "not completed",
@@ -123,14 +125,7 @@ def run_paper_trial(trial: Trial) -> TrialResult:
             "time_s": lockstep.time_s - began_s,
             "length_m": path_length_m(track),
             "collisions": lockstep.world.groundings - groundings,  # with a wall or an obstacle
-            "off_plan_rms_m": _off_plan_rms_m(track, points),
+            "off_plan_rms_m": math.sqrt(float((off_m**2).mean())),
         },
         track=tuple((at.east_m, at.north_m) for at in track),
     )
-
-
-def _off_plan_rms_m(track: Sequence[Point], points: Sequence[Point]) -> float:
-    """Root mean square of the distance to the nearest point of the planned line."""
-    line = shapely.LineString([(point.east_m, point.north_m) for point in points])
-    at = shapely.points([(point.east_m, point.north_m) for point in track])
-    return math.sqrt(float((shapely.distance(at, line) ** 2).mean()))

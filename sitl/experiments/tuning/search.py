@@ -11,8 +11,7 @@ from statistics import fmean, stdev
 from typing import NamedTuple
 
 from sitl.experiments.trial import Trial, TrialResult
-from sitl.experiments.tuning.gains import Gains, drawn_around
-from sitl.experiments.tuning.problem import TuningProblem
+from sitl.experiments.tuning.problem import Gains, TuningProblem, drawn_around
 from sitl.world.sensors.sampling import generator
 
 REACHES = (4.0, 2.0, 1.4)  # per round: gains within this factor of the best

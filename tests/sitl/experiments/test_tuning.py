@@ -14,8 +14,7 @@ from companion.config.parameters import Parameters
 from companion.core.storage import MemoryStorage
 from sitl.__main__ import run_program
 from sitl.experiments.trial import Figures, Task, Trial, TrialResult
-from sitl.experiments.tuning.gains import TUNED, Gains, gains_of
-from sitl.experiments.tuning.problem import FAILED, TuningProblem
+from sitl.experiments.tuning.problem import FAILED, TUNED, Gains, TuningProblem, gains_of
 from sitl.experiments.tuning.search import compare, search
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.sensors.sampling import generator
