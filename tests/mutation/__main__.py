@@ -13,6 +13,7 @@ A mutant that behaves like the original is declared in equivalent.toml, with the
 """
 
 import argparse
+import builtins
 import contextlib
 import gc
 import importlib.abc
@@ -29,12 +30,12 @@ import traceback
 from collections.abc import Callable, Iterable, Sequence
 from importlib.machinery import ModuleSpec
 from pathlib import Path
-from types import CodeType, FrameType, FunctionType, ModuleType
+from types import CodeType, FunctionType, ModuleType
 
 import hypothesis
 import numpy as np  # noqa: F401 — once for all mutants
 import pytest
-from mutants import Mutant, compiled, mutants_of
+from mutants import Mutant, compiled, mutants_of, recording
 
 ROOT = Path(__file__).parents[2]
 # Of the boat, below companion/. --package takes any other folder with tests, too, such as sitl/world
@@ -107,6 +108,7 @@ OPTIONS = (
     "-W", "ignore::pytest.PytestAssertRewriteWarning",  # Hypothesis is imported once for all mutants
 )  # fmt: skip
 KILLED, SURVIVED = 1, 0
+RECORDER = "record_call_of_mutation_baseline"  # among the builtins
 
 Key = tuple[str, int]  # a function: file and first line
 
@@ -158,21 +160,16 @@ def run_tests(items: Sequence[pytest.Item], session: pytest.Session, base: Basel
     return SURVIVED
 
 
-def measure(items: Sequence[pytest.Item], session: pytest.Session, folder: str) -> Baseline:
-    """Run every test once, without a fault."""
+def measure(items: Sequence[pytest.Item], session: pytest.Session, paths: Iterable[str]) -> Baseline:
+    """Run every test once, without a fault. paths: of the files whose calls are recorded."""
     found = Baseline()
+    seen: set[Key] = set()
+    setattr(builtins, RECORDER, seen.add)
+    put_in_all([recording(ROOT, path, RECORDER) for path in paths])
     for number, item in enumerate(items):
-        seen: set[Key] = set()
-
-        def trace(frame: FrameType, event: str, _: object, seen: set[Key] = seen) -> None:
-            code = frame.f_code
-            if code.co_filename.startswith(folder):
-                seen.add((code.co_filename, code.co_firstlineno))
-
+        seen.clear()
         before, failed = time.process_time(), session.testsfailed
-        sys.settrace(trace)
         item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)
-        sys.settrace(None)
         found.cpu_s.append(time.process_time() - before)
         found.ids.append(item.nodeid)
         if session.testsfailed > failed:
@@ -181,6 +178,22 @@ def measure(items: Sequence[pytest.Item], session: pytest.Session, folder: str) 
         for key in seen:
             found.calls.setdefault(key, set()).add(number)
     return found
+
+
+def put_in_all(codes: Iterable[CodeType]) -> None:
+    """Give all functions of these modules their code from here."""
+    by_place: dict[tuple[str, int, str], CodeType] = {}
+    pending = list(codes)
+    while pending:
+        inner = [const for const in pending.pop().co_consts if isinstance(const, CodeType)]
+        by_place |= {(one.co_filename, one.co_firstlineno, one.co_qualname): one for one in inner}
+        pending += inner
+    for live in gc.get_objects():
+        if isinstance(live, FunctionType):
+            old = live.__code__
+            new = by_place.get((old.co_filename, old.co_firstlineno, old.co_qualname))
+            if new is not None and new.co_freevars == old.co_freevars:
+                live.__code__ = new
 
 
 def put_in(code: CodeType, first_line: int) -> None:
@@ -276,7 +289,6 @@ def in_child(work: Callable[[], object]) -> object:
 def survivors(package: str, mutants: Sequence[Mutant], cores: int) -> tuple[set[Mutant], Baseline]:
     """The mutants of one package that its tests do not notice."""
     tests = TESTED_IN.get(package, (f"tests/{folder_of(package)}",))
-    folder = str(ROOT / folder_of(package)) + os.sep
     survived: set[Mutant] = set()
     base = Baseline()
 
@@ -285,7 +297,8 @@ def survivors(package: str, mutants: Sequence[Mutant], cores: int) -> tuple[set[
         for name in {module_of(mutant) for mutant in mutants}:  # the tests may import it late
             with contextlib.suppress(ImportError):
                 importlib.import_module(name)
-        measured = in_child(lambda: measure(items, session, folder))
+        paths = sorted({mutant.path for mutant in mutants})
+        measured = in_child(lambda: measure(items, session, paths))
         assert isinstance(measured, Baseline)
         base = measured
         jobs: list[tuple[Mutant, Callable[[], int]]] = []

@@ -77,6 +77,29 @@ def compiled(root: Path, mutant: Mutant) -> CodeType:
     raise ValueError(f"{mutant.path} has no fault {mutant.index}")
 
 
+def recording(root: Path, path: str, recorder: str) -> CodeType:
+    """The module's code, in which each outermost function begins with recorder((file, first line))."""
+    tree = ast.parse((root / path).read_text())
+    for function in _outermost(tree):
+        call = ast.parse(f"{recorder}(({str(root / path)!r}, {_first_line(function)}))").body[0]
+        for node in ast.walk(call):
+            ast.copy_location(node, function.body[0])
+        function.body.insert(0, call)
+    return compile(tree, str(root / path), "exec", dont_inherit=True)
+
+
+def _outermost(node: ast.AST) -> Iterator[ast.FunctionDef]:
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.FunctionDef):
+            yield child
+        else:
+            yield from _outermost(child)
+
+
+def _first_line(function: ast.FunctionDef) -> int:
+    return min([function.lineno, *(one.lineno for one in function.decorator_list)])
+
+
 def _short(node: ast.AST) -> str:
     return " ".join(ast.unparse(node).split())[:100]
 
@@ -98,7 +121,7 @@ def _collect(node: ast.AST, names: tuple[str, ...], first_line: int, sites: list
             if isinstance(child, ast.FunctionDef | ast.ClassDef):
                 here = (*names, child.name)
             if isinstance(child, ast.FunctionDef) and not first_line:
-                line = min([child.lineno, *(one.lineno for one in child.decorator_list)])
+                line = _first_line(child)
             # Defaults of arguments belong to the code around the function
             outside = isinstance(node, ast.arguments)
             sites.append(_Site(child, _setter(node, field, at), here, 0 if outside else line))
