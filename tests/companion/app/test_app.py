@@ -23,7 +23,7 @@ def config(*links: str, **sections: object) -> BoatConfig:
 
 
 class Parts:
-    """Simulated hardware that counts its openings and remembers whether its motors were let go."""
+    """Simulated hardware whose motors remember what was done to them."""
 
     def __init__(self) -> None:
         self.hardware: Hardware | None = None
@@ -31,21 +31,18 @@ class Parts:
 
     def open(self, config: BoatConfig, now: Callable[[], float]) -> Hardware:
         """What `run_boat` calls."""
-        rig = Rig()
-        parts = self
-
-        class Motors:
-            def write(self, left: float, right: float) -> None:
-                parts.events.append("write")
-
-            def stop(self) -> None:
-                parts.events.append("stop")
-
-            def close(self) -> None:
-                parts.events.append("close")
-
-        self.hardware = Hardware(Motors(), rig.hardware.gnss, rig.hardware.compass)
+        parts = Rig().hardware
+        self.hardware = Hardware(self, parts.gnss, parts.compass)
         return self.hardware
+
+    def write(self, left: float, right: float) -> None:
+        self.events.append("write")
+
+    def stop(self) -> None:
+        self.events.append("stop")
+
+    def close(self) -> None:
+        self.events.append("close")
 
 
 def after(ticks: int) -> Callable[[], bool]:

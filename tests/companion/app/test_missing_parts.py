@@ -208,7 +208,8 @@ ALL = (
     "Motors", "Compass", "Sonar", "Battery monitor", "GNSS receiver", "RC receiver", "Depth sounder",
     "probe ph", RADIO,
 )  # fmt: skip
-ROWS = [*(("lake", name) for name in ALL), ("rudder", "Motors"), ("rudder", "Rudder")]
+ALONE = ("Motors", "Compass", "Sonar", "Battery monitor", "GNSS receiver", RADIO)
+ROWS = [*(("lake", name) for name in ALONE), ("rudder", "Motors"), ("rudder", "Rudder")]
 
 
 @pytest.mark.parametrize(("preset", "name"), ROWS)

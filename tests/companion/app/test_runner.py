@@ -50,58 +50,44 @@ def test_missed_ticks_are_skipped_and_counted_never_caught_up() -> None:
     assert min(gaps) > PERIOD_S - 0.01
 
 
-class Pipe:
-    """A link that has something to say for as long as bytes are left in a pipe."""
-
-    def __init__(self, chunks: int) -> None:
-        self.reader, self.writer = os.pipe()
-        os.write(self.writer, bytes(chunks))
-
-    def close(self) -> None:
-        """Let it go."""
-        os.close(self.reader)
-        os.close(self.writer)
-
-
 @pytest.mark.parametrize(("chunks", "heard"), [(3, 3), (1000, 200)])
 def test_links_are_heard_between_ticks_but_a_flood_does_not_eat_the_loop(chunks: int, heard: int) -> None:
-    pipe, clock = Pipe(chunks), FakeClock(100.0)
+    (reader, writer), clock = os.pipe(), FakeClock(100.0)
+    os.write(writer, bytes(chunks))
     order: list[str] = []
 
     def receive(ready: Collection[int]) -> None:
-        assert list(ready) == [pipe.reader]
-        os.read(pipe.reader, 1)
+        assert list(ready) == [reader]
+        os.read(reader, 1)
         order.append("receive")
         if len(order) == chunks + 1:
             clock.time_s += PERIOD_S  # silence for the rest of the tick
 
-    runner = Runner(clock, PERIOD_S, lambda n: order.append("step"), receive, lambda: [pipe.reader])
+    runner = Runner(clock, PERIOD_S, lambda n: order.append("step"), receive, lambda: [reader])
     runner.run(lambda: order.count("step") == 2)
-    pipe.close()
+    os.close(reader)
+    os.close(writer)
     assert order == ["step", *["receive"] * heard, "step"]
     assert clock.time_s == pytest.approx(100.0 + PERIOD_S)
     assert runner.ticks.late == 0
 
 
-LONG_S = 0.018
-
-
-@pytest.fixture
-def swept(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[int]]:
-    """Sweep with so many objects of each generation waiting; the generations that were looked at."""
+@pytest.mark.parametrize(
+    ("left_s", "waiting", "generations"),
+    [
+        (0.018, (4_000, 0, 0), [0]),
+        (0.018, (4_000, 20, 0), [1]),
+        (0.018, (4_000, 20, 20), [2]),
+        (0.006, (4_000, 20, 20), [1]),  # no time for the oldest
+        (0.018, (3_999, 20, 20), []),
+        (0.001, (4_000, 0, 0), []),
+    ],
+)
+def test_many_are_swept_between_ticks_and_older_ones_more_seldom(
+    monkeypatch: pytest.MonkeyPatch, left_s: float, waiting: tuple[int, ...], generations: list[int]
+) -> None:
     seen: list[int] = []
-
-    def sweep(left_s: float, *waiting: int) -> list[int]:
-        seen.clear()
-        monkeypatch.setattr(gc, "get_count", lambda: waiting)
-        monkeypatch.setattr(gc, "collect", seen.append)
-        garbage.sweep(left_s)
-        return list(seen)
-
-    return sweep
-
-
-def test_many_are_swept_between_ticks_and_older_ones_more_seldom(swept: Callable[..., list[int]]) -> None:
-    assert swept(LONG_S, 4_000, 0, 0) == [0]
-    assert swept(LONG_S, 4_000, 20, 0) == [1]
-    assert swept(LONG_S, 4_000, 20, 20) == [2]
+    monkeypatch.setattr(gc, "get_count", lambda: waiting)
+    monkeypatch.setattr(gc, "collect", seen.append)
+    garbage.sweep(left_s)
+    assert seen == generations

@@ -146,15 +146,7 @@ def found(boat: Boat, kind: Calibration) -> dict[str, float]:
 
 def test_the_thruster_calibration_finds_the_motors() -> None:
     values = found(Boat(), THRUSTERS)
-    truth = {
-        "MOT_L_MIN_FWD": 5.0,
-        "MOT_L_MIN_REV": 8.0,
-        "MOT_R_MIN_FWD": 6.0,
-        "MOT_R_MIN_REV": 8.0,
-        "MOT_L_GAIN": 0.9,
-    }
-    assert {name: values[name] for name in truth} == pytest.approx(truth, rel=0.025)
-    # Exactly, of this boat and this arithmetic
+    # Truth: dead bands of 5, 8, 6 and 8 %, a left gain of 0.9. Exactly, of this boat and this arithmetic
     exact = {
         "MOT_L_MIN_FWD": 4.99048, "MOT_L_MIN_REV": 7.80460, "MOT_R_MIN_FWD": 6.02602,
         "MOT_R_MIN_REV": 8.06293,

@@ -56,7 +56,7 @@ def test_a_message_follows_its_answer(rig: Rig, number: int, params: tuple[float
     assert heard.index("COMMAND_ACK") < heard.index(name)
 
 
-@pytest.mark.parametrize(("interval_us", "result"), [(1250.0, DENIED), (19_900.0, DENIED), (20_000.0, OK)])
+@pytest.mark.parametrize(("interval_us", "result"), [(19_900.0, DENIED), (20_000.0, OK)])
 def test_an_interval_that_is_accepted_is_kept(rig: Rig, interval_us: float, result: int) -> None:
     assert rig.ask(CMD.MAV_CMD_SET_MESSAGE_INTERVAL, 30, interval_us) == result
     rig.peer.forget()
@@ -116,7 +116,7 @@ def test_a_motor_test_does_not_outlive_its_station_though_another_is_there(rig: 
     assert "Motor test: ended, its station is silent" in rig.peer.texts
 
 
-@pytest.mark.parametrize("magic", [0.0, 2989.0, 21196.0])
+@pytest.mark.parametrize("magic", [0.0, 2989.0])
 def test_a_boat_that_is_about_to_restart_does_not_arm(rig: Rig, magic: float) -> None:
     assert rig.ask(CMD.MAV_CMD_PREFLIGHT_REBOOT_SHUTDOWN, 1) == OK
     assert rig.ask(CMD.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, magic) == FAILED
@@ -163,24 +163,22 @@ def test_a_ranger_tells_its_kind_its_ranges_and_its_time_after_fifty_days_too() 
     assert ranger(ping, "tfmini").type == dialect.MAV_DISTANCE_SENSOR_LASER
 
 
-@pytest.mark.parametrize(
-    ("altitude_m", "accuracy_m"), [(3e6, 1.0), (-3e6, 1.0), (0.0, 5e6), (math.inf, math.inf), (-1e30, 1e30)]
-)
-def test_a_cold_receivers_numbers_fit_their_fields(altitude_m: float, accuracy_m: float) -> None:
-    fix = GnssFix(1.0, LatLon(0.0, 0.0), 1, 0, 99.99, altitude_m=altitude_m, horizontal_accuracy_m=accuracy_m)
-    now = types.SimpleNamespace(sensors=types.SimpleNamespace(fix=fix), boot_us=0, config=BoatConfig())
-    message = gps_raw_int(now)  # type: ignore[arg-type]
-    assert bytes_of(message)
-    assert message is not None
-    assert message.h_acc == min(round(min(accuracy_m, 1e9) * 1e3), 0xFFFFFFFF)
-
-
 def gps_raw_of(fix: GnssFix, compass: str) -> Message:
     config = with_value(BoatConfig(), "parts.compass.driver", compass)
     now = types.SimpleNamespace(sensors=types.SimpleNamespace(fix=fix), boot_us=0, config=config)
     message = gps_raw_int(now)  # type: ignore[arg-type]
     assert message is not None
     return message
+
+
+@pytest.mark.parametrize(
+    ("altitude_m", "accuracy_m"), [(3e6, 1.0), (-3e6, 1.0), (0.0, 5e6), (math.inf, math.inf), (-1e30, 1e30)]
+)
+def test_a_cold_receivers_numbers_fit_their_fields(altitude_m: float, accuracy_m: float) -> None:
+    fix = GnssFix(1.0, LatLon(0.0, 0.0), 1, 0, 99.99, altitude_m=altitude_m, horizontal_accuracy_m=accuracy_m)
+    message = gps_raw_of(fix, "none")
+    assert bytes_of(message)
+    assert message.h_acc == min(round(min(accuracy_m, 1e9) * 1e3), 0xFFFFFFFF)
 
 
 def test_the_age_of_corrections_is_sent_while_there_are_some() -> None:

@@ -68,8 +68,7 @@ def test_the_whole_list_counts_from_zero_as_mavsdk_expects(open_rig: OpenRig, tm
     assert entries(rig) == [(0, 3, 2, 300), (1, 3, 2, 100), (2, 3, 2, 200)]
 
 
-@pytest.mark.parametrize("size", [1, 89, 90, 91, 180, 5000, 200_000])
-@pytest.mark.parametrize("number", [0, 1])
+@pytest.mark.parametrize(("size", "number"), [(1, 0), (89, 1), (90, 0), (180, 1), (200_000, 1)])
 def test_a_download_is_the_file_to_the_byte(
     open_rig: OpenRig, tmp_path: Path, size: int, number: int
 ) -> None:
@@ -77,7 +76,7 @@ def test_a_download_is_the_file_to_the_byte(
     rig = open_rig(tmp_path)
     rig.run(0.1)
     request(rig.peer, number)
-    rig.run(5.0)
+    rig.run(0.1 + size / 1e5)
     chunks = rig.peer.said("LOG_DATA")
     assert put_together(chunks, size) == content
     assert {chunk.id for chunk in chunks} == {number}

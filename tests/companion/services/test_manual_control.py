@@ -72,9 +72,9 @@ def test_rc_override_is_read_around_the_centre(
 @pytest.mark.parametrize(
     "broken",
     [
-        *[override(1500, us) for us in (1, 500, 800, 899, 909, 2101, 2200, 3000, 0xFFFE)],
-        *[override(us, 1500) for us in (1, 500, 899, 2101, 3000, 0xFFFE)],
-        *[sticks(y, z) for y, z in ((0, 1001), (0, -32768), (-1001, 0), (INVALID, 32000))],
+        *[override(1500, us) for us in (1, 909, 2101, 0xFFFE)],
+        *[override(us, 1500) for us in (899, 2101)],
+        *[sticks(y, z) for y, z in ((0, 1001), (-1001, 0), (INVALID, 32000))],
     ],
     ids=str,
 )
@@ -95,16 +95,14 @@ def test_a_value_that_is_no_command_stops_the_boat_at_once_and_its_failsafe_foll
     assert rig.mode == "LOITER"
 
 
-@pytest.mark.parametrize("mode", [0, 4, 10, 15])
 @pytest.mark.parametrize(
-    ("message", "why"),
+    ("mode", "message", "why"),
     [
-        (override(1500, 1900), "throttle (RC3)"),
-        (override(1531, 1500), "steering (RC1)"),
-        (override(1500, 1469), "throttle (RC3)"),
-        (sticks(0, 800), "throttle (RC3)"),
-        (sticks(-800, 0), "steering (RC1)"),
-        (sticks(INVALID, -61), "throttle (RC3)"),
+        (0, override(1531, 1500), "steering (RC1)"),
+        (4, override(1500, 1469), "throttle (RC3)"),
+        (10, override(1500, 1900), "throttle (RC3)"),
+        (15, sticks(-800, 0), "steering (RC1)"),
+        (0, sticks(INVALID, -61), "throttle (RC3)"),
     ],
     ids=str,
 )

@@ -19,6 +19,7 @@ pytestmark = pytest.mark.slow
 MOST_S = 40.0
 ACCEPTED = 0
 COMMANDS = ("COMMAND_LONG", "COMMAND_INT")
+ANSWERED_BY = {"PARAM_SET": "PARAM_VALUE", "MISSION_REQUEST_LIST": "MISSION_COUNT"}
 
 
 def sent_by_station(recording: Path) -> Iterator[tuple[float, bytes, Message]]:
@@ -55,6 +56,8 @@ def test_each_command_has_one_answer_and_what_it_asked_for_comes_behind(recordin
             break
         answers = answers_to(rig, began_s + at_s, frame)
         if message.get_type() not in COMMANDS:
+            answer = ANSWERED_BY.get(message.get_type())
+            assert answer is None or answer in {one.get_type() for one in answers}, message
             continue
         asked += 1
         places = [place for place, one in enumerate(answers) if one.get_type() == "COMMAND_ACK"]
@@ -66,21 +69,6 @@ def test_each_command_has_one_answer_and_what_it_asked_for_comes_behind(recordin
             assert wanted, f"{message} was accepted, and nothing came"
             assert places[0] < min(wanted), f"{message}: a client that waits for the answer misses it"
             brought += 1
-    print(f"{asked} commands, {brought} messages")  # noqa: T201
     assert asked > 5
     assert brought > 0
-    assert rig.boat.endpoint.faults == 0
-
-
-@pytest.mark.parametrize("recording", RECORDINGS, ids=lambda path: path.stem)
-def test_none_of_what_is_set_or_uploaded_is_left_without_a_word(recording: Path) -> None:
-    answered_by = {"PARAM_SET": "PARAM_VALUE", "MISSION_REQUEST_LIST": "MISSION_COUNT"}
-    rig = Rig().ready()
-    began_s = rig.now_s
-    for at_s, frame, message in sent_by_station(recording):
-        if at_s > MOST_S:
-            break
-        answers = {one.get_type() for one in answers_to(rig, began_s + at_s, frame)}
-        if (answer := answered_by.get(message.get_type())) is not None:
-            assert answer in answers, message
     assert rig.boat.endpoint.faults == 0

@@ -1,18 +1,15 @@
-"""QGroundControl's connection, row by row: every question answered before the next tick, none left open."""
+"""QGroundControl's connection: every question answered before the next tick, none left open."""
 
 import dataclasses
-import math
 
 import pytest
-from boat_rig import BOAT, HOME_ITEM, OK, UNSUPPORTED, Rig, Silent, waypoint
+from boat_rig import BOAT, OK, UNSUPPORTED, Rig, Silent
 
 from companion.core.units import deg_to_e7
 from companion.mavlink.dialect import Message, dialect
-from companion.mavlink.items import MissionType
 
 pytestmark = pytest.mark.slow
 
-NUMBERS = dialect.MAV_MISSION_TYPE_MISSION, dialect.MAV_MISSION_TYPE_FENCE, dialect.MAV_MISSION_TYPE_RALLY
 STREAMS = {1: 2, 2: 2, 3: 2, 6: 3, 10: 10, 11: 10, 12: 3}
 # What each of those groups must bring a boat
 TELEMETRY = {
@@ -28,10 +25,8 @@ TELEMETRY = {
 
 @pytest.fixture
 def rig() -> Rig:
-    """A boat with a mission and a rally point, and a station that has just said who it is."""
+    """A boat, and a station that has just said who it is."""
     rig = Rig().ready()
-    rig.upload([HOME_ITEM, waypoint(40.0, 0.0), waypoint(40.0, 40.0)])
-    rig.upload([waypoint(5.0, 5.0, command=5100)], mission_type=MissionType.RALLY)
     rig.peer = rig.connect()
     rig.receive()
     rig.peer.heartbeat()
@@ -40,7 +35,7 @@ def rig() -> Rig:
 
 
 def ask_rates(rig: Rig) -> None:
-    """Rows 1: the streams five times, as QGroundControl does, and two messages by name."""
+    """The streams five times, as QGroundControl does, and two messages by name."""
     for round_number in range(5):
         for group, rate_hz in STREAMS.items():
             rig.peer.send(dialect.MAVLink_request_data_stream_message(*BOAT, group, rate_hz, 1))
@@ -50,135 +45,17 @@ def ask_rates(rig: Rig) -> None:
         rig.run(0.5)
 
 
-def test_row_0_the_boat_is_heard_before_anything_is_asked() -> None:
-    rig = Rig()
-    peer = rig.connect()
-    rig.receive()
-    (heartbeat,) = peer.said("HEARTBEAT")
-    assert (heartbeat.type, heartbeat.autopilot) == (
-        dialect.MAV_TYPE_SURFACE_BOAT,
-        dialect.MAV_AUTOPILOT_ARDUPILOTMEGA,
-    )
-
-
-def test_row_1_telemetry_comes_at_the_rates_asked_and_another_channel_keeps_its_own(rig: Rig) -> None:
+def test_telemetry_comes_at_the_rates_asked_and_another_channel_keeps_its_own(rig: Rig) -> None:
     rig.peer.heartbeat()
     other = rig.connect()
     ask_rates(rig)
     rig.peer.forget()
     other.forget()
-    rig.run(60.0)
-    counts = {name: len(rig.peer.said(name)) / 60.0 for name in TELEMETRY}
-    assert counts == pytest.approx(TELEMETRY, abs=1.01 / 60.0)
-    assert len(other.said("ATTITUDE")) == pytest.approx(240, abs=1)
+    rig.run(20.0)
+    counts = {name: len(rig.peer.said(name)) / 20.0 for name in TELEMETRY}
+    assert counts == pytest.approx(TELEMETRY, abs=1.01 / 20.0)
+    assert len(other.said("ATTITUDE")) == pytest.approx(80, abs=1)
     assert not other.said("RAW_IMU")
-
-
-@pytest.mark.parametrize(
-    ("message_id", "name"),
-    [
-        (148, "AUTOPILOT_VERSION"),
-        (242, "HOME_POSITION"),
-        (245, "EXTENDED_SYS_STATE"),
-        (147, "BATTERY_STATUS"),
-    ],
-)
-def test_row_2_a_message_comes_with_its_answer(rig: Rig, message_id: int, name: str) -> None:
-    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, message_id) == OK
-    assert len(rig.peer.said(name)) == 1
-
-
-def test_row_3_modes_are_answered_one_by_one_to_the_last(rig: Rig) -> None:
-    index, count = 1, 1
-    names = {}
-    while index <= count:
-        assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 435, index) == OK
-        (mode,) = rig.peer.said("AVAILABLE_MODES")
-        assert mode.mode_index == index
-        count = mode.number_modes
-        names[mode.custom_mode] = str(mode.mode_name)
-        index += 1
-        assert index < 30
-    assert {0, 4, 5, 10, 11, 15} <= set(names)
-
-
-@pytest.mark.parametrize("message_id", [397, 395])
-def test_row_4_metadata_is_offered_or_refused_at_once(rig: Rig, message_id: int) -> None:
-    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, message_id) in (OK, UNSUPPORTED)
-
-
-def ftp(rig: Rig, opcode: int, text: bytes) -> list[int]:
-    """One FTP request; the payload of its reply."""
-    payload = [1, 0, 0, opcode, len(text), 0, 0, 0, 0, 0, 0, 0, *text]
-    payload += [0] * (251 - len(payload))
-    rig.peer.forget()
-    rig.peer.send(dialect.MAVLink_file_transfer_protocol_message(0, *BOAT, payload))
-    rig.receive()
-    (reply,) = rig.peer.said("FILE_TRANSFER_PROTOCOL")
-    return list(reply.payload)
-
-
-@pytest.mark.parametrize("path", [b"@PARAM/param.pck", b"@PARAM/param.pck?withdefaults=1"])
-def test_row_5_the_parameter_file_opens_at_once(rig: Rig, path: bytes) -> None:
-    reply = ftp(rig, 4, path)
-    assert reply[0] == 2  # the request's number and one
-    assert reply[3] == 128  # an ACK
-    assert int.from_bytes(bytes(reply[12:16]), "little") > 500
-
-
-def test_row_5_the_parameter_list_is_whole_and_its_gaps_are_filled_by_index(rig: Rig) -> None:
-    rig.peer.forget()
-    rig.peer.send(dialect.MAVLink_param_request_list_message(1, 0))
-    rig.run(1.0)
-    values = rig.peer.said("PARAM_VALUE")
-    count = values[0].param_count
-    assert sorted(value.param_index for value in values) == list(range(count))
-    for index in range(0, count, 7):
-        answer = rig.answer_to(dialect.MAVLink_param_request_read_message(*BOAT, b"", index), "PARAM_VALUE")
-        assert answer.param_index == index
-
-
-def test_row_6_a_stations_time_disturbs_nothing(rig: Rig) -> None:
-    rig.peer.send(dialect.MAVLink_system_time_message(1_780_000_000_000_000, 0))
-    rig.receive()
-    assert rig.boat.endpoint.faults == 0
-
-
-@pytest.mark.parametrize(("mission_type", "count"), list(zip(NUMBERS, (3, 0, 1), strict=True)))
-def test_rows_7_to_9_every_list_is_handed_out_without_a_pause(
-    rig: Rig, mission_type: int, count: int
-) -> None:
-    told = rig.answer_to(dialect.MAVLink_mission_request_list_message(*BOAT, mission_type), "MISSION_COUNT")
-    assert (told.count, told.mission_type) == (count, mission_type)
-    for seq in range(count):
-        request = dialect.MAVLink_mission_request_int_message(*BOAT, seq, mission_type)
-        item = rig.answer_to(request, "MISSION_ITEM_INT")
-        assert (item.seq, item.mission_type) == (seq, mission_type)
-
-
-UNKNOWN_MESSAGES = [259, 260, 261, 262, 264, 269, 280, 282, 284, 300, 298, 299, 9000, 65535]
-
-
-@pytest.mark.parametrize("message_id", UNKNOWN_MESSAGES)
-def test_row_10_questions_about_gimbals_and_cameras_are_refused_at_once(rig: Rig, message_id: int) -> None:
-    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, message_id) == UNSUPPORTED
-
-
-@pytest.mark.parametrize(
-    "number",
-    [
-        dialect.MAV_CMD_REQUEST_CAMERA_INFORMATION,
-        dialect.MAV_CMD_REQUEST_CAMERA_SETTINGS,
-        dialect.MAV_CMD_REQUEST_STORAGE_INFORMATION,
-        dialect.MAV_CMD_REQUEST_CAMERA_CAPTURE_STATUS,
-        dialect.MAV_CMD_REQUEST_VIDEO_STREAM_INFORMATION,
-        dialect.MAV_CMD_DO_GIMBAL_MANAGER_CONFIGURE,
-        dialect.MAV_CMD_VIDEO_START_STREAMING,
-        dialect.MAV_CMD_IMAGE_START_CAPTURE,
-    ],
-)
-def test_commands_to_cameras_and_gimbals_are_refused_at_once(rig: Rig, number: int) -> None:
-    assert rig.ask(number, 1) == UNSUPPORTED
 
 
 def test_a_question_to_a_component_that_is_not_there_is_not_ours_to_answer(rig: Rig) -> None:
@@ -204,7 +81,7 @@ def test_battery_and_home_come_often_enough_that_streams_are_asked_for_once(rig:
     ask_rates(rig)
     rig.peer.forget()
     last_s = {"BATTERY_STATUS": rig.now_s, "HOME_POSITION": rig.now_s}
-    for _ in range(600):
+    for _ in range(150):
         rig.step(5)
         for message in rig.peer.listen():
             if message.get_type() in last_s:
@@ -229,18 +106,6 @@ def test_sticks_are_shown_as_they_are_obeyed_and_centred_when_let_go(rig: Rig) -
     rig.run(3.0)
     shown = latest(rig, "RC_CHANNELS")
     assert (shown.chan1_raw, shown.chan3_raw) == (1500, 1500)
-
-
-def test_the_target_is_shown_while_there_is_one(rig: Rig) -> None:
-    ask_rates(rig)
-    assert not rig.peer.said("POSITION_TARGET_GLOBAL_INT")
-    rig.arm()
-    rig.ask(dialect.MAV_CMD_MISSION_START)
-    rig.run(3.0)
-    target = latest(rig, "POSITION_TARGET_GLOBAL_INT")
-    item = waypoint(40.0, 0.0)
-    assert (target.lat_int, target.lon_int) == (item.x, item.y)
-    assert math.hypot(target.vx, target.vy) > 0.2
 
 
 def test_the_estimates_flags_follow_its_health(rig: Rig) -> None:

@@ -13,18 +13,12 @@ from twins.pulses import PI_4, plug_in_pwm
 
 from companion.app.doctor.by_hand import nudge_motors
 from companion.app.doctor.findings import Verdict
-from companion.app.doctor.parts import (
-    LivePart,
-    check_part,
-    part_findings,
-)
+from companion.app.doctor.parts import LivePart, check_part, part_findings
 from companion.app.status_file import BoatStatus
 from companion.config.actuators import MotorsPart
 from companion.config.boat_config import BoatConfig, Parts
 from companion.config.sensors import HullPart
-from companion.core.readings import (
-    HullReading,
-)
+from companion.core.readings import HullReading
 from companion.core.status_text import Severity, StatusText
 from companion.router.status import LinksStatus
 
@@ -89,12 +83,7 @@ def test_each_motor_turns_both_ways_after_a_typed_yes(board: PinBoard) -> None:
     said: list[str] = []
     found = nudge_motors(BRIDGED, FakeClock(), lambda question: "yes", said.append)
     assert found.verdict is Verdict.FINE
-    assert said == [
-        "  left motor ahead",
-        "  left motor astern",
-        "  right motor ahead",
-        "  right motor astern",
-    ]
+    assert said == [f"  {side} motor {way}" for side in ("left", "right") for way in ("ahead", "astern")]
     pins = BRIDGED.parts.motors
     legs = (pins.left_forward, pins.left_backward, pins.right_forward, pins.right_backward)
     assert [change.pin for change in board.history if change.pin in legs and change.value] == list(legs)

@@ -35,6 +35,7 @@ KIT = BoatConfig(
     ),
     rc=Rc(driver="crsf", port="/dev/ttyAMA4"),
 )
+SLOW_BUS = ["dtparam=i2c_arm=on", "dtparam=i2c_arm_baudrate=10000"]
 ESC = BoatConfig(
     parts=Parts(
         motors=MotorsPart(driver="esc", right=PulseOutputSetting(output="pca9685", channel=1)),
@@ -55,21 +56,8 @@ def test_conditions_of_config_txt_are_followed() -> None:
 @pytest.mark.parametrize(
     ("model", "config", "lines"),
     [
-        (
-            PI_4,
-            KIT,
-            ["enable_uart=1", "dtoverlay=uart4", "dtparam=i2c_arm=on", "dtparam=i2c_arm_baudrate=10000"],
-        ),
-        (
-            PI_5,
-            KIT,
-            [
-                "dtparam=uart0=on",
-                "dtoverlay=uart4-pi5",
-                "dtparam=i2c_arm=on",
-                "dtparam=i2c_arm_baudrate=10000",
-            ],
-        ),
+        (PI_4, KIT, ["enable_uart=1", "dtoverlay=uart4", *SLOW_BUS]),
+        (PI_5, KIT, ["dtparam=uart0=on", "dtoverlay=uart4-pi5", *SLOW_BUS]),
         (PI_4, ESC, ["dtparam=i2c_arm=on", "dtoverlay=pwm-2chan,pin=18,func=2,pin2=19,func2=2"]),
     ],
 )

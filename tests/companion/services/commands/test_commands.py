@@ -116,6 +116,8 @@ ROWS = [
     (CMD.MAV_CMD_DO_SET_GLOBAL_ORIGIN, (), DENIED),
     (CMD.MAV_CMD_DO_SET_SERVO, (1, 1500), UNSUPPORTED),
     (CMD.MAV_CMD_DO_SET_REVERSE, (1,), UNSUPPORTED),
+    (CMD.MAV_CMD_IMAGE_START_CAPTURE, (1,), UNSUPPORTED),
+    (CMD.MAV_CMD_REQUEST_CAMERA_INFORMATION, (1,), UNSUPPORTED),
     (CMD.MAV_CMD_DO_SEND_BANNER, (), OK),
     (CMD.MAV_CMD_RUN_PREARM_CHECKS, (), OK),
     (CMD.MAV_CMD_GET_HOME_POSITION, (), OK),
@@ -193,14 +195,14 @@ def test_a_refused_arming_fails_and_says_why() -> None:
 def test_disarming_cuts_the_motors_before_the_next_tick(rig: Rig, magic: float) -> None:
     rig.arm()
     rig.ask(CMD.MAV_CMD_MISSION_START)
-    rig.run(5.0)
+    rig.run(2.0)
     motors = rig.world._motors
     assert motors.left > 0.2
     assert rig.ask(CMD.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, magic) == OK
     assert (motors.left, motors.right) == (0.0, 0.0)
     text = "Disarmed by emergency stop" if magic else "Disarmed by command"
     assert text in rig.peer.texts
-    rig.run(2.0)
+    rig.run(0.5)
     assert (motors.left, motors.right) == (0.0, 0.0)
 
 

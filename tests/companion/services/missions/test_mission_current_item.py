@@ -23,9 +23,7 @@ def test_the_old_go_to_sails_there_and_touches_no_list(form: str) -> None:
     assert result_of(rig, message) is MissionResult.ACCEPTED
     target = rig.boat.vehicle.modes.guided.target
     assert target is not None
-    assert target.lat_deg == pytest.approx(
-        there.x / 1e7, abs=4e-6
-    )  # a float32 degree is some decimetres wide
+    assert target.lat_deg == pytest.approx(there.x / 1e7, abs=4e-6)  # a float32 degree is decimetres wide
     assert rig.items() == tuple(MISSION)
 
 

@@ -72,7 +72,7 @@ def rig() -> PayloadRig:
 def test_a_command_is_answered_and_its_fault_named(
     rig: PayloadRig, number: int, params: tuple[float, ...], result: int, text: str
 ) -> None:
-    rig.run(3.0)  # a repeated command would count as sent again
+    rig.run(1.5)  # as long as an image takes
     assert rig.ask(number, *params) == result
     assert rig.boat.endpoint.faults == 0
     if text:

@@ -137,19 +137,6 @@ def test_the_pack_is_reported_with_its_charge(rig: Rig) -> None:
     assert battery.battery_remaining == latest(rig, "SYS_STATUS").battery_remaining
 
 
-def test_the_set_of_the_water_and_the_estimates_accuracy_can_be_asked_for() -> None:
-    rig = Rig("open", "environment.current_m_s=0.5", "environment.current_to_deg=90.0").ready()
-    rig.run(20.0)
-    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 250) == OK
-    (drift,) = rig.peer.said("DEBUG_VECT")
-    assert drift.name == "CURRENT"
-    assert (drift.x, drift.y) == pytest.approx((0.0, 0.5), abs=0.1)
-    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 230) == OK
-    (status,) = rig.peer.said("ESTIMATOR_STATUS")
-    assert status.flags & dialect.ESTIMATOR_POS_HORIZ_ABS
-    assert 0.0 < status.pos_horiz_accuracy < 0.5
-
-
 def test_the_distance_home_is_that_along_the_way() -> None:
     rig = fenced(Rig().ready(), *polygon(L_WATER))
     assert rig.set_mode(Mode.RTL) == OK
