@@ -12,15 +12,13 @@ from collections.abc import Callable, Sequence
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import codec, emulator, router, transfer
-from benchmarks.measure import Row
-from benchmarks.page import table, write
+from benchmarks import codec, emulator, router
+from benchmarks.measure import Row, table, write
 from benchmarks.planning import peers, routes, startup, survey, watch
 
 BENCHMARKS: dict[str, Callable[[], list[Row]]] = {
     "codec": codec.rows,
     "router": router.rows,
-    "transfer": transfer.rows,
     "routes": routes.rows,
     "peers": peers.rows,
     "survey": survey.rows,

@@ -1,10 +1,13 @@
-"""How every benchmark measures: ours and the peer in turn, in one process; median, spread and ratio."""
+"""How every benchmark measures, ours and the peer in turn in one process, and the tables that it writes."""
 
 import gc
 import statistics
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+
+FOLDER = Path("out")
 
 
 @dataclass(frozen=True)
@@ -74,3 +77,13 @@ def _spread(values: Sequence[float]) -> float:
         return 0.0
     low, _, high = statistics.quantiles(values, n=4)
     return 0.5 * (high - low)
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def write(name: str, text: str) -> None:
+    FOLDER.mkdir(exist_ok=True)
+    (FOLDER / f"{name}.md").write_text(text, encoding="utf-8")

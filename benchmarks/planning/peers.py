@@ -10,9 +10,8 @@ from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
 
-from benchmarks.measure import Row
-from benchmarks.page import table as markdown
-from benchmarks.page import write
+from benchmarks.measure import Row, write
+from benchmarks.measure import table as markdown
 from benchmarks.peers import PEERS
 from benchmarks.peers.interface import Failed, Sea, plan
 from companion.core.geo import Point
