@@ -7,7 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from difflib import SequenceMatcher
 
 from companion.core.geo import LatLon, geodesic_m
-from companion.core.units import e7_to_deg
 from mission_tools.mission.mission import (
     LIST_NAMES,
     MissionItem,
@@ -95,7 +94,7 @@ def _said(item: MissionItem) -> str:
 
 
 def _place(item: MissionItem) -> LatLon | None:
-    return LatLon(e7_to_deg(item.x), e7_to_deg(item.y)) if item.is_global else None
+    return item.lat_lon if item.is_global else None
 
 
 def _at(place: LatLon) -> str:

@@ -57,9 +57,10 @@ def _degree_ticks(axes: Axes, chart: Chart, view: View) -> None:
     lons_deg, decimals = _round_values(low.lon_deg, low.lon_deg + across_deg)
     lats_deg, lat_decimals = _round_values(low.lat_deg, high.lat_deg)
     span = (east - west) / across_deg
+    wrapped_deg = [longitude_difference_deg(lon, 0.0) for lon in lons_deg]
     axes.set_xticks(
         [west + (lon - low.lon_deg) * span for lon in lons_deg],
-        [f"{abs(lon):.{decimals}f}° {'W' if lon < 0 else 'E'}" for lon in map(_wrapped_deg, lons_deg)],
+        [f"{abs(lon):.{decimals}f}° {'W' if lon < 0 else 'E'}" for lon in wrapped_deg],
     )
     span = (north - south) / (high.lat_deg - low.lat_deg)
     axes.set_yticks(
@@ -68,10 +69,6 @@ def _degree_ticks(axes: Axes, chart: Chart, view: View) -> None:
         rotation=90,
         va="center",
     )
-
-
-def _wrapped_deg(lon_deg: float) -> float:
-    return longitude_difference_deg(lon_deg, 0.0)
 
 
 def _round_values(low: float, high: float) -> tuple[list[float], int]:

@@ -134,13 +134,13 @@ def is_near_antimeridian(shape: BaseGeometry) -> bool:
 
 def continuous(shape: BaseGeometry, near_lon_deg: float) -> BaseGeometry:
     """The shape without jumps, each of its parts shifted by whole turns to be near a longitude."""
-    if isinstance(shape, Polygon):
-        rings = [shape.exterior, *shape.interiors]
-        outer, *holes = (_continuous_ring(shapely.get_coordinates(ring), near_lon_deg) for ring in rings)
-        return Polygon(outer, holes)
-    if isinstance(shape, MultiPolygon):
-        return MultiPolygon([continuous(part, near_lon_deg) for part in shape.geoms])
-    moved: BaseGeometry = shapely.transform(shape, lambda lon_lat: _continuous_ring(lon_lat, near_lon_deg))
+
+    def change(lon_lat: Coordinates) -> Coordinates:
+        return _continuous_ring(lon_lat, near_lon_deg)
+
+    if isinstance(shape, Polygon | MultiPolygon):
+        return _with_rings(shape, change)
+    moved: BaseGeometry = shapely.transform(shape, change)
     return moved
 
 

@@ -125,7 +125,7 @@ class MissionItem:
             if math.isfinite(value) and abs(value) > LARGEST:
                 raise ValueError(f"{value:g} does not fit the 32 bits that a parameter has")
         if self.is_global:
-            LatLon(e7_to_deg(self.x), e7_to_deg(self.y))
+            _ = self.lat_lon
 
     @classmethod
     def at(
@@ -165,6 +165,11 @@ class MissionItem:
         """Where the item sends the boat; None for items that send it nowhere."""
         if not self.is_global or self.command not in POSITION_COMMANDS:
             return None
+        return self.lat_lon
+
+    @property
+    def lat_lon(self) -> LatLon:
+        """x and y in a global frame."""
         return LatLon(e7_to_deg(self.x), e7_to_deg(self.y))
 
     @property

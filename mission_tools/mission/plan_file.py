@@ -43,25 +43,12 @@ def parse_mission(text: str, source: str) -> Mission:
         raise PlanFileError(f"{source}: {error}") from None
 
 
-def check_mission_name(path: Path) -> None:
-    """See whether a mission can be written under this name. Raises PlanFileError: its ending is of no format
-    that is written here; names those that are.
-    """
-    if path.suffix.lower() not in MISSION_SUFFIXES:
-        raise PlanFileError(
-            f"{path}: missions are written as .plan (QGroundControl) or as .waypoints, .wpl, .txt (QGC WPL "
-            "110): expected a name that ends in one of these"
-        )
-
-
 def save_mission(mission: Mission, path: Path) -> None:
-    """Write a mission; `.plan` gives QGroundControl's format, the other endings QGC WPL 110. Raises
-    PlanFileError: the file cannot be written, the name is of no known format, or the format cannot hold the
-    mission.
+    """Write a mission; `.plan` gives QGroundControl's format, the other MISSION_SUFFIXES QGC WPL 110. Raises
+    PlanFileError: the file cannot be written, or the format cannot hold the mission.
     """
     from mission_tools.mission import qgc_plan, wpl_text  # noqa: PLC0415 - msgspec, for files alone
 
-    check_mission_name(path)
     if path.suffix.lower() == ".plan":
         text = qgc_plan.compose(mission)
     elif mission.fence != Fence() or mission.rally:

@@ -5,8 +5,6 @@ import struct
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from companion.core.geo import LatLon
-from companion.core.units import e7_to_deg
 from mission_tools.mission.mission import (
     CIRCLES,
     VERTICES,
@@ -37,13 +35,13 @@ def mission_from(lists: Mapping[MissionType, Sequence[MissionItem]], *, home_fir
         first, *rest = items
         items = tuple(rest)
         if (first.x, first.y) != (0, 0):  # what a vehicle without a home has there
-            home, altitude_m = _place(first), first.z
+            home, altitude_m = first.lat_lon, first.z
     return Mission(
         items,
         home,
         altitude_m,
         fence_from(lists.get(MissionType.FENCE, ())),
-        tuple(Rally(_place(item), item.z) for item in lists.get(MissionType.RALLY, ())),
+        tuple(Rally(item.lat_lon, item.z) for item in lists.get(MissionType.RALLY, ())),
     )
 
 
@@ -63,23 +61,19 @@ def fence_from(items: Sequence[MissionItem]) -> Fence:
             group = items[number : number + count]
             if count < 3 or len(group) < count or {part.command for part in group} != {item.command}:
                 raise ValueError(f"{where}: begins a polygon of {count} vertices that do not follow")
-            corners = tuple(_place(part) for part in group)
+            corners = tuple(part.lat_lon for part in group)
             polygons.append(FencePolygon(corners, _VERTICES[Command(item.command)]))
             number += count
             continue
         if item.command in _CIRCLES:
-            circles.append(FenceCircle(_place(item), item.params[0], _CIRCLES[Command(item.command)]))
+            circles.append(FenceCircle(item.lat_lon, item.params[0], _CIRCLES[Command(item.command)]))
         elif item.command == Command.NAV_FENCE_RETURN_POINT:
             return_point = item
         else:
             raise ValueError(f"{where}: MAV_CMD {item.command} is none of a fence")
         number += 1
-    back, altitude_m = (None, 0.0) if return_point is None else (_place(return_point), return_point.z)
+    back, altitude_m = (None, 0.0) if return_point is None else (return_point.lat_lon, return_point.z)
     return Fence(tuple(polygons), tuple(circles), back, altitude_m)
-
-
-def _place(item: MissionItem) -> LatLon:
-    return LatLon(e7_to_deg(item.x), e7_to_deg(item.y))
 
 
 @dataclass(frozen=True, slots=True)

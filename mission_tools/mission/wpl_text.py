@@ -34,7 +34,7 @@ def parse(text: str) -> Mission:
     items = tuple(_row(number, line, index) for index, (number, line) in enumerate(rows[1:]))
     if items and items[0].frame == Frame.GLOBAL and items[0].command == Command.NAV_WAYPOINT:
         first = items[0]
-        home = LatLon(e7_to_deg(first.x), e7_to_deg(first.y)) if (first.x, first.y) != (0, 0) else None
+        home = first.lat_lon if (first.x, first.y) != (0, 0) else None
         return Mission(items[1:], home, first.z)
     return Mission(tuple(shifted_jump(item, 1) for item in items))
 

@@ -36,10 +36,11 @@ def water_of(chart: Chart) -> Water:
         ring
         for part in shapely.get_parts(chart.navigable)
         for ring in (part.exterior, *part.interiors)
-        if not (chart.is_open and _bounds_open_water(ring))
+        # The square that stands for the sea is no shore
+        if not (chart.is_open and max(map(abs, ring.bounds)) >= OPEN_WATER_HALF_SIDE_M)
     ]
     asking = own_clearances(chart)
-    own_m = [_own_clearance_m(ring, asking) for ring in rings]
+    own_m = [next((own for shape, own in asking if _is_outline(ring, shape)), None) for ring in rings]
     water = Water(
         [Shore(_corners(ring), own) for ring, own in zip(rings, own_m, strict=True)], is_open=chart.is_open
     )
@@ -66,16 +67,6 @@ def own_clearances(chart: Chart) -> list[tuple[BaseGeometry, float]]:
         if clearance_m is not None:
             found.append((feature.shape, clearance_m))
     return found
-
-
-def _bounds_open_water(ring: LinearRing) -> bool:
-    """Whether a ring is the square that stands for the sea, which is no shore."""
-    return bool(max(map(abs, ring.bounds)) >= OPEN_WATER_HALF_SIDE_M)
-
-
-def _own_clearance_m(ring: LinearRing, asking: Sequence[tuple[BaseGeometry, float]]) -> float | None:
-    """The clearance of the feature that a shore is the outline of; None: the route's."""
-    return next((clearance_m for shape, clearance_m in asking if _is_outline(ring, shape)), None)
 
 
 def _is_outline(ring: LinearRing, shape: BaseGeometry) -> bool:

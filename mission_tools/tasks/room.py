@@ -5,12 +5,10 @@ distance, so a shore may come out nearer than asked. The polygons here are check
 their outline, and shrunk until it holds.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from companion.core.geo import Point
@@ -114,8 +112,3 @@ def _legs(pieces: BaseGeometry) -> NDArray[np.object_]:
         found.append(np.stack((corners[:-1], corners[1:]), axis=1))
     legs: NDArray[np.object_] = shapely.linestrings(np.concatenate(found))
     return legs
-
-
-def union(shapes: Sequence[Polygon]) -> MultiPolygon:
-    """Polygons that do not overlap, as one."""
-    return MultiPolygon(list(shapes))

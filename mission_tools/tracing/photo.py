@@ -20,7 +20,6 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 from PIL.PngImagePlugin import PngInfo
 from scipy import ndimage
-from shapely.geometry import Polygon
 
 from companion.cli.output_file import output_file, write_text
 from companion.core.geo import LatLon
@@ -28,7 +27,7 @@ from mission_tools.errors import MapError
 from mission_tools.geojson import collection, feature
 from mission_tools.maps.chart import Area, Chart, area_of
 from mission_tools.maps.formats.georeference import Georeference
-from mission_tools.maps.formats.mask import LEAST_PIXELS, open_picture, pixel_m, traced_area
+from mission_tools.maps.formats.mask import open_picture, pixel_m, traced_area, without_specks
 from mission_tools.maps.geojson import parse_geojson
 from mission_tools.overwrite_guard import PICTURE_METADATA
 from mission_tools.tracing.region import Mask, Pixel, grow
@@ -179,6 +178,4 @@ def _filled(mask: Mask, side_m: float, fill_m2: float) -> tuple[Mask, list[str]]
 def _outline(mask: Mask, inset_pixels: float) -> Area:
     smooth = ndimage.gaussian_filter(mask.astype(np.float32), EDGE_SMOOTHING)
     simple = area_of(shapely.make_valid(shapely.simplify(traced_area(smooth, 0.5), SIMPLIFICATION)))
-    inset = area_of(simple.buffer(-inset_pixels))
-    parts = [part for part in shapely.get_parts(inset) if isinstance(part, Polygon)]
-    return shapely.MultiPolygon([part for part in parts if part.area >= LEAST_PIXELS])
+    return without_specks(area_of(simple.buffer(-inset_pixels)))

@@ -45,7 +45,7 @@ def remainder_of(items: Sequence[MissionItem], chart: Chart, current: int) -> Re
 
 def is_blocked(here: Point, left: Remainder, seen: Polygon | MultiPolygon) -> bool:
     """Whether a leg that is left comes too near to what was seen."""
-    return _first_blocked([here, *_places(left)], seen) is not None
+    return _first_blocked([here, *(point for point in left.points if point is not None)], seen) is not None
 
 
 def around(
@@ -83,10 +83,6 @@ def around(
         items[first:first] = detour
         points[first:first] = list(way)
     raise NoRoute(f"more than {_DETOURS} detours: the chart does not fit what the boat sees")
-
-
-def _places(left: Remainder) -> list[Point]:
-    return [point for point in left.points if point is not None]
 
 
 def _first_blocked(path: Sequence[Point], seen: Polygon | MultiPolygon) -> int | None:

@@ -152,7 +152,7 @@ def outlines(mask: Mask, most: float = math.inf) -> Area:
     traced = traced_area(wet, level=0.51, corner=(left, top), most=most)
     simple = area_of(shapely.make_valid(shapely.simplify(traced, TOLERANCE_PIXELS)))
     # GEOS' buffers are up to 1 % too small
-    return _without_specks(area_of(simple.buffer(-1.03 * SHRINK_PIXELS)))
+    return without_specks(area_of(simple.buffer(-1.03 * SHRINK_PIXELS)))
 
 
 def traced_area(
@@ -179,9 +179,9 @@ def traced_area(
     return area_of(shapely.union_all(shapely.make_valid(polygons)))
 
 
-def _without_specks(area: Area) -> Area:
-    parts = [part for part in shapely.get_parts(area) if part.area >= LEAST_PIXELS]
-    return MultiPolygon(parts)
+def without_specks(area: Area) -> MultiPolygon:
+    """The pieces of at least LEAST_PIXELS."""
+    return MultiPolygon([part for part in shapely.get_parts(area) if part.area >= LEAST_PIXELS])
 
 
 def pixel_m(georeference: Georeference, near: BaseGeometry, source: str) -> float:

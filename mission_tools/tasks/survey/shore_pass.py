@@ -11,11 +11,11 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from shapely.geometry import Polygon
+from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from mission_tools.maps.chart import Chart
-from mission_tools.tasks.room import polygons, simplified, union
+from mission_tools.tasks.room import polygons, simplified
 
 Array = NDArray[np.float64]
 CORNER_INSET = 0.5 * math.sqrt(0.5)  # of the footprint: so near to an edge, its square corners are covered
@@ -33,7 +33,7 @@ def water_within_pass(
 
     water: what the boat may use. target: what is to be covered.
     """
-    whole = union(water)
+    whole = MultiPolygon(water)
     inset = chart.navigable.buffer(-CORNER_INSET * swath_m, quad_segs=_QUADRANT_SEGMENTS)
     offshore = inset.intersection(whole)
     left_out = target.difference(offshore.buffer(0.5 * swath_m, quad_segs=_QUADRANT_SEGMENTS))
@@ -49,6 +49,6 @@ def water_within_pass(
 def passes_along(chart: Chart, water: Sequence[Polygon], clearance_m: float, swath_m: float) -> list[Array]:
     """The closed outlines as (east, north), with few corners."""
     error_m = (RING_ERROR if clearance_m < CORNER_INSET * swath_m else FINE_RING_ERROR) * swath_m
-    inset = polygons(union(water).buffer(-error_m, quad_segs=_QUADRANT_SEGMENTS)) or water
+    inset = polygons(MultiPolygon(water).buffer(-error_m, quad_segs=_QUADRANT_SEGMENTS)) or water
     outlines = [shapely.get_coordinates(ring) for ring in shapely.get_rings(inset)]
     return [simplified(outline, chart.shores, clearance_m, error_m) for outline in outlines]

@@ -18,7 +18,6 @@ from mission_tools.maps.chart import Chart
 from mission_tools.tasks.room import (
     QUADRANT_SEGMENTS,
     polygons,
-    union,
     water_clear_of_shores,
     water_reached_from,
 )
@@ -75,10 +74,12 @@ def survey(
     reached = water_reached_from(water_clear_of_shores(chart, plan.clearance_m), start)
     wide = [reached]
     if plan.margin_m > 0.0:
-        wide = polygons(union(water_clear_of_shores(chart, plan.required_m)).intersection(reached))
+        wide = polygons(MultiPolygon(water_clear_of_shores(chart, plan.required_m)).intersection(reached))
     water = wide if area is None else _inside(wide, area, swath_m)
     _check_water(water, settings)
-    target = union(wide).buffer(0.5 * swath_m, quad_segs=QUADRANT_SEGMENTS).intersection(chart.navigable)
+    target = (
+        MultiPolygon(wide).buffer(0.5 * swath_m, quad_segs=QUADRANT_SEGMENTS).intersection(chart.navigable)
+    )
     if area is not None:
         target = target.intersection(area)
     rings: list[Array] = []
@@ -86,13 +87,13 @@ def survey(
     if settings.shore_pass:
         within = water_within_pass(chart, water, target, swath_m)
         rings = passes_along(chart, within, plan.required_m, swath_m)
-        inside = polygons(union(within).buffer(-(0.5 - RING_ERROR) * swath_m))
+        inside = polygons(MultiPolygon(within).buffer(-(0.5 - RING_ERROR) * swath_m))
     course_rad = settings.angle_rad
     if course_rad is None:
         course_rad = fewest_turns_rad(inside or water)
     tracks = Tracks(course_rad, (), ())
     if inside:
-        room = None if rings else union(water)
+        room = None if rings else MultiPolygon(water)
         tracks = lay_tracks(inside, course_rad, settings.track_spacing_m, swath_m, room)
     origin = None if start is None else np.array([start.east_m, start.north_m])
     end = origin if settings.is_return else None
@@ -102,7 +103,7 @@ def survey(
     if rings:
         visits = with_rings(visits, rings, reached, origin, 0.5 * swath_m)
     ends = tracks.ends() if tracks.tracks else np.zeros((0, 2))
-    least_m = sum(_length_m(visit.points) for visit in visits)
+    least_m = sum(float(np.hypot(*np.diff(visit.points, axis=0).T).sum()) for visit in visits)
     least_m += least_transits_m(ends, [shapely.LineString(ring) for ring in rings], origin, 4.0 * swath_m)
     if settings.cross_spacing_m is not None:
         lines = lines_across(water, course_rad + 0.5 * math.pi, settings.cross_spacing_m)
@@ -110,9 +111,9 @@ def survey(
         visits += in_best_order(lines, reached, last, end, detail_m, "cross")
         least_m += sum(track.high_m - track.low_m for track in lines.tracks)
         least_m += least_transits_m(lines.ends(), [], None, swath_m)
-    legs, notes = _joined_legs(chart, visits, start, union(wide), settings), []
+    legs, notes = _joined_legs(chart, visits, start, MultiPolygon(wide), settings), []
     if settings.turn_radius_m > 0.0:
-        legs, tighter = with_turns(legs, union(wide), settings.turn_radius_m)
+        legs, tighter = with_turns(legs, MultiPolygon(wide), settings.turn_radius_m)
         if tighter:
             notes.append(f"{tighter} turns are tighter than {settings.turn_radius_m:g} m for lack of room")
     notes += _left_out(chart, target, area, plan.required_m)
@@ -135,7 +136,7 @@ def _check_water(water: Sequence[Polygon], settings: SurveySettings) -> None:
     """
     if not water:
         raise NoRoute(f"no water in the area keeps {settings.plan.required_m:g} m from every shore")
-    west, south, east, north = union(water).bounds
+    west, south, east, north = MultiPolygon(water).bounds
     across_m, spacing_m = math.hypot(east - west, north - south), settings.track_spacing_m
     if spacing_m > across_m:
         raise UsageError(
@@ -181,7 +182,3 @@ def _joined_legs(
     if settings.is_return and start is not None and here is not None and here != start:
         legs.append(TaskLeg("transit", transits.route(start, here)[::-1]))
     return legs
-
-
-def _length_m(points: Array) -> float:
-    return float(np.hypot(*np.diff(points, axis=0).T).sum())
