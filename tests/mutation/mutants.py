@@ -19,6 +19,7 @@ _OTHER_OPERATOR: dict[type[ast.operator], type[ast.operator]] = {
 }  # fmt: skip
 _OTHER_FUNCTION = {"min": "max", "max": "min"}
 _CONDITIONS = (ast.Name, ast.Attribute, ast.Call)
+_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,15 +89,15 @@ def recording(root: Path, path: str, recorder: str) -> CodeType:
     return compile(tree, str(root / path), "exec", dont_inherit=True)
 
 
-def _outermost(node: ast.AST) -> Iterator[ast.FunctionDef]:
+def _outermost(node: ast.AST) -> Iterator[ast.FunctionDef | ast.AsyncFunctionDef]:
     for child in ast.iter_child_nodes(node):
-        if isinstance(child, ast.FunctionDef):
+        if isinstance(child, _FUNCTIONS):
             yield child
         else:
             yield from _outermost(child)
 
 
-def _first_line(function: ast.FunctionDef) -> int:
+def _first_line(function: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
     return min([function.lineno, *(one.lineno for one in function.decorator_list)])
 
 
@@ -118,9 +119,9 @@ def _collect(node: ast.AST, names: tuple[str, ...], first_line: int, sites: list
             if not isinstance(child, ast.AST) or _is_left_out(child):
                 continue
             here, line = names, first_line
-            if isinstance(child, ast.FunctionDef | ast.ClassDef):
+            if isinstance(child, (*_FUNCTIONS, ast.ClassDef)):
                 here = (*names, child.name)
-            if isinstance(child, ast.FunctionDef) and not first_line:
+            if isinstance(child, _FUNCTIONS) and not first_line:
                 line = _first_line(child)
             # Defaults of arguments belong to the code around the function
             outside = isinstance(node, ast.arguments)

@@ -34,7 +34,7 @@ class Counter:
         return weight * 2
 
 
-def pair(one: int) -> tuple[int, int]:
+async def pair(one: int) -> tuple[int, int]:
     def inner() -> int:
         return one
     return inner(), 7
@@ -95,7 +95,7 @@ def test_all_mutants_compile_and_differ(tmp_path: Path, faults: list[Mutant]) ->
 def test_a_fault_knows_the_outermost_function_that_holds_it(faults: list[Mutant]) -> None:
     lines = SOURCE.splitlines()
     first = {one.before: lines[one.first_line - 1].strip() if one.first_line else "" for one in faults}
-    assert first["return one"] == "def pair(one: int) -> tuple[int, int]:"
+    assert first["return one"] == "async def pair(one: int) -> tuple[int, int]:"
     assert first["weight * 2"].startswith("def add")
     assert first["2.0"] == ""
     assert first["0.0"] == "", "a default is evaluated outside of its function"
