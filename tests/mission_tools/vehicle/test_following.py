@@ -155,6 +155,18 @@ def test_a_lookout_asks_for_what_it_needs_and_listens_until_its_end(clock: FakeC
     assert vehicle.rates_hz == {33: 10.0, 30: 10.0, 330: 5.0, 132: 10.0, 42: 5.0}
 
 
+def test_a_lookout_whose_hearers_broke_ends_like_any_other(clock: FakeClock) -> None:
+    vehicle = SailingVehicle(clock, [object()])
+
+    async def look_out() -> None:
+        async with looking_out(
+            cast(Vehicle, vehicle), ScriptedWatcher(), Printer(io.StringIO()), clock.now_s
+        ):
+            await asyncio.sleep(0)
+
+    asyncio.run(look_out())
+
+
 def test_work_in_a_thread_returns_or_raises() -> None:
     async def work() -> int:
         with pytest.raises(ZeroDivisionError):
@@ -181,7 +193,8 @@ def followed(
         return asyncio.run(sail()), shown.getvalue().splitlines()
 
 
-def test_off_a_terminal_each_waypoint_has_a_line(clock: FakeClock) -> None:
+def test_off_a_terminal_each_waypoint_has_a_line(clock: FakeClock, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "20")
     monitor, lines = followed(SailingVehicle(clock), clock)
     assert [line.partition(":")[0] for line in lines] == [
         "waypoint 1 of 2",

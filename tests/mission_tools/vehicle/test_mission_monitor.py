@@ -31,6 +31,7 @@ def test_progress_counts_waypoints_and_the_way_along_all_legs() -> None:
     assert progress.left_m == pytest.approx(150.0, abs=0.1)
     assert progress.eta_s == pytest.approx(75.0, rel=0.01)
     assert not progress.finished
+    assert monitor.update(sailing(101.0, 0, reached_item=2), 80.0).waypoint == 2
 
 
 def test_the_end_is_the_last_waypoint_reached_whatever_the_mode_is_then() -> None:

@@ -142,6 +142,7 @@ def test_datagrams_answer_whoever_signs_and_nobody_else() -> None:
     wire.poll()
     wire.send(*frames(boat(None), 1))
     assert len(heard) == len(friend_far.receive()) == 1
+    assert wire._links == [stranger, friend]
     assert stranger_far.receive() == []
 
 

@@ -5,21 +5,38 @@ The plugins are made up here; tests/e2e/planner has the real ones, and a vehicle
 
 import asyncio
 import json
-from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine
+import logging
+import os
+import pty
+import time
+import tty
+from collections.abc import AsyncIterator, Awaitable, Callable, Coroutine, Iterator
 from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
 from fake_clock import FakeClock
-from mavsdk.asyncio import System
+from mavsdk.asyncio import Configuration, MavsdkConnectionError, System
 from mavsdk.plugins.mavlink_direct import MavlinkDirectError, MavlinkDirectResult, MavlinkMessage
 from mavsdk.plugins.mission_raw import MissionItem as RawItem
 from mavsdk.plugins.mission_raw import MissionRawError, MissionRawResult
+from pymavlink.dialects.v20 import all as dialect
 
 from companion.core.geo import LatLon
-from mission_tools.errors import CommandRefused, LinkLost, ReadBackMismatch, UploadRejected, VehicleError
+from companion.mavlink.signing import timestamp_at
+from companion.mavlink.signing_key import SigningKey
+from mission_tools.errors import (
+    CommandRefused,
+    LinkLost,
+    NoVehicle,
+    ReadBackMismatch,
+    UploadRejected,
+    VehicleError,
+)
 from mission_tools.mission.mission import MissionItem, MissionType
+from mission_tools.vehicle import connection
 from mission_tools.vehicle import vehicle as module
+from mission_tools.vehicle.connection import connect
 from mission_tools.vehicle.exchange import held_mission, send
 from mission_tools.vehicle.link_url import parse_link
 from mission_tools.vehicle.vehicle import Vehicle
@@ -348,11 +365,15 @@ def test_rates_are_asked_for_and_a_vehicle_that_cannot_is_left_alone(boat: Boat,
     assert (message.message_name, message.system_id, message.component_id) == ("COMMAND_LONG", 0, 0)
 
 
-def test_what_the_vehicle_says_is_its_state_and_nonsense_is_passed_over(boat: Boat, plugins: Plugins) -> None:
+def test_what_the_vehicle_says_is_its_state_and_nonsense_is_passed_over(
+    boat: Boat, plugins: Plugins, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.DEBUG)
     reached = json.dumps({"seq": 3})
     plugins.heard = [(1, "{"), (1, "{}"), (1, "null"), (2, json.dumps({"seq": 9})), (1, reached)]
     run(boat.watch("MISSION_ITEM_REACHED"))
     assert boat.state.reached_item == 3
+    assert caplog.text.count("MISSION_ITEM_REACHED that makes no sense") == 3
 
     async def of_the_autopilot() -> list[str]:
         return [fields async for fields in boat.messages("ATTITUDE")]
@@ -397,3 +418,160 @@ def test_a_fence_on_board_that_is_none_is_the_vehicles_error(boat: Boat, plugins
     plugins.outcomes = [[], [raw(0, WAYPOINT)], []]
     with pytest.raises(VehicleError, match=r"^tcp:boat:1: on board: fence, item 0: MAV_CMD 16 is none"):
         run(held_mission(boat))
+
+
+# The link is opened by MAVSDK, or by us where it is signed
+
+
+class Sdk:
+    """MAVSDK, with a vehicle behind any link or none."""
+
+    def __init__(self, vehicle: Plugins | None, on_open: Callable[[], object] = lambda: None) -> None:
+        self.vehicle, self.on_open = vehicle, on_open
+        self.urls: list[str] = []
+        self.passed: list[bytes] = []  # what we hand to it
+        self.send: Callable[[bytes], None] | None = None
+        self.ids = (0, 0)
+        self._mavsdk = self
+
+    def __call__(self, configuration: Configuration) -> "Sdk":
+        self.ids = configuration.system_id, configuration.component_id
+        return self
+
+    async def __aenter__(self) -> "Sdk":
+        return self
+
+    async def __aexit__(self, *error: object) -> None:
+        pass
+
+    async def add_any_connection(self, url: str) -> None:
+        if "taken" in url:
+            raise MavsdkConnectionError("in use")
+        self.urls.append(url)
+
+    async def first_autopilot(self, timeout_s: float) -> Plugins | None:
+        end_s = time.monotonic() + timeout_s
+        while self.send is not None and len(self.passed) < 2 and time.monotonic() < end_s:
+            await asyncio.sleep(0.01)
+        return self.vehicle
+
+    def pass_received_raw_bytes(self, data: bytes) -> None:
+        self.passed.append(data)
+
+    def subscribe_raw_bytes_to_be_sent(self, send: Callable[[bytes], None]) -> int:
+        self.send = send
+        self.on_open()
+        return 5
+
+    def unsubscribe_raw_bytes_to_be_sent(self, handle: int) -> None:
+        assert handle == 5
+        self.send = None
+
+
+def connected(
+    sdk: Sdk, link: str, monkeypatch: pytest.MonkeyPatch, key: SigningKey | None = None
+) -> tuple[Vehicle, set[str]]:
+    """The vehicle, and the messages that were taken in while it was there."""
+
+    async def meet() -> tuple[Vehicle, set[str]]:
+        async with connect(parse_link(link), 0.2, key=key) as vehicle:
+            if sdk.send is not None:
+                sdk.send(bytes(HEARTBEAT.pack(dialect.MAVLink(None, 246, 191))))
+                await asyncio.sleep(0.02)
+            running = {str(task.get_coro()) for task in asyncio.all_tasks()}
+        assert len(asyncio.all_tasks()) == 1
+        return vehicle, running
+
+    monkeypatch.setattr(connection, "Mavsdk", sdk)
+    vehicle, running = asyncio.run(meet())
+    return vehicle, {one for one in running if "Vehicle.watch" in one}
+
+
+KEY = SigningKey.from_passphrase("correct horse")
+HEARTBEAT = dialect.MAVLink_heartbeat_message(11, 3, 129, 4, 4, 3)
+SAYS_HOLD = json.dumps({"autopilot": 3, "type": 11, "custom_mode": 4, "base_mode": 1})
+
+
+class Talking(Plugins):
+    """Says its heartbeat, and then goes on."""
+
+    async def subscribe_message(self, name: str) -> AsyncIterator[object]:
+        async for message in super().subscribe_message(name):
+            yield message
+        await asyncio.Event().wait()
+
+
+@pytest.fixture
+def talking(plugins: Plugins) -> Plugins:
+    """A vehicle of id 7 in HOLD."""
+    talking = Talking()
+    talking.outcomes, talking.heard = [7], [(1, SAYS_HOLD)]
+    return talking
+
+
+def test_a_vehicle_is_met_as_an_onboard_computer_and_watched_until_the_end(
+    talking: Plugins, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sdk = Sdk(talking)
+    vehicle, watched = connected(sdk, "tcp:boat:1", monkeypatch)
+    assert (sdk.ids, sdk.urls) == ((246, 191), ["tcpout://boat:1"])
+    assert (vehicle.system_id, vehicle.state.mode, len(watched)) == (7, "HOLD", 8)
+    assert [first for _, first in talking.commands] == [33.0, 42.0]
+    assert talking.destroyed == 2
+
+
+@pytest.mark.parametrize(
+    ("link", "vehicle", "said"),
+    [
+        ("tcp:taken:1", None, "cannot be opened (in use): {advice}"),
+        ("tcp:boat:1", None, "no vehicle within 0.2 s: {advice}"),
+        ("tcp:boat:1", Plugins(), "the vehicle fell silent after its first heartbeat: {advice}"),
+    ],
+)
+@pytest.mark.usefixtures("plugins")
+def test_where_no_vehicle_is_met_there_is_advice(
+    link: str, vehicle: Plugins | None, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(connection, "SILENCE_S", 0.0)
+    with pytest.raises(NoVehicle) as raised:
+        connected(Sdk(vehicle), link, monkeypatch)
+    assert str(raised.value) == f"{link}: {said.format(advice=parse_link(link).advice)}"
+    assert vehicle is None or vehicle.destroyed == 2
+
+
+@pytest.fixture
+def line() -> Iterator[tuple[int, str]]:
+    """A serial line: the boat's end, and the name of ours."""
+    theirs, ours = pty.openpty()
+    tty.setraw(ours)
+    yield theirs, os.ttyname(ours)
+    os.close(theirs)
+    os.close(ours)
+
+
+def test_over_a_signed_line_both_ways_are_signed_and_the_vehicle_hears_no_more_after_its_end(
+    talking: Plugins, line: tuple[int, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    theirs, ours = line
+    boat = dialect.MAVLink(None, 7, 1)
+    boat.signing.secret_key, boat.signing.sign_outgoing = KEY.reveal(), True
+    boat.signing.timestamp = timestamp_at(time.time())
+    sdk = Sdk(talking, lambda: [os.write(theirs, bytes(HEARTBEAT.pack(boat))) for _ in range(2)])
+    connected(sdk, ours, monkeypatch, KEY)
+    assert sdk.urls == ["raw://"]
+    assert len(sdk.passed) == 2
+    assert sdk.send is None
+    assert [message.get_type() for message in boat.parse_buffer(os.read(theirs, 100))] == ["HEARTBEAT"]
+
+
+def test_a_signed_link_that_hears_the_unsigned_says_so(
+    line: tuple[int, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    theirs, ours = line
+    plain = bytes(HEARTBEAT.pack(dialect.MAVLink(None, 7, 1)))
+    with pytest.raises(
+        NoVehicle, match=r"no vehicle within 0\.2 s: what it says is not signed: give the boat"
+    ):
+        connected(Sdk(None, lambda: os.write(theirs, plain)), ours, monkeypatch, KEY)
+    with pytest.raises(NoVehicle, match=r"/dev/missing: cannot be opened \(.*\): "):
+        connected(Sdk(None), "/dev/missing", monkeypatch, KEY)

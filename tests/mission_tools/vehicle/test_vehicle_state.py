@@ -3,7 +3,7 @@
 import pytest
 
 from companion.core.geo import LatLon
-from mission_tools.vehicle.state import VehicleState
+from mission_tools.vehicle.state import COMMAND_RESULTS, MISSION_REFUSALS, VehicleState
 
 HEARTBEAT = {"autopilot": 3, "type": 11, "custom_mode": 10, "base_mode": 129}
 
@@ -12,6 +12,12 @@ def test_heartbeats_of_other_components_are_not_the_boats() -> None:
     state = VehicleState()
     state.handle("HEARTBEAT", 154, HEARTBEAT, now_s=7.0)
     assert state == VehicleState()
+    assert (state.autopilot, state.type, state.current_item, state.mission_state, state.refused) == (0,) * 5
+
+
+def test_every_refusal_of_the_protocol_has_its_words() -> None:
+    assert list(MISSION_REFUSALS) == list(range(1, 16))
+    assert list(COMMAND_RESULTS) == list(range(1, 7))
 
 
 @pytest.mark.parametrize(
