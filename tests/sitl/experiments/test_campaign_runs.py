@@ -171,6 +171,6 @@ def test_a_dask_cluster_sails_the_same_runs(file: Path) -> None:
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
         cluster_pool(cluster.scheduler_address) as pool,
     ):
-        outcomes = sorted(pool.run(run_mission, plan.runs), key=lambda outcome: outcome.number)
-    alone = [attempt(run_mission, run) for run in plan.runs]
+        outcomes = sorted(pool.run(run_mission, plan.runs[:2]), key=lambda outcome: outcome.number)
+    alone = [attempt(run_mission, run) for run in plan.runs[:2]]
     assert [(o.ended, o.figures) for o in outcomes] == [(o.ended, o.figures) for o in alone]

@@ -30,5 +30,5 @@ def test_a_receiver_that_is_silent_for_good_is_given_up() -> None:
 
 
 def test_a_run_without_such_a_fault_has_no_such_figures() -> None:
-    assert figures() == {}
-    assert figures("faults=[{what='sonar', at_s=15.0}]") == {}
+    for settings in ((), ("faults=[{what='sonar', at_s=15.0}]",)):
+        assert fault_figures(MissionRun(scenario("open", *settings), [])) == {}

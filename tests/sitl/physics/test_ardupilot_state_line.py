@@ -140,13 +140,13 @@ def test_an_echo_that_ends_goes_far_away_and_does_not_stay() -> None:
 def test_the_boat_is_moored_until_a_motor_is_driven_and_lets_go_without_a_jerk() -> None:
     backend = Backend(load_scenario("open", ("environment.current_m_s=1.0", "environment.wind_m_s=8.0")))
     start = backend.world.scenario.start
-    for frame in range(1, 3000):  # half a minute, with outputs a little off their centre
+    for frame in range(1, 1000):  # ten seconds, with outputs a little off their centre
         known = read(backend, packet(frame, 1505, 0))
         assert known["position"] == (start.north_m, start.east_m, 0.0)
         assert known["velocity"] == (0.0, 0.0, 0.0)
         assert vector(known, "accel_body")[:2] == pytest.approx((0.0, 0.0), abs=1e-9)
-    assert known["timestamp"] == pytest.approx(29.99)
-    for frame in range(3000, 3500):
-        known = read(backend, packet(frame, 1515 if frame < 3010 else 1500))
+    assert known["timestamp"] == pytest.approx(9.99)
+    for frame in range(1000, 1500):
+        known = read(backend, packet(frame, 1515 if frame < 1010 else 1500))
         assert math.hypot(*vector(known, "accel_body")[:2]) < 10.0  # all at once it would be 100
     assert math.hypot(*vector(known, "velocity")) > 0.3, "the water does not carry the boat"

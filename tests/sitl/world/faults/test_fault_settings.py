@@ -41,3 +41,35 @@ def test_a_fault_that_cannot_be_is_refused_with_its_place(table: str, named: str
     with pytest.raises(ConfigError, match=r"faults\.0") as refused:
         load_scenario("open", [f"faults=[{table}]"])
     assert named in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("what", "kind", "bounds"),
+    [
+        ("gnss", "slow", (1.0, math.inf)),
+        ("sonar", "delayed", (0.0, 60.0)),
+        ("rc", "intermittent", (0.04, math.inf)),
+        ("battery", "corrupt", (0.0, 1.0)),
+        ("gyro", "corrupt", (0.0, 1.0)),
+        ("gyro", "garbage", (0.0, math.inf)),
+        ("gnss", "garbage", (0.0, math.inf)),
+        ("gnss", "jammed", (0.04, math.inf)),
+        ("motor_left", "wrong", (-1.0, 1.0)),
+        ("motor_left", "slow", (-1.0, 1.0)),
+        ("motor_right", "stuck", (0.0, 1.0)),
+        ("motor_right", "intermittent", (0.04, math.inf)),
+        ("rc", "wrong", (500.0, 2500.0)),
+        ("leak", "intermittent", (0.04, math.inf)),
+        ("thermometer", "hot", (0.0, math.inf)),
+        ("rudder", "wrong", (-45.0, 45.0)),
+        ("link", "slow", (1.0, math.inf)),
+        ("link", "delayed", (0.0, math.inf)),
+        ("link", "intermittent", (0.04, math.inf)),
+        ("link", "lossy", (0.0, 1.0)),
+        ("cpu", "slow", (0.0, math.inf)),
+        ("clock", "wrong", (0.0, math.inf)),
+    ],
+)
+def test_no_size_is_taken_that_makes_no_sense(what: str, kind: str, bounds: tuple[float, float]) -> None:
+    effect = CATALOGUE[what][kind]
+    assert (effect.low, effect.high) == bounds

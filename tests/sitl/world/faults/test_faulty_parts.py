@@ -164,18 +164,65 @@ def test_a_faulty_sonar_hears_what_its_fault_says(fault: str, ranges: set[float 
     assert heard == [{2.0}, ranges, {2.0}]
 
 
-def test_a_monitor_that_is_stuck_garbled_or_wrong() -> None:
+def test_a_monitor_that_is_stuck_or_wrong() -> None:
     def read(water: World) -> list[Any]:
         return [water.hardware.battery.read() if water.hardware.battery else None]
 
     _, stuck, _ = observed('what="battery", kind="stuck"', read)
     assert len({(reading.voltage_v, reading.current_a) for _, reading in stuck}) == 1
     assert stuck[-1][1].time_s > AT_S + FOR_S - 0.2
-    _, garbage, _ = observed('what="battery", kind="garbage"', read)
-    assert max(reading.voltage_v for _, reading in garbage) > 25.0
-    assert min(reading.current_a for _, reading in garbage) < -40.0
     _, wrong, after = observed('what="battery", kind="wrong", size=-3', read)
     assert wrong[-1][1].voltage_v == pytest.approx(after[-1][1].voltage_v - 3.0, abs=0.2)
+
+
+@pytest.mark.parametrize(
+    ("part", "value", "low", "high"),
+    [
+        ("battery", lambda parts: parts.battery.read().voltage_v, 0.0, 32.0),
+        ("battery", lambda parts: parts.battery.read().current_a, -50.0, 50.0),
+        ("compass", lambda parts: parts.compass.read().heading_rad, -math.pi, math.pi),
+        ("gyro", lambda parts: parts.compass.read().yaw_rate_rad_s, -math.pi / 3.0, math.pi / 3.0),
+        ("sonar", lambda parts: [one.range_m for one in parts.sonar.read()][-1:], 0.02, 4.0),
+        ("depth", lambda parts: parts.depth.read().depth_m, 0.3, 50.0),
+        ("rc", lambda parts: parts.rc.read().channels_us[2], 700, 2300),
+    ],
+)
+def test_garbage_is_anywhere_in_the_range_of_the_part(
+    part: str, value: Callable[[Any], Any], low: float, high: float
+) -> None:
+    def read(water: World) -> list[float]:
+        found = value(water.hardware)
+        return found if isinstance(found, list) else [found]
+
+    fitted = ("sensors.depth.fitted=true", "sensors.rc.fitted=true")
+    _, during, _ = observed(f'what="{part}", kind="garbage"', read, *fitted)
+    values = [one for _, one in during]
+    assert low <= min(values) < low + 0.1 * (high - low)
+    assert high - 0.1 * (high - low) < max(values) <= high
+
+
+def test_a_corrupt_receiver_is_far_off_now_and_then_and_never_says_what_is_no_number() -> None:
+    _, during, _ = fixes('kind="corrupt", size=1')
+    errors_m = [error_m(row) for row in during]
+    assert all(math.isfinite(one) for one in errors_m)
+    assert 0.1 < sum(one > 100.0 for one in errors_m) / len(errors_m) < 0.7
+
+
+def test_a_drifting_compass_is_off_by_its_size_for_every_second() -> None:
+    _, during, _ = headings('what="compass", kind="drift", size=5')
+    for row in during:
+        assert off_deg(row) == pytest.approx(1.0 + 5.0 * (row[0].time_s - AT_S), abs=4.0)
+
+
+def test_a_receiver_whose_transmitter_is_lost_says_so_or_sends_preset_pulses() -> None:
+    def read(water: World) -> list[Any]:
+        return [water.hardware.rc.read() if water.hardware.rc else None]
+
+    _, lost, after = observed('what="rc", kind="failsafe"', read, "sensors.rc.fitted=true")
+    assert {(one.is_failsafe, one.quality) for _, one in lost} == {(True, 0.0)}
+    assert not any(one.is_failsafe for _, one in after)
+    _, preset, _ = observed('what="rc", kind="wrong", size=950', read, "sensors.rc.fitted=true")
+    assert {one.channels_us[:4] for _, one in preset} == {(1500, 1500, 950, 1500)}
 
 
 @pytest.mark.parametrize(
