@@ -4,7 +4,6 @@ import dataclasses
 import json
 from collections import Counter
 from collections.abc import Sequence
-from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Annotated
 
@@ -21,7 +20,7 @@ from sitl.experiments.campaign.expect import ExpectationVerdict, judge
 from sitl.experiments.campaign.table import tabulate, write_csv, write_parquet
 from sitl.experiments.mission_trial import run_mission
 from sitl.experiments.result_log import ResultLog
-from sitl.experiments.runner import TrialPool, cluster_pool, cores, local_pool, run_trials
+from sitl.experiments.runner import cluster_pool, cores, local_pool, run_trials
 from sitl.experiments.trial import TrialResult
 from sitl.reports.campaign_page import campaign_page
 
@@ -56,8 +55,10 @@ def campaign(
     folder = out or Path("out") / file.stem
     with ResultLog(folder, plan) as log:
         pool = cluster_pool(scheduler) if scheduler is not None else local_pool(workers or cores())
+        bar = progress_bar(console, plan.title, len(plan.runs), len(log.results))
         try:
-            results = _run(plan, log, pool, console)
+            with bar as advance, pool as trial_pool:
+                results = run_trials(trial_pool, run_mission, plan.runs, log, advance)
         except KeyboardInterrupt:
             console.print(f"{len(log.results)} of {len(plan.runs)} runs are kept: the same command continues")
             raise
@@ -74,13 +75,6 @@ def campaign(
     unmet = sum(not verdict.is_met for verdict in verdicts)
     if unmet:
         raise CampaignError(f"{unmet} of {len(verdicts)} expectations are not met: see {folder}")
-
-
-def _run(
-    plan: Campaign, log: ResultLog, pool: AbstractContextManager[TrialPool], console: Console
-) -> list[TrialResult]:
-    with progress_bar(console, plan.title, len(plan.runs), len(log.results)) as advance, pool as workers:
-        return run_trials(workers, run_mission, plan.runs, log, advance)
 
 
 def _as_json(plan: Campaign, results: Sequence[TrialResult], verdicts: Sequence[ExpectationVerdict]) -> str:

@@ -26,7 +26,6 @@ from sitl.experiments.tuning.search import (
     REACHES,
     GainComparison,
     Ranking,
-    RunTrials,
     compare,
     search,
 )
@@ -36,8 +35,6 @@ from sitl.world.sensors.sampling import MOST_SEED
 _CHECK_SEEDS = 8  # not those of the search
 _CHECK_AT = 1_000_000  # the first number of these trials
 _FIGURES = ("kept_rms_m", "kept_max_m", "overshoot_m", "command_travel_per_s", "time_s")
-
-Found = tuple[list[Ranking], dict[str, list[TrialResult]]]
 
 
 class TuneError(BoatError):
@@ -115,8 +112,8 @@ def _search_and_check(
     pool: TrialPool,
     log: ResultLog,
     console: Console,
-) -> Found:
-    """Search, then compare the best gains with those before on other seeds."""
+) -> tuple[list[Ranking], dict[str, list[TrialResult]]]:
+    """Search, then sail with the best gains and those before on seeds that the search did not use."""
     title = ""
 
     def run(trials: list[Trial]) -> list[TrialResult]:
@@ -132,18 +129,11 @@ def _search_and_check(
         console.print(f"round {ranking.round}: best of {compared}: cost relative to baseline {ratio:.3f}")
         title = f"round {ranking.round} of {len(REACHES)}"
     title = "check"
-    return rankings, _checked(problem, before, rankings[-1].best, seed + 100, run)
-
-
-def _checked(
-    problem: TuningProblem, before: Gains, after: Gains, seed: int, run: RunTrials
-) -> dict[str, list[TrialResult]]:
-    """Results on seeds that the search did not use."""
-    seeds = range(seed, seed + _CHECK_SEEDS)
+    best, seeds = rankings[-1].best, range(seed + 100, seed + 100 + _CHECK_SEEDS)
     checked = {"before": run(problem.trials(before, seeds, _CHECK_AT))}
-    same = after == before
-    checked["after"] = checked["before"] if same else run(problem.trials(after, seeds, 2 * _CHECK_AT))
-    return checked
+    same = best == before
+    checked["after"] = checked["before"] if same else run(problem.trials(best, seeds, 2 * _CHECK_AT))
+    return rankings, checked
 
 
 def _print(

@@ -3,6 +3,7 @@
     straight    200 m north
     zigzag      five right angles, alternately to starboard and to port, on legs of 50 m
     square      50 m a side, to starboard, back to where it began
+    station     sail to a place 10 m off and stay there for ten minutes
 
 What is measured comes from the truth. The *cross-track error* is the distance to the line of the leg being
 sailed, so that a corner that is cut counts with how far inside it the boat was. The *path error* is the
@@ -23,9 +24,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import shapely
 
-from companion.core.geo import Line, LocalFrame, Point
+from companion.core.geo import Line, LocalFrame, Point, distance_m
 from companion.core.units import wrap_pi
-from mission_tools.mission.mission import Mission
+from mission_tools.mission.mission import Command, Mission, MissionItem
 from mission_tools.mission.route import mission_along
 from sitl.run.recording.recorder import Recorder
 
@@ -48,6 +49,12 @@ COURSES: dict[str, tuple[Point, ...]] = {
     ),
     "square": (Point(0.0, 0.0), Point(50.0, 0.0), Point(50.0, 50.0), Point(0.0, 50.0), Point(0.0, 0.0)),
 }
+
+
+STATION = "station"
+AWAY_M = 10.0
+STAY_S = 600.0
+NEAR_M = 1.0
 
 
 def course_mission(name: str, frame: LocalFrame, start: Point) -> Mission:
@@ -125,3 +132,29 @@ def off_path_m(track: "NDArray[np.float64]", planned: Sequence[Point]) -> "NDArr
     line = shapely.LineString(np.asarray([*planned, planned[-1]], dtype=np.float64))
     off_m: NDArray[np.float64] = shapely.distance(shapely.points(track), line)
     return off_m
+
+
+def station_mission(frame: LocalFrame, start: Point) -> Mission:
+    """Stay for STAY_S at the place AWAY_M north of the start."""
+    there = frame.to_global(Point(start.north_m + AWAY_M, start.east_m))
+    stay = MissionItem.at(there, Command.NAV_LOITER_TIME, (STAY_S, 0.0, 0.0, math.nan))
+    return Mission((stay,), home=frame.to_global(start))
+
+
+def station_figures(recorder: Recorder, station: Point) -> dict[str, float | None]:
+    """Distances to the station from the moment it was first reached within NEAR_M until the end.
+
+    station_near_share: share of that time within NEAR_M; None, like the others, when it was never reached.
+    """
+    away_m = np.asarray([distance_m(at, station) for at in recorder.track()])
+    near = away_m <= NEAR_M
+    if not near.any():
+        return dict.fromkeys(("station_s", "station_near_share", "station_95_m", "station_max_m"))
+    first = int(near.argmax())
+    times_s = recorder.rows[first:, 0]
+    return {
+        "station_s": float(times_s[-1] - times_s[0]),
+        "station_near_share": float(near[first:].mean()),
+        "station_95_m": float(np.percentile(away_m[first:], 95.0)),
+        "station_max_m": float(away_m[first:].max()),
+    }

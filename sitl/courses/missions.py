@@ -11,8 +11,7 @@ from mission_tools.mission.mission import Fence, FencePolygon, Mission, MissionT
 from mission_tools.mission.mission import MissionItem as PlannedItem
 from mission_tools.mission.route import mission_along
 from mission_tools.planning.planner import Plan, PlanSettings, plan
-from sitl.courses.courses import COURSES, course_mission
-from sitl.courses.station_keeping import STATION, station_mission
+from sitl.courses.courses import COURSES, STATION, course_mission, station_mission
 from sitl.world.scenario import Scenario
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 from companion.core.geo import Point
 from companion.mavlink.items import MissionItem
 from mission_tools.mission.plan_file import load_mission
+from sitl.courses.courses import STATION, STAY_S
 from sitl.courses.missions import fence_along, lay_out, plan_mission, wire_items
-from sitl.courses.station_keeping import STATION, STAY_S
 from sitl.experiments.campaign.figures import figures_of
 from sitl.experiments.trial import Trial, TrialResult
 from sitl.run.mission_run import MissionRun

@@ -78,9 +78,15 @@ def _waters(settings: RandomWater, random: Random, drift_m: Place) -> Tree:
         crowd = 1.0 - attempt / _TRIES
         shore = _blob(random, 0.0, 0.0, 0.5 * settings.across_m, 0.12, 60)
         things = [
-            *(_thing("island", n, _islet(random, shore)) for n in range(round(crowd * settings.islands))),
+            *(
+                _thing("island", n, _round(random, shore, (3.0, 9.0), 0.2, 16))
+                for n in range(round(crowd * settings.islands))
+            ),
             *(_thing("raft", n, _raft(random, shore)) for n in range(round(crowd * settings.rafts))),
-            *(_thing("obstacle", n, _rock(random, shore)) for n in range(round(crowd * settings.rocks))),
+            *(
+                _thing("obstacle", n, _round(random, shore, (0.4, 1.5), 0.15, 8))
+                for n in range(round(crowd * settings.rocks))
+            ),
         ]
         solid = shapely.union_all([Polygon(thing["polygon"]) for thing in things])
         free = Polygon(shore).difference(solid).buffer(-(settings.clearance_m + _SPARE_M))
@@ -139,14 +145,11 @@ def _thing(kind: str, number: int, polygon: list[Place]) -> Tree:
     return {"name": f"{named} {number + 1}", "kind": kind, "polygon": polygon}
 
 
-def _islet(random: Random, shore: list[Place]) -> list[Place]:
+def _round(
+    random: Random, shore: list[Place], radii_m: tuple[float, float], roughness: float, corners: int
+) -> list[Place]:
     east_m, north_m = _place(random, Polygon(shore))
-    return _blob(random, east_m, north_m, random.uniform(3.0, 9.0), 0.2, 16)
-
-
-def _rock(random: Random, shore: list[Place]) -> list[Place]:
-    east_m, north_m = _place(random, Polygon(shore))
-    return _blob(random, east_m, north_m, random.uniform(0.4, 1.5), 0.15, 8)
+    return _blob(random, east_m, north_m, random.uniform(*radii_m), roughness, corners)
 
 
 def _raft(random: Random, shore: list[Place]) -> list[Place]:

@@ -76,18 +76,17 @@ class SimCounter:
 class SimProgram:
     """A program. starts: the times of its starts; outcome: what it reports, empty for success."""
 
-    def __init__(self, clock: "SimPayload", title: str, run_s: float = RUN_S) -> None:
+    def __init__(self, clock: "SimPayload", title: str) -> None:
         self.title = title
         self.starts: list[float] = []
         self.outcome = ""
-        self.run_s = run_s
         self._clock = clock
         self._has_told = True
 
     @property
     def is_running(self) -> bool:
         """Whether its time is not over."""
-        return bool(self.starts) and self._clock.time_s < self.starts[-1] + self.run_s
+        return bool(self.starts) and self._clock.time_s < self.starts[-1] + RUN_S
 
     def start(self) -> str:
         """Record the start."""

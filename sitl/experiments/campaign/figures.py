@@ -6,8 +6,7 @@ import numpy as np
 
 from companion.core.modes import Mode
 from companion.vehicle.mission.steps import Waypoint
-from sitl.courses.courses import tracking
-from sitl.courses.station_keeping import station_figures
+from sitl.courses.courses import station_figures, tracking
 from sitl.experiments.campaign.calm_figures import calm_figures
 from sitl.experiments.campaign.fault_figures import fault_figures
 from sitl.experiments.campaign.motor_figures import motor_figures
