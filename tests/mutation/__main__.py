@@ -94,6 +94,8 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
         "tests/mission_tools/station", "tests/protocol/test_ftp_client.py",
         "tests/mission_tools/shore/web/test_logs.py",
     ),
+    "sitl/world": ("tests/sitl/world", "tests/sitl/scenarios/test_scenario_files.py"),
+    "sitl/run": ("tests/sitl/run", "tests/sitl/radio/test_links_over_the_air.py"),
     "mission_tools/maps": (
         "tests/mission_tools/maps", "tests/mission_tools/mission/test_hostile_files.py",
         "tests/mission_tools/planning/test_fenced_planning.py", "tests/mission_tools/tracing",

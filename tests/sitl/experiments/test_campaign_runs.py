@@ -130,7 +130,7 @@ def test_workers_do_not_outlive_a_program_that_was_killed() -> None:
     assert gone
 
 
-def test_a_run_that_fails_is_a_result_with_its_reason(file: Path) -> None:
+def test_a_run_that_fails_is_a_result_with_its_reason(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     bad_key = attempt(
         run_mission,
         Trial(number=1, scenario="open", seed=1, course="straight", settings={"hul": 1}, source="x"),
@@ -141,6 +141,7 @@ def test_a_run_that_fails_is_a_result_with_its_reason(file: Path) -> None:
     )
     assert no_mission.ended == "error"
     assert "none.plan" in no_mission.why
+    monkeypatch.setattr("sitl.run.station_commands.BOOT_S", 5.0)
     low = {"vehicle": {"arming": {"battery_min_v": 50.0}}}
     refused = attempt(run_mission, Trial(number=3, scenario="open", seed=1, course="straight", settings=low))
     assert refused.ended == "refused"

@@ -6,7 +6,8 @@ The system's limit on a file's size stands for the disk: beyond it a real write 
 import resource
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import msgspec
@@ -14,6 +15,7 @@ import pytest
 
 from sitl.cli.program import run_program
 from sitl.experiments.campaign.campaign import load_campaign
+from sitl.experiments.runner import TrialPool
 
 pytestmark = pytest.mark.slow
 
@@ -53,8 +55,10 @@ def test_a_campaign_that_cannot_go_on_writing_says_where_and_goes_on_later(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    pool = TrialPool(ThreadPoolExecutor(1), 1)
+    monkeypatch.setattr("sitl.cli.campaign.local_pool", lambda _: nullcontext(pool))
     (tmp_path / "c.toml").write_text(CAMPAIGN)
-    arguments = ["campaign", "c.toml", "--out", "out", "--workers", "1"]
+    arguments = ["campaign", "c.toml", "--out", "out"]
     with room_for(60):  # less than the campaign's own description
         assert run_program(arguments) == 1
     assert "out/campaign.json: cannot be written: File too large" in capsys.readouterr().err

@@ -32,10 +32,10 @@ def test_a_run_is_measured_against_the_truth() -> None:
 
 
 def test_the_time_that_a_mission_waits_at_its_places_counts_towards_its_limit() -> None:
-    stay = dataclasses.replace(waypoint(5.0, 0.0), param1=120.0)
+    stay = dataclasses.replace(waypoint(5.0, 0.0), param1=80.0)
     result = MissionRun(scenario("open"), [HOME_ITEM, stay]).run()
     assert result.completed
-    assert result.time_s > 120.0
+    assert result.time_s > 80.0
 
 
 def test_the_way_home_belongs_to_the_mission_that_asks_for_it() -> None:

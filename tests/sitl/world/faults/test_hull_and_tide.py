@@ -79,7 +79,7 @@ def test_a_tide_comes_on_top_of_the_scenario_s_own_current() -> None:
     rig = Rig("open", "environment.current_m_s=0.3", "environment.current_to_deg=0.0")
     set_parameter(rig, "SIM_TIDE_SPEED", 0.4)
     set_parameter(rig, "SIM_TIDE_DIR", -90.0)
-    rig.run(60.0)
+    rig.run(30.0)
     speed = (rig.world.truth.north_m_s, rig.world.truth.east_m_s)
     assert math.hypot(*speed) == pytest.approx(0.5, abs=0.02)
     assert math.degrees(math.atan2(speed[1], speed[0])) == pytest.approx(53.1, abs=2.0)
