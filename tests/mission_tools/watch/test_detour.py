@@ -56,8 +56,10 @@ def test_a_waypoint_under_the_obstacle_is_left_out_and_its_commands_stay() -> No
 
 
 def test_the_speed_that_was_set_before_still_holds() -> None:
-    items = [SPEED, waypoint(0, -20), waypoint(0, 60)]
-    assert led_round(items, shapely.box(28, -2, 32, 2), current=2)[0] == SPEED
+    items = [YAW, SPEED, waypoint(0, -20), waypoint(0, 60)]
+    assert led_round(items, shapely.box(28, -2, 32, 2), current=3)[0] == SPEED
+    slower = MissionItem(Command.DO_CHANGE_SPEED, Frame.MISSION, (1.0, 0.3, -1.0, 0.0))
+    assert remainder_of([slower, *items], CHART, 4).items == (SPEED, items[-1])
 
 
 def test_what_lies_beside_the_way_blocks_nothing() -> None:
