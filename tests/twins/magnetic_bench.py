@@ -32,6 +32,8 @@ MAGNETOMETERS: dict[str, type[MeasuringTwin]] = {
     "lis3mdl": Lis3mdlTwin,
 }
 INERTIAL: dict[str, type[MeasuringTwin]] = {"mpu6050": Mpu6050Twin, "lsm6ds": Lsm6dsTwin}
+# Each part with one other: no driver knows what it is paired with
+PAIRS = [("qmc5883l", "mpu6050"), ("qmc5883p", "lsm6ds"), ("hmc5883l", "mpu6050"), ("lis3mdl", "lsm6ds")]
 
 
 class Bench:

@@ -109,14 +109,14 @@ def v1_heartbeat() -> bytes:
     return bytes((V1,)) + body + crc16(body + extra).to_bytes(2, "little")
 
 
-def unknown(payload: bytes) -> bytes:
-    return bytes((V2, len(payload), 0, 0, 5, *SENDER, 0x01, 0xFF, 0x7F)) + payload + b"\x12\x34"
+def unknown(payload: bytes, sender: Address = SENDER, *, is_signed: bool = False) -> bytes:
+    header = bytes((V2, len(payload), is_signed, 0, 5, *sender, 0x01, 0xFF, 0x7F))
+    return header + payload + b"\x12\x34" + (bytes(range(13)) if is_signed else b"")
 
 
 PIECES = st.one_of(
-    st.sampled_from(
-        [heartbeat(), heartbeat(3), v1_heartbeat(), unknown(b"abc"), b"\xfd", b"\xfe", b"\xfd\x00"]
-    ),
+    st.sampled_from([heartbeat(), heartbeat(3), v1_heartbeat(), b"\xfd", b"\xfe", b"\xfd\x00"]),
+    st.sampled_from([unknown(b"abc"), unknown(b"abc", is_signed=True), unknown(b"abc", Address(0, 1))]),
     st.binary(max_size=24),
     st.binary(max_size=40).map(unknown),
     st.builds(
@@ -178,6 +178,15 @@ def test_no_pattern_costs_more_than_two_looks_a_byte(pattern: bytes) -> None:
     for at in range(0, len(data), CHUNK):
         finder.feed(data[at : at + CHUNK])
     assert finder.wasted_checks <= 2 * len(data)
+
+
+@pytest.mark.parametrize("datagram", [True, False], ids=["datagrams", "stream"])
+@pytest.mark.parametrize("is_signed", [True, False])
+def test_an_unknown_message_between_known_ones_is_found_whole(datagram: bool, is_signed: bool) -> None:
+    pieces = [heartbeat(), unknown(b"abc", is_signed=is_signed), heartbeat(1), unknown(b"z")]
+    finder = FrameFinder(datagram)
+    assert [frame.data for frame in finder.feed(b"".join(pieces))] == pieces
+    assert (finder.counters.unknown, finder.counters.frames_in, finder.counters.bad_frames) == (2, 2, 0)
 
 
 def test_frames_waste_no_look_and_have_a_limit_of_their_own() -> None:

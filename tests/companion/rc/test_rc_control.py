@@ -80,14 +80,6 @@ class Hand:
 # Sticks
 
 
-@pytest.mark.parametrize(
-    ("pulse_us", "expected"),
-    [(1500, 0.0), (1530, 0.0), (1470, 0.0), (2000, 1.0), (1000, -1.0), (2100, 1.0), (900, -1.0), (1765, 0.5)],
-)
-def test_a_stick_is_read_around_its_trim_with_a_dead_zone(pulse_us: int, expected: float) -> None:
-    assert deflection(pulse_us, RcChannel(), 30) == pytest.approx(expected)
-
-
 @given(
     pulse_us=st.integers(-1000, 5000),
     low=st.integers(800, 2200),
@@ -169,7 +161,7 @@ def test_a_switch_that_went_down_while_the_transmitter_was_lost_disarms() -> Non
 
 
 @pytest.mark.parametrize("stick", ["throttle", "steering"])
-@pytest.mark.parametrize("pulse_us", [1000, 1469, 1531, 2000])
+@pytest.mark.parametrize("pulse_us", [1469, 1531])
 def test_the_boat_does_not_arm_while_a_stick_is_not_neutral(stick: str, pulse_us: int) -> None:
     hand = Hand()
     hand.live(0.5, **{stick: pulse_us})

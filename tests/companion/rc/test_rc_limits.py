@@ -47,8 +47,9 @@ def test_the_bands_of_a_switch_are_rovers(pulse_us: int, position: int) -> None:
 
 @pytest.mark.parametrize(
     ("pulse_us", "dead_us", "expected"),
-    [(1501, 0, 1 / 400), (1499, 0, -1 / 500), (1530, 30, 0.0), (1531, 30, 1 / 370), (1469, 30, -1 / 470)],
-)
+    [(1501, 0, 1 / 400), (1499, 0, -1 / 500), (1530, 30, 0.0), (1531, 30, 1 / 370), (1469, 30, -1 / 470),
+     (2100, 30, 1.0), (900, 30, -1.0)],
+)  # fmt: skip
 def test_a_deflection_begins_with_the_first_microsecond_beyond_the_dead_zone(
     pulse_us: int, dead_us: int, expected: float
 ) -> None:

@@ -250,5 +250,5 @@ class Commands(RuleBasedStateMachine):
 
 MACHINES: list[Any] = [type(f"Commands_{part.driver}", (Commands,), {"part": part}) for part in BRIDGES]
 for machine in MACHINES:
-    machine.TestCase.settings = settings(max_examples=20)
+    machine.TestCase.settings = settings(max_examples=10)
 TestL298n, TestTb6612, TestBts7960, TestDrv8833 = (machine.TestCase for machine in MACHINES)

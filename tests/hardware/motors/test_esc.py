@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from twins.lines import HandClock
@@ -243,3 +244,4 @@ class Commands(RuleBasedStateMachine):
 
 
 TestCommands = Commands.TestCase
+TestCommands.settings = settings(max_examples=40)

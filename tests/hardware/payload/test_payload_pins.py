@@ -99,7 +99,7 @@ COMMANDS = st.one_of(
 )  # fmt: skip
 
 
-@settings(max_examples=12)  # each with a boat of its own
+@settings(max_examples=6)  # each with a boat of its own
 @given(st.lists(st.tuples(COMMANDS, st.sampled_from([0.0, 0.06, 0.5])), max_size=8))
 def test_whatever_the_commands_never_both_inputs_and_no_endless_horn(
     steps: list[tuple[tuple[float, ...], float]],

@@ -50,9 +50,9 @@ def test_it_is_awake_with_every_output_off_and_at_the_frequency(bus: I2cBus, chi
     assert not any(chip.width_us(channel) for channel in range(16))
 
 
-@pytest.mark.parametrize("frequency_hz", [50, 200, 400])
-@pytest.mark.parametrize("oscillator_hz", [23.5e6, 25e6, 26.5e6])
-@pytest.mark.parametrize("width_us", [1000.0, 1500.0, 1900.0])
+@pytest.mark.parametrize("frequency_hz", [50, 400])
+@pytest.mark.parametrize("oscillator_hz", [23.5e6, 26.5e6])
+@pytest.mark.parametrize("width_us", [1000.0, 1900.0])
 def test_a_width_is_right_to_a_step_once_the_oscillator_is_known(
     bus: I2cBus, chip: Pca9685Twin, frequency_hz: int, oscillator_hz: float, width_us: float
 ) -> None:

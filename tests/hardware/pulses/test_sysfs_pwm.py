@@ -31,11 +31,8 @@ def output(kernel: KernelPwm) -> Iterator[SysfsPulses]:
 @pytest.mark.parametrize(
     ("chips", "pin", "expected"),
     [
-        (PI_4, 12, ("pwmchip0", 0)),
         (PI_4, 19, ("pwmchip0", 1)),
-        (PI_5, 12, ("pwmchip2", 0)),
         (PI_5, 18, ("pwmchip2", 2)),
-        (PI_5_NEW_KERNEL, 13, ("pwmchip0", 1)),
         (PI_5_NEW_KERNEL, 19, ("pwmchip0", 3)),
         ({"pwmchip0": ("3f20c000.pwm", 2)}, 18, ("pwmchip0", 0)),
     ],

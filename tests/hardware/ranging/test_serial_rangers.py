@@ -83,9 +83,7 @@ def ranger(line: PtyLine) -> Iterator[SerialRanger]:
     ranger.close()
 
 
-def test_a_closed_ranger_leaves_its_port_to_others(line: PtyLine) -> None:
-    port = open_line(line.device, 9600, HandClock())
-    ranger = SerialRanger(port, A02YYUW, a02yyuw_range_m, 4.5, HandClock())
+def test_a_closed_ranger_leaves_its_port_to_others(line: PtyLine, ranger: SerialRanger) -> None:
     line.say(a02yyuw_frame(1000))
     assert ranger.ping_m() == 1.0
     (link,) = ranger._links
