@@ -18,10 +18,8 @@ CALL_LOOKS = 256
 TICK_LOOKS = 1024
 OVERSHOOT = 200  # a search that has begun may end
 PATTERNS = {
-    "FD": b"\xfd",
     "headers": b"\xfd\x00\x00",
     "unknown messages": b"\xfd\xff\x00\x00\x00\x01\x01\x01\xff\x7f",
-    "bad checksums": b"\xfd\x09\x00\x00\x00\x01\x01\x00\x00\x00" + bytes(11),
     "mixed": random.Random(5).randbytes(5000),
 }
 

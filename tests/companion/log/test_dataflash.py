@@ -35,7 +35,7 @@ def values_of(kind: RecordKind) -> st.SearchStrategy[tuple[Any, ...]]:
     return st.tuples(*(of(code) for code in kind.codes))
 
 
-@settings(max_examples=40)
+@settings(max_examples=30)
 @given(st.data())
 def test_any_record_reads_back_as_it_was_written(
     tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
@@ -69,6 +69,7 @@ def _zeros(kind: RecordKind) -> list[object]:
     return [b"" if code in "nNZ" else 0 for code in kind.codes]
 
 
+@settings(max_examples=25)
 @given(cut=st.integers(0, 10 * MSG.size_bytes - 1))
 def test_what_stands_before_a_torn_end_can_be_read(
     tmp_path_factory: pytest.TempPathFactory, cut: int

@@ -69,14 +69,11 @@ def test_deviations_errors_and_hypotheses_have_their_units(tmp_path: Path) -> No
     assert (ehyp.Cmp, ehyp.Gyr, ehyp.Gns) == (0.25, 0.5, 0.125)
 
 
-@pytest.mark.parametrize(("motion_hz", "rate_hz"), [(50.0, 5.0), (2.0, 2.0)])
-def test_the_inside_is_logged_five_times_a_second_at_most(
-    open_rig: OpenRig, tmp_path: Path, motion_hz: float, rate_hz: float
-) -> None:
-    rig = open_rig(tmp_path, f"vehicle.log.motion_hz={motion_hz}")
+def test_the_inside_is_logged_five_times_a_second_at_most(open_rig: OpenRig, tmp_path: Path) -> None:
+    rig = open_rig(tmp_path, "vehicle.log.motion_hz=50.0")
     rig.sail(waypoint(12, 0), waypoint(12, 9))
     rig.run(4.0)
     rig.disarm()
     times_us = [record.TimeUS for record in of_kind(read_log(tmp_path / "00001.bin"), "XKF3")]
     span_s = (times_us[-1] - times_us[0]) * 1e-6
-    assert (len(times_us) - 1) / span_s == pytest.approx(rate_hz, rel=0.02)
+    assert (len(times_us) - 1) / span_s == pytest.approx(5.0, rel=0.02)

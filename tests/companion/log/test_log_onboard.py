@@ -269,7 +269,7 @@ class Clerk:
 def test_blocks_are_handed_over_as_they_fill(open_rig: OpenRig, tmp_path: Path) -> None:
     clerk = Clerk()
     rig = open_rig(tmp_path, sink=clerk, config={"log.motion_hz": 50.0})
-    rig.sail(waypoint(500, 0)).run(5.0)
+    rig.sail(waypoint(500, 0)).run(3.0)
     sizes = [len(block) for block in clerk.blocks]
     assert max(sizes[1:]) < 2 * 4096  # the first holds the definitions
     assert sum(sizes) / len(sizes) > 2048

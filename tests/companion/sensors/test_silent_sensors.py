@@ -81,7 +81,7 @@ class SilentRig(LogRig):
 @pytest.fixture
 def rig(tmp_path: Path) -> Iterator[SilentRig]:
     """Disarmed, well, and told to send all that sensors measure."""
-    rig = SilentRig(tmp_path, *FITTED)
+    rig = SilentRig(tmp_path, *FITTED, config={"arming.repeat_s": 5.0})
     rig.ready()
     for message in (
         dialect.MAVLINK_MSG_ID_SCALED_IMU,
