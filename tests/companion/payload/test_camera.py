@@ -3,62 +3,30 @@
 import pytest
 from boat_rig import FRAME, nav_at
 
+from companion.config.boat_config import decode_config
 from companion.core.geo import Point
 from companion.payload.actions import CaptureByDistance, StartCapture
 from companion.payload.camera import Camera, Image
+from sitl.world.payload import SimCapture, SimPayload
 
 TICK_S = 0.02
 
 
-class Shutter:
-    """A capture program that takes run_s on the test's clock."""
-
-    def __init__(self, run_s: float = 0.5) -> None:
-        self.now_s = 0.0
-        self.run_s = run_s
-        self.fault = ""
-        self.starts: list[float] = []
-        self._has_told = True
-
-    @property
-    def is_running(self) -> bool:
-        return bool(self.starts) and self.now_s < self.starts[-1] + self.run_s
-
-    def start(self) -> str:
-        assert not self.is_running
-        self.starts.append(self.now_s)
-        self._has_told = False
-        return f"image-{len(self.starts)}.jpg"
-
-    def poll(self) -> str | None:
-        if self._has_told or self.is_running:
-            return None
-        self._has_told = True
-        return self.fault
-
-    def space_mb(self) -> tuple[float, float]:
-        return 0.0, 0.0
-
-    def end(self) -> None:
-        """Nothing to end."""
-
-    def close(self) -> None:
-        """Nothing to release."""
-
-
 class Rig:
-    def __init__(self, run_s: float = 0.5) -> None:
-        self.shutter = Shutter(run_s)
+    def __init__(self) -> None:
+        self.sim = SimPayload(decode_config({}, "test"))
+        self.shutter = SimCapture(self.sim, "camera", run_s=0.5)
         self.camera = Camera(self.shutter)
         self.images: list[Image] = []
-        self.north_m = 0.0
+        self.now_s = self.north_m = 0.0
 
     def run(self, seconds: float, speed_m_s: float = 0.0) -> None:
         for _ in range(round(seconds / TICK_S)):
-            self.shutter.now_s += TICK_S
+            self.now_s += TICK_S
+            self.sim.step(self.now_s)
             self.north_m += speed_m_s * TICK_S
             place = FRAME.to_global(Point(self.north_m, 0.0))
-            self.camera.tick(self.shutter.now_s, nav_at(self.north_m), place)
+            self.camera.tick(self.now_s, nav_at(self.north_m), place)
             self.images += self.camera.take_images()
 
 
@@ -83,6 +51,6 @@ def test_images_by_distance_and_one_at_once() -> None:
     rig.camera.perform(CaptureByDistance(10.0, now=True), 0.0)
     rig.run(21.0, speed_m_s=2.0)
     assert len(rig.images) == 5
-    rig.camera.perform(CaptureByDistance(0.0), rig.shutter.now_s)
+    rig.camera.perform(CaptureByDistance(0.0), rig.now_s)
     rig.run(20.0, speed_m_s=2.0)
     assert len(rig.images) == 5

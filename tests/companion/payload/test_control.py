@@ -2,6 +2,7 @@
 
 import pytest
 from boat_rig import FRAME, GOOD_FIX, nav_at
+from payload_rig import PayloadRig
 
 from companion.config.boat_config import decode_config
 from companion.core.geo import Point
@@ -105,3 +106,9 @@ def test_the_loss_of_the_operator_enters_its_states(rig: Rig, monkeypatch: pytes
     )
     rig.tick()
     assert rig.relay == 1.0
+
+
+def test_the_payload_closes_with_the_boat() -> None:
+    rig = PayloadRig()
+    rig.boat.close()
+    assert all(output.is_closed for output in rig.sim.outputs.values())

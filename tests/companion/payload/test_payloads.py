@@ -6,9 +6,7 @@ import pytest
 from twins.lines import known
 
 from companion.config.boat_config import decode_config
-from companion.core.errors import HardwareError
 from companion.core.status_text import Severity
-from companion.hal.interfaces import PayloadParts
 from companion.payload.actions import (
     MoveGripper,
     MoveWinch,
@@ -22,6 +20,7 @@ from companion.payload.actions import (
     WinchMotion,
 )
 from companion.payload.payloads import Payloads, Written
+from sitl.world.payload import SimPayload
 
 TICK_S = 0.02
 SIGNAL = {"min_us": 1000, "trim_us": 1450, "max_us": 2000}
@@ -42,55 +41,11 @@ TABLES: list[dict[str, object]] = [
 PUMP, THREE, LIGHT, STERN, HORN, BAIT, TEN, CLAW, MAGNET, WINCH, SECOND, SAMPLE = range(12)
 
 
-class Output:
-    """Records the changes of its value; fails while `fault` is set."""
-
-    def __init__(self) -> None:
-        self.values: list[float] = []
-        self.fault = ""
-
-    def write(self, value: float) -> None:
-        if self.fault:
-            raise HardwareError(self.fault)
-        if self.values[-1:] != [value]:
-            self.values.append(value)
-
-    def close(self) -> None:
-        """Nothing to release."""
-
-
-class Run:
-    """A program that the test ends."""
-
-    def __init__(self) -> None:
-        self.starts = 0
-        self.is_running = False
-        self.outcome: str | None = None
-
-    def start(self) -> str:
-        self.starts, self.is_running = self.starts + 1, True
-        return ""
-
-    def poll(self) -> str | None:
-        outcome, self.outcome = self.outcome, None
-        return outcome
-
-    def finish(self, outcome: str) -> None:
-        self.is_running, self.outcome = False, outcome
-
-    def end(self) -> None:
-        """Nothing to end."""
-
-    def close(self) -> None:
-        """Nothing to release."""
-
-
 class Rig:
     def __init__(self) -> None:
-        self.outputs = {index: Output() for index in range(SAMPLE)}
-        self.program = Run()
-        settings = decode_config({"payload": TABLES}, "test").payload
-        self.units = Payloads(settings, PayloadParts(self.outputs, {}, {SAMPLE: self.program}))
+        config = decode_config({"payload": TABLES}, "test")
+        self.sim = SimPayload(config)
+        self.units = Payloads(config.payload, self.sim.parts)
         self.now_s = 100.0
         self.is_armed = self.is_lost = False
         self.texts: list[str] = []
@@ -100,6 +55,7 @@ class Rig:
     def run(self, seconds: float = TICK_S) -> None:
         for _ in range(round(seconds / TICK_S)):
             self.now_s += TICK_S
+            self.sim.step(self.now_s)
             self.units.tick(self.now_s, is_armed=self.is_armed, is_operator_lost=self.is_lost)
             for severity, text in self.units.take_status_texts():
                 self.texts.append(text)
@@ -110,7 +66,7 @@ class Rig:
         return self.units.perform(action, self.now_s)
 
     def values(self, index: int) -> list[float]:
-        return self.outputs[index].values
+        return [one.value for one in self.sim.outputs[index].history]
 
 
 @pytest.fixture
@@ -118,8 +74,8 @@ def rig() -> Rig:
     """After its first tick, with what that has written forgotten."""
     rig = Rig()
     rig.run()
-    for output in rig.outputs.values():
-        output.values.clear()
+    for output in rig.sim.outputs.values():
+        output.history.clear()
     rig.written.clear()
     return rig
 
@@ -145,7 +101,7 @@ def test_an_action_moves_what_it_addresses_and_nothing_else(
     rig: Rig, action: UnitAction, changes: dict[int, list[float]], text: str
 ) -> None:
     assert rig.do(action) == ""
-    assert {index: output.values for index, output in rig.outputs.items() if output.values} == changes
+    assert {index: values for index in rig.sim.outputs if (values := rig.values(index))} == changes
     rig.run()
     assert text in rig.texts
     assert set(rig.severities) == {Severity.INFO}
@@ -190,14 +146,14 @@ def test_a_horn_that_has_been_cut_off_does_not_go_on_with_its_repetitions(rig: R
 
 
 def test_a_command_runs_one_at_a_time_and_reports(rig: Rig) -> None:
+    program = rig.sim.programs[SAMPLE]
+    program.outcome = "exit code 1"
     assert rig.do(RunCommand(7)) == ""
     assert rig.do(RunCommand(7)) == "command 7: still running"
-    rig.run()
-    rig.program.finish("exit code 1")
-    rig.run()
+    rig.run(program.run_s + TICK_S)
+    program.outcome = ""
     assert rig.do(RunCommand(7)) == ""
-    rig.program.finish("")
-    rig.run()
+    rig.run(program.run_s + TICK_S)
     assert rig.texts == [
         "Command 7: started",
         "Command 7: exit code 1",
@@ -205,16 +161,16 @@ def test_a_command_runs_one_at_a_time_and_reports(rig: Rig) -> None:
         "Command 7: done",
     ]
     assert rig.severities == [Severity.INFO, Severity.WARNING, Severity.INFO, Severity.INFO]
-    assert rig.program.starts == 2
+    assert len(program.starts) == 2
 
 
 def test_a_fault_is_told_once_and_so_is_its_end(rig: Rig) -> None:
-    rig.outputs[TEN].fault = "no answer"
+    rig.sim.outputs[TEN].fault = "no answer"
     rig.do(SetServo(10, 1700))
     rig.run(3.0)
-    rig.outputs[TEN].fault = "still no answer"
+    rig.sim.outputs[TEN].fault = "still no answer"
     rig.run(3.0)
-    rig.outputs[TEN].fault = ""
+    rig.sim.outputs[TEN].fault = ""
     rig.run(1.1)
     assert rig.texts == ["Servo 10: 1700 us", "Servo 10: no answer", "Servo 10: answers again"]
     assert rig.severities == [Severity.INFO, Severity.ERROR, Severity.NOTICE]
