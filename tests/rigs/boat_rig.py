@@ -1,6 +1,7 @@
 """A whole boat in simulated water with stations on memory links, for tests: no clock, no socket, no sleep."""
 
 import dataclasses
+from collections import defaultdict
 from collections.abc import Callable
 from functools import cache
 from typing import Any, Self
@@ -65,6 +66,7 @@ class Peer:
         self.link = link
         self.address = address
         self.heard: list[Message] = []
+        self._by_name: dict[str, list[Message]] = defaultdict(list)
         self._decoder = Decoder(datagram=link.is_datagram)
         self._encoder = Encoder(address)
 
@@ -76,17 +78,20 @@ class Peer:
         """What has come since the last call; kept in `heard` too."""
         new = [r.message for chunk in self.link.receive() for r in self._decoder.feed(chunk)]
         self.heard += new
+        for message in new:
+            self._by_name[message.get_type()].append(message)
         return new
 
     def said(self, name: str) -> list[Message]:
         """All messages of a type heard so far."""
         self.listen()
-        return [message for message in self.heard if message.get_type() == name]
+        return list(self._by_name[name])
 
     def forget(self) -> None:
         """Start with an empty memory."""
         self.listen()
         self.heard.clear()
+        self._by_name.clear()
 
     @property
     def texts(self) -> list[str]:

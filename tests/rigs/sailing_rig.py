@@ -107,7 +107,7 @@ def over(rig: Rig, limit_s: float = 300.0) -> list[int]:
     rig.until(lambda: rig.mode != "AUTO", limit_s)
     rig.run(0.1)
     found = reached(rig)
-    rig.peer.heard.clear()
+    rig.peer.forget()
     return found
 
 
