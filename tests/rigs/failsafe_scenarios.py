@@ -7,7 +7,6 @@ from typing import NamedTuple
 from boat_rig import nav_at
 from msgspec.structs import replace
 
-from companion.config.boat_config import BoatConfig
 from companion.core.modes import Mode
 from companion.core.readings import BatteryReading, DepthReading, HeadingReading, HullReading
 from companion.core.state import EstimateFault
@@ -22,7 +21,6 @@ ALL = set(Mode)
 BY_POSITION = ALL - {Mode.MANUAL, Mode.HOLD}
 AUTONOMOUS = ALL - {Mode.MANUAL, Mode.ACRO, Mode.STEERING, Mode.SIMPLE}
 WAYS_HOME = {Mode.RTL, Mode.SMART_RTL}
-CONFIG = BoatConfig()
 
 Inputs = Callable[[FailsafeInputs], FailsafeInputs]
 

@@ -4,7 +4,6 @@ import math
 from random import Random
 
 import pytest
-from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon
@@ -14,7 +13,6 @@ from companion.failsafe.motors.current import MotorCurrent
 from companion.failsafe.motors.evidence import MotorEvidence
 from companion.failsafe.motors.hypotheses import WEIGHT, EffectSize
 from companion.failsafe.motors.motion_filter import MotionFilter
-from companion.failsafe.motors.watch import MotorWatch
 
 DT_S = 0.1
 EVEN = (0.5, 0.5)
@@ -110,24 +108,3 @@ def test_two_neighbouring_samples_count_for_one() -> None:
     for _ in range(2):
         size.cost(0, 1.0, 1.0, spread, variance)
     assert 1.0 / size._variance[0] == pytest.approx(1.0 + spread**2 / variance)
-
-
-STILL = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.02)
-DT = 0.1
-
-
-def evidence(
-    setting: BoatConfig, *, moment: float = 0.0, is_rudder: bool = False, ampere: float | None = None
-) -> MotorWatch:
-    """Half a minute at cruise speed. A moment, in shares of full steering, swings the boat from side to side;
-    is_rudder: it is that of the rudder. Nomoto's first order: 0.65 rad/s at full steering within 1.25 s.
-    """
-    watch, rate = MotorWatch(setting), 0.0
-    for tick in range(300):
-        pushed = math.copysign(moment, math.sin(0.2 * tick))
-        nav = replace(STILL, time_s=tick * DT, surge_m_s=2.0, yaw_rate_rad_s=rate)
-        battery = None if ampere is None else BatteryReading(tick * DT, 12.0, ampere + 1e-3 * tick)
-        rudder = pushed if is_rudder else 0.0
-        watch.update(0.6, 0.6, nav, None, battery, setting, tick * DT, DT, rudder)
-        rate += DT * 0.8 * (0.65 * pushed - rate)
-    return watch

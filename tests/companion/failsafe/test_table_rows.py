@@ -1,16 +1,12 @@
-"""Each row of the table does what its scenario says, and mutants of the table are noticed."""
+"""Each row of the table does what its scenario says."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import accumulate
-from typing import Any
 
 import pytest
 from boat_rig import nav_at
 from failsafe_scenarios import (
-    LOITER,
-    NONE,
-    RTL,
     SCENARIOS,
     Inputs,
     Scenario,
@@ -23,7 +19,6 @@ from failsafe_scenarios import (
 from companion.config.boat_config import BoatConfig, with_value
 from companion.core.modes import Mode
 from companion.core.status_text import Severity
-from companion.failsafe import inputs as guards
 from companion.failsafe.actions import RECOVERIES, Action, LimitSpeed, Notify, Recover, Retreat, StopMotors
 from companion.failsafe.inputs import FailsafeInputs
 from companion.failsafe.monitor import PERIOD_S, Alarm, Change, Failsafes
@@ -158,54 +153,6 @@ def check_mode(
 @pytest.mark.parametrize("condition", Condition, ids=lambda one: one.name)
 def test_the_row_does_what_its_scenario_says(condition: Condition) -> None:
     check(condition)
-
-
-def changed(row: Row) -> Iterator[tuple[str, Row]]:
-    """Mutants of a row."""
-    for name in ("after", "clear_s", "relapse_s"):
-        value = getattr(row, name)
-        if isinstance(value, float) and 0.0 < value < math.inf:
-            for factor in (2.0, 0.5):
-                mutant: dict[str, Any] = {name: factor * value}
-                yield f"{name} times {factor:g}", row._replace(**mutant)
-    for at, step in enumerate(row.then):
-        if isinstance(step.after, float):
-            longer = step._replace(after=2.0 * step.after)
-            yield f"step {at} doubled", row._replace(then=(*row.then[:at], longer, *row.then[at + 1 :]))
-        yield f"step {at} deleted", row._replace(then=row.then[:at] + row.then[at + 1 :])
-    guard = row.guard
-    yield "disarmed flipped", row._replace(guard=guard._replace(disarmed=not guard.disarmed))
-    for name, modes in (
-        ("all", guards.ALL_MODES),
-        ("position", guards.POSITION_MODES),
-        ("autonomous", guards.AUTONOMOUS_MODES),
-    ):
-        if modes != guard.modes:
-            yield f"modes {name}", row._replace(guard=guard._replace(modes=modes))
-    yield "text of its end", row._replace(over=row.over + "!")
-
-
-def unspared(row: Row) -> Row:
-    spares = guards.never if row.guard.spares is not guards.never else guards.on_way_home
-    return row._replace(guard=row.guard._replace(spares=spares))
-
-
-def mutants() -> Iterator[tuple[Condition, str, tuple[Row, ...]]]:
-    """Tables with one row deleted or changed."""
-    for at, row in enumerate(ROWS):
-        yield row.condition, "deleted", ROWS[:at] + ROWS[at + 1 :]
-        for name, mutant in changed(row):
-            if name == "text of its end" and row.clear_s == math.inf:
-                continue
-            yield row.condition, name, (*ROWS[:at], mutant, *ROWS[at + 1 :])
-        retreats = SCENARIOS[row.condition].action in (RTL, LOITER, NONE, Action.SMART_RTL_OR_RTL)
-        if retreats:
-            yield row.condition, "spares flipped", (*ROWS[:at], unspared(row), *ROWS[at + 1 :])
-        if SCENARIOS[row.condition].waiting:
-            mutant = row._replace(guard=row.guard._replace(waits=guards.never))
-            yield row.condition, "waits dropped", (*ROWS[:at], mutant, *ROWS[at + 1 :])
-        if row.is_slow:
-            yield row.condition, "not slow", (*ROWS[:at], row._replace(is_slow=False), *ROWS[at + 1 :])
 
 
 @pytest.mark.parametrize(
