@@ -52,6 +52,16 @@ class Line:
             command = self.pipeline.drive(nav, self.status, CONFIG, now_s, 0.02)
         return command
 
+    def held_s(self, course_rad: float, nav: NavState = STILL) -> float:
+        """Seconds of full thrust after which a boat that does not move is found to be held."""
+        for tenth in range(130):
+            now_s = 5.0 + 0.1 * tenth
+            self.guide(HoldCourse(course_rad, 3.0), now_s, nav)
+            self.drive(now_s, nav, ticks=5)
+            if self.pipeline.headway.verdict is not StallVerdict.MAKING_WAY:
+                break
+        return now_s - 5.0
+
 
 def test_guidance_is_due_every_tenth_of_a_second_or_at_a_request() -> None:
     line = Line()
@@ -133,43 +143,25 @@ def test_with_one_motor_the_boat_drifts_where_it_cannot_hold_its_own() -> None:
 
 
 def test_a_boat_that_is_held_is_found_stuck_after_ten_seconds_of_full_thrust() -> None:
-    line, fast = Line(), HoldCourse(0.0, 3.0)
-    for tenth in range(130):
-        now_s = 5.0 + 0.1 * tenth
-        line.guide(fast, now_s)
-        line.drive(now_s, ticks=5)
-        if line.pipeline.headway.verdict is not StallVerdict.MAKING_WAY:
-            break
-    assert 9.5 < now_s - 5.0 < 12.0
+    line = Line()
+    assert 9.5 < line.held_s(0.0) < 12.0
     assert line.pipeline.headway.verdict is StallVerdict.STUCK
 
 
 @pytest.mark.parametrize(("gap_m", "verdict"), [(1.1, StallVerdict.AGROUND), (1.3, StallVerdict.STUCK)])
 def test_a_boat_that_is_held_within_reach_of_the_line_is_aground(gap_m: float, verdict: StallVerdict) -> None:
-    line, east = Line(square(20.0)), HoldCourse(0.5 * math.pi, 3.0)
-    nav = replace(STILL, north_m=20.0 - gap_m, heading_rad=0.5 * math.pi)
-    for tenth in range(130):
-        now_s = 5.0 + 0.1 * tenth
-        line.guide(east, now_s, nav)
-        line.drive(now_s, nav, ticks=5)
-        if line.pipeline.headway.verdict is not StallVerdict.MAKING_WAY:
-            break
+    line, east = Line(square(20.0)), 0.5 * math.pi
+    held_s = line.held_s(east, replace(STILL, north_m=20.0 - gap_m, heading_rad=east))
     assert line.pipeline.headway.verdict is verdict
-    assert (now_s - 5.0 < 8.0) is (verdict is StallVerdict.AGROUND)
+    assert (held_s < 8.0) is (verdict is StallVerdict.AGROUND)
 
 
 @pytest.mark.parametrize(("gap_m", "verdict"), [(0.7, StallVerdict.AGROUND), (0.9, StallVerdict.STUCK)])
 def test_a_boat_that_is_held_where_it_saw_a_shore_is_aground(gap_m: float, verdict: StallVerdict) -> None:
-    line, east = Line(), HoldCourse(0.5 * math.pi, 3.0)
+    line, east = Line(), 0.5 * math.pi
     line.pipeline.perception.voyage._add((0, 0), Point(gap_m, 0.0))
-    nav = replace(STILL, heading_rad=0.5 * math.pi)
-    for tenth in range(130):
-        now_s = 5.0 + 0.1 * tenth
-        line.guide(east, now_s, nav)
-        assert line.pipeline.may_touch is (verdict is StallVerdict.AGROUND)
-        line.drive(now_s, nav, ticks=5)
-        if line.pipeline.headway.verdict is not StallVerdict.MAKING_WAY:
-            break
+    line.held_s(east, replace(STILL, heading_rad=east))
+    assert line.pipeline.may_touch is (verdict is StallVerdict.AGROUND)
     assert line.pipeline.headway.verdict is verdict
 
 

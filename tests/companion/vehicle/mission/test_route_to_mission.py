@@ -45,14 +45,20 @@ class Boat:
         self.progress.replace((Home(), Waypoint(place(*end))))
         self.route_to_mission = RouteToMission(surroundings, self.texts)
 
-    def prepare(self) -> None:
-        """One tick of the route home, which indexes the water."""
-        self.route.prepare(FRAME, place(0.0, 0.0), CONFIG)
+    def prepare(self) -> "Boat":
+        """Two ticks of the route home, which index the water."""
+        for _ in range(2):
+            self.route.prepare(FRAME, place(0.0, 0.0), CONFIG)
+        return self
 
-    def sail(self) -> tuple[Intent, Intent]:
+    def sail(self, now_s: float = 0.0) -> tuple[Intent, Intent]:
         """What the mission wants, and what is sailed instead."""
-        wanted = self.progress.update(self.nav, FRAME, CONFIG, 0.0)
-        return wanted, self.route_to_mission.update(wanted, self.progress, self.nav, CONFIG, 0.0)
+        wanted = self.progress.update(self.nav, FRAME, CONFIG, now_s)
+        return wanted, self.route_to_mission.update(wanted, self.progress, self.nav, CONFIG, now_s)
+
+    def see(self, east_m: int) -> None:
+        """Something in the water, 20 m north."""
+        self.surroundings.voyage._add((20, east_m), Point(20.5, east_m + 0.5))
 
 
 @pytest.mark.parametrize("here", [Point(0.0, 0.0), Point(13.5, 0.0)])
@@ -60,8 +66,7 @@ def test_a_way_over_land_is_sailed_round_by_the_water(here: Point) -> None:
     boat = Boat(here, (60.0, 60.0))
     _, first = boat.sail()
     assert first == KeepStation(here), "until the way is known"
-    for _ in range(2):
-        boat.prepare()
+    boat.prepare()
     _, sailed = boat.sail()
     assert isinstance(sailed, FollowLeg)
     assert sailed.start == here
@@ -82,8 +87,7 @@ def test_a_narrow_passage_is_taken_where_the_straight_line_leaves_the_water(
     water = [(-20.0, -50.0), (-20.0, 50.0), (80.0, 50.0), (80.0, -50.0)]
     walls = [[(20.0, e), (20.0, far), (24.0, far), (24.0, e)] for e, far in ((-2.0, -60.0), (2.0, 60.0))]
     boat = Boat(Point(0.0, 0.0), end, areas=[(water, True), *((wall, False) for wall in walls)])
-    for _ in range(2):
-        boat.prepare()
+    boat.prepare()
     boat.sail()
     assert [said.text for said in boat.texts] == [text]
 
@@ -151,17 +155,14 @@ def test_what_is_no_leg_or_does_not_begin_at_the_boat_is_left_as_it_is() -> None
 
 
 def test_what_is_seen_on_the_way_to_the_first_waypoint_leads_to_another_route() -> None:
-    boat = Boat(Point(0.0, 0.0), (60.0, 0.0), ())
-    for _ in range(2):
-        boat.prepare()
+    boat = Boat(Point(0.0, 0.0), (60.0, 0.0), ()).prepare()
     wanted, sailed = boat.sail()
     assert sailed is wanted
     for east_m in range(-30, 40):
-        boat.surroundings.voyage._add((20, east_m), Point(20.5, east_m + 0.5))
+        boat.see(east_m)
     ends = []
     for second in range(1, 60):
-        wanted = boat.progress.update(boat.nav, FRAME, CONFIG, float(second))
-        sailed = boat.route_to_mission.update(wanted, boat.progress, boat.nav, CONFIG, float(second))
+        _, sailed = boat.sail(float(second))
         assert isinstance(sailed, FollowLeg)
         assert not boat.surroundings.voyage.bars(boat.nav.point, sailed.end, 0.9, ())
         ends.append(sailed.end)
@@ -174,36 +175,28 @@ def test_what_is_seen_on_the_way_to_the_first_waypoint_leads_to_another_route() 
 
 
 def test_what_is_rounded_within_sight_is_left_to_the_local_planner() -> None:
-    boat = Boat(Point(0.0, 0.0), (60.0, 0.0), ())
-    for _ in range(2):
-        boat.prepare()
+    boat = Boat(Point(0.0, 0.0), (60.0, 0.0), ()).prepare()
     boat.sail()
-    boat.surroundings.voyage._add((20, 0), Point(20.5, 0.5))
+    boat.see(0)
     for second in range(1, 5):
-        wanted = boat.progress.update(boat.nav, FRAME, CONFIG, float(second))
-        sailed = boat.route_to_mission.update(wanted, boat.progress, boat.nav, CONFIG, float(second))
+        wanted, sailed = boat.sail(float(second))
         assert sailed is wanted
 
 
 def test_a_corner_that_the_local_planner_has_passed_is_not_sailed_back_to() -> None:
-    boat = Boat(Point(0.0, 0.0), (60.0, 0.0), ())
-    for _ in range(2):
-        boat.prepare()
+    boat = Boat(Point(0.0, 0.0), (60.0, 0.0), ()).prepare()
     boat.sail()
-    boat.surroundings.voyage._add((20, 0), Point(20.5, 0.5))
+    boat.see(0)
     for now_s in (1.0, 1.1, 1.2, 1.3):
         if now_s > 1.2:  # before the way is checked again
             boat.nav = nav_at(30.0, 1.0)
-        wanted = boat.progress.update(boat.nav, FRAME, CONFIG, now_s)
-        sailed = boat.route_to_mission.update(wanted, boat.progress, boat.nav, CONFIG, now_s)
+        wanted, sailed = boat.sail(now_s)
         assert sailed is wanted
 
 
 def test_after_the_first_leg_what_was_seen_is_left_to_the_local_planner() -> None:
-    boat = Boat(Point(0.0, 0.0), (60.0, 0.0), ())
-    for _ in range(2):
-        boat.prepare()
+    boat = Boat(Point(0.0, 0.0), (60.0, 0.0), ()).prepare()
     boat.progress.begin_leg_at(Point(0.0, 0.0))
-    boat.surroundings.voyage._add((20, 0), Point(20.5, 0.5))
+    boat.see(0)
     wanted, sailed = boat.sail()
     assert sailed is wanted
