@@ -80,7 +80,10 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
         "tests/companion/log", "tests/companion/services/test_log_service.py",
         "tests/sitl/run/test_log_replay.py",
     ),
-    "vehicle": ("tests/companion/vehicle", "tests/companion/geofence/test_surroundings.py"),
+    "vehicle": (
+        "tests/companion/vehicle", "tests/companion/geofence/test_surroundings.py",
+        "tests/companion/failsafe/test_failsafes.py", "tests/companion/payload/test_control.py",
+    ),
     "mission_tools/assembly": (
         "tests/mission_tools/assembly", "tests/mission_tools/cli", "tests/mission_tools/test_python_face.py",
         "tests/mission_tools/costs/test_zones.py", "tests/mission_tools/costs/test_planned_currents.py",

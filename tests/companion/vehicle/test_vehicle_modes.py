@@ -2,7 +2,9 @@ import math
 
 import pytest
 from boat_rig import FRAME, GOOD_FIX, nav_at, place
+from msgspec.structs import replace
 
+from companion.config.actuators import DriveSetting
 from companion.config.boat_config import BoatConfig
 from companion.core import requests
 from companion.core.intent import FollowLeg, HoldCourse, KeepStation, Stop
@@ -11,6 +13,7 @@ from companion.core.state import NavState
 from companion.core.status_text import Severity
 from companion.failsafe import actions
 from companion.failsafe.actions import Trigger
+from companion.failsafe.inputs import BoardReadings
 from companion.geofence.fence import FenceCircle
 from companion.vehicle.failsafes import _carry_out as carry_out
 from companion.vehicle.mission.steps import Home, Mission, Waypoint
@@ -187,3 +190,26 @@ def test_each_decision_of_the_failsafes_is_carried_out() -> None:
     carry_out(actions.StopMotors(), vehicle, 1.2)
     assert not vehicle.armed
     assert texts(vehicle)[-1] == "Disarmed by failsafe"
+
+
+def test_a_boat_that_loses_its_estimate_stops() -> None:
+    vehicle = vehicle_at(mode=Mode.GUIDED)
+    vehicle.update_state(None, None, None, None, 2.0)
+    assert vehicle.decide() == Stop()
+
+
+def test_what_a_recovery_has_found_is_told_and_nothing_before() -> None:
+    vehicle = vehicle_at(mode=Mode.LOITER)
+    carry_out(actions.Recover(Trigger.CHECK, Severity.NOTICE, ""), vehicle, 0.0)
+    for tenth in range(1, 200):
+        tick(vehicle, nav_at(), 0.1 * tenth)
+    assert texts(vehicle) == ["Motor check: result unclear"]
+
+
+def test_a_rudder_that_turns_no_boat_is_noticed() -> None:
+    vehicle = vehicle_at(mode=Mode.GUIDED)
+    vehicle.config = BoatConfig(drive=DriveSetting(layout="rudder"))
+    vehicle.board = BoardReadings(left=0.6, right=0.6, rudder=1.0)
+    for tenth in range(1, 60):
+        tick(vehicle, replace(nav_at(), north_m_s=2.0, surge_m_s=2.0), 0.1 * tenth)
+    assert "Failsafe: Steering lost: rudder or motor has no effect" in texts(vehicle)
