@@ -82,10 +82,10 @@ def _nearest(a: Point, b: Point, c: Point, d: Point) -> tuple[float, Point]:
     if _crosses(a, b, c, d):
         turn = _turn(a, b, d) - _turn(a, b, c)
         share = -_turn(a, b, c) / turn if turn else 0.0
-        return 0.0, _between(c, d, share)
+        return 0.0, c.towards(d, share)
     pairs = [(a, _foot(a, c, d)), (b, _foot(b, c, d)), (c, _foot(c, a, b)), (d, _foot(d, a, b))]
     away_m, end, foot = min((math.dist(end, foot), end, foot) for end, foot in pairs)
-    return away_m, _between(end, foot, 0.5)
+    return away_m, end.towards(foot, 0.5)
 
 
 def _crosses(a: Point, b: Point, c: Point, d: Point) -> bool:
@@ -99,13 +99,9 @@ def _turn(a: Point, b: Point, c: Point) -> float:
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
-def _between(a: Point, b: Point, share: float) -> Point:
-    return Point(a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1]))
-
-
 def _foot(at: Point, a: Point, b: Point) -> Point:
     """The nearest point of a side."""
     north, east = b[0] - a[0], b[1] - a[1]
     squared = north * north + east * east
     share = ((at[0] - a[0]) * north + (at[1] - a[1]) * east) / squared if squared else 0.0
-    return _between(a, b, min(max(share, 0.0), 1.0))
+    return a.towards(b, min(max(share, 0.0), 1.0))

@@ -11,8 +11,8 @@ _ITEMS_A_TICK = 10
 class MissionCheck:
     """fault: the first fault found so far, for the operator; empty without one.
 
-    Places relative to the start of a leg cannot be checked beforehand, nor can the first leg, which
-    `approach.py` checks.
+    Places relative to the start of a leg cannot be checked beforehand, nor can the first leg: see
+    `route_to_mission.py`.
     """
 
     def __init__(self, status_texts: list[StatusText]) -> None:
