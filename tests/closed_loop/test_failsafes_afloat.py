@@ -36,10 +36,10 @@ def test_a_boat_that_loses_position_and_heading_does_not_drive_again() -> None:
 
 
 def test_a_lost_position_is_reckoned_on_then_held_against_the_water_then_given_up() -> None:
-    rig = under_way(*CURRENT, config={"failsafe.dead_reckoning_s": 40.0})
+    rig = under_way(*CURRENT, config={"failsafe.dead_reckoning_s": 20.0})
     begin(rig, "gnss")
     assert told(rig, "Failsafe: GPS lost", 3.0) < 2.5
-    assert told(rig, "Failsafe: Position lost", 90.0) > 40.0
+    assert told(rig, "Failsafe: Position lost", 60.0) > 20.0
     rig.run(15.0)
     assert rig.mode == "LOITER"
     assert drifted_m(rig, 20.0) < 0.5 * 0.5 * 20.0  # less than half of what the water would have carried it

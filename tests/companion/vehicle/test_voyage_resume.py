@@ -26,7 +26,7 @@ from companion.vehicle.voyage_record import FILE
 
 pytestmark = pytest.mark.slow
 
-SAILED = [Point(0.0, 0.0), Point(40.0, 0.0), Point(40.0, 60.0), Point(0.0, 60.0)]
+SAILED = [Point(0.0, 0.0), Point(25.0, 0.0), Point(25.0, 40.0), Point(0.0, 40.0)]
 LEGS = [waypoint(*at) for at in SAILED[1:]]
 
 
@@ -56,7 +56,7 @@ def in_mid_leg(seq: int = 2, config: dict[str, object] | None = None) -> Rig:
     """Under way to an item of the mission for some time."""
     rig = Rig(config=config).sail(*LEGS)
     rig.until(lambda: rig.boat.vehicle.progress.current_seq == seq, 120.0)
-    rig.run(12.0)
+    rig.run(8.0)
     return rig
 
 
@@ -92,7 +92,7 @@ def test_the_boat_says_where_it_was_and_goes_on_from_there_when_told() -> None:
     assert line is not None
     assert frame is not None
     start = rig.scenario.frame.to_local(frame.to_global(line.start))
-    assert start == pytest.approx((40.0, 0.0), abs=2.5), "the old leg, not one from here"
+    assert start == pytest.approx((25.0, 0.0), abs=2.5), "the old leg, not one from here"
     rig.until(lambda: rig.mode != "AUTO", 90.0)
     assert [message.seq for message in rig.peer.said("MISSION_ITEM_REACHED")] == [2, 3]
 
@@ -123,10 +123,10 @@ def outside(resume: int) -> Rig:
     """Cut in mid-leg; without power the water carries the boat over the fence beside its leg."""
     water = ("environment.current_m_s=0.5", "environment.current_to_deg=0.0")
     rig = Rig("open", *water, config={"failsafe.resume": resume}).ready()
-    fenced(rig, *polygon(box(45.0, -10.0, 80.0, 70.0), EXCLUDED))
+    fenced(rig, *polygon(box(30.0, -10.0, 70.0, 60.0), EXCLUDED))
     rig.sail(*LEGS)
     rig.until(lambda: rig.boat.vehicle.progress.current_seq == 2, 60.0)
-    rig.run(10.0)
+    rig.run(6.0)
     rig.world._motors.stop()
     while margin_m(rig) > -3.0:
         rig.world.step(TICK_S)
@@ -143,7 +143,7 @@ def test_a_boat_whose_power_is_back_outside_the_fence_comes_inside_and_sails_on(
     assert "Outside the fence: returning inside first" in rig.peer.texts
     if objects:
         assert rig.set_mode(Mode.LOITER) == OK
-        rig.run(40.0)
+        rig.run(25.0)
         assert (rig.mode, margin_m(rig) > 0.0) == ("LOITER", True)
     else:
         rig.until(lambda: rig.mode == "AUTO", 40.0)
@@ -237,7 +237,7 @@ def test_after_a_power_cut_smart_rtl_goes_back_the_way_the_boat_has_come(by_itse
     rig = in_mid_leg(3, {"failsafe.resume": 2 if by_itself else 1})
     if by_itself:
         assert rig.set_mode(Mode.SMART_RTL) == OK
-        rig.run(25.0)
+        rig.run(20.0)  # past the corner
     cut(rig, 10.0).ready()
     if by_itself:
         assert any(text.endswith("on the way home: arm and SMART_RTL to resume") for text in rig.peer.texts)
