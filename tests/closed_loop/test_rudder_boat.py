@@ -23,11 +23,11 @@ def test_it_keeps_station_within_its_radius_and_three_turning_radii() -> None:
     rig = rudder_boat(Mode.LOITER, *WIND)
     at = rig.world.truth
     away_m = []
-    for _ in range(140):
+    for _ in range(240):
         rig.run(0.5)
         away_m.append(rig.offset_m(at.north_m, at.east_m))
     assert max(away_m) < STATION_M + 3.0 * RADIUS_M
-    assert sorted(away_m)[70] < 3.0  # measured over five minutes: 1.7 m
+    assert sorted(away_m)[120] < 3.0  # measured over five minutes: 1.7 m
     assert rig.mode == "LOITER"
 
 
