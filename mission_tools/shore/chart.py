@@ -53,11 +53,7 @@ class WaterChart:
     """A map, or none: then every way is straight."""
 
     def __init__(self, path: Path | None) -> None:
-        """Read the map.
-
-        Raises:
-            MapError: it cannot be read or used; it names the file and what was expected.
-        """
+        """Read the map; MapError names the file and what was expected."""
         self._bytes = _EMPTY
         self._lock = threading.Lock()
         self._frame: LocalFrame | None = None

@@ -54,11 +54,7 @@ class _Raw(NamedTuple):
 
 
 def read_map(path: Path) -> MapFile:
-    """Read a map.
-
-    Raises:
-        MapError: the file cannot be read or used; it names the file and what was expected.
-    """
+    """Read a map; MapError names the file and what was expected."""
     tree = _decoded(path)
     raws: list[_Raw] = []
     count = 0

@@ -20,12 +20,7 @@ Example:  boat-shore pin"""
 
 
 def read_arguments(arguments: Sequence[str]) -> argparse.Namespace:
-    """The options by name, and `command`: SHOW or "pin".
-
-    Raises:
-        UsageError: names the option and what was expected.
-        SystemExit: the help or the version was asked for, and is printed.
-    """
+    """The options by name, and `command`: SHOW or "pin". SystemExit once help or version is printed."""
     is_pin = arguments[:1] == ["pin"]
     given = _pin_parser().read(arguments[1:]) if is_pin else _show_parser().read(arguments)
     given.command = "pin" if is_pin else SHOW

@@ -211,13 +211,12 @@ class ShoreBoat:
         self.lists.pause(now_s)
         self._sailing.ask(upload, answered, now_s)
 
-    def in_short(self, name: str, unix_s: float) -> BoatName:
+    def in_short(self, unix_s: float) -> BoatName:
         """The boat's line in the list of boats."""
         view = self.view
         battery = view.battery
         return BoatName(
             id=self.address.system,
-            name=name,
             heard_s=self.heard_s,
             age_s=None if self.heard_s is None else round(max(unix_s - self.heard_s, 0.0), 1),
             mode=view.mode,

@@ -3,7 +3,7 @@
 Boats(port).poll(now_s, unix_s) reads, answers PING, sends the heartbeat, and lets each boat repeat and ask.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
@@ -36,7 +36,7 @@ _PING: Final = dialect.MAVLINK_MSG_ID_PING
 class Boats:
     """The boats by system id.
 
-    port: an open port, or its url. names: of boats, by system id. status_file: of the boat on this computer.
+    port: an open port, or its url. status_file: of the boat on this computer.
     key: of signed links.
     is_operator: False while nobody steers from the page: its heartbeats then do not count as the operator's.
     """
@@ -45,7 +45,6 @@ class Boats:
         self,
         port: Port | str,
         system_id: int = SYSTEM_ID,
-        names: Mapping[int, str] | None = None,
         status_file: Path | None = None,
         key: SigningKey | None = None,
     ) -> None:
@@ -55,7 +54,6 @@ class Boats:
         self._unix_s = 0.0
         self._port: Port = open_port(port, lambda: self._now_s) if isinstance(port, str) else port
         self._own = Address(system_id, OWN_COMPONENT)
-        self._names = dict(names or {})
         self._board = None if status_file is None else Board(status_file)
         self._signatures = Signatures(key)
         self._lines: list[SignedLink] = []
@@ -98,10 +96,7 @@ class Boats:
 
     def names(self) -> list[BoatName]:
         """The boats, by system id."""
-        return [
-            boat.in_short(self._names.get(number, ""), self._unix_s)
-            for number, boat in sorted(self._boats.items())
-        ]
+        return [boat.in_short(self._unix_s) for _, boat in sorted(self._boats.items())]
 
     def get(self, boat: int) -> ShoreBoat | None:
         """A boat with its lists, files, logs and parameters; None if it was never heard."""

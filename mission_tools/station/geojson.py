@@ -22,7 +22,7 @@ _LEAST_CORNERS: Final = 3
 _WIDEST_M: Final = 1e6
 _MOST_POINTS: Final = 2000  # of a track
 _FIRST_STEP_M: Final = 1.0
-_M_PER_DEG: Final = 111_195.0  # of latitude, on a sphere: enough to space points
+_EARTH_M: Final = 6_371_000.0  # of a sphere
 _NAMES: Final = {
     16: "waypoint", 17: "stay", 18: "circle", 19: "stay for a time", 20: "return", 93: "wait", 112: "delay",
     113: "distance", 115: "turn", 177: "jump", 178: "speed", 179: "home", 5000: "return point",
@@ -111,14 +111,16 @@ class BoatTrack:
         self._step_m = _FIRST_STEP_M
 
     def add(self, place: Place) -> None:
-        if self.points and _apart_m(self.points[-1], place) < self._step_m:
+        at = place.lon, place.lat
+        if self.points and apart_m(self.points[-1], at) < self._step_m:
             return
-        self.points.append((place.lon, place.lat))
+        self.points.append(at)
         if len(self.points) > _MOST_POINTS:
             self.points = self.points[::2]
             self._step_m *= 2.0
 
 
-def _apart_m(at: tuple[float, float], place: Place) -> float:
-    east = (place.lon - at[0] + 180.0) % 360.0 - 180.0
-    return _M_PER_DEG * math.hypot(place.lat - at[1], east * math.cos(math.radians(place.lat)))
+def apart_m(a: tuple[float, float], b: tuple[float, float]) -> float:
+    """Between places (lon, lat) close together, on a sphere."""
+    east = math.radians(math.remainder(b[0] - a[0], 360.0)) * math.cos(math.radians(a[1]))
+    return _EARTH_M * math.hypot(east, math.radians(b[1] - a[1]))

@@ -209,10 +209,9 @@ Role = Literal["viewer", "skipper"]  # skipper: has told the PIN
 
 
 class BoatName(Struct, frozen=True, kw_only=True):
-    """A boat of the fleet in short. name: empty if it has none; age_s: since it was heard, as of now."""
+    """A boat of the fleet in short. age_s: since it was heard, as of now."""
 
     id: int
-    name: str = ""
     heard_s: float | None = None
     age_s: float | None = None
     mode: str | None = None

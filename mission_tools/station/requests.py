@@ -43,11 +43,7 @@ ModeNumbers = Mapping[str, int]
 
 
 def number_of(arguments: Arguments, name: str) -> float:
-    """A number of a request.
-
-    Raises:
-        BadRequestError: there is none.
-    """
+    """A number of a request; BadRequestError without one."""
     value = arguments.get(name)
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         raise BadRequestError(say("answer.no_number", name=name))
@@ -114,11 +110,7 @@ _BUILT: Final[dict[str, Callable[[Arguments, ModeNumbers], BoatCommand]]] = {
 
 
 def build_command(what: str, arguments: Arguments, modes: ModeNumbers) -> BoatCommand:
-    """The command of a request.
-
-    Raises:
-        BadRequestError: says what is wrong.
-    """
+    """The command of a request; BadRequestError says what is wrong with it."""
     if (fixed := _FIXED.get(what)) is not None:
         return fixed
     if (build := _BUILT.get(what)) is None:
@@ -128,11 +120,7 @@ def build_command(what: str, arguments: Arguments, modes: ModeNumbers) -> BoatCo
 
 
 def way_points(arguments: Arguments) -> list[tuple[int, int]]:
-    """The points of a way to sail, 1e-7 degrees latitude and longitude.
-
-    Raises:
-        BadRequestError: says what is wrong.
-    """
+    """The points of a way to sail, 1e-7 degrees latitude and longitude; BadRequestError without a way."""
     points = arguments.get("points")
     if not isinstance(points, list) or not 1 <= len(points) <= _MOST_POINTS:
         raise BadRequestError(say("answer.no_way_points", most=_MOST_POINTS))

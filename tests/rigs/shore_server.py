@@ -89,7 +89,7 @@ class FakeBoats(Boats):
         self.polls += 1
 
     def names(self) -> list[BoatName]:
-        return [BoatName(id=boat, name=f"boat {boat}", heard_s=one.heard_s) for boat, one in self.now.items()]
+        return [BoatName(id=boat, heard_s=one.heard_s) for boat, one in self.now.items()]
 
     def snapshot(self, boat: int) -> Snapshot | None:
         return self.now.get(boat)

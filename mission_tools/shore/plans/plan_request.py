@@ -53,11 +53,7 @@ class PlanRequest(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
 
 
 def parse_wish(body: bytes) -> PlanRequest:
-    """A request from JSON.
-
-    Raises:
-        PlanRequestError: names the field and what is expected there.
-    """
+    """A request from JSON; PlanRequestError names the field and what is expected there."""
     try:
         wanted = msgspec.json.decode(body, type=PlanRequest)
     except msgspec.ValidationError as error:

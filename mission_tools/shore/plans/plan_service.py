@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import re
+import secrets
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
@@ -57,6 +58,8 @@ class File(NamedTuple):
 
 
 class PlanService:
+    """Plans and their files. PlanRequestError, StorageError and the errors of `process` tell why not."""
+
     def __init__(self, boats: Boats, sources: Sources, planner: Planner | None = None) -> None:
         self._boats = boats
         self._water = None if sources.water is None else str(sources.water.resolve())
@@ -65,11 +68,7 @@ class PlanService:
         self.store = PlanStore()
 
     async def plan(self, boat: int, wanted: PlanRequest) -> MadePlan:
-        """Plan a route or a survey.
-
-        Raises:
-            PlanRequestError, PlannerError, PlannerMissingError, PlannerBusyError, StorageError: a sentence.
-        """
+        """Plan a route or a survey."""
         snapshot = self._boats.snapshot(boat)
         start = wanted.start or (snapshot.place if snapshot is not None else None)
         if start is None:
@@ -103,11 +102,7 @@ class PlanService:
             raise PlannerError(_PLACE.sub(named, error.args[0])) from None
 
     async def read(self, boat: int, name: str, body: bytes) -> MadePlan:
-        """A plan from a file of another program.
-
-        Raises:
-            PlanRequestError, PlannerError, PlannerMissingError, PlannerBusyError, StorageError: a sentence.
-        """
+        """A plan from a file of another program."""
         stem, dot, suffix = name.rpartition(".")
         suffix = suffix.lower()
         if not dot or suffix not in FORMATS:
@@ -170,7 +165,7 @@ class PlanService:
                 str(say("planner.more", n=len(warnings) - _MOST_WARNINGS)),
             ]
         plan = MadePlan(
-            id=self.store.new_id(),
+            id=secrets.token_urlsafe(16),  # which nobody guesses
             name=name,
             task=task,
             items=max(len(lists.mission) - 1, 0),
@@ -192,11 +187,7 @@ class PlanService:
         return plan
 
     async def file(self, ident: str, kind: str) -> File | None:
-        """A plan as a file; None if there is no such plan.
-
-        Raises:
-            PlannerError, PlannerMissingError, PlannerBusyError, StorageError: a sentence for people.
-        """
+        """A plan as a file; None if there is no such plan."""
         kept = self.store.find(ident)
         if kept is None:
             return None
@@ -212,11 +203,7 @@ class PlanService:
         return File(path.name, FORMATS[kind], path.read_bytes())
 
     async def on_board(self, boat: int, kind: str) -> File | None:
-        """The mission on board as a file; None while it is not downloaded, or if there is none.
-
-        Raises:
-            PlannerError, PlannerMissingError, PlannerBusyError, StorageError: a sentence for people.
-        """
+        """The mission on board as a file; None while it is not downloaded, or if there is none."""
         one = self._boats.get(boat)
         items = None if one is None else one.lists.items("mission")
         if items is None or len(items) < 2:

@@ -2,7 +2,6 @@
 
 import contextlib
 import re
-import secrets
 import shutil
 import tempfile
 from collections import OrderedDict
@@ -34,16 +33,8 @@ class PlanStore:
         self._root: Path | None = None
         self._kept: OrderedDict[str, StoredPlan] = OrderedDict()
 
-    def new_id(self) -> str:
-        """An id for a plan that nobody guesses."""
-        return secrets.token_urlsafe(16)
-
     def new_folder(self) -> Path:
-        """An empty folder.
-
-        Raises:
-            StorageError: there is no room, or nothing may be written.
-        """
+        """An empty folder; StorageError if there is no room, or nothing may be written."""
         try:
             if self._root is None:
                 self._root = Path(tempfile.mkdtemp(prefix="boat-shore-plans-"))

@@ -61,12 +61,9 @@ class Planner:
         self._is_closed = False
 
     async def run(self, arguments: list[str], folder: Path) -> dict[str, Any]:
-        """What mission-plan reports as JSON. Cancel the call to end the process.
+        """What mission-plan reports as JSON, or one of the errors above. Cancel the call to end the process.
 
         folder: for its input and output, and its working directory.
-
-        Raises:
-            PlannerError, PlannerMissingError, PlannerBusyError: a sentence for people.
         """
         if self._asked > MOST_WAITING or self._is_closed:
             raise PlannerBusyError(ENDING if self._is_closed else BUSY)

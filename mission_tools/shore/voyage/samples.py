@@ -1,10 +1,10 @@
 """A voyage's samples, thinned while they are read, so that a long log takes no more memory."""
 
-import math
 from typing import Final, NamedTuple
 
+from mission_tools.station.geojson import apart_m
+
 MOST_SAMPLES: Final = 2000
-_EARTH_M: Final = 6_371_000.0
 
 
 class Sample(NamedTuple):
@@ -41,7 +41,7 @@ class Samples:
             return
         self._last = sample
         here = sample.lon, sample.lat
-        moved_m = 0.0 if self._counted is None else _apart_m(self._counted, here)
+        moved_m = 0.0 if self._counted is None else apart_m(self._counted, here)
         if self._counted is None or moved_m >= self._step_m:
             self._counted = here
             self.distance_m += moved_m
@@ -57,9 +57,3 @@ class Samples:
         if self._last is not None and self.kept[-1] is not self._last:
             self.kept.append(self._last)
         return self.kept
-
-
-def _apart_m(a: tuple[float, float], b: tuple[float, float]) -> float:
-    """On a sphere, for places close together."""
-    east = math.radians(math.remainder(b[0] - a[0], 360.0)) * math.cos(math.radians(a[1]))
-    return _EARTH_M * math.hypot(east, math.radians(b[1] - a[1]))

@@ -8,7 +8,7 @@ from typing import Any, Final
 from companion.core.modes import Mode
 from mission_tools.shore.voyage.dataflash import Log, Record, Value
 from mission_tools.shore.voyage.samples import Sample, Samples
-from mission_tools.station.words import LocalizedText, say
+from mission_tools.station.words import say
 
 MOST_EVENTS: Final = 500
 _LONGEST_S: Final = 30 * 86400.0
@@ -44,11 +44,7 @@ _OTHER_VEHICLES: Final = re.compile(r"Ardu(Copter|Plane|Sub)|AntennaTracker|Blim
 
 
 class NoVoyageError(Exception):
-    """A log that cannot be shown. text: for people."""
-
-    def __init__(self, text: LocalizedText) -> None:
-        super().__init__(text)
-        self.text = text
+    """A log that cannot be shown. Its one argument is the text for people, a `LocalizedText`."""
 
 
 class Voyage:
@@ -88,11 +84,7 @@ class Voyage:
         self._handlers[record.name](at_s, *record.values[1:])
 
     def result(self, *, is_cut: bool) -> dict[str, Any]:
-        """As JSON, see docs/shore.md.
-
-        Raises:
-            NoVoyageError: it has no position.
-        """
+        """As JSON, see docs/shore.md; NoVoyageError without a position."""
         samples = self._positions if self._positions.kept else self._receiver
         kept = samples.finish()
         if not kept:
@@ -230,11 +222,7 @@ class Voyage:
 
 
 def read_voyage(data: "bytes | memoryview") -> dict[str, Any]:
-    """A whole log.
-
-    Raises:
-        NoVoyageError: it is no DataFlash log, or has no position.
-    """
+    """A whole log; NoVoyageError if it is no DataFlash log, or has no position."""
     if not len(data):
         raise NoVoyageError(say("voyage.empty"))
     log, voyage = Log(data, _WANTED), Voyage()

@@ -46,7 +46,7 @@ async def _log_in(hub: Hub, request: web.Request) -> web.StreamResponse:
         return error(403 if wait is None or not opened.is_held_up else 429, opened.text, "", wait)
     response = web.json_response({"role": "skipper", "has_pin": True, "text": ""})
     response.set_cookie(
-        cookie_name(request), opened.token, max_age=int(LIFE_S), path="/", httponly=True, samesite="Strict"
+        cookie_name(request), opened, max_age=int(LIFE_S), path="/", httponly=True, samesite="Strict"
     )
     return response
 

@@ -153,7 +153,6 @@ class Viewer:
 
 def _is_same(one: Hello | None, other: Hello) -> bool:
     """But for when the boats were heard."""
-    return one is not None and (one.role, [(boat.id, boat.name) for boat in one.boats]) == (
-        other.role,
-        [(boat.id, boat.name) for boat in other.boats],
-    )
+    if one is None:
+        return False
+    return one.role == other.role and [boat.id for boat in one.boats] == [boat.id for boat in other.boats]

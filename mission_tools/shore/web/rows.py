@@ -28,11 +28,7 @@ class Row(NamedTuple):
 async def read_body(
     request: web.Request, most_bytes: int = MOST_BODY_BYTES, within_s: float = _BODY_S
 ) -> bytes:
-    """The whole body.
-
-    Raises:
-        HTTPRequestTimeout, HTTPRequestEntityTooLarge: it comes too slowly, or is too long.
-    """
+    """The whole body; HTTPRequestTimeout or HTTPRequestEntityTooLarge if it is too slow or too long."""
     body = bytearray()
     try:
         async with asyncio.timeout(within_s):

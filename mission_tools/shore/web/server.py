@@ -49,9 +49,6 @@ def make_app(
     """The application.
 
     sources: of plans. hosts: further names of this server. is_polling: False where a test calls `Hub.tick`.
-
-    Raises:
-        ConfigError: the page's folder is not as expected.
     """
     rates = Rates(_OFTEN, _STRANGERS)
 

@@ -42,10 +42,8 @@ def make_file(kind: str, plain: bytes) -> StaticFile:
 def read_files(*folders: Path) -> dict[str, StaticFile]:
     """The files below the folders by their path, the last one's of two with the same.
 
-    index.html is there as the empty name as well, and with the page's languages.
-
-    Raises:
-        ConfigError: there is no page, or a file of another type.
+    index.html is there as the empty name as well, and with the page's languages. ConfigError without a page,
+    or with a file of another type.
     """
     files: dict[str, StaticFile] = {}
     for folder in folders:

@@ -44,9 +44,10 @@ class Download:
         self.version = 0
         self.is_bytewise = False
         self._asked_s = self._began_s = float("-inf")
-        self._begin()
+        self.restart()
 
-    def _begin(self) -> None:
+    def restart(self) -> None:
+        """The values on board may be others; those known are kept until then."""
         self.count: int | None = None
         self._names: dict[int, str | None] = {}  # by index; None: a name that cannot be shown
         self._is_over = self._is_listed = False  # _is_listed: the list was asked for
@@ -65,10 +66,6 @@ class Download:
         """Entries of the list that have come."""
         return len(self._names)
 
-    def restart(self) -> None:
-        """The values on board may be others; those known are kept until then."""
-        self._begin()
-
     def handle(self, message: Message, now_s: float) -> tuple[str, Value] | None:
         """PARAM_VALUE. Returns name and value; None if it cannot be used."""
         name, value = name_of(message), decode(message, self.is_bytewise)
@@ -86,7 +83,7 @@ class Download:
         if self.count is not None and self.count != count:
             if now_s - self._began_s < ANEW_S:
                 return
-            self._begin()
+            self.restart()
         if self.count is None:
             self.count, self._began_s = count, now_s
         if self._names.get(index, "") != name:

@@ -11,11 +11,11 @@ import math
 import re
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 import msgspec
 from msgspec import Raw, Struct, field
+from msgspec.structs import replace
 
 from mission_tools.station.view import clean
 
@@ -36,32 +36,40 @@ _NUMBER: Final = re.compile(r"\d+")
 _INDEX: Final = "{n}"
 
 
-class _Choice(Struct):
+class Choice(Struct, frozen=True):
+    """A value and what it means."""
+
     value: float
-    description: str = ""
+    text: str = field(default="", name="description")
 
 
-class _Bit(Struct):
+class Bit(Struct, frozen=True):
+    """The number of a bit and what it means."""
+
     index: int
-    description: str = ""
+    text: str = field(default="", name="description")
 
 
-class _Parameter(Struct, rename="camel"):
-    name: str
-    short_desc: str = ""
-    long_desc: str = ""
-    units: str = ""
+class Description(Struct, frozen=True):
+    """Of one parameter, by the schema's names in JSON. decimals, step: as shown."""
+
+    text: str = field(default="", name="shortDesc")
+    long: str = field(default="", name="longDesc")
+    unit: str = field(default="", name="units")
+    low: float | None = field(default=None, name="min")
+    high: float | None = field(default=None, name="max")
+    step: float | None = field(default=None, name="increment")
+    decimals: int | None = field(default=None, name="decimalPlaces")
+    values: list[Choice] = []
+    bits: list[Bit] = field(default_factory=list, name="bitmask")
     default: float | None = None
-    decimal_places: int | None = None
-    min: float | None = None
-    max: float | None = None
-    increment: float | None = None
-    reboot_required: bool = False
     group: str = ""
-    category: str = ""
-    values: list[_Choice] = field(default_factory=list)
-    bitmask: list[_Bit] = field(default_factory=list)
-    read_only: bool = False
+    needs_restart: bool = field(default=False, name="rebootRequired")
+    read_only: bool = field(default=False, name="readOnly")
+
+
+class _Entry(Description, frozen=True, kw_only=True):
+    name: str
 
 
 class _File(Struct):
@@ -70,26 +78,6 @@ class _File(Struct):
 
 class MetadataError(ValueError):
     """A file that is no metadata. The text is for people."""
-
-
-@dataclass(frozen=True, slots=True)
-class Description:
-    """Of one parameter. decimals, step: as shown. values: number and text; bits: number and text."""
-
-    text: str = ""
-    long: str = ""
-    unit: str = ""
-    low: float | None = None
-    high: float | None = None
-    step: float | None = None
-    decimals: int | None = None
-    values: tuple[tuple[float, str], ...] = ()
-    bits: tuple[tuple[int, str], ...] = ()
-    default: float | None = None
-    group: str = ""
-    category: str = ""
-    needs_restart: bool = False
-    read_only: bool = False
 
 
 NOTHING: Final = Description()
@@ -118,11 +106,7 @@ def _numbered(one: Description, number: str) -> Description:
 
 
 def parse(content: bytes) -> Descriptions:
-    """Read a parameter file, not packed. Takes tens of milliseconds for thousands of entries: use a thread.
-
-    Raises:
-        MetadataError: it is none.
-    """
+    """Read a parameter file, not packed; MetadataError if it is none. Tens of ms for thousands of entries."""
     try:
         raws = msgspec.json.decode(content, type=_File).parameters
     except (msgspec.MsgspecError, UnicodeError, RecursionError):
@@ -130,36 +114,36 @@ def parse(content: bytes) -> Descriptions:
     by_name: dict[str, Description] = {}
     for raw in raws[:MOST_ENTRIES]:
         try:
-            entry = msgspec.json.decode(raw, type=_Parameter)
+            entry = msgspec.json.decode(raw, type=_Entry)
         except (msgspec.MsgspecError, UnicodeError, RecursionError):
             continue
         if _NAME.fullmatch(entry.name):
-            by_name[entry.name] = _described(entry)
+            by_name[entry.name] = _cleaned(entry)
     return Descriptions(by_name)
 
 
-def _described(entry: _Parameter) -> Description:
-    low, high = entry.min, entry.max
+def _cleaned(entry: _Entry) -> Description:
+    low, high, step, decimals = entry.low, entry.high, entry.step, entry.decimals
     if low is not None and high is not None and low > high:
         low = high = None
-    step, decimals, choices = entry.increment, entry.decimal_places, entry.values[:_MOST_CHOICES]
-    bits = sorted((one.index, one.description) for one in entry.bitmask if 0 <= one.index <= _MOST_BIT)
-    return Description(
-        text=clean(entry.short_desc)[:_MOST_TEXT],
-        long=_paragraphs(entry.long_desc),
-        unit=clean(entry.units)[:_MOST_TEXT],
+    bits = sorted((one.index, one.text) for one in entry.bits if 0 <= one.index <= _MOST_BIT)
+    return replace(
+        entry,
+        text=_short(entry.text),
+        long=_paragraphs(entry.long),
+        unit=_short(entry.unit),
         low=low,
         high=high,
         step=step if step is not None and step > 0.0 and math.isfinite(step) else None,
         decimals=None if decimals is None else min(max(decimals, 0), _MOST_DECIMALS),
-        values=tuple((one.value, clean(one.description)[:_MOST_TEXT]) for one in choices),
-        bits=tuple((index, clean(text)[:_MOST_TEXT]) for index, text in bits),
-        default=entry.default,
-        group=clean(entry.group)[:_MOST_TEXT],
-        category=clean(entry.category)[:_MOST_TEXT],
-        needs_restart=entry.reboot_required,
-        read_only=entry.read_only,
+        values=[Choice(one.value, _short(one.text)) for one in entry.values[:_MOST_CHOICES]],
+        bits=[Bit(index, _short(text)) for index, text in bits],
+        group=_short(entry.group),
     )
+
+
+def _short(text: str) -> str:
+    return clean(text)[:_MOST_TEXT]
 
 
 def _paragraphs(text: str) -> str:
@@ -168,11 +152,7 @@ def _paragraphs(text: str) -> str:
 
 
 def unpack(content: bytes, most_bytes: int = MOST_BYTES) -> bytes:
-    """The plain file.
-
-    Raises:
-        MetadataError: broken, or longer than most_bytes.
-    """
+    """The plain file; MetadataError if it is broken or longer than most_bytes."""
     try:
         if content.startswith(_XZ):
             xz = lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=_MOST_MEMORY)
@@ -202,11 +182,7 @@ def is_intact(content: bytes, plain: bytes, crc: int | None) -> bool:
 
 
 def read_descriptions(content: bytes, crc: int | None) -> Descriptions:
-    """Unpack, check and parse a parameter file. Takes up to some 0.1 s: use a thread.
-
-    Raises:
-        MetadataError: it is none, or damaged.
-    """
+    """Unpack, check and parse a parameter file; MetadataError if it is none. Up to 0.1 s: use a thread."""
     plain = unpack(content)
     if not is_intact(content, plain, crc):
         raise MetadataError("the checksum of the file is another")

@@ -164,7 +164,7 @@ def refusal_of(name: str, value: float, kind: int, is_bytewise: bool, described:
         number = math.inf
     if flaw := flaw_of(number, kind, is_bytewise):
         return say("answer.param_flaw", name=name, value=_written(number), flaw=flaw)
-    if any(is_same(number, listed) for listed, _ in described.values):
+    if any(is_same(number, listed.value) for listed in described.values):
         return ""
     low, high = described.low, described.high
     unit = f" {described.unit}" if described.unit else ""
@@ -177,7 +177,7 @@ def refusal_of(name: str, value: float, kind: int, is_bytewise: bool, described:
             "answer.param_outside", name=name, value=_written(number) + unit, least=least, most=most + unit
         )
     if described.values and not described.bits and low is None and high is None:
-        listed = ", ".join(_written(one) for one, _ in described.values[:20])
+        listed = ", ".join(_written(one.value) for one in described.values[:20])
         return say("answer.param_not_listed", name=name, value=_written(number), listed=listed)
     return ""
 

@@ -79,11 +79,7 @@ class MotorTests:
         return now_s - self._turned_s < TEST_S + _SHOWN_S
 
     def turn(self, arguments: Mapping[str, Any], answered: Answered, now_s: float) -> None:
-        """Turn a motor for TEST_S.
-
-        Raises:
-            BadRequestError: says what is wrong.
-        """
+        """Turn a motor for TEST_S; BadRequestError says what is wrong with the request."""
         motor, percent, press = (
             arguments.get("motor"),
             number_of(arguments, "percent"),

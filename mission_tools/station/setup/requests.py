@@ -35,11 +35,7 @@ class Setup:
     def ask(
         self, what: str, arguments: Mapping[str, Any], answered: Answered, armed: bool | None, now_s: float
     ) -> None:
-        """Do one of REQUESTS.
-
-        Raises:
-            BadRequestError: says what is wrong.
-        """
+        """Do one of REQUESTS; BadRequestError says what is wrong with it."""
         is_own = what == "motor" and self.motors.is_own(now_s)  # its heartbeat says armed, too
         kind = _STARTS.get(what)
         may = what in _ALWAYS or is_own or (kind is not None and KINDS[kind].while_armed)

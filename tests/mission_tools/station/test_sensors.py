@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable
 
-import pytest
 from blank_messages import blank
 from boat_rig import Rig
 from shore_rig import Shore
@@ -13,7 +12,6 @@ from mission_tools.station.messages import Sensor
 from mission_tools.station.setup.latest_messages import LatestMessages
 from mission_tools.station.setup.sensor_checks import SensorSnapshot
 from mission_tools.station.setup.sensors import ROWS, sensors, verdicts
-from mission_tools.station.streams import INTERVALS_S, SENSORS_S, WANTED_S
 from mission_tools.station.view import View
 from mission_tools.station.words import texts
 
@@ -98,23 +96,6 @@ def test_a_reason_of_the_boat_comes_before_a_fine_verdict() -> None:
     battery = seen(shore)["battery"]
     assert battery.text == "The battery is too empty to set out."
     assert battery.cure == "Charge or change it."
-
-
-@pytest.mark.parametrize("loss", [0.0, 0.3])
-def test_the_messages_are_asked_for_while_somebody_looks_and_then_given_back(loss: float) -> None:
-    rig = Rig()
-    shore = Shore(rig, loss=loss, seed=5).ready()
-    channel = max(rig.boat.endpoint._telemetry._streams)
-    streams = rig.boat.endpoint._telemetry._streams[channel]
-    fast = dialect.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW
-    usual = {number: INTERVALS_S.get(number, streams.default_s(number)) for number in SENSORS_S}
-    usual[dialect.MAVLINK_MSG_ID_SCALED_IMU] = float("inf")  # on request only
-    wanted = {number: SENSORS_S[number] for number in (fast, dialect.MAVLINK_MSG_ID_SCALED_IMU)}
-    watch_until(shore, lambda _: {one: streams.interval_s(one) for one in wanted} == wanted, 60.0)
-    shore.run(WANTED_S + 40.0)
-    now = {number: streams.interval_s(number) for number in SENSORS_S}
-    assert all(now[number] >= usual[number] for number in SENSORS_S)
-    assert loss or now == usual
 
 
 def test_every_state_has_words_and_each_warning_and_failure_a_cure() -> None:

@@ -25,7 +25,7 @@ export function makeFleet(page, words, live, go, chart) {
   let isAsking = false;
   let offered = null;
 
-  const nameOf = (boat) => boat.name || words.say("boat.number", { n: boat.id });
+  const nameOf = (boat) => words.say("boat.number", { n: boat.id });
   const ageOf = (boat) => (boat.age_s == null ? null : boat.age_s + (performance.now() - heardMs) / 1000);
   const isSilent = (boat) => !(ageOf(boat) < SILENT_S);
   const find = (id) => boats.find((boat) => boat.id === id);
@@ -45,7 +45,7 @@ export function makeFleet(page, words, live, go, chart) {
     if (id === live.boat) return;
     keep(id);
     live.choose(id);
-    go.tell(words.say("fleet.chosen", { name: nameOf(find(id) ?? { id }) }));
+    go.tell(words.say("fleet.chosen", { name: nameOf({ id }) }));
     chart()?.follow();
     show();
   };

@@ -23,11 +23,7 @@ _SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def parse_listen(text: str) -> tuple[str, int]:
-    """HOST:PORT, or [ADDRESS]:PORT.
-
-    Raises:
-        ConfigError: says what is expected.
-    """
+    """HOST:PORT, or [ADDRESS]:PORT; else a ConfigError."""
     host, colon, port = text.rpartition(":")
     host = host.removeprefix("[").removesuffix("]")
     if not colon or not host or not port.isdecimal() or int(port) > 65535:
@@ -53,11 +49,7 @@ class Listening:
         self._server: asyncio.Server | None = None
 
     async def open(self, host: str, port: int) -> int:
-        """Begin; returns the port's number.
-
-        Raises:
-            LinkError: the port cannot be opened.
-        """
+        """Begin; returns the port's number. LinkError if it cannot be opened."""
         await self._runner.setup()
         hub = self._app[HUB]
         access_control = AccessControl(self._runner.server, hub.sessions.is_known, hub.clock.now_s)
@@ -83,11 +75,7 @@ def _plain(why: str) -> str:
 
 
 async def serve(app: web.Application, host: str, port: int, on_open: Callable[[int], None]) -> None:
-    """Serve until SIGINT, SIGTERM or SIGHUP. A second signal is left to the system's own way.
-
-    Raises:
-        LinkError: the port cannot be opened.
-    """
+    """Serve until SIGINT, SIGTERM or SIGHUP. A second signal is left to the system's own way."""
     loop = asyncio.get_running_loop()
     ended = asyncio.Event()
 

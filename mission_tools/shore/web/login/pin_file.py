@@ -18,11 +18,7 @@ _HEAD: Final = f"scrypt {_COST} {_BLOCKS} {_ROUNDS}"
 
 
 def check_pin(pin: str) -> None:
-    """Refuse what is too short or of one character.
-
-    Raises:
-        ConfigError: says what is expected.
-    """
+    """Refuse what is too short or of one character, by a ConfigError that says what is expected."""
     if not LEAST_CHARACTERS <= len(pin) <= MOST_CHARACTERS or not pin.isprintable():
         raise ConfigError(f"expected a PIN of {LEAST_CHARACTERS} to {MOST_CHARACTERS} digits or letters")
     if len(set(pin)) == 1:
@@ -51,11 +47,7 @@ class PinFile:
         self._line: str | None = None
 
     def line(self) -> str | None:
-        """The hash; None while no PIN is set.
-
-        Raises:
-            StorageError: the file is unreadable, damaged, or readable by others.
-        """
+        """The hash; None while no PIN is set. StorageError if the file is damaged, or readable by others."""
         try:
             stat = self.path.stat()
         except FileNotFoundError:
@@ -85,12 +77,7 @@ class PinFile:
         return line
 
     def write(self, pin: str) -> None:
-        """Set the PIN. Sessions of another one end.
-
-        Raises:
-            ConfigError: the PIN is too simple.
-            OutputError: the file cannot be written.
-        """
+        """Set the PIN. Sessions of another one end. ConfigError: too simple; OutputError: not written."""
         check_pin(pin)
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)

@@ -26,12 +26,6 @@ READ_ONLY: Final = say("pin.unset")
 VIEWER: Final = say("pin.first")
 
 
-class Opened(NamedTuple):
-    """token: the cookie's value."""
-
-    token: str
-
-
 class LoginRefused(NamedTuple):
     """wait_s: until the next try; None: not a matter of time."""
 
@@ -113,8 +107,8 @@ class Sessions:
         """Whether a PIN is set."""
         return self._line()[0] is not None
 
-    async def open(self, pin: str, address: str, now_s: float) -> Opened | LoginRefused:
-        """Check a PIN when its turn comes, in a thread."""
+    async def open(self, pin: str, address: str, now_s: float) -> str | LoginRefused:
+        """Check a PIN when its turn comes, in a thread; the token of a new session."""
         line, why = self._line()
         if line is None:
             return LoginRefused(why)
@@ -144,7 +138,7 @@ class Sessions:
         if len(self._open) > _MOST_SESSIONS:
             self._open.popitem(last=False)
         self._store()
-        return Opened(token)
+        return token
 
     def poll(self, now_s: float) -> None:
         """Look at the next PIN, if it is time. Call it every 50 ms."""

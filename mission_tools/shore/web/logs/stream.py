@@ -14,11 +14,7 @@ MOST_BYTES: Final = 2_000_000_000
 
 
 class LogLostError(Exception):
-    """The boat does not send it, or not all of it. text: for people."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__(text)
-        self.text = text
+    """The boat does not send it, or not all of it. Its one argument is the text for people."""
 
 
 class LogStream:
@@ -52,22 +48,14 @@ class LogStream:
         self._change.set()
 
     async def opened(self) -> int:
-        """Wait for the boat to open it; returns the size.
-
-        Raises:
-            LogLostError: it does not.
-        """
+        """Wait for the boat to open it; returns the size, or raises LogLostError."""
         while self.size is None:
             self._check()
             await self._wait()
         return self.size
 
     async def parts(self) -> AsyncIterator[bytes]:
-        """The bytes as they come.
-
-        Raises:
-            LogLostError: they end too early.
-        """
+        """The bytes as they come; LogLostError if they end too early."""
         while True:
             while self._parts:
                 part = self._parts.popleft()

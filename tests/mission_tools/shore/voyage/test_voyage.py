@@ -169,7 +169,7 @@ def test_a_log_of_another_vehicle_is_shown_by_its_receiver() -> None:
 def test_what_cannot_be_shown_has_a_sentence(content: bytes, key: str) -> None:
     with pytest.raises(NoVoyageError) as refused:
         read_voyage(content)
-    assert refused.value.text.key == key
+    assert refused.value.args[0].key == key
 
 
 @settings(max_examples=200, deadline=None)

@@ -19,7 +19,7 @@ async def heard(ws: ClientWebSocketResponse, kind: str) -> dict[str, Any]:
 async def test_a_page_is_greeted_then_gets_the_whole_and_then_differences(server: Server) -> None:
     ws = await server.live()
     hello = await ws.receive_json()
-    assert (hello["type"], hello["role"], hello["boats"][0]["name"]) == ("hello", "viewer", "boat 1")
+    assert (hello["type"], hello["role"], hello["boats"][0]["id"]) == ("hello", "viewer", 1)
     whole = await ws.receive_json()
     assert (whole["type"], whole["boat"]) == ("state", 1)
     assert whole["patch"]["mode"] == "HOLD"

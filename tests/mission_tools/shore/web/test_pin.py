@@ -10,7 +10,7 @@ from shore_server import FakeClock
 from companion.core.errors import ConfigError, StorageError
 from mission_tools.shore.web.connections.throttle import MOST_PACE_S, Throttle, network_of
 from mission_tools.shore.web.login.pin_file import PinFile, hashed, is_pin
-from mission_tools.shore.web.login.session import LIFE_S, MOST_WAITING, LoginRefused, Opened, Sessions
+from mission_tools.shore.web.login.session import LIFE_S, MOST_WAITING, LoginRefused, Sessions
 
 pytest_plugins = ("server_fixtures",)
 pytestmark = pytest.mark.slow
@@ -24,7 +24,7 @@ def sessions(folder: Path) -> Sessions:
     return Sessions(pin)
 
 
-def opened(of: Sessions, pin: str, address: str, now_s: float) -> Opened | LoginRefused:
+def opened(of: Sessions, pin: str, address: str, now_s: float) -> str | LoginRefused:
     return asyncio.run(of.open(pin, address, now_s))
 
 
@@ -70,11 +70,11 @@ def test_a_damaged_file_opens_nothing(tmp_path: Path, text: str) -> None:
 def test_a_session_ends_after_its_time_and_by_a_new_pin(tmp_path: Path) -> None:
     all_of_them = sessions(tmp_path)
     one = opened(all_of_them, PIN, "10.0.0.1", 0.0)
-    assert isinstance(one, Opened)
-    assert all_of_them.role(one.token, LIFE_S - 1.0) == "skipper"
-    assert all_of_them.role(one.token, LIFE_S) == "viewer"
+    assert isinstance(one, str)
+    assert all_of_them.role(one, LIFE_S - 1.0) == "skipper"
+    assert all_of_them.role(one, LIFE_S) == "viewer"
     PinFile(tmp_path / "pin").write("another PIN")
-    assert all_of_them.role(one.token, 1.0) == "viewer"
+    assert all_of_them.role(one, 1.0) == "viewer"
 
 
 def test_a_made_up_cookie_is_a_viewers(tmp_path: Path) -> None:
@@ -110,7 +110,7 @@ class Attack:
     def __init__(self, victim: Sessions) -> None:
         self.victim = victim
         self.now_s = 0.0
-        self.tries: list[asyncio.Task[Opened | LoginRefused]] = []
+        self.tries: list[asyncio.Task[str | LoginRefused]] = []
 
     async def go_on(self) -> None:
         """A quarter of a second."""
@@ -123,7 +123,7 @@ class Attack:
         while self.victim._check is not None:
             await self.victim._check
             await asyncio.sleep(0)
-        self.tries = [one for one in self.tries if not one.done() or isinstance(one.result(), Opened)]
+        self.tries = [one for one in self.tries if not one.done() or isinstance(one.result(), str)]
 
     async def phone_waits_s(self, address: str) -> float:
         """Until the right PIN opens a session."""
@@ -131,14 +131,14 @@ class Attack:
         phone = asyncio.create_task(self.victim.open(PIN, address, self.now_s))
         while not phone.done():
             await self.go_on()
-        assert isinstance(phone.result(), Opened)
+        assert isinstance(phone.result(), str)
         return self.now_s - began_s
 
     async def end(self) -> None:
         for one in self.tries:
             one.cancel()
         told = await asyncio.gather(*self.tries, return_exceptions=True)
-        assert not any(isinstance(one, Opened) for one in told)
+        assert not any(isinstance(one, str) for one in told)
 
 
 async def test_wrong_pins_from_many_addresses_keep_no_new_phone_out(
@@ -186,38 +186,38 @@ def test_a_session_outlasts_a_restart_and_keeps_its_end(tmp_path: Path) -> None:
     PinFile(tmp_path / "pin").write(PIN)
     before = restarted(tmp_path, 0.0)
     one = opened(before, PIN, "10.0.0.1", 0.0)
-    assert isinstance(one, Opened)
+    assert isinstance(one, str)
     after = restarted(tmp_path, 3600.0)
-    assert after.role(one.token, 0.0) == "skipper"
+    assert after.role(one, 0.0) == "skipper"
     assert after.is_known("10.0.0.1"), "its address is a skipper's to the limits, too"
-    assert after.role(one.token, LIFE_S - 3601.0) == "skipper"
-    assert after.role(one.token, LIFE_S - 3599.0) == "viewer"
+    assert after.role(one, LIFE_S - 3601.0) == "skipper"
+    assert after.role(one, LIFE_S - 3599.0) == "viewer"
     backwards = restarted(tmp_path, -1e8)
-    assert backwards.role(one.token, LIFE_S + 1.0) == "viewer", "a date that goes back prolongs nothing"
+    assert backwards.role(one, LIFE_S + 1.0) == "viewer", "a date that goes back prolongs nothing"
 
 
 def test_a_session_that_was_locked_or_whose_pin_was_changed_does_not_come_back(tmp_path: Path) -> None:
     PinFile(tmp_path / "pin").write(PIN)
     before = restarted(tmp_path, 0.0)
     one, other = opened(before, PIN, "10.0.0.1", 0.0), opened(before, PIN, "10.0.0.2", 0.0)
-    assert isinstance(one, Opened)
-    assert isinstance(other, Opened)
-    before.close(one.token)
+    assert isinstance(one, str)
+    assert isinstance(other, str)
+    before.close(one)
     after = restarted(tmp_path, 1.0)
-    assert (after.role(one.token, 0.0), after.role(other.token, 0.0)) == ("viewer", "skipper")
+    assert (after.role(one, 0.0), after.role(other, 0.0)) == ("viewer", "skipper")
     PinFile(tmp_path / "pin").write("another PIN")
-    assert restarted(tmp_path, 1.0).role(other.token, 0.0) == "viewer"
+    assert restarted(tmp_path, 1.0).role(other, 0.0) == "viewer"
 
 
 def test_the_file_of_sessions_is_for_its_owner_and_holds_no_token(tmp_path: Path) -> None:
     PinFile(tmp_path / "pin").write(PIN)
     one = opened(restarted(tmp_path, 0.0), PIN, "10.0.0.1", 0.0)
-    assert isinstance(one, Opened)
+    assert isinstance(one, str)
     file = tmp_path / "pin-sessions"
     assert stat.S_IMODE(file.stat().st_mode) == 0o600
-    assert one.token not in file.read_text("utf-8")
+    assert one not in file.read_text("utf-8")
     file.chmod(0o644)
-    assert restarted(tmp_path, 1.0).role(one.token, 0.0) == "viewer"
+    assert restarted(tmp_path, 1.0).role(one, 0.0) == "viewer"
 
 
 @pytest.mark.parametrize("content", [b"", b"[", b"{}", b'[{"key": 1}]', b"\xff", b"[" * 100_000])

@@ -128,10 +128,11 @@ def test_a_boat_that_claims_65535_parameters_is_listed_as_far_as_it_sends() -> N
     assert len(script.sent) < 20
 
 
-def test_endless_new_names_cost_bounded_memory() -> None:
+def test_endless_new_names_cost_bounded_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(download, "MOST", 100)
     script = Script()
     script.run(0.1)
-    for index in range(12_000):
+    for index in range(120):
         script.download.handle(value(f"N{index}", 1.0, 0xFFFF, 65535), script.now_s)
     assert len(script.download.values) == download.MOST
     script.download.handle(value("N7", 2.0, 0xFFFF, 65535), script.now_s)
@@ -213,10 +214,9 @@ def known(shore: Shore) -> dict[str, float | None]:
     return {name: one.value for name, one in snapshot(shore).values.items()}
 
 
-@pytest.mark.parametrize(("loss", "seed", "limit_s"), [(0.0, 1, 5.0), (0.4, 3, 120.0)])
-def test_all_parameters_of_a_real_boat_come_over_a_lossy_link(loss: float, seed: int, limit_s: float) -> None:
+def test_all_parameters_of_a_real_boat_come_over_a_lossy_link() -> None:
     rig = Rig()
-    shore = Shore(rig, loss=loss, seed=seed)
-    seen = until_here(shore, limit_s)
+    shore = Shore(rig, loss=0.4, seed=3)
+    seen = until_here(shore, 120.0)
     assert seen.missing == 0
     assert known(shore) == on_board(rig)

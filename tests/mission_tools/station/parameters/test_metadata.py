@@ -12,6 +12,8 @@ from hypothesis import strategies as st
 from mission_tools.station.parameters.metadata import (
     MOST_BYTES,
     NOTHING,
+    Bit,
+    Choice,
     MetadataError,
     parse,
     read_descriptions,
@@ -35,8 +37,8 @@ def test_every_key_of_the_schema_is_read() -> None:
     one = parsed(WHOLE).of("TEST_ALL")
     assert (one.text, one.long, one.unit, one.default) == ("Short", "Long\nof two", "m/s", 3.0)
     assert (one.low, one.high, one.step, one.decimals) == (-1.0, 4.5, 0.5, 2)
-    assert (one.values, one.bits) == (((1.0, "One"),), ((3, "Three"),))
-    assert (one.group, one.category, one.needs_restart, one.read_only) == ("Group", "Advanced", True, True)
+    assert (one.values, one.bits) == ([Choice(1.0, "One")], [Bit(3, "Three")])
+    assert (one.group, one.needs_restart, one.read_only) == ("Group", True, True)
 
 
 def test_a_name_with_an_index_describes_each_of_its_parameters() -> None:
@@ -71,7 +73,7 @@ def test_odd_numbers_do_no_harm() -> None:
     )
     a, b = texts.of("A"), texts.of("B")
     assert (a.low, a.high, a.step, a.decimals) == (None, None, None, 9)
-    assert (b.step, b.decimals, b.bits) == (None, 0, ())
+    assert (b.step, b.decimals, b.bits) == (None, 0, [])
     assert parse(b'{"parameters": [{"name": "C", "min": 1e999}]}').by_name == {}
 
 

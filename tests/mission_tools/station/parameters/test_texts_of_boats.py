@@ -176,7 +176,7 @@ def test_the_older_message_leads_to_the_texts_too() -> None:
     assert boat.fetching.state == "here"
 
 
-@pytest.mark.parametrize("content", [b"", b"{", b"[]", b"\xff\xfe", b'{"metadataTypes": 5}', b"[" * 50_000])
+@pytest.mark.parametrize("content", [b"", b"{", b"[]", b"\xff\xfe", b'{"metadataTypes": 5}', b"[" * 5_000])
 def test_a_broken_general_file_is_tried_again_and_then_left_alone(content: bytes) -> None:
     boat = Files({"/g": content})
     for _ in range(10):
