@@ -69,9 +69,8 @@ def sail_by_hand(shore: Shore) -> None:
     shore.run(1.5)
 
 
-@pytest.mark.parametrize("loss", [0.0, 0.3])
-def test_the_compass_is_calibrated_with_progress_and_its_result_kept_when_asked(loss: float) -> None:
-    shore = shore_of(*MAGNETOMETER, loss=loss)
+def test_the_compass_is_calibrated_with_progress_and_its_result_kept_when_asked() -> None:
+    shore = shore_of(*MAGNETOMETER, loss=0.3)
     (rig,) = shore.rigs
     answer = shore.ask("calibrate_compass")
     assert answer.ok, answer
@@ -96,8 +95,8 @@ def test_the_compass_is_calibrated_with_progress_and_its_result_kept_when_asked(
     assert state(shore).state == "done"
     assert parameter(rig, "COMPASS_OFS_X") == pytest.approx(offset[0], abs=0.1)
     assert shore.ask("calibrate_accept").text == NOTHING_TO_KEEP
-    if not loss:
-        measure_the_motors_field(shore)
+    shore.ends[0].loss = 0.0
+    measure_the_motors_field(shore)
 
 
 def measure_the_motors_field(shore: Shore) -> None:
@@ -137,7 +136,7 @@ def test_a_broken_link_lets_the_boat_go_on_and_its_result_can_be_kept() -> None:
     sail_by_hand(shore)
     circle(shore, 3.0)
     shore.ends[0].loss = 1.0
-    circle(shore, 40.0, is_watched=True)
+    circle(shore, 25.0, is_watched=True)
     assert state(shore).state == "silent"
     assert "Compass calibration to be accepted" in " ".join(rig.peer.texts)
     shore.ends[0].loss = 0.0
@@ -147,17 +146,6 @@ def test_a_broken_link_lets_the_boat_go_on_and_its_result_can_be_kept() -> None:
     shore.run(2.0)
     assert shore.ask("calibrate_accept").ok
     assert parameter(rig, "COMPASS_OFS_X") != 0.0
-
-
-def test_a_calibration_whose_end_was_never_heard_is_unknown_in_the_end() -> None:
-    shore = shore_of(*MAGNETOMETER)
-    assert shore.ask("calibrate_gyro").ok
-    shore.ends[0].loss = 1.0
-    shore.run(12.0)
-    assert state(shore).state == "unknown"
-    shore.ends[0].loss = 0.0
-    shore.run(6.0)
-    assert shore.ask("calibrate_gyro").ok
 
 
 def test_the_gyro_is_calibrated_in_three_seconds() -> None:

@@ -7,9 +7,9 @@ from pymavlink.dialects.v20 import all as peer
 
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message
-from mission_tools.station.commands import REPEAT_S, Commands
+from mission_tools.station.commands import Commands
 from mission_tools.station.outcome import Outcome
-from mission_tools.station.requests import BadRequestError, build_command
+from mission_tools.station.requests import BadRequestError, build_command, way_points
 
 BOAT, OWN = Address(1, 1), Address(255, 190)
 MODES = {"LOITER": 5, "RTL": 11}
@@ -39,14 +39,6 @@ def test_go_is_a_reposition_at_the_usual_speed_that_changes_the_mode() -> None:
     assert (sent.x, sent.y, sent.z) == (500_000_000, -12_000_000, 0.0)
 
 
-def test_a_repeated_long_command_counts_up_its_confirmation() -> None:
-    line = Line()
-    first = line.ask("speed", m_s=0.7)
-    assert (first.param1, first.param2, first.param3) == (peer.SPEED_TYPE_GROUNDSPEED, 0.7, -1.0)
-    line.commands.poll(REPEAT_S)
-    assert [one.confirmation for one in line.sent] == [0, 1]
-
-
 def test_the_emergency_stop_forces_the_disarming() -> None:
     sent = Line().ask("stop")
     assert sent.command == peer.MAV_CMD_COMPONENT_ARM_DISARM
@@ -54,17 +46,37 @@ def test_the_emergency_stop_forces_the_disarming() -> None:
 
 
 @pytest.mark.parametrize(
-    "place", [{"lat": 90.1, "lon": 0.0}, {"lat": 0.0, "lon": -180.1}, {"lat": 0.0, "lon": 0.0}]
+    ("what", "arguments"),
+    [
+        ("nonsense", {}),
+        ("go", {}),
+        ("go", {"lat": 1.0, "lon": math.nan}),
+        ("go", {"lat": "1", "lon": 1.0}),
+        ("go", {"lat": 1.0, "lon": True}),
+        ("go", {"lat": 90.1, "lon": 0.0}),
+        ("go", {"lat": 0.0, "lon": -180.1}),
+        ("go", {"lat": 0.0, "lon": 0.0}),
+        ("speed", {"m_s": 0.0}),
+        ("speed", {"m_s": 50.1}),
+        ("set_mode", {"mode": ["LOITER"]}),
+        ("set_mode", {"mode": "FLY"}),
+    ],
 )
-def test_a_place_off_the_globe_or_at_its_zero_is_refused(place: dict[str, float]) -> None:
+def test_a_request_without_what_it_needs_or_out_of_range_is_refused(
+    what: str, arguments: dict[str, object]
+) -> None:
     with pytest.raises(BadRequestError):
-        build_command("go", place, MODES)
+        build_command(what, arguments, MODES)
 
 
-@pytest.mark.parametrize(("speed_m_s", "is_sent"), [(0.0, False), (0.1, True), (50.0, True), (50.1, False)])
-def test_a_speed_is_more_than_none_and_at_most_50_metres_a_second(speed_m_s: float, is_sent: bool) -> None:
-    if is_sent:
-        assert build_command("speed", {"m_s": speed_m_s}, MODES).params[1] == speed_m_s
-    else:
-        with pytest.raises(BadRequestError):
-            build_command("speed", {"m_s": speed_m_s}, MODES)
+@pytest.mark.parametrize("speed_m_s", [0.1, 50.0])
+def test_a_speed_over_ground_is_kept(speed_m_s: float) -> None:
+    sent = Line().ask("speed", m_s=speed_m_s)
+    assert (sent.param1, sent.param2, sent.param3) == (peer.SPEED_TYPE_GROUNDSPEED, speed_m_s, -1.0)
+
+
+@pytest.mark.parametrize("points", [[], "north", [[1.0, 2.0, 3.0]], [[1.0, math.inf]], [[1.0, 2.0]] * 1001])
+def test_a_way_of_no_or_odd_or_too_many_points_is_refused(points: object) -> None:
+    with pytest.raises(BadRequestError):
+        way_points({"points": points})
+    assert way_points({"points": [[1.0, 2.0]] * 1000}) == [(20_000_000, 10_000_000)] * 1000

@@ -155,16 +155,6 @@ def test_texts_in_pieces_that_never_end_are_dropped() -> None:
     assert max(len(line.text) for line in seen.lines) <= 500
 
 
-def test_a_text_in_pieces_is_joined_in_any_order() -> None:
-    stranger = Stranger()
-    stranger.heartbeat()
-    stranger.say(dialect.MAVLink_statustext_message(4, b" the end", 5, 1))
-    stranger.say(dialect.MAVLink_statustext_message(4, b"a" * 50, 5, 0))
-    stranger.run(0.2)
-    seen = stranger.seen()
-    assert [line.text for line in seen.lines] == ["a" * 50 + " the end"]
-
-
 def test_control_characters_are_taken_out_of_texts() -> None:
     stranger = Stranger()
     stranger.heartbeat()

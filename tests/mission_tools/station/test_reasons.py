@@ -4,7 +4,7 @@ import inspect
 import re
 
 import pytest
-from boat_rig import FakeBattery, Rig, Silent
+from boat_rig import FakeBattery, Rig
 from shore_rig import Shore
 
 import companion.vehicle.arming
@@ -152,12 +152,18 @@ def test_the_reason_is_gone_when_the_boat_may_arm() -> None:
     shore.until(lambda: not shore.snapshot().reasons, 5.0)
 
 
-def test_other_stations_are_not_flooded_with_reasons() -> None:
-    rig = Rig(compass=Silent())
-    shore = Shore(rig)
-    shore.run(65.0)
-    told = [text for text in rig.peer.texts if text == "PreArm: Compass: no heading"]
-    assert 3 <= len(told) <= 5
+def test_the_boat_is_asked_for_its_reasons_soon_and_then_rarely_as_every_station_hears_them() -> None:
+    reasons, view, asked_s = Reasons(), View(), []
+    view.may_arm, view.armed, view.mode = False, False, "HOLD"
+    for now_s in range(80):
+        view.mode = "HOLD" if now_s < 70 else "AUTO"
+        if reasons.poll(view, now_s):
+            asked_s.append(now_s)
+            reasons.on_text(Text(2, "PreArm: Compass: no heading"), now_s)
+    assert asked_s == [0, 30, 60, 70]
+    view.may_arm = True
+    assert not reasons.poll(view, 80.0)
+    assert reasons.now() == []
 
 
 def test_a_new_report_replaces_the_one_before() -> None:

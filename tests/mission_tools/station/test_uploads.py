@@ -62,7 +62,7 @@ def test_a_plan_arrives_although_a_fifth_of_the_frames_is_lost() -> None:
     shore = shore_of(rig)
     assert shore.ask("arm").ok
     shore.ends[0].reseed(3, 0.2)
-    plan = survey(60)
+    plan = survey(25)
     upload = plan_upload(plan, is_started=True)
     assert send(shore, upload, upload.limit_s + 5.0) == Accepted("The boat sails the plan")
     assert tuple(rig.items()[1:]) == plan[1:]
