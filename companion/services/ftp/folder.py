@@ -44,7 +44,7 @@ class DiskReading:
     def load(self, offset: int) -> None:
         """Move the window. A file that was truncated ends there."""
         window = self.fetch(offset, _WINDOW_BYTES)
-        if len(window) < min(_WINDOW_BYTES, self.size - offset):
+        if len(window) < _WINDOW_BYTES:
             self.size = offset + len(window)
         self._window = (offset, window)
 

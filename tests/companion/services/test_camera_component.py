@@ -72,7 +72,7 @@ def test_its_shutter_takes_an_image_that_appears_on_the_map(way: Literal["comman
     truth = rig.world.truth
     point = rig.scenario.frame.to_local(LatLon(photo.lat / 1e7, photo.lon / 1e7))
     assert math.hypot(point.north_m - truth.north_m, point.east_m - truth.east_m) < 3.0
-    assert photo.image_index == 0
+    assert photo.image_index == photo.camera_id == photo.alt == photo.relative_alt == 0
     assert station.photo_status == IDLE
     assert station.press_shutter(rig.now_s)
     run(rig, station, 3.0)

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from boat_rig import BOAT, OK, Rig
+from boat_rig import BOAT, OK, PLANNER, Rig
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -149,6 +149,18 @@ def test_a_position_is_a_target_and_its_velocity_the_speed(rig: Rig) -> None:
     assert target is not None
     assert target.lat_deg == pytest.approx(50.001)
     assert rig.boat.vehicle.speed_m_s == 1.25
+
+
+def test_a_planner_that_sets_the_course_is_missed_and_one_that_reads_is_not(rig: Rig) -> None:
+    planner, watched = rig.connect(PLANNER), rig.boat.vehicle.failsafes.planner
+    planner.heartbeat(dialect.MAV_TYPE_ONBOARD_CONTROLLER)
+    planner.send(dialect.MAVLink_param_request_list_message(*BOAT))
+    planner.command(dialect.MAV_CMD_REQUEST_MESSAGE, 148)
+    rig.receive()
+    assert not watched.is_steering
+    planner.send(local(VELOCITY, vx=1.0))
+    rig.receive()
+    assert watched.is_steering
 
 
 floats = st.floats(width=32)

@@ -66,6 +66,8 @@ def test_the_whole_list_counts_from_zero_as_mavsdk_expects(open_rig: OpenRig, tm
     fill(tmp_path, 100, 200, 300)
     rig = open_rig(tmp_path)
     assert entries(rig) == [(0, 3, 2, 300), (1, 3, 2, 100), (2, 3, 2, 200)]
+    assert entries(rig, 1, 2) == [(1, 3, 2, 100), (2, 3, 2, 200)]
+    assert entries(rig, 3, 9) == [(3, 3, 2, 300)], "which QGroundControl misses in the list"
 
 
 @pytest.mark.parametrize(("size", "number"), [(1, 0), (89, 1), (90, 0), (180, 1), (200_000, 1)])

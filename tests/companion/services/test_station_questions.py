@@ -122,6 +122,15 @@ def test_only_what_is_measured_is_in_the_imu(rig: Rig) -> None:
     imu = latest(rig, "SCALED_IMU")
     assert (imu.xmag, imu.ymag, imu.zmag) == (0, 0, 0)  # the part gives a heading, not a field
     assert (imu.xacc, imu.yacc, imu.zacc, imu.xgyro, imu.ygyro) == (0, 0, 0, 0, 0)
+    rig.ask(dialect.MAV_CMD_DO_MOTOR_TEST, 2, 0, 50.0, 2.0)
+    rig.run(1.5)
+    reading = rig.boat.sensors.compass
+    assert reading is not None
+    rate_rad_s = reading.yaw_rate_rad_s
+    assert rate_rad_s is not None
+    assert rate_rad_s > 0.1
+    assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_RAW_IMU) == OK
+    assert latest(rig, "RAW_IMU").zgyro == round(1e3 * rate_rad_s)
 
 
 def test_the_origin_can_be_asked_for_and_fits_the_local_position(rig: Rig) -> None:

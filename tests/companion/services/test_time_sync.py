@@ -38,6 +38,7 @@ def test_a_ping_to_everybody_is_answered_and_an_answer_is_not() -> None:
     assert (answer.target_system, answer.target_component) == tuple(rig.peer.address)
     rig.peer.forget()
     rig.peer.send(dialect.MAVLink_ping_message(55, 7, 1, 1))
+    rig.peer.send(dialect.MAVLink_ping_message(55, 7, 1, 0))
     rig.receive()
     assert not rig.peer.said("PING")
 

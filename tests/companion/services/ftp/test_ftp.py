@@ -51,7 +51,7 @@ class Slow(Executor):
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         self.work()
-        self.is_shut = True
+        self.is_shut = wait
 
 
 @pytest.fixture
@@ -187,6 +187,7 @@ def test_all_uploads_together_are_bounded(served: Served) -> None:
         session = served.ask(Opcode.CREATE_FILE, b"/files/%d" % number, session=number).session
         codes.append(served.ask(Opcode.WRITE_FILE, b"x", session, MAX_UPLOAD_BYTES - 1).code)
     assert codes == [None] * 4 + [Code.FAIL] * 2
+    assert served.ask(Opcode.WRITE_FILE, b"y", 0).code is None, "it grows no more"
 
 
 def test_a_session_has_the_number_that_was_asked_for_or_the_lowest_free_one(served: Served) -> None:
@@ -198,11 +199,13 @@ def test_a_session_has_the_number_that_was_asked_for_or_the_lowest_free_one(serv
     assert served.ask(Opcode.OPEN_FILE_RO, path, session=7, origin=other).session == 7
 
 
-def test_sessions_are_bounded_and_free_again_when_closed_or_idle(served: Served) -> None:
+def test_sessions_are_bounded_and_free_again_when_closed_or_idle(served: Served, tmp_path: Path) -> None:
     path = b"/metadata/general.json"
     for number in range(MAX_SESSIONS):
         assert served.ask(Opcode.OPEN_FILE_RO, path, session=number).opcode == ACK
-    assert served.ask(Opcode.OPEN_FILE_RO, path, session=99).code is Code.NO_SESSIONS_AVAILABLE
+    (tmp_path / "files" / "a").write_bytes(TEXT)
+    assert served.ask(Opcode.OPEN_FILE_RO, b"/files/a", session=99).code is Code.NO_SESSIONS_AVAILABLE
+    assert not is_open(tmp_path / "files" / "a")
     served.ask(Opcode.TERMINATE_SESSION, session=0)
     assert served.ask(Opcode.OPEN_FILE_RO, path, session=99).opcode == ACK
     served.tick(IDLE_S + 1.0)
@@ -283,9 +286,9 @@ def test_a_repeated_request_gets_the_same_answer_and_is_not_carried_out_twice(
     assert not (tmp_path / "files" / "a").exists()
 
 
-def burst(served: Served, path: bytes, size: int = 239) -> list[Any]:
+def burst(served: Served, path: bytes, size: int = 239, offset: int = 0) -> list[Any]:
     session = served.ask(Opcode.OPEN_FILE_RO, path).session
-    replies = served.send(request_of(10, Opcode.BURST_READ_FILE, session=session, size=size))
+    replies = served.send(request_of(10, Opcode.BURST_READ_FILE, session=session, size=size, offset=offset))
     while not (replies and (replies[-1].is_burst_over or replies[-1].code)):
         replies += served.tick()
     return replies
@@ -306,6 +309,14 @@ def test_a_burst_sends_every_block_in_order_and_then_the_end(served: Served, siz
         assert end.opcode == ACK
     else:
         assert (end.code, end.offset) == (Code.END_OF_FILE, len(content))
+
+
+def test_a_burst_goes_on_where_what_is_in_memory_ends(served: Served) -> None:
+    content = os.urandom(263_000)
+    served.put(b"/files/a", content)
+    *blocks, end = burst(served, b"/files/a", offset=261_000)
+    assert b"".join(block.data for block in blocks) == content[261_000:]
+    assert end.code is Code.END_OF_FILE
 
 
 def test_bursts_of_two_stations_share_the_tick(served: Served) -> None:
@@ -339,6 +350,7 @@ def test_the_loop_never_waits_for_the_disk(tmp_path: Path) -> None:
     opening = request_of(1, Opcode.OPEN_FILE_RO, b"/files/a")
     assert served.send(opening) == served.send(opening) == served.tick() == []
     assert len(worker.waiting) == 1
+    assert served.send(request_of(2, Opcode.OPEN_FILE_RO, b"/metadata/general.json", session=5))
     worker.work()
     (opened,) = served.tick()
     assert (opened.sequence, struct.unpack("<I", opened.data)) == (2, (len(TEXT),))

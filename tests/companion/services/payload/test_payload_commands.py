@@ -1,6 +1,8 @@
 """Payload commands by hand and as mission items: every parameter is checked against the boat's payload."""
 
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from boat_rig import DENIED, HOME_ITEM, OK, Rig, waypoint
@@ -11,9 +13,10 @@ from payload_rig import PayloadRig
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionResult
 from companion.mavlink.transfer import Completed, Failed
-from companion.payload.actions import ActionFault, SetServo
+from companion.payload.actions import ActionFault, RepeatServo, SetServo
 from companion.payload.fitted import FittedPayload
 from companion.services.payload.rows import ROWS, read_action
+from companion.services.telemetry.payload_messages import winch_status
 
 CMD, NAN, INF = dialect, math.nan, math.inf
 
@@ -95,6 +98,29 @@ def test_any_parameters_are_an_action_or_a_fault(
     if isinstance(action, SetServo):
         assert action.number == 9
         assert 1000 <= action.width_us <= 2000
+
+
+def test_a_servo_repeats_as_often_as_asked(rig: PayloadRig) -> None:
+    action = read_action(
+        CMD.MAV_CMD_DO_REPEAT_SERVO, (9, 1700, 3, 1.0, 0, 0, 0), FittedPayload(rig.config.payload)
+    )
+    assert action == RepeatServo(9, 1700, 3, 1.0)
+    fault = read_action(CMD.MAV_CMD_DO_GRIPPER, (NAN, 1, 0, 0, 0, 0, 0), FittedPayload(rig.config.payload))
+    assert isinstance(fault, ActionFault)
+    assert fault.parameter == 1
+
+
+@pytest.mark.parametrize(
+    ("out_m", "is_moving", "fault", "flags"),
+    [(0.0, False, "", 3), (1.5, False, "", 1), (0.0, True, "", 5), (0.0, False, "no pulses", 2)],
+)
+def test_a_winch_tells_its_line_and_how_it_is(out_m: float, is_moving: bool, fault: str, flags: int) -> None:
+    """MAV_WINCH_STATUS_FLAG: 1 healthy, 2 fully retracted, 4 moving."""
+    winch = SimpleNamespace(out_m=out_m, is_moving=is_moving, fault=fault, speed_m_s=0.2)
+    now: Any = SimpleNamespace(payload=SimpleNamespace(units=SimpleNamespace(winch=winch)), boot_us=7)
+    status = winch_status(now)
+    assert status is not None
+    assert (status.line_length, status.speed, status.status) == (out_m, 0.2, flags)
 
 
 def do(command: int, *params: float) -> MissionItem:

@@ -87,7 +87,10 @@ def test_guidance_and_motors_are_shown(rig: Rig) -> None:
 def test_a_boat_that_knows_nothing_says_so_instead_of_inventing() -> None:
     rig = Rig(gnss=Silent())
     rig.run(10.0)
-    assert latest(rig, "GPS_RAW_INT").fix_type == dialect.GPS_FIX_TYPE_NO_GPS
+    raw = latest(rig, "GPS_RAW_INT")
+    assert raw.fix_type == dialect.GPS_FIX_TYPE_NO_GPS
+    assert raw.lat == raw.lon == raw.alt == raw.satellites_visible == 0
+    assert raw.eph == raw.epv == raw.vel == raw.cog == 0xFFFF
     assert not rig.peer.said("GLOBAL_POSITION_INT")
     assert not rig.peer.said("HOME_POSITION")
     status = latest(rig, "SYS_STATUS")
@@ -125,7 +128,7 @@ def test_the_mission_is_reported_through_all_its_states() -> None:
     rig.until(lambda: rig.mode != "AUTO", 60.0)
     assert state() == dialect.MISSION_STATE_COMPLETE
     current = latest(rig, "MISSION_CURRENT")
-    assert (current.seq, current.total) == (2, 2)
+    assert (current.seq, current.total, current.mission_mode) == (2, 2, 2)
 
 
 def test_the_pack_is_reported_with_its_charge(rig: Rig) -> None:
@@ -134,7 +137,9 @@ def test_the_pack_is_reported_with_its_charge(rig: Rig) -> None:
     assert battery.current_battery > 50
     assert battery.current_consumed > 5
     assert 50 <= battery.battery_remaining <= 100
-    assert battery.battery_remaining == latest(rig, "SYS_STATUS").battery_remaining
+    status = latest(rig, "SYS_STATUS")
+    assert battery.battery_remaining == status.battery_remaining
+    assert status.onboard_control_sensors_health & dialect.MAV_SYS_STATUS_SENSOR_BATTERY
 
 
 def test_the_distance_home_is_that_along_the_way() -> None:
