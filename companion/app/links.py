@@ -37,7 +37,6 @@ def links(
 
 
 def draw(status: BoatStatus) -> Table:
-    """The links as a table of rich."""
     links = status.links
     late = f"{status.late_ticks} of {status.ticks} ticks late, worst {1e3 * status.worst_late_s:.1f} ms"
     routed = f"{links.repeats} repeats, {links.unreachable} for nobody, {links.reboots} reboots"

@@ -202,7 +202,6 @@ def i2c_chips(config: BoatConfig) -> Iterator[tuple[str, str, str, int]]:
 
 
 def _drivers(config: BoatConfig) -> Iterator[tuple[str, str, Section]]:
-    """Key, driver and section of each part."""
     parts = {f"parts.{name}": getattr(config.parts, name) for name in config.parts.__struct_fields__}
     probes = {f"probe[{number}]": probe for number, probe in enumerate(config.probe)}
     for key, part in {**parts, "rc": config.rc, **probes}.items():

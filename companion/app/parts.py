@@ -138,12 +138,10 @@ def open_sonar(config: BoatConfig, now: Now) -> parts.Sonar:
 
 
 def open_battery(config: BoatConfig, now: Now) -> parts.Battery:
-    """The monitor of the battery pack."""
     return open_battery_monitor(config.parts.battery, now)
 
 
 def open_hull_sensor(config: BoatConfig, now: Now) -> parts.Hull:
-    """The sensors inside the hull."""
     return open_hull(config.parts.hull, now)
 
 
@@ -180,7 +178,6 @@ def open_probe_group(group: Sequence[ProbePart], now: Now) -> tuple[parts.Probe,
 
 
 def open_rc(config: BoatConfig, now: Now) -> parts.RcReceiver:
-    """The receiver of the RC transmitter."""
     return open_rc_receiver(config.rc, now)
 
 

@@ -61,7 +61,6 @@ class Shutdown:
             signal.signal(number, self._on_signal)
 
     def __call__(self) -> bool:
-        """Whether it is time to stop."""
         return self.signal_number != 0
 
     def _on_signal(self, number: int, frame: FrameType | None) -> None:  # noqa: ARG002

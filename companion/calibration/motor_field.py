@@ -66,7 +66,6 @@ class MotorFieldCalibration:
         return min(int(100.0 * (now_s - self._began_s) / TIMEOUT_S), 99)
 
     def update(self, reading: HeadingReading | None, load: MotorLoad, now_s: float) -> None:
-        """Add the latest reading."""
         if reading is not None and reading.field_mg is not None and reading.time_s > self._reading_s:
             dt_s, self._reading_s = reading.time_s - self._reading_s, reading.time_s
             if math.isfinite(dt_s):

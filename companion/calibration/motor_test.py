@@ -69,7 +69,6 @@ class MotorTest:
         return ""
 
     def stop(self) -> None:
-        """End the test now."""
         self.is_running = False
         self._thrust = _NO_THRUST
 

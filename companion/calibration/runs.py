@@ -143,21 +143,17 @@ class RunPair(NamedTuple):
 
     @property
     def is_steady(self) -> bool:
-        """Whether both are steady."""
         return self.out.is_steady and self.back.is_steady
 
     @property
     def left(self) -> float:
-        """Mean command of the left motor."""
         return 0.5 * (self.out.left + self.back.left)
 
     @property
     def right(self) -> float:
-        """Mean command of the right motor."""
         return 0.5 * (self.out.right + self.back.right)
 
     def current_along_m_s(self, run: Run) -> float:
-        """The current along a run."""
         north = 0.5 * (self.out.north_m_s + self.back.north_m_s)
         east = 0.5 * (self.out.east_m_s + self.back.east_m_s)
         return math.cos(run.heading_rad) * north + math.sin(run.heading_rad) * east

@@ -5,15 +5,7 @@ from typing import Final
 
 from msgspec.structs import replace
 
-from companion.calibration import runs
-from companion.calibration.pulses import (
-    LEFT_AHEAD,
-    LEFT_ASTERN,
-    RIGHT_AHEAD,
-    RIGHT_ASTERN,
-    PulseTest,
-    ThrustCurve,
-)
+from companion.calibration import pulses, runs
 from companion.calibration.routine import (
     CalibrationError,
     Routine,
@@ -33,10 +25,10 @@ _FULL: Final = 3.0  # times the known top speed: demands full throttle of any bo
 _TRIES: Final = 5  # of a run that obstacle avoidance slows
 _SHORT: Final = 0.9  # of cruise speed: below, the boat does not reach it
 _BANDS: Final = (
-    ("MOT_L_MIN_FWD", "left_ahead", LEFT_AHEAD),
-    ("MOT_L_MIN_REV", "left_astern", LEFT_ASTERN),
-    ("MOT_R_MIN_FWD", "right_ahead", RIGHT_AHEAD),
-    ("MOT_R_MIN_REV", "right_astern", RIGHT_ASTERN),
+    ("MOT_L_MIN_FWD", "left_ahead", pulses.LEFT_AHEAD),
+    ("MOT_L_MIN_REV", "left_astern", pulses.LEFT_ASTERN),
+    ("MOT_R_MIN_FWD", "right_ahead", pulses.RIGHT_AHEAD),
+    ("MOT_R_MIN_REV", "right_astern", pulses.RIGHT_ASTERN),
 )
 _MOST_DEAD: Final = 0.5
 _LEAST_GAIN: Final = 0.25
@@ -44,9 +36,9 @@ _LEAST_GAIN: Final = 0.25
 
 def calibrate(inputs: RoutineInputs) -> Routine:
     """The whole calibration. The motors must be driven without trim meanwhile."""
-    pulses = PulseTest()
-    yield from pulses.sail(inputs)
-    curves = {one: pulses.curve(one) for _, _, one in _BANDS}
+    test = pulses.PulseTest()
+    yield from test.sail(inputs)
+    curves = {one: test.curve(one) for _, _, one in _BANDS}
     setting = inputs.config.thrusters
     findings = []
     for name, field, one in _BANDS:
@@ -55,9 +47,8 @@ def calibrate(inputs: RoutineInputs) -> Routine:
             band = min(curve.dead_band, _MOST_DEAD)
             setting = replace(setting, **{field: band})
             findings.append(TrialFinding(name, 100.0 * band))
-    asymmetry = _asymmetry(
-        [(curves[LEFT_AHEAD], curves[LEFT_ASTERN]), (curves[RIGHT_AHEAD], curves[RIGHT_ASTERN])]
-    )
+    left, left_astern, right, right_astern = curves.values()  # as in _BANDS
+    asymmetry = _asymmetry([(left, left_astern), (right, right_astern)])
     if asymmetry is not None:
         setting = replace(setting, asymmetry=asymmetry)
         findings.append(TrialFinding("MOT_THST_ASYM", asymmetry))
@@ -96,7 +87,7 @@ def _out_and_back(inputs: RoutineInputs, heading_rad: float, speed_m_s: float) -
     return runs.RunPair(*sailed)
 
 
-def _asymmetry(sides: list[tuple[ThrustCurve | None, ThrustCurve | None]]) -> float | None:
+def _asymmetry(sides: list[tuple[pulses.ThrustCurve | None, pulses.ThrustCurve | None]]) -> float | None:
     """Ratio of the commands astern and ahead for equal thrust, without the dead bands; mean of both sides."""
     ratios = []
     for ahead, astern in sides:

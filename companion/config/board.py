@@ -66,7 +66,6 @@ def is_pi_5(model: str) -> bool:
 
 
 def pwm_channels(model: str) -> Mapping[int, int]:
-    """The channel of each pin with hardware PWM."""
     return _PWM_OF_PI_5 if is_pi_5(model) else _PWM
 
 

@@ -72,7 +72,6 @@ def pack(entries: Sequence[PackedParameter], total: int, *, with_defaults: bool 
 
 
 def _common(one: str, other: str) -> int:
-    """Length of the common prefix."""
     return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False)))
 
 

@@ -42,7 +42,6 @@ Ground stations require these. They describe this boat and cannot be changed.
 
 
 def parameter_page() -> str:
-    """The page in Markdown."""
     value = Parameters(BoatConfig(), ROWS, MemoryStorage()).value
     live = [_cells(row, value(row)) for row in ROWS if not row.read_only]
     constants = [_cells(row, value(row)) for row in ROWS if row.read_only]

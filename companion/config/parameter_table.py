@@ -12,7 +12,6 @@ _REAL, _I8, _I16, _I32 = ParameterType.REAL32, ParameterType.INT8, ParameterType
 
 
 def _tuning() -> list[ParameterRow]:
-    """Parameters of the boat's behaviour."""
     return [
         ParameterRow("SYSID_THISMAV", _I16, "MAVLink system id of the boat", "identity.system_id", low=1, high=255, needs_restart=True),
         ParameterRow("SYSID_MYGCS", _I16, "Operator's system id, 0 any station: whose silence counts, and who may steer manually", "identity.operator_system_id", low=0, high=255),

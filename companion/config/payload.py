@@ -40,7 +40,6 @@ class _Payload(Section, frozen=True, kw_only=True, tag_field="kind"):
 
     @property
     def pins(self) -> dict[str, int]:
-        """Its pins, by key."""
         return {
             name: pin
             for name in ("pin", "out_pin", "in_pin", "count_pin")

@@ -128,13 +128,11 @@ class RangerPart(Section, frozen=True):
 
     @property
     def range_m(self) -> tuple[float, float]:
-        """The least and the greatest range."""
         least_m, greatest_m = RANGES_M[self.driver]
         return self.min_range_m or least_m, self.max_range_m or greatest_m
 
     @property
     def is_laser(self) -> bool:
-        """Whether it measures with light."""
         return self.driver == "tfmini"
 
 

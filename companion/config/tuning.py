@@ -224,12 +224,10 @@ class Rc(Section, frozen=True):
 
     @property
     def steering(self) -> RcChannel:
-        """The steering stick's channel."""
         return self.stick(self.steering_channel)
 
     @property
     def throttle(self) -> RcChannel:
-        """The throttle stick's channel."""
         return self.stick(self.throttle_channel)
 
     @property

@@ -76,7 +76,7 @@ class AccessService:
     def _answer(self, message: Message, origin: Origin) -> None:
         number, asker = message.get_msgId(), origin.address
         if number == dialect.MAVLINK_MSG_ID_PARAM_SET:
-            self._listings.on_request_read(_read_of(message), origin)
+            self._listings.on_request_read(message, origin)
         elif number in _UPLOADS:
             refusal = dialect.MAVLink_mission_ack_message(*asker, MissionResult.DENIED, message.mission_type)
             self._outbox.send(origin.channel, refusal)
@@ -93,12 +93,3 @@ class AccessService:
             payload = nak(request, Refusal(Code.FILE_PROTECTED))
             refusal = dialect.MAVLink_file_transfer_protocol_message(0, *asker, payload)
             self._outbox.send(origin.channel, refusal)
-
-
-def _read_of(message: Message) -> Message:
-    """A request for the parameter that a PARAM_SET names."""
-    name = message.param_id
-    raw = name if isinstance(name, bytes) else name.encode("ascii", "replace")
-    return dialect.MAVLink_param_request_read_message(
-        message.target_system, message.target_component, raw, -1
-    )

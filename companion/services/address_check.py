@@ -7,6 +7,7 @@ operator gets one message how to change that.
 
 import logging
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from companion.core.status_text import Severity
 from companion.mavlink.dialect import Message, dialect
@@ -23,16 +24,16 @@ _PATIENCE = 5  # unanswered questions before the report
 _MAX_WARNINGS = 16  # hosts: forged addresses must not flood the operator
 
 
+@dataclass(eq=False)
 class AddressCheck:
     """Questions and answers of all channels with an amplification limit."""
 
-    def __init__(self, channels: Mapping[int, Channel], outbox: Outbox, texts: StatusTextService) -> None:
-        self._channels = channels
-        self._outbox = outbox
-        self._texts = texts
-        self._asked_s: dict[int, float] = {}
-        self._asked: dict[int, int] = {}  # number, by channel
-        self._warned: set[str] = set()
+    _channels: Mapping[int, Channel]
+    _outbox: Outbox
+    _texts: StatusTextService
+    _asked_s: dict[int, float] = field(default_factory=dict, init=False)
+    _asked: dict[int, int] = field(default_factory=dict, init=False)  # number, by channel
+    _warned: set[str] = field(default_factory=set, init=False)
 
     def on_heartbeat(self, origin: Origin, heartbeat: HeartbeatService, now_s: float) -> None:
         """Announce the boat to a new station, and ask. Other channels get the regular heartbeat."""
@@ -57,7 +58,6 @@ class AddressCheck:
             channel.check_answer(Question(message.time_usec, message.seq))
 
     def forget(self, channel: int) -> None:
-        """A channel has closed."""
         self._asked_s.pop(channel, None)
         self._asked.pop(channel, None)
 

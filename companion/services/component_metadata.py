@@ -42,7 +42,6 @@ _TYPES = {
 
 
 def uri_of(name: str) -> str:
-    """The uri of a file."""
     return f"mftp:///{FOLDER}/{name}"
 
 
@@ -77,7 +76,6 @@ def parameters_json(rows: tuple[ParameterRow, ...]) -> bytes:
 
 
 def component_metadata(now: Snapshot) -> Message:
-    """COMPONENT_METADATA."""
     crc, uri = _general_crc(now), uri_of(GENERAL).encode("ascii")
     return build_message("COMPONENT_METADATA", time_boot_ms=now.boot_ms, file_crc=crc, uri=uri)
 

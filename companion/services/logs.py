@@ -102,7 +102,6 @@ class LogService:
 
     @property
     def is_busy(self) -> bool:
-        """Whether a list or a download is in progress."""
         return bool(self._entries or self._downloads)
 
     def handle(self, message: Message, origin: Origin, now_s: float) -> None:
@@ -120,7 +119,6 @@ class LogService:
                 self._erase()
 
     def forget(self, channel: int) -> None:
-        """A channel has closed."""
         for table in (self._listed, self._entries, self._downloads):
             table.pop(channel, None)
 

@@ -81,7 +81,6 @@ class ManualControlService:
             self._helm_s = -math.inf
 
     def forget(self, channel: int) -> None:
-        """A channel has closed."""
         self._told = {origin for origin in self._told if origin.channel != channel}
         if self._helm is not None and self._helm.channel == channel:
             self._helm_s = -math.inf

@@ -35,7 +35,6 @@ class Outbox:
 
     @property
     def is_empty(self) -> bool:
-        """Whether there are no messages."""
         return not self._queue
 
     def send(self, channel: int, message: Message, component: int = 0) -> None:
@@ -45,7 +44,6 @@ class Outbox:
         self._queue.append(Outgoing(message, None, component))
 
     def has_room(self, channel: int) -> bool:
-        """Whether a channel can take more bulk data."""
         return self._bulk_bytes.get(channel, 0) < self.room(channel)
 
     def is_unlimited(self, channel: int) -> bool:

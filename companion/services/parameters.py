@@ -47,7 +47,6 @@ class ParameterService:
 
     @property
     def is_busy(self) -> bool:
-        """Whether a list, a change or a save is in progress."""
         is_saving = self._parameters.is_saving
         return is_saving or bool(self._answers or self._sets) or any(self._listing.values())
 
@@ -60,9 +59,11 @@ class ParameterService:
         self._continue_list(origin.channel)
 
     def on_request_read(self, message: Message, origin: Origin) -> None:
-        """PARAM_REQUEST_READ by index, or by name if the index is −1. The protocol has no refusal."""
-        index: int | None = message.param_index
-        if message.param_index < 0:
+        """PARAM_REQUEST_READ by index, or by name if the index is −1; a refused PARAM_SET, by name. The
+        protocol has no refusal.
+        """
+        index: int | None = getattr(message, "param_index", -1)
+        if index is not None and index < 0:
             index = self._parameters.index_of(_name(message.param_id))
         if index is None or index >= len(self._parameters.rows):
             return
@@ -128,12 +129,10 @@ class ParameterService:
         self._texts.send([StatusText(Severity.WARNING, reason) for reason in named])
 
     def forget(self, channel: int) -> None:
-        """A channel has closed."""
         self._listing.pop(channel, None)
         self._sets.pop(channel, None)
 
     def tick(self) -> None:
-        """Continue changes and lists, and confirm finished saves."""
         self._sets_left = _SETS_PER_TICK
         self._continue_sets()
         self._answers_left = _ANSWERS_PER_TICK

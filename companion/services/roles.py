@@ -12,9 +12,6 @@ from companion.mavlink.dialect import Message, dialect
 
 MAX_STATIONS = 64
 
-_LOGGERS = frozenset((dialect.MAV_COMP_ID_LOG,))
-_PLANNERS = frozenset((dialect.MAV_TYPE_ONBOARD_CONTROLLER,))
-
 
 class Role(Enum):
     """Role of a station or program."""
@@ -33,9 +30,9 @@ def role_of(heartbeat: Message, sender: Address, operator_system_id: int) -> Rol
     if heartbeat.type == dialect.MAV_TYPE_GCS:
         is_chosen = operator_system_id in (0, sender.system)
         return Role.OPERATOR if is_chosen else Role.OTHER_STATION
-    if sender.component in _LOGGERS:
+    if sender.component == dialect.MAV_COMP_ID_LOG:
         return Role.LOGGER
-    if heartbeat.type in _PLANNERS:
+    if heartbeat.type == dialect.MAV_TYPE_ONBOARD_CONTROLLER:
         return Role.PLANNER
     if heartbeat.autopilot != dialect.MAV_AUTOPILOT_INVALID:
         return Role.VEHICLE
@@ -57,5 +54,4 @@ class Roles:
         return role
 
     def of(self, sender: Address) -> Role:
-        """The announced role of a sender."""
         return self._roles.get(sender, Role.UNKNOWN)

@@ -62,7 +62,6 @@ class SigningService:
             self._warn_once(f"Radio {name} {how}: anyone in range may steer")
 
     def forget(self, channel: int) -> None:
-        """A channel has closed."""
         self._complained.discard(channel)
 
     def on_setup(self, message: Message, origin: Origin, now_s: float) -> None:

@@ -33,7 +33,6 @@ class StationLinks:
         return is_news
 
     def drop_closed(self, now_s: float) -> None:
-        """Forget the links that have closed."""
         for number in self._channels.drop_closed():
             self._endpoint.forget(number, now_s)
 

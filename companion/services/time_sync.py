@@ -84,7 +84,6 @@ class TimeService:
         return own_s if now_s - _OLDEST_STAMP_S <= own_s <= now_s else now_s
 
     def tick(self, now_s: float) -> None:
-        """Send TIMESYNC periodically."""
         if now_s < self._due_s:
             return
         self._due_s = now_s + ASK_S

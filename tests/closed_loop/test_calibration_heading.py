@@ -3,7 +3,6 @@
 import math
 from typing import NamedTuple
 
-import pytest
 from boat_rig import OK, Rig
 
 from companion.config.boat_config import BoatConfig
@@ -79,21 +78,17 @@ def tuned(rig: Rig, *params: float) -> Rig:
     return rig
 
 
-def test_the_autotune_finds_good_gains_from_bad_ones_whatever_side_pulls_less() -> None:
-    bad, found = third("lake"), []
-    for right_gain in (1.0, 0.85):
-        rig = afloat("lake", bad if right_gain == 1.0 else {}, seed=5)
-        rig.world._thrusters.right.gain = right_gain
-        texts = tuned(rig, 4.0).peer.texts
-        assert "Heading autotune done: 5 parameters set" in texts, texts
-        found.append(rig.boat.parameters.config)
-    before, after = response("lake", bad), response("lake", gains_of(found[0]))
+def test_the_autotune_finds_good_gains_from_bad_ones_though_one_side_pulls_less() -> None:
+    bad = third("lake")
+    rig = afloat("lake", bad, seed=5)
+    rig.world._thrusters.right.gain = 0.85
+    texts = tuned(rig, 4.0).peer.texts
+    assert "Heading autotune done: 5 parameters set" in texts, texts
+    before, after = response("lake", bad), response("lake", gains_of(rig.boat.parameters.config))
     assert after.overshoot < min(0.6 * before.overshoot, 0.05)
     assert after.error_s < 0.95 * before.error_s
     assert after.settled_s < before.settled_s
     assert after.settled_s < 3.2
-    assert found[1].heading.kp == pytest.approx(found[0].heading.kp, rel=0.2)
-    assert found[1].heading.kd == pytest.approx(found[0].heading.kd, rel=0.2)
 
 
 def test_a_small_boat_is_tuned_as_well() -> None:

@@ -17,7 +17,6 @@ NEEDED = ("gpio", "i2c", "dialout")  # to run the boat, or its doctor, by hand
 
 
 def check_user(examined: Examined) -> Finding:
-    """The service's user and its groups."""
     target = examined.target
     member = member_step(target, USER, GROUPS)
     if USER not in target.users():
@@ -106,7 +105,6 @@ def check_folders(examined: Examined) -> Finding:
 
 
 def account_findings(examined: Examined, user: str = "") -> list[Finding]:
-    """The findings of all checks above."""
     return [
         check_user(examined),
         check_own_groups(examined, user or os.environ.get("SUDO_USER") or getpass.getuser()),

@@ -45,7 +45,6 @@ def check_supply(examined: Examined) -> Finding:
 
 
 def check_temperature(examined: Examined) -> Finding:
-    """Whether the processor is too hot."""
     text = examined.read("/sys/class/thermal/thermal_zone0/temp") or ""
     if not text.lstrip("-").isdigit():
         return skipped("temperature", "no thermometer")
@@ -88,7 +87,6 @@ def check_clock(examined: Examined, unix_s: float) -> Finding:
 
 
 def check_network(examined: Examined) -> Finding:
-    """Which interfaces are up."""
     up = [
         folder.name
         for folder in sorted(examined.path("/sys/class/net").glob("*"))
@@ -144,7 +142,6 @@ def _is_open(link: LinkConfig) -> bool:
 
 
 def _routes(table: str) -> list[IPv4Network]:
-    """The networks of the kernel's routing table."""
     networks = []
     for line in table.splitlines()[1:]:
         columns = line.split()
@@ -162,7 +159,6 @@ def _ipv4(place: str) -> IPv4Address | None:
 
 
 def computer_findings(examined: Examined, unix_s: float) -> list[Finding]:
-    """The findings of all checks above."""
     return [
         check_model(examined),
         check_supply(examined),

@@ -88,7 +88,6 @@ _STYLES = {
 
 
 def is_fine(findings: Sequence[Finding]) -> bool:
-    """Whether no check has failed."""
     return all(finding.verdict is not Verdict.FAILED for finding in findings)
 
 

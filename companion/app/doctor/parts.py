@@ -77,7 +77,6 @@ def check_part(name: str, open_part: Open, config: BoatConfig, clock: Clock, dri
 
 
 def check_probes(config: BoatConfig, clock: Clock) -> list[Finding]:
-    """Each probe, one after the other."""
     return [
         check_part(f"probe {one.name}", partial(_open_probe, one), config, clock, one.driver)
         for one in config.probe

@@ -99,7 +99,6 @@ def check_console(examined: Examined) -> list[Finding]:
 
 
 def check_devices(examined: Examined) -> list[Finding]:
-    """Whether the configured devices exist."""
     needs = needs_of(examined.config)
     devices = {port: key for key, port in needs.ports.items()}
     for key, bus in needs.i2c.items():
@@ -131,7 +130,6 @@ def check_motors_off(examined: Examined) -> list[Finding]:
 
 
 def settings_findings(examined: Examined) -> list[Finding]:
-    """The findings of all checks above."""
     checks = (check_boot_config, check_console, check_main_port, check_devices, check_motors_off)
     return [finding for check in checks for finding in check(examined)]
 

@@ -178,7 +178,6 @@ def no_folder_step(target: Target, path: Path) -> InstallStep:
 
 
 def group_step(target: Target, name: str) -> InstallStep:
-    """Make a system group."""
     option = target.accounts_option()
     return InstallStep(
         f"make the group {name}",

@@ -101,9 +101,9 @@ def video_stream_status(now: Snapshot) -> Message | None:
 
 def _stream(setting: CameraSetting) -> tuple[int, float, int, int, int, int, int]:
     """Flags, frame rate, resolution, bit rate, rotation and field of view."""
-    flags: int = dialect.VIDEO_STREAM_STATUS_FLAGS_RUNNING
     return (
-        flags, setting.rate_hz, setting.width, setting.height, setting.bitrate, 0, setting.field_of_view_deg,
+        dialect.VIDEO_STREAM_STATUS_FLAGS_RUNNING, setting.rate_hz, setting.width, setting.height,
+        setting.bitrate, 0, setting.field_of_view_deg,
     )  # fmt: skip
 
 

@@ -31,8 +31,8 @@ _GLOBAL_FRAMES = constants(
 )
 
 
-SendLater = Callable[[int, Message], None]
-"""Sends a message on a channel after the command's COMMAND_ACK."""
+Later = list[tuple[int, Message]]
+"""Channels and messages that follow the command's COMMAND_ACK."""
 
 
 class Command(Struct, frozen=True):

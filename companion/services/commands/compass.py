@@ -71,7 +71,6 @@ class CompassCommands:
 
     @property
     def is_busy(self) -> bool:
-        """Whether a calibration is in progress."""
         return self._calibration is not None or self._motors is not None
 
     def forget(self, channel: int) -> None:

@@ -15,7 +15,7 @@ from companion.core.status_text import Severity
 from companion.hal.interfaces import FaultInjector
 from companion.mavlink.dialect import Message, constants, dialect
 from companion.services.commands.calibration_runs import CalibrationCommands
-from companion.services.commands.command import Command, CommandTable, Result, acknowledgement
+from companion.services.commands.command import Command, CommandTable, Later, Result, acknowledgement
 from companion.services.commands.compass import CompassCommands
 from companion.services.commands.maintenance import MaintenanceCommands
 from companion.services.commands.messages import MessageCommands
@@ -66,14 +66,14 @@ class CommandService:
         self._vehicle = vehicle
         self._outbox = outbox
         self._motor_test = motor_test
-        self._later: list[tuple[int, Message]] = []  # messages after the acknowledgement
+        self._later: Later = []
         self._compass = CompassCommands(vehicle, sensors, parameters, texts, outbox)
         self._upkeep = MaintenanceCommands(
             vehicle, motor_test, parameters, texts, self._compass, sensors.gauge
         )
         self._calibration = CalibrationCommands(vehicle, calibration, parameters, texts)
         self._vehicle_commands = VehicleCommands(vehicle, parameters, texts)
-        self._questions = MessageCommands(telemetry, self._send_later).table
+        self._questions = MessageCommands(telemetry, self._later).table
         self._table: CommandTable = {
             **self._questions,
             **self._upkeep.table,
@@ -123,7 +123,6 @@ class CommandService:
             self._upkeep.on_message(origin, now_s)
 
     def forget(self, channel: int) -> None:
-        """A channel has closed."""
         self._upkeep.forget(channel)
         self._compass.forget(channel)
 
@@ -203,9 +202,6 @@ class CommandService:
             and latest.repetition < command.repetition
             and latest.is_same_as(command)
         )
-
-    def _send_later(self, channel: int, message: Message) -> None:
-        self._later.append((channel, message))
 
     def _send_what_follows(self) -> None:
         for channel, message in self._later:

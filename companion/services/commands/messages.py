@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from companion.mavlink.dialect import dialect
-from companion.services.commands.command import Command, CommandTable, Result, SendLater
+from companion.services.commands.command import Command, CommandTable, Later, Result
 from companion.services.telemetry.service import TelemetryService
 from companion.services.telemetry.streams import MIN_INTERVAL_S
 
@@ -15,9 +15,9 @@ class MessageCommands:
     would miss it otherwise, and QGroundControl expects both within 1 s.
     """
 
-    def __init__(self, telemetry: TelemetryService, send_later: SendLater) -> None:
+    def __init__(self, telemetry: TelemetryService, later: Later) -> None:
         self._telemetry = telemetry
-        self._send_later = send_later
+        self._later = later
         self.table: CommandTable = {
             dialect.MAV_CMD_GET_HOME_POSITION: self._asks_for(dialect.MAVLINK_MSG_ID_HOME_POSITION),
             dialect.MAV_CMD_GET_MESSAGE_INTERVAL: self._get_interval,
@@ -41,8 +41,7 @@ class MessageCommands:
         if not self._telemetry.answers(message_id):
             return Result.UNSUPPORTED
         messages = self._telemetry.build_all(message_id, which)
-        for message in messages:
-            self._send_later(channel, message)
+        self._later += [(channel, message) for message in messages]
         return Result.ACCEPTED if messages else Result.FAILED
 
     def _set_interval(self, command: Command) -> Result:
@@ -59,5 +58,5 @@ class MessageCommands:
             return Result.DENIED
         channel = command.origin.channel
         interval_us = self._telemetry.interval_us(channel, message_id)
-        self._send_later(channel, dialect.MAVLink_message_interval_message(message_id, interval_us))
+        self._later.append((channel, dialect.MAVLink_message_interval_message(message_id, interval_us)))
         return Result.ACCEPTED

@@ -16,7 +16,6 @@ NOT_TWICE = constants(
 
 
 def payload_commands(payload: PayloadControl, texts: StatusTextService) -> CommandTable:
-    """The table of handlers."""
     return dict.fromkeys(ROWS, lambda command: act(command, payload, texts))
 
 

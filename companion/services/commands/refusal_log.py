@@ -39,7 +39,6 @@ class RefusalLog:
         )
 
     def tick(self, now_s: float) -> None:
-        """Refill the rate limit."""
         self._left = min(self._left + _PER_SECOND * max(now_s - self._now_s, 0.0), _MOST)
         self._now_s = now_s
 

@@ -56,7 +56,6 @@ def build_tree(
 
 
 def open_worker(folder: Path | None) -> Executor:
-    """The executor for disk access."""
     return InlineExecutor() if folder is None else ThreadPoolExecutor(1, thread_name_prefix="files")
 
 

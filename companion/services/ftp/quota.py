@@ -29,7 +29,6 @@ class Quota:
             raise OSError(errno.ENOSPC, "quota")
 
     def add(self, more_bytes: int, more_entries: int) -> None:
-        """Account for a change."""
         self._bytes += more_bytes
         self._entries += more_entries
 

@@ -92,7 +92,6 @@ class FtpService:
 
     @property
     def is_busy(self) -> bool:
-        """Whether a station has work or open sessions."""
         return bool(self._jobs or self._stations)
 
     def tick(self, now_s: float) -> None:
@@ -112,7 +111,6 @@ class FtpService:
             self._release(self._stations.expire(now_s))
 
     def forget(self, channel: int) -> None:
-        """A channel has closed."""
         self._release(self._stations.forget(channel))
 
     def close(self) -> None:

@@ -78,7 +78,6 @@ class Session:
 
     @property
     def upload(self) -> Upload | None:
-        """The file being written, or None."""
         return self.file if isinstance(self.file, Upload) else None
 
 
@@ -197,7 +196,6 @@ class Stations:
         return displaced
 
     def uploads_bytes(self) -> int:
-        """Memory used by all uploads."""
         uploads = (session.upload for station in self for session in station.sessions.values())
         return sum(len(upload.content) for upload in uploads if upload is not None)
 

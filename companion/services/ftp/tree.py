@@ -105,7 +105,6 @@ class FileTree:
         return Place(mount, names[1:])
 
     def root_entries(self) -> list[DirectoryEntry]:
-        """The mounts as folders."""
         return [DirectoryEntry(name, None) for name in sorted(self._mounts)]
 
 
@@ -154,7 +153,6 @@ def checksum(reading: Reading) -> int:
 
 
 def refusal_of(error: OSError) -> Refusal:
-    """A system error as a refusal."""
     number = error.errno or errno.EIO
     for code, numbers in _CODES.items():
         if number in numbers:

@@ -23,7 +23,6 @@ class Options(NamedTuple):
         return int(text)
 
     def wrong(self, key: str) -> OSError:
-        """The error for an invalid option."""
         return OSError(errno.EINVAL, f"{key}={self.values.get(key)}")
 
 

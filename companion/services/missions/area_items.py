@@ -68,7 +68,6 @@ def check_fence(items: Sequence[MissionItem]) -> ItemFault | None:
 
 
 def fence_areas(items: Sequence[MissionItem]) -> list[FenceArea]:
-    """The areas of a checked list."""
     areas: list[FenceArea] = []
     seq = 0
     while seq < len(items):
@@ -85,7 +84,6 @@ def fence_areas(items: Sequence[MissionItem]) -> list[FenceArea]:
 
 
 def rally_points(items: Sequence[MissionItem]) -> list[LatLon]:
-    """The positions of a checked list."""
     return [_position(item) for item in items]
 
 

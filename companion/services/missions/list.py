@@ -82,11 +82,9 @@ class MissionList:
 
     @property
     def is_idle(self) -> bool:
-        """Whether no transfer or save is in progress."""
         return not (self.senders or self.parts or self.saving) and self.receiver.state is TransferState.IDLE
 
     def sender(self, channel: int) -> Sender:
-        """The sender of a channel's downloads."""
         if channel not in self.senders:
             timers = self._timers
             self.senders[channel] = Sender(

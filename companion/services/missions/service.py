@@ -72,16 +72,13 @@ class MissionService:
         self._identify()
 
     def items(self, mission_type: MissionType) -> tuple[MissionItem, ...]:
-        """The stored items of a list."""
         return self._lists[mission_type].items
 
     @property
     def is_busy(self) -> bool:
-        """Whether a transfer, a save or a clearing is in progress."""
         return self._clearing is not None or not all(one.is_idle for one in self._lists.values())
 
     def handle(self, message: Message, origin: Origin, now_s: float) -> None:
-        """Handle a message of the protocol."""
         if not is_named(self._own, message.target_system, message.target_component):
             return  # broadcast transfers are ignored
         for one in self._lists.values():

@@ -55,7 +55,6 @@ class AvailableModesService:
         self._reported = vehicle.mode
 
     def tick(self, now_s: float) -> None:
-        """Send if due or changed."""
         if now_s >= self._due_s:
             self._due_s = now_s + PERIOD_S
             self._outbox.broadcast(available_modes_monitor())
@@ -64,7 +63,6 @@ class AvailableModesService:
             self.announce_change()
 
     def announce_change(self) -> None:
-        """Send if the mode has changed."""
         if self._vehicle.mode is not self._reported:
             self._broadcast()
 

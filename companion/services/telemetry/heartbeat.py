@@ -36,7 +36,6 @@ class HeartbeatService:
         return self._vehicle.armed or self._motor_test.is_running
 
     def message(self) -> Message:
-        """The present heartbeat."""
         vehicle = self._vehicle
         base_mode = dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED | _BASE_MODE[vehicle.mode]
         if self._is_armed:
@@ -53,7 +52,6 @@ class HeartbeatService:
         )
 
     def tick(self, now_s: float) -> None:
-        """Send if due or changed."""
         if now_s >= self._due_s:
             self._due_s = now_s + _PERIOD_S
             self._broadcast()
@@ -61,7 +59,6 @@ class HeartbeatService:
             self.announce_change()
 
     def announce_change(self) -> None:
-        """Send if mode or arming has changed."""
         reported, vehicle = self._reported, self._vehicle
         if vehicle.mode is not reported[0] or self._is_armed is not reported[1]:
             self._broadcast()

@@ -40,7 +40,6 @@ class ProbeSchedule:
         return now_s + _SLACK_S >= self._look_s
 
     def due(self, readings: Sequence[ProbeReading], now_s: float) -> Iterator[Message]:
-        """The messages to send now."""
         self._look_s = now_s + READ_S
         for reading in readings:
             name = reading.name

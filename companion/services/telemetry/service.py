@@ -72,11 +72,9 @@ class TelemetryService:
         self._probes = ProbeSchedule(probes)
 
     def open(self, channel: int, stream_hz: float) -> None:
-        """A channel has opened."""
         self._streams[channel] = Streams(stream_hz)
 
     def forget(self, channel: int) -> None:
-        """A channel has closed."""
         self._streams.pop(channel, None)
 
     @staticmethod

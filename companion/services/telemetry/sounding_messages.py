@@ -6,9 +6,10 @@ from typing import Final
 from companion.autopilot.snapshot import Snapshot
 from companion.core.geo import position_to_e7
 from companion.core.units import clamp, wrap_two_pi
-from companion.mavlink.dialect import Message, build_message, dialect
+from companion.mavlink.dialect import Message, build_message, constants, dialect
 
 _RANGER_ID, _SOUNDER_ID = 0, 1
+_LASER, _ULTRASOUND = constants("MAV_DISTANCE_SENSOR", "LASER", "ULTRASOUND")
 _SOUNDER_BEAM_RAD: Final = math.radians(30.0)  # Ping1D at -3 dB; others have 10 to 45 degrees
 
 
@@ -29,7 +30,7 @@ def _ranger_distance(now: Snapshot) -> Message | None:
         min_distance=_cm(ping.min_range_m),
         max_distance=_cm(ping.max_range_m),
         current_distance=_cm(range_m),
-        type=_sensor_type(now),
+        type=_LASER if now.config.parts.sonar.is_laser else _ULTRASOUND,
         id=_RANGER_ID,
         orientation=_orientation(ping.bearing_rad),
         covariance=0xFF,
@@ -40,20 +41,11 @@ def _ranger_distance(now: Snapshot) -> Message | None:
     )
 
 
-def _sensor_type(now: Snapshot) -> int:
-    is_laser = now.config.parts.sonar.is_laser
-    kind: int = dialect.MAV_DISTANCE_SENSOR_LASER if is_laser else dialect.MAV_DISTANCE_SENSOR_ULTRASOUND
-    return kind
-
-
 def _orientation(bearing_rad: float) -> int:
     """MAV_SENSOR_ROTATION's yaws in eighths of a turn, or CUSTOM with the quaternion."""
     eighths = wrap_two_pi(bearing_rad) / (math.pi / 4.0)
     nearest = round(eighths)
-    if abs(eighths - nearest) < 1e-6:
-        return nearest % 8
-    custom: int = dialect.MAV_SENSOR_ROTATION_CUSTOM
-    return custom
+    return nearest % 8 if abs(eighths - nearest) < 1e-6 else dialect.MAV_SENSOR_ROTATION_CUSTOM
 
 
 def _sounder_distance(now: Snapshot) -> Message | None:
@@ -68,7 +60,7 @@ def _sounder_distance(now: Snapshot) -> Message | None:
         min_distance=_cm(sounding.min_range_m),
         max_distance=_cm(sounding.max_range_m),
         current_distance=_cm(depth_m),
-        type=dialect.MAV_DISTANCE_SENSOR_ULTRASOUND,
+        type=_ULTRASOUND,
         id=_SOUNDER_ID,
         orientation=dialect.MAV_SENSOR_ROTATION_PITCH_270,
         covariance=0xFF,

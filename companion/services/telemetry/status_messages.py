@@ -172,10 +172,9 @@ def mission_current(vehicle: Vehicle) -> Message:
     else:
         state = dialect.MISSION_STATE_NOT_STARTED
     in_auto = 1 if vehicle.mode is Mode.AUTO else 2  # mission_mode: 1 in mission mode, 2 suspended
-    current: Message = dialect.MAVLink_mission_current_message(
+    return dialect.MAVLink_mission_current_message(
         progress.current_seq, progress.last_seq, state, in_auto, *vehicle.list_ids
     )
-    return current
 
 
 def extended_sys_state(now: Snapshot) -> Message:  # noqa: ARG001

@@ -32,7 +32,6 @@ class StatusTextService:
         self.logs_texts = False  # whether messages are also logged
 
     def notify(self, severity: int, text: str) -> None:
-        """Send one message to all."""
         self.send([StatusText(severity, text)])
 
     def send(self, status_texts: Iterable[StatusText]) -> None:
@@ -53,7 +52,6 @@ class StatusTextService:
         self._left = min(self._left + _PER_SECOND * dt_s, _MOST)
 
     def send_to(self, channel: int, notice: StatusText) -> None:
-        """Send on one channel."""
         self._log(notice)
         for message in self._chunks(notice):
             self._outbox.send(channel, message)

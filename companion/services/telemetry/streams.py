@@ -86,11 +86,9 @@ class Streams:
             self.set_interval(message_id, interval_s, now_s)
 
     def has_due(self, now_s: float) -> bool:
-        """Whether any message is due."""
         return now_s + _SLACK_S >= self._next_s
 
     def due(self, now_s: float) -> list[int]:
-        """The messages due now."""
         now_s += _SLACK_S
         if now_s < self._next_s:
             return []

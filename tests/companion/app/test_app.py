@@ -10,7 +10,7 @@ from boat_rig import Rig
 from companion.app.composition import check_config, run_boat
 from companion.app.status_file import BoatStatus, read_status
 from companion.boat import Boat
-from companion.config.boat_config import BoatConfig, decode_config
+from companion.config.boat_config import BoatConfig, decode_config, with_value
 from companion.core.errors import ConfigError, LinkError, StorageError
 from companion.hal.interfaces import Hardware
 
@@ -51,62 +51,60 @@ def after(ticks: int) -> Callable[[], bool]:
     return lambda: next(asked, None) is None
 
 
+def changed(links: tuple[str, ...], **values: object) -> BoatConfig:
+    """A boat that could sail, with other values by key (dots as __)."""
+    tree = config(*links)
+    for name, value in values.items():
+        tree = with_value(tree, name.replace("__", "."), value)
+    return tree
+
+
+UDP = ("udpin::14550",)
+
+
 @pytest.mark.parametrize(
     ("tree", "words"),
     [
-        ({"parts": PARTS}, "links: .*at least one"),
-        ({"links": ["carrier pigeon"], "parts": PARTS}, "carrier pigeon"),
-        ({"links": ["udpin::99999"], "parts": PARTS}, "99999"),
-        ({"links": ["udpin::14550"]}, r"parts\.motors\.driver"),
-        ({"links": ["udpin::14550"], "parts": {**PARTS, "gnss": {}}}, r"parts\.gnss\.driver"),
-        ({"links": ["udpin::14550"], "parts": {**PARTS, "compass": {}}}, r"parts\.compass\.driver"),
+        (changed(()), "links: .*at least one"),
+        (changed(("carrier pigeon",)), "carrier pigeon"),
+        (changed(("udpin::99999",)), "99999"),
+        (changed(UDP, parts__motors__driver="none"), r"parts\.motors\.driver"),
+        (changed(UDP, parts__gnss__driver="none"), r"parts\.gnss\.driver"),
+        (changed(UDP, parts__compass__driver="none"), r"parts\.compass\.driver"),
         (
-            {
-                "links": ["udpin::14550"],
-                "parts": {**PARTS, "gnss": {"driver": "gpsd"}, "compass": {"driver": "gnss"}},
-            },
+            changed(UDP, parts__gnss__driver="gpsd", parts__compass__driver="gnss"),
             r"parts\.compass\.driver: 'gnss' needs",
         ),
+        (changed(UDP, rc__arm_channel=3), r"rc\.arm_channel = 3: .*throttle"),
         (
-            {"links": ["udpin::14550"], "parts": PARTS, "rc": {"arm_channel": 3}},
-            r"rc\.arm_channel = 3: .*throttle",
-        ),
-        (
-            {
-                "links": ["serial:/dev/serial0:57600"],
-                "parts": {**PARTS, "gnss": {"driver": "nmea", "port": "/dev/serial0"}},
-            },
+            changed(("serial:/dev/serial0:57600",)),
             r"links\[0\]: /dev/serial0 belongs to parts.gnss.port",
         ),
         (
-            {
-                "links": ["tcpin::5760"],
-                "parts": {
-                    **PARTS,
-                    "battery": {"driver": "ina226"},
-                    "motors": {"driver": "esc", "left": {"output": "pca9685"}},
-                    "pca9685": {"address": 0x40, "output_enable": 22},
-                },
-            },
-            r"parts.battery.address: 0x40 on I²C belongs to parts.pca9685.address",
+            changed(
+                UDP,
+                parts__battery__driver="ina226",
+                parts__compass__driver="bno055",
+                parts__battery__address=0x28,
+            ),
+            r"parts.battery.address: 0x28 on I²C belongs to parts.compass.address",
         ),
     ],
 )
-def test_a_configuration_that_cannot_sail_is_refused_by_its_key(tree: dict[str, object], words: str) -> None:
+def test_a_configuration_that_cannot_sail_is_refused_by_its_key(tree: BoatConfig, words: str) -> None:
     with pytest.raises(ConfigError, match=words):
-        check_config(decode_config(tree, "test"))
+        check_config(tree)
     parts = Parts()
     with pytest.raises(ConfigError, match=words):
-        run_boat(decode_config(tree, "test"), lambda: False, open_parts=parts.open)
+        run_boat(tree, lambda: False, open_parts=parts.open)
     assert parts.hardware is None  # no hardware is touched for a configuration that is wrong
 
 
 def test_a_boat_that_is_told_where_it_is_needs_neither_receiver_nor_compass() -> None:
-    tree = {"links": ["udpin::14550"], "parts": {**PARTS, "gnss": {}, "compass": {}}}
-    external = {"position": 2, "heading": 2}
-    check_config(decode_config({**tree, "external": external}, "test"))
+    told = changed(UDP, parts__gnss__driver="none", parts__compass__driver="none", external__position=2)
+    check_config(with_value(told, "external.heading", 2))
     with pytest.raises(ConfigError, match=r"parts\.compass\.driver"):
-        check_config(decode_config({**tree, "external": {"position": 2}}, "test"))
+        check_config(told)
 
 
 def test_the_motors_are_let_go_when_a_tick_raises(monkeypatch: pytest.MonkeyPatch) -> None:

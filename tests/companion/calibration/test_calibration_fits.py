@@ -62,7 +62,6 @@ def swung(
     "model",
     [
         FittedYawModel(1.3, 1.5, 0.1, 0.005),
-        FittedYawModel(0.7, 1.0, 0.2, 0.005),
         FittedYawModel(0.3, 4.0, 0.3, 0.002),
     ],
 )
