@@ -15,7 +15,7 @@ TICK_S = 0.02
 class Rig:
     def __init__(self) -> None:
         self.sim = SimPayload(decode_config({}, "test"))
-        self.shutter = SimCapture(self.sim, "camera", run_s=0.5)
+        self.shutter = SimCapture(self.sim, "camera")
         self.camera = Camera(self.shutter)
         self.images: list[Image] = []
         self.now_s = self.north_m = 0.0

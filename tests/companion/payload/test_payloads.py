@@ -20,7 +20,7 @@ from companion.payload.actions import (
     WinchMotion,
 )
 from companion.payload.payloads import Payloads, Written
-from sitl.world.payload import SimPayload
+from sitl.world.payload import RUN_S, SimPayload
 
 TICK_S = 0.02
 SIGNAL = {"min_us": 1000, "trim_us": 1450, "max_us": 2000}
@@ -35,7 +35,7 @@ TABLES: list[dict[str, object]] = [
     {"kind": "gripper", "number": 1, "open_us": 1800, "closed_us": 1200, "start": "closed"},
     {"kind": "gripper", "number": 2, "pin": 25, "on_link_loss": "closed"},
     {"kind": "winch", "number": 1, "line_m": 5.0, "speed_m_s": 0.5},
-    {"kind": "winch", "number": 2, "line_m": 5.0, "speed_m_s": 0.5},
+    {"kind": "winch", "number": 2, "line_m": 5.0, "speed_m_s": 0.5, "count_pin": 5, "pulse_m": 0.1},
     {"kind": "command", "number": 7, "run": ["/bin/true"]},
 ]
 PUMP, THREE, LIGHT, STERN, HORN, BAIT, TEN, CLAW, MAGNET, WINCH, SECOND, SAMPLE = range(12)
@@ -150,10 +150,10 @@ def test_a_command_runs_one_at_a_time_and_reports(rig: Rig) -> None:
     program.outcome = "exit code 1"
     assert rig.do(RunCommand(7)) == ""
     assert rig.do(RunCommand(7)) == "command 7: still running"
-    rig.run(program.run_s + TICK_S)
+    rig.run(RUN_S + TICK_S)
     program.outcome = ""
     assert rig.do(RunCommand(7)) == ""
-    rig.run(program.run_s + TICK_S)
+    rig.run(RUN_S + TICK_S)
     assert rig.texts == [
         "Command 7: started",
         "Command 7: exit code 1",
@@ -187,3 +187,15 @@ def test_telemetry_knows_widths_relays_and_the_first_winch(rig: Rig) -> None:
     assert dict(Rig().units.servo_us()) == {9: 0, 10: 0}, "no pulses before the first tick"
     assert Payloads().winch is None
     assert Payloads().relays() == (0, 0)
+
+
+def test_a_winch_that_stalls_is_told_once(rig: Rig) -> None:
+    rig.do(MoveWinch(1, WinchMotion.RATE, 0.0, -0.25))
+    rig.do(MoveWinch(2, WinchMotion.LENGTH, 4.0))
+    rig.run(1.0)
+    assert known(rig.units.winch).speed_m_s == -0.25
+    rig.sim.counters[SECOND].is_stuck = True
+    rig.run(5.0)
+    (told,) = [text for text in rig.texts if "no pulse" in text]
+    assert told.startswith("Winch 2: no pulse for ")
+    assert rig.severities[rig.texts.index(told)] == Severity.WARNING
