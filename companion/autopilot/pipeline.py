@@ -118,7 +118,7 @@ class GuidancePipeline:
             config,
             self.perception,
             fence,
-            is_by_hand=status.mode.is_by_hand,
+            is_by_hand=status.mode.rules.is_by_hand,
             now_s=now_s,
         )
         steered = self._pilot.update(intent, nav, config, dt_s)

@@ -45,16 +45,6 @@ class Mode(IntEnum):
         """Its row of the table."""
         return RULES[self]
 
-    @property
-    def needs_position(self) -> bool:
-        """Whether the mode uses the position estimate, if only for the speed over ground."""
-        return RULES[self].needs_position
-
-    @property
-    def is_by_hand(self) -> bool:
-        """Whether the operator steers manually."""
-        return RULES[self].is_by_hand
-
 
 RULES: Final[dict[Mode, ModeRules]] = {
     Mode.MANUAL: ModeRules("Manual", needs_position=False, is_by_hand=True),

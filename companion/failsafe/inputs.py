@@ -22,9 +22,9 @@ _ASTRAY_RAD: Final = (0.0, -0.3, 0.3)  # the direction of the current is known t
 HELD_S: Final = 2.0  # in place at the shore: from then on the motion says nothing of the motors
 
 ALL_MODES: Final[frozenset[Mode]] = frozenset(Mode)
-POSITION_MODES: Final[frozenset[Mode]] = frozenset(mode for mode in Mode if mode.needs_position)
+POSITION_MODES: Final[frozenset[Mode]] = frozenset(mode for mode in Mode if mode.rules.needs_position)
 """Not MANUAL, which the operator may always choose."""
-AUTONOMOUS_MODES: Final[frozenset[Mode]] = frozenset(mode for mode in Mode if not mode.is_by_hand)
+AUTONOMOUS_MODES: Final[frozenset[Mode]] = frozenset(mode for mode in Mode if not mode.rules.is_by_hand)
 
 
 class BoardReadings(Struct, frozen=True):

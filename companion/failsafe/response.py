@@ -95,7 +95,7 @@ def routine_check(inputs: FailsafeInputs) -> list[Decision]:
     """Check or compare motors that cannot be judged otherwise, where that may take the place of the mode for
     some seconds.
     """
-    is_driven = inputs.armed and inputs.mode is not Mode.HOLD and not inputs.mode.is_by_hand
+    is_driven = inputs.armed and inputs.mode is not Mode.HOLD and not inputs.mode.rules.is_by_hand
     is_wanted = inputs.config.failsafe.motor_action == Action.CHECK_MOTORS
     is_free = is_driven and is_wanted and inputs.recovery is State.IDLE
     if not is_free or not may_drift(inputs.nav, inputs.fence, _CHECK_DRIFT_S):

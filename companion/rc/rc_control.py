@@ -54,7 +54,7 @@ class RcControl:
         requests = self._switches.update(channels_us, armed, config.rc, now_s)
         if not is_good:
             return RcActions(requests, is_urgent=bool(requests))
-        rc, by_hand = sticks.rc, mode.is_by_hand
+        rc, by_hand = sticks.rc, mode.rules.is_by_hand
         text, is_overridden = "", sticks.has_station(config, now_s)
         if is_overridden is not self._is_overridden:
             self._is_overridden = is_overridden

@@ -46,7 +46,7 @@ def sensor_faults(
     if not setting.check:
         return []
     faults: list[str] = []
-    if mode.needs_position:
+    if mode.rules.needs_position:
         if fix is None or fix.fix_type < setting.min_fix_type:
             faults.append(f"GPS: no {'3-D ' if setting.min_fix_type >= 3 else ''}fix")
         elif fix.hdop > setting.max_hdop:

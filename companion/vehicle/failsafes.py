@@ -52,7 +52,7 @@ def _observe(vehicle: "Vehicle", now_s: float) -> None:
     failsafes.fence.update(vehicle.fence, nav, config.motors, now_s)
     if not vehicle.is_guided and not failsafes.is_active(Condition.PLANNER_LOST):
         failsafes.planner.release()
-    if not vehicle.mode.is_by_hand and not failsafes.is_active(Condition.HELM_LOST):
+    if not vehicle.mode.rules.is_by_hand and not failsafes.is_active(Condition.HELM_LOST):
         failsafes.sticks.stop_watching()
     if not vehicle.armed:
         motors.rearm()

@@ -207,7 +207,7 @@ class Vehicle:
 
     def change_mode(self, mode: Mode, why: str = "") -> Outcome:
         """Enter a mode, or say why it cannot be entered. The present mode continues."""
-        if mode.needs_position and (fault := self.estimate_fault() or self._mode_fault(mode)):
+        if mode.rules.needs_position and (fault := self.estimate_fault() or self._mode_fault(mode)):
             return self.refuse(f"{mode.name}: {fault}")
         return self.force_mode(mode, why)
 
@@ -230,7 +230,7 @@ class Vehicle:
         )
         if config.arming.check:
             is_lost = bool(self.data_losses.text(FENCE))
-            if mode.needs_position and (fault := self.compass_fault()):
+            if mode.rules.needs_position and (fault := self.compass_fault()):
                 faults.append(f"Compass: {fault}")
             faults += fence_faults(mode, is_outside=self.is_outside, is_lost=is_lost)
         if fault := rc_fault(self.manual_input, config, self._now_s):

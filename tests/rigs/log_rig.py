@@ -51,6 +51,33 @@ class LogRig(Rig):
         self.run(self.config.log.after_disarm_s + 0.1)
 
 
+class MemorySink:
+    """A sink in memory. takes: it has room for blocks."""
+
+    def __init__(self) -> None:
+        self.fault = ""
+        self.room_bytes = 100
+        self.takes = True
+        self.blocks: list[bytes] = []
+        self.begun = 0
+
+    def begin(self) -> bool:
+        self.begun += 1
+        self.fault = ""
+        return True
+
+    def write(self, block: bytes, unix_s: float) -> bool:
+        if self.takes:
+            self.blocks.append(block)
+        return self.takes
+
+    def end(self) -> None:
+        """Nothing to complete."""
+
+    def close(self) -> None:
+        """Nothing to release."""
+
+
 OpenRig = Callable[..., LogRig]  # what LogRig takes
 
 

@@ -97,7 +97,7 @@ class CompassCommands:
         return Result.ACCEPTED
 
     def _may_calibrate(self) -> bool:
-        return not self._vehicle.armed or not self._vehicle.mode.needs_position
+        return not self._vehicle.armed or not self._vehicle.mode.rules.needs_position
 
     def _accept(self, command: Command) -> Result:  # noqa: ARG002
         """Save a result that has waited for it."""

@@ -14,7 +14,7 @@ _PERIOD_S = 1.0
 
 _BASE_MODE = {
     mode: dialect.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED
-    if mode.is_by_hand
+    if mode.rules.is_by_hand
     else dialect.MAV_MODE_FLAG_GUIDED_ENABLED
     for mode in Mode
 } | {Mode.HOLD: 0}

@@ -1,19 +1,6 @@
 """The pair of links that never leaves the process."""
 
-from hypothesis import given
-from hypothesis import strategies as st
-
 from companion.links.memory import MemoryPort, memory_pair
-
-
-@given(st.lists(st.tuples(st.booleans(), st.binary(max_size=50))))
-def test_each_end_receives_what_the_other_sent_in_order(traffic: list[tuple[bool, bytes]]) -> None:
-    near, far = memory_pair()
-    for from_near, data in traffic:
-        assert (near if from_near else far).send(data)
-    assert far.receive() == [data for from_near, data in traffic if from_near]
-    assert near.receive() == [data for from_near, data in traffic if not from_near]
-    assert near.receive() == far.receive() == []
 
 
 def test_a_full_end_drops_what_comes_next_whole() -> None:

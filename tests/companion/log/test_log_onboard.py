@@ -9,7 +9,7 @@ from pathlib import Path
 import msgspec
 import pytest
 from boat_rig import OK, waypoint
-from log_rig import LogRig, OpenRig, Record, of_kind, read_log
+from log_rig import LogRig, MemorySink, OpenRig, Record, of_kind, read_log
 from payload_rig import CAMERA, PAYLOAD
 
 from companion.control.heading import learned_gains
@@ -239,35 +239,8 @@ def test_a_log_that_grows_past_half_the_quota_is_followed_by_another(
     assert of_kind(read_log(tmp_path / rig.store.logs[-1].name), "ATT")
 
 
-class Clerk:
-    """A sink that does as it is told."""
-
-    def __init__(self) -> None:
-        self.fault = ""
-        self.room_bytes = 100
-        self.takes = True
-        self.blocks: list[bytes] = []
-        self.begun = self.ended = 0
-
-    def begin(self) -> bool:
-        self.begun += 1
-        self.fault = ""
-        return True
-
-    def write(self, block: bytes, unix_s: float) -> bool:
-        if self.takes:
-            self.blocks.append(block)
-        return self.takes
-
-    def end(self) -> None:
-        self.ended += 1
-
-    def close(self) -> None:
-        pass
-
-
 def test_blocks_are_handed_over_as_they_fill(open_rig: OpenRig, tmp_path: Path) -> None:
-    clerk = Clerk()
+    clerk = MemorySink()
     rig = open_rig(tmp_path, sink=clerk, config={"log.motion_hz": 50.0})
     rig.sail(waypoint(500, 0)).run(3.0)
     sizes = [len(block) for block in clerk.blocks]
@@ -278,7 +251,7 @@ def test_blocks_are_handed_over_as_they_fill(open_rig: OpenRig, tmp_path: Path) 
 def test_what_the_medium_is_too_slow_for_is_lost_counted_and_logged(
     open_rig: OpenRig, tmp_path: Path
 ) -> None:
-    clerk = Clerk()
+    clerk = MemorySink()
     rig = open_rig(tmp_path, sink=clerk)
     rig.sail(waypoint(500, 0)).run(5.0)
     clerk.takes = False
@@ -293,7 +266,7 @@ def test_what_the_medium_is_too_slow_for_is_lost_counted_and_logged(
 
 
 def test_a_full_medium_stops_the_log_once_and_the_boat_goes_on(open_rig: OpenRig, tmp_path: Path) -> None:
-    clerk = Clerk()
+    clerk = MemorySink()
     rig = open_rig(tmp_path, sink=clerk, config={"log.after_disarm_s": 0.5})
     rig.sail(waypoint(500, 0)).run(3.0)
     clerk.fault = "No space left on device"
@@ -308,7 +281,7 @@ def test_a_full_medium_stops_the_log_once_and_the_boat_goes_on(open_rig: OpenRig
 
 
 def test_a_log_whose_definitions_are_not_taken_is_given_up(open_rig: OpenRig, tmp_path: Path) -> None:
-    clerk = Clerk()
+    clerk = MemorySink()
     clerk.takes = False
     rig = open_rig(tmp_path, sink=clerk).ready()
     assert rig.arm() == OK

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from boat_rig import BOAT, PLANNER
-from log_rig import OpenRig
+from log_rig import MemorySink, OpenRig
 from pymavlink import mavutil
 
 from companion.log.logbook import TelemetryLog
@@ -82,37 +82,17 @@ def test_a_key_is_never_logged(open_rig: OpenRig, tmp_path: Path) -> None:
         assert KEY[:8] not in (tmp_path / file.name).read_bytes()
 
 
-class Written:
-    """A log file in memory."""
-
-    def __init__(self) -> None:
-        self.data = b""
-        self.fault = ""
-
-    def begin(self) -> None:
-        """It is there."""
-
-    def write(self, data: bytes, unix_s: float) -> bool:
-        """Keep it."""
-        self.data += data
-        return True
-
-    def end(self) -> None:
-        """Nothing to let go."""
-
-
 def test_frames_are_handed_over_each_second_and_when_there_are_many() -> None:
-    written = Written()
-    log = TelemetryLog(written, lambda: 7)  # type: ignore[arg-type]
+    sink = MemorySink()
+    log = TelemetryLog(sink, lambda: 7)
     log.add(b"first")
     log.tick(0.0)
     log.add(b"second")
     log.tick(0.98)
-    assert written.data == (7).to_bytes(8, "big") + b"first"
+    assert sink.blocks == [(7).to_bytes(8, "big") + b"first"]
     log.tick(1.0)
-    assert written.data.endswith(b"second")
+    assert sink.blocks[1].endswith(b"second")
     for _ in range(29):
         log.add(bytes(280))
-    size = len(written.data)
     log.add(b"last")
-    assert len(written.data) == size + 29 * (8 + 280)
+    assert len(sink.blocks[2]) == 29 * (8 + 280)

@@ -36,7 +36,6 @@ def test_a_fix_has_the_receivers_velocity_accuracies_and_time() -> None:
         ({"fix_type": 4}, 3),
         ({"fix_type": 1}, 1),  # dead reckoning alone
         ({"fix_type": 5}, 1),  # time only
-        ({"fix_type": 0}, 1),
         ({"correction_age": 3}, 4),
         ({"invalid_position": 1}, 1),
         ({"fix_ok": 0}, 1),  # outside the receiver's accuracy masks

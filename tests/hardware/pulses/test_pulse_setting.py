@@ -34,7 +34,6 @@ def test_no_share_and_no_width_leaves_the_range(value: float) -> None:
     "table",
     [
         {"min_us": 1600},
-        {"max_us": 1400},
         {"min_us": 1500, "max_us": 1500},
         {"frequency_hz": 400, "max_us": 2500},
         {"frequency_hz": 401},

@@ -55,6 +55,6 @@ def test_the_heartbeat_says_whose_hand_it_is() -> None:
         rig.run(0.2)
         beat = rig.peer.said("HEARTBEAT")[-1]
         assert beat.custom_mode == mode
-        assert bool(beat.base_mode & dialect.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED) is mode.is_by_hand
-        steers_itself = not mode.is_by_hand and mode is not Mode.HOLD
+        assert bool(beat.base_mode & dialect.MAV_MODE_FLAG_MANUAL_INPUT_ENABLED) is mode.rules.is_by_hand
+        steers_itself = not mode.rules.is_by_hand and mode is not Mode.HOLD
         assert bool(beat.base_mode & dialect.MAV_MODE_FLAG_GUIDED_ENABLED) is steers_itself
