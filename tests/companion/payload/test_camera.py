@@ -49,7 +49,7 @@ def test_a_second_single_image_during_the_first_is_refused() -> None:
 def test_images_by_distance_and_one_at_once() -> None:
     rig = Rig()
     rig.camera.perform(CaptureByDistance(10.0, now=True), 0.0)
-    rig.run(21.0, speed_m_s=2.0)
+    rig.run(22.0, speed_m_s=2.0)
     assert len(rig.images) == 5
     rig.camera.perform(CaptureByDistance(0.0), rig.now_s)
     rig.run(20.0, speed_m_s=2.0)

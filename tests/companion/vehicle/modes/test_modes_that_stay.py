@@ -87,7 +87,7 @@ def test_loiter_stays_where_it_begins() -> None:
     mode = LoiterMode(Fence())
     mode.enter(mode_inputs(nav_at(3.0, 4.0)))
     assert local(mode.intent(mode_inputs(nav_at(30.0, 4.0)))) == pytest.approx((3.0, 4.0), abs=1e-3)
-    assert mode.rules.needs_position
+    assert mode.needs_position
     assert mode.destination is not None
 
 
@@ -104,10 +104,10 @@ def test_loiter_without_a_position_holds_into_the_current() -> None:
     into = mode.intent(mode_inputs(without_position(north_m_s=0.3)))
     assert isinstance(into, intents.HoldHeading)
     assert (abs(into.heading_rad), into.speed_m_s) == pytest.approx((math.pi, 0.0))
-    assert not mode.rules.needs_position
+    assert not mode.needs_position
     assert mode.intent(mode_inputs(without_position(east_m_s=0.3))) == into  # held, not chased
     mode.exit()
-    assert mode.rules.needs_position
+    assert mode.needs_position
 
 
 def test_loiter_searches_its_heading_by_turns_in_a_current() -> None:
