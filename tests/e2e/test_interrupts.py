@@ -33,11 +33,12 @@ is_meant = is_worker == (os.environ["INTERRUPT_IN"] == "worker")
 sys.meta_path.insert(0, Interrupter())
 """
 CAMPAIGN = """
-title = "one leg"
+title = "the beginning of a leg"
 [run]
 scenario = "open"
 course = "straight"
-seeds = 40
+timeout_s = 5.0
+seeds = 400
 """
 
 
@@ -80,7 +81,7 @@ def test_an_interrupt_while_campaign_workers_start_prints_no_traceback(
     program = campaign(run_program, tmp_path, **environment)
     ended = program.wait(JOB_S)
     assert (ended.code, ended.err) == (INTERRUPTED, "boat-sitl: interrupted\n")
-    assert "of 40 runs are kept: the same command continues" in ended.out
+    assert "of 400 runs are kept: the same command continues" in ended.out
     until(lambda: not processes_of(program.pid), JOB_S)  # multiprocessing's own helper ends on its own
 
 
@@ -93,7 +94,7 @@ def test_an_interrupted_campaign_ends_at_once_and_goes_on_where_it_stopped(
     program.send(signal.SIGINT)
     ended = program.wait(JOB_S)
     assert (ended.code, ended.err) == (INTERRUPTED, "boat-sitl: interrupted\n")
-    assert "of 40 runs are kept: the same command continues" in ended.out
+    assert "of 400 runs are kept: the same command continues" in ended.out
     until(lambda: not processes_of(program.pid), JOB_S)
 
 
