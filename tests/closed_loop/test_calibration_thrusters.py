@@ -38,14 +38,13 @@ def lopsided() -> Rig:
 
 def over(rig: Rig, limit_s: float) -> list[int]:
     """Wait for the trial's end; the results that its command has been answered with."""
-    results: list[int] = []
+    rig.peer.forget()
     while rig.boat.calibration.is_running:
         assert (limit_s := limit_s - 1.0) > 0.0, "the trial does not end"
         rig.run(1.0)
-        results += [one.result for one in rig.peer.said("COMMAND_ACK")]
-        rig.peer.heard = [one for one in rig.peer.heard if one.get_type() == "STATUSTEXT"]
+        rig.peer.listen()
     rig.run(0.1)
-    return results + [one.result for one in rig.peer.said("COMMAND_ACK")]
+    return [one.result for one in rig.peer.said("COMMAND_ACK")]
 
 
 def weak_both(*commands: float) -> World:
