@@ -46,7 +46,7 @@ class Voyage:
             assert rig.now_s < until_s
         if text:
             assert rig.mode == "AUTO"
-            for _ in range(100):
+            for _ in range(50):
                 self.step()
         else:
             assert rig.mode == "LOITER"
