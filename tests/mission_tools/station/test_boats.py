@@ -164,9 +164,9 @@ def heartbeat(system: int, *, armed: bool = False) -> bytes:
     return bytes(said.heartbeat_encode(11, 3, 128 if armed else 0, 0, 4).pack(said))
 
 
-def mission_current(*ids: int) -> bytes:
+def mission_current(*ids: int, total: int = 0) -> bytes:
     """MISSION_CURRENT as common.xml has it now: the three ids are extensions behind mission_mode."""
-    payload = struct.pack("<HHBB3I", 0, 0, 0, 0, *ids).rstrip(b"\0") or b"\0"
+    payload = struct.pack("<HHBB3I", 0, total, 0, 0, *ids).rstrip(b"\0") or b"\0"
     head = struct.pack("<BBBBBB", len(payload), 0, 0, 0, 1, 1) + (42).to_bytes(3, "little")
     crc = peer.x25crc(head + payload)
     crc.accumulate(b"\x1c")  # CRC_EXTRA 28
@@ -190,11 +190,11 @@ def test_a_list_with_a_new_id_is_read_again_at_once() -> None:
     shore = Shore()
     link = stranger(shore)
 
-    def asked_within(seconds: int, *ids: int) -> list[int]:
+    def asked_within(seconds: int, *ids: int, total: int = 0) -> list[int]:
         asked = []
         for _ in range(seconds * 10):
             link.send(heartbeat(1))
-            link.send(mission_current(*ids))
+            link.send(mission_current(*ids, total=total))
             shore.run(0.1)
             asked += asked_lists(link)
         return asked
@@ -205,6 +205,7 @@ def test_a_list_with_a_new_id_is_read_again_at_once() -> None:
     assert asked_within(2, 8, 4, 0) == [1]
     assert asked_within(2, 8, 4, 1) == [2]
     assert asked_within(10, 8, 4, 1) == []
+    assert asked_within(2, 8, 4, 1, total=5) == [0], "another number of items, of a boat without ids"
 
 
 def test_boats_that_were_heard_once_give_way_to_one_that_comes() -> None:
@@ -234,7 +235,10 @@ def test_a_boat_that_is_silent_for_an_hour_is_forgotten_but_not_the_first() -> N
     shore.run(0.1)
     link.send(heartbeat(77, armed=True))
     shore.run(0.1)
-    shore.now_s += boats.FORGOTTEN_S
+    shore.now_s += 3600.0 - 2.0
+    shore.poll()
+    assert len(shore.boats.names()) == 2
+    shore.now_s += 3.0
     shore.poll()
     assert [one.id for one in shore.boats.names()] == [3]
 

@@ -177,6 +177,15 @@ def test_the_compass_waits_with_its_result_until_it_is_kept() -> None:
     assert boat.now.state == "done"
 
 
+def test_a_result_whose_report_was_lost_can_be_kept() -> None:
+    boat = running("compass", START)
+    boat.run(6.0)
+    assert boat.now.state == "silent"
+    boat.keep()
+    boat.ack(KEEP, ACCEPTED)
+    assert (boat.answers, boat.now.state) == ([Accepted(calibrations.KEPT)], "done")
+
+
 @pytest.mark.parametrize(("waits_s", "state"), [(0.0, "waiting"), (1.0, "done")])
 def test_only_a_repeated_keeping_that_fails_means_that_the_first_was_heard(
     waits_s: float, state: str

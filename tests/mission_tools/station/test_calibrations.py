@@ -9,7 +9,7 @@ from shore_rig import Shore
 from companion.core.requests import ManualControl
 from companion.mavlink.dialect import dialect
 from mission_tools.station.messages import Calibration
-from mission_tools.station.setup.calibrations import NOTHING_TO_CANCEL, NOTHING_TO_KEEP, UNDER_WAY
+from mission_tools.station.setup.calibrations import NOTHING_TO_KEEP, UNDER_WAY
 
 MANUAL, HOLD, LOITER = 0, 4, 5
 MAGNETOMETER = (
@@ -46,14 +46,12 @@ def parameter(rig: Rig, name: str) -> float:
     return value
 
 
-def circle(shore: Shore, seconds: float = 60.0, is_watched: bool = False) -> list[int]:
-    """The boat turns; the progress shown. is_watched: another station is there, too."""
+def circle(shore: Shore, seconds: float = 60.0) -> list[int]:
+    """The boat turns; the progress shown."""
     (rig,) = shore.rigs
     shown: list[int] = []
     for _ in range(round(seconds / 0.2)):
         rig.boat.vehicle.request(ManualControl(0.2, 0.5))
-        if is_watched:
-            rig.peer.heartbeat()
         shore.run(0.2)
         shown += [percent for percent in [state(shore).percent] if percent is not None]
         if state(shore).state in ("waiting", "failed"):
@@ -112,40 +110,6 @@ def measure_the_motors_field(shore: Shore) -> None:
     shore.until(lambda: state(shore).state == "done", 8.0)
     assert state(shore).text.startswith("Compass: motors' field by current")
     assert parameter(shore.rigs[0], "COMPASS_MOTCT") == 2.0
-
-
-def test_the_compass_calibration_is_cancelled_at_any_time() -> None:
-    shore = shore_of(*MAGNETOMETER)
-    (rig,) = shore.rigs
-    assert shore.ask("calibrate_compass").ok
-    sail_by_hand(shore)
-    circle(shore, 4.0)
-    assert state(shore).percent
-    assert shore.ask("calibrate_cancel").ok  # armed, too
-    assert state(shore).state == "cancelled"
-    assert "Compass calibration cancelled" in rig.peer.texts
-    assert shore.ask("calibrate_cancel").text == NOTHING_TO_CANCEL
-    circle(shore, 2.0)
-    assert state(shore).state == "cancelled"
-
-
-def test_a_broken_link_lets_the_boat_go_on_and_its_result_can_be_kept() -> None:
-    shore = shore_of(*MAGNETOMETER)
-    (rig,) = shore.rigs
-    assert shore.ask("calibrate_compass").ok
-    sail_by_hand(shore)
-    circle(shore, 3.0)
-    shore.ends[0].loss = 1.0
-    circle(shore, 25.0, is_watched=True)
-    assert state(shore).state == "silent"
-    assert "Compass calibration to be accepted" in " ".join(rig.peer.texts)
-    shore.ends[0].loss = 0.0
-    shore.run(8.0)
-    assert state(shore).state == "silent"
-    assert shore.ask("disarm").ok
-    shore.run(2.0)
-    assert shore.ask("calibrate_accept").ok
-    assert parameter(rig, "COMPASS_OFS_X") != 0.0
 
 
 def test_the_gyro_is_calibrated_in_three_seconds() -> None:

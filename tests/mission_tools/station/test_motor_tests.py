@@ -1,14 +1,25 @@
 """Motors turned from the page: they turn while the page asks, and stop when it does not."""
 
 import pytest
+from blank_messages import blank
 from boat_rig import Rig
 from shore_rig import Shore
 
 from companion.core.requests import ManualControl
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
+from mission_tools.station.outcome import Accepted, Outcome, Refused, Silent
 from mission_tools.station.requests import BadRequestError
-from mission_tools.station.setup.motor_tests import ENDED, HELD_UP, STOPPED, MotorTests
+from mission_tools.station.setup.motor_tests import (
+    ENDED,
+    HELD_UP,
+    NO_ANSWER,
+    REFUSED,
+    STOPPED,
+    TURNING,
+    MotorTests,
+)
+from mission_tools.station.texts import Text
 
 LONGEST_S = 1.1  # a second, and what passes until the boat is polled
 EVERY_S = 0.3  # how often the page repeats while a button is held
@@ -107,17 +118,6 @@ def test_the_motor_stops_within_a_second_of_the_link_breaking(shore: Shore) -> N
         shore.run(0.1)
 
 
-def test_a_lost_stop_is_repeated(shore: Shore) -> None:
-    (rig,) = shore.rigs
-    hold(shore, 1.5)
-    shore.ends[0].loss = 1.0
-    shore.send("motor_stop")
-    shore.run(0.1)
-    assert turning(rig)[0]
-    shore.ends[0].loss = 0.0
-    assert until_rest(rig, shore) <= 0.3
-
-
 def test_a_request_that_was_held_up_does_not_turn_a_motor(shore: Shore) -> None:
     (rig,) = shore.rigs
     hold(shore, 0.6)
@@ -154,3 +154,93 @@ def test_a_malformed_request_is_refused_and_nothing_is_sent(wrong: dict[str, obj
     with pytest.raises(BadRequestError):
         MotorTests(Address(1, 1), Address(250, 190), sent.append).turn(asked, lambda _: None, 0.0)
     assert sent == []
+
+
+class Script:
+    """Motor tests of a boat of which a test says what it sends."""
+
+    def __init__(self) -> None:
+        self.sent: list[Message] = []
+        self.answers: list[Outcome] = []
+        self.motors = MotorTests(Address(1, 1), Address(250, 190), self.sent.append)
+
+    def turn(self, now_s: float, press: str = "a", held_s: float = 0.0) -> None:
+        asked = {"motor": "left", "percent": 30.0, "press": press, "held_s": held_s}
+        self.motors.turn(asked, self.answers.append, now_s)
+
+    def ack(self, now_s: float, result: int = dialect.MAV_RESULT_ACCEPTED, target: int = 250) -> None:
+        command = dialect.MAV_CMD_DO_MOTOR_TEST
+        self.motors.on_ack(blank("command_ack", command=command, result=result, target_system=target), now_s)
+
+
+def test_two_durations_alternate_as_the_boat_takes_an_equal_command_for_a_repetition() -> None:
+    script = Script()
+    for number in range(4):
+        script.turn(0.3 * number, held_s=0.3 * number)
+    assert [one.param4 for one in script.sent] == [
+        pytest.approx(0.95 if number % 2 == 0 else 1.0) for number in range(4)
+    ]
+    assert [(one.param1, one.param2, one.param3) for one in script.sent] == [(3.0, 0.0, 30.0)] * 4
+    script.ack(1.0, target=9)
+    assert script.answers == []
+    script.ack(1.0)
+    assert script.answers == [Accepted(TURNING)] * 4
+
+
+def test_a_press_that_was_stopped_does_not_turn_the_motor_again() -> None:
+    script = Script()
+    script.turn(0.0)
+    script.motors.stop(script.answers.append, 0.2)
+    script.turn(0.3, held_s=0.3)
+    assert script.answers == [Refused(ENDED)]
+    script.turn(0.4, "b")
+    assert script.answers[1:] == [Accepted(STOPPED)], "the next press ends the wait for rest"
+
+
+def test_a_stop_is_sent_four_times_and_answered_once_the_boat_is_at_rest() -> None:
+    script = Script()
+    script.turn(0.0)
+    script.ack(0.0)
+    script.motors.stop(script.answers.append, 1.0)
+    for tenth in range(10, 20):
+        script.motors.poll(0.1 * tenth, True)
+    assert [one.param4 for one in script.sent[1:]] == [0.0] * 4
+    script.ack(2.0)
+    script.motors.poll(2.4, True)  # by the heartbeat of the test
+    assert len(script.answers) == 1
+    script.motors.poll(2.6, True)  # armed by somebody else
+    assert script.answers[1:] == [Accepted(STOPPED)]
+
+
+def test_without_an_answer_a_turn_is_given_up_after_three_seconds_and_a_stop_after_six() -> None:
+    script = Script()
+    script.turn(0.0)
+    script.motors.poll(2.9, False)
+    assert script.answers == []
+    script.motors.poll(3.0, False)
+    script.motors.stop(script.answers.append, 4.0)
+    script.motors.poll(9.9, False)
+    assert len(script.answers) == 1
+    script.motors.poll(10.0, False)
+    assert script.answers == [Silent(NO_ANSWER)] * 2
+
+
+def test_a_refusal_waits_for_the_boats_reason_and_ends_the_press() -> None:
+    script = Script()
+    script.turn(0.0)
+    script.ack(0.1, dialect.MAV_RESULT_DENIED)
+    script.motors.on_text(Text(4, "Something else"))
+    script.motors.on_text(Text(5, "Motor test: whatever"))
+    script.motors.on_text(Text(4, "Motor test: disarm first"))
+    script.turn(0.2, "b")
+    assert script.answers == [Refused(ENDED)]
+    script.motors.poll(0.39, False)
+    assert len(script.answers) == 1
+    script.motors.poll(0.4, False)
+    assert script.answers[1:] == [Refused("disarm first")]
+    script.turn(0.5, held_s=0.5)
+    assert script.answers[2:] == [Refused(ENDED)]
+    script.turn(0.6, "c")
+    script.ack(0.7, dialect.MAV_RESULT_DENIED)
+    script.motors.poll(1.0, False)
+    assert script.answers[3:] == [Refused(REFUSED)]

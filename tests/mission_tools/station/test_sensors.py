@@ -79,15 +79,6 @@ def test_parts_that_fail_are_told_and_parts_that_recover_too() -> None:
     watch_until(shore, lambda seen: all(seen[name].verdict == "fine" for name in names), 60.0)
 
 
-def test_a_part_that_the_boat_does_not_have_is_not_fitted_and_has_not_failed() -> None:
-    rig = Rig("open", "sensors.sonar.fitted=false", battery=None)
-    shore = Shore(rig).ready()
-    seen = watch(shore)
-    for name in ("sonar", "battery", "depth", "rc"):
-        assert (seen[name].verdict, seen[name].cure) == ("skipped", ""), seen[name]
-        assert seen[name].text.startswith("not fitted")
-
-
 def test_a_reason_of_the_boat_comes_before_a_fine_verdict() -> None:
     rig = Rig(config={"arming.battery_min_v": 20.0})
     shore = Shore(rig)

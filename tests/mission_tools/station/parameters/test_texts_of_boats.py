@@ -168,6 +168,14 @@ def test_a_boat_without_texts_is_asked_for_both_messages_and_then_left_alone() -
     assert boat.fetching.state == "none"
 
 
+def test_a_boat_that_starts_again_is_asked_again() -> None:
+    boat = Files({})
+    boat.run(60.0)
+    boat.fetching.restart()
+    boat.run(0.1)
+    assert (boat.fetching.state, len(boat.sent)) == ("asking", 2 * fetching.ASKS + 1)
+
+
 def test_the_older_message_leads_to_the_texts_too() -> None:
     boat = files(FILE)
     boat.run(0.1)
