@@ -10,6 +10,7 @@ from shore_server import FakeBoats
 
 from mission_tools.shore.plans.plan_request import PlanRequest, PlanRequestError, charge_percent, distance
 from mission_tools.shore.plans.plan_service import PlanService, Sources
+from mission_tools.shore.plans.plan_store import file_name
 from mission_tools.shore.plans.process import Planner, PlannerError
 from mission_tools.station.messages import Place
 
@@ -193,3 +194,11 @@ def test_a_budget_that_cannot_be_made_is_left_out() -> None:
     rig.read("x.gpx")
     assert not any("--start-at" in option for option in rig.planner.asked[-1])
     rig.service.close()
+
+
+@pytest.mark.parametrize(
+    ("name", "file"),
+    [("Route 1.2 km", "Route-1-2-km"), ("../é/", "plan"), ("a" * 99, "a" * 60), ("-", "plan")],
+)
+def test_a_plan_has_a_plain_file_name(name: str, file: str) -> None:
+    assert file_name(name) == file

@@ -156,13 +156,6 @@ async def test_a_cookie_is_for_this_site_and_not_for_scripts(server: Server) -> 
     assert len(cookie.partition("=")[2].partition(";")[0]) >= 22  # 128 bits
 
 
-async def test_a_cached_file_is_not_sent_again(server: Server) -> None:
-    async with server.client.get("/main.js", headers={"Accept-Encoding": "gzip"}) as told:
-        assert told.headers["Content-Encoding"] == "gzip"
-        tag = told.headers["ETag"]
-    assert await status(server, "GET", "/main.js", headers={"If-None-Match": tag}) == 304
-
-
 async def test_a_search_that_fails_is_answered(server: Server, monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*_: object) -> None:
         raise ValueError("a broken map")

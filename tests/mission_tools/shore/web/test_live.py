@@ -2,8 +2,12 @@
 
 from typing import Any
 
-from aiohttp import ClientWebSocketResponse
+import pytest
+from aiohttp import ClientWebSocketResponse, WSServerHandshakeError
 from shore_server import Server, until
+
+from mission_tools.shore.web.feed import LOST_S
+from mission_tools.shore.web.server import SOCKETS
 
 pytest_plugins = ("server_fixtures",)
 
@@ -50,3 +54,24 @@ async def test_the_sensors_of_a_boat_that_was_heard_are_listed_without_a_pin(ser
     for boat in ("7", "x", "1000"):
         async with server.client.get(f"/api/boats/{boat}/sensors") as response:
             assert response.status == 404
+
+
+async def test_a_socket_that_nobody_reads_is_closed(server: Server) -> None:
+    ws = await server.live(autoping=False)
+    await heard(ws, "state")
+    sockets = server.app[SOCKETS]
+    sockets.drop_lost(server.clock.at_s + LOST_S - 1.0)
+    assert len(server.hub.watches) == 1
+    sockets.drop_lost(server.clock.at_s + LOST_S + 1.0)
+    await until(lambda: server.hub.watches == [])
+
+
+async def test_a_socket_names_a_boat_or_gets_the_first(server: Server) -> None:
+    ws = await server.live("/live")
+    assert (await heard(ws, "state"))["boat"] == 1
+    for wrong in ("0", "256", "x", "1e1", "-1"):
+        with pytest.raises(WSServerHandshakeError) as refused:
+            await server.live(f"/live?boat={wrong}")
+        assert refused.value.status == 400
+    async with server.client.get("/live", headers=server.own) as told:
+        assert told.status == 426
