@@ -121,17 +121,11 @@ class ExternalPoseService:
         self._ingest_pose(message, message.usec, yaw, turn_rad, sigma_m, origin, now_s)
 
     def _on_odometry(self, message: Message, origin: Origin, now_s: float) -> None:
-        yaw = _yaw_of(message.q)
-        frame = message.frame_id
+        yaw, frame = _yaw_of(message.q), message.frame_id
         if yaw is None or message.quality < 0 or frame not in _LOCAL_FRAMES:
             self.dropped += 1
-        else:
-            turn_rad = self._setting.north_rad if frame == dialect.MAV_FRAME_LOCAL_FRD else 0.0
-            self._ingest_motion(message, yaw, turn_rad, origin, now_s)
-
-    def _ingest_motion(
-        self, message: Message, yaw: float, turn_rad: float, origin: Origin, now_s: float
-    ) -> None:
+            return
+        turn_rad = self._setting.north_rad if frame == dialect.MAV_FRAME_LOCAL_FRD else 0.0
         ahead, aside, rate = float(message.vx), float(message.vy), float(message.yawspeed)
         is_body = message.child_frame_id in (dialect.MAV_FRAME_BODY_FRD, dialect.MAV_FRAME_BODY_NED)
         direction = turn_rad + (yaw if is_body else 0.0)

@@ -2,6 +2,7 @@
 
 import zlib
 from collections.abc import Callable, Sequence
+from dataclasses import InitVar, dataclass, field
 from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig
@@ -36,39 +37,35 @@ class Part(NamedTuple):
     last_seq: int
 
 
+@dataclass(eq=False)
 class MissionList:
     """Its items are replaced as a whole, once the new ones are stored."""
 
-    def __init__(
-        self,
-        own: Address,
-        mission_type: MissionType,
-        config: BoatConfig,
-        storage: Storage,
-        fitted: FittedPayload,
-    ) -> None:
-        self.type = mission_type
-        self.entries: tuple[ListEntry, ...] = ()
-        self.steps: tuple[Step, ...] = ()  # the mission steps
-        self.id = 0  # of the content; 0 if empty
-        self.upload_channel = 0
-        self.senders: dict[int, Sender] = {}
-        self.parts: dict[int, Part] = {}
-        self.saving: Saving | None = None
-        self.loss = ""  # what of the stored list is lost, and what is used instead
+    _own: Address
+    type: MissionType
+    config: InitVar[BoatConfig]
+    _storage: Storage
+    _fitted: FittedPayload
+    entries: tuple[ListEntry, ...] = field(default=(), init=False)
+    steps: tuple[Step, ...] = field(default=(), init=False)  # the mission steps
+    id: int = field(default=0, init=False)  # of the content; 0 if empty
+    upload_channel: int = field(default=0, init=False)
+    senders: dict[int, Sender] = field(default_factory=dict, init=False)
+    parts: dict[int, Part] = field(default_factory=dict, init=False)
+    saving: Saving | None = field(default=None, init=False)
+    loss: str = field(default="", init=False)  # what of the stored list is lost, and what is used instead
+
+    def __post_init__(self, config: BoatConfig) -> None:
         self.home: Callable[[], LatLon | None] = lambda: None  # set by the owner
-        self._own = own
-        self._storage = storage
-        self._fitted = fitted
         self._arriving: list[ListEntry] = []
         self._arrived: tuple[ListEntry, ...] = ()
         self.most = {
             MissionType.MISSION: config.mission.max_items,
             MissionType.FENCE: config.mission.max_fence_items,
             MissionType.RALLY: config.mission.max_rally_items,
-        }[mission_type]
+        }[self.type]
         self._timers = timers = config.mavlink
-        self.receiver = Receiver(own, mission_type, timers.retry_s, timers.retries, self.most, self._check)
+        self.receiver = Receiver(self._own, self.type, timers.retry_s, timers.retries, self.most, self._check)
         self._load()
 
     @property

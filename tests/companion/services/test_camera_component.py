@@ -1,7 +1,8 @@
 """The camera as QGroundControl, MAVLink's rules and other stations meet it."""
 
 import math
-from typing import Literal
+from types import SimpleNamespace
+from typing import Any, Literal
 
 import pytest
 from boat_rig import DENIED, OK, QGC, UNSUPPORTED, Peer, Rig
@@ -15,7 +16,9 @@ from companion.links.memory import memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Received
 from companion.mavlink.dialect import dialect
+from companion.payload.camera import Image
 from companion.services.camera.component import QUESTIONS
+from companion.services.camera.messages import image_captured
 from companion.services.payload.rows import ROWS
 
 pytestmark = pytest.mark.slow
@@ -93,6 +96,13 @@ def test_a_failed_image_is_no_photo_and_is_told() -> None:
     assert station.photos == []
     assert station.photo_status == IDLE
     assert "Camera: image 0: exit code 1" in rig.peer.texts
+
+
+def test_an_image_of_an_unknown_place_is_told_without_one() -> None:
+    now: Any = SimpleNamespace(unix_s=0.0, now_s=9.0)
+    message = image_captured(now, Image(3, 8.5, None, NAN, "x.jpg", ""))
+    assert (message.time_boot_ms, message.time_utc, message.lat, message.lon) == (8500, 0, 0, 0)
+    assert message.q == [1.0, 0.0, 0.0, 0.0]
 
 
 ANSWERS = [

@@ -14,7 +14,7 @@ from companion.mavlink.dialect import dialect
 pytestmark = pytest.mark.slow
 
 TABLE = json.loads((Path(__file__).parents[2] / "vectors" / "frames.json").read_text(encoding="utf-8"))
-FRAMES = 20_000
+FRAMES = 6_000
 
 
 def test_a_fault_of_ours_is_counted_logged_once_and_stops_nothing(
@@ -89,16 +89,16 @@ def test_hostile_frames_change_nothing_but_counters(is_datagram: bool) -> None:
     counters = rig.boat.channels.open[2].counters
     for n in range(FRAMES):
         assert peer.link.send(next(frames))
-        if n % 40 == 39:
+        if n % 15 == 14:
             rig.step()
             peer.link.receive()
             rig.peer.link.receive()
     assert rig.fingerprint() == before
     assert rig.boat.endpoint.faults == 0
     assert rig.boat.vehicle.armed
-    assert counters.bad_crc > 2000
+    assert counters.bad_crc > 600
     assert counters.bad_frames > counters.bad_crc
-    assert rig.world.truth.north_m > 5.0  # all the while it has sailed on
+    assert rig.world.truth.north_m > 4.0  # all the while it has sailed on
     for _ in range(2):  # ends whatever seemed to have begun on a stream
         peer.link.send(bytes(300))
     assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, 148, peer=peer) == OK
