@@ -49,6 +49,21 @@ def test_a_moved_waypoint_tells_how_far_and_a_hold_its_parameter() -> None:
     ]
 
 
+def test_each_field_that_changes_is_told() -> None:
+    jump = MissionItem(Command.DO_JUMP, 2, (1.0, 2.0, 0.0, 0.0), x=5, y=6)
+    other = MissionItem(Command.DO_JUMP, 2, (1.0, 2.0, 0.0, 4.5), x=5, y=7, z=1.5, autocontinue=False)
+    assert changes([jump], [other])[1:] == [
+        "  item 1: DO_JUMP x, y 5, 6 becomes 5, 7, param4 0 becomes 4.5, z 0 becomes 1.5, waits for a command"
+    ]
+    assert changes([other], [replace(other, autocontinue=True)])[1:] == [
+        "  item 1: DO_JUMP goes on by itself"
+    ]
+    assert changes(ROUTE[:1], [replace(ROUTE[0], frame=0)])[1:] == [
+        "  item 1: NAV_WAYPOINT frame 3 becomes 0"
+    ]
+    assert changes(ROUTE[:1], [replace(ROUTE[0], frame=6)]) == ["mission: the same as on board, 2 items"]
+
+
 def test_another_command_is_told_by_name() -> None:
     loiter = replace(ROUTE[4], command=Command.NAV_LOITER_UNLIM)
     (_, told) = changes(ROUTE, [*ROUTE[:4], loiter])
