@@ -171,7 +171,6 @@ def ways_home_m(
         distance_m(point, home) if point == home or chart.is_clear(point, home, clearance_m) else math.inf
         for point in points
     ]
-    found[0] = 0.0
     if from_end_m is not None:
         found[-1] = min(found[-1], from_end_m)
     legs_m = [distance_m(a, b) for a, b in pairwise(points)]

@@ -28,6 +28,7 @@ RING = [[-1.2, 50.0], [-1.198, 50.0], [-1.198, 50.002], [-1.2, 50.0]]
 HOLE = [[-1.1986, 50.0004], [-1.1984, 50.0004], [-1.1984, 50.0006], [-1.1986, 50.0004]]
 CORNERS = tuple(LatLon(lat, lon) for lon, lat in RING[:-1])
 PLACE = LatLon(50.001, -1.199)
+FAR = [[lon + 0.01, lat] for lon, lat in HOLE]
 AT = [-1.199, 50.001]
 
 
@@ -35,14 +36,14 @@ def test_kinds_shapes_and_points_become_what_they_say() -> None:
     tree = collection(
         feature([RING], kind="exclusion"),
         feature(AT, "Point", kind="exclusion", radius_m=12.5),
-        feature(AT, "Point", radius_m=400),
+        feature(AT, "Point", radius_m=0.5),
         feature([-1.199, 50.0015], "Point", kind="return_point"),
         feature([-1.199, 50.0005], "Point", kind="rally"),
         feature([-1.199, 50.0007], "Point"),
     )
     fence, rally, _ = parse_areas(tree, "f")
     assert fence.polygons == (FencePolygon(CORNERS, inclusion=False),)
-    assert fence.circles == (FenceCircle(PLACE, 12.5, inclusion=False), FenceCircle(PLACE, 400.0))
+    assert fence.circles == (FenceCircle(PLACE, 12.5, inclusion=False), FenceCircle(PLACE, 0.5))
     assert fence.return_point == LatLon(50.0015, -1.199)
     assert rally == (Rally(LatLon(50.0005, -1.199)), Rally(LatLon(50.0007, -1.199)))
 
@@ -51,6 +52,19 @@ def test_the_holes_of_an_inclusion_are_kept_out_of() -> None:
     fence, *_ = parse_areas(feature([RING, HOLE]), "f")
     assert [area.inclusion for area in fence.polygons] == [True, False]
     assert fence.polygons[1].corners[0] == LatLon(50.0004, -1.1986)
+
+
+def test_a_map_is_a_fence_round_its_water_and_its_islands_are_kept_out_of() -> None:
+    isle = [[lon + 0.0001, lat] for lon, lat in HOLE]
+    tree = collection(
+        feature([RING, HOLE], kind="water"),
+        feature([isle], kind="island"),
+        feature(AT, "Point", kind="landmark"),
+    )
+    fence, *_ = parse_areas(tree, "f")
+    assert [area.inclusion for area in fence.polygons] == [True, False, False]
+    with pytest.raises(MapError, match="f: 2 separate pieces of water"):
+        parse_areas(collection(*(feature([ring], kind="water") for ring in (HOLE, FAR))), "f")
 
 
 @pytest.mark.parametrize(

@@ -1,16 +1,21 @@
 """From SOURCE to a mission: where the route starts, fences on ready missions, and the antimeridian."""
 
+import math
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
+import shapely
 
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from mission_tools.assembly.areas import Areas
 from mission_tools.assembly.check import check_mission
 from mission_tools.assembly.plan_options import PlanOptions
+from mission_tools.assembly.planned_costs import _between_stops
 from mission_tools.assembly.planned_mission import MapSource, MissionFile, PlannedMission
 from mission_tools.errors import MapError, UsageError
-from mission_tools.maps import RouteDefaults, Source, build_chart
+from mission_tools.maps import Feature, RouteDefaults, Source, build_chart
 from mission_tools.maps.fenced import fenced
 from mission_tools.mission.mission import Command, Fence, FenceCircle, FencePolygon, Mission, MissionItem
 from mission_tools.mission.plan_file import save_mission
@@ -68,6 +73,54 @@ def test_without_a_boat_the_scenarios_start_is_the_start_and_without_either_ther
     assert bare.needs_position
     with pytest.raises(UsageError, match="no start: add --start-at"):
         bare.prepare()
+
+
+def test_the_scenarios_points_in_between_belong_to_its_own_goal() -> None:
+    between = Point(100.0, 50.0)
+    source = open_source()
+    source = replace(source, route=replace(source.route, via=(between,)))
+    found = MapSource("sea", source, PlanOptions()).prepare()
+    assert distance_m(found.points[1], between) < 0.02
+    elsewhere = PlanOptions(goal=source.chart.frame.to_global(Point(0.0, 90.0)))
+    assert len(MapSource("sea", source, elsewhere).prepare().points) == 2
+
+
+def test_a_place_whose_numbers_are_swapped_is_told_so() -> None:
+    swapped = PlanOptions(goal=LatLon(POND.lon_deg, POND.lat_deg))
+    with pytest.raises(UsageError, match="latitude and longitude look swapped"):
+        MapSource("sea", open_source(), swapped)
+    with pytest.raises(UsageError, match=r"nowhere near sea at 50\.000000,-1\.200000$"):
+        MapSource("sea", open_source(), PlanOptions(goal=LatLon(10.0, 120.0)))
+
+
+def test_a_route_of_least_time_keeps_its_stops_and_says_its_own_clearance() -> None:
+    stops = tuple(Point(0.0, east_m) for east_m in (0.0, 60.0, 60.0, 120.0))
+    bend = Point(30.0, 30.0)
+    assert _between_stops((stops[0], bend, *stops[1:]), stops) == [
+        (stops[0], bend, stops[1]),
+        (stops[1], stops[2]),
+        (stops[2], stops[3]),
+    ]
+    rock = Feature("Rock", "obstacle", shapely.box(55.0, 3.0, 65.0, 13.0))
+    chart = build_chart("sea", LocalFrame(POND), shapely.box(-30.0, -40.0, 150.0, 60.0), [rock])
+    source = Source(
+        chart, RouteDefaults(start=stops[0], goal=stops[-1], via=(Point(-10.0, 60.0),), clearance_m=4.0)
+    )
+    found = MapSource("sea", source, PlanOptions(current="0.1,90")).prepare().plan
+    assert found is not None
+    assert found.min_clearance_m == min(chart.leg_clearance_m(a, b) for a, b in pairwise(found.points))
+    assert found.length_m == pytest.approx(2.0 * math.hypot(10.0, 60.0), abs=0.5)
+    assert found.notes[-1].startswith("takes 1 min 01 s in this current; ")
+
+
+def test_a_stretch_of_a_shore_is_followed_from_its_first_end_to_its_last() -> None:
+    chart = build_chart("pond", LocalFrame(POND), shapely.box(-100.0, -100.0, 100.0, 100.0), ())
+    ends = [chart.frame.to_global(Point(north_m, -100.0)) for north_m in (-50.0, 0.0, 50.0)]
+    options = PlanOptions(
+        follow_shore_at=ends[1], distance_m=10.0, first=ends[0], last=ends[2], shore_to="port"
+    )
+    found = MapSource("pond", Source(chart), options).prepare()
+    assert [(round(at.north_m), round(at.east_m)) for at in found.points] == [(-50, -90), (50, -90)]
 
 
 # A fence of exclusions alone on a mission that is ready

@@ -70,6 +70,29 @@ def test_a_sharp_corner_costs_the_time_to_slow_down_and_to_gain_speed() -> None:
     assert back.time_s == pytest.approx(straight.time_s + 2.0 / 0.8 + 2.0 / 1.2 + on_the_spot_s, abs=0.2)
 
 
+def test_a_corner_that_is_sharper_is_taken_more_slowly() -> None:
+    ahead = [Point(0.0, 0.0), Point(100.0, 0.0)]
+    back = Point(100.0 - 50.0, 100.0 * math.sin(math.pi / 3.0))  # 120° to the right
+    slowest_m_s = math.sqrt(0.8 * 2.0)  # the fillet's radius is the waypoint's, as 1 / cos 60° is 2
+    slowing_s = (2.0 - slowest_m_s) ** 2 / (2.0 * 2.0) * (1.0 / 0.4 + 1.0 / 0.6)
+    turning_s = 0.7 * (2.0 * math.pi / 3.0) / 0.65
+    straight = budget([*ahead, Point(200.0, 0.0)])
+    assert budget([*ahead, back]).time_s == pytest.approx(straight.time_s + slowing_s + turning_s, abs=1e-3)
+
+
+@pytest.mark.parametrize("by_rad", [0.5, 2.0, -2.3])
+def test_a_budget_is_the_same_whichever_way_the_whole_is_turned(by_rad: float) -> None:
+    def turned(at: Point) -> Point:
+        north_m = at.north_m * math.cos(by_rad) - at.east_m * math.sin(by_rad)
+        return Point(north_m, at.north_m * math.sin(by_rad) + at.east_m * math.cos(by_rad))
+
+    way, current = [Point(0.0, 0.0), Point(300.0, 50.0), Point(200.0, -150.0)], Point(0.7, -1.1)
+    found = budget(list(map(turned, way)), current=UniformCurrent(*turned(current)))
+    expected = budget(way, current=UniformCurrent(*current))
+    assert (found.time_s, found.charge_mah) == pytest.approx((expected.time_s, expected.charge_mah))
+    assert (found.home_s, found.home_mah) == pytest.approx((expected.home_s, expected.home_mah))
+
+
 def test_a_boat_that_cannot_turn_on_the_spot_sails_half_a_circle_at_a_sharp_corner() -> None:
     way = [Point(0.0, 0.0), Point(100.0, 0.0), Point(0.0, 0.0)]
     rudder = replace(BOAT, least_radius_m=3.0)
@@ -232,6 +255,7 @@ def test_a_boat_that_a_current_keeps_from_coming_home_is_refused_and_told_so(cru
     swept = budget(boat=replace(BOAT, cruise_a=cruise_a), current=UniformCurrent(north_m_s=3.5))
     assert math.isinf(swept.home_s)
     assert "no way home against the current" in swept.lines()[0]
+    assert swept.no_return_m == 0.0
     with pytest.raises(BeyondRange, match="does not come home"):
         swept.check()
     swept.check(one_way=True)

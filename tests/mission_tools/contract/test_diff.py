@@ -61,6 +61,7 @@ def test_each_field_that_changes_is_told() -> None:
     assert changes(ROUTE[:1], [replace(ROUTE[0], frame=0)])[1:] == [
         "  item 1: NAV_WAYPOINT frame 3 becomes 0"
     ]
+    assert " x, y 5000" in changes(ROUTE[:1], [MissionItem(Command.NAV_WAYPOINT, 2, x=7, y=9)])[1]
     assert changes(ROUTE[:1], [replace(ROUTE[0], frame=6)]) == ["mission: the same as on board, 2 items"]
 
 

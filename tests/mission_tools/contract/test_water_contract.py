@@ -129,6 +129,7 @@ def test_a_rally_point_lies_abeam_of_the_middle_of_its_stretch_where_there_is_ro
         found = [chart.frame.to_local(rally.place) for rally in rally_points(chart, route, 4.0, 3)]
         assert [at.north_m for at in found] == pytest.approx([15.0] * 3, abs=0.1)
         assert sorted(at.east_m for at in found) == pytest.approx([200.0, 500.0, 800.0], abs=4.0)
+    assert len(rally_points(chart, [Point(5.0, 50.0), Point(5.0, 250.0)], 4.0, 3)) == 1
 
 
 def test_as_many_rally_points_as_the_boat_holds() -> None:
@@ -148,6 +149,14 @@ def test_open_water_has_a_fence_round_the_route() -> None:
     fence, near_m = fence_of_water(planned.chart, planned.points, 4.0, 2.0, 100)
     assert len(fence.polygons) == 1
     assert 150.0 < near_m <= 200.0
+
+
+def test_a_fence_lies_half_as_far_off_a_straight_shore_as_the_route_has_room_to_spare() -> None:
+    chart = build_chart("canal", LocalFrame(LatLon(50.0, 10.0)), shapely.box(0.0, 0.0, 1000.0, 60.0), ())
+    fence, near_m = fence_of_water(chart, [Point(30.0, 50.0), Point(30.0, 950.0)], 10.0, 2.0, 100)
+    assert near_m == pytest.approx(30.0 - 0.5 * (10.0 - 2.0), abs=0.05)
+    corners = fence.polygons[0].corners
+    assert all((at.lat_deg, at.lon_deg) == (round(at.lat_deg, 7), round(at.lon_deg, 7)) for at in corners)
 
 
 def test_a_fence_that_cannot_be_had_is_an_error_and_so_is_a_mission_without_a_map() -> None:

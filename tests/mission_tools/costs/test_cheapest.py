@@ -10,9 +10,9 @@ import shapely
 
 from companion.core.geo import LatLon, LocalFrame, Point, path_length_m
 from mission_tools.costs.cheapest import _STEPS as STEPS
-from mission_tools.costs.cheapest import cheapest_route, route_cost
+from mission_tools.costs.cheapest import _lattice, _search, _with_middles, cheapest_route, route_cost
 from mission_tools.costs.current import River
-from mission_tools.costs.travel import BoatSpeed, InZones, OpenWater, SpeedZone, TravelTime
+from mission_tools.costs.travel import BoatSpeed, Floats, InZones, OpenWater, SpeedZone, TravelTime
 from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart, Feature, build_chart
 from mission_tools.planning.planner import PlanSettings, plan
@@ -71,6 +71,42 @@ def test_the_lattice_has_sixteen_directions_18_to_27_degrees_apart() -> None:
     assert max(math.hypot(*step) for step in STEPS) == pytest.approx(math.sqrt(5.0))
 
 
+class Slope:
+    """A metre costs the more the farther north it is sailed."""
+
+    unit = "s"
+
+    def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats) -> Floats:
+        return 1.0 + 0.01 * north_m + 0.001 * east_m + 0.0 * course_rad
+
+
+def test_a_legs_cost_is_that_of_its_middle_where_a_metre_costs_evenly_more() -> None:
+    here, there = Point(10.0, 20.0), Point(110.0, -55.0)
+    assert route_cost(Slope(), (here, there, there)) == pytest.approx(125.0 * (1.0 + 0.6 - 0.0175))
+    assert route_cost(Slope(), (there, here), 1000.0) == pytest.approx(125.0 * (1.0 + 0.6 - 0.0175))
+
+
+def test_the_lattices_way_is_hardly_longer_than_the_straight_one_whatever_its_course() -> None:
+    chart, middle = build_chart("pond", FRAME, shapely.box(-60.0, -60.0, 60.0, 60.0), ()), Point(1.0, 2.0)
+    travel = TravelTime(BoatSpeed(1.0, 2.0))
+    for course in np.arange(0.0, 2.0 * math.pi, math.pi / 12.0):
+        goal = Point(40.0 * math.cos(course), 40.0 * math.sin(course))
+        found = _search(_lattice(chart, (middle, goal), 2.0), travel, middle, goal, lambda a, b: True)
+        assert found is not None
+        assert path_length_m(found) < 1.04 * math.dist(middle, goal) + 1.0
+        assert max(math.dist(a, b) for a, b in pairwise(found)) < 2.5
+
+
+def test_a_long_leg_gets_a_corner_in_its_middle_to_try() -> None:
+    short, long = Point(0.0, 3.0), Point(8.0, 3.0)
+    assert _with_middles((Point(0.0, 0.0), short, long), 4.0) == (
+        Point(0.0, 0.0),
+        short,
+        Point(4.0, 3.0),
+        long,
+    )
+
+
 def test_it_is_never_slower_than_the_shortest_route() -> None:
     rng = np.random.default_rng(8)
     for _ in range(2):
@@ -118,13 +154,8 @@ def test_open_water_is_preferred_where_it_is_near() -> None:
     chart, start, goal = channel(island), Point(30.0, 120.0), Point(30.0, 230.0)
     hugging = (start, Point(24.5, 150.0), Point(24.5, 200.0), goal)
 
-    def room_m(
-        north_m: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
-        east_m: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
-    ) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-        distances: np.ndarray[tuple[int, ...], np.dtype[np.float64]] = shapely.distance(
-            chart.shores, shapely.points(east_m, north_m)
-        )
+    def room_m(north_m: Floats, east_m: Floats) -> Floats:
+        distances: Floats = shapely.distance(chart.shores, shapely.points(east_m, north_m))
         return distances
 
     travel = OpenWater(TravelTime(BoatSpeed(1.5, 2.0)), room_m, weight=4.0, scale_m=6.0)

@@ -7,7 +7,16 @@ import pytest
 import shapely
 
 from mission_tools.costs.current import UniformCurrent
-from mission_tools.costs.travel import BoatSpeed, Charge, InZones, OpenWater, SpeedZone, Travel, TravelTime
+from mission_tools.costs.travel import (
+    BoatSpeed,
+    Charge,
+    Floats,
+    InZones,
+    OpenWater,
+    SpeedZone,
+    Travel,
+    TravelTime,
+)
 from mission_tools.errors import UsageError
 
 NORTH, EAST, SOUTH = 0.0, 0.5 * math.pi, math.pi
@@ -40,9 +49,7 @@ def test_the_speed_made_good(
 
 
 def test_the_charge_is_that_of_the_speed_through_the_water() -> None:
-    def drawn_a(
-        through_m_s: np.ndarray[tuple[int, ...], np.dtype[np.float64]],
-    ) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    def drawn_a(through_m_s: Floats) -> Floats:
         return 0.5 + through_m_s**3
 
     still = Charge(BoatSpeed(2.0, 3.0), drawn_a)

@@ -104,6 +104,14 @@ def test_a_zone_that_is_only_touched_or_beside_the_way_changes_nothing() -> None
         assert mission_in_zones(FRAME, route, [SpeedZone(zone, 0.5)], 2.0) is None
 
 
+def test_a_zone_that_ends_at_the_goal_and_a_narrow_one_have_their_speeds() -> None:
+    for west, east, ends in ((20.0, 59.7, [20.0, 60.0]), (20.0, 20.7, [20.0, 20.7, 60.0])):
+        zone = SpeedZone(shapely.box(west, -5.0, east, 5.0), 0.5)
+        mission = mission_in_zones(FRAME, [Point(0, 0), Point(0, 60)], [zone], 2.0)
+        assert mission is not None
+        assert [FRAME.to_local(place).east_m for place in mission.places] == pytest.approx(ends, abs=0.01)
+
+
 def with_obstacle(clearance_m: float, *, at_shore: bool = False) -> Chart:
     shape = shapely.box(48, -60 if at_shore else -3, 52, 3)
     rock = Feature("rock", "obstacle", shape, {"clearance_m": clearance_m})

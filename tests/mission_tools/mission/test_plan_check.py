@@ -96,3 +96,9 @@ def test_a_leg_over_land_or_too_near_names_what_is_in_the_way(places: list[LatLo
 def test_the_first_leg_may_leave_a_jetty_that_is_nearer_than_the_clearance() -> None:
     assert texts(mission_along([at(2, 20), at(20, 20)])) == []
     assert len(texts(mission_along([at(20, 20), at(2, 20)]))) == 1
+
+
+def test_a_small_clearance_is_asked_for_too() -> None:
+    way = mission_along([at(20, 20), at(0.3, 50), at(0.3, 80)])
+    assert texts(way, clearance_m=0.2) == []
+    assert len(texts(way, clearance_m=0.5)) == 2
