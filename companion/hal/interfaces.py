@@ -230,7 +230,7 @@ class Hardware:
     def close(self) -> None:
         """Stop the motors, then release all parts, even if one raises."""
         with ExitStack() as rest:
-            parts = (self.rc, self.depth, self.hull, self.battery, self.sonar, self.compass, self.gnss)
-            for part in (*self.probes, self.payload, *parts, self.rudder, self.motors):
-                if part is not None:
+            names = dict.fromkeys(("motors", "rudder", *(one.name for one in fields(self))))
+            for part in reversed([*(getattr(self, name) for name in names), *self.probes]):
+                if isinstance(part, Closable):
                     rest.callback(part.close)  # called in reverse order

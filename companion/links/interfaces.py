@@ -1,8 +1,9 @@
 """What the boat and its stations ask of a link and its port. A module of its own: a station needs no more."""
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 
+@runtime_checkable
 class Closable(Protocol):
     """A link, port or part to release."""
 

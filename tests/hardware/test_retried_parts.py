@@ -1,5 +1,6 @@
 """Parts that join the boat after its start."""
 
+import dataclasses
 from collections.abc import Sequence
 
 import pytest
@@ -9,6 +10,7 @@ from twins.lines import HandClock
 from companion.core.errors import HardwareError
 from companion.core.readings import HullReading, SonarReading
 from companion.core.status_text import Severity, StatusText
+from companion.hal.interfaces import Hardware
 from companion.hal.motors.watched_motors import WatchedMotors
 from companion.hal.retried_parts import (
     CountedOutput,
@@ -145,3 +147,21 @@ def test_an_output_that_is_missing_says_so_when_it_is_used() -> None:
     output.close()
     assert part.told == [(1.0,), "close"]
     assert output.count == 0
+
+
+def test_every_part_is_closed_and_the_motors_before_all_others() -> None:
+    order: list[str] = []
+
+    class Named:
+        def __init__(self, name: str) -> None:
+            self.name = name
+
+        def close(self) -> None:
+            order.append(self.name)
+
+    several = {"parameter_hooks", "retried", "probes"}
+    names = [one.name for one in dataclasses.fields(Hardware) if one.name not in several]
+    hardware = Hardware(**{name: Named(name) for name in names}, probes=(Named("probe"),))  # type: ignore[arg-type]
+    hardware.close()
+    assert order[:2] == ["motors", "rudder"]
+    assert sorted(order) == sorted([*names, "probe"])
