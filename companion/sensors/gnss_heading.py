@@ -7,9 +7,9 @@ from typing import Final
 import msgspec
 
 from companion.core.readings import GnssFix, HeadingReading
-from companion.core.status_text import Severity
 from companion.core.units import wrap_pi
 from companion.sensors.receiver_clock import ReceiverClock
+from companion.sensors.silence import SilenceMonitor
 from companion.sensors.ubx.messages import Baseline
 
 # A fixed baseline is known to a centimetre; this covers a length measured with a tape. The lengths of wrong
@@ -48,7 +48,7 @@ class GnssHeading:
         self._accepted_s = -math.inf
         self._due_s = math.inf  # of the message about a lost heading
         self._fault = "no heading from the receiver"
-        self._is_lost = False
+        self._silence = SilenceMonitor("GNSS heading", again="is back")
 
     def on_baseline(self, baseline: Baseline, time_s: float) -> None:
         """A solution of the moving baseline has arrived."""
@@ -76,12 +76,9 @@ class GnssHeading:
         """Tell the operator about a lost heading, and about its return."""
         if self._due_s == math.inf:
             self._due_s = now_s + _FIRST_S
-        is_lost = now_s > self._due_s
-        if is_lost and not self._is_lost:
-            notify(Severity.WARNING, f"GNSS heading lost: {self._fault or 'receiver silent'}{self._fallback}")
-        elif self._is_lost and not is_lost:
-            notify(Severity.NOTICE, "GNSS heading is back")
-        self._is_lost = is_lost
+        what = f"lost: {self._fault or 'receiver silent'}{self._fallback}"
+        if text := self._silence.update(0.0, now_s, is_heard=now_s <= self._due_s, what=what):
+            notify(*text)
 
     def _accept(self, measured_s: float, heading_rad: float, rate_rad_s: float | None, time_s: float) -> None:
         self.latest = HeadingReading(measured_s, wrap_pi(heading_rad - self._antenna_bearing_rad), rate_rad_s)

@@ -129,7 +129,7 @@ class NmeaGnss(GnssReceiver):
         now_s = self._now()
         is_heard = now_s - self._sentence_s <= _SILENT_S
         what = "sends no sentences; check parts.gnss.baud" if self._noise_bytes else "is silent"
-        if (text := self._silence.update(0.0, now_s, is_heard=is_heard, what=what)) is not None:
+        if text := self._silence.update(0.0, now_s, is_heard=is_heard, what=what):
             self.notify(*text)
 
     def _decode(self, chunk: bytes, time_s: float) -> Iterator[GnssFix]:

@@ -55,7 +55,7 @@ class Bno085Compass(PortSensor[HeadingReading]):
         now_s = self._now()
         self._session.tick(now_s)
         is_heard = now_s - self._heard_s <= _SILENT_S
-        if (text := self._silence.update(0.0, now_s, is_heard=is_heard)) is not None:
+        if text := self._silence.update(0.0, now_s, is_heard=is_heard):
             self.notify(*text)
         for frame in self._session.take_outbox():
             for link in self._links:

@@ -25,9 +25,8 @@ def test_a_receiver_is_found_at_any_baud_rate_and_set_up(model: Model, baud: int
     assert bench.receiver.other_layers == []  # only the volatile layer
 
 
-@pytest.mark.parametrize("model", [NEO_M8N, ZED_F9P, NEO_6M], ids=lambda model: model.hardware)
-def test_a_power_dip_is_followed_by_another_set_up(model: Model) -> None:
-    bench = Bench(model)
+def test_a_power_dip_is_followed_by_another_set_up() -> None:
+    bench = Bench()
     bench.until_running()
     bench.run(3.0)
     bench.texts.clear()
