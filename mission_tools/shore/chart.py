@@ -124,7 +124,10 @@ class WaterChart:
         least = water.routes(least_m)
         if not least.is_free(goal):
             near = self._nearest(water, goal)
-            nearest = None if near is None else _place(frame, near)
+            nearest = None
+            if near is not None:
+                lon, lat = _lon_lat(frame, near)
+                nearest = Place(lat=lat, lon=lon)
             if not water.is_water(goal):
                 return Blocked(say("way.ashore"), nearest)
             return Blocked(say("way.too_near", n=float(f"{least_m:.1g}")), nearest)
@@ -164,11 +167,6 @@ def _with_clearance(routes: Routes, at: Point, *, is_afloat: bool) -> Point | No
 def _lon_lat(frame: LocalFrame, point: Point) -> tuple[float, float]:
     place = frame.to_global(point)
     return round(place.lon_deg, 7), round(place.lat_deg, 7)
-
-
-def _place(frame: LocalFrame, point: Point) -> Place:
-    lon, lat = _lon_lat(frame, point)
-    return Place(lat=lat, lon=lon)
 
 
 def _geojson(map_file: MapFile) -> bytes:

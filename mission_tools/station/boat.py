@@ -42,6 +42,7 @@ _MISSION_MESSAGES: Final = frozenset(
         dialect.MAVLINK_MSG_ID_MISSION_REQUEST_INT,
     }
 )
+_IN_SHORT: Final = ("mode", "armed", "state", "place", "heading_deg")  # of the view, as in the list of boats
 _RESTARTED_MS: Final = 5_000  # the boat's clock goes back by more than messages overtake each other
 WANTED: Final = _MISSION_MESSAGES | PARTS | PARAMETER_MESSAGES | SETTING_UP | HANDLERS.keys() | {
     dialect.MAVLINK_MSG_ID_COMMAND_ACK, dialect.MAVLINK_MSG_ID_FILE_TRANSFER_PROTOCOL,
@@ -152,14 +153,15 @@ class ShoreBoat:
 
     def ask(self, request: PageRequest, answer: Callable[[Answer], None], now_s: float) -> None:
         """Do what the page asks; exactly one answer."""
+        view = self.view
 
         def answered(outcome: Outcome, result: dict[str, Any] | None = None) -> None:
             is_done, text = isinstance(outcome, Accepted), outcome.text
-            if is_done and request.what in _DEPARTURES and self.view.armed is False:
+            if is_done and request.what in _DEPARTURES and view.armed is False:
                 text = say("answer.when_armed", what=text)
             answer(Answer(id=request.id, ok=is_done, text=text, result=result))
 
-        armed = self._armed(now_s)
+        armed = view.armed if self.silent_s(now_s) < SILENT_S else None  # not heard: it may be armed since
         if request.what == "set_parameter":
             self.parameters.set(request.arguments, armed, answered, now_s)
             return
@@ -181,10 +183,6 @@ class ShoreBoat:
         if command.steers:
             self._sailing.cancel(now_s)
         self._commands.ask(command, answered, now_s)
-
-    def _armed(self, now_s: float) -> bool | None:
-        """By a heartbeat of these seconds; None: the boat is not heard, and may have been armed since."""
-        return self.view.armed if self.silent_s(now_s) < SILENT_S else None
 
     def sensors(self, board: Board, now_s: float) -> list[Sensor]:
         """The parts with their values and verdicts; asks the boat for them for the next WANTED_S.
@@ -214,18 +212,13 @@ class ShoreBoat:
     def in_short(self, unix_s: float) -> BoatName:
         """The boat's line in the list of boats."""
         view = self.view
-        battery = view.battery
         return BoatName(
             id=self.address.system,
             heard_s=self.heard_s,
             age_s=None if self.heard_s is None else round(max(unix_s - self.heard_s, 0.0), 1),
-            mode=view.mode,
-            armed=view.armed,
-            state=view.state,
-            percent=None if battery is None else battery.percent,
-            left_s=None if battery is None else battery.left_s,
-            place=view.place,
-            heading_deg=view.heading_deg,
+            percent=None if view.battery is None else view.battery.percent,
+            left_s=None if view.battery is None else view.battery.left_s,
+            **{name: getattr(view, name) for name in _IN_SHORT},
         )
 
     def snapshot(self) -> Snapshot:

@@ -120,9 +120,9 @@ def make_guard(names: Collection[str], is_allowed: Callable[[web.Request], bool]
         except web.HTTPRequestEntityTooLarge as refused:
             return error(413, say("error.large"), refused.text or "")
         except web.HTTPException as refused:
-            return error(
-                refused.status, say("error.http", n=refused.status, reason=refused.reason), "", _kept(refused)
-            )
+            allow = {"Allow": refused.headers["Allow"]} if "Allow" in refused.headers else None
+            text = say("error.http", n=refused.status, reason=refused.reason)
+            return error(refused.status, text, "", allow)
         except ConnectionError:  # the page has left
             raise
         except Exception:
@@ -130,7 +130,3 @@ def make_guard(names: Collection[str], is_allowed: Callable[[web.Request], bool]
             return error(500, say("error.server"), "")
 
     return guard
-
-
-def _kept(refused: web.HTTPException) -> dict[str, str]:
-    return {name: refused.headers[name] for name in ("Allow",) if name in refused.headers}

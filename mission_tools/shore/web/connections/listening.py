@@ -58,8 +58,8 @@ class Listening:
             self._server = await loop.create_server(access_control.open, host, port, backlog=64)
         except OSError as error:
             await self._runner.cleanup()
-            why = error.strerror or str(error)
-            raise LinkError(f"cannot listen on {host}:{port}: {_plain(why)}") from None
+            why = (error.strerror or str(error)).rpartition(": ")[2]  # asyncio puts the address before it
+            raise LinkError(f"cannot listen on {host}:{port}: {why[:1].upper()}{why[1:]}") from None
         number: int = self._server.sockets[0].getsockname()[1]
         return number
 
@@ -67,11 +67,6 @@ class Listening:
         if self._server is not None:
             self._server.close()
         await self._runner.cleanup()
-
-
-def _plain(why: str) -> str:
-    """asyncio puts the address and the reason into one text."""
-    return why.rpartition(": ")[2][:1].upper() + why.rpartition(": ")[2][1:]
 
 
 async def serve(app: web.Application, host: str, port: int, on_open: Callable[[int], None]) -> None:
