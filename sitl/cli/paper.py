@@ -14,7 +14,7 @@ from sitl.cli.arguments import Workers
 from sitl.cli.progress import progress_bar
 from sitl.experiments.campaign.table import write_csv
 from sitl.experiments.paper import figures, table
-from sitl.experiments.paper.conditions import FIRST_SEED, RUNS, Method, seeds
+from sitl.experiments.paper.conditions import FIRST_SEED, MEANINGS, RUNS, Method, seeds
 from sitl.experiments.paper.run import paper_trials, run_paper_trial
 from sitl.experiments.paper.step_response import step_responses
 from sitl.experiments.runner import cores, local_pool, run_trials
@@ -47,7 +47,7 @@ def paper(
     untouched = ", none of them ever tuned on" if reported == seeds(runs) else ""
     console.print(f"seeds {reported[0]} to {reported[-1]}{untouched}")
     for method in Method:
-        console.print(f"  {method}: {method.meaning}")
+        console.print(f"  {method}: {MEANINGS[method]}")
     trials = paper_trials(reported)
     with progress_bar(console, "paper", len(trials)) as advance, local_pool(workers or cores()) as pool:
         results = run_trials(pool, run_paper_trial, trials, advance=advance, is_strict=True)

@@ -74,9 +74,9 @@ def tune(
     output_folder(folder)
     problem = TuningProblem(model, scenario.vehicle, scenario.frame, folder)
     before = gains_of(scenario.vehicle)
-    plan = Campaign(
-        f"tune {boat}", "tune", (), (), _fingerprint(boat, before, seed, candidates, scenario.hull)
-    )
+    parts = (boat, before, seed, candidates, scenario.hull)
+    fingerprint = hashlib.sha256(msgspec.json.encode(parts, order="deterministic")).hexdigest()
+    plan = Campaign(f"tune {boat}", "tune", (), (), fingerprint)
     console.print(f"tune {boat}: search with seeds from {seed}, check with seeds from {seed + 100}")
     with ResultLog(folder, plan) as log, local_pool(workers or cores()) as pool:
         if log.results:
@@ -148,7 +148,8 @@ def _print(
         table.add_row(path, f"{before[path]:g}", f"{after[path]:g}")
     table.add_row("cost relative to baseline", "1", f"{verdict.ratio:.3f} ± {verdict.uncertainty:.3f}")
     for figure in _FIGURES:
-        table.add_row(figure, *(_told(_mean(results, figure)) for results in checked.values()))
+        means = [_mean(results, figure) for results in checked.values()]
+        table.add_row(figure, *("–" if mean is None else f"{mean:.3g}" for mean in means))
     console.print(table)
     if verdict.is_better:
         console.print(f"the gains found cost {1.0 - verdict.ratio:.0%} less")
@@ -185,11 +186,3 @@ def _mean(results: list[TrialResult], figure: str) -> float | None:
     """None where a run has no such figure."""
     values = [value for o in results if isinstance(value := o.figures.get(figure), float)]
     return sum(values) / len(values) if len(values) == len(results) else None
-
-
-def _told(value: float | None) -> str:
-    return "–" if value is None else f"{value:.3g}"
-
-
-def _fingerprint(*parts: object) -> str:
-    return hashlib.sha256(msgspec.json.encode(parts, order="deterministic")).hexdigest()

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from companion.core.geo import Point
 from companion.mavlink.items import MissionItem
 from mission_tools.mission.plan_file import load_mission
 from sitl.courses.courses import STATION, STAY_S
@@ -28,14 +27,19 @@ def run_mission(trial: Trial) -> TrialResult:
     mission_run = MissionRun(
         scenario, _items_of(trial, scenario), fence=fence_along(scenario) if trial.fence else ()
     )
-    result = mission_run.run(_timeout_s(trial), linger_s=trial.linger_s)
+    timeout_s = trial.timeout_s
+    if timeout_s is None and trial.course == STATION:
+        timeout_s = STAY_S + _MARGIN_S
+    result = mission_run.run(timeout_s, linger_s=trial.linger_s)
+    track = mission_run.recorder.track()
+    every = max(50, len(track) // MOST_TRACK_POINTS)
     return TrialResult(
         number=trial.number,
         ended="completed" if result.completed else "not completed",
         why="" if result.completed else mission_run.ending(),
         figures=figures_of(mission_run, result),
         touched=tuple(mission_run.timeline.touched),
-        track=_thinned(mission_run.recorder.track()),
+        track=tuple((round(at.east_m, 2), round(at.north_m, 2)) for at in track[::every]),
     )
 
 
@@ -50,12 +54,3 @@ def _items_of(trial: Trial, scenario: Scenario) -> list[MissionItem]:
     if trial.mission:
         return wire_items(load_mission(Path(trial.mission)))
     return wire_items(lay_out(trial.course, scenario) if trial.course else plan_mission(scenario)[0])
-
-
-def _timeout_s(trial: Trial) -> float | None:
-    return STAY_S + _MARGIN_S if trial.timeout_s is None and trial.course == STATION else trial.timeout_s
-
-
-def _thinned(track: list[Point]) -> tuple[tuple[float, float], ...]:
-    every = max(50, len(track) // MOST_TRACK_POINTS)
-    return tuple((round(at.east_m, 2), round(at.north_m, 2)) for at in track[::every])

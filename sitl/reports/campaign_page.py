@@ -10,7 +10,7 @@ from typing import Any
 import msgspec
 
 from sitl.experiments.campaign.campaign import Campaign, leaves
-from sitl.experiments.campaign.expect import judge
+from sitl.experiments.campaign.expect import judge, numbers
 from sitl.experiments.campaign.table import Table, tabulate
 from sitl.experiments.trial import Trial, TrialResult
 from sitl.reports.campaign_pictures import draw_clearances, draw_expectation, draw_tracks
@@ -100,7 +100,7 @@ def _groups(page: Page, plan: Campaign, results: Sequence[TrialResult], table: T
     page.table(
         [*map(label, columns), "runs", *map(label, figures)],
         [
-            (*key, len(members), *(_mean([table[n].get(f) for n in members]) for f in figures))
+            (*key, len(members), *(_mean(f, [table[n] for n in members]) for f in figures))
             for key, members in groups.items()
         ],
     )
@@ -172,6 +172,6 @@ def _is_grouping(name: str, table: Table) -> bool:
     return name in table[0] and 1 < len(values) <= 12 if table else False
 
 
-def _mean(values: Sequence[Any]) -> float | None:
-    numbers = [float(value) for value in values if isinstance(value, bool | int | float)]
-    return fmean(numbers) if numbers else None
+def _mean(figure: str, rows: Table) -> float | None:
+    values = numbers(figure, rows)
+    return fmean(values) if values else None

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from mission_tools.drawing.style import FAULT, INK, PLANNED, SAILED, new_figure, style_axes
 from sitl.courses.courses import COURSES
-from sitl.experiments.campaign.expect import Expectation, Row
+from sitl.experiments.campaign.expect import Expectation, Row, numbers
 from sitl.experiments.trial import TrialResult
 from sitl.reports.labels import label, labelled
 
@@ -26,7 +26,7 @@ def draw_expectation(expectation: Expectation, table: Sequence[Row]) -> Figure |
     groups = [
         (name or "all runs", values)
         for name, rows in expectation.groups(table).items()
-        if (values := _values(expectation.figure, rows))
+        if (values := numbers(expectation.figure, rows))
     ]
     if not groups:
         return None
@@ -132,7 +132,3 @@ def draw_clearances(table: Sequence[Row]) -> Figure | None:
     axes.legend(fontsize=9, frameon=False, loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3)
     style_axes(axes)
     return figure
-
-
-def _values(figure: str, rows: Sequence[Row]) -> list[float]:
-    return [float(value) for row in rows if isinstance(value := row.get(figure), bool | int | float)]

@@ -57,22 +57,13 @@ class AirLink:
     def __init__(self, link: Link, air: Air) -> None:
         self._link = link
         self._air = air
+        self.name, self.is_datagram = link.name, link.is_datagram
         self._inward, self._outward = air.channels()
-
-    @property
-    def name(self) -> str:
-        """The driver's."""
-        return self._link.name
 
     @property
     def host(self) -> str:
         """The driver's."""
         return self._link.host
-
-    @property
-    def is_datagram(self) -> bool:
-        """The driver's."""
-        return self._link.is_datagram
 
     @property
     def is_closed(self) -> bool:
@@ -127,11 +118,7 @@ class AirPort:
     def __init__(self, port: Port, air: Air) -> None:
         self._port = port
         self._air = air
-
-    @property
-    def name(self) -> str:
-        """The driver's."""
-        return self._port.name
+        self.name = port.name
 
     def accept(self) -> list[Link]:
         """Links that came into being since the last call."""

@@ -35,12 +35,13 @@ def fleet(scenario: Scenario, count: int) -> list[Scenario]:
     if not 1 <= count <= MOST_BOATS or first + count - 1 > 255:
         most = min(MOST_BOATS, 256 - first)
         raise ConfigError(f"--count {count}: expected 1 to {most}, as the first boat is system {first}")
-    return [
-        _with_identity(
-            dataclasses.replace(scenario, seed=scenario.seed + number, start=place), first + number
-        )
-        for number, place in enumerate(_places(scenario, count))
-    ]
+    boats, own = [], scenario.vehicle
+    for number, place in enumerate(_places(scenario, count)):
+        identity = msgspec.structs.replace(own.identity, system_id=first + number)
+        vehicle = msgspec.structs.replace(own, identity=identity)
+        seed = scenario.seed + number
+        boats.append(dataclasses.replace(scenario, seed=seed, start=place, vehicle=vehicle))
+    return boats
 
 
 def start_fleet(
@@ -72,11 +73,6 @@ def start_fleet(
             boat.close()
         raise
     return boats
-
-
-def _with_identity(scenario: Scenario, system_id: int) -> Scenario:
-    identity = msgspec.structs.replace(scenario.vehicle.identity, system_id=system_id)
-    return dataclasses.replace(scenario, vehicle=msgspec.structs.replace(scenario.vehicle, identity=identity))
 
 
 def _places(scenario: Scenario, count: int) -> list[Point]:

@@ -55,13 +55,12 @@ class LidarComponent:
         movers = world.movers.echoes(*at, bearing, 0.0, most_m, world.time_s)
         range_m = min([world.shore.range_m(*at, [bearing], most_m), *(away_m for away_m, _, _ in movers)])
         noise, lost = settings.noise_m * normal(self._random), self._random.random() < settings.lost_share
-        if lost or range_m > most_m or self._is_faint(range_m):
+        if lost or range_m > most_m:
+            return round(100.0 * most_m) + 1
+        excess_db = 20.0 * math.log10(settings.half_range_m / max(range_m, _NEAREST_M))
+        if excess_db < _SCATTER_DB * normal(self._levels):
             return round(100.0 * most_m) + 1
         return round(100.0 * min(max(range_m + noise, settings.min_range_m), most_m))
-
-    def _is_faint(self, range_m: float) -> bool:
-        excess_db = 20.0 * math.log10(self._settings.half_range_m / max(range_m, _NEAREST_M))
-        return excess_db < _SCATTER_DB * normal(self._levels)
 
     def _scan(self, world: World, ranges_cm: list[int]) -> Message:
         settings = self._settings

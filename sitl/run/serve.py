@@ -68,13 +68,11 @@ class Server:
                 boat.close()
 
     def _step(self, number: int) -> None:
-        for boat in self.boats if number >= PHASES else self._begun(number):
-            boat.step(self._runner, len(self.boats))
+        for place, boat in enumerate(self.boats):
+            # One more boat every tick, so that their once-a-second work falls into different ticks
+            if place % PHASES <= number:
+                boat.step(self._runner, len(self.boats))
         self._pace.tick(self._clock.now_s(), TICK_S)
-
-    def _begun(self, number: int) -> list[SimulatedBoat]:
-        """One more boat every tick, so that their once-a-second work falls into different ticks."""
-        return [boat for place, boat in enumerate(self.boats) if place % PHASES <= number]
 
     def _filenos(self) -> list[int]:
         if len(self.boats) == 1:

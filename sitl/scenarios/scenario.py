@@ -113,7 +113,9 @@ def load_scenario(
     """
     path, own = _find(source)
     layers = [own, *over, parse_overrides(overrides)]
-    layers = _with_classes([_boat_layer(layers, path.parent), *_drawn(layers), *below, *layers])
+    boat_file = _boat_file(layers, path.parent)
+    boat = Layer(boat_file.name if boat_file.parent == BOATS else str(boat_file), load_toml(boat_file))
+    layers = _with_classes([boat, *_drawn(layers), *below, *layers])
     tree = decode(layers, Tree)
     waters = decode_scenario(merge(layers), path)
     if case is not None:
@@ -136,7 +138,7 @@ def load_scenario(
         link=tree.link,
         movers=tree.movers,
         faults=tree.faults,
-        boat_file=_boat_file(tree.boat.model, path.parent),
+        boat_file=boat_file,
     )
 
 
@@ -159,18 +161,13 @@ def _find(source: str) -> tuple[Path, Layer]:
     return path, Layer(str(path) if path.parent != SCENARIOS else path.name, load_toml(path))
 
 
-def _boat_file(model: str, folder: Path) -> Path:
-    """Of a model that `_boat_layer` has read."""
-    return folder / model if model.endswith(".toml") else BOATS / f"{model}.toml"
-
-
-def _boat_layer(layers: Sequence[Layer], folder: Path) -> Layer:
+def _boat_file(layers: Sequence[Layer], folder: Path) -> Path:
     table = merge(layers).get("boat", {})
     model = table.get("model", DEFAULT_BOAT) if isinstance(table, dict) else DEFAULT_BOAT
     if not isinstance(model, str):
         raise ConfigError(explain("Expected `str` - at `$.boat.model`", layers))
     if model.endswith(".toml"):
-        return Layer(str(folder / model), load_toml(folder / model))
+        return folder / model
     path = BOATS / f"{model}.toml"
     if not path.is_file() or path.parent != BOATS:
         known = ", ".join(sorted(boat.stem for boat in BOATS.glob("*.toml")))
@@ -179,7 +176,7 @@ def _boat_layer(layers: Sequence[Layer], folder: Path) -> Layer:
                 f"no boat {model!r}: expected one of {known}, or a .toml file - at `$.boat.model`", layers
             )
         )
-    return Layer(path.name, load_toml(path))
+    return path
 
 
 def _drawn(layers: Sequence[Layer]) -> list[Layer]:

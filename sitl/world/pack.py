@@ -64,11 +64,6 @@ class Pack:
         """Charge taken out since full."""
         return self._used_c / 3.6
 
-    @property
-    def is_browned_out(self) -> bool:
-        """Whether the computer gets too little."""
-        return self.voltage_v < self._parameters.brownout_v
-
     def step(self, motor_current_a: float, dt_s: float) -> None:
         """Draw the motors' current and the electronics' for dt_s.
 

@@ -178,7 +178,7 @@ class World:
     def _feed_computer(self, time_s: float) -> None:
         """Cut the computer's power at a brown-out of the pack, and restore it afterwards."""
         computer = self.electronics.computer
-        if self._pack.is_browned_out:
+        if self._pack.voltage_v < self._brownout_v:
             self._dark_until_s = time_s + POWER_UP_S
             if computer.has_power:
                 computer.lose_power()

@@ -100,12 +100,16 @@ def _verdicts(expectation: Expectation, table: Sequence[Row]) -> list[Expectatio
     ]
 
 
+def numbers(figure: str, rows: Sequence[Row]) -> list[float]:
+    """The figure of each row that has it."""
+    return [float(value) for row in rows if isinstance(value := row.get(figure), bool | int | float)]
+
+
 def _fits(row: Row, where: Mapping[str, Any]) -> bool:
-    return all(_is_among(row.get(column), wanted) for column, wanted in where.items())
-
-
-def _is_among(value: object, wanted: object) -> bool:
-    return value in wanted if isinstance(wanted, list | tuple) else value == wanted
+    return all(
+        row.get(column) in wanted if isinstance(wanted, list | tuple) else row.get(column) == wanted
+        for column, wanted in where.items()
+    )
 
 
 def _verdict(expectation: Expectation, group: str, rows: Sequence[Row]) -> ExpectationVerdict:
@@ -119,8 +123,6 @@ def _verdict(expectation: Expectation, group: str, rows: Sequence[Row]) -> Expec
 
 def _value(expectation: Expectation, rows: Sequence[Row]) -> tuple[float | None, int]:
     """The statistic, None where some run lacks the figure; how many lack it."""
-    values = [
-        float(value) for row in rows if isinstance(value := row.get(expectation.figure), bool | int | float)
-    ]
+    values = numbers(expectation.figure, rows)
     missing = len(rows) - len(values)
     return (STATISTICS[expectation.of](values) if values and not missing else None), missing

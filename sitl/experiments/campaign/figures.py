@@ -28,7 +28,9 @@ def figures_of(mission_run: MissionRun, result: Result) -> Figures:
     }
     out.update(tracking(mission_run.recorder, mission_run.planned))
     out["command_travel_per_s"] = _command_travel_per_s(mission_run)
-    if _stays(mission_run):
+    vehicle = mission_run.lockstep.boat.vehicle
+    last = vehicle.progress.mission[-1]
+    if isinstance(last, Waypoint) and last.hold_s > 0.0:  # it ends with keeping station
         out.update(station_figures(mission_run.recorder, mission_run.planned[-1]))
     out.update(fault_figures(mission_run))
     out.update(motor_figures(mission_run))
@@ -39,17 +41,11 @@ def figures_of(mission_run: MissionRun, result: Result) -> Figures:
     out["inevitable"] = why
     out["avoidable_touches"] = 0 if why else len(mission_run.timeline.touched)
     out["late_commands"] = mission_run.timeline.late_commands
-    out["is_settled"] = result.completed or not _still_sails(mission_run)
+    out["is_settled"] = result.completed or not (vehicle.armed and vehicle.mode is Mode.AUTO)
     environment = mission_run.scenario.environment
     out["current_m_s"], out["gust_m_s"] = environment.current_m_s, environment.gust_m_s
     out["wave_height_m"], out["wave_period_s"] = environment.wave_height_m, environment.wave_period_s
     return out
-
-
-def _still_sails(mission_run: MissionRun) -> bool:
-    """Whether the boat was armed and in AUTO at the end."""
-    vehicle = mission_run.lockstep.boat.vehicle
-    return vehicle.armed and vehicle.mode is Mode.AUTO
 
 
 def _command_travel_per_s(mission_run: MissionRun) -> float | None:
@@ -59,9 +55,3 @@ def _command_travel_per_s(mission_run: MissionRun) -> float | None:
         return None
     commands = rows[:, [Estimate._fields.index("left"), Estimate._fields.index("right")]]
     return float(np.abs(np.diff(commands, axis=0)).sum() / (rows[-1, 0] - rows[0, 0]))
-
-
-def _stays(mission_run: MissionRun) -> bool:
-    """Whether the mission ends with keeping station for a while."""
-    last = mission_run.lockstep.boat.vehicle.progress.mission[-1]
-    return isinstance(last, Waypoint) and last.hold_s > 0.0

@@ -37,12 +37,8 @@ class Method(StrEnum):
         """Whether the path is drawn taut between the obstacles, instead of from cell to cell."""
         return self is Method.EXACT
 
-    @property
-    def meaning(self) -> str:
-        return _MEANINGS[self]
 
-
-_MEANINGS = {
+MEANINGS = {
     Method.ON_OFF: "A* from cell to cell; on/off steering sampled at 5 Hz: full turn outside ±15° of the "
     "bearing to the next waypoint, straight ahead inside; cruise throttle (baseline)",
     Method.PID: "the same plan; the paper's heading PID, on board at 50 Hz, on the bearing to the next "
