@@ -21,7 +21,6 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +29,7 @@ import shapely
 from rich.console import Console
 from rich.table import Table
 
-from companion.core.geo import LatLon, Point, distance_m
+from companion.core.geo import LatLon, Point, distance_m, path_length_m
 from mission_tools.cli.arguments import position
 from mission_tools.drawing.draw import draw_picture, save_figure
 from mission_tools.errors import MissionToolsError
@@ -47,19 +46,6 @@ RECEIVER = "sensors.gnss.receiver=rtk"  # the kit's receiver wanders by metres, 
 REACHED_M = 2.5  # a waypoint passed nearer than this, in truth, was reached: the boat's radius and its GNSS
 PASSING_M = 40.0  # an obstacle nearer than this to the track was sailed past
 DRAWN_POINTS = 3000
-
-
-@dataclass(frozen=True)
-class Voyage:
-    """What the boat really did, ten rows a second."""
-
-    times_s: list[float]
-    track: list[Point]
-
-    @property
-    def length_m(self) -> float:
-        """Length of the true track."""
-        return sum(distance_m(a, b) for a, b in zip(self.track, self.track[1:], strict=False))
 
 
 def main() -> int:
@@ -86,11 +72,11 @@ def main() -> int:
     if report is None:
         return 1
     waypoints = [frame.to_local(LatLon(*place)) for place in report["waypoints"]]
-    voyage = _until_arrival(_read_track(out / "track.csv"), waypoints[-1])
+    track = _read_track(out / "track.csv", waypoints[-1])
     route = [start, *waypoints]
-    figures = _figures(source.chart, route, voyage, report, clearance_m)
+    figures = _figures(source.chart, route, track, report, clearance_m)
     _print_table(figures, console)
-    _draw(source.chart, route, voyage, figures, out / "demo.png")
+    _draw(source.chart, route, track, figures, out / "demo.png")
     console.print(f"picture: {out / 'demo.png'}   plan: {out / 'demo.plan'}   truth: {out / 'track.csv'}")
     return 0 if figures["ok"] else 1
 
@@ -136,19 +122,8 @@ def _far_apart(chart: Chart, clearance_m: float, fixed: Point | None) -> tuple[P
 def _emulator(source: str, start: LatLon, speedup: float, track: Path, console: Console) -> Iterator[str]:
     """A boat-sitl process on a port of the system's choice; its url."""
     command = [_program("boat-sitl"), "serve", source, f"--start={start.lat_deg:.7f},{start.lon_deg:.7f}"]
-    command += [
-        "--set",
-        RECEIVER,
-        "--speedup",
-        f"{speedup:.1f}",
-        "--tcp",
-        "0",
-        "--no-udp",
-        "--state",
-        "none",
-        "--csv",
-        str(track),
-    ]
+    command += ["--set", RECEIVER, "--speedup", f"{speedup:.1f}", "--csv", str(track)]
+    command += ["--tcp", "0", "--no-udp", "--state", "none"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)  # noqa: S603
     try:
         assert process.stdout is not None  # noqa: S101  asked for above
@@ -189,28 +164,20 @@ def _program(name: str) -> str:
     return str(Path(sys.executable).with_name(name))
 
 
-def _read_track(path: Path) -> Voyage:
+def _read_track(path: Path, goal: Point) -> list[Point]:
+    """The true track, ten rows a second, without the time in which the boat lay at its goal."""
     with path.open(encoding="utf-8") as file:
-        rows = [
-            (float(row["time_s"]), float(row["north_m"]), float(row["east_m"]))
-            for row in csv.DictReader(file)
-        ]
-    return Voyage([row[0] for row in rows], [Point(row[1], row[2]) for row in rows])
-
-
-def _until_arrival(voyage: Voyage, goal: Point) -> Voyage:
-    """Without the time in which the boat lay at its goal, keeping station."""
-    under_way = [i for i, point in enumerate(voyage.track) if distance_m(point, goal) > REACHED_M]
-    end = min(max(under_way, default=0) + 2, len(voyage.track))
-    return Voyage(voyage.times_s[:end], voyage.track[:end])
+        track = [Point(float(row["north_m"]), float(row["east_m"])) for row in csv.DictReader(file)]
+    under_way = [i for i, point in enumerate(track) if distance_m(point, goal) > REACHED_M]
+    return track[: max(under_way, default=0) + 2]
 
 
 def _figures(
-    chart: Chart, route: list[Point], voyage: Voyage, report: dict[str, Any], clearance_m: float
+    chart: Chart, route: list[Point], sailed: list[Point], report: dict[str, Any], clearance_m: float
 ) -> dict[str, Any]:
     """Truth against plan. Lengths in metres, times in seconds of the boat's clock."""
     line = shapely.LineString([(point.east_m, point.north_m) for point in route])
-    track = shapely.points([(point.east_m, point.north_m) for point in voyage.track])
+    track = shapely.points([(point.east_m, point.north_m) for point in sailed])
     off_m = shapely.distance(track, line)
     shore_m = shapely.distance(track, chart.shores) if not chart.is_open else np.full(len(track), np.inf)
     path = shapely.LineString(track)
@@ -223,7 +190,7 @@ def _figures(
     return {
         "planned_m": float(line.length),
         "straight_m": distance_m(route[0], route[-1]),
-        "sailed_m": voyage.length_m,
+        "sailed_m": path_length_m(sailed),
         "time_s": float(0.1 * np.count_nonzero(moving)),
         "waypoints": len(reached),
         "reached": sum(reached),
@@ -258,16 +225,18 @@ def _print_table(figures: dict[str, Any], console: Console) -> None:
     console.print(table)
 
 
-def _draw(chart: Chart, route: list[Point], voyage: Voyage, figures: dict[str, Any], picture: Path) -> None:
+def _draw(
+    chart: Chart, route: list[Point], track: list[Point], figures: dict[str, Any], picture: Path
+) -> None:
     subtitle = (
         "A* with {clearance_m:g} m clearance, {sailed_m:.0f} m sailed under PID control, "
         "{off_rms_m:.2f} m RMS off the line"
     )
-    every = max(1, len(voyage.track) // DRAWN_POINTS)
+    every = max(1, len(track) // DRAWN_POINTS)
     figure = draw_picture(
         chart,
         route,
-        voyage.track[::every],
+        track[::every],
         title=chart.name.split(" (")[0],
         subtitle=subtitle.format(**figures),
         clearance_m=figures["clearance_m"],

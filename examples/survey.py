@@ -50,15 +50,10 @@ class SailedSurvey:
     coverage: float
 
 
-def sail_survey(
-    scenario: Scenario,
-    settings: SurveySettings,
-) -> SailedSurvey:
+def sail_survey(scenario: Scenario, settings: SurveySettings) -> SailedSurvey:
     """Plan from where the boat lies, sail, and measure the true track.
 
-    Raises:
-        NoRouteError: no water to survey.
-        RunError: the boat refused the mission, or did not complete it.
+    Raises NoRouteError: no water to survey; RunError: the boat refused the mission, or did not complete it.
     """
     planned = survey(scenario.chart, scenario.start, settings)
     mission_run = MissionRun(scenario, wire_items(mission_of(planned.route, scenario.frame)))
