@@ -169,7 +169,7 @@ def test_a_dask_cluster_sails_the_same_runs(file: Path) -> None:
     distributed = pytest.importorskip("distributed", reason="Dask is not installed: the extra `cluster`")
     plan = load_campaign(file)
     with (
-        distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
         cluster_pool(cluster.scheduler_address) as pool,
     ):
         outcomes = sorted(pool.run(run_mission, plan.runs[:2]), key=lambda outcome: outcome.number)

@@ -123,9 +123,6 @@ def test_sail_records_and_report_makes_the_page(tmp_path: Path, capsys: pytest.C
     assert "not completed, ends in AUTO" in kept.with_suffix(".html").read_text(encoding="utf-8")
 
 
-# What people see of it
-
-
 def visible(page: str) -> str:
     """The words of a page, without style, pictures and what is folded away."""
     page = re.sub(r"<style>.*?</style>|<details>.*?</details>", "", page, flags=re.DOTALL)

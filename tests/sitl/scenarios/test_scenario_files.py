@@ -20,12 +20,6 @@ def write(folder: Path, text: str) -> str:
     return str(file)
 
 
-# The paper's pool
-
-
-# Layers
-
-
 def test_a_scenario_and_the_command_line_lie_over_the_boats_file(tmp_path: Path) -> None:
     file = write(tmp_path, "[sensors.gnss]\nrate_hz = 2.0\n[vehicle.heading]\nkp = 3.0\n")
     scenario = load_scenario(file, ["sensors.gnss.noise_m=0.5", "hull.mass_kg=9", "vehicle.heading.kd=0.2"])
@@ -52,9 +46,6 @@ def test_a_map_alone_is_a_scenario_with_the_lake_boat_afloat() -> None:
 def test_override_values_are_toml_or_else_words() -> None:
     tree = merge([parse_overrides(["a.b=1", "a.c=[1.5, 2]", "a.d=true", 'e="x=y"', "f=word"])])
     assert tree == {"a": {"b": 1, "c": [1.5, 2], "d": True}, "e": "x=y", "f": "word"}
-
-
-# Mistakes
 
 
 @pytest.mark.parametrize(

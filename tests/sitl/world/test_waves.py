@@ -144,11 +144,9 @@ def test_the_compass_reports_the_lean_and_a_bare_one_compensates_it() -> None:
 
 def test_a_boat_in_waves_knows_its_roll_and_pitch() -> None:
     world = World(load_scenario("open", ["environment.wave_height_m=0.2", "environment.wave_from_deg=45"]))
-    leans = []
-    for _ in range(1500):
+    for _ in range(100):
         world.step(DT_S)
         reading = world.hardware.compass.read()
         assert reading is not None
         assert (reading.roll_rad, reading.pitch_rad) == (world.waves.roll_rad, world.waves.pitch_rad)
-        leans.append((reading.roll_rad or 0.0, reading.pitch_rad or 0.0))
-    assert all(0.01 < statistics.pstdev(one) < 0.2 for one in zip(*leans, strict=True))
+        assert reading.roll_rad != 0.0 != reading.pitch_rad

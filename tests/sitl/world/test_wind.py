@@ -52,7 +52,7 @@ def test_gusts_peak_near_the_given_speed_within_ten_minutes_and_keep_the_mean() 
 
 def test_gusts_forget_themselves_with_their_correlation_time() -> None:
     wind = Wind(Environment(wind_m_s=5.0, gust_m_s=8.0, gust_s=4.0), seed=3)
-    along = [-north - 5.0 for north, _ in speeds(wind, 20_000.0)]
+    along = [-north - 5.0 for north, _ in speeds(wind, 10_000.0)]
     power = statistics.fmean(one * one for one in along)
     for lag_s in (2.0, 4.0, 8.0):
         steps = round(lag_s * 10)
@@ -74,12 +74,6 @@ def test_a_headwind_pushes_back_and_a_beam_wind_aside_as_the_formula_says() -> N
     surge_n, sway_n, yaw_nm = windage.force(0.0, 8.0)  # from port
     assert sway_n == pytest.approx(0.5 * AIR_KG_M3 * 0.9 * 0.14 * 64.0)
     assert (surge_n, yaw_nm) == (0.0, 0.0)
-
-
-def test_a_wind_over_the_bow_or_the_quarter_turns_the_hull_beam_on() -> None:
-    windage = Windage(BOAT, 1.0)
-    assert windage.force(-5.0, -5.0)[2] < 0.0  # from the starboard bow: the bow falls off to port
-    assert windage.force(5.0, -5.0)[2] > 0.0  # from the starboard quarter: the bow comes up to starboard
 
 
 def test_the_moment_is_that_of_the_lever_and_of_the_slender_body() -> None:

@@ -48,7 +48,7 @@ def likeness(values: list[complex], steps: int) -> float:
 def test_half_of_a_days_positions_lie_within_the_radius_of_the_data_sheets(
     receiver: str, cep_m: tuple[float, float]
 ) -> None:
-    positions, _ = errors(quick(receiver, 0.05), 20_000)  # several days
+    positions, _ = errors(quick(receiver, 0.05), 8_000)  # two days
     least_m, most_m = cep_m
     assert least_m <= statistics.median(abs(one) for one in positions) <= most_m
 
@@ -57,7 +57,7 @@ def test_half_of_a_days_positions_lie_within_the_radius_of_the_data_sheets(
 def test_half_of_the_speeds_are_right_to_the_five_centimetres_a_second_of_the_data_sheets(
     receiver: str,
 ) -> None:
-    _, velocities = errors(quick(receiver, 5.0), 20_000)
+    _, velocities = errors(quick(receiver, 5.0), 6_000)
     assert statistics.median(abs(one.real) for one in velocities) == pytest.approx(0.05, abs=0.008)
 
 
@@ -67,10 +67,10 @@ def test_a_standalone_receivers_positions_wander_for_minutes_and_its_velocities_
     for steps, for_s in ((6, 60.0), (40, 400.0)):
         expected = share[0] * math.exp(-for_s / 60.0) + share[1] * math.exp(-for_s / 400.0)
         assert likeness(positions, steps) == pytest.approx(expected, abs=0.06)
-    _, velocities = errors(quick("standalone", 5.0), 20_000)
+    _, velocities = errors(quick("standalone", 5.0), 8_000)
     assert 0.8 <= likeness(velocities, 1) <= 0.9  # Borre and Tiberius 2000, at 5 Hz
     assert likeness(velocities, 5) == pytest.approx(math.exp(-1.0), abs=0.04)
-    assert abs(likeness(errors(quick("rtk", 5.0), 20_000)[1], 1)) < 0.02
+    assert abs(likeness(errors(quick("rtk", 5.0), 8_000)[1], 1)) < 0.02
 
 
 def test_the_wander_begins_in_its_steady_state() -> None:
