@@ -4,7 +4,7 @@ import math
 
 import pytest
 from boat_rig import Rig, waypoint
-from fence_rig import EXCLUDED, L_WATER, box, fenced, least_margin_m, margin_m, polygon
+from fence_rig import EXCLUDED, L_CORNERS, box, fenced, least_margin_m, margin_m, polygon
 from sailing_rig import CURRENT, VELOCITY, aim, armed, sail_to, tells, told
 
 from companion.core.geo import LatLon
@@ -35,7 +35,7 @@ def test_a_boat_told_to_sail_at_the_line_stops_inside() -> None:
 
 def test_rtl_follows_the_water_round_the_corner_in_a_current() -> None:
     water = ("environment.current_to_deg=225.0", "environment.current_m_s=0.5")
-    rig = armed(Mode.GUIDED, rig=fenced(Rig("open", *water), *polygon(L_WATER)))
+    rig = armed(Mode.GUIDED, rig=fenced(Rig("open", *water), *polygon(L_CORNERS)))
     sail_to(rig, 0.0, 60.0)
     sail_to(rig, 60.0, 60.0)
     assert rig.set_mode(Mode.RTL) == 0

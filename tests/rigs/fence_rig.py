@@ -31,7 +31,7 @@ def box(south_m: float, west_m: float, north_m: float, east_m: float) -> list[Co
     return [(south_m, west_m), (south_m, east_m), (north_m, east_m), (north_m, west_m)]
 
 
-L_WATER = [(-15.0, -15.0), (-15.0, 75.0), (75.0, 75.0), (75.0, 45.0), (15.0, 45.0), (15.0, -15.0)]
+L_CORNERS = [(-15.0, -15.0), (-15.0, 75.0), (75.0, 75.0), (75.0, 45.0), (15.0, 45.0), (15.0, -15.0)]
 """Thirty metres wide: 60 m east from the start, then 60 m north, round the corner at (15, 45)."""
 
 

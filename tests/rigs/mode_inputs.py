@@ -1,13 +1,14 @@
 """A mode's inputs, sticks and fence, for tests of one mode alone."""
 
 from boat_rig import FRAME, nav_at
+from laid_fence import circle, laid
 from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon
 from companion.core.requests import ManualControl
 from companion.core.state import NavState
-from companion.geofence.fence import Fence, FenceCircle
+from companion.geofence.fence import Fence
 from companion.obstacles.perception.voyage_map import VoyageMap
 from companion.rc.manual_input import ManualInput
 from companion.vehicle.modes.controller import ModeInputs
@@ -35,10 +36,7 @@ def held(throttle: float, steering: float) -> ManualInput:
 
 def fenced(radius_m: float = 50.0) -> Fence:
     """A circle of water around FRAME's origin."""
-    fence = Fence()
-    fence.set_areas([FenceCircle(FRAME.origin, radius_m, is_inclusion=True)])
-    fence.update(FRAME, FRAME.origin, BoatConfig().fence)
-    return fence
+    return laid(circle(0.0, 0.0, radius_m, is_inclusion=True))
 
 
 def turned(heading_rad: float) -> NavState:

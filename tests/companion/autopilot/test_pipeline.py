@@ -3,34 +3,25 @@
 import math
 
 import pytest
+from laid_fence import laid, square
 from msgspec.structs import replace
 
 from companion.autopilot.pipeline import GUIDANCE_S, GuidancePipeline
 from companion.config.boat_config import BoatConfig
-from companion.config.tuning import FenceSetting
-from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.geo import Point
 from companion.core.intent import HoldCourse, Intent
 from companion.core.modes import Mode
 from companion.core.state import Demand, MotorCommand, MotorState, MotorStates, NavState
 from companion.core.status_text import StatusText
 from companion.core.vehicle_status import VehicleStatus
-from companion.geofence.fence import Fence, FencePolygon
+from companion.geofence.fence import Fence
 from companion.guidance.stall_detector import StallVerdict
 from companion.obstacles.perception.voyage_map import VoyageMap
 
 CONFIG = BoatConfig()
-FRAME = LocalFrame(LatLon(50.0, -1.2))
 ARMED = VehicleStatus(Mode.GUIDED, armed=True)
 NORTH = HoldCourse(0.0, 1.0)
 STILL = NavState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.1)
-
-
-def square(half_m: float) -> Fence:
-    fence = Fence()
-    corners = [(-half_m, -half_m), (-half_m, half_m), (half_m, half_m), (half_m, -half_m)]
-    fence.set_areas([FencePolygon(tuple(FRAME.to_global(Point(*one)) for one in corners), True)])
-    fence.update(FRAME, None, FenceSetting())
-    return fence
 
 
 class Line:
@@ -118,7 +109,7 @@ def test_before_the_fence_the_boat_slows_unless_motors_are_checked_or_it_gets_of
         (replace(ARMED, is_checking_motors=True), False),
         (replace(ARMED, is_ungrounding=True), False),
     ):
-        demand = Line(square(20.0), status).guide(fast, 5.0, near)
+        demand = Line(laid(square(20.0)), status).guide(fast, 5.0, near)
         assert demand is not None
         assert (demand.speed_m_s < 1.9) is brakes
 
@@ -150,7 +141,7 @@ def test_a_boat_that_is_held_is_found_stuck_after_ten_seconds_of_full_thrust() -
 
 @pytest.mark.parametrize(("gap_m", "verdict"), [(1.1, StallVerdict.AGROUND), (1.3, StallVerdict.STUCK)])
 def test_a_boat_that_is_held_within_reach_of_the_line_is_aground(gap_m: float, verdict: StallVerdict) -> None:
-    line, east = Line(square(20.0)), 0.5 * math.pi
+    line, east = Line(laid(square(20.0))), 0.5 * math.pi
     held_s = line.held_s(east, replace(STILL, north_m=20.0 - gap_m, heading_rad=east))
     assert line.pipeline.headway.verdict is verdict
     assert (held_s < 8.0) is (verdict is StallVerdict.AGROUND)

@@ -1,13 +1,13 @@
 """What is decided where the boat may or may not drift, and when the motors are checked without an alarm."""
 
 import pytest
-from boat_rig import FRAME, nav_at
+from boat_rig import nav_at
 from failsafe_scenarios import with_verdict
+from fence_rig import box
+from laid_fence import area, laid
 from msgspec.structs import replace
 
 from companion.config.boat_config import BoatConfig, decode_config, with_value
-from companion.config.tuning import FenceSetting
-from companion.core.geo import Point
 from companion.core.modes import Mode
 from companion.core.status_text import Severity
 from companion.failsafe.actions import (
@@ -27,7 +27,7 @@ from companion.failsafe.monitor import Alarm, Change, Failsafes
 from companion.failsafe.motors.hypotheses import Fault
 from companion.failsafe.response import respond, routine_check
 from companion.failsafe.table import ROWS, Condition
-from companion.geofence.fence import Fence, FencePolygon
+from companion.geofence.fence import Fence
 from companion.rc.manual_input import ManualInput
 
 ROW = next(row for row in ROWS if row.condition is Condition.MOTOR_FAILING)
@@ -36,13 +36,7 @@ NO_ROOM = "No room for a motor check: using one motor"
 
 def water_south_of(north_m: float) -> Fence:
     """Open water, but for a line so far north of the boat."""
-    fence = Fence()
-    corners = [(north_m, -500.0), (north_m, 500.0), (-500.0, 500.0), (-500.0, -500.0)]
-    fence.set_areas(
-        [FencePolygon(tuple(FRAME.to_global(Point(n, e)) for n, e in corners), is_inclusion=True)]
-    )
-    fence.update(FRAME, None, FenceSetting())
-    return fence
+    return laid(area(box(-500.0, -500.0, north_m, 500.0)))
 
 
 def inputs(

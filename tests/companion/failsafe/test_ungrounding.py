@@ -4,28 +4,24 @@ import itertools
 import math
 
 import pytest
+from fence_rig import box
+from laid_fence import area, laid
 
 from companion.config.boat_config import BoatConfig
-from companion.config.tuning import FenceSetting
-from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.geo import Point
 from companion.core.intent import Drive, HoldCourse, Intent, Stop
 from companion.core.state import NavState
 from companion.failsafe.actions import Trigger
 from companion.failsafe.recovery.recovery import RecoveryManeuvers
-from companion.geofence.fence import Fence, FencePolygon
+from companion.geofence.fence import Fence
 
 CONFIG = BoatConfig()
-FRAME = LocalFrame(LatLon(50.0, -1.2))
 DT = 0.1
 
 
 def fence() -> Fence:
     """Water to the south of north = 0."""
-    laid = Fence()
-    corners = [(-200.0, -200.0), (-200.0, 200.0), (0.0, 200.0), (0.0, -200.0)]
-    laid.set_areas([FencePolygon(tuple(FRAME.to_global(Point(n, e)) for n, e in corners), is_inclusion=True)])
-    laid.update(FRAME, None, FenceSetting())
-    return laid
+    return laid(area(box(-200.0, -200.0, 0.0, 200.0)))
 
 
 def nav_at(north_m: float, east_m: float, heading_rad: float) -> NavState:

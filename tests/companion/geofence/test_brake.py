@@ -6,8 +6,9 @@ The water is a square of 100 m, the margin 2 m. The room left is the way to the 
 import math
 
 import pytest
+from fence_rig import box
+from laid_fence import area, laid, square
 from msgspec.structs import replace
-from test_fence_areas import globe, laid, square
 
 from companion.config.boat_config import BoatConfig, decode_config, with_value
 from companion.core.geo import Point
@@ -15,7 +16,7 @@ from companion.core.intent import Drive, FollowLeg, HoldCourse, Intent, KeepStat
 from companion.core.state import Demand, NavState
 from companion.core.status_text import Severity, StatusText
 from companion.geofence.brake import FenceBrake
-from companion.geofence.fence import Fence, FencePolygon
+from companion.geofence.fence import Fence
 
 CONFIG = BoatConfig()
 NORTHWARD = Demand(0.0, 2.0, 0.3, 7.0, 0.01)
@@ -292,8 +293,7 @@ def test_a_boat_without_room_for_its_turn_keeps_station(
     ahead_m: float, astern_m: float, is_kept: bool
 ) -> None:
     """The demanded course along the channel is free; what is sailed leads over its line."""
-    corners = [(-astern_m, -90.0), (-astern_m, 90.0), (ahead_m, 90.0), (ahead_m, -90.0)]
-    fence = laid(FencePolygon(globe(corners), is_inclusion=True))
+    fence = laid(area(box(-astern_m, -90.0, ahead_m, 90.0)))
     brake = FenceBrake([])
     for _ in range(6):
         brake.limit(Demand(0.5 * math.pi, 0.4), NORTH, nav_at(0.0), fence, RUDDER, 0.1)
@@ -304,8 +304,7 @@ def test_against_a_line_with_no_room_either_way_it_drives_on() -> None:
     """The shore may hold it: a boat that tries shows that. The demanded course along the channel is free."""
 
     def channel(half_m: float) -> Fence:
-        corners = [(-half_m, -90.0), (-half_m, 90.0), (half_m, 90.0), (half_m, -90.0)]
-        return laid(FencePolygon(globe(corners), is_inclusion=True))
+        return laid(area(box(-half_m, -90.0, half_m, 90.0)))
 
     along = Demand(0.5 * math.pi, 0.4)
     assert limited(along, nav_at(0.0), config=RUDDER, fence=channel(1.1)) == along

@@ -6,15 +6,15 @@ from random import Random
 
 import pytest
 import shapely
+from boat_rig import FRAME
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from laid_fence import laid, square
 
 from companion.config.tuning import FenceSetting
-from companion.core.geo import LatLon, LocalFrame, Point
-from companion.geofence.fence import Fence, FenceArea, FencePolygon
+from companion.core.geo import Point
 from companion.planning.areas import Disc, Ring
 
-FRAME = LocalFrame(LatLon(50.0, -1.2))
 COORDINATE = st.integers(-400, 400).map(lambda n: n / 4.0)
 POINT = st.builds(Point, COORDINATE, COORDINATE)
 ANGLE = st.floats(-math.pi, math.pi)
@@ -133,23 +133,6 @@ def test_a_ring_of_two_vertices_and_a_disc_of_no_radius_are_refused() -> None:
 
 
 # The fence as a whole
-
-
-def globe(points: list[tuple[float, float]]) -> tuple[LatLon, ...]:
-    return tuple(FRAME.to_global(Point(*point)) for point in points)
-
-
-def square(half_m: float, is_inclusion: bool = True, north_m: float = 0.0) -> FencePolygon:
-    low, high = north_m - half_m, north_m + half_m
-    corners = [(low, -half_m), (low, half_m), (high, half_m), (high, -half_m)]
-    return FencePolygon(globe(corners), is_inclusion)
-
-
-def laid(*areas: FenceArea, setting: FenceSetting | None = None, home: LatLon | None = None) -> Fence:
-    fence = Fence()
-    fence.set_areas(areas)
-    fence.update(FRAME, home, setting or FenceSetting())
-    return fence
 
 
 def test_the_circle_round_home_counts_when_it_is_asked_for() -> None:

@@ -4,17 +4,19 @@ import math
 
 import pytest
 import shapely
+from boat_rig import FRAME, place
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from test_fence_areas import ANGLE, FRAME, POINT, globe, laid, shape_of, square, stars
+from laid_fence import circle, laid, square
+from test_fence_areas import ANGLE, POINT, shape_of, stars
 
 from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
-from companion.geofence.fence import Fence, FenceCircle
+from companion.geofence.fence import Fence
 from companion.planning.areas import Disc, Ring
 
-ISLAND = FenceCircle(globe([(20.0, 0.0)])[0], 5.0, is_inclusion=False)
-HOME = FRAME.to_global(Point(100.0, 0.0))
+ISLAND = circle(20.0, 0.0, 5.0)
+HOME = place(100.0, 0.0)
 
 
 def test_the_allowed_water_is_inside_the_inclusion_and_outside_the_exclusion() -> None:
@@ -146,7 +148,7 @@ def test_a_way_crosses_where_there_is_less_room_than_its_length(
     assert fence.crosses(start, end) is (room_m < length_m)
 
 
-WATER = (square(100.0), square(10.0, is_inclusion=False), FenceCircle(globe([(60.0, 40.0)])[0], 8.0, False))
+WATER = (square(100.0), square(10.0, is_inclusion=False), circle(60.0, 40.0, 8.0))
 
 
 @given(POINT, st.floats(0.0, 5.0))

@@ -5,22 +5,17 @@ import random
 from itertools import pairwise
 
 import pytest
-from test_fence_areas import globe, laid, square
+from fence_rig import box
+from laid_fence import L_WATER, area, circle, laid, square
 
 from companion.core.geo import Point, distance_m
 from companion.geofence import water_route
-from companion.geofence.fence import Fence, FenceCircle, FencePolygon
+from companion.geofence.fence import Fence
 from companion.geofence.water_route import FenceWater, Way, way_to_nearest
 from companion.planning.visibility import Routes
 
-L_CORNERS = [(-15.0, -15.0), (-15.0, 75.0), (75.0, 75.0), (75.0, 45.0), (15.0, 45.0), (15.0, -15.0)]
-L_WATER = FencePolygon(globe(L_CORNERS), is_inclusion=True)
 HOME = Point(0.0, 0.0)
 MARGIN_M = 2.0
-
-
-def circle(north_m: float, east_m: float, radius_m: float, *, is_inclusion: bool = False) -> FenceCircle:
-    return FenceCircle(globe([(north_m, east_m)])[0], radius_m, is_inclusion)
 
 
 def way(fence: Fence, here: Point, *goals: Point, margin_m: float = MARGIN_M) -> Way | None:
@@ -89,10 +84,7 @@ def test_a_passage_is_taken_with_the_largest_clearance_that_fits(
 ) -> None:
     half_m = 0.5 * gap_m
     ends = [(half_m, 70.0), (-70.0, -half_m)]
-    walls = [
-        FencePolygon(globe([(20.0, west), (20.0, east), (24.0, east), (24.0, west)]), False)
-        for west, east in ends
-    ]
+    walls = [area(box(20.0, west, 24.0, east), is_inclusion=False) for west, east in ends]
     fence = laid(square(60.0), *walls)
     found = way(fence, Point(50.0, 10.0))
     assert (None if found is None else found.clearance_m) == clearance_m
@@ -118,7 +110,7 @@ def test_of_several_goals_the_nearest_by_water_counts() -> None:
     behind, ahead = Point(10.0, 40.0), Point(60.0, 72.0)  # 22 m over land, and 28 m
     here = Point(30.0, 49.5)
     assert distance_m(here, behind) < distance_m(here, ahead)
-    wall = FencePolygon(globe([(20.0, 44.0), (20.0, 72.0), (22.0, 72.0), (22.0, 44.0)]), is_inclusion=False)
+    wall = area(box(20.0, 44.0, 22.0, 72.0), is_inclusion=False)
     for goals in ((behind, ahead), (ahead, behind)):
         found = way(laid(L_WATER, wall), here, *goals)
         assert found is not None
@@ -141,6 +133,6 @@ def test_between_waters_that_do_not_meet_there_is_no_way_and_none_is_searched_fo
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(Routes, "route", lambda *_: pytest.fail("a search that looks everywhere"))
-    wall = FencePolygon(globe([(40.0, -200.0), (40.0, 200.0), (50.0, 200.0), (50.0, -200.0)]), False)
+    wall = area(box(40.0, -200.0, 50.0, 200.0), is_inclusion=False)
     assert way(laid(square(100.0), wall), Point(80.0, 0.0)) is None
     assert way(laid(square(30.0), square(30.0, north_m=200.0)), Point(0.0, 0.0)) is None

@@ -1,7 +1,7 @@
 """How far beyond the fence the boat is, and how often it has been."""
 
 import pytest
-from test_fence_areas import laid, square
+from laid_fence import laid, square
 
 from companion.config.tuning import MotorLimits
 from companion.core.state import NavState

@@ -5,9 +5,8 @@ from itertools import pairwise
 
 import pytest
 from boat_rig import nav_at
+from laid_fence import L_WATER, laid, square
 from msgspec.structs import replace
-from test_fence_areas import laid, square
-from test_fence_water import L_WATER
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Line, Point, distance_m, path_length_m

@@ -1,22 +1,17 @@
 """The route through the water: its legs go straight to the farthest corner in sight."""
 
 import pytest
+from boat_rig import nav_at
+from laid_fence import L_WATER, laid, square
 from mode_inputs import around
-from test_fence_areas import laid, square
-from test_fence_water import L_WATER
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point, path_length_m
-from companion.core.state import NavState
 from companion.geofence.fence import Fence
 from companion.geofence.water_route import WaterRoute, Way, is_clear
 
 CONFIG = BoatConfig()
 HOME = Point(0.0, 0.0)
-
-
-def nav_at(point: Point) -> NavState:
-    return NavState(0.0, *point, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.1)
 
 
 def along(fence: Fence, start: Point, corners: list[Point], clearance_m: float) -> WaterRoute:
@@ -31,7 +26,7 @@ def sailed(route: WaterRoute) -> list[Point]:
     for _ in range(100):
         ends.append(route.leg.end)
         assert route.is_last is (route.leg.end == route.end)
-        if route.advance(nav_at(route.leg.end), CONFIG):
+        if route.advance(nav_at(*route.leg.end), CONFIG):
             return ends
     raise AssertionError("the end is never reached")
 

@@ -4,19 +4,19 @@ import math
 from itertools import pairwise
 
 import pytest
+from boat_rig import FRAME, nav_at, place
+from fence_rig import box
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from laid_fence import L_WATER, area, circle, laid, square
 from mode_inputs import around
-from test_fence_areas import FRAME, globe, laid, square
-from test_fence_water import L_WATER
 
 from companion.config.boat_config import BoatConfig, with_value
 from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, Point, distance_m
 from companion.core.intent import FollowLeg, KeepStation
-from companion.core.state import NavState
 from companion.core.status_text import StatusText
-from companion.geofence.fence import Fence, FenceCircle, FencePolygon
+from companion.geofence.fence import Fence
 from companion.vehicle.return_route import ReturnRoute
 from companion.vehicle.surroundings import Surroundings
 
@@ -33,16 +33,12 @@ def way_home(fence: Fence, config: BoatConfig = BoatConfig(), rally: tuple[LatLo
     return way
 
 
-def nav_at(point: Point) -> NavState:
-    return NavState(0.0, *point, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-
-
 def corners(way: ReturnRoute, start: Point) -> list[Point]:
     """Sail along without water or hull; where the boat turns, and where it ends."""
     way.restart()
     at, turns = start, [start]
     for tick in range(200):
-        intent = way.update(nav_at(at), BoatConfig(), 2.0, float(tick))
+        intent = way.update(nav_at(*at), BoatConfig(), 2.0, float(tick))
         if isinstance(intent, KeepStation):
             return turns
         assert isinstance(intent, FollowLeg)
@@ -60,7 +56,7 @@ def corners(way: ReturnRoute, start: Point) -> list[Point]:
 def test_no_leg_of_the_way_leaves_the_fence(
     islands: list[tuple[float, float, float]], north_m: float, east_m: float
 ) -> None:
-    circles = [FenceCircle(globe([(n, e)])[0], r, is_inclusion=False) for n, e, r in islands]
+    circles = [circle(*island) for island in islands]
     fence = laid(square(100.0), *circles)
     start = Point(north_m, east_m)
     assume(fence.margin_m(HOME) > 3.5 and fence.margin_m(start) > 3.5)
@@ -75,7 +71,7 @@ def test_no_leg_of_the_way_leaves_the_fence(
 
 
 def test_without_a_fence_the_way_is_straight_to_the_nearest_of_home_and_rally_points() -> None:
-    rally = globe([(100.0, 0.0), (0.0, 90.0)])
+    rally = (place(100.0, 0.0), place(0.0, 90.0))
     way = way_home(laid(), rally=rally)
     assert corners(way, Point(80.0, 5.0)) == [Point(80.0, 5.0), pytest.approx((100.0, 0.0), abs=1e-3)]
     assert way.target == rally[0]
@@ -85,7 +81,7 @@ def test_without_a_fence_the_way_is_straight_to_the_nearest_of_home_and_rally_po
 
 
 def test_of_rally_points_the_one_nearest_by_water_is_sailed_to() -> None:
-    rally = globe([(70.0, 70.0), (0.0, 20.0)])
+    rally = (place(70.0, 70.0), place(0.0, 20.0))
     way = way_home(laid(L_WATER), rally=rally)
     turns = corners(way, Point(40.0, 60.0))
     assert turns[-1] == pytest.approx((70.0, 70.0), abs=1e-3)
@@ -94,14 +90,14 @@ def test_of_rally_points_the_one_nearest_by_water_is_sailed_to() -> None:
 
 
 def test_where_there_is_no_way_the_boat_stays_and_says_so() -> None:
-    wall = FencePolygon(globe([(40.0, -200.0), (40.0, 200.0), (50.0, 200.0), (50.0, -200.0)]), False)
+    wall = area(box(40.0, -200.0, 50.0, 200.0), is_inclusion=False)
     status_texts: list[StatusText] = []
     way = ReturnRoute(around(laid(square(100.0), wall)), status_texts)
     start = Point(80.0, 0.0)
     way.restart()
     for tick in range(400):
         way.prepare(FRAME, FRAME.to_global(HOME), BoatConfig())
-        assert isinstance(way.update(nav_at(start), BoatConfig(), 2.0, tick * 0.5), KeepStation)
+        assert isinstance(way.update(nav_at(*start), BoatConfig(), 2.0, tick * 0.5), KeepStation)
     assert [notice.text for notice in status_texts] == ["RTL: no way home inside the fence, keeping station"]
     assert math.isinf(way.home_distance_m(start))
 

@@ -2,7 +2,7 @@ import math
 
 import pytest
 from boat_rig import HOME_ITEM, OK, Rig, Silent, waypoint
-from fence_rig import L_WATER, fenced, polygon
+from fence_rig import L_CORNERS, fenced, polygon
 
 from companion.core.geo import LatLon, Point
 from companion.core.modes import Mode
@@ -143,7 +143,7 @@ def test_the_pack_is_reported_with_its_charge(rig: Rig) -> None:
 
 
 def test_the_distance_home_is_that_along_the_way() -> None:
-    rig = fenced(Rig().ready(), *polygon(L_WATER))
+    rig = fenced(Rig().ready(), *polygon(L_CORNERS))
     assert rig.set_mode(Mode.RTL) == OK
     place = rig.scenario.frame.to_global(Point(60.0, 60.0))
     rig.peer.command_int(dialect.MAV_CMD_DO_SET_HOME, x=deg_to_e7(place.lat_deg), y=deg_to_e7(place.lon_deg))

@@ -1,39 +1,23 @@
 """The look through a mission for what leaves the fence, and the way onto its first leg."""
 
 import pytest
+from boat_rig import FRAME, place
+from laid_fence import L_WATER, area, laid
 
 from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.status_text import Severity, StatusText
-from companion.geofence.fence import Fence, FencePolygon
 from companion.vehicle.mission.check import MissionCheck
 from companion.vehicle.mission.steps import GoRound, Home, Offset, SetSpeed, Step, Waypoint
 
-FRAME = LocalFrame(LatLon(50.0, -1.2))
-CORNERS = [(-15.0, -15.0), (-15.0, 75.0), (75.0, 75.0), (75.0, 45.0), (15.0, 45.0), (15.0, -15.0)]
 
-
-def area(corners: list[tuple[float, float]]) -> FencePolygon:
-    return FencePolygon(tuple(FRAME.to_global(Point(*corner)) for corner in corners), is_inclusion=True)
-
-
-WATER = area(CORNERS)
-
-
-def fenced(*areas: FencePolygon) -> Fence:
-    fence = Fence()
-    fence.set_areas(areas)
-    fence.update(FRAME, None, FenceSetting())
-    return fence
-
-
-def looked(*steps: Step, looks: int = 20, fence: Fence | None = None) -> tuple[str, list[str]]:
+def looked(*steps: Step, looks: int = 20) -> tuple[str, list[str]]:
     """The fault, and what the operator was told."""
     texts: list[StatusText] = []
     check, mission = MissionCheck(texts), (Home(), *steps)
     assert check.fault == ""
     for _ in range(looks):
-        check.advance(mission, fence or fenced(WATER), FRAME)
+        check.advance(mission, laid(L_WATER), FRAME)
     assert all(text.severity == Severity.WARNING for text in texts)
     return check.fault, [text.text for text in texts]
 
@@ -55,8 +39,8 @@ def to(north_m: float, east_m: float) -> Waypoint:
         ),  # it leaves the circle anywhere
         ([to(0.0, 10.0), GoRound(Point(60.0, 0.0), 1.0)], "item 2 is outside the fence"),
         ([to(0.0, 10.0), Waypoint(Offset(90.0, 0.0)), to(60.0, 60.0)], ""),  # from wherever its leg begins
-        ([Waypoint(FRAME.to_global(Point(60.0, 0.0)))], "item 1 is outside the fence"),
-        ([Waypoint(FRAME.to_global(Point(60.0, 60.0)))], ""),
+        ([Waypoint(place(60.0, 0.0))], "item 1 is outside the fence"),
+        ([Waypoint(place(60.0, 60.0))], ""),
     ],
 )
 def test_what_leaves_the_fence_is_found_and_told_once(steps: list[Step], fault: str) -> None:
@@ -80,7 +64,7 @@ def test_the_way_is_looked_at_across_two_ticks() -> None:
 
 def test_another_mission_fence_or_frame_is_looked_at_from_the_beginning() -> None:
     texts: list[StatusText] = []
-    check, fence = MissionCheck(texts), fenced(WATER)
+    check, fence = MissionCheck(texts), laid(L_WATER)
     bad, good = (Home(), to(90.0, 0.0)), (Home(), to(0.0, 0.0))
     check.advance(bad, fence, FRAME)
     assert check.fault
@@ -90,7 +74,7 @@ def test_another_mission_fence_or_frame_is_looked_at_from_the_beginning() -> Non
     fence.update(FRAME, None, FenceSetting())
     check.advance(good, fence, FRAME)
     assert len(texts) == 2
-    fence.set_areas([WATER])
+    fence.set_areas([L_WATER])
     fence.update(FRAME, None, FenceSetting())
     check.advance(good, fence, FRAME)
     assert not check.fault

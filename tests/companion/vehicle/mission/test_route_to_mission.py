@@ -1,42 +1,30 @@
 """The way onto a mission: straight where the water allows it, else round the shore."""
 
-from collections.abc import Sequence
-
 import pytest
 from boat_rig import FRAME, nav_at, place
+from fence_rig import box
+from laid_fence import L_WATER, area, circle, laid, square
 from mode_inputs import around
 
 from companion.config.boat_config import BoatConfig
-from companion.config.tuning import FenceSetting
 from companion.core.geo import Point
 from companion.core.intent import FollowLeg, HoldCourse, Intent, KeepStation
 from companion.core.status_text import StatusText
-from companion.geofence.fence import Fence, FenceArea, FenceCircle, FencePolygon
+from companion.geofence.fence import FenceArea
 from companion.vehicle.mission.progress import MissionProgress
 from companion.vehicle.mission.route_to_mission import RouteToMission
 from companion.vehicle.mission.steps import Home, SetSpeed, Waypoint
 from companion.vehicle.return_route import ReturnRoute
 
 CONFIG = BoatConfig()
-CORNERS = [(-15.0, -15.0), (-15.0, 75.0), (75.0, 75.0), (75.0, 45.0), (15.0, 45.0), (15.0, -15.0)]
 
 
 class Boat:
-    """At a place in an L of water or of `areas`, with a mission of one waypoint."""
+    """At a place inside a fence, with a mission of one waypoint."""
 
-    def __init__(
-        self,
-        here: Point,
-        end: tuple[float, float],
-        areas: Sequence[tuple[Sequence[tuple[float, float]], bool]] = ((CORNERS, True),),
-    ) -> None:
+    def __init__(self, here: Point, end: tuple[float, float], *areas: FenceArea) -> None:
         self.texts: list[StatusText] = []
-        fence = Fence()
-        fence.set_areas(
-            [FencePolygon(tuple(place(*corner) for corner in ring), is_held) for ring, is_held in areas]
-        )
-        fence.update(FRAME, None, FenceSetting())
-        surroundings = around(fence)
+        surroundings = around(laid(*areas))
         self.surroundings = surroundings
         route = ReturnRoute(surroundings, [])
         self.nav = nav_at(*here)
@@ -63,7 +51,7 @@ class Boat:
 
 @pytest.mark.parametrize("here", [Point(0.0, 0.0), Point(13.5, 0.0)])
 def test_a_way_over_land_is_sailed_round_by_the_water(here: Point) -> None:
-    boat = Boat(here, (60.0, 60.0))
+    boat = Boat(here, (60.0, 60.0), L_WATER)
     _, first = boat.sail()
     assert first == KeepStation(here), "until the way is known"
     boat.prepare()
@@ -84,24 +72,16 @@ def test_a_way_over_land_is_sailed_round_by_the_water(here: Point) -> None:
 def test_a_narrow_passage_is_taken_where_the_straight_line_leaves_the_water(
     end: tuple[float, float], text: str
 ) -> None:
-    water = [(-20.0, -50.0), (-20.0, 50.0), (80.0, 50.0), (80.0, -50.0)]
-    walls = [[(20.0, e), (20.0, far), (24.0, far), (24.0, e)] for e, far in ((-2.0, -60.0), (2.0, 60.0))]
-    boat = Boat(Point(0.0, 0.0), end, areas=[(water, True), *((wall, False) for wall in walls)])
+    walls = [area(box(20.0, *ends), is_inclusion=False) for ends in ((-60.0, 24.0, -2.0), (2.0, 24.0, 60.0))]
+    boat = Boat(Point(0.0, 0.0), end, area(box(-20.0, -50.0, 80.0, 50.0)), *walls)
     boat.prepare()
     boat.sail()
     assert [said.text for said in boat.texts] == [text]
 
 
-SQUARE = FencePolygon(tuple(place(n, e) for n, e in ((-50, -50), (-50, 50), (50, 50), (50, -50))), True)
-ISLAND = FenceCircle(place(0.0, 20.0), 5.0, is_inclusion=False)
-
-
-def is_open(here: tuple[float, float], end: tuple[float, float], *areas: FenceArea) -> bool:
+def is_open(here: tuple[float, float], end: tuple[float, float], island: FenceArea) -> bool:
     """Whether the mission's own leg is sailed, with the water not indexed as yet."""
-    fence, nav = Fence(), nav_at(*here)
-    fence.set_areas([SQUARE, *areas])
-    fence.update(FRAME, None, FenceSetting())
-    surroundings = around(fence)
+    nav, surroundings = nav_at(*here), around(laid(square(50.0), island))
     progress = MissionProgress()
     progress.replace((Home(), SetSpeed(1.0), Waypoint(place(*end))))
     wanted = progress.update(nav, FRAME, CONFIG, 0.0)
@@ -133,15 +113,12 @@ def test_the_straight_line_is_open_where_it_keeps_the_clearance_once_the_berth_i
     centre = (0.0, 20.0)
     for _ in range(turn):
         here, end, centre = (-here[1], here[0]), (-end[1], end[0]), (-centre[1], centre[0])
-    island = FenceCircle(place(*centre), 5.0, is_inclusion=False)
-    assert is_open(here, end, island) is expected
+    assert is_open(here, end, circle(*centre, 5.0)) is expected
 
 
 def test_what_is_no_leg_or_does_not_begin_at_the_boat_is_left_as_it_is() -> None:
-    fence = Fence()
-    fence.set_areas([SQUARE, ISLAND])
-    fence.update(FRAME, None, FenceSetting())
-    route, progress = RouteToMission(around(fence), []), MissionProgress()
+    surroundings = around(laid(square(50.0), circle(0.0, 20.0, 5.0)))
+    route, progress = RouteToMission(surroundings, []), MissionProgress()
     station, nav = KeepStation(Point(1.0, 2.0)), nav_at(0.0, -40.0)
     assert route.update(station, progress, nav, CONFIG, 0.0) is station
     progress.replace((Home(), Waypoint(place(0.0, 40.0))))
@@ -155,7 +132,7 @@ def test_what_is_no_leg_or_does_not_begin_at_the_boat_is_left_as_it_is() -> None
 
 
 def test_what_is_seen_on_the_way_to_the_first_waypoint_leads_to_another_route() -> None:
-    boat = Boat(Point(0.0, 0.0), (60.0, 0.0), ()).prepare()
+    boat = Boat(Point(0.0, 0.0), (60.0, 0.0)).prepare()
     wanted, sailed = boat.sail()
     assert sailed is wanted
     for east_m in range(-30, 40):
@@ -175,7 +152,7 @@ def test_what_is_seen_on_the_way_to_the_first_waypoint_leads_to_another_route() 
 
 
 def test_what_is_rounded_within_sight_is_left_to_the_local_planner() -> None:
-    boat = Boat(Point(0.0, 0.0), (60.0, 0.0), ()).prepare()
+    boat = Boat(Point(0.0, 0.0), (60.0, 0.0)).prepare()
     boat.sail()
     boat.see(0)
     for second in range(1, 5):
@@ -184,7 +161,7 @@ def test_what_is_rounded_within_sight_is_left_to_the_local_planner() -> None:
 
 
 def test_a_corner_that_the_local_planner_has_passed_is_not_sailed_back_to() -> None:
-    boat = Boat(Point(0.0, 0.0), (60.0, 0.0), ()).prepare()
+    boat = Boat(Point(0.0, 0.0), (60.0, 0.0)).prepare()
     boat.sail()
     boat.see(0)
     for now_s in (1.0, 1.1, 1.2, 1.3):
@@ -195,7 +172,7 @@ def test_a_corner_that_the_local_planner_has_passed_is_not_sailed_back_to() -> N
 
 
 def test_after_the_first_leg_what_was_seen_is_left_to_the_local_planner() -> None:
-    boat = Boat(Point(0.0, 0.0), (60.0, 0.0), ()).prepare()
+    boat = Boat(Point(0.0, 0.0), (60.0, 0.0)).prepare()
     boat.progress.begin_leg_at(Point(0.0, 0.0))
     boat.see(0)
     wanted, sailed = boat.sail()
