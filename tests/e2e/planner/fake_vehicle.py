@@ -10,11 +10,17 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from patience import MOMENT_S
 from pymavlink.dialects.v20 import all as dialect
 
+from companion.core.geo import LatLon, LocalFrame, Point
+from mission_tools.mission.mission import Mission, MissionItem
+from mission_tools.mission.plan_file import save_mission
+
+FRAME = LocalFrame(LatLon(50.0, -1.2))
 HOLD, AUTO = 4, 10
 METRES_PER_E7 = 0.0111319
 TICK_S = 0.05
@@ -246,3 +252,16 @@ def fake_vehicle(behaviour: Behaviour | None = None) -> Iterator[FakeVehicle]:
         yield vehicle
     finally:
         vehicle.close()
+
+
+def link(vehicle: FakeVehicle, patience_s: int = 20) -> list[str]:
+    """How the planner's programs are told to find it."""
+    return ["--connect", f"tcp:127.0.0.1:{vehicle.port}", "--patience", str(patience_s)]
+
+
+def zigzag_plan(folder: Path) -> str:
+    """A mission file of six waypoints, 30 m apart."""
+    points = [Point(30.0 * number, 10.0 * (number % 2)) for number in range(7)]
+    home, *items = (MissionItem.at(FRAME.to_global(point)) for point in points)
+    save_mission(Mission(tuple(items), home.place), folder / "zigzag.plan")
+    return str(folder / "zigzag.plan")

@@ -8,34 +8,18 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from fake_vehicle import Behaviour, FakeVehicle, fake_vehicle
+from fake_vehicle import Behaviour, fake_vehicle, link, zigzag_plan
 from pymavlink.dialects.v20 import all as dialect
 
-from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.cli.upload import run_program
-from mission_tools.mission.mission import Mission, MissionItem
-from mission_tools.mission.plan_file import save_mission
 
 pytestmark = pytest.mark.realtime
-
-FRAME = LocalFrame(LatLon(50.0, -1.2))
-
-
-def zigzag(count: int) -> Mission:
-    points = [Point(30.0 * number, 10.0 * (number % 2)) for number in range(count + 1)]
-    home, *items = (MissionItem.at(FRAME.to_global(point)) for point in points)
-    return Mission(tuple(items), home.place)
 
 
 @pytest.fixture
 def plan(tmp_path: Path) -> str:
     """A mission file of six waypoints."""
-    save_mission(zigzag(6), tmp_path / "zigzag.plan")
-    return str(tmp_path / "zigzag.plan")
-
-
-def link(vehicle: FakeVehicle, patience_s: int = 20) -> list[str]:
-    return ["--connect", f"tcp:127.0.0.1:{vehicle.port}", "--patience", str(patience_s)]
+    return zigzag_plan(tmp_path)
 
 
 def test_a_mission_is_uploaded_started_and_followed_by_a_planner_that_is_no_ground_station(

@@ -4,9 +4,9 @@ import json
 from pathlib import Path
 
 import pytest
-from fake_vehicle import FakeVehicle, fake_vehicle
+from fake_vehicle import FRAME, FakeVehicle, fake_vehicle, link
 
-from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.geo import Point
 from mission_tools.cli.download import run_program as run_download
 from mission_tools.cli.upload import run_program as run_upload
 from mission_tools.mission.mission import Fence, FencePolygon, Mission, MissionItem, Rally
@@ -14,7 +14,6 @@ from mission_tools.mission.plan_file import load_mission, save_mission
 
 pytestmark = pytest.mark.realtime
 
-FRAME = LocalFrame(LatLon(50.0, -1.2))
 CORNERS = tuple(FRAME.to_global(point) for point in (Point(-50, -50), Point(250, -50), Point(250, 90)))
 
 
@@ -30,10 +29,6 @@ def plan(tmp_path: Path) -> str:
     """Three waypoints, a fence and a rally point."""
     save_mission(mission(Point(0, 0), Point(30, 0), Point(60, 10), Point(90, 0)), tmp_path / "a.plan")
     return str(tmp_path / "a.plan")
-
-
-def link(vehicle: FakeVehicle) -> list[str]:
-    return ["--connect", f"tcp:127.0.0.1:{vehicle.port}", "--patience", "20"]
 
 
 def transfers(vehicle: FakeVehicle) -> int:

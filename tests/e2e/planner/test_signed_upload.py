@@ -4,26 +4,14 @@ import json
 from pathlib import Path
 
 import pytest
-from fake_vehicle import Behaviour, fake_vehicle
+from fake_vehicle import Behaviour, fake_vehicle, link, zigzag_plan
 
-from companion.core.geo import LatLon, LocalFrame, Point
 from companion.mavlink.signing_key import SigningKey
 from mission_tools.cli.upload import run_program
-from mission_tools.mission.mission import Mission, MissionItem
-from mission_tools.mission.plan_file import save_mission
 
 pytestmark = pytest.mark.realtime
 
 KEY = SigningKey.from_passphrase("correct horse").reveal()
-FRAME = LocalFrame(LatLon(50.0, -1.2))
-
-
-@pytest.fixture
-def plan(tmp_path: Path) -> str:
-    """A mission file of six waypoints."""
-    home, *items = (MissionItem.at(FRAME.to_global(Point(30.0 * n, 10.0 * (n % 2)))) for n in range(7))
-    save_mission(Mission(tuple(items), home.place), tmp_path / "zigzag.plan")
-    return str(tmp_path / "zigzag.plan")
 
 
 def key_file(folder: Path, passphrase: str = "correct horse") -> str:  # noqa: S107 - of a test
@@ -34,12 +22,11 @@ def key_file(folder: Path, passphrase: str = "correct horse") -> str:  # noqa: S
 
 
 def test_a_signed_mission_is_uploaded_started_and_followed(
-    plan: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with fake_vehicle(Behaviour(sign_key=KEY)) as vehicle:
-        link = ["--connect", f"tcp:127.0.0.1:{vehicle.port}", "--patience", "60"]
         options = ["--sign-key", key_file(tmp_path), "--start", "--follow", "--json"]
-        assert run_program([plan, *link, *options]) == 0
+        assert run_program([zigzag_plan(tmp_path), *link(vehicle, 60), *options]) == 0
         parser = vehicle._parser
         assert parser.signing.goodsig_count > 10
         assert parser.signing.badsig_count == parser.signing.reject_count == 0
@@ -56,11 +43,11 @@ def test_a_signed_mission_is_uploaded_started_and_followed(
     ],
 )
 def test_keys_that_do_not_fit_are_told_with_3(
-    plan: str, tmp_path: Path, passphrase: str, vehicle_key: bytes | None, told: str,
+    tmp_path: Path, passphrase: str, vehicle_key: bytes | None, told: str,
     capsys: pytest.CaptureFixture[str],
 ) -> None:  # fmt: skip
     with fake_vehicle(Behaviour(sign_key=vehicle_key)) as vehicle:
-        link = ["--connect", f"tcp:127.0.0.1:{vehicle.port}", "--patience", "10"]
-        assert run_program([plan, *link, "--sign-key", key_file(tmp_path, passphrase)]) == 3
+        options = ["--sign-key", key_file(tmp_path, passphrase)]
+        assert run_program([zigzag_plan(tmp_path), *link(vehicle, 10), *options]) == 3
     assert told in capsys.readouterr().err
     assert vehicle.mission == []
