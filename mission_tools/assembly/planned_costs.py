@@ -55,20 +55,21 @@ def cheapest(chart: Chart, found: Plan, stops: Sequence[Point], options: PlanOpt
 
 def _travel(chart: Chart, route: Sequence[Point], options: PlanOptions) -> Travel:
     current = STILL_WATER if options.current is None else open_current(options.current, chart.frame)
-    speed = BoatSpeed(over_ground_m_s=options.speed_m_s or BoatSpeed().over_ground_m_s)
-    travel: TravelTime | Charge = TravelTime(speed, current)
-    if options.boat is not None:
+    boat = None
+    if options.boat is None:
+        speed = BoatSpeed(over_ground_m_s=options.speed_m_s or BoatSpeed().over_ground_m_s)
+    else:
         from mission_tools.costs.boat import load_boat  # noqa: PLC0415 - seldom needed
 
         boat = load_boat(options.boat)
         speed = boat.speed(options.speed_m_s)
-        travel = TravelTime(speed, current)
-        if options.least == "charge":
-            if not boat.knows_its_draw:
-                raise UsageError(f"--least charge: {options.boat} does not say battery.cruise_a")
-            travel = Charge(speed, boat.drawn_a, current)
-    elif options.least == "charge":
-        raise UsageError("--least charge: add --boat BOAT.toml, which says what the boat draws")
+    travel: TravelTime | Charge = TravelTime(speed, current)
+    if options.least == "charge":
+        if boat is None:
+            raise UsageError("--least charge: add --boat BOAT.toml, which says what the boat draws")
+        if not boat.knows_its_draw:
+            raise UsageError(f"--least charge: {options.boat} does not say battery.cruise_a")
+        travel = Charge(speed, boat.drawn_a, current)
     zones = speed_zones(chart)
     slowed: Travel = InZones(travel, zones) if zones else travel
     if options.open_water_m is None:

@@ -259,9 +259,7 @@ class MapSource:
         """
         usual = self._usual_start
         if here is None:
-            if usual is None and self._wishes.starts_anywhere:
-                return None
-            if usual is None:
+            if usual is None and not self._wishes.starts_anywhere:
                 asking = "mission-upload without --dry-run asks the boat"
                 raise UsageError(f"no start: add --start-at LAT,LON ({asking})")
             return usual

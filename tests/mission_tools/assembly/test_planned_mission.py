@@ -113,6 +113,14 @@ def test_a_route_of_least_time_keeps_its_stops_and_says_its_own_clearance() -> N
     assert found.notes[-1].startswith("takes 1 min 01 s in this current; ")
 
 
+def test_a_boat_that_is_faster_than_usual_may_be_asked_for_its_speed_in_a_current(tmp_path: Path) -> None:
+    (tmp_path / "fast.toml").write_text("[handling]\ntop_speed_m_s = 5.0\n")
+    options = PlanOptions(speed_m_s=4.0, boat=str(tmp_path / "fast.toml"), current="0.1,90")
+    found = MapSource("sea", open_source(), options).prepare().plan
+    assert found is not None
+    assert found.notes[-1].startswith("takes 50 s in this current; ")
+
+
 def test_a_stretch_of_a_shore_is_followed_from_its_first_end_to_its_last() -> None:
     chart = build_chart("pond", LocalFrame(POND), shapely.box(-100.0, -100.0, 100.0, 100.0), ())
     ends = [chart.frame.to_global(Point(north_m, -100.0)) for north_m in (-50.0, 0.0, 50.0)]
