@@ -11,6 +11,7 @@ from companion.boat import Boat
 from companion.config.boat_config import LinkConfig
 from companion.core.errors import ConfigError
 from companion.core.storage import MemoryStorage
+from companion.links.interfaces import Link
 from companion.links.memory import memory_pair
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
@@ -30,7 +31,17 @@ class MeteredPeer(Peer):
     sent_bytes = 0
     got_bytes = 0
     answers = False
-    delay_s = 0.0
+
+    def __init__(self, link: Link, address: Address) -> None:
+        super().__init__(link, address)
+        receive = link.receive
+
+        def count() -> list[bytes]:
+            chunks = receive()
+            self.got_bytes += sum(map(len, chunks))
+            return chunks
+
+        link.receive = count  # type: ignore[method-assign]
 
     def send_raw(self, data: bytes) -> None:
         self.sent_bytes += len(data)
@@ -40,18 +51,12 @@ class MeteredPeer(Peer):
         self.send_raw(self._encoder.encode(message))
 
     def listen(self) -> list[Message]:
-        chunks = self.link.receive()
-        self.got_bytes += sum(len(chunk) for chunk in chunks)
-        new = [r.message for chunk in chunks for r in self._decoder.feed(chunk)]
-        known = [one.get_type() for one in self.heard]
-        self.heard += new
+        new = super().listen()
         for message in new:
             is_question = (
-                (message.target_system, message.target_component) == (0, 0)
-                if (message.get_type() == "PING")
-                else False
+                message.get_type() == "PING" and message.target_system == message.target_component == 0
             )
-            if self.answers and is_question and "HEARTBEAT" in known + [one.get_type() for one in new]:
+            if self.answers and is_question and self._by_name["HEARTBEAT"]:
                 self.send(dialect.MAVLink_ping_message(message.time_usec, message.seq, *BOAT))
         return new
 
