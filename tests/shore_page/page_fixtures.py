@@ -36,7 +36,7 @@ def shared(
 @pytest.fixture(scope="module")
 def shore(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> ShoreBoat:
     """The boat of all tests that leave it near its home."""
-    return shared(request, _BOAT, lambda: contextmanager(boat_at_sea)(tmp_path_factory, "--speedup", "5"))
+    return shared(request, _BOAT, lambda: contextmanager(boat_at_sea)(tmp_path_factory, "--speedup", "2"))
 
 
 @pytest.fixture
@@ -68,6 +68,7 @@ def visit(shore: ShoreBoat, browser: Browser) -> Iterator[Visit]:
             ending.callback(context.close)
             context.set_default_timeout(WAIT_MS)
             page = context.new_page()
+            page.emulate_media(reduced_motion="reduce")  # else Chromium draws the link's pulse all the time
             page.on("pageerror", lambda error: complaints.append(str(error)))
             page.goto(address or shore.address)
             return page

@@ -31,7 +31,6 @@ BOAT = FRAME.to_global(Point(-100.0, -100.0))
 
 pytest_plugins = ("page_fixtures",)
 pytestmark = [pytest.mark.realtime, needs_chromium]
-both_sizes = pytest.mark.parametrize("page", ["phone", "desktop"], indirect=True)
 
 
 @pytest.fixture(scope="module")
@@ -147,7 +146,7 @@ def colour(page: Page, x: float, y: float) -> tuple[int, int, int]:
     return red, green, blue
 
 
-@both_sizes
+@pytest.mark.parametrize("page", ["desktop"], indirect=True)  # the others have a phone
 def test_a_tap_tells_its_place_within_a_tenth_of_a_metre(page: Page) -> None:
     show_pond(page)
     show(page, "showState", state())

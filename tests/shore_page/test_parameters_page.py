@@ -79,10 +79,11 @@ def test_a_parameter_is_found_by_its_text_changed_and_set_back(
     expect(row.get_by_role("status")).to_contain_text("✓ CRUISE_SPEED is now")
     assert on_board(station, "CRUISE_SPEED") == pytest.approx(default)
     expect(row.locator("summary")).not_to_contain_text("changed")
+    set_choices_and_bits(page, station)
 
 
-def test_choices_and_bits_are_named(visit: Visit, shore: ShoreBoat, station: MavutilStation) -> None:
-    page = open_panel(skipper(visit, shore))
+def set_choices_and_bits(page: Page, station: MavutilStation) -> None:
+    """By their names."""
     row = find(page, "log_disarmed")
     choice = row.get_by_label("Value")
     before = int(choice.input_value())

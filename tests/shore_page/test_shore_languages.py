@@ -85,7 +85,11 @@ def page(browser: Browser, foreign_page: str) -> Iterator[Page]:
     """A visitor who reads xx, and no English."""
     phone = SIZES["phone"]
     context = browser.new_context(
-        viewport={"width": phone.width, "height": phone.height}, has_touch=True, is_mobile=True, locale="xx"
+        viewport={"width": phone.width, "height": phone.height},
+        has_touch=True,
+        is_mobile=True,
+        locale="xx",
+        reduced_motion="reduce",
     )
     context.set_default_timeout(WAIT_MS)
     expect.set_options(timeout=WAIT_MS)

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.realtime
 
 
 def test_the_boat_does_not_notice_that_the_page_dies_and_ctrl_c_leaves_nothing_behind(tmp_path: Path) -> None:
-    boat = start_shore(tmp_path / "room", "--count", "2")
+    boat = start_shore(tmp_path / "room")
     try:
         with urllib.request.urlopen(boat.address) as answer:  # noqa: S310
             assert answer.status == 200

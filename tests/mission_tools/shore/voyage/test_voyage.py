@@ -24,9 +24,10 @@ READER = [sys.executable, "-m", "mission_tools.shore.voyage"]
 
 @pytest.fixture(scope="module")
 def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Of a boat that sailed a mission."""
+    """Of a boat that sailed the end of a mission, for a minute."""
     file = tmp_path_factory.mktemp("log") / "sail.bin"
-    command = [sys.executable, "-m", "sitl", "sail", "lake", "--log", str(file)]
+    near = "50.0012,-1.1980"
+    command = [sys.executable, "-m", "sitl", "sail", "lake", "--start", near, "--log", str(file)]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return file
 
