@@ -4,7 +4,6 @@ import math
 from pathlib import Path
 
 import pytest
-from boat_rig import Rig
 from twins.battery import Ina219Twin
 from twins.i2c import AMG, CONFIG, NDOF, Bno055Twin, I2cDev, plug_in
 from twins.lines import HandClock, known
@@ -14,7 +13,6 @@ from companion.config.actuators import Pca9685Part, PulseOutputSetting
 from companion.config.sensors import BatteryPart, CompassPart, ProbePart
 from companion.core.errors import HardwareError
 from companion.core.generations import ProfileFile
-from companion.core.state import MotorCommand
 from companion.hal.battery import open_battery_monitor
 from companion.hal.heading import magnetic_compass
 from companion.hal.heading.bno055 import Bno055, Bno055Compass, open_bno055
@@ -254,21 +252,3 @@ def test_a_damaged_profile_is_not_given_to_the_part(
     kept.save(LEARNED[::-1])
     path.write_bytes(b"")
     assert kept.load() == LEARNED
-
-
-def test_the_boat_lets_the_part_pause_while_its_motors_are_off() -> None:
-    class Resting:
-        may_pause = False
-
-        def read(self) -> None:
-            pass
-
-        def close(self) -> None:
-            pass
-
-    compass = Resting()
-    rig = Rig(compass=compass)
-    rig.run(0.1)
-    assert compass.may_pause
-    rig.boat.sensors.read(rig.config, 1.0, MotorCommand(0.5, 0.0))
-    assert not compass.may_pause

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from boat_rig import BOAT, PLANNER
+from boat_rig import PLANNER
 from log_rig import MemorySink, OpenRig
 from pymavlink import mavutil
 
@@ -13,8 +13,6 @@ from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
 
 pytest_plugins = ("log_fixtures",)
-
-KEY = bytes(range(32))
 
 
 def read_tlog(path: Path) -> list[object]:
@@ -69,17 +67,6 @@ def test_no_more_than_so_many_are_kept_at_a_time(open_rig: OpenRig, tmp_path: Pa
         rig.connect(Address(100 + number, 1))
     rig.run(0.2)
     assert len(telemetry(rig.store.files)) == 16
-
-
-def test_a_key_is_never_logged(open_rig: OpenRig, tmp_path: Path) -> None:
-    setup = dialect.MAVLink_setup_signing_message(*BOAT, KEY, 5)
-    rig = open_rig(tmp_path, keeps_telemetry=True)
-    rig.run(0.1)
-    rig.peer.send(setup)
-    rig.run(0.5)
-    rig.boat.close()
-    for file in rig.store.files:
-        assert KEY[:8] not in (tmp_path / file.name).read_bytes()
 
 
 def test_frames_are_handed_over_each_second_and_when_there_are_many() -> None:

@@ -7,13 +7,13 @@ from typing import Any
 
 import msgspec
 import pytest
-from boat_rig import FAILED, OK, Rig
+from boat_rig import FAILED, OK
 from log_rig import LogRig, read_log
 
 from companion.autopilot.sensor_suite import READ_S
 from companion.boat import Boat
 from companion.core.modes import Mode
-from companion.core.readings import BatteryReading, HeadingReading, ProbeReading
+from companion.core.readings import BatteryReading, HeadingReading
 from companion.mavlink.dialect import dialect
 
 pytestmark = pytest.mark.slow
@@ -188,26 +188,6 @@ def test_a_bottom_is_believed_for_five_seconds_without_an_echo(rig: SilentRig) -
     rig.run(1.0)
     assert rig.boat.sensors.depth is not None
     assert rig.boat.sensors.bottom is None
-
-
-def test_a_silent_probe_has_no_value() -> None:
-    class Probe:
-        latest: ProbeReading | None = None
-
-        def read(self) -> ProbeReading | None:
-            return self.latest
-
-        def close(self) -> None:
-            pass
-
-    settings = ("vehicle.probe=[{name='ph', driver='file', path='/x', timeout_s=2.0}]",)
-    probe = Probe()
-    rig = Rig("open", *settings, probes=(probe,))
-    probe.latest = ProbeReading(0.0, "ph", 7.0)
-    rig.run(1.9)
-    assert rig.boat.sensors.probes == [probe.latest]
-    rig.run(0.3)
-    assert rig.boat.sensors.probes == []
 
 
 def test_limits_are_those_of_the_configuration(tmp_path: Path) -> None:

@@ -219,3 +219,30 @@ def test_the_helm_is_free_when_its_stations_link_has_closed(rig: Rig) -> None:
     rig.receive()
     other.send(sticks(0, -500))
     assert taken(rig) == ManualControl(-0.5, 0.0)
+
+
+def test_the_first_hand_has_the_helm_until_it_is_stale_and_the_second_is_told_once(rig: Rig) -> None:
+    other = rig.connect(PLANNER)
+    for _ in range(10):
+        rig.peer.send(sticks(0, 500))
+        other.send(sticks(0, -500))
+        assert taken(rig) == ManualControl(0.5, 0.0)
+        rig.run(0.2)
+    assert [text for text in other.texts if "Helm" in text] == [
+        "Helm: 255/190 has it, your sticks are ignored"
+    ]
+    assert not any("Helm" in text for text in rig.peer.texts)
+    rig.run(rig.config.failsafe.manual_timeout_s + 0.1)
+    other.send(sticks(0, -500))
+    assert taken(rig) == ManualControl(-0.5, 0.0)
+    for peer in (rig.peer, other):
+        assert f"Helm: {PLANNER.system}/{PLANNER.component} took over from 255/190" in peer.texts
+
+
+def test_an_override_released_lets_go_at_once(rig: Rig) -> None:
+    other = rig.connect(PLANNER)
+    rig.peer.send(override(1500, 1800))
+    rig.peer.send(override(RELEASE, RELEASE))
+    rig.receive()
+    other.send(sticks(0, 300))
+    assert taken(rig).throttle == 0.3
