@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from aiohttp import web
 from page_rig import needs_chromium
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, ConsoleMessage, Error, Page, ViewportSize
 
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from mission_tools.shore.chart import WaterChart, Way
@@ -23,8 +23,8 @@ ROOT = HERE.parents[1]
 PAGE = ROOT / "mission_tools" / "shore" / "page"
 MAPS = ROOT / "examples" / "maps"
 POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'"
-PHONE = {"width": 390, "height": 844}
-DESKTOP = {"width": 1280, "height": 800}
+PHONE: ViewportSize = {"width": 390, "height": 844}
+DESKTOP: ViewportSize = {"width": 1280, "height": 800}
 PATIENCE_MS = 60_000
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 BOAT = FRAME.to_global(Point(-100.0, -100.0))
@@ -75,26 +75,46 @@ def address() -> Iterator[str]:
     loop.close()
 
 
+class Screen:
+    """A page, and what the browser has complained of there."""
+
+    def __init__(self, page: Page) -> None:
+        self.page = page
+        self.faults: list[str] = []
+        page.set_default_timeout(PATIENCE_MS)
+        page.on("pageerror", self.on_error)
+        page.on("console", self.on_line)
+
+    def on_error(self, error: Error) -> None:
+        self.faults.append(str(error))
+
+    def on_line(self, line: ConsoleMessage) -> None:
+        if line.type == "error":
+            self.faults.append(line.text)
+
+
+@pytest.fixture(scope="module")
+def screens(browser: Browser) -> Iterator[dict[str, Screen]]:
+    """One on a phone and one on a desktop, for all tests."""
+    contexts = {
+        "phone": browser.new_context(viewport=PHONE, device_scale_factor=3, has_touch=True),
+        "desktop": browser.new_context(viewport=DESKTOP),
+    }
+    yield {size: Screen(context.new_page()) for size, context in contexts.items()}
+    for context in contexts.values():
+        context.close()
+
+
 @pytest.fixture
-def page(request: pytest.FixtureRequest, browser: Browser, address: str) -> Iterator[Page]:
+def page(request: pytest.FixtureRequest, screens: dict[str, Screen], address: str) -> Iterator[Page]:
     """The chart with the boat on it and no map yet, on a phone, or where asked for on a desktop."""
-    is_phone = getattr(request, "param", "phone") == "phone"
-    context = browser.new_context(
-        viewport=PHONE if is_phone else DESKTOP,  # type: ignore[arg-type]
-        device_scale_factor=3 if is_phone else 1,
-        has_touch=is_phone,
-    )
-    context.set_default_timeout(PATIENCE_MS)
-    opened = context.new_page()
-    faults: list[str] = []
-    opened.on("pageerror", lambda error: faults.append(str(error)))
-    opened.on("console", lambda line: faults.append(line.text) if line.type == "error" else None)
-    opened.goto(f"{address}/rig/chart_rig.html")
-    opened.wait_for_function("() => window.chart !== undefined && window.draws > 0")
-    yield opened
-    context.close()
-    faults = [fault for fault in faults if "favicon" not in fault and "404" not in fault]
-    assert faults == []
+    screen = screens[getattr(request, "param", "phone")]
+    page, faults = screen.page, screen.faults
+    faults.clear()
+    page.goto(f"{address}/rig/chart_rig.html")
+    page.wait_for_function("() => window.chart !== undefined && window.draws > 0")
+    yield page
+    assert [fault for fault in faults if "favicon" not in fault and "404" not in fault] == []
 
 
 def state(at: LatLon = BOAT, heading_deg: float | None = 40.0, **more: Any) -> dict[str, Any]:  # noqa: ANN401

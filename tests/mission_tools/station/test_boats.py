@@ -13,7 +13,6 @@ from shore_rig import UNIX_S, LossyEnd, Shore
 from companion.core.geo import Point
 from companion.links.memory import MemoryLink, memory_pair
 from companion.mavlink.dialect import dialect
-from companion.mavlink.items import MissionItem, MissionType
 from mission_tools.station import boats
 from mission_tools.station.boats import Boats
 from mission_tools.station.view import HANDLERS, View
@@ -89,34 +88,6 @@ def test_a_restarted_boat_is_asked_for_its_streams_again() -> None:
         seen.add(str(shore.snapshot().sonar))
     assert len(seen) > 8  # pings at the rate asked for
     assert shore.ask("arm").ok
-
-
-FENCE = [
-    MissionItem(frame=3, command=5001, param1=4.0, x=waypoint(n, e).x, y=waypoint(n, e).y)
-    for n, e in ((-50.0, -50.0), (-50.0, 90.0), (90.0, 90.0), (90.0, -50.0))
-]
-CIRCLE = MissionItem(frame=3, command=5004, param1=7.0, x=waypoint(70.0, 70.0).x, y=waypoint(70.0, 70.0).y)
-RALLY = MissionItem(frame=3, command=5100, x=waypoint(10.0, 10.0).x, y=waypoint(10.0, 10.0).y)
-
-
-def test_lists_are_downloaded_as_geojson() -> None:
-    rig = Rig().ready()
-    rig.upload([*FENCE, CIRCLE], mission_type=MissionType.FENCE)
-    rig.upload([RALLY], mission_type=MissionType.RALLY)
-    rig.upload([HOME_ITEM, waypoint(60.0, 0.0), waypoint(0.0, 0.0, command=178)])
-    shore = Shore(rig).ready()
-    polygon, circle = shore.features("fence")
-    assert polygon["properties"] == {"seq": 0, "command": 5001, "name": "inclusion"}
-    ring = polygon["geometry"]["coordinates"][0]
-    assert len(ring) == 5
-    assert ring[0] == ring[-1]
-    assert circle["properties"] == {"seq": 4, "command": 5004, "name": "exclusion", "radius_m": 7.0}
-    assert [one["properties"]["name"] for one in shore.features("rally")] == ["rally point"]
-    assert [one["properties"]["seq"] for one in shore.features("mission")] == [0, 1, 2]
-    seen = shore.snapshot()
-    assert seen.mission is not None
-    assert seen.fence is not None
-    assert (seen.mission.count, seen.fence.count) == (2, 5)
 
 
 def test_a_list_that_another_station_changes_gets_a_new_version() -> None:
