@@ -27,7 +27,7 @@ import sys
 import time
 import tomllib
 import traceback
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from importlib.machinery import ModuleSpec
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
@@ -112,6 +112,8 @@ OPTIONS = (
     "-q", "-x", "--no-header", "-p", "no:cacheprovider", "-p", "no:xdist",
     "-W", "ignore::pytest.PytestAssertRewriteWarning",  # Hypothesis is imported once for all mutants
 )  # fmt: skip
+IDLE_S = 120.0  # without any processor time: a test that waits for what a fault keeps away is ended
+POLL_S = 0.02
 KILLED, SURVIVED = 1, 0
 RECORDER = "record_call_of_mutation_baseline"  # among the builtins
 
@@ -267,11 +269,30 @@ def run_all(jobs: Sequence[tuple[Mutant, Callable[[], int]]], cpu_s: float, core
         while pending and len(running) < cores:
             mutant, work = pending.pop(0)
             running[fork(work, cpu_s)] = mutant
-        child, status = os.wait()
+        child, status = ended(running)
         mutant = running.pop(child)
         if status == SURVIVED:
             survived.add(mutant)
     return survived
+
+
+def ended(children: Collection[int]) -> tuple[int, int]:
+    """Wait for one of these processes; one that has used no processor time for IDLE_S is killed."""
+    used: dict[int, list[str]] = {}
+    looked_s = time.monotonic()
+    while True:
+        for child in children:
+            found, status = os.waitpid(child, os.WNOHANG)
+            if found:
+                return child, status
+        time.sleep(POLL_S)
+        if time.monotonic() - looked_s < IDLE_S:
+            continue
+        now = {child: Path(f"/proc/{child}/stat").read_text().split()[-39:-37] for child in children}
+        for child in children:
+            if used.get(child) == now[child]:
+                os.kill(child, signal.SIGKILL)
+        used, looked_s = now, time.monotonic()
 
 
 def in_child(work: Callable[[], object]) -> object:

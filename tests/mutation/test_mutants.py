@@ -1,6 +1,8 @@
 """The mutants are those that the rules say, and each changes what the code does."""
 
 import ast
+import importlib.util
+import threading
 from pathlib import Path
 
 import pytest
@@ -99,3 +101,18 @@ def test_a_fault_knows_the_outermost_function_that_holds_it(faults: list[Mutant]
     assert first["weight * 2"].startswith("def add")
     assert first["2.0"] == ""
     assert first["0.0"] == "", "a default is evaluated outside of its function"
+
+
+def test_a_test_that_waits_for_ever_is_ended(faults: list[Mutant], monkeypatch: pytest.MonkeyPatch) -> None:
+    spec = importlib.util.spec_from_file_location("program", Path(__file__).with_name("__main__.py"))
+    assert spec is not None
+    assert spec.loader is not None
+    program = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(program)
+    monkeypatch.setattr(program, "IDLE_S", 0.3)
+
+    def waits() -> int:
+        threading.Event().wait()
+        return 0
+
+    assert program.run_all([(faults[0], waits), (faults[1], lambda: 0)], 60.0, 1) == {faults[1]}
