@@ -9,6 +9,7 @@ from companion.config.boat_config import BoatConfig
 from companion.core import requests
 from companion.core.intent import FollowLeg, HoldCourse, KeepStation, Stop
 from companion.core.modes import Mode, mode_from_number
+from companion.core.readings import BatteryReading
 from companion.core.state import NavState
 from companion.core.status_text import Severity
 from companion.failsafe import actions
@@ -16,7 +17,7 @@ from companion.failsafe.actions import Trigger
 from companion.failsafe.inputs import BoardReadings
 from companion.geofence.fence import FenceCircle
 from companion.vehicle.failsafes import _carry_out as carry_out
-from companion.vehicle.mission.steps import Home, Mission, Waypoint
+from companion.vehicle.mission.steps import Home, Mission, MoveHome, Waypoint
 from companion.vehicle.vehicle import Vehicle
 
 MISSION: Mission = (Home(), Waypoint(place(50.0, 0.0)), Waypoint(place(50.0, 50.0)))
@@ -213,3 +214,31 @@ def test_a_rudder_that_turns_no_boat_is_noticed() -> None:
     for tenth in range(1, 60):
         tick(vehicle, replace(nav_at(), north_m_s=2.0, surge_m_s=2.0), 0.1 * tenth)
     assert "Failsafe: Steering lost: rudder or motor has no effect" in texts(vehicle)
+
+
+def test_the_charge_is_held_against_the_way_home_while_the_boat_sails() -> None:
+    vehicle = vehicle_at(mode=Mode.GUIDED)
+    vehicle.board = BoardReadings(consumed_mah=4900.0)
+    nav = replace(nav_at(500.0), north_m_s=1.0, surge_m_s=1.0)
+    for tenth in range(1, 380):
+        vehicle.update_state(nav, FRAME, GOOD_FIX, BatteryReading(0.1 * tenth, 12.6, 5.0), 0.1 * tenth)
+        vehicle.decide()
+    assert any(text.startswith("Failsafe: Point of no return") for text in texts(vehicle))
+
+
+def test_a_mission_moves_home() -> None:
+    vehicle = vehicle_at(mode=Mode.HOLD)
+    vehicle.set_mission((Home(), MoveHome(place(5.0, 6.0)), *MISSION[1:]))
+    vehicle.request(requests.StartMission())
+    tick(vehicle, nav_at(), 0.1)
+    assert vehicle.home == place(5.0, 6.0)
+
+
+def test_a_fault_of_the_program_puts_the_boat_on_hold_once_or_disarms_it() -> None:
+    vehicle = vehicle_at(mode=Mode.LOITER)
+    for told in (["A fault", "Mode HOLD: fault"], []):
+        vehicle.stop_on_fault("A fault", disarms=False)
+        assert (vehicle.mode, vehicle.armed, texts(vehicle)) == (Mode.HOLD, True, told)
+    for told in (["A fault", "Disarmed by the program"], []):
+        vehicle.stop_on_fault("A fault", disarms=True)
+        assert (vehicle.armed, texts(vehicle)) == (False, told)

@@ -207,6 +207,24 @@ def test_a_full_medium_is_told_and_the_boat_sails_on() -> None:
     assert rig.mode == "AUTO"
 
 
+def test_a_boat_that_was_on_its_way_home_by_rtl_is_offered_rtl_though_it_has_a_track() -> None:
+    rig = restarted()
+    voyage = json.loads(_stored()[FILE]) | {"mode": int(Mode.RTL)}
+    assert isinstance(rig.storage, MemoryStorage)
+    rig.storage.content[FILE] = json.dumps(voyage).encode()
+    rig.reboot()
+    rig.ready()
+    assert any(text.endswith("on the way home: arm and RTL to resume") for text in rig.peer.texts)
+
+
+def test_a_voyage_record_that_cannot_be_read_is_told() -> None:
+    storage, vehicle = MemoryStorage(), Vehicle(BoatConfig())
+    storage.content[FILE] = b"{"
+    VoyageResume(storage, vehicle)
+    (told,) = vehicle.data_losses.update(100.0)
+    assert told.startswith("Voyage record lost: ")
+
+
 @given(
     st.binary(max_size=80)
     | st.dictionaries(st.text(max_size=8), st.integers()).map(json.dumps).map(str.encode)
