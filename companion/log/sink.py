@@ -17,9 +17,6 @@ logger = logging.getLogger(__name__)
 
 _SYNC_EVERY = 4  # blocks: loss by a power cut against wear
 
-
-logger = logging.getLogger(__name__)
-
 Job = Callable[[], None]
 
 _MOST_BYTES = 1 << 20
