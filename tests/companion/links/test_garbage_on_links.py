@@ -104,31 +104,18 @@ def test_many_floods_at_once_share_what_one_would_have_and_a_station_is_heard_in
             assert total > TICK_LOOKS // 2, "and none is starved"
 
 
-def test_a_flood_is_read_no_further_until_the_next_tick_and_then_again() -> None:
+def test_a_flood_is_neither_read_nor_waited_for_until_the_next_tick_and_then_again() -> None:
     rig = Flooded(b"\xfd\x00\x00")
     rig.flood()
     rig.tick()
     assert not rig.channels.has_more, "the loop would spin"
+    assert rig.channels.filenos() == rig.descriptors[1:]
     before = rig.looks
     assert list(rig.channels.receive(0.0, ())) == []
     assert rig.looks == before
     list(rig.channels.receive(0.0, None))
     assert rig.looks > before
-
-
-def test_links_are_not_waited_on_while_their_tick_is_used_up() -> None:
-    link = NumberedLink("flood", is_datagram=False)
-    link.descriptor = 77
-    port = MemoryPort(link)
-    channels = Channels([port], BOAT)
-    channels.accept()
-    assert channels.filenos() == [77]
-    link._arrived.extend([b"\xfd\x00\x00" * 1365] * 16)
-    for call in range(20):
-        list(channels.receive(0.0, None if call == 0 else (77,)))
-    assert channels.filenos() == []
-    channels._begin_tick(0.0)
-    assert channels.filenos() == [77]
+    assert rig.channels.filenos() == rig.descriptors
 
 
 def test_a_call_hands_over_no_more_than_256_frames_and_64_of_a_link() -> None:
