@@ -229,7 +229,7 @@ class OnboardLog:
             counted = channel.counters
             yield r.MAV.pack(
                 us, number & 0xFF, counted.frames_out & 0xFFFF, counted.frames_in & 0xFFFF,
-                counted.lost + counted.bad_frames & 0xFFFF, 0, 0, channel.dropped & 0xFFFF,
+                counted.lost + counted.bad_frames & 0xFFFF, 0, 0, channel.queue.dropped & 0xFFFF,
             )  # fmt: skip
         if (timing := self.timing) is not None:
             late, ticks = timing.late - self._late, timing.run - self._ticks

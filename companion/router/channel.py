@@ -28,8 +28,8 @@ _FREE_PERCENT_AT = 6  # txbuf, behind two counters of errors and two signal stre
 
 
 class Channel:
-    """One link. tap, set by the telemetry log, receives every frame in and out, without signatures and
-    keys.
+    """One link. queue: of what waits for it. tap, set by the telemetry log, receives every frame in and out,
+    without signatures and keys.
     """
 
     def __init__(
@@ -65,27 +65,17 @@ class Channel:
         self._chunks: deque[bytes] = deque()
         self._filter = Filter(policy)
         self._budget = LineBudget(policy.bytes_s) if policy.bytes_s else None
-        self._queue = TxQueue(self._transmit, self._budget, policy.stale_s)
+        self.queue = TxQueue(self._transmit, self._budget, policy.stale_s)
 
     def set_guard(self, guard: SigningGuard) -> None:
         """Sign and check frames."""
         self.guard = guard
         self._is_confidential = guard.policy == "required" and not guard.has_verified
-        self._queue.overhead_bytes = SIGNATURE_LENGTH
+        self.queue.overhead_bytes = SIGNATURE_LENGTH
 
     def has_verified(self, frame: Frame, key: SigningKey | None) -> bool:
         """Whether an accepted frame bears a valid signature under this key."""
         return self.guard is not None and self.guard.verifies_with(key) and is_signed(frame.data)
-
-    @property
-    def dropped(self) -> int:
-        """Frames that the link did not take in time."""
-        return self._queue.dropped
-
-    @property
-    def waiting_bytes(self) -> int:
-        """Bytes waiting for the link."""
-        return self._queue.waiting_bytes
 
     @property
     def host(self) -> str:
@@ -172,7 +162,7 @@ class Channel:
         """Whether telemetry would be sent at once."""
         if self._is_confidential or self._limit is not None:
             return False
-        return self._queue.may_send(now_s)
+        return self.queue.may_send(now_s)
 
     def room_bytes(self, now_s: float) -> int:
         """Bulk data that may be sent now: with a rate limit, that of a tick."""
@@ -190,7 +180,7 @@ class Channel:
                 logger.exception("%s: %s cannot be packed", self.link.name, message.get_type())
             return
         if self._may_leave(message.get_msgId(), self.encoder.address.system, now_s):
-            self._queue.put(data, now_s)
+            self.queue.put(data, now_s)
 
     def forward(self, frame: Frame, source: "Channel", is_addressed: bool, now_s: float) -> None:
         """Send a frame of another channel unchanged, or drop it whole.
@@ -206,11 +196,11 @@ class Channel:
         counters.frames_out += 1
         counters.bytes_out += len(frame.data)
         if self._may_leave(frame.message_id, frame.sender.system, now_s):
-            self._queue.forward(frame.data, source.number, is_addressed, now_s)
+            self.queue.forward(frame.data, source.number, is_addressed, now_s)
 
     def drain(self, now_s: float) -> None:
         """Send waiting frames."""
-        self._queue.drain(now_s)
+        self.queue.drain(now_s)
 
     def _may_leave(self, message_id: int, system: int, now_s: float) -> bool:
         is_silent = self._is_confidential and message_id != _HEARTBEAT

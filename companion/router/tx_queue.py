@@ -136,7 +136,7 @@ class TxQueue:
 
     The boat's own frames are sent as soon as the link takes them; its telemetry asks `may_send` first.
     Forwarded frames use what the rate limit leaves. Frames that have waited for stale_s are dropped and
-    counted.
+    counted in `dropped`.
     """
 
     def __init__(self, send: Callable[[bytes], bool], budget: LineBudget | None, stale_s: float) -> None:

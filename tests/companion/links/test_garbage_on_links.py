@@ -148,4 +148,4 @@ def test_what_waits_for_a_slow_line_leaves_it_during_a_flood_on_other_links() ->
             far.send(b"\xfd\x00\x00" * 1365)
         assert len(slow.receive()) == 1
         list(channels.receive(0.0, None))
-    assert channels.open[11].waiting_bytes == 0
+    assert channels.open[11].queue.waiting_bytes == 0

@@ -54,4 +54,4 @@ def test_a_file_takes_its_share_and_leaves_room_for_telemetry() -> None:
     share, heard = radio.share_until("FILE_TRANSFER_PROTOCOL", blocks + 1, 12.0)
     assert LEAST_SHARE < share <= 1.05
     assert {"ATTITUDE", "GLOBAL_POSITION_INT", "HEARTBEAT"} <= {one.get_type() for one in heard}
-    assert radio.channel.dropped == 0
+    assert radio.channel.queue.dropped == 0

@@ -69,7 +69,7 @@ def test_frames_wait_for_a_full_link_and_stale_ones_are_dropped_whole_and_counte
     for number in range(8):
         channels.send(beat(number), 1)
     list(channels.receive(2.0))
-    assert channels.open[1].dropped == 3
+    assert channels.open[1].queue.dropped == 3
     assert heard(far) == [0, 1, 2, 3, 4]
 
 
