@@ -30,7 +30,6 @@ class Parts:
         self.events: list[str] = []
 
     def open(self, config: BoatConfig, now: Callable[[], float]) -> Hardware:
-        """What `run_boat` calls."""
         parts = Rig().hardware
         self.hardware = Hardware(self, parts.gnss, parts.compass)
         return self.hardware

@@ -24,13 +24,11 @@ class Loop:
         )
 
     def step(self, number: int) -> None:
-        """One tick that takes its time."""
         self.began_s.append(self.clock.time_s - 100.0)
         self.numbers.append(number)
         self.clock.time_s += self._work_s(len(self.numbers) - 1)
 
     def run(self, ticks: int) -> "Loop":
-        """Run until so many ticks are done."""
         self.runner.run(lambda: len(self.numbers) >= ticks)
         return self
 

@@ -78,7 +78,6 @@ class Boat:
             self.hold(heading, rate, heel(self.now_s))
 
     def tumble(self) -> None:
-        """In the hands, about all axes."""
         for step in range(3000):
             t = step * PERIOD_S
             self.hold(1.1 * t, 0.0, math.pi * math.sin(0.37 * t), 1.5 * math.sin(0.61 * t))

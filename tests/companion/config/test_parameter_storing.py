@@ -34,7 +34,6 @@ class SlowWorker(Executor):
         return Future()
 
     def tick(self) -> None:
-        """Time goes by."""
         self._left_s = self._left_s - TICK_S if self.jobs else WRITE_S
         if self._left_s < TICK_S / 2.0:
             self.jobs.popleft()()
@@ -52,20 +51,17 @@ class SlowRig(Rig):
         self.peer.forget()
 
     def step(self, ticks: int = 1) -> None:
-        """One tick of boat, water and medium."""
         for _ in range(ticks):
             super().step()
             self.worker.tick()
 
     def set(self, name: str, value: float) -> None:
-        """PARAM_SET, as it comes."""
         self.peer.send(
             dialect.MAVLink_param_set_message(*BOAT, name.encode(), value, dialect.MAV_PARAM_TYPE_REAL32)
         )
         self.receive()
 
     def answers(self) -> list[tuple[str, float]]:
-        """What has been answered."""
         return [(answer.param_id, answer.param_value) for answer in self.peer.said(VALUE)]
 
 

@@ -23,7 +23,6 @@ class Gyro:
         self.time_s = 0.0
 
     def read(self) -> HeadingReading:
-        """The reading of now."""
         self.time_s += 0.02
         return HeadingReading(self.time_s - 0.02, self.heading_rad, self.rate_rad_s)
 

@@ -25,7 +25,6 @@ class FakeProbe:
         self._latest: ProbeReading | None = None
 
     def read(self) -> ProbeReading | None:
-        """Called ten times a second."""
         time_s = 0.1 * self._looks
         self._looks += 1
         if not self.is_silent and (self._latest is None or time_s - self._latest.time_s >= self._period_s):
