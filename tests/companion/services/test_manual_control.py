@@ -78,19 +78,21 @@ def test_rc_override_is_read_around_the_centre(
     ],
     ids=str,
 )
-def test_a_value_that_is_no_command_stops_the_boat_at_once_and_its_failsafe_follows(
-    rig: Rig, broken: Message
-) -> None:
-    for _ in range(10):
+def test_a_value_that_is_no_command_stops_the_boat_at_once(rig: Rig, broken: Message) -> None:
+    for _ in range(5):
         rig.peer.send(override(1500, 1900))
         rig.run(0.1)
     assert rig.boat.command.left == pytest.approx(0.8)
     rig.peer.send(broken)
-    rig.run(0.5)
+    rig.run(0.4)
     assert (rig.boat.command.left, rig.boat.command.right) == (0.0, 0.0)
-    for _ in range(20):
-        rig.peer.send(broken)
+
+
+def test_values_that_are_no_commands_are_followed_by_the_failsafe(rig: Rig) -> None:
+    rig.peer.send(override(1500, 1900))
+    for _ in range(25):
         rig.run(0.1)
+        rig.peer.send(override(1500, 3000))
     assert "Failsafe: RC lost: no stick input" in rig.peer.texts
     assert rig.mode == "LOITER"
 

@@ -125,11 +125,23 @@ ROWS = [
 ]
 
 
-@pytest.mark.parametrize(("number", "params", "result"), ROWS, ids=str)
+TAKEN = [row for row in ROWS if row[2] in (OK, IN_PROGRESS)]
+
+
+@pytest.mark.parametrize(("number", "params", "result"), TAKEN, ids=str)
 def test_a_command_is_answered_at_once_as_its_row_says(
     rig: Rig, number: int, params: tuple[float, ...], result: int
 ) -> None:
     assert rig.ask(number, *params) == result
+    assert rig.boat.endpoint.faults == 0
+
+
+def test_what_is_refused_is_answered_at_once_and_changes_nothing(rig: Rig) -> None:
+    before = rig.fingerprint()
+    for number, params, result in ROWS:
+        if result not in (OK, IN_PROGRESS):
+            assert rig.ask(number, *params) == result, (number, params)
+    assert rig.fingerprint() == before
     assert rig.boat.endpoint.faults == 0
 
 

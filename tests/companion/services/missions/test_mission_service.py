@@ -2,7 +2,7 @@
 
 import pytest
 from boat_rig import BOAT, HOME_ITEM, QGC, Rig, waypoint
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from mission_station import ACK, FENCE, MISSION, OTHER, RALLY, clear, count, download, loaded, result_of
 
@@ -129,6 +129,7 @@ ANY_ITEM = st.builds(
 )
 
 
+@settings(max_examples=15)  # each with a boat of its own
 @given(st.lists(ANY_ITEM, min_size=1, max_size=4))
 def test_any_upload_ends_with_the_new_list_or_the_old_one_whole(items: list[MissionItem]) -> None:
     rig = loaded()
