@@ -59,7 +59,7 @@ def test_there_and_back_are_one_route(name: str) -> None:
     chart = load_geojson(SHORES / f"{name}.geojson")
     deep = max(shapely.get_parts(chart.navigable.buffer(-12.0)), key=lambda part: float(part.area))
     corners = [Point(y, x) for x, y in shapely.get_coordinates(deep.exterior).tolist()]
-    ends = corners[:: max(1, len(corners) // 6)]
+    ends = corners[:: max(1, len(corners) // 3)]
     for start, goal in pairwise(ends):
         there = plan(chart, start, goal, PlanSettings(10.0))
         back = plan(chart, goal, start, PlanSettings(10.0))
