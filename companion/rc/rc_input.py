@@ -18,17 +18,12 @@ _SELDOM: Final = 0.1
 
 
 class RcNoise:
-    """leaps: the latest frame alone is implausible."""
+    """leaps: the latest frame alone is implausible. often: such frames are so frequent that none is used."""
 
     def __init__(self) -> None:
         self.leaps = False
         self._channels_us: tuple[int, ...] = ()
-        self._often = Recurrence(_SHARE, _TOO_OFTEN, _SELDOM)
-
-    @property
-    def is_noisy(self) -> bool:
-        """Whether implausible frames are so frequent that none is used."""
-        return self._often.is_often
+        self.often = Recurrence(_SHARE, _TOO_OFTEN, _SELDOM)
 
     def update(self, channels_us: tuple[int, ...]) -> None:
         """Check the next frame."""
@@ -37,7 +32,7 @@ class RcNoise:
         for now_us, then_us in zip(channels_us, before_us, strict=False):
             moved += abs(now_us - then_us) > _LEAP_US
         self.leaps = 2 * moved > len(channels_us)
-        self._often.update(self.leaps)
+        self.often.update(self.leaps)
 
 
 class RcInput:
@@ -78,7 +73,7 @@ class RcInput:
     def _fault_of(self, reading: RcReading, setting: Rc) -> str:
         if reading.is_failsafe:
             return "the receiver has lost the transmitter"
-        if self._noise.is_noisy:
+        if self._noise.often.is_often:
             return "the receiver talks nonsense"
         channels_us, steering, throttle = (
             reading.channels_us,

@@ -134,11 +134,6 @@ class Sh2Session:
         self._has_saved = False
         self._request_features()
 
-    @property
-    def dropped(self) -> int:
-        """Number of incomplete frames so far."""
-        return self._reader.dropped
-
     def feed(self, data: bytes, now_s: float) -> list[Rotation]:
         """The samples that these bytes complete."""
         samples: list[Rotation] = []
