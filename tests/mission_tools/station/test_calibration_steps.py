@@ -94,6 +94,7 @@ def test_its_progress_is_followed_to_its_end_and_the_boats_text_tells_it() -> No
     boat = running("gyro", GYRO)
     boat.ack(GYRO, IN_PROGRESS, progress=40)
     boat.ack(GYRO, IN_PROGRESS, progress=90, target=9)
+    boat.report()
     assert boat.now.percent == 40
     boat.ack(GYRO, IN_PROGRESS, progress=140)
     assert boat.now.percent == 100
@@ -235,6 +236,8 @@ def test_what_is_under_way_is_cancelled_and_answered() -> None:
     boat.ack(CANCEL, ACCEPTED)
     assert boat.answers[1:] == [Accepted(calibrations.CANCELLED)]
     assert (boat.now.state, boat.now.percent) == ("cancelled", None)
+    boat.report(fitness=9.0)
+    assert boat.now.error_mg is None, "of a calibration that is over"
     boat.cancel()
     assert boat.answers[2:] == [Refused(calibrations.NOTHING_TO_CANCEL)]
 
