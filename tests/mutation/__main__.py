@@ -196,6 +196,7 @@ def put_in_all(codes: Iterable[CodeType]) -> None:
         inner = [const for const in pending.pop().co_consts if isinstance(const, CodeType)]
         by_place |= {(one.co_filename, one.co_firstlineno, one.co_qualname): one for one in inner}
         pending += inner
+    gc.unfreeze()  # or what was made during collection is not among the objects
     for live in gc.get_objects():
         if isinstance(live, FunctionType):
             old = live.__code__
@@ -214,7 +215,7 @@ def put_in(code: CodeType, first_line: int) -> None:
         pending += inner
     if changed is None:
         raise LookupError(f"no function at line {first_line}")
-    gc.unfreeze()  # or what was made during collection is not among the objects
+    gc.unfreeze()
     for live in gc.get_objects():
         if isinstance(live, FunctionType):
             old = live.__code__
