@@ -74,7 +74,8 @@ def test_an_island_on_the_leg_is_sailed_round_and_the_leg_gone_on_with(
     assert voyage.length_m < 51.0 + 5.0 * radius_m
     # The way onto the mission leads from beside the island straight to the waypoint
     after = [abs(east) for north, east in voyage.track if north > 43.0]
-    assert sum(after) / len(after) < 0.5  # on the mean: two false echoes may be rounded on the way
+    # A tangent of the island from there is 0.5 m off on the mean; two false echoes may be rounded on the way
+    assert sum(after) / len(after) < 0.6
     assert any("passing to" in text for text in voyage.rig.peer.texts)
 
 

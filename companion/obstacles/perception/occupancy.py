@@ -58,13 +58,13 @@ class Beam(NamedTuple):
 
 
 class Cell:
-    """A square of water. seen_s: when a beam last met it or saw through it."""
+    """A square of water. seen_s: when a beam last met it or saw through it; solid_s: solid since."""
 
-    __slots__ = ("at", "evidence", "seen_s")
+    __slots__ = ("at", "evidence", "seen_s", "solid_s")
 
     def __init__(self, at: Point) -> None:
         self.at = at
-        self.evidence, self.seen_s = 0.0, -math.inf
+        self.evidence, self.seen_s, self.solid_s = 0.0, -math.inf, math.inf
 
 
 class Occupancy:
@@ -119,6 +119,11 @@ class Occupancy:
             cell.seen_s == beam.time_s and SUSPECT <= cell.evidence < SOLID for cell in self._cells.values()
         )
 
+    def standing(self, now_s: float) -> list[Point]:
+        """Centres of the cells that have been solid for two sweeps. What moves at 0.2 m/s has left them."""
+        since_s = now_s - 2.0 * SWEEP_S
+        return [cell.at for cell in self._cells.values() if cell.evidence >= SOLID and cell.solid_s < since_s]
+
     def is_near(self, at: Point, reach_m: float) -> bool:
         """Whether any cell is within reach_m, north-south and east-west, of a place."""
         return any(_is_within(cell.at, at, reach_m) for cell in self._cells.values())
@@ -139,7 +144,7 @@ class Occupancy:
     def restore(self, at: Point, now_s: float) -> None:
         """Make a cell solid that was observed long ago."""
         cell = self._cell(self._key(at))
-        cell.evidence, cell.seen_s = max(cell.evidence, 2.0), now_s
+        cell.evidence, cell.seen_s, cell.solid_s = max(cell.evidence, 2.0), now_s, -math.inf
 
     def _cell(self, key: tuple[int, int]) -> Cell:
         """A new cell, or the known one. The oldest goes where there is no room."""
@@ -191,6 +196,8 @@ class Occupancy:
             cell = self._cell(key)
             if cell.seen_s == beam.time_s and cell.evidence > 0.0:
                 continue  # marked already, by another beam of the same moment
+            if cell.evidence < SOLID:
+                cell.solid_s = beam.time_s
             cell.evidence = min(evidence + (1.0 if is_known else UNSEEN), MAX_EVIDENCE)
             cell.seen_s = beam.time_s
         return is_known

@@ -16,7 +16,8 @@ from companion.obstacles.perception.looked_at import LookedAtWater
 from companion.obstacles.perception.occupancy import Beam, Occupancy
 from companion.obstacles.perception.sonar_noise import SonarNoiseMonitor
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector, choose_sector
-from companion.obstacles.perception.tracks import FREE_BESIDE, ObstacleTracks
+from companion.obstacles.perception.track import Track
+from companion.obstacles.perception.tracks import FREE_BESIDE, LONGEST, ObstacleTracks
 from companion.obstacles.perception.voyage_map import VoyageMap
 
 _CELLS_A_MARGIN: Final = 5.0  # the resolution follows the distance to keep
@@ -117,6 +118,19 @@ class ObstaclePerception:
     def suspects(self) -> list[Point]:
         """As `solid`, with cells seen only once, but not for a lone echo in open water."""
         return self.occupancy.likely(FREE_BESIDE * self._setting.margin_m)
+
+    def possible_movers(self, now_s: float) -> tuple[list[Track], int]:
+        """Tracks that may move, and the number of still things of the size of a margin around.
+
+        What the grid has known for two sweeps stands still, however its nearest point slides along it as the
+        boat passes: a static and a dynamic map (D. Wolf, G. Sukhatme, Autonomous Robots 19, 2005).
+        """
+        tracks = self.tracks.possible_movers(now_s, in_open_water=not self.solid())
+        standing, side_m = self.occupancy.standing(now_s) if tracks else [], self._setting.margin_m
+        for track in tracks:
+            track.note_standing(track.point(now_s), standing)
+        still = {(at.north_m // side_m, at.east_m // side_m) for at in standing}
+        return [track for track in tracks if not track.stands(now_s, LONGEST * side_m)], len(still)
 
     def _unconfirmed(self, now_s: float) -> Beam | None:
         """The latest echo, until a second look confirms or refutes it."""

@@ -13,9 +13,10 @@ approaches along the beam, at three standard deviations. What may move is avoide
 """
 
 import math
+from collections.abc import Sequence
 from typing import Final
 
-from companion.core.geo import Point
+from companion.core.geo import Point, distance_m
 from companion.obstacles.perception.occupancy import MAX_EVIDENCE, SWEEP_S
 
 # Isolated observations before a track is called a mover. A false echo (one in 200 pings) has another one in
@@ -40,6 +41,7 @@ class Track:
         self.whole_count = 0  # of those that covered both edges
         self.evidence = 1.0  # as of a cell in the grid
         self.is_mover = False
+        self._stood_at: Point | None = None
         self._beam_n = self._beam_e = 0.0
         self._state = [at.north_m, at.east_m, 0.0, 0.0]
         self._covariance = [[_SPREAD[i] if i == j else 0.0 for j in range(4)] for i in range(4)]
@@ -112,6 +114,15 @@ class Track:
         is_new = now_s - self.created_s < SWEEP_S
         is_isolated = 2 * self.isolated_count >= self.whole_count if self.whole_count else is_new
         return self.is_mover or (now_s - self.seen_s < SWEEP_S and is_isolated)
+
+    def note_standing(self, at: Point, standing: Sequence[Point]) -> None:
+        """The track's place, and those of what stands still: it is of that if it touches it."""
+        if any(distance_m(at, one) < self.radius_m for one in standing):
+            self._stood_at = at
+
+    def stands(self, now_s: float, reach_m: float) -> bool:
+        """Whether it is within reach_m of where it was part of something still."""
+        return self._stood_at is not None and distance_m(self._stood_at, self.point(now_s)) < reach_m
 
     # Called by ObstacleTracks
 

@@ -18,7 +18,7 @@ SAME_PASS_S: Final = 0.4  # between neighbouring beams
 _GATE_SIGMAS: Final = 3.0
 FREE_BESIDE: Final = 1.5  # scales: a neighbouring echo farther off belongs to something else
 _SAME_THING: Final = 0.6  # scales: largest difference in range within a group
-_LONGEST: Final = 2.0  # scales: a longer group is shore
+LONGEST: Final = 2.0  # scales: a longer group is shore
 _RANGE_SIGMA: Final = 0.05  # scales, per observation: the accuracy of the boat's own position
 _ACCEL: Final = 0.25  # scales, m/s²: a swimmer's, and a boat's that turns away
 _LEAST_PACE: Final = 0.12  # scales, m/s: slower motion is swinging at anchor
@@ -108,7 +108,7 @@ class ObstacleTracks:
         turned = _turned_rad(first, last)
         nearest = min(group, key=lambda beam: beam.range_m)
         range_m, along_m = nearest.range_m, _RANGE_SIGMA * scale_m
-        if abs(turned) * range_m > _LONGEST * scale_m:
+        if abs(turned) * range_m > LONGEST * scale_m:
             return
         is_whole = after is not None and before is not None and _is_beside(before, first)
         is_alone = is_whole and self._is_free(last, after) and self._is_free(first, before)

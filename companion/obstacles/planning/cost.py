@@ -1,13 +1,16 @@
 """The cost of a rollout, and the cheapest one.
 
-    J = way / (v T) + 8 mean(max(0, 1 − d / margin)²) + hit + unseen + 20 C + side + habit + effort
+    J = way / (v T) + 2 mean(max(0, margin / d − 1)²) + hit + unseen + 20 C + side + habit + effort
 
 way: what is left to the goal at the end of the rollout, a margin further along the bow (`cost_to_go.py`),
-in units of five margins. d: clearance of the hull's leading half at a step. hit: the first touch, the more
+in units of five margins. d: clearance of the hull's leading half at a step, with the potential of O. Khatib
+(*Real-time obstacle avoidance*, International Journal of Robotics Research 5(1), 1986), which has no jump
+that a small move of the boat would turn into another choice. hit: the first touch, the more
 the sooner and the faster. unseen: share of the first three seconds in water that no ranger has seen free, the
 more the faster: what lies there is met before the boat can stop. C: expected number of collisions with what
 may move (`movers.py`). side: to port of the way wanted, where something may move (collision regulations,
-rules 14, 15 and 17). habit: change of the heading and of the speed that are held. The weights were chosen on
+rules 14, 15 and 17). habit: change of the heading and of the speed that are held, by what it takes: half a
+turn four seconds, a reversal two or three. The weights were chosen on
 seeds 1001 to 1003 of `boat-sitl encounters`.
 """
 
@@ -34,7 +37,7 @@ from companion.obstacles.planning.motion import (
 from companion.obstacles.planning.movers import Predicted, collision_risk
 
 HORIZON_S: Final = STEP_S * STEPS
-_NEAR: Final = 8.0
+_NEAR: Final = 2.0
 _WAY: Final = 5.0  # margins
 _WARY: Final = 1.0  # a path near something whose extent is not known
 _HIT: Final = 100.0  # more than no progress and every other term
@@ -44,12 +47,11 @@ _COLLISION: Final = 100.0  # with what may move
 _PORT: Final = 0.05  # breaks ties; with something that surely moves near, 1 more
 _ASTERN: Final = 0.5  # an approaching obstacle catches up
 _BRAKE: Final = 0.1  # a crash stop throws spray over the deck
-_HABIT: Final = 0.3  # half a turn away from the last decision,
+_HABIT: Final = 0.8  # half a turn away from the last decision,
 _CHANGE: Final = 0.3  # and the whole of the wanted speed
 _SPEEDS_M_S: Final = 0.3  # apart
 _STAYS: Final = 0.1  # a rollout must be cheaper than the intent by this: about a turn by 5°
 TOUCH: Final = 0.35  # margins: half its beam and a cell
-_CLOSE: Final = 0.5  # margins: nearly
 HULL: Final = 0.6  # margins: half the hull's length and half a cell
 
 
@@ -74,10 +76,8 @@ class CostModel:
         self._lead_m = margin_m
         self._cos, self._sin = math.cos(nav.heading_rad), math.sin(nav.heading_rad)
         clear = [(LEVELS - level) * field.cell_m for level in range(LEVELS + 1)]
-        self._near = [
-            max(1.0 - clear_m / margin_m, 0.0) ** 2 + (clear_m < _CLOSE * margin_m) for clear_m in clear
-        ]
-        self._near += [2.0] * (LEVEL - LEVELS)
+        self._near = [max(margin_m / max(clear_m, field.cell_m) - 1.0, 0.0) ** 2 for clear_m in clear]
+        self._near += [self._near[-1]] * (LEVEL - LEVELS)
         self._touch_level = LEVELS - round(TOUCH * margin_m / field.cell_m)
         bow_m = BOW * config.avoidance.margin_m
         here = field.at(nav.north_m + bow_m * self._cos, nav.east_m + bow_m * self._sin)
@@ -104,7 +104,7 @@ class CostModel:
             cost += _BRAKE if rollout.speed_m_s == CRASH_STOP else _ASTERN
         if last is not None:
             cost += _HABIT * abs(wrap_pi(heading - last[0])) / math.pi
-            change_m_s = max(rollout.speed_m_s, 0.0) - max(last[1], 0.0)
+            change_m_s = _held_m_s(rollout.speed_m_s) - _held_m_s(last[1])
             cost += _CHANGE * abs(change_m_s) / self._fast_m_s
         return cost
 
@@ -238,3 +238,8 @@ class CostModel:
                 turn_rad=held + steps * APART_RAD, speed_m_s=min(found.speed_m_s, water_m_s)
             )
         return found
+
+
+def _held_m_s(speed_m_s: float) -> float:
+    """The speed that a rollout holds; a crash stop holds none."""
+    return speed_m_s if speed_m_s > CRASH_STOP else 0.0

@@ -23,7 +23,6 @@ from companion.obstacles.perception.track import Track
 from companion.obstacles.planning.clearance import ClearanceField
 from companion.obstacles.planning.motion import STEP_S, STEPS
 
-_MOVES: Final = 0.5  # probability that a new echo moves, before it is observed
 _SPREAD: Final = 0.25  # of margin², most of Σ: by then the boat has seen more
 _UNLIKELY: Final = 0.05
 _SIGMAS: Final = 2.0  # 95 %; a new echo may come at 1 m/s
@@ -46,11 +45,13 @@ class Predicted(NamedTuple):
     weight: float
 
 
-def moves_probability(track: Track) -> float:
-    """The probability that a track moves."""
+def moves_probability(track: Track, still_count: int) -> float:
+    """The probability that a track moves, where so many things in sight do not: 1 / (2 + still_count) before
+    it is observed, by Laplace's rule of succession.
+    """
     if track.is_mover:
         return 1.0
-    return 1.0 / (1.0 + (1.0 - _MOVES) / _MOVES * track.rest_ratio())
+    return 1.0 / (1.0 + (1.0 + still_count) * track.rest_ratio())
 
 
 def collision_risk(mover: Predicted, norths: list[float], easts: list[float]) -> float:
@@ -87,6 +88,7 @@ def worst_velocity(
 
 def predict(
     tracks: list[Track],
+    still_count: int,
     nav: NavState,
     wanted_m_s: tuple[float, float],
     field: ClearanceField,
@@ -100,7 +102,7 @@ def predict(
     per_m = 1.0 / field.cell_m
     found = []
     for track in tracks:
-        weight = moves_probability(track)
+        weight = moves_probability(track, still_count)
         if weight < _UNLIKELY:
             continue
         radius_m = track.radius_m + clear_m

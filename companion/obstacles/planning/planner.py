@@ -137,7 +137,7 @@ class LocalPlanner:
         reach_m = (perception.reach_m or setting.lookahead_m) + _BEYOND_M
         margin_m = setting.margin_m + _DRIFT_S * math.hypot(nav.current_north_m_s, nav.current_east_m_s)
         is_certain = bool(perception.solid())
-        tracks = perception.tracks.possible_movers(now_s, in_open_water=not is_certain)
+        tracks, still_count = perception.possible_movers(now_s)
         meets_mover = any(track.is_mover for track in tracks)
         field = self._map.update(nav, config, perception, bounds, margin_m, reach_m, now_s)
         self.limit.update(nav, config, perception, field, bounds, now_s)
@@ -173,7 +173,9 @@ class LocalPlanner:
         leads_on = not is_certain or _leads_on(here, places[-1], to_go)
         wanted_rad = math.atan2(easts_m[-1], norths_m[-1])
         wanted_m_s = speed * math.cos(wanted_rad), speed * math.sin(wanted_rad)
-        movers = predict(tracks, nav, wanted_m_s, field, setting.margin_m, HULL * setting.margin_m, now_s)
+        movers = predict(
+            tracks, still_count, nav, wanted_m_s, field, setting.margin_m, HULL * setting.margin_m, now_s
+        )
         costs = CostModel(nav, field, to_go, movers, margin_m, ahead_m, wanted_rad, config)
         meets_m = free_m(way, field, margin_m) if is_certain else math.inf
         if self._has_new_goal:

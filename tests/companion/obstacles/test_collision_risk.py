@@ -23,7 +23,7 @@ def new(north_m: float, east_m: float) -> Track:
 def risk(track: Track, north_m_s: float = 1.0, east_m_s: float = 0.0, clear_m: float = 0.6) -> float:
     """Of a boat that sails on from the origin. clear_m: half its hull."""
     field = ClearanceField(Point(0.0, 0.0), 0.2, 10.0)
-    found = predict([track], boat(), NORTH, field, 1.0, clear_m, NOW_S)
+    found = predict([track], 0, boat(), NORTH, field, 1.0, clear_m, NOW_S)
     if not found:
         return 0.0
     times = [STEP_S * (step + 1) for step in range(STEPS)]
@@ -33,7 +33,12 @@ def risk(track: Track, north_m_s: float = 1.0, east_m_s: float = 0.0, clear_m: f
 
 
 def test_a_new_echo_moves_with_the_prior_probability() -> None:
-    assert moves_probability(new(4.0, 0.0)) == pytest.approx(0.5, abs=0.02)
+    assert moves_probability(new(4.0, 0.0), 0) == pytest.approx(0.5, abs=0.02)
+
+
+def test_among_still_things_a_new_echo_is_most_likely_still_and_a_known_mover_moves() -> None:
+    assert moves_probability(new(4.0, 0.0), 8) == pytest.approx(0.1, abs=0.01)
+    assert moves_probability(mover(4.0, 0.0), 8) == 1.0
 
 
 def test_the_worst_velocity_is_within_two_standard_deviations_and_on_a_collision_course() -> None:
@@ -71,7 +76,7 @@ def test_what_keeps_its_distance_may_still_come_if_its_speed_is_uncertain() -> N
 def test_the_middle_of_a_mover_lies_beyond_its_echo(here: Point) -> None:
     track = mover(here.north_m + 3.0, here.east_m + 4.0)
     field = ClearanceField(here, 0.2, 10.0)
-    found = predict([track], boat(*here), NORTH, field, 1.0, 0.6, NOW_S)[0]
+    found = predict([track], 0, boat(*here), NORTH, field, 1.0, 0.6, NOW_S)[0]
     middle = found.north[0] * 0.2 + field.south_m, found.east[0] * 0.2 + field.west_m
     assert middle == pytest.approx((here.north_m + 3.0 + 0.6 * 0.4, here.east_m + 4.0 + 0.8 * 0.4), abs=0.02)
 
@@ -80,7 +85,7 @@ def test_the_middle_of_a_mover_lies_beyond_its_echo(here: Point) -> None:
 def test_the_spread_of_a_known_mover_is_half_its_radius_and_the_boats(clear_m: float) -> None:
     """S = R² / 4; half of its inverse in cells of 0.2 m, and a peak of ½ R² / √|S|."""
     field, radius_m = ClearanceField(Point(0.0, 0.0), 0.2, 10.0), 0.4 + clear_m
-    found = predict([mover(4.0, 0.0)], boat(), NORTH, field, 1.0, clear_m, NOW_S)[0]
+    found = predict([mover(4.0, 0.0)], 0, boat(), NORTH, field, 1.0, clear_m, NOW_S)[0]
     expected = 0.5 * 0.2**2 * 4.0 / radius_m**2
     assert (found.north2[0], found.east2[0]) == pytest.approx((expected, expected), rel=0.02)
     assert (found.cross[0], found.peak[0]) == pytest.approx((0.0, 2.0), abs=0.04)

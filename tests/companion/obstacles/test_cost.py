@@ -1,6 +1,7 @@
 """Each term of the cost alone."""
 
 import math
+from itertools import pairwise
 
 import pytest
 from avoidance_rig import CONFIG, Lines, boat, mover
@@ -33,7 +34,7 @@ def model(
         field.fence(bounds, 1.0)
     field.fill(list(solid), [*solid, *suspects], 0.35)
     course = math.atan2(goal.east_m, goal.north_m)
-    found = predict(list(movers), nav, (math.cos(course), math.sin(course)), field, 1.0, 0.6, NOW_S)
+    found = predict(list(movers), 0, nav, (math.cos(course), math.sin(course)), field, 1.0, 0.6, NOW_S)
     to_go = CostToGo(field, nav.point, goal, 1.0, 0.6)
     return CostModel(nav, field, to_go, found, 1.0, 5.0, course, CONFIG)
 
@@ -80,13 +81,24 @@ def test_leaving_the_last_heading_or_speed_costs() -> None:
     )
     slower = costs.plain(to(30.0), (math.radians(30.0), 0.5))
     assert kept == costs.plain(to(30.0), None)
-    assert left - kept == pytest.approx(0.15)
+    reverses = costs.plain(to(30.0), (math.radians(30.0), -0.4))
+    stops = costs.plain(to(30.0), (math.radians(30.0), CRASH_STOP))
+    assert left - kept == pytest.approx(0.4)
     assert slower - kept == pytest.approx(0.15)
+    assert reverses - kept == pytest.approx(0.42)
+    assert stops - kept == pytest.approx(0.3)
 
 
 @pytest.mark.parametrize(("aside_m", "least", "most"), [(3.0, 0.0, 0.0), (0.9, 0.01, 0.3), (0.7, 0.05, 0.8)])
 def test_clearance_costs_within_the_margin_only(aside_m: float, least: float, most: float) -> None:
     assert least <= model(Point(2.5, aside_m)).risk(to(0.0)) <= most
+
+
+def test_clearance_costs_more_the_nearer_without_a_jump() -> None:
+    near = model()._near
+    assert near[:6] == [0.0] * 6
+    assert near[6:9] == pytest.approx([(1.0 / clear_m - 1.0) ** 2 for clear_m in (0.8, 0.6, 0.4)])
+    assert all(after > before for before, after in pairwise(near[5:10]))
 
 
 def test_the_bow_and_the_current_move_the_rollout() -> None:

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.core.geo import Point, distance_m
-from companion.obstacles.perception.occupancy import MAX_CELLS, SUSPECT, Beam, Occupancy
+from companion.obstacles.perception.occupancy import MAX_CELLS, SUSPECT, SWEEP_S, Beam, Occupancy
 
 HERE = Point(0.0, 0.0)
 WIDTH_RAD = math.radians(15.0)
@@ -219,3 +219,23 @@ def test_what_stays_close_by_is_an_obstacle_from_the_fifth_ping() -> None:
 def test_two_beams_of_one_moment_mark_a_cell_once() -> None:
     seen = grid(look(3.1), look(3.1, 0.0, 0.01))
     assert seen.evidence_at(ROCK) == 1.0
+
+
+def test_what_has_been_solid_for_two_sweeps_stands() -> None:
+    seen = grid(look(3.1), look(3.1, 1.0))
+    assert seen.standing(1.0 + 2.0 * SWEEP_S) == []
+    assert distance_m(seen.standing(1.1 + 2.0 * SWEEP_S)[0], ROCK) < 0.5
+    seen.add(look(3.1, 3.0))
+    assert seen.standing(1.1 + 2.0 * SWEEP_S)
+    for time_s in (3.1, 3.2, 3.3):
+        seen.add(look(3.9, time_s))
+    assert all(distance_m(at, ROCK) > 0.2 for at in seen.standing(20.0))
+    for time_s in (3.4, 3.5, 3.6):
+        seen.add(look(3.1, time_s))
+    assert all(distance_m(at, ROCK) > 0.2 for at in seen.standing(4.5))
+
+
+def test_what_is_given_back_from_the_voyage_stands() -> None:
+    seen = grid()
+    seen.restore(ROCK, 5.0)
+    assert seen.standing(5.0) == [ROCK]

@@ -204,6 +204,36 @@ def test_beside_something_solid_a_single_echo_counts() -> None:
     assert min(distance_m(thing, Point(0.53, 1.93)) for thing in seen.suspects()) < 0.2
 
 
+def test_what_stands_among_still_things_is_no_possible_mover() -> None:
+    def swept(seen: ObstaclePerception, begin_s: float, range_m: float) -> None:
+        for number, bearing_rad in enumerate((-0.26, 0.0, 0.26)):
+            time_s = begin_s + 0.06 * number
+            echo_m = None if bearing_rad else range_m
+            seen.ingest([(SonarReading(time_s, bearing_rad, echo_m), None)], nav_at(), SETTING, time_s)
+
+    rock = ObstaclePerception(SETTING)
+    for begin_s in (0.0, 0.5, 1.0):
+        swept(rock, begin_s, 3.0)
+    tracks, still_count = rock.possible_movers(1.2)
+    assert (len(tracks), still_count) == (1, 0), "it was met just now"
+    for begin_s in (1.5, 2.0, 2.5, 3.0, 3.5, 4.0):
+        swept(rock, begin_s, 3.0)
+    tracks, still_count = rock.possible_movers(4.2)
+    assert tracks == []
+    coming = ObstaclePerception(SETTING)
+    for number in range(9):
+        swept(coming, 0.5 * number, 3.8 - 0.25 * number)
+    assert len(coming.possible_movers(4.2)[0]) == 1
+
+
+def test_still_things_are_counted_by_margins() -> None:
+    seen = seen_from(nav_at(), ping(0.0, 0.0, 3.0))
+    for place in (Point(2.1, 0.1), Point(2.3, 0.1), Point(3.1, 5.1)):
+        seen.occupancy.restore(place, 0.0)
+    seen.ingest([(ping(0.06, 0.3, None), None)], nav_at(), SETTING, 0.06)
+    assert seen.possible_movers(0.1)[1] == 2
+
+
 @given(
     st.lists(
         st.builds(

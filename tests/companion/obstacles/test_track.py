@@ -193,3 +193,14 @@ def test_a_track_may_move_while_it_is_seen_alone() -> None:
     assert not track.may_move(3.0)
     track.is_mover = True
     assert track.may_move(3.0)
+
+
+def test_a_track_that_touches_what_stands_stands_until_it_is_far_from_there() -> None:
+    track = Track(1, 0.0, Point(3.0, 0.0), 0.4)
+    track.note_standing(Point(3.0, 0.0), [Point(3.0, 0.5)])
+    assert not track.stands(0.0, 2.0)
+    track.note_standing(Point(3.0, 0.0), [Point(9.0, 9.0), Point(3.0, 0.3)])
+    assert track.stands(0.0, 2.0)
+    track.is_mover, track._state[2] = True, 0.5  # casts off
+    assert track.stands(3.9, 2.0)
+    assert not track.stands(4.1, 2.0)
