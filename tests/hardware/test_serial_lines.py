@@ -6,7 +6,6 @@ import os
 import threading
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
@@ -129,8 +128,9 @@ KINDS = {
 
 @pytest.mark.realtime
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_part_on_a_device_is_read_and_again_after_it_was_unplugged(tmp_path: Path, kind: str) -> None:
-    line, clock = PtyLine(tmp_path / "uart"), HandClock()
+def test_a_part_on_a_device_is_read_and_again_after_it_was_unplugged(
+    line: PtyLine, clock: HandClock, kind: str
+) -> None:
     part, talk, value = KINDS[kind](line, clock)
     since_s = 0.0
 
@@ -150,13 +150,11 @@ def test_a_part_on_a_device_is_read_and_again_after_it_was_unplugged(tmp_path: P
     finally:
         part.close()
         part.close()
-        line.unplug()
     assert not [one for one in threading.enumerate() if one.name.endswith("uart") and one.is_alive()]
 
 
 @pytest.mark.realtime
-def test_probes_on_one_device_share_it(tmp_path: Path) -> None:
-    line, clock = PtyLine(tmp_path / "uart"), HandClock()
+def test_probes_on_one_device_share_it(line: PtyLine, clock: HandClock) -> None:
     serial = {"driver": "serial", "port": line.device}
     tables = [{"name": "ph", "column": 0, **serial}, {"name": "other", "driver": "file", "path": "/nowhere"},
               {"name": "cond", "column": 1, "unit": "uS/cm", **serial}]  # fmt: skip
@@ -175,11 +173,9 @@ def test_probes_on_one_device_share_it(tmp_path: Path) -> None:
     finally:
         for probe in probes:
             probe.close()
-        line.unplug()
 
 
-def test_the_line_has_the_speed_of_crossfire_which_is_no_usual_one(tmp_path: Path) -> None:
-    line = PtyLine(tmp_path / "uart")
+def test_the_line_has_the_speed_of_crossfire_which_is_no_usual_one(line: PtyLine) -> None:
     receiver = open_rc_receiver(Rc(driver="crsf", port=line.device), HandClock())
     try:
         descriptor = os.open(line.device, os.O_RDWR | os.O_NOCTTY)

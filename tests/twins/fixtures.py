@@ -1,5 +1,6 @@
-"""The clock, the I2C bus and the kernel's PWM below the drivers."""
+"""The clock, a serial line, the I2C bus, lgpio and the kernel's PWM below the drivers."""
 
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -7,13 +8,27 @@ import pytest
 
 from companion.hal.raspberry_pi import I2cBus, open_i2c
 from twins.i2c import I2cDev, plug_in
-from twins.lines import HandClock
-from twins.pulses import PI_4, KernelPwm, plug_in_pwm
+from twins.lines import HandClock, PtyLine
+from twins.pulses import PI_4, KernelPwm, LgpioTwin, plug_in_pwm
 
 
 @pytest.fixture
 def clock() -> HandClock:
     return HandClock()
+
+
+@pytest.fixture
+def line(tmp_path: Path) -> Iterator[PtyLine]:
+    line = PtyLine(tmp_path / "uart")
+    yield line
+    line.unplug()
+
+
+@pytest.fixture
+def lgpio(monkeypatch: pytest.MonkeyPatch) -> LgpioTwin:
+    twin = LgpioTwin({0: "pinctrl-bcm2711", 1: "raspberrypi-exp-gpio"})
+    monkeypatch.setitem(sys.modules, "lgpio", twin)
+    return twin
 
 
 @pytest.fixture

@@ -22,11 +22,6 @@ HERE = "127.0.0.1"
 
 
 @pytest.fixture
-def clock() -> HandClock:
-    return HandClock()
-
-
-@pytest.fixture
 def server(clock: HandClock) -> Iterator[UdpInPort]:
     port = UdpInPort(HERE, 0, clock)
     yield port

@@ -26,18 +26,6 @@ HERE = "127.0.0.1"
 
 
 @pytest.fixture
-def clock() -> HandClock:
-    return HandClock()
-
-
-@pytest.fixture
-def line(tmp_path: Path) -> Iterator[PtyLine]:
-    line = PtyLine(tmp_path / "ttyTEST")
-    yield line
-    line.unplug()
-
-
-@pytest.fixture
 def server() -> Iterator[TcpInPort]:
     port = TcpInPort(HERE, 0)
     yield port

@@ -1,7 +1,5 @@
 """Software pulses over a twin of lgpio."""
 
-import sys
-
 import pytest
 from twins.pulses import LgpioTwin
 
@@ -10,17 +8,6 @@ from companion.core.errors import HardwareError
 from companion.hal.pulses.lgpio_pulses import LgpioPulses, open_lgpio_pulses
 
 SETTING = PulseOutputSetting(output="software", pin=22)
-
-
-@pytest.fixture
-def lgpio(monkeypatch: pytest.MonkeyPatch) -> LgpioTwin:
-    return plugged_in(monkeypatch, {0: "pinctrl-bcm2711", 1: "raspberrypi-exp-gpio"})
-
-
-def plugged_in(monkeypatch: pytest.MonkeyPatch, chips: dict[int, str]) -> LgpioTwin:
-    twin = LgpioTwin(chips)
-    monkeypatch.setitem(sys.modules, "lgpio", twin)
-    return twin
 
 
 def widths(lgpio: LgpioTwin) -> list[float]:
@@ -35,10 +22,8 @@ def widths(lgpio: LgpioTwin) -> list[float]:
         {0: "pinctrl-bcm2835"},
     ],
 )
-def test_the_chip_of_the_header_is_found_by_its_label(
-    monkeypatch: pytest.MonkeyPatch, chips: dict[int, str]
-) -> None:
-    lgpio = plugged_in(monkeypatch, chips)
+def test_the_chip_of_the_header_is_found_by_its_label(lgpio: LgpioTwin, chips: dict[int, str]) -> None:
+    lgpio.chips = chips
     output = open_lgpio_pulses(SETTING)
     ((handle, chip),) = lgpio.handles.items()
     assert chips[chip].startswith("pinctrl")

@@ -2,7 +2,6 @@
 
 import itertools
 import math
-import sys
 import threading
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -199,13 +198,6 @@ def test_a_sweep_swings_evenly_from_end_to_end_and_back(sweep_rad: float, step_r
     steps = [abs(b - a) for a, b in itertools.pairwise(swing)]
     assert steps == pytest.approx([steps[0]] * len(steps))
     assert steps[0] <= step_rad + 1e-9
-
-
-@pytest.fixture
-def lgpio(monkeypatch: pytest.MonkeyPatch) -> LgpioTwin:
-    lgpio = LgpioTwin({0: "pinctrl-bcm2711"})
-    monkeypatch.setitem(sys.modules, "lgpio", lgpio)
-    return lgpio
 
 
 @pytest.mark.realtime

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from functools import partial
-from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -65,13 +64,6 @@ def test_garbage_is_never_raised_and_not_kept(noise: bytes) -> None:
         for frame in parser.split(noise):
             assert sum(frame[:-1]) & 0xFF == frame[-1]
         assert len(parser._held) < kind.length
-
-
-@pytest.fixture
-def line(tmp_path: Path) -> Iterator[PtyLine]:
-    line = PtyLine(tmp_path / "ranger")
-    yield line
-    line.unplug()
 
 
 @pytest.fixture
