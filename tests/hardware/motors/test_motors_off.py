@@ -5,8 +5,8 @@ import shlex
 from pathlib import Path
 
 import pytest
-from twins.i2c import plug_in
-from twins.pulses import FRESH, PI_4, PI_5, Pca9685Twin, plug_in_pwm
+from twins.i2c import I2cDev, plug_in
+from twins.pulses import FRESH, PI_4, PI_5, KernelPwm, Pca9685Twin, plug_in_pwm
 
 from companion.app.motors_off import main
 
@@ -132,10 +132,8 @@ def test_oe_of_a_pca9685_is_driven_high_whether_or_not_its_bus_answers(
 
 
 def test_one_signal_that_cannot_be_ended_does_not_keep_the_other_running(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, waits: list[float], capsys: pytest.CaptureFixture[str]
+    kernel: KernelPwm, dev: I2cDev, tmp_path: Path, waits: list[float], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    kernel = plug_in_pwm(monkeypatch, tmp_path, PI_4)
-    plug_in(monkeypatch, tmp_path, {})
     kernel.export(kernel.root / "pwmchip0", 0, RUNNING)
     text = 'parts.motors = {driver = "esc", left = {output = "pca9685"}, right = {pin = 12}}'
     assert run(tmp_path, text) == 1
@@ -146,9 +144,8 @@ def test_one_signal_that_cannot_be_ended_does_not_keep_the_other_running(
 
 
 def test_winches_stop_and_relays_are_switched_off_whatever_the_motors_are(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, pinctrl: Path, waits: list[float]
+    kernel: KernelPwm, tmp_path: Path, pinctrl: Path, waits: list[float]
 ) -> None:
-    kernel = plug_in_pwm(monkeypatch, tmp_path, PI_4)
     for channel in (0, 1):
         kernel.export(kernel.root / "pwmchip0", channel, RUNNING)
     payload = """

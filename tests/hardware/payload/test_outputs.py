@@ -1,13 +1,12 @@
 """Outputs of the payload over mock pins that record every change, and over the kernel's PWM files."""
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import gpiozero
 import pytest
 from twins.lines import known, opened
 from twins.pins import PinBoard
-from twins.pulses import PI_4, plug_in_pwm
+from twins.pulses import KernelPwm
 
 from companion.app.hardware import begin_payload
 from companion.config.actuators import Pca9685Part, PulseOutputSetting
@@ -61,9 +60,8 @@ def test_a_winch_counts_the_pulses_of_its_switch(pins: PinBoard) -> None:
 
 
 def test_a_servo_gets_pulses_only_after_its_first_command(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    kernel: KernelPwm, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    kernel = plug_in_pwm(monkeypatch, tmp_path, PI_4)
     monkeypatch.setattr("companion.hal.payload.outputs._TRAVEL_S", 0.0)
     setting = ServoPayload(number=9, signal=PulseOutputSetting(pin=12), at_end=1200)
     servo = open_output(setting, CHIP)
@@ -78,10 +76,7 @@ def test_a_servo_gets_pulses_only_after_its_first_command(
     assert not widths[-1]
 
 
-def test_a_continuous_servo_is_at_rest_when_the_winch_stops(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    kernel = plug_in_pwm(monkeypatch, tmp_path, PI_4)
+def test_a_continuous_servo_is_at_rest_when_the_winch_stops(kernel: KernelPwm) -> None:
     winch = open_output(WinchPayload(signal=PulseOutputSetting(pin=13, reversed=True)), CHIP)
     winch.write(1.0)
     assert kernel.history[-1].width_us == pytest.approx(1100.0)

@@ -1,11 +1,10 @@
 """The rudder's servo over a twin of the kernel's PWM."""
 
 import math
-from pathlib import Path
 
 import pytest
 from twins.lines import known
-from twins.pulses import PI_4, plug_in_pwm
+from twins.pulses import KernelPwm
 
 from companion.app.composition import check_config
 from companion.app.parts import open_rudder
@@ -17,10 +16,7 @@ def config(**tables: object) -> BoatConfig:
     return decode_config({"links": ["udpin:127.0.0.1:0"], **tables}, "test")
 
 
-def test_a_positive_share_is_the_longer_pulse_and_zero_is_amidships(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    kernel = plug_in_pwm(monkeypatch, tmp_path, PI_4)
+def test_a_positive_share_is_the_longer_pulse_and_zero_is_amidships(kernel: KernelPwm) -> None:
     signal = {"pin": 13, "min_us": 1000, "trim_us": 1480, "max_us": 2000}
     rudder = known(open_rudder(config(parts={"rudder": {"driver": "servo", "signal": signal}})))
     for share in (0.5, -1.0, 2.0, math.nan):
