@@ -8,13 +8,18 @@ import pytest
 
 from companion.hal.raspberry_pi import I2cBus, open_i2c
 from twins.i2c import I2cDev, plug_in
-from twins.lines import HandClock, PtyLine
+from twins.lines import HandClock, MemoryLine, PtyLine
 from twins.pulses import PI_4, KernelPwm, LgpioTwin, plug_in_pwm
 
 
 @pytest.fixture
 def clock() -> HandClock:
     return HandClock()
+
+
+@pytest.fixture
+def wire() -> MemoryLine:
+    return MemoryLine()
 
 
 @pytest.fixture

@@ -12,13 +12,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from twins.gpsd import DEVICES, GREETING, GpsdServer, line, sky, tpv
-from twins.lines import HandClock, PtyLine, eventually, known
+from twins.lines import HandClock, MemoryLine, PtyLine, eventually, known
 from twins.ubx_messages import Motion, nav_pvt
 
 from companion.config.sensors import GnssPart
 from companion.core.readings import GnssFix
 from companion.hal.gnss.gpsd import GpsdGnss, open_gpsd_gnss
-from companion.links.memory import MemoryPort, memory_pair
 from companion.sensors.gpsd import GpsdReader
 
 # The examples of the manual, which an older gpsd wrote
@@ -125,16 +124,14 @@ def test_truncated_and_mistyped_reports_are_dropped(wrong: bytes) -> None:
     assert reader.malformed == 1
 
 
-def test_a_silent_gpsd_is_reported_and_so_is_its_return() -> None:
-    near, far = memory_pair(is_datagram=False)
-    clock = HandClock()
-    gnss = GpsdGnss(MemoryPort(near), clock, 0.0, 5.0)
+def test_a_silent_gpsd_is_reported_and_so_is_its_return(wire: MemoryLine, clock: HandClock) -> None:
+    gnss = GpsdGnss(wire.port, clock, 0.0, 5.0)
     gnss.step()
-    assert far.receive() == [b'?WATCH={"enable":true,"json":true};\n']
+    assert wire.heard() == b'?WATCH={"enable":true,"json":true};\n'
     clock.advance(5.1)
     gnss.step()
     assert [text for _, text in gnss.take_texts()] == ["GNSS: gpsd is silent"]
-    far.send(line(tpv(0.0)))
+    wire.say(line(tpv(0.0)))
     gnss.step()
     assert [text for _, text in gnss.take_texts()] == ["GNSS: gpsd measures again"]
 

@@ -1,12 +1,11 @@
 """Corrections on their way to the receiver: over its line, no faster than that, and only at its baud rate."""
 
-from twins.lines import HandClock
+from twins.lines import HandClock, MemoryLine
 from twins.ubx_bench import BaudLine
 from twins.ubx_receiver import ZED_F9P, UbxReceiver
 
 from companion.hal.gnss.receiver import NmeaGnss
 from companion.hal.gnss.ubx import UbxGnss
-from companion.links.memory import MemoryPort, memory_pair
 from companion.sensors.ubx.setup import Phase, UbxSetup
 
 FRAME = bytes.fromhex("D300133ED7D30202980EDEEF34B4BD62AC0941986F33360B98")
@@ -42,14 +41,12 @@ def test_a_u_blox_receiver_gets_corrections_after_its_set_up_only() -> None:
     assert receiver.rtcm == b""
 
 
-def test_a_slow_line_is_not_overrun() -> None:
-    near, far = memory_pair(is_datagram=False)
-    clock = HandClock()
-    gnss = NmeaGnss(MemoryPort(near), clock, baud=9600)
+def test_a_slow_line_is_not_overrun(wire: MemoryLine, clock: HandClock) -> None:
+    gnss = NmeaGnss(wire.port, clock, baud=9600)
     frame, taken = bytes(200), 0
     for _ in range(100):  # ten seconds of 2000 bytes/s
         clock.advance(0.1)
-        taken += sum(gnss.inject(frame) for _ in range(1))
+        taken += gnss.inject(frame)
         gnss.step()
     assert 9600 <= taken * len(frame) <= 9600 + 960
-    assert sum(map(len, far.receive())) == taken * len(frame)
+    assert len(wire.heard()) == taken * len(frame)

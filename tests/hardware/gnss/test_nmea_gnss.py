@@ -1,11 +1,10 @@
 """Receiver and compass behind ports: in memory step by step, and over a serial line with their threads."""
 
 import pytest
-from twins.lines import HandClock, known
+from twins.lines import HandClock, MemoryLine, known
 from twins.ubx_messages import sentence
 
 from companion.hal.gnss.receiver import NmeaGnss
-from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 
 
 def epoch(second: int, satellites: int = 9) -> bytes:
@@ -14,20 +13,15 @@ def epoch(second: int, satellites: int = 9) -> bytes:
     )
 
 
-def port_and_far_end() -> tuple[MemoryPort, MemoryLink]:
-    near, far = memory_pair(is_datagram=False)
-    return MemoryPort(near), far
-
-
-def test_the_latest_fix_stays_until_a_new_one_has_come_and_bears_its_arrival_time() -> None:
-    port, receiver = port_and_far_end()
-    clock = HandClock()
-    gnss = NmeaGnss(port, clock)
+def test_the_latest_fix_stays_until_a_new_one_has_come_and_bears_its_arrival_time(
+    wire: MemoryLine, clock: HandClock
+) -> None:
+    gnss = NmeaGnss(wire.port, clock)
     assert gnss.read() is None
-    receiver.send(epoch(0))
+    wire.say(epoch(0))
     gnss.step()
     clock.advance(1.0)
-    receiver.send(epoch(1))
+    wire.say(epoch(1))
     gnss.step()
     first = known(gnss.read())
     assert first.time_s == clock()
@@ -36,14 +30,14 @@ def test_the_latest_fix_stays_until_a_new_one_has_come_and_bears_its_arrival_tim
     assert gnss.read() is first
 
 
-def test_fixes_bear_the_time_of_their_measurement_however_late_the_line_brings_them() -> None:
-    port, receiver = port_and_far_end()
-    clock = HandClock()
-    gnss = NmeaGnss(port, clock, latency_s=0.1)
+def test_fixes_bear_the_time_of_their_measurement_however_late_the_line_brings_them(
+    wire: MemoryLine, clock: HandClock
+) -> None:
+    gnss = NmeaGnss(wire.port, clock, latency_s=0.1)
     began_s, dates_s = clock(), []
     for second, late_s in enumerate([0.3, 0.15, 0.4, 0.12, 0.25, 0.9, 0.12]):
         clock.advance(began_s + second + late_s - clock())
-        receiver.send(epoch(second))
+        wire.say(epoch(second))
         gnss.step()
         if (fix := gnss.read()) is not None:  # the first epoch ends when the second begins
             dates_s.append(fix.time_s - began_s - second)
@@ -51,14 +45,12 @@ def test_fixes_bear_the_time_of_their_measurement_however_late_the_line_brings_t
     assert dates_s == pytest.approx([0.05, 0.05, 0.02, 0.02, 0.02, 0.02], abs=1e-6)
 
 
-def test_a_silent_receiver_and_a_wrong_baud_rate_are_told_apart() -> None:
-    port, receiver = port_and_far_end()
-    clock = HandClock()
-    gnss = NmeaGnss(port, clock)
+def test_a_silent_receiver_and_a_wrong_baud_rate_are_told_apart(wire: MemoryLine, clock: HandClock) -> None:
+    gnss = NmeaGnss(wire.port, clock)
 
     def texts_after(seconds: float, data: bytes = b"") -> list[str]:
         clock.advance(seconds)
-        receiver.send(data)
+        wire.say(data)
         gnss.step()
         return [text for _, text in gnss.take_texts()]
 

@@ -26,11 +26,6 @@ def sounding(sounder: NmeaSensor[DepthReading], wire: MemoryLine, *sentences: st
 
 
 @pytest.fixture
-def wire() -> MemoryLine:
-    return MemoryLine()
-
-
-@pytest.fixture
 def sounder(wire: MemoryLine, clock: HandClock) -> NmeaSensor[DepthReading]:
     return NmeaSensor(wire.port, clock, DEPTH_SENTENCES, depth_assembler(PART).feed)
 
