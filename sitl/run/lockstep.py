@@ -38,7 +38,7 @@ class Lockstep:
         lidar, system_id = scenario.sensors.lidar, scenario.vehicle.identity.system_id
         self._lidar = LidarComponent(lidar, scenario.seed, system_id) if lidar.fitted else None
         self.station = Station(far, Address(scenario.vehicle.identity.system_id, COMPONENT_ID))
-        self._program = Program(self.world, self._build, _close_boat)
+        self._program = Program(self.world, self._build)
 
     @property
     def boat(self) -> Boat:
@@ -77,8 +77,3 @@ class Lockstep:
     def close(self) -> None:
         """Close everything."""
         self.boat.close()
-
-
-def _close_boat(boat: Boat) -> None:
-    boat.channels.close()
-    boat.endpoint.close()

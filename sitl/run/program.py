@@ -9,19 +9,19 @@ from sitl.world.world import World
 class Program:
     """One `Boat` after another in the same world.
 
-    build: makes a boat from what survives a power cut. close_program: closes the links and threads of a boat
-    after a power cut, without storing anything. host_load: the share of a tick that the program takes on the
+    build: makes a boat from what survives a power cut. on_end: called after one, once the boat's links and
+    threads are closed; nothing is stored. host_load: the share of a tick that the program takes on the
     host, reported as the boat's own load unless the simulated one is higher.
     """
 
     def __init__(
-        self, world: World, build: Callable[[], Boat], close_program: Callable[[Boat], None]
+        self, world: World, build: Callable[[], Boat], on_end: Callable[[], None] = lambda: None
     ) -> None:
         self.boat = build()
         self._world = world
         self._computer = world.electronics.computer
         self._build = build
-        self._close_program = close_program
+        self._on_end = on_end
         self._boots = self._computer.boots
         self.is_running = True  # there is a boat to talk to
         self.host_load = 0.0
@@ -45,4 +45,6 @@ class Program:
     def _end(self) -> None:
         if self.is_running:
             self.is_running = False
-            self._close_program(self.boat)
+            self.boat.channels.close()
+            self.boat.endpoint.close()
+            self._on_end()

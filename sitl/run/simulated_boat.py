@@ -21,7 +21,7 @@ from companion.vehicle import voyage_record as resume
 from sitl.run.air import Air, AirPort
 from sitl.run.program import Program
 from sitl.run.recording.recorder import NO_LEG, Recorder
-from sitl.world.computer import Computer, Disk, file_writer
+from sitl.world.computer import Disk, file_writer
 from sitl.world.scenario import Scenario
 from sitl.world.world import World
 
@@ -65,10 +65,13 @@ class SimulatedBoat:
         self._logbook: Logbook | None = None
         computer = self.world.electronics.computer
         self._air = Air(scenario.link, scenario.seed, computer, lambda: self.world.time_s)
-        self._storage = _open_storage(options.state_folder, computer)
+        self._storage: Storage = Disk(MemoryStorage(), computer)
+        if options.state_folder:
+            folder = Path(options.state_folder).expanduser()
+            self._storage = FolderStorage(folder, file_writer(computer))
         with ExitStack() as undo:
             undo.callback(self._storage.close)
-            self._program = Program(self.world, self._build, self._close_boat)
+            self._program = Program(self.world, self._build, self._close_files)
             undo.pop_all()
         self.port_names = [link.url for link in self._links]
 
@@ -141,20 +144,8 @@ class SimulatedBoat:
             self._status = StatusFile(self._options.status_path, boat)
         return boat
 
-    def _close_boat(self, boat: Boat) -> None:
-        boat.channels.close()
-        boat.endpoint.close()
+    def _close_files(self) -> None:
         if self._logbook is not None:
             self._logbook.close()
         if self._status is not None:
             self._status.close()
-
-
-def _open_storage(folder: str, computer: Computer) -> Storage:
-    """A folder, or without one memory that survives simulated power cuts.
-
-    Raises StorageError: the folder cannot be used.
-    """
-    if folder:
-        return FolderStorage(Path(folder).expanduser(), file_writer(computer))
-    return Disk(MemoryStorage(), computer)

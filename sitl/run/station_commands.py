@@ -55,7 +55,9 @@ class StationCommands:
 
         outcome = self._outcome(send)
         if not isinstance(outcome, Accepted):
-            raise RunError(f"the boat refused the {kind}: {self._reason(outcome)}")
+            said = [text for text in self._station.texts if "upload failed" in text or "refused" in text]
+            words = said[-1] if said and isinstance(outcome, Refused) else outcome.text
+            raise RunError(f"the boat refused the {kind}: {words}")
 
     def arm(self) -> None:
         """Arm the motors."""
@@ -77,11 +79,6 @@ class StationCommands:
         while not outcomes:
             self._step()
         return outcomes[0]
-
-    def _reason(self, outcome: Outcome) -> str:
-        """The boat's own message, if there is one."""
-        said = [text for text in self._station.texts if "upload failed" in text or "refused" in text]
-        return said[-1] if said and isinstance(outcome, Refused) else outcome.text
 
     def _is_armable(self) -> bool:
         status = self._station.latest.get("SYS_STATUS")

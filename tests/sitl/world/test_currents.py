@@ -58,6 +58,8 @@ def test_no_water_comes_from_nowhere(north_m: float, east_m: float) -> None:
 def test_a_tide_turns_every_half_period() -> None:
     water = Current(Environment(tide=Tide(speed_m_s=0.6, to_deg=0.0, period_s=100.0, strongest_s=10.0)))
     assert [water.at(0.0, 0.0, time_s)[0] for time_s in (10.0, 35.0, 60.0)] == pytest.approx([0.6, 0.0, -0.6])
+    tide = "environment.tide={speed_m_s=0.6, to_deg=0.0, period_s=100.0, strongest_s=0.0}"
+    assert World(load_scenario("open", [tide])).truth.current_north_m_s == 0.6
 
 
 def test_all_currents_of_a_scenario_are_summed_and_a_plain_one_is_uniform() -> None:
