@@ -4,6 +4,7 @@ import dataclasses
 import json
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Annotated
 
@@ -53,7 +54,7 @@ def campaign(
     console = Console(stderr=as_json_text, highlight=False, soft_wrap=True)
     plan = load_campaign(file)
     folder = out or Path("out") / file.stem
-    with ResultLog(folder, plan) as log:
+    with closing(ResultLog(folder, plan)) as log:
         pool = cluster_pool(scheduler) if scheduler is not None else local_pool(workers or cores())
         bar = progress_bar(console, plan.title, len(plan.runs), len(log.results))
         try:

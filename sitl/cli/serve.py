@@ -3,7 +3,7 @@
 import logging
 import shlex
 import sys
-from contextlib import nullcontext
+from contextlib import closing, nullcontext
 from pathlib import Path
 from typing import Annotated
 
@@ -109,7 +109,8 @@ def serve(
     shutdown.install()
     folder, remark = _held_folder(state, default_folder(source, scenario.seed, None if no_tcp else tcp))
     extra, boat_file = _words(shore_options), scenario.boat_file
-    with ShorePage(scenario.chart, shore_at, _report, boat_file, extra) if shore else nullcontext() as page:
+    page = ShorePage(scenario.chart, shore_at, _report, boat_file, extra) if shore else None
+    with nullcontext() if page is None else closing(page):
         if page is not None:
             for own in links[: 1 if one_port else count]:
                 own.append(LinkConfig(url=page.boat_link))

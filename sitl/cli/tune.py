@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from contextlib import closing
 from pathlib import Path
 from typing import Annotated
 
@@ -78,7 +79,7 @@ def tune(
     fingerprint = hashlib.sha256(msgspec.json.encode(parts, order="deterministic")).hexdigest()
     plan = Campaign(f"tune {boat}", "tune", (), (), fingerprint)
     console.print(f"tune {boat}: search with seeds from {seed}, check with seeds from {seed + 100}")
-    with ResultLog(folder, plan) as log, local_pool(workers or cores()) as pool:
+    with closing(ResultLog(folder, plan)) as log, local_pool(workers or cores()) as pool:
         if log.results:
             console.print(f"{len(log.results)} runs are there from before")
         try:

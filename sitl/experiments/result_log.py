@@ -7,8 +7,7 @@ opened again. An incomplete last line, left by an interruption, is dropped.
 import contextlib
 from importlib.metadata import version
 from pathlib import Path
-from types import TracebackType
-from typing import IO, Self
+from typing import IO
 
 import msgspec
 from msgspec import Struct
@@ -71,14 +70,6 @@ class ResultLog:
         with contextlib.suppress(OSError):
             self._file.close()
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
     @classmethod
     def read(cls, folder: Path) -> tuple[Campaign, list[TrialResult]]:
         """A folder's campaign and its finished runs in order.
@@ -89,7 +80,7 @@ class ResultLog:
             campaign = msgspec.json.decode((folder / PLAN).read_bytes(), type=Campaign)
         except (OSError, msgspec.DecodeError, UnicodeDecodeError, RecursionError):
             raise ConfigError(f"{folder}: no campaign in it: expected the folder of one") from None
-        with cls(folder, campaign) as log:
+        with contextlib.closing(cls(folder, campaign)) as log:
             return campaign, [log.results[number] for number in sorted(log.results)]
 
     def _parse(self, line: bytes, number: int) -> TrialResult:

@@ -2,6 +2,7 @@
 
 import socket
 from collections.abc import Callable
+from contextlib import suppress
 
 from companion.core.errors import LinkError
 from sitl.physics.backend import Backend
@@ -37,9 +38,7 @@ class PhysicsServer:
             while not should_stop():
                 try:
                     data, address = self._socket.recvfrom(_DATAGRAM_BYTES)
-                except TimeoutError:
-                    continue
-                except ConnectionError:  # the autopilot has ended
+                except (TimeoutError, ConnectionError):  # nothing came, or the autopilot has ended
                     continue
                 reply = self._backend.handle(data)
                 if reply is None:
@@ -47,7 +46,5 @@ class PhysicsServer:
                 if address != last:
                     last = address
                     told(f"{address[0]}:{address[1]}")
-                try:
+                with suppress(OSError):  # it asks again
                     self._socket.sendto(reply, address)
-                except OSError:
-                    continue  # it asks again

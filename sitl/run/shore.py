@@ -19,7 +19,6 @@ import webbrowser
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from threading import Thread
-from types import TracebackType
 from typing import IO
 
 import numpy as np
@@ -43,7 +42,7 @@ _libc = ctypes.CDLL(None)  # before the fork: the child may not load anything
 
 
 class ShorePage:
-    """The child process and the folder with its map, its PIN and the boat's status. A context manager."""
+    """The child process and the folder with its map, its PIN and the boat's status."""
 
     def __init__(
         self,
@@ -84,14 +83,6 @@ class ShorePage:
     def status(self) -> Path:
         """Where the first boat may write its status file."""
         return self._folder / "status.json"
-
-    def __enter__(self) -> "ShorePage":
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def start(self, status: Path) -> None:
         """Start the child, unless it has stayed; address and PIN are reported as soon as it listens.

@@ -31,7 +31,7 @@ _NAME_M = 0.09  # of the chart to the east of the pool: the box's name ends ther
 
 def draw_step_responses(responses: Sequence[StepResponse], path: Path) -> None:
     """Fig. 5: one panel a gain set."""
-    figure = _figure((12.0, 4.2))
+    figure = new_figure(12.0, 4.2, dpi=_DPI)
     for column, response in enumerate(responses):
         axes = figure.add_subplot(1, len(responses), column + 1)
         kp, ki, kd = response.gains
@@ -53,7 +53,7 @@ def draw_step_responses(responses: Sequence[StepResponse], path: Path) -> None:
 
 def draw_pool(path: Path) -> None:
     """Fig. 16: the pool, its obstacles, the five cases and their plans."""
-    figure = _figure((7.2, 11.5))
+    figure = new_figure(7.2, 11.5, dpi=_DPI)
     axes = figure.add_subplot(1, 1, 1)
     _pool(axes)
     for case in CASES:
@@ -78,7 +78,7 @@ def draw_tracks(results: Sequence[TrialResult], path: Path) -> None:
     for result in results:
         tracks.setdefault((result.figures["method"], result.figures["case"]), []).append(result)
     methods = [method for method in Method if any(method == key for key, _ in tracks)]
-    figure = _figure((2.5 * len(CASES) + 0.6, 5.1 * len(methods)))
+    figure = new_figure(2.5 * len(CASES) + 0.6, 5.1 * len(methods), dpi=_DPI)
     for row, method in enumerate(methods):
         for column, case in enumerate(CASES):
             axes = figure.add_subplot(len(methods), len(CASES), row * len(CASES) + column + 1)
@@ -100,7 +100,7 @@ def draw_tracks(results: Sequence[TrialResult], path: Path) -> None:
 
 def draw_deviations(table: Sequence[Row], path: Path) -> None:
     """Fig. 17: standard deviation by case; ours are of the true length, the paper's is its equation 7."""
-    figure = _figure((12.0, 4.8))
+    figure = new_figure(12.0, 4.8, dpi=_DPI)
     _bars(figure.add_subplot(1, 2, 1), table, lambda row: 100.0 * row.length_sd_m, "true length, SD, cm")
     _bars(figure.add_subplot(1, 2, 2), table, lambda row: row.paper_sd_cm, 'equation 7, "SD", cm')
     _save(figure, path, "Standard deviations (Fig. 17)")
@@ -108,7 +108,7 @@ def draw_deviations(table: Sequence[Row], path: Path) -> None:
 
 def draw_lengths_and_times(table: Sequence[Row], path: Path) -> None:
     """Fig. 18: path length and time by case, with one standard deviation either way."""
-    figure = _figure((12.0, 4.8))
+    figure = new_figure(12.0, 4.8, dpi=_DPI)
     _bars(
         figure.add_subplot(1, 2, 1), table, lambda row: 100.0 * row.length_mean_m, "true length, cm",
         lambda row: 100.0 * row.length_sd_m,
@@ -150,10 +150,6 @@ def _pool(axes: Axes, route: Sequence[Point] = ()) -> None:
 
 def _easts_norths(points: Sequence[Point]) -> tuple[list[float], list[float]]:
     return [point.east_m for point in points], [point.north_m for point in points]
-
-
-def _figure(size: tuple[float, float]) -> Figure:
-    return new_figure(*size, dpi=_DPI)
 
 
 def _save(figure: Figure, path: Path, title: str) -> None:

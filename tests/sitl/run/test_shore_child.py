@@ -6,6 +6,7 @@ import signal
 import sys
 import tempfile
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -73,7 +74,9 @@ def test_the_child_is_told_all_it_needs_and_ends_with_the_page(
     start: Start, tmp_path: Path, lines: "queue.Queue[str]"
 ) -> None:
     boat = tmp_path / "boat.toml"
-    with start(chart=LAKE, listen="127.0.0.1:8124", boat=boat, options=("--host", "pond.lan")) as page:
+    with closing(
+        start(chart=LAKE, listen="127.0.0.1:8124", boat=boat, options=("--host", "pond.lan"))
+    ) as page:
         said, folder = lines.get(timeout=MOMENT_S), page.status.parent
         pin = (folder / "pin").read_text().strip()
         assert said == f"the page is at https://127.0.0.1:8123/x with PIN {pin}"
