@@ -57,9 +57,14 @@ class ClearanceField:
         self.centre = Point(self.south_m + self.half * cell_m, self.west_m + self.half * cell_m)
         self.cells = bytes(self.width * self.width)
         self._fenced = self._unseen = 0
+        self._filled: tuple[object, ...] | None = None  # what the cells were filled with
 
     def fill(self, solid: Sequence[Point], suspects: Sequence[Point], hull_m: float) -> None:
         """Mark obstacles. suspects: the solid ones as well; hull_m: nearest distance of the boat's centre."""
+        filled = (list(solid), list(suspects), hull_m, self._fenced, self._unseen)
+        if filled == self._filled:
+            return
+        self._filled = filled
         row_bits = 8 * self.width
         size = self.width * self.width
         marks = self._marked(suspects)
@@ -142,8 +147,8 @@ class ClearanceField:
         return int.from_bytes(marks, "little")
 
 
-def grown(marks: int, row_bits: int, step: int) -> int:
+def grown(marks: int, row_bits: int, step: int, cell_bits: int = 8) -> int:
     """One cell more on every side. Squares and diamonds in turn make octagons, within 8 % of a disc."""
-    beside = marks | marks << 8 | marks >> 8
+    beside = marks | marks << cell_bits | marks >> cell_bits
     upright = beside if step % 2 else marks
     return beside | upright << row_bits | upright >> row_bits

@@ -1,13 +1,17 @@
 """The way that is left to the goal, around obstacles."""
 
 import math
+from itertools import accumulate
+from operator import or_
 
 import pytest
 from avoidance_rig import Lines, ring
+from hypothesis import given
+from hypothesis import strategies as st
 
 from companion.core.geo import Point
 from companion.obstacles.planning.clearance import ClearanceField
-from companion.obstacles.planning.cost_to_go import CostToGo
+from companion.obstacles.planning.cost_to_go import CostToGo, _counted
 
 HERE, GOAL = Point(0.0, 0.0), Point(50.0, 0.0)
 
@@ -85,3 +89,9 @@ def test_long_ways_are_counted_up_to_the_limit_of_a_byte() -> None:
     found = to_go(*ring(3.0), reach_m=30.0)
     assert found.steps <= 255
     assert max(found.cells) <= 255
+
+
+@given(st.lists(st.integers(0, 2**12 - 1), max_size=255))
+def test_a_cell_counts_the_waves_that_hold_it(fresh: list[int]) -> None:
+    waves = list(accumulate(fresh, or_))
+    assert list(_counted(waves, 12)) == [sum(wave >> cell & 1 for wave in waves) for cell in range(12)]
