@@ -13,7 +13,7 @@ from twins.pulses import PI_4, plug_in_pwm
 
 from companion.app.doctor.by_hand import nudge_motors
 from companion.app.doctor.findings import Verdict
-from companion.app.doctor.parts import LivePart, check_part, part_findings
+from companion.app.doctor.parts import PARTS, LivePart, check_part, part_findings
 from companion.app.status_file import BoatStatus
 from companion.config.actuators import MotorsPart
 from companion.config.boat_config import BoatConfig, Parts
@@ -55,6 +55,11 @@ def test_a_part_is_waited_for_and_closed() -> None:
     found = check_part("hull", opening(part), FITTED, FakeClock())
     assert (found.verdict, found.text) == (Verdict.FINE, "host: dry, 41 °C; set up again")
     assert part.closed == 1
+
+
+def test_no_part_with_readings_is_forgotten() -> None:
+    fitted = {name for name in Parts.__struct_fields__ if hasattr(getattr(Parts(), name), "driver")}
+    assert {*PARTS} == fitted - {"motors", "rudder"} | {"rc"}
 
 
 def test_what_the_running_boat_misses_is_found(examine: Examine) -> None:
