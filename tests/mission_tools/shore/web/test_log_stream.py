@@ -83,4 +83,5 @@ async def test_a_voyage_that_is_lost_is_tried_again_and_the_oldest_are_forgotten
     tasks = [one.task for one in voyages._kept.values()]
     voyages.close()
     assert len(voyages._kept) == 0
-    await asyncio.gather(*(one for one in tasks if one is not None), return_exceptions=True)
+    ended = await asyncio.gather(*(one for one in tasks if one is not None), return_exceptions=True)
+    assert [type(one) for one in ended] == [asyncio.CancelledError] * 4
