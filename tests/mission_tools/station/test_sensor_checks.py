@@ -127,6 +127,13 @@ def test_a_battery_tells_what_is_measured() -> None:
     ]
 
 
+def test_the_time_left_is_not_told_of_a_boat_at_rest() -> None:
+    pack = blank("battery_status", time_remaining=900, voltages=[0xFFFF] * 10, voltages_ext=[0] * 4)
+    heard = seen(status(voltage_battery=11_400), pack)
+    assert heard.view.battery_left_s == 900.0
+    assert "left_s" not in checks.examine_battery(heard)[1]
+
+
 @pytest.mark.parametrize(
     ("voltages", "cells_v"),
     [([3800, 3790], [3.8, 3.79]), ([11_400], None), ([3800, 0xFFFE], None), ([3800, 0], None)],

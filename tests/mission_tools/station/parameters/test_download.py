@@ -149,6 +149,9 @@ def test_a_count_that_changes_begins_the_list_anew_but_not_all_the_time() -> Non
     for number in range(200):
         script.download.handle(value("P_0", 5.0, 0, 50 + number), script.now_s)
     assert script.download.count == 101
+    version = script.download.version
+    script.download.restart()
+    assert (script.state, script.download.version) == ("waiting", version + 1)
 
 
 @pytest.mark.parametrize("name", [b"\x01\x02", b"A\nB", b"", b"A B", b"\xc3\xa4", b"\x7f"])
