@@ -113,6 +113,14 @@ def test_a_blow_takes_the_speed_into_the_shore_and_never_adds_energy(
         assert body.energy_j < before_j or into > -1e-6
 
 
+def test_what_slips_slowly_along_the_shore_sticks_to_it() -> None:
+    body = Hull(LAKE)
+    body.move(1.0, 0.05, 0.1)
+    apply_contact(body, Touch(0.3, 0.0, -1.0, 0.0), Velocity(0.0, 0.0))
+    assert (body.surge_m_s, body.sway_m_s + 0.3 * body.yaw_rate_rad_s) == pytest.approx((0.0, 0.0), abs=1e-9)
+    assert body.yaw_rate_rad_s != 0.1
+
+
 def test_a_hull_adrift_stops_at_the_shore_that_the_current_sets_it_on() -> None:
     body = Hull(LAKE, heading_rad=1.0)
     ahead, starboard = math.cos(1.0), -math.sin(1.0)  # of the current, in body axes

@@ -159,6 +159,22 @@ def test_a_propeller_that_sucks_air_races_and_pulls_less() -> None:
     assert airy.current_a < deep.current_a
 
 
+def test_a_motor_that_turns_faster_than_its_command_is_held_back_by_the_bridge() -> None:
+    shaft, motor, bridge = Thruster(LAKE), LAKE.motor, LAKE.bridge
+    shaft.speed_rad_s = 2.0 * PACK_V / motor.back_emf_v_s
+    shaft.step(0.1, PACK_V, 0.0, DT_S)
+    over_v = 0.1 * PACK_V + bridge.drop_v - 2.0 * PACK_V
+    assert shaft.motor_a == pytest.approx(over_v / (motor.resistance_ohm + bridge.resistance_ohm))
+    assert shaft.current_a == 0.0
+
+
+def test_the_propellers_grip_by_how_deep_they_are() -> None:
+    pair, propeller = Thrusters(LAKE), LAKE.propeller
+    for up_m, grip in ((0.0, 1.0 / 2.3), (-propeller.diameter_m, 0.0), (propeller.diameter_m, 1.0)):
+        pair.set_immersion(up_m - propeller.depth_m)
+        assert (pair.left.grip, pair.right.grip) == pytest.approx((grip, grip))
+
+
 def test_the_left_thruster_alone_turns_clockwise() -> None:
     pair = Thrusters(LAKE)
     for _ in range(300):

@@ -34,6 +34,23 @@ def test_load_sags_the_voltage_by_current_times_resistance() -> None:
     assert at_rest - pack.voltage_v == pytest.approx(0.8)
 
 
+def test_the_voltage_of_a_cell_is_linear_between_tenths_of_its_charge() -> None:
+    for charge, cell_v in (
+        (0.95, 0.5 * (4.08 + 4.20)),
+        (0.15, 0.5 * (3.61 + 3.69)),
+        (0.04, 3.27 + 0.4 * 0.34),
+    ):
+        pack = Pack(BatterySettings(cells=2, charge=charge, resistance_ohm=0.0))
+        assert pack.voltage_v == pytest.approx(2.0 * cell_v)
+
+
+def test_the_motors_see_the_mean_of_the_last_two_voltages() -> None:
+    pack = Pack(BatterySettings(charge=0.5, resistance_ohm=0.1, idle_a=0.0))
+    at_rest = pack.voltage_v
+    pack.step(10.0, 0.0)
+    assert pack.supply_v == pytest.approx(at_rest - 0.5)
+
+
 def test_an_almost_empty_pack_sags_three_times_as_much() -> None:
     def sag_v(charge: float) -> float:
         pack = Pack(BatterySettings(charge=charge, resistance_ohm=0.08, idle_a=0.0))

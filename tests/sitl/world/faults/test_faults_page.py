@@ -35,3 +35,26 @@ def test_every_example_is_a_scenario(block: str) -> None:
     scenario = load_scenario("open", over=[Layer("docs/faults.md", tree)])
     (key,) = tree
     assert getattr(scenario, key) != getattr(load_scenario("open"), key)
+
+
+def test_the_parameters_are_limited_to_what_makes_sense() -> None:
+    world = World(load_scenario("open", ["sensors.rc.fitted=true", "sensors.hull.fitted=true"]))
+    rows = {hook.row.name: hook.row for hook in world.hardware.parameter_hooks}
+    switch = (0.0, 1.0, 0.0)
+    assert {name: (row.low, row.high, row.default) for name, row in rows.items()} == {
+        "SYS_FAILURE_EN": (0.0, 1.0, 1.0),
+        "SIM_GPS_DISABLE": switch,
+        "SIM_GPS_JAM": switch,
+        "SIM_GPS_GLITCH_X": (-1.0, 1.0, 0.0),
+        "SIM_GPS_GLITCH_Y": (-1.0, 1.0, 0.0),
+        "SIM_MAG1_FAIL": (0.0, 2.0, 0.0),
+        "SIM_ENGINE_FAIL": (0.0, 3.0, 0.0),
+        "SIM_ENGINE_MUL": (-1.0, 1.0, 1.0),
+        "SIM_RC_FAIL": (0.0, 5.0, 0.0),
+        "SIM_LEAK": switch,
+        "SIM_HULL_TEMP": (-40.0, 150.0, 40.0),
+        "SIM_WIND_SPD": (0.0, 60.0, 0.0),
+        "SIM_WIND_DIR": (-360.0, 360.0, 270.0),
+        "SIM_TIDE_SPEED": (0.0, 10.0, 0.0),
+        "SIM_TIDE_DIR": (-360.0, 360.0, 0.0),
+    }

@@ -99,6 +99,7 @@ def test_a_jammed_receiver_gets_noisy_then_stands_still_without_a_fix() -> None:
     assert noisy[0][1].satellites > noisy[-1][1].satellites >= 4
     assert noisy[0][1].hdop < noisy[-1][1].hdop
     assert {fix.fix_type for fix in lost} == {1}
+    assert {(fix.satellites, fix.hdop, fix.north_m_s) for fix in lost} == {(2, 99.0, None)}
     assert len({fix.position for fix in lost}) == 1
     assert max(error_m(row) for row in after) < 2.0
 
@@ -206,6 +207,31 @@ def test_a_corrupt_receiver_is_far_off_now_and_then_and_never_says_what_is_no_nu
     errors_m = [error_m(row) for row in during]
     assert all(math.isfinite(one) for one in errors_m)
     assert 0.1 < sum(one > 100.0 for one in errors_m) / len(errors_m) < 0.7
+
+
+def test_a_receiver_without_a_fix_says_so() -> None:
+    _, during, _ = fixes('kind="no_fix"')
+    assert {(fix.fix_type, fix.satellites, fix.hdop, fix.east_m_s) for _, fix in during} == {
+        (1, 2, 99.0, None)
+    }
+
+
+@pytest.mark.parametrize(
+    ("part", "value", "full_scale"),
+    [
+        ("battery", lambda parts: parts.battery.read().voltage_v, 40.96),
+        ("battery", lambda parts: parts.battery.read().current_a, 81.92),
+        ("compass", lambda parts: parts.compass.read().heading_rad, math.radians(2048.0)),
+        ("gyro", lambda parts: parts.compass.read().yaw_rate_rad_s, math.radians(2048.0)),
+    ],
+)
+def test_wrong_bits_reach_as_far_as_the_numbers_of_the_part(
+    part: str, value: Callable[[Any], float], full_scale: float
+) -> None:
+    _, during, _ = observed(f'what="{part}", kind="corrupt", size=1', lambda water: [value(water.hardware)])
+    values = [one for _, one in during if not math.isnan(one)]
+    assert min(values) == pytest.approx(-full_scale)
+    assert max(values) <= full_scale
 
 
 def test_a_drifting_compass_is_off_by_its_size_for_every_second() -> None:

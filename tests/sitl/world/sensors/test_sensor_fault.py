@@ -44,3 +44,9 @@ def test_a_corrupt_reading_has_a_field_garbled_or_is_old() -> None:
     assert all(math.isnan(one) or -50.0 <= one <= 50.0 for one in volts)
     assert sum(volt != one.voltage_v for volt, one in zip(volts, READINGS, strict=True)) > 20
     assert {-50.0, 0.0} & set(volts)
+    changed = [
+        (one.voltage_v != was.voltage_v, one.current_a != was.current_a)
+        for one, was in zip(garbled, READINGS, strict=True)
+    ]
+    assert changed.count((True, True)) > 5
+    assert changed.count((True, False)) + changed.count((False, True)) > 5
