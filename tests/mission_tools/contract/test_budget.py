@@ -14,7 +14,7 @@ from mission_tools.assembly.plan_options import PlanOptions
 from mission_tools.assembly.planned_mission import MapSource
 from mission_tools.contract.budget import Budget, budget_of, planned_budget, ways_home_m
 from mission_tools.costs.boat import Boat, load_boat
-from mission_tools.costs.current import UniformCurrent
+from mission_tools.costs.current import Current, River, UniformCurrent
 from mission_tools.errors import BeyondRange, NoRoute, UsageError
 from mission_tools.maps import Source, build_chart
 from sitl.courses.missions import wire_items
@@ -35,7 +35,7 @@ def budget(
     boat: Boat = BOAT,
     holds_s: list[float] | None = None,
     speed_m_s: float | None = None,
-    current: UniformCurrent | None = None,
+    current: Current | None = None,
 ) -> Budget:
     holds_s = holds_s or [0.0] * (len(points) - 1)
     ways_m = ways_home_m(OPEN, points, 4.0)
@@ -93,11 +93,20 @@ def test_a_budget_is_the_same_whichever_way_the_whole_is_turned(by_rad: float) -
     assert (found.home_s, found.home_mah) == pytest.approx((expected.home_s, expected.home_mah))
 
 
-def test_a_boat_that_cannot_turn_on_the_spot_sails_half_a_circle_at_a_sharp_corner() -> None:
+@pytest.mark.parametrize("radius_m", [3.0, 0.8])
+def test_a_boat_that_cannot_turn_on_the_spot_sails_half_a_circle_at_a_sharp_corner(radius_m: float) -> None:
     way = [Point(0.0, 0.0), Point(100.0, 0.0), Point(0.0, 0.0)]
-    rudder = replace(BOAT, least_radius_m=3.0)
-    wait_s = 3.0 * math.pi / 0.4 - math.pi / 0.65  # at the slowest speed, rather than on the spot
+    rudder = replace(BOAT, least_radius_m=radius_m)
+    wait_s = radius_m * math.pi / 0.4 - math.pi / 0.65  # at the slowest speed, rather than on the spot
     assert budget(way, rudder).time_s == pytest.approx(budget(way).time_s + wait_s, abs=0.1)
+
+
+def test_the_current_is_that_of_where_the_boat_is() -> None:
+    river = River((Point(30.0, 0.0), Point(30.0, 400.0)), 60.0, 1.0)
+    way = [Point(30.0, 10.0), Point(30.0, 210.0)]
+    found, expected = budget(way, current=river), budget(way, current=UniformCurrent(0.0, 1.0))
+    assert found.charge_mah == pytest.approx(expected.charge_mah)
+    assert found.home_mah == pytest.approx(expected.home_mah)
 
 
 def test_a_hold_draws_what_station_keeping_does() -> None:
@@ -186,6 +195,7 @@ def test_a_charge_that_does_not_last_is_refused_one_way_too() -> None:
     with pytest.raises(BeyondRange, match=said):
         found.check(one_way=True)
     assert (found.capacity_mah, found.margin) == (1000.0, 1.5)
+    assert budget(boat=replace(BOAT, capacity_mah=1.0)).reached_m == 0.0
 
 
 def test_without_a_draw_there_is_a_time_and_no_charge() -> None:

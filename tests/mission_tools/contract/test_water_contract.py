@@ -130,6 +130,8 @@ def test_a_rally_point_lies_abeam_of_the_middle_of_its_stretch_where_there_is_ro
         assert [at.north_m for at in found] == pytest.approx([15.0] * 3, abs=0.1)
         assert sorted(at.east_m for at in found) == pytest.approx([200.0, 500.0, 800.0], abs=4.0)
     assert len(rally_points(chart, [Point(5.0, 50.0), Point(5.0, 250.0)], 4.0, 3)) == 1
+    (near,) = rally_points(chart, [Point(30.0, 50.0), Point(30.0, 58.0)], 4.0, 3)
+    assert distance_m(chart.frame.to_local(near.place), Point(30.0, 50.0)) >= 2.0 * 4.0 - 0.02
 
 
 def test_as_many_rally_points_as_the_boat_holds() -> None:
