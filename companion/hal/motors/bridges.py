@@ -217,12 +217,7 @@ def open_bridges(
 
 
 def _try_all(*actions: Callable[[], None]) -> None:
-    """Call every action, then raise the first error."""
-    first: Exception | None = None
-    for action in actions:
-        try:
-            action()
-        except Exception as error:
-            first = first or error
-    if first is not None:
-        raise first
+    """Call every action in turn, whatever one raises, then raise the last error."""
+    with ExitStack() as rest:
+        for action in reversed(actions):
+            rest.callback(action)

@@ -88,8 +88,10 @@ def test_close_stops_first_gives_the_pins_back_and_may_be_called_twice(l298n: Pi
 class FakeLeg:
     """A pin that can fail, once or for good, when it is switched."""
 
-    def __init__(self, name: str, level: dict[str, float], broken: set[str]) -> None:
-        self._name, self._level, self._broken = name, level, broken
+    def __init__(
+        self, name: str, level: dict[str, float], broken: set[str], error: type[BaseException]
+    ) -> None:
+        self._name, self._level, self._broken, self._error = name, level, broken, error
         level[name] = 0.0
 
     @property
@@ -99,7 +101,7 @@ class FakeLeg:
     @value.setter
     def value(self, value: float) -> None:
         if self._name in self._broken:
-            raise OSError(f"{self._name} is stuck")
+            raise self._error(f"{self._name} is stuck")
         self._level[self._name] = value
 
     def on(self) -> None:
@@ -112,13 +114,13 @@ class FakeLeg:
         self.value = 0.0
 
 
-def fake_bridge() -> tuple[BridgeMotors, dict[str, float], set[str]]:
+def fake_bridge(error: type[BaseException] = OSError) -> tuple[BridgeMotors, dict[str, float], set[str]]:
     level: dict[str, float] = {}
     broken: set[str] = set()
 
     def pair(side: str) -> HalfBridgePair:
         forward, backward, enable = (
-            FakeLeg(f"{side} {pin}", level, broken) for pin in ("forward", "backward", "enable")
+            FakeLeg(f"{side} {pin}", level, broken, error) for pin in ("forward", "backward", "enable")
         )
         return HalfBridgePair(forward, backward, enable, 0.02, HandClock())
 
@@ -128,13 +130,18 @@ def fake_bridge() -> tuple[BridgeMotors, dict[str, float], set[str]]:
 PIN_NAMES = [f"{side} {pin}" for side in ("left", "right") for pin in ("forward", "backward", "enable")]
 
 
+@pytest.mark.parametrize(
+    ("error", "told"), [(OSError, HardwareError), (KeyboardInterrupt, KeyboardInterrupt)]
+)
 @pytest.mark.parametrize("stuck", PIN_NAMES)
-def test_one_pin_that_fails_keeps_no_other_pin_on(stuck: str) -> None:
+def test_one_pin_that_fails_keeps_no_other_pin_on(
+    stuck: str, error: type[BaseException], told: type[BaseException]
+) -> None:
     for way_out in ("write", "stop", "close"):
-        bridge, level, broken = fake_bridge()
+        bridge, level, broken = fake_bridge(error)
         bridge.write(1.0, -1.0)
         broken.add(stuck)
-        with pytest.raises(HardwareError, match="is stuck"):
+        with pytest.raises(told, match="is stuck"):
             getattr(bridge, way_out)(*((-0.5, 0.5) if way_out == "write" else ()))
         assert {name for name, value in level.items() if value} <= {stuck}
 
