@@ -14,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pymavlink import DFReader
 
+from mission_tools.shore.voyage.__main__ import _voyage as voyage_of
 from mission_tools.shore.voyage.samples import MOST_SAMPLES, Sample, Samples
 from mission_tools.shore.voyage.voyage import MOST_EVENTS, NoVoyageError, read_voyage
 
@@ -208,10 +209,17 @@ def test_a_flood_of_messages_is_cut_and_counted() -> None:
 def test_the_program_prints_a_voyage_or_a_sentence(log: Path, tmp_path: Path) -> None:
     done = subprocess.run([*READER, str(log)], check=True, capture_output=True)
     assert json.loads(done.stdout) == read_voyage(log.read_bytes())
-    for name, key in (("missing.bin", "voyage.unreadable"), ("big.bin", "voyage.too_large")):
-        if name == "big.bin":
-            with (tmp_path / name).open("wb") as file:
-                file.truncate(200_000_001)
-        refused = subprocess.run([*READER, str(tmp_path / name)], check=False, capture_output=True)
-        assert (refused.returncode, refused.stderr) == (1, b"")
-        assert json.loads(refused.stdout)["key"] == key
+    refused = subprocess.run([*READER, str(tmp_path / "missing.bin")], check=False, capture_output=True)
+    assert (refused.returncode, refused.stderr) == (1, b"")
+    assert json.loads(refused.stdout)["key"] == "voyage.unreadable"
+
+
+@pytest.mark.parametrize(("size", "key"), [(0, "voyage.empty"), (200_000_001, "voyage.too_large")])
+def test_an_empty_or_too_large_file_is_refused(tmp_path: Path, size: int, key: str) -> None:
+    file = tmp_path / "log.bin"
+    with file.open("wb") as opened:
+        opened.truncate(size)
+    with pytest.raises(NoVoyageError) as refused:
+        voyage_of(file)
+    assert refused.value.args[0].key == key
+    assert refused.value.args[0].values == ({"n": 200, "most": 200} if size else {})

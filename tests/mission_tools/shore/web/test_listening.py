@@ -10,7 +10,8 @@ import pytest
 from shore_server import PAGE, PIN, FakeBoats, FakeChart, FakeClock
 
 from companion.core.errors import ConfigError, LinkError
-from mission_tools.shore.program import run_program
+from mission_tools.shore.command_line import SHOW, read_arguments
+from mission_tools.shore.program import default_pin_file, run_program
 from mission_tools.shore.web.connections.listening import Listening, parse_listen
 from mission_tools.shore.web.login.pin_file import PinFile
 from mission_tools.shore.web.login.session import Sessions
@@ -85,6 +86,21 @@ def test_a_mistake_in_the_command_line_is_named(
     assert named in told.err
     assert told.err.endswith("--help)\n")
     assert told.err.count("\n") == 1
+
+
+def test_the_page_is_for_this_computer_and_its_boat_unless_told_otherwise(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    given = read_arguments([])
+    assert (given.command, given.connect, given.listen) == (SHOW, "tcp:127.0.0.1:5760", "127.0.0.1:8080")
+    assert (given.system_id, given.hosts, given.chart, given.pin_file) == (250, [], None, None)
+    given = read_arguments(["--host", "a", "--host", "b", "--system-id", "254"])
+    assert (given.hosts, given.system_id) == (["a", "b"], 254)
+    assert read_arguments(["pin"]).command == "pin"
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    assert default_pin_file() == tmp_path / "mavboat" / "shore-pin"
+    monkeypatch.delenv("XDG_STATE_HOME")
+    assert default_pin_file() == Path("~/.local/state/mavboat/shore-pin").expanduser()
 
 
 def test_the_server_keeps_nothing_in_memory_that_it_does_not_use() -> None:
