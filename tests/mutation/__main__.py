@@ -84,6 +84,7 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
     "vehicle": (
         "tests/companion/vehicle", "tests/companion/geofence/test_surroundings.py",
         "tests/companion/failsafe/test_failsafes.py", "tests/companion/payload/test_control.py",
+        "tests/companion/services/missions/test_list_ids.py",
     ),
     "mission_tools/assembly": (
         "tests/mission_tools/assembly", "tests/mission_tools/cli", "tests/mission_tools/test_python_face.py",

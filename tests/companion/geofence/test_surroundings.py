@@ -159,6 +159,14 @@ def test_a_boat_beside_a_rock_that_it_passes_is_not_sent_back() -> None:
     assert path_length_m(corners) < 1.1 * distance_m(here, HOME)
 
 
+def test_the_leg_to_sail_is_that_of_the_way() -> None:
+    water, here = Water(), Point(40.0, 0.0)
+    water.see(*wall(Point(20.0, -10.0), Point(20.0, 10.0)))
+    way = water.way(here)
+    assert water.passage.leg(nav_at(*here), [HOME], CONFIG, water.now_s) is way.leg
+    assert way.leg.end != HOME
+
+
 def test_a_boat_pressed_against_a_wall_goes_back_to_where_it_last_had_room() -> None:
     water = Water()
     water.way(Point(24.0, 0.0))

@@ -73,3 +73,18 @@ def test_every_point_of_the_way_back_was_sailed_within_the_accuracy(track: list[
             at = Point(start.north_m + 0.1 * n * (end.north_m - start.north_m),
                        start.east_m + 0.1 * n * (end.east_m - start.east_m))  # fmt: skip
             assert off_m([track[0], *shown], at) <= 2.2 * ACCURACY_M  # a loop's end may add as much again
+
+
+def test_a_track_is_joined_where_the_unsailed_way_and_the_rest_of_the_track_are_shortest() -> None:
+    trail, start = SailedTrack(), Point(0.0, 0.0)
+    trail.points = [start, Point(0.0, 100.0), Point(100.0, 100.0)]
+    back = trail.back_to(Point(50.0, 5.0), [start], 2.0, lambda *_: True)
+    assert back is not None
+    (joins, *rest), rest_m = back
+    assert (*joins, rest_m) == pytest.approx((0.0, 5.0, 5.0))
+    assert rest == [start, start]
+
+
+def test_where_the_boat_turned_straight_back_is_kept() -> None:
+    trail, _ = sailed([Point(0, 0), Point(40, 0), Point(20, 0)])
+    assert trail.points[-1].north_m >= 39.0

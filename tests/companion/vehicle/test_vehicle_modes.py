@@ -242,3 +242,10 @@ def test_a_fault_of_the_program_puts_the_boat_on_hold_once_or_disarms_it() -> No
     for told in (["A fault", "Disarmed by the program"], []):
         vehicle.stop_on_fault("A fault", disarms=True)
         assert (vehicle.armed, texts(vehicle)) == (False, told)
+
+
+def test_the_track_is_recorded_while_the_position_is_known() -> None:
+    vehicle = vehicle_at(mode=Mode.GUIDED)
+    tick(vehicle, nav_at(20.0, 0.0), 0.1)
+    tick(vehicle, nav_at(40.0, 0.0, age_s=10.0), 0.2)
+    assert vehicle.track.latest == (20.0, 0.0)

@@ -319,3 +319,11 @@ def test_commands_are_done_in_their_order_as_the_next_leg_begins() -> None:
     assert (progress.go_home, progress.finished, progress.take_reached()) == (True, True, [3, 6])
     assert progress.set_current(1)
     assert (progress.go_home, progress.finished) == (False, False)
+
+
+def test_what_waits_for_a_condition_is_dropped_with_a_jump_to_another_item() -> None:
+    progress = begun(AfterDelay(5.0), SetSpeed(1.0), A, B)
+    leg_at(progress, 0.0, 0.0, 0.0)
+    progress.set_current(4)
+    for now_s in (10.0, 11.0):
+        assert leg_at(progress, 0.0, 0.0, now_s).speed_m_s == CRUISE_M_S

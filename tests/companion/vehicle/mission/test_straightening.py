@@ -134,3 +134,15 @@ def test_on_the_way_a_place_to_turn_back_at_is_left_out_within_half_of_its_radiu
     found = corners((0.0, 0.0), (20.0, 0.0), (20.0 + back_m, 0.0), (0.0, 30.0))
     assert (Point(20.0 + back_m, 0.0) not in found) is is_left_out
     assert Point(20.0, 0.0) in found
+
+
+@pytest.mark.parametrize(("turns_deg", "at"), [((20.0, -20.0, 20.0, 20.0), 3), ((20.0, 20.0, -20.0), 2)])
+def test_a_gentle_turn_is_a_bend_only_between_turns_to_its_own_side(
+    turns_deg: tuple[float, ...], at: int
+) -> None:
+    places, course = [(0.0, 0.0), (4.0, 0.0)], 0.0
+    for turn_deg in turns_deg:
+        course += math.radians(turn_deg)
+        north, east = places[-1]
+        places.append((north + 4.0 * math.cos(course), east + 4.0 * math.sin(course)))
+    assert Point(*places[at]) not in corners(*places)
