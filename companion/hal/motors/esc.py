@@ -8,6 +8,7 @@ before the pulses end. (Manuals of BLHeli_S, "Arming sequence", and KAVAN, "Thro
 import math
 import time
 from collections.abc import Callable
+from contextlib import ExitStack, suppress
 
 from companion.config.actuators import PulseOutputSetting
 from companion.core.errors import HardwareError
@@ -78,15 +79,16 @@ class EscMotors:
             for side, share in zip(self._sides, (left, right), strict=False):
                 side.drive(clamp(share, -1.0, 1.0))
         except BaseException as error:
-            self._neutral()
+            with suppress(HardwareError):
+                self._neutral()
             if isinstance(error, HardwareError):
                 self._armed_s = self._now() + self._arming_s
             raise
 
     def stop(self) -> None:
         """Neutral on every signal. Raises HardwareError: a signal failed; all others are neutral."""
-        if not self._is_closed and (error := self._neutral()) is not None:
-            raise error
+        if not self._is_closed:
+            self._neutral()
 
     def close(self) -> None:
         """Neutral for some pulses, then no more pulses. May be called twice.
@@ -94,28 +96,22 @@ class EscMotors:
         """
         if self._is_closed:
             return
-        error = self._neutral()
         self._is_closed = True
-        self._wait(max(_LAST_PULSES / side.setting.frequency_hz for side in self._sides))
-        for side in self._sides:
-            try:
-                side.output.close()
-            except HardwareError as failure:
-                error = error or failure
-        if error is not None:
-            raise error
+        with ExitStack() as rest:
+            for side in reversed(self._sides):
+                rest.callback(side.output.close)
+            rest.callback(self._wait, max(_LAST_PULSES / side.setting.frequency_hz for side in self._sides))
+            self._neutral()
 
-    def _neutral(self) -> HardwareError | None:
-        """Neutral on every signal; the first error, after which they arm anew."""
-        error: HardwareError | None = None
-        for side in self._sides:
-            try:
-                side.drive(0.0)
-            except HardwareError as failure:
-                error = error or failure
-        if error is not None:
+    def _neutral(self) -> None:
+        """Neutral on every signal, whatever one raises; after an error they arm anew."""
+        try:
+            with ExitStack() as rest:
+                for side in reversed(self._sides):
+                    rest.callback(side.drive, 0.0)
+        except HardwareError:
             self._armed_s = self._now() + self._arming_s
-        return error
+            raise
 
 
 def open_escs(

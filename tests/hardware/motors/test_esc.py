@@ -2,7 +2,8 @@
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import pytest
@@ -148,20 +149,44 @@ def test_close_waits_for_the_slower_signal_and_tells_of_one_that_does_not_end(
     assert boat.outputs[1].closes == 1
 
 
-def test_what_interrupts_a_write_leaves_both_neutral(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("way", ["write", "stop", "close"])
+def test_an_interrupt_leaves_both_neutral_or_ended(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    for struck in (0, 1):
+        boat = Boat().arm()
+        boat.motors.write(1.0, 1.0)
+        failures = iter([True])
+
+        def interrupted(
+            width_us: float, output: RecordingOutput, failures: Iterator[bool] = failures
+        ) -> None:
+            if next(failures, False):
+                raise KeyboardInterrupt
+            RecordingOutput.write_us(output, width_us)
+
+        monkeypatch.setattr(
+            boat.outputs[struck], "write_us", partial(interrupted, output=boat.outputs[struck])
+        )
+        with pytest.raises(KeyboardInterrupt):
+            getattr(boat.motors, way)(*((0.9, 0.9) if way == "write" else ()))
+        assert boat.widths[1 - struck] == (0.0 if way == "close" else 1500.0)
+        assert [output.closes for output in boat.outputs] == [way == "close"] * 2
+
+
+def test_an_interrupt_of_the_last_pulses_ends_them() -> None:
     boat = Boat().arm()
-    boat.motors.write(1.0, 1.0)
-    failures = iter([True])
 
-    def interrupted(width_us: float) -> None:
-        if next(failures, False):
-            raise KeyboardInterrupt
-        RecordingOutput.write_us(boat.outputs[1], width_us)
+    def interrupted(seconds: float) -> None:
+        raise KeyboardInterrupt
 
-    monkeypatch.setattr(boat.outputs[1], "write_us", interrupted)
+    motors = EscMotors(
+        tuple(Esc(output, LEFT, DEAD_TIME_S, boat.clock) for output in boat.outputs),
+        ARMING_S,
+        boat.clock,
+        interrupted,
+    )
     with pytest.raises(KeyboardInterrupt):
-        boat.motors.write(0.9, 0.9)
-    assert boat.widths == [1500.0, 1500.0]
+        motors.close()
+    assert boat.widths == [0.0, 0.0]
 
 
 @pytest.mark.parametrize("lines", [{"left": {"pin": 12, "reversed": True}}, {"left_reversed": True}])
