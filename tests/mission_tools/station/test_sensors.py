@@ -110,3 +110,12 @@ def test_values_that_are_no_numbers_are_left_out() -> None:
     assert len(found) == len(ROWS) + 16
     values = [value for one in found for value in one.values.values()]
     assert [value for value in values if isinstance(value, float) and math.isnan(value)] == []
+    assert {one.verdict for one in found[len(ROWS) :]} == {"warning"}
+
+
+def test_a_probe_is_good_while_it_measures() -> None:
+    latest = LatestMessages()
+    latest.on_message(blank("named_value_float", name=b"PH", value=7.25, time_boot_ms=1), 1.0)
+    for now_s, verdict in ((11.0, "fine"), (11.1, "warning")):
+        probe = sensors(SensorSnapshot(latest, View(), (), now_s, True, {}))[-1]
+        assert (probe.name, probe.verdict, probe.values) == ("probe PH", verdict, {"value": 7.25})

@@ -168,6 +168,15 @@ def test_a_boat_without_texts_is_asked_for_both_messages_and_then_left_alone() -
     assert boat.fetching.state == "none"
 
 
+def test_texts_that_cannot_be_read_are_fetched_again_and_then_left_alone() -> None:
+    boat = files(b"no texts")
+    for state in ("waiting", "waiting", "none"):
+        boat.run(6.0)
+        assert boat.say("mftp:///g", crc(boat.files["/g"])) == "here"
+        boat.fetching.refuse()
+        assert (boat.fetching.state, boat.fetching.packed) == (state, None)
+
+
 def test_a_boat_that_starts_again_is_asked_again() -> None:
     boat = Files({})
     boat.run(60.0)
