@@ -39,6 +39,14 @@ def test_go_is_a_reposition_at_the_usual_speed_that_changes_the_mode() -> None:
     assert (sent.x, sent.y, sent.z) == (500_000_000, -12_000_000, 0.0)
 
 
+def test_only_what_may_be_done_twice_is_repeated_late_and_only_a_restart_needs_a_disarmed_boat() -> None:
+    whats = ("arm", "check", "continue", "disarm", "hold", "pause", "restart", "return", "start", "stop")
+    commands = {what: build_command(what, {}, MODES) for what in whats}
+    assert [what for what in whats if commands[what].once] == ["continue", "pause", "restart", "start"]
+    assert [what for what in whats if commands[what].disarmed] == ["restart"]
+    assert [what for what in whats if not commands[what].steers] == ["arm", "check", "disarm", "restart"]
+
+
 def test_the_emergency_stop_forces_the_disarming() -> None:
     sent = Line().ask("stop")
     assert sent.command == peer.MAV_CMD_COMPONENT_ARM_DISARM
