@@ -179,6 +179,16 @@ def test_a_list_with_a_new_id_is_read_again_at_once() -> None:
     assert asked_within(2, 8, 4, 1, total=5) == [0], "another number of items, of a boat without ids"
 
 
+def test_a_boat_that_is_heard_on_another_link_is_asked_for_its_streams_there() -> None:
+    shore = Shore()
+    for link in (stranger(shore), stranger(shore)):
+        link.send(heartbeat(1))
+        shore.run(0.2)
+        decoder = peer.MAVLink(None)
+        names = [one.get_type() for data in link.receive() for one in decoder.parse_buffer(data) or []]
+        assert names.count("COMMAND_LONG") >= 12
+
+
 def test_boats_that_were_heard_once_give_way_to_one_that_comes() -> None:
     shore = Shore()
     link = stranger(shore)

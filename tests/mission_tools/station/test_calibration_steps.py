@@ -216,6 +216,19 @@ def test_the_text_of_a_result_to_be_kept_counts_before_its_report() -> None:
     assert boat.now.state == "waiting"
 
 
+@pytest.mark.parametrize(
+    ("kind", "command", "result", "percent"),
+    [("gyro", GYRO, IN_PROGRESS, 25), ("compass", START, ACCEPTED, 0)],
+)
+def test_the_answer_to_a_start_tells_the_progress_of_what_is_in_progress(
+    kind: str, command: int, result: int, percent: int
+) -> None:
+    boat = Boat()
+    boat.start(kind)
+    boat.ack(command, result, progress=25)
+    assert (boat.now.state, boat.now.percent) == ("running", percent)
+
+
 def test_progress_is_an_answer_to_a_start_whose_own_is_lost() -> None:
     boat = Boat()
     boat.start("compass")

@@ -151,7 +151,7 @@ def test_a_count_that_changes_begins_the_list_anew_but_not_all_the_time() -> Non
     assert script.download.count == 101
     version = script.download.version
     script.download.restart()
-    assert (script.state, script.download.version) == ("waiting", version + 1)
+    assert (script.state, script.download.version, script.download.missing) == ("waiting", version + 1, 0)
 
 
 @pytest.mark.parametrize("name", [b"\x01\x02", b"A\nB", b"", b"A B", b"\xc3\xa4", b"\x7f"])
