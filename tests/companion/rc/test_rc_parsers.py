@@ -74,6 +74,16 @@ def test_a_link_without_quality_is_the_failsafe_until_there_is_some_again() -> N
     assert not found.is_failsafe
 
 
+@pytest.mark.parametrize(
+    ("ahead", "aside", "antenna", "signal_dbm"), [(60, 75, 0, -60.0), (60, 75, 1, -75.0), (0, 75, 0, None)]
+)
+def test_the_signal_is_that_of_the_antenna_in_use(
+    ahead: int, aside: int, antenna: int, signal_dbm: float | None
+) -> None:
+    heard = known(CrsfParser().feed(statistics(97, ahead, aside, antenna) + CENTRED, 0.0))
+    assert (heard.quality, heard.rssi_dbm) == (0.97, signal_dbm)
+
+
 def test_crsf_frames_of_other_kinds_are_passed_over_whole() -> None:
     parser = CrsfParser()
     gps = crsf(0x02, b"\xc8" * 15)
