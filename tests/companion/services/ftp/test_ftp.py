@@ -64,6 +64,8 @@ def test_a_file_that_is_put_comes_back_and_lies_in_the_folder(served: Served, tm
     assert (tmp_path / "files" / "a.bin").read_bytes() == TEXT
     assert served.get(b"/files/a.bin") == TEXT
     assert served.get(b"files//./a.bin\0") == TEXT
+    served.put(b"/files/a.bin", b"short")
+    assert served.get(b"/files/a.bin") == b"short", "nothing of the old file is left"
 
 
 @pytest.mark.parametrize("how", ["link gone", "idle"])
@@ -208,6 +210,9 @@ def test_sessions_are_bounded_and_free_again_when_closed_or_idle(served: Served,
     assert not is_open(tmp_path / "files" / "a")
     served.ask(Opcode.TERMINATE_SESSION, session=0)
     assert served.ask(Opcode.OPEN_FILE_RO, path, session=99).opcode == ACK
+    for _ in range(2):
+        served.tick(IDLE_S - 1.0)
+        assert served.ask(Opcode.READ_FILE, session=99, size=9).opcode == ACK, "it is in use"
     served.tick(IDLE_S + 1.0)
     assert not served.service._stations
     assert served.ask(Opcode.OPEN_FILE_RO, path, session=98).opcode == ACK
@@ -436,6 +441,7 @@ def test_stations_get_the_parameters_as_one_file(served: Served) -> None:
         decoded = MAVFTP.ftp_param_decode(served.get(path))
         assert decoded is not None
         assert [name.decode() for name, _, _ in decoded.params] == [row.name for row in ROWS]
+    assert served.get(b"@PARAM/param.pck?withdefaults=1")[:2] == b"\x1c\x67"
     part = served.get(b"@PARAM/param.pck?start=5&count=7")
     assert struct.unpack_from("<HHH", part) == (0x671B, 7, len(ROWS))
     session = served.ask(Opcode.OPEN_FILE_RO, b"@PARAM/param.pck").session

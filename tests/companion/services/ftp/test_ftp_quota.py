@@ -49,6 +49,8 @@ def test_a_file_is_replaced_by_one_of_its_size_however_full_the_quota_is(mount: 
     mount.save(("b",), b"")
     mount.save(("a",), b"")
     mount.save(("b",), bytes(QUOTA_BYTES))
+    mount.truncate(("b",), 300)
+    assert mount._quota._bytes == 300
 
 
 def test_the_folder_is_not_walked_for_every_save(mount: FolderMount, monkeypatch: pytest.MonkeyPatch) -> None:
