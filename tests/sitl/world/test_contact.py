@@ -7,6 +7,7 @@ import pytest
 import shapely
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec import structs
 
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.contact import Touch, Velocity, apply_contact, crossing, overlap
@@ -114,7 +115,7 @@ def test_a_blow_takes_the_speed_into_the_shore_and_never_adds_energy(
 
 
 def test_what_slips_slowly_along_the_shore_sticks_to_it() -> None:
-    body = Hull(LAKE)
+    body = Hull(structs.replace(LAKE, inertia_kg_m2=0.5))
     body.move(1.0, 0.05, 0.1)
     apply_contact(body, Touch(0.3, 0.0, -1.0, 0.0), Velocity(0.0, 0.0))
     assert (body.surge_m_s, body.sway_m_s + 0.3 * body.yaw_rate_rad_s) == pytest.approx((0.0, 0.0), abs=1e-9)

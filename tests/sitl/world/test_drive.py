@@ -160,7 +160,7 @@ def test_a_propeller_that_sucks_air_races_and_pulls_less() -> None:
 
 
 def test_a_motor_that_turns_faster_than_its_command_is_held_back_by_the_bridge() -> None:
-    shaft, motor, bridge = Thruster(LAKE), LAKE.motor, LAKE.bridge
+    shaft, motor, bridge = Thruster(POOL), POOL.motor, POOL.bridge
     shaft.speed_rad_s = 2.0 * PACK_V / motor.back_emf_v_s
     shaft.step(0.1, PACK_V, 0.0, DT_S)
     over_v = 0.1 * PACK_V + bridge.drop_v - 2.0 * PACK_V
