@@ -8,6 +8,7 @@ import pytest
 from companion.mavlink.items import MissionItem
 from mission_tools.shore.plans.files import fence_file, mission_text, rally_file
 from mission_tools.shore.plans.plan_request import MOST_CORNERS, MOST_GOALS, PlanRequestError, parse_wish
+from mission_tools.station.messages import Place
 
 ROUTE: dict[str, Any] = {"task": "route", "goals": [[-1.2, 50.0]]}
 SURVEY: dict[str, Any] = {"task": "survey", "footprint_m": 10}
@@ -17,6 +18,8 @@ def test_what_is_not_said_is_left_to_the_planner() -> None:
     wanted = parse_wish(json.dumps(ROUTE).encode())
     assert (wanted.start, wanted.speed_m_s, wanted.clearance_m, wanted.is_return) == (None, None, None, False)
     assert parse_wish(json.dumps(ROUTE | {"return": True}).encode()).is_return
+    start = parse_wish(json.dumps(ROUTE | {"start": {"lat": -90.0, "lon": 180.0}}).encode()).start
+    assert start == Place(lat=-90.0, lon=180.0)
 
 
 @pytest.mark.parametrize(
@@ -30,6 +33,7 @@ def test_what_is_not_said_is_left_to_the_planner() -> None:
         (ROUTE | {"goals": [[1e999, 50.0]]}, "JSON"),
         (ROUTE | {"goals": [["1", 50.0]]}, "goals"),
         (ROUTE | {"start": {"lat": 91.0, "lon": 0.0}}, "start"),
+        (ROUTE | {"start": {"lat": 0.0, "lon": -181.0}}, "start"),
         (ROUTE | {"clearance_m": -1.0}, "clearance_m"),
         (ROUTE | {"speed_m_s": 0.0}, "speed_m_s"),
         (ROUTE | {"speed_m_s": 50.1}, "speed_m_s"),
