@@ -7,7 +7,7 @@ import errno
 import json
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Final
 
@@ -16,11 +16,14 @@ from companion.core.errors import BoatError, LinkError
 INTERRUPTED = 130  # 128 + SIGINT, as in shells
 
 
-def end(name: str, message: str, code: int, *, is_json: bool) -> int:
+def end(
+    name: str, message: str, code: int, *, is_json: bool, figures: Mapping[str, object] | None = None
+) -> int:
     """Print one line to stderr, with --json also an object to stdout; returns the exit code."""
     sys.stderr.write(f"{name}: {message}\n")
     if is_json:
-        sys.stdout.write(json.dumps({"ok": False, "exit_code": code, "error": message}) + "\n")
+        tree = {"ok": False, "exit_code": code, "error": message, **(figures or {})}
+        sys.stdout.write(json.dumps(tree) + "\n")
     return code
 
 
@@ -37,7 +40,8 @@ def end_with(
     if "--debug" in arguments or not isinstance(error, Exception):
         raise error
     if isinstance(error, expected):
-        return end(name, str(error), getattr(error, "exit_code", 1), is_json=is_json)
+        code, figures = getattr(error, "exit_code", 1), getattr(error, "figures", None)
+        return end(name, str(error), code, is_json=is_json, figures=figures)
     missing = missing_extra(name, error)
     if missing is not None:
         return end(name, missing, 2, is_json=is_json)

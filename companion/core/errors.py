@@ -15,16 +15,22 @@ Data from the wire never raises past the endpoint: it is dropped and counted. `e
 """
 
 import errno
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Self
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
 class BoatError(Exception):
-    """Root of all errors that the companion raises on purpose."""
+    """Root of all errors that the companion raises on purpose.
+
+    figures: what a job that failed has measured; `--json` prints them with the error, as one object.
+    """
 
     exit_code = 1
+    figures: Mapping[str, object] = MappingProxyType({})
 
 
 class ConfigError(BoatError, ValueError):

@@ -68,24 +68,28 @@ def campaign(
     write_parquet(table, folder / "runs.parquet")
     write_text(folder / "report.html", campaign_page(plan, results))
     verdicts = judge(plan.expect, table)
-    if as_json_text:
-        echo(_as_json(plan, results, verdicts))
-    else:
+    if not as_json_text:
         _print(plan, results, verdicts, console)
         console.print(f"written: {folder / 'runs.csv'}, {folder / 'report.html'}")
+    figures = _figures(plan, results, verdicts)
     unmet = sum(not verdict.is_met for verdict in verdicts)
     if unmet:
-        raise CampaignError(f"{unmet} of {len(verdicts)} expectations are not met: see {folder}")
+        error = CampaignError(f"{unmet} of {len(verdicts)} expectations are not met: see {folder}")
+        error.figures = figures
+        raise error
+    if as_json_text:
+        echo(json.dumps(figures, indent=2))
 
 
-def _as_json(plan: Campaign, results: Sequence[TrialResult], verdicts: Sequence[ExpectationVerdict]) -> str:
-    tree = {
+def _figures(
+    plan: Campaign, results: Sequence[TrialResult], verdicts: Sequence[ExpectationVerdict]
+) -> dict[str, object]:
+    return {
         "title": plan.title,
         "runs": len(results),
         "ended": Counter(result.ended for result in results),
         "expectations": [dataclasses.asdict(verdict) for verdict in verdicts],
     }
-    return json.dumps(tree, indent=2)
 
 
 def _print(

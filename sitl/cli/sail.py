@@ -83,9 +83,9 @@ def sail(
         mission_run.lockstep.close()  # a run that went wrong has its log, too
     if csv is not None:
         mission_run.recorder.write_csv(csv, every=5)
-    figures = json.dumps(dataclasses.asdict(result), indent=2)
+    figures = dataclasses.asdict(result)
     if json_file is not None:
-        write_text(json_file, figures + "\n")
+        write_text(json_file, json.dumps(figures, indent=2) + "\n")
     kept = RunRecord.of(mission_run, result)
     if png is not None:
         # matplotlib takes a second to import
@@ -95,12 +95,14 @@ def sail(
         save_figure(png, draw_track_chart(kept))
     if record is not None:
         kept.save(record)
-    if as_json_text:
-        echo(figures)
-    else:
+    if not as_json_text:
         _print_table(result, console)
     if not result.completed:
-        raise RunError(f"the mission was not completed: {mission_run.ending()}")
+        error = RunError(f"the mission was not completed: {mission_run.ending()}")
+        error.figures = figures
+        raise error
+    if as_json_text:
+        echo(json.dumps(figures, indent=2))
     if logbook is not None and logbook.sink.fault:
         raise OutputError(logbook.sink.fault)
 

@@ -94,15 +94,18 @@ def tune(
     word = "found" if verdict.is_better else "its own: no better ones were found"
     write_text(path, parameter_file(taken, [f"gains of {boat}, {word} with seed {seed}"]))
     draw_search(rankings, verdict, f"gains of {boat}", folder / "tuning.png")
-    if as_json_text:
-        echo(_as_json(boat, seed, before, best, verdict, checked, path))
-    else:
+    if not as_json_text:
         _print(before, best, verdict, checked, console)
         console.print(f"written: {path}, {folder / 'tuning.png'}")
+    figures = _figures(boat, seed, before, best, verdict, checked, path)
     results = checked["after" if verdict.is_better else "before"]
     lost = sum(result.ended != "completed" for result in results)
     if lost:
-        raise TuneError(f"{lost} of {len(results)} runs with the gains in {path} are not completed")
+        error = TuneError(f"{lost} of {len(results)} runs with the gains in {path} are not completed")
+        error.figures = figures
+        raise error
+    if as_json_text:
+        echo(json.dumps(figures, indent=2))
 
 
 def _search_and_check(
@@ -158,7 +161,7 @@ def _print(
         console.print("no gains were found that are better beyond uncertainty: the boat keeps its own")
 
 
-def _as_json(
+def _figures(
     boat: str,
     seed: int,
     before: Gains,
@@ -166,8 +169,8 @@ def _as_json(
     verdict: GainComparison,
     checked: dict[str, list[TrialResult]],
     path: Path,
-) -> str:
-    tree = {
+) -> dict[str, object]:
+    return {
         "boat": boat,
         "seed": seed,
         "before": before,
@@ -180,7 +183,6 @@ def _as_json(
         },
         "file": str(path),
     }
-    return json.dumps(tree, indent=2)
 
 
 def _mean(results: list[TrialResult], figure: str) -> float | None:

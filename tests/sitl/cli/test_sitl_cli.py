@@ -62,6 +62,15 @@ def test_a_mission_that_is_not_completed_is_exit_code_one_in_one_line(
     assert "the mission was not completed: at item 1 of 2 in AUTO" in error
 
 
+def test_figures_and_error_of_a_mission_that_is_not_completed_are_one_json_object(
+    mission: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_program(["sail", "open", "--mission", str(mission), "--timeout", "2", "--json"]) == 1
+    told = json.loads(capsys.readouterr().out)
+    assert (told["ok"], told["exit_code"], told["completed"], told["waypoints"]) == (False, 1, False, 2)
+    assert told["error"].startswith("the mission was not completed: at item 1")
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
