@@ -1,17 +1,16 @@
 """The cost of a rollout, and the cheapest one.
 
-    J = way / (v T) + 2 mean(max(0, margin / d − 1)²) + hit + unseen + 20 C + side + habit + effort
+    J = way / 5 margins + 6 mean(max(0, margin / d − 1)²) + hit + unseen + 100 C + side + habit + effort
 
-way: what is left to the goal at the end of the rollout, a margin further along the bow (`cost_to_go.py`),
-in units of five margins. d: clearance of the hull's leading half at a step, with the potential of O. Khatib
+way: what is left to the goal at the end of the rollout, a margin further along the bow (`cost_to_go.py`).
+d: clearance of the hull's leading half at a step, with the potential of O. Khatib
 (*Real-time obstacle avoidance*, International Journal of Robotics Research 5(1), 1986), which has no jump
 that a small move of the boat would turn into another choice. hit: the first touch, the more
 the sooner and the faster. unseen: share of the first three seconds in water that no ranger has seen free, the
 more the faster: what lies there is met before the boat can stop. C: expected number of collisions with what
 may move (`movers.py`). side: to port of the way wanted, where something may move (collision regulations,
-rules 14, 15 and 17). habit: change of the heading and of the speed that are held, by what it takes: half a
-turn four seconds, a reversal two or three. The weights were chosen on
-seeds 1001 to 1003 of `boat-sitl encounters`.
+rules 14, 15 and 17). habit: change of the heading and of the speed that are held. The weights were chosen on
+seeds 1001 to 1009 of `boat-sitl encounters`.
 """
 
 import math
@@ -37,7 +36,7 @@ from companion.obstacles.planning.motion import (
 from companion.obstacles.planning.movers import Predicted, collision_risk
 
 HORIZON_S: Final = STEP_S * STEPS
-_NEAR: Final = 2.0
+_NEAR: Final = 6.0
 _WAY: Final = 5.0  # margins
 _WARY: Final = 1.0  # a path near something whose extent is not known
 _HIT: Final = 100.0  # more than no progress and every other term
