@@ -1,6 +1,6 @@
 """The cost of a rollout, and the cheapest one.
 
-    J = way / 5 margins + 6 mean(max(0, margin / d − 1)²) + hit + unseen + 100 C + side + habit + effort
+    J = way / 5 margins + 4 mean(max(0, margin / d − 1)²) + hit + unseen + 100 C + side + habit + effort
 
 way: what is left to the goal at the end of the rollout, a margin further along the bow (`cost_to_go.py`).
 d: clearance of the hull's leading half at a step, with the potential of O. Khatib
@@ -36,7 +36,7 @@ from companion.obstacles.planning.motion import (
 from companion.obstacles.planning.movers import Predicted, collision_risk
 
 HORIZON_S: Final = STEP_S * STEPS
-_NEAR: Final = 6.0
+_NEAR: Final = 4.0
 _WAY: Final = 5.0  # margins
 _WARY: Final = 1.0  # a path near something whose extent is not known
 _HIT: Final = 100.0  # more than no progress and every other term
