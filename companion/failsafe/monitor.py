@@ -1,4 +1,4 @@
-"""All failsafes: ten times a second, which have fired, escalated, ended or got another reason."""
+"""All failsafes: ten times a second, which have fired, escalated or ended, or hold for a new reason."""
 
 import math
 from collections.abc import Sequence
@@ -18,8 +18,8 @@ from companion.rc.manual_input import ManualInput
 
 PERIOD_S = 0.1
 _SLACK_S = 1e-6
-# Times what ends a condition: one that comes back so soon has to stay away twice as long to be over. So a
-# loose contact is told a few times, and not every few seconds
+# Times what ends a condition: one that is only told and comes back so soon has to stay away twice as long to
+# be over. So a loose contact is told a few times, and not every few seconds. What acts has to act each time
 _SOON = 4.0
 _JUDGED = (State.IDLE, State.COMPARING)  # where the motion says something about the motors
 _POWER = int(Condition.BATTERY_CRITICAL | Condition.BATTERY_LOW | Condition.OUT_OF_RANGE)
@@ -57,7 +57,7 @@ class Change(Enum):
     FIRES = 1
     ESCALATES = 2  # the condition has lasted: the next step
     ENDS = 3
-    RENAMED = 4  # the condition lasts, for another reason
+    NEW_REASON = 4  # the condition still holds, but for another reason
 
 
 class Escalation:
@@ -76,7 +76,7 @@ class Escalation:
         self.action = Action.NONE
         self.is_active = False
         self.is_overruled = False  # the operator has chosen a mode since it fired
-        self._since_s = self._calm_s = self._renamed_s = math.nan
+        self._since_s = self._calm_s = self._reason_s = math.nan
         self._step_s = 0.0
 
     def update(self, text: str, setting: Failsafe, now_s: float) -> Change:
@@ -94,12 +94,12 @@ class Escalation:
             return Change.ENDS
         self._calm_s = math.nan
         if _reason(text) != _reason(self.text):
-            self._renamed_s = now_s
+            self._reason_s = now_s
         self.text = text
         if self.is_active:
             change = self._escalate(setting, now_s)
-            if change is Change.STAYS and self._is_renamed(now_s):
-                change = Change.RENAMED
+            if change is Change.STAYS and self._has_new_reason(now_s):
+                change = Change.NEW_REASON
             if change is not Change.STAYS:
                 self._told = text
             return change
@@ -109,7 +109,7 @@ class Escalation:
             return Change.STAYS
         self.is_active, self._step_s, self._told = True, now_s, text
         steps, first = _steps(self.row, setting), _action(self.row.action, setting)
-        if self.row.relapse_s == 0.0:
+        if first is Action.NONE:
             comes_and_goes = now_s - self._ended_s < _SOON * self._clear_s
             self._clear_s = 2.0 * self._clear_s if comes_and_goes else self.row.clear_s
         is_relapse = now_s - self._ended_s < self.row.relapse_s and first is not Action.NONE
@@ -130,9 +130,9 @@ class Escalation:
         self._take(steps[self._next], setting)
         return Change.ESCALATES
 
-    def _is_renamed(self, now_s: float) -> bool:
-        """Whether it has had another reason than the one told, for as long as its end would have to last."""
-        return _reason(self.text) != _reason(self._told) and now_s - self._renamed_s >= self.row.clear_s
+    def _has_new_reason(self, now_s: float) -> bool:
+        """Whether its reason is not the one told, and has not changed for as long as its end must last."""
+        return _reason(self.text) != _reason(self._told) and now_s - self._reason_s >= self.row.clear_s
 
     def _take(self, step: Step, setting: Failsafe) -> None:
         self.action = _action(step.action, setting)
@@ -252,7 +252,7 @@ class Failsafes:
             elif change is not Change.STAYS:
                 self.active |= int(row.condition)
                 is_concerned = inputs.mode in row.guard.modes
-                acts = is_concerned and change is not Change.RENAMED
+                acts = is_concerned and change is not Change.NEW_REASON
                 action = escalation.action if acts else Action.NONE
                 alarms.append(Alarm(row, change, escalation.text, action))
         return alarms

@@ -185,7 +185,7 @@ def test_a_condition_that_lasts_for_another_reason_is_told_again_once_that_is_ce
     gnss = escalation_of(Condition.GNSS_BAD, "GPS lost: dead reckoning")
     gnss.update("GPS late", Failsafe(), 2.0)
     assert gnss.update("GPS late", Failsafe(), 4.9) is Change.STAYS
-    assert gnss.update("GPS late", Failsafe(), 5.0) is Change.RENAMED
+    assert gnss.update("GPS late", Failsafe(), 5.0) is Change.NEW_REASON
     assert gnss.update("GPS late", Failsafe(), 50.0) is Change.STAYS
 
 
@@ -235,3 +235,13 @@ def test_a_loose_contact_is_told_a_few_times_and_then_taken_for_one_trouble() ->
     for tick in range(6000, 6100):
         assert gnss.update("", Failsafe(), 0.1 * tick) in (Change.STAYS, Change.ENDS)
     assert not gnss.is_active
+
+
+def test_a_failsafe_that_acts_fires_again_however_often_its_condition_comes_and_goes() -> None:
+    row = next(row for row in ROWS if row.condition is Condition.OPERATOR_LOST)
+    operator, fired = Escalation(row), 0
+    for tick in range(1200):  # two minutes of a bad link: lost for 3 s, heard for 3 s
+        text = "Operator lost for 5 s" if tick % 60 < 30 else ""
+        change = operator.update(text, Failsafe(), 0.1 * tick)
+        fired += change is Change.FIRES
+    assert fired == 20
