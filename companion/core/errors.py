@@ -32,6 +32,11 @@ class BoatError(Exception):
     exit_code = 1
     figures: Mapping[str, object] = MappingProxyType({})
 
+    def with_figures(self, figures: Mapping[str, object]) -> Self:
+        """The same error, with what was measured."""
+        self.figures = figures
+        return self
+
 
 class ConfigError(BoatError, ValueError):
     """An invalid configuration."""

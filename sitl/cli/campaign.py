@@ -74,9 +74,8 @@ def campaign(
     figures = _figures(plan, results, verdicts)
     unmet = sum(not verdict.is_met for verdict in verdicts)
     if unmet:
-        error = CampaignError(f"{unmet} of {len(verdicts)} expectations are not met: see {folder}")
-        error.figures = figures
-        raise error
+        why = f"{unmet} of {len(verdicts)} expectations are not met: see {folder}"
+        raise CampaignError(why).with_figures(figures)
     if as_json_text:
         echo(json.dumps(figures, indent=2))
 

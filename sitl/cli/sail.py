@@ -98,9 +98,7 @@ def sail(
     if not as_json_text:
         _print_table(result, console)
     if not result.completed:
-        error = RunError(f"the mission was not completed: {mission_run.ending()}")
-        error.figures = figures
-        raise error
+        raise RunError(f"the mission was not completed: {mission_run.ending()}").with_figures(figures)
     if as_json_text:
         echo(json.dumps(figures, indent=2))
     if logbook is not None and logbook.sink.fault:

@@ -101,9 +101,8 @@ def tune(
     results = checked["after" if verdict.is_better else "before"]
     lost = sum(result.ended != "completed" for result in results)
     if lost:
-        error = TuneError(f"{lost} of {len(results)} runs with the gains in {path} are not completed")
-        error.figures = figures
-        raise error
+        why = f"{lost} of {len(results)} runs with the gains in {path} are not completed"
+        raise TuneError(why).with_figures(figures)
     if as_json_text:
         echo(json.dumps(figures, indent=2))
 

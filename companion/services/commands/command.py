@@ -31,7 +31,7 @@ _GLOBAL_FRAMES = constants(
 )
 
 
-Later = list[tuple[int, Message]]
+FollowUps = list[tuple[int, Message]]
 """Channels and messages that follow the command's COMMAND_ACK."""
 
 

@@ -15,7 +15,7 @@ from companion.core.status_text import Severity
 from companion.hal.interfaces import FaultInjector
 from companion.mavlink.dialect import Message, constants, dialect
 from companion.services.commands.calibration_runs import CalibrationCommands
-from companion.services.commands.command import Command, CommandTable, Later, Result, acknowledgement
+from companion.services.commands.command import Command, CommandTable, FollowUps, Result, acknowledgement
 from companion.services.commands.compass import CompassCommands
 from companion.services.commands.maintenance import MaintenanceCommands
 from companion.services.commands.messages import MessageCommands
@@ -66,14 +66,14 @@ class CommandService:
         self._vehicle = vehicle
         self._outbox = outbox
         self._motor_test = motor_test
-        self._later: Later = []
+        self._follow_ups: FollowUps = []
         self._compass = CompassCommands(vehicle, sensors, parameters, texts, outbox)
         self._upkeep = MaintenanceCommands(
             vehicle, motor_test, parameters, texts, self._compass, sensors.gauge
         )
         self._calibration = CalibrationCommands(vehicle, calibration, parameters, texts)
         self._vehicle_commands = VehicleCommands(vehicle, parameters, texts)
-        self._questions = MessageCommands(telemetry, self._later).table
+        self._questions = MessageCommands(telemetry, self._follow_ups).table
         self._table: CommandTable = {
             **self._questions,
             **self._upkeep.table,
@@ -204,9 +204,9 @@ class CommandService:
         )
 
     def _send_what_follows(self) -> None:
-        for channel, message in self._later:
+        for channel, message in self._follow_ups:
             self._outbox.send(channel, message)
-        self._later.clear()
+        self._follow_ups.clear()
 
     def _answer(self, command: Command, result: Result, progress_percent: int = 0) -> None:
         if command.number not in self.questions:

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from companion.mavlink.dialect import dialect
-from companion.services.commands.command import Command, CommandTable, Later, Result
+from companion.services.commands.command import Command, CommandTable, FollowUps, Result
 from companion.services.telemetry.service import TelemetryService
 from companion.services.telemetry.streams import MIN_INTERVAL_S
 
@@ -15,9 +15,9 @@ class MessageCommands:
     would miss it otherwise, and QGroundControl expects both within 1 s.
     """
 
-    def __init__(self, telemetry: TelemetryService, later: Later) -> None:
+    def __init__(self, telemetry: TelemetryService, follow_ups: FollowUps) -> None:
         self._telemetry = telemetry
-        self._later = later
+        self._follow_ups = follow_ups
         self.table: CommandTable = {
             dialect.MAV_CMD_GET_HOME_POSITION: self._asks_for(dialect.MAVLINK_MSG_ID_HOME_POSITION),
             dialect.MAV_CMD_GET_MESSAGE_INTERVAL: self._get_interval,
@@ -41,7 +41,7 @@ class MessageCommands:
         if not self._telemetry.answers(message_id):
             return Result.UNSUPPORTED
         messages = self._telemetry.build_all(message_id, which)
-        self._later += [(channel, message) for message in messages]
+        self._follow_ups += [(channel, message) for message in messages]
         return Result.ACCEPTED if messages else Result.FAILED
 
     def _set_interval(self, command: Command) -> Result:
@@ -58,5 +58,5 @@ class MessageCommands:
             return Result.DENIED
         channel = command.origin.channel
         interval_us = self._telemetry.interval_us(channel, message_id)
-        self._later.append((channel, dialect.MAVLink_message_interval_message(message_id, interval_us)))
+        self._follow_ups.append((channel, dialect.MAVLink_message_interval_message(message_id, interval_us)))
         return Result.ACCEPTED
