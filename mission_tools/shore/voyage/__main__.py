@@ -30,7 +30,7 @@ def main(file: Path) -> int:
     try:
         answer, code = _voyage(file), 0
     except NoVoyageError as error:
-        answer, code = error.args[0].to_page(), 1
+        answer, code = error.text.to_page(), 1
     except MemoryError:
         answer, code = say("voyage.memory").to_page(), 1
     sys.stdout.buffer.write(msgspec.json.encode(answer))

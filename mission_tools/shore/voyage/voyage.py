@@ -8,7 +8,7 @@ from typing import Any, Final
 from companion.core.modes import Mode
 from mission_tools.shore.voyage.dataflash import Log, Record, Value
 from mission_tools.shore.voyage.samples import Sample, Samples
-from mission_tools.station.words import say
+from mission_tools.station.words import LocalizedText, say
 
 MOST_EVENTS: Final = 500
 _LONGEST_S: Final = 30 * 86400.0
@@ -44,7 +44,11 @@ _OTHER_VEHICLES: Final = re.compile(r"Ardu(Copter|Plane|Sub)|AntennaTracker|Blim
 
 
 class NoVoyageError(Exception):
-    """A log that cannot be shown. Its one argument is the text for people, a `LocalizedText`."""
+    """A log that cannot be shown. text: for people."""
+
+    def __init__(self, text: LocalizedText) -> None:
+        super().__init__(text)
+        self.text = text
 
 
 class Voyage:

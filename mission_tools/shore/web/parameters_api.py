@@ -110,7 +110,7 @@ async def _compare(hub: Hub, request: web.Request) -> web.StreamResponse:
     try:
         file = await asyncio.to_thread(read_file, content)
     except ParamFileError as refused:
-        return error(400, refused.args[0], "")
+        return error(400, refused.text, "")
     found = await asyncio.to_thread(compare, file, values, snapshot.descriptions)
     return json_answer(msgspec.json.encode(found))
 

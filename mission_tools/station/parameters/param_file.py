@@ -12,7 +12,7 @@ from typing import Any, Final
 from companion.core.status_text import one_line
 from mission_tools.station.parameters.metadata import Descriptions
 from mission_tools.station.parameters.values import Value, float_or_int, is_same, write
-from mission_tools.station.words import say
+from mission_tools.station.words import LocalizedText, say
 
 MOST_BYTES: Final = 500_000  # 10,000 lines
 _MOST_LINES: Final = 12_000
@@ -22,7 +22,11 @@ _NEAR: Final = 1e-6  # as pymavlink's MAVParmDict: files have six decimals
 
 
 class ParamFileError(ValueError):
-    """A file that is no parameter file. Its one argument is the text for people, which names the line."""
+    """A file that is no parameter file. text: names the line."""
+
+    def __init__(self, text: LocalizedText) -> None:
+        super().__init__(text)
+        self.text = text
 
 
 def write_file(values: Iterable[tuple[str, Value]], title: str) -> bytes:

@@ -45,7 +45,7 @@ async def _download(hub: Hub, request: web.Request) -> web.StreamResponse:
         try:
             size = await stream.opened()
         except LogLostError as lost:
-            return error(502, lost.args[0], "")
+            return error(502, lost.text, "")
         return await _send(request, stream, size, f"boat{boat}-{log.name}")
 
 

@@ -14,7 +14,11 @@ MOST_BYTES: Final = 2_000_000_000
 
 
 class LogLostError(Exception):
-    """The boat does not send it, or not all of it. Its one argument is the text for people."""
+    """The boat does not send it, or not all of it. text: for people."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text)
+        self.text = text
 
 
 class LogStream:

@@ -100,7 +100,7 @@ class Voyages:
             async with self._one:
                 voyage.state = await self._read(voyage, boat, name)
         except LogLostError as error:
-            voyage.state = Lost(error.args[0])
+            voyage.state = Lost(error.text)
         except OSError as error:
             voyage.state = Lost(say("log.no_disk", why=error.strerror or ""))
         except Exception:
