@@ -156,6 +156,8 @@ async def test_when_every_socket_is_taken_a_skipper_still_gets_in(server: Server
     ws = await server.live()
     assert (await ws.receive_json())["role"] == "skipper"
     await until(lambda: len(server.hub.watches) == MOST_SOCKETS)
+    for socket in (*sockets, ws):
+        await socket.close()
     for one in others:
         await one.__aexit__(None, None, None)
 
@@ -169,6 +171,8 @@ async def test_a_skipper_whose_own_sockets_are_left_behind_gets_in_again(server:
     while not kinds & {WSMsgType.CLOSED, WSMsgType.CLOSE, WSMsgType.ERROR}:
         kinds.add((await sockets[0].receive()).type)
     await until(lambda: len(server.hub.watches) == MOST_SOCKETS_OF_ADDRESS)
+    for socket in (*sockets, ws):
+        await socket.close()
 
 
 async def flood(session: ClientSession, count: int) -> list[int]:
