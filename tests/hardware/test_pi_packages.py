@@ -11,7 +11,6 @@ ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 REQUIRED = [Requirement(line) for line in PROJECT["optional-dependencies"]["pi"]]
 PACKAGES = [need.name for need in REQUIRED if need.marker is None or need.marker.evaluate()]
-UNPINNED = {"setuptools"}  # of colorzero, which asks for any; an environment's own is left alone
 PINS = dict(
     line.split("==")
     for line in (ROOT / "constraints.txt").read_text(encoding="utf-8").split()

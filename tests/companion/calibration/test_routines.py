@@ -27,7 +27,6 @@ LOITERING = VehicleStatus(Mode.LOITER, armed=True)
 RIGHT, LEFT_DEAD, RIGHT_DEAD, ASTERN_DEAD, ASTERN = 0.9, 0.05, 0.06, 0.08, 0.64
 TOP_M_S, SURGE_S, YAW_S, TURN_RAD_S = 2.4, 1.5, 0.8, 1.2
 CURRENT = (0.2, -0.1)
-FAST = with_value(BoatConfig(), "speed.cruise_throttle", 0.95)
 
 
 def force(command: float, dead: float, full: float = 0.5) -> float:

@@ -27,12 +27,6 @@ def straits(width_m: float, length_m: float, half_m: float, turn_deg: float = 0.
     )
 
 
-def across(distance_m: float, turn_deg: float = 0.0) -> tuple[Point, Point]:
-    """Two places on the axis of the strait, on either side of it."""
-    cos, sin = math.cos(math.radians(turn_deg)), math.sin(math.radians(turn_deg))
-    return Point(-distance_m * sin, -distance_m * cos), Point(distance_m * sin, distance_m * cos)
-
-
 def planned(chart: Chart, start: str, goal: str, margin_m: float = 0.6) -> Plan:
     here, there = (
         chart.frame.to_local(LatLon(*(float(part) for part in place.split(",")))) for place in (start, goal)

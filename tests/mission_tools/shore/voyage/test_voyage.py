@@ -120,9 +120,6 @@ FOREIGN = (
 )
 
 
-POS = fmt(1, "POS", "QLL", "TimeUS,Lat,Lng")
-
-
 def foreign() -> bytes:
     parts = [FOREIGN, record(3, "QZ", 900_000, b"ArduCopter V4.5.7"), record(2, "QBB", 1_000_000, 5, 5)]
     parts += [record(5, "QB", 1_000_000, 10), record(6, "QBB", 1_500_000, 16, 2)]
