@@ -18,7 +18,7 @@ from companion.log.sink import InlineWorker, SingleFile
 from mission_tools.errors import UsageError
 from mission_tools.mission.plan_file import load_mission
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
-from sitl.courses.missions import course_names, fence_along, lay_out, plan_mission, wire_items
+from sitl.courses.missions import course_names, lay_out, plan_mission, wire_fence, wire_items
 from sitl.run.mission_run import MissionRun, Result
 from sitl.run.recording.run_record import RunRecord
 from sitl.run.station_commands import RunError
@@ -37,7 +37,9 @@ def sail(
     case: Case = None,
     seed: Seed = None,
     start: StartAt = None,
-    fence: Annotated[bool, Option("--fence", help="upload the outline of the water as a fence")] = False,
+    fence: Annotated[
+        bool, Option("--fence", help="the outline of the water as the fence [the plan's]")
+    ] = False,
     linger: Annotated[
         float, Option(metavar="S", least=0.0, help="continue after the end of the mission")
     ] = 0.0,
@@ -76,7 +78,8 @@ def sail(
         scenario = scenario_from(source, settings, case, seed, start)
         to_sail, _ = plan_mission(scenario)
     logbook = None if log is None else Logbook(SingleFile(log), None, InlineWorker())
-    mission_run = MissionRun(scenario, wire_items(to_sail), logbook, fence_along(scenario) if fence else ())
+    fence_items = wire_fence(to_sail, scenario, has_outline=fence)
+    mission_run = MissionRun(scenario, wire_items(to_sail), logbook, fence_items)
     try:
         result = _run(mission_run, timeout, linger, console)
     finally:

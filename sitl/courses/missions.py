@@ -66,6 +66,11 @@ def wire_items(mission: Mission) -> list[MissionItem]:
     return _on_the_wire(mission.wire_lists(home_first=True)[MissionType.MISSION])
 
 
+def wire_fence(mission: Mission, scenario: Scenario, *, has_outline: bool) -> list[MissionItem]:
+    """The outline of the scenario's water as the fence, else the mission's own fence, if it has one."""
+    return fence_along(scenario) if has_outline else _on_the_wire(mission.fence.items())
+
+
 def _on_the_wire(items: Sequence[PlannedItem]) -> list[MissionItem]:
     return [
         MissionItem(

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from companion.mavlink.items import MissionItem
+from mission_tools.mission.mission import Mission
 from mission_tools.mission.plan_file import load_mission
 from sitl.courses.courses import STATION, STAY_S
-from sitl.courses.missions import fence_along, lay_out, plan_mission, wire_items
+from sitl.courses.missions import lay_out, plan_mission, wire_fence, wire_items
 from sitl.experiments.campaign.figures import figures_of
 from sitl.experiments.trial import Trial, TrialResult
 from sitl.run.mission_run import MissionRun
@@ -24,9 +24,9 @@ def run_mission(trial: Trial) -> TrialResult:
     or file cannot be used, or no route can be planned.
     """
     scenario = scenario_of(trial)
-    mission_run = MissionRun(
-        scenario, _items_of(trial, scenario), fence=fence_along(scenario) if trial.fence else ()
-    )
+    mission = _mission_of(trial, scenario)
+    fence = wire_fence(mission, scenario, has_outline=trial.fence)
+    mission_run = MissionRun(scenario, wire_items(mission), fence=fence)
     timeout_s = trial.timeout_s
     if timeout_s is None and trial.course == STATION:
         timeout_s = STAY_S + _MARGIN_S
@@ -50,7 +50,7 @@ def scenario_of(trial: Trial) -> Scenario:
     return load_scenario(trial.scenario, case=trial.case or None, over=(over,), below=below)
 
 
-def _items_of(trial: Trial, scenario: Scenario) -> list[MissionItem]:
+def _mission_of(trial: Trial, scenario: Scenario) -> Mission:
     if trial.mission:
-        return wire_items(load_mission(Path(trial.mission)))
-    return wire_items(lay_out(trial.course, scenario) if trial.course else plan_mission(scenario)[0])
+        return load_mission(Path(trial.mission))
+    return lay_out(trial.course, scenario) if trial.course else plan_mission(scenario)[0]

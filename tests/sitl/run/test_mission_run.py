@@ -2,10 +2,13 @@ import dataclasses
 
 import pytest
 from boat_rig import HOME_ITEM, scenario, waypoint
+from fence_rig import box
 
-from companion.core.geo import LatLon
+from companion.core.geo import LatLon, Point
 from companion.mavlink.items import MissionItem
-from sitl.courses.missions import fence_along, plan_mission, wire_items
+from mission_tools.mission.mission import Command, Fence, FencePolygon, Mission
+from mission_tools.mission.mission import MissionItem as PlannedItem
+from sitl.courses.missions import fence_along, plan_mission, wire_fence, wire_items
 from sitl.run.mission_run import MissionRun
 from sitl.run.station_commands import RunError
 
@@ -69,6 +72,19 @@ def test_the_outline_of_the_water_goes_aboard_as_a_fence_before_the_mission() ->
     islands = [item for item in fence if item.command == 5002]
     assert len(inside) > 20
     assert len(islands) > 20
+
+
+def test_a_plan_that_moves_home_and_returns_is_sailed_to_the_new_home_inside_the_plan_s_own_fence() -> None:
+    start = scenario("open").frame
+    corners = tuple(start.to_global(Point(*corner)) for corner in box(-20.0, -20.0, 40.0, 20.0))
+    home = PlannedItem.at(start.to_global(Point(20.0, 0.0)), Command.DO_SET_HOME)
+    plan = Mission((home, PlannedItem(Command.NAV_RETURN_TO_LAUNCH)), fence=Fence((FencePolygon(corners),)))
+    fence = wire_fence(plan, scenario("open"), has_outline=False)
+    mission_run = MissionRun(scenario("open"), wire_items(plan), fence=fence)
+    assert mission_run.run(60.0).completed
+    truth = mission_run.lockstep.world.truth
+    assert (truth.north_m, truth.east_m) == pytest.approx((20.0, 0.0), abs=3.0)
+    assert len(mission_run.lockstep.boat.vehicle.fence.areas) == 1
 
 
 def test_of_waters_that_are_apart_the_fence_is_the_one_with_the_boat_in_it() -> None:
