@@ -29,6 +29,8 @@ class EstimateFault(IntFlag):
     GYRO_LOST = 512  # no rate, a constant one, or erratic ones, while headings are measured
     GYRO_OFF = 1024  # a larger bias than its data sheet allows, which is compensated
     COMPASS_FROZEN = 2048  # constant heading while the boat turns
+    GNSS_INTERMITTENT = 4096  # silent time and again, as by a loose contact
+    COMPASS_INTERMITTENT = 8192  # the same for the heading sensor
 
 
 class NavState(Struct, frozen=True, gc=False):
@@ -175,9 +177,11 @@ HEALTHY_MOTORS = MotorStates()
 FAULT_TEXTS: Final[tuple[tuple[EstimateFault, str], ...]] = (
     (EstimateFault.POSITION_LOST, "Position lost"),
     (EstimateFault.HEADING_LOST, "Heading lost"),
+    (EstimateFault.GNSS_INTERMITTENT, "GPS intermittent: dead reckoning"),
     (EstimateFault.GNSS_LOST, "GPS lost: dead reckoning"),
     (EstimateFault.GNSS_FROZEN, "GPS frozen: dead reckoning"),
     (EstimateFault.GNSS_JUMPING, "GPS jumping: rejected"),
+    (EstimateFault.COMPASS_INTERMITTENT, "Compass intermittent: using yaw model"),
     (EstimateFault.COMPASS_LOST, "Compass lost: using gyro and course"),
     (EstimateFault.COMPASS_FROZEN, "Compass frozen: using gyro and course"),
     (EstimateFault.COMPASS_OFF, "Compass off: using gyro and course"),
@@ -190,13 +194,18 @@ FAULT_TEXTS: Final[tuple[tuple[EstimateFault, str], ...]] = (
 
 # Plain numbers: an IntFlag's arithmetic costs microseconds
 GNSS_FAULTS: Final = int(
-    EstimateFault.GNSS_LOST | EstimateFault.GNSS_FROZEN | EstimateFault.GNSS_JUMPING | EstimateFault.GNSS_LATE
+    EstimateFault.GNSS_LOST
+    | EstimateFault.GNSS_FROZEN
+    | EstimateFault.GNSS_JUMPING
+    | EstimateFault.GNSS_LATE
+    | EstimateFault.GNSS_INTERMITTENT
 )
 COMPASS_FAULTS: Final = int(
     EstimateFault.COMPASS_LOST
     | EstimateFault.COMPASS_FROZEN
     | EstimateFault.COMPASS_OFF
     | EstimateFault.COMPASS_LATE
+    | EstimateFault.COMPASS_INTERMITTENT
 )
 _POSITION_LOST: Final = int(EstimateFault.POSITION_LOST)
 _HEADING_LOST: Final = int(EstimateFault.HEADING_LOST)

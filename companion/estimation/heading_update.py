@@ -30,6 +30,7 @@ _LOST: Final = int(EstimateFault.COMPASS_LOST)
 _FROZEN: Final = int(EstimateFault.COMPASS_FROZEN)
 _OFF: Final = int(EstimateFault.COMPASS_OFF)
 _LATE: Final = int(EstimateFault.COMPASS_LATE)
+_INTERMITTENT: Final = int(EstimateFault.COMPASS_INTERMITTENT)
 _HEADING_LOST: Final = int(EstimateFault.HEADING_LOST)
 _GYRO_LOST: Final = int(EstimateFault.GYRO_LOST)
 _GYRO_OFF: Final = int(EstimateFault.GYRO_OFF)
@@ -67,9 +68,11 @@ class HeadingUpdate:
             rate = None
         if rate is not None:
             self._rate_s = stamp_s
-        before_rad = state.heading_rad
+        before_rad, had_gyro = state.heading_rad, state.has_gyro
         state.is_late = rate is not None and (late.delay_s > 0.0 or self._pause_s > PAUSE_S)
         state.turn(now_s, rate if late.delay_s == 0.0 else None, learns=not late.is_watching(stamp_s))
+        if state.has_gyro and not had_gyro:  # the shadow's heading, by the gyro alone, begins anew
+            self.bank.restart(state.heading_sum + state.offset_rad, state.bias_rad_s)
         time_s = stamp_s - late.delay_s
         dt, self.time_s = time_s - self.time_s, time_s
         if late.delay_s > 0.0 and rate is not None and 0.0 < dt < PAUSE_S:
@@ -202,6 +205,8 @@ class HeadingUpdate:
             faults = _LOST
         elif self.latency.delay_s > 0.0 or self._pause_s > PAUSE_S:
             faults = _LATE
+        if now_s < self._compass.intermittent_until_s:
+            faults |= _INTERMITTENT
         if self._stamp_s - self._rate_s > self._timeout_s:
             faults |= _GYRO_LOST
         elif state.has_gyro:

@@ -29,6 +29,7 @@ _LOST: Final = int(EstimateFault.GNSS_LOST)
 _FROZEN: Final = int(EstimateFault.GNSS_FROZEN)
 _JUMPING: Final = int(EstimateFault.GNSS_JUMPING)
 _LATE: Final = int(EstimateFault.GNSS_LATE)
+_INTERMITTENT: Final = int(EstimateFault.GNSS_INTERMITTENT)
 _POSITION_LOST: Final = int(EstimateFault.POSITION_LOST)
 
 
@@ -178,6 +179,8 @@ class PositionUpdate:
             faults = _LOST
         elif self._monitor.is_stuck:
             faults = _FROZEN
+        if now_s < self._monitor.intermittent_until_s:
+            faults |= _INTERMITTENT
         if self._rejected_s > DISAGREES_S or self._bank.is_gnss_wrong:
             faults |= _JUMPING
         if now_s - self.accepted_s > self._setting.gnss_timeout_s and self.has_expired(now_s):

@@ -121,6 +121,25 @@ def test_a_dead_or_wild_compass_is_noticed_and_gyro_and_course_do(fault: str, bi
     assert EstimateFault.HEADING_LOST not in passage.first_s
 
 
+@pytest.mark.parametrize(
+    ("fault", "bit"),
+    [
+        ("what='compass', kind='intermittent'", EstimateFault.COMPASS_INTERMITTENT),
+        ("what='gnss', kind='intermittent', size=2.0", EstimateFault.GNSS_INTERMITTENT),
+    ],
+)
+def test_a_sensor_that_is_silent_for_one_second_of_two_has_a_loose_contact(
+    fault: str, bit: EstimateFault
+) -> None:
+    passage = under_way(f"{fault}, for_s=20.0", course=square(25.0))
+    passage.sail(20.0)
+    assert passage.first_s[bit] < 3.5
+    assert set(passage.first_s) == {bit}, "and nothing else is wrong"
+    assert passage.error_m < 1.0
+    passage.sail(25.0)
+    assert not passage.sail(5.0).faults
+
+
 def test_a_compass_that_turns_away_slowly_is_found_out_by_gyro_and_course() -> None:
     passage = under_way("what='compass', kind='drift', size=-2.0, for_s=60.0", course=square(37.0))
     passage.sail(14.0)

@@ -53,3 +53,40 @@ def test_a_run_that_was_a_fault_teaches_no_habit() -> None:
     for step in range(3):
         monitor.update(10.0 + step, now_s + 6.0 + 0.1 * step, 0.0)
     assert repeat(monitor, now_s + 6.2, 3.0) == pytest.approx(STUCK_S)
+
+
+def with_gaps(every_s: float, silent_s: float, count: int) -> tuple[SensorMonitor, list[int]]:
+    """Ten readings a second with so many gaps; at the end of which ones the sensor counts as intermittent."""
+    monitor, value, told = SensorMonitor(), 0.0, list[int]()
+    for gap in range(count + 1):
+        for step in range(round((every_s - silent_s) / 0.1)):
+            value += 0.1
+            now_s = gap * every_s + 0.1 * step
+            monitor.update(value, now_s, 0.0)
+            if step == 0 and now_s < monitor.intermittent_until_s:
+                told.append(gap)
+    return monitor, told
+
+
+@pytest.mark.parametrize(
+    ("every_s", "silent_s", "first"),
+    [(2.0, 1.0, 2), (6.0, 3.0, 3), (10.0, 0.6, 3), (14.0, 1.0, 11), (16.0, 3.0, None), (2.0, 0.3, None)],
+)
+def test_gaps_that_come_more_often_than_by_chance_are_a_loose_contact(
+    every_s: float, silent_s: float, first: int | None
+) -> None:
+    _, told = with_gaps(every_s, silent_s, 12)
+    assert (told[0] if told else None) == first
+    assert told == list(range(first or 0, 13 if first else 0)), "and it stays one"
+
+
+def test_a_loose_contact_is_over_24_seconds_after_its_last_gap() -> None:
+    monitor, _ = with_gaps(2.0, 1.0, 5)
+    assert monitor.intermittent_until_s == pytest.approx(10.0 + 24.0)
+
+
+def test_a_sensor_that_reports_seldom_has_no_gaps() -> None:
+    monitor = SensorMonitor()
+    for second in range(100):
+        monitor.update(float(second), float(second), 0.0)
+    assert monitor.intermittent_until_s == -math.inf
