@@ -18,7 +18,9 @@ _NEAREST_M = 0.01  # for the logarithm
 
 
 class LidarComponent:
-    """Measures in the world and sends OBSTACLE_DISTANCE, or DISTANCE_SENSOR for a single beam."""
+    """Measures in the world and sends OBSTACLE_DISTANCE, or DISTANCE_SENSOR for a single beam. mover_heard_s:
+    when it first measured a mover.
+    """
 
     def __init__(self, settings: LidarSettings, seed: int, system_id: int) -> None:
         self._settings = settings
@@ -26,6 +28,7 @@ class LidarComponent:
         self._encoder = Encoder(Address(system_id, dialect.MAV_COMP_ID_OBSTACLE_AVOIDANCE))
         self._link: Link | None = None
         self._due_s = 0.0
+        self.mover_heard_s = math.inf
         steps = math.floor(settings.field_deg / settings.step_deg + 1e-9)
         self._first_deg = -0.5 * steps * settings.step_deg
         self._rays_deg = [self._first_deg + step * settings.step_deg for step in range(min(steps + 1, _RAYS))]
@@ -60,6 +63,8 @@ class LidarComponent:
         excess_db = 20.0 * math.log10(settings.half_range_m / max(range_m, _NEAREST_M))
         if excess_db < _SCATTER_DB * normal(self._levels):
             return round(100.0 * most_m) + 1
+        if any(away_m == range_m for away_m, _, _ in movers):
+            self.mover_heard_s = min(self.mover_heard_s, world.time_s)
         return round(100.0 * min(max(range_m + noise, settings.min_range_m), most_m))
 
     def _scan(self, world: World, ranges_cm: list[int]) -> Message:

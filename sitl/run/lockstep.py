@@ -3,6 +3,8 @@
 Time is counted in ticks: a run is a function of the scenario, its seed and the station's messages.
 """
 
+import math
+
 from companion.boat import COMPONENT_ID, TICK_S, Boat
 from companion.config.boat_config import LinkConfig
 from companion.core.storage import MemoryStorage, Storage
@@ -49,6 +51,12 @@ class Lockstep:
     def time_s(self) -> float:
         """Simulated seconds since boot."""
         return self.world.time_s
+
+    @property
+    def mover_heard_s(self) -> float:
+        """When a ranger first heard a mover; infinite if none did."""
+        parts = (self.world.electronics.sonar, self._lidar)
+        return min((part.mover_heard_s for part in parts if part is not None), default=math.inf)
 
     def step(self) -> None:
         """One tick: a step of the boat, then a step of the world."""

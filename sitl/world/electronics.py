@@ -56,9 +56,9 @@ class Electronics:
         fitted = scenario.vehicle.parts
         self._gnss = SimGnss(sensors.gnss, scenario.frame, seed, shore, fitted.gnss.latency_s)
         self._compass = SimCompass(sensors.compass, seed, fitted.compass.correction_rad)
-        self._sonar: SimSonar | None = None
+        self.sonar: SimSonar | None = None
         if sensors.sonar.fitted:
-            self._sonar = SimSonar(sensors.sonar, shore, seed, movers or None)
+            self.sonar = SimSonar(sensors.sonar, shore, seed, movers or None)
         start = scenario.start
         self.rc = SimRc(sensors.rc, seed, *start) if sensors.rc.fitted else None
         self.payload = SimPayload(scenario.vehicle)
@@ -69,7 +69,7 @@ class Electronics:
             bottom = Bathymetry(scenario.chart, scenario.environment)
             self._depth = SimDepthSounder(sensors.depth, bottom, seed)
         fitted_sensors: dict[str, FaultySensor | None] = {
-            "gnss": self._gnss, "compass": self._compass, "battery": self._battery, "sonar": self._sonar,
+            "gnss": self._gnss, "compass": self._compass, "battery": self._battery, "sonar": self.sonar,
             "rc": self.rc, "depth": self._depth,
         }  # fmt: skip
         drivers: list[Clocked | None] = [*fitted_sensors.values(), self._hull]
@@ -94,7 +94,7 @@ class Electronics:
             self.motors,
             self._gnss,
             self._compass,
-            self._sonar,
+            self.sonar,
             self._battery,
             faults=injection,
             parameter_hooks=(
@@ -128,8 +128,8 @@ class Electronics:
             )
         if now_s >= self._gnss.due_s:
             self._gnss.sample(now_s, truth.north_m, truth.east_m, truth.north_m_s, truth.east_m_s)
-        if self._sonar is not None and now_s >= self._sonar.due_s:
-            self._sonar.sample(now_s, truth.north_m, truth.east_m, truth.heading_rad, waves)
+        if self.sonar is not None and now_s >= self.sonar.due_s:
+            self.sonar.sample(now_s, truth.north_m, truth.east_m, truth.heading_rad, waves)
         if self.rc is not None and now_s >= self.rc.due_s:
             self.rc.sample(now_s, truth.north_m, truth.east_m)
         if self._hull is not None and now_s >= self._hull.due_s:

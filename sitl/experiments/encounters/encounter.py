@@ -84,8 +84,8 @@ def run_encounter(trial: Trial) -> TrialResult:
     """Simulate one encounter. The figures, from ground truth:
 
     touches: contacts of the hull; inevitable: whether no manoeuvre after the mover's first possible echo
-    would have kept clear; moves_told and no_way_told: messages to the operator; alone_s: the duration
-    without an obstacle.
+    would have kept clear; unheard: the same after the first echo that was heard; moves_told and no_way_told:
+    messages to the operator; alone_s: the duration without an obstacle.
 
     Raises:
         RunError: the boat did not arm or start.
@@ -94,15 +94,18 @@ def run_encounter(trial: Trial) -> TrialResult:
     mission_run, result = _sail(scenario)
     touches = mission_run.lockstep.world.groundings
     texts = [event.text for event in mission_run.timeline.events if event.kind == "text"]
-    is_inevitable = (
-        touches > 0 and bool(scenario.movers) and not could_evade(scenario, mission_run.recorder.rows)
-    )
+    is_inevitable = is_unheard = False
+    if touches and scenario.movers:
+        rows, heard_s = mission_run.recorder.rows, mission_run.lockstep.mover_heard_s
+        is_inevitable = not could_evade(scenario, rows)
+        is_unheard = is_inevitable or not could_evade(scenario, rows, heard_s)
     return TrialResult(
         number=trial.number,
         ended="completed" if result.completed else "not completed",
         figures={
             "touches": touches,
             "inevitable": is_inevitable,
+            "unheard": is_unheard,
             "time_s": result.time_s,
             "alone_s": alone_s,
             "moves_told": texts.count(GIVING_WAY),

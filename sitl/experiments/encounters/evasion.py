@@ -1,13 +1,15 @@
-"""Whether any manoeuvre keeps clear of a mover from REACTION_S after its first possible echo.
+"""Whether any manoeuvre keeps clear of a mover from REACTION_S after an echo of it.
 
 The search is exhaustive over all pairs of sustained motor commands on a grid: each motor at one of COMMANDS
 until one of SWITCHES_S, then each motor at one of COMMANDS for the rest of WATCHED_S. Those are
 25 × 30 × 25 = 18,750 manoeuvres of the true hull and motors, from the boat's true motion at that moment. If
 none of them keeps clear, the touch is inevitable for a boat that arrives at this speed on this course.
 
-Doubts count against the boat: the first possible echo is the first moment at which a ping in the best
-direction would reach the mover's nearest point, whether or not one was sent; there is no noise; and the
-manoeuvre is chosen with the mover's future known.
+Two echoes are asked about. The first possible one is the first moment at which a ping in the best direction
+would reach the mover's nearest point, whether or not one was sent and heard: a touch that nothing after it
+avoids is inevitable at this speed and reach, however well the boat looks. The first one heard is later: a
+touch that nothing after that avoids went unheard too long, and no better planner would have helped. Doubts
+count against the boat: there is no noise, and the manoeuvre is chosen with the mover's future known.
 """
 
 import math
@@ -44,15 +46,17 @@ class _State(NamedTuple):
     right_rad_s: float
 
 
-def could_evade(scenario: Scenario, rows: Rows) -> bool:
-    """Whether some manoeuvre after the first possible echo keeps clear of the movers.
+def could_evade(scenario: Scenario, rows: Rows, heard_s: float | None = None) -> bool:
+    """Whether some manoeuvre after an echo keeps clear of the movers.
 
-    rows: the truth of every tick of a run with a touch, up to it at least.
+    rows: the truth of every tick of a run with a touch, up to it at least. heard_s: when the echo was heard;
+    None: the first possible one.
     """
     movers = Movers(scenario.movers)
     grounded = rows[:, Truth._fields.index("grounded")] > 0.0
     truths = [Truth(*row) for row in rows[: int(grounded.argmax())].tolist()]
-    heard_s = next((truth.time_s for truth in truths if is_audible(scenario, movers, truth)), math.inf)
+    if heard_s is None:
+        heard_s = next((truth.time_s for truth in truths if is_audible(scenario, movers, truth)), math.inf)
     acts = next((truth for truth in truths if truth.time_s >= heard_s + REACTION_S), None)
     return acts is not None and _Search(scenario, movers, acts).finds_clear_way()
 

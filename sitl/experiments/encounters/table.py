@@ -18,8 +18,8 @@ ENCOUNTERS: Final = (
     Encounter("shore", current_m_s=0.5),
 )
 _HEAD: Final = (
-    "| in the way | runs | touched | of these inevitable | completed | time, times that without | "
-    "gave way | found no way |\n|---|---|---|---|---|---|---|---|\n"
+    "| in the way | runs | touched | of these inevitable | unheard | completed | time, times that without | "
+    "gave way | found no way |\n|---|---|---|---|---|---|---|---|---|\n"
 )
 
 
@@ -39,11 +39,11 @@ def summary(trials: Sequence[Trial], results: Sequence[TrialResult]) -> str:
     for trial, result in zip(trials, results, strict=True):
         encounter = Encounter(**trial.factors)
         (moving if encounter.speed_m_s else shore if encounter.kind == "shore" else still).append(result)
-    inevitable = sum(bool(result.figures["inevitable"]) for result in moving)
+    inevitable, unheard = (_count(moving, name) for name in ("inevitable", "unheard"))
     return (
-        f"still: {_touched(still)} touches of {len(still)}; "
-        f"movers: {_touched(moving)} of {len(moving)}, {inevitable} inevitable; "
-        f"shore: {_touched(shore)} of {len(shore)}; "
+        f"still: {_count(still)} touches of {len(still)}; "
+        f"movers: {_count(moving)} of {len(moving)}, {inevitable} inevitable, {unheard} unheard; "
+        f"shore: {_count(shore)} of {len(shore)}; "
         f"time lost: still {_time_lost(still)}, movers {_time_lost(moving)}, shore {_time_lost(shore)}"
     )
 
@@ -61,8 +61,8 @@ def run_rows(trials: Sequence[Trial], results: Sequence[TrialResult]) -> list[di
     ]
 
 
-def _touched(results: Sequence[TrialResult]) -> int:
-    return sum(bool(result.figures["touches"]) for result in results)
+def _count(results: Sequence[TrialResult], figure: str = "touches") -> int:
+    return sum(bool(result.figures[figure]) for result in results)
 
 
 def _time_lost(results: Sequence[TrialResult]) -> str:
@@ -81,7 +81,7 @@ def _row(encounter: Encounter, results: Sequence[TrialResult]) -> str:
         encounter.name,
         len(results),
         len(touched),
-        sum(bool(result.figures["inevitable"]) for result in touched) if encounter.speed_m_s else "",
+        *(_count(touched, name) if encounter.speed_m_s else "" for name in ("inevitable", "unheard")),
         len(completed),
         f"{fmean(one.value('time_s') / one.value('alone_s') for one in completed):.2f}" if completed else "",
         round(sum(result.value("moves_told") for result in results)),

@@ -73,7 +73,10 @@ class Sea(Protocol):
 
 
 class SimSonar:
-    """The swept ranger. The nearest echo that exceeds its threshold counts."""
+    """The swept ranger. The nearest echo that exceeds its threshold counts.
+
+    mover_heard_s: when that was first a mover's.
+    """
 
     def __init__(
         self, settings: SonarSettings, shore: Shore, seed: int, movers: MovingObstacles | None = None
@@ -95,6 +98,7 @@ class SimSonar:
         self._pings: deque[SonarReading] = deque(maxlen=64)  # bounded when nothing reads it
         self._last_range_m: float | None = None
         self._count, self.due_s = 0, 0.0
+        self.mover_heard_s = math.inf
 
     def sample(
         self, now_s: float, north_m: float, east_m: float, heading_rad: float, sea: Sea | None = None
@@ -108,10 +112,13 @@ class SimSonar:
         self._count += 1
         self.due_s = self._count * settings.ping_s - TIME_SLACK_S
         waves = None if sea is None or sea.is_calm else sea
-        echoes = self._echoes(heading_rad + points_rad, north_m, east_m, now_s)
+        from_movers = self._mover_echoes(heading_rad + points_rad, north_m, east_m, now_s)
+        echoes = self._echoes(heading_rad + points_rad, north_m, east_m) + from_movers
         if waves is not None and not settings.is_light:
             echoes += self._water(waves, points_rad, heading_rad, north_m, east_m, now_s)
         heard_m = self._heard_m(echoes)
+        if any(range_m == heard_m for range_m, _ in from_movers):
+            self.mover_heard_s = min(self.mover_heard_s, now_s)
         if heard_m is not None:
             heard_m += settings.noise_m * normal(self._random)
         if settings.ghost_share or settings.spray_per_m:
@@ -137,22 +144,23 @@ class SimSonar:
         least_db = self._settings.scatter_db * normal(self._levels)
         return min((range_m for range_m, excess_db in echoes if excess_db > least_db), default=None)
 
-    def _echoes(self, ahead_rad: float, north_m: float, east_m: float, now_s: float) -> list[_Echo]:
-        """Of shores and movers."""
+    def _echoes(self, ahead_rad: float, north_m: float, east_m: float) -> list[_Echo]:
+        """Of shores."""
         most_m, echoes = self._settings.max_range_m, []
         rays_rad = [ahead_rad + side for side in self._fan_rad]
         found = self._shore.echoes(east_m, north_m, rays_rad, most_m, self._grazing)
         for off_rad, (range_m, radius_m) in zip(self._fan_rad, found, strict=False):
             if range_m <= most_m:
                 echoes.append((range_m, self._excess_db(range_m, radius_m, off_rad)))
-        if self._movers is not None:
-            echoes += [
-                (range_m, self._excess_db(range_m, radius_m, off_rad))
-                for range_m, radius_m, off_rad in self._movers.echoes(
-                    east_m, north_m, ahead_rad, self._cone_rad, most_m, now_s
-                )
-            ]
         return echoes
+
+    def _mover_echoes(self, ahead_rad: float, north_m: float, east_m: float, now_s: float) -> list[_Echo]:
+        if self._movers is None:
+            return []
+        found = self._movers.echoes(
+            east_m, north_m, ahead_rad, self._cone_rad, self._settings.max_range_m, now_s
+        )
+        return [(range_m, self._excess_db(range_m, radius_m, off)) for range_m, radius_m, off in found]
 
     def _excess_db(self, range_m: float, radius_m: float, off_rad: float) -> float:
         """What an echo exceeds the threshold by, on average."""

@@ -34,11 +34,18 @@ def test_rocks_leave_the_ends_of_the_leg_free() -> None:
             assert to_ends_m > rock["circle"]["radius_m"] + 4.0
 
 
-def test_without_avoidance_what_moves_is_touched_though_it_could_be_helped() -> None:
-    (trial,) = encounter_trials([Encounter("crossing", 0.2)], [1], {"vehicle": {"avoidance": {"enable": 1}}})
+@pytest.mark.parametrize(
+    ("sonar", "is_unheard"), [({"ranger": "ideal"}, False), ({"fitted": False}, True)], ids=["heard", "deaf"]
+)
+def test_without_avoidance_what_moves_is_touched_though_it_could_be_helped(
+    sonar: dict[str, object], is_unheard: bool
+) -> None:
+    settings = {"vehicle": {"avoidance": {"enable": 1}}, "sensors": {"sonar": sonar}}
+    (trial,) = encounter_trials([Encounter("crossing", 0.2)], [1], settings)
     figures = run_encounter(trial).figures
     assert figures["touches"]
     assert not figures["inevitable"]
+    assert figures["unheard"] is is_unheard
 
 
 def test_the_summary_counts_touched_runs_by_kind_and_the_time_lost() -> None:
@@ -46,13 +53,23 @@ def test_the_summary_counts_touched_runs_by_kind_and_the_time_lost() -> None:
     trials = encounter_trials(encounters, [1, 2], {})
     figures = {"time_s": 33.0, "alone_s": 30.0, "moves_told": 0, "no_way_told": 0}
     results = [
-        TrialResult(number=1, ended="completed", figures={**figures, "touches": 3, "inevitable": False}),
-        TrialResult(number=2, ended="not completed", figures={**figures, "touches": 0, "inevitable": False}),
-        TrialResult(number=3, ended="completed", figures={**figures, "touches": 1, "inevitable": True}),
-        TrialResult(number=4, ended="completed", figures={**figures, "touches": 1, "inevitable": False}),
+        TrialResult(
+            number=number,
+            ended=ended,
+            figures={**figures, "touches": touches, "inevitable": is_inevitable, "unheard": is_unheard},
+        )
+        for number, (ended, touches, is_inevitable, is_unheard) in enumerate(
+            [
+                ("completed", 3, False, False),
+                ("not completed", 0, False, False),
+                ("completed", 1, True, True),
+                ("completed", 1, False, True),
+            ],
+            1,
+        )
     ]
     assert summary(trials, results) == (
-        "still: 1 touches of 2; movers: 2 of 2, 1 inevitable; shore: 0 of 0; "
+        "still: 1 touches of 2; movers: 2 of 2, 1 inevitable, 2 unheard; shore: 0 of 0; "
         "time lost: still 10 %, movers 10 %, shore unknown"
     )
     assert [(row["encounter"], row["seed"]) for row in run_rows(trials, results)] == [

@@ -40,6 +40,15 @@ def test_a_slow_boat_can_avoid_head_on_what_a_fast_one_cannot(boat_m_s: float, i
     assert could_evade(world, rows(boat_m_s)) is is_avoidable
 
 
+@pytest.mark.parametrize(("heard_s", "is_avoidable"), [(12.0, True), (14.8, False), (math.inf, False)])
+def test_what_is_heard_late_or_never_cannot_be_avoided_though_it_could_have_been_heard(
+    heard_s: float, is_avoidable: bool
+) -> None:
+    """They meet after 15 s at 1.5 m/s; the first possible echo is after 13 s."""
+    world = scenario((0.0, 24.0), (0.0, -0.5))
+    assert could_evade(world, rows(1.0), heard_s) is is_avoidable
+
+
 def test_what_was_never_audible_is_inevitable() -> None:
     assert not could_evade(scenario((0.0, -30.0), (0.0, 4.0)), rows(2.0))
 

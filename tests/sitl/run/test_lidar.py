@@ -37,3 +37,16 @@ def test_a_second_ranger_marks_what_the_sonar_cannot_see(ranger: str, sight_m: f
     assert all(abs(cell.east_m) < 2.5 for cell in solid)
     near = [math.hypot(cell.north_m, cell.east_m) for cell in solid]
     assert not near or min(near) == pytest.approx(7.0, abs=0.8)
+
+
+@pytest.mark.parametrize(("ranger", "heard_s"), [([], 3.0), (second_ranger(12.0, "scan"), 1.0)])
+def test_the_first_ranger_that_hears_a_mover_counts(ranger: list[str], heard_s: float) -> None:
+    """A mover that is 11.5 m off after 1 s, and 3.5 m off after 3 s."""
+    mover = {"start": (0.0, 16.0), "velocity_m_s": (0.0, -4.0), "radius_m": 0.5}
+    settings = ["sensors.sonar.ranger=ideal", *ranger]
+    lockstep = Lockstep(load_scenario("open", settings, over=[Layer("test", {"movers": [mover]})]))
+    assert lockstep.mover_heard_s == math.inf
+    for _ in range(round(4.0 / 0.02)):
+        lockstep.step()
+    lockstep.close()
+    assert lockstep.mover_heard_s == pytest.approx(heard_s, abs=0.7)

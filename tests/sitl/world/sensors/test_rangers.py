@@ -51,6 +51,16 @@ def share(
     return statistics.fmean(heard)
 
 
+def test_a_mover_is_heard_once_its_echo_is_the_nearest() -> None:
+    """A mover that comes out from behind a wall; the boat may hear the wall all the time."""
+    movers = Movers([MoverSettings(start=(0.0, 4.0), at_s=1.0, velocity_m_s=(0.0, -1.0))])
+    sonar = SimSonar(of_kind("ideal"), bank(2.95), 1, movers)
+    for tenth in range(30):
+        sonar.sample(0.1 * tenth, 0.0, 0.0, 0.0)
+    assert sonar.mover_heard_s == pytest.approx(1.6)  # its edge is 0.5 m nearer
+    assert SimSonar(of_kind("ideal"), bank(2.95), 1).mover_heard_s == math.inf
+
+
 @pytest.mark.parametrize("ranger", PARTS)
 def test_a_kind_states_the_range_that_its_driver_states(ranger: str) -> None:
     settings = load_scenario("open", [f"{KIND}={ranger}"]).sensors.sonar
