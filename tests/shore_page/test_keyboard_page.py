@@ -1,11 +1,10 @@
 """The page by keyboard alone: a visitor without a mouse does on the boat what the others do."""
 
 import re
-from collections.abc import Iterator
 
 import pytest
 from mavutil_station import MavutilStation
-from page_rig import ShoreBoat, Visit, boat_at_sea, button, needs_chromium, told, until_mode
+from page_rig import ShoreBoat, Visit, button, needs_chromium, told, until_mode
 from playwright.sync_api import Locator, Page, expect
 from pymavlink.dialects.v20 import all as dialect
 
@@ -26,12 +25,6 @@ FOCUSED = """(goal) => {
 }"""
 
 
-@pytest.fixture(scope="module")
-def shore(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ShoreBoat]:
-    """A boat of these tests only: they sail it away."""
-    yield from boat_at_sea(tmp_path_factory, "--speedup", "2")
-
-
 def test_a_visitor_without_a_mouse_sails_the_boat(
     visit: Visit, shore: ShoreBoat, station: MavutilStation
 ) -> None:
@@ -41,6 +34,10 @@ def test_a_visitor_without_a_mouse_sails_the_boat(
     page.keyboard.press("Enter")
     expect(button(page, "Hold")).to_be_enabled()
     open_why_not(page, station)
+    for name, region in (("Plan", "Plan"), ("Sail", "Go")):
+        tab_to(page, page.get_by_role("link", name=name, exact=True))
+        page.keyboard.press("Enter")
+        expect(page.get_by_role("region", name=region, exact=True)).to_be_visible()
     hold_space(page, "Arm", "The propellers may turn")
     hold_space(page, "Hold", "Hold: The boat keeps its place")
     until_mode(station, Mode.LOITER, armed=True)
@@ -48,10 +45,7 @@ def test_a_visitor_without_a_mouse_sails_the_boat(
     tab_to(page, button(page, "Sail there"))
     page.keyboard.press("Enter")
     until_mode(station, Mode.AUTO, armed=True)
-    for name, region in (("Plan", "Plan"), ("Sail", "Go")):
-        tab_to(page, page.get_by_role("link", name=name, exact=True))
-        page.keyboard.press("Enter")
-        expect(page.get_by_role("region", name=region, exact=True)).to_be_visible()
+    assert station.enter(Mode.HOLD) == dialect.MAV_RESULT_ACCEPTED  # near its home, for the next test
 
 
 def test_a_screen_reader_hears_the_regions_and_what_changes(visit: Visit, shore: ShoreBoat) -> None:
@@ -69,6 +63,7 @@ def open_why_not(page: Page, station: MavutilStation) -> None:
     assert station.enter(Mode.LOITER) == dialect.MAV_RESULT_ACCEPTED
     assert station.command(dialect.MAV_CMD_INJECT_FAILURE, *FAIL_COMPASS) == dialect.MAV_RESULT_ACCEPTED
     reasons = page.get_by_role("region", name="Why not")
+    expect(reasons).to_contain_text("Compass: no heading")  # other reasons go when the boat is ready
     expect(reasons).to_contain_text("Cannot arm")
     tab_to(page, reasons.locator("summary"))
     page.keyboard.press("Enter")

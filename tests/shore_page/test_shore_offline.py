@@ -102,7 +102,7 @@ def lonely(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ShoreBoat]:
     yield from boat_at_sea(tmp_path_factory)
 
 
-def test_the_page_goes_on_by_itself_when_its_server_starts_again(
+def test_the_boat_does_not_notice_that_the_server_dies_and_the_page_goes_on_when_it_starts_again(
     visit: Visit, lonely: ShoreBoat, run_program: RunProgram
 ) -> None:
     page = visit("phone", address=lonely.address)
@@ -110,6 +110,9 @@ def test_the_page_goes_on_by_itself_when_its_server_starts_again(
     options = lonely.options()
     options[options.index("--listen") + 1] = lonely.address.removeprefix("http://").rstrip("/")
     os.kill(lonely.child, signal.SIGKILL)
+    lonely.program.wait_for(r"^boat-sitl: the page's program ended with -9; the boat does not need it$")
+    station = MavutilStation(lonely.tcp)  # which hears a heartbeat
+    station.close()
     expect(page.get_by_text("Not connected. Trying again.").first).to_be_visible()
     expect(page.get_by_text("Last heard").first).to_be_visible()
     run_program(sys.executable, "-m", "mission_tools.shore", *options)

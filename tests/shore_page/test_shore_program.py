@@ -1,34 +1,13 @@
 """The page's program as the emulator's child: it comes, goes and dies without the boat."""
 
-import os
-import signal
 import socket
-import urllib.request
 from pathlib import Path
 
 import pytest
-from mavutil_station import MavutilStation
 from page_rig import start_shore
 from programs import Program, processes_of, until
 
 pytestmark = pytest.mark.realtime
-
-
-def test_the_boat_does_not_notice_that_the_page_dies_and_ctrl_c_leaves_nothing_behind(tmp_path: Path) -> None:
-    boat = start_shore(tmp_path / "room")
-    try:
-        with urllib.request.urlopen(boat.address) as answer:  # noqa: S310
-            assert answer.status == 200
-        station = MavutilStation(boat.tcp)
-        try:
-            os.kill(boat.child, signal.SIGKILL)
-            boat.program.wait_for(r"^boat-sitl: the page's program ended with -9; the boat does not need it$")
-            station.drain()
-            station.wait_for("HEARTBEAT", lambda heartbeat: heartbeat.get_srcComponent() == 1)
-        finally:
-            station.close()
-    finally:
-        boat.program.close()
 
 
 def test_the_page_ends_with_its_emulator_even_by_kill_9(tmp_path: Path) -> None:
