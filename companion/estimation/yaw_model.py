@@ -34,10 +34,9 @@ _FAST_RAD_S: Final = 8.0  # and faster, noise
 _SINGULAR: Final = 1e-3  # below, steering and rate do not tell b from a
 _MEMORY_S: Final = 8.0  # of the spectrum: two waves or more
 _STRAIGHT: Final = 0.05  # of full steering, mean of a second: beyond, the rest is the model's error
-# Yaw acceleration in calm water: 0.03 on zigzags, 0.05 in gusts of 10 m/s. Waves of 0.05 m give 0.08
-_CALM_RAD_S2: Final = 0.06
+_CALM_RAD_S2: Final = 0.03  # the gyro's noise alone gives 0.013
 _BANDWIDTH_RAD_S: Final = 1.6  # of the heading loop (config.tuning.Heading), which answers what is slower
-_MISFIT: Final = 0.5  # of what steering gives, on a hull that is not the model: its own swings are no waves
+_MISFIT: Final = 0.5  # of what steering gives, while the hull is not learned: its own swings are no waves
 
 
 # Of what is learned of the hull: ∫φ² dt of the filtered steering φ. A corner gives some 0.05
@@ -64,6 +63,11 @@ class HullFit:
         self._slow = (0.0, 0.0, 0.0)
         self._ee = self._rr = _PRIOR
         self._er, self._ey, self._ry = 0.0, _PRIOR * accel_rad_s2, -_PRIOR * damping_per_s
+
+    @property
+    def misfit(self) -> float:
+        """The share of what steering gives that may be wrong: the standard deviation of K / T_r."""
+        return _MISFIT * math.sqrt(_PRIOR / max(self._ee, _PRIOR))
 
     def update(self, rate_rad_s: float, effort: float, dt_s: float, *, learns: bool) -> None:
         """Take a measured rate and the steering, −1..1, behind the motors' lag."""
@@ -109,8 +113,8 @@ class WaveSpectrum:
         self._slow = self._band = self._accel = self._turning = 0.0
         self._rates = self._squares = self._calm = 0.0  # variances of rate, acceleration, and in calm water
 
-    def update(self, rate_rad_s: float, turning: float, accel_rad_s2: float, dt_s: float) -> None:
-        """Take the rate that steering does not explain, what is steered, and the acceleration of that."""
+    def update(self, rate_rad_s: float, turning: float, doubt_rad_s2: float, dt_s: float) -> None:
+        """Take the rate that steering does not explain, what is steered, and the doubt in rad/s²."""
         self._turning += dt_s * (turning - self._turning)
         self._slow += dt_s * _SLOW_RAD_S * (rate_rad_s - self._slow)
         step = dt_s * _FAST_RAD_S
@@ -121,7 +125,7 @@ class WaveSpectrum:
             weight = dt_s / _MEMORY_S
             self._rates += weight * (self._band * self._band - self._rates)
             self._squares += weight * (self._accel * self._accel - self._squares)
-            calm = _CALM_RAD_S2 * _CALM_RAD_S2 + _MISFIT * _MISFIT * accel_rad_s2 * accel_rad_s2
+            calm = _CALM_RAD_S2 * _CALM_RAD_S2 + doubt_rad_s2 * doubt_rad_s2
             self._calm += weight * (calm - self._calm)
             self.encounter_rad_s = omega = math.sqrt(self._squares / max(self._rates, 1e-9))
             above = clamp(omega / _BANDWIDTH_RAD_S - 1.0, 0.0, 1.0)
@@ -170,7 +174,7 @@ class YawModel:
             self.gain_rad_s = self.hull.accel_rad_s2 * self._turn_s
             unexplained = self.innovation_rad_s + self.rest_rad_s + self.wave_rad_s
             accel_rad_s2 = self.gain_rad_s * (self._effort - self.turning) / self._turn_s
-            self.waves.update(unexplained, self.turning, accel_rad_s2, dt_s)
+            self.waves.update(unexplained, self.turning, self.hull.misfit * accel_rad_s2, dt_s)
         self._measured = None
         self._rest_variance += _REST_WALK * _REST_WALK * dt_s
         self.rate_rad_s = self.gain_rad_s * self.turning + self.rest_rad_s

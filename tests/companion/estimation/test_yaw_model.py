@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from companion.estimation.yaw_model import WaveSpectrum, YawModel
+from companion.estimation.yaw_model import HullFit, WaveSpectrum, YawModel
 
 TICK_S = 0.04
 
@@ -37,13 +37,24 @@ def test_the_gyro_teaches_what_turn_steering_gives() -> None:
     assert model.rest_rad_s == pytest.approx(0.05, abs=0.15)
 
 
+def test_what_is_learned_of_the_hull_is_trusted() -> None:
+    fit = HullFit(0.4, 1.0)
+    assert fit.misfit == 0.5
+    for tick in range(1000):
+        fit.update(0.0, 0.5 if tick % 100 < 50 else -0.5, 0.02, learns=tick < 500)
+        if tick == 500:
+            learned = fit.misfit
+    assert fit.misfit == learned == pytest.approx(0.5 * math.sqrt(0.02 / fit._ee))
+    assert learned < 0.2
+
+
 def spectrum(
-    rate: Callable[[float], float], turning: float = 0.0, dt_s: float = TICK_S, accel: float = 0.0
+    rate: Callable[[float], float], turning: float = 0.0, dt_s: float = TICK_S, doubt: float = 0.0
 ) -> WaveSpectrum:
     """After 40 s of a rate, a function of time."""
     found = WaveSpectrum()
     for tick in range(round(40.0 / dt_s)):
-        found.update(rate(tick * dt_s), turning, accel, dt_s)
+        found.update(rate(tick * dt_s), turning, doubt, dt_s)
     return found
 
 
@@ -52,7 +63,7 @@ def test_the_spectrum_tells_frequency_and_size_of_waves(omega: float) -> None:
     found = spectrum(lambda time_s: 0.2 * math.sin(omega * time_s) + 0.1)
     assert found.encounter_rad_s == pytest.approx(omega, rel=0.1)
     band = 1.0 / math.hypot(1.0, 0.7 / omega) / (1.0 + (omega / 8.0) ** 2)
-    assert found.variance == pytest.approx(0.83 * 0.5 * (0.2 * band) ** 2, rel=0.07)  # the filter is discrete
+    assert found.variance == pytest.approx(0.86 * 0.5 * (0.2 * band) ** 2, rel=0.07)  # the filter is discrete
     assert found.share > 0.8
 
 
@@ -60,8 +71,8 @@ def test_noise_and_slow_turns_are_no_waves() -> None:
     rng = random.Random(1)
     calm = spectrum(lambda time_s: rng.gauss(0.0, 0.006) + 0.1 * math.sin(0.4 * time_s))
     assert calm.share == calm.variance == 0.0
-    assert spectrum(lambda time_s: 0.02 * math.sin(3.3 * time_s)).share == 0.0
-    assert spectrum(lambda time_s: 0.06 * math.sin(3.2 * time_s)).share > 0.5
+    assert spectrum(lambda time_s: 0.01 * math.sin(3.3 * time_s)).share == 0.0
+    assert spectrum(lambda time_s: 0.03 * math.sin(3.2 * time_s)).share > 0.5
 
 
 def test_the_heading_loop_answers_what_is_slower_than_itself() -> None:
@@ -86,8 +97,8 @@ def test_a_slow_loop_does_not_make_waves_of_nothing() -> None:
 
 def test_the_swings_of_a_hull_that_steering_makes_are_no_waves() -> None:
     swings = 0.2 / math.sqrt(2.0) * 3.0  # of acceleration
-    assert spectrum(lambda time_s: 0.2 * math.sin(3.3 * time_s), accel=2.2 * swings).share == 0.0
-    assert spectrum(lambda time_s: 0.2 * math.sin(3.3 * time_s), accel=swings).share > 0.5
+    assert spectrum(lambda time_s: 0.2 * math.sin(3.3 * time_s), doubt=1.1 * swings).share == 0.0
+    assert spectrum(lambda time_s: 0.2 * math.sin(3.3 * time_s), doubt=0.5 * swings).share > 0.5
 
 
 def in_waves(
