@@ -31,6 +31,7 @@ class EstimateFault(IntFlag):
     COMPASS_FROZEN = 2048  # constant heading while the boat turns
     GNSS_INTERMITTENT = 4096  # silent time and again, as by a loose contact
     COMPASS_INTERMITTENT = 8192  # the same for the heading sensor
+    GNSS_NOISY = 16384  # fixes scatter far more than its class does, as when it is jammed
 
 
 class NavState(Struct, frozen=True, gc=False):
@@ -180,6 +181,7 @@ FAULT_TEXTS: Final[tuple[tuple[EstimateFault, str], ...]] = (
     (EstimateFault.GNSS_INTERMITTENT, "GPS intermittent: dead reckoning"),
     (EstimateFault.GNSS_LOST, "GPS lost: dead reckoning"),
     (EstimateFault.GNSS_FROZEN, "GPS frozen: dead reckoning"),
+    (EstimateFault.GNSS_NOISY, "GPS noisy, jammed?: given less weight"),
     (EstimateFault.GNSS_JUMPING, "GPS jumping: rejected"),
     (EstimateFault.COMPASS_INTERMITTENT, "Compass intermittent: using yaw model"),
     (EstimateFault.COMPASS_LOST, "Compass lost: using gyro and course"),
@@ -199,6 +201,7 @@ GNSS_FAULTS: Final = int(
     | EstimateFault.GNSS_JUMPING
     | EstimateFault.GNSS_LATE
     | EstimateFault.GNSS_INTERMITTENT
+    | EstimateFault.GNSS_NOISY
 )
 COMPASS_FAULTS: Final = int(
     EstimateFault.COMPASS_LOST

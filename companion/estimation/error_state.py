@@ -24,6 +24,7 @@ from typing import Final
 
 from companion.config.actuators import DIFFERENTIAL, DriveSetting, Handling
 from companion.config.tuning import Estimation, Speed
+from companion.core.evidence import MOST_SQUARE
 from companion.core.units import wrap_pi
 from companion.estimation.covariance import (
     COMPASS_OFFSET,
@@ -192,7 +193,7 @@ class ErrorStateFilter(NominalState):
             *self.covariance.measure(((HEADING, 1.0), (COMPASS_OFFSET, 1.0)), residual_rad, white),
         )
         heard.is_accepted = True
-        self.compass_noise = _adapted(self.compass_noise, white / heard.variance, heard.nis)
+        self.compass_noise = _adapted(self.compass_noise, heard.nis, share=white / heard.variance)
 
     def compass_variance(self, count: int) -> float:
         """Variance of the mean of this many compass readings."""
@@ -280,9 +281,9 @@ class ErrorStateFilter(NominalState):
         pair.north.is_accepted = pair.east.is_accepted = False
 
 
-def _adapted(noise: float, share: float, square: float) -> float:
+def _adapted(noise: float, square: float, most: float = _CLIP, share: float = 1.0) -> float:
     """The factor of a noise after an innovation; share: that of the noise in its variance."""
-    return noise * (1.0 + _ADAPTS * share * (min(square, _CLIP) - 1.0))
+    return noise * (1.0 + _ADAPTS * share * (min(square, most) - 1.0))
 
 
 class InnovationPair:
@@ -310,8 +311,21 @@ class InnovationPair:
         self.nis, self.value = self.north.nis + self.east.nis, value
         return self
 
-    def adapt(self, lasts: float = 0.0) -> None:
-        """Adapt the noise to what changes from one measurement to the next: a lag or a drift is no noise."""
+    def adapt(self, lasts: float = 0.0, most: float = _CLIP) -> None:
+        """Adapt the noise to what changes from one measurement to the next: a lag or a drift is no noise (J.
+        von Neumann's mean square successive difference, 1941).
+        """
         step, self._before = self.value - self._before, self.value
         share = 1.0 / self.north.variance + 1.0 / self.east.variance
-        self.noise = _adapted(self.noise, 1.0, 0.125 * share * square(step) / (1.0 - lasts))  # 1 on average
+        self.noise = _adapted(self.noise, 0.125 * share * square(step) / (1.0 - lasts), most)  # 1 on average
+
+    def adapt_rejected(self, stated_m2: float) -> None:
+        """Raise it by a rejected measurement, too, while the steps are within five deviations of the stated
+        error: noise that grows is followed, and lies are not.
+        """
+        if 0.25 * square(self.value - self._before) > MOST_SQUARE * stated_m2:
+            self._before = self.value
+            return
+        least = self.noise
+        self.adapt(most=MOST_SQUARE)
+        self.noise = max(self.noise, least)

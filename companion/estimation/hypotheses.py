@@ -25,10 +25,11 @@ from companion.core.evidence import LEARNING, MOST_SQUARE, FaultEvidence
 from companion.estimation.fix_error import FixError
 from companion.estimation.innovation import square
 
-# Of evidence, in nats, that proves a fault. With samples 1 s apart that count and 15 onsets to choose from,
-# one false alarm in exp(15) / 15 s = 60 h of positions. Headings are judged only while they differ by
-# GAP_RAD, which is rare: odds of 400 to 1.
-THRESHOLDS: Final = (6.0, 6.0, 15.0)
+# Of evidence, in nats, that proves a fault. Sound receivers of all classes reach 8 nats of a drift 20 to 40
+# times an hour at rest, and each further nat 2.2 times as seldom; under way, where the class's slow error is
+# all that is known, 15 nats were reached three times in two hours: 22 once in weeks. Headings are judged
+# only while they differ by GAP_RAD, which is rare: odds of 400 to 1.
+THRESHOLDS: Final = (6.0, 6.0, 22.0)
 GAP_RAD: Final = 0.12  # three standard deviations of a compass that heels in turns and feels the motors
 # Time constant of the shadow: a few turns; shorter at first. A wrong compass has to agree for as long.
 _SHADOW_S: Final = 20.0
@@ -48,11 +49,14 @@ class SuspectedSensor(IntEnum):
 class DriftTest:
     """Whether positions part from the integral of their velocities: a generalized likelihood ratio.
 
-    The onset may lie up to half a minute back. drift_m: since the likeliest one. steady_s: time since a jump.
+    The onset may lie up to half a minute back. What changes from one position to the next since then is
+    noise, and no drift (J. von Neumann's mean square successive difference, Annals of Mathematical Statistics
+    12, 1941). drift_m: since the likeliest onset. steady_s: time since a jump.
     """
 
     def __init__(self) -> None:
-        self._past: deque[tuple[float, complex]] = deque(maxlen=_ONSETS)
+        self._past: deque[tuple[float, complex, float, int]] = deque(maxlen=_ONSETS)
+        self._steps_m2, self._count = 0.0, 0
         self._last_s, self._last_m, self._velocity, self._way_m = -math.inf, 0j, 0j, 0j
         self.restart()
 
@@ -76,21 +80,26 @@ class DriftTest:
         self._last_m = rest_m
         white, wander, wander_s = noise * error.white_m2, error.wander_m2, error.wander_s
         walk = doppler * error.density * error.velocity_m2_s2 * dt_s
+        step_m2 = 0.25 * square(rest_m - before_m)
+        self._steps_m2 += step_m2
+        self._count += 1
         if self._past:
             usual = white + (wander / wander_s + 0.5 * walk) * dt_s
-            if 0.25 * square(rest_m - before_m) > MOST_SQUARE * usual:  # a jump: the filter's gate decides
+            if step_m2 > MOST_SQUARE * usual:  # a jump: the filter's gate decides
                 self.restart()
             else:
                 self.steady_s += dt_s
         most = self.drift_m = 0.0
-        for then_s, then_m in self._past:
+        for then_s, then_m, steps_m2, count in self._past:
             for_s = time_s - then_s
-            spread = white + wander * (1.0 - math.exp(-for_s / wander_s)) + 0.5 * walk * for_s
+            # by the latest step, too: the noise may just have grown
+            scatter = max(white, step_m2, (self._steps_m2 - steps_m2) / (self._count - count))
+            spread = scatter + wander * (1.0 - math.exp(-for_s / wander_s)) + 0.5 * walk * for_s
             nats = 0.25 * square(rest_m - then_m) / spread
             if nats > most:
                 most, self.drift_m = nats, abs(rest_m - then_m)
         if not self._past or time_s - self._past[-1][0] >= _ONSET_S:
-            self._past.append((time_s, rest_m))
+            self._past.append((time_s, rest_m, self._steps_m2, self._count))
         return most
 
 

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 import pytest
-from boat_rig import Rig, waypoint
+from boat_rig import RTK, STANDALONE, Rig, waypoint
 
 from companion.core.state import EstimateFault, NavState
 
@@ -93,6 +93,21 @@ def test_a_receiver_that_freezes_or_leaps_is_found_out_and_leads_nobody_astray(
     assert passage.error_m < 2.0
     passage.sail(5.0)
     assert not passage.sail(5.0).faults, "and trusted again once it is well"
+
+
+@pytest.mark.parametrize("receiver", [RTK, STANDALONE])
+def test_a_receiver_that_is_jammed_is_called_noisy_and_then_lost(receiver: str) -> None:
+    passage = under_way("what='gnss', kind='jammed', for_s=15.0", receiver, course=square(30.0))
+    before = passage.error_m
+    passage.sail(15.0)
+    noisy_s, lost_s = passage.first_s[EstimateFault.GNSS_NOISY], passage.first_s[EstimateFault.GNSS_LOST]
+    assert noisy_s < 5.0 < lost_s < 7.0
+    assert set(passage.first_s) == {EstimateFault.GNSS_NOISY, EstimateFault.GNSS_LOST}, (
+        "the position is known"
+    )
+    assert passage.error_m < before + 1.5
+    passage.sail(10.0)
+    assert not passage.sail(5.0).faults
 
 
 @pytest.mark.parametrize(("speed_m_s", "seconds", "off_m"), [(0.5, 8.0, 3.0), (0.1, 35.0, 5.0)])

@@ -284,3 +284,30 @@ def test_the_course_tells_the_heading_from_three_deviations_of_the_velocity_on(
     state.predict_velocity(0.0, complex(speed_m_s, 0.0), complex(speed_m_s, 0.01), scatter(SIGMA_M))
     state.commit()
     assert (state.covariance.variance(HEADING) < before) is tells
+
+
+def scattered(steps_m: list[float], stated_m2: float = 1.0) -> float:
+    """The noise after rejected positions whose innovations change by this much to and fro."""
+    pair, value = InnovationPair(), 0j
+    for step_m in steps_m:
+        value += step_m
+        pair.next(0.0, (value.real, 0.01), (value.imag, 0.01), value)
+        pair.adapt_rejected(stated_m2)
+    return pair.noise
+
+
+def test_noise_that_grows_is_followed_through_rejected_positions() -> None:
+    assert scattered([1.0, -1.0]) == pytest.approx(2.2**2), (
+        "by at most 25 times the variance, a twentieth each"
+    )
+    assert scattered([0.3]) == pytest.approx(1.0 + 0.05 * (0.25 * 0.09 / 0.01 - 1.0))
+
+
+def test_rejected_positions_that_agree_lower_no_noise() -> None:
+    assert scattered([1.0, 0.0, 0.0, 0.0]) == pytest.approx(2.2)
+
+
+def test_a_step_beyond_five_deviations_of_the_stated_error_is_a_lie_and_no_noise() -> None:
+    assert scattered([9.99]) == pytest.approx(2.2)
+    assert scattered([10.01]) == 1.0
+    assert scattered([20.0, 1.0]) == pytest.approx(2.2), "the next one counts from there"

@@ -87,8 +87,11 @@ def alarm_s(
     noise_m: float = 0.1,
     bias_m_s: float = 0.0,
     jump_m: float = 0.0,
+    noise_m_s: float = 0.0,
 ) -> float:
-    """When positions are said to contradict their velocities; they drift or jump after 120 s."""
+    """When positions are said to contradict their velocities; they drift, jump or scatter more and more after
+    120 s.
+    """
     error = scatter(max(0.2, noise_m / 0.6), 0.08)  # as learned; six tenths are white
     rng, bank = random.Random(seed), SensorBank()
     dt_s, wander, now_s = 1.0 / rate_hz, 0j, 0.0
@@ -101,7 +104,7 @@ def alarm_s(
         now_s += dt_s
         wander = keep * wander + gauss(wander_m * math.sqrt(1.0 - keep * keep))
         late_s = max(now_s - 120.0, 0.0)
-        at = 20.0 * cmath.rect(1.0, 0.1 * now_s) + wander + gauss(noise_m)
+        at = 20.0 * cmath.rect(1.0, 0.1 * now_s) + wander + gauss(noise_m + noise_m_s * late_s)
         at += drift_m_s * late_s + (jump_m if late_s > 0.0 else 0.0)
         velocity = 2.0j * cmath.rect(1.0, 0.1 * now_s) + gauss(0.08) + bias_m_s
         bank.weigh_position(now_s, at, velocity, velocity, error, 1.0, 1.0)
@@ -111,13 +114,19 @@ def alarm_s(
 
 
 @pytest.mark.parametrize(
-    ("drift_m_s", "most_s", "rate_hz"), [(1.0, 3.0, 5.0), (0.5, 5.0, 1.0), (0.1, 45.0, 5.0)]
+    ("drift_m_s", "most_s", "rate_hz"), [(1.0, 3.0, 5.0), (0.5, 7.5, 1.0), (0.1, 45.0, 5.0)]
 )
 def test_positions_that_drift_from_their_velocities_are_found_out(
     drift_m_s: float, most_s: float, rate_hz: float
 ) -> None:
     for seed in range(3):
         assert 0.0 < alarm_s(seed, 200.0, drift_m_s=drift_m_s, rate_hz=rate_hz) < most_s
+
+
+@pytest.mark.parametrize("noise_m_s", [0.1, 0.5, 1.6])
+def test_noise_that_grows_is_no_drift(noise_m_s: float) -> None:
+    for seed in range(5):
+        assert alarm_s(seed, 130.0, noise_m_s=noise_m_s) == math.inf
 
 
 def test_the_drift_is_known_and_a_jump_back_ends_it() -> None:
