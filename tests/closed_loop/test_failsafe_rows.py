@@ -71,7 +71,7 @@ def under_way(boat: str) -> Rig:
     rig = Rig("open", f"boat.model={boat}", config=dict(SOON)).sail(
         waypoint(300.0, 0.0), waypoint(300.0, 50.0)
     )
-    rig.run(15.0)
+    rig.run(8.0)
     return rig
 
 

@@ -23,7 +23,7 @@ def sail(
 
 @pytest.mark.parametrize(("size", "at_s"), [(2.0, 15.12), (4.0, 15.06)])
 def test_a_loop_that_hangs_finds_the_boat_again_at_the_next_fixes(size: float, at_s: float) -> None:
-    run, result = sail(f"what='clock', kind='wrong', size={size}, at_s={at_s}")
+    run, result = sail(f"what='clock', kind='wrong', size={size}, at_s={at_s}", across_m=20.0)
     assert result.completed
     assert result.cross_track_max_m is not None
     assert result.cross_track_max_m < 4.3
@@ -33,7 +33,7 @@ def test_a_loop_that_hangs_finds_the_boat_again_at_the_next_fixes(size: float, a
 
 
 def test_a_leap_of_the_clock_is_told_and_loses_no_operator() -> None:
-    run, result = sail("what='clock', kind='wrong', size=10.0, at_s=15.0")
+    run, result = sail("what='clock', kind='wrong', size=10.0, at_s=15.0", across_m=20.0)
     assert result.completed, said(run)
     assert "Clock leapt by 10.0 s, or the program hung" in said(run)
     assert not [text for text in said(run) if "Failsafe" in text]
@@ -101,7 +101,8 @@ PARTS = ("gyro", "compass", "gnss", "battery", "sonar", "depth", "rc")
 def test_one_reading_in_a_hundred_of_every_part_is_corrupt_and_nothing_changes() -> None:
     errors_m = []
     for parts in ((), PARTS):
-        run, result = sail("}, {".join(f"what='{part}', kind='corrupt'" for part in parts), *FITTED)
+        corrupt = "}, {".join(f"what='{part}', kind='corrupt'" for part in parts)
+        run, result = sail(corrupt, *FITTED, across_m=20.0)
         assert result.completed, said(run)
         assert not [text for text in said(run) if "Failsafe" in text or "motors" in text]
         assert result.cross_track_rms_m is not None
