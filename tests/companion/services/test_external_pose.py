@@ -215,12 +215,31 @@ def test_obstacles_from_outside_are_told_on_bin_for_bin() -> None:
     assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE) != OK
 
 
-@pytest.mark.parametrize(("orientation", "sector"), [(0, 0), (2, 18), (6, 54)])
-def test_a_ranger_says_what_is_in_its_direction(orientation: int, sector: int) -> None:
+EIGHTH = [math.cos(math.pi / 8.0), 0.0, 0.0, math.sin(math.pi / 8.0)]  # of a turn to starboard
+
+
+@pytest.mark.parametrize(
+    ("orientation", "quality", "quaternion", "sector"),
+    [
+        *((0, 0, None, 0), (2, 100, None, 18), (6, 0, None, 54), (7, 2, None, 63), (100, 0, EIGHTH, 9)),
+        *((0, 1, None, None), (24, 0, None, None), (25, 0, None, None), (100, 0, [0.0] * 4, None)),
+    ],
+)
+def test_a_ranger_says_what_is_in_its_direction(
+    orientation: int, quality: int, quaternion: list[float] | None, sector: int | None
+) -> None:
+    """A quality of 1 is no signal; 24 and 25 look up and down."""
     rig = Rig(config={"external.obstacles": True}, sonar=None).ready()
     camera = rig.connect(CAMERA)
-    camera.send(dialect.MAVLink_distance_sensor_message(0, 20, 700, 321, 0, 3, orientation, 255))
+    camera.send(
+        dialect.MAVLink_distance_sensor_message(
+            0, 20, 700, 321, 0, 3, orientation, 255, 0.0, 0.0, quaternion or [0.0] * 4, quality
+        )
+    )
     rig.step(2)
+    if sector is None:
+        assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_OBSTACLE_DISTANCE) != OK
+        return
     told = bins(rig)
     assert told[sector] == 321
     assert told[(sector + 36) % 72] == 0xFFFF

@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from boat_rig import FAILED, HOME_ITEM, OK, Peer, Rig, waypoint
+from boat_rig import FAILED, HOME_ITEM, OK, UNSUPPORTED, Peer, Rig, waypoint
 
 from companion.core.readings import HeadingReading
 from companion.mavlink.dialect import dialect
@@ -122,6 +122,33 @@ def test_the_gyro_is_calibrated_in_a_while_and_its_bias_is_kept() -> None:
     assert value(rig, "INS_GYROFFS_Z") == pytest.approx(0.02, rel=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("rate_rad_s", "text"),
+    [(0.21, "Gyro: the boat moved, not calibrated"), (None, "Gyro: the compass measures no yaw rate")],
+)
+def test_a_gyro_that_turns_or_measures_nothing_keeps_its_bias(rate_rad_s: float | None, text: str) -> None:
+    rig = Rig(compass=Gyro(rate_rad_s=rate_rad_s))
+    rig.run(1.0)
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 1) == IN_PROGRESS
+    rig.run(3.5)
+    assert results(rig.peer, CMD.MAV_CMD_PREFLIGHT_CALIBRATION)[-1] == FAILED
+    assert text in rig.peer.texts
+    assert value(rig, "INS_GYROFFS_Z") == 0.0
+
+
+def test_a_station_may_calibrate_a_radio_that_is_fitted_for_ten_minutes_while_disarmed() -> None:
+    rig = Rig("open", "sensors.rc.fitted=true").ready()
+    radio = rig.boat.vehicle.manual_input.rc
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 1, 0, 0, 1) == UNSUPPORTED  # one thing at a time
+    assert radio.calibrated_until_s < rig.now_s
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 0, 0, 0, 1) == OK
+    assert radio.calibrated_until_s == pytest.approx(rig.now_s + 600.0, abs=0.1)
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION) == OK
+    assert radio.calibrated_until_s < rig.now_s
+    assert rig.ask(CMD.MAV_CMD_COMPONENT_ARM_DISARM, 1.0, 2989.0) == OK
+    assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 0, 0, 0, 1) == REJECTED_FOR_NOW
+
+
 def test_a_calibration_can_be_given_up_and_ends_when_the_boat_is_armed() -> None:
     rig = Rig(compass=Gyro()).ready()
     rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 1)
@@ -147,6 +174,10 @@ def test_the_compass_is_trimmed_to_the_heading_that_the_operator_gives() -> None
     assert value(rig, "HDG_TRIM") == pytest.approx(-10.0, abs=0.01)
     assert rig.ask(CMD.MAV_CMD_FIXED_MAG_CAL_YAW, 90.0) == OK
     assert value(rig, "HDG_TRIM") == pytest.approx(-10.0, abs=0.01)
+    assert rig.arm() == OK
+    assert rig.ask(CMD.MAV_CMD_FIXED_MAG_CAL_YAW, 80.0) == REJECTED_FOR_NOW
+    assert value(rig, "HDG_TRIM") == pytest.approx(-10.0, abs=0.01)
+    assert "Compass: disarm first" in rig.peer.texts
 
 
 def test_parameters_go_back_to_the_boats_file_and_stay_there(rig: Rig) -> None:

@@ -2,11 +2,16 @@
 
 import logging
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from boat_rig import DENIED, FAILED, UNSUPPORTED, Rig
 
+from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
+from companion.services.commands.command import Result
+from companion.services.commands.refusal_log import RefusalLog
 
 CMD = dialect
 
@@ -49,3 +54,31 @@ def test_a_refusal_by_its_number_alone_is_logged(
 ) -> None:
     assert rig.ask(command, *params) == result
     assert line in lines(journal)
+
+
+def test_repeated_refusals_do_not_fill_the_log(journal: pytest.LogCaptureFixture) -> None:
+    """Twenty at once, then one every two seconds."""
+    texts: Any = SimpleNamespace(logs_texts=True)
+    command: Any = SimpleNamespace(number=22, origin=SimpleNamespace(address=Address(255, 190)))
+    log = RefusalLog(texts)
+    for result in (Result.ACCEPTED, Result.IN_PROGRESS, Result.CANCELLED):
+        log.add(command, result)
+    assert (lines(journal), log.dropped) == ([], 0)
+    for _ in range(23):
+        log.add(command, Result.DENIED)
+    assert (len(lines(journal)), log.dropped) == (20, 3)
+    log.tick(1.5)
+    log.add(command, Result.DENIED)
+    assert (len(lines(journal)), log.dropped) == (20, 4)
+    log.tick(4.0)
+    for now_s in (4.0, 3.0):  # a clock that goes back takes nothing away
+        log.tick(now_s)
+        log.add(command, Result.DENIED)
+    assert (len(lines(journal)), log.dropped) == (22, 4)
+    log.tick(1e6)
+    texts.logs_texts = False
+    log.add(command, Result.DENIED)
+    texts.logs_texts = True
+    for _ in range(21):
+        log.add(command, Result.DENIED)
+    assert (len(lines(journal)), log.dropped) == (42, 5)

@@ -1,8 +1,6 @@
 """Payload commands by hand and as mission items: every parameter is checked against the boat's payload."""
 
 import math
-from types import SimpleNamespace
-from typing import Any
 
 import pytest
 from boat_rig import DENIED, HOME_ITEM, OK, Rig, waypoint
@@ -13,10 +11,20 @@ from payload_rig import PayloadRig
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionResult
 from companion.mavlink.transfer import Completed, Failed
-from companion.payload.actions import ActionFault, RepeatServo, SetServo
+from companion.payload.actions import (
+    ActionFault,
+    MoveGripper,
+    MoveWinch,
+    RepeatRelay,
+    RepeatServo,
+    RunCommand,
+    SetLights,
+    SetRelay,
+    SetServo,
+    WinchMotion,
+)
 from companion.payload.fitted import FittedPayload
 from companion.services.payload.rows import ROWS, read_action
-from companion.services.telemetry.payload_messages import winch_status
 
 CMD, NAN, INF = dialect, math.nan, math.inf
 
@@ -100,27 +108,29 @@ def test_any_parameters_are_an_action_or_a_fault(
         assert 1000 <= action.width_us <= 2000
 
 
-def test_a_servo_repeats_as_often_as_asked(rig: PayloadRig) -> None:
-    action = read_action(
-        CMD.MAV_CMD_DO_REPEAT_SERVO, (9, 1700, 3, 1.0, 0, 0, 0), FittedPayload(rig.config.payload)
-    )
-    assert action == RepeatServo(9, 1700, 3, 1.0)
-    fault = read_action(CMD.MAV_CMD_DO_GRIPPER, (NAN, 1, 0, 0, 0, 0, 0), FittedPayload(rig.config.payload))
-    assert isinstance(fault, ActionFault)
-    assert fault.parameter == 1
-
-
 @pytest.mark.parametrize(
-    ("out_m", "is_moving", "fault", "flags"),
-    [(0.0, False, "", 3), (1.5, False, "", 1), (0.0, True, "", 5), (0.0, False, "no pulses", 2)],
+    ("number", "params", "action"),
+    [
+        (CMD.MAV_CMD_DO_REPEAT_SERVO, (9, 1700, 3, 1.0), RepeatServo(9, 1700, 3, 1.0)),
+        (CMD.MAV_CMD_DO_SET_RELAY, (0, 1), SetRelay(0, True)),
+        (CMD.MAV_CMD_DO_SET_RELAY, (0, 0), SetRelay(0, False)),
+        (CMD.MAV_CMD_DO_REPEAT_RELAY, (0, 2, 1.5), RepeatRelay(0, 2, 1.5)),
+        (CMD.MAV_CMD_DO_GRIPPER, (1, 0), MoveGripper(1, False)),
+        (CMD.MAV_CMD_DO_GRIPPER, (1, 1), MoveGripper(1, True)),
+        (CMD.MAV_CMD_DO_WINCH, (1, 0, 2.0, 0.5), MoveWinch(1, WinchMotion.RELAX)),
+        (CMD.MAV_CMD_DO_WINCH, (1, 1, 2.0, -0.25), MoveWinch(1, WinchMotion.LENGTH, 2.0, 0.25)),
+        (CMD.MAV_CMD_DO_WINCH, (1, 1, 2.0, NAN), MoveWinch(1, WinchMotion.LENGTH, 2.0)),
+        (CMD.MAV_CMD_DO_WINCH, (1, 2, 2.0, -0.5), MoveWinch(1, WinchMotion.RATE, 0.0, -0.5)),
+        (CMD.MAV_CMD_ILLUMINATOR_ON_OFF, (1,), SetLights(True)),
+        (CMD.MAV_CMD_ILLUMINATOR_ON_OFF, (0,), SetLights(False)),
+        (CMD.MAV_CMD_DO_SEND_SCRIPT_MESSAGE, (7,), RunCommand(7)),
+    ],
 )
-def test_a_winch_tells_its_line_and_how_it_is(out_m: float, is_moving: bool, fault: str, flags: int) -> None:
-    """MAV_WINCH_STATUS_FLAG: 1 healthy, 2 fully retracted, 4 moving."""
-    winch = SimpleNamespace(out_m=out_m, is_moving=is_moving, fault=fault, speed_m_s=0.2)
-    now: Any = SimpleNamespace(payload=SimpleNamespace(units=SimpleNamespace(winch=winch)), boot_us=7)
-    status = winch_status(now)
-    assert status is not None
-    assert (status.line_length, status.speed, status.status) == (out_m, 0.2, flags)
+def test_parameters_are_the_action_that_they_name(
+    rig: PayloadRig, number: int, params: tuple[float, ...], action: object
+) -> None:
+    padded = (*params, *[0.0] * (7 - len(params)))
+    assert read_action(number, padded, FittedPayload(rig.config.payload)) == action
 
 
 def do(command: int, *params: float) -> MissionItem:

@@ -131,17 +131,6 @@ def test_the_mission_is_reported_through_all_its_states() -> None:
     assert (current.seq, current.total, current.mission_mode) == (2, 2, 2)
 
 
-def test_the_pack_is_reported_with_its_charge(rig: Rig) -> None:
-    battery = latest(rig, "BATTERY_STATUS")
-    assert 11.0 < battery.voltages[0] / 1000.0 < 12.7
-    assert battery.current_battery > 50
-    assert battery.current_consumed > 5
-    assert 50 <= battery.battery_remaining <= 100
-    status = latest(rig, "SYS_STATUS")
-    assert battery.battery_remaining == status.battery_remaining
-    assert status.onboard_control_sensors_health & dialect.MAV_SYS_STATUS_SENSOR_BATTERY
-
-
 def test_the_distance_home_is_that_along_the_way() -> None:
     rig = fenced(Rig().ready(), *polygon(L_CORNERS))
     assert rig.set_mode(Mode.RTL) == OK
