@@ -15,9 +15,11 @@ A mutant that behaves like the original is declared in equivalent.toml, with the
 import argparse
 import builtins
 import contextlib
+import functools
 import gc
 import importlib.abc
 import importlib.util
+import inspect
 import os
 import pickle
 import random
@@ -31,6 +33,7 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from importlib.machinery import ModuleSpec
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
+from typing import Any
 
 import hypothesis
 import numpy as np  # noqa: F401 — once for all mutants
@@ -170,12 +173,19 @@ def run_tests(items: Sequence[pytest.Item], session: pytest.Session, base: Basel
 
 
 def measure(items: Sequence[pytest.Item], session: pytest.Session, paths: Iterable[str]) -> Baseline:
-    """Run every test once, without a fault. paths: of the files whose calls are recorded."""
-    found = Baseline()
+    """Run every test once, without a fault. paths: of the files whose calls are recorded.
+
+    What functools caches is called anew by each test, or its faults were tried on the first test alone.
+    """
+    found, caches, modules = Baseline(), list[Any](), 0
     seen: set[Key] = set()
     setattr(builtins, RECORDER, seen.add)
     put_in_all([recording(ROOT, path, RECORDER) for path in paths])
     for number, item in enumerate(items):
+        if len(sys.modules) != modules:
+            caches, modules = caches_of_ours(), len(sys.modules)
+        for cached in caches:
+            cached.cache_clear()
         seen.clear()
         before, failed = time.process_time(), session.testsfailed
         item.config.hook.pytest_runtest_protocol(item=item, nextitem=None)
@@ -187,6 +197,16 @@ def measure(items: Sequence[pytest.Item], session: pytest.Session, paths: Iterab
         for key in seen:
             found.calls.setdefault(key, set()).add(number)
     return found
+
+
+def caches_of_ours() -> list[Any]:
+    """The functions below ROOT that functools caches."""
+    kind = type(functools.cache(len))
+    found = [(one, inspect.unwrap(one)) for one in gc.get_objects() if isinstance(one, kind)]
+    ours = f"{ROOT}/"
+    return [
+        one for one, of in found if isinstance(of, FunctionType) and of.__code__.co_filename.startswith(ours)
+    ]
 
 
 def put_in_all(codes: Iterable[CodeType]) -> None:

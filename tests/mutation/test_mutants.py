@@ -1,9 +1,12 @@
 """The mutants are those that the rules say, and each changes what the code does."""
 
 import ast
+import builtins
+import importlib
 import importlib.util
 import threading
 from pathlib import Path
+from types import ModuleType, SimpleNamespace
 
 import pytest
 from mutants import Mutant, compiled, mutants_of
@@ -103,12 +106,19 @@ def test_a_fault_knows_the_outermost_function_that_holds_it(faults: list[Mutant]
     assert first["0.0"] == "", "a default is evaluated outside of its function"
 
 
-def test_a_test_that_waits_for_ever_is_ended(faults: list[Mutant], monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def program() -> ModuleType:
     spec = importlib.util.spec_from_file_location("program", Path(__file__).with_name("__main__.py"))
     assert spec is not None
     assert spec.loader is not None
-    program = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(program)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_a_test_that_waits_for_ever_is_ended(
+    faults: list[Mutant], program: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(program, "IDLE_S", 0.3)
 
     def waits() -> int:
@@ -116,3 +126,17 @@ def test_a_test_that_waits_for_ever_is_ended(faults: list[Mutant], monkeypatch: 
         return 0
 
     assert program.run_all([(faults[0], waits), (faults[1], lambda: 0)], 60.0, 1) == {faults[1]}
+
+
+def test_a_cached_call_is_recorded_for_each_test_that_makes_it(
+    tmp_path: Path, program: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "cached.py").write_text("import functools\n\n@functools.cache\ndef one():\n    return 1\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(program, "ROOT", tmp_path)
+    monkeypatch.setattr(builtins, program.RECORDER, None, raising=False)
+    one = importlib.import_module("cached").one
+    hook = SimpleNamespace(pytest_runtest_protocol=lambda **_: one())
+    item = SimpleNamespace(config=SimpleNamespace(hook=hook), nodeid="test")
+    found = program.measure([item, item], SimpleNamespace(testsfailed=0), ["cached.py"])
+    assert found.calls == {(str(tmp_path / "cached.py"), 3): {0, 1}}
