@@ -174,7 +174,7 @@ class MotorEvidence:
         gained = [0.0] * len(HYPOTHESES)
         if nav.faults & _NO_COMPASS:
             self._turn.restart()
-        elif self._turn.correct(nav.measured_yaw_rate_rad_s, dt_s, is_learning=is_learning):
+        elif self._turn.correct(nav.measured_yaw_rate_rad_s - nav.wave_rad_s, dt_s, is_learning=is_learning):
             _weigh(self._turn, self._sizes[0], gained)
         self._take_fix(fix, nav, gained, is_learning, dt_s)
         self._take_current(battery, water_m_s, gained, is_learning, dt_s)
@@ -202,10 +202,9 @@ class MotorEvidence:
         pushes = [self._push(shaft, water_m_s, astern) for shaft in self._shafts]
         for at, hypothesis in enumerate(HYPOTHESES):
             side = 0 if hypothesis.is_left else 1
-            if hypothesis.fault is Fault.REVERSED:
-                change = self._push(-self._shafts[side], water_m_s, astern) - pushes[side]
-            else:
-                change = (hypothesis.thrust - 1.0) * pushes[side]
+            shaft = hypothesis.gain * self._shafts[side]
+            push = pushes[side] if hypothesis.gain == 1.0 else self._push(shaft, water_m_s, astern)
+            change = hypothesis.thrust * push - pushes[side]
             self._changes_ahead[at] = change
             self._changes_turn[at] = change if hypothesis.is_left else -change
         self._turn.predict(pushes[0] - pushes[1] + turning, self._changes_turn, dt_s)
@@ -274,6 +273,11 @@ class MotorEvidence:
             change, spread = (hypothesis.load - 1.0) * drawn, hypothesis.spread * drawn
             if hypothesis.fault is Fault.REVERSED:
                 change = 2.0 * current.water_a * duty * water_m_s
+            elif hypothesis.fault is Fault.WEAK:
+                flow = current.water_a * duty * water_m_s
+                gain = hypothesis.gain
+                change = max(gain * (gain * (drawn + flow) - flow), 0.0) - drawn
+                spread = -hypothesis.spread * change
             elif hypothesis.fault is Fault.FOULED:
                 change = WEED * current.stall_a * abs(duty)
                 spread = hypothesis.spread * change

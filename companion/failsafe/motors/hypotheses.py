@@ -23,13 +23,15 @@ class Fault(IntEnum):
     BLOCKED = 1  # stall current, no thrust
     FOULED = 2  # weed on the propeller: more current, less thrust
     REVERSED = 3  # thrust the wrong way for the usual current
+    WEAK = 4  # a share of the voltage: worn brushes, a bad contact, a propeller that slips on its shaft
 
 
 class Hypothesis(NamedTuple):
     """One motor has one fault; the other is healthy.
 
-    thrust: share of its thrust that is left; thrust_spread: one standard deviation of the change, in shares
-    of it. load: its current, in shares of the usual one; spread: one standard deviation of that share.
+    thrust: share of its thrust that is left, at the share `gain` of its command; thrust_spread: one standard
+    deviation of the change, in shares of it. load: its current, in shares of the usual one; spread: one
+    standard deviation of that share.
     """
 
     is_left: bool
@@ -38,11 +40,17 @@ class Hypothesis(NamedTuple):
     thrust_spread: float
     load: float
     spread: float
+    gain: float = 1.0
 
     @property
     def has_thrust(self) -> bool:
         """Whether the motor still pushes, be it the wrong way."""
         return self.fault not in (Fault.DEAD, Fault.BLOCKED)
+
+    def is_akin(self, other: "Hypothesis") -> bool:
+        """Whether both are the same, or say that a motor has lost more or less of its thrust and current."""
+        losses = {self.fault, other.fault} == {Fault.DEAD, Fault.WEAK}
+        return self == other or (losses and self.is_left is other.is_left)
 
     @property
     def text(self) -> str:
@@ -52,20 +60,21 @@ class Hypothesis(NamedTuple):
             return f"Weed on the {side} propeller"
         if self.fault is Fault.REVERSED:
             return f"Steering lost: {side} motor reversed"
-        return (
-            f"{side.capitalize()} motor {'is blocked' if self.fault is Fault.BLOCKED else 'gives no thrust'}"
-        )
+        return f"{side.capitalize()} motor {_WORDS[self.fault]}"
 
 
-# The current of a fouled propeller and the thrust of a reversed one are worked out in `evidence`.
+_WORDS: Final = {Fault.DEAD: "gives no thrust", Fault.BLOCKED: "is blocked", Fault.WEAK: "is weak"}
+# The currents of fouled, reversed and weak motors are worked out in `evidence`. A weak one has half of its
+# voltage, 0.2 to 0.8: what a motor check calls weak (0.2 to 0.6 of the thrust) at rest and under way.
 HYPOTHESES: Final = tuple(
-    Hypothesis(is_left, fault, thrust, thrust_spread, load, spread)
+    Hypothesis(is_left, *figures)
     for is_left in (True, False)
-    for fault, thrust, thrust_spread, load, spread in (
+    for figures in (
         (Fault.DEAD, 0.0, 0.0, 0.0, 0.0),
         (Fault.BLOCKED, 0.0, 0.0, 2.2, 0.35),
         (Fault.FOULED, 0.4, 0.4, 1.0, 0.4),
-        (Fault.REVERSED, -1.0, 0.1, 1.0, 0.1),
+        (Fault.REVERSED, 1.0, 0.1, 1.0, 0.1, -1.0),
+        (Fault.WEAK, 1.0, 0.15, 0.3, 0.1, 0.5),
     )
 )
 

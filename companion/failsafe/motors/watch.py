@@ -18,6 +18,9 @@ CLEARED_S: Final = (
 )
 # Without a break: a shaft thrown into reverse draws as a blocked one does at first
 PROVED_S: Final = 0.8
+AKIN_MARGIN: Final = 2.0  # between two names of what is treated alike: odds of 7 to 1
+# For which dead and weak may stay alike: at half of its command a weak motor hardly turns in its dead band
+_NAMED_S: Final = 5.0
 # Evidence for a fouled propeller that is worth a comparison. Failing motors reached it 0.3 s after 6 nats,
 # which healthy ones reached once in four hours.
 UNSURE: Final = 10.0
@@ -131,11 +134,12 @@ class MotorWatch:
                 evidence.acquit()
             return
         self._watch_steering(left, right, nav.measured_yaw_rate_rad_s, dt_s)
-        suspect, before = self._decide(), self._suspect
+        (suspect, akin), before = self._decide(), self._suspect
         self._suspect = suspect
-        self._proved_s = 0.0 if suspect is None or suspect is not before else self._proved_s + dt_s
-        if self._proved_s >= PROVED_S:
-            self.verdict = suspect
+        lasts = suspect is not None and before is not None and suspect.is_akin(before)
+        self._proved_s = self._proved_s + dt_s if lasts else 0.0
+        if self._proved_s >= (PROVED_S if akin is None else _NAMED_S):
+            self.verdict = akin or suspect
 
     def _seems_fouled(self) -> bool:
         """Whether a fouled propeller is the likeliest fault, though not proved."""
@@ -151,16 +155,26 @@ class MotorWatch:
         )
         return abs(left - right) < MARGIN
 
-    def _decide(self) -> Hypothesis | None:
-        """The hypothesis that is proved, and ahead of every other."""
+    def _decide(self) -> tuple[Hypothesis | None, Hypothesis | None]:
+        """The hypothesis that is proved, and ahead of every other. Where only an akin one is close: which of
+        the two claims less.
+        """
         has_current, against = self._evidence.has_current, self._evidence.against
         counted = [at for at, one in enumerate(HYPOTHESES) if has_current or one.fault in _WITHOUT_CURRENT]
         first = max(counted, key=against.__getitem__)
         best, lead = HYPOTHESES[first], against[first]
         if lead < (COMPARED if self._is_compared and best.fault is Fault.FOULED else PROVED):
-            return None
-        is_ahead = all(lead - against[at] >= MARGIN for at in counted if at != first)
-        return best if is_ahead else None
+            return None, None
+        akin = None
+        for at in counted:
+            other, ahead = HYPOTHESES[at], lead - against[at]
+            if at == first or ahead >= MARGIN:
+                continue
+            if not other.is_akin(best):
+                return None, None
+            if ahead < AKIN_MARGIN:
+                akin = best if best.has_thrust else other
+        return best, akin
 
     def _watch_steering(self, left: float, right: float, turn_rad_s: float, dt_s: float) -> None:
         """How long the boat has been steered hard without turning that way."""

@@ -12,6 +12,7 @@ _FAULTS: Final = {
     "stuck": Fault.BLOCKED,
     "weed": Fault.FOULED,
     "wrong": Fault.REVERSED,
+    "slow": Fault.WEAK,
 }
 _SIDES: Final = {"motor_left": True, "motor_right": False}
 _PREFIX: Final = "Failsafe: "

@@ -63,6 +63,27 @@ def test_the_speed_of_the_hull_is_that_through_the_water(to_deg: float) -> None:
     assert evidence._speed._value == pytest.approx(0.0, abs=0.05)
 
 
+def test_the_yaw_of_waves_accuses_no_motor() -> None:
+    """0.5 rad/s at 3.5 rad/s, as waves of 0.3 m turn the lake boat at most, while it steers a little."""
+    most = []
+    for known in (0.0, 1.0):
+        evidence = MotorEvidence(BoatConfig())
+        nats = 0.0
+        for tick in range(300):
+            now_s = DT_S * tick
+            wave_rad_s = 0.5 * math.sin(3.5 * now_s)
+            nav = NavState(
+                now_s, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.1, 0.1,
+                gyro_rad_s=wave_rad_s, wave_rad_s=known * wave_rad_s,
+            )  # fmt: skip
+            steered = 0.1 if tick % 50 < 25 else -0.1
+            evidence.update(0.6 + steered, 0.6 - steered, nav, None, None, 1.0, DT_S)
+            nats = max(nats, *evidence.against)
+        most.append(nats)
+    assert most[0] > 8.0
+    assert most[1] < 2.0
+
+
 def test_a_push_and_each_change_of_it_leave_the_motion_in_doubt() -> None:
     """A fifth of its effect over a quarter of a second, and 0.07 s of delay."""
     doubts = []

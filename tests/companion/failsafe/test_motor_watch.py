@@ -84,7 +84,7 @@ class Hull:
         if fault is Fault.DEAD:
             self.shafts[side] = 0.0
             return 0.0, 0.0
-        sign = -1.0 if fault is Fault.REVERSED else 1.0
+        sign = {Fault.REVERSED: -1.0, Fault.WEAK: 0.5}.get(fault, 1.0) if fault is not None else 1.0
         driven = sign * duty
         weed = 0.22 if fault is Fault.FOULED else 0.0
         reached = 0.0 if fault is Fault.BLOCKED else max(abs(driven) - weed, 0.0)
@@ -157,6 +157,7 @@ SIDES = pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
         (Fault.BLOCKED, 3.5, "{Side} motor is blocked"),
         (Fault.FOULED, 6.0, "Weed on the {side} propeller"),
         (Fault.REVERSED, 8.0, "Steering lost: {side} motor reversed"),
+        (Fault.WEAK, 6.0, "{Side} motor is weak"),
     ],
 )
 def test_each_fault_is_named_with_its_side(side: int, fault: Fault, within_s: float, text: str) -> None:
@@ -288,7 +289,8 @@ def watched(monkeypatch: pytest.MonkeyPatch, against: dict[int, float]) -> Hull:
     return hull
 
 
-BLOCKED, REVERSED, FOULED = 1, 3, 6  # of the left motor, of the left, of the right
+# Of the left motor; the last two of the right
+DEAD, BLOCKED, REVERSED, WEAK, RIGHT_BLOCKED, FOULED = 0, 1, 3, 4, 6, 7
 
 
 @pytest.mark.parametrize(
@@ -299,8 +301,12 @@ BLOCKED, REVERSED, FOULED = 1, 3, 6  # of the left motor, of the left, of the ri
         ({FOULED: 15.0}, False, None),
         ({FOULED: 12.0}, True, None),
         ({FOULED: 14.0}, True, FOULED),  # a comparison proves with less evidence
-        ({BLOCKED: 100.0, 5: 96.5}, False, None),  # both commanded alike: the current hardly tells which
-        ({BLOCKED: 100.0, 5: 95.5}, False, BLOCKED),
+        (
+            {BLOCKED: 100.0, RIGHT_BLOCKED: 96.5},
+            False,
+            None,
+        ),  # both commanded alike: the current hardly tells which
+        ({BLOCKED: 100.0, RIGHT_BLOCKED: 95.5}, False, BLOCKED),
     ],
 )
 def test_a_fault_is_proved_by_its_evidence_and_its_lead(
@@ -315,6 +321,37 @@ def test_a_fault_is_proved_by_its_evidence_and_its_lead(
     assert hull.watch.verdict is (None if named is None else HYPOTHESES[named])
     assert hull.now_s - began_s > 0.75, "without a break"
     assert named is None or hull.now_s - began_s < 1.2
+
+
+@pytest.mark.parametrize(
+    ("against", "named", "at_s"),
+    [
+        ({DEAD: 30.0, WEAK: 27.5}, DEAD, 0.9),
+        ({DEAD: 27.5, WEAK: 30.0}, WEAK, 0.9),
+        ({DEAD: 30.0, WEAK: 28.5}, WEAK, 5.1),  # alike: "weak" claims less
+        ({DEAD: 28.5, WEAK: 30.0}, WEAK, 5.1),
+        ({DEAD: 30.0, WEAK: 26.5, BLOCKED: 26.5}, None, math.inf),
+    ],
+)
+def test_a_weak_motor_is_told_from_a_dead_one_or_called_weak(
+    monkeypatch: pytest.MonkeyPatch, against: dict[int, float], named: int | None, at_s: float
+) -> None:
+    hull = watched(monkeypatch, against)
+    while hull.watch.verdict is None and hull.now_s < 8.0:
+        hull.step(0.5, 0.5)
+    assert hull.watch.verdict is (None if named is None else HYPOTHESES[named])
+    assert named is None or hull.now_s == pytest.approx(at_s, abs=0.15)
+
+
+def test_dead_or_weak_by_turns_is_proved_as_soon_as_they_part(monkeypatch: pytest.MonkeyPatch) -> None:
+    hull = watched(monkeypatch, {DEAD: 30.0, WEAK: 29.0})
+    for tick in range(20):
+        hull.watch._evidence.against[WEAK] = 29.0 + 2.0 * (tick % 2)
+        hull.step(0.5, 0.5)
+        assert hull.watch.verdict is None
+    hull.watch._evidence.against[WEAK] = 40.0
+    hull.step(0.5, 0.5)
+    assert hull.watch.verdict is HYPOTHESES[WEAK]
 
 
 LEFT_FOULED = 2
