@@ -200,13 +200,15 @@ def measure(items: Sequence[pytest.Item], session: pytest.Session, paths: Iterab
 
 
 def caches_of_ours() -> list[Any]:
-    """The functions below ROOT that functools caches."""
-    kind = type(functools.cache(len))
-    found = [(one, inspect.unwrap(one)) for one in gc.get_objects() if isinstance(one, kind)]
-    ours = f"{ROOT}/"
-    return [
-        one for one, of in found if isinstance(of, FunctionType) and of.__code__.co_filename.startswith(ours)
-    ]
+    """The functions of ours that functools caches."""
+    kind, ours = type(functools.cache(len)), f"{ROOT}/"
+    found = []
+    for one in gc.get_objects():
+        if isinstance(one, kind) and isinstance(of := inspect.unwrap(one), FunctionType):
+            path = of.__code__.co_filename
+            if path.startswith(ours) and "site-packages" not in path:
+                found.append(one)
+    return found
 
 
 def put_in_all(codes: Iterable[CodeType]) -> None:
