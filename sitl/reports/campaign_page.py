@@ -12,6 +12,7 @@ import msgspec
 from sitl.experiments.campaign.campaign import Campaign, leaves
 from sitl.experiments.campaign.expect import judge, numbers
 from sitl.experiments.campaign.table import Table, tabulate
+from sitl.experiments.mission_trial import scenario_of
 from sitl.experiments.trial import Trial, TrialResult
 from sitl.reports.campaign_pictures import draw_clearances, draw_expectation, draw_tracks
 from sitl.reports.labels import label, labelled
@@ -162,7 +163,11 @@ def again(run: Trial) -> str:
     words += ["--mission", run.mission] if run.mission else []
     words += ["--fence"] if run.fence else []
     words += ["--linger", f"{run.linger_s:g}"] if run.linger_s else []
-    for key, value in leaves(run.settings):
+    drawn: list[tuple[str, Any]] = []
+    if run.below:  # the waves of its seed, unless the scenario has its own
+        sea = scenario_of(run).environment
+        drawn = [(f"environment.{name}", getattr(sea, name)) for name in run.below["environment"]]
+    for key, value in [*leaves(run.settings), *drawn]:
         words += ["--set", f"{key}={json.dumps(value)}"]
     return shlex.join(words)
 

@@ -112,6 +112,9 @@ def test_the_command_that_sails_a_run_again_says_all_of_it() -> None:
         "boat-sitl sail random --seed 7 --fence --linger 30 "
         "--set random.fault=true --set environment.current_m_s=0.5"
     )
+    waves = {"environment": {"wave_height_m": 0.1}}
+    run = Trial(number=3, scenario="open", seed=7, below=waves)
+    assert again(run) == "boat-sitl sail open --seed 7 --set environment.wave_height_m=0.1"
 
 
 def test_sail_records_and_report_makes_the_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
