@@ -198,15 +198,15 @@ def _leads_away(at: Point, place: Point, stretch: tuple[Point, Point]) -> bool:
 
 
 class WaterRoute:
-    """leg: the present one, to the farthest corner in a straight line from its start. seen_m: the clearance
-    from what was seen.
+    """leg: the present one, to the farthest corner in a straight line from its start. clearance_m: from the
+    fence's lines, seen_m: from what was seen.
     """
 
     def __init__(self, is_clear: ClearLeg, start: Point, way: Way, config: BoatConfig) -> None:
         """way: with one corner or more; the last is the end."""
         self._has_clear_leg = is_clear
         self._corners = way.corners
-        self._clearance_m = way.clearance_m
+        self.clearance_m = way.clearance_m
         self.seen_m = way.seen_m
         self._at = 0
         self.leg = self._leg_from(start, 0, config)
@@ -255,7 +255,7 @@ class WaterRoute:
         if self.is_last:
             return Leg(start, corners[at])
         onward = corners[self._farthest(corners[at], at + 1)]
-        clearance_m = min(self._clearance_m, max(self.seen_m, _LEAST_CORNER * config.avoidance.margin_m))
+        clearance_m = min(self.clearance_m, max(self.seen_m, _LEAST_CORNER * config.avoidance.margin_m))
         radius_m = min(config.guidance.waypoint_radius_m, _CORNER_SHARE * clearance_m)
         return Leg(start, corners[at], onward, radius_m)
 
@@ -265,7 +265,7 @@ class WaterRoute:
         return next((at for at in range(last, first, -1) if self._is_clear(start, self._corners[at])), first)
 
     def _is_clear(self, start: Point, end: Point) -> bool:
-        return self._has_clear_leg(start, end, self._clearance_m, self.seen_m)
+        return self._has_clear_leg(start, end, self.clearance_m, self.seen_m)
 
 
 def is_clear(fence: Fence, start: Point, end: Point, clearance_m: float) -> bool:

@@ -13,7 +13,8 @@ from companion.core.intent import FollowLeg, KeepStation
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.geofence.water_route import MARGIN_SHARES, way_to_nearest
-from companion.vehicle.surroundings import Passage, Surroundings
+from companion.vehicle.passage import Passage
+from companion.vehicle.surroundings import Surroundings
 
 
 class _Basis(NamedTuple):

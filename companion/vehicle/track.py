@@ -58,12 +58,14 @@ class SailedTrack:
     ) -> tuple[list[Point], float] | None:
         """The way back along the track to a goal, from where it is best joined, and its length, that of the
         last leg, from the beginning of the track, `unsailed` times; None without a track that is joined
-        by an open straight way.
+        and left by open straight ways.
         """
         points = self.points if self.latest is None else [*self.points, self.latest]
         if len(points) < 2 or not goals or self.is_incomplete:
             return None
         goal = min(goals, key=lambda goal: distance_m(points[0], goal))
+        if not is_open(points[0], goal):
+            return None
         sailed_m, least_m = unsailed * distance_m(points[0], goal), math.inf
         best: tuple[list[Point], float] | None = None
         for number, (before, after) in enumerate(pairwise(points)):

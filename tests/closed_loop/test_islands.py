@@ -1,12 +1,12 @@
-"""What no map knew on the way home: seen, kept in mind, and rounded."""
+"""What no map knew on the way home or on a mission: seen, kept in mind, and rounded."""
 
 import json
 from pathlib import Path
 
 import pytest
-from boat_rig import OK, Rig
+from boat_rig import OK, Rig, waypoint
 from fence_rig import INCLUDED, fenced
-from sailing_rig import armed, go_to
+from sailing_rig import armed, go_to, over, reached, told
 
 from companion.core.geo import LatLon, Point
 from companion.core.modes import Mode
@@ -14,6 +14,7 @@ from companion.core.units import deg_to_e7
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem
 
+BY_SIGHT: dict[str, object] = {"avoidance.by_sight": 1, "failsafe.gcs_enabled": False}
 POND = Path("examples/maps/mill_pond_fence.geojson")
 BEHIND_THE_ISLANDS = LatLon(50.00095, -1.19757)
 
@@ -31,7 +32,7 @@ def come_home(rig: Rig, home: Point, limit_s: float) -> None:
 @pytest.mark.parametrize("mode", [Mode.RTL, Mode.GUIDED], ids=lambda mode: mode.name)
 def test_a_wall_that_no_map_knew_is_rounded(mode: Mode) -> None:
     wall = "map.obstacles=[{name='wall', polygon=[[-10, 10], [14, 10], [14, 12], [-10, 12]]}]"
-    rig = Rig("open", wall, config={"avoidance.by_sight": 1, "failsafe.gcs_enabled": False}).ready()
+    rig = Rig("open", wall, config=BY_SIGHT).ready()
     # Both ways along 24 m of wall; by the local planner alone RTL takes more than 100 s
     limit_s = 85.0 if mode is Mode.RTL else 115.0
     if mode is Mode.RTL:
@@ -63,3 +64,46 @@ def test_islands_that_the_fence_lacks_are_rounded_on_the_way_home() -> None:
     home = start.towards(lake.start, 0.4)  # the rest is open water
     rig = fenced(Rig("lake", f"route.start=[{start.east_m}, {start.north_m}]").ready(), *outline())
     come_home(rig, home, 168.0)
+
+
+ISLAND = "map.obstacles=[{name='island', polygon=[[60, -15], [80, -12], [82, 10], [70, 18], [58, 9]]}]"
+ROCKY = "map.obstacles=[{name='rock', polygon=[[30, -5], [41, -4], [41, 5], [30, 4]]}]"
+
+
+def off_line_m(rig: Rig, east_m: float, limit_s: float) -> float:
+    """How far off the parallel of the start the boat is when it comes to a place of it."""
+    rig.until(lambda: rig.world.truth.east_m > east_m, limit_s)
+    return abs(rig.world.truth.north_m)
+
+
+def test_an_island_on_a_later_leg_is_rounded_and_the_line_sailed_on() -> None:
+    rig = Rig("open", ISLAND, config=BY_SIGHT)
+    rig.sail(waypoint(0.0, 20.0), waypoint(0.0, 120.0), waypoint(40.0, 120.0))
+    assert off_line_m(rig, 50.0, 60.0) < 1.0
+    assert off_line_m(rig, 70.0, 120.0) > 10.0
+    assert off_line_m(rig, 108.0, 60.0) < 2.0
+    rig.until(lambda: reached(rig)[-1:] == [3], 70.0)
+    assert rig.world.groundings == 0
+    assert not any("otor" in text or "Steering" in text or "skipped" in text for text in rig.peer.texts)
+
+
+def test_a_waypoint_on_an_island_is_waited_for_then_skipped() -> None:
+    rig = Rig("open", ROCKY, config={**BY_SIGHT, "avoidance.retry_s": 5.0})
+    rig.sail(waypoint(0.0, 20.0), waypoint(0.0, 36.0), waypoint(20.0, 36.0))
+    told(rig, "No way to item 2 round what was seen: waiting", 220.0)
+    told(rig, "No way to item 2: skipped", 60.0)
+    assert over(rig, 90.0) == [1, 3]
+    assert rig.world.groundings == 0
+    assert not any("otor" in text or "Steering" in text for text in rig.peer.texts)
+
+
+def test_smart_rtl_rounds_what_has_come_onto_the_track() -> None:
+    rig = Rig("open", ISLAND, "boat.start=[110, 0]", config=BY_SIGHT).ready()
+    armed(Mode.LOITER, rig=rig)
+    track, nav = rig.boat.vehicle.track, rig.boat.vehicle.nav
+    assert nav is not None
+    track.points = [Point(nav.north_m, nav.east_m - off_m) for off_m in (110.0, 90.0, 1.0)]
+    assert rig.set_mode(Mode.SMART_RTL) == OK
+    rig.until(lambda: rig.offset_m(0.0, 0.0) < 3.0, 200.0)
+    assert rig.world.groundings == 0
+    assert not any("otor" in text or "Steering" in text for text in rig.peer.texts)

@@ -126,6 +126,11 @@ class MissionProgress:
         """The present leg, if it began at the boat's position and not at the end of an item."""
         return self._under_way.leg if self._is_loose else None
 
+    def skip(self) -> None:
+        """Leave the waypoint that is current unreached; the leg behind it begins there all the same."""
+        leg = self._under_way.leg
+        self._leave(None if leg is None else leg.end)
+
     def begin_leg_at(self, start: Point) -> None:
         """Restart the leg at a point from which it is clear."""
         self._leg_start, self._is_loose = start, False

@@ -2,6 +2,7 @@
 
 from companion.core.geo import LatLon, LocalFrame
 from companion.core.intent import Intent
+from companion.core.state import NavState
 from companion.core.status_text import StatusText
 from companion.vehicle.mission.check import MissionCheck
 from companion.vehicle.mission.progress import MissionProgress
@@ -50,7 +51,7 @@ class AutoMode(ModeController):
         self._guided.exit()
 
     def intent(self, inputs: ModeInputs) -> Intent:
-        """The current item's leg, by the water if its straight way is not clear."""
+        """The current item's leg, by the water where it is not clear."""
         progress = self._progress
         intent = progress.update(inputs.nav, inputs.frame, inputs.config, inputs.now_s)
         if not progress.is_handed_over:
@@ -60,6 +61,11 @@ class AutoMode(ModeController):
             self._guided_seq = progress.current_seq
             self._guided.enter(inputs)
         return self._guided.intent(inputs)
+
+    def way_left_m(self, nav: NavState) -> float | None:
+        """To the end of the leg, round what is in the way."""
+        way = self._route_to_mission.way
+        return None if way is None else way.left_m(nav.point)
 
     @property
     def destination(self) -> LatLon | None:

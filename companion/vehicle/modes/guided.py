@@ -9,7 +9,8 @@ from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.vehicle.modes.controller import ModeController, ModeInputs
 from companion.vehicle.modes.station import Station, nearest_inside
-from companion.vehicle.surroundings import Passage, Surroundings
+from companion.vehicle.passage import Passage
+from companion.vehicle.surroundings import Surroundings
 
 
 class GuidedMode(ModeController):

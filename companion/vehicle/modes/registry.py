@@ -49,6 +49,6 @@ class ModeRegistry:
             Mode.CIRCLE: CircleMode(),
             Mode.AUTO: self.auto,
             Mode.RTL: self.rtl,
-            Mode.SMART_RTL: SmartRtlMode(track, fence, status_texts),
+            Mode.SMART_RTL: SmartRtlMode(track, surroundings, status_texts),
             Mode.GUIDED: self.guided,
         }

@@ -3,19 +3,24 @@
 from itertools import pairwise
 
 from companion.core.intent import Intent, KeepStation
+from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
-from companion.geofence.fence import Fence
 from companion.guidance.leg import Leg
+from companion.vehicle.leg_passage import LegPassage
 from companion.vehicle.modes.controller import ModeController, ModeInputs
+from companion.vehicle.surroundings import Surroundings
 from companion.vehicle.track import SailedTrack
 
 
 class SmartRtlMode(ModeController):
     """Removes the track's points as they are passed, so that the rest stays the way home."""
 
-    def __init__(self, track: SailedTrack, fence: Fence, status_texts: list[StatusText]) -> None:
+    def __init__(
+        self, track: SailedTrack, surroundings: Surroundings, status_texts: list[StatusText]
+    ) -> None:
         self._track = track
-        self._fence = fence
+        self._fence = surroundings.fence
+        self._legs = LegPassage(surroundings)
         self._status_texts = status_texts
         self._has_arrived = False
         self._leg: Leg | None = None
@@ -34,15 +39,24 @@ class SmartRtlMode(ModeController):
         """Start from wherever the boat is."""
         self._has_arrived = False
         self._leg = None
+        self._legs.restart()
+
+    def way_left_m(self, nav: NavState) -> float | None:
+        """To the end of the leg, round what is in the way."""
+        way = self._legs.way
+        return None if way is None else way.left_m(nav.point)
 
     def intent(self, inputs: ModeInputs) -> Intent:
-        """The leg to the track's latest point; station at its first one."""
-        nav, points = inputs.nav, self._track.points or [inputs.nav.point]
+        """The leg to the track's latest point, round what was seen since; station at its first one."""
+        nav, config, points = inputs.nav, inputs.config, self._track.points or [inputs.nav.point]
         start = nav.point
         while not self._has_arrived:
             leg = self._leg = self._leg or Leg(start, points[-1], points[-2] if len(points) > 1 else None)
-            if not leg.has_ended(nav, inputs.config.guidance.waypoint_radius_m):
-                return leg.intent(inputs.config.mission.rtl_speed_m_s or inputs.speed_m_s)
+            if not leg.has_ended(nav, config.guidance.waypoint_radius_m):
+                wanted = leg.intent(config.mission.rtl_speed_m_s or inputs.speed_m_s)
+                sailed = self._legs.update(wanted, nav, config, inputs.now_s)
+                if not self._legs.is_shut or len(points) == 1:
+                    return sailed
             if len(points) == 1:
                 self._has_arrived = True
                 self._status_texts.append(StatusText(Severity.INFO, "SMART_RTL: arrived"))

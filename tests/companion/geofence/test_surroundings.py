@@ -15,7 +15,8 @@ from companion.geofence.fence import Fence
 from companion.geofence.water_route import WaterRoute
 from companion.obstacles.perception.voyage_map import VoyageMap
 from companion.planning import visibility
-from companion.vehicle.surroundings import Passage, Surroundings
+from companion.vehicle.passage import Passage
+from companion.vehicle.surroundings import Surroundings
 from companion.vehicle.track import SailedTrack
 
 CONFIG = BoatConfig()
@@ -282,3 +283,60 @@ def test_a_corner_beside_what_was_seen_counts_as_passed_within_a_hull_s_length()
     water.way(Point(80.0, 0.0))
     water.see(*wall(Point(70.0, -60.0), Point(70.0, 40.0)))
     assert water.way(Point(75.0, 0.0)).leg.radius_m == pytest.approx(0.75)
+
+
+GAP = wall(Point(20.0, 12.0), Point(20.0, 18.0))
+BESIDE_GAP = [*wall(Point(20.0, -40.0), GAP[0]), *wall(GAP[-1], Point(20.0, 40.0))]
+
+
+def farthest_east_m(water: Water, here: Point) -> float:
+    return max(abs(corner.east_m) for corner in water.corners(here))
+
+
+def test_a_dead_end_that_the_boat_turned_back_on_is_not_tried_again_until_there_is_no_other_way() -> None:
+    water, here = Water(laid(square(60.0))), Point(30.0, 5.0)
+    water.see(*BESIDE_GAP)
+    assert farthest_east_m(water, here) < 18.0
+    water.see(*GAP)
+    assert farthest_east_m(water, here) > 40.0, "round the end"
+    for at in GAP[1:-1]:
+        del water.voyage._seen[math.floor(at.north_m), math.floor(at.east_m)]
+    water.voyage.version += 1
+    water.see(Point(21.0, 42.0), Point(21.0, -42.0))
+    assert farthest_east_m(water, here) > 42.0, "the gap is open again"
+    water.see(*wall(Point(21.0, 40.0), Point(21.0, 59.0)), *wall(Point(21.0, -59.0), Point(21.0, -40.0)))
+    assert farthest_east_m(water, here) < 25.0, "nothing else is left"
+
+
+def test_a_gap_that_the_boat_does_not_get_through_is_shut() -> None:
+    water, here = Water(laid(square(60.0))), Point(24.0, 5.0)
+    water.see(*BESIDE_GAP)
+    assert farthest_east_m(water, here) < 18.0
+    assert farthest_east_m(water, here) < 18.0
+    water.now_s += 2.0 * CONFIG.avoidance.retry_s - 1.0
+    assert farthest_east_m(water, here) < 18.0
+    assert farthest_east_m(water, here) > 40.0
+
+
+def test_a_boat_that_sails_on_is_in_no_dead_end() -> None:
+    water = Water(laid(square(60.0)))
+    water.see(*BESIDE_GAP)
+    for seconds in (0.0, 20.0, 40.0):
+        water.now_s = seconds
+        assert farthest_east_m(water, Point(58.0 - 0.5 * seconds, 5.0)) < 18.0
+
+
+def test_no_corner_is_shut_where_nothing_was_seen() -> None:
+    water = Water(laid(L_WATER))
+    first = water.way(Point(0.0, 0.0), Point(60.0, 60.0))
+    water.now_s += 5.0 * CONFIG.avoidance.retry_s
+    assert water.way(Point(0.0, 0.0), Point(60.0, 60.0)) is first
+
+
+def test_a_track_that_does_not_lead_to_the_goal_is_no_way_back() -> None:
+    water = Water(track=[Point(0.0, 0.0), Point(40.0, 0.0)])
+    ring = [Point(20.0, 30.0).moved(math.radians(degrees), 10.0) for degrees in range(360)]
+    water.see(*ring)
+    water.passage._is_wary = True
+    water.way(Point(40.0, 5.0), Point(20.0, 30.0))
+    assert water.passage.is_shut

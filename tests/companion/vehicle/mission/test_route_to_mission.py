@@ -1,5 +1,7 @@
 """The way onto a mission: straight where the water allows it, else round the shore."""
 
+import math
+
 import pytest
 from boat_rig import FRAME, nav_at, place
 from fence_rig import box
@@ -24,6 +26,7 @@ class Boat:
 
     def __init__(self, here: Point, end: tuple[float, float], *areas: FenceArea) -> None:
         self.texts: list[StatusText] = []
+        self.sailed_s = 0.0
         surroundings = around(laid(*areas))
         self.surroundings = surroundings
         route = ReturnRoute(surroundings, [])
@@ -171,9 +174,78 @@ def test_a_corner_that_the_local_planner_has_passed_is_not_sailed_back_to() -> N
         assert sailed is wanted
 
 
-def test_after_the_first_leg_what_was_seen_is_left_to_the_local_planner() -> None:
+def test_on_a_later_leg_a_wall_is_rounded_when_it_is_in_sight() -> None:
     boat = Boat(Point(0.0, 0.0), (60.0, 0.0)).prepare()
     boat.progress.begin_leg_at(Point(0.0, 0.0))
-    boat.see(0)
+    for east_m in range(-12, 12):
+        boat.see(east_m)
     wanted, sailed = boat.sail()
     assert sailed is wanted
+    boat.nav = nav_at(14.0, 0.0)
+    for second in range(1, 6):
+        _, sailed = boat.sail(float(second))
+    assert isinstance(sailed, FollowLeg)
+    assert abs(sailed.end.east_m) > 12.0
+    assert boat.route_to_mission.way is not None
+
+
+RETRY_S = CONFIG.avoidance.retry_s
+
+
+def shut_in(*behind: Waypoint) -> Boat:
+    """A boat beside a waypoint with a wall all round."""
+    boat = Boat(Point(0.0, 0.0), (60.0, 0.0)).prepare()
+    boat.progress.replace((Home(), Waypoint(place(30.0, 0.0)), *behind))
+    for degrees in range(360):
+        at = Point(30.0, 0.0).moved(math.radians(degrees), 12.0)
+        boat.surroundings.voyage._add((math.floor(at.north_m), math.floor(at.east_m)), at)
+    boat.nav = nav_at(14.0, 0.0)
+    return boat
+
+
+def after(boat: Boat, seconds: float) -> list[Intent]:
+    """What is sailed in each cycle."""
+    start_s = boat.sailed_s
+    boat.sailed_s += seconds
+    return [boat.sail(start_s + 0.1 * step)[1] for step in range(round(10.0 * seconds))]
+
+
+def test_a_waypoint_that_is_shut_in_is_waited_for_then_skipped_and_the_next_line_begins_there() -> None:
+    boat = shut_in(Waypoint(place(80.0, 0.0)))
+    waits = [one for one in after(boat, RETRY_S - 1.0) if isinstance(one, KeepStation)]
+    assert waits
+    assert set(waits) == {KeepStation(boat.nav.point)}
+    assert boat.progress.current_seq == 1
+    assert [one.text for one in boat.texts] == ["No way to item 1 round what was seen: waiting"]
+    after(boat, 6.0)
+    assert [one.text for one in boat.texts[1:]] == ["No way to item 1: skipped"]
+    assert boat.progress.current_seq == 2
+    line = boat.progress.leg_line()
+    assert line is not None
+    assert line.start == pytest.approx((30.0, 0.0), abs=1e-3)
+    assert boat.progress.take_reached() == []
+
+
+def test_a_last_waypoint_that_is_shut_in_is_not_skipped() -> None:
+    boat = shut_in()
+    after(boat, RETRY_S + 20.0)
+    assert [one.text for one in boat.texts] == ["No way to item 1 round what was seen: waiting"]
+    assert not boat.progress.finished
+
+
+def test_a_waypoint_that_opens_while_the_boat_waits_is_sailed_to() -> None:
+    boat = shut_in(Waypoint(place(80.0, 0.0)))
+    after(boat, RETRY_S - 1.0)
+    boat.surroundings.voyage.clear()
+    assert isinstance(after(boat, 6.0)[-1], FollowLeg)
+    assert boat.progress.current_seq == 1
+    assert len(boat.texts) == 1
+
+
+def test_a_mission_that_is_begun_again_waits_again() -> None:
+    boat = shut_in(Waypoint(place(80.0, 0.0)))
+    after(boat, RETRY_S - 1.0)
+    boat.progress.resume()
+    after(boat, 5.0)
+    assert boat.progress.current_seq == 1
+    assert [one.text for one in boat.texts] == 2 * ["No way to item 1 round what was seen: waiting"]

@@ -90,7 +90,7 @@ def tracked(*points: tuple[float, float]) -> SailedTrack:
 def test_smart_rtl_sails_the_track_back_leg_by_leg() -> None:
     texts: list[StatusText] = []
     track = tracked((0.0, 0.0), (40.0, 0.0), (40.0, 40.0))
-    mode = SmartRtlMode(track, Fence(), texts)
+    mode = SmartRtlMode(track, around(Fence()), texts)
     mode.enter(mode_inputs())
     ends = []
     for at in ((40.0, 60.0), (40.0, 40.0), (40.0, 0.0)):
