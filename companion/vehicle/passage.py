@@ -20,7 +20,7 @@ from companion.vehicle.surroundings import BARRED_SHARE, Surroundings
 CHECK_S = 1.0  # how often the way ahead is checked
 _LOOKS_M = 6.0  # to what was seen; the boat stops from its cruise within 5 m
 _LONGER = 2.0  # sights, than the way before: along a shore the way grows by what was just seen
-_TRIES = 2.0
+_TRIES = 2.0  # attempts of the local planner at one place
 _BEND_M = 0.1  # rounding of a bend round what was seen
 _ROOM, _CLOSE = 1.2, 0.8  # margins to what was seen: there is room, and there is none
 
@@ -49,8 +49,7 @@ class Passage:
         self._check_s = -math.inf
         self._roomy: Point | None = None  # the latest place with room
         self._dead_ends: list[Stretch] = []
-        self._anchor: Point | None = None  # where the boat was when it had last sailed on
-        self._anchored_s = 0.0
+        self._anchored_s = self._updated_s = 0.0  # when it came there; when it was last asked
         self.aim_anew()
 
     def aim_anew(self) -> None:
@@ -59,6 +58,7 @@ class Passage:
         self.has_failed = self.is_shut = False
         self._search: Generator[None, None, WaterRoute | None] | None = None
         self._version = -1
+        self._anchor: Point | None = None  # where the boat was when it had last sailed on
         self._is_wary = False  # something barred a way: the fence does not tell all
         self._direct: Leg | None = None
 
@@ -83,6 +83,10 @@ class Passage:
         here = nav.point
         if not self._surroundings.voyage.is_near(here, _ROOM * config.avoidance.margin_m):
             self._roomy = here
+        anchor, was_away = self._anchor, now_s > self._updated_s + 2.0 * CHECK_S  # something else steered
+        if anchor is None or was_away or distance_m(here, anchor) > config.avoidance.lookahead_m:
+            self._anchor, self._anchored_s = here, now_s
+        self._updated_s = now_s
         if now_s >= self._check_s and self._search is None:
             self._check_s = now_s + CHECK_S
             if self.way is None or self._has_ended(self.way, nav, config, now_s):
@@ -108,7 +112,8 @@ class Passage:
             return True
         if self._is_wary and _is_off(way.leg, here, config):
             return True
-        return not self._gets_on(here, config, now_s) and self._shut(way, config)
+        is_held = now_s - self._anchored_s > _TRIES * config.avoidance.retry_s
+        return is_held and self._shut(way, config)
 
     def _take(self, found: WaterRoute | None, here: Point, config: BoatConfig) -> None:
         """The search has ended."""
@@ -148,13 +153,6 @@ class Passage:
             if not self._dead_ends or (way is not None and way.seen_m < math.inf):
                 return way
             self._dead_ends = []
-
-    def _gets_on(self, here: Point, config: BoatConfig, now_s: float) -> bool:
-        """Whether the boat has sailed on within the time of two attempts where it is blocked."""
-        at = self._anchor
-        if at is None or distance_m(here, at) > config.avoidance.lookahead_m:
-            self._anchor, self._anchored_s = here, now_s
-        return now_s - self._anchored_s <= _TRIES * config.avoidance.retry_s
 
     def _shut(self, way: WaterRoute, config: BoatConfig) -> bool:
         """Shut the gap that the way leads through next, if what was seen makes it one; whether it does.

@@ -308,29 +308,54 @@ def test_a_dead_end_that_the_boat_turned_back_on_is_not_tried_again_until_there_
     assert farthest_east_m(water, here) < 25.0, "nothing else is left"
 
 
+def stay(water: Water, here: Point, seconds: float) -> None:
+    """Under way to a goal, and held up there."""
+    for _ in range(round(seconds)):
+        water.now_s += 1.0
+        water.passage.update(nav_at(*here), [HOME], CONFIG, water.now_s)
+
+
+TWO_TRIES_S = 2.0 * CONFIG.avoidance.retry_s
+
+
 def test_a_gap_that_the_boat_does_not_get_through_is_shut() -> None:
     water, here = Water(laid(square(60.0))), Point(24.0, 5.0)
     water.see(*BESIDE_GAP)
     assert farthest_east_m(water, here) < 18.0
-    assert farthest_east_m(water, here) < 18.0
-    water.now_s += 2.0 * CONFIG.avoidance.retry_s - 1.0
+    stay(water, here, TWO_TRIES_S - 1.0)
     assert farthest_east_m(water, here) < 18.0
     assert farthest_east_m(water, here) > 40.0
+
+
+@pytest.mark.parametrize("leaves", ["for a mode", "for another goal"])
+def test_time_in_which_the_boat_did_not_try_shuts_no_gap(leaves: str) -> None:
+    water, here = Water(laid(square(60.0))), Point(24.0, 5.0)
+    water.see(*BESIDE_GAP)
+    assert farthest_east_m(water, here) < 18.0
+    stay(water, here, TWO_TRIES_S - 5.0)
+    if leaves == "for a mode":
+        water.now_s += 10.0
+    else:
+        water.passage.aim_anew()
+    stay(water, here, TWO_TRIES_S - 5.0)
+    assert farthest_east_m(water, here) < 18.0
 
 
 def test_a_boat_that_sails_on_is_in_no_dead_end() -> None:
     water = Water(laid(square(60.0)))
     water.see(*BESIDE_GAP)
-    for seconds in (0.0, 20.0, 40.0):
-        water.now_s = seconds
-        assert farthest_east_m(water, Point(58.0 - 0.5 * seconds, 5.0)) < 18.0
+    for seconds in range(70):
+        stay(water, Point(58.0 - 0.5 * seconds, 5.0), 1.0)
+    assert farthest_east_m(water, Point(23.0, 5.0)) < 18.0
 
 
 def test_no_corner_is_shut_where_nothing_was_seen() -> None:
     water = Water(laid(L_WATER))
-    first = water.way(Point(0.0, 0.0), Point(60.0, 60.0))
-    water.now_s += 5.0 * CONFIG.avoidance.retry_s
-    assert water.way(Point(0.0, 0.0), Point(60.0, 60.0)) is first
+    first = water.way(HOME, Point(60.0, 60.0))
+    for _ in range(round(TWO_TRIES_S) + 5):
+        water.now_s += 1.0
+        water.passage.update(nav_at(*HOME), [Point(60.0, 60.0)], CONFIG, water.now_s)
+    assert water.passage.way is first
 
 
 def test_a_track_that_does_not_lead_to_the_goal_is_no_way_back() -> None:
