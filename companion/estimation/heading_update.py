@@ -25,15 +25,6 @@ _BLOCK_S: Final = 0.24  # readings are averaged over this: a bit more than the p
 _HEADING: Final = plausibility.HEADING["heading_rad"]  # a larger step of the residual begins a new block
 _RATE: Final = plausibility.HEADING["yaw_rate_rad_s"]
 _TURNING_RAD_S: Final = 0.15  # error in a turn of the rate that steering lets expect
-# Plain numbers: an IntFlag's arithmetic costs microseconds
-_LOST: Final = int(EstimateFault.COMPASS_LOST)
-_FROZEN: Final = int(EstimateFault.COMPASS_FROZEN)
-_OFF: Final = int(EstimateFault.COMPASS_OFF)
-_LATE: Final = int(EstimateFault.COMPASS_LATE)
-_INTERMITTENT: Final = int(EstimateFault.COMPASS_INTERMITTENT)
-_HEADING_LOST: Final = int(EstimateFault.HEADING_LOST)
-_GYRO_LOST: Final = int(EstimateFault.GYRO_LOST)
-_GYRO_OFF: Final = int(EstimateFault.GYRO_OFF)
 _GYRO_OFF_RAD_S: Final = 0.06  # 3.4°/s; a BNO055's data sheet allows 3
 
 
@@ -198,23 +189,23 @@ class HeadingUpdate:
         if not state.has_heading:
             return 0
         if self._compass.is_stuck:
-            faults = _FROZEN
+            faults = EstimateFault.COMPASS_FROZEN.value
         elif self.is_off or abs(state.offset_rad) > self._gate_rad:
-            faults = _OFF
+            faults = EstimateFault.COMPASS_OFF.value
         elif now_s - self.compass_s > self._timeout_s + self.latency.delay_s:
-            faults = _LOST
+            faults = EstimateFault.COMPASS_LOST.value
         elif self.latency.delay_s > 0.0 or self._pause_s > PAUSE_S:
-            faults = _LATE
+            faults = EstimateFault.COMPASS_LATE.value
         if now_s < self._compass.intermittent_until_s:
-            faults |= _INTERMITTENT
+            faults |= EstimateFault.COMPASS_INTERMITTENT.value
         if self._stamp_s - self._rate_s > self._timeout_s:
-            faults |= _GYRO_LOST
+            faults |= EstimateFault.GYRO_LOST.value
         elif state.has_gyro:
             unsure_rad_s = 3.0 * math.sqrt(state.covariance.variance(RATE_BIAS))
             if abs(state.bias_rad_s) > _GYRO_OFF_RAD_S + unsure_rad_s:
-                faults |= _GYRO_OFF
+                faults |= EstimateFault.GYRO_OFF.value
         self._is_lost = self._sigma_rad > (BLIND_RAD if self._is_lost else LOST_RAD)
-        return faults | _HEADING_LOST if self._is_lost else faults
+        return faults | EstimateFault.HEADING_LOST.value if self._is_lost else faults
 
     @property
     def is_blind(self) -> bool:

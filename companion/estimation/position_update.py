@@ -28,13 +28,6 @@ _OPENS: Final = 0.018
 # sixth; sound receivers have 0.2 to 1
 _NOISY_FACTOR: Final = 2.0
 _SWINGING_M_S: Final = 0.3  # error in a turn of the velocity that thrust and steering let expect
-_LOST: Final = int(EstimateFault.GNSS_LOST)
-_FROZEN: Final = int(EstimateFault.GNSS_FROZEN)
-_JUMPING: Final = int(EstimateFault.GNSS_JUMPING)
-_NOISY: Final = int(EstimateFault.GNSS_NOISY)
-_LATE: Final = int(EstimateFault.GNSS_LATE)
-_INTERMITTENT: Final = int(EstimateFault.GNSS_INTERMITTENT)
-_POSITION_LOST: Final = int(EstimateFault.POSITION_LOST)
 
 
 class PositionUpdate:
@@ -179,17 +172,17 @@ class PositionUpdate:
 
     def faults(self, now_s: float) -> int:
         """Bits of EstimateFault."""
-        faults = _LATE if self.latency.delay_s > 0.0 else 0
+        faults = EstimateFault.GNSS_LATE.value if self.latency.delay_s > 0.0 else 0
         if now_s - self.fix_s > self._setting.gnss_timeout_s:
-            faults = _LOST
+            faults = EstimateFault.GNSS_LOST.value
         elif self._monitor.is_stuck:
-            faults = _FROZEN
+            faults = EstimateFault.GNSS_FROZEN.value
         if now_s < self._monitor.intermittent_until_s:
-            faults |= _INTERMITTENT
+            faults |= EstimateFault.GNSS_INTERMITTENT.value
         if self._state.position.noise > _NOISY_FACTOR:
-            faults |= _NOISY
+            faults |= EstimateFault.GNSS_NOISY.value
         elif self._rejected_s > DISAGREES_S or self._bank.is_gnss_wrong:
-            faults |= _JUMPING
+            faults |= EstimateFault.GNSS_JUMPING.value
         if now_s - self.accepted_s > self._setting.gnss_timeout_s and self.has_expired(now_s):
-            faults |= _POSITION_LOST
+            faults |= EstimateFault.POSITION_LOST.value
         return faults

@@ -1,6 +1,7 @@
 """Which fixes are accepted, and when the position is lost."""
 
 import math
+import random
 
 import pytest
 from fix_errors import scatter
@@ -196,3 +197,24 @@ def test_a_new_calibration_of_the_compass_takes_away_the_learned_offset() -> Non
     boat.sail(5.0)
     assert boat.state.heading_rad == pytest.approx(0.0, abs=0.03)
     assert boat.heading.faults(boat.now_s) == 0
+
+
+def test_a_receiver_without_a_statement_whose_noise_grows_is_noisy_and_weighed_less() -> None:
+    boat = Boat(CRUISE_M_S, Speed().cruise_throttle)
+    boat.sail(20.0)
+    faults, numbers = 0, random.Random(1)
+    for step in range(40):  # to 2 m within 8 s, where it states 0.2 m
+        off_m = 0.05 * step * complex(numbers.gauss(0.0, 1.0), numbers.gauss(0.0, 1.0))
+        faults |= boat.sail(0.2, off_m=off_m)
+    assert faults == EstimateFault.GNSS_NOISY
+    assert boat.error_m < 0.5
+
+
+@pytest.mark.parametrize(("noise", "faults"), [(1.99, EstimateFault(0)), (2.01, EstimateFault.GNSS_NOISY)])
+def test_a_receiver_is_noisy_beyond_twice_the_variance_of_its_class(
+    noise: float, faults: EstimateFault
+) -> None:
+    boat = Boat()
+    boat.sail(2.0)
+    boat.state.position.noise = noise
+    assert boat.fixing.faults(boat.now_s) == faults
