@@ -47,4 +47,6 @@ def test_what_is_remembered_is_told_where_the_sweep_sees_nothing() -> None:
     message = obstacle_distance(now)
     assert message is not None
     assert (message.distances[0], message.distances[18]) == (200, 300)
+    assert message.distances[16] == message.distances[20] == 0xFFFF
+    assert (message.min_distance, message.max_distance, message.increment) == (20, 400, 5)
     assert message.distances[54] == 0xFFFF, "beyond the sonar's reach"

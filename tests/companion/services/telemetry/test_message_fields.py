@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from companion import __version__
 from companion.autopilot.snapshot import Snapshot
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon, LocalFrame, Point, position_to_e7
@@ -161,6 +162,15 @@ DEPTH = {
     "time_boot_ms": 12_100, "id": 1, "healthy": 1, "lat": LAT, "lng": LON, "yaw": -math.pi / 6.0,
     "distance": 3.25, "temperature": 17.5,
 }  # fmt: skip
+VERSION = b"%02x%02x%04x" % tuple(int(number) for number in __version__.split("."))
+CAPABILITIES = sum(
+    getattr(dialect, f"MAV_PROTOCOL_CAPABILITY_{name}")
+    for name in (
+        *("MISSION_FLOAT", "PARAM_ENCODE_C_CAST", "MISSION_INT", "COMMAND_INT", "FTP", "SET_ATTITUDE_TARGET"),
+        *("SET_POSITION_TARGET_LOCAL_NED", "SET_POSITION_TARGET_GLOBAL_INT", "MAVLINK2", "MISSION_FENCE"),
+        "MISSION_RALLY",
+    )
+)
 WINCH = {
     "time_usec": US, "line_length": 2.5, "speed": -0.5, "tension": math.nan, "voltage": math.nan,
     "current": math.nan, "temperature": 0x7FFF,
@@ -417,6 +427,14 @@ ROWS: list[Row] = [
     (status.battery_status, {"sensors__has_battery_monitor": False}, None),
     (status.extended_sys_state, {}, {}),
     (
+        status.autopilot_version, {},
+        {
+            "capabilities": CAPABILITIES, "flight_sw_version": 4 << 24 | 6 << 16, "uid": 1,
+            "flight_custom_version": list(VERSION), "middleware_custom_version": [0] * 8,
+            "os_custom_version": [0] * 8, "uid2": [0] * 18,
+        },
+    ),
+    (
         status.fence_status, {},
         {
             "breach_status": 1, "breach_count": 3, "breach_type": dialect.FENCE_BREACH_BOUNDARY,
@@ -499,7 +517,8 @@ def test_each_field_is_as_pymavlink_reads_it(
         told = decoded(message)
         for name in {*told, *expected}:
             value = expected.get(name, 0)
-            close = value if isinstance(value, str) else pytest.approx(value, rel=1e-6, abs=1e-6, nan_ok=True)
+            is_exact = isinstance(value, int | str)  # bits among them
+            close = value if is_exact else pytest.approx(value, rel=1e-6, abs=1e-6, nan_ok=True)
             assert told.get(name, 0) == close, name
 
 
