@@ -28,6 +28,9 @@ FULL_ASTERN: Final = -20.0  # and of the one that keeps them so
 _DECIDES_S: Final = 0.05  # half a period of the decisions
 # Full thrust at rest over mass, of guidance's accel_m_s2, at which the boat brakes with ASTERN_SHARE of it
 _THRUST: Final = 1.0 / ASTERN_SHARE
+_BRAKED: Final = (
+    0.25  # of a measured crash stop, at least: a hull that stops at once has more drag than thrust
+)
 _ASTERN: Final = 0.6  # propellers' thrust astern, of ahead: 0.5 to 0.7, as in estimation/hull_model.py
 BOW: Final = (
     0.25  # margins ahead of the centre, astern of it for a boat that goes astern: half a hull less its beam
@@ -124,9 +127,13 @@ def crash_stop_m(speed_m_s: float, reaction_s: float, config: BoatConfig) -> flo
     top, force = config.handling.top_speed_m_s, _THRUST * config.guidance.accel_m_s2
     astern = _astern_share(config) * config.speed.max_throttle
     stops_m = 0.5 * top * top / force * math.log1p(speed_m_s * speed_m_s / (astern * top * top))
+    return (reaction_s + _starts_s(speed_m_s, config)) * speed_m_s + stops_m
+
+
+def _starts_s(speed_m_s: float, config: BoatConfig) -> float:
+    """From the decision to full thrust astern, while the boat keeps its speed."""
     reversal = feed_forward(speed_m_s, config.speed) + config.speed.max_throttle
-    reaction_s += _DECIDES_S + config.handling.motor_time_s + 0.5 * reversal / config.motors.slew_per_s
-    return reaction_s * speed_m_s + stops_m
+    return _DECIDES_S + config.handling.motor_time_s + 0.5 * reversal / config.motors.slew_per_s
 
 
 def crash_stop_speed_m_s(room_m: float, reaction_s: float, config: BoatConfig) -> float:
@@ -139,8 +146,16 @@ def crash_stop_speed_m_s(room_m: float, reaction_s: float, config: BoatConfig) -
 
 
 def _astern_share(config: BoatConfig) -> float:
-    """Thrust astern of that ahead; a calibrated asymmetry may know less."""
-    return min(_ASTERN, 1.0 / config.thrusters.asymmetry)
+    """Thrust astern of that ahead, with which a crash stop from cruise takes the measured way (`crash_stop_m`
+    solved for it); without one, a calibrated asymmetry may know less than _ASTERN.
+    """
+    handling, cruise_m_s = config.handling, config.speed.cruise_m_s
+    if not handling.stop_m:
+        return min(_ASTERN, 1.0 / config.thrusters.asymmetry)
+    square, force = handling.top_speed_m_s**2, _THRUST * config.guidance.accel_m_s2
+    braked_m = max(handling.stop_m - _starts_s(cruise_m_s, config) * cruise_m_s, _BRAKED * handling.stop_m)
+    share = cruise_m_s**2 / square / math.expm1(2.0 * force * braked_m / square)
+    return share / config.speed.max_throttle
 
 
 _Fans = dict[tuple[int, int, int, int, bool], list[Rollout]]

@@ -7,7 +7,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.config.boat_config import BoatConfig, with_value
-from companion.obstacles.planning.motion import BOW, CRASH_STOP, FULL_ASTERN, STEP_S, TURNS, CourseFan, roll
+from companion.obstacles.planning.motion import (
+    BOW,
+    CRASH_STOP,
+    FULL_ASTERN,
+    STEP_S,
+    TURNS,
+    CourseFan,
+    crash_stop_m,
+    roll,
+)
 
 CONFIG = BoatConfig()
 RUDDER = with_value(CONFIG, "drive.layout", "rudder")
@@ -56,6 +65,38 @@ def test_a_crash_stop_is_shorter_and_ends_at_rest() -> None:
     gentle, crash = roll(1.5, 0.0, 0.0, 0.0, CONFIG), roll(1.5, 0.0, 0.0, CRASH_STOP, CONFIG)
     assert crash.ahead_m[-1] < 0.8 * gentle.ahead_m[-1]
     assert crash.ahead_m[-1] == pytest.approx(max(crash.ahead_m), abs=0.06)
+
+
+@pytest.mark.parametrize(
+    ("speed_m_s", "stops_m"), [(1.0, 1.18), (1.2, 1.58), (1.4, 1.97), (1.6, 2.40), (1.8, 2.86), (2.0, 3.30)]
+)
+def test_from_its_way_from_cruise_the_boat_knows_the_crash_stop_from_any_speed(
+    speed_m_s: float, stops_m: float
+) -> None:
+    """Figures of the emulated lake boat in still water, 28 November 2026, from the decision to rest."""
+    measured = with_value(with_value(CONFIG, "speed.cruise_throttle", 0.61), "handling.stop_m", 3.3)
+    assert crash_stop_m(speed_m_s, 0.0, measured) == pytest.approx(stops_m, rel=0.08)
+    assert crash_stop_m(speed_m_s, 0.0, CONFIG) > 1.1 * stops_m
+
+
+@pytest.mark.parametrize(("speed_m_s", "stops_m"), [(0.85, 1.84), (1.1, 2.67), (1.26, 3.28)])
+def test_a_boat_of_weak_motors_knows_that_it_needs_longer(speed_m_s: float, stops_m: float) -> None:
+    """The kit boat, likewise."""
+    kit = CONFIG
+    for key, value in (
+        ("speed.cruise_m_s", 1.2), ("speed.cruise_throttle", 0.55), ("handling.top_speed_m_s", 1.6),
+        ("guidance.accel_m_s2", 0.2), ("handling.stop_m", 3.05),
+    ):  # fmt: skip
+        kit = with_value(kit, key, value)
+    assert crash_stop_m(speed_m_s, 0.0, kit) == pytest.approx(stops_m, rel=0.08)
+
+
+@pytest.mark.parametrize("stop_m", [0.01, 0.63, 3.3, 50.0])
+def test_any_measured_stop_makes_a_model_in_which_a_faster_boat_needs_longer(stop_m: float) -> None:
+    measured = with_value(CONFIG, "handling.stop_m", stop_m)
+    ways_m = [crash_stop_m(0.1 * tenth, 0.0, measured) for tenth in range(31)]
+    assert ways_m == sorted(ways_m)
+    assert all(math.isfinite(way_m) for way_m in ways_m)
 
 
 def test_propellers_kept_full_astern_stop_the_boat_alike_and_take_it_back() -> None:
