@@ -15,6 +15,7 @@ import math
 from typing import Final, NamedTuple
 
 from companion.core.geo import Point, distance_m
+from companion.planning.segments import point_distance2
 
 SOLID: Final = 1.6  # evidence: two echoes, and no look that met nothing
 SUSPECT: Final = 0.6  # one echo, likewise
@@ -136,6 +137,12 @@ class Occupancy:
             if _is_within(cell.at, at, reach_m)
             and (cell.evidence >= SOLID or now_s - cell.seen_s <= 2.0 * SWEEP_S)
         }
+
+    def clear_way(self, start: Point, end: Point, within_m: float, now_s: float) -> None:
+        """Refute what is within a distance of the way of something that moves: it was that."""
+        for cell in self._cells.values():
+            if point_distance2(*cell.at, *start, *end) < within_m * within_m:
+                cell.evidence, cell.seen_s = min(cell.evidence, -SILENCE), now_s
 
     def seen_since(self, since_s: float) -> list[Cell]:
         """The cells that a beam met, or saw through, after this time."""

@@ -41,6 +41,7 @@ class Track:
         self.whole_count = 0  # of those that covered both edges
         self.evidence = 1.0  # as of a cell in the grid
         self.is_mover = False
+        self._left = at
         self._stood_at: Point | None = None
         self._beam_n = self._beam_e = 0.0
         self._state = [at.north_m, at.east_m, 0.0, 0.0]
@@ -114,6 +115,11 @@ class Track:
         is_new = now_s - self.created_s < SWEEP_S
         is_isolated = 2 * self.isolated_count >= self.whole_count if self.whole_count else is_new
         return self.is_mover or (now_s - self.seen_s < SWEEP_S and is_isolated)
+
+    def take_way(self, now_s: float) -> tuple[Point, Point]:
+        """Where it has been since the last call, at first since it was first seen."""
+        start, self._left = self._left, self.point(now_s)
+        return start, self._left
 
     def note_standing(self, at: Point, standing: Sequence[Point]) -> None:
         """The track's place, and those of what stands still: it is of that if it touches it."""

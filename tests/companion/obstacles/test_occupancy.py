@@ -64,6 +64,18 @@ def test_what_was_seen_through_is_doubted_down_to_minus_one() -> None:
     assert seen.evidence_at(ROCK) == -1.0
 
 
+@pytest.mark.parametrize(("aside_m", "is_cleared"), [(0.45, True), (0.55, False)])
+def test_the_way_of_what_moves_is_cleared(aside_m: float, *, is_cleared: bool) -> None:
+    seen = grid(look(3.1), look(3.1, 0.1))
+    (at,) = [cell for cell in seen.obstacles() if distance_m(cell, ROCK) < 0.01]
+    west_m = at.east_m - aside_m
+    seen.clear_way(Point(at.north_m - 2.0, west_m), Point(at.north_m + 2.0, west_m), 0.5, 0.2)
+    assert (seen.evidence_at(at) == -0.5) is is_cleared
+    assert (at in [cell.at for cell in seen.seen_since(0.15)]) is is_cleared
+    seen.clear_way(Point(9.0, 9.0), at, 0.5, 0.3)
+    assert (seen.evidence_at(at) or 0.0) < 0.0
+
+
 @pytest.mark.parametrize(
     ("range_m", "is_seen_through"), [(3.38, True), (3.22, False), (FREE, True), (0.1, False)]
 )

@@ -204,13 +204,15 @@ def test_beside_something_solid_a_single_echo_counts() -> None:
     assert min(distance_m(thing, Point(0.53, 1.93)) for thing in seen.suspects()) < 0.2
 
 
-def test_what_stands_among_still_things_is_no_possible_mover() -> None:
-    def swept(seen: ObstaclePerception, begin_s: float, range_m: float) -> None:
-        for number, bearing_rad in enumerate((-0.26, 0.0, 0.26)):
-            time_s = begin_s + 0.06 * number
-            echo_m = None if bearing_rad else range_m
-            seen.ingest([(SonarReading(time_s, bearing_rad, echo_m), None)], nav_at(), SETTING, time_s)
+def swept(seen: ObstaclePerception, begin_s: float, range_m: float) -> None:
+    """Something ahead, with free water on either side."""
+    for number, bearing_rad in enumerate((-0.26, 0.0, 0.26)):
+        time_s = begin_s + 0.06 * number
+        echo_m = None if bearing_rad else range_m
+        seen.ingest([(SonarReading(time_s, bearing_rad, echo_m), None)], nav_at(), SETTING, time_s)
 
+
+def test_what_stands_among_still_things_is_no_possible_mover() -> None:
     rock = ObstaclePerception(SETTING)
     for begin_s in (0.0, 0.5, 1.0):
         swept(rock, begin_s, 3.0)
@@ -224,6 +226,16 @@ def test_what_stands_among_still_things_is_no_possible_mover() -> None:
     for number in range(9):
         swept(coming, 0.5 * number, 3.8 - 0.25 * number)
     assert len(coming.possible_movers(4.2)[0]) == 1
+
+
+def test_what_is_known_to_move_leaves_nothing_in_the_grid_nor_in_the_map_of_the_voyage() -> None:
+    seen = ObstaclePerception(SETTING)
+    for number in range(9):
+        swept(seen, 0.5 * number, 3.8 - 0.25 * number)
+    (mover,) = seen.tracks.movers(4.2)
+    assert mover.created_s == pytest.approx(0.06)
+    assert seen.solid() == []
+    assert not seen.voyage.is_near(Point(3.0, 0.0), 1.5)
 
 
 def test_still_things_are_counted_by_margins() -> None:
