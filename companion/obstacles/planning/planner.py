@@ -35,7 +35,7 @@ NO_WAY: Final = "Obstacle: no way around, keeping station"
 BY_SIGHT: Final = "No fence: sailing by sight. Faster: upload a fence, or set AVOID_SIGHT 2"
 _BEYOND_M: Final = 6.0  # the map reaches beyond the sight: a detour
 _DRIFT_S: Final = 0.8  # a current carries the boat on for so long before it answers: more margin
-_SAME_S: Final = 10.0  # what moves in the way again so soon is the same thing: it is told once
+_SAME_S: Final = 10.0  # what is in the way again so soon is the same thing: it is told once
 _LEADS_ON: Final = 0.5  # of its length: a path that brings the boat nearer to the goal by less is not kept
 
 
@@ -63,6 +63,7 @@ class LocalPlanner:
         self._due_s = 0.0
         self._roomy: Point | None = None  # the latest place with room
         self._has_told_sight = self._has_new_goal = False
+        self._told_side, self._round_s = 0, -math.inf  # the side told last, and when it was last held
         self.reset()
 
     def reset(self) -> None:
@@ -193,7 +194,7 @@ class LocalPlanner:
             return self._keep()
         if self._detour.update(here, to_go, now_s):
             self._map.search_anew()
-            self._notify(f"Obstacle: passing to {'starboard' if self._detour.side > 0 else 'port'}")
+            self._tell_side(now_s)
         if meets_mover or (is_certain and not leads_on):
             perception.water.note_unmapped_obstacle(here)
         return self._hold(best, nav, config, now_s, is_certain=is_certain, meets_mover=meets_mover)
@@ -223,6 +224,8 @@ class LocalPlanner:
                 self._met_s = now_s
             elif is_certain:
                 self.stage = Stage.ROUND
+                if self._detour.side:
+                    self._round_s = now_s
         self.limit.release()
         return crash_stop(nav, config) if speed <= CRASH_STOP else HoldHeading(heading, speed + along_m_s)
 
@@ -241,6 +244,13 @@ class LocalPlanner:
             if self._has_told_sight:
                 self._notify(BY_SIGHT, Severity.NOTICE)
         return min(speed_m_s, self.limit.sight_m_s)
+
+    def _tell_side(self, now_s: float) -> None:
+        """Once a thing: what is passed so soon after another one on the same side counts as the same."""
+        side = self._detour.side
+        if side != self._told_side or now_s > self._round_s + _SAME_S:
+            self._notify(f"Obstacle: passing to {'starboard' if side > 0 else 'port'}")
+        self._told_side = side
 
     def _keep(self, *, is_blocked: bool = True) -> Intent | None:
         """The intent as it is; while blocked the station."""

@@ -129,6 +129,26 @@ def test_the_side_is_told_once_a_thing() -> None:
     assert voyage.said == ["Obstacle: passing to starboard"]
 
 
+@pytest.mark.parametrize(
+    ("pause_s", "next_one", "told"),
+    [
+        (2.0, ROCK, []),
+        (2.0, [Point(3.0, 0.7 + 0.2 * step) for step in range(10)], ["Obstacle: passing to port"]),
+        (9.5, ROCK, []),
+        (10.5, ROCK, ["Obstacle: passing to starboard"]),
+    ],
+)
+def test_what_follows_soon_on_the_same_side_is_told_with_the_thing_before_it(
+    pause_s: float, next_one: list[Point], told: list[str]
+) -> None:
+    voyage = Voyage(*ROCK)
+    voyage.after_a_sweep(intent=LEG)
+    voyage.chart.rocks = [Point(at.north_m + 6.0, at.east_m) for at in next_one]
+    voyage.now_s += pause_s - SWEEP_S
+    voyage.after_a_sweep(boat(6.0), LEG)
+    assert voyage.said == ["Obstacle: passing to starboard", *told]
+
+
 @pytest.mark.parametrize("speed_m_s", [0.5, 1.0, 1.7])
 def test_a_path_that_meets_something_is_not_kept(speed_m_s: float) -> None:
     config = CONFIG
