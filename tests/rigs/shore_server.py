@@ -7,6 +7,7 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
+from unittest import mock
 
 import msgspec
 from aiohttp import ClientWebSocketResponse, web
@@ -18,6 +19,7 @@ from mission_tools.shore.chart import WaterChart, Way
 from mission_tools.shore.clock import Clock
 from mission_tools.shore.plans.plan_service import Sources
 from mission_tools.shore.web.hub import Hub
+from mission_tools.shore.web.login import pin_file
 from mission_tools.shore.web.login.pin_file import PinFile
 from mission_tools.shore.web.login.session import Sessions
 from mission_tools.shore.web.server import HUB, make_app
@@ -176,7 +178,8 @@ async def serving(
     hosts: tuple[str, ...] = (),
     sources: Sources = NO_SOURCES,
 ) -> AsyncIterator[Server]:
-    with tempfile.TemporaryDirectory() as folder:
+    # The PIN's hash is a matter of test_pin.py; here it would take a fifth of the time
+    with tempfile.TemporaryDirectory() as folder, mock.patch.object(pin_file, "_COST", 2):
         page = Path(folder) / "page"
         page.mkdir()
         for name, text in PAGE.items():
