@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from companion.core.geo import LatLon, Point
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import ItemFault, MissionItem, MissionResult
-from companion.services.missions.items import check_jumps, to_step
+from companion.services.missions.items import IGNORED, check_jumps, to_step
 from companion.vehicle.mission.steps import (
     AfterDelay,
     EnableFence,
@@ -119,6 +119,12 @@ def test_an_item_that_the_boat_cannot_do_is_refused_by_its_field(
     assert isinstance(fault, ItemFault)
     assert fault.result is result
     assert word in fault.text
+
+
+def test_the_first_item_is_home_and_what_a_boat_has_no_use_for_is_skipped() -> None:
+    assert to_step(0, item(dialect.MAV_CMD_NAV_WAYPOINT)) == Home()
+    for command in sorted(IGNORED):
+        assert to_step(1, item(command)) == Skip()
 
 
 @pytest.mark.parametrize(("target", "fine"), [(0, False), (1, True), (2, True), (3, False), (-1, False)])
