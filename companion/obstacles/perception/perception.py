@@ -147,7 +147,8 @@ class ObstaclePerception:
         if not self.occupancy.add(beam):
             return
         self.tracks.add(beam)
-        for track in self.tracks.movers(beam.time_s):
+        movers = self.tracks.movers(beam.time_s)
+        for track in movers if movers and not self.occupancy.standing(beam.time_s) else ():
             within_m = track.radius_m + 2.0 * self.occupancy.cell_m
             self.occupancy.clear_way(*track.take_way(beam.time_s), within_m, beam.time_s)
         if self.water.is_used:

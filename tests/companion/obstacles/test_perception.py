@@ -238,6 +238,15 @@ def test_what_is_known_to_move_leaves_nothing_in_the_grid_nor_in_the_map_of_the_
     assert not seen.voyage.is_near(Point(3.0, 0.0), 1.5)
 
 
+def test_where_something_stands_what_moves_takes_nothing_out_of_the_map() -> None:
+    seen = ObstaclePerception(SETTING)
+    seen.occupancy.restore(Point(0.0, 3.0), 0.0)
+    for number in range(9):
+        swept(seen, 4.0 + 0.5 * number, 3.8 - 0.25 * number)
+    assert seen.tracks.movers(8.2)
+    assert min(distance_m(cell, Point(2.8, 0.0)) for cell in seen.solid()) < 0.4
+
+
 def test_still_things_are_counted_by_margins() -> None:
     seen = seen_from(nav_at(), ping(0.0, 0.0, 3.0))
     for place in (Point(2.1, 0.1), Point(2.3, 0.1), Point(3.1, 5.1)):
