@@ -123,9 +123,8 @@ def follow_mission(vehicle: "Vehicle", intent: Intent, inputs: ModeInputs) -> In
 def _end_mission(vehicle: "Vehicle", intent: Intent, inputs: ModeInputs) -> Intent:
     if vehicle.progress.go_home and vehicle.change_mode(Mode.RTL, "mission item").accepted:
         vehicle.is_returning_from_mission = True
-        vehicle.route.prepare(
-            inputs.frame, vehicle.home, vehicle.config
-        )  # an item may have moved it just now
+        # An item may have moved home just now
+        vehicle.route.prepare(inputs.frame, vehicle.home, vehicle.config)
         return vehicle.modes.rtl.intent(inputs)
     vehicle.notify(Severity.NOTICE, "Mission complete")
     if vehicle.config.mission.done_behave == _HOLD:

@@ -28,9 +28,8 @@ FULL_ASTERN: Final = -20.0  # and of the one that keeps them so
 _DECIDES_S: Final = 0.05  # half a period of the decisions
 # Full thrust at rest over mass, of guidance's accel_m_s2, at which the boat brakes with ASTERN_SHARE of it
 _THRUST: Final = 1.0 / ASTERN_SHARE
-_BRAKED: Final = (
-    0.25  # of a measured crash stop, at least: a hull that stops at once has more drag than thrust
-)
+# Of a measured crash stop, at least: a hull that stops at once has more drag than thrust
+_BRAKED: Final = 0.25
 _ASTERN: Final = 0.6  # propellers' thrust astern, of ahead: 0.5 to 0.7, as in estimation/hull_model.py
 BOW: Final = (
     0.25  # margins ahead of the centre, astern of it for a boat that goes astern: half a hull less its beam
