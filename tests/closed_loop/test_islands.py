@@ -34,7 +34,7 @@ def test_a_wall_that_no_map_knew_is_rounded(mode: Mode) -> None:
     wall = "map.obstacles=[{name='wall', polygon=[[-10, 10], [14, 10], [14, 12], [-10, 12]]}]"
     rig = Rig("open", wall, config=BY_SIGHT).ready()
     # Both ways along 24 m of wall; by the local planner alone RTL takes more than 100 s
-    limit_s, most_told = (85.0, 4) if mode is Mode.RTL else (115.0, 2)
+    limit_s, most_told = (85.0, 4) if mode is Mode.RTL else (100.0, 2)
     if mode is Mode.RTL:
         come_home(rig, Point(20.0, 0.0), limit_s)
     else:
