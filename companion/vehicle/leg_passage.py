@@ -53,6 +53,10 @@ class LegPassage:
         """The way that the boat sails instead of the leg."""
         return self._passage.way if self.is_led else None
 
+    def left_m(self, here: Point) -> float | None:
+        """The rest of that way; None where the boat sails the leg."""
+        return self._passage.left_m(here) if self.is_led else None
+
     def update(
         self, wanted: FollowLeg, nav: NavState, config: BoatConfig, now_s: float, end: Point | None = None
     ) -> FollowLeg:
@@ -90,12 +94,10 @@ class LegPassage:
         if joins_m < wanted.line.length_m:
             on_m = joins_m + config.avoidance.lookahead_m
             left[1:] = [_at(wanted.line, joins_m), _at(wanted.line, min(on_m, wanted.line.length_m))]
-        if not self._surroundings.is_barred(left, wanted.end, config, has_left=self._is_barred):
-            if self._is_barred:
-                self.sail_on()
-        elif not self._is_barred:
+        is_barred = self._surroundings.is_barred(left, wanted.end, config, has_left=self._is_barred)
+        if is_barred is not self._is_barred:
             self.sail_on()
-            self._is_barred = True
+            self._is_barred = is_barred
 
     def _back_on(self, wanted: FollowLeg, nav: NavState, config: BoatConfig) -> FollowLeg:
         """The leg; beside something seen that the boat gave way to, up to where it is back on the line: the

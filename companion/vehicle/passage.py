@@ -7,7 +7,6 @@ heuristic search*, Artificial Intelligence 42, 1990).
 
 import math
 from collections.abc import Generator, Sequence
-from itertools import pairwise
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Line, Point, bearing_rad, distance_m
@@ -15,7 +14,7 @@ from companion.core.state import NavState
 from companion.geofence.water_route import LEAST_SEEN, MARGIN_SHARES, WaterRoute, Way
 from companion.guidance.leg import Leg
 from companion.obstacles.perception.voyage_map import Stretch
-from companion.vehicle.surroundings import BARRED_SHARE, Surroundings
+from companion.vehicle.surroundings import Surroundings
 
 CHECK_S = 1.0  # how often the way ahead is checked
 _LOOKS_M = 6.0  # to what was seen; the boat stops from its cruise within 5 m
@@ -66,6 +65,10 @@ class Passage:
         """Sail straight to a goal, until something seen bars the way."""
         self.aim_anew()
         self._go_straight(here, goal, config)
+
+    def left_m(self, here: Point) -> float | None:
+        """Length of the rest of the way; None while it is not known."""
+        return None if self.way is None else self.way.left_m(here)
 
     def leg(self, nav: NavState, goals: Sequence[Point], config: BoatConfig, now_s: float) -> Leg | None:
         """What to sail: straight to the first goal while no way is known. None once the end is reached."""
@@ -190,9 +193,7 @@ class Passage:
 
     def _is_barred(self, way: WaterRoute, here: Point, margin_m: float) -> bool:
         """Whether something was seen on the rest of the way since it was planned."""
-        voyage = self._surroundings.voyage
-        if voyage.version == self._version:
+        if self._surroundings.voyage.version == self._version:
             return False
-        seen_m = BARRED_SHARE * min(way.seen_m, MARGIN_SHARES[0] * margin_m)
-        left = [here, *way.corners_left]
-        return any(voyage.bars(start, end, seen_m, (here, way.end)) for start, end in pairwise(left))
+        seen_m = min(way.seen_m, MARGIN_SHARES[0] * margin_m)
+        return self._surroundings.bars([here, *way.corners_left], way.end, seen_m)

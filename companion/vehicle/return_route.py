@@ -78,8 +78,7 @@ class ReturnRoute:
 
     def way_left_m(self, point: Point) -> float | None:
         """Length of the rest of the route; None while it is not known."""
-        way = self._passage.way
-        return None if way is None else way.left_m(point)
+        return self._passage.left_m(point)
 
     def restart(self) -> None:
         """Start from wherever the boat is."""

@@ -31,7 +31,7 @@ from companion.vehicle.track import SailedTrack
 
 # Of its clearance to what was seen, a leg keeps so much to each cell, as outlines cut corners; with less the
 # way is barred
-_CLEAR_SHARE, BARRED_SHARE = 0.75, 0.6
+_CLEAR_SHARE, _BARRED_SHARE = 0.75, 0.6
 
 
 class Surroundings:
@@ -64,17 +64,23 @@ class Surroundings:
         is_free = not self.fence.is_active or is_clear(self.fence, start, end, clearance_m)
         return is_free and not self.voyage.bars(start, end, _CLEAR_SHARE * seen_m, ())
 
+    def bars(self, places: Sequence[Point], end: Point, seen_m: float) -> bool:
+        """Whether what was seen bars a way from place to place towards an end that keeps so clear of it."""
+        ends = (places[0], end)
+        return any(
+            self.voyage.bars(one, other, _BARRED_SHARE * seen_m, ends) for one, other in pairwise(places)
+        )
+
     def is_barred(self, places: Sequence[Point], end: Point, config: BoatConfig, *, has_left: bool) -> bool:
         """Whether what was seen bars a way from place to place towards an end. has_left: a boat that has left
         it needs as much room as a planned way, also from the fence.
         """
-        share, margin_m = MARGIN_SHARES[0], config.avoidance.margin_m
-        legs = list(pairwise(places))
-        if has_left:
-            clearance_m = share * config.fence.margin_m
-            return not all(self.is_clear(one, other, clearance_m, share * margin_m) for one, other in legs)
-        seen_m, ends = BARRED_SHARE * share * margin_m, (places[0], end)
-        return any(self.voyage.bars(one, other, seen_m, ends) for one, other in legs)
+        clearance_m, seen_m = (
+            MARGIN_SHARES[0] * margin_m for margin_m in (config.fence.margin_m, config.avoidance.margin_m)
+        )
+        if not has_left:
+            return self.bars(places, end, seen_m)
+        return not all(self.is_clear(one, other, clearance_m, seen_m) for one, other in pairwise(places))
 
     def straight(self, here: Point, goals: Sequence[Point], config: BoatConfig) -> Point | None:
         """The nearest goal, if the straight line to it is clear."""

@@ -147,14 +147,20 @@ class ObstaclePerception:
         if not self.occupancy.add(beam):
             return
         self.tracks.add(beam)
-        movers = self.tracks.movers(beam.time_s)
-        for track in movers if movers and not self.occupancy.standing(beam.time_s) else ():
-            within_m = track.radius_m + 2.0 * self.occupancy.cell_m
-            self.occupancy.clear_way(*track.take_way(beam.time_s), within_m, beam.time_s)
+        if movers := self.tracks.movers(beam.time_s):
+            self._clear_ways(movers, beam.time_s)
         if self.water.is_used:
             self.water.add(beam)
         if is_own and beam.is_echo:
             self._single = beam
+
+    def _clear_ways(self, movers: Sequence[Track], now_s: float) -> None:
+        """Take the echoes of movers out of the grid, unless anything stands: its end may seem to move."""
+        if self.occupancy.standing(now_s):
+            return
+        for track in movers:
+            within_m = track.radius_m + 2.0 * self.occupancy.cell_m
+            self.occupancy.clear_way(*track.take_way(now_s), within_m, now_s)
 
     def _is_noise(self, ping: SonarReading) -> bool:
         was_noisy = self._noise.is_noisy

@@ -15,7 +15,7 @@ from companion.core.intent import FollowLeg, Intent, KeepStation
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.core.steps import finished
-from companion.geofence.water_route import MARGIN_SHARES, WaterRoute, is_clear
+from companion.geofence.water_route import MARGIN_SHARES, is_clear
 from companion.guidance.leg import Leg
 from companion.vehicle.leg_passage import LegPassage
 from companion.vehicle.mission.progress import MissionProgress
@@ -37,10 +37,9 @@ class RouteToMission:
         self._legs = LegPassage(surroundings)
         self._waits_until_s, self._waited_for = -math.inf, -1  # for a way to an item
 
-    @property
-    def way(self) -> WaterRoute | None:
-        """The way that the boat sails instead of the leg."""
-        return self._legs.way
+    def left_m(self, here: Point) -> float | None:
+        """The rest of the way that the boat sails instead of the leg; None where it sails the leg."""
+        return self._legs.left_m(here)
 
     def update(
         self, intent: Intent, progress: MissionProgress, nav: NavState, config: BoatConfig, now_s: float

@@ -64,8 +64,7 @@ class AutoMode(ModeController):
 
     def way_left_m(self, nav: NavState) -> float | None:
         """To the end of the leg, round what is in the way."""
-        way = self._route_to_mission.way
-        return None if way is None else way.left_m(nav.point)
+        return self._route_to_mission.left_m(nav.point)
 
     @property
     def destination(self) -> LatLon | None:

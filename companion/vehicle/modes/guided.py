@@ -55,8 +55,7 @@ class GuidedMode(ModeController):
 
     def way_left_m(self, nav: NavState) -> float | None:
         """To the target, round what is in the way."""
-        way = self._passage.way
-        return None if way is None or self.target is None else way.left_m(nav.point)
+        return None if self.target is None else self._passage.left_m(nav.point)
 
     def intent(self, inputs: ModeInputs) -> Intent:
         """The set-point while it is fresh, else the leg to the target, else the station."""

@@ -43,8 +43,7 @@ class SmartRtlMode(ModeController):
 
     def way_left_m(self, nav: NavState) -> float | None:
         """To the end of the leg, round what is in the way."""
-        way = self._legs.way
-        return None if way is None else way.left_m(nav.point)
+        return self._legs.left_m(nav.point)
 
     def intent(self, inputs: ModeInputs) -> Intent:
         """The leg to the track's latest point, round what was seen since; station at its first one."""

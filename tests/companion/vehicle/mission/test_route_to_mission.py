@@ -186,7 +186,7 @@ def test_on_a_later_leg_a_wall_is_rounded_when_it_is_in_sight() -> None:
         _, sailed = boat.sail(float(second))
     assert isinstance(sailed, FollowLeg)
     assert abs(sailed.end.east_m) > 12.0
-    assert boat.route_to_mission.way is not None
+    assert boat.route_to_mission.left_m(boat.nav.point) is not None
 
 
 RETRY_S = CONFIG.avoidance.retry_s
