@@ -218,4 +218,4 @@ class Handling(Section, frozen=True):
     turn_time_s: Positive = 0.8  # delay from steering to turn rate: Nomoto's T
     turn_accel_rad_s2: NonNegative = 0.0  # Nomoto's K/T of the hull that the gains are for; 0: not known
     motor_time_s: Positive = 0.15  # delay from command to thrust
-    stop_m: NonNegative = 0.0  # crash stop from cruise speed, in still water; 0: not measured
+    stop_m: NonNegative = 0.0  # from cruise speed, full astern in still water; 0: not measured

@@ -181,7 +181,7 @@ FAULT_TEXTS: Final[tuple[tuple[EstimateFault, str], ...]] = (
     (EstimateFault.GNSS_INTERMITTENT, "GPS intermittent: dead reckoning"),
     (EstimateFault.GNSS_LOST, "GPS lost: dead reckoning"),
     (EstimateFault.GNSS_FROZEN, "GPS frozen: dead reckoning"),
-    (EstimateFault.GNSS_NOISY, "GPS noisy, jammed?: given less weight"),
+    (EstimateFault.GNSS_NOISY, "GPS noisy (jammed?): given less weight"),
     (EstimateFault.GNSS_JUMPING, "GPS jumping: rejected"),
     (EstimateFault.COMPASS_INTERMITTENT, "Compass intermittent: using yaw model"),
     (EstimateFault.COMPASS_LOST, "Compass lost: using gyro and course"),

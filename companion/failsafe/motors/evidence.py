@@ -274,8 +274,8 @@ class MotorEvidence:
             if hypothesis.fault is Fault.REVERSED:
                 change = 2.0 * current.water_a * duty * water_m_s
             elif hypothesis.fault is Fault.WEAK:
-                flow = current.water_a * duty * water_m_s
-                gain = hypothesis.gain
+                # duty and shaft speed go with the gain, the flow against the propeller does not
+                gain, flow = hypothesis.gain, current.water_a * duty * water_m_s
                 change = max(gain * (gain * (drawn + flow) - flow), 0.0) - drawn
                 spread = -hypothesis.spread * change
             elif hypothesis.fault is Fault.FOULED:

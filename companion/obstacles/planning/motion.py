@@ -145,8 +145,8 @@ def crash_stop_speed_m_s(room_m: float, reaction_s: float, config: BoatConfig) -
 
 
 def _astern_share(config: BoatConfig) -> float:
-    """Thrust astern of that ahead, with which a crash stop from cruise takes the measured way (`crash_stop_m`
-    solved for it); without one, a calibrated asymmetry may know less than _ASTERN.
+    """Thrust astern of that ahead, with which a crash stop from cruise takes the measured distance
+    (`crash_stop_m` solved for it); without one, a calibrated asymmetry may know less than _ASTERN.
     """
     handling, cruise_m_s = config.handling, config.speed.cruise_m_s
     if not handling.stop_m:
