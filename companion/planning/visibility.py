@@ -6,7 +6,7 @@ legs, so few that the route is at most `MAX_EXCESS` longer, and each of them is 
 
 import math
 from array import array
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from companion.core.geo import Point, distance_m, path_length_m
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from companion.planning.segments import Segments
     from companion.planning.tangent_search import TangentSearch
     from companion.planning.tangents import Tangents
-    from companion.planning.water import Water
 
 MAX_EXCESS = 5e-5
 """Half of the 0.01 % that a route may be longer than with true arcs; where there is no room for large steps
@@ -55,13 +54,13 @@ class Routes:
 
     def __init__(
         self,
-        water: "Water",
+        is_water: Callable[[Point], bool],
         segments: "Segments | None",
         following: "array[int]",
         left: "array[int]",
         limit: "array[float]",
     ) -> None:
-        self._water = water
+        self._is_water = is_water
         self._segments = segments
         self._given = (following, left, limit)
         self._limit = limit
@@ -79,7 +78,7 @@ class Routes:
     def is_free(self, at: Point) -> bool:
         """Whether a point is in the water and has the clearance."""
         is_finite = math.isfinite(at.north_m) and math.isfinite(at.east_m)
-        return is_finite and self._water.is_water(at) and self.is_clear(at, at)
+        return is_finite and self._is_water(at) and self.is_clear(at, at)
 
     def route(self, start: Point, goal: Point) -> Route:
         """The shortest route; the same there and back.
@@ -126,7 +125,9 @@ class Routes:
             return
         radii_m = [limit_m + GRAZE_M for limit_m in self._limit]
         for candidate in exits(self._segments, radii_m, at, self.is_free):
-            if not is_afloat or self._water.leg_distance_m(at, candidate) > 0.0:
+            if not is_afloat or self._segments.distance2(
+                at.east_m, at.north_m, candidate.east_m, candidate.north_m
+            ):
                 yield candidate
 
     def _search(self, start: Point, goal: Point) -> Generator[None, None, Route]:

@@ -2,8 +2,6 @@
 mission asks of it besides an intent: homes, and what follows the last item, RTL or what MIS_DONE_BEHAVE says.
 """
 
-from typing import TYPE_CHECKING
-
 from companion.core import requests
 from companion.core.geo import LatLon
 from companion.core.intent import Intent, KeepStation, Stop
@@ -12,9 +10,7 @@ from companion.core.requests import ACCEPTED, Outcome, Request
 from companion.core.status_text import Severity
 from companion.vehicle.modes.controller import ModeInputs
 from companion.vehicle.modes.rtl import home_fault
-
-if TYPE_CHECKING:
-    from companion.vehicle.vehicle import Vehicle
+from companion.vehicle.vehicle_core import VehicleCore
 
 _STOP = Stop()
 _HOLD = 0  # of MIS_DONE_BEHAVE; else LOITER
@@ -22,7 +18,7 @@ _NOT_GUIDED = Outcome(False, "not in GUIDED")
 _NOT_THE_LEAD = Outcome(False, "not the one to follow")
 
 
-def execute(request: Request, vehicle: "Vehicle", now_s: float) -> Outcome:
+def execute(request: Request, vehicle: VehicleCore, now_s: float) -> Outcome:
     """Do it, or say why not."""
     match request:
         case requests.ManualControl():
@@ -64,14 +60,14 @@ def execute(request: Request, vehicle: "Vehicle", now_s: float) -> Outcome:
             return _set_home(vehicle, position)
 
 
-def _start_mission(vehicle: "Vehicle", first_seq: int | None) -> Outcome:
+def _start_mission(vehicle: VehicleCore, first_seq: int | None) -> Outcome:
     progress = vehicle.progress
     if first_seq is not None and not progress.set_current(max(first_seq, 1)):
         return vehicle.refuse(f"Mission has no item {first_seq} (last is {progress.last_seq})")
     return vehicle.select_mode(Mode.AUTO)
 
 
-def _set_current(vehicle: "Vehicle", request: requests.SetCurrentItem) -> Outcome:
+def _set_current(vehicle: VehicleCore, request: requests.SetCurrentItem) -> Outcome:
     progress = vehicle.progress
     seq = progress.current_seq if request.seq is None else request.seq
     is_named_or_over = request.seq is not None or progress.finished
@@ -82,7 +78,7 @@ def _set_current(vehicle: "Vehicle", request: requests.SetCurrentItem) -> Outcom
     return ACCEPTED
 
 
-def _go_to(vehicle: "Vehicle", request: requests.GoTo) -> Outcome:
+def _go_to(vehicle: VehicleCore, request: requests.GoTo) -> Outcome:
     if vehicle.frame is not None and not vehicle.fence.allows(vehicle.frame.to_local(request.position)):
         return vehicle.refuse("Go to: outside the fence")
     if not vehicle.is_guided:
@@ -97,7 +93,7 @@ def _go_to(vehicle: "Vehicle", request: requests.GoTo) -> Outcome:
     return ACCEPTED
 
 
-def _set_home(vehicle: "Vehicle", position: LatLon | None) -> Outcome:
+def _set_home(vehicle: VehicleCore, position: LatLon | None) -> Outcome:
     if position is None:
         if vehicle.nav is None or vehicle.frame is None:
             return vehicle.refuse("Home: no position yet")
@@ -108,7 +104,7 @@ def _set_home(vehicle: "Vehicle", position: LatLon | None) -> Outcome:
     return ACCEPTED
 
 
-def follow_mission(vehicle: "Vehicle", intent: Intent, inputs: ModeInputs) -> Intent:
+def follow_mission(vehicle: VehicleCore, intent: Intent, inputs: ModeInputs) -> Intent:
     """Do what the mission asks of the vehicle besides its intent, and end it."""
     if vehicle.is_returning_from_mission and vehicle.route.has_arrived:
         vehicle.is_returning_from_mission = False
@@ -116,11 +112,11 @@ def follow_mission(vehicle: "Vehicle", intent: Intent, inputs: ModeInputs) -> In
     if vehicle.mode is not Mode.AUTO:
         return intent
     for position in vehicle.progress.take_homes():
-        vehicle.request(requests.SetHome(position))
+        _set_home(vehicle, position)
     return _end_mission(vehicle, intent, inputs) if vehicle.progress.finished else intent
 
 
-def _end_mission(vehicle: "Vehicle", intent: Intent, inputs: ModeInputs) -> Intent:
+def _end_mission(vehicle: VehicleCore, intent: Intent, inputs: ModeInputs) -> Intent:
     if vehicle.progress.go_home and vehicle.change_mode(Mode.RTL, "mission item").accepted:
         vehicle.is_returning_from_mission = True
         # An item may have moved home just now

@@ -1,7 +1,6 @@
 """Between the vehicle and its failsafes: what they look at, and what the vehicle does about it."""
 
 import math
-from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
@@ -15,14 +14,10 @@ from companion.failsafe.inputs import FailsafeInputs, may_drift
 from companion.failsafe.monitor import PERIOD_S, Change
 from companion.failsafe.response import RECHECK_DRIFT_S, respond, routine_check
 from companion.failsafe.table import Condition
-
-if TYPE_CHECKING:
-    from companion.vehicle.vehicle import Vehicle
-
-NO_HEADING = "no heading"
+from companion.vehicle.vehicle_core import NO_HEADING, VehicleCore
 
 
-def run_failsafes(vehicle: "Vehicle", now_s: float) -> None:
+def run_failsafes(vehicle: VehicleCore, now_s: float) -> None:
     """One cycle: look, decide, and do it."""
     _observe(vehicle, now_s)
     inputs = failsafe_inputs(vehicle, now_s)
@@ -39,7 +34,7 @@ def run_failsafes(vehicle: "Vehicle", now_s: float) -> None:
             _carry_out(decision, vehicle, now_s)
 
 
-def _observe(vehicle: "Vehicle", now_s: float) -> None:
+def _observe(vehicle: VehicleCore, now_s: float) -> None:
     """Feed all that learns over cycles: endurance, fence, motors and rudder."""
     failsafes, config, board = vehicle.failsafes, vehicle.config, vehicle.board
     nav, frame, battery = vehicle.nav, vehicle.frame, vehicle.battery
@@ -76,7 +71,7 @@ def _observe(vehicle: "Vehicle", now_s: float) -> None:
         rudder.pause()
 
 
-def failsafe_inputs(vehicle: "Vehicle", now_s: float) -> FailsafeInputs:
+def failsafe_inputs(vehicle: VehicleCore, now_s: float) -> FailsafeInputs:
     """All that the failsafes look at."""
     failsafes, config, frame = vehicle.failsafes, vehicle.config, vehicle.frame
     planner, sticks, motors = failsafes.planner, failsafes.sticks, failsafes.motors
@@ -110,7 +105,7 @@ def failsafe_inputs(vehicle: "Vehicle", now_s: float) -> FailsafeInputs:
     )
 
 
-def _carry_out(decision: actions.Decision, vehicle: "Vehicle", now_s: float) -> None:
+def _carry_out(decision: actions.Decision, vehicle: VehicleCore, now_s: float) -> None:
     match decision:
         case actions.Notify(severity, text):
             vehicle.notify(severity, text)
@@ -135,14 +130,14 @@ def _carry_out(decision: actions.Decision, vehicle: "Vehicle", now_s: float) -> 
             vehicle.recovery.motor_check.assume_failed(is_left, now_s)
 
 
-def _tell_missed_retreat(vehicle: "Vehicle") -> None:
+def _tell_missed_retreat(vehicle: VehicleCore) -> None:
     """The operator was not heard, and may not have heard of the mode that a failsafe has chosen."""
     left, vehicle.retreated_from = vehicle.retreated_from, None
     if vehicle.armed and left is not None:
         vehicle.notify(Severity.NOTICE, f"Failsafe left {left.name} for {vehicle.mode.name}")
 
 
-def _retreat(modes: tuple[Mode, ...], vehicle: "Vehicle") -> None:
+def _retreat(modes: tuple[Mode, ...], vehicle: VehicleCore) -> None:
     """Enter the first mode that can be entered. LOITER needs no position: it goes by dead reckoning."""
     nav, timeout_s = vehicle.nav, vehicle.config.motors.estimate_timeout_s
     for mode in modes:
@@ -158,7 +153,7 @@ def _retreat(modes: tuple[Mode, ...], vehicle: "Vehicle") -> None:
     vehicle.change_mode(Mode.HOLD, "failsafe")
 
 
-def run_recovery(vehicle: "Vehicle", now_s: float) -> Intent:
+def run_recovery(vehicle: VehicleCore, now_s: float) -> Intent:
     """Go on with the recovery under way."""
     board = vehicle.board
     nav, config = vehicle.nav, vehicle.config
@@ -173,7 +168,7 @@ def run_recovery(vehicle: "Vehicle", now_s: float) -> Intent:
     return step.intent
 
 
-def recheck_motors(vehicle: "Vehicle", now_s: float) -> None:
+def recheck_motors(vehicle: VehicleCore, now_s: float) -> None:
     """Check a failed motor again from time to time, where the boat has room to drift."""
     check = vehicle.recovery.motor_check
     if not check.motors.has_failed:
