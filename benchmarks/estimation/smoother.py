@@ -23,8 +23,8 @@ from sitl.courses.missions import lay_out, wire_items
 from sitl.run.mission_run import MissionRun
 from sitl.run.recording.recorder import NO_LEG, cross_track_m
 from sitl.scenarios.scenario import load_scenario
+from sitl.world.sampling import EPOCH_UNIX_S
 from sitl.world.sensors.receivers import GnssSettings
-from sitl.world.sensors.sampling import EPOCH_UNIX_S
 
 Numbers = NDArray[np.float64]
 COURSES: Final = ("square", "zigzag")

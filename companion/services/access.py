@@ -18,7 +18,7 @@ from companion.services.camera.component import QUESTIONS as CAMERA_QUESTIONS
 from companion.services.commands.command import Result, acknowledgement
 from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
-from companion.services.telemetry.statustext import StatusTextService
+from companion.services.statustext import StatusTextService
 
 _REPEAT_S = 30.0
 

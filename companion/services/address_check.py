@@ -14,8 +14,8 @@ from companion.mavlink.dialect import Message, dialect
 from companion.router.admission import Question
 from companion.router.channel import Channel
 from companion.services.outbox import Origin, Outbox
+from companion.services.statustext import StatusTextService
 from companion.services.telemetry.heartbeat import HeartbeatService
-from companion.services.telemetry.statustext import StatusTextService
 
 logger = logging.getLogger(__name__)
 

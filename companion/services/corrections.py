@@ -17,7 +17,7 @@ from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message
 from companion.sensors.rtcm import RtcmReader, message_type
 from companion.services.outbox import Origin
-from companion.services.telemetry.statustext import StatusTextService
+from companion.services.statustext import StatusTextService
 
 _FRAGMENTED: Final = 0x01
 _SENDER_S: Final = 5.0  # corrections come every second, or every five seconds on slow links

@@ -39,10 +39,10 @@ from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
 from companion.services.roles import Role, Roles
 from companion.services.signing import SigningService
+from companion.services.statustext import StatusTextService
 from companion.services.telemetry.available_modes import AvailableModesService
 from companion.services.telemetry.heartbeat import HeartbeatService
 from companion.services.telemetry.service import MaySend, TakeSnapshot, TelemetryService
-from companion.services.telemetry.statustext import StatusTextService
 from companion.services.time_sync import TimeService
 from companion.vehicle.payload_control import PayloadControl
 from companion.vehicle.vehicle import Vehicle

@@ -19,8 +19,8 @@ from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.sensors.external import ExternalSensors, Use
 from companion.services.outbox import Origin, Outbox
+from companion.services.statustext import StatusTextService
 from companion.services.telemetry.motion_messages import global_origin
-from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 _MIN_SPACING_S = 0.015  # at most one pose per tick

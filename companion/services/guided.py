@@ -1,4 +1,4 @@
-"""GUIDED set-points of position, velocity, heading and turn rate, and the old go-to item.
+"""GUIDED set-points of position, velocity, heading and turn rate.
 
 The protocol has no answer to set-points; a refusal is reported to its sender by status text, each reason once
 in REPEAT_S.
@@ -14,18 +14,16 @@ from companion.core.state import NavState
 from companion.core.status_text import Severity
 from companion.core.units import wrap_pi
 from companion.mavlink.dialect import Message, constants, dialect
-from companion.mavlink.items import GLOBAL_FRAMES, ItemFault, MissionItem, MissionResult
+from companion.mavlink.items import GLOBAL_FRAMES
 from companion.rc.manual_input import top_speed_m_s
-from companion.services.missions.items import global_position
 from companion.services.outbox import Origin
-from companion.services.telemetry.statustext import StatusTextService
+from companion.services.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 REPEAT_S = 30.0
 _MOST_REASONS = 20  # in that time, of all senders
 
 _SHORTEST_Q = 0.5  # a quaternion has length 1; all zeros is no attitude
-_GUIDED_ITEM, _ALTITUDE_ITEM = 2, 3  # MISSION_ITEM.current of ArduPilot's old go-to and change of altitude
 
 _NO_POSITION, _NO_VELOCITY, _NO_ACCELERATION = (
     sum(constants("POSITION_TARGET_TYPEMASK", f"{kind}X_IGNORE", f"{kind}Y_IGNORE"))
@@ -38,23 +36,6 @@ _NO_THRUST = dialect.ATTITUDE_TARGET_TYPEMASK_THROTTLE_IGNORE
 
 _BODY_FRAMES = constants("MAV_FRAME", "BODY_NED", "BODY_OFFSET_NED", "BODY_FRD")
 _LOCAL_FRAMES = (*_BODY_FRAMES, dialect.MAV_FRAME_LOCAL_NED, dialect.MAV_FRAME_LOCAL_OFFSET_NED)
-
-
-def on_guided_item(message: Message, vehicle: Vehicle) -> MissionResult:
-    """QGroundControl's first go-to, a mission item with current = 2."""
-    if message.current == _ALTITUDE_ITEM:
-        return MissionResult.ACCEPTED  # altitude has no effect
-    if message.current != _GUIDED_ITEM:
-        return MissionResult.INVALID
-    item = MissionItem.from_message(message)
-    if isinstance(item, ItemFault):
-        return item.result
-    if item.command != dialect.MAV_CMD_NAV_WAYPOINT:
-        return MissionResult.UNSUPPORTED
-    position = global_position(item)
-    if isinstance(position, ItemFault):
-        return position.result
-    return MissionResult.ACCEPTED if vehicle.request(GoTo(position)).accepted else MissionResult.ERROR
 
 
 class GuidedService:

@@ -21,7 +21,7 @@ from companion.log.store import LogFile
 from companion.mavlink.address import Address, is_named
 from companion.mavlink.dialect import Message, dialect, message_ids
 from companion.services.outbox import Origin, Outbox
-from companion.services.telemetry.statustext import StatusTextService
+from companion.services.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 LOG_MESSAGES = message_ids("LOG_REQUEST_LIST", "LOG_REQUEST_DATA", "LOG_REQUEST_END", "LOG_ERASE")

@@ -16,7 +16,7 @@ from companion.core.status_text import Severity, StatusText
 from companion.mavlink.dialect import Message
 from companion.rc.pulses import deflection, is_override
 from companion.services.outbox import Origin
-from companion.services.telemetry.statustext import StatusTextService
+from companion.services.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 _INVALID_AXIS: Final = 0x7FFF

@@ -10,7 +10,7 @@ from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.ftp_frames import Code, Refusal
 from companion.persistence.mission_store import DataLosses
 from companion.services.outbox import Origin, Outbox
-from companion.services.telemetry.statustext import StatusTextService
+from companion.services.statustext import StatusTextService
 
 _LIST_PER_TICK = 250  # all parameters on a fast line
 _STORED = "parameters"  # their name among the losses

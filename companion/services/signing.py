@@ -16,7 +16,7 @@ from companion.mavlink.signing_key import SigningKey
 from companion.persistence.signing_store import SigningStore
 from companion.router.channel import Channel
 from companion.services.outbox import Origin
-from companion.services.telemetry.statustext import StatusTextService
+from companion.services.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 logger = logging.getLogger(__name__)

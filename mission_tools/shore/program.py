@@ -19,7 +19,7 @@ from mission_tools.shore.chart import WaterChart
 from mission_tools.shore.clock import Clock
 from mission_tools.shore.command_line import PROGRAM, SHOW, read_arguments
 from mission_tools.shore.plans.plan_service import Sources
-from mission_tools.shore.web.connections.listening import parse_listen, serve
+from mission_tools.shore.web.listening import parse_listen, serve
 from mission_tools.shore.web.login.pin_file import LEAST_CHARACTERS, PinFile
 from mission_tools.shore.web.login.session import Sessions
 from mission_tools.shore.web.server import make_app

@@ -8,8 +8,8 @@ from companion.cli.command_line import Argument, Option
 from companion.core.geo import LatLon
 from mission_tools.cli.arguments import position
 from sitl.scenarios.scenario import load_scenario
+from sitl.world.sampling import MOST_SEED
 from sitl.world.scenario import Scenario
-from sitl.world.sensors.sampling import MOST_SEED
 
 Source = Annotated[
     str,

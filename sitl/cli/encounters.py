@@ -22,7 +22,7 @@ from sitl.experiments.encounters.table import ENCOUNTERS, markdown, run_rows, su
 from sitl.experiments.runner import cores, local_pool, run_trials
 from sitl.scenarios.layers import parse_overrides
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.sensors.sampling import MOST_SEED
+from sitl.world.sampling import MOST_SEED
 
 
 def encounters(

@@ -8,7 +8,7 @@ from companion.cli.output_file import write_text
 from sitl.experiments.result_log import ResultLog
 from sitl.reports.campaign_page import campaign_page
 from sitl.reports.run_page import run_page
-from sitl.run.recording.run_record import load_record
+from sitl.reports.run_record import load_record
 
 
 def report(

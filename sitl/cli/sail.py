@@ -19,8 +19,8 @@ from mission_tools.errors import UsageError
 from mission_tools.mission.plan_file import load_mission
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
 from sitl.courses.missions import course_names, lay_out, plan_mission, wire_fence, wire_items
+from sitl.reports.run_record import RunRecord
 from sitl.run.mission_run import MissionRun, Result
-from sitl.run.recording.run_record import RunRecord
 from sitl.run.station_commands import RunError
 
 

@@ -31,7 +31,7 @@ from sitl.experiments.tuning.search import (
     search,
 )
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.sensors.sampling import MOST_SEED
+from sitl.world.sampling import MOST_SEED
 
 _CHECK_SEEDS = 8  # not those of the search
 _CHECK_AT = 1_000_000  # the first number of these trials

@@ -6,7 +6,7 @@ from typing import Any
 from sitl.reports.labels import label
 from sitl.reports.page import Mark, Page
 from sitl.reports.run_pictures import draw_innovations, draw_panels, draw_sonar_map, draw_track_chart
-from sitl.run.recording.run_record import RunRecord
+from sitl.reports.run_record import RunRecord
 
 _TILES = (
     ("time_s", "time", "s"),

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from mission_tools.drawing.draw import draw_chart, draw_picture
 from mission_tools.drawing.style import FAULT, HALO, INK, PLANNED, SAILED, new_figure, style_panel
+from sitl.reports.run_record import Numbers, RunRecord
 from sitl.reports.run_series import (
     at_estimates,
     brakes,
@@ -17,7 +18,6 @@ from sitl.reports.run_series import (
     mode_spans,
     wrapped_deg,
 )
-from sitl.run.recording.run_record import Numbers, RunRecord
 
 LEFT, RIGHT = "#b5651d", "#2a7f62"
 ESTIMATED = "#d08a2e"

@@ -6,8 +6,8 @@ from itertools import pairwise
 import numpy as np
 
 from companion.core.modes import Mode
+from sitl.reports.run_record import Numbers, RunRecord
 from sitl.run.recording.recorder import cross_track_m
-from sitl.run.recording.run_record import Numbers, RunRecord
 from sitl.run.timeline import OVER
 
 _ASTERN = 0.1  # of full command: less is the dead band of a boat that keeps its position

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from companion.links.interfaces import Link, Port
 from sitl.radio.channel import WHOLE, Channel, LinkSettings, Quality
 from sitl.world.computer import Computer
-from sitl.world.sensors.sampling import generator
+from sitl.world.sampling import generator
 
 _SILENT = Quality(loss=1.0)
 

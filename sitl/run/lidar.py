@@ -6,7 +6,7 @@ from companion.links.interfaces import Link
 from companion.mavlink.address import Address
 from companion.mavlink.codec import Encoder
 from companion.mavlink.dialect import Message, dialect
-from sitl.world.sensors.sampling import TIME_SLACK_S, generator, normal
+from sitl.world.sampling import TIME_SLACK_S, generator, normal
 from sitl.world.sensors.settings import LidarSettings
 from sitl.world.world import World
 

@@ -14,7 +14,7 @@ from shapely.geometry import Polygon
 
 from companion.config.section import NonNegative, Positive, Section
 from sitl.world.faults.catalogue import CATALOGUE
-from sitl.world.sensors.sampling import generator
+from sitl.world.sampling import generator
 
 Tree = dict[str, Any]
 Place = tuple[float, float]  # east and north, metres

@@ -32,10 +32,10 @@ from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.hull_settings import HullSettings
 from sitl.world.movers import MoverSettings
 from sitl.world.pack import BatterySettings
+from sitl.world.sampling import Seed
 from sitl.world.scenario import Scenario
 from sitl.world.sensors.rangers import OF_KIND, RANGERS
 from sitl.world.sensors.receivers import OF_CLASS, RECEIVERS
-from sitl.world.sensors.sampling import Seed
 from sitl.world.sensors.settings import Sensors
 
 SCENARIOS = Path(__file__).parent

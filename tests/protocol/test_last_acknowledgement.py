@@ -8,7 +8,7 @@ from companion.mavlink.dialect import Message
 from companion.mavlink.items import MissionResult, MissionType
 from companion.mavlink.receiver import Receiver
 from companion.mavlink.transfer import Completed
-from sitl.world.sensors.sampling import generator
+from sitl.world.sampling import generator
 
 TICK_S = 0.02
 LONG = [HOME_ITEM, *[waypoint(5.0 * n, 0.0) for n in range(1, 30)]]

@@ -16,7 +16,7 @@ from companion.services.ftp.mounts import InlineExecutor, build_tree
 from companion.services.ftp.service import FtpService
 from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
-from companion.services.telemetry.statustext import StatusTextService
+from companion.services.statustext import StatusTextService
 
 BOAT = Address(1, 1)
 STATION = Origin(3, Address(255, 190))

@@ -19,7 +19,7 @@ from pymavlink.dialects.v20 import all as dialect
 from companion.core.modes import Mode
 from mission_tools.shore.chart import WaterChart
 from mission_tools.shore.clock import Clock
-from mission_tools.shore.web.connections.listening import Listening
+from mission_tools.shore.web.listening import Listening
 from mission_tools.shore.web.login.pin_file import PinFile
 from mission_tools.shore.web.login.session import Sessions
 from mission_tools.shore.web.server import make_app

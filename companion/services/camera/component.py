@@ -15,8 +15,8 @@ from companion.services.camera import messages as build
 from companion.services.commands.command import Command, CommandTable, Result, acknowledgement, command_of
 from companion.services.commands.payload import act
 from companion.services.outbox import Origin, Outbox
+from companion.services.statustext import StatusTextService
 from companion.services.telemetry.service import TakeSnapshot
-from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.payload_control import PayloadControl
 
 _PERIOD_S = 1.0

@@ -10,7 +10,7 @@ from companion.core.status_text import Severity
 from companion.mavlink.dialect import dialect
 from companion.services.commands.command import Command, CommandTable, Result
 from companion.services.parameters import ParameterService
-from companion.services.telemetry.statustext import StatusTextService
+from companion.services.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 _AXES = (0, 4)  # AUTOTUNE_AXIS: default, yaw

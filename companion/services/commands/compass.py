@@ -25,7 +25,7 @@ from companion.sensors.compass.magnetic_field import (
 from companion.services.commands.command import Command, CommandTable, Result
 from companion.services.outbox import Outbox
 from companion.services.parameters import ParameterService
-from companion.services.telemetry.statustext import StatusTextService
+from companion.services.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 _PROGRESS_S: Final = 0.25

@@ -26,8 +26,8 @@ from companion.services.commands.vehicle import VehicleCommands
 from companion.services.external_pose import ExternalPoseService
 from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
+from companion.services.statustext import StatusTextService
 from companion.services.telemetry.service import TelemetryService
-from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.payload_control import PayloadControl
 from companion.vehicle.vehicle import Vehicle
 

@@ -14,7 +14,7 @@ from companion.services.commands.command import Command, CommandTable, Result
 from companion.services.commands.compass import CompassCommands
 from companion.services.outbox import Origin
 from companion.services.parameters import ParameterService
-from companion.services.telemetry.statustext import StatusTextService
+from companion.services.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 _RESTART_AFTER_S = 0.3  # time to send the ACK

@@ -5,7 +5,7 @@ from companion.mavlink.dialect import constants, dialect
 from companion.payload.actions import ActionFault
 from companion.services.commands.command import Command, CommandTable, Result
 from companion.services.payload.rows import ROWS, read_action
-from companion.services.telemetry.statustext import StatusTextService
+from companion.services.statustext import StatusTextService
 from companion.vehicle.payload_control import PayloadControl
 
 # Not idempotent

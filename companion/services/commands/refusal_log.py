@@ -4,7 +4,7 @@ import logging
 
 from companion.mavlink.dialect import dialect
 from companion.services.commands.command import Command, Result
-from companion.services.telemetry.statustext import StatusTextService
+from companion.services.statustext import StatusTextService
 
 logger = logging.getLogger(__name__)
 

@@ -9,7 +9,7 @@ from companion.core.status_text import Severity, StatusText
 from companion.mavlink.dialect import constants, dialect
 from companion.services.commands.command import Command, CommandTable, Result
 from companion.services.parameters import ParameterService
-from companion.services.telemetry.statustext import StatusTextService
+from companion.services.statustext import StatusTextService
 from companion.vehicle.vehicle import Vehicle
 
 _DISARM_MAGIC = 21196

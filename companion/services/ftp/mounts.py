@@ -8,7 +8,7 @@ from typing import Any
 from companion import __version__
 from companion.config.parameter_pack import entries_of, pack
 from companion.config.parameters import Parameters
-from companion.services import component_metadata as metadata
+from companion.services.ftp import component_metadata as metadata
 from companion.services.ftp.folder import FolderMount
 from companion.services.ftp.tree import FileTree, Mount
 from companion.services.ftp.virtual import Options, VirtualFile, VirtualMount

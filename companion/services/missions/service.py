@@ -17,13 +17,13 @@ from companion.mavlink.items import MissionItem, MissionResult, MissionType
 from companion.mavlink.sender import Sender
 from companion.mavlink.transfer import Completed, Failed, Transfer, TransferState
 from companion.payload.fitted import FittedPayload
-from companion.services.guided import on_guided_item
 from companion.services.missions.area_items import fence_areas, rally_points
+from companion.services.missions.guided_item import on_guided_item
 from companion.services.missions.items import SAILED_STRAIGHT, command_name
 from companion.services.missions.list import MissionList, Part
 from companion.services.outbox import Origin, Outbox
+from companion.services.statustext import StatusTextService
 from companion.services.telemetry.status_messages import mission_current
-from companion.services.telemetry.statustext import StatusTextService
 from companion.vehicle.mission.steps import Skip
 from companion.vehicle.vehicle import Vehicle
 

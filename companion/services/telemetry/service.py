@@ -7,7 +7,7 @@ from dataclasses import InitVar, dataclass, field
 from companion.autopilot.snapshot import Snapshot
 from companion.config.sensors import ProbePart
 from companion.mavlink.dialect import Message, dialect, message_ids
-from companion.services import component_metadata as metadata
+from companion.services.ftp import component_metadata as metadata
 from companion.services.outbox import Outbox
 from companion.services.telemetry import available_modes as modes
 from companion.services.telemetry import estimate_messages as estimate

@@ -12,7 +12,7 @@ from mission_tools.geojson import feature
 from mission_tools.shore.web.guard import cookie_name, cookie_of, error, peer_of
 from mission_tools.shore.web.hub import Hub
 from mission_tools.shore.web.login.session import LIFE_S, LoginRefused
-from mission_tools.shore.web.logs.api import ROWS as LOGS
+from mission_tools.shore.web.logs_api import ROWS as LOGS
 from mission_tools.shore.web.parameters_api import ROWS as PARAMETERS
 from mission_tools.shore.web.plan_api import ROWS as PLAN_ROWS
 from mission_tools.shore.web.rows import BOAT, Handler, Row, boat_of, json_answer, read_body

@@ -47,7 +47,7 @@ from sitl.experiments.campaign.expect import Expectation
 from sitl.experiments.campaign.sea_state import draw_waves
 from sitl.experiments.trial import Trial
 from sitl.scenarios.layers import Layer, decode, merge
-from sitl.world.sensors.sampling import Seed, generator
+from sitl.world.sampling import Seed, generator
 
 Row = dict[str, Any]
 

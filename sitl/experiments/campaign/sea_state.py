@@ -3,7 +3,7 @@
 import math
 from typing import Any, Final
 
-from sitl.world.sensors.sampling import generator
+from sitl.world.sampling import generator
 
 HEIGHTS_M: Final = (0.0, 0.1, 0.3)
 PERIODS_S: Final = (1.8, 3.0)

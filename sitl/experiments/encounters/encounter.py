@@ -27,8 +27,8 @@ from sitl.experiments.trial import Trial, TrialResult
 from sitl.run.mission_run import MissionRun, Result
 from sitl.scenarios.layers import COMMAND_LINE, Layer
 from sitl.scenarios.scenario import load_scenario
+from sitl.world.sampling import generator
 from sitl.world.scenario import Scenario
-from sitl.world.sensors.sampling import generator
 from sitl.world.truth import Truth
 
 MOST_S = 400.0

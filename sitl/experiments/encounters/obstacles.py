@@ -14,7 +14,7 @@ from random import Random
 from typing import Any, Final, Literal, NamedTuple
 
 from companion.core.geo import Point
-from sitl.world.sensors.sampling import generator
+from sitl.world.sampling import generator
 
 Kind = Literal["lone", "gap", "field", "dense", "head_on", "crossing", "shore"]
 Tree = dict[str, Any]

@@ -9,8 +9,8 @@ from enum import StrEnum
 from functools import cache
 
 from sitl.scenarios.scenario import load_scenario
+from sitl.world.sampling import generator
 from sitl.world.scenario import Scenario
-from sitl.world.sensors.sampling import generator
 
 CASES = ("1", "2", "3", "4", "5")
 RUNS = 12  # Table 3 divides by it

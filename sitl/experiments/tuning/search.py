@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from sitl.experiments.trial import Trial, TrialResult
 from sitl.experiments.tuning.problem import Gains, TuningProblem, drawn_around
-from sitl.world.sensors.sampling import generator
+from sitl.world.sampling import generator
 
 REACHES = (4.0, 2.0, 1.4)  # per round: gains within this factor of the best
 CANDIDATES = 16

@@ -22,7 +22,7 @@ import math
 from typing import NamedTuple
 
 from sitl.world.environment.settings import Environment
-from sitl.world.sensors.sampling import generator
+from sitl.world.sampling import generator
 
 COMPONENTS = 6
 SPREAD_RAD = 0.4

@@ -10,7 +10,7 @@ water: turbulence of 15 to 25 % of the mean, correlated for a few seconds.
 import math
 
 from sitl.world.environment.settings import Environment
-from sitl.world.sensors.sampling import TIME_SLACK_S, generator
+from sitl.world.sampling import TIME_SLACK_S, generator
 
 RATE_HZ = 10.0  # of the gusts; the force in between follows the boat's own motion
 PEAK_FACTOR = 3.3  # the highest of ten minutes lies that many standard deviations above the mean

@@ -11,6 +11,7 @@ from sitl.radio.channel import WHOLE, Quality
 from sitl.world.computer import Computer
 from sitl.world.drive.rudder import Rudder
 from sitl.world.faults.catalogue import FaultSetting
+from sitl.world.sampling import generator
 from sitl.world.sensors.battery_monitor import SimBattery
 from sitl.world.sensors.compass import SimCompass
 from sitl.world.sensors.depth import SimDepthSounder
@@ -18,7 +19,6 @@ from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.gnss import SimGnss
 from sitl.world.sensors.hull_sensor import SimHullSensor
 from sitl.world.sensors.rc import SimRc
-from sitl.world.sensors.sampling import generator
 from sitl.world.sensors.sonar import SimSonar
 from sitl.world.simulated_hardware import SimMotors
 

@@ -8,7 +8,7 @@ import msgspec
 
 from sitl.world.faults.catalogue import FaultSetting
 from sitl.world.faults.parts import Part
-from sitl.world.sensors.sampling import TIME_SLACK_S
+from sitl.world.sampling import TIME_SLACK_S
 
 # Parts without sampling: intermittent faults are switched here
 _SWITCHED = frozenset(("motor_left", "motor_right", "link", "leak"))

@@ -3,8 +3,8 @@
 import msgspec
 
 from companion.core.readings import BatteryReading
+from sitl.world.sampling import generator, normal
 from sitl.world.sensors.fault import SensorFault
-from sitl.world.sensors.sampling import generator, normal
 from sitl.world.sensors.sensor import Sensor
 from sitl.world.sensors.settings import BatteryMonitorSettings
 

@@ -10,8 +10,8 @@ from companion.core.units import wrap_pi
 from companion.core.vectors import Vector
 from companion.sensors.compass.attitude import down_axis, magnetic_heading
 from companion.sensors.compass.magnetic_field import FieldCorrector
+from sitl.world.sampling import NORMAL, NORMALS, TIME_SLACK_S, generator
 from sitl.world.sensors.fault import SensorFault
-from sitl.world.sensors.sampling import NORMAL, NORMALS, TIME_SLACK_S, generator
 from sitl.world.sensors.sensor import Sensor
 from sitl.world.sensors.settings import CompassSettings
 

@@ -6,8 +6,8 @@ from companion.core.geo import Point
 from companion.core.readings import DepthReading
 from mission_tools.maps.chart import Chart
 from sitl.world.environment.settings import Environment
+from sitl.world.sampling import generator, normal
 from sitl.world.sensors.fault import SensorFault
-from sitl.world.sensors.sampling import generator, normal
 from sitl.world.sensors.sensor import Sensor
 from sitl.world.sensors.settings import DepthSettings
 

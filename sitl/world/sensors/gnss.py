@@ -16,9 +16,9 @@ from companion.core.geo import LocalFrame, Point
 from companion.core.readings import GnssFix
 from companion.core.units import clamp
 from companion.sensors.receiver_clock import DAY_S, ReceiverClock
+from sitl.world.sampling import EPOCH_UNIX_S, TIME_SLACK_S, generator, normal
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.receivers import GnssSettings
-from sitl.world.sensors.sampling import EPOCH_UNIX_S, TIME_SLACK_S, generator, normal
 from sitl.world.sensors.sensor import Sensor
 from sitl.world.shore import Shore
 

@@ -3,7 +3,7 @@
 from typing import Final
 
 from companion.core.readings import HullReading
-from sitl.world.sensors.sampling import TIME_SLACK_S
+from sitl.world.sampling import TIME_SLACK_S
 from sitl.world.sensors.sensor import Sensor
 from sitl.world.sensors.settings import HullSensorSettings
 

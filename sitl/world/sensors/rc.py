@@ -5,8 +5,8 @@ import math
 import msgspec
 
 from companion.core.readings import RcReading
+from sitl.world.sampling import TIME_SLACK_S, generator, normal
 from sitl.world.sensors.fault import SensorFault
-from sitl.world.sensors.sampling import TIME_SLACK_S, generator, normal
 from sitl.world.sensors.sensor import Sensor
 from sitl.world.sensors.settings import RcSettings
 

@@ -4,8 +4,8 @@ from typing import Generic
 
 import msgspec
 
+from sitl.world.sampling import TIME_SLACK_S
 from sitl.world.sensors.fault import R, SensorFault
-from sitl.world.sensors.sampling import TIME_SLACK_S
 
 
 class Sensor(Generic[R]):

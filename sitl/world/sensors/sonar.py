@@ -15,9 +15,9 @@ import msgspec
 
 from companion.core.readings import SonarReading
 from companion.sensors.servo_scan import ServoScan
+from sitl.world.sampling import TIME_SLACK_S, generator, normal
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.rangers import SonarSettings
-from sitl.world.sensors.sampling import TIME_SLACK_S, generator, normal
 from sitl.world.shore import Shore
 
 _EDGE = 1.5  # cones: beyond, the beam is 13 dB down

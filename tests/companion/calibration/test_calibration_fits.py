@@ -11,7 +11,7 @@ from companion.calibration.heading import RelayFeedback, gains
 from companion.calibration.routine import CalibrationError
 from companion.calibration.yaw_model import SAMPLE_S, FittedYawModel, YawFit, yaw_model
 from companion.core.fitting import Fit
-from sitl.world.sensors.sampling import generator
+from sitl.world.sampling import generator
 
 COEFFICIENTS = st.floats(-100.0, 100.0)
 

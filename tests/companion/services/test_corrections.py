@@ -16,7 +16,7 @@ from companion.mavlink.dialect import Message, dialect
 from companion.sensors.rtcm import RtcmReader, crc24q, message_type
 from companion.services.corrections import CorrectionService
 from companion.services.outbox import Origin, Outbox
-from companion.services.telemetry.statustext import StatusTextService
+from companion.services.statustext import StatusTextService
 
 # The example of RTCM 10403.1, section 4.2: a station's position, message 1005
 STATION = bytes.fromhex("D300133ED7D30202980EDEEF34B4BD62AC0941986F33360B98")

@@ -16,7 +16,7 @@ from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.services.logs import CHUNK_BYTES, LogService
 from companion.services.outbox import Origin, Outbox
-from companion.services.telemetry.statustext import StatusTextService
+from companion.services.statustext import StatusTextService
 
 pytest_plugins = ("log_fixtures",)
 

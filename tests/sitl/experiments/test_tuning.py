@@ -17,7 +17,7 @@ from sitl.experiments.trial import Figures, Task, Trial, TrialResult
 from sitl.experiments.tuning.problem import FAILED, TUNED, Gains, TuningProblem, gains_of
 from sitl.experiments.tuning.search import compare, search
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.sensors.sampling import generator
+from sitl.world.sampling import generator
 
 POOL = load_scenario("open", ["boat.model=pool"])
 WANTED = {"heading.kp": 9.0, "heading.ki": 1.0, "heading.kd": 2.5, "speed.kp": 3.0, "speed.ki": 1.0}

@@ -16,9 +16,9 @@ from sitl.experiments.mission_trial import run_mission
 from sitl.experiments.trial import Trial, TrialResult, attempt
 from sitl.reports.campaign_page import again, campaign_page
 from sitl.reports.run_page import run_page
+from sitl.reports.run_record import RunRecord, load_record
 from sitl.reports.run_series import brakes
 from sitl.run.mission_run import MissionRun
-from sitl.run.recording.run_record import RunRecord, load_record
 
 pytestmark = pytest.mark.slow
 

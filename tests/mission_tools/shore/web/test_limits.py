@@ -14,8 +14,8 @@ from mission_tools.shore.web.connections.access_control import (
     MOST_OF_ADDRESS,
     AccessControl,
 )
-from mission_tools.shore.web.connections.listening import Listening
 from mission_tools.shore.web.connections.rates import Bucket, Rate, Rates
+from mission_tools.shore.web.listening import Listening
 from mission_tools.shore.web.login.pin_file import PinFile
 from mission_tools.shore.web.login.session import Sessions
 from mission_tools.shore.web.server import make_app

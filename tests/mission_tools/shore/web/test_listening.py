@@ -12,7 +12,7 @@ from shore_server import PAGE, PIN, FakeBoats, FakeChart, FakeClock
 from companion.core.errors import ConfigError, LinkError
 from mission_tools.shore.command_line import SHOW, read_arguments
 from mission_tools.shore.program import default_pin_file, run_program
-from mission_tools.shore.web.connections.listening import Listening, parse_listen
+from mission_tools.shore.web.listening import Listening, parse_listen
 from mission_tools.shore.web.login.pin_file import PinFile
 from mission_tools.shore.web.login.session import Sessions
 from mission_tools.shore.web.server import make_app

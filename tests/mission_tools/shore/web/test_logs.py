@@ -12,7 +12,7 @@ from ftp_client import BOAT, STATION, Served
 from shore_server import Server, serving
 
 from companion.mavlink.dialect import Message, dialect
-from mission_tools.shore.web.logs import api
+from mission_tools.shore.web import logs_api
 from mission_tools.shore.web.logs.stream import WINDOW_BYTES
 from mission_tools.station.ftp.client import FtpClient
 from mission_tools.station.logs import LogList
@@ -180,7 +180,7 @@ async def test_a_browser_that_does_not_read_holds_a_small_window_and_others_read
 async def test_a_browser_that_reads_nothing_is_given_up(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(api, "STALLED_S", 0.05)
+    monkeypatch.setattr(logs_api, "STALLED_S", 0.05)
     async with with_logs(tmp_path) as (server, device):
         device.put("00001.bin", bytes(20_000_000))
         await listed(server)

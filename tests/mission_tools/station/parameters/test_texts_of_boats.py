@@ -13,7 +13,7 @@ from shore_rig import Shore
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message
 from companion.mavlink.metadata_messages import ComponentInformation, ComponentMetadata
-from companion.services.component_metadata import parameters_json
+from companion.services.ftp.component_metadata import parameters_json
 from mission_tools.station.ftp.jobs import FtpFailure
 from mission_tools.station.parameters import fetching
 from mission_tools.station.parameters.fetching import Fetching

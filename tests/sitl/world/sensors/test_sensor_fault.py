@@ -3,8 +3,8 @@
 import math
 
 from companion.core.readings import BatteryReading
+from sitl.world.sampling import generator
 from sitl.world.sensors.fault import SensorFault
-from sitl.world.sensors.sampling import generator
 
 READINGS = [BatteryReading(0.1 * number, 12.0 + 0.1 * number, 1.0) for number in range(40)]
 

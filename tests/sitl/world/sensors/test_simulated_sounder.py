@@ -8,9 +8,9 @@ from companion.core.geo import Point
 from companion.core.readings import DepthReading
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.environment.settings import Environment
+from sitl.world.sampling import generator
 from sitl.world.sensors.depth import Bathymetry, SimDepthSounder
 from sitl.world.sensors.fault import SensorFault
-from sitl.world.sensors.sampling import generator
 from sitl.world.sensors.settings import DepthSettings
 
 EXACT = DepthSettings(noise_m=0.0, sound_gain=1.0, lost_share=0.0)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from companion.core.status_text import Severity, StatusText
 from companion.mavlink.dialect import Message
 from companion.services.outbox import Outbox
-from companion.services.telemetry.statustext import StatusTextService
+from companion.services.statustext import StatusTextService
 
 
 def told(*texts: str) -> list[Message]:

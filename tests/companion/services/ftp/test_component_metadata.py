@@ -12,7 +12,7 @@ from qgc_metadata import unpacked
 
 from companion.config.parameter_table import ROWS
 from companion.mavlink.ftp_frames import Opcode
-from companion.services.component_metadata import metadata_files, parameters_json
+from companion.services.ftp.component_metadata import metadata_files, parameters_json
 
 TYPES = {"Uint8", "Int8", "Uint16", "Int16", "Uint32", "Int32", "Float"}
 KEYS = {
