@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
+from companion.calibration.crash_stop import measure_stop
 from companion.calibration.heading import tune_heading
 from companion.calibration.routine import CalibrationError, Routine, RoutineInputs, TrialFinding
 from companion.calibration.thrusters import calibrate
@@ -34,8 +35,8 @@ class Calibration(NamedTuple):
     routine: Callable[[RoutineInputs], Routine]
     is_bare: bool
     usual_s: float
-    layouts: tuple[str, ...]
-    refusal: str
+    layouts: tuple[str, ...] = ("differential", "rudder", "differential_rudder")
+    refusal: str = ""
 
 
 # Its pulses and turns tell two motors apart by how they turn the boat at rest
@@ -48,6 +49,7 @@ HEADING: Final = Calibration(
     "Heading autotune", tune_heading, False, 150.0, ("differential", "rudder"),
     "steers with motors or a rudder, not both",
 )  # fmt: skip
+STOP: Final = Calibration("Stop calibration", measure_stop, False, 240.0)
 
 
 class CalibrationResult(NamedTuple):

@@ -46,7 +46,7 @@ def _tuning() -> list[ParameterRow]:
         ParameterRow("HND_TURN_ACCEL", _REAL, "Angular acceleration by full steering (Nomoto's K/T) that the gains are for; calibrated", "handling.turn_accel_rad_s2", scale=_DEG, unit="deg/s/s", low=0, high=3600),
         ParameterRow("HND_TURN_TIME", _REAL, "Delay of the turn rate behind steering (Nomoto's T)", "handling.turn_time_s", unit="s", low=0.05, high=20),
         ParameterRow("HND_MOTOR_TIME", _REAL, "Delay of the thrust behind the command", "handling.motor_time_s", unit="s", low=0.02, high=5),
-        ParameterRow("HND_STOP", _REAL, "Stopping distance from cruise speed, full astern in still water; 0: not measured", "handling.stop_m", unit="m", low=0, high=100),
+        ParameterRow("HND_STOP", _REAL, "Stopping distance from cruise speed, full astern in still water; calibrated; 0: not measured", "handling.stop_m", unit="m", low=0, high=100),
         ParameterRow("HND_SLIP", _REAL, "Outward slip in a turn, per turn rate", "handling.slip_m", unit="m", low=0, high=20),
         ParameterRow("MOT_SLEWRATE", _I16, "Largest change of motor command", "motors.slew_per_s", scale=100.0, unit="%/s", low=1, high=5000),
         ParameterRow("WP_RADIUS", _REAL, "Acceptance radius of a waypoint", "guidance.waypoint_radius_m", unit="m", low=0.001, high=100),

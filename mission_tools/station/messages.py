@@ -149,9 +149,9 @@ class Sensor(Struct, frozen=True, kw_only=True):
 class Calibration(_Localized, frozen=True, kw_only=True):
     """The latest calibration of a boat, by this station.
 
-    kind: compass, gyro, motor_field, thrusters, heading. state: asked, running, silent (running, as far as
-    known), waiting (for the result to be kept), done, failed, cancelled, unknown. text: of the boat, mostly.
-    lines: what it changed. error_mg: left over of the earth's field; offset_mg: of the compass.
+    kind: compass, gyro, motor_field, thrusters, stop, heading. state: asked, running, silent (running, as far
+    as known), waiting (for the result to be kept), done, failed, cancelled, unknown. text: of the boat,
+    mostly. lines: what it changed. error_mg: left over of the earth's field; offset_mg: of the compass.
     """
 
     kind: str

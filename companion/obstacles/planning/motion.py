@@ -144,17 +144,31 @@ def crash_stop_speed_m_s(room_m: float, reaction_s: float, config: BoatConfig) -
     return high
 
 
-def _astern_share(config: BoatConfig) -> float:
-    """Thrust astern of that ahead, with which a crash stop from cruise takes the measured distance
-    (`crash_stop_m` solved for it); without one, a calibrated asymmetry may know less than _ASTERN.
+def stop_from_cruise_m(speed_m_s: float, stop_m: float, config: BoatConfig) -> float:
+    """The way from cruise of a boat whose crash stop from speed_m_s took stop_m."""
+    cruise_m_s, square = config.speed.cruise_m_s, config.handling.top_speed_m_s**2
+    share = cruise_m_s**2 / square / _fitted(speed_m_s, stop_m, config)
+    braked_m = 0.5 * square / (_THRUST * config.guidance.accel_m_s2) * math.log1p(share)
+    return _starts_s(cruise_m_s, config) * cruise_m_s + braked_m
+
+
+def _fitted(speed_m_s: float, stop_m: float, config: BoatConfig) -> float:
+    """Thrust astern over full thrust ahead, with which a crash stop takes stop_m: `crash_stop_m` solved for
+    s.
     """
-    handling, cruise_m_s = config.handling, config.speed.cruise_m_s
-    if not handling.stop_m:
+    square, force = config.handling.top_speed_m_s**2, _THRUST * config.guidance.accel_m_s2
+    braked_m = max(stop_m - _starts_s(speed_m_s, config) * speed_m_s, _BRAKED * stop_m)
+    return speed_m_s**2 / square / math.expm1(2.0 * force * braked_m / square)
+
+
+def _astern_share(config: BoatConfig) -> float:
+    """Thrust astern of that ahead at the same throttle: by the measured crash stop, else what any boat has.
+
+    A calibrated asymmetry may know that it is less.
+    """
+    if not config.handling.stop_m:
         return min(_ASTERN, 1.0 / config.thrusters.asymmetry)
-    square, force = handling.top_speed_m_s**2, _THRUST * config.guidance.accel_m_s2
-    braked_m = max(handling.stop_m - _starts_s(cruise_m_s, config) * cruise_m_s, _BRAKED * handling.stop_m)
-    share = cruise_m_s**2 / square / math.expm1(2.0 * force * braked_m / square)
-    return share / config.speed.max_throttle
+    return _fitted(config.speed.cruise_m_s, config.handling.stop_m, config) / config.speed.max_throttle
 
 
 _Fans = dict[tuple[int, int, int, int, bool], list[Rollout]]

@@ -1,11 +1,12 @@
-"""Commands that start calibration runs: DO_AUTOTUNE_ENABLE (heading), USER_1 (thrusters).
+"""Commands that start calibration runs: DO_AUTOTUNE_ENABLE (heading), USER_1 (thrusters), USER_2 (stop).
 
-Both answer IN_PROGRESS until the run ends. Its results become parameters.
+They answer IN_PROGRESS until the run ends. Its results become parameters.
 """
 
 from dataclasses import dataclass
+from functools import partial
 
-from companion.calibration.runner import HEADING, THRUSTERS, Calibration, CalibrationRunner
+from companion.calibration.runner import HEADING, STOP, THRUSTERS, Calibration, CalibrationRunner
 from companion.core.status_text import Severity
 from companion.mavlink.dialect import dialect
 from companion.services.commands.command import Command, CommandTable, Result
@@ -28,7 +29,8 @@ class CalibrationCommands:
     def __post_init__(self) -> None:
         self.table: CommandTable = {
             dialect.MAV_CMD_DO_AUTOTUNE_ENABLE: self._tune_heading,
-            dialect.MAV_CMD_USER_1: self._calibrate_thrusters,
+            dialect.MAV_CMD_USER_1: partial(self._calibrate, THRUSTERS),
+            dialect.MAV_CMD_USER_2: partial(self._calibrate, STOP),
         }
 
     def tick(self) -> Result | None:
@@ -57,10 +59,10 @@ class CalibrationCommands:
         """param1: 1 starts, 0 aborts; param2: axes, 0 or 4 (yaw)."""
         return Result.DENIED if command.whole(1) not in _AXES else self._start(HEADING, command, 0.0)
 
-    def _calibrate_thrusters(self, command: Command) -> Result:
+    def _calibrate(self, kind: Calibration, command: Command) -> Result:
         """param1: 1 starts, 0 aborts; param2: radius in m, 0 for the default."""
         radius_m = command.p[1]
-        return self._start(THRUSTERS, command, radius_m) if 0.0 <= radius_m <= 10000.0 else Result.DENIED
+        return self._start(kind, command, radius_m) if 0.0 <= radius_m <= 10000.0 else Result.DENIED
 
     def _start(self, kind: Calibration, command: Command, radius_m: float) -> Result:
         runner, vehicle, wanted = self._runner, self._vehicle, command.whole(0)

@@ -80,6 +80,12 @@ KINDS: Final[dict[str, Kind]] = {
         ("Thruster calibration aborted",),
         while_armed=True,
     ),
+    "stop": Kind(
+        dialect.MAV_CMD_USER_2, (1.0,), dialect.MAV_CMD_USER_2, 1800.0,
+        ("Stop calibration done",),
+        ("Stop calibration aborted",),
+        while_armed=True,
+    ),
     "heading": Kind(
         dialect.MAV_CMD_DO_AUTOTUNE_ENABLE, (1.0,), dialect.MAV_CMD_DO_AUTOTUNE_ENABLE, 1800.0,
         ("Heading autotune done",),

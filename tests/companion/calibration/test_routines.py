@@ -9,7 +9,14 @@ from boat_rig import FRAME, ORIGIN, nav_at
 from twins.lines import known
 
 from companion.calibration import motor_test
-from companion.calibration.runner import HEADING, THRUSTERS, Calibration, CalibrationResult, CalibrationRunner
+from companion.calibration.runner import (
+    HEADING,
+    STOP,
+    THRUSTERS,
+    Calibration,
+    CalibrationResult,
+    CalibrationRunner,
+)
 from companion.config.actuators import DriveSetting
 from companion.config.boat_config import BoatConfig, with_value
 from companion.core.geo import Point
@@ -160,6 +167,14 @@ def test_the_autotune_finds_the_gains() -> None:
     assert values == pytest.approx({"HDG_KP": 6.72640, "HDG_KI": 1.34528, "HDG_KD": 1.82747}, rel=1e-5)
 
 
+def test_the_stop_calibration_finds_the_way_from_cruise_and_a_bound_of_it() -> None:
+    """From 1.2 m/s with thrust for 1.8 m/s astern: T (u − s ln(1 + u / s)) = 0.42 m, from half of it 0.12 m,
+    which the model takes for 0.53 m from cruise. The rest is two deviations.
+    """
+    values = found(Boat(), STOP)
+    assert values == pytest.approx({"HND_STOP": 0.700300}, rel=1e-5)
+
+
 def test_a_fence_shortens_the_runs() -> None:
     boat = fenced(Boat(), 40.0)
     assert boat.start(THRUSTERS) == ""
@@ -251,6 +266,7 @@ def test_what_stops_a_calibration(changes: dict[str, object], reason: str) -> No
         (THRUSTERS, {"is_slowed": True}, "something is in the way of every run"),
         (THRUSTERS, {"is_stuck": True}, "the boat does not reach the start of a run"),
         (HEADING, {"is_stuck": True}, "the boat does not reach the start of a run"),
+        (STOP, {"is_stuck": True}, "the boat does not reach the start of a run"),
         (HEADING, {"is_slowed": True}, "too little room to swing"),
         (
             HEADING,

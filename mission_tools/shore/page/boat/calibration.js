@@ -20,6 +20,7 @@ const KINDS = [
   { kind: "motor_field", needs: AT_REST, extra: makeFieldRun },
   { kind: "thrusters", needs: SAILING, sails: true },
   { kind: "heading", needs: SAILING, sails: true },
+  { kind: "stop", needs: SAILING, sails: true },
 ];
 
 export function makePanel(inside, page) {
