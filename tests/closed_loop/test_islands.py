@@ -67,7 +67,7 @@ def test_islands_that_the_fence_lacks_are_rounded_on_the_way_home() -> None:
     come_home(rig, home, 168.0)
 
 
-ISLAND = "map.obstacles=[{name='island', polygon=[[60, -15], [80, -12], [82, 10], [70, 18], [58, 9]]}]"
+ISLAND = "map.obstacles=[{name='island', polygon=[[30, -9], [41, -8], [42, 7], [36, 10], [29, 6]]}]"
 ROCKY = "map.obstacles=[{name='rock', polygon=[[30, -5], [41, -4], [41, 5], [30, 4]]}]"
 
 
@@ -79,11 +79,11 @@ def off_line_m(rig: Rig, east_m: float, limit_s: float) -> float:
 
 def test_an_island_on_a_later_leg_is_rounded_and_the_line_sailed_on() -> None:
     rig = Rig("open", ISLAND, config=BY_SIGHT)
-    rig.sail(waypoint(0.0, 20.0), waypoint(0.0, 120.0), waypoint(40.0, 120.0))
-    assert off_line_m(rig, 50.0, 60.0) < 1.0
-    assert off_line_m(rig, 70.0, 120.0) > 10.0
-    assert off_line_m(rig, 108.0, 60.0) < 2.0
-    rig.until(lambda: reached(rig)[-1:] == [3], 70.0)
+    rig.sail(waypoint(0.0, 10.0), waypoint(0.0, 62.0), waypoint(15.0, 62.0))
+    assert off_line_m(rig, 25.0, 40.0) < 1.0
+    assert off_line_m(rig, 36.0, 80.0) > 6.0
+    assert off_line_m(rig, 56.0, 40.0) < 2.0
+    rig.until(lambda: reached(rig)[-1:] == [3], 50.0)
     assert rig.world.groundings == 0
     assert not any("otor" in text or "Steering" in text or "skipped" in text for text in rig.peer.texts)
 
@@ -99,12 +99,12 @@ def test_a_waypoint_on_an_island_is_waited_for_then_skipped() -> None:
 
 
 def test_smart_rtl_rounds_what_has_come_onto_the_track() -> None:
-    rig = Rig("open", ISLAND, "boat.start=[110, 0]", config=BY_SIGHT).ready()
+    rig = Rig("open", ISLAND, "boat.start=[60, 0]", config=BY_SIGHT).ready()
     armed(Mode.LOITER, rig=rig)
     track, nav = rig.boat.vehicle.track, rig.boat.vehicle.nav
     assert nav is not None
-    track.points = [Point(nav.north_m, nav.east_m - off_m) for off_m in (110.0, 90.0, 1.0)]
+    track.points = [Point(nav.north_m, nav.east_m - off_m) for off_m in (60.0, 50.0, 1.0)]
     assert rig.set_mode(Mode.SMART_RTL) == OK
-    rig.until(lambda: rig.offset_m(0.0, 0.0) < 3.0, 200.0)
+    rig.until(lambda: rig.offset_m(0.0, 0.0) < 3.0, 130.0)
     assert rig.world.groundings == 0
     assert not any("otor" in text or "Steering" in text for text in rig.peer.texts)

@@ -70,9 +70,17 @@ def page(record: RunRecord) -> str:
     return run_page(record)
 
 
+WPL = """QGC WPL 110
+0\t1\t0\t16\t0\t0\t0\t0\t50.0\t-1.2\t0\t1
+1\t0\t3\t16\t0\t0\t0\t0\t50.0002\t-1.2\t50\t1
+"""
+
+
 @pytest.fixture(scope="module")
-def outcome() -> TrialResult:
-    return attempt(run_mission, Trial(number=1, scenario="open", seed=1, course="straight"))
+def outcome(tmp_path_factory: pytest.TempPathFactory) -> TrialResult:
+    path = tmp_path_factory.mktemp("mission") / "short.waypoints"
+    path.write_text(WPL, encoding="utf-8")
+    return attempt(run_mission, Trial(number=1, scenario="open", seed=1, mission=str(path)))
 
 
 def test_the_page_of_a_run_needs_nothing_but_itself(record: RunRecord, page: str) -> None:
