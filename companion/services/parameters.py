@@ -38,12 +38,14 @@ class ParameterService:
         if self._parameters.loss:
             self._losses.add(_STORED, self._parameters.loss, "Set any parameter to keep what is in use")
         self._answers: deque[tuple[int, float]] = deque()  # stored values to confirm
-        self._answers_left = _ANSWERS_PER_TICK
         self._listing: dict[int, deque[int]] = {}  # by open channel: indexes to send
-        self._left = _LIST_PER_TICK  # list entries left for this tick
         # by channel, in order of their turns: asked for and not yet done
         self._sets: dict[int, deque[tuple[str, float]]] = {}
-        self._sets_left = _SETS_PER_TICK
+        self._begin_tick()
+
+    def _begin_tick(self) -> None:
+        """What may be done until the next tick."""
+        self._sets_left, self._answers_left, self._left = _SETS_PER_TICK, _ANSWERS_PER_TICK, _LIST_PER_TICK
 
     @property
     def is_busy(self) -> bool:
@@ -133,11 +135,9 @@ class ParameterService:
         self._sets.pop(channel, None)
 
     def tick(self) -> None:
-        self._sets_left = _SETS_PER_TICK
+        self._begin_tick()
         self._continue_sets()
-        self._answers_left = _ANSWERS_PER_TICK
         self._answer()
-        self._left = _LIST_PER_TICK
         for channel in self._listing:
             self._continue_list(channel)
 

@@ -18,6 +18,7 @@ MOST_REPEATS = 10_000
 _SLACK_S = 1e-6  # of a period that came in single precision
 _LONGEST_S = 86_400.0
 _FARTHEST_M = 100_000.0
+_MOST = 0xFFFF  # of a number, of which the boat has the lesser part
 _RELEASE, _GRAB = 0, 1  # GRIPPER_ACTIONS
 _E7 = 10_000_000  # an item in a global frame has its fifth parameter scaled
 
@@ -47,13 +48,13 @@ def _wrong(parameter: int, value: float, expected: str) -> ActionFault:
     return ActionFault(parameter, f"parameter {parameter} is {value:g}, expected {expected}")
 
 
-def _whole(value: float, low: int, high: int) -> int | None:
+def _whole(value: float, low: int = 0, high: int = _MOST) -> int | None:
     """An integer in a range; None for anything else."""
     return int(value) if low <= value <= high and value == int(value) else None
 
 
 def _set_servo(p: Parameters) -> PayloadAction | ActionFault:
-    channel, width_us = _whole(p[0], 1, 32), _whole(p[1], 1, 32767)
+    channel, width_us = _whole(p[0]), _whole(p[1])
     if channel is None:
         return _wrong(1, p[0], "a servo channel")
     return _wrong(2, p[1], "a pulse width in us") if width_us is None else actions.SetServo(channel, width_us)
@@ -76,21 +77,21 @@ def _repeat_servo(p: Parameters) -> PayloadAction | ActionFault:
 
 
 def _set_relay(p: Parameters) -> PayloadAction | ActionFault:
-    number, is_on = _whole(p[0], 0, 15), _whole(p[1], 0, 1)
+    number, is_on = _whole(p[0]), _whole(p[1], 0, 1)
     if number is None:
         return _wrong(1, p[0], "a relay, from 0")
     return _wrong(2, p[1], "0 or 1") if is_on is None else actions.SetRelay(number, bool(is_on))
 
 
 def _repeat_relay(p: Parameters) -> PayloadAction | ActionFault:
-    number = _whole(p[0], 0, 15)
+    number = _whole(p[0])
     if number is None:
         return _wrong(1, p[0], "a relay, from 0")
     return _repetition(p[1], p[2], 2) or actions.RepeatRelay(number, int(p[1]), p[2])
 
 
 def _gripper(p: Parameters) -> PayloadAction | ActionFault:
-    number, action = _whole(p[0], 0, 255), _whole(p[1], _RELEASE, _GRAB)
+    number, action = _whole(p[0]), _whole(p[1], _RELEASE, _GRAB)
     if number is None:
         return _wrong(1, p[0], "a gripper, or 0 for all")
     return (
@@ -101,7 +102,7 @@ def _gripper(p: Parameters) -> PayloadAction | ActionFault:
 
 
 def _winch(p: Parameters) -> PayloadAction | ActionFault:
-    number, motion = _whole(p[0], 0, 255), _whole(p[1], 0, 255)
+    number, motion = _whole(p[0]), _whole(p[1])
     if number is None:
         return _wrong(1, p[0], "a winch, or 0 for all")
     if motion not in tuple(WinchMotion):
@@ -122,7 +123,7 @@ def _lights(p: Parameters) -> PayloadAction | ActionFault:
 
 
 def _command(p: Parameters) -> PayloadAction | ActionFault:
-    number = _whole(p[0], 0, 65535)
+    number = _whole(p[0])
     return _wrong(1, p[0], "a command's number") if number is None else actions.RunCommand(number)
 
 
@@ -133,7 +134,7 @@ def _shoot(p: Parameters) -> PayloadAction | ActionFault:
 
 def _start_capture(p: Parameters) -> PayloadAction | ActionFault:
     interval_s = 0.0 if math.isnan(p[1]) else p[1]
-    count = _whole(p[2], 0, 0xFFFF)
+    count = _whole(p[2])
     if not 0.0 <= interval_s <= _LONGEST_S:
         return _wrong(2, p[1], "an interval in s")
     if count is None:

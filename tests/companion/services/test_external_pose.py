@@ -85,6 +85,23 @@ def test_a_local_pose_is_where_the_boat_is() -> None:
     assert rig.boat.estimator.frame.origin == ORIGIN
 
 
+@pytest.mark.parametrize(
+    ("north", "east", "sigma_m"),
+    [(0.04, 0.25, 0.5), (0.25, 0.04, 0.5), (9e3, 0.0, math.sqrt(9e3)), (1.1e4, 0.0, 0.05), (2e-6, 0.0, 1.414e-3)]
+    + [(5e-7, 0.0, 0.05), (NAN, 0.25, 0.05), (0.0, 0.0, 0.05)],
+)  # fmt: skip
+def test_the_accuracy_of_a_pose_is_the_worse_one_of_both_axes_within_reason(
+    north: float, east: float, sigma_m: float
+) -> None:
+    rig, camera = blind()
+    pose = vision(3.0, -2.0, 1.0)
+    pose.covariance = [north, *[0.0] * 5, east, *[0.0] * 14]
+    watch(rig, camera, 0.1, pose)
+    fix = rig.boat.sensors.external.fix
+    assert fix is not None
+    assert fix.horizontal_accuracy_m == pytest.approx(sigma_m, rel=1e-3)
+
+
 def test_the_origin_is_told_and_once_laid_is_not_moved() -> None:
     rig, camera = blind()
     (said,) = rig.peer.said("GPS_GLOBAL_ORIGIN")

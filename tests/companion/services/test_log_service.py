@@ -122,6 +122,13 @@ def test_a_tick_sends_no_more_than_its_share_and_less_while_the_boat_is_busy(
     assert max(sent) == sent[79] == 256
     assert sent[80:] == sorted(sent[80:], reverse=True)
     assert sent[-1] == 8
+    rig.boat.load = 0.1
+    rig.peer.send(dialect.MAVLink_log_request_end_message(*BOAT))
+    rig.run(0.2)
+    rig.peer.forget()
+    request(rig.peer, 1)
+    rig.step()
+    assert len(rig.peer.said("LOG_DATA")) == 8 + 36, "the next one begins anew"
 
 
 def test_logs_are_erased_unless_the_boat_is_armed(open_rig: OpenRig, tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ import pytest
 
 from companion import __version__
 from companion.autopilot.snapshot import Snapshot
-from companion.config.boat_config import BoatConfig
+from companion.config.boat_config import BoatConfig, with_value
 from companion.core.geo import LatLon, LocalFrame, Point, position_to_e7
 from companion.core.modes import Mode
 from companion.core.readings import DepthReading, GnssFix, HeadingReading, SonarReading
@@ -212,6 +212,10 @@ ROWS: list[Row] = [
     (
         motion.global_position_int, {"vehicle__nav": nav(north_m_s=500.0, east_m_s=-500.0)},
         {"time_boot_ms": MS, "lat": LAT, "lon": LON, "vx": 32_767, "vy": -32_767, "hdg": 33_000},
+    ),
+    (
+        motion.global_position_int, {"vehicle__nav": nav(heading_rad=-1e-5)},
+        {"time_boot_ms": MS, "lat": LAT, "lon": LON, "vx": 150, "vy": -200},
     ),
     (
         motion.local_position_ned, {},
@@ -476,6 +480,10 @@ ROWS: list[Row] = [
         health(SEEN & ~MOTORS, **{ENABLED: (ALWAYS | OPTIONAL) & ~MOTORS}),
     ),
     (status.sys_status, {"load": 7.0}, health(SEEN, load=1000)),
+    (
+        status.sys_status, {"config": with_value(CONFIG, "failsafe.rc_enabled", 0)},
+        health(SEEN, **{ENABLED: (ALWAYS | OPTIONAL) & ~RADIO}),
+    ),
     (
         status.sys_status, {"sensors__battery": None},
         health(SEEN, voltage_battery=UNTOLD, current_battery=-1, battery_remaining=-1),
