@@ -149,7 +149,10 @@ def test_the_camera_answers_each_command_from_its_own_component(
 def test_a_resent_capture_takes_one_image_and_a_lost_image_can_be_asked_for() -> None:
     rig = PayloadRig()
     rig.run(1.0)
-    capture, shoot = rig.sim.capture, dialect.MAVLink_command_long_message(1, 100, 2000, 0, 0, 0, 1, 0, 0, 0, 0)
+    capture, shoot = (
+        rig.sim.capture,
+        dialect.MAVLink_command_long_message(1, 100, 2000, 0, 0, 0, 1, 0, 0, 0, 0),
+    )
     assert capture is not None
     for _ in range(2):
         rig.peer.send(shoot)

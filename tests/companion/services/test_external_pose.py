@@ -28,8 +28,11 @@ def set_origin(place: LatLon) -> Message:
     return message
 
 
-def vision(north_m: float, east_m: float, yaw_rad: float, stamp_us: int = 0) -> Message:
-    covariance = [4e-6, *[0.0] * 5, 4e-6, *[0.0] * 14]  # 2 mm
+def vision(
+    north_m: float, east_m: float, yaw_rad: float, stamp_us: int = 0,
+    variances: tuple[float, float] = (4e-6, 4e-6),  # 2 mm
+) -> Message:  # fmt: skip
+    covariance = [variances[0], *[0.0] * 5, variances[1], *[0.0] * 14]
     message: Message = dialect.MAVLink_vision_position_estimate_message(
         stamp_us, north_m, east_m, 0.0, 0.0, 0.0, yaw_rad, covariance
     )
@@ -87,16 +90,16 @@ def test_a_local_pose_is_where_the_boat_is() -> None:
 
 @pytest.mark.parametrize(
     ("north", "east", "sigma_m"),
-    [(0.04, 0.25, 0.5), (0.25, 0.04, 0.5), (9e3, 0.0, math.sqrt(9e3)), (1.1e4, 0.0, 0.05), (2e-6, 0.0, 1.414e-3)]
-    + [(5e-7, 0.0, 0.05), (NAN, 0.25, 0.05), (0.0, 0.0, 0.05)],
+    [
+        (0.04, 0.25, 0.5), (0.25, 0.04, 0.5), (9e3, 0.0, math.sqrt(9e3)), (1.1e4, 0.0, 0.05),
+        (2e-6, 0.0, 1.414e-3), (5e-7, 0.0, 0.05), (NAN, 0.25, 0.05), (0.0, 0.0, 0.05),
+    ],
 )  # fmt: skip
 def test_the_accuracy_of_a_pose_is_the_worse_one_of_both_axes_within_reason(
     north: float, east: float, sigma_m: float
 ) -> None:
     rig, camera = blind()
-    pose = vision(3.0, -2.0, 1.0)
-    pose.covariance = [north, *[0.0] * 5, east, *[0.0] * 14]
-    watch(rig, camera, 0.1, pose)
+    watch(rig, camera, 0.1, vision(3.0, -2.0, 1.0, variances=(north, east)))
     fix = rig.boat.sensors.external.fix
     assert fix is not None
     assert fix.horizontal_accuracy_m == pytest.approx(sigma_m, rel=1e-3)

@@ -48,6 +48,6 @@ def test_keys_that_do_not_fit_are_told_with_3(
 ) -> None:  # fmt: skip
     with fake_vehicle(Behaviour(sign_key=vehicle_key)) as vehicle:
         options = ["--sign-key", key_file(tmp_path, passphrase)]
-        assert run_program([zigzag_plan(tmp_path), *link(vehicle, 10), *options]) == 3
+        assert run_program([zigzag_plan(tmp_path), *link(vehicle, 5), *options]) == 3
     assert told in capsys.readouterr().err
     assert vehicle.mission == []
