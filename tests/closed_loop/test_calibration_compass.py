@@ -70,6 +70,11 @@ def start(rig: Rig) -> None:
     assert rig.ask(CMD.MAV_CMD_DO_START_MAG_CAL, 1.0, 0.0, 1.0, 0.0, 0.0) == OK
 
 
+def is_busy(rig: Rig) -> bool:
+    """Whether the commands are looked after in every tick."""
+    return rig.boat.endpoint._commands.is_busy
+
+
 def test_circles_by_hand_from_qgroundcontrols_page_take_iron_and_motors_out(tmp_path: Path) -> None:
     rig = fresh(storage=MemoryStorage())
     page = QgcCompassPage(rig)
@@ -178,7 +183,9 @@ def test_another_compass_is_denied_and_a_cancellation_ends_a_calibration_and_a_m
     rig = fresh()
     assert rig.ask(CMD.MAV_CMD_DO_START_MAG_CAL, 2.0) == DENIED
     start(rig)
+    assert is_busy(rig), "every reading counts"
     assert rig.ask(CMD.MAV_CMD_DO_CANCEL_MAG_CAL) == OK
+    assert not is_busy(rig)
     rig.peer.forget()
     rig.run(3.0)
     assert not rig.peer.said("MAG_CAL_PROGRESS")
@@ -189,7 +196,9 @@ def test_another_compass_is_denied_and_a_cancellation_ends_a_calibration_and_a_m
     rig.set_mode(Mode.MANUAL)
     rig.boat.vehicle.armed = True
     assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 0, 0, 0, 0, 0, 1) == IN_PROGRESS
+    assert is_busy(rig)
     assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION) == CANCELLED
+    assert not is_busy(rig)
     assert rig.ask(CMD.MAV_CMD_PREFLIGHT_CALIBRATION, 0, 0, 0, 0, 0, 1) == IN_PROGRESS
     rig.peer.forget()
     rig.boat.vehicle.mode = rig.boat.vehicle.mode.LOITER

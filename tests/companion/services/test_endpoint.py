@@ -46,6 +46,21 @@ def test_a_fault_in_telemetry_stops_neither_boat_nor_heartbeat(
     assert len(caplog.records) == 1
 
 
+@pytest.mark.parametrize("busy", ["", "_missions", "_commands", "_listings", "_files", "_logs"])
+def test_services_are_served_in_every_tick_while_one_is_busy_and_else_ten_times_a_second(
+    busy: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig = Rig().ready()
+    served: list[float] = []
+    monkeypatch.setattr(rig.boat.endpoint._heartbeat, "tick", served.append)
+    if busy:
+        monkeypatch.setattr(type(getattr(rig.boat.endpoint, busy)), "is_busy", property(lambda _: True))
+    rig.run(0.2)
+    served.clear()
+    rig.run(1.0)
+    assert len(served) == 50 if busy else 8 <= len(served) <= 10
+
+
 def test_a_message_that_cannot_be_packed_is_counted_and_others_are_sent(
     caplog: pytest.LogCaptureFixture,
 ) -> None:

@@ -69,8 +69,10 @@ def test_a_motor_turns_for_as_long_as_asked_and_no_other_does(
     rig.run(1.9)
     assert motors(rig) == pytest.approx((left, right))
     assert not rig.boat.vehicle.armed
+    assert rig.boat.endpoint._commands.is_busy, "looked after in every tick"
     rig.run(0.2)
     assert motors(rig) == (0.0, 0.0)
+    assert not rig.boat.endpoint._commands.is_busy
 
 
 @pytest.mark.parametrize(
