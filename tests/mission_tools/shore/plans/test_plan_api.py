@@ -128,7 +128,7 @@ async def test_where_there_is_no_plan_the_planners_own_sentence_says_why(lake: S
     prepare(lake)
     wishes: list[tuple[dict[str, Any], str]] = [
         ({"task": "route", "goals": [[-1.5, 50.0]]}, "lies outside the map"),
-        ({"task": "route", "goals": [GOAL], "clearance_m": 300}, "clearance"),
+        ({"task": "route", "goals": [GOAL], "clearance_m": 30}, "clearance"),
     ]
     for wanted, said in wishes:
         status, refused = await plan(lake, wanted)
