@@ -42,6 +42,9 @@ cdef class Segments:
     @cython.locals(low=cython.longlong, high=cython.longlong, row=cython.longlong, start=cython.longlong, end=cython.longlong, i=cython.longlong, k=cython.longlong, within=double)
     cdef bint covers(self, double px, double py, double qx, double qy, double[::1] limit, double slack, double reach) noexcept
 
+    @cython.locals(x=double, y=double, row=cython.longlong, start=cython.longlong, end=cython.longlong, i=cython.longlong, n=cython.longlong, least2=double, is_own=bint)
+    cdef bint is_alone(self, long long k, long long after, double within, double[::1] limit, double reach) noexcept
+
     @cython.locals(dx=double, dy=double, farthest=double, reach=double, best=double, near=double, low=cython.longlong, high=cython.longlong, row=cython.longlong, start=cython.longlong, end=cython.longlong, i=cython.longlong, k=cython.longlong)
     cpdef double distance2(self, double ax, double ay, double bx, double by) noexcept
 

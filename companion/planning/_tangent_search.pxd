@@ -1,16 +1,11 @@
 # C types of tangent_search.py, which is compiled as `_tangent_search`.
 cimport cython
 from libc cimport math
-from companion.planning._tangents cimport Fan, Tangents
+from companion.planning._arcs cimport Arcs
+from companion.planning._tangents cimport Tangents
 
-cdef double POSITION_TOLERANCE, GRAZE_M
-cdef long long UNKNOWN, CLEAR, BLOCKED, FAN_FIELDS
-
-@cython.locals(i=Py_ssize_t, grown="double[::1]")
-cdef _more_doubles(double[::1] before)
-
-@cython.locals(i=Py_ssize_t, grown="long long[::1]")
-cdef _more_integers(long long[::1] before)
+cdef double INF, POSITION_TOLERANCE, GRAZE_M
+cdef long long TO_GOAL, MOST_TANGENTS, UNKNOWN, CLEAR, BLOCKED
 
 
 cdef class TangentSearch:
@@ -20,25 +15,28 @@ cdef class TangentSearch:
     cdef long long arrivals, entries, heap_size, bound_from
     cdef readonly long long expanded
     cdef readonly double bound
-    cdef double goal_x, goal_y, bound_at
-    cdef Fan start
+    cdef double start_x, start_y, goal_x, goal_y, bound_at, aim_x, aim_y, aim_at, aim_cost
+    cdef long long start_first, start_end, forgotten
 
-    @cython.locals(node=cython.longlong)
+    @cython.locals(t=Tangents, node=cython.longlong)
     cpdef begin(self, double start_x, double start_y, double goal_x, double goal_y)
 
-    @cython.locals(last=cython.longlong)
+    @cython.locals(last=cython.longlong, entry=cython.longlong)
     cpdef bint is_done(self, long long tangents) except -1
 
     @cython.locals(label=cython.longlong, left_at=double, found=list)
-    cpdef arcs(self)
+    cpdef turns(self)
 
-    @cython.locals(label=cython.longlong, radius=double, fan=Fan, t=Tangents, k=cython.longlong, walk=double, g=double, other=cython.longlong, dx=double, dy=double, f=double)
+    @cython.locals(label=cython.longlong, radius=double, first=cython.longlong, end=cython.longlong, t=Tangents, k=cython.longlong, walk=double, g=double, other=cython.longlong, dx=double, dy=double, f=double)
     cdef _add_arrival(self, long long node, double at, double cost, long long parent, double left_at)
 
-    @cython.locals(t=Tangents, node=cython.longlong, i=cython.longlong, side=double, radius=double, dx=double, dy=double, d2=double, square=double, scale=double, slack=double, length=double, u_x=double, u_y=double, departure=double, walk=double, total=double)
-    cdef void _try_goal(self, long long label) noexcept
+    @cython.locals(t=Tangents, node=cython.longlong, i=cython.longlong, side=double, radius=double, at=double, x=double, y=double, dx=double, dy=double, d2=double, square=double, scale=double, slack=double, length=double, u_x=double, u_y=double, walk=double)
+    cdef bint _aim(self, long long label) noexcept
 
-    @cython.locals(label=cython.longlong, k=cython.longlong, node=cython.longlong, radius=double, fan=Fan, t=Tangents, departure=double, at=double, walk=double, other=cython.longlong, g=double, potential=double, is_clear=bint, x=double, y=double)
+    @cython.locals(a=Arcs, node=cython.longlong)
+    cdef void _finish(self, long long label) noexcept
+
+    @cython.locals(label=cython.longlong, k=cython.longlong, node=cython.longlong, radius=double, t=Tangents, departure=double, at=double, walk=double, other=cython.longlong, g=double, potential=double, is_clear=bint)
     cdef _arrive(self, long long entry)
 
     @cython.locals(entry=cython.longlong, i=cython.longlong, up=cython.longlong)

@@ -181,6 +181,26 @@ class Segments:
                     return True
         return False
 
+    def is_alone(self, k: int, after: int, within: float, limit: "array[float]", reach: float) -> bool:
+        """Whether only k and the segment after it are nearer to their corner than `within` and their limit.
+
+        reach: within and the largest limit.
+        """
+        x, y = self.bx[k], self.by[k]
+        for row in range(self.row_of(y - reach), self.row_of(y + reach) + 1):
+            self.set_span(x, y, x, y, reach, row)
+            start = self.first[row * self.columns + self.lo]
+            end = self.first[row * self.columns + self.hi + 1]
+            for i in range(start, end):
+                n = self.items[i]
+                least2 = (within + limit[n]) * (within + limit[n])
+                is_own = n in (k, after)
+                if not is_own and (
+                    point_distance2(x, y, self.ax[n], self.ay[n], self.bx[n], self.by[n]) < least2
+                ):
+                    return False
+        return True
+
     def distance2(self, ax: float, ay: float, bx: float, by: float) -> float:
         """Squared distance of the leg ab from the nearest segment."""
         farthest = 2.0 * self.extent + math.sqrt(

@@ -7,37 +7,18 @@ the others cost more, and a tangent that leaves before it crosses its way. Sourc
 """
 
 import math
-from array import array
 from math import inf
 
+from companion.planning import arcs as corners
 from companion.planning import tangents as graph
+from companion.planning.arcs import doubles, integers, more_doubles, more_integers
 
 POSITION_TOLERANCE = 1e-9  # of arrivals and departures on an arc, radians
-GRAZE_M = graph.GRAZE_M
-FAN_FIELDS = graph.FAN_FIELDS
-UNKNOWN, CLEAR, BLOCKED = 0, 1, 2
-
-
-def _doubles(count: int) -> "array[float]":
-    return array("d", bytes(8 * count))
-
-
-def _integers(count: int) -> "array[int]":
-    return array("q", bytes(8 * count))
-
-
-def _more_doubles(before: "array[float]") -> "array[float]":
-    grown = _doubles(2 * len(before))
-    for i in range(len(before)):
-        grown[i] = before[i]
-    return grown
-
-
-def _more_integers(before: "array[int]") -> "array[int]":
-    grown = _integers(2 * len(before))
-    for i in range(len(before)):
-        grown[i] = before[i]
-    return grown
+GRAZE_M = corners.GRAZE_M
+INF = inf
+TO_GOAL = -1  # in the place of a tangent
+MOST_TANGENTS = graph.MOST_TANGENTS
+UNKNOWN, CLEAR, BLOCKED = corners.UNKNOWN, corners.CLEAR, corners.BLOCKED
 
 
 class TangentSearch:
@@ -45,33 +26,44 @@ class TangentSearch:
 
     def __init__(self, tangents: graph.Tangents) -> None:
         self.tangents = tangents
-        count = 2 * tangents.count + 1
-        self.best = _doubles(count)  # of a node: cost of its best arrival, less its position
-        self.best_at = _doubles(count)
-        self.node, self.at, self.cost = _integers(64), _doubles(64), _doubles(64)  # of each arrival
-        self.parent, self.left_at = _integers(64), _doubles(64)  # whence, and where on that arc
+        count = 2 * tangents.arcs.count + 1
+        self.best = doubles(count)  # of a node: cost of its best arrival, less its position
+        self.best_at = doubles(count)
+        self.node, self.at, self.cost = (
+            integers(64),
+            doubles(64),
+            doubles(64),
+        )  # of each arrival
+        self.parent, self.left_at = integers(64), doubles(64)  # whence, and where on that arc
         self.arrivals = 0
-        self.entry_from, self.entry_edge = _integers(256), _integers(256)
+        self.entry_from, self.entry_edge = integers(256), integers(256)
         self.entries = 0
-        self.heap_f, self.heap = _doubles(256), _integers(256)
+        self.heap_f, self.heap = doubles(256), integers(256)
         self.heap_size = 0
         self.goal_x = self.goal_y = 0.0
-        self.bound = inf
+        self.aim_x = self.aim_y = self.aim_at = self.aim_cost = 0.0
+        self.bound = INF
         self.bound_from = 0
         self.bound_at = 0.0
         self.expanded = 0
-        self.start = self.tangents.fan_of(-1, 0.0, 0.0)
+        self.start_x = self.start_y = 0.0
+        self.start_first = self.start_end = self.forgotten = 0
 
     def begin(self, start_x: float, start_y: float, goal_x: float, goal_y: float) -> None:
-        for node in range(2 * self.tangents.count):
-            self.best[node] = inf
+        t = self.tangents
+        if t.count > MOST_TANGENTS:
+            t.forget()
+        for node in range(2 * t.arcs.count):
+            self.best[node] = INF
         self.arrivals = self.entries = self.heap_size = 0
         self.goal_x, self.goal_y = goal_x, goal_y
-        self.bound = inf
+        self.bound = INF
         self.bound_from = 0
         self.expanded = 0
-        if self.start.x != start_x or self.start.y != start_y:
-            self.start = self.tangents.fan_of(-1, start_x, start_y)
+        if self.start_x != start_x or self.start_y != start_y or self.forgotten != t.forgotten:
+            self.start_first = t.fan_of(-1, start_x, start_y)
+            self.start_x, self.start_y, self.start_end = start_x, start_y, t.count
+            self.forgotten = t.forgotten
         self._add_arrival(-1, 0.0, 0.0, -1, 0.0)
 
     def is_done(self, tangents: int) -> bool:
@@ -80,10 +72,14 @@ class TangentSearch:
         while self.heap_size > 0 and self.heap_f[0] < self.bound:
             if self.expanded >= last:
                 return False
-            self._arrive(self._pop())
+            entry = self._pop()
+            if self.entry_edge[entry] == TO_GOAL:
+                self._finish(self.entry_from[entry])
+            else:
+                self._arrive(entry)
         return True
 
-    def arcs(self) -> list[tuple[int, float, float]]:
+    def turns(self) -> list[tuple[int, float, float]]:
         """The shortest way as its arcs in order: node, position of arrival, position of departure.
 
         Its length is `bound`: infinite where there is no way. A straight way has no arcs.
@@ -101,116 +97,112 @@ class TangentSearch:
         t = self.tangents
         label = self.arrivals
         if label == len(self.node):
-            self.node, self.parent = _more_integers(self.node), _more_integers(self.parent)
-            self.at, self.cost = _more_doubles(self.at), _more_doubles(self.cost)
-            self.left_at = _more_doubles(self.left_at)
+            self.node, self.parent = more_integers(self.node), more_integers(self.parent)
+            self.at, self.cost = more_doubles(self.at), more_doubles(self.cost)
+            self.left_at = more_doubles(self.left_at)
         self.arrivals += 1
         self.node[label], self.at[label], self.cost[label] = node, at, cost
         self.parent[label], self.left_at[label] = parent, left_at
         radius = 0.0
-        fan = self.start
+        first, end = self.start_first, self.start_end
         if node >= 0:
-            radius = t.radius[node >> 1]
-            fan = t.fan(node)
-        self._try_goal(label)
-        for k in range(fan.count):
-            if fan.state[k] == BLOCKED:
+            radius = t.arcs.radius[node >> 1]
+            first = t.fan(node)
+            end = t.fan_end[node]
+        if self._aim(label) and self.aim_cost < self.bound:
+            self._push(self.aim_cost, label, TO_GOAL)
+        for k in range(first, end):
+            if t.state[k] == BLOCKED:
                 continue
-            walk = fan.data[FAN_FIELDS * k] - at
+            walk = t.departure[k] - at
             if walk < -POSITION_TOLERANCE:
                 continue
             walk = max(walk, 0.0)
-            g = cost + radius * walk + fan.data[FAN_FIELDS * k + 1]
-            other = fan.target[k]
-            if self.best[other] <= g - t.radius[other >> 1] * fan.data[FAN_FIELDS * k + 2] and (
-                fan.data[FAN_FIELDS * k + 2] <= self.best_at[other]
+            g = cost + radius * walk + t.length[k]
+            other = t.target[k]
+            if self.best[other] <= g - t.arcs.radius[other >> 1] * t.arrival[k] and (
+                t.arrival[k] <= self.best_at[other]
             ):
                 continue
-            dx = self.goal_x - fan.data[FAN_FIELDS * k + 3]
-            dy = self.goal_y - fan.data[FAN_FIELDS * k + 4]
+            dx = self.goal_x - t.end_x[k]
+            dy = self.goal_y - t.end_y[k]
             f = g + math.sqrt(dx * dx + dy * dy)
             if f < self.bound:
                 self._push(f, label, k)
 
-    def _try_goal(self, label: int) -> None:
-        """Lower the bound where the tangent from an arrival's arc to the goal is clear."""
+    def _aim(self, label: int) -> bool:
+        """Set the tangent from an arrival's arc to the goal, untested. Whether there is one."""
         t = self.tangents
         node = self.node[label]
-        if node < 0:
-            if t.segments.is_clear(self.start.x, self.start.y, self.goal_x, self.goal_y, t.limit2, t.reach):
-                dx = self.goal_x - self.start.x
-                dy = self.goal_y - self.start.y
-                self.bound = math.sqrt(dx * dx + dy * dy)
-            return
-        i = node >> 1
-        side = -1.0 if node & 1 else 1.0
-        radius = t.radius[i]
-        dx = self.goal_x - t.x[i]
-        dy = self.goal_y - t.y[i]
+        side = radius = at = 0.0
+        x, y = self.start_x, self.start_y
+        if node >= 0:
+            i = node >> 1
+            side = -1.0 if node & 1 else 1.0
+            x, y, radius = t.arcs.x[i], t.arcs.y[i], t.arcs.radius[i]
+        dx = self.goal_x - x
+        dy = self.goal_y - y
         d2 = dx * dx + dy * dy
         square = d2 - radius * radius
         scale = d2
         if square < 0.0:
             slack = radius - 3.0 * GRAZE_M
             if d2 <= 0.0 or (slack > 0.0 and d2 < slack * slack):
-                return
+                return False
             square = 0.0
             scale = math.sqrt(d2) * radius
         length = math.sqrt(square)
         u_x = (dx * length - dy * side * radius) / scale
         u_y = (dy * length + dx * side * radius) / scale
-        departure = t.position(node, side * u_y, -side * u_x)
-        walk = departure - self.at[label]
-        if departure < 0.0 or walk < -POSITION_TOLERANCE:
-            return
+        if node >= 0:
+            at = t.arcs.position(node, side * u_y, -side * u_x)
+        walk = at - self.at[label]
+        if at < 0.0 or walk < -POSITION_TOLERANCE:
+            return False
         walk = max(walk, 0.0)
-        total = self.cost[label] + radius * walk + length
+        self.aim_x = x + radius * side * u_y
+        self.aim_y = y - radius * side * u_x
+        self.aim_at = at
+        self.aim_cost = self.cost[label] + radius * walk + length
+        return True
+
+    def _finish(self, label: int) -> None:
+        """End the search if the tangent from an arrival's arc to the goal is clear."""
+        a, node = self.tangents.arcs, self.node[label]
         if (
-            total < self.bound
-            and t.segments.is_clear(
-                t.x[i] + radius * side * u_y,
-                t.y[i] - radius * side * u_x,
-                self.goal_x,
-                self.goal_y,
-                t.limit2,
-                t.reach,
-            )
-            and t.may_walk(node, self.at[label], departure)
+            self._aim(label)
+            and a.segments.is_clear(self.aim_x, self.aim_y, self.goal_x, self.goal_y, a.limit2, a.reach)
+            and (node < 0 or a.may_walk(node, self.at[label], self.aim_at))
         ):
-            self.bound, self.bound_from, self.bound_at = total, label, departure
+            self.bound, self.bound_from, self.bound_at = self.aim_cost, label, self.aim_at
 
     def _arrive(self, entry: int) -> None:
         """Test the tangent of an entry of the open list, unless its arc was reached as well before."""
         t = self.tangents
         label, k = self.entry_from[entry], self.entry_edge[entry]
         node, radius = self.node[label], 0.0
-        fan = self.start
         if node >= 0:
-            fan = t.fan(node)
-            radius = t.radius[node >> 1]
-        if fan.state[k] == BLOCKED:
+            radius = t.arcs.radius[node >> 1]
+        if t.state[k] == BLOCKED:
             return
-        departure, at = fan.data[FAN_FIELDS * k], fan.data[FAN_FIELDS * k + 2]
+        departure, at = t.departure[k], t.arrival[k]
         walk = departure - self.at[label]
         walk = max(walk, 0.0)
-        other = fan.target[k]
-        g = self.cost[label] + radius * walk + fan.data[FAN_FIELDS * k + 1]
-        potential = g - t.radius[other >> 1] * at
+        other = t.target[k]
+        g = self.cost[label] + radius * walk + t.length[k]
+        potential = g - t.arcs.radius[other >> 1] * at
         if self.best[other] <= potential + 1e-12 and (
-            at <= self.best_at[other] or t.may_walk(other, self.best_at[other], at)
+            at <= self.best_at[other] or t.arcs.may_walk(other, self.best_at[other], at)
         ):
             return
-        if fan.state[k] == UNKNOWN:
-            x, y = fan.x, fan.y
-            if node >= 0:
-                x, y = t.point_x(node, departure, radius), t.point_y(node, departure, radius)
-            is_clear = t.segments.is_clear(
-                fan.data[FAN_FIELDS * k + 3], fan.data[FAN_FIELDS * k + 4], x, y, t.limit2, t.reach
+        if t.state[k] == UNKNOWN:
+            is_clear = t.arcs.segments.is_clear(
+                t.end_x[k], t.end_y[k], t.begin_x[k], t.begin_y[k], t.arcs.limit2, t.arcs.reach
             )
-            fan.state[k] = CLEAR if is_clear else BLOCKED
+            t.state[k] = CLEAR if is_clear else BLOCKED
             if not is_clear:
                 return
-        if node >= 0 and not t.may_walk(node, self.at[label], departure):
+        if node >= 0 and not t.arcs.may_walk(node, self.at[label], departure):
             return
         self.expanded += 1
         if potential < self.best[other]:
@@ -222,10 +214,10 @@ class TangentSearch:
         entry = self.entries
         if entry == len(self.entry_from):
             self.entry_from, self.entry_edge = (
-                _more_integers(self.entry_from),
-                _more_integers(self.entry_edge),
+                more_integers(self.entry_from),
+                more_integers(self.entry_edge),
             )
-            self.heap_f, self.heap = _more_doubles(self.heap_f), _more_integers(self.heap)
+            self.heap_f, self.heap = more_doubles(self.heap_f), more_integers(self.heap)
         self.entries += 1
         self.entry_from[entry], self.entry_edge[entry] = label, k
         i = self.heap_size

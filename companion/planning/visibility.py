@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 from companion.core.geo import Point, distance_m, path_length_m
 from companion.core.steps import finished
 from companion.planning import kernels
+from companion.planning.arcs import ARC_STEP_RAD, GRAZE_M, ROUNDING_M
 from companion.planning.exits import exits
-from companion.planning.tangents import ARC_STEP_RAD, GRAZE_M, ROUNDING_M
 
 if TYPE_CHECKING:
+    from companion.planning.arcs import Arcs
     from companion.planning.segments import Segments
     from companion.planning.tangent_search import TangentSearch
-    from companion.planning.tangents import Tangents
 
 MAX_EXCESS = 5e-5
 """Half of the 0.01 % that a route may be longer than with true arcs; where there is no room for large steps
@@ -28,6 +28,8 @@ TURN, TURN_BACK = 16, 2
 """Tangents that the searches from the start and from the goal follow by turns: an eighth for what is found
 only where no route joins them."""
 
+_arcs = kernels.load("_arcs", "arcs")
+_view = kernels.load("_view", "view")
 _tangents = kernels.load("_tangents", "tangents")
 _tangent_search = kernels.load("_tangent_search", "tangent_search")
 
@@ -66,7 +68,7 @@ class Routes:
         self._limit = limit
         self._limit2 = array("d", [(value - ROUNDING_M) ** 2 for value in limit])
         self._reach_m = max(limit, default=0.0)
-        self._graph: Tangents | None = None
+        self._arcs: Arcs | None = None
         self._searches: tuple[TangentSearch, TangentSearch] | None = None
 
     def is_clear(self, start: Point, end: Point) -> bool:
@@ -135,48 +137,49 @@ class Routes:
 
         A goal in water of its own, as a rule a small cove, is found unconnected without a search of the lake.
         """
-        if self._graph is None or self._searches is None:
-            graph = self._graph = _tangents.Tangents(self._segments, *self._given)
+        if self._arcs is None or self._searches is None:
+            self._arcs = _arcs.Arcs(self._segments, *self._given)
+            graph = _tangents.Tangents(self._arcs, _view.View(self._arcs))
             self._searches = (_tangent_search.TangentSearch(graph), _tangent_search.TangentSearch(graph))
         search, back = self._searches
         search.begin(start.east_m, start.north_m, goal.east_m, goal.north_m)
         if search.is_done(TURN):
-            return _route(self._graph, search, start, goal)
+            return _route(self._arcs, search, start, goal)
         back.begin(goal.east_m, goal.north_m, start.east_m, start.north_m)
         while not back.is_done(TURN_BACK):
             yield
             if search.is_done(TURN):
-                return _route(self._graph, search, start, goal)
-        there = _route(self._graph, back, goal, start)
+                return _route(self._arcs, search, start, goal)
+        there = _route(self._arcs, back, goal, start)
         return there._replace(points=there.points[::-1])
 
 
-def _route(graph: "Tangents", search: "TangentSearch", start: Point, goal: Point) -> Route:
+def _route(arcs: "Arcs", search: "TangentSearch", start: Point, goal: Point) -> Route:
     """What a search has found, as legs."""
     if math.isinf(search.bound):
         raise NoWay("unconnected")
-    arcs = search.arcs()
-    turned_m = sum(graph.radius[node >> 1] * (left_at - at) for node, at, left_at in arcs)
+    turns = search.turns()
+    turned_m = sum(arcs.radius[node >> 1] * (left_at - at) for node, at, left_at in turns)
     step_rad = MAX_STEP_RAD
     if turned_m > 0.0:  # a circumscribed step is step²/12 longer than its arc
         step_rad = min(step_rad, math.sqrt(12.0 * MAX_EXCESS * search.bound / turned_m))
     points = [start]
-    for node, at, left_at in arcs:
-        points += _corners(graph, node, at, left_at, step_rad)
+    for node, at, left_at in turns:
+        points += _corners(arcs, node, at, left_at, step_rad)
     points.append(goal)
     return Route(tuple(points), path_length_m(points), search.expanded)
 
 
-def _corners(graph: "Tangents", node: int, at: float, left_at: float, step_rad: float) -> list[Point]:
+def _corners(arcs: "Arcs", node: int, at: float, left_at: float, step_rad: float) -> list[Point]:
     """An arc as the corners of circumscribed legs, the fewest that are clear."""
     turn = max(left_at - at, 0.0)
     proven = int(turn / ARC_STEP_RAD) + 1  # what the search has tested
     legs = min(math.ceil(turn / step_rad), proven) or 1
-    while legs < proven and not graph.is_walk_clear(node, at, left_at, legs):
+    while legs < proven and not arcs.is_walk_clear(node, at, left_at, legs):
         legs = min(2 * legs, proven)
     step = turn / legs
-    radius_m = graph.radius[node >> 1] / math.cos(0.5 * step)
+    radius_m = arcs.radius[node >> 1] / math.cos(0.5 * step)
     places = [at + (n + 0.5) * step for n in range(legs)]
     return [
-        Point(graph.point_y(node, place, radius_m), graph.point_x(node, place, radius_m)) for place in places
+        Point(arcs.point_y(node, place, radius_m), arcs.point_x(node, place, radius_m)) for place in places
     ]

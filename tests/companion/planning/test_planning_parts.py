@@ -8,12 +8,14 @@ from random import Random
 import pytest
 
 from companion.core.geo import Point
+from companion.planning.arcs import Arcs
 from companion.planning.area_shores import outside_of
 from companion.planning.areas import Ring
 from companion.planning.exits import _Circle, _distance, _feet, _Line, _meetings
 from companion.planning.segments import Segments
 from companion.planning.tangent_search import TangentSearch
 from companion.planning.tangents import Tangents
+from companion.planning.view import View
 
 ALONG = _Line(-5.0, 3.0, 1.0, 0.0, 10.0)  # ten metres east, at 3 m north
 UP = _Line(2.0, 0.0, 0.0, 1.0, 8.0)
@@ -91,8 +93,8 @@ def test_the_open_list_gives_its_entries_in_the_order_of_their_cost() -> None:
     ring = [(0.0, 0.0), (9.0, 0.0), (9.0, 9.0), (0.0, 9.0)]
     sides = [(*ring[at - 1], *ring[at]) for at in range(4)]
     segments = Segments(*(array("d", values) for values in zip(*sides, strict=True)))
-    graph = Tangents(segments, array("q", (1, 2, 3, 0)), array("q", (-1,) * 4), array("d", (1.0,) * 4))
-    search, random, costs = TangentSearch(graph), Random(1), []
+    arcs = Arcs(segments, array("q", (1, 2, 3, 0)), array("q", (-1,) * 4), array("d", (1.0,) * 4))
+    search, random, costs = TangentSearch(Tangents(arcs, View(arcs))), Random(1), []
     for number in range(700):  # more than it holds at first
         costs.append(random.uniform(0.0, 100.0))
         search._push(costs[-1], number, number + 1)
@@ -117,7 +119,7 @@ def test_an_arc_ends_where_another_shore_buries_it(turned: float) -> None:
     sides = [(*ring[at], *ring[(at + 1) % 4]) for ring in rings for at in range(4)]
     segments = Segments(*(array("d", values) for values in zip(*sides, strict=True)))
     following = array("q", [4 * (k // 4) + (k + 1) % 4 for k in range(8)])
-    graph = Tangents(segments, following, array("q", (-1,) * 8), array("d", (2.0,) * 8))
+    graph = Arcs(segments, following, array("q", (-1,) * 8), array("d", (2.0,) * 8))
     assert graph.count == 8
     for i in range(8):
         a_x, a_y, b_x, b_y = graph.a_x[i], graph.a_y[i], graph.b_x[i], graph.b_y[i]

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from companion.core.geo import Point
-from companion.planning import segments, tangent_search, tangents, visibility, water
+from companion.planning import arcs, segments, tangent_search, tangents, view, visibility, water
 from companion.planning.visibility import NoWay
 from companion.planning.water import Shore, Water
 
@@ -58,6 +58,8 @@ def test_kernel_and_twin_agree(part: int, monkeypatch: pytest.MonkeyPatch) -> No
     seeds = range(part * CASES // QUERIES // 2, (part + 1) * CASES // QUERIES // 2)
     compiled = [results(seed) for seed in seeds]
     monkeypatch.setattr(water, "_kernel", segments)
+    monkeypatch.setattr(visibility, "_arcs", arcs)
+    monkeypatch.setattr(visibility, "_view", view)
     monkeypatch.setattr(visibility, "_tangents", tangents)
     monkeypatch.setattr(visibility, "_tangent_search", tangent_search)
     for seed, kernels_own in zip(seeds, compiled, strict=True):
