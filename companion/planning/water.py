@@ -38,10 +38,8 @@ class Water:
 
     def __init__(self, shores: Sequence[Shore], *, is_open: bool = False) -> None:
         self._shores = tuple(cleaned for shore in shores if (cleaned := _cleaned(shore)).corners)
-        self._is_open = is_open
-        self._obstacles: tuple[Shore, ...] = ()
-        self._base: segments.Segments | None = _segments(self._shores)
-        self._index = self._base
+        self._inside = _Inside(_segments(self._shores), is_open=is_open)
+        self._index = self._inside.shores
         self._rings: tuple[_Ring, ...] = tuple(
             _Ring(shore, self._water_side(shore.corners)) for shore in self._shores
         )
@@ -53,8 +51,10 @@ class Water:
         if not new:
             return self
         water = object.__new__(Water)
-        water._shores, water._is_open, water._base = self._shores, self._is_open, self._base
-        water._obstacles = (*self._obstacles, *new)
+        water._shores = self._shores
+        water._inside = _Inside(
+            self._inside.shores, (*self._inside.obstacles, *new), is_open=self._inside.is_open
+        )
         water._rings = (*self._rings, *(_Ring(shore, -_turning(shore.corners)) for shore in new))
         water._index = _segments([ring.shore for ring in water._rings])
         water._routes = {}
@@ -62,10 +62,7 @@ class Water:
 
     def is_water(self, at: Point) -> bool:
         """Whether a point is in the water, not on land, outside or in an obstacle."""
-        is_inside = self._base is not None and self._base.is_inside(at.east_m, at.north_m)
-        return is_inside != self._is_open and not any(
-            _is_inside(shore.corners, at) for shore in self._obstacles
-        )
+        return self._inside.is_water(at)
 
     def distance_m(self, at: Point) -> float:
         """Distance to the nearest shore; infinite in open water."""
@@ -115,6 +112,23 @@ class Water:
         is_left = self.is_water(Point(middle.north_m + east, middle.east_m - north))
         is_right = self.is_water(Point(middle.north_m - east, middle.east_m + north))
         return int(is_left) - int(is_right)
+
+
+class _Inside:
+    """Where water is; apart from `Water`, so that this and its routes do not keep each other alive."""
+
+    def __init__(
+        self, shores: "segments.Segments | None", obstacles: tuple[Shore, ...] = (), *, is_open: bool
+    ) -> None:
+        self.shores = shores
+        self.obstacles = obstacles
+        self.is_open = is_open
+
+    def is_water(self, at: Point) -> bool:
+        is_inside = self.shores is not None and self.shores.is_inside(at.east_m, at.north_m)
+        return is_inside != self.is_open and not any(
+            _is_inside(shore.corners, at) for shore in self.obstacles
+        )
 
 
 class _Ring(NamedTuple):
