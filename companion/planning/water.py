@@ -100,7 +100,7 @@ class Water:
             following.append(first)
             left.extend([ring.water_side] * count)
             limit.extend([max(own_m, MIN_CLEARANCE_M)] * count)
-        return Routes(self.is_water, self._index, following, left, limit)
+        return Routes(self._inside.is_water, self._index, following, left, limit)
 
     def _water_side(self, corners: Sequence[Point]) -> int:
         """1 where the water is on the left of a ring, −1 on its right, 0 on both sides."""

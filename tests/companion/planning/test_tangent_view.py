@@ -1,16 +1,20 @@
 """What a view leaves out is barred, and it leaves out most of what is."""
 
+import gc
 import math
+import weakref
 from array import array
 from random import Random
 
 import pytest
 
+from companion.core.geo import Point
 from companion.planning.arcs import Arcs
 from companion.planning.segments import Segments
 from companion.planning.tangent_search import TangentSearch
 from companion.planning.tangents import MOST_TANGENTS, Tangents
 from companion.planning.view import View
+from companion.planning.water import Shore, Water
 
 POINT = -1
 
@@ -100,3 +104,19 @@ def test_tangents_are_forgotten_before_a_search_once_there_are_too_many() -> Non
     tangents.count = MOST_TANGENTS + 1
     assert length_m() == before
     assert tangents.count == count
+
+
+def test_water_goes_with_its_routes_once_nobody_uses_it() -> None:
+    """A boat whose fence is replaced often waits for no garbage collection of megabytes."""
+    square = [Point(0.0, 0.0), Point(0.0, 90.0), Point(90.0, 90.0), Point(90.0, 0.0)]
+    island = [Point(30.0, 40.0), Point(30.0, 50.0), Point(60.0, 50.0), Point(60.0, 40.0)]
+    water = Water([Shore(square), Shore(island)])
+    assert water.routes(2.0).route(Point(45.0, 20.0), Point(45.0, 70.0)).expanded
+    water_lives, routes_live = weakref.ref(water), weakref.ref(water.routes(2.0))
+    gc.disable()
+    try:
+        del water
+        assert water_lives() is None
+        assert routes_live() is None
+    finally:
+        gc.enable()
