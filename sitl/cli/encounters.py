@@ -44,7 +44,9 @@ def encounters(
 
     Each run is first made without them, so that a mover can be aimed at the boat. Prints a table and a
     summary. A touch of a mover is inevitable if none of 18,750 manoeuvres, begun 0.3 s after its first
-    possible echo, keeps clear, and unheard if none does after the first echo that was heard.
+    possible echo, keeps clear, and unheard if none does after the first echo that was heard. Travel
+    counts full scales of the busier motor a minute while the boat avoids something, side changes how often
+    it reports another side than before.
 
     Example:  boat-sitl encounters --seeds 5 --only crossing
     A lidar of 12 m:  boat-sitl encounters --seeds 5 --sight 12

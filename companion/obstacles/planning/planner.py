@@ -31,6 +31,7 @@ from companion.obstacles.planning.way_ahead import free_m, is_same_goal, places_
 
 PERIOD_S: Final = 0.09  # between decisions, at least
 GIVING_WAY: Final = "Moving obstacle: giving way"
+PASSING: Final = "Obstacle: passing to"
 NO_WAY: Final = "Obstacle: no way around, keeping station"
 BY_SIGHT: Final = "No fence: sailing by sight. Faster: upload a fence, or set AVOID_SIGHT 2"
 _BEYOND_M: Final = 6.0  # the map reaches beyond the sight: a detour
@@ -249,7 +250,7 @@ class LocalPlanner:
         """Once a thing: what is passed so soon after another one on the same side counts as the same."""
         side = self._detour.side
         if side != self._told_side or now_s > self._round_s + _SAME_S:
-            self._notify(f"Obstacle: passing to {'starboard' if side > 0 else 'port'}")
+            self._notify(f"{PASSING} {'starboard' if side > 0 else 'port'}")
         self._told_side = side
 
     def _keep(self, *, is_blocked: bool = True) -> Intent | None:

@@ -13,6 +13,7 @@ from companion.obstacles.perception.looked_at import UNCHARTED
 from companion.obstacles.planning.planner import GIVING_WAY, NO_WAY
 from mission_tools.mission.route import mission_along
 from sitl.courses.missions import wire_items
+from sitl.experiments.encounters.avoiding import AvoidingRun, side_changes
 from sitl.experiments.encounters.evasion import could_evade
 from sitl.experiments.encounters.obstacles import (
     LEG_M,
@@ -85,7 +86,8 @@ def run_encounter(trial: Trial) -> TrialResult:
 
     touches: contacts of the hull; inevitable: whether no manoeuvre after the mover's first possible echo
     would have kept clear; unheard: the same after the first echo that was heard; moves_told and no_way_told:
-    messages to the operator; alone_s: the duration without an obstacle.
+    messages to the operator; alone_s: the duration without an obstacle; avoiding_s: while the local planner
+    steers; avoiding_travel: full scales of the busier motor in that time; side_changes: of the reported side.
 
     Raises:
         RunError: the boat did not arm or start.
@@ -110,6 +112,9 @@ def run_encounter(trial: Trial) -> TrialResult:
             "alone_s": alone_s,
             "moves_told": texts.count(GIVING_WAY),
             "no_way_told": texts.count(NO_WAY),
+            "avoiding_s": mission_run.avoiding_s,
+            "avoiding_travel": max(mission_run.travels),
+            "side_changes": side_changes(texts),
         },
     )
 
@@ -143,9 +148,9 @@ def _scenario(current_m_s: float, seed: int, settings: dict[str, Any], tree: Tre
     return load_scenario("open", over=[layer, Layer(COMMAND_LINE, settings)])
 
 
-def _sail(scenario: Scenario) -> tuple[MissionRun, Result]:
+def _sail(scenario: Scenario) -> tuple[AvoidingRun, Result]:
     leg = [scenario.frame.to_global(Point(north_m, 0.0)) for north_m in (0.0, LEG_M)]
-    mission_run = MissionRun(scenario, wire_items(mission_along(leg)))
+    mission_run = AvoidingRun(scenario, wire_items(mission_along(leg)))
     return mission_run, mission_run.run(timeout_s=MOST_S)
 
 

@@ -19,7 +19,8 @@ ENCOUNTERS: Final = (
 )
 _HEAD: Final = (
     "| in the way | runs | touched | of these inevitable | unheard | completed | time, times that without | "
-    "gave way | found no way |\n|---|---|---|---|---|---|---|---|---|\n"
+    "gave way | found no way | travel a minute | side changes |\n"
+    "|---|---|---|---|---|---|---|---|---|---|---|\n"
 )
 
 
@@ -32,7 +33,9 @@ def markdown(trials: Sequence[Trial], results: Sequence[TrialResult]) -> str:
 
 
 def summary(trials: Sequence[Trial], results: Sequence[TrialResult]) -> str:
-    """Touches of still obstacles, of movers and of the shore, and the time lost in completed runs."""
+    """Touches of still obstacles, of movers and of the shore, and the time lost in completed runs; how
+    calmly what lies still is avoided.
+    """
     still: list[TrialResult] = []
     moving: list[TrialResult] = []
     shore: list[TrialResult] = []
@@ -44,7 +47,8 @@ def summary(trials: Sequence[Trial], results: Sequence[TrialResult]) -> str:
         f"still: {_count(still)} touches of {len(still)}; "
         f"movers: {_count(moving)} of {len(moving)}, {inevitable} inevitable, {unheard} unheard; "
         f"shore: {_count(shore)} of {len(shore)}; "
-        f"time lost: still {_time_lost(still)}, movers {_time_lost(moving)}, shore {_time_lost(shore)}"
+        f"time lost: still {_time_lost(still)}, movers {_time_lost(moving)}, shore {_time_lost(shore)}; "
+        f"beside still: motor travel {_travel(still)} a minute, side changes {_changes(still)}"
     )
 
 
@@ -74,6 +78,18 @@ def _time_lost(results: Sequence[TrialResult]) -> str:
     return f"{100.0 * (with_s / alone_s - 1.0):.0f} %"
 
 
+def _travel(results: Sequence[TrialResult]) -> str:
+    """Full scales a minute, while the local planner steers."""
+    travel, avoiding_s = (
+        sum(one.value(name) for one in results) for name in ("avoiding_travel", "avoiding_s")
+    )
+    return f"{60.0 * travel / avoiding_s:.0f}" if avoiding_s else "unknown"
+
+
+def _changes(results: Sequence[TrialResult]) -> int:
+    return round(sum(one.value("side_changes") for one in results))
+
+
 def _row(encounter: Encounter, results: Sequence[TrialResult]) -> str:
     touched = [result for result in results if result.figures["touches"]]
     completed = [result for result in results if result.ended == "completed"]
@@ -86,5 +102,7 @@ def _row(encounter: Encounter, results: Sequence[TrialResult]) -> str:
         f"{fmean(one.value('time_s') / one.value('alone_s') for one in completed):.2f}" if completed else "",
         round(sum(result.value("moves_told") for result in results)),
         round(sum(result.value("no_way_told") for result in results)),
+        _travel(results),
+        _changes(results),
     )
     return f"| {' | '.join(str(cell) for cell in cells)} |"

@@ -5,9 +5,10 @@ import math
 import pytest
 
 from companion.core.geo import Point
+from sitl.experiments.encounters.avoiding import side_changes
 from sitl.experiments.encounters.encounter import Encounter, encounter_trials, run_encounter
 from sitl.experiments.encounters.obstacles import LEG_M, Kind, Meeting, mover, still_obstacles
-from sitl.experiments.encounters.table import run_rows, summary
+from sitl.experiments.encounters.table import markdown, run_rows, summary
 from sitl.experiments.trial import TrialResult
 from sitl.world.movers import Mover, MoverSettings
 
@@ -48,10 +49,32 @@ def test_without_avoidance_what_moves_is_touched_though_it_could_be_helped(
     assert figures["unheard"] is is_unheard
 
 
+def test_the_side_changes_where_another_one_is_reported() -> None:
+    port, starboard = "Obstacle: passing to port", "Obstacle: passing to starboard"
+    texts = [port, "Armed", port, starboard, "Obstacle: trying again", port]
+    assert side_changes(texts) == 2
+    assert side_changes([]) == 0
+
+
+@pytest.mark.parametrize("avoids", [True, False])
+def test_travel_counts_while_the_boat_avoids_something(avoids: bool) -> None:
+    avoidance = {} if avoids else {"enable": 1}
+    settings = {"sensors": {"sonar": {"ranger": "ideal"}}, "vehicle": {"avoidance": avoidance}}
+    (trial,) = encounter_trials([Encounter("lone")], [1], settings)
+    result = run_encounter(trial)
+    avoiding_s, travel = result.value("avoiding_s"), result.value("avoiding_travel")
+    if not avoids:
+        assert (avoiding_s, travel) == (0.0, 0.0)
+        return
+    assert 3.0 < avoiding_s < 60.0
+    assert 1.0 < travel < 4.0 * avoiding_s, "at most the slew rate"
+
+
 def test_the_summary_counts_touched_runs_by_kind_and_the_time_lost() -> None:
     encounters = [Encounter("lone"), Encounter("head_on", 0.5)]
     trials = encounter_trials(encounters, [1, 2], {})
-    figures = {"time_s": 33.0, "alone_s": 30.0, "moves_told": 0, "no_way_told": 0}
+    figures = {"time_s": 33.0, "alone_s": 30.0, "moves_told": 0, "no_way_told": 0, "side_changes": 1}
+    figures |= {"avoiding_s": 15.0, "avoiding_travel": 10.0}
     results = [
         TrialResult(
             number=number,
@@ -70,8 +93,10 @@ def test_the_summary_counts_touched_runs_by_kind_and_the_time_lost() -> None:
     ]
     assert summary(trials, results) == (
         "still: 1 touches of 2; movers: 2 of 2, 1 inevitable, 2 unheard; shore: 0 of 0; "
-        "time lost: still 10 %, movers 10 %, shore unknown"
+        "time lost: still 10 %, movers 10 %, shore unknown; "
+        "beside still: motor travel 40 a minute, side changes 2"
     )
+    assert markdown(trials, results).splitlines()[2] == ("| lone | 2 | 1 |  |  | 1 | 1.10 | 0 | 0 | 40 | 2 |")
     assert [(row["encounter"], row["seed"]) for row in run_rows(trials, results)] == [
         ("lone", 1), ("lone", 2), ("head on 0.5 m/s", 1), ("head on 0.5 m/s", 2),
     ]  # fmt: skip
