@@ -30,7 +30,7 @@ _DECIDES_S: Final = 0.05  # half a period of the decisions
 _THRUST: Final = 1.0 / ASTERN_SHARE
 # Of a measured crash stop, at least: a hull that stops at once has more drag than thrust
 _BRAKED: Final = 0.25
-_ASTERN: Final = 0.6  # propellers' thrust astern, of ahead: 0.5 to 0.7, as in estimation/hull_model.py
+_ASTERN: Final = 0.5  # propellers' thrust astern, of ahead: at least, as in estimation/hull_model.py
 BOW: Final = (
     0.25  # margins ahead of the centre, astern of it for a boat that goes astern: half a hull less its beam
 )

@@ -6,7 +6,7 @@ import pytest
 from avoidance_rig import CONFIG, LEG, NORTH, ROCK, WALL, Lines, Voyage, boat, mover, ring
 from msgspec.structs import replace
 
-from companion.config.boat_config import with_value
+from companion.config.boat_config import BoatConfig, with_value
 from companion.core import intent as intents
 from companion.core.geo import Point
 from companion.core.intent import FollowLeg, HoldHeading, KeepStation
@@ -178,8 +178,8 @@ def test_too_near_and_bow_on_the_boat_backs_off() -> None:
     assert voyage.stage() is Stage.BACK
 
 
-def crossing(*movers_at: tuple[float, float, float, float]) -> Voyage:
-    voyage = Voyage()
+def crossing(*movers_at: tuple[float, float, float, float], config: BoatConfig = CONFIG) -> Voyage:
+    voyage = Voyage(config=config)
     for number, each in enumerate(movers_at, 1):
         track = mover(*each)
         track.number = number
@@ -198,7 +198,8 @@ def test_a_mover_head_on_is_passed_to_starboard_and_reported_once() -> None:
 
 @pytest.mark.parametrize("side", [-1.0, 1.0])
 def test_crossing_traffic_is_not_passed_ahead(side: float) -> None:
-    voyage = crossing((3.5, -2.5 * side, 0.0, 0.6 * side))
+    """The boat knows its stop: one that does not would rather stop at once."""
+    voyage = crossing((3.5, -2.5 * side, 0.0, 0.6 * side), config=with_value(CONFIG, "handling.stop_m", 3.7))
     found = voyage.at(0.9, intent=NORTH_1)
     assert isinstance(found, HoldHeading)
     way = roll(1.0, 0.0, found.heading_rad, found.speed_m_s, CONFIG)

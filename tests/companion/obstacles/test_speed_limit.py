@@ -92,15 +92,17 @@ def test_by_sight_a_crash_stop_a_pass_of_the_sweep_later_ends_a_margin_before_wh
 
 
 def test_with_four_metres_of_sight_the_boat_sails_at_little_more_than_half_its_cruise() -> None:
-    assert allowed_speed_m_s(boat(), CONFIG, looked(), Fence(), 0.0) == pytest.approx(1.20, abs=0.03)
+    assert allowed_speed_m_s(boat(), CONFIG, looked(), Fence(), 0.0) == pytest.approx(1.12, abs=0.03)
+    lake = with_value(CONFIG, "handling.stop_m", 3.7)  # which it measured: a boat that did not is careful
+    assert allowed_speed_m_s(boat(), lake, looked(), Fence(), 0.0) == pytest.approx(1.24, abs=0.03)
 
 
 def test_a_sweep_all_round_looks_ahead_seldom_and_so_the_boat_is_slower() -> None:
     chart = looked()
     chart.sector = Sector(-math.pi, math.pi)
-    assert allowed_speed_m_s(boat(), CONFIG, chart, Fence(), 0.0) == pytest.approx(1.10, abs=0.03)
+    assert allowed_speed_m_s(boat(), CONFIG, chart, Fence(), 0.0) == pytest.approx(1.03, abs=0.03)
     chart.sector = Sector(0.3, 0.3)  # a second look at an echo does not look ahead at all
-    assert allowed_speed_m_s(boat(), CONFIG, chart, Fence(), 0.0) == pytest.approx(1.20, abs=0.03)
+    assert allowed_speed_m_s(boat(), CONFIG, chart, Fence(), 0.0) == pytest.approx(1.12, abs=0.03)
 
 
 def test_the_sweep_does_not_make_the_limit_rise_and_fall() -> None:
@@ -114,7 +116,7 @@ def test_the_sweep_does_not_make_the_limit_rise_and_fall() -> None:
         if ping > 20:
             found.append(allowed_speed_m_s(nav, CONFIG, chart, Fence(), now_s))
     assert min(found) == pytest.approx(max(found), abs=0.01)
-    assert min(found) > 1.15
+    assert min(found) > 1.1
 
 
 def test_water_looked_at_too_long_ago_or_never_is_crossed_at_the_slowest_speed() -> None:
