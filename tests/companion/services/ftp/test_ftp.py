@@ -1,5 +1,6 @@
 """The file server, request by request."""
 
+import errno
 import os
 import struct
 import zlib
@@ -19,6 +20,7 @@ from companion.mavlink.address import Address
 from companion.mavlink.dialect import dialect
 from companion.mavlink.ftp_frames import Code, Opcode
 from companion.services.ftp.bursts import BLOCKS_PER_TICK
+from companion.services.ftp.folder import DiskReading
 from companion.services.ftp.service import REQUESTS_PER_TICK
 from companion.services.ftp.sessions import IDLE_S, MAX_SESSIONS, MAX_STATIONS, MAX_UPLOAD_BYTES, Session
 from companion.services.outbox import Origin
@@ -340,12 +342,44 @@ def test_a_burst_waits_for_room_on_its_channel(served: Served) -> None:
     served.put(b"/files/a", bytes(10_000))
     session = served.ask(Opcode.OPEN_FILE_RO, b"/files/a").session
     served.outbox.room = lambda _: 1
-    assert len(served.send(request_of(10, Opcode.BURST_READ_FILE, session=session, size=239))) == 1
-    assert len(served.tick()) == 1
+    request = request_of(10, Opcode.BURST_READ_FILE, session=session, size=239)
+    assert [block.offset for block in served.send(request)] == [0]
+    assert [block.offset for block in served.send(request)] == [239], "a repeated request does not begin anew"
+    for number in range(2, 5):  # nor does the session end for want of requests
+        assert [block.offset for block in served.tick(0.6 * IDLE_S)] == [239 * number]
     served.outbox.room = lambda _: 0
     assert served.tick() == []
     served.outbox.room = lambda _: 10**6
     assert len(served.tick()) > 30
+
+
+@pytest.mark.parametrize("is_broken", [False, True])
+def test_a_burst_waits_for_the_disk_and_ends_when_it_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_broken: bool
+) -> None:
+    worker, content = Slow(), os.urandom(263_000)
+    served = Served(tmp_path, worker)
+    (tmp_path / "files" / "a").write_bytes(content)
+    served.send(request_of(1, Opcode.OPEN_FILE_RO, b"/files/a"))
+    worker.work()
+    (opened,) = served.tick()
+    request = request_of(10, Opcode.BURST_READ_FILE, session=opened.session, size=239, offset=262_000)
+    assert served.send(request) == served.tick() == []
+    assert len(worker.waiting) == 1
+
+    def fail(*_: object) -> None:
+        raise OSError(errno.EIO, "the card is gone")
+
+    if is_broken:
+        monkeypatch.setattr(DiskReading, "load", fail)
+        worker.waiting = [(future, fail) for future, _ in worker.waiting]
+    worker.work()
+    *blocks, end = served.tick()
+    assert b"".join(block.data for block in blocks) == (b"" if is_broken else content[262_000:])
+    assert end.code is (Code.FAIL_ERRNO if is_broken else Code.END_OF_FILE)
+    assert end.sequence == 11 + len(blocks)
+    assert served.tick() == []
+    assert worker.waiting == []
 
 
 def test_the_loop_never_waits_for_the_disk(tmp_path: Path) -> None:

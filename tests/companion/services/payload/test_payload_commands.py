@@ -13,6 +13,7 @@ from companion.mavlink.items import MissionItem, MissionResult
 from companion.mavlink.transfer import Completed, Failed
 from companion.payload.actions import (
     ActionFault,
+    CaptureByDistance,
     MoveGripper,
     MoveWinch,
     RepeatRelay,
@@ -47,7 +48,11 @@ ANSWERS = [
     (CMD.MAV_CMD_DO_REPEAT_RELAY, (0, 1, 0.099), DENIED, "parameter 3 is 0.099"),
     (CMD.MAV_CMD_DO_REPEAT_RELAY, (0, 10000, 1.0), OK, ""),
     (CMD.MAV_CMD_DO_REPEAT_RELAY, (0, 10001, 1.0), DENIED, "parameter 2 is 10001"),
+    (CMD.MAV_CMD_DO_REPEAT_RELAY, (0, 1, 86_401), DENIED, "parameter 3 is 86401"),
+    (CMD.MAV_CMD_DO_REPEAT_RELAY, (-1, 1, 1.0), DENIED, "parameter 1 is -1, expected a relay, from 0"),
     (CMD.MAV_CMD_DO_GRIPPER, (1, 1), OK, ""),
+    (CMD.MAV_CMD_DO_GRIPPER, (-1, 1), DENIED, "parameter 1 is -1, expected a gripper"),
+    (CMD.MAV_CMD_DO_WINCH, (-1, 0), DENIED, "parameter 1 is -1, expected a winch"),
     (CMD.MAV_CMD_DO_GRIPPER, (1, 2), DENIED, "parameter 2 is 2, expected 0 release or 1 grab"),
     (CMD.MAV_CMD_DO_WINCH, (1, 1, 2.0), OK, ""),
     (CMD.MAV_CMD_DO_WINCH, (1, 1, NAN), DENIED, "parameter 3 is nan, expected a length of line in m"),
@@ -60,14 +65,18 @@ ANSWERS = [
     (CMD.MAV_CMD_ILLUMINATOR_ON_OFF, (1,), OK, ""),
     (CMD.MAV_CMD_ILLUMINATOR_ON_OFF, (NAN,), DENIED, "parameter 1 is nan, expected 0 or 1"),
     (CMD.MAV_CMD_DO_SEND_SCRIPT_MESSAGE, (7,), OK, ""),
+    (CMD.MAV_CMD_DO_SEND_SCRIPT_MESSAGE, (-1,), DENIED, "parameter 1 is -1, expected a command's number"),
+    (CMD.MAV_CMD_DO_SEND_SCRIPT_MESSAGE, (0,), DENIED, "no command 0"),
     (CMD.MAV_CMD_DO_DIGICAM_CONTROL, (0, 0, 0, 0, 1), OK, ""),
-    (CMD.MAV_CMD_DO_DIGICAM_CONTROL, (0, 0, 0, 0, 0), DENIED, "parameter 5 is 0, expected 1, to"),
+    (CMD.MAV_CMD_DO_DIGICAM_CONTROL, (0, 0, 0, 0, 2), DENIED, "parameter 5 is 2, expected 1, to"),
     (CMD.MAV_CMD_IMAGE_START_CAPTURE, (0, 0, 1), OK, ""),
     (CMD.MAV_CMD_IMAGE_START_CAPTURE, (0, 2, 0), OK, ""),
     (CMD.MAV_CMD_IMAGE_START_CAPTURE, (0, 0, 3), DENIED, "parameter 2 is 0, expected an interval in s"),
     (CMD.MAV_CMD_IMAGE_START_CAPTURE, (0, 1, NAN), DENIED, "parameter 3 is nan, expected a number of images"),
     (CMD.MAV_CMD_IMAGE_STOP_CAPTURE, (), OK, ""),
     (CMD.MAV_CMD_DO_SET_CAM_TRIGG_DIST, (10,), OK, ""),
+    (CMD.MAV_CMD_DO_SET_CAM_TRIGG_DIST, (0,), OK, ""),
+    (CMD.MAV_CMD_DO_SET_CAM_TRIGG_DIST, (100_001,), DENIED, "parameter 1 is 100001"),
     (CMD.MAV_CMD_DO_SET_CAM_TRIGG_DIST, (-1,), DENIED, "parameter 1 is -1, expected a distance in m"),
 ]  # fmt: skip
 
@@ -124,13 +133,15 @@ def test_any_parameters_are_an_action_or_a_fault(
         (CMD.MAV_CMD_ILLUMINATOR_ON_OFF, (1,), SetLights(True)),
         (CMD.MAV_CMD_ILLUMINATOR_ON_OFF, (0,), SetLights(False)),
         (CMD.MAV_CMD_DO_SEND_SCRIPT_MESSAGE, (7,), RunCommand(7)),
+        (CMD.MAV_CMD_DO_SET_CAM_TRIGG_DIST, (9, 0, 1), CaptureByDistance(9, True)),
+        (CMD.MAV_CMD_DO_SET_CAM_TRIGG_DIST, (9,), CaptureByDistance(9, False)),
     ],
 )
 def test_parameters_are_the_action_that_they_name(
     rig: PayloadRig, number: int, params: tuple[float, ...], action: object
 ) -> None:
     padded = (*params, *[0.0] * (7 - len(params)))
-    assert read_action(number, padded, FittedPayload(rig.config.payload)) == action
+    assert read_action(number, padded, FittedPayload(rig.config.payload, rig.config.camera)) == action
 
 
 def do(command: int, *params: float) -> MissionItem:
