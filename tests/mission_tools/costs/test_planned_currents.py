@@ -52,6 +52,8 @@ def test_a_river_turns_with_its_middle_line() -> None:
     bent = River((Point(0.0, 0.0), Point(100.0, 0.0), Point(100.0, 100.0)), 20.0, 1.0)
     assert velocity(bent, 50.0, 0.0) == pytest.approx((1.0, 0.0))
     assert velocity(bent, 100.0, 50.0) == pytest.approx((0.0, 1.0))
+    assert velocity(bent, -50.0, 0.0) == pytest.approx((1.0, 0.0))  # straight on beyond its ends
+    assert velocity(bent, 100.0, 150.0) == pytest.approx((0.0, 1.0))
     assert velocity(bent, 95.0, 50.0) == pytest.approx((0.0, 0.75))
     assert velocity(bent, 50.0, 30.0) == (0.0, 0.0)
 

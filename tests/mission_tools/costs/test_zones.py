@@ -48,6 +48,9 @@ def test_a_shoal_is_an_obstacle_for_a_boat_that_draws_more(tmp_path: Path) -> No
     assert chart.obstruction(at) is None
     assert for_draught(chart, 0.3) is chart
     assert for_draught(chart, 0.5).obstruction(at) == "on water of 0.4 m"
+    told = "the map has no depths (depth_m): a draught of 0.5 m makes no difference"
+    assert told not in for_draught(chart, 0.5).notes
+    assert told in for_draught(chart_with(tmp_path), 0.5).notes
 
 
 def test_a_depth_or_limit_that_is_no_number_is_named(tmp_path: Path) -> None:
