@@ -72,6 +72,7 @@ TESTED_IN = {  # where it is not tests/companion/<package> alone
     "services": (
         "tests/companion/services", "tests/closed_loop/test_calibration_compass.py",
         "tests/closed_loop/test_calibration_heading.py", "tests/closed_loop/test_calibration_thrusters.py",
+        "tests/closed_loop/test_calibration_stop.py",
         "tests/companion/vehicle/mission/test_mission_parts.py",
         "tests/companion/router/test_forgeable_addresses.py",
     ),

@@ -159,6 +159,8 @@ def test_a_resent_capture_takes_one_image_and_a_lost_image_can_be_asked_for() ->
         rig.run(0.5)
     rig.run(3.0)
     assert [ack.result for ack in rig.peer.said("COMMAND_ACK")] == [OK, OK]
+    statuses = rig.peer.said("CAMERA_CAPTURE_STATUS")
+    assert [one.image_status for one in statuses] == [1, IDLE], "told when it changes"
     assert len(capture.starts) == 1
     assert len(rig.peer.said("CAMERA_IMAGE_CAPTURED")) == 1
     rig.peer.send(shoot)  # later than a station repeats itself: one more
