@@ -22,6 +22,7 @@ from rich.table import Table
 from companion.cli.output_file import write_text
 from companion.core.errors import BoatError
 from companion.core.geo import Point
+from mission_tools.costs.boat import Boat
 from mission_tools.drawing.draw import draw_survey, save_figure
 from mission_tools.errors import MissionToolsError
 from mission_tools.planning.planner import PlanSettings
@@ -129,15 +130,12 @@ def _scenario(arguments: argparse.Namespace) -> Scenario:
 
 def _settings(scenario: Scenario, footprint_m: float, overlap: float) -> SurveySettings:
     """Tracks for the scenario's own boat."""
-    boat = scenario.vehicle
-    radius_m = turn_radius_m(
-        boat.speed.cruise_m_s, boat.handling.turn_rate_rad_s, boat.guidance.corner_accel_m_s2
-    )
+    boat = Boat.of(scenario.vehicle)
     return SurveySettings(
         footprint_m=footprint_m,
         overlap=overlap,
         plan=PlanSettings.from_route(scenario.route),
-        turn_radius_m=radius_m,
+        turn_radius_m=turn_radius_m(boat, boat.cruise_m_s),
     )
 
 

@@ -14,7 +14,7 @@ from benchmarks.measure import Row, alone, cpu_seconds
 from mission_tools.drawing.draw import swath_of
 from mission_tools.maps import Chart, load_source
 from mission_tools.planning.planner import PlanSettings
-from mission_tools.tasks.survey.settings import SurveySettings, turn_radius_m
+from mission_tools.tasks.survey.settings import SurveySettings
 from mission_tools.tasks.survey.survey import Survey, survey
 
 SHORE = Path("tests/data/shores")
@@ -24,7 +24,6 @@ LAKES = (
     ("lake_winnipesaukee_nh", "Winnipesaukee, 186 km², 68 islands", 400.0),
 )
 OVERLAP = 0.1
-TURN_RADIUS_M = turn_radius_m(2.0, 0.65, 0.8)  # of the lake boat at cruise speed
 ROUNDS = 5
 _ARC = 16  # segments of a quarter circle
 
@@ -39,7 +38,6 @@ def rows() -> list[Row]:
             footprint_m=footprint_m,
             overlap=OVERLAP,
             plan=PlanSettings(clearance_m=4.0),
-            turn_radius_m=TURN_RADIUS_M,
         )
         planned = survey(chart, None, settings)
         plan_it = partial(survey, chart, None, settings)

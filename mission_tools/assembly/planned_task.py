@@ -149,9 +149,7 @@ def _turn_radius_m(options: PlanOptions) -> float:
     if options.turn_radius_m is not None or options.boat is None:
         return options.turn_radius_m or 0.0
     boat = load_boat(options.boat)
-    speed_m_s = options.speed_m_s or boat.cruise_m_s
-    radius_m = turn_radius_m(speed_m_s, boat.turn_rate_rad_s, boat.corner_accel_m_s2)
-    return max(radius_m, boat.least_radius_m)
+    return turn_radius_m(boat, options.speed_m_s or boat.cruise_m_s)
 
 
 def survey_area(chart: Chart, areas: FileAreas, name: str) -> SurveyArea:

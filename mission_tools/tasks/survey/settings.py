@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass, field
 
+from mission_tools.costs.boat import Boat
 from mission_tools.errors import UsageError
 from mission_tools.planning.planner import PlanSettings
 
@@ -70,12 +71,18 @@ class SurveySettings:
         return self.spacing_m / (1.0 - (self.overlap or 0.0))
 
 
-def turn_radius_m(speed_m_s: float, turn_rate_rad_s: float, corner_accel_m_s2: float) -> float:
-    """The tightest turn at a speed: of the boat's turn rate, and of the acceleration allowed in corners.
+def turn_radius_m(boat: Boat, speed_m_s: float) -> float:
+    """The tightest turn at a speed: of the boat's rudder, turn rate, and acceleration allowed in corners.
 
-    In a boat's TOML: speed.cruise_m_s, handling.turn_rate_rad_s, guidance.corner_accel_m_s2.
+    0 for a boat that turns on the spot: a turn of any radius is a longer way, and no track gets better by it.
     """
-    return max(speed_m_s / turn_rate_rad_s, speed_m_s * speed_m_s / corner_accel_m_s2)
+    if boat.least_radius_m == 0.0:
+        return 0.0
+    return max(
+        boat.least_radius_m,
+        speed_m_s / boat.turn_rate_rad_s,
+        speed_m_s * speed_m_s / boat.corner_accel_m_s2,
+    )
 
 
 def _said(name: str) -> str:

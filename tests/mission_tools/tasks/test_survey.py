@@ -9,6 +9,7 @@ import shapely
 from task_waters import FRAME, basin, real_lake, route_line
 
 from companion.core.geo import Point
+from mission_tools.costs.boat import load_boat
 from mission_tools.errors import NoRoute, UsageError
 from mission_tools.maps import Chart, Feature, build_chart
 from mission_tools.planning.planner import PlanSettings
@@ -151,9 +152,13 @@ def test_settings_that_make_no_sense_are_refused(given: dict[str, float], said: 
         SurveySettings(**given)  # type: ignore[arg-type]
 
 
-def test_the_turn_radius_is_the_larger_of_what_rate_and_acceleration_allow() -> None:
-    assert turn_radius_m(2.0, 0.65, 0.8) == pytest.approx(5.0)
-    assert turn_radius_m(0.4, 0.65, 0.8) == pytest.approx(0.4 / 0.65)
+def test_the_turn_radius_is_the_largest_of_what_rudder_rate_and_acceleration_allow() -> None:
+    boat = replace(load_boat("lake"), turn_rate_rad_s=0.65, corner_accel_m_s2=0.8)
+    assert turn_radius_m(boat, 2.0) == 0.0  # two motors turn it on the spot
+    steered = replace(boat, least_radius_m=1.0)
+    assert turn_radius_m(steered, 2.0) == pytest.approx(5.0)
+    assert turn_radius_m(steered, 0.66) == pytest.approx(0.66 / 0.65)
+    assert turn_radius_m(steered, 0.4) == pytest.approx(1.0)
 
 
 def test_an_area_of_open_water_is_surveyed_and_open_water_without_one_refused() -> None:
@@ -178,7 +183,7 @@ def test_water_out_of_reach_is_told() -> None:
 
 def test_a_real_lake_with_islands_is_covered_at_eight_percent_above_the_bound() -> None:
     chart = real_lake("pond_two_islands_nh")
-    settings = replace(SETTINGS, footprint_m=12.0, turn_radius_m=turn_radius_m(2.0, 0.65, 0.8))
+    settings = replace(SETTINGS, footprint_m=12.0, turn_radius_m=5.0)
     found = survey(chart, None, settings)
     assert covered_share(found, reachable(chart, settings)) >= 0.995
     assert found.coverage == pytest.approx(covered_share(found, reachable(chart, settings)), abs=0.002)
