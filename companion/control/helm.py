@@ -8,13 +8,11 @@ from companion.control.single_thruster import SingleThrusterController
 from companion.control.speed import speed_effort
 from companion.core.intent import Drive, Stop
 from companion.core.state import HEALTHY_MOTORS, Demand, MotorStates, NavState, PidOutput, Thrust
-from companion.core.units import clamp
 
 # What restraint leaves of the gains: the heading loop at 0.63 of its bandwidth, so that what the wave filter
 # lets through, and what is late, drives the motors less. Zigzags of seeds 1302 and 1305
 _RESTRAINED = 0.4
 _SPEED_RESTRAINED = 0.3
-_ONE_SIDED = 0.5  # of full steering: the outer motor at full throttle, the inner one not yet astern
 _NO_THRUST = Thrust(0.0, 0.0)
 
 
@@ -77,11 +75,8 @@ class Helm:
             stiffness * schedule * (1.0 + (_RESTRAINED - 1.0) * restraint),
             damping,
         )
-        # Two motors that steer leave the rest to the speed loop; a rudder leaves all
-        yaw = heading.total
-        if not (demand.brakes or config.drive.has_rudder):
-            yaw = clamp(yaw, -_ONE_SIDED, _ONE_SIDED)
-        steering = abs(yaw) if config.drive.has_pair else 0.0
+        # Two motors that steer leave the rest to the speed loop; a rudder leaves all.
+        steering = abs(heading.total) if config.drive.has_pair else 0.0
         least = -1.0 if demand.brakes else steering
         speed = speed_effort(
             self._speed,
@@ -95,4 +90,4 @@ class Helm:
             1.0 + (_SPEED_RESTRAINED - 1.0) * restraint,
         )
         self.heading_pid, self.speed_pid = heading, speed
-        return allocate(Effort(speed.total, yaw, nav.surge_m_s - current_along), config)
+        return allocate(Effort(speed.total, heading.total, nav.surge_m_s - current_along), config)

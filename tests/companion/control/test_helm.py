@@ -83,24 +83,6 @@ def test_without_braking_no_motor_turns_astern(heading_rad: float) -> None:
     assert eased.left - eased.right == pytest.approx(braked.left - braked.right)
 
 
-@pytest.mark.parametrize("heading_rad", [-0.5, 0.5])
-def test_without_braking_no_motor_turns_astern_however_hard_the_boat_turns(heading_rad: float) -> None:
-    demand = Demand(heading_rad, 1.0)
-    braked = Helm().update(demand, CRUISING, CONFIG, 0.02)
-    assert min(braked.left, braked.right) < -0.2
-    eased = Helm().update(replace(demand, brakes=False), CRUISING, CONFIG, 0.02)
-    outer, inner = (eased.left, eased.right) if heading_rad > 0.0 else (eased.right, eased.left)
-    assert (outer, inner) == pytest.approx((1.0, 0.0), abs=1e-9)
-
-
-@pytest.mark.parametrize("layout", ["rudder", "differential_rudder"])
-def test_without_braking_a_rudder_keeps_its_whole_angle(layout: str) -> None:
-    demand, config = Demand(0.5, 1.0), with_value(CONFIG, "drive.layout", layout)
-    braked = Helm().update(demand, CRUISING, config, 0.02)
-    eased = Helm().update(replace(demand, brakes=False), CRUISING, config, 0.02)
-    assert eased.rudder == braked.rudder > 0.5
-
-
 def test_restraint_lowers_the_gains() -> None:
     parts = []
     for share in (0.0, 0.5, 1.0):
