@@ -136,6 +136,7 @@ def test_the_drift_is_known_and_a_jump_back_ends_it() -> None:
         bank.weigh_position(0.2 * tick, at_m, 0j, 0j, scatter(0.2), 1.0, 1.0)
         drift_m = max(drift_m, bank.drift.drift_m)
     assert bank.is_gnss_wrong
+    assert bank.evidence.against[SuspectedSensor.GNSS] > THRESHOLDS[SuspectedSensor.GNSS]
     assert drift_m == pytest.approx(0.5 * 30.0, abs=1.5)
     bank.weigh_position(60.0, 0.0, 0j, 0j, scatter(0.2), 1.0, 1.0)
     assert not bank.is_gnss_wrong

@@ -199,6 +199,16 @@ def test_a_new_calibration_of_the_compass_takes_away_the_learned_offset() -> Non
     assert boat.heading.faults(boat.now_s) == 0
 
 
+def test_a_compass_that_comes_and_goes_is_named_beside_what_else_it_does() -> None:
+    boat = Boat()
+    boat.sail(20.0)
+    boat.heading._compass.intermittent_until_s = boat.now_s + 1.0
+    assert boat.heading.faults(boat.now_s) == EstimateFault.COMPASS_INTERMITTENT
+    boat.heading._compass.is_stuck = True
+    both = EstimateFault.COMPASS_INTERMITTENT | EstimateFault.COMPASS_FROZEN
+    assert boat.heading.faults(boat.now_s) == both
+
+
 def test_a_receiver_without_a_statement_whose_noise_grows_is_noisy_and_weighed_less() -> None:
     boat = Boat(CRUISE_M_S, Speed().cruise_throttle)
     boat.sail(20.0)

@@ -47,6 +47,12 @@ def test_a_run_is_judged_by_the_longest_one_after_twenty_changes(changes: int, s
     assert repeat(monitor, 0.1 * (changes - 1), 10.0) == pytest.approx(stuck_s)
 
 
+def test_a_value_that_stays_while_it_should_have_changed_is_stuck() -> None:
+    monitor = SensorMonitor()
+    monitor.update(1.0, 0.0, 0.0)
+    assert repeat(monitor, 0.0, 10.0, moved=0.021) == pytest.approx(4.8)  # 48 times, just more than all of it
+
+
 def test_a_run_that_was_a_fault_teaches_no_habit() -> None:
     monitor, now_s = changing(10.0)
     repeat(monitor, now_s, 5.0)

@@ -16,6 +16,7 @@ from companion.obstacles.planning.motion import (
     CourseFan,
     crash_stop_m,
     roll,
+    stop_from_cruise_m,
 )
 
 CONFIG = BoatConfig()
@@ -143,3 +144,20 @@ def test_boats_with_the_same_figures_share_their_rollouts_and_others_do_not() ->
     assert other.rollouts(1.0, 0.0, 1.0, same) is fan
     assert other.rollouts(1.0, 0.0, 1.0, with_value(CONFIG, "handling.slip_m", 0.9)) != fan
     assert one.rollouts(1.0, 0.0, 1.0, CONFIG) is fan
+
+
+@pytest.mark.parametrize("stop_m", [2.5, 3.3, 8.0])
+@pytest.mark.parametrize("speed_m_s", [0.8, 1.4, 2.6])
+def test_a_stop_from_any_speed_tells_the_stop_from_cruise(stop_m: float, speed_m_s: float) -> None:
+    config = with_value(CONFIG, "handling.stop_m", stop_m)
+    assert stop_from_cruise_m(speed_m_s, crash_stop_m(speed_m_s, 0.0, config), config) == pytest.approx(
+        stop_m
+    )
+
+
+def test_a_quarter_of_a_stop_is_braked_however_late_the_motors_reverse() -> None:
+    shortest, short = (
+        crash_stop_m(CONFIG.speed.cruise_m_s, 0.0, with_value(CONFIG, "handling.stop_m", stop_m))
+        for stop_m in (0.2, 0.6)
+    )
+    assert short - shortest == pytest.approx(0.25 * (0.6 - 0.2))
