@@ -48,7 +48,7 @@ test-quick: setup  ## unit tests of the boat's arithmetic and rules, with a few 
 		$(addprefix tests/companion/,$(QUICK))
 
 test: setup  ## all tests
-	$(BIN)/python -m pytest -n 4 --dist worksteal
+	$(BIN)/python -m pytest -n 3 --dist worksteal
 
 lint: setup
 	$(BIN)/ruff check .
