@@ -143,7 +143,7 @@ def _steered(inputs: RoutineInputs) -> float:
     command, config, nav = inputs.command, inputs.config, inputs.nav
     if config.drive.has_pair:
         return 0.5 * (command.left - command.right)
-    water_m_s = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
+    water_m_s = nav.water_speed_m_s
     return command.rudder * rudder_effect(command.left, water_m_s, config.drive, config.speed)
 
 

@@ -18,10 +18,11 @@ from companion.estimation.hull_model import SurgeModel
 
 START_SHARE: Final = 0.6  # of the radius: start of a run
 END_SHARE: Final = 0.88  # of the radius: where the boat must have stopped
+TRIES: Final = 5  # of a run that obstacle avoidance slows
 _GOING_S: Final = 180.0
 _LONGEST_S: Final = 120.0
 _STEADY_SHARE: Final = 0.4  # last part of a run, which is evaluated
-_SETTLED: Final = 3.0  # surge time constants: a shorter run is not evaluated
+SETTLED: Final = 3.0  # surge time constants: within 5 % of the speed; a shorter run is not evaluated
 _RISING: Final = 0.06  # share of the speed gained in that part: above, the run was not steady
 _FIXES: Final = 2000
 _BRAKED: Final = 2.0  # stopping distances: where the fence brake starts
@@ -71,7 +72,7 @@ def sail_run(inputs: RoutineInputs, heading_rad: float, speed_m_s: float) -> Ste
     length_s = inputs.now_s - began_s
     if not inputs.is_slowed:
         return _evaluated(heading_rad, fixes, commands, length_s)
-    if length_s <= _SETTLED * inputs.config.estimation.surge_time_s:
+    if length_s <= SETTLED * inputs.config.estimation.surge_time_s:
         return None
     run = _evaluated(heading_rad, fixes, commands, length_s)
     return run if run.is_steady else None

@@ -22,7 +22,6 @@ from companion.core.state import HEALTHY_MOTORS, MotorCommand
 from companion.core.units import clamp
 
 _FULL: Final = 3.0  # times the known top speed: demands full throttle of any boat
-_TRIES: Final = 5  # of a run that obstacle avoidance slows
 _SHORT: Final = 0.9  # of cruise speed: below, the boat does not reach it
 _BANDS: Final = (
     ("MOT_L_MIN_FWD", "left_ahead", pulses.LEFT_AHEAD),
@@ -77,7 +76,7 @@ def calibrate(inputs: RoutineInputs) -> Routine:
 def _out_and_back(inputs: RoutineInputs, heading_rad: float, speed_m_s: float) -> Step[runs.RunPair]:
     sailed: list[runs.Run] = []
     for course in (heading_rad, runs.opposite(heading_rad)):
-        for _ in range(_TRIES):
+        for _ in range(runs.TRIES):
             yield from runs.go_to_edge(inputs, course)
             if (run := (yield from runs.sail_run(inputs, course, speed_m_s))) is not None:
                 sailed.append(run)

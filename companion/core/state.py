@@ -91,6 +91,11 @@ class NavState(Struct, frozen=True, gc=False):
     def point(self) -> Point:
         return Point(self.north_m, self.east_m)
 
+    @property
+    def water_speed_m_s(self) -> float:
+        """Speed ahead through the water."""
+        return self.surge_m_s - self.current_along_m_s(self.heading_rad)
+
     def current_along_m_s(self, course_rad: float) -> float:
         """Component of the current along a course, negative against it."""
         return self.current_north_m_s * math.cos(course_rad) + self.current_east_m_s * math.sin(course_rad)

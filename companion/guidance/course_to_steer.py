@@ -61,7 +61,7 @@ def steerable_speed_m_s(course_rad: float, speed_m_s: float, change_m_s: float, 
     """
     c, s = math.cos(course_rad), math.sin(course_rad)
     across = nav.current_north_m_s * s - nav.current_east_m_s * c
-    water_m_s = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
+    water_m_s = nav.water_speed_m_s
     ahead = math.sqrt(max(water_m_s * water_m_s - across * across, 0.0))
     makes = ahead + nav.current_north_m_s * c + nav.current_east_m_s * s
     return clamp(speed_m_s, makes - change_m_s, makes + change_m_s)

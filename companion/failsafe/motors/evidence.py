@@ -160,7 +160,7 @@ class MotorEvidence:
         rudder's moment, in shares of full steering.
         """
         self._spin(left, right, dt_s)
-        water_m_s = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
+        water_m_s = nav.water_speed_m_s
         share = min(dt_s / _WATER_S, 1.0)
         self._water_north_m_s += share * (nav.current_north_m_s - self._water_north_m_s)
         self._water_east_m_s += share * (nav.current_east_m_s - self._water_east_m_s)

@@ -49,7 +49,7 @@ class RudderWatch:
         if nav is None or not config.drive.has_rudder:
             self.rearm()
             return
-        water_m_s = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
+        water_m_s = nav.water_speed_m_s
         effect = rudder_effect(throttle, water_m_s, config.drive, config.speed)
         blend = min(dt_s / _SMOOTH_S, 1.0)
         self._most += blend * (min(abs(effect), 1.0) - self._most)

@@ -109,7 +109,7 @@ class MotorWatch:
         evidence = self._evidence
         steered = 0.0
         if config.drive.has_rudder:
-            water_m_s = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
+            water_m_s = nav.water_speed_m_s
             steered = rudder * rudder_effect(0.5 * (left + right), water_m_s, config.drive, config.speed)
         if config.parts.motors.driver == "esc":
             # Its current grows with the cube of the command, and it cuts off a motor that stalls

@@ -188,7 +188,7 @@ class CostModel:
         boat slows down on its heading until it is.
         """
         nav, config = self._nav, self._config
-        surge = nav.surge_m_s - nav.current_along_m_s(nav.heading_rad)
+        surge = nav.water_speed_m_s
         least = config.guidance.min_speed_m_s
         heading, water_m_s = course_to_steer(self._wanted_rad, speed_m_s, nav, config)
         straight = roll(surge, nav.yaw_rate_rad_s, wrap_pi(heading - nav.heading_rad), water_m_s, config)

@@ -123,8 +123,13 @@ def crash_stop_m(speed_m_s: float, reaction_s: float, config: BoatConfig) -> flo
     Under full thrust astern u' = −F (s + u² / top²), which takes top² / 2F ln(1 + u² / (s top²)). The motors
     reach it by their slew: half the time of the reversal is lost.
     """
-    top, force = config.handling.top_speed_m_s, _THRUST * config.guidance.accel_m_s2
     astern = _astern_share(config) * config.speed.max_throttle
+    return _stop_m(speed_m_s, reaction_s, astern, config)
+
+
+def _stop_m(speed_m_s: float, reaction_s: float, astern: float, config: BoatConfig) -> float:
+    """astern: thrust astern over full thrust ahead."""
+    top, force = config.handling.top_speed_m_s, _THRUST * config.guidance.accel_m_s2
     stops_m = 0.5 * top * top / force * math.log1p(speed_m_s * speed_m_s / (astern * top * top))
     return (reaction_s + _starts_s(speed_m_s, config)) * speed_m_s + stops_m
 
@@ -146,10 +151,7 @@ def crash_stop_speed_m_s(room_m: float, reaction_s: float, config: BoatConfig) -
 
 def stop_from_cruise_m(speed_m_s: float, stop_m: float, config: BoatConfig) -> float:
     """The way from cruise of a boat whose crash stop from speed_m_s took stop_m."""
-    cruise_m_s, square = config.speed.cruise_m_s, config.handling.top_speed_m_s**2
-    share = cruise_m_s**2 / square / _fitted(speed_m_s, stop_m, config)
-    braked_m = 0.5 * square / (_THRUST * config.guidance.accel_m_s2) * math.log1p(share)
-    return _starts_s(cruise_m_s, config) * cruise_m_s + braked_m
+    return _stop_m(config.speed.cruise_m_s, 0.0, _fitted(speed_m_s, stop_m, config), config)
 
 
 def _fitted(speed_m_s: float, stop_m: float, config: BoatConfig) -> float:
