@@ -128,7 +128,7 @@ def budget_of(
         raise NoRoute(f"leg {leg} cannot be sailed against the current at {speed.top_m_s:g} m/s")
     turns = _turns_rad(points)
     extra_s = _manoeuvres_s(turns, holds_s, boat, speed.over_ground_m_s)
-    north, east = current.at(ends[:, 0], ends[:, 1])
+    north, east = current.at(ends[:, 0], ends[:, 1], np.zeros(len(ends)))
     last = np.append(np.flatnonzero(np.diff(legs)), len(legs) - 1)  # the last piece of each leg
     time_s[last] += np.array(extra_s) + np.array(holds_s)
     cruising_a = boat.drawn_a(np.array([speed.over_ground_m_s]))[0]
@@ -203,7 +203,7 @@ def _sailed(
     way = ends - starts
     length_m = np.hypot(way[:, 0], way[:, 1])
     middle = 0.5 * (starts + ends)
-    north, east = current.at(middle[:, 0], middle[:, 1])
+    north, east = current.at(middle[:, 0], middle[:, 1], np.zeros(len(middle)))
     safe_m = np.where(length_m > 0.0, length_m, 1.0)
     along = (north * way[:, 0] + east * way[:, 1]) / safe_m
     across = (east * way[:, 0] - north * way[:, 1]) / safe_m

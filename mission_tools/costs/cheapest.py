@@ -62,7 +62,9 @@ def _leg_costs(travel: Travel, starts: Sequence[Point], ends: Sequence[Point], s
     number = int(np.clip(length.max() / spacing_m, _LEAST_SAMPLES, _MOST_SAMPLES))
     share = (np.arange(number, dtype=np.float64)[:, np.newaxis] + 0.5) / number
     course = np.broadcast_to(np.arctan2(east, north), (number, len(length)))
-    per_m = travel.per_m(begin[:, 0] + share * north, begin[:, 1] + share * east, course)
+    per_m = travel.per_m(
+        begin[:, 0] + share * north, begin[:, 1] + share * east, course, np.zeros_like(course)
+    )
     return np.where(length > 0.0, per_m.mean(axis=0) * length, 0.0)
 
 
@@ -137,7 +139,11 @@ def _search(
         middle_n = north[tail // columns] + 0.5 * up * grid.cell_m
         middle_e = east[tail % columns] + 0.5 * right * grid.cell_m
         course = np.full(middle_n.shape, math.atan2(right, up))
-        cost = travel.per_m(middle_n, middle_e, course) * grid.cell_m * math.hypot(up, right)
+        cost = (
+            travel.per_m(middle_n, middle_e, course, np.zeros_like(course))
+            * grid.cell_m
+            * math.hypot(up, right)
+        )
         can = np.isfinite(cost)
         tails.append(tail[can])
         heads.append(head[can])
@@ -262,7 +268,7 @@ def _swept(chart: Chart, travel: Travel, points: Sequence[Point]) -> str:
         for share in np.linspace(0.0, 1.0, 64):
             north = a.north_m + share * (b.north_m - a.north_m)
             east = a.east_m + share * (b.east_m - a.east_m)
-            if not np.isfinite(travel.per_m(np.full(1, north), np.full(1, east), course)).all():
+            if not np.isfinite(travel.per_m(np.full(1, north), np.full(1, east), course, np.zeros(1))).all():
                 at = chart.frame.to_global(Point(north, east))
                 along_m = line.project(shapely.Point(east, north))
                 return (

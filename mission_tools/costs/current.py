@@ -138,10 +138,18 @@ def _read_csv(path: Path, frame: LocalFrame | None) -> CurrentTable:
 
 
 class Current(Protocol):
-    """A velocity at every place."""
+    """A velocity at every place and time."""
 
-    def at(self, north_m: Floats, east_m: Floats) -> tuple[Floats, Floats]:
-        """North and east velocity of the water, m/s, each of the shape of the places."""
+    def at(self, north_m: Floats, east_m: Floats, time_s: Floats) -> tuple[Floats, Floats]:
+        """North and east velocity of the water, m/s, each of the shape of the places.
+
+        time_s: on the current's clock, of the same shape or one that broadcasts to it.
+        """
+        ...
+
+    @property
+    def varies(self) -> bool:
+        """Whether it changes with time."""
         ...
 
 
@@ -158,8 +166,12 @@ class UniformCurrent:
         to_rad = math.radians(to_deg)
         return cls(speed_m_s * math.cos(to_rad), speed_m_s * math.sin(to_rad))
 
-    def at(self, north_m: Floats, east_m: Floats) -> tuple[Floats, Floats]:
+    def at(self, north_m: Floats, east_m: Floats, time_s: Floats) -> tuple[Floats, Floats]:  # noqa: ARG002
         return np.full_like(north_m, self.north_m_s), np.full_like(east_m, self.east_m_s)
+
+    @property
+    def varies(self) -> bool:
+        return False
 
 
 STILL_WATER = UniformCurrent()
@@ -182,7 +194,7 @@ class River:
         if len(self.middle) < 2 or not self.width_m > 0.0:
             raise ValueError("a river needs two points of its middle line and a width above 0")
 
-    def at(self, north_m: Floats, east_m: Floats) -> tuple[Floats, Floats]:
+    def at(self, north_m: Floats, east_m: Floats, time_s: Floats) -> tuple[Floats, Floats]:  # noqa: ARG002
         """The profile at the distance from the nearest piece of the middle line, in the piece's direction."""
         nearest = np.full_like(north_m, np.inf)
         north_m_s, east_m_s = np.zeros_like(north_m), np.zeros_like(north_m)
@@ -205,26 +217,44 @@ class River:
         speed = self.speed_m_s * np.maximum(0.0, 1.0 - share * share)
         return speed * north_m_s, speed * east_m_s
 
+    @property
+    def varies(self) -> bool:
+        return False
+
 
 @dataclass(frozen=True, slots=True)
 class GriddedCurrent:
-    """Velocities on a rectangular grid, linear in between, as at the edge beyond; at its first time."""
+    """Velocities on a rectangular grid, linear in between and between times, as at the edge beyond."""
 
     table: CurrentTable
 
-    def at(self, north_m: Floats, east_m: Floats) -> tuple[Floats, Floats]:
-        """The velocities by bilinear interpolation in the grid."""
+    def at(self, north_m: Floats, east_m: Floats, time_s: Floats) -> tuple[Floats, Floats]:
+        """The velocities by linear interpolation in time and along both axes of the grid."""
         table = self.table
         row, up = _piece(table.north_m, north_m)
         column, right = _piece(table.east_m, east_m)
         above = np.minimum(row + 1, len(table.north_m) - 1)
         beside = np.minimum(column + 1, len(table.east_m) - 1)
-        found = [
-            (1.0 - up) * ((1.0 - right) * sheet[row, column] + right * sheet[row, beside])
-            + up * ((1.0 - right) * sheet[above, column] + right * sheet[above, beside])
-            for sheet in (table.current_north_m_s[0], table.current_east_m_s[0])
-        ]
-        return found[0], found[1]
+        parts = (table.current_north_m_s, table.current_east_m_s)
+
+        def in_sheets(number: NDArray[np.intp] | int) -> list[Floats]:
+            return [
+                (1.0 - up)
+                * ((1.0 - right) * sheets[number, row, column] + right * sheets[number, row, beside])
+                + up * ((1.0 - right) * sheets[number, above, column] + right * sheets[number, above, beside])
+                for sheets in parts
+            ]
+
+        if not self.varies:
+            north_m_s, east_m_s = in_sheets(0)
+            return north_m_s, east_m_s
+        sheet, later = _piece(table.time_s, time_s)
+        before, after = in_sheets(sheet), in_sheets(sheet + 1)
+        return before[0] + later * (after[0] - before[0]), before[1] + later * (after[1] - before[1])
+
+    @property
+    def varies(self) -> bool:
+        return len(self.table.time_s) > 1
 
 
 def _piece(marks: Floats, value: Floats) -> tuple[NDArray[np.intp], Floats]:
@@ -241,7 +271,11 @@ class Currents:
 
     parts: Sequence[Current]
 
-    def at(self, north_m: Floats, east_m: Floats) -> tuple[Floats, Floats]:
-        velocities = [part.at(north_m, east_m) for part in self.parts]
+    def at(self, north_m: Floats, east_m: Floats, time_s: Floats) -> tuple[Floats, Floats]:
+        velocities = [part.at(north_m, east_m, time_s) for part in self.parts]
         zero = np.zeros_like(north_m)
         return sum((one[0] for one in velocities), zero), sum((one[1] for one in velocities), zero)
+
+    @property
+    def varies(self) -> bool:
+        return any(part.varies for part in self.parts)

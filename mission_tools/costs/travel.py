@@ -65,14 +65,18 @@ class Travel(Protocol):
         """Of the cost: s or mAh."""
         ...
 
-    def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats) -> Floats:
-        """Cost of a metre over ground; infinite where the current cannot be stemmed on this course."""
+    def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats, time_s: Floats) -> Floats:
+        """Cost of a metre over ground; infinite where the current cannot be stemmed on this course then.
+        time_s: on the current's clock.
+        """
         ...
 
 
-def _parts(current: Current, north_m: Floats, east_m: Floats, course_rad: Floats) -> tuple[Floats, Floats]:
+def _parts(
+    current: Current, north_m: Floats, east_m: Floats, course_rad: Floats, time_s: Floats
+) -> tuple[Floats, Floats]:
     """The current along a course, and across it to starboard."""
-    north_m_s, east_m_s = current.at(north_m, east_m)
+    north_m_s, east_m_s = current.at(north_m, east_m, time_s)
     cos, sin = np.cos(course_rad), np.sin(course_rad)
     return north_m_s * cos + east_m_s * sin, east_m_s * cos - north_m_s * sin
 
@@ -85,9 +89,9 @@ class TravelTime:
     current: Current = STILL_WATER
     unit: str = "s"
 
-    def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats) -> Floats:
+    def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats, time_s: Floats) -> Floats:
         """One over the speed made good."""
-        along, across = _parts(self.current, north_m, east_m, course_rad)
+        along, across = _parts(self.current, north_m, east_m, course_rad, time_s)
         with np.errstate(divide="ignore"):
             return 1.0 / self.speed.made_good_m_s(along, across)
 
@@ -104,9 +108,9 @@ class Charge:
     current: Current = STILL_WATER
     unit: str = "mAh"
 
-    def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats) -> Floats:
+    def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats, time_s: Floats) -> Floats:
         """The draw at the speed through the water that the leg needs, for the time that a metre takes."""
-        along, across = _parts(self.current, north_m, east_m, course_rad)
+        along, across = _parts(self.current, north_m, east_m, course_rad, time_s)
         good = self.speed.made_good_m_s(along, across)
         through = np.hypot(good - along, across)
         with np.errstate(divide="ignore"):
@@ -130,9 +134,9 @@ class OpenWater:
     def unit(self) -> str:
         return self.travel.unit
 
-    def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats) -> Floats:
+    def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats, time_s: Floats) -> Floats:
         near = np.exp(-self.room_m(north_m, east_m) / self.scale_m)
-        return self.travel.per_m(north_m, east_m, course_rad) * (1.0 + self.weight * near)
+        return self.travel.per_m(north_m, east_m, course_rad, time_s) * (1.0 + self.weight * near)
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,13 +158,13 @@ class InZones:
     def unit(self) -> str:
         return self.travel.unit
 
-    def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats) -> Floats:
-        cost = self.travel.per_m(north_m, east_m, course_rad)
+    def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats, time_s: Floats) -> Floats:
+        cost = self.travel.per_m(north_m, east_m, course_rad, time_s)
         for zone in sorted(self.zones, key=lambda one: -one.limit_m_s):
             inside = shapely.contains_xy(zone.area, east_m, north_m)
             if inside.any():
                 slow = replace(self.travel, speed=self.travel.speed.at_most(zone.limit_m_s))
-                cost = np.where(inside, slow.per_m(north_m, east_m, course_rad), cost)
+                cost = np.where(inside, slow.per_m(north_m, east_m, course_rad, time_s), cost)
         return cost
 
 

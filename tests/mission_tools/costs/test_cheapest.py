@@ -76,8 +76,8 @@ class Slope:
 
     unit = "s"
 
-    def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats) -> Floats:
-        return 1.0 + 0.01 * north_m + 0.001 * east_m + 0.0 * course_rad
+    def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats, time_s: Floats) -> Floats:
+        return 1.0 + 0.01 * north_m + 0.001 * east_m + 0.0 * (course_rad + time_s)
 
 
 def test_a_legs_cost_is_that_of_its_middle_where_a_metre_costs_evenly_more() -> None:

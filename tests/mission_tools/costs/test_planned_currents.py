@@ -25,8 +25,8 @@ GRID = "east_m,north_m,current_east_m_s,current_north_m_s\n" + "".join(
 )
 
 
-def velocity(current: Current, north_m: float, east_m: float) -> tuple[float, float]:
-    north, east = current.at(np.array([north_m]), np.array([east_m]))
+def velocity(current: Current, north_m: float, east_m: float, time_s: float = 0.0) -> tuple[float, float]:
+    north, east = current.at(np.array([north_m]), np.array([east_m]), np.array([time_s]))
     return float(north[0]), float(east[0])
 
 
@@ -65,6 +65,28 @@ def test_a_grid_is_read_as_the_emulator_reads_it(tmp_path: Path) -> None:
     for north in (-20.0, -5.0, 0.3, 5.0, 9.0):
         for east in (-3.0, 0.0, 7.0, 22.0, 40.0, 99.0):
             assert velocity(planned, north, east) == pytest.approx(emulated.at(north, east, 0.0), abs=1e-12)
+
+
+def test_a_grid_with_times_changes_as_in_the_emulator_and_stays_as_it_is_beyond_its_ends(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "flow.npz"
+    rng = np.random.default_rng(3)
+    north_m_s, east_m_s = rng.normal(size=(2, 3, 2, 4))
+    np.savez(
+        path,
+        time_s=[10.0, 50.0, 130.0],
+        north_m=[-5.0, 5.0],
+        east_m=[0.0, 10.0, 20.0, 60.0],
+        current_north_m_s=north_m_s,
+        current_east_m_s=east_m_s,
+    )
+    planned, emulated = open_current(str(path), FRAME), read_grid(path)
+    assert planned.varies
+    for time_s in (-100.0, 10.0, 33.0, 50.0, 90.0, 130.0, 1e6):
+        for north, east in ((-5.0, 0.0), (1.0, 7.0), (4.0, 33.0), (99.0, -99.0)):
+            expected = pytest.approx(emulated.at(north, east, time_s), abs=1e-12)
+            assert velocity(planned, north, east, time_s) == expected
 
 
 def test_a_grid_in_degrees_lies_where_its_places_are(tmp_path: Path) -> None:

@@ -23,7 +23,8 @@ NORTH, EAST, SOUTH = 0.0, 0.5 * math.pi, math.pi
 
 
 def per_m(travel: Travel, course_rad: float, north_m: float = 0.0, east_m: float = 0.0) -> float:
-    return float(travel.per_m(np.array([north_m]), np.array([east_m]), np.array([course_rad]))[0])
+    place = np.array([north_m]), np.array([east_m])
+    return float(travel.per_m(*place, np.array([course_rad]), np.zeros(1))[0])
 
 
 @pytest.mark.parametrize(
