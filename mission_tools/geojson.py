@@ -9,7 +9,7 @@ from typing import Any, Final, Literal, get_args
 
 from mission_tools.errors import MapError
 
-Kind = Literal["water", "island", "obstacle", "pier", "raft", "keep_out", "swimming", "landmark"]
+Kind = Literal["water", "island", "obstacle", "pier", "raft", "keep_out", "swimming", "bridge", "landmark"]
 
 KINDS: Final[tuple[str, ...]] = get_args(Kind)
 KEPT_OUT: Final = frozenset({"keep_out", "swimming"})

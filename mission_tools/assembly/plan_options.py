@@ -32,9 +32,9 @@ class PlanOptions:
     goal. is_return: back to the start at the end. survey: a file with the area, or "all" for the whole water.
     follow_shore_at: near the shore to follow. first, last: the ends of a stretch of it. boat: its TOML, or an
     emulated boat's name. least: time or charge. open_water_m: how far from the shore a metre is dearer.
-    draught_m: water that is charted less deep is an obstacle. is_route_file: SOURCE is a route, not a map.
-    is_outline: the lines of SOURCE, a .gpx file, enclose water. check_on: the map on which a finished mission
-    is checked, or "none".
+    draught_m: water that is charted less deep is an obstacle. air_draught_m: so is a bridge less high.
+    is_route_file: SOURCE is a route, not a map. is_outline: the lines of SOURCE, a .gpx file, enclose water.
+    check_on: the map on which a finished mission is checked, or "none".
     """
 
     start_at: LatLon | None = None
@@ -67,6 +67,7 @@ class PlanOptions:
     least: str | None = None
     open_water_m: float | None = None
     draught_m: float | None = None
+    air_draught_m: float | None = None
     is_route_file: bool = False
     is_outline: bool = False
     check_on: str | None = None

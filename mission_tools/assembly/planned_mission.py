@@ -18,11 +18,11 @@ from mission_tools.assembly.planned_task import (
     task_route,
 )
 from mission_tools.assembly.zone_speeds import mission_in_zones
-from mission_tools.costs.travel import for_draught, speed_zones
+from mission_tools.costs.travel import speed_zones
 from mission_tools.errors import NoRoute, NoRouteError, UsageError
 from mission_tools.maps import Chart, Source, build_chart, load_source
-from mission_tools.maps.chart import DEPTH
 from mission_tools.maps.fenced import fenced
+from mission_tools.maps.passable import BoatSize, bars, limit_m, passable
 from mission_tools.mission.mission import Fence, Mission
 from mission_tools.mission.plan_file import MISSION_SUFFIXES, load_mission
 from mission_tools.mission.route import mission_along, with_speed
@@ -142,7 +142,7 @@ class MapSource:
     ) -> None:
         self._survey_area = area
         self._text, self._source = text, source
-        self._chart = _within(for_draught(source.chart, options.draught_m), areas)
+        self._chart = _within(passable(source.chart, _size(options)), areas)
         self._notes = tuple(dict.fromkeys((*self._chart.notes, *areas.notes)))
         self._areas = areas
         self._wishes = options
@@ -179,27 +179,37 @@ class MapSource:
         try:
             return self._planned(here)
         except NoRoute as error:
-            if self._wishes.draught_m is None:
-                raise
-            raise NoRoute(self._too_shallow(here) or str(error)) from None
+            raise NoRoute(self._what_bars(here) or str(error)) from None
 
-    def _too_shallow(self, here: LatLon | None) -> str:
-        """What is not deep enough for the draught; "" if that is not what is in the way."""
-        options = replace(self._wishes, draught_m=None)
-        try:
-            deep = MapSource(self._text, self._source, options, self._areas, self._survey_area).prepare(here)
-        except NoRouteError:
-            return ""
-        way = shapely.LineString([(at.east_m, at.north_m) for at in deep.points])
-        bars = [
-            f"{feature.described} ({feature.properties[DEPTH]:g} m)"
-            for feature in self._chart.features
-            if feature.kind == "obstacle" and DEPTH in feature.properties and feature.shape.intersects(way)
-        ]
-        return (
-            f"no way is deep enough for a draught of {self._wishes.draught_m:g} m; without --draught it "
-            f"leads over {', '.join(bars[:2]) or 'what is less deep'}"
-        )
+    def _what_bars(self, here: LatLon | None) -> str:
+        """What is not deep or high enough for the boat; "" if that is not what is in the way."""
+        wishes = self._wishes
+        for size_m, enough, over, options in (
+            (wishes.draught_m, "deep enough for --draught", "over", replace(wishes, draught_m=None)),
+            (
+                wishes.air_draught_m,
+                "high enough for --air-draught",
+                "below",
+                replace(wishes, air_draught_m=None),
+            ),
+        ):
+            if size_m is None:
+                continue
+            try:
+                free = MapSource(self._text, self._source, options, self._areas, self._survey_area).prepare(
+                    here
+                )
+            except NoRouteError:
+                continue
+            way = shapely.LineString([(at.east_m, at.north_m) for at in free.points])
+            found = [
+                f"{feature.described} ({limit_m(feature):g} m)"
+                for feature in self._source.chart.features
+                if bars(feature, _size(wishes)) and feature.shape.intersects(way)
+            ]
+            what = ", ".join(found[:2]) or "what is less"
+            return f"no way is {enough} {size_m:g}; without it the route leads {over} {what}"
+        return ""
 
     def _planned(self, here: LatLon | None) -> PlannedMission:
         start = self._named_start or self._start_of(here)
@@ -280,6 +290,10 @@ class MapSource:
                 said += ": latitude and longitude look swapped, here or in the map; expected LAT,LON"
             raise UsageError(said)
         return self._chart.frame.to_local(place)
+
+
+def _size(options: PlanOptions) -> BoatSize:
+    return BoatSize(options.draught_m, options.air_draught_m)
 
 
 def _within(chart: Chart, areas: Areas) -> Chart:

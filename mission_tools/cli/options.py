@@ -128,6 +128,9 @@ def add_costs(parser: Parser) -> None:
     group.add_argument(
         "--draught", type=number, metavar="M", help="keep out of water that the map says is less deep"
     )
+    group.add_argument(
+        "--air-draught", type=number, metavar="M", help="keep out from under bridges that are less high"
+    )
 
 
 def add_outputs(parser: Parser) -> None:

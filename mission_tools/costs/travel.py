@@ -17,7 +17,7 @@ from shapely.geometry import MultiPolygon, Polygon
 
 from mission_tools.costs.current import STILL_WATER, Current
 from mission_tools.errors import MapError, UsageError
-from mission_tools.maps.chart import DEPTH, SPEED_LIMIT, Chart, build_chart, property_number
+from mission_tools.maps.chart import SPEED_LIMIT, Chart, property_number
 
 Floats = NDArray[np.float64]
 SLOWEST_M_S = 0.1
@@ -166,33 +166,6 @@ class InZones:
                 slow = replace(self.travel, speed=self.travel.speed.at_most(zone.limit_m_s))
                 cost = np.where(inside, slow.per_m(north_m, east_m, course_rad, time_s), cost)
         return cost
-
-
-def for_draught(chart: Chart, draught_m: float | None) -> Chart:
-    """The chart for a boat of this draught: water that is less deep is an obstacle.
-
-    Water without a depth counts as deep enough; a note says so where the map has no depths at all. Raises
-    MapError: nothing is deep enough, or a depth is no number; names the area. UsageError: a draught below 0.
-    """
-    if draught_m is None:
-        return chart
-    if draught_m < 0.0:
-        raise UsageError(f"--draught {draught_m:g}: expected 0 metres or more")
-    if all(feature.properties.get(DEPTH) is None for feature in chart.features):
-        said = f"the map has no depths ({DEPTH}): a draught of {draught_m:g} m makes no difference"
-        return replace(chart, notes=(*chart.notes, said))
-    features = [
-        replace(feature, kind="obstacle", name=feature.name or f"water of {depth:g} m")
-        if (depth := property_number(feature, DEPTH)) is not None
-        and depth < draught_m
-        and feature.kind == "water"
-        else feature
-        for feature in chart.features
-    ]
-    if all(new is old for new, old in zip(features, chart.features, strict=True)):
-        return chart
-    water = None if chart.is_open else chart.water
-    return build_chart(chart.name, chart.frame, water, features, chart.notes)
 
 
 def speed_zones(chart: Chart) -> tuple[SpeedZone, ...]:

@@ -45,6 +45,17 @@ def draw_feature(axes: Axes, chart: Chart, feature: Feature, route: Sequence[Poi
     elif feature.kind == "island":
         fill(axes, feature.shape, facecolor=ISLAND, edgecolor=LAND_EDGE, linewidth=1.0, zorder=5)
         _name(axes, feature, fontstyle="italic")
+    elif feature.kind == "bridge":
+        fill(
+            axes,
+            feature.shape,
+            facecolor="none",
+            edgecolor=STRUCTURE,
+            linewidth=1.2,
+            linestyle="--",
+            zorder=5,
+        )
+        _name_beside(axes, feature, route)
     elif feature.kind != "water":
         fill(axes, feature.shape, facecolor=STRUCTURE, edgecolor="#4e3b28", linewidth=1.0, zorder=5)
         _name_beside(axes, feature, route)

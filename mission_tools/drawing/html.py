@@ -30,7 +30,7 @@ from mission_tools.wording import counted, distance, duration
 WORST_PLACES = 3
 MOST_CORNERS = 60_000  # of a shore on the page; a larger one is drawn simpler
 BAND_TOLERANCE = 0.05  # of the clearance: how far the drawn edge of its band may be off
-_NAMED = KEPT_OUT | SOLID | {"landmark"}
+_NAMED = KEPT_OUT | SOLID | {"bridge", "landmark"}
 _HERE = Path(__file__)
 
 

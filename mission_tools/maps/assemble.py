@@ -157,7 +157,7 @@ def _piece(raw_feature: RawFeature, raw: RawMap, notes: list[str]) -> _Piece | N
 def _drawn_without_width(raw_feature: RawFeature, kind: Kind, name: str, notes: list[str]) -> _Piece | None:
     """A point or a line: solid if it says so, else skipped."""
     where, properties, shape = raw_feature
-    if kind not in SOLID | KEPT_OUT:
+    if kind not in SOLID | KEPT_OUT | {"bridge"}:
         notes.append(f"{where}: a {shape.geom_type}, which encloses no water: skipped")
         return None
     area = area_of(thickened(shape))

@@ -20,18 +20,21 @@ Area: TypeAlias = Polygon | MultiPolygon
 
 DEPTH = "depth_m"
 """Property of a feature: the least depth of its area."""
+HEIGHT = "height_m"
+"""Property of a bridge: what it leaves above the water."""
 SPEED_LIMIT = "max_speed_m_s"
 """Property of a feature: the highest speed over ground in its area."""
 CLEARANCE = "clearance_m"
 """Property of a feature: the clearance to keep from it, in place of the route's."""
-PROPERTIES = frozenset({DEPTH, SPEED_LIMIT, CLEARANCE})
+PROPERTIES = frozenset({DEPTH, HEIGHT, SPEED_LIMIT, CLEARANCE})
 REACH_DEG = 2.0  # of a great circle to north and east of a chart's origin; nothing farther belongs to it
 OPEN_WATER_HALF_SIDE_M = 500_000.0  # twice REACH_DEG: beyond any route
 
 
 @dataclass(frozen=True, slots=True)
 class Feature:
-    """Something on the chart that has a name. A landmark is a point and only for pictures.
+    """Something on the chart that has a name. A landmark is a point and only for pictures; boats pass below a
+    bridge (`passable.py`).
 
     properties: everything that the file says about it.
     """

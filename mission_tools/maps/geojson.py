@@ -9,6 +9,7 @@ island. A member `crs` is obeyed (`crs.py`).
 | water | polygon | where the boat may be; rings inside are islands; several are joined |
 | island, obstacle, pier, raft | polygon | cut out of the water |
 | keep_out, swimming | polygon | water that the boat keeps out of |
+| bridge | polygon, line | passed below, where it is higher than the boat |
 | landmark | point | a name on the picture, nothing else |
 """
 

@@ -3,13 +3,14 @@
 Attributes are the features' properties, their names in small letters: `kind`, or else OpenStreetMap tags.
 Of an OSM extract, what says nothing about water or land is left out. Of S-57 the object classes count (IHO
 S-57, appendix A): depth areas with a known least depth of 0 m or more, and dredged areas, are water; what
-dries is land; rocks, wrecks and obstructions are obstacles whatever their depth.
+dries is land; rocks, wrecks and obstructions are obstacles whatever their depth; what hangs over the water is
+a bridge with the least of its clearances.
 """
 
 import math
 import re
 import warnings
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -132,16 +133,13 @@ def _in_degrees(layer: _Layer, source: str, notes: list[str]) -> list[Any]:
 def _of_chart_objects(layers: list[_Layer], source: str) -> tuple[list[_Layer], list[str]]:
     """The layers of S-57 that mean water or something solid, their kinds filled in."""
     kept, ignored = [], []
-    notes = overhead_notes(source, [(layer.name, row) for layer in layers for row in layer.properties])
     for layer in layers:
         if not is_known(layer.name):
             ignored.append(layer.name)
             continue
         rows = [s57_properties(layer.name, row) for row in layer.properties]
         kept.append(layer._replace(properties=rows))
-    if ignored:
-        notes.append(f"{source}: {len(ignored)} other object classes are not used")
-    return kept, notes
+    return kept, [f"{source}: {len(ignored)} other object classes are not used"] if ignored else []
 
 
 _CLASSES = {  # of S-57, by what they are to a boat
@@ -152,19 +150,19 @@ _CLASSES = {  # of S-57, by what they are to a boat
         "BUISGL", "MORFAC", "HULKES", "OBSTRN", "WRECKS", "UWTROC", "PILPNT", "OFSPLF", "FSHFAC", "MARCUL",
     ),
 }  # fmt: skip
+_OVERHEAD = {"BRIDGE": "bridge", "CBLOHD": "cable", "PIPOHD": "pipe", "CONVYR": "conveyor"}
+_CLEARANCES = ("verclr", "verccl", "vercsa")  # m: of a fixed span, a closed one, and a safe one under a cable
 _KINDS = {object_class: kind for kind, classes in _CLASSES.items() for object_class in classes}
 _DEPTH_AREA = "DEPARE"
-_OVERHEAD = {"BRIDGE": "a bridge", "CBLOHD": "a cable", "PIPOHD": "a pipe", "CONVYR": "a conveyor"}
-_CLEARANCES = ("verclr", "verccl", "vercsa")  # m: of a fixed span, a closed one, and a safe one under a cable
 
 
 def is_known(object_class: str) -> bool:
     """Whether a layer of this object class matters to a route."""
-    return object_class == _DEPTH_AREA or object_class in _KINDS
+    return object_class == _DEPTH_AREA or object_class in _KINDS or object_class in _OVERHEAD
 
 
 def s57_properties(object_class: str, row: Mapping[str, Any]) -> dict[str, Any]:
-    """The attributes of an object with its kind, its name and, of an area of water, its least depth."""
+    """The attributes of an object with its kind, its name and its least depth or height."""
     found: dict[str, Any] = {**row, "kind": _KINDS.get(object_class, "")}
     name = row.get("objnam")
     if isinstance(name, str):
@@ -176,24 +174,9 @@ def s57_properties(object_class: str, row: Mapping[str, Any]) -> dict[str, Any]:
             found["kind"] = "water" if depth_m is not None and depth_m >= 0.0 else "island"
         if depth_m is not None:
             found["depth_m"] = depth_m
+    if object_class in _OVERHEAD:
+        found = {"name": _OVERHEAD[object_class], **found, "kind": "bridge"}
+        heights_m = [float(row[key]) for key in _CLEARANCES if isinstance(row.get(key), int | float)]
+        if heights_m:
+            found["height_m"] = min(heights_m)
     return found
-
-
-def overhead_notes(source: str, objects: Iterable[tuple[str, Mapping[str, Any]]]) -> list[str]:
-    """What hangs over the water, in a line. objects: class and attributes."""
-    found = [(name, row) for name, row in objects if name in _OVERHEAD]
-    if not found:
-        return []
-    heights = [
-        (float(height_m), name)
-        for name, row in found
-        for key in _CLEARANCES
-        if isinstance(height_m := row.get(key), int | float)
-    ]
-    text = (
-        f"{source}: {len(found)} bridges, cables and pipes are overhead: routes pass below, check the height"
-    )
-    if heights:
-        height_m, name = min(heights)
-        text += f"; the lowest, {_OVERHEAD[name]}, leaves {height_m:g} m"
-    return [text]

@@ -1,7 +1,6 @@
-"""Depths and speed limits of a map: shoals are cut out for a draught, and a mission obeys the limits."""
+"""Speed limits of a map, which a mission obeys, and clearances of a feature's own."""
 
 import json
-from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -12,8 +11,8 @@ from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.assembly.plan_options import PlanOptions
 from mission_tools.assembly.planned_mission import open_source
 from mission_tools.assembly.zone_speeds import mission_in_zones
-from mission_tools.costs.travel import SpeedZone, for_draught, speed_zones
-from mission_tools.errors import MapError, NoRoute, NoRouteError, UsageError
+from mission_tools.costs.travel import SpeedZone, speed_zones
+from mission_tools.errors import MapError, UsageError
 from mission_tools.geojson import collection, feature
 from mission_tools.maps.chart import Chart, Feature, build_chart
 from mission_tools.maps.geojson import load_geojson
@@ -42,34 +41,9 @@ def chart_with(folder: Path, **properties: object) -> Chart:
     return load_geojson(write_map(folder, **properties))
 
 
-def test_a_shoal_is_an_obstacle_for_a_boat_that_draws_more(tmp_path: Path) -> None:
-    chart = chart_with(tmp_path, depth_m=0.4)
-    at = chart.frame.to_local(LatLon(50.0, 10.003))
-    assert chart.obstruction(at) is None
-    assert for_draught(chart, 0.3) is chart
-    assert for_draught(chart, 0.5).obstruction(at) == "on water of 0.4 m"
-    told = "the map has no depths (depth_m): a draught of 0.5 m makes no difference"
-    assert told not in for_draught(chart, 0.5).notes
-    assert told in for_draught(chart_with(tmp_path), 0.5).notes
-
-
-def test_a_depth_or_limit_that_is_no_number_is_named(tmp_path: Path) -> None:
-    with pytest.raises(MapError, match=r'water "Bar": depth_m is .deep.: expected a number'):
-        for_draught(chart_with(tmp_path, depth_m="deep", name="Bar"), 0.5)
+def test_a_limit_that_is_no_speed_is_named(tmp_path: Path) -> None:
     with pytest.raises(MapError, match="max_speed_m_s is 0: expected more than 0"):
         speed_zones(chart_with(tmp_path, max_speed_m_s=0))
-
-
-def test_the_route_leads_round_the_shoal(tmp_path: Path) -> None:
-    path = str(write_map(tmp_path, depth_m=0.4))
-    deep = open_source(path, PlanOptions(start_at=START, goal=GOAL, clearance_m=2.0)).prepare()
-    shallow = open_source(
-        path, PlanOptions(start_at=START, goal=GOAL, clearance_m=2.0, draught_m=0.6)
-    ).prepare()
-    assert len(deep.points) == 2
-    assert len(shallow.points) > 2
-    with pytest.raises(UsageError, match="--draught -1"):
-        open_source(path, PlanOptions(start_at=START, goal=GOAL, draught_m=-1.0))
 
 
 def test_a_mission_slows_down_in_a_zone_and_goes_on_after_it(tmp_path: Path) -> None:
@@ -136,24 +110,6 @@ def test_a_feature_may_ask_for_a_clearance_of_its_own(chart: Chart, kept_m: floa
     assert shapely.LineString([(p.east_m, p.north_m) for p in found.found]).distance(
         chart.features[0].shape
     ) == pytest.approx(kept_m, abs=0.05)
-
-
-def test_a_bar_that_is_too_shallow_is_named_as_the_reason(tmp_path: Path) -> None:
-    path = write_map(tmp_path, depth_m=0.5, name="Bar")
-    tree = json.loads(path.read_text())
-    tree["features"][1]["geometry"]["coordinates"] = square(2, -1.5, 4, 1.5)  # from bank to bank
-    path.write_text(json.dumps(tree))
-    options = PlanOptions(start_at=START, goal=GOAL, draught_m=0.8)
-    with pytest.raises(
-        NoRoute, match=r'no way is deep enough for a draught of 0\.8 m; .* over obstacle "Bar" \(0\.5 m\)'
-    ):
-        open_source(str(path), options).prepare()
-    tree["features"][0]["geometry"]["coordinates"] = square(0, -1, 1, 1)  # and then there is no water at all
-    tree["features"][1]["geometry"]["coordinates"] = square(5, -1, 6, 1)
-    path.write_text(json.dumps(tree))
-    with pytest.raises(NoRouteError) as caught:
-        open_source(str(path), replace(options, draught_m=0.2)).prepare()
-    assert "deep" not in str(caught.value)
 
 
 def test_a_clearance_below_zero_is_refused_with_its_feature(tmp_path: Path) -> None:

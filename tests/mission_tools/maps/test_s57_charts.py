@@ -10,6 +10,7 @@ import pytest
 from mission_tools.errors import MapError
 from mission_tools.maps import load_map
 from mission_tools.maps.formats.vector import _properties, is_known, s57_properties
+from mission_tools.maps.passable import BoatSize, passable
 
 MAPS = Path(__file__).parents[2] / "vectors" / "maps"
 NOAA_CELL = MAPS / "US4MD81M_knapps_narrows.000"
@@ -20,8 +21,10 @@ def test_a_cell_of_noaa_is_read_with_its_lists_and_its_bridges_are_told() -> Non
     chart = load_map(NOAA_CELL)
     assert chart.name == "US4MD81M_knapps_narrows"
     assert chart.water.area == pytest.approx(257_000.0, rel=0.02)
-    assert any("3 bridges, cables and pipes are overhead" in note for note in chart.notes)
-    assert any("the lowest, a bridge, leaves 3.6 m" in note for note in chart.notes)
+    (told,) = (note for note in passable(chart, BoatSize()).notes if "overhead" in note)
+    assert told.startswith("3 bridges and cables are overhead, the lowest, bridge, leaves 3.6 m")
+    low = passable(chart, BoatSize(air_draught_m=4.0))
+    assert [feature.kind for feature in low.features][:3] == ["obstacle", "bridge", "bridge"]
 
 
 def test_a_list_of_any_length_becomes_text() -> None:
@@ -44,6 +47,7 @@ def test_a_list_of_any_length_becomes_text() -> None:
         ("LNDARE", {"objnam": "Isle"}, "island"),
         ("UWTROC", {}, "obstacle"),
         ("SLCONS", {}, "pier"),
+        ("CBLOHD", {"verclr": 9.0, "vercsa": 7.5}, "bridge"),
     ],
 )
 def test_chart_objects_are_water_only_where_the_chart_says_so(
@@ -53,6 +57,7 @@ def test_chart_objects_are_water_only_where_the_chart_says_so(
     found = s57_properties(object_class, row)
     assert found["kind"] == kind
     assert found.get("depth_m") == row.get("drval1")
+    assert found.get("height_m") == (7.5 if kind == "bridge" else None)
     assert not is_known("LIGHTS")
 
 
