@@ -1,9 +1,9 @@
 """Time and charge of a route, out and home, and the point of no return.
 
 The way home is counted as the boat counts it under way (`companion/failsafe/endurance.py`): the charge for
-the straight way in the current, times the length of the way by water over that of the straight way. The boat
-turns back by itself once less than margin times this is left, so a plan is good only if more is left
-everywhere on it.
+the straight way in the current, at the mean draw and speed of the last half minute, corners included, times
+the length of the way by water over that of the straight way. The boat turns back by itself once less than
+margin times this is left, so a plan is good only if more is left everywhere on it.
 """
 
 import math
@@ -33,6 +33,8 @@ TURN_LOSS = 0.7
 TURN_DRAW_S = 4.0
 """A turn by one radian draws what the motors draw in so many seconds at cruise. Both are from an emulated
 survey with 45 sharp corners (lake boat)."""
+LEARN_S = 30.0
+"""Over so long the boat averages what sailing draws (`Endurance.learn`)."""
 GAINING_SHARE = 1.5  # as the boat's speed profile: it gains speed half as fast again as it loses it
 
 
@@ -127,20 +129,26 @@ def budget_of(
         leg = int(legs[np.flatnonzero(~np.isfinite(time_s))[0]]) + 1
         raise NoRoute(f"leg {leg} cannot be sailed against the current at {speed.top_m_s:g} m/s")
     turns = _turns_rad(points)
-    extra_s = _manoeuvres_s(turns, holds_s, boat, speed.over_ground_m_s)
+    extra_s, under_way = _manoeuvres_s(turns, holds_s, boat, speed.over_ground_m_s)
     north, east = current.at(ends[:, 0], ends[:, 1], np.zeros(len(ends)))
     last = np.append(np.flatnonzero(np.diff(legs)), len(legs) - 1)  # the last piece of each leg
-    time_s[last] += np.array(extra_s) + np.array(holds_s)
+    plain_mah = mah.copy()
+    time_s[last] += np.array(extra_s)
     cruising_a = boat.drawn_a(np.array([speed.over_ground_m_s]))[0]
     held_a = [boat.held_a(float(math.hypot(n, e))) for n, e in zip(north[last], east[last], strict=True)]
-    mah[last] += (np.array(extra_s) * cruising_a + np.array(holds_s) * np.array(held_a)) / 3.6
+    mah[last] += np.array(extra_s) * cruising_a / 3.6
     mah[last] += np.array(turns) * TURN_DRAW_S * (boat.cruise_a - boat.idle_a) / 3.6
+    learns = np.full(len(legs), fill_value=True)
+    learns[last] = under_way
+    believed = _believed(time_s, np.where(learns, mah, plain_mah), plain_mah)
+    time_s[last] += np.array(holds_s)
+    mah[last] += np.array(holds_s) * np.array(held_a) / 3.6
     along_m = np.concatenate(([0.0], np.cumsum(lengths_m)))
     left_mah = boat.usable_mah - np.concatenate(([0.0], np.cumsum(mah)))
     home_m = _between(points, ways_home_m, at, legs)
     home_s, home_mah = _homeward(at, home_m, points[0], boat, speed_m_s, current)
     is_known = boat.knows_its_draw
-    beyond = left_mah < boat.margin * home_mah - 1e-9 if is_known else np.isinf(home_s)
+    beyond = left_mah < boat.margin * believed * home_mah - 1e-9 if is_known else np.isinf(home_s)
     short = np.flatnonzero(beyond)
     empty = np.flatnonzero(left_mah < 0.0) if is_known else np.zeros(0, dtype=int)
     return Budget(
@@ -224,6 +232,19 @@ def _homeward(
     return time_s * stretch, mah * stretch
 
 
+def _believed(time_s: Floats, mah: Floats, plain_mah: Floats) -> Floats:
+    """What the boat believes at each place that a metre takes, over what it takes on a straight line.
+
+    time_s, mah: of the pieces, without holds, during which it learns nothing; plain_mah: without corners.
+    """
+    found, drawn_mah, needed_mah = [1.0], 0.0, 0.0
+    for piece_s, piece_mah, straight_mah in zip(time_s, mah, plain_mah, strict=True):
+        kept = math.exp(-piece_s / LEARN_S)
+        drawn_mah, needed_mah = kept * drawn_mah + piece_mah, kept * needed_mah + straight_mah
+        found.append(drawn_mah / needed_mah if needed_mah > 0.0 else 1.0)
+    return np.array(found)
+
+
 def _between(points: Sequence[Point], ways_m: Sequence[float], at: Floats, legs: Floats) -> Floats:
     """The way home from every place: by the nearer of the leg's two ends, and 0 at home."""
     found = [ways_m[0]]
@@ -245,11 +266,13 @@ def _turns_rad(points: Sequence[Point]) -> list[float]:
 
 def _manoeuvres_s(
     turns_rad: Sequence[float], holds_s: Sequence[float], boat: Boat, speed_m_s: float
-) -> list[float]:
-    """Time lost at the end of each leg: in its corner, and by a stop; the start is in the first."""
+) -> tuple[list[float], list[bool]]:
+    """Time lost at the end of each leg: in its corner, and by a stop; the start is in the first. And whether
+    the boat keeps steerage way meanwhile.
+    """
     stop_s2_m = 1.0 / boat.accel_m_s2
     both_s2_m = (1.0 + 1.0 / GAINING_SHARE) / boat.accel_m_s2
-    lost = []
+    lost, under_way = [], []
     for n, (turn, hold_s) in enumerate(zip(turns_rad, holds_s, strict=True), start=1):
         is_last = n == len(turns_rad)
         if is_last or hold_s > 0.0:
@@ -265,8 +288,9 @@ def _manoeuvres_s(
             rate_rad_s = min(rate_rad_s, max(slowest, boat.slowest_m_s) / boat.least_radius_m)
         turning_s = (1.0 if is_on_the_spot else TURN_LOSS) * turn / rate_rad_s
         lost.append(slowing_s + turning_s)
+        under_way.append(not is_on_the_spot)
     lost[0] += 0.5 * speed_m_s / (GAINING_SHARE * boat.accel_m_s2)
-    return lost
+    return lost, under_way
 
 
 def planned_budget(planned: PlannedMission, boat: Boat | str, current: Current | str | None = None) -> Budget:

@@ -166,6 +166,30 @@ def test_the_point_of_no_return_leaves_the_margin_for_the_way_home() -> None:
     assert budget(far, replace(boat, reserve=0.3)).no_return_m < found.no_return_m - 100.0  # type: ignore[operator]
 
 
+def left_beside(way: list[Point], factor: float, holds_s: list[float] | None = None) -> bool | None:
+    """Whether a pack suffices that has factor times the charge of the straight way home left at the end."""
+    found = budget(way, holds_s=holds_s)
+    capacity_mah = found.charge_mah + factor * found.home_mah
+    return budget(way, replace(BOAT, reserve=0.0, capacity_mah=capacity_mah), holds_s).suffices
+
+
+def test_the_boat_believes_that_the_way_home_takes_what_its_last_half_minute_took_corners_included() -> None:
+    zigzag = [Point(20.0 * n, 20.0 * (n % 2)) for n in range(40)]  # 90° each
+    found = budget(zigzag)
+    dearer = found.charge_mah / found.length_m / ((0.6 + 1.08 * 3.0) / 3.6 / 2.0)
+    assert dearer > 1.4
+    assert left_beside(zigzag, 1.5 * dearer * 1.06) is True
+    assert left_beside(zigzag, 1.5 * dearer * 0.94) is False
+    after_200_m = [*zigzag, Point(zigzag[-1].north_m + 200.0, 20.0)]
+    assert left_beside(after_200_m, 1.5 * 1.25) is True, "it has half forgotten the corners"
+
+
+def test_holds_and_turns_on_the_spot_say_nothing_about_the_way_home() -> None:
+    out = [Point(0.0, 0.0), Point(500.0, 0.0), Point(400.0, 0.0), Point(700.0, 0.0)]
+    assert left_beside(out, 1.55) is True
+    assert left_beside(out, 1.55, [0.0, 120.0, 0.0]) is True
+
+
 def test_a_route_that_leads_home_is_good_as_long_as_it_always_could_turn_back() -> None:
     there_and_back = [Point(0.0, 0.0), Point(600.0, 0.0), Point(0.0, 0.0)]
     found = budget(there_and_back)
