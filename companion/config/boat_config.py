@@ -118,13 +118,30 @@ class Arming(Section, frozen=True):
 
 
 class BatteryPack(Section, frozen=True):
-    """The battery pack: 3S LiPo by default."""
+    """The battery pack: 3S LiPo by default.
+
+    cruise_a, idle_a and draw are for the planner's budget; the boat itself measures what it draws. draw:
+    pairs of speed through still water in m/s and current in A, slowest first, electronics included; the last
+    one at full throttle. Raises ValueError: a pair that is not faster, or does not draw more, than the one
+    before.
+    """
 
     capacity_mah: Positive = 2200.0
     cells: Annotated[int, Meta(ge=1, le=10)] = 3
-    # For the planner's budget; the boat itself measures what it draws.
     cruise_a: NonNegative = 0.0  # at cruise speed in still water, electronics included; 0: not known
     idle_a: NonNegative = 0.0  # with the motors stopped
+    draw: tuple[tuple[Positive, Positive], ...] = ()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        slower, less = 0.0, self.idle_a
+        for speed_m_s, drawn_a in self.draw:
+            if not (slower < speed_m_s < math.inf and less < drawn_a < math.inf):
+                raise ValueError(
+                    f"draw: [{speed_m_s:g}, {drawn_a:g}]: expected more than {slower:g} m/s and {less:g} A: "
+                    "pairs of speed and current, slowest first, all above idle_a"
+                )
+            slower, less = speed_m_s, drawn_a
 
 
 class Trim(Section, frozen=True):

@@ -68,7 +68,7 @@ def _travel(chart: Chart, route: Sequence[Point], options: PlanOptions) -> Trave
         if boat is None:
             raise UsageError("--least charge: add --boat BOAT.toml, which says what the boat draws")
         if not boat.knows_its_draw:
-            raise UsageError(f"--least charge: {options.boat} does not say battery.cruise_a")
+            raise UsageError(f"--least charge: {options.boat} does not say battery.cruise_a or battery.draw")
         travel = Charge(speed, boat.drawn_a, current)
     zones = speed_zones(chart)
     slowed: Travel = InZones(travel, zones) if zones else travel

@@ -75,7 +75,7 @@ class Budget:
             home = f"home from there {distance(self.home_m)}, {duration(self.home_s)}"
         if math.isnan(self.charge_mah):
             return [
-                f"{said}; {home}; no charge: set battery.cruise_a, what the boat draws at cruise speed, "
+                f"{said}; {home}; no charge: set battery.cruise_a or battery.draw, what the boat draws, "
                 "in its file"
             ]
         out = f"{said}, {self.charge_mah:.0f} of {self.usable_mah:.0f} mAh"
@@ -137,7 +137,7 @@ def budget_of(
     cruising_a = boat.drawn_a(np.array([speed.over_ground_m_s]))[0]
     held_a = [boat.held_a(float(math.hypot(n, e))) for n, e in zip(north[last], east[last], strict=True)]
     mah[last] += np.array(extra_s) * cruising_a / 3.6
-    mah[last] += np.array(turns) * TURN_DRAW_S * (boat.cruise_a - boat.idle_a) / 3.6
+    mah[last] += np.array(turns) * TURN_DRAW_S * boat.motors_a / 3.6
     learns = np.full(len(legs), fill_value=True)
     learns[last] = under_way
     believed = _believed(time_s, np.where(learns, mah, plain_mah), plain_mah)

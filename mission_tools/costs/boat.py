@@ -3,20 +3,22 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from companion.config.boat_config import BoatConfig, decode_config, load_toml
 from mission_tools.costs.travel import BoatSpeed, Floats
 from mission_tools.errors import UsageError
 from mission_tools.maps.catalogue import emulator_folder
 
-SLOW_EXPONENT, FAST_EXPONENT = 2.1, 2.7
-"""Of the speed through the water, below and above cruise, for what the motors draw.
+BRUSHED, BRUSHLESS = (2.1, 2.7), (1.4, 1.95)
+"""Exponents of the speed through the water for what the motors draw, below and above the speeds at which that
+is known. A propeller's power grows with the cube of the speed, but at low thrust losses outweigh that do not
+depend on it: a bridge's drop and friction, or a brushless motor's current without a load.
 
-Fitted to two emulated hulls with brushed motors behind a chopper, at 0.5, 0.75 and 1.25 times cruise
-speed: 2.0 to 2.4 below, 2.7 and more above.
-(A propeller's power grows with the cube, but at low thrust losses that do not depend on it outweigh.)
-"""
+Fitted to three emulated hulls with brushed motors and to two with brushless ones, between 0.4 and 1.8 times
+cruise speed (`python -m benchmarks.planning.voyages --draw`)."""
 STEERING = 1.08
-"""What the motors draw on a route over what they draw on a straight line (the same two hulls)."""
+"""What the motors draw on a route over what they draw on a straight line (the same hulls)."""
 HOLD_SHARE = 0.06
 """Of the motors' draw at cruise: what station keeping in still water takes (emulator, 80 s at a waypoint)."""
 
@@ -25,11 +27,13 @@ HOLD_SHARE = 0.06
 class Boat:
     """A boat by its configuration.
 
-    cruise_a: drawn at cruise speed in still water, all electronics included; idle_a: with the motors stopped;
-    both 0 where the file does not say. reserve: share of the capacity that is never used. margin: times the
-    charge for the way home that must be left, or the boat turns back by itself. fence_margin_m: how far
-    inside the fence the boat stops. accel_m_s2: to a lower speed; to a higher one it is half as much again.
-    least_radius_m: of its turns; 0: it turns on the spot.
+    draw: pairs of speed through still water in m/s and current in A on a route, all electronics included;
+    empty where the file does not say. idle_a: with the motors stopped. exponents: of the speed, below and
+    above these pairs. top_m_s: through the water; where draw has several pairs, the last one's. reserve:
+    share of the capacity that is never used. margin: times the charge for the way home that must be left, or
+    the boat turns back by itself. fence_margin_m: how far inside the fence the boat stops. accel_m_s2: to a
+    lower speed; to a higher one it is half as much again. least_radius_m: of its turns; 0: it turns on the
+    spot.
     """
 
     name: str
@@ -42,8 +46,9 @@ class Boat:
     least_radius_m: float
     waypoint_radius_m: float
     capacity_mah: float
-    cruise_a: float
+    draw: tuple[tuple[float, float], ...]
     idle_a: float
+    exponents: tuple[float, float]
     reserve: float
     margin: float
     fence_margin_m: float
@@ -54,11 +59,15 @@ class Boat:
     @classmethod
     def of(cls, config: BoatConfig, name: str = "the boat") -> "Boat":
         """A boat of this configuration."""
-        guidance, battery = config.guidance, config.battery
+        guidance, battery, cruise_m_s = config.guidance, config.battery, config.speed.cruise_m_s
+        draw = battery.draw
+        if not draw and battery.cruise_a > battery.idle_a:
+            draw = ((cruise_m_s, battery.idle_a + STEERING * (battery.cruise_a - battery.idle_a)),)
+        top_m_s = draw[-1][0] if len(draw) > 1 else config.handling.top_speed_m_s
         return cls(
             name,
-            cruise_m_s=config.speed.cruise_m_s,
-            top_m_s=max(config.handling.top_speed_m_s, config.speed.cruise_m_s),
+            cruise_m_s=cruise_m_s,
+            top_m_s=max(top_m_s, cruise_m_s),
             slowest_m_s=guidance.min_speed_m_s,
             accel_m_s2=guidance.accel_m_s2,
             corner_accel_m_s2=guidance.corner_accel_m_s2,
@@ -66,8 +75,9 @@ class Boat:
             least_radius_m=config.drive.least_radius_m,
             waypoint_radius_m=guidance.waypoint_radius_m,
             capacity_mah=battery.capacity_mah,
-            cruise_a=battery.cruise_a,
+            draw=draw,
             idle_a=battery.idle_a,
+            exponents=BRUSHLESS if config.parts.motors.driver == "esc" else BRUSHED,
             reserve=config.failsafe.range_reserve,
             margin=config.failsafe.range_margin,
             fence_margin_m=config.fence.margin_m,
@@ -79,7 +89,7 @@ class Boat:
     @property
     def knows_its_draw(self) -> bool:
         """Whether a charge can be said at all."""
-        return self.cruise_a > 0.0
+        return bool(self.draw)
 
     @property
     def usable_mah(self) -> float:
@@ -91,19 +101,26 @@ class Boat:
         return BoatSpeed(over_ground_m_s or self.cruise_m_s, self.top_m_s, self.slowest_m_s)
 
     def drawn_a(self, through_m_s: Floats) -> Floats:
-        """What the whole boat draws at a speed through the water, in A."""
-        share = through_m_s / self.cruise_m_s
-        motors: Floats = share**SLOW_EXPONENT
-        above = share > 1.0
-        motors[above] = share[above] ** FAST_EXPONENT
-        return self.idle_a + STEERING * (self.cruise_a - self.idle_a) * motors
+        """What the whole boat draws at a speed through still water, in A: the motors' part follows a power of
+        the speed from pair to pair. NaN where the file does not say.
+        """
+        if not self.draw:
+            return np.full_like(through_m_s, np.nan)
+        speeds, motors = np.log(np.array(self.draw) - (0.0, self.idle_a)).T
+        at = np.log(np.maximum(through_m_s, 1e-6))
+        below, above = self.exponents
+        beyond = below * np.minimum(at - speeds[0], 0.0) + above * np.maximum(at - speeds[-1], 0.0)
+        drawn: Floats = self.idle_a + np.exp(np.interp(at, speeds, motors) + beyond)
+        return drawn
+
+    @property
+    def motors_a(self) -> float:
+        """What the motors draw at cruise speed."""
+        return float(self.drawn_a(np.array([self.cruise_m_s]))[0]) - self.idle_a
 
     def held_a(self, current_m_s: float = 0.0) -> float:
         """What it draws while it keeps station in a current, in A."""
-        import numpy as np  # noqa: PLC0415 - loaded already where there is a draw to compute
-
-        against = float(self.drawn_a(np.array([current_m_s]))[0])
-        return against + HOLD_SHARE * (self.cruise_a - self.idle_a)
+        return float(self.drawn_a(np.array([current_m_s]))[0]) + HOLD_SHARE * self.motors_a
 
 
 def load_boat(name: str | None) -> Boat:

@@ -21,7 +21,9 @@ from mission_tools.maps.chart import SPEED_LIMIT, Chart, property_number
 
 Floats = NDArray[np.float64]
 SLOWEST_M_S = 0.1
-"""Over ground. A leg that leaves less counts as one that cannot be stemmed: a gust would stop the boat."""
+SLOWEST_SHARE = 0.25
+"""Over ground. A leg that leaves less, or less than this share of the speed asked for where that is slower
+yet, counts as one that cannot be stemmed: a gust would stop the boat."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +52,7 @@ class BoatSpeed:
         fastest = np.where(spare > 0.0, along_m_s + np.sqrt(np.maximum(spare, 0.0)), 0.0)
         wanted = np.maximum(self.over_ground_m_s, along_m_s + self.keep_m_s)
         speed = np.minimum(wanted, fastest)
-        return np.where(speed >= SLOWEST_M_S, speed, 0.0)
+        return np.where(speed >= min(SLOWEST_M_S, SLOWEST_SHARE * self.over_ground_m_s), speed, 0.0)
 
     def at_most(self, limit_m_s: float) -> "BoatSpeed":
         """The same boat in a zone with a speed limit over ground."""

@@ -114,7 +114,7 @@ def test_the_quickest_route_in_a_current_is_told_with_its_time(plan: Any) -> Non
     assert any(note.startswith("takes ") for note in report["plan"]["notes"])
     still = plan("--goal", NORTH_EAST, "--boat", "lake")
     assert report["budget"]["charge_mah"] > 1.2 * still["budget"]["charge_mah"]
-    assert report["budget"]["time_s"] == pytest.approx(still["budget"]["time_s"], rel=0.02)
+    assert report["budget"]["time_s"] == pytest.approx(still["budget"]["time_s"], rel=0.04)
 
 
 @pytest.mark.parametrize(

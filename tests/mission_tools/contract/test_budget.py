@@ -25,7 +25,10 @@ from sitl.world.truth import Truth
 pytestmark = pytest.mark.slow
 
 OPEN = build_chart("sea", LocalFrame(LatLon(50.0, -1.2)), None, ())
-BOAT = replace(load_boat(None), cruise_m_s=2.0, top_m_s=3.0, capacity_mah=1000.0, cruise_a=3.6, idle_a=0.6)
+CRUISE_A = 0.6 + 1.08 * 3.0
+BOAT = replace(
+    load_boat(None), cruise_m_s=2.0, top_m_s=3.0, capacity_mah=1000.0, draw=((2.0, CRUISE_A),), idle_a=0.6
+)
 NEAR = LatLon(49.9995, -1.2010)  # from the start of the lake, round a corner
 OUT = [Point(0.0, 0.0), Point(1000.0, 0.0)]
 
@@ -63,7 +66,7 @@ def test_a_sharp_corner_costs_the_time_to_slow_down_and_to_gain_speed() -> None:
     gentle = budget([Point(0.0, 0.0), Point(100.0, 0.0), Point(100.0, 100.0)])
     turning_s = 0.7 * 0.5 * math.pi / 0.65  # the fillet itself is sailed at 1.97 m/s
     assert gentle.time_s == pytest.approx(straight.time_s + turning_s, abs=0.01)
-    drawn_mah = (turning_s * (0.6 + 1.08 * 3.0) + 4.0 * 3.0 * 0.5 * math.pi) / 3.6
+    drawn_mah = (turning_s * (0.6 + 1.08 * 3.0) + 4.0 * 1.08 * 3.0 * 0.5 * math.pi) / 3.6
     assert gentle.charge_mah == pytest.approx(straight.charge_mah + drawn_mah, abs=0.05)
     back = budget([Point(0.0, 0.0), Point(100.0, 0.0), Point(0.0, 0.0)])
     on_the_spot_s = math.pi / 0.65
@@ -112,7 +115,7 @@ def test_the_current_is_that_of_where_the_boat_is() -> None:
 def test_a_hold_draws_what_station_keeping_does() -> None:
     longer = budget(holds_s=[100.0])
     assert longer.time_s - budget().time_s == pytest.approx(100.0)
-    assert longer.charge_mah - budget().charge_mah == pytest.approx((0.6 + 0.06 * 3.0) * 100.0 / 3.6)
+    assert longer.charge_mah - budget().charge_mah == pytest.approx((0.6 + 0.06 * 1.08 * 3.0) * 100.0 / 3.6)
 
 
 def test_a_stop_on_the_way_is_slowed_down_for_and_sped_up_from_and_held_in_the_current() -> None:
@@ -120,7 +123,7 @@ def test_a_stop_on_the_way_is_slowed_down_for_and_sped_up_from_and_held_in_the_c
     stop_s = 0.5 * 2.0 / 0.4 + 0.5 * 2.0 / 0.6
     longer, still = budget(way, holds_s=[50.0, 0.0]), budget(way)
     assert longer.time_s - still.time_s == pytest.approx(50.0 + stop_s)
-    drawn_mah = (3.84 * stop_s + (0.6 + 0.06 * 3.0) * 50.0) / 3.6
+    drawn_mah = (3.84 * stop_s + (0.6 + 0.06 * 1.08 * 3.0) * 50.0) / 3.6
     assert longer.charge_mah - still.charge_mah == pytest.approx(drawn_mah)
     river = UniformCurrent(0.6, 0.8)
     held = budget(way, holds_s=[50.0, 0.0], current=river).charge_mah - budget(way, current=river).charge_mah
@@ -196,7 +199,7 @@ def test_a_route_that_leads_home_is_good_as_long_as_it_always_could_turn_back() 
     assert (found.home_m, found.no_return_m) == (0.0, None)
     found.check()
     assert found.lines() == [
-        "budget: 10 min 13 s, 664 of 900 mAh",
+        "budget: 10 min 13 s, 665 of 900 mAh",
         "comes home from everywhere on it with 1.5 times the charge for the way",
     ]
 
@@ -208,7 +211,7 @@ def test_a_budget_suffices_where_the_boat_always_comes_home_and_says_the_way_hom
     assert budget([Point(0.0, 0.0), Point(600.0, 0.0), Point(0.0, 0.0)]).suffices is True
     assert budget([Point(0.0, 0.0), Point(1600.0, 0.0)]).suffices is False
     assert budget([Point(0.0, 0.0), Point(3000.0, 0.0)]).suffices is False
-    assert budget(boat=replace(BOAT, cruise_a=0.0, idle_a=0.0)).suffices is None
+    assert budget(boat=replace(BOAT, draw=(), idle_a=0.0)).suffices is None
 
 
 def test_a_charge_that_does_not_last_is_refused_one_way_too() -> None:
@@ -223,7 +226,7 @@ def test_a_charge_that_does_not_last_is_refused_one_way_too() -> None:
 
 
 def test_without_a_draw_there_is_a_time_and_no_charge() -> None:
-    found = budget(boat=replace(BOAT, cruise_a=0.0, idle_a=0.0))
+    found = budget(boat=replace(BOAT, draw=(), idle_a=0.0))
     assert found.time_s > 500.0
     assert math.isnan(found.charge_mah)
     found.check()
@@ -258,7 +261,12 @@ def test_a_boat_is_read_from_its_own_file_and_from_an_emulated_ones(tmp_path: Pa
         "[battery]\ncapacity_mah = 7000.0\ncruise_a = 4.0\n[speed]\ncruise_m_s = 1.5\n"
     )
     boat = load_boat(str(tmp_path / "b.toml"))
-    assert (boat.name, boat.capacity_mah, boat.cruise_a, boat.cruise_m_s) == ("b", 7000.0, 4.0, 1.5)
+    assert (boat.name, boat.capacity_mah, boat.draw, boat.cruise_m_s) == (
+        "b",
+        7000.0,
+        ((1.5, 1.08 * 4.0),),
+        1.5,
+    )
     default = BoatConfig()
     assert boat.most_fence_items == default.mission.max_fence_items
     assert boat.margin == default.failsafe.range_margin
@@ -284,9 +292,11 @@ def test_the_emulator_sails_the_budget_in_a_current_within_ten_percent() -> None
     assert found.charge_mah == pytest.approx(sailed_mah, rel=0.1)
 
 
-@pytest.mark.parametrize("cruise_a", [3.6, 0.0], ids=["of known draw", "of unknown draw"])
-def test_a_boat_that_a_current_keeps_from_coming_home_is_refused_and_told_so(cruise_a: float) -> None:
-    swept = budget(boat=replace(BOAT, cruise_a=cruise_a), current=UniformCurrent(north_m_s=3.5))
+@pytest.mark.parametrize("draw", [BOAT.draw, ()], ids=["of known draw", "of unknown draw"])
+def test_a_boat_that_a_current_keeps_from_coming_home_is_refused_and_told_so(
+    draw: tuple[tuple[float, float], ...],
+) -> None:
+    swept = budget(boat=replace(BOAT, draw=draw), current=UniformCurrent(north_m_s=3.5))
     assert math.isinf(swept.home_s)
     assert "no way home against the current" in swept.lines()[0]
     assert swept.no_return_m == 0.0

@@ -49,6 +49,12 @@ def test_the_speed_made_good(
     assert per_m(travel, course_rad) == pytest.approx(expected)
 
 
+@pytest.mark.parametrize(("against_m_s", "can"), [(0.0, True), (0.05, True), (0.062, False)])
+def test_a_boat_that_is_slower_than_the_least_speed_sails_as_well(against_m_s: float, *, can: bool) -> None:
+    pool = TravelTime(BoatSpeed(0.045, 0.07, 0.02), UniformCurrent(-against_m_s, 0.0))
+    assert math.isfinite(per_m(pool, NORTH)) is can
+
+
 def test_the_charge_is_that_of_the_speed_through_the_water() -> None:
     def drawn_a(through_m_s: Floats) -> Floats:
         return 0.5 + through_m_s**3
