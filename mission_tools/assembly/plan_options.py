@@ -34,7 +34,8 @@ class PlanOptions:
     emulated boat's name. least: time or charge. open_water_m: how far from the shore a metre is dearer.
     draught_m: water that is charted less deep is an obstacle. air_draught_m: so is a bridge less high.
     is_route_file: SOURCE is a route, not a map. is_outline: the lines of SOURCE, a .gpx file, enclose water.
-    check_on: the map on which a finished mission is checked, or "none".
+    check_on: the map on which a finished mission is checked, or "none". split: into parts that each come home
+    on one pack.
     """
 
     start_at: LatLon | None = None
@@ -71,6 +72,7 @@ class PlanOptions:
     is_route_file: bool = False
     is_outline: bool = False
     check_on: str | None = None
+    split: bool = False
 
     def given(self) -> list[str]:
         """The fields that were given."""
@@ -88,6 +90,13 @@ class PlanOptions:
             raise UsageError("--least, --open-water: only for a way from place to place")
         if self.least is not None and self.current is None and self.open_water_m is None:
             raise UsageError("--least: add --current; without one the shortest route is the cheapest")
+
+    def check_split(self, *, is_finished: bool) -> None:
+        """See that what is cut has a pack, and a finished mission its map. Raises UsageError: names them."""
+        if self.split and self.boat is None:
+            raise UsageError("--split: add --boat BOAT.toml, for whose pack it is cut")
+        if self.split and is_finished and self.check_on is None:
+            raise UsageError("--split: ways home need a map: add --check-on MAP (none: they are straight)")
 
     @property
     def is_task(self) -> bool:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 MOST_MARGIN_M = 0.6  # deviation from the plan at corners and by GNSS error
 MARGIN_SHARE = 0.15  # of the clearance, where that is small
 NO_MAP = "none"
-_OF_FILES = ("speed_m_s", "boat", "current", "is_route_file", "check_on", "start_at")
+_OF_FILES = ("speed_m_s", "boat", "current", "split", "is_route_file", "check_on", "start_at")
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,7 @@ class PlannedMission:
     """A mission and where it comes from: a plan, a task's legs, or neither for a mission from a file.
 
     clearance_m: that was asked for; 0 for a mission from a file. notes: for the user. survey: what the task's
-    legs cover, if it is a survey.
+    legs cover, if it is a survey. margin_m: that a task keeps on top of the clearance.
     """
 
     name: str
@@ -54,6 +54,7 @@ class PlannedMission:
     clearance_m: float = 0.0
     notes: tuple[str, ...] = ()
     survey: "Survey | None" = None
+    margin_m: float = 0.0
 
     @property
     def points(self) -> tuple[Point, ...]:
@@ -67,6 +68,7 @@ def open_source(text: str, options: PlanOptions, areas: Areas = NO_AREAS) -> "Mi
     Raises UsageError: wishes that do not go with it. PlanFileError, MapError: it cannot be used.
     """
     path = Path(text)
+    options.check_split(is_finished=options.is_route_file or path.suffix.lower() in MISSION_SUFFIXES)
     if options.is_route_file:
         from mission_tools.files.drawn import load_drawn  # noqa: PLC0415 - seldom needed
 
@@ -145,7 +147,9 @@ class MapSource:
         self._chart = _within(passable(source.chart, _size(options)), areas)
         self._notes = tuple(dict.fromkeys((*self._chart.notes, *areas.notes)))
         self._areas = areas
-        self._wishes = options
+        # The shortest tour that comes home is the one to cut; a shore is followed all round as it is
+        is_closed = options.is_return or (options.split and options.follow_shore_at is None)
+        self._wishes = options = replace(options, is_return=is_closed)
         self._settings = PlanSettings.from_route(
             source.route,
             clearance_m=options.clearance_m,
@@ -225,7 +229,10 @@ class MapSource:
         if task is not None:
             mission = self._areas.over(mission_of(task, chart.frame, speed_m_s))
             notes = (*self._notes, *task.notes)
-            return PlannedMission(chart.name, mission, chart, None, task, clearance_m, notes, survey)
+            margin_m = self._settings.margin_m
+            return PlannedMission(
+                chart.name, mission, chart, None, task, clearance_m, notes, survey, margin_m
+            )
         assert start is not None  # noqa: S101  _start_of raises before
         *via, goal = (stop.place for stop in self._stops)
         found = plan(chart, start, goal, self._settings, via)

@@ -29,6 +29,7 @@ def as_json(report: Report, *, with_items: bool = False) -> dict[str, Any]:
         "task": _task(planned) if planned and planned.task else None,
         "file": _file(planned) if planned and not planned.plan and not planned.task else None,
         "budget": _budget(report.budget) if report.budget else None,
+        "split": _split(report) if report.split else None,
         "upload": None if report.vehicle_id is None else _upload(report),
         "notes": list(planned.notes if planned else report.area_notes),
         "started": report.started,
@@ -90,6 +91,18 @@ def _budget(budget: "Budget") -> dict[str, Any]:
     tree = {name: getattr(budget, name) for name in budget.__slots__}
     plain = {name: _finite(value) if isinstance(value, float) else value for name, value in tree.items()}
     return plain | {"suffices": budget.suffices}
+
+
+def _split(report: Report) -> dict[str, Any]:
+    """Each part with its file; least: parts that the charge of the work alone takes."""
+    found = report.split
+    assert found is not None  # noqa: S101  the caller's question
+    files = report.saved_parts
+    rows = [
+        {"saved": str(files[n]) if n in files else None, **_budget(part.budget)}
+        for n, part in enumerate(found.parts, 1)
+    ]
+    return {"least": found.least, "work_mah": found.work_mah, "parts": rows}
 
 
 def _upload(report: Report) -> dict[str, Any]:

@@ -32,10 +32,11 @@ from mission_tools.drawing.features import (
 )
 from mission_tools.drawing.legend import View, draw_frame, draw_legend, draw_north_arrow, draw_scale_bar
 from mission_tools.drawing.style import BAND, INK, PLAN_STYLE, SAILED, new_figure
-from mission_tools.drawing.view import view_of
+from mission_tools.drawing.view import PART_COLOURS, view_of
 from mission_tools.maps.chart import Chart
 from mission_tools.overwrite_guard import PICTURE_METADATA
 from mission_tools.tasks.survey.survey import Survey
+from mission_tools.tasks.task_route import Parts
 
 LAND, WATER = "#efe6cf", "#b7daeb"
 WIDTH_IN, HEIGHT_IN = 12.8, 9.6  # of a picture; 125 pixels an inch
@@ -71,6 +72,14 @@ def draw_route(axes: Axes, route: Sequence[Point]) -> None:
     axes.plot(east, north, zorder=8, **style)
 
 
+def draw_parts(axes: Axes, parts: Parts) -> list[Line2D]:
+    """Each part of a route in a colour of its own, and the lines for a legend, which says the words."""
+    return [
+        axes.plot(*_columns(points), color=PART_COLOURS[n % len(PART_COLOURS)], label=words, zorder=8)[0]
+        for n, (words, points) in enumerate(parts)
+    ]
+
+
 def draw_track(
     axes: Axes, track: Sequence[Point], speeds_m_s: Sequence[float] | None = None
 ) -> LineCollection | None:
@@ -101,11 +110,13 @@ def draw_picture(
     subtitle: str = "",
     clearance_m: float = 0.0,
     speeds_m_s: Sequence[float] | None = None,
+    parts: Parts = (),
 ) -> Figure:
     """One picture of 1600 × 1200 pixels, with a legend; a narrow chart's is narrower.
 
     route is the planned line with its waypoints. The band nearer to shores than clearance_m is tinted. The
-    view is the whole chart, or the surroundings of route and track where those are far smaller.
+    view is the whole chart, or the surroundings of route and track where those are far smaller. parts: of the
+    route, with the words for each; they have colours of their own.
     """
     layout = _Layout.of(view_of(chart, route, track))
     view = view_of(chart, route, track, aspect=layout.map_in / MAP_HEIGHT_IN)
@@ -113,7 +124,8 @@ def draw_picture(
     _draw_tints(axes, chart, view[2] - view[0])
     draw_chart(axes, chart, clearance_m, route or track or ())
     _draw_water_name(axes, chart, route, track, view)
-    if route is not None:
+    lines = draw_parts(axes, parts)
+    if route is not None and not parts:
         draw_route(axes, route)
     line = draw_track(axes, track, speeds_m_s) if track else None
     if route:
@@ -124,9 +136,8 @@ def draw_picture(
         draw_waypoints(axes, (track[0], track[-1]))
     _finish(axes, chart, view)
     is_beside = layout.is_narrow
-    draw_legend(
-        axes, chart, clearance_m, route is not None, bool(track) and line is None, is_beside=is_beside
-    )
+    has_track = bool(track) and line is None
+    draw_legend(axes, chart, clearance_m, route is not None, has_track, is_beside=is_beside, parts=lines)
     if line is not None:
         place = layout.box(LEFT_IN + layout.map_in + 0.3, BOTTOM_IN + 7.6, 2.3, 0.15) if is_beside else None
         cax = axes.inset_axes((0.025, 0.945, 0.2, 0.018)) if place is None else figure.add_axes(place)
@@ -229,7 +240,13 @@ COVERED, MISSED = "#9fd6a8", "#c2413b"
 
 
 def draw_survey(
-    chart: Chart, survey: Survey, track: Sequence[Point] | None = None, *, title: str = "", subtitle: str = ""
+    chart: Chart,
+    survey: Survey,
+    track: Sequence[Point] | None = None,
+    *,
+    title: str = "",
+    subtitle: str = "",
+    parts: Parts = (),
 ) -> Figure:
     """The survey on its chart. With a track, that is what covers; without, the planned route.
 
@@ -243,11 +260,11 @@ def draw_survey(
     covered = swath_of(track or route, survey.swath_m)
     fill(axes, survey.target.intersection(covered), facecolor=COVERED, edgecolor="none", zorder=2, alpha=0.75)
     fill(axes, survey.target.difference(covered), facecolor=MISSED, edgecolor=MISSED, linewidth=1.5, zorder=6)
-    for leg in survey.route.legs:
+    for leg in () if parts else survey.route.legs:
         width, alpha = (4.2, 0.5) if track else (1.2, 1.0)
         axes.plot(*_columns(leg.points), color=COLOURS[leg.kind], linewidth=width, alpha=alpha, zorder=8)
     kinds = {leg.kind for leg in survey.route.legs}
-    handles: list[Patch | Line2D] = [
+    handles: list[Patch | Line2D] = [*draw_parts(axes, parts)] or [
         Line2D([], [], color=COLOURS[kind], label=f"planned: {name}")
         for kind, name in NAMES.items()
         if kind in kinds

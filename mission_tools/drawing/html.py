@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
-from itertools import pairwise
+from itertools import cycle, pairwise
 from pathlib import Path
 from string import Template
 
@@ -20,10 +20,11 @@ from shapely.geometry.base import BaseGeometry
 from companion.cli.output_file import write_text
 from companion.core.geo import LatLon, Point, bearing_rad, distance_m
 from mission_tools.assembly.planned_mission import PlannedMission
-from mission_tools.drawing.view import view_of
+from mission_tools.drawing.view import PART_COLOURS, view_of
 from mission_tools.geojson import KEPT_OUT, SOLID
 from mission_tools.maps.chart import Chart
 from mission_tools.mission.qgc_plan import DEFAULT_SPEED_M_S
+from mission_tools.tasks.task_route import Parts
 from mission_tools.vehicle.mission_monitor import MissionMonitor
 from mission_tools.wording import counted, distance, duration
 
@@ -113,13 +114,15 @@ def _tightest(chart: Chart, start: Point, end: Point) -> tuple[float, str, Point
     return clearance_m, nearest, Point(north_m, east_m)
 
 
-def save_page(path: Path, planned: PlannedMission, monitor: MissionMonitor | None = None) -> None:
+def save_page(
+    path: Path, planned: PlannedMission, monitor: MissionMonitor | None = None, parts: Parts = ()
+) -> None:
     """Write the page. Raises OutputError: the file cannot be written."""
-    write_text(path, compose(planned, monitor))
+    write_text(path, compose(planned, monitor, parts))
 
 
-def compose(planned: PlannedMission, monitor: MissionMonitor | None = None) -> str:
-    """The page of a planned mission, and of the track if it was followed."""
+def compose(planned: PlannedMission, monitor: MissionMonitor | None = None, parts: Parts = ()) -> str:
+    """The page of a planned mission, of its parts in colours, and of the track if it was followed."""
     chart, way = planned.chart, itinerary(planned)
     clearance_m = planned.clearance_m
     track = [chart.frame.to_local(point.place) for point in monitor.track] if monitor is not None else []
@@ -132,12 +135,17 @@ def compose(planned: PlannedMission, monitor: MissionMonitor | None = None) -> s
         facts="".join(
             f"<li><b>{value}</b> {label}</li>" for value, label in _facts(way, clearance_m, monitor)
         ),
-        map=_map(chart, planned.points, track, clearance_m),
+        map=_map(chart, planned.points, track, clearance_m, parts),
         view=json.dumps([view[0], -view[3], view[2] - view[0], view[3] - view[1]]),
         rows="".join(_row(chart, leg, clearance_m) for leg in way.legs),
         worst="".join(_worst(chart, leg) for leg in way.worst(WORST_PLACES)),
         notes="".join(f"<li>{escape(note)}</li>" for note in planned.notes),
         speed=_speed_note(way),
+        parts="".join(
+            f'<li><span style="color:{colour}">▬</span> {escape(words)}</li>'
+            for colour, (words, _) in zip(cycle(PART_COLOURS), parts, strict=False)
+        ),
+        has_parts="" if parts else "hidden",
         has_worst="" if way.worst(1) else "hidden",
         has_notes="" if planned.notes else "hidden",
     )
@@ -166,7 +174,9 @@ def _speed_note(way: Itinerary) -> str:
     return f"Times are for the mission's {way.speed_m_s:g} m/s over ground, without turns."
 
 
-def _map(chart: Chart, points: Sequence[Point], track: Sequence[Point], clearance_m: float) -> str:
+def _map(
+    chart: Chart, points: Sequence[Point], track: Sequence[Point], clearance_m: float, lines: Parts
+) -> str:
     parts = []
     west, south, east, north = chart.water.bounds
     decimals = max(0, 4 - math.ceil(math.log10(max(east - west, north - south, 1e-3))))
@@ -191,6 +201,10 @@ def _map(chart: Chart, points: Sequence[Point], track: Sequence[Point], clearanc
         parts.append(f'<polyline class="track" points="{_points(track)}"/>')
     parts.append(f'<polyline class="route casing" points="{_points(points)}"/>')
     parts.append(f'<polyline class="route" points="{_points(points)}"/>')
+    parts += [
+        f'<polyline class="route" style="stroke:{colour}" points="{_points(line)}"/>'
+        for colour, (_, line) in zip(cycle(PART_COLOURS), lines, strict=False)
+    ]
     last = len(points) - 1
     parts += [_leg_label(n, start, end) for n, (start, end) in enumerate(pairwise(points), 1)]
     for n, at in enumerate(points):

@@ -1,6 +1,7 @@
 """What surrounds a chart: graticule, scale bar, north arrow and legend."""
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -119,15 +120,23 @@ def draw_north_arrow(axes: Axes) -> None:
 
 
 def draw_legend(
-    axes: Axes, chart: Chart, band_m: float, has_plan: bool, has_track: bool, *, is_beside: bool = False
+    axes: Axes,
+    chart: Chart,
+    band_m: float,
+    has_plan: bool,
+    has_track: bool,
+    *,
+    is_beside: bool = False,
+    parts: Sequence[Line2D] = (),
 ) -> None:
     """Whatever is on this picture; band_m is the clearance that a band was drawn for.
 
-    is_beside: to the right of the map instead of in its corner.
+    is_beside: to the right of the map instead of in its corner. parts: of the plan, labelled.
     """
-    entries: list[Line2D | Patch] = []
+    entries: list[Line2D | Patch] = [*parts]
     if has_plan:
-        entries.append(Line2D([], [], label="planned", **PLAN_STYLE))
+        if not parts:
+            entries.append(Line2D([], [], label="planned", **PLAN_STYLE))
         entries.append(
             Line2D([], [], ls="", marker="o", ms=9, mfc="white", mec=PLANNED, mew=1.5, label="waypoint")
         )

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from companion.core.geo import path_length_m
 from mission_tools.assembly.planned_mission import PlannedMission
+from mission_tools.tasks.task_route import Parts
 from mission_tools.vehicle.mission_monitor import MissionMonitor
 from mission_tools.wording import distance, duration
 
@@ -12,21 +13,23 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def save_preview(path: Path, planned: PlannedMission, monitor: MissionMonitor | None = None) -> None:
-    """Draw the planned mission and the track, if there is one. Raises OutputError: the file cannot be
-    written.
+def save_preview(
+    path: Path, planned: PlannedMission, monitor: MissionMonitor | None = None, parts: Parts = ()
+) -> None:
+    """Draw the planned mission and the track, if there is one; each of its parts in a colour. Raises
+    OutputError: the file cannot be written.
     """
     if path.suffix.lower() == ".html":
         from mission_tools.drawing.html import save_page  # noqa: PLC0415 - needs no matplotlib
 
-        save_page(path, planned, monitor)
+        save_page(path, planned, monitor, parts)
         return
     from mission_tools.drawing.draw import save_figure  # noqa: PLC0415 - matplotlib takes a second to import
 
-    save_figure(path, figure_of(planned, monitor))
+    save_figure(path, figure_of(planned, monitor, parts))
 
 
-def figure_of(planned: PlannedMission, monitor: MissionMonitor | None = None) -> "Figure":
+def figure_of(planned: PlannedMission, monitor: MissionMonitor | None = None, parts: Parts = ()) -> "Figure":
     """The picture of the planned mission and of the track, if there is one; a survey's has its coverage."""
     from mission_tools.drawing.draw import draw_picture, draw_survey  # noqa: PLC0415 - matplotlib is slow
 
@@ -34,7 +37,7 @@ def figure_of(planned: PlannedMission, monitor: MissionMonitor | None = None) ->
     track = [planned.chart.frame.to_local(point.place) for point in sailed] or None
     title, subtitle = planned.name, _subtitle(planned, monitor)
     if planned.survey is not None:
-        return draw_survey(planned.chart, planned.survey, track, title=title, subtitle=subtitle)
+        return draw_survey(planned.chart, planned.survey, track, title=title, subtitle=subtitle, parts=parts)
     return draw_picture(
         planned.chart,
         planned.points or None,
@@ -43,6 +46,7 @@ def figure_of(planned: PlannedMission, monitor: MissionMonitor | None = None) ->
         title=title,
         subtitle=subtitle,
         clearance_m=planned.clearance_m,
+        parts=parts,
     )
 
 

@@ -4,7 +4,8 @@ from mission_tools.assembly.areas import NO_AREAS, Areas, open_areas
 from mission_tools.assembly.plan_options import PlanOptions
 from mission_tools.assembly.planned_mission import open_source
 from mission_tools.errors import UsageError
-from mission_tools.job.planned import Report, Request, check_outputs, draw, take_planned
+from mission_tools.job.parts import check_part_names, take_mission
+from mission_tools.job.planned import Report, Request, check_outputs, draw
 from mission_tools.vehicle.link_url import parse_link
 from mission_tools.wording import Printer
 
@@ -16,6 +17,10 @@ def run(request: Request, report: Report, say: Printer) -> None:
     link = parse_link(request.link)
     inputs = (request.source, request.fence, request.rally, request.sign_key)
     check_outputs(request.save, request.preview, inputs, force=request.force)
+    if request.resume is not None and not request.options.split:
+        raise UsageError("--resume: only with --split, the options of which it repeats")
+    if request.options.split and request.save is not None:
+        check_part_names(request.save, force=request.force)
     for option in ("fence", "rally"):
         if getattr(request, option) is not None and getattr(request, f"{option}_from_map"):
             raise UsageError(f"--{option} and --{option}-from-map exclude each other")
@@ -38,7 +43,7 @@ def run(request: Request, report: Report, say: Printer) -> None:
             say(line)
     else:
         planned = source.prepare()
-        planned = take_planned(planned, request, report, say)
+        planned = take_mission(planned, request, report, say)
         draw(planned, request, report, say)
 
 

@@ -13,12 +13,13 @@ from mission_tools.errors import UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.mission.mission import Mission, MissionType
 from mission_tools.overwrite_guard import PICTURE_SUFFIXES, check_picture_name, check_replaceable
-from mission_tools.tasks.task_route import TaskRoute
+from mission_tools.tasks.task_route import Parts, TaskRoute
 from mission_tools.vehicle.link_url import DEFAULT_LINK, DEFAULT_SYSTEM_ID
 from mission_tools.wording import Printer, counted, distance, duration
 
 if TYPE_CHECKING:
     from mission_tools.contract.budget import Budget
+    from mission_tools.contract.split import Split
     from mission_tools.vehicle.mission_monitor import MissionMonitor
 
 MOST_ITEMS = 5000  # of a mission on this project's boat: mission.max_items, unless its file says otherwise
@@ -48,6 +49,7 @@ class Request:
     beyond_range: bool = False  # plan it even if the charge does not suffice
     fence_from_map: bool = False
     rally_from_map: bool = False
+    resume: int | None = None  # of a split mission: this part alone
     diff: bool = False  # say what an upload changes aboard
     if_changed: bool = False  # and send only the lists that it changes
 
@@ -59,6 +61,7 @@ class Report:
     planned: PlannedMission | None = None
     area_notes: tuple[str, ...] = ()  # on the files of fence and rally points
     budget: "Budget | None" = None
+    split: "Split | None" = None
     link: str = ""
     vehicle_id: int | None = None
     mode: str = ""
@@ -71,6 +74,7 @@ class Report:
     started: bool = False
     monitor: "MissionMonitor | None" = None
     saved: Path | None = None
+    saved_parts: dict[int, Path] = field(default_factory=dict)
     preview: Path | None = None
 
 
@@ -100,10 +104,10 @@ def check_outputs(
             check_replaceable(option, output, force=force)
 
 
-def save(mission: Mission, path: Path, planned: PlannedMission | None = None) -> None:
+def save(mission: Mission, path: Path, planned: PlannedMission | None = None, parts: Parts = ()) -> None:
     """Write a mission in the format of the file's suffix: also a picture, where there is a chart to draw.
-    Raises PlanFileError: the format cannot hold it, or the file cannot be written. UsageError: a picture
-    without a chart.
+    parts: of it, each in a colour of its own. Raises PlanFileError: the format cannot hold it, or the file
+    cannot be written. UsageError: a picture without a chart.
     """
     if path.suffix.lower() not in PICTURE_SUFFIXES:
         from mission_tools.files.written import save_route  # noqa: PLC0415 - for files alone
@@ -113,7 +117,7 @@ def save(mission: Mission, path: Path, planned: PlannedMission | None = None) ->
     elif planned is None:
         raise UsageError(f"{path}: a picture needs a map to draw: name a .plan file or another format")
     else:
-        save_preview(path, planned)
+        save_preview(path, planned, parts=parts)
 
 
 def take_planned(planned: PlannedMission, request: Request, report: Report, say: Printer) -> PlannedMission:
@@ -121,13 +125,7 @@ def take_planned(planned: PlannedMission, request: Request, report: Report, say:
     Raises NoRoute: no fence holds the route. UsageError: more items than the boat holds. BeyondRange: the
     boat does not come home. PlanFileError: it cannot be written.
     """
-    if request.fence_from_map or request.rally_from_map:
-        from mission_tools.contract.water_contract import with_contract  # noqa: PLC0415 - seldom needed
-        from mission_tools.costs.boat import load_boat  # noqa: PLC0415
-
-        wanted = {"with_fence": request.fence_from_map, "with_rally": request.rally_from_map}
-        planned = with_contract(planned, load_boat(request.options.boat), **wanted)
-    planned = _within_capacity(planned, request.options.boat)
+    planned = with_areas(planned, request)
     report.planned = planned
     for line in described(planned):
         say(line)
@@ -144,6 +142,19 @@ def take_planned(planned: PlannedMission, request: Request, report: Report, say:
         report.saved = request.save
         say(f"saved {request.save}")
     return planned
+
+
+def with_areas(planned: PlannedMission, request: Request) -> PlannedMission:
+    """The mission with the fence and rally points that were asked for, no longer than the boat holds. Raises
+    NoRoute, UsageError: as `take_planned`.
+    """
+    if request.fence_from_map or request.rally_from_map:
+        from mission_tools.contract.water_contract import with_contract  # noqa: PLC0415 - seldom needed
+        from mission_tools.costs.boat import load_boat  # noqa: PLC0415
+
+        wanted = {"with_fence": request.fence_from_map, "with_rally": request.rally_from_map}
+        planned = with_contract(planned, load_boat(request.options.boat), **wanted)
+    return _within_capacity(planned, request.options.boat)
 
 
 def _within_capacity(planned: PlannedMission, boat: str | None) -> PlannedMission:
@@ -167,7 +178,8 @@ def _within_capacity(planned: PlannedMission, boat: str | None) -> PlannedMissio
 def draw(planned: PlannedMission, request: Request, report: Report, say: Printer) -> None:
     """Draw plan and track, if a picture is asked for. Raises OutputError: it cannot be written."""
     if request.preview is not None:
-        save_preview(request.preview, planned, report.monitor)
+        shown, parts = (planned, ()) if report.split is None else (report.split.whole, report.split.labelled)
+        save_preview(request.preview, shown, report.monitor, parts)
         report.preview = request.preview
         say(f"drew {request.preview}")
 

@@ -8,7 +8,8 @@ from mission_tools.assembly.areas import Areas
 from mission_tools.assembly.planned_mission import MapSource, MissionFile, PlannedMission
 from mission_tools.contract.diff import diff
 from mission_tools.errors import NoVehicle
-from mission_tools.job.planned import Report, Request, draw, take_planned
+from mission_tools.job.parts import take_mission
+from mission_tools.job.planned import Report, Request, draw
 from mission_tools.mission.mission import LIST_NAMES
 from mission_tools.vehicle.connection import connect
 from mission_tools.vehicle.exchange import Lists, differing, holdings, send
@@ -56,7 +57,7 @@ class _UploadSession:
         async with AsyncExitStack() as stack:
             vehicle = await self._connected(stack) if source.wants_position else None
             planned = await self._propose(source, vehicle)
-            planned = take_planned(planned, self._request, self._report, self._say)
+            planned = take_mission(planned, self._request, self._report, self._say)
             try:
                 vehicle = vehicle or await self._connected(stack)
                 mission_lists = planned.mission.wire_lists(home_first=vehicle.state.is_ardupilot)

@@ -17,6 +17,8 @@ from mission_tools.planning.exact_planner import fitted, water_of
 from mission_tools.planning.planner import PlanSettings, plan
 
 LegKind = Literal["transit", "track", "shore", "cross"]
+Parts = Sequence[tuple[str, Sequence[Point]]]
+"""Of a mission that was split: each in words, and its line."""
 LONGEST_HOLD_S = 65_535.0  # ArduPilot keeps the hold time of a waypoint in 16 bits, in whole seconds
 
 

@@ -213,3 +213,74 @@ def test_the_repairs_of_a_fence_alone_are_reported(
     assert run_upload(["--fence", "loop.geojson", "--dry-run", "--json"]) == 0
     (note,) = json.loads(capsys.readouterr().out)["notes"]
     assert "crosses or touches itself" in note
+
+
+# In parts
+
+
+@pytest.fixture
+def small_pack(pond: None) -> None:
+    """A boat whose pack does not last for the pond."""
+    Path("small.toml").write_text("[battery]\ncapacity_mah = 560.0\ncruise_a = 2.6\nidle_a = 0.6\n")
+
+
+SPLIT = ("pond.geojson", "--start", SOUTH_WEST, "--clearance", "3", "--survey", "all", "--footprint", "16",
+         "--boat", "small.toml", "--split")  # fmt: skip
+
+
+def test_a_split_survey_is_a_file_a_part_and_one_picture(
+    small_pack: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_plan([*SPLIT, "--json", "--out", "survey.plan", "--preview", "survey.html"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    rows = report["split"]["parts"]
+    assert len(rows) >= report["split"]["least"] >= 2
+    assert [row["saved"] for row in rows] == [f"survey_{n}.plan" for n in range(1, len(rows) + 1)]
+    assert all(row["suffices"] for row in rows)
+    places = [place for row in rows for place in load_mission(Path(row["saved"])).places]
+    assert [[at.lat_deg, at.lon_deg] for at in places] == report["waypoints"]
+    page = Path("survey.html").read_text()
+    assert all(f"part {n}: {row['length_m']:.0f} m" in page for n, row in enumerate(rows, 1))
+    for row in rows:
+        assert run_check([row["saved"], "--map", "pond.geojson", "--clearance", "3"]) == 0
+
+
+def test_one_part_is_written_as_it_is_named(small_pack: None, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_plan([*SPLIT, "--out", "all.plan"]) == 0
+    assert run_plan([*SPLIT, "--resume", "2", "--out", "rest.plan"]) == 0
+    assert load_mission(Path("rest.plan")).items == load_mission(Path("all_2.plan")).items
+    capsys.readouterr()
+    assert run_plan([*SPLIT, "--resume", "9"]) == 2
+    assert "--resume 9: there is no such part, but" in capsys.readouterr().err
+    assert run_plan(["pond.geojson", "--start", SOUTH_WEST, "--goal", NORTH_EAST, "--resume", "2"]) == 2
+    assert "--resume: only with --split" in capsys.readouterr().err
+
+
+def test_parts_replace_only_what_this_program_wrote_and_name_what_is_left_of_an_earlier_split(
+    small_pack: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("survey_2.plan").write_text("{}")
+    Path("survey_12b.plan").write_text("{}")
+    assert run_plan([*SPLIT, "--out", "survey.plan"]) == 2
+    assert "survey_2.plan: exists, and does not say that this program wrote it" in capsys.readouterr().err
+    assert not Path("survey_1.plan").exists()
+    Path("survey_2.plan").unlink()
+    Path("survey_77.plan").write_text('{"groundStation": "mavboat"}')
+    assert run_plan([*SPLIT, "--out", "survey.plan"]) == 0
+    said = capsys.readouterr().out
+    assert "note: survey_77.plan is of an earlier split" in said
+    assert "survey_12b" not in said
+    assert Path("survey_2.plan").exists()
+
+
+def test_a_picture_of_a_split_tour_names_its_parts(
+    small_pack: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("small.toml").write_text("[battery]\ncapacity_mah = 330.0\ncruise_a = 2.6\nidle_a = 0.6\n")
+    ways = [word for place in (NORTH_WEST, NORTH_EAST, SOUTH_EAST) for word in ("--via", place)]
+    tour = ["pond.geojson", "--start", SOUTH_WEST, *ways, "--any-order", "--boat", "small.toml", "--split"]
+    assert run_plan([*tour, "--out", "tour.svg"]) == 0
+    lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("part ")]
+    assert len(lines) >= 2
+    drawn = Path("tour.svg").read_text()
+    assert all(f"<!-- {line} -->" in drawn for line in lines)
