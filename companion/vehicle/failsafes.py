@@ -116,6 +116,10 @@ def _carry_out(decision: actions.Decision, vehicle: VehicleCore, now_s: float) -
             before = vehicle.mode
             _retreat(modes, vehicle)
             if vehicle.mode is not before:
+                nav, frame = vehicle.nav, vehicle.frame
+                is_called = before is Mode.AUTO and vehicle.failsafes.pack_is_low
+                if is_called and nav is not None and frame is not None:
+                    vehicle.progress.leave_leg(nav.point, frame)
                 vehicle.retreated_from = vehicle.retreated_from or before
         case actions.LimitSpeed(share):
             vehicle.speed_m_s = share * vehicle.config.speed.cruise_m_s

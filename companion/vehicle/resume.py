@@ -8,10 +8,11 @@ FS_RESUME says so.
 import math
 
 from companion.core.geo import LatLon
-from companion.core.modes import Mode, mode_from_number
+from companion.core.modes import Mode
 from companion.core.requests import Arm, ChangeMode, SetHome
 from companion.core.status_text import Severity
 from companion.core.storage import Storage
+from companion.vehicle.mission.progress import LeftLeg
 from companion.vehicle.track_record import TrackRecord
 from companion.vehicle.vehicle import Vehicle
 from companion.vehicle.voyage_record import Voyage, VoyageRecord, plan_id
@@ -35,8 +36,9 @@ class VoyageResume:
         self._countdown_s = math.nan  # when the countdown to resuming began
         self._returns_inside = False  # armed by itself, but not on its mission yet
         saved = self._record.voyage
-        is_cut = saved is not None and saved.is_armed and vehicle.config.failsafe.resume != _FORGET
-        self._offer = saved if is_cut and saved is not None and _restore(saved, vehicle) else None
+        kept = None if vehicle.config.failsafe.resume == _FORGET else saved
+        is_cut = kept is not None and kept.is_armed
+        self._offer = kept if kept is not None and _restore(kept, vehicle) else None
         self._number = 0 if saved is None else saved.number
         self._track = TrackRecord(storage, vehicle.track, self._number if is_cut else None)
         for name, what in ((_VOYAGE, self._record.loss), (_TRACK, self._track.loss)):
@@ -72,7 +74,7 @@ class VoyageResume:
             self._record.update(vehicle, self._number, now_s)
 
     def _follow_up(self, offer: Voyage, vehicle: Vehicle, now_s: float) -> None:
-        is_mission = offer.mode == Mode.AUTO
+        is_mission = offer.resumes is Mode.AUTO
         if vehicle.armed and self._returns_inside:
             self._continue_inside(vehicle)
             return
@@ -83,9 +85,10 @@ class VoyageResume:
         if now_s >= self._tell_s:
             self._tell_s = now_s + REPEAT_S
             what = f"at item {offer.item}, {offer.along_m:.0f} m along" if is_mission else "on the way home"
+            what = f"Power lost {what}" if offer.is_armed else f"Charge ended on the leg to item {offer.item}"
             then = "MISSION_START" if is_mission else mode.name
-            vehicle.notify(Severity.WARNING, f"Power lost {what}: arm and {then} to resume")
-        if vehicle.config.failsafe.resume == _BY_ITSELF:
+            vehicle.notify(Severity.WARNING, f"{what}: arm and {then} to resume")
+        if vehicle.config.failsafe.resume == _BY_ITSELF and offer.is_armed:
             self._resume(mode, vehicle, now_s)
 
     def _mode_home(self, offer: Voyage, vehicle: Vehicle) -> Mode:
@@ -132,17 +135,18 @@ class VoyageResume:
 
 def _restore(voyage: Voyage, vehicle: Vehicle) -> bool:
     """Restore the mission's progress and home. Whether there is a voyage to resume."""
-    mode = mode_from_number(voyage.mode)
-    if mode is None or not mode.rules.is_resumable:
+    mode = voyage.resumes
+    if mode is None:
         return False
     try:
         home = None if voyage.home is None else LatLon(*voyage.home)
-        start = None if voyage.leg_start is None else LatLon(*voyage.leg_start)
+        place = None if voyage.left_at is None else LatLon(*voyage.left_at)
+        left = None if voyage.leg_start is None else LeftLeg(LatLon(*voyage.leg_start), place)
     except ValueError:
         return False
     progress = vehicle.progress
     is_same = voyage.plan == plan_id(progress.mission)
-    is_restored = is_same and progress.restore(voyage.item, start, voyage.speed_m_s, voyage.jumps)
+    is_restored = is_same and progress.restore(voyage.item, left, voyage.speed_m_s, voyage.jumps)
     if mode is Mode.AUTO and not is_restored:
         return False
     if home is not None:

@@ -11,7 +11,7 @@ from typing import TypeVar
 import msgspec
 from msgspec import Struct
 
-from companion.core.modes import Mode
+from companion.core.modes import Mode, mode_from_number
 from companion.core.storage import Saving, Storage
 from companion.vehicle.mission.steps import Mission
 from companion.vehicle.vehicle import Vehicle
@@ -25,7 +25,10 @@ ALONG_S = 10.0  # at most this often
 
 
 class Voyage(Struct, frozen=True, forbid_unknown_fields=True):
-    """One record. plan: hash of the mission. number: count of armings. Places: latitude, longitude in °."""
+    """One record. plan: hash of the mission. number: count of armings. Places: latitude, longitude in °.
+
+    left_at: where on its leg the charge called the boat home; None: it did not, or the mission went on since.
+    """
 
     plan: str
     mode: int
@@ -37,6 +40,15 @@ class Voyage(Struct, frozen=True, forbid_unknown_fields=True):
     speed_m_s: float | None = None
     jumps: dict[int, int] = {}
     number: int = 0
+    left_at: tuple[float, float] | None = None
+
+    @property
+    def resumes(self) -> Mode | None:
+        """The mode to go on with; AUTO also for a boat that its charge has called home."""
+        mode = mode_from_number(self.mode)
+        if self.left_at is not None and not self.is_armed:
+            return Mode.AUTO
+        return mode if self.is_armed and mode is not None and mode.rules.is_resumable else None
 
 
 def plan_id(mission: Mission) -> str:
@@ -74,6 +86,10 @@ class VoyageRecord:
         if nav is not None and frame is not None and line is not None:
             start = frame.to_global(line.start)
             along_m = round(line.along_and_cross_track_m(nav.point)[0], 1)
+        left = progress.left
+        if left is not None:
+            start = left.start
+        place = None if left is None else left.place
         voyage = Voyage(
             self._plan,
             int(vehicle.mode),
@@ -85,6 +101,7 @@ class VoyageRecord:
             progress.speed_m_s,
             dict(progress.jumps),
             number,
+            None if place is None else (place.lat_deg, place.lon_deg),
         )
         if self._has_changed(voyage, now_s):
             self.voyage, self._saved_s = voyage, now_s

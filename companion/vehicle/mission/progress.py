@@ -5,6 +5,7 @@ second one begins. After a condition they wait, and are dropped if the leg ends 
 """
 
 import math
+from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon, Line, LocalFrame, Point
@@ -20,6 +21,13 @@ from companion.vehicle.mission.steps import Mission, Step, locate
 from companion.vehicle.orbit import Orbit
 
 _STEPS_A_TICK = 100  # bounds a loop of items without a leg
+
+
+class LeftLeg(NamedTuple):
+    """A leg that was interrupted. place: where the boat comes back to it; None: it joins the line."""
+
+    start: LatLon
+    place: LatLon | None
 
 
 class MissionProgress:
@@ -38,7 +46,7 @@ class MissionProgress:
         self.fence_switches: list[bool] = []  # asked for since the owner last took them: on or off
         self.jumps: dict[int, int] = {}  # how often each was made
         self._leg_start: Point | None = None
-        self._cut_leg_start: LatLon | None = None  # of a voyage that is taken up again
+        self.left: LeftLeg | None = None  # until the mission goes on there
         self._begun_s = math.nan  # when the present item began to wait, turn or hand over
         self._station: Point | None = None
         self._under_way = MissionRoute()
@@ -93,7 +101,7 @@ class MissionProgress:
         self.current_seq = seq
         self.finished = False
         self.go_home = False
-        self._cut_leg_start = None
+        self.left = None
         self._deferred.clear()
         self._begin_item()
         return True
@@ -102,9 +110,15 @@ class MissionProgress:
         """Continue with the current item, on a new leg from the boat's position."""
         self._begin_item()
 
-    def restore(
-        self, seq: int, leg_start: LatLon | None, speed_m_s: float | None, jumps: dict[int, int]
-    ) -> bool:
+    def leave_leg(self, here: Point, frame: LocalFrame) -> None:
+        """The charge calls the boat home: the mission goes on from here on its leg."""
+        line = self.leg_line()
+        if line is not None and not self._is_loose:
+            share = line.along_and_cross_track_m(here)[0] / max(line.length_m, 1e-9)
+            place = line.start.towards(line.end, min(max(share, 0.0), 1.0))
+            self.left = LeftLeg(frame.to_global(line.start), frame.to_global(place))
+
+    def restore(self, seq: int, left: LeftLeg | None, speed_m_s: float | None, jumps: dict[int, int]) -> bool:
         """Restore an interrupted voyage: its item and leg. False if there is no such item."""
         if self.is_empty or not 0 < seq < len(self.mission):
             return False
@@ -113,7 +127,7 @@ class MissionProgress:
         self.speed_m_s = speed_m_s
         self.jumps.clear()
         self.jumps.update(jumps)
-        self._cut_leg_start = leg_start
+        self.left = left
         return True
 
     def leg_line(self) -> Line | None:
@@ -160,9 +174,9 @@ class MissionProgress:
         """Advance, and return the intent. After the last item, keep station there."""
         self.has_started = True
         if self._leg_start is None:
-            cut, self._cut_leg_start = self._cut_leg_start, None
-            self._leg_start = nav.point if cut is None else frame.to_local(cut)
-            self._is_loose = cut is None
+            self._leg_start, self._is_loose = nav.point, True
+            if self.left is not None and self.left.place is None:
+                self._rejoin(self.left, frame)
         for _ in range(min(len(self.mission) + 1, _STEPS_A_TICK)):
             if self.finished:
                 break
@@ -207,6 +221,11 @@ class MissionProgress:
         self, waypoint: steps.Waypoint, nav: NavState, frame: LocalFrame, config: BoatConfig, now_s: float
     ) -> Intent | None:
         under_way, own_radius_m = self._under_way, config.guidance.waypoint_radius_m
+        if self.left is not None and self.left.place is not None:
+            back = under_way.lay(steps.Waypoint(self.left.place), self._leg_start or nav.point, frame)
+            if not back.has_ended(nav, own_radius_m):
+                return back.intent(self.speed_m_s or config.speed.cruise_m_s)
+            self._rejoin(self.left, frame)
         leg = under_way.lay(waypoint, self._leg_start or nav.point, frame)
         under_way.look_ahead(self.mission, self.current_seq, self.jumps, frame, own_radius_m)
         if math.isnan(self._begun_s):
@@ -220,6 +239,10 @@ class MissionProgress:
             return KeepStation(leg.end)
         self._leave(leg.end)
         return None
+
+    def _rejoin(self, left: LeftLeg, frame: LocalFrame) -> None:
+        self.left = None
+        self.begin_leg_at(frame.to_local(left.start))
 
     def _go_round(
         self, circle: steps.GoRound, nav: NavState, frame: LocalFrame, config: BoatConfig
@@ -282,6 +305,7 @@ class MissionProgress:
 
     def _leave(self, leg_start: Point | None) -> None:
         """End an item that was sailed, and drop the commands still waiting."""
+        self.left = None
         self._deferred.clear()
         self._advance(leg_start)
 

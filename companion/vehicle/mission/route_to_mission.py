@@ -52,6 +52,9 @@ class RouteToMission:
             return intent
         if leg is not None and leg is not self._checked:
             self._checked, self._end = leg, leg.end
+            if progress.left is not None:
+                said = f"Going on where the charge ended, on the leg to item {progress.current_seq}"
+                self._notify(said, Severity.INFO)
             needs_way = self._fence.is_active and not self._is_open(nav.point, leg.end, config)
             self._station = KeepStation(nav.point) if needs_way else None
             self._waits_until_s, self._waited_for = -math.inf, -1

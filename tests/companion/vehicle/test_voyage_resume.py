@@ -333,3 +333,82 @@ def test_any_stored_track_gives_valid_places_or_none(content: bytes) -> None:
     storage.content[TRACK] = content
     TrackRecord(storage, trail, 1).restore(FRAME, armed=False)
     assert all(math.isfinite(value) for point in trail.points for value in point)
+
+
+# Called home by the charge. The fence keeps a block out between home and the second leg, 60 m north
+
+NORTH = [waypoint(60.0, 0.0), waypoint(60.0, 60.0), waypoint(75.0, 60.0), waypoint(75.0, 0.0)]
+BLOCK = box(15.0, -20.0, 45.0, 45.0)
+SMALL: dict[str, object] = {"battery.capacity_mah": 150.0, "fence.margin_m": 1.0, "mission.done_behave": 1}
+
+
+@functools.cache
+def _called_home() -> tuple[MemoryStorage, Point]:
+    """What a boat has stored that its charge called home from the second leg and that was disarmed there; and
+    where it left the leg.
+    """
+    rig = Rig(config=SMALL).ready()
+    fenced(rig, *polygon(box(-30.0, -60.0, 110.0, 110.0)), *polygon(BLOCK, EXCLUDED))
+    rig.sail(waypoint(0.0, -40.0), waypoint(60.0, -40.0), *NORTH[1:])
+    rig.until(lambda: rig.mode == "RTL", 200.0)
+    assert rig.boat.vehicle.progress.current_seq == 3
+    left = rig.world.truth
+    rig.until(lambda: any(text.startswith("RTL: arrived") for text in rig.peer.texts), 200.0)
+    assert rig.ask(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0) == OK
+    rig.run(1.0)
+    assert isinstance(rig.storage, MemoryStorage)
+    return rig.storage, Point(left.north_m, left.east_m)
+
+
+def with_a_new_pack(config: dict[str, object] | None = None) -> Rig:
+    """The boat of `_called_home` at home, switched on with a full pack, which lasts for all of it."""
+    storage = MemoryStorage()
+    storage.content.update(_called_home()[0].content)
+    return Rig(config=SMALL | {"battery.capacity_mah": 5000.0} | (config or {}), storage=storage).ready()
+
+
+def test_a_boat_that_its_charge_called_home_goes_on_where_it_left_its_leg_after_the_pack_was_changed() -> (
+    None
+):
+    rig, (north_m, east_m) = with_a_new_pack(), _called_home()[1]
+    assert "Charge ended on the leg to item 3: arm and MISSION_START to resume" in rig.peer.texts
+    assert rig.arm() == OK
+    assert rig.set_mode(Mode.AUTO) == OK
+    rig.run(0.2)
+    assert "Going on where the charge ended, on the leg to item 3" in rig.peer.texts
+    track, least_m = [], math.inf
+    while rig.mode == "AUTO":
+        rig.run(0.2)
+        track.append(Point(rig.world.truth.north_m, rig.world.truth.east_m))
+        least_m = min(least_m, margin_m(rig))
+        assert len(track) < 2000
+    assert least_m > 0.3, "round the block, not straight over it"
+    back = min(range(len(track)), key=lambda n: math.hypot(track[n][0] - north_m, track[n][1] - east_m))
+    assert math.hypot(track[back][0] - north_m, track[back][1] - east_m) < 4.0
+    line = Line(Point(60.0, -40.0), Point(60.0, 60.0))
+    on_leg = [line.along_and_cross_track_m(at) for at in track[back + 10 :]]
+    rest = [abs(cross_m) for along_m, cross_m in on_leg if along_m < line.length_m - 5.0][:150]
+    assert max(rest[:60]) < 2.0
+    assert [message.seq for message in rig.peer.said("MISSION_ITEM_REACHED")] == [3, 4, 5]
+
+
+def test_a_boat_that_was_disarmed_at_home_never_goes_out_again_by_itself() -> None:
+    rig = with_a_new_pack({"failsafe.resume": 2})
+    rig.run(30.0)
+    assert not rig.boat.vehicle.armed
+    assert with_a_new_pack({"failsafe.resume": 0}).boat.vehicle.progress.current_seq == 1
+
+
+def test_the_place_on_the_leg_outlasts_a_second_restart_and_is_forgotten_with_the_item() -> None:
+    rig = with_a_new_pack()
+    rig.reboot()
+    progress = rig.ready().boat.vehicle.progress
+    assert progress.left is not None
+    assert rig.arm() == OK
+    rig.run(1.0)
+    assert rig.ask(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0) == OK
+    rig.run(1.0)
+    rig.reboot()
+    assert rig.ready().boat.vehicle.progress.left == progress.left
+    rig.boat.vehicle.progress.set_current(3)
+    assert rig.boat.vehicle.progress.left is None

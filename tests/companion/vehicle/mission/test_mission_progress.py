@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.intent import FollowCircle, FollowLeg, Intent, KeepStation
-from companion.vehicle.mission.progress import MissionProgress
+from companion.vehicle.mission.progress import LeftLeg, MissionProgress
 from companion.vehicle.mission.steps import (
     AfterDelay,
     GoRound,
@@ -168,7 +168,7 @@ def test_a_new_mission_goes_on_only_where_the_way_to_here_is_the_same() -> None:
 
 def test_a_voyage_is_taken_up_at_its_item_on_its_leg() -> None:
     progress = begun(A, B, C)
-    assert progress.restore(2, place(50.0, 10.0), 0.7, {3: 1})
+    assert progress.restore(2, LeftLeg(place(50.0, 10.0), None), 0.7, {3: 1})
     assert (progress.current_seq, progress.has_started, progress.speed_m_s) == (2, True, 0.7)
     assert progress.jumps == {3: 1}
     leg = leg_at(progress, 48.0, 30.0)
@@ -178,6 +178,31 @@ def test_a_voyage_is_taken_up_at_its_item_on_its_leg() -> None:
     assert progress.restore(2, None, None, {})
     assert leg_at(progress, 48.0, 30.0).start == (48.0, 30.0)
     assert progress.loose_leg is not None
+
+
+def test_a_leg_that_the_charge_ended_is_gone_on_with_where_the_boat_left_it() -> None:
+    progress = begun(A, B, C)
+    at(progress, 0.0, 0.0)
+    progress.leave_leg(Point(20.0, 3.0), FRAME)
+    assert progress.left is None, "the first leg began wherever the boat was: it begins anew"
+    at(progress, 50.0, 0.0)
+    progress.leave_leg(Point(52.0, 30.0), FRAME)
+    progress.resume()
+    back = leg_at(progress, 0.0, 0.0)
+    assert back.start == (0.0, 0.0)
+    assert back.end == pytest.approx((50.0, 30.0), abs=1e-3)
+    assert progress.loose_leg is not None, "its line may lead over land"
+    progress.leave_leg(Point(10.0, 10.0), FRAME)
+    progress.resume()
+    assert leg_at(progress, 20.0, 0.0).end == pytest.approx((50.0, 30.0), abs=1e-3), "called home once more"
+    rest = leg_at(progress, 49.5, 30.0)
+    assert rest.start == pytest.approx(PLACES["A"], abs=1e-3)
+    assert rest.end == pytest.approx(PLACES["B"], abs=1e-3)
+    progress.leave_leg(Point(50.0, -9.0), FRAME)
+    progress.resume()
+    assert leg_at(progress, 0.0, 0.0).end == pytest.approx(PLACES["A"], abs=1e-3), "not before its beginning"
+    progress.set_current(3)
+    assert leg_at(progress, 0.0, 0.0).end == pytest.approx(PLACES["C"], abs=1e-3)
 
 
 @pytest.mark.parametrize(("seq", "is_there"), [(-1, False), (0, True), (2, True), (3, False)])
