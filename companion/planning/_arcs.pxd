@@ -6,10 +6,8 @@ from companion.planning._segments cimport Segments
 cdef double GRAZE_M, ROUNDING_M, CONE_TOLERANCE, ARC_STEP_RAD, BURIED_STEP_RAD
 cdef long long UNKNOWN, CLEAR, BLOCKED
 
-@cython.locals(i=Py_ssize_t, grown="double[::1]")
 cpdef more_doubles(double[::1] before)
 
-@cython.locals(i=Py_ssize_t, grown="long long[::1]")
 cpdef more_integers(long long[::1] before)
 
 

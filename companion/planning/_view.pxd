@@ -31,8 +31,10 @@ cdef class View:
     @cython.locals(beam=cython.longlong)
     cdef void look(self, double x, double y, double u_x, double u_y, double wide, double more) noexcept
 
-    @cython.locals(along=double, across=double, beam=cython.longlong)
+    @cython.locals(along=double, across=double)
     cdef bint shows(self, double dx, double dy) noexcept
+
+    cdef long long _beam(self, double t) noexcept
 
     @cython.locals(along=double, slack=double)
     cdef bint _is_in_view(self, double dx, double dy, double spread) noexcept
@@ -46,11 +48,14 @@ cdef class View:
     @cython.locals(farthest2=double, beam=cython.longlong)
     cdef double _farthest(self) noexcept
 
-    @cython.locals(s=Segments, reach=double, shrink=double, k=cython.longlong, low=double, high=double, far2=double, _=cython.longlong, dx=double, dy=double, along=double, t=double)
+    @cython.locals(s=Segments, reach=double, shrink=double, k=cython.longlong, low=double, high=double, far2=double, _=cython.longlong, dx=double, dy=double, along=double, t=double, narrower=double)
     cdef void _hide(self, long long block) noexcept
 
     @cython.locals(far=double, first=cython.longlong, end=cython.longlong, beam=cython.longlong)
     cdef void _lower(self, double low, double high, double far2) noexcept
 
-    @cython.locals(dx=double, dy=double, spread=double, near=double, across=double, low=double, high=double, nearest=double, first=cython.longlong, end=cython.longlong)
+    @cython.locals(dx=double, dy=double)
     cdef bint is_hidden(self, long long block) noexcept
+
+    @cython.locals(near=double, across=double, low=double, high=double, nearest=double, first=cython.longlong, end=cython.longlong)
+    cdef bint _is_behind(self, double dx, double dy, double spread) noexcept

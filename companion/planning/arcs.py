@@ -30,15 +30,13 @@ def integers(count: int) -> "array[int]":
 
 def more_doubles(before: "array[float]") -> "array[float]":
     grown = doubles(2 * len(before))
-    for i in range(len(before)):
-        grown[i] = before[i]
+    memoryview(grown)[: len(before)] = before
     return grown
 
 
 def more_integers(before: "array[int]") -> "array[int]":
     grown = integers(2 * len(before))
-    for i in range(len(before)):
-        grown[i] = before[i]
+    memoryview(grown)[: len(before)] = before
     return grown
 
 

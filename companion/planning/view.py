@@ -127,8 +127,11 @@ class View:
             return False
         if math.fabs(across) >= self.most * along:
             return True
-        beam = int((across / along + self.most) * self.per_t)
-        return dx * dx + dy * dy <= self.hidden[beam]
+        return dx * dx + dy * dy <= self.hidden[self._beam(across / along)]
+
+    def _beam(self, t: float) -> int:
+        """The beam in a direction, given as its tangent."""
+        return int((t + self.most) * self.per_t)
 
     def _is_in_view(self, dx: float, dy: float, spread: float) -> bool:
         """Whether something of this spread, dx, dy away, may be in view."""
@@ -152,7 +155,11 @@ class View:
             kept = 0
             for n in range(left):
                 if self.away[n] <= within and self.away[n] <= farthest:
-                    self._see_group(self.ahead[n])
+                    group = self.ahead[n]
+                    dx = self.group_x[group] - self.eye_x
+                    dy = self.group_y[group] - self.eye_y
+                    if not self._is_behind(dx, dy, self.group_spread[group]):
+                        self._see_group(group)
                 elif self.away[n] <= farthest:
                     self.ahead[kept], self.away[kept] = self.ahead[n], self.away[n]
                     kept += 1
@@ -164,7 +171,9 @@ class View:
             block = self.order[n]
             dx = self.mid_x[block] - self.eye_x
             dy = self.mid_y[block] - self.eye_y
-            if self._is_in_view(dx, dy, self.spread[block]) and not self.is_hidden(block):
+            if self._is_in_view(dx, dy, self.spread[block]) and not self._is_behind(
+                dx, dy, self.spread[block]
+            ):
                 if self.spread[block] * self.per_t > 0.5 * math.sqrt(dx * dx + dy * dy):  # it may fill a beam
                     self._hide(block)
                 self.seen[self.seen_count] = block
@@ -198,8 +207,9 @@ class View:
                 low, high, far2 = FAR, -FAR, 0.0
             else:
                 t = (dy * self.u_x - dx * self.u_y) / along
-                low = min(low, t + shrink / along)
-                high = max(high, t - shrink / along)
+                narrower = shrink / along
+                low = min(low, t + narrower)
+                high = max(high, t - narrower)
                 far2 = max(far2, dx * dx + dy * dy)
             k = self.arcs.following[k]
         if low < high:
@@ -213,8 +223,8 @@ class View:
         far = math.sqrt(far2) + self.arcs.reach + SIEVE_M
         first = 0
         if low > -self.most:
-            first = int((low + self.most) * self.per_t) + 1
-        end = int((high + self.most) * self.per_t)
+            first = self._beam(low) + 1
+        end = self._beam(high)
         for beam in range(first, min(end, BEAMS)):
             self.hidden[beam] = min(self.hidden[beam], far * far)
 
@@ -222,7 +232,10 @@ class View:
         """Whether shores hide all arcs of a block that are in view."""
         dx = self.mid_x[block] - self.eye_x
         dy = self.mid_y[block] - self.eye_y
-        spread = self.spread[block]
+        return self._is_behind(dx, dy, self.spread[block])
+
+    def _is_behind(self, dx: float, dy: float, spread: float) -> bool:
+        """Whether shores hide all of what is in view of something of this spread, dx, dy away."""
         near = dx * self.u_x + dy * self.u_y - spread
         if near <= 0.0 or near < self.sure_m:
             return False
@@ -236,8 +249,8 @@ class View:
         nearest = math.sqrt(dx * dx + dy * dy) - spread
         if nearest <= 0.0 or low > high:
             return False
-        first = int((low + self.most) * self.per_t)
-        end = min(int((high + self.most) * self.per_t) + 1, BEAMS)
+        first = self._beam(low)
+        end = min(self._beam(high) + 1, BEAMS)
         while first < end and nearest * nearest > self.hidden[first]:
             first += 1
         return first == end
