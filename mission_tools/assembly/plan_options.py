@@ -31,7 +31,8 @@ class PlanOptions:
     via: places on the way, in this order or (any_order) in the best one. hold_s: at each of them and at the
     goal. is_return: back to the start at the end. survey: a file with the area, or "all" for the whole water.
     follow_shore_at: near the shore to follow. first, last: the ends of a stretch of it. boat: its TOML, or an
-    emulated boat's name. least: time or charge. open_water_m: how far from the shore a metre is dearer.
+    emulated boat's name. depart: when the voyage begins, on the current's clock, or a window. least: time or
+    charge. open_water_m: how far from the shore a metre is dearer.
     draught_m: water that is charted less deep is an obstacle. air_draught_m: so is a bridge less high.
     is_route_file: SOURCE is a route, not a map. is_outline: the lines of SOURCE, a .gpx file, enclose water.
     check_on: the map on which a finished mission is checked, or "none". split: into parts that each come home
@@ -65,6 +66,7 @@ class PlanOptions:
     last: LatLon | None = None
     boat: str | None = None
     current: str | None = None
+    depart: str | None = None
     least: str | None = None
     open_water_m: float | None = None
     draught_m: float | None = None
@@ -95,6 +97,8 @@ class PlanOptions:
         """See that what is cut has a pack, and a finished mission its map. Raises UsageError: names them."""
         if self.split and self.boat is None:
             raise UsageError("--split: add --boat BOAT.toml, for whose pack it is cut")
+        if self.split and self.depart is not None:
+            raise UsageError("--depart: not with --split, as nobody knows when each part leaves")
         if self.split and is_finished and self.check_on is None:
             raise UsageError("--split: ways home need a map: add --check-on MAP (none: they are straight)")
 

@@ -1,5 +1,6 @@
 """The route of the least time or charge in a current, or off the shore, in place of the shortest one."""
 
+import contextlib
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -11,9 +12,11 @@ from scipy.ndimage import map_coordinates
 
 from companion.core.geo import Point, path_length_m
 from mission_tools.assembly.plan_options import PlanOptions
-from mission_tools.costs.cheapest import DETOUR, cheapest_route
-from mission_tools.costs.current import STILL_WATER
+from mission_tools.assembly.timetable import Timetable, Tried, fixed_route, tried_of
+from mission_tools.costs.cheapest import DETOUR, CheapestRoute, cheapest_route
+from mission_tools.costs.current import STILL_WATER, Current
 from mission_tools.costs.current_source import open_current
+from mission_tools.costs.departure import Departure
 from mission_tools.costs.travel import (
     BoatSpeed,
     Charge,
@@ -24,37 +27,77 @@ from mission_tools.costs.travel import (
     TravelTime,
     speed_zones,
 )
-from mission_tools.errors import UsageError
+from mission_tools.errors import NoRoute, UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.planning.planner import Plan
 from mission_tools.wording import duration
 
 ROOM_CELLS = 60_000  # as many as the lattice on which the route is searched
+PLANNED_DEPARTURES = 7  # of a window: their routes are timed for many more
 OPEN_WATER_WEIGHT = 2.0  # a metre at the shore costs three times one in open water
 
 
-def cheapest(chart: Chart, found: Plan, stops: Sequence[Point], options: PlanOptions) -> Plan:
-    """The plan with its legs made cheapest, from stop to stop. Raises NoRoute: a current that cannot be
-    stemmed; names the place. UsageError: a cost that needs to know the boat.
+def cheapest(
+    chart: Chart, found: Plan, stops: Sequence[Point], options: PlanOptions
+) -> tuple[Plan, Timetable]:
+    """The plan with its legs made cheapest, from stop to stop, and its times, by the best departure of a
+    window. Raises NoRoute: a current that cannot be stemmed; names the place. UsageError: a cost that needs
+    to know the boat, or a departure that does not go with the current.
     """
-    travel = _travel(chart, found.points, options)
-    points: list[Point] = [found.points[0]]
-    cost = shortest = 0.0
-    for leg in _between_stops(found.points, stops):
-        best = cheapest_route(chart, leg, found.settings.required_m, travel)
-        points += best.points[1:]
-        cost, shortest = cost + best.cost, shortest + best.shortest_cost
-    return replace(
+    current = current_of(chart, options)
+    departure = Departure.of(options.depart, current.times)
+    travel = travel_of(chart, found.points, options, current)
+    legs = _between_stops(found.points, stops)
+
+    def sailed(depart_s: float) -> CheapestRoute:
+        return _sailed(chart, legs, found.settings.required_m, travel, depart_s)
+
+    tried: tuple[Tried, ...] = ()
+    depart_s = departure.begin_s
+    if departure.is_window:
+        routes = []
+        for begin_s in np.linspace(departure.begin_s, departure.latest_s, PLANNED_DEPARTURES):
+            with contextlib.suppress(NoRoute):
+                routes.append(sailed(float(begin_s)).points)
+        tried = tried_of(travel, routes or [found.points], departure)
+        depart_s = min(tried, key=lambda one: one.cost).depart_s
+    best = sailed(depart_s)
+    leaves_s = depart_s + best.wait_s
+    timetable = fixed_route(travel, best.points, Departure(leaves_s, leaves_s, departure.is_dated))
+    plan = replace(
         found,
-        points=tuple(points),
-        length_m=path_length_m(points),
-        min_clearance_m=min(chart.leg_clearance_m(a, b) for a, b in pairwise(points)),
-        notes=(*found.notes, _note(travel, cost, shortest, options)),
+        points=best.points,
+        length_m=path_length_m(best.points),
+        min_clearance_m=min(chart.leg_clearance_m(a, b) for a, b in pairwise(best.points)),
+        notes=(*found.notes, _note(travel, best, options)),
     )
+    return plan, replace(timetable, tried=tried, wait_s=best.wait_s)
 
 
-def _travel(chart: Chart, route: Sequence[Point], options: PlanOptions) -> Travel:
-    current = STILL_WATER if options.current is None else open_current(options.current, chart.frame)
+def _sailed(
+    chart: Chart, legs: Sequence[tuple[Point, ...]], required_m: float, travel: Travel, depart_s: float
+) -> CheapestRoute:
+    """The cheapest routes from stop to stop; where a later one has to wait, all leave later."""
+    points, now_s = [legs[0][0]], depart_s
+    cost = shortest = wait_s = 0.0
+    for number, leg in enumerate(legs):
+        best = cheapest_route(chart, leg, required_m, travel, now_s)
+        if best.wait_s and number:
+            later = _sailed(chart, legs, required_m, travel, depart_s + wait_s + best.wait_s)
+            return replace(later, wait_s=later.wait_s + wait_s + best.wait_s)
+        points += best.points[1:]
+        wait_s += best.wait_s
+        cost, shortest, now_s = cost + best.cost, shortest + best.shortest_cost, best.arrive_s
+    return CheapestRoute(tuple(points), cost - wait_s, shortest, wait_s, now_s)
+
+
+def current_of(chart: Chart, options: PlanOptions) -> Current:
+    """What --current says. Raises UsageError, MapError: it is none."""
+    return STILL_WATER if options.current is None else open_current(options.current, chart.frame)
+
+
+def travel_of(chart: Chart, route: Sequence[Point], options: PlanOptions, current: Current) -> Travel:
+    """What a metre costs near a route. Raises UsageError: a cost that needs to know the boat."""
     boat = None
     if options.boat is None:
         speed = BoatSpeed(over_ground_m_s=options.speed_m_s or BoatSpeed().over_ground_m_s)
@@ -134,9 +177,9 @@ def _between_stops(points: Sequence[Point], stops: Sequence[Point]) -> list[tupl
     return legs
 
 
-def _note(travel: Travel, cost: float, shortest: float, options: PlanOptions) -> str:
+def _note(travel: Travel, found: CheapestRoute, options: PlanOptions) -> str:
     if options.open_water_m is not None:
         return f"off the shore: a metre there costs up to {1.0 + OPEN_WATER_WEIGHT:g} times one in open water"
     said: Callable[[float], str] = duration if travel.unit == "s" else "{:.0f} mAh".format
-    other = said(shortest) if shortest < np.inf else "cannot be sailed"
-    return f"takes {said(cost)} in this current; the shortest route {other}"
+    other = said(found.shortest_cost) if found.shortest_cost < np.inf else "cannot be sailed"
+    return f"takes {said(found.cost)} in this current; the shortest route {other}"

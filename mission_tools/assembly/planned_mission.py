@@ -17,6 +17,7 @@ from mission_tools.assembly.planned_task import (
     survey_of,
     task_route,
 )
+from mission_tools.assembly.timetable import Timetable
 from mission_tools.assembly.zone_speeds import mission_in_zones
 from mission_tools.costs.travel import speed_zones
 from mission_tools.errors import NoRoute, NoRouteError, UsageError
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 MOST_MARGIN_M = 0.6  # deviation from the plan at corners and by GNSS error
 MARGIN_SHARE = 0.15  # of the clearance, where that is small
 NO_MAP = "none"
-_OF_FILES = ("speed_m_s", "boat", "current", "split", "is_route_file", "check_on", "start_at")
+_OF_FILES = ("speed_m_s", "boat", "current", "depart", "split", "is_route_file", "check_on", "start_at")
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +44,8 @@ class PlannedMission:
     """A mission and where it comes from: a plan, a task's legs, or neither for a mission from a file.
 
     clearance_m: that was asked for; 0 for a mission from a file. notes: for the user. survey: what the task's
-    legs cover, if it is a survey. margin_m: that a task keeps on top of the clearance.
+    legs cover, if it is a survey. margin_m: that a task keeps on top of the clearance. timetable: None where
+    nobody asked for times.
     """
 
     name: str
@@ -55,6 +57,7 @@ class PlannedMission:
     notes: tuple[str, ...] = ()
     survey: "Survey | None" = None
     margin_m: float = 0.0
+    timetable: Timetable | None = None
 
     @property
     def points(self) -> tuple[Point, ...]:
@@ -236,16 +239,19 @@ class MapSource:
         assert start is not None  # noqa: S101  _start_of raises before
         *via, goal = (stop.place for stop in self._stops)
         found = plan(chart, start, goal, self._settings, via)
+        timetable = None
         if self._wishes.has_costs:
             from mission_tools.assembly.planned_costs import cheapest  # noqa: PLC0415 - scipy, seldom needed
 
-            found = cheapest(chart, found, (start, *via, goal), self._wishes)
+            found, timetable = cheapest(chart, found, (start, *via, goal), self._wishes)
         places = [chart.frame.to_global(point) for point in found.points]
         zones = speed_zones(chart)
         slowed = mission_in_zones(chart.frame, found.points, zones, speed_m_s) if zones else None
         mission = self._areas.over(slowed or mission_along(places, speed_m_s))
         notes = (*self._notes, *found.notes)
-        return PlannedMission(chart.name, mission, chart, found, None, clearance_m, notes)
+        return PlannedMission(
+            chart.name, mission, chart, found, None, clearance_m, notes, timetable=timetable
+        )
 
     def _stops_of(self, text: str, source: Source) -> list[Stop]:
         """Where the route leads, the goal last. Raises UsageError: nowhere."""

@@ -126,6 +126,11 @@ def add_costs(parser: Parser) -> None:
         "--current", metavar="M/S,DEG", help="speed and direction it flows to, or a .csv, .npz, .toml file"
     )
     group.add_argument(
+        "--depart",
+        metavar="TIME",
+        help="2026-06-01T08:00Z, or seconds of the current's clock; A..B: the best departure between",
+    )
+    group.add_argument(
         "--least", choices=("time", "charge"), help="what the route costs least of in a current [time]"
     )
     group.add_argument(

@@ -28,6 +28,7 @@ def as_json(report: Report, *, with_items: bool = False) -> dict[str, Any]:
         "plan": _plan(planned.plan) if planned and planned.plan else None,
         "task": _task(planned) if planned and planned.task else None,
         "file": _file(planned) if planned and not planned.plan and not planned.task else None,
+        "timetable": planned.timetable.as_json() if planned and planned.timetable else None,
         "budget": _budget(report.budget) if report.budget else None,
         "split": _split(report) if report.split else None,
         "upload": None if report.vehicle_id is None else _upload(report),
@@ -88,7 +89,7 @@ def _file(planned: PlannedMission) -> dict[str, Any]:
 
 
 def _budget(budget: "Budget") -> dict[str, Any]:
-    tree = {name: getattr(budget, name) for name in budget.__slots__}
+    tree = {name: getattr(budget, name) for name in budget.__slots__ if name != "under_way_s"}
     plain = {name: _finite(value) if isinstance(value, float) else value for name, value in tree.items()}
     return plain | {"suffices": budget.suffices}
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from companion.core.geo import Point, bearing_rad, distance_m, path_length_m
 from companion.core.units import wrap_pi
@@ -19,7 +20,9 @@ from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.costs.boat import Boat, load_boat
 from mission_tools.costs.current import STILL_WATER, Current
 from mission_tools.costs.current_source import open_current
-from mission_tools.costs.travel import Floats
+from mission_tools.costs.departure import Departure
+from mission_tools.costs.legs import route_costs
+from mission_tools.costs.travel import Floats, Travel, TravelTime
 from mission_tools.errors import BeyondRange, NoRoute, UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.planning.planner import PlanSettings
@@ -45,7 +48,7 @@ class Budget:
     home_s, home_mah: from the end of the route straight home by water; 0 where it ends at home, infinite
     where the current is too strong. left_mah: at the end, the reserve left out. no_return_m: how far along
     the route the boat may still turn back, None: from everywhere. reached_m: how far it comes at all, None:
-    to the end.
+    to the end. under_way_s: at each waypoint, before its hold.
     """
 
     length_m: float
@@ -59,6 +62,7 @@ class Budget:
     no_return_m: float | None = None
     reached_m: float | None = None
     capacity_mah: float = math.nan
+    under_way_s: tuple[float, ...] = ()
 
     @property
     def suffices(self) -> bool | None:
@@ -113,25 +117,30 @@ def budget_of(
     boat: Boat,
     speed_m_s: float | None = None,
     current: Current = STILL_WATER,
+    depart_s: float = 0.0,
 ) -> Budget:
     """The budget of a route from a full pack.
 
     points: start, which is home, and the waypoints. holds_s: at each waypoint, so one less. ways_home_m: from
-    each point by water. speed_m_s: over ground, None: the boat's cruise speed. Raises NoRoute: a leg that the
-    boat cannot sail against the current. UsageError: a speed beyond the boat's.
+    each point by water. speed_m_s: over ground, None: the boat's cruise speed. depart_s: on the current's
+    clock. Raises NoRoute: a leg that the boat cannot sail against the current. UsageError: a speed beyond the
+    boat's.
     """
     at, legs = _stations(points)
     speed = boat.speed(speed_m_s)
     starts, ends = at[:-1], at[1:]
     lengths_m = np.hypot(*(ends - starts).T)
-    time_s, mah = _sailed(starts, ends, boat, speed_m_s, current)
+    last = np.append(np.flatnonzero(np.diff(legs)), len(legs) - 1)  # the last piece of each leg
+    when_s = np.zeros(len(at))
+    if current.times is not None:
+        when_s = _when_s(at, last, holds_s, TravelTime(speed, current), depart_s)
+    time_s, mah = _sailed(starts, ends, boat, speed_m_s, current, when_s[:-1])
     if not np.isfinite(time_s).all():
         leg = int(legs[np.flatnonzero(~np.isfinite(time_s))[0]]) + 1
         raise NoRoute(f"leg {leg} cannot be sailed against the current at {speed.top_m_s:g} m/s")
     turns = _turns_rad(points)
     extra_s, under_way = _manoeuvres_s(turns, holds_s, boat, speed.over_ground_m_s)
-    north, east = current.at(ends[:, 0], ends[:, 1], np.zeros(len(ends)))
-    last = np.append(np.flatnonzero(np.diff(legs)), len(legs) - 1)  # the last piece of each leg
+    north, east = current.at(ends[:, 0], ends[:, 1], when_s[1:])
     plain_mah = mah.copy()
     time_s[last] += np.array(extra_s)
     cruising_a = boat.drawn_a(np.array([speed.over_ground_m_s]))[0]
@@ -146,7 +155,7 @@ def budget_of(
     along_m = np.concatenate(([0.0], np.cumsum(lengths_m)))
     left_mah = boat.usable_mah - np.concatenate(([0.0], np.cumsum(mah)))
     home_m = _between(points, ways_home_m, at, legs)
-    home_s, home_mah = _homeward(at, home_m, points[0], boat, speed_m_s, current)
+    home_s, home_mah = _homeward(at, home_m, points[0], boat, speed_m_s, current, when_s)
     is_known = boat.knows_its_draw
     beyond = left_mah < boat.margin * believed * home_mah - 1e-9 if is_known else np.isinf(home_s)
     short = np.flatnonzero(beyond)
@@ -163,6 +172,7 @@ def budget_of(
         no_return_m=float(along_m[max(short[0] - 1, 0)]) if len(short) else None,
         reached_m=float(along_m[max(empty[0] - 1, 0)]) if len(empty) else None,
         capacity_mah=boat.capacity_mah,
+        under_way_s=tuple((np.cumsum(time_s)[last] - np.array(holds_s)).tolist()),
     )
 
 
@@ -204,14 +214,24 @@ def _stations(points: Sequence[Point]) -> tuple[Floats, Floats]:
     return np.array(at), np.array(legs)
 
 
+def _when_s(
+    at: Floats, last: NDArray[np.intp], holds_s: Sequence[float], travel: Travel, depart_s: float
+) -> Floats:
+    """When the boat is at each station."""
+    held_s = np.zeros(len(at))
+    held_s[last + 1] = holds_s
+    stations = [Point(north_m, east_m) for north_m, east_m in at.tolist()]
+    return route_costs(travel, stations, math.inf, np.array([depart_s]), held_s.tolist())[1][:, 0]
+
+
 def _sailed(
-    starts: Floats, ends: Floats, boat: Boat, speed_m_s: float | None, current: Current
+    starts: Floats, ends: Floats, boat: Boat, speed_m_s: float | None, current: Current, when_s: Floats
 ) -> tuple[Floats, Floats]:
     """Seconds and mAh of straight pieces; infinite where the current is too strong."""
     way = ends - starts
     length_m = np.hypot(way[:, 0], way[:, 1])
     middle = 0.5 * (starts + ends)
-    north, east = current.at(middle[:, 0], middle[:, 1], np.zeros(len(middle)))
+    north, east = current.at(middle[:, 0], middle[:, 1], when_s)
     safe_m = np.where(length_m > 0.0, length_m, 1.0)
     along = (north * way[:, 0] + east * way[:, 1]) / safe_m
     across = (east * way[:, 0] - north * way[:, 1]) / safe_m
@@ -222,12 +242,18 @@ def _sailed(
 
 
 def _homeward(
-    at: Floats, home_m: Floats, home: Point, boat: Boat, speed_m_s: float | None, current: Current
+    at: Floats,
+    home_m: Floats,
+    home: Point,
+    boat: Boat,
+    speed_m_s: float | None,
+    current: Current,
+    when_s: Floats,
 ) -> tuple[Floats, Floats]:
     """Time and charge of the way home from each place: of the straight way, lengthened as the water is."""
     ends = np.broadcast_to(np.array([home.north_m, home.east_m]), at.shape)
     straight_m = np.hypot(*(ends - at).T)
-    time_s, mah = _sailed(at, ends, boat, speed_m_s, current)
+    time_s, mah = _sailed(at, ends, boat, speed_m_s, current, when_s)
     stretch = np.where(straight_m > 0.0, home_m / np.maximum(straight_m, 1e-9), 1.0)
     return time_s * stretch, mah * stretch
 
@@ -308,4 +334,6 @@ def planned_budget(planned: PlannedMission, boat: Boat | str, current: Current |
     settings = PlanSettings(clearance_m=planned.clearance_m)
     (back_m,) = Transits(planned.chart, settings).lengths_m(points[-1], [points[0]])
     ways_m = ways_home_m(planned.chart, points, planned.clearance_m, back_m)
-    return budget_of(points, holds_s, ways_m, boat, mission.speed_m_s, current or STILL_WATER)
+    current, table = current or STILL_WATER, planned.timetable
+    depart_s = table.depart_s if table else Departure.of(None, current.times).begin_s
+    return budget_of(points, holds_s, ways_m, boat, mission.speed_m_s, current, depart_s)

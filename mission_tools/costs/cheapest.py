@@ -4,6 +4,9 @@ Dijkstra's search over a lattice of the water with sixteen directions finds on w
 route passes. Straight legs then replace its steps wherever that costs no more (dynamic programming over its
 points), and each corner moves to where its two legs cost least. The shortest route is polished in the same
 way: the cheaper of the two is never dearer than the shortest.
+
+In a current that changes, both the search (`time_search.py`) and the legs (`legs.py`) are timed. Where it has
+to wait for the current, the boat leaves later: by FIFO that costs no time against waiting under way.
 """
 
 import math
@@ -18,58 +21,41 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from companion.core.geo import Point, distance_m, path_length_m
-from mission_tools.costs.travel import Floats, Travel
+from mission_tools.costs.legs import leg_costs, route_costs
+from mission_tools.costs.polish import Polish
+from mission_tools.costs.time_search import LONGEST_WAIT_S, cheapest_cells
+from mission_tools.costs.travel import Travel
 from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart
-from mission_tools.planning.exact_planner import own_clearances, water_of
+from mission_tools.planning.exact_planner import own_clearances
 from mission_tools.planning.grid import Grid, occupancy
 
 LATTICE_CELLS = 60_000
 DETOUR = 0.35
 """Of the shortest route's length: how far beyond its extent the lattice reaches."""
-LEG_SHARE = 0.001
-"""Of the whole cost: what a corner more has to save, so that a curve is not cut into dozens of legs."""
-_LEAST_SAMPLES, _MOST_SAMPLES = 16, 400
-"""Along a leg; in between one a cell."""
-_MOST_POINTS = 120
-"""Of a path that legs are laid along: dynamic programming tries every pair."""
-_PASSES = 6
-_ROUND = ((0, 0), *((up, right) for up in (-1, 0, 1) for right in (-1, 0, 1) if up or right))
 _STEPS = ((0, 1), (1, 0), (1, 1), (1, -1), (1, 2), (2, 1), (2, -1), (1, -2))
 """Rows and columns; with their opposites sixteen directions, 18 to 27° apart."""
+_DIRECTIONS = (*_STEPS, *((-up, -right) for up, right in _STEPS))
 _FARTHEST_STEP_CELLS = math.sqrt(5.0)
 
 
 @dataclass(frozen=True, slots=True)
 class CheapestRoute:
-    """Start and goal included. cost, shortest_cost: in the travel's unit; infinite: cannot be sailed."""
+    """Start and goal included. cost, shortest_cost: in the travel's unit; infinite: cannot be sailed.
+
+    wait_s: how much later than asked the boat leaves; a cost in seconds contains it. arrive_s: at the goal.
+    Both only where the travel changes with time.
+    """
 
     points: tuple[Point, ...]
     cost: float
     shortest_cost: float
-
-
-def route_cost(travel: Travel, points: Sequence[Point], spacing_m: float = 1.0) -> float:
-    """Cost of all legs, with samples about spacing_m apart."""
-    return sum(float(_leg_costs(travel, [a], [b], spacing_m)[0]) for a, b in pairwise(points))
-
-
-def _leg_costs(travel: Travel, starts: Sequence[Point], ends: Sequence[Point], spacing_m: float) -> Floats:
-    """Cost of straight legs by the midpoint rule; a single start or end belongs to every leg."""
-    begin, to = np.asarray(starts, dtype=np.float64), np.asarray(ends, dtype=np.float64)
-    north, east = (to - begin).T
-    length = np.hypot(north, east)
-    number = int(np.clip(length.max() / spacing_m, _LEAST_SAMPLES, _MOST_SAMPLES))
-    share = (np.arange(number, dtype=np.float64)[:, np.newaxis] + 0.5) / number
-    course = np.broadcast_to(np.arctan2(east, north), (number, len(length)))
-    per_m = travel.per_m(
-        begin[:, 0] + share * north, begin[:, 1] + share * east, course, np.zeros_like(course)
-    )
-    return np.where(length > 0.0, per_m.mean(axis=0) * length, 0.0)
+    wait_s: float = 0.0
+    arrive_s: float = 0.0
 
 
 def cheapest_route(
-    chart: Chart, shortest: Sequence[Point], clearance_m: float, travel: Travel
+    chart: Chart, shortest: Sequence[Point], clearance_m: float, travel: Travel, depart_s: float = 0.0
 ) -> CheapestRoute:
     """Improve on a shortest route: from its first to its last point, with the same clearance.
 
@@ -81,17 +67,30 @@ def cheapest_route(
     if len(points) > 2 and chart.clearance_m(points[0]) < clearance_m:
         way_out, points = points[:1], points[1:]
     grid = _lattice(chart, points, clearance_m)
-    polish = _Polish(chart, clearance_m, travel, grid.cell_m)
-    shortest_cost = polish.cost(points)
-    candidates = [points] if math.isfinite(shortest_cost) else []
-    found = _search(grid, travel, points[0], points[-1], polish.is_clear)
+    polish = Polish(chart, clearance_m, travel, grid.cell_m)
+    begin_s = depart_s
+    if way_out:
+        begin_s += float(leg_costs(travel, way_out, points[:1], grid.cell_m, depart_s)[1][0])
+
+    shortest_cost = polish.cost(points, begin_s)
+    paths = [(points, begin_s)] if math.isfinite(shortest_cost) else []
+    found = _search(grid, travel, points[0], points[-1], polish.is_clear, begin_s)
     if found is not None:
-        candidates.append(found)
-    improved = [path for path in map(polish.improved, candidates) if polish.is_sailable(path)]
-    if not improved and not math.isfinite(shortest_cost):
-        raise NoRoute(_swept(chart, travel, points))
-    best = min((*improved, points), key=polish.cost)
-    return CheapestRoute((*way_out, *best), polish.cost(best), shortest_cost)
+        paths.append((found[0], polish.leave_s(found[0], begin_s, found[1])))
+    improved = [(polish.improved(path, leave_s), leave_s) for path, leave_s in paths]
+    timed = [
+        (path, polish.leave_s(path, begin_s, at_s)) for path, at_s in improved if polish.is_sailable(path)
+    ]
+    if not timed and not math.isfinite(shortest_cost):
+        raise NoRoute(_swept(chart, travel, points, begin_s))
+
+    def cost(path: Sequence[Point], leave_s: float) -> float:
+        return polish.cost(path, leave_s) + (leave_s - begin_s if travel.unit == "s" else 0.0)
+
+    best, leave_s = min((*timed, (points, begin_s)), key=lambda one: cost(*one))
+    wait_s = leave_s - begin_s
+    arrive_s = float(route_costs(travel, best, grid.cell_m, np.array([leave_s]))[1][-1, 0])
+    return CheapestRoute((*way_out, *best), cost(best, leave_s), shortest_cost, wait_s, arrive_s)
 
 
 def _lattice(chart: Chart, points: Sequence[Point], clearance_m: float) -> Grid:
@@ -121,17 +120,28 @@ def _lattice(chart: Chart, points: Sequence[Point], clearance_m: float) -> Grid:
 
 
 def _search(
-    grid: Grid, travel: Travel, start: Point, goal: Point, is_clear: Callable[[Point, Point], bool]
-) -> tuple[Point, ...] | None:
-    """The cheapest path over the lattice; None if it does not join start and goal."""
+    grid: Grid,
+    travel: Travel,
+    start: Point,
+    goal: Point,
+    is_clear: Callable[[Point, Point], bool],
+    depart_s: float = 0.0,
+) -> tuple[tuple[Point, ...], float] | None:
+    """The cheapest path over the lattice and when it arrives, waits included; None if there is none.
+
+    Where the travel does not change with time, that is depart_s.
+    """
     first, last = (_nearest_cell(grid, place, is_clear) for place in (start, goal))
     if first is None or last is None:
         return None
+    if travel.varies:
+        found = cheapest_cells(grid, travel, _DIRECTIONS, first, last, depart_s)
+        return found and ((start, *map(grid.centre, found[0]), goal), found[1])
     rows, columns = grid.free.shape
     number = np.arange(rows * columns).reshape(rows, columns)
     east, north = grid.centres()
     tails, heads, costs = [], [], []
-    for up, right in (*_STEPS, *((-up, -right) for up, right in _STEPS)):
+    for up, right in _DIRECTIONS:
         here = (slice(max(0, -up), rows - max(0, up)), slice(max(0, -right), columns - max(0, right)))
         there = (slice(max(0, up), rows - max(0, -up)), slice(max(0, right), columns - max(0, -right)))
         both = grid.free[here] & grid.free[there]
@@ -139,11 +149,8 @@ def _search(
         middle_n = north[tail // columns] + 0.5 * up * grid.cell_m
         middle_e = east[tail % columns] + 0.5 * right * grid.cell_m
         course = np.full(middle_n.shape, math.atan2(right, up))
-        cost = (
-            travel.per_m(middle_n, middle_e, course, np.zeros_like(course))
-            * grid.cell_m
-            * math.hypot(up, right)
-        )
+        per_m = travel.per_m(middle_n, middle_e, course, np.zeros_like(course))
+        cost = per_m * grid.cell_m * math.hypot(up, right)
         can = np.isfinite(cost)
         tails.append(tail[can])
         heads.append(head[can])
@@ -158,7 +165,7 @@ def _search(
     cells = [last]
     while cells[-1] != first:
         cells.append(int(before[cells[-1]]))
-    return (start, *(grid.centre(cell) for cell in reversed(cells)), goal)
+    return (start, *(grid.centre(cell) for cell in reversed(cells)), goal), depart_s
 
 
 def _nearest_cell(grid: Grid, place: Point, is_clear: Callable[[Point, Point], bool]) -> int | None:
@@ -172,107 +179,25 @@ def _nearest_cell(grid: Grid, place: Point, is_clear: Callable[[Point, Point], b
     return None
 
 
-class _Polish:
-    """Fewer and better placed corners for a path, by cost."""
-
-    def __init__(self, chart: Chart, clearance_m: float, travel: Travel, cell_m: float) -> None:
-        self._routes = water_of(chart).routes(clearance_m)
-        self._travel, self._cell_m = travel, cell_m
-
-    def is_clear(self, start: Point, end: Point) -> bool:
-        """Whether a leg may be sailed."""
-        return self._routes.is_clear(start, end)
-
-    def is_sailable(self, path: Sequence[Point]) -> bool:
-        """Whether every leg may be sailed: the lattice knows no clearance that a feature asks for itself."""
-        return all(self.is_clear(a, b) for a, b in pairwise(path))
-
-    def cost(self, points: Sequence[Point]) -> float:
-        """Of a whole path."""
-        return route_cost(self._travel, points, self._cell_m)
-
-    def improved(self, path: tuple[Point, ...]) -> tuple[Point, ...]:
-        """The same way with straight legs and better corners."""
-        most = _MOST_POINTS
-        while not self.is_sailable(_thinned(path, most)) and most < len(path):
-            most *= 2
-        best = self._laid(_thinned(path, most))
-        for halving in range(_PASSES):
-            best = self._laid(self._moved(best, 2.0 * self._cell_m * 0.5**halving))
-        return best
-
-    def _legs(self, starts: Sequence[Point], ends: Sequence[Point]) -> Floats:
-        return _leg_costs(self._travel, starts, ends, self._cell_m)
-
-    def _are_clear(self, start: Point, ends: Sequence[Point]) -> NDArray[np.bool_]:
-        return np.array([self.is_clear(start, end) for end in ends], dtype=np.bool_)
-
-    def _laid(self, path: Sequence[Point]) -> tuple[Point, ...]:
-        """The cheapest chain of clear legs through some of the path's points; each leg more has to pay."""
-        number = len(path)
-        corner = LEG_SHARE * self.cost(path)
-        cheapest = np.full(number, np.inf)
-        before = np.zeros(number, dtype=np.intp)
-        cheapest[0] = 0.0
-        for here in range(number - 1):
-            if not math.isfinite(cheapest[here]):
-                continue
-            ends = path[here + 1 :]
-            cost = cheapest[here] + self._legs([path[here]], ends) + corner
-            cheaper = np.flatnonzero(cost < cheapest[here + 1 :])
-            cheaper = cheaper[self._are_clear(path[here], [ends[int(index)] for index in cheaper])]
-            cheapest[here + 1 + cheaper] = cost[cheaper]
-            before[here + 1 + cheaper] = here
-        if not math.isfinite(cheapest[-1]):
-            return tuple(path)
-        chain = [number - 1]
-        while chain[-1]:
-            chain.append(int(before[chain[-1]]))
-        return tuple(path[index] for index in reversed(chain))
-
-    def _moved(self, points: tuple[Point, ...], by_m: float) -> tuple[Point, ...]:
-        """Every corner, and the middle of every leg, moved to the cheapest of nine places by_m apart."""
-        path = list(_with_middles(points, 4.0 * self._cell_m))
-        for index in range(1, len(path) - 1):
-            a, here, b = path[index - 1 : index + 2]
-            tried = [Point(here.north_m + up * by_m, here.east_m + right * by_m) for up, right in _ROUND]
-            costs = self._legs([a], tried) + self._legs(tried, [b])
-            clear = self._are_clear(a, tried) & self._are_clear(b, tried)
-            clear[0] = True  # as it is
-            path[index] = tried[int(np.argmin(np.where(clear, costs, np.inf)))]
-        return tuple(path)
-
-
-def _thinned(path: tuple[Point, ...], most: int) -> tuple[Point, ...]:
-    """At most so many points of a path, evenly; first and last stay."""
-    if len(path) <= most:
-        return path
-    return tuple(path[round(index)] for index in np.linspace(0, len(path) - 1, most))
-
-
-def _with_middles(points: tuple[Point, ...], least_m: float) -> tuple[Point, ...]:
-    """The path with the middle of every leg longer than this."""
-    path = [points[0]]
-    for a, b in pairwise(points):
-        if distance_m(a, b) > least_m:
-            path.append(Point(0.5 * (a.north_m + b.north_m), 0.5 * (a.east_m + b.east_m)))
-        path.append(b)
-    return tuple(path)
-
-
-def _swept(chart: Chart, travel: Travel, points: Sequence[Point]) -> str:
+def _swept(chart: Chart, travel: Travel, points: Sequence[Point], begin_s: float) -> str:
     """Where the shortest route first meets a current that the boat cannot stem."""
+    waiting = ""
+    if travel.varies and travel.unit == "s":
+        waiting = f", also after {LONGEST_WAIT_S / 3600.0:.0f} h of waiting"
     line = shapely.LineString([(p.east_m, p.north_m) for p in points])
+    now_s = begin_s
     for a, b in pairwise(points):
         course = np.full(1, math.atan2(b.east_m - a.east_m, b.north_m - a.north_m))
         for share in np.linspace(0.0, 1.0, 64):
             north = a.north_m + share * (b.north_m - a.north_m)
             east = a.east_m + share * (b.east_m - a.east_m)
-            if not np.isfinite(travel.per_m(np.full(1, north), np.full(1, east), course, np.zeros(1))).all():
-                at = chart.frame.to_global(Point(north, east))
+            at = np.full(1, north), np.full(1, east), course, np.full(1, now_s)
+            if not np.isfinite(travel.per_m(*at)).all():
+                place = chart.frame.to_global(Point(north, east))
                 along_m = line.project(shapely.Point(east, north))
                 return (
-                    f"the current is too strong for the boat on every way: first at {at.lat_deg:.6f},"
-                    f"{at.lon_deg:.6f}, {along_m:.0f} m along the shortest one"
+                    f"the current is too strong for the boat on every way{waiting}: first at "
+                    f"{place.lat_deg:.6f},{place.lon_deg:.6f}, {along_m:.0f} m along the shortest one"
                 )
-    return "the current is too strong for the boat on every way"
+            now_s += float(travel.pace.per_m(*at)[0]) * distance_m(a, b) / 63.0
+    return f"the current is too strong for the boat on every way{waiting}"

@@ -4,137 +4,17 @@ Every field answers for arrays of places at once, in metres of the chart's frame
 water over ground, north and east in m/s. A current is named by where it flows *to*.
 """
 
-import csv
 import math
-import zipfile
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
-from numpy.lib.npyio import NpzFile
 from numpy.typing import NDArray
 
-from companion.core.errors import ConfigError
-from companion.core.geo import LatLon, LocalFrame, Point
-
-Floats = NDArray[np.float64]
-METRES = ("east_m", "north_m")
-DEGREES = ("lon_deg", "lat_deg")
-VELOCITY = ("current_east_m_s", "current_north_m_s")
-
-
-class CurrentTable(NamedTuple):
-    """What a file holds: axes of k, m and n numbers, velocities of shape (k, m, n)."""
-
-    time_s: Floats
-    north_m: Floats
-    east_m: Floats
-    current_north_m_s: Floats
-    current_east_m_s: Floats
-
-
-def read_current_table(path: Path, frame: LocalFrame | None = None) -> CurrentTable:
-    """Read a current from a file; positions in metres of the chart's frame, velocities in m/s.
-
-    With a frame, lat_deg and lon_deg may stand in place of north_m and east_m, as a forecast has them.
-
-    .csv: a header and one line per grid point with the columns east_m, north_m, current_east_m_s and
-    current_north_m_s, in any order, every point of a rectangular grid once.
-    .npz: arrays east_m (n), north_m (m), current_east_m_s and current_north_m_s (m, n), or with time_s (k)
-    both of shape (k, m, n). Axes rise.
-
-    Raises ConfigError: the file cannot be read, or is not such a grid; it says what is wrong.
-    """
-    try:
-        table = _read_npz(path, frame) if path.suffix.lower() == ".npz" else _read_csv(path, frame)
-        _check(table)
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
-    except (ValueError, UnicodeDecodeError, zipfile.BadZipFile) as error:
-        raise ConfigError(f"{path}: not a current: {error}") from None
-    return table
-
-
-def _check(table: CurrentTable) -> None:
-    for name in ("time_s", "north_m", "east_m"):
-        axis = getattr(table, name)
-        if (
-            axis.ndim != 1
-            or not len(axis)
-            or not np.all(np.isfinite(axis))
-            or not np.all(np.diff(axis) > 0.0)
-        ):
-            raise ValueError(f"{name}: expected a row of rising numbers")
-    shape = (len(table.time_s), len(table.north_m), len(table.east_m))
-    for name in ("current_north_m_s", "current_east_m_s"):
-        values = getattr(table, name)
-        if values.shape != shape:
-            raise ValueError(f"{name}: expected shape {shape}, not {values.shape}")
-        if not np.all(np.isfinite(values)):
-            raise ValueError(f"{name}: expected finite numbers")
-
-
-def _columns(names: Collection[str], frame: LocalFrame | None) -> tuple[str, str, str, str]:
-    """The columns of east, north and the velocity's parts: in metres or, given a frame, in degrees. Raises
-    ValueError: one is missing.
-    """
-    axes = DEGREES if frame is not None and set(DEGREES) <= set(names) else METRES
-    missing = [name for name in (*axes, *VELOCITY) if name not in names]
-    if missing:
-        raise ValueError(f"it has no {', '.join(missing)}")
-    return (*axes, *VELOCITY)
-
-
-def _local(east: Floats, north: Floats, is_degrees: bool, frame: LocalFrame | None) -> tuple[Floats, Floats]:
-    """Both axes in metres of the frame: over a chart, meridians and parallels are a rectangular grid."""
-    if frame is None or not is_degrees:
-        return east, north
-    lat_deg, lon_deg = frame.origin.lat_deg, frame.origin.lon_deg
-    easts = [frame.to_local(LatLon(lat_deg, float(lon))).east_m for lon in east]
-    norths = [frame.to_local(LatLon(float(lat), lon_deg)).north_m for lat in north]
-    return np.asarray(easts), np.asarray(norths)
-
-
-def _read_npz(path: Path, frame: LocalFrame | None) -> CurrentTable:
-    try:
-        with path.open("rb") as opened, NpzFile(opened) as file:
-            columns = _columns(file.files, frame)
-            wanted = [name for name in (*columns, "time_s") if name in file.files]
-            arrays = {name: file[name].astype(np.float64, casting="same_kind") for name in wanted}
-    except OSError:
-        raise
-    except Exception as error:  # of many kinds, where an archive is damaged
-        raise ValueError(str(error)) from None
-    east, north = _local(arrays[columns[0]], arrays[columns[1]], columns[0] == DEGREES[0], frame)
-    east_m_s, north_m_s = arrays[columns[2]], arrays[columns[3]]
-    if "time_s" not in arrays:
-        return CurrentTable(np.zeros(1), north, east, north_m_s[np.newaxis], east_m_s[np.newaxis])
-    return CurrentTable(arrays["time_s"], north, east, north_m_s, east_m_s)
-
-
-def _read_csv(path: Path, frame: LocalFrame | None) -> CurrentTable:
-    with path.open(newline="", encoding="utf-8-sig") as file:
-        reader = csv.DictReader(file)
-        columns = _columns(reader.fieldnames or (), frame)
-        points: dict[tuple[float, float], tuple[float, float]] = {}
-        for number, row in enumerate(reader, start=2):
-            try:
-                east, north, east_m_s, north_m_s = (float(row[name]) for name in columns)
-            except (TypeError, ValueError):
-                raise ValueError(f"line {number}: expected four numbers") from None
-            if (north, east) in points:
-                raise ValueError(f"line {number}: the point ({east:g}, {north:g}) comes twice")
-            points[north, east] = north_m_s, east_m_s
-    norths = sorted({north for north, _ in points})
-    easts = sorted({east for _, east in points})
-    if not points or len(points) != len(norths) * len(easts):
-        raise ValueError(f"{len(points)} points are no grid of {len(easts)} × {len(norths)}")
-    values = np.asarray([[points[north, east] for east in easts] for north in norths], dtype=np.float64)
-    sheet = values[np.newaxis]
-    east_axis, north_axis = _local(np.asarray(easts), np.asarray(norths), columns[0] == DEGREES[0], frame)
-    return CurrentTable(np.zeros(1), north_axis, east_axis, sheet[..., 0], sheet[..., 1])
+from companion.core.geo import Point
+from mission_tools.costs.current_file import CurrentTable, Floats
+from mission_tools.costs.departure import KnownTimes
 
 
 class Current(Protocol):
@@ -148,8 +28,8 @@ class Current(Protocol):
         ...
 
     @property
-    def varies(self) -> bool:
-        """Whether it changes with time."""
+    def times(self) -> KnownTimes | None:
+        """For when it is known; None: it does not change with time."""
         ...
 
 
@@ -159,6 +39,7 @@ class UniformCurrent:
 
     north_m_s: float = 0.0
     east_m_s: float = 0.0
+    times: None = None
 
     @classmethod
     def towards(cls, speed_m_s: float, to_deg: float) -> "UniformCurrent":
@@ -168,10 +49,6 @@ class UniformCurrent:
 
     def at(self, north_m: Floats, east_m: Floats, time_s: Floats) -> tuple[Floats, Floats]:  # noqa: ARG002
         return np.full_like(north_m, self.north_m_s), np.full_like(east_m, self.east_m_s)
-
-    @property
-    def varies(self) -> bool:
-        return False
 
 
 STILL_WATER = UniformCurrent()
@@ -189,6 +66,7 @@ class River:
     middle: tuple[Point, ...]
     width_m: float
     speed_m_s: float
+    times: None = None
 
     def __post_init__(self) -> None:
         if len(self.middle) < 2 or not self.width_m > 0.0:
@@ -217,10 +95,6 @@ class River:
         speed = self.speed_m_s * np.maximum(0.0, 1.0 - share * share)
         return speed * north_m_s, speed * east_m_s
 
-    @property
-    def varies(self) -> bool:
-        return False
-
 
 @dataclass(frozen=True, slots=True)
 class GriddedCurrent:
@@ -245,7 +119,7 @@ class GriddedCurrent:
                 for sheets in parts
             ]
 
-        if not self.varies:
+        if len(table.time_s) == 1:
             north_m_s, east_m_s = in_sheets(0)
             return north_m_s, east_m_s
         sheet, later = _piece(table.time_s, time_s)
@@ -253,8 +127,9 @@ class GriddedCurrent:
         return before[0] + later * (after[0] - before[0]), before[1] + later * (after[1] - before[1])
 
     @property
-    def varies(self) -> bool:
-        return len(self.table.time_s) > 1
+    def times(self) -> KnownTimes | None:
+        first_s, last_s = float(self.table.time_s[0]), float(self.table.time_s[-1])
+        return KnownTimes(first_s, last_s, self.table.is_dated) if first_s < last_s else None
 
 
 def _piece(marks: Floats, value: Floats) -> tuple[NDArray[np.intp], Floats]:
@@ -267,9 +142,13 @@ def _piece(marks: Floats, value: Floats) -> tuple[NDArray[np.intp], Floats]:
 
 @dataclass(frozen=True, slots=True)
 class Currents:
-    """The sum of several."""
+    """The sum of several, on one clock. Raises ValueError: some times are dates, others are not."""
 
     parts: Sequence[Current]
+
+    def __post_init__(self) -> None:
+        if len({part.times.is_dated for part in self.parts if part.times is not None}) > 1:
+            raise ValueError("some of its parts have dates and others seconds: expected one clock")
 
     def at(self, north_m: Floats, east_m: Floats, time_s: Floats) -> tuple[Floats, Floats]:
         velocities = [part.at(north_m, east_m, time_s) for part in self.parts]
@@ -277,5 +156,8 @@ class Currents:
         return sum((one[0] for one in velocities), zero), sum((one[1] for one in velocities), zero)
 
     @property
-    def varies(self) -> bool:
-        return any(part.varies for part in self.parts)
+    def times(self) -> KnownTimes | None:
+        known = [part.times for part in self.parts if part.times is not None]
+        if not known:
+            return None
+        return KnownTimes(max(one[0] for one in known), min(one[1] for one in known), known[0].is_dated)

@@ -28,8 +28,8 @@ from mission_tools.costs.current import (
     GriddedCurrent,
     River,
     UniformCurrent,
-    read_current_table,
 )
+from mission_tools.costs.current_file import read_current_table
 from mission_tools.errors import MapError, UsageError
 
 FORMS = "SPEED,TO_DEG such as 0.5,90, or a .csv, .npz or .toml file"
@@ -96,4 +96,7 @@ def _from_toml(path: Path, frame: LocalFrame) -> Current:
         parts.append(_gridded(path.parent / flow.file, frame))
     if not parts:
         raise MapError(f"{path}: names no current: expected speed_m_s and to_deg, [river] or file")
-    return Currents(parts)
+    try:
+        return Currents(parts)
+    except ValueError as error:
+        raise MapError(f"{path}: {error}") from None

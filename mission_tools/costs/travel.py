@@ -67,6 +67,16 @@ class Travel(Protocol):
         """Of the cost: s or mAh."""
         ...
 
+    @property
+    def varies(self) -> bool:
+        """Whether it changes with time."""
+        ...
+
+    @property
+    def pace(self) -> "Travel":
+        """What a metre takes in seconds on the same terms."""
+        ...
+
     def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats, time_s: Floats) -> Floats:
         """Cost of a metre over ground; infinite where the current cannot be stemmed on this course then.
         time_s: on the current's clock.
@@ -91,6 +101,14 @@ class TravelTime:
     current: Current = STILL_WATER
     unit: str = "s"
 
+    @property
+    def varies(self) -> bool:
+        return self.current.times is not None
+
+    @property
+    def pace(self) -> "TravelTime":
+        return self
+
     def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats, time_s: Floats) -> Floats:
         """One over the speed made good."""
         along, across = _parts(self.current, north_m, east_m, course_rad, time_s)
@@ -109,6 +127,14 @@ class Charge:
     drawn_a: Callable[[Floats], Floats]
     current: Current = STILL_WATER
     unit: str = "mAh"
+
+    @property
+    def varies(self) -> bool:
+        return self.current.times is not None
+
+    @property
+    def pace(self) -> TravelTime:
+        return TravelTime(self.speed, self.current)
 
     def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats, time_s: Floats) -> Floats:
         """The draw at the speed through the water that the leg needs, for the time that a metre takes."""
@@ -136,6 +162,14 @@ class OpenWater:
     def unit(self) -> str:
         return self.travel.unit
 
+    @property
+    def varies(self) -> bool:
+        return self.travel.varies
+
+    @property
+    def pace(self) -> Travel:
+        return self.travel.pace
+
     def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats, time_s: Floats) -> Floats:
         near = np.exp(-self.room_m(north_m, east_m) / self.scale_m)
         return self.travel.per_m(north_m, east_m, course_rad, time_s) * (1.0 + self.weight * near)
@@ -159,6 +193,14 @@ class InZones:
     @property
     def unit(self) -> str:
         return self.travel.unit
+
+    @property
+    def varies(self) -> bool:
+        return self.travel.varies
+
+    @property
+    def pace(self) -> Travel:
+        return self if self.travel.pace is self.travel else replace(self, travel=self.travel.pace)
 
     def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats, time_s: Floats) -> Floats:
         cost = self.travel.per_m(north_m, east_m, course_rad, time_s)

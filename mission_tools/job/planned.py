@@ -126,6 +126,10 @@ def take_planned(planned: PlannedMission, request: Request, report: Report, say:
     boat does not come home. PlanFileError: it cannot be written.
     """
     planned = with_areas(planned, request)
+    if request.options.current is not None or request.options.depart is not None:
+        from mission_tools.assembly.timed import timed  # noqa: PLC0415 - seldom needed
+
+        planned = timed(planned, request.options)
     report.planned = planned
     for line in described(planned):
         say(line)
@@ -135,8 +139,13 @@ def take_planned(planned: PlannedMission, request: Request, report: Report, say:
         report.budget = planned_budget(planned, request.options.boat, request.options.current)
         for line in report.budget.lines():
             say(line)
+        if planned.timetable is not None:
+            planned = replace(planned, timetable=planned.timetable.sailed(report.budget.under_way_s))
+            report.planned = planned
         if not request.beyond_range:
             report.budget.check(one_way=request.one_way)
+    for line in planned.timetable.lines() if planned.timetable is not None else ():
+        say(line)
     if request.save is not None:
         save(planned.mission, request.save, planned)
         report.saved = request.save

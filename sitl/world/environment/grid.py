@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mission_tools.costs.current import read_current_table
+from mission_tools.costs.current_file import read_current_table
 
 
 class Grid:
@@ -53,11 +53,14 @@ def _piece(marks: list[float], value: float) -> tuple[int, float]:
 
 
 def read_grid(path: Path) -> Grid:
-    """Read a current in metres of the scenario's frame (see `mission_tools.costs.current`).
+    """Read a current in metres of the scenario's frame (see `mission_tools.costs.current_file`).
+
+    Where its times are dates, the emulator begins at the first.
 
     Raises ConfigError: the file cannot be read, or is not such a grid; it says what is wrong.
     """
     table = read_current_table(path)
     pairs = np.stack([table.current_north_m_s, table.current_east_m_s], axis=-1).tolist()
     velocities = [[[(north, east) for north, east in row] for row in sheet] for sheet in pairs]
-    return Grid(table.time_s.tolist(), table.north_m.tolist(), table.east_m.tolist(), velocities)
+    begin_s = table.time_s[0] if table.is_dated else 0.0
+    return Grid((table.time_s - begin_s).tolist(), table.north_m.tolist(), table.east_m.tolist(), velocities)

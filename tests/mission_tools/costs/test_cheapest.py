@@ -10,8 +10,10 @@ import shapely
 
 from companion.core.geo import LatLon, LocalFrame, Point, path_length_m
 from mission_tools.costs.cheapest import _STEPS as STEPS
-from mission_tools.costs.cheapest import _lattice, _search, _with_middles, cheapest_route, route_cost
+from mission_tools.costs.cheapest import _lattice, _search, cheapest_route
 from mission_tools.costs.current import River
+from mission_tools.costs.legs import route_cost
+from mission_tools.costs.polish import _with_middles
 from mission_tools.costs.travel import BoatSpeed, Floats, InZones, OpenWater, SpeedZone, TravelTime
 from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart, Feature, build_chart
@@ -75,6 +77,11 @@ class Slope:
     """A metre costs the more the farther north it is sailed."""
 
     unit = "s"
+    varies = False
+
+    @property
+    def pace(self) -> "Slope":
+        return self
 
     def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats, time_s: Floats) -> Floats:
         return 1.0 + 0.01 * north_m + 0.001 * east_m + 0.0 * (course_rad + time_s)
@@ -93,8 +100,8 @@ def test_the_lattices_way_is_hardly_longer_than_the_straight_one_whatever_its_co
         goal = Point(40.0 * math.cos(course), 40.0 * math.sin(course))
         found = _search(_lattice(chart, (middle, goal), 2.0), travel, middle, goal, lambda a, b: True)
         assert found is not None
-        assert path_length_m(found) < 1.04 * math.dist(middle, goal) + 1.0
-        assert max(math.dist(a, b) for a, b in pairwise(found)) < 2.5
+        assert path_length_m(found[0]) < 1.04 * math.dist(middle, goal) + 1.0
+        assert max(math.dist(a, b) for a, b in pairwise(found[0])) < 2.5
 
 
 def test_a_long_leg_gets_a_corner_in_its_middle_to_try() -> None:
