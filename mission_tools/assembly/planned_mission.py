@@ -28,7 +28,7 @@ from mission_tools.mission.mission import Fence, Mission
 from mission_tools.mission.plan_file import MISSION_SUFFIXES, load_mission
 from mission_tools.mission.route import mission_along, with_speed
 from mission_tools.planning.planner import Plan, PlanSettings, plan
-from mission_tools.tasks.task_route import Stop, TaskRoute, mission_of
+from mission_tools.tasks.task_route import Parts, Stop, TaskRoute, mission_of
 
 if TYPE_CHECKING:
     from mission_tools.tasks.survey.survey import Survey
@@ -45,7 +45,7 @@ class PlannedMission:
 
     clearance_m: that was asked for; 0 for a mission from a file. notes: for the user. survey: what the task's
     legs cover, if it is a survey. margin_m: that a task keeps on top of the clearance. timetable: None where
-    nobody asked for times.
+    nobody asked for times. parts: of a split one.
     """
 
     name: str
@@ -58,6 +58,7 @@ class PlannedMission:
     survey: "Survey | None" = None
     margin_m: float = 0.0
     timetable: Timetable | None = None
+    parts: Parts = ()
 
     @property
     def points(self) -> tuple[Point, ...]:

@@ -4,7 +4,7 @@ import json
 import logging
 import re
 import sys
-from argparse import ArgumentTypeError, Namespace
+from argparse import Namespace
 from collections.abc import Callable, Mapping, Sequence
 
 from companion.cli.parser import Parser
@@ -65,13 +65,6 @@ def position(option: str, text: str | None) -> LatLon | None:
     except ValueError as error:
         raise UsageError(f"{option} '{text}': {error}; expected LAT,LON") from None
     raise UsageError(f"{option} '{text}': expected {_FORMS}")
-
-
-def part_number(text: str) -> int:
-    """A number of a part, for `type=`."""
-    if not text.isascii() or not text.isdecimal() or int(text[:6]) < 1:
-        raise ArgumentTypeError(f"{text!r} is not the number of a part, 1 or more")
-    return int(text[:6])
 
 
 def _degrees(text: str) -> tuple[float, float] | None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from companion.cli.parser import Parser, number, system_id
 from companion.core.geo import LatLon
 from mission_tools.assembly.plan_options import PlanOptions, Via, flags
-from mission_tools.cli.arguments import part_number, position
+from mission_tools.cli.arguments import position
 from mission_tools.errors import UsageError
 from mission_tools.vehicle.link_url import DEFAULT_LINK, DEFAULT_SYSTEM_ID, FORMS
 
@@ -116,7 +116,9 @@ def add_costs(parser: Parser) -> None:
         "--split", action="store_true", help="cut it into parts that each come home on one pack of --boat"
     )
     group.add_argument(
-        "--resume", type=part_number, metavar="N", help="of --split: part N alone (mission-upload: [1])"
+        "--resume",
+        metavar="N[@ITEM]",
+        help="of --split: part N alone, or its rest after ITEM was reached (mission-upload: [1])",
     )
     group.add_argument("--one-way", action="store_true", help="the boat need not come home")
     group.add_argument(

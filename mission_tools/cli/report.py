@@ -1,7 +1,9 @@
 """A finished upload as plain values for JSON. Lengths in metres, times in seconds, null where not known."""
 
 import math
+from collections.abc import Mapping
 from itertools import pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from companion.core.geo import distance_m
@@ -12,6 +14,7 @@ from mission_tools.planning.planner import Plan
 
 if TYPE_CHECKING:
     from mission_tools.contract.budget import Budget
+    from mission_tools.contract.split import Split
     from mission_tools.vehicle.mission_monitor import MissionMonitor
 
 
@@ -30,7 +33,7 @@ def as_json(report: Report, *, with_items: bool = False) -> dict[str, Any]:
         "file": _file(planned) if planned and not planned.plan and not planned.task else None,
         "timetable": planned.timetable.as_json() if planned and planned.timetable else None,
         "budget": _budget(report.budget) if report.budget else None,
-        "split": _split(report) if report.split else None,
+        "split": _split(report.split, report.saved_parts) if report.split else None,
         "upload": None if report.vehicle_id is None else _upload(report),
         "notes": list(planned.notes if planned else report.area_notes),
         "started": report.started,
@@ -94,13 +97,9 @@ def _budget(budget: "Budget") -> dict[str, Any]:
     return plain | {"suffices": budget.suffices}
 
 
-def _split(report: Report) -> dict[str, Any]:
-    """Each part with its file; least: parts that the charge of the work alone takes."""
-    found = report.split
-    assert found is not None  # noqa: S101  the caller's question
-    files = report.saved_parts
+def _split(found: "Split", saved: Mapping[int, Path]) -> dict[str, Any]:
     rows = [
-        {"saved": str(files[n]) if n in files else None, **_budget(part.budget)}
+        {"saved": str(saved[n]) if n in saved else None, **_budget(part.budget)}
         for n, part in enumerate(found.parts, 1)
     ]
     return {"least": found.least, "work_mah": found.work_mah, "parts": rows}

@@ -34,19 +34,11 @@ GRAIN = 16
 _ROUNDING_M = 1e-6
 
 
-@dataclass(frozen=True, slots=True)
-class Part:
+class Part(NamedTuple):
     """From home over a part of the work and back. budget: from a full pack."""
 
     planned: PlannedMission
     budget: Budget
-
-    @property
-    def line(self) -> str:
-        """Length, time and charge."""
-        budget = self.budget
-        said = f"{distance(budget.length_m)}, {duration(budget.time_s)}"
-        return f"{said}, {budget.charge_mah:.0f} of {budget.usable_mah:.0f} mAh"
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,16 +56,11 @@ class Split:
         """No fewer packs hold the charge of the work."""
         return max(1, math.ceil(self.work_mah / self.parts[0].budget.usable_mah - 1e-9))
 
-    @property
-    def labelled(self) -> list[tuple[str, tuple[Point, ...]]]:
-        """Each part in words, and its line."""
-        return [(f"part {n}: {part.line}", part.planned.points) for n, part in enumerate(self.parts, 1)]
-
     def lines(self) -> list[str]:
         """The parts as lines of output."""
         said = f"{counted(len(self.parts), 'part')}; the work alone takes {self.work_mah:.0f} mAh, "
         said += f"the usable charge of {counted(self.least, 'pack')}"
-        return [said, *(label for label, _ in self.labelled)]
+        return [said, *(words for words, _ in self.whole.parts)]
 
 
 def split(planned: PlannedMission, boat: Boat | str, current: Current | str | None = None) -> Split:
@@ -92,12 +79,50 @@ def split(planned: PlannedMission, boat: Boat | str, current: Current | str | No
     work = _Work(planned, cautious, current or STILL_WATER)
     parts = tuple(
         Part(part, planned_budget(part, boat, current))
-        for part in (work.mission(work.route(first, end)) for first, end in work.best_cuts())
+        for part in (_sailing(planned, work.route(first, end)) for first, end in work.best_cuts())
     )
-    for part in parts:
-        part.budget.check()
-    legs = [leg for part in parts if part.planned.task for leg in part.planned.task.legs]
-    return Split(work.mission(TaskRoute(tuple(legs))), parts, work.charge_mah)
+    lines: list[tuple[str, tuple[Point, ...]]] = []
+    legs: list[TaskLeg] = []
+    for n, (part, budget) in enumerate(parts, 1):
+        budget.check()
+        said = f"part {n}: {distance(budget.length_m)}, {duration(budget.time_s)}"
+        lines.append((f"{said}, {budget.charge_mah:.0f} of {budget.usable_mah:.0f} mAh", part.points))
+        legs += part.task.legs if part.task is not None else ()
+    whole = replace(_sailing(planned, TaskRoute(tuple(legs))), parts=lines)
+    return Split(whole, parts, work.charge_mah)
+
+
+def rest_of(part: PlannedMission, item: int, boat: str, current: str | None = None) -> Part:
+    """What a part leaves once its mission item was reached: straight back there from home, and on. Raises
+    UsageError: nothing is left after it, or no such item. NoRouteError, BeyondRange: as `split`.
+    """
+    waypoints = () if part.task is None else part.task.waypoints
+    reached = sum(one.place is not None for one in part.mission.items[:item])
+    if not 0 < item <= len(part.mission.items) or reached >= len(waypoints) - 1:
+        most = len(part.mission.items) - 1
+        raise UsageError(f"--resume: after item {item} nothing is left: expected 1 to {most}")
+    way = _transits(part).route(waypoints[0][0], waypoints[reached][0])
+    rest = [TaskLeg("track", (a, b), hold_s) for (a, _), (b, hold_s) in pairwise(waypoints[reached:])]
+    planned = _sailing(part, joined([TaskLeg("transit", way), *rest]))
+    return Part(planned, planned_budget(planned, boat, current))
+
+
+def _transits(planned: PlannedMission) -> Transits:
+    """With the room that the task keeps; of a mission from a file, which keeps none, with the usual room."""
+    is_file = planned.task is None or planned.clearance_m == 0.0
+    return Transits(
+        planned.chart,
+        PlanSettings() if is_file else PlanSettings(planned.clearance_m, margin_m=planned.margin_m),
+    )
+
+
+def _sailing(planned: PlannedMission, route: TaskRoute) -> PlannedMission:
+    """The mission along such a route, with fence, rally points and speed of the whole."""
+    mission = mission_of(route, planned.chart.frame)
+    speeds = takewhile(lambda item: item.command == Command.DO_CHANGE_SPEED, planned.mission.items)
+    survey = None if planned.survey is None else replace(planned.survey, route=route)
+    mission = replace(planned.mission, items=(*speeds, *mission.items), home=mission.home)
+    return replace(planned, mission=mission, plan=None, task=route, survey=survey)
 
 
 class _Piece(NamedTuple):
@@ -116,10 +141,7 @@ class _Work:
         legs = _legs_of(planned)
         self._legs = tuple(leg for leg, _ in legs)
         self._home: Point = self._legs[0].points[0]
-        settings = PlanSettings()  # for a mission from a file
-        if planned.task is not None:
-            settings = PlanSettings(planned.clearance_m, margin_m=planned.margin_m)
-        self._transits = Transits(planned.chart, settings)
+        self._transits = _transits(planned)
         whole = self._budget(TaskRoute(self._legs))
         transits = [TaskRoute((leg,)) for leg, is_work in legs if not is_work and leg.length_m > 0.0]
         spent_mah = sum(self._budget(transit).charge_mah for transit in transits)
@@ -143,7 +165,7 @@ class _Work:
         best += [(count + 1, 0, 0.0, 0)] * count
         end = 0
         for first in range(count):
-            while end < count and (end < first or self._fits(first, end + 1)):
+            while end < count and (end < first or self._budget(self.route(first, end + 1)).suffices):
                 end += 1
             if end == first:
                 raise BeyondRange(self._beyond(first))
@@ -171,15 +193,6 @@ class _Work:
         out, back = self._way_to(legs[0].points[0]), self._way_to(legs[-1].points[-1])[::-1]
         return joined([TaskLeg("transit", out), *legs, TaskLeg("transit", back)])
 
-    def mission(self, route: TaskRoute) -> PlannedMission:
-        """The mission along such a route, with fence, rally points and speed of the whole."""
-        planned, mission = self._planned, mission_of(route, self._planned.chart.frame)
-        speeds = takewhile(lambda item: item.command == Command.DO_CHANGE_SPEED, planned.mission.items)
-        items = (*speeds, *mission.items)
-        survey = None if planned.survey is None else replace(planned.survey, route=route)
-        mission = replace(planned.mission, items=items, home=mission.home)
-        return replace(planned, mission=mission, plan=None, task=route, survey=survey)
-
     def _ends(self, number: int) -> tuple[Point, Point]:
         piece = self._pieces[number]
         points = _stretch(self._legs[piece.leg], piece.start_m, piece.end_m).points
@@ -188,9 +201,6 @@ class _Work:
     def _way_to(self, place: Point) -> tuple[Point, ...]:
         return self._transits.route(self._home, place)
 
-    def _fits(self, first: int, end: int) -> bool:
-        return bool(self._budget(self.route(first, end)).suffices)
-
     def _budget(self, route: TaskRoute) -> Budget:
         points, planned = route.points, self._planned
         holds_s = [hold_s for _, hold_s in route.waypoints[1:]]
@@ -198,13 +208,10 @@ class _Work:
         return budget_of(points, holds_s, ways_m, self._boat, planned.mission.speed_m_s, self._current)
 
     def _beyond(self, number: int) -> str:
-        place, _ = self._ends(number)
-        at = self._planned.chart.frame.to_global(place)
-        budget = self._budget(self.route(number, number + 1))
+        at = self._planned.chart.frame.to_global(self._ends(number)[0])
         return (
-            f"no pack takes the boat to {at.lat_deg:.6f},{at.lon_deg:.6f} and home: there and back are "
-            f"{distance(budget.length_m)}, {budget.charge_mah:.0f} mAh, with {budget.margin:g} times the way "
-            f"home left of {budget.usable_mah:.0f} mAh; start nearer to it, or leave it out"
+            f"no pack takes the boat to {at.lat_deg:.6f},{at.lon_deg:.6f} and home with "
+            f"{self._boat.margin:g} times the charge for the way home left: start nearer, or leave it out"
         )
 
 

@@ -5,8 +5,9 @@ Axes are east and north in metres of the chart's frame.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import cycle, pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import shapely
@@ -72,12 +73,10 @@ def draw_route(axes: Axes, route: Sequence[Point]) -> None:
     axes.plot(east, north, zorder=8, **style)
 
 
-def draw_parts(axes: Axes, parts: Parts) -> list[Line2D]:
-    """Each part of a route in a colour of its own, and the lines for a legend, which says the words."""
-    return [
-        axes.plot(*_columns(points), color=PART_COLOURS[n % len(PART_COLOURS)], label=words, zorder=8)[0]
-        for n, (words, points) in enumerate(parts)
-    ]
+def draw_parts(axes: Axes, parts: Parts) -> None:
+    """Each part of a route in a colour of its own, which the legend explains."""
+    for (words, points), colour in zip(parts, cycle(PART_COLOURS), strict=False):
+        axes.plot(*_columns(points), color=colour, label=words, zorder=8)
 
 
 def draw_track(
@@ -116,7 +115,7 @@ def draw_picture(
 
     route is the planned line with its waypoints. The band nearer to shores than clearance_m is tinted. The
     view is the whole chart, or the surroundings of route and track where those are far smaller. parts: of the
-    route, with the words for each; they have colours of their own.
+    route, each in a colour of its own.
     """
     layout = _Layout.of(view_of(chart, route, track))
     view = view_of(chart, route, track, aspect=layout.map_in / MAP_HEIGHT_IN)
@@ -124,7 +123,7 @@ def draw_picture(
     _draw_tints(axes, chart, view[2] - view[0])
     draw_chart(axes, chart, clearance_m, route or track or ())
     _draw_water_name(axes, chart, route, track, view)
-    lines = draw_parts(axes, parts)
+    draw_parts(axes, parts)
     if route is not None and not parts:
         draw_route(axes, route)
     line = draw_track(axes, track, speeds_m_s) if track else None
@@ -136,8 +135,9 @@ def draw_picture(
         draw_waypoints(axes, (track[0], track[-1]))
     _finish(axes, chart, view)
     is_beside = layout.is_narrow
-    has_track = bool(track) and line is None
-    draw_legend(axes, chart, clearance_m, route is not None, has_track, is_beside=is_beside, parts=lines)
+    draw_legend(
+        axes, chart, clearance_m, route is not None, bool(track) and line is None, is_beside=is_beside
+    )
     if line is not None:
         place = layout.box(LEFT_IN + layout.map_in + 0.3, BOTTOM_IN + 7.6, 2.3, 0.15) if is_beside else None
         cax = axes.inset_axes((0.025, 0.945, 0.2, 0.018)) if place is None else figure.add_axes(place)
@@ -260,11 +260,12 @@ def draw_survey(
     covered = swath_of(track or route, survey.swath_m)
     fill(axes, survey.target.intersection(covered), facecolor=COVERED, edgecolor="none", zorder=2, alpha=0.75)
     fill(axes, survey.target.difference(covered), facecolor=MISSED, edgecolor=MISSED, linewidth=1.5, zorder=6)
+    draw_parts(axes, parts)
     for leg in () if parts else survey.route.legs:
         width, alpha = (4.2, 0.5) if track else (1.2, 1.0)
         axes.plot(*_columns(leg.points), color=COLOURS[leg.kind], linewidth=width, alpha=alpha, zorder=8)
     kinds = {leg.kind for leg in survey.route.legs}
-    handles: list[Patch | Line2D] = [*draw_parts(axes, parts)] or [
+    handles: list[Any] = axes.get_legend_handles_labels()[0] or [
         Line2D([], [], color=COLOURS[kind], label=f"planned: {name}")
         for kind, name in NAMES.items()
         if kind in kinds

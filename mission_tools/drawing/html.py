@@ -24,7 +24,6 @@ from mission_tools.drawing.view import PART_COLOURS, view_of
 from mission_tools.geojson import KEPT_OUT, SOLID
 from mission_tools.maps.chart import Chart
 from mission_tools.mission.qgc_plan import DEFAULT_SPEED_M_S
-from mission_tools.tasks.task_route import Parts
 from mission_tools.vehicle.mission_monitor import MissionMonitor
 from mission_tools.wording import counted, distance, duration
 
@@ -33,6 +32,7 @@ MOST_CORNERS = 60_000  # of a shore on the page; a larger one is drawn simpler
 BAND_TOLERANCE = 0.05  # of the clearance: how far the drawn edge of its band may be off
 _NAMED = KEPT_OUT | SOLID | {"bridge", "landmark"}
 _HERE = Path(__file__)
+_Drawn = tuple[str, tuple[str, Sequence[Point]]]  # the colour of a part, its words, its line
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,19 +114,18 @@ def _tightest(chart: Chart, start: Point, end: Point) -> tuple[float, str, Point
     return clearance_m, nearest, Point(north_m, east_m)
 
 
-def save_page(
-    path: Path, planned: PlannedMission, monitor: MissionMonitor | None = None, parts: Parts = ()
-) -> None:
+def save_page(path: Path, planned: PlannedMission, monitor: MissionMonitor | None = None) -> None:
     """Write the page. Raises OutputError: the file cannot be written."""
-    write_text(path, compose(planned, monitor, parts))
+    write_text(path, compose(planned, monitor))
 
 
-def compose(planned: PlannedMission, monitor: MissionMonitor | None = None, parts: Parts = ()) -> str:
-    """The page of a planned mission, of its parts in colours, and of the track if it was followed."""
+def compose(planned: PlannedMission, monitor: MissionMonitor | None = None) -> str:
+    """The page of a planned mission, and of the track if it was followed."""
     chart, way = planned.chart, itinerary(planned)
     clearance_m = planned.clearance_m
     track = [chart.frame.to_local(point.place) for point in monitor.track] if monitor is not None else []
     view = view_of(chart, planned.points, track)
+    parts = list(zip(cycle(PART_COLOURS), planned.parts, strict=False))
     page = Template(_text("page.html"))
     return page.substitute(
         title=escape(planned.name),
@@ -136,16 +135,12 @@ def compose(planned: PlannedMission, monitor: MissionMonitor | None = None, part
             f"<li><b>{value}</b> {label}</li>" for value, label in _facts(way, clearance_m, monitor)
         ),
         map=_map(chart, planned.points, track, clearance_m, parts),
+        parts="".join(f'<li style="color:{colour}">{words}</li>' for colour, (words, _) in parts),
         view=json.dumps([view[0], -view[3], view[2] - view[0], view[3] - view[1]]),
         rows="".join(_row(chart, leg, clearance_m) for leg in way.legs),
         worst="".join(_worst(chart, leg) for leg in way.worst(WORST_PLACES)),
         notes="".join(f"<li>{escape(note)}</li>" for note in planned.notes),
         speed=_speed_note(way),
-        parts="".join(
-            f'<li><span style="color:{colour}">▬</span> {escape(words)}</li>'
-            for colour, (words, _) in zip(cycle(PART_COLOURS), parts, strict=False)
-        ),
-        has_parts="" if parts else "hidden",
         has_worst="" if way.worst(1) else "hidden",
         has_notes="" if planned.notes else "hidden",
     )
@@ -175,7 +170,7 @@ def _speed_note(way: Itinerary) -> str:
 
 
 def _map(
-    chart: Chart, points: Sequence[Point], track: Sequence[Point], clearance_m: float, lines: Parts
+    chart: Chart, points: Sequence[Point], track: Sequence[Point], clearance_m: float, lines: Iterable[_Drawn]
 ) -> str:
     parts = []
     west, south, east, north = chart.water.bounds
@@ -200,11 +195,8 @@ def _map(
     if track:
         parts.append(f'<polyline class="track" points="{_points(track)}"/>')
     parts.append(f'<polyline class="route casing" points="{_points(points)}"/>')
-    parts.append(f'<polyline class="route" points="{_points(points)}"/>')
-    parts += [
-        f'<polyline class="route" style="stroke:{colour}" points="{_points(line)}"/>'
-        for colour, (_, line) in zip(cycle(PART_COLOURS), lines, strict=False)
-    ]
+    for colour, (_, line) in [("", ("", points)), *lines]:
+        parts.append(f'<polyline class="route" style="stroke:{colour}" points="{_points(line)}"/>')
     last = len(points) - 1
     parts += [_leg_label(n, start, end) for n, (start, end) in enumerate(pairwise(points), 1)]
     for n, at in enumerate(points):

@@ -1,7 +1,6 @@
 """What surrounds a chart: graticule, scale bar, north arrow and legend."""
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -120,23 +119,15 @@ def draw_north_arrow(axes: Axes) -> None:
 
 
 def draw_legend(
-    axes: Axes,
-    chart: Chart,
-    band_m: float,
-    has_plan: bool,
-    has_track: bool,
-    *,
-    is_beside: bool = False,
-    parts: Sequence[Line2D] = (),
+    axes: Axes, chart: Chart, band_m: float, has_plan: bool, has_track: bool, *, is_beside: bool = False
 ) -> None:
     """Whatever is on this picture; band_m is the clearance that a band was drawn for.
 
-    is_beside: to the right of the map instead of in its corner. parts: of the plan, labelled.
+    is_beside: to the right of the map instead of in its corner.
     """
-    entries: list[Line2D | Patch] = [*parts]
+    entries: list[Any] = axes.get_legend_handles_labels()[0]  # the parts of a route
     if has_plan:
-        if not parts:
-            entries.append(Line2D([], [], label="planned", **PLAN_STYLE))
+        entries = entries or [Line2D([], [], label="planned", **PLAN_STYLE)]
         entries.append(
             Line2D([], [], ls="", marker="o", ms=9, mfc="white", mec=PLANNED, mew=1.5, label="waypoint")
         )

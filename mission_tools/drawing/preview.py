@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 
 from companion.core.geo import path_length_m
 from mission_tools.assembly.planned_mission import PlannedMission
-from mission_tools.tasks.task_route import Parts
 from mission_tools.vehicle.mission_monitor import MissionMonitor
 from mission_tools.wording import distance, duration
 
@@ -13,23 +12,21 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def save_preview(
-    path: Path, planned: PlannedMission, monitor: MissionMonitor | None = None, parts: Parts = ()
-) -> None:
-    """Draw the planned mission and the track, if there is one; each of its parts in a colour. Raises
-    OutputError: the file cannot be written.
+def save_preview(path: Path, planned: PlannedMission, monitor: MissionMonitor | None = None) -> None:
+    """Draw the planned mission and the track, if there is one. Raises OutputError: the file cannot be
+    written.
     """
     if path.suffix.lower() == ".html":
         from mission_tools.drawing.html import save_page  # noqa: PLC0415 - needs no matplotlib
 
-        save_page(path, planned, monitor, parts)
+        save_page(path, planned, monitor)
         return
     from mission_tools.drawing.draw import save_figure  # noqa: PLC0415 - matplotlib takes a second to import
 
-    save_figure(path, figure_of(planned, monitor, parts))
+    save_figure(path, figure_of(planned, monitor))
 
 
-def figure_of(planned: PlannedMission, monitor: MissionMonitor | None = None, parts: Parts = ()) -> "Figure":
+def figure_of(planned: PlannedMission, monitor: MissionMonitor | None = None) -> "Figure":
     """The picture of the planned mission and of the track, if there is one; a survey's has its coverage."""
     from mission_tools.drawing.draw import draw_picture, draw_survey  # noqa: PLC0415 - matplotlib is slow
 
@@ -37,7 +34,8 @@ def figure_of(planned: PlannedMission, monitor: MissionMonitor | None = None, pa
     track = [planned.chart.frame.to_local(point.place) for point in sailed] or None
     title, subtitle = planned.name, _subtitle(planned, monitor)
     if planned.survey is not None:
-        return draw_survey(planned.chart, planned.survey, track, title=title, subtitle=subtitle, parts=parts)
+        survey, parts = planned.survey, planned.parts
+        return draw_survey(planned.chart, survey, track, title=title, subtitle=subtitle, parts=parts)
     return draw_picture(
         planned.chart,
         planned.points or None,
@@ -46,7 +44,7 @@ def figure_of(planned: PlannedMission, monitor: MissionMonitor | None = None, pa
         title=title,
         subtitle=subtitle,
         clearance_m=planned.clearance_m,
-        parts=parts,
+        parts=planned.parts,
     )
 
 

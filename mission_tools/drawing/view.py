@@ -11,10 +11,8 @@ from mission_tools.maps.chart import Chart
 
 MARGIN_SHARE = 0.16
 WHOLE_CHART_RATIO = 4.0
-
 PART_COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
-"""Of lines beside each other (M. Okabe and K. Ito, *Color Universal Design*, 2008; yellow is too light).
-"""
+"""Of lines beside each other (M. Okabe and K. Ito, *Color Universal Design*, 2008; yellow is too light)."""
 
 
 def view_of(

@@ -1,13 +1,18 @@
 """A mission that is cut into parts, one for each pack, in words and files; and which of them is uploaded."""
 
-import re
+from glob import escape
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from mission_tools.assembly.plan_options import PlanOptions
 from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.errors import UsageError
 from mission_tools.job.planned import Report, Request, described, save, take_planned, with_areas
 from mission_tools.overwrite_guard import PICTURE_SUFFIXES, check_replaceable
-from mission_tools.wording import Printer, counted
+from mission_tools.wording import Printer
+
+if TYPE_CHECKING:
+    from mission_tools.contract.split import Part, Split
 
 
 def take_mission(planned: PlannedMission, request: Request, report: Report, say: Printer) -> PlannedMission:
@@ -22,14 +27,13 @@ def take_mission(planned: PlannedMission, request: Request, report: Report, say:
     report.planned = found.whole
     for line in (*described(found.whole), *found.lines()):
         say(line)
-    count, number = len(found.parts), request.resume or 1
-    if number > count:
-        raise UsageError(f"--resume {number}: there is no such part, but {counted(count, 'part')}")
-    wanted = range(1, count + 1) if request.resume is None else [number]
-    parts = {n: with_areas(found.parts[n - 1].planned, request) for n in wanted}
-    report.budget = found.parts[number - 1].budget
+    wanted = dict(enumerate(found.parts, 1))
+    if request.resume is not None:
+        wanted = _resumed(found, request.resume, request.options)
+    parts = {n: with_areas(part.planned, request) for n, part in wanted.items()}
+    number, (_, report.budget) = next(iter(wanted.items()))
     if request.save is not None and request.save.suffix.lower() in PICTURE_SUFFIXES:
-        save(found.whole.mission, request.save, found.whole, found.labelled)
+        save(found.whole.mission, request.save, found.whole)
         report.saved = request.save
         say(f"saved {request.save}")
     elif request.save is not None:
@@ -41,7 +45,23 @@ def take_mission(planned: PlannedMission, request: Request, report: Report, say:
         for path in set(_parts_of(request.save)) - set(report.saved_parts.values()):
             if request.resume is None:
                 say(f"note: {path} is of an earlier split")
+    if not request.dry_run:
+        say(f"to be uploaded: part {number} of {len(found.parts)}")
     return parts[number]
+
+
+def _resumed(found: "Split", resume: str, options: PlanOptions) -> dict[int, "Part"]:
+    """The part that N names, or what N@ITEM leaves of it."""
+    name, at, item = resume.partition("@")
+    if not name.isdecimal() or (at and not item.isdecimal()) or not 1 <= int(name) <= len(found.parts):
+        most = len(found.parts)
+        raise UsageError(f"--resume {resume}: expected N or N@ITEM, and a part N from 1 to {most}")
+    part = found.parts[int(name) - 1]
+    if at and options.boat is not None:
+        from mission_tools.contract.split import rest_of  # noqa: PLC0415 - seldom needed
+
+        part = rest_of(part.planned, int(item), options.boat, options.current)
+    return {int(name): part}
 
 
 def part_path(path: Path, number: int) -> Path:
@@ -57,5 +77,4 @@ def check_part_names(path: Path, *, force: bool) -> None:
 
 def _parts_of(path: Path) -> list[Path]:
     """The files that are there already."""
-    name = re.compile(rf"{re.escape(path.stem)}_[0-9]+{re.escape(path.suffix)}")
-    return sorted(file for file in path.parent.glob(f"*{path.suffix}") if name.fullmatch(file.name))
+    return sorted(path.parent.glob(f"{escape(path.stem)}_[0-9]*{escape(path.suffix)}"))

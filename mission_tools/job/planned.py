@@ -13,7 +13,7 @@ from mission_tools.errors import UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.mission.mission import Mission, MissionType
 from mission_tools.overwrite_guard import PICTURE_SUFFIXES, check_picture_name, check_replaceable
-from mission_tools.tasks.task_route import Parts, TaskRoute
+from mission_tools.tasks.task_route import TaskRoute
 from mission_tools.vehicle.link_url import DEFAULT_LINK, DEFAULT_SYSTEM_ID
 from mission_tools.wording import Printer, counted, distance, duration
 
@@ -49,7 +49,7 @@ class Request:
     beyond_range: bool = False  # plan it even if the charge does not suffice
     fence_from_map: bool = False
     rally_from_map: bool = False
-    resume: int | None = None  # of a split mission: this part alone
+    resume: str | None = None  # of a split mission: this part alone, N, or its rest, N@ITEM
     diff: bool = False  # say what an upload changes aboard
     if_changed: bool = False  # and send only the lists that it changes
 
@@ -104,10 +104,10 @@ def check_outputs(
             check_replaceable(option, output, force=force)
 
 
-def save(mission: Mission, path: Path, planned: PlannedMission | None = None, parts: Parts = ()) -> None:
+def save(mission: Mission, path: Path, planned: PlannedMission | None = None) -> None:
     """Write a mission in the format of the file's suffix: also a picture, where there is a chart to draw.
-    parts: of it, each in a colour of its own. Raises PlanFileError: the format cannot hold it, or the file
-    cannot be written. UsageError: a picture without a chart.
+    Raises PlanFileError: the format cannot hold it, or the file cannot be written. UsageError: a picture
+    without a chart.
     """
     if path.suffix.lower() not in PICTURE_SUFFIXES:
         from mission_tools.files.written import save_route  # noqa: PLC0415 - for files alone
@@ -117,7 +117,7 @@ def save(mission: Mission, path: Path, planned: PlannedMission | None = None, pa
     elif planned is None:
         raise UsageError(f"{path}: a picture needs a map to draw: name a .plan file or another format")
     else:
-        save_preview(path, planned, parts=parts)
+        save_preview(path, planned)
 
 
 def take_planned(planned: PlannedMission, request: Request, report: Report, say: Printer) -> PlannedMission:
@@ -187,8 +187,8 @@ def _within_capacity(planned: PlannedMission, boat: str | None) -> PlannedMissio
 def draw(planned: PlannedMission, request: Request, report: Report, say: Printer) -> None:
     """Draw plan and track, if a picture is asked for. Raises OutputError: it cannot be written."""
     if request.preview is not None:
-        shown, parts = (planned, ()) if report.split is None else (report.split.whole, report.split.labelled)
-        save_preview(request.preview, shown, report.monitor, parts)
+        shown = planned if report.split is None else report.split.whole
+        save_preview(request.preview, shown, report.monitor)
         report.preview = request.preview
         say(f"drew {request.preview}")
 

@@ -250,8 +250,9 @@ def test_one_part_is_written_as_it_is_named(small_pack: None, capsys: pytest.Cap
     assert run_plan([*SPLIT, "--resume", "2", "--out", "rest.plan"]) == 0
     assert load_mission(Path("rest.plan")).items == load_mission(Path("all_2.plan")).items
     capsys.readouterr()
-    assert run_plan([*SPLIT, "--resume", "9"]) == 2
-    assert "--resume 9: there is no such part, but" in capsys.readouterr().err
+    for wrong in ("0", "99", "two", "2@", "2@x"):
+        assert run_plan([*SPLIT, "--resume", wrong]) == 2
+        assert f"--resume {wrong}: expected N or N@ITEM, and a part N from 1 to" in capsys.readouterr().err
     assert run_plan(["pond.geojson", "--start", SOUTH_WEST, "--goal", NORTH_EAST, "--resume", "2"]) == 2
     assert "--resume: only with --split" in capsys.readouterr().err
 
@@ -260,7 +261,6 @@ def test_parts_replace_only_what_this_program_wrote_and_name_what_is_left_of_an_
     small_pack: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
     Path("survey_2.plan").write_text("{}")
-    Path("survey_12b.plan").write_text("{}")
     assert run_plan([*SPLIT, "--out", "survey.plan"]) == 2
     assert "survey_2.plan: exists, and does not say that this program wrote it" in capsys.readouterr().err
     assert not Path("survey_1.plan").exists()
@@ -269,7 +269,6 @@ def test_parts_replace_only_what_this_program_wrote_and_name_what_is_left_of_an_
     assert run_plan([*SPLIT, "--out", "survey.plan"]) == 0
     said = capsys.readouterr().out
     assert "note: survey_77.plan is of an earlier split" in said
-    assert "survey_12b" not in said
     assert Path("survey_2.plan").exists()
 
 
@@ -284,3 +283,22 @@ def test_a_picture_of_a_split_tour_names_its_parts(
     assert len(lines) >= 2
     drawn = Path("tour.svg").read_text()
     assert all(f"<!-- {line} -->" in drawn for line in lines)
+
+
+def test_the_rest_of_a_part_begins_with_the_way_to_the_item_that_was_reached(
+    small_pack: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_plan([*SPLIT, "--speed", "1.5", "--resume", "2", "--out", "part.plan"]) == 0
+    items = load_mission(Path("part.plan")).items
+    seq = len(items) // 2  # item 1 is the speed, so this is waypoint seq - 1
+    resumed = [*SPLIT, "--speed", "1.5", "--resume", f"2@{seq}", "--out", "rest.plan"]
+    assert run_upload([*resumed, "--dry-run"]) == 0
+    rest = load_mission(Path("rest.plan"))
+    assert rest.items[0] == items[0]
+    at = rest.items.index(items[seq - 1])
+    assert rest.items[at:] == items[seq - 1 :]
+    assert run_check(["rest.plan", "--map", "pond.geojson", "--clearance", "3"]) == 0
+    capsys.readouterr()
+    for none in (0, len(items), len(items) + 1):
+        assert run_plan([*SPLIT, "--speed", "1.5", "--resume", f"2@{none}"]) == 2
+        assert f"after item {none} nothing is left: expected 1 to {len(items) - 1}" in capsys.readouterr().err
