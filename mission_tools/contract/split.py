@@ -74,7 +74,9 @@ def split(planned: PlannedMission, boat: Boat | str, current: Current | str | No
     boat = load_boat(boat) if isinstance(boat, str) else boat
     current = open_current(current, planned.chart.frame) if isinstance(current, str) else current
     if not boat.knows_its_draw:
-        raise UsageError("--split: set battery.cruise_a, what the boat draws at cruise speed, in its file")
+        raise UsageError("--split: set battery.cruise_a or battery.draw, what the boat draws, in its file")
+    if current is not None and current.times is not None:
+        raise UsageError("--split: only in a current that stays, as nobody knows when each pack is changed")
     cautious = replace(boat, capacity_mah=boat.capacity_mah * (1.0 - HEADROOM))
     work = _Work(planned, cautious, current or STILL_WATER)
     parts = tuple(
@@ -122,7 +124,7 @@ def _sailing(planned: PlannedMission, route: TaskRoute) -> PlannedMission:
     speeds = takewhile(lambda item: item.command == Command.DO_CHANGE_SPEED, planned.mission.items)
     survey = None if planned.survey is None else replace(planned.survey, route=route)
     mission = replace(planned.mission, items=(*speeds, *mission.items), home=mission.home)
-    return replace(planned, mission=mission, plan=None, task=route, survey=survey)
+    return replace(planned, mission=mission, plan=None, task=route, survey=survey, timetable=None)
 
 
 class _Piece(NamedTuple):

@@ -6,6 +6,7 @@ from dataclasses import replace
 from itertools import combinations, pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 import shapely
 from task_waters import FRAME, basin
@@ -165,8 +166,19 @@ def test_a_place_that_no_pack_reaches_is_named() -> None:
         BeyondRange, match=r"no pack takes the boat to 50\.00179\d,-1\.19472\d and home with 1.5 times"
     ):
         split(toured([Point(30.0, 60.0), Point(200.0, 378.0)]), packed(200.0))
-    with pytest.raises(UsageError, match=r"--split: set battery\.cruise_a"):
+    with pytest.raises(UsageError, match=r"--split: set battery\.cruise_a or battery\.draw"):
         split(toured(PLACES), replace(LAKE, draw=()))
+
+
+def test_a_current_splits_alike_while_it_stays_and_not_at_all_while_it_turns(tmp_path: Path) -> None:
+    still, against = (split(toured(PLACES), packed(760.0), water) for water in (None, "0.8,180"))
+    assert len(against.parts) > len(still.parts)
+    tide = tmp_path / "tide.npz"
+    axes = {"time_s": [0.0, 3600.0], "east_m": [0.0], "north_m": [0.0]}
+    flow = {name: [[[0.0]], [[1.0]]] for name in ("current_east_m_s", "current_north_m_s")}
+    np.savez(tide, **{name: np.array(values) for name, values in (axes | flow).items()})  # type: ignore[arg-type]
+    with pytest.raises(UsageError, match="--split: only in a current that stays"):
+        split(toured(PLACES), packed(760.0), str(tide))
 
 
 def of_file(*items: MissionItem, home: Point | None = HOME) -> PlannedMission:
