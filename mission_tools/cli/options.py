@@ -125,7 +125,9 @@ def add_costs(parser: Parser) -> None:
         "--beyond-range", action="store_true", help="plan it even if the charge does not suffice"
     )
     group.add_argument(
-        "--current", metavar="M/S,DEG", help="speed and direction it flows to, or a .csv, .npz, .toml file"
+        "--current",
+        metavar="M/S,DEG",
+        help="speed and direction it flows to, or a .csv, .npz, .nc, .toml file",
     )
     group.add_argument(
         "--depart",

@@ -2,7 +2,7 @@
 
 import csv
 import zipfile
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -35,7 +35,11 @@ class CurrentTable(NamedTuple):
     is_dated: bool = False
 
 
-def read_current_table(path: Path, frame: LocalFrame | None = None) -> CurrentTable:
+def read_current_table(
+    path: Path,
+    frame: LocalFrame | None = None,
+    read: Callable[[Path, LocalFrame | None], CurrentTable] | None = None,
+) -> CurrentTable:
     """Read a current from a file; positions in metres of the chart's frame, velocities in m/s.
 
     With a frame, lat_deg and lon_deg may stand in place of north_m and east_m, as a forecast has them.
@@ -46,10 +50,11 @@ def read_current_table(path: Path, frame: LocalFrame | None = None) -> CurrentTa
     .npz: arrays east_m (n), north_m (m), current_east_m_s and current_north_m_s (m, n), or with time_s or
     time_utc (k, of datetime64) both of shape (k, m, n). Axes rise.
 
+    read: another format, which raises OSError or ValueError.
     Raises ConfigError: the file cannot be read, or is not such a grid; it says what is wrong.
     """
     try:
-        table = _read_npz(path, frame) if path.suffix.lower() == ".npz" else _read_csv(path, frame)
+        table = (read or (_read_npz if path.suffix.lower() == ".npz" else _read_csv))(path, frame)
         _check(table)
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
