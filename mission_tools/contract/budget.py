@@ -25,8 +25,8 @@ from mission_tools.costs.legs import route_costs
 from mission_tools.costs.travel import Floats, Travel, TravelTime
 from mission_tools.errors import BeyondRange, NoRoute, UsageError
 from mission_tools.maps.chart import Chart
-from mission_tools.planning.planner import PlanSettings
-from mission_tools.tasks.task_route import Transits
+from mission_tools.planning.exact_planner import water_of
+from mission_tools.tasks.task_route import ROUNDING
 from mission_tools.wording import distance, duration
 
 STEPS = 200
@@ -176,21 +176,16 @@ def budget_of(
     )
 
 
-def ways_home_m(
-    chart: Chart, points: Sequence[Point], clearance_m: float, from_end_m: float | None = None
-) -> list[float]:
+def ways_home_m(chart: Chart, points: Sequence[Point], clearance_m: float) -> list[float]:
     """How far it is home from each point of a route by water; the first is home.
 
-    Never less than the shortest way: straight where that is clear, else along the route to a point from where
-    it is, or the way that was planned from the end (from_end_m).
+    The shortest way with the clearance. A home without it is left for the nearest water that has it, and from
+    a point without it the way leads along the route to one that has it.
     """
-    home = points[0]
-    found = [
-        distance_m(point, home) if point == home or chart.is_clear(point, home, clearance_m) else math.inf
-        for point in points
-    ]
-    if from_end_m is not None:
-        found[-1] = min(found[-1], from_end_m)
+    home, routes = points[0], water_of(chart).routes(clearance_m * (1.0 - ROUNDING))
+    afloat = home if routes.is_free(home) else next(routes.exits(home), home)
+    found = [distance_m(home, afloat) + length_m for length_m in routes.lengths_m(afloat, points)]
+    found[0] = 0.0
     legs_m = [distance_m(a, b) for a, b in pairwise(points)]
     for n, leg_m in enumerate(legs_m):
         found[n + 1] = min(found[n + 1], found[n] + leg_m)
@@ -331,9 +326,7 @@ def planned_budget(planned: PlannedMission, boat: Boat | str, current: Current |
     if mission.home is None or len(points) < 2:
         raise UsageError("--boat: a budget needs a home and a waypoint")
     holds_s = [item.hold_s for item in mission.items if item.place is not None]
-    settings = PlanSettings(clearance_m=planned.clearance_m)
-    (back_m,) = Transits(planned.chart, settings).lengths_m(points[-1], [points[0]])
-    ways_m = ways_home_m(planned.chart, points, planned.clearance_m, back_m)
+    ways_m = ways_home_m(planned.chart, points, planned.clearance_m)
     current, table = current or STILL_WATER, planned.timetable
     depart_s = table.depart_s if table else Departure.of(None, current.times).begin_s
     return budget_of(points, holds_s, ways_m, boat, mission.speed_m_s, current, depart_s)

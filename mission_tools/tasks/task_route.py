@@ -126,7 +126,7 @@ def joined(legs: Iterable[TaskLeg], notes: Sequence[str] = ()) -> TaskRoute:
     return TaskRoute(tuple(leg for leg in legs if len(set(leg.points)) > 1 or leg.hold_s > 0.0), tuple(notes))
 
 
-_ROUNDING = 1e-9  # of the clearance: the ends of tracks lie at the clearance itself
+ROUNDING = 1e-9  # of the clearance: the ends of tracks lie at the clearance itself
 
 
 class Transits:
@@ -135,7 +135,7 @@ class Transits:
     def __init__(self, chart: Chart, settings: PlanSettings) -> None:
         self._chart = chart
         self._settings = settings
-        self._routes = water_of(chart).routes(settings.required_m * (1.0 - _ROUNDING))
+        self._routes = water_of(chart).routes(settings.required_m * (1.0 - ROUNDING))
         self._found: dict[tuple[Point, Point], tuple[Point, ...] | NoRouteError] = {}
 
     def route(self, start: Point, goal: Point) -> tuple[Point, ...]:

@@ -235,20 +235,24 @@ def test_without_a_draw_there_is_a_time_and_no_charge() -> None:
     )
 
 
-def test_the_way_home_is_never_longer_than_back_along_the_route() -> None:
+def test_the_way_home_is_straight_in_open_water() -> None:
     box = build_chart("sea", OPEN.frame, None, ())
     points = [Point(0.0, 0.0), Point(100.0, 0.0), Point(100.0, 100.0)]
     assert ways_home_m(box, points, 4.0) == [0.0, 100.0, pytest.approx(math.hypot(100.0, 100.0))]
 
 
-def test_round_an_island_the_way_home_leads_back_along_the_route_or_is_the_planned_one() -> None:
+def test_the_way_home_is_the_shortest_round_an_island_also_from_a_home_ashore() -> None:
     water = shapely.box(-200.0, -200.0, 200.0, 200.0).difference(shapely.box(-20.0, 20.0, 20.0, 80.0))
     chart = build_chart("lake", OPEN.frame, water, ())
-    points = [Point(0.0, 0.0), Point(50.0, -60.0), Point(100.0, 0.0), Point(100.0, 5.0)]
-    there_m, across_m = math.hypot(50.0, 60.0), 5.0
-    along_m = [0.0, there_m, 2.0 * there_m, 2.0 * there_m + across_m]
-    assert ways_home_m(chart, points, 4.0) == pytest.approx(along_m)
-    assert ways_home_m(chart, points, 4.0, from_end_m=120.0) == pytest.approx([0.0, there_m, 125.0, 120.0])
+    points = [Point(0.0, 0.0), Point(50.0, -60.0), Point(0.0, 100.0), Point(100.0, 0.0), Point(83.0, 0.0)]
+    found = ways_home_m(chart, points, 4.0)
+    assert found[:3] == pytest.approx([0.0, math.hypot(50.0, 60.0), 100.0])
+    at_the_corners_m = 60.0 + 2.0 * math.hypot(20.0, 20.0)
+    outside_them_m = 68.0 + 2.0 * math.hypot(16.0, 24.0)
+    assert at_the_corners_m < found[3] < outside_them_m
+    assert found[4] == pytest.approx(found[3] + 17.0), "nearer to the shore than 4 m: along the route"
+    jetty = [Point(18.0, 0.0), *points[1:4]]
+    assert ways_home_m(chart, jetty, 4.0)[2] == pytest.approx(2.0 + math.hypot(16.0, 100.0), abs=0.1)
 
 
 def test_a_speed_beyond_the_boat_is_refused() -> None:
