@@ -102,16 +102,19 @@ class RoutePlan:
         save(self.mission, file, self.planned)
         return file
 
-    def budget(self, boat: str | PathLike[str], current: str | None = None) -> "Budget":
+    def budget(
+        self, boat: str | PathLike[str], current: str | None = None, wind: str | None = None
+    ) -> "Budget":
         """Time in s and charge in mAh, out and home. boat: its TOML, or an emulated boat's name.
 
-        current: speed and direction it flows to, as "0.5,90", or a file (see `mission-plan --help`). Raises
-        ConfigError, UsageError, MapError: boat or current. NoRoute: a leg that cannot be sailed against the
-        current.
+        current: speed and direction it flows to, as "0.5,90", or a file (see `mission-plan --help`). wind:
+        mean speed and where it comes from, as "6@270". Raises ConfigError, UsageError, MapError: boat,
+        current or wind. NoRoute: a leg that cannot be sailed against them.
         """
         from mission_tools.contract.budget import planned_budget  # noqa: PLC0415 - seldom needed
+        from mission_tools.costs.boat import load_boat  # noqa: PLC0415
 
-        return planned_budget(self.planned, fspath(boat), current)
+        return planned_budget(self.planned, load_boat(fspath(boat), wind), current)
 
     def with_contract(self, boat: str | PathLike[str] | None = None) -> "RoutePlan":
         """The same route with a fence and rally points from its map, within what the boat holds. Raises

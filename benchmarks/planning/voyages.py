@@ -47,6 +47,11 @@ class Condition:
     from_deg: float = 0.0
     wave_height_m: float = 0.0
 
+    @property
+    def wind(self) -> str:
+        """For the planner."""
+        return f"{self.wind_m_s:g}@{self.from_deg:g}"
+
     def settings(self, cruise_m_s: float) -> list[str]:
         """For the emulator."""
         north, east = self.current
@@ -115,7 +120,7 @@ def voyages(names: tuple[str, ...], seeds: tuple[int, ...]) -> Iterator[Voyage]:
         boat = load_boat(name)
         points = route(boat.cruise_m_s)
         for condition in CONDITIONS:
-            planned, why = _planned(boat, points, condition)
+            planned, why = _planned(load_boat(name, condition.wind), points, condition)
             for seed in seeds:
                 run = sail(name, seed, points, condition.settings(boat.cruise_m_s), None)
                 result = run.run()

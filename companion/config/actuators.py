@@ -219,3 +219,18 @@ class Handling(Section, frozen=True):
     turn_accel_rad_s2: NonNegative = 0.0  # Nomoto's K/T of the hull that the gains are for; 0: not known
     motor_time_s: Positive = 0.15  # delay from command to thrust
     stop_m: NonNegative = 0.0  # from cruise speed, full astern in still water; 0: not measured
+
+
+class Windage(Section, frozen=True):
+    """What the wind does to the boat, for the planner; a ruler and a luggage scale tell. Docs: planner.md.
+
+    Areas above the water, as seen from ahead and from the side. draught_m: with fin or rudder. pull_n: of all
+    motors full ahead at the jetty. apart_m: from shaft to shaft. 0: not known.
+    """
+
+    frontal_area_m2: NonNegative = 0.0
+    lateral_area_m2: NonNegative = 0.0
+    length_m: Positive = 1.0
+    draught_m: Positive = 0.1
+    pull_n: NonNegative = 0.0
+    apart_m: NonNegative = 0.3

@@ -14,7 +14,15 @@ import msgspec
 from msgspec import Meta
 
 from companion.config import sensors, tuning
-from companion.config.actuators import DriveSetting, Handling, MotorsPart, Pca9685Part, RudderPart, Thrusters
+from companion.config.actuators import (
+    DriveSetting,
+    Handling,
+    MotorsPart,
+    Pca9685Part,
+    RudderPart,
+    Thrusters,
+    Windage,
+)
 from companion.config.board import I2cBus
 from companion.config.payload import CameraSetting, PayloadSetting, check_payloads
 from companion.config.section import NonNegative, Positive, Section, SystemId, replaced
@@ -214,6 +222,7 @@ class BoatConfig(Section, frozen=True):
     thrusters: Thrusters = Thrusters()
     guidance: tuning.Guidance = tuning.Guidance()
     handling: Handling = Handling()
+    windage: Windage = Windage()
     estimation: tuning.Estimation = tuning.Estimation()
     mission: Mission = Mission()
     modes: Modes = Modes()

@@ -31,12 +31,12 @@ class PlanOptions:
     via: places on the way, in this order or (any_order) in the best one. hold_s: at each of them and at the
     goal. is_return: back to the start at the end. survey: a file with the area, or "all" for the whole water.
     follow_shore_at: near the shore to follow. first, last: the ends of a stretch of it. boat: its TOML, or an
-    emulated boat's name. depart: when the voyage begins, on the current's clock, or a window. least: time or
-    charge. open_water_m: how far from the shore a metre is dearer.
-    draught_m: water that is charted less deep is an obstacle. air_draught_m: so is a bridge less high.
-    is_route_file: SOURCE is a route, not a map. is_outline: the lines of SOURCE, a .gpx file, enclose water.
-    check_on: the map on which a finished mission is checked, or "none". split: into parts that each come home
-    on one pack.
+    emulated boat's name. wind: mean speed and where it comes from. depart: when the voyage begins, on the
+    current's clock, or a window. least: time or charge. open_water_m: how far from the shore a metre is
+    dearer. draught_m: water that is charted less deep is an obstacle. air_draught_m: so is a bridge less
+    high. is_route_file: SOURCE is a route, not a map. is_outline: the lines of SOURCE, a .gpx file, enclose
+    water. check_on: the map on which a finished mission is checked, or "none". split: into parts that each
+    come home on one pack.
     """
 
     start_at: LatLon | None = None
@@ -67,6 +67,7 @@ class PlanOptions:
     boat: str | None = None
     current: str | None = None
     depart: str | None = None
+    wind: str | None = None
     least: str | None = None
     open_water_m: float | None = None
     draught_m: float | None = None
@@ -75,6 +76,11 @@ class PlanOptions:
     is_outline: bool = False
     check_on: str | None = None
     split: bool = False
+
+    def __post_init__(self) -> None:
+        """Raises UsageError: a wind without a boat that it would push."""
+        if self.wind is not None and self.boat is None:
+            raise UsageError("--wind: add --boat BOAT.toml, which says how much of it stands in the wind")
 
     def given(self) -> list[str]:
         """The fields that were given."""
@@ -90,8 +96,10 @@ class PlanOptions:
         asked = self.least is not None or self.open_water_m is not None
         if asked and self.is_task:
             raise UsageError("--least, --open-water: only for a way from place to place")
-        if self.least is not None and self.current is None and self.open_water_m is None:
-            raise UsageError("--least: add --current; without one the shortest route is the cheapest")
+        if self.least is not None and not (self.current or self.wind or self.open_water_m is not None):
+            raise UsageError(
+                "--least: add --current or --wind; without one the shortest route is the cheapest"
+            )
 
     def check_split(self, *, is_finished: bool) -> None:
         """See that what is cut has a pack, and a finished mission its map. Raises UsageError: names them."""

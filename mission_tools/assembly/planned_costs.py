@@ -104,7 +104,7 @@ def travel_of(chart: Chart, route: Sequence[Point], options: PlanOptions, curren
     else:
         from mission_tools.costs.boat import load_boat  # noqa: PLC0415 - seldom needed
 
-        boat = load_boat(options.boat)
+        boat = load_boat(options.boat, options.wind)
         speed = boat.speed(options.speed_m_s)
     travel: TravelTime | Charge = TravelTime(speed, current)
     if options.least == "charge":
@@ -182,4 +182,5 @@ def _note(travel: Travel, found: CheapestRoute, options: PlanOptions) -> str:
         return f"off the shore: a metre there costs up to {1.0 + OPEN_WATER_WEIGHT:g} times one in open water"
     said: Callable[[float], str] = duration if travel.unit == "s" else "{:.0f} mAh".format
     other = said(found.shortest_cost) if found.shortest_cost < np.inf else "cannot be sailed"
-    return f"takes {said(found.cost)} in this current; the shortest route {other}"
+    flow = " and ".join(name for name in ("current", "wind") if getattr(options, name) is not None)
+    return f"takes {said(found.cost)} in this {flow}; the shortest route {other}"

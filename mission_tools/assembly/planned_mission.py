@@ -36,7 +36,17 @@ if TYPE_CHECKING:
 MOST_MARGIN_M = 0.6  # deviation from the plan at corners and by GNSS error
 MARGIN_SHARE = 0.15  # of the clearance, where that is small
 NO_MAP = "none"
-_OF_FILES = ("speed_m_s", "boat", "current", "depart", "split", "is_route_file", "check_on", "start_at")
+_OF_FILES = (
+    "speed_m_s",
+    "boat",
+    "current",
+    "wind",
+    "depart",
+    "split",
+    "is_route_file",
+    "check_on",
+    "start_at",
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -108,7 +108,7 @@ def add_areas(parser: Parser) -> None:
 
 def add_costs(parser: Parser) -> None:
     """What the route costs the boat, and what makes it dear."""
-    group = parser.add_argument_group("budget and currents")
+    group = parser.add_argument_group("budget, currents and wind")
     group.add_argument(
         "--boat", metavar="BOAT.toml", help="time and charge out and home for this boat (also: lake, kit)"
     )
@@ -135,7 +135,12 @@ def add_costs(parser: Parser) -> None:
         help="2026-06-01T08:00Z, or seconds of the current's clock; A..B: the best departure between",
     )
     group.add_argument(
-        "--least", choices=("time", "charge"), help="what the route costs least of in a current [time]"
+        "--wind", metavar="M_S@FROM", help="mean wind and where it comes from, such as 6@270; with --boat"
+    )
+    group.add_argument(
+        "--least",
+        choices=("time", "charge"),
+        help="what the route costs least of in a current or wind [time]",
     )
     group.add_argument(
         "--open-water", type=number, metavar="M", help="keep off the shore where that is not too long"

@@ -46,9 +46,9 @@ class Budget:
     """Times in s, charges in mAh; charges are NaN where the boat's file does not say what it draws.
 
     home_s, home_mah: from the end of the route straight home by water; 0 where it ends at home, infinite
-    where the current is too strong. left_mah: at the end, the reserve left out. no_return_m: how far along
-    the route the boat may still turn back, None: from everywhere. reached_m: how far it comes at all, None:
-    to the end. under_way_s: at each waypoint, before its hold.
+    where current or wind is too strong. left_mah: at the end, the reserve left out. no_return_m: how far
+    along the route the boat may still turn back, None: from everywhere. reached_m: how far it comes at all,
+    None: to the end. under_way_s: at each waypoint, before its hold; drawn_mah: after it.
     """
 
     length_m: float
@@ -63,6 +63,7 @@ class Budget:
     reached_m: float | None = None
     capacity_mah: float = math.nan
     under_way_s: tuple[float, ...] = ()
+    drawn_mah: tuple[float, ...] = ()
 
     @property
     def suffices(self) -> bool | None:
@@ -74,7 +75,7 @@ class Budget:
     def lines(self) -> list[str]:
         """The budget as lines of output: under way, home, point of no return."""
         said = f"budget: {duration(self.time_s)}"
-        home = "from there no way home against the current"
+        home = "from there no way home against current or wind"
         if math.isfinite(self.home_s):
             home = f"home from there {distance(self.home_m)}, {duration(self.home_s)}"
         if math.isnan(self.charge_mah):
@@ -123,8 +124,8 @@ def budget_of(
 
     points: start, which is home, and the waypoints. holds_s: at each waypoint, so one less. ways_home_m: from
     each point by water. speed_m_s: over ground, None: the boat's cruise speed. depart_s: on the current's
-    clock. Raises NoRoute: a leg that the boat cannot sail against the current. UsageError: a speed beyond the
-    boat's.
+    clock. Raises NoRoute: a leg that the boat cannot sail against current or wind. UsageError: a speed beyond
+    the boat's.
     """
     at, legs = _stations(points)
     speed = boat.speed(speed_m_s)
@@ -136,8 +137,10 @@ def budget_of(
         when_s = _when_s(at, last, holds_s, TravelTime(speed, current), depart_s)
     time_s, mah = _sailed(starts, ends, boat, speed_m_s, current, when_s[:-1])
     if not np.isfinite(time_s).all():
-        leg = int(legs[np.flatnonzero(~np.isfinite(time_s))[0]]) + 1
-        raise NoRoute(f"leg {leg} cannot be sailed against the current at {speed.top_m_s:g} m/s")
+        first = int(np.flatnonzero(~np.isfinite(time_s))[0])
+        there = slice(first, first + 1)
+        _, *flow = _flow(starts[there], ends[there], current, when_s[there])
+        raise NoRoute(f"leg {int(legs[first]) + 1} cannot be sailed {speed.too_strong(*flow)}")
     turns = _turns_rad(points)
     extra_s, under_way = _manoeuvres_s(turns, holds_s, boat, speed.over_ground_m_s)
     north, east = current.at(ends[:, 0], ends[:, 1], when_s[1:])
@@ -173,6 +176,7 @@ def budget_of(
         reached_m=float(along_m[max(empty[0] - 1, 0)]) if len(empty) else None,
         capacity_mah=boat.capacity_mah,
         under_way_s=tuple((np.cumsum(time_s)[last] - np.array(holds_s)).tolist()),
+        drawn_mah=tuple(np.cumsum(mah)[last].tolist()) if is_known else (),
     )
 
 
@@ -222,7 +226,20 @@ def _when_s(
 def _sailed(
     starts: Floats, ends: Floats, boat: Boat, speed_m_s: float | None, current: Current, when_s: Floats
 ) -> tuple[Floats, Floats]:
-    """Seconds and mAh of straight pieces; infinite where the current is too strong."""
+    """Seconds and mAh of straight pieces; infinite where current or wind is too strong."""
+    length_m, *flow = _flow(starts, ends, current, when_s)
+    speed = boat.speed(speed_m_s)
+    good = speed.made_good_m_s(*flow)
+    still = np.minimum(speed.still_m_s(good, *flow), boat.top_m_s)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        time_s = np.where(length_m > 0.0, length_m / good, 0.0)
+    return time_s, boat.drawn_a(still) * time_s / 3.6
+
+
+def _flow(
+    starts: Floats, ends: Floats, current: Current, when_s: Floats
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Lengths of straight pieces, the current along and across them, and their courses."""
     way = ends - starts
     length_m = np.hypot(way[:, 0], way[:, 1])
     middle = 0.5 * (starts + ends)
@@ -230,10 +247,7 @@ def _sailed(
     safe_m = np.where(length_m > 0.0, length_m, 1.0)
     along = (north * way[:, 0] + east * way[:, 1]) / safe_m
     across = (east * way[:, 0] - north * way[:, 1]) / safe_m
-    good = boat.speed(speed_m_s).made_good_m_s(along, across)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        time_s = np.where(length_m > 0.0, length_m / good, 0.0)
-    return time_s, boat.drawn_a(np.hypot(good - along, across)) * time_s / 3.6
+    return length_m, along, across, np.arctan2(way[:, 1], way[:, 0])
 
 
 def _homeward(
@@ -289,15 +303,17 @@ def _manoeuvres_s(
     turns_rad: Sequence[float], holds_s: Sequence[float], boat: Boat, speed_m_s: float
 ) -> tuple[list[float], list[bool]]:
     """Time lost at the end of each leg: in its corner, and by a stop; the start is in the first. And whether
-    the boat keeps steerage way meanwhile.
+    the boat keeps steerage way meanwhile. The mission ends at the waypoint's radius, under way.
     """
     stop_s2_m = 1.0 / boat.accel_m_s2
     both_s2_m = (1.0 + 1.0 / GAINING_SHARE) / boat.accel_m_s2
     lost, under_way = [], []
     for n, (turn, hold_s) in enumerate(zip(turns_rad, holds_s, strict=True), start=1):
         is_last = n == len(turns_rad)
-        if is_last or hold_s > 0.0:
+        if hold_s > 0.0:
             slowest = 0.0
+        elif is_last:
+            slowest = min(speed_m_s, math.sqrt(2.0 * boat.accel_m_s2 * boat.waypoint_radius_m))
         else:
             slack = 1.0 / max(math.cos(0.5 * turn), 1e-3) - 1.0  # of a fillet, per metre of its radius
             radius_m = boat.waypoint_radius_m / max(slack, 1e-9)
@@ -308,7 +324,8 @@ def _manoeuvres_s(
         if boat.least_radius_m > 0.0:
             rate_rad_s = min(rate_rad_s, max(slowest, boat.slowest_m_s) / boat.least_radius_m)
         turning_s = (1.0 if is_on_the_spot else TURN_LOSS) * turn / rate_rad_s
-        lost.append(slowing_s + turning_s)
+        ahead_s = boat.waypoint_radius_m / speed_m_s if is_last and not hold_s > 0.0 else 0.0
+        lost.append(slowing_s + turning_s - ahead_s)
         under_way.append(not is_on_the_spot)
     lost[0] += 0.5 * speed_m_s / (GAINING_SHARE * boat.accel_m_s2)
     return lost, under_way
@@ -317,7 +334,7 @@ def _manoeuvres_s(
 def planned_budget(planned: PlannedMission, boat: Boat | str, current: Current | str | None = None) -> Budget:
     """What a mission costs a boat. boat: its TOML or an emulated boat's name. current: also as in --current.
     Raises MapError: the current's file. UsageError: no such boat, or nowhere to go. NoRoute: a leg that
-    cannot be sailed against the current.
+    cannot be sailed against current or wind.
     """
     boat = load_boat(boat) if isinstance(boat, str) else boat
     if isinstance(current, str):

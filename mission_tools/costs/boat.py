@@ -1,12 +1,14 @@
 """A boat as the planner needs it, from its TOML: speeds, charge, and how much of a fence it holds."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from companion.config.boat_config import BoatConfig, decode_config, load_toml
 from mission_tools.costs.travel import BoatSpeed, Floats
+from mission_tools.costs.windage import InWind, Windage, in_wind
 from mission_tools.errors import UsageError
 from mission_tools.maps.catalogue import emulator_folder
 
@@ -33,7 +35,7 @@ class Boat:
     share of the capacity that is never used. margin: times the charge for the way home that must be left, or
     the boat turns back by itself. fence_margin_m: how far inside the fence the boat stops. accel_m_s2: to a
     lower speed; to a higher one it is half as much again. least_radius_m: of its turns; 0: it turns on the
-    spot.
+    spot. windage: None where the file does not say. wind: that it sails in.
     """
 
     name: str
@@ -52,6 +54,8 @@ class Boat:
     reserve: float
     margin: float
     fence_margin_m: float
+    windage: Windage | None
+    wind: InWind | None
     most_items: int
     most_fence_items: int
     most_rally_items: int
@@ -64,10 +68,11 @@ class Boat:
         if not draw and battery.cruise_a > battery.idle_a:
             draw = ((cruise_m_s, battery.idle_a + STEERING * (battery.cruise_a - battery.idle_a)),)
         top_m_s = draw[-1][0] if len(draw) > 1 else config.handling.top_speed_m_s
+        top_m_s = max(top_m_s, cruise_m_s)
         return cls(
             name,
             cruise_m_s=cruise_m_s,
-            top_m_s=max(top_m_s, cruise_m_s),
+            top_m_s=top_m_s,
             slowest_m_s=guidance.min_speed_m_s,
             accel_m_s2=guidance.accel_m_s2,
             corner_accel_m_s2=guidance.corner_accel_m_s2,
@@ -81,6 +86,8 @@ class Boat:
             reserve=config.failsafe.range_reserve,
             margin=config.failsafe.range_margin,
             fence_margin_m=config.fence.margin_m,
+            windage=Windage.of(config, top_m_s),
+            wind=None,
             most_items=config.mission.max_items,
             most_fence_items=config.mission.max_fence_items,
             most_rally_items=config.mission.max_rally_items,
@@ -98,7 +105,7 @@ class Boat:
 
     def speed(self, over_ground_m_s: float | None = None) -> BoatSpeed:
         """Its speeds; over_ground_m_s: in place of cruise. Raises UsageError: faster than the boat."""
-        return BoatSpeed(over_ground_m_s or self.cruise_m_s, self.top_m_s, self.slowest_m_s)
+        return BoatSpeed(over_ground_m_s or self.cruise_m_s, self.top_m_s, self.slowest_m_s, self.wind)
 
     def drawn_a(self, through_m_s: Floats) -> Floats:
         """What the whole boat draws at a speed through still water, in A: the motors' part follows a power of
@@ -119,16 +126,26 @@ class Boat:
         return float(self.drawn_a(np.array([self.cruise_m_s]))[0]) - self.idle_a
 
     def held_a(self, current_m_s: float = 0.0) -> float:
-        """What it draws while it keeps station in a current, in A."""
-        return float(self.drawn_a(np.array([current_m_s]))[0]) + HOLD_SHARE * self.motors_a
+        """What it draws while it keeps station in a current, in A: the bow in the wind, if there is one."""
+        still = np.array([current_m_s])
+        if self.wind is not None:
+            into_rad = np.array([math.atan2(-self.wind.east_m_s, -self.wind.north_m_s)])
+            still = self.wind.still_m_s(np.zeros(1), -np.maximum(still, 0.01), np.zeros(1), into_rad)
+        return float(self.drawn_a(still)[0]) + HOLD_SHARE * self.motors_a
 
 
-def load_boat(name: str | None) -> Boat:
+def load_boat(name: str | None, wind: str | None = None) -> Boat:
     """A boat's TOML, that of `boat-companion` or that of an emulated boat (also by name, such as `lake`).
 
-    None: this project's boat as it is without a file. Raises ConfigError: names file and key. UsageError: no
-    such boat.
+    name: None for this project's boat as it is without a file. wind: that it sails in, such as 6@270. Raises
+    ConfigError: names file and key. UsageError: no such boat, no such wind, or a boat of unknown windage.
     """
+    boat = _named(name)
+    return boat if wind is None else replace(boat, wind=in_wind(boat.windage, wind, boat.name))
+
+
+def _named(name: str | None) -> Boat:
+    """A boat in still air. Raises as `load_boat`."""
     if name is None:
         return Boat.of(BoatConfig())
     path = Path(name)

@@ -1,8 +1,8 @@
 """What a metre of the way costs a boat: seconds, or charge, in the current that it meets there.
 
-The boat holds its speed over ground as long as its thrusters reach: through the water it makes at most its
-top speed. To stay on a leg it points up against the current's part across it (the wind triangle of
-navigation), and what is left of the top speed drives it along.
+The boat holds its speed over ground as long as its thrusters reach, also in a wind (`windage.py`): through
+the water it makes at most its top speed. To stay on a leg it points up against the current's part across it
+(the wind triangle of navigation), and what is left of the top speed drives it along.
 """
 
 import math
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from shapely.geometry import MultiPolygon, Polygon
 
 from mission_tools.costs.current import STILL_WATER, Current
+from mission_tools.costs.windage import InWind
 from mission_tools.errors import MapError, UsageError
 from mission_tools.maps.chart import SPEED_LIMIT, Chart, property_number
 
@@ -32,12 +33,14 @@ class BoatSpeed:
 
     over_ground_m_s: its cruise speed. top_m_s: through the water, at full throttle. keep_m_s: the least speed
     through the water with steerage way, which it also keeps in a current that is faster than its cruise.
-    Raises UsageError: not positive, or a cruise speed above the top speed.
+    wind: what it sails in, None: still air. Raises UsageError: not positive, or a cruise speed above the top
+    speed.
     """
 
     over_ground_m_s: float = 2.0
     top_m_s: float = 3.0
     keep_m_s: float = 0.3
+    wind: InWind | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 < self.over_ground_m_s <= self.top_m_s < math.inf:
@@ -46,13 +49,40 @@ class BoatSpeed:
                 "m/s through the water: expected more than 0, and no more than the top speed"
             )
 
-    def made_good_m_s(self, along_m_s: Floats, across_m_s: Floats) -> Floats:
-        """Speed over ground on a course, from the current along and across it; 0 where that is too strong."""
-        spare = self.top_m_s * self.top_m_s - across_m_s * across_m_s
-        fastest = np.where(spare > 0.0, along_m_s + np.sqrt(np.maximum(spare, 0.0)), 0.0)
-        wanted = np.maximum(self.over_ground_m_s, along_m_s + self.keep_m_s)
-        speed = np.minimum(wanted, fastest)
+    def made_good_m_s(self, along_m_s: Floats, across_m_s: Floats, course_rad: Floats) -> Floats:
+        """Speed over ground on a course, from the current along and across it; 0 where current or wind is too
+        strong.
+        """
+        if self.wind is not None:
+            speed = self.wind.made_good_m_s(
+                self.over_ground_m_s, self.keep_m_s, along_m_s, across_m_s, course_rad
+            )
+        else:
+            spare = self.top_m_s * self.top_m_s - across_m_s * across_m_s
+            fastest = np.where(spare > 0.0, along_m_s + np.sqrt(np.maximum(spare, 0.0)), 0.0)
+            speed = np.minimum(np.maximum(self.over_ground_m_s, along_m_s + self.keep_m_s), fastest)
         return np.where(speed >= min(SLOWEST_M_S, SLOWEST_SHARE * self.over_ground_m_s), speed, 0.0)
+
+    def still_m_s(
+        self, good_m_s: Floats, along_m_s: Floats, across_m_s: Floats, course_rad: Floats
+    ) -> Floats:
+        """The speed in still water and still air that draws as much as a speed made good."""
+        if self.wind is not None:
+            return self.wind.still_m_s(good_m_s, along_m_s, across_m_s, course_rad)
+        return np.hypot(good_m_s - along_m_s, across_m_s)
+
+    def too_strong(self, along_m_s: Floats, across_m_s: Floats, course_rad: Floats) -> str:
+        """What keeps the boat from making way on one course."""
+        if self.wind is None:
+            return f"against the current at {self.top_m_s:g} m/s"
+        wanted = np.full_like(course_rad, self.over_ground_m_s)
+        if np.isinf(self.wind.still_m_s(wanted, along_m_s, across_m_s, course_rad)).all():
+            return (
+                f"before {self.wind.wind_m_s:g} m/s of wind: its gusts turn the boat across, harder than it "
+                "can steer"
+            )
+        both = " and the current" if along_m_s.any() or across_m_s.any() else ""
+        return f"in {self.wind.wind_m_s:g} m/s of wind{both} by a boat of {self.top_m_s:g} m/s"
 
     def at_most(self, limit_m_s: float) -> "BoatSpeed":
         """The same boat in a zone with a speed limit over ground."""
@@ -113,14 +143,14 @@ class TravelTime:
         """One over the speed made good."""
         along, across = _parts(self.current, north_m, east_m, course_rad, time_s)
         with np.errstate(divide="ignore"):
-            return 1.0 / self.speed.made_good_m_s(along, across)
+            return 1.0 / self.speed.made_good_m_s(along, across, course_rad)
 
 
 @dataclass(frozen=True, slots=True)
 class Charge:
     """Milliampere hours.
 
-    drawn_a: what the whole boat draws at a speed through the water, m/s to A; for arrays.
+    drawn_a: what the whole boat draws at a speed through still water, m/s to A; for arrays.
     """
 
     speed: BoatSpeed
@@ -139,10 +169,10 @@ class Charge:
     def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats, time_s: Floats) -> Floats:
         """The draw at the speed through the water that the leg needs, for the time that a metre takes."""
         along, across = _parts(self.current, north_m, east_m, course_rad, time_s)
-        good = self.speed.made_good_m_s(along, across)
-        through = np.hypot(good - along, across)
+        good = self.speed.made_good_m_s(along, across, course_rad)
+        still = self.speed.still_m_s(good, along, across, course_rad)
         with np.errstate(divide="ignore"):
-            return self.drawn_a(through) / good / 3.6
+            return self.drawn_a(still) / good / 3.6
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,8 +22,10 @@ def take_mission(planned: PlannedMission, request: Request, report: Report, say:
     if not request.options.split or request.options.boat is None:
         return take_planned(planned, request, report, say)
     from mission_tools.contract.split import split  # noqa: PLC0415 - seldom needed
+    from mission_tools.costs.boat import load_boat  # noqa: PLC0415
 
-    report.split = found = split(planned, request.options.boat, request.options.current)
+    boat = load_boat(request.options.boat, request.options.wind)
+    report.split = found = split(planned, boat, request.options.current)
     report.planned = found.whole
     for line in (*described(found.whole), *found.lines()):
         say(line)

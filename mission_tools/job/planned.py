@@ -135,8 +135,10 @@ def take_planned(planned: PlannedMission, request: Request, report: Report, say:
         say(line)
     if request.options.boat is not None:
         from mission_tools.contract.budget import planned_budget  # noqa: PLC0415 - seldom needed
+        from mission_tools.costs.boat import load_boat  # noqa: PLC0415
 
-        report.budget = planned_budget(planned, request.options.boat, request.options.current)
+        boat = load_boat(request.options.boat, request.options.wind)
+        report.budget = planned_budget(planned, boat, request.options.current)
         for line in report.budget.lines():
             say(line)
         if planned.timetable is not None:

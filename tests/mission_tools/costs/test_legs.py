@@ -48,7 +48,7 @@ def test_a_leg_across_is_that_of_an_independent_integrator() -> None:
 
     def rate(time_s: float, _: Floats) -> Floats:
         east = 1.0 * math.cos(2.0 * math.pi * time_s / PERIOD_S)
-        return speed.made_good_m_s(east * np.sin(course), east * np.cos(course))
+        return speed.made_good_m_s(east * np.sin(course), east * np.cos(course), course)
 
     def left(_: float, along: Floats) -> float:
         return float(along[0]) - math.hypot(*end)
