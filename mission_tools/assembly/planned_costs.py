@@ -33,7 +33,7 @@ from mission_tools.planning.planner import Plan
 from mission_tools.wording import duration
 
 ROOM_CELLS = 60_000  # as many as the lattice on which the route is searched
-PLANNED_DEPARTURES = 7  # of a window: their routes are timed for many more
+PLANNED_DEPARTURES = 5  # of a window: their routes are timed for many more
 OPEN_WATER_WEIGHT = 2.0  # a metre at the shore costs three times one in open water
 
 

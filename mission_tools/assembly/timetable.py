@@ -55,22 +55,35 @@ class Timetable:
         day, at = iso(time_s).split("T")
         return at if iso(self.depart_s).startswith(day) else f"{day} {at}"
 
+    @property
+    def span(self) -> str:
+        """How long it is under way, and from when."""
+        said = f"{duration(self.arrive_s[-1] - self.depart_s)} under way"
+        if self.is_dated or self.tried or self.wait_s:
+            said += f", leaves {time_said(self.depart_s, is_dated=self.is_dated)}"
+        return said
+
+    def departure_said(self, one: Tried) -> str:
+        """A departure and what it costs."""
+        said = "cannot be sailed"
+        if one.cost < math.inf:
+            said = duration(one.cost) if self.unit == "s" else f"{one.cost:.0f} mAh"
+        return f"{time_said(one.depart_s, is_dated=self.is_dated)}, {said}"
+
     def lines(self) -> list[str]:
         """Departure and arrivals as lines of output."""
-        line = f"times: {duration(self.arrive_s[-1] - self.depart_s)} under way"
-        if self.is_dated or self.tried or self.wait_s:
-            line += f", leaves {time_said(self.depart_s, is_dated=self.is_dated)}"
         passed = [f"{n} {self.said(at_s)}" for n, at_s in enumerate(self.arrive_s, 1)]
-        lines = [f"{line}; waypoint {', '.join(passed if len(passed) <= _MOST_SAID else passed[-1:])}"]
+        lines = [
+            f"times: {self.span}; waypoint {', '.join(passed if len(passed) <= _MOST_SAID else passed[-1:])}"
+        ]
         if self.wait_s:
             lines.append(f"leaves {duration(self.wait_s)} later than asked: the current is too strong before")
         can = [one for one in self.tried if one.cost < math.inf]
         if can:
-            worst = max(can, key=lambda one: one.cost)
-            said = duration(worst.cost) if self.unit == "s" else f"{worst.cost:.0f} mAh"
+            worst = self.departure_said(max(can, key=lambda one: one.cost))
+            barred = len(self.tried) - len(can)
             lines.append(
-                f"best of {len(self.tried)} departures ({len(self.tried) - len(can)} against too strong a "
-                f"current); the worst, {time_said(worst.depart_s, is_dated=self.is_dated)}, takes {said}"
+                f"best of {len(self.tried)} departures, {barred} against too strong a current; worst: {worst}"
             )
         return lines
 

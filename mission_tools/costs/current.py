@@ -107,16 +107,19 @@ class GriddedCurrent:
         table = self.table
         row, up = _piece(table.north_m, north_m)
         column, right = _piece(table.east_m, east_m)
-        above = np.minimum(row + 1, len(table.north_m) - 1)
-        beside = np.minimum(column + 1, len(table.east_m) - 1)
-        parts = (table.current_north_m_s, table.current_east_m_s)
+        rows, columns = len(table.north_m), len(table.east_m)
+        at = row * columns + column
+        beside, above = np.minimum(column + 1, columns - 1) - column, np.minimum(row + 1, rows - 1) - row
+        above *= columns
+        parts = [part.ravel() for part in (table.current_north_m_s, table.current_east_m_s)]
 
         def in_sheets(number: NDArray[np.intp] | int) -> list[Floats]:
+            here = at + number * (rows * columns)
+            there = here + above
             return [
-                (1.0 - up)
-                * ((1.0 - right) * sheets[number, row, column] + right * sheets[number, row, beside])
-                + up * ((1.0 - right) * sheets[number, above, column] + right * sheets[number, above, beside])
-                for sheets in parts
+                (1.0 - up) * ((1.0 - right) * part.take(here) + right * part.take(here + beside))
+                + up * ((1.0 - right) * part.take(there) + right * part.take(there + beside))
+                for part in parts
             ]
 
         if len(table.time_s) == 1:

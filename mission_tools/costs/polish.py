@@ -16,7 +16,8 @@ from mission_tools.planning.exact_planner import water_of
 LEG_SHARE = 0.001
 """Of the whole cost: what a corner more has to save, so that a curve is not cut into dozens of legs."""
 _MOST_POINTS = 120
-"""Of a path that legs are laid along: dynamic programming tries every pair."""
+"""Of a path that legs are laid along: dynamic programming tries every pair. Half of it where legs are timed,
+which takes four times as long."""
 _TRIED_DEPARTURES = 100
 _AS_GOOD = 0.002  # of the time until arrival
 _PASSES = 6
@@ -62,7 +63,7 @@ class Polish:
 
     def improved(self, path: tuple[Point, ...], depart_s: float = 0.0) -> tuple[Point, ...]:
         """The same way with straight legs and better corners."""
-        most = _MOST_POINTS
+        most = _MOST_POINTS // 2 if self._travel.varies else _MOST_POINTS
         while not self.is_sailable(_thinned(path, most)) and most < len(path):
             most *= 2
         best = self._laid(_thinned(path, most), depart_s)

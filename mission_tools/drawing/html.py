@@ -20,6 +20,7 @@ from shapely.geometry.base import BaseGeometry
 from companion.cli.output_file import write_text
 from companion.core.geo import LatLon, Point, bearing_rad, distance_m
 from mission_tools.assembly.planned_mission import PlannedMission
+from mission_tools.assembly.timetable import Timetable
 from mission_tools.drawing.view import PART_COLOURS, view_of
 from mission_tools.geojson import KEPT_OUT, SOLID
 from mission_tools.maps.chart import Chart
@@ -90,10 +91,10 @@ def itinerary(planned: PlannedMission) -> Itinerary:
     holds = [item.hold_s for item in mission.items if item.place is not None]
     holds = [0.0] * (len(points) - len(holds)) + holds
     legs: list[Leg] = []
-    clock_s = 0.0
+    clock_s, table = 0.0, planned.timetable
     for number, ((start, end), hold_s) in enumerate(zip(pairwise(points), holds[1:], strict=True), 1):
         length_m = distance_m(start, end)
-        clock_s += length_m / speed_m_s
+        clock_s = table.arrive_s[number - 1] - table.depart_s if table else clock_s + length_m / speed_m_s
         clearance_m, nearest, worst = _tightest(planned.chart, start, end)
         course_deg = math.degrees(bearing_rad(start, end)) % 360.0
         legs.append(
@@ -126,23 +127,26 @@ def compose(planned: PlannedMission, monitor: MissionMonitor | None = None) -> s
     track = [chart.frame.to_local(point.place) for point in monitor.track] if monitor is not None else []
     view = view_of(chart, planned.points, track)
     parts = list(zip(cycle(PART_COLOURS), planned.parts, strict=False))
+    table = planned.timetable
+    notes = (*planned.notes, *(table.lines() if table else ()))
     page = Template(_text("page.html"))
     return page.substitute(
         title=escape(planned.name),
         style=_text("page.css"),
         script=_text("page.js"),
         facts="".join(
-            f"<li><b>{value}</b> {label}</li>" for value, label in _facts(way, clearance_m, monitor)
+            f"<li><b>{value}</b> {label}</li>" for value, label in _facts(way, clearance_m, monitor, table)
         ),
         map=_map(chart, planned.points, track, clearance_m, parts),
         parts="".join(f'<li style="color:{colour}">{words}</li>' for colour, (words, _) in parts),
         view=json.dumps([view[0], -view[3], view[2] - view[0], view[3] - view[1]]),
-        rows="".join(_row(chart, leg, clearance_m) for leg in way.legs),
+        rows="".join(_row(chart, leg, clearance_m, table) for leg in way.legs),
+        departures=_departures(table) if table and table.tried else "",
         worst="".join(_worst(chart, leg) for leg in way.worst(WORST_PLACES)),
-        notes="".join(f"<li>{escape(note)}</li>" for note in planned.notes),
-        speed=_speed_note(way),
+        notes="".join(f"<li>{escape(note)}</li>" for note in notes),
+        speed="Times are those of the current." if table else _speed_note(way),
         has_worst="" if way.worst(1) else "hidden",
-        has_notes="" if planned.notes else "hidden",
+        has_notes="" if notes else "hidden",
     )
 
 
@@ -150,9 +154,11 @@ def _text(name: str) -> str:
     return _HERE.with_name(name).read_text(encoding="utf-8")
 
 
-def _facts(way: Itinerary, clearance_m: float, monitor: MissionMonitor | None) -> Iterable[tuple[str, str]]:
+def _facts(
+    way: Itinerary, clearance_m: float, monitor: MissionMonitor | None, table: Timetable | None
+) -> Iterable[tuple[str, str]]:
     yield distance(way.length_m), f"in {counted(len(way.legs), 'leg')}"
-    yield duration(way.duration_s), f"at {way.speed_m_s:g} m/s"
+    yield duration(way.duration_s), "under way" if table else f"at {way.speed_m_s:g} m/s"
     tightest = min((leg.clearance_m for leg in way.legs), default=math.inf)
     if math.isfinite(tightest):
         asked = f", {distance(clearance_m)} asked" if clearance_m else ""
@@ -226,14 +232,33 @@ def _leg_label(number: int, start: Point, end: Point) -> str:
     )
 
 
-def _row(chart: Chart, leg: Leg, clearance_m: float) -> str:
+def _departures(table: Timetable) -> str:
+    """What each departure costs, over the window: a gap where the current is too strong."""
+    most = max((one.cost for one in table.tried if one.cost < math.inf), default=1.0)
+    width = 100.0 / len(table.tried)
+    bars = "".join(
+        f'<path d="M{n * width:.2f} 30v{-30.0 * one.cost / most:.2f}h{0.8 * width:.2f}V30z"'
+        f"{' class=best' * (one.depart_s == table.depart_s)}>"
+        f"<title>{table.departure_said(one)}</title></path>"
+        for n, one in enumerate(table.tried)
+        if one.cost < math.inf
+    )
+    ends = " … ".join(table.departure_said(one) for one in (table.tried[0], table.tried[-1]))
+    return (
+        '<h2>Departures</h2><svg class="departures" viewBox="0 0 100 30" preserveAspectRatio="none" '
+        f'role="img" aria-label="Cost by departure">{bars}</svg><p class="small">{ends}</p>'
+    )
+
+
+def _row(chart: Chart, leg: Leg, clearance_m: float, table: Timetable | None) -> str:
     is_tight = leg.clearance_m < clearance_m - 0.01
     room = "open water" if math.isinf(leg.clearance_m) else distance(leg.clearance_m)
     hold = f" + {duration(leg.hold_s)}" if leg.hold_s else ""
+    at = f", {table.said(table.depart_s + leg.arrive_s)}" if table and table.is_dated else ""
     return (
         f'<tr tabindex="0" data-box="{_box(leg)}" data-n="{leg.number}"><td>{leg.number}</td>'
         f"<td>{distance(leg.length_m)}</td><td>{leg.course_deg:03.0f}°</td>"
-        f"<td>{duration(leg.arrive_s)}{hold}</td>"
+        f"<td>{duration(leg.arrive_s)}{at}{hold}</td>"
         f"<td{' class=tight' if is_tight else ''}>{room}</td><td>{escape(leg.nearest)}</td>"
         f"<td>{_degrees(chart.frame.to_global(leg.end))}</td></tr>\n"
     )

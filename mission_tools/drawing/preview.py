@@ -59,6 +59,8 @@ def _subtitle(planned: PlannedMission, monitor: MissionMonitor | None) -> str:
         survey = planned.survey
         said += f"; {survey.tracks} tracks {distance(survey.spacing_m)} apart"
         said += f", {100.0 * survey.coverage:.1f} % covered"
+    if planned.timetable is not None:
+        said += f"; {planned.timetable.span}"
     if monitor is not None and monitor.track:
         said += f"; {distance(monitor.track_length_m)} sailed in {duration(monitor.duration_s)}"
     return said

@@ -54,7 +54,7 @@ def test_the_best_departure_is_when_the_stream_helps() -> None:
     assert all(
         one.arrive_s == pytest.approx(one.depart_s + one.cost) for one in found.tried if one.cost < math.inf
     )
-    assert "best of 49 departures (" in found.lines()[-1]
+    assert "best of 49 departures, " in found.lines()[-1]
     listed: Any = found.as_json()["departures"]
     assert listed[-1][0] == 9000.0
     assert [None, None] in [row[1:] for row in listed]
@@ -64,7 +64,7 @@ def test_what_the_worst_departure_takes_is_said_in_its_unit() -> None:
     tried = (Tried(0.0, 9.0, 120.0), Tried(60.0, 70.0, 240.0), Tried(90.0, math.inf, math.inf))
     found = Timetable(0.0, (9.0,), tried=tried, unit="mAh")
     assert found.lines()[-1] == (
-        "best of 3 departures (1 against too strong a current); the worst, 1 min 00 s, takes 240 mAh"
+        "best of 3 departures, 1 against too strong a current; worst: 1 min 00 s, 240 mAh"
     )
 
 

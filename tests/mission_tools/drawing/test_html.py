@@ -1,7 +1,9 @@
 """The HTML page: whole in itself, with the route's figures, and safe with any name."""
 
+import math
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
@@ -9,6 +11,8 @@ import shapely
 
 from companion.core.geo import LatLon, LocalFrame, Point
 from mission_tools.assembly.planned_mission import PlannedMission
+from mission_tools.assembly.timetable import Timetable, Tried
+from mission_tools.costs.departure import posix_s
 from mission_tools.drawing.html import compose, itinerary
 from mission_tools.maps import Chart, Feature, build_chart
 from mission_tools.mission.mission import Mission, MissionItem
@@ -88,6 +92,22 @@ def test_the_itinerary_counts_holds_and_names_the_worst_places_once() -> None:
     assert worst[0].clearance_m == pytest.approx(8.0, abs=0.01)
     assert 39.9 <= worst[0].worst.east_m <= 60.1
     assert itinerary(planned(chart())).is_assumed
+
+
+def test_in_a_current_the_legs_have_their_times_and_the_departures_their_bars() -> None:
+    noon_s = posix_s("2026-06-01T12:00Z")
+    tried = (Tried(noon_s, noon_s + 90.0, 90.0), Tried(noon_s + 60.0, math.inf, math.inf))
+    table = Timetable(noon_s, (noon_s + 50.0, noon_s + 90.0), is_dated=True, tried=tried)
+    page = Page(text := compose(replace(planned(chart(), speed_m_s=2.0), timetable=table)))
+    assert page.open == []
+    assert [cell for cell in page.cells if cell.endswith("Z")] == ["50 s, 12:00:50Z", "1 min 30 s, 12:01:30Z"]
+    assert (
+        text.count('<path d="M0.00 30v-30.00h40.00V30z" class=best><title>2026-06-01 12:00Z, 1 min 30 s<')
+        == 1
+    )
+    assert "2026-06-01 12:00Z, 1 min 30 s … 2026-06-01 12:01Z, cannot be sailed" in text
+    assert "<b>1 min 30 s</b> under way" in text
+    assert "Departures" not in compose(planned(chart()))
 
 
 def test_names_are_text_and_nothing_else() -> None:
