@@ -38,6 +38,7 @@ pictures: demo survey  ## make the pictures of the documents anew
 	cp out/survey.png docs/pictures/survey.png
 	PYTHONPATH=docs $(BIN)/python -m pictures
 	PYTHONPATH=docs $(BIN)/python -m pictures shore
+	$(BIN)/mission-plan lake --survey all --footprint 24 --overlap 0.15 --boat kit --split --preview docs/pictures/split.png
 	$(BIN)/boat-sitl sail pool --case 2 --png docs/pictures/pool.png
 	$(BIN)/boat-sitl sail random --seed 8 --fence --png docs/pictures/random.png
 
