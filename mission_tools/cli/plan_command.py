@@ -2,11 +2,13 @@
 
 import sys
 from argparse import Namespace
+from pathlib import Path
 
 from companion.cli.interrupts import importing
 from companion.cli.parser import Parser
 from mission_tools.cli.arguments import print_json, run_parsed, with_places
 from mission_tools.cli.options import add_areas, add_costs, add_outputs, add_route, add_tasks, request
+from mission_tools.errors import UsageError
 
 PROGRAM = "mission-plan"
 EXAMPLES = f"""
@@ -28,18 +30,27 @@ Examples:
 
     {PROGRAM} drawn.gpx --as-route --check-on pond.geojson --out drawn.plan
 
+    {PROGRAM} --learn 00012.bin --learn 00013.bin --boat boat.toml
+
 Exit codes: 0 done, 1 no route, 2 wrong usage or input.
 """
 
 
 def _parser() -> Parser:
-    parser = Parser(PROGRAM, EXAMPLES, "SOURCE", is_required=True)
+    parser = Parser(PROGRAM, EXAMPLES, "SOURCE")
     add_route(parser)
     add_tasks(parser)
     add_areas(parser)
     add_costs(parser)
     add_outputs(parser)
     parser.set_defaults(dry_run=True)
+    parser.add_argument(
+        "--learn",
+        action="append",
+        type=Path,
+        metavar="LOG",
+        help="no plan: print what --boat draws at which speed, by its logs (.bin); repeat it",
+    )
     parser.add_argument("--items", action="store_true", help="with --json: also every item, as on the wire")
     parser.add_common()
     return parser
@@ -60,6 +71,29 @@ def run_job(given: Namespace) -> None:
         print_json(as_json(report, with_items=given.items), None if given.items else 2)
 
 
+def _learn(given: Namespace) -> None:
+    """Print what logs say that a boat draws."""
+    with importing():
+        from mission_tools.costs.boat import load_boat  # noqa: PLC0415 - as in run_job
+        from mission_tools.costs.learned_draw import learn_draw  # noqa: PLC0415
+
+    boat = load_boat(given.boat)
+    found = learn_draw(given.learn, boat.idle_a)
+    if given.as_json:
+        print_json({"draw": found.pairs, "steady_s": found.steady_s})
+    else:
+        sys.stdout.write("\n".join(found.lines(boat.cruise_m_s)) + "\n")
+
+
+def _run(given: Namespace) -> None:
+    if given.learn:
+        _learn(given)
+    elif given.source is None:
+        raise UsageError(f"SOURCE is missing (see {PROGRAM} --help)")
+    else:
+        run_job(given)
+
+
 def run_program(arguments: list[str]) -> int:
     """Run the program; returns its exit code."""
-    return run_parsed(_parser(), with_places(arguments), run_job)
+    return run_parsed(_parser(), with_places(arguments), _run)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from companion.core.modes import Mode
-from mission_tools.shore.voyage.dataflash import Log, Record, Value
+from mission_tools.files.dataflash import Log, Record, Value
 from mission_tools.shore.voyage.samples import Sample, Samples
 from mission_tools.station.words import LocalizedText, say
 
