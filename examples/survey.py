@@ -149,7 +149,7 @@ def _figures(sailed: SailedSurvey, settings: SurveySettings) -> dict[str, float]
         "waypoints": result.waypoints,
         "reached": result.waypoints_reached,
         "planned_m": planned.route.length_m,
-        "least_m": planned.least_m,
+        "plain_m": planned.plain_m,
         "sailed_m": result.path_length_m,
         "time_s": result.time_s,
         "planned_coverage": planned.coverage,
@@ -165,7 +165,7 @@ def _print_table(figures: dict[str, float], console: Console) -> None:
     rows = (
         ("covered: planned, sailed", "{planned_coverage:.2%}, {sailed_coverage:.2%}"),
         ("tracks, waypoints reached", "{tracks}, {reached} of {waypoints}"),
-        ("planned, lower bound, sailed", "{planned_m:.0f} m, {least_m:.0f} m, {sailed_m:.0f} m"),
+        ("plain lines, planned, sailed", "{plain_m:.0f} m, {planned_m:.0f} m, {sailed_m:.0f} m"),
         ("time under way", "{time_s:.0f} s of the boat's clock"),
         ("off the planned line", "{off_rms_m:.2f} m RMS"),
         ("nearest to a shore", "{nearest_m:.2f} m, {groundings} groundings"),

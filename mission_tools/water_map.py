@@ -112,7 +112,7 @@ class WaterMap:
         overlap: float | None = None,
         angle_deg: float | None = None,
         cross_m: float | None = None,
-        shore_pass: bool = True,
+        shore_passes: int | None = None,
         is_return: bool = False,
         clearance_m: float | None = None,
         speed_m_s: float | None = None,
@@ -121,8 +121,8 @@ class WaterMap:
 
         Two of spacing_m (between tracks), footprint_m (the width that the sensor covers) and overlap (a share
         of it) give the third. angle_deg: course of the tracks, None: the one with the fewest turns. cross_m:
-        between lines across, for checking. shore_pass: also along the shores. start: None begins at the most
-        convenient track.
+        between lines across, for checking. shore_passes: how often along the shores, None: six times, with an
+        angle once. start: None begins at the most convenient track.
         """
         options = PlanOptions(
             start_at=_at("start", start),
@@ -132,7 +132,7 @@ class WaterMap:
             overlap=overlap,
             angle_deg=angle_deg,
             cross_m=cross_m,
-            shore_pass=shore_pass,
+            shore_passes=shore_passes,
             is_return=is_return,
             clearance_m=clearance_m,
             speed_m_s=speed_m_s,

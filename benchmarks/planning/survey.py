@@ -65,7 +65,7 @@ def row_of(source: str, footprint_m: float) -> Row:
 
 def described(planned: Survey) -> str:
     """The length over that of plain lines, and its parts in percent of them."""
-    route, plain_m = planned.route, planned.target.area / planned.spacing_m
+    route, plain_m = planned.route, planned.plain_m
     straight = [leg for leg in route.legs if leg.kind == "transit" and len(leg.points) == 2]
     straight_m = sum(leg.length_m for leg in straight)
     parts = {
@@ -77,7 +77,7 @@ def described(planned: Survey) -> str:
     shares = ", ".join(f"{name} {100.0 * length_m / plain_m:.1f}" for name, length_m in parts.items())
     return (
         f"{route.length_m / 1e3:.1f} km = {route.length_m / plain_m:.3f} × plain lines ({shares}; "
-        f"{100.0 * seen_twice(planned):.0f} % seen twice); {planned.length_ratio:.3f} × the bound; "
+        f"{100.0 * seen_twice(planned):.0f} % seen twice); "
         f"{len(route.points)} waypoints"
     )
 

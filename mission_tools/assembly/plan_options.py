@@ -8,7 +8,6 @@ from mission_tools.errors import UsageError
 
 _FLAGS = {
     "is_return": "--return",
-    "shore_pass": "--no-shore-pass",
     "follow_shore_at": "--follow-shore",
     "is_route_file": "--as-route",
     "is_outline": "--as-outline",
@@ -57,7 +56,7 @@ class PlanOptions:
     overlap: float | None = None
     angle_deg: float | None = None
     cross_m: float | None = None
-    shore_pass: bool | None = None
+    shore_passes: int | None = None
     turn_radius_m: float | None = None
     follow_shore_at: LatLon | None = None
     distance_m: float | None = None

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from mission_tools.tasks.survey.survey import Survey
 
 WHOLE_WATER = "all"
-_OF_SURVEYS = ("spacing_m", "footprint_m", "overlap", "angle_deg", "cross_m", "shore_pass", "turn_radius_m")
+_OF_SURVEYS = ("spacing_m", "footprint_m", "overlap", "angle_deg", "cross_m", "shore_passes", "turn_radius_m")
 _OF_SHORES = ("distance_m", "shore_to", "first", "last")
 _OF_TOURS = ("goal", "via", "any_order", "hold_s")
 
@@ -128,7 +128,7 @@ def survey_of(
             options.overlap,
             angle_rad=None if options.angle_deg is None else math.radians(options.angle_deg),
             plan=settings,
-            shore_pass=options.shore_pass is not False,
+            shore_passes=options.shore_passes,
             cross_spacing_m=options.cross_m,
             turn_radius_m=_turn_radius_m(options),
             is_return=options.is_return,

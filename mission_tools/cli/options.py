@@ -73,7 +73,10 @@ def add_tasks(parser: Parser) -> None:
     )
     group.add_argument("--cross", type=number, metavar="M", help="of a survey: cross lines this far apart")
     group.add_argument(
-        "--shore-pass", action=BooleanOptionalAction, help="of a survey: also along the shores [yes]"
+        "--shore-passes",
+        type=int,
+        metavar="N",
+        help="of a survey: so often along the shores (0: tracks only) [6; with --angle 1]",
     )
     group.add_argument(
         "--turn-radius",

@@ -1,4 +1,4 @@
-"""How much of the water a survey covers, and the least length that any order of its tracks could have."""
+"""How much of the water a survey covers, and how long the ways in it are."""
 
 import math
 from collections.abc import Sequence
@@ -13,7 +13,6 @@ from companion.core.geo import Point
 
 Array = NDArray[np.float64]
 SAMPLES = 40_000  # of the area: the error of the share is well below 0.1 %
-FAR_M = 1e9
 
 
 def coverage(path: Sequence[Point], target: BaseGeometry, swath_m: float) -> float:
@@ -41,48 +40,6 @@ def is_covered(points: Array, path: BaseGeometry, swath_m: float) -> NDArray[np.
     """Which points lie within half a swath of a path."""
     shapely.prepare(path)
     found: NDArray[np.bool_] = shapely.dwithin(path, shapely.points(points), 0.5 * swath_m)
-    return found
-
-
-def least_transits_m(ends: Array, rings: Sequence[BaseGeometry], start: Array | None, near_m: float) -> float:
-    """A lower bound of all transits, whatever the order, as the crow flies.
-
-    ends: the low end of every track, then the high end of every track. Each end is joined to the end of
-    another track, to a ring (which is entered once and left once) or to the start, except the last, which is
-    the end of the survey. The cheapest such joining is at least half of an assignment of every end to
-    another, which leaves out that the joined tracks must be one route. near_m: rings whose boxes are farther
-    apart count as far as their boxes.
-    """
-    from scipy.optimize import linear_sum_assignment  # noqa: PLC0415  a survey alone needs it
-
-    tracks, loops = len(ends) // 2, list(rings)
-    places = [*shapely.points(ends), *loops, *loops]
-    places += [] if start is None else [shapely.Point(start)]
-    count = len(ends) + 2 * len(loops) + 2
-    cost = np.zeros((count, count))
-    cost[: len(places), : len(places)] = _distances_m(places, len(ends), near_m)
-    # Nothing is joined to itself, nor a track's end to its other end, nor the start to the free end.
-    own = np.arange(tracks)
-    cost[own, own + tracks] = cost[own + tracks, own] = FAR_M
-    ring = len(ends) + np.arange(len(loops))
-    cost[ring, ring + len(loops)] = cost[ring + len(loops), ring] = FAR_M
-    cost[-1, -2] = cost[-2, -1] = FAR_M
-    np.fill_diagonal(cost, FAR_M)
-    rows, columns = linear_sum_assignment(cost)
-    return float(0.5 * cost[rows, columns].sum())
-
-
-def _distances_m(places: Sequence[BaseGeometry], points: int, near_m: float) -> Array:
-    """Between points, which come first, and lines: exact, but of lines far off from box to box."""
-    west, south, east, north = shapely.bounds(np.array(places, dtype=object)).T
-    across = np.maximum(west[:, None] - east[None], west[None] - east[:, None])
-    along = np.maximum(south[:, None] - north[None], south[None] - north[:, None])
-    found: Array = np.hypot(np.maximum(across, 0.0), np.maximum(along, 0.0))
-    one, other = np.nonzero(np.triu(found < near_m))
-    is_line = other >= points
-    one, other = one[is_line], other[is_line]
-    shapes = np.array(places, dtype=object)
-    found[one, other] = found[other, one] = shapely.distance(shapes[one], shapes[other])
     return found
 
 

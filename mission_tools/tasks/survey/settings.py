@@ -9,6 +9,7 @@ from mission_tools.planning.planner import PlanSettings
 
 MOST_OVERLAP = 0.9
 BOAT_TURN_RADIUS_M = 0.0
+SHORE_PASSES = 6  # the fewest at most 15 % longer than plain lines: `python -m benchmarks survey`
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,11 +19,12 @@ class SurveySettings:
     Two of footprint_m (the width that the sensor covers, half of it on either side), overlap (the share of a
     footprint that the next one covers again) and spacing_m (between tracks) give the third; spacing_m alone
     is a footprint without overlap. angle_rad: course of the tracks, 0 = north, clockwise; None: the one with
-    the fewest turns. plan: clearance and margin, which tracks and transits keep. shore_pass: sail along the
-    shore, round each island and along the area's edge as well, so that nothing is left out between the ends
-    of the tracks. cross_spacing_m: between lines across the tracks, for checking; None: no cross lines.
-    turn_radius_m: of the boat's turns at its survey speed; 0: it turns on the spot. is_return: end where the
-    boat started. Raises UsageError: values that make no sense, or do not go together.
+    the fewest turns. plan: clearance and margin, which tracks and transits keep. shore_passes: how often to
+    sail along the shores and the area's edge, each pass a spacing inside of the one before, while there is
+    water left; 0: tracks only; None: SHORE_PASSES, but one where angle_rad is given. cross_spacing_m: between
+    lines across the tracks, for checking; None: no cross lines. turn_radius_m: of the boat's turns at its
+    survey speed; 0: it turns on the spot. is_return: end where the boat started. Raises UsageError: values
+    that make no sense, or do not go together.
     """
 
     spacing_m: float | None = None
@@ -30,7 +32,7 @@ class SurveySettings:
     overlap: float | None = None
     angle_rad: float | None = None
     plan: PlanSettings = field(default_factory=PlanSettings)
-    shore_pass: bool = True
+    shore_passes: int | None = None
     cross_spacing_m: float | None = None
     turn_radius_m: float = BOAT_TURN_RADIUS_M
     is_return: bool = False
@@ -44,6 +46,8 @@ class SurveySettings:
             raise UsageError(f"angle is {self.angle_rad}: expected a number")
         if self.overlap is not None and not 0.0 <= self.overlap <= MOST_OVERLAP:
             raise UsageError(f"overlap is {self.overlap:g}: expected a share from 0 to {MOST_OVERLAP:g}")
+        if (self.shore_passes or 0) < 0:
+            raise UsageError(f"shore passes are {self.shore_passes}: expected 0 or more")
         if not 0.0 <= self.turn_radius_m < math.inf:
             raise UsageError(f"turn radius is {self.turn_radius_m:g} m: expected 0 or more")
         if self.spacing_m is None and self.footprint_m is None:
@@ -63,12 +67,24 @@ class SurveySettings:
         return self.swath_m * (1.0 - (self.overlap or 0.0))
 
     @property
+    def most_passes(self) -> int:
+        """How often the shores are passed at most."""
+        if self.shore_passes is not None:
+            return self.shore_passes
+        return SHORE_PASSES if self.angle_rad is None else 1
+
+    @property
     def swath_m(self) -> float:
         """The width that one track covers."""
         if self.footprint_m is not None:
             return self.footprint_m
         assert self.spacing_m is not None  # noqa: S101  checked when made
         return self.spacing_m / (1.0 - (self.overlap or 0.0))
+
+    @property
+    def gap_m(self) -> float:
+        """The longest gap in a line across which the swaths of its ends meet half a spacing to the side."""
+        return math.sqrt(self.swath_m**2 - self.track_spacing_m**2)
 
 
 def turn_radius_m(boat: Boat, speed_m_s: float) -> float:

@@ -1,11 +1,12 @@
-"""The pass along the shore: where the tracks of a survey end, closed lines cover what lies between them.
+"""Passes along the shore: closed lines round the water, one inside the other; straight tracks cover the rest.
 
-A pass at the clearance would cover land. It runs so far out that the footprint still reaches the shore, and
-goes into those coves and narrows that it would otherwise leave out: all but a few of the smallest,
-MOST_LEFT_OUT together.
+Direction-parallel tracks end at every shore, and each end costs a turn and what tracks and pass cover twice;
+contour-parallel lines have no ends (M. Held, *On the Computational Geometry of Pocket Machining*, 1991). The
+first passes take the ragged margin, as headland passes do in a field (T. Oksanen, A. Visala, "Coverage path
+planning algorithms for agricultural field machines", *Journal of Field Robotics* 26, 2009), and leave the
+tracks smooth water with few ends.
 """
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,39 +17,49 @@ from shapely.geometry.base import BaseGeometry
 
 from mission_tools.maps.chart import Chart
 from mission_tools.tasks.room import polygons, simplified
+from mission_tools.tasks.survey.settings import SurveySettings
 
 Array = NDArray[np.float64]
-CORNER_INSET = 0.5 * math.sqrt(0.5)  # of the footprint: so near to an edge, its square corners are covered
 RING_ERROR = 0.02  # of the footprint: how far a pass may cut its corners,
 FINE_RING_ERROR = 0.003  # and where the footprint does not reach the shore anyway
-MOST_LEFT_OUT = 0.002  # of the target
+MOST_LEFT_OUT = 0.004  # of the target
 _QUADRANT_SEGMENTS = 4
-_REACH = 0.52  # of the footprint: from water left out, a little beyond the pass that leaves it out
 
 
-def water_within_pass(
-    chart: Chart, water: Sequence[Polygon], target: BaseGeometry, swath_m: float
-) -> list[Polygon]:
-    """The part of the water whose outline is the pass along the shore.
+def passes_along(
+    chart: Chart, water: Sequence[Polygon], target: BaseGeometry, settings: SurveySettings
+) -> tuple[list[Array], list[Polygon]]:
+    """The closed passes as (east, north), and what they leave of the target but for its smallest pieces.
 
-    water: what the boat may use. target: what is to be covered.
+    water: where the boat may sail. The first pass is half a spacing off the shore, where there is so much
+    water; each further one is a spacing inside of what came before it.
     """
-    whole = MultiPolygon(water)
-    inset = chart.navigable.buffer(-CORNER_INSET * swath_m, quad_segs=_QUADRANT_SEGMENTS)
-    offshore = inset.intersection(whole)
-    left_out = target.difference(offshore.buffer(0.5 * swath_m, quad_segs=_QUADRANT_SEGMENTS))
-    gaps = sorted(polygons(left_out), key=lambda gap: gap.area)
-    areas_m2 = np.cumsum([gap.area for gap in gaps])
-    gaps = gaps[int(np.searchsorted(areas_m2, MOST_LEFT_OUT * target.area, side="right")) :]
-    if not gaps:
-        return polygons(offshore)
-    around = shapely.union_all([gap.buffer(_REACH * swath_m, quad_segs=_QUADRANT_SEGMENTS) for gap in gaps])
-    return polygons(offshore.union(whole.intersection(around)))
+    swath_m, spacing_m = settings.swath_m, settings.track_spacing_m
+    whole, left, rings = MultiPolygon(water), target, []
+    for number in range(settings.most_passes):
+        inset_m = spacing_m - 0.5 * swath_m if number else 0.5 * spacing_m
+        inset_m = min(inset_m, (0.5 - 2.0 * RING_ERROR) * swath_m)
+        within = polygons(left.buffer(-inset_m, quad_segs=_QUADRANT_SEGMENTS).intersection(whole))
+        new = _outlines(chart, within, settings.plan.required_m, inset_m, swath_m)
+        if not new:
+            break
+        left = left.difference(shapely.MultiLineString(new).buffer(0.5 * swath_m))
+        rings += new
+    return rings, largest(left, MOST_LEFT_OUT * target.area)
 
 
-def passes_along(chart: Chart, water: Sequence[Polygon], clearance_m: float, swath_m: float) -> list[Array]:
-    """The closed outlines as (east, north), with few corners."""
-    error_m = (RING_ERROR if clearance_m < CORNER_INSET * swath_m else FINE_RING_ERROR) * swath_m
+def largest(shape: BaseGeometry, most_m2: float) -> list[Polygon]:
+    """The polygons of a shape without the smallest, which have this area together at most."""
+    pieces = sorted(polygons(shape), key=lambda piece: piece.area)
+    areas_m2 = np.cumsum([piece.area for piece in pieces])
+    return pieces[int(np.searchsorted(areas_m2, most_m2, side="right")) :]
+
+
+def _outlines(
+    chart: Chart, water: Sequence[Polygon], clearance_m: float, inset_m: float, swath_m: float
+) -> list[Array]:
+    """Of the water, with few corners; none that is shorter than a footprint, which a track covers as well."""
+    error_m = (RING_ERROR if clearance_m < inset_m else FINE_RING_ERROR) * swath_m
     inset = polygons(MultiPolygon(water).buffer(-error_m, quad_segs=_QUADRANT_SEGMENTS)) or water
-    outlines = [shapely.get_coordinates(ring) for ring in shapely.get_rings(inset)]
+    outlines = [shapely.get_coordinates(ring) for ring in shapely.get_rings(inset) if ring.length > swath_m]
     return [simplified(outline, chart.shores, clearance_m, error_m) for outline in outlines]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from companion.core.geo import Point
+from companion.core.geo import Point, distance_m
 from mission_tools.errors import NoRoute, UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.tasks.room import (
@@ -21,16 +21,18 @@ from mission_tools.tasks.room import (
     water_clear_of_shores,
     water_reached_from,
 )
-from mission_tools.tasks.survey.coverage import coverage, least_transits_m
+from mission_tools.tasks.survey.coverage import coverage
+from mission_tools.tasks.survey.postman import Pass, Visit, with_spikes
 from mission_tools.tasks.survey.settings import SurveySettings
-from mission_tools.tasks.survey.shore_pass import CORNER_INSET, RING_ERROR, passes_along, water_within_pass
+from mission_tools.tasks.survey.shore_pass import passes_along
 from mission_tools.tasks.survey.tracks import Tracks, fewest_turns_rad, lay_tracks, lines_across
 from mission_tools.tasks.survey.turns import with_turns
-from mission_tools.tasks.survey.visits import Visit, in_best_order, with_rings
+from mission_tools.tasks.survey.visits import in_best_order
 from mission_tools.tasks.task_route import TaskLeg, TaskRoute, Transits, joined
 
 Array = NDArray[np.float64]
 LEAST_NOTED = 0.01  # of the water
+CORNER_INSET = 0.5 * math.sqrt(0.5)  # of the footprint: so near to an edge, its square corners are covered
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +41,7 @@ class Survey:
 
     route: its legs; tracks, shore passes and cross lines, and the transits between them. target: what it is
     asked to cover: the part of the area within half a footprint of the water that the boat can reach with its
-    clearance and margin. coverage: the share of the target within half a footprint of the route. least_m: no
-    route that sails the same tracks and passes is shorter than this.
+    clearance and margin. coverage: the share of the target within half a footprint of the route.
     """
 
     route: TaskRoute
@@ -50,12 +51,11 @@ class Survey:
     course_rad: float
     tracks: int
     coverage: float
-    least_m: float
 
     @property
-    def length_ratio(self) -> float:
-        """The route's length over least_m."""
-        return self.route.length_m / self.least_m if self.least_m > 0.0 else 1.0
+    def plain_m(self) -> float:
+        """The length of parallel lines alone, without passes and transits: the area over the spacing."""
+        return float(self.target.area) / self.spacing_m
 
 
 def survey(
@@ -75,7 +75,8 @@ def survey(
     wide = [reached]
     if plan.margin_m > 0.0:
         wide = polygons(MultiPolygon(water_clear_of_shores(chart, plan.required_m)).intersection(reached))
-    water = wide if area is None else _inside(wide, area, swath_m)
+    open_water, rafts = _without_rafts(wide, swath_m)
+    water = open_water if area is None else _inside(open_water, area, swath_m)
     _check_water(water, settings)
     target = (
         MultiPolygon(wide).buffer(0.5 * swath_m, quad_segs=QUADRANT_SEGMENTS).intersection(chart.navigable)
@@ -83,35 +84,28 @@ def survey(
     if area is not None:
         target = target.intersection(area)
     rings: list[Array] = []
-    inside: Sequence[Polygon] = polygons(target)
-    if settings.shore_pass:
-        within = water_within_pass(chart, water, target, swath_m)
-        rings = passes_along(chart, within, plan.required_m, swath_m)
-        inside = polygons(MultiPolygon(within).buffer(-(0.5 - RING_ERROR) * swath_m))
+    inside: Sequence[Polygon] = water
+    if settings.most_passes:
+        rings, inside = passes_along(chart, water, target.union(rafts), settings)
+    passes = [Pass(ring) for ring in rings]
+    if passes:
+        inside = with_spikes(passes, inside, reached, swath_m)
     course_rad = settings.angle_rad
     if course_rad is None:
         course_rad = fewest_turns_rad(inside or water)
     tracks = Tracks(course_rad, (), ())
     if inside:
-        room = None if rings else MultiPolygon(water)
-        tracks = lay_tracks(inside, course_rad, settings.track_spacing_m, swath_m, room)
+        tracks = lay_tracks(inside, course_rad, settings.track_spacing_m, swath_m, MultiPolygon(water))
     origin = None if start is None else np.array([start.east_m, start.north_m])
     end = origin if settings.is_return else None
     detail_m = 0.25 * swath_m
     radius_m = settings.turn_radius_m
-    visits = in_best_order(tracks, reached, origin, end, detail_m, "track", radius_m)
-    if rings:
-        visits = with_rings(visits, rings, reached, origin, 0.5 * swath_m)
-    ends = tracks.ends() if tracks.tracks else np.zeros((0, 2))
-    least_m = sum(float(np.hypot(*np.diff(visit.points, axis=0).T).sum()) for visit in visits)
-    least_m += least_transits_m(ends, [shapely.LineString(ring) for ring in rings], origin, 4.0 * swath_m)
+    visits = in_best_order(tracks, reached, origin, end, detail_m, "track", radius_m, passes, settings.gap_m)
     if settings.cross_spacing_m is not None:
         lines = lines_across(water, course_rad + 0.5 * math.pi, settings.cross_spacing_m)
         last = visits[-1].points[-1] if visits else origin
         visits += in_best_order(lines, reached, last, end, detail_m, "cross")
-        least_m += sum(track.high_m - track.low_m for track in lines.tracks)
-        least_m += least_transits_m(lines.ends(), [], None, swath_m)
-    legs, notes = _joined_legs(chart, visits, start, MultiPolygon(wide), settings), []
+    legs, notes = _joined_legs(chart, visits, start, (MultiPolygon(wide), rafts), settings), []
     if settings.turn_radius_m > 0.0:
         legs, tighter = with_turns(legs, MultiPolygon(wide), settings.turn_radius_m)
         if tighter:
@@ -126,7 +120,6 @@ def survey(
         course_rad,
         len(tracks.tracks),
         coverage(route.points, target, swath_m),
-        least_m,
     )
 
 
@@ -164,17 +157,26 @@ def _inside(water: Sequence[Polygon], area: Polygon | MultiPolygon, swath_m: flo
 
 
 def _joined_legs(
-    chart: Chart, visits: Sequence[Visit], start: Point | None, wide: MultiPolygon, settings: SurveySettings
+    chart: Chart,
+    visits: Sequence[Visit],
+    start: Point | None,
+    waters: tuple[MultiPolygon, MultiPolygon],
+    settings: SurveySettings,
 ) -> list[TaskLeg]:
-    """Visits and the transits between them: straight where that lies in the water, planned elsewhere."""
-    transits = Transits(chart, settings.plan)
+    """Visits and the transits between them: straight where that lies in the water, planned elsewhere.
+
+    waters: where the boat may sail, and what of the visits it sails round.
+    """
+    transits, (wide, rafts) = Transits(chart, settings.plan), waters
     shapely.prepare(wide)
     legs: list[TaskLeg] = []
     here = start
     for visit in visits:
-        points = tuple(Point(float(north_m), float(east_m)) for east_m, north_m in visit.points)
+        points = _clear_points(chart, visit.points, rafts, transits, settings.plan.clearance_m)
+        if not points:
+            continue
         if here is not None and here != points[0]:
-            straight = shapely.LineString([(here.east_m, here.north_m), visit.points[0]])
+            straight = shapely.LineString([(at.east_m, at.north_m) for at in (here, points[0])])
             way = (here, points[0]) if wide.covers(straight) else transits.route(here, points[0])
             legs.append(TaskLeg("transit", way))
         legs.append(TaskLeg(visit.kind, points))
@@ -182,3 +184,63 @@ def _joined_legs(
     if settings.is_return and start is not None and here is not None and here != start:
         legs.append(TaskLeg("transit", transits.route(start, here)[::-1]))
     return legs
+
+
+def _without_rafts(water: Sequence[Polygon], swath_m: float) -> tuple[list[Polygon], MultiPolygon]:
+    """The water with the islands that are no wider than a footprint, clearance included; and those.
+
+    Lines lead round them and still see both sides. A pass round one of width w is longer than what tracks
+    save by it by more than 2 w, and the way round it is at most (π/2 - 1) w longer than straight on.
+    """
+    found, rafts = list[Polygon](), list[Polygon]()
+    for piece in water:
+        holes = [Polygon(ring) for ring in piece.interiors]
+        small = [2.0 * shapely.minimum_bounding_radius(hole) <= swath_m for hole in holes]
+        rafts += [hole for hole, is_small in zip(holes, small, strict=True) if is_small]
+        found.append(
+            Polygon(
+                piece.exterior,
+                [hole.exterior for hole, is_small in zip(holes, small, strict=True) if not is_small],
+            )
+        )
+    return found, MultiPolygon(rafts)
+
+
+def _clear_points(
+    chart: Chart, xy: Array, rafts: MultiPolygon, transits: Transits, clearance_m: float
+) -> tuple[Point, ...]:
+    """A visit's points, where a leg comes too near to a shore with the way round; without what lies there."""
+    legs = shapely.linestrings(np.stack((xy[:-1], xy[1:]), axis=1)) if len(xy) > 1 else shapely.points(xy)
+    is_near = shapely.dwithin(chart.shores, legs, clearance_m * (1.0 - 1e-6)) | shapely.intersects(
+        rafts, legs
+    )
+    if not is_near.any():
+        return tuple(map(_point, xy))
+    found: list[Point] = []
+    for leg, near in zip(legs, is_near, strict=True):
+        parts = shapely.get_parts(leg.difference(rafts)) if near else np.array([leg])
+        begin = shapely.get_point(leg, 0) if len(xy) > 1 else leg
+        for part in sorted(parts[~shapely.is_empty(parts)], key=begin.distance):
+            places = [_point(at) for at in shapely.get_coordinates(part)]
+            if found and found[-1] != places[0]:
+                early_m = distance_m(found[-1], places[0])
+                if len(found) > 1:
+                    found.append(_early(found.pop(), found[-1], early_m))
+                places = [_early(places[0], places[-1], early_m), places[-1]]
+                found += transits.route(found[-1], places[0])[1:]
+            found = found or places[:1]
+            is_whole = near and len(parts) == 1
+            found += transits.route(places[0], places[-1])[1:] if is_whole else places[1:]
+    return tuple(found)
+
+
+def _early(end: Point, other: Point, early_m: float) -> Point:
+    """Before the end of a leg by so much, or by half of the leg: a boat under way turns only so sharply."""
+    share = min(0.5, early_m / max(distance_m(end, other), 1e-9))
+    return Point(
+        end.north_m + share * (other.north_m - end.north_m), end.east_m + share * (other.east_m - end.east_m)
+    )
+
+
+def _point(xy: Array) -> Point:
+    return Point(float(xy[1]), float(xy[0]))

@@ -75,10 +75,11 @@ def lay_tracks(
     """The shortest tracks along a course that cover the water, at most spacing_m apart, evenly spread.
 
     within: where tracks may lie, None: they will lie in the water. A track that leaves it is cut into what is
-    left.
+    left; where that is nothing, the track goes through the nearest place there.
     """
     turned = shapely.transform(shapely.MultiPolygon(list(water)), lambda xy: _turned(xy, course_rad))
     room = None if within is None else shapely.transform(within, lambda xy: _turned(xy, course_rad))
+    shapely.prepare(room)
     west, south, east, north = turned.bounds
     strips = max(1, math.ceil((east - west) / spacing_m - 1e-9))
     if strips > MOST_STRIPS:
@@ -97,7 +98,7 @@ def lay_tracks(
         for piece in polygons(shapely.clip_by_rect(turned, left_m, south - 1.0, right_m, north + 1.0)):
             corners = shapely.get_coordinates(piece)
             left_sides, right_sides = _sides(corners, left_m), _sides(corners, right_m)
-            for track in _parts_of(_track(corners, 0.5 * (left_m + right_m), swath_m), room):
+            for track in _parts_of(piece, 0.5 * (left_m + right_m), swath_m, room):
                 number = len(tracks)
                 tracks.append(track)
                 onward.append([])
@@ -137,11 +138,21 @@ def _track(corners: Array, across_m: float, swath_m: float) -> Track:
     return Track(across_m, low, high)
 
 
-def _parts_of(track: Track, room: BaseGeometry | None) -> list[Track]:
-    """What of a track lies in the room."""
-    if room is None:
-        return [track]
+def _parts_of(piece: Polygon, across_m: float, swath_m: float, room: BaseGeometry | None) -> list[Track]:
+    """What lies in the room of the track that covers a piece of a strip."""
+    corners = shapely.get_coordinates(piece)
+    found = _inside(_track(corners, across_m, swath_m), room)
+    if room is None or found:
+        return found
+    nearest = shapely.shortest_line(room, piece.centroid)
+    (x, y), _ = shapely.get_coordinates(nearest)
+    return _inside(_track(corners, x, swath_m), room) or [Track(x, y, y)]
+
+
+def _inside(track: Track, room: BaseGeometry | None) -> list[Track]:
     line = shapely.LineString([(track.across_m, track.low_m), (track.across_m, track.high_m)])
+    if room is None or room.covers(line):
+        return [track]
     return [
         Track(track.across_m, part.bounds[1], part.bounds[3])
         for part in shapely.get_parts(line.intersection(room))

@@ -3,15 +3,14 @@
 import math
 from collections.abc import Sequence
 from itertools import pairwise, zip_longest
-from typing import NamedTuple
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 from shapely.geometry import Polygon
 
-from mission_tools.tasks.shoreline import begun_at
 from mission_tools.tasks.survey.coverage import way_lengths_m
+from mission_tools.tasks.survey.postman import Pass, Visit, linked, stations_along, with_chains
 from mission_tools.tasks.survey.sequence import Mode, best_sequence
 from mission_tools.tasks.survey.tracks import Tracks
 from mission_tools.tasks.survey.turns import turn_length_m
@@ -19,13 +18,6 @@ from mission_tools.tasks.task_route import LegKind
 
 Array = NDArray[np.float64]
 _TRIES = 64  # entries into a ring that are tried for a clear line before a planned way is taken
-
-
-class Visit(NamedTuple):
-    """Something sailed whole, as (east, north) points."""
-
-    kind: LegKind
-    points: Array
 
 
 def in_best_order(
@@ -36,14 +28,17 @@ def in_best_order(
     detail_m: float,
     kind: LegKind,
     radius_m: float = 0.0,
+    passes: Sequence[Pass] = (),
+    gap_m: float = 0.0,
 ) -> list[Visit]:
-    """The tracks, each cell to and fro, the cells in the order with the shortest transits.
+    """The tracks, each cell to and fro, and the passes, in an order with short transits.
 
-    start, end: where the boat comes from and goes to afterwards; None where that is free. radius_m: of its
-    turns.
+    start, end: where the boat comes from and goes to afterwards; None: free. radius_m: of its turns.
+    passes: closed, with their spikes; cells are sailed from passes where that is shorter. gap_m: that a
+    pass may leave out where it is left or closed.
     """
     if not tracks.cells:
-        return []
+        return _with_passes([], passes, water, start, detail_m, gap_m)
     ends = tracks.ends()
     count, spacing_m = len(tracks.tracks), tracks.spacing_m
     skip = 1 + math.ceil(2.0 * radius_m / spacing_m) if 0.0 < spacing_m < 2.0 * radius_m else 1
@@ -62,32 +57,54 @@ def in_best_order(
         for ways in paths
     ]
     order = best_sequence(items, lengths_m, len(corners), len(corners) + 1)
-    visits = []
+    found = []
     for item, mode in order:
         way = paths[item][mode]
-        visits += [Visit(kind, ends[[way[n], way[n + 1]]]) for n in range(0, len(way), 2)]
+        found.append([Visit(kind, ends[[way[n], way[n + 1]]]) for n in range(0, len(way), 2)])
+    if not passes:
+        return [visit for visits in found for visit in visits]
+    first, last = np.array([items[item][mode][:2] for item, mode in order]).T
+    open_m = lengths_m[len(corners), first][:, None] + lengths_m[last, len(corners) + 1][None]
+    ways_m = lengths_m[np.ix_(first, last)]
+    alone = with_chains(passes, found, ways_m, open_m, water, 2.0 * detail_m)
+    return _with_passes(alone, passes, water, start, detail_m, gap_m)
+
+
+def _with_passes(
+    visits: list[Visit],
+    passes: Sequence[Pass],
+    water: Polygon,
+    start: Array | None,
+    detail_m: float,
+    gap_m: float,
+) -> list[Visit]:
+    """The visits, and the passes with what is sailed on the way along them where the detour is least."""
+    if not passes:
+        return visits
+    alone_m = [0.0, *(math.inf for _ in passes[1:])]
+    if visits or start is not None:
+        alone_m = [_entry(visits, one, water, start, detail_m)[0] for one in passes]
+    for one in linked(passes, alone_m, gap_m, water, 4.0 * detail_m):
+        _, gap, place = _entry(visits, one, water, start, detail_m)
+        visits[gap:gap] = one.visits(place, gap_m)
     return visits
 
 
-def with_rings(
-    visits: Sequence[Visit], rings: Sequence[Array], water: Polygon, start: Array | None, spacing_m: float
-) -> list[Visit]:
-    """The visits with each closed ring sailed where the detour to it is least."""
-    done = list(visits)
-    shapely.prepare(water)
-    for ring in sorted(rings, key=len, reverse=True):
-        stations = _along(ring, spacing_m)
-        before = [start, *(visit.points[-1] for visit in done)]
-        after = [*(visit.points[0] for visit in done), None]
-        cost_m = _gaps_m(before, stations) + _gaps_m(after, stations)
-        cost_m -= [
-            0.0 if origin is None or goal is None else float(np.hypot(*(goal - origin)))
-            for origin, goal in zip(before, after, strict=True)
-        ]
-        cost_m = cost_m.T
-        gap, station = _first_clear(cost_m, before, after, stations, water)
-        done.insert(gap, Visit("shore", begun_at(ring, shapely.Point(stations[station]))))
-    return done
+def _entry(
+    visits: Sequence[Visit], one: Pass, water: Polygon, start: Array | None, detail_m: float
+) -> tuple[float, int, Array]:
+    """The least detour to a pass, the gap between visits that it is from, and the place to enter the pass."""
+    stations = stations_along(one.points, 2.0 * detail_m)
+    before = [start, *(visit.points[-1] for visit in visits)]
+    after = [*(visit.points[0] for visit in visits), None]
+    cost_m = _gaps_m(before, stations) + _gaps_m(after, stations)
+    cost_m -= [
+        0.0 if origin is None or goal is None else float(np.hypot(*(goal - origin)))
+        for origin, goal in zip(before, after, strict=True)
+    ]
+    cost_m = cost_m.T
+    gap, station = _first_clear(cost_m, before, after, stations, water)
+    return float(cost_m[gap, station]), gap, stations[station]
 
 
 def _ways_through(cell: tuple[int, ...], count: int, skip: int) -> list[tuple[int, ...]]:
@@ -131,18 +148,6 @@ def _inner_m(way: tuple[int, ...], tracks: Tracks, radius_m: float) -> float:
     out, into = nodes[1:-1:2], nodes[2::2]
     sideways_m = np.abs(across[into % count] - across[out % count])
     return float(turn_length_m(sideways_m, along[into] - along[out], radius_m).sum())
-
-
-def _along(ring: Array, spacing_m: float) -> Array:
-    """Points along a closed ring, corners included, at most spacing_m apart."""
-    gaps_m = np.hypot(*np.diff(ring, axis=0).T)
-    parts = [
-        start
-        + np.linspace(0.0, 1.0, max(1, int(np.ceil(gap_m / spacing_m))), endpoint=False)[:, None]
-        * (end - start)
-        for start, end, gap_m in zip(ring, ring[1:], gaps_m, strict=False)
-    ]
-    return np.vstack(parts)
 
 
 def _gaps_m(places: list[Array | None], stations: Array) -> Array:

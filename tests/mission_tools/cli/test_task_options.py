@@ -58,7 +58,9 @@ def test_a_survey_covers_the_area_of_a_file(plan: Any) -> None:  # noqa: ANN401
     assert "tracks 6.00 m apart on 0°" in report["task"]["notes"][-1]
     assert {"track", "shore"} <= {leg["kind"] for leg in report["task"]["legs"]}
     assert max(lon for _, lon in report["waypoints"]) < -1.1993
-    tracks_only = plan("--survey", "west.geojson", "--footprint", "8", "--overlap", "0.25", "--no-shore-pass")
+    tracks_only = plan(
+        "--survey", "west.geojson", "--footprint", "8", "--overlap", "0.25", "--shore-passes", "0"
+    )
     assert "shore" not in {leg["kind"] for leg in tracks_only["task"]["legs"]}
 
 

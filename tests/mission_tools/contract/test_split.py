@@ -92,7 +92,7 @@ def test_every_piece_of_a_survey_is_in_exactly_one_part_and_each_part_comes_home
 
 def test_a_track_is_cut_only_where_that_saves_a_part_and_then_sailed_on_where_it_was_left() -> None:
     long = basin(width_m=900.0, height_m=90.0)  # with home in its middle, where half of a track ends as well
-    options = PlanOptions(survey="all", footprint_m=30.0, angle_deg=90.0, shore_pass=False)
+    options = PlanOptions(survey="all", footprint_m=30.0, angle_deg=90.0, shore_passes=0)
     along = planned(options, long, Point(45.0, 450.0))
     assert along.task is not None
     tracks = [leg for leg in along.task.legs if leg.kind == "track"]
@@ -229,4 +229,6 @@ def test_no_part_of_a_survey_of_the_pond_turns_home_by_itself(tmp_path: Path, se
         texts = [event.text for event in run.timeline.events if event.kind == "text"]
         assert result.completed, texts
         assert not [text for text in texts if "Failsafe" in text]
-        assert part.budget.time_s == pytest.approx(result.time_s, rel=0.1)
+        assert part.budget.time_s == pytest.approx(
+            result.time_s, rel=0.1, abs=10.0
+        )  # the last part is a minute long

@@ -9,13 +9,12 @@ import shapely
 from companion.core.geo import Point
 from mission_tools.errors import UsageError
 from mission_tools.tasks.room import polygons
-from mission_tools.tasks.survey.coverage import _distances_m as distances_m
 from mission_tools.tasks.survey.coverage import sample_points
+from mission_tools.tasks.survey.postman import stations_along
 from mission_tools.tasks.survey.settings import SurveySettings
 from mission_tools.tasks.survey.survey import _check_water as check_water
 from mission_tools.tasks.survey.tracks import Track, Tracks, lines_across
 from mission_tools.tasks.survey.turns import _can_round as can_round
-from mission_tools.tasks.survey.visits import _along as along
 from mission_tools.tasks.survey.visits import _blocks as blocks
 from mission_tools.tasks.survey.visits import _inner_m as inner_m
 from mission_tools.tasks.survey.visits import _ways_through as ways_through
@@ -30,19 +29,6 @@ def test_samples_lie_on_equilateral_triangles() -> None:
     assert gaps_m.min() == pytest.approx(side_m)
     inner = (points[:, 0] > 5.0) & (points[:, 0] < 95.0) & (points[:, 1] > 5.0) & (points[:, 1] < 45.0)
     assert {int(number) for number in np.sum(gaps_m[inner] < 1.001 * side_m, axis=1)} == {6}
-
-
-def test_distances_to_near_lines_are_exact_and_to_far_ones_from_box_to_box() -> None:
-    places = [
-        shapely.Point(10.0, 0.0),
-        shapely.Point(10.0, 30.0),
-        shapely.LineString([(0.0, 0.0), (10.0, 10.0)]),
-    ]
-    near = distances_m(places, 2, 5.0)
-    assert near[0, 1] == 30.0
-    assert near[0, 2] == near[2, 0] == pytest.approx(math.sqrt(50.0))
-    assert near[1, 2] == near[2, 1] == 20.0
-    assert distances_m(places, 2, 0.0)[0, 2] == 0.0
 
 
 @pytest.mark.parametrize(
@@ -91,7 +77,7 @@ def test_turns_inside_a_cell_are_summed_over_its_tracks() -> None:
 
 def test_stations_of_a_ring_are_its_corners_and_points_between() -> None:
     ring = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 3.0], [0.0, 0.0]])
-    stations = along(ring, 5.0)
+    stations = stations_along(ring, 5.0)
     assert stations[:4].tolist() == [[0.0, 0.0], [5.0, 0.0], [10.0, 0.0], [10.0, 3.0]]
     closed = np.vstack((stations, ring[0]))
     assert np.hypot(*np.diff(closed, axis=0).T).max() <= 5.0
@@ -132,3 +118,18 @@ def test_tracks_are_no_farther_apart_than_the_area_is_across_wherever_it_lies(
 def test_samples_fill_a_narrow_target_as_densely_as_a_wide_one() -> None:
     strip = shapely.box(0.0, 0.0, 1.0, 400.0)
     assert len(sample_points(strip, 4000)) == pytest.approx(4000, rel=0.06)
+
+
+@pytest.mark.parametrize(
+    ("given", "most"),
+    [({}, 6), ({"angle_rad": 0.0}, 1), ({"angle_rad": 0.0, "shore_passes": 3}, 3), ({"shore_passes": 0}, 0)],
+)
+def test_shores_are_passed_once_where_the_course_of_the_tracks_is_given(
+    given: dict[str, float], most: int
+) -> None:
+    assert SurveySettings(spacing_m=5.0, **given).most_passes == most  # type: ignore[arg-type]
+
+
+def test_fewer_than_no_passes_are_refused() -> None:
+    with pytest.raises(UsageError, match="shore passes are -1"):
+        SurveySettings(spacing_m=5.0, shore_passes=-1)
