@@ -94,7 +94,7 @@ def split(planned: PlannedMission, boat: Boat | str, current: Current | str | No
     return Split(whole, parts, work.charge_mah)
 
 
-def rest_of(part: PlannedMission, item: int, boat: str, current: str | None = None) -> Part:
+def rest_of(part: PlannedMission, item: int, boat: Boat, current: str | None = None) -> Part:
     """What a part leaves once its mission item was reached: straight back there from home, and on. Raises
     UsageError: nothing is left after it, or no such item. NoRouteError, BeyondRange: as `split`.
     """
@@ -106,16 +106,15 @@ def rest_of(part: PlannedMission, item: int, boat: str, current: str | None = No
     way = _transits(part).route(waypoints[0][0], waypoints[reached][0])
     rest = [TaskLeg("track", (a, b), hold_s) for (a, _), (b, hold_s) in pairwise(waypoints[reached:])]
     planned = _sailing(part, joined([TaskLeg("transit", way), *rest]))
-    return Part(planned, planned_budget(planned, boat, current))
+    budget = planned_budget(planned, boat, current)
+    budget.check()
+    return Part(planned, budget)
 
 
 def _transits(planned: PlannedMission) -> Transits:
-    """With the room that the task keeps; of a mission from a file, which keeps none, with the usual room."""
-    is_file = planned.task is None or planned.clearance_m == 0.0
-    return Transits(
-        planned.chart,
-        PlanSettings() if is_file else PlanSettings(planned.clearance_m, margin_m=planned.margin_m),
-    )
+    """With the room that the task keeps; with the usual room for a mission from a file, which keeps none."""
+    settings = PlanSettings(planned.clearance_m, margin_m=planned.margin_m)
+    return Transits(planned.chart, PlanSettings() if planned.clearance_m == 0.0 else settings)
 
 
 def _sailing(planned: PlannedMission, route: TaskRoute) -> PlannedMission:
@@ -145,9 +144,12 @@ class _Work:
         self._home: Point = self._legs[0].points[0]
         self._transits = _transits(planned)
         whole = self._budget(TaskRoute(self._legs))
-        transits = [TaskRoute((leg,)) for leg, is_work in legs if not is_work and leg.length_m > 0.0]
-        spent_mah = sum(self._budget(transit).charge_mah for transit in transits)
-        self.charge_mah = max(whole.charge_mah - spent_mah, 0.0)
+        drawn_mah = [0.0, *whole.drawn_mah]
+        ends = [0, *accumulate(sum(a != b for a, b in pairwise(leg.points)) for leg in self._legs)]
+        spent = zip(legs, pairwise(ends), strict=True)
+        self.charge_mah = sum(
+            drawn_mah[end] - drawn_mah[start] for (_, is_work), (start, end) in spent if is_work
+        )
         grain_m = whole.usable_mah / whole.charge_mah * whole.length_m / GRAIN
         self._pieces = [
             _Piece(number, leg.length_m * n / count, leg.length_m * (n + 1) / count)

@@ -4,7 +4,6 @@ from glob import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mission_tools.assembly.plan_options import PlanOptions
 from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.errors import UsageError
 from mission_tools.job.planned import Report, Request, described, save, take_planned, with_areas
@@ -13,6 +12,7 @@ from mission_tools.wording import Printer
 
 if TYPE_CHECKING:
     from mission_tools.contract.split import Part, Split
+    from mission_tools.costs.boat import Boat
 
 
 def take_mission(planned: PlannedMission, request: Request, report: Report, say: Printer) -> PlannedMission:
@@ -31,7 +31,7 @@ def take_mission(planned: PlannedMission, request: Request, report: Report, say:
         say(line)
     wanted = dict(enumerate(found.parts, 1))
     if request.resume is not None:
-        wanted = _resumed(found, request.resume, request.options)
+        wanted = _resumed(found, request.resume, boat, request.options.current)
     parts = {n: with_areas(part.planned, request) for n, part in wanted.items()}
     number, (_, report.budget) = next(iter(wanted.items()))
     if request.save is not None and request.save.suffix.lower() in PICTURE_SUFFIXES:
@@ -52,17 +52,17 @@ def take_mission(planned: PlannedMission, request: Request, report: Report, say:
     return parts[number]
 
 
-def _resumed(found: "Split", resume: str, options: PlanOptions) -> dict[int, "Part"]:
+def _resumed(found: "Split", resume: str, boat: "Boat", current: str | None) -> dict[int, "Part"]:
     """The part that N names, or what N@ITEM leaves of it."""
     name, at, item = resume.partition("@")
     if not name.isdecimal() or (at and not item.isdecimal()) or not 1 <= int(name) <= len(found.parts):
         most = len(found.parts)
         raise UsageError(f"--resume {resume}: expected N or N@ITEM, and a part N from 1 to {most}")
     part = found.parts[int(name) - 1]
-    if at and options.boat is not None:
+    if at:
         from mission_tools.contract.split import rest_of  # noqa: PLC0415 - seldom needed
 
-        part = rest_of(part.planned, int(item), options.boat, options.current)
+        part = rest_of(part.planned, int(item), boat, current)
     return {int(name): part}
 
 

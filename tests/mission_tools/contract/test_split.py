@@ -87,6 +87,10 @@ def test_every_piece_of_a_survey_is_in_exactly_one_part_and_each_part_comes_home
         assert again.suffices is True
         assert again.charge_mah < (1.0 - HEADROOM) * again.usable_mah
     assert found.least <= len(found.parts)
+    straight_mah = wanted.length * float(boat.drawn_a(np.array([boat.cruise_m_s]))[0]) / 3.6 / boat.cruise_m_s
+    assert straight_mah < found.work_mah < 1.5 * straight_mah, (
+        "corners cost more, ways to the work do not count"
+    )
     assert (len(found.parts) == 1) is (capacity_mah == 9000.0)
 
 
