@@ -1,7 +1,7 @@
 """Routes in currents that change with time, against a time-expanded search of its own (time_expanded.py).
 
     python -m benchmarks.planning.tide            # ten cases, a table
-    python -m benchmarks.planning.tide NAME …     # some of them
+    python -m benchmarks.planning.tide NAME …     # some of them; a number draws a case from that seed
 
 Ours and the oracle's time from departure to arrival, waits included. Ours is what the oracle's own boat takes
 for our route.
@@ -208,11 +208,44 @@ def cases() -> dict[str, Case]:
     return {case.name: case for case in chosen}
 
 
+def drawn(seed: int) -> Case:
+    """Four islands, two eddies that swing and wander, and a tide, all at random."""
+    rng = np.random.default_rng(seed)
+    islands = [
+        Feature(
+            f"island {number}", "island", shapely.Point(*at).buffer(rng.uniform(60.0, 220.0), quad_segs=3)
+        )
+        for number, at in enumerate(rng.uniform((400.0, -500.0), (1600.0, 500.0), (4, 2)), 1)
+    ]
+    tide = swinging(rng.uniform(0.2, 0.9), rng.uniform(0, 360), rng.uniform(3e3, 12e3), rng.uniform(0, 6e3))
+    eddies = [
+        eddy(rng.uniform(0.3, 0.9), rng.uniform(200, 500), rng.uniform(3e3, 9e3), _drifting(rng))
+        for _ in range(2)
+    ]
+
+    def flow(north_m: Array, east_m: Array, time_s: Array) -> tuple[Array, Array]:
+        parts = [part(north_m, east_m, time_s) for part in (tide, *eddies)]
+        zero = np.zeros(1)
+        return sum((part[0] for part in parts), zero), sum((part[1] for part in parts), zero)
+
+    chart = build_chart("sea", FRAME, None, islands)
+    sailor = Sailor(asked := rng.uniform(0.8, 1.5), asked * rng.uniform(1.05, 1.4))
+    return Case(str(seed), f"drawn, seed {seed}", chart, (0.0, -100.0), (100.0, 2100.0), sailor, flow)
+
+
+def _drifting(rng: np.random.Generator) -> Callable[[Array], tuple[Array, Array]]:
+    (north_m, east_m), (north_m_s, east_m_s) = (
+        rng.uniform((-500, 300), (500, 1700)),
+        rng.uniform(-0.2, 0.2, 2),
+    )
+    return lambda time_s: (north_m + north_m_s * time_s, east_m + east_m_s * time_s)
+
+
 def main(names: list[str]) -> int:
     """Run them; prints a line each."""
     chosen = cases()
     for name in names or chosen:
-        case = chosen[name]
+        case = chosen[name] if name in chosen else drawn(int(name))
         began = time.process_time()
         found = case.ours()
         took_s = time.process_time() - began

@@ -17,6 +17,7 @@ from mission_tools.costs.cheapest import DETOUR, CheapestRoute, cheapest_route
 from mission_tools.costs.current import STILL_WATER, Current
 from mission_tools.costs.current_source import open_current
 from mission_tools.costs.departure import Departure
+from mission_tools.costs.time_search import WAIT_STEP_S
 from mission_tools.costs.travel import (
     BoatSpeed,
     Charge,
@@ -33,7 +34,8 @@ from mission_tools.planning.planner import Plan
 from mission_tools.wording import duration
 
 ROOM_CELLS = 60_000  # as many as the lattice on which the route is searched
-PLANNED_DEPARTURES = 5  # of a window: their routes are timed for many more
+PLANNED_DEPARTURES = 5  # of a window, on a coarser lattice: their routes are timed for many more
+COARSER = 2.0
 OPEN_WATER_WEIGHT = 2.0  # a metre at the shore costs three times one in open water
 
 
@@ -49,8 +51,8 @@ def cheapest(
     travel = travel_of(chart, found.points, options, current)
     legs = _between_stops(found.points, stops)
 
-    def sailed(depart_s: float) -> CheapestRoute:
-        return _sailed(chart, legs, found.settings.required_m, travel, depart_s)
+    def sailed(depart_s: float, coarser: float = 1.0) -> CheapestRoute:
+        return _sailed(chart, legs, found.settings.required_m, travel, depart_s, coarser)
 
     tried: tuple[Tried, ...] = ()
     depart_s = departure.begin_s
@@ -58,7 +60,7 @@ def cheapest(
         routes = []
         for begin_s in np.linspace(departure.begin_s, departure.latest_s, PLANNED_DEPARTURES):
             with contextlib.suppress(NoRoute):
-                routes.append(sailed(float(begin_s)).points)
+                routes.append(sailed(float(begin_s), COARSER).points)
         tried = tried_of(travel, routes or [found.points], departure)
         depart_s = min(tried, key=lambda one: one.cost).depart_s
     best = sailed(depart_s)
@@ -75,16 +77,22 @@ def cheapest(
 
 
 def _sailed(
-    chart: Chart, legs: Sequence[tuple[Point, ...]], required_m: float, travel: Travel, depart_s: float
+    chart: Chart,
+    legs: Sequence[tuple[Point, ...]],
+    required_m: float,
+    travel: Travel,
+    depart_s: float,
+    coarser: float,
 ) -> CheapestRoute:
     """The cheapest routes from stop to stop; where a later one has to wait, all leave later."""
     points, now_s = [legs[0][0]], depart_s
     cost = shortest = wait_s = 0.0
     for number, leg in enumerate(legs):
-        best = cheapest_route(chart, leg, required_m, travel, now_s)
+        best = cheapest_route(chart, leg, required_m, travel, now_s, coarser)
         if best.wait_s and number:
-            later = _sailed(chart, legs, required_m, travel, depart_s + wait_s + best.wait_s)
-            return replace(later, wait_s=later.wait_s + wait_s + best.wait_s)
+            wait_s += best.wait_s + WAIT_STEP_S
+            later = _sailed(chart, legs, required_m, travel, depart_s + wait_s, coarser)
+            return replace(later, wait_s=later.wait_s + wait_s)
         points += best.points[1:]
         wait_s += best.wait_s
         cost, shortest, now_s = cost + best.cost, shortest + best.shortest_cost, best.arrive_s

@@ -55,18 +55,24 @@ class CheapestRoute:
 
 
 def cheapest_route(
-    chart: Chart, shortest: Sequence[Point], clearance_m: float, travel: Travel, depart_s: float = 0.0
+    chart: Chart,
+    shortest: Sequence[Point],
+    clearance_m: float,
+    travel: Travel,
+    depart_s: float = 0.0,
+    coarser: float = 1.0,
 ) -> CheapestRoute:
     """Improve on a shortest route: from its first to its last point, with the same clearance.
 
-    Where the shortest route begins nearer to a shore than the clearance, its first leg stays. Raises NoRoute:
-    every route meets a current that cannot be stemmed; names the place.
+    Where the shortest route begins nearer to a shore than the clearance, its first leg stays. coarser: times
+    the side of the lattice's cells. Raises NoRoute: every route meets a current that cannot be stemmed; names
+    the place.
     """
     points = tuple(shortest)
     way_out: tuple[Point, ...] = ()
     if len(points) > 2 and chart.clearance_m(points[0]) < clearance_m:
         way_out, points = points[:1], points[1:]
-    grid = _lattice(chart, points, clearance_m)
+    grid = _lattice(chart, points, clearance_m, coarser)
     polish = Polish(chart, clearance_m, travel, grid.cell_m)
     begin_s = depart_s
     if way_out:
@@ -93,7 +99,7 @@ def cheapest_route(
     return CheapestRoute((*way_out, *best), cost(best, leave_s), shortest_cost, wait_s, arrive_s)
 
 
-def _lattice(chart: Chart, points: Sequence[Point], clearance_m: float) -> Grid:
+def _lattice(chart: Chart, points: Sequence[Point], clearance_m: float, coarser: float = 1.0) -> Grid:
     """Free water round the shortest route; each step of any of the directions keeps the clearance."""
     norths, easts = [p.north_m for p in points], [p.east_m for p in points]
     length = path_length_m(points)
@@ -104,7 +110,7 @@ def _lattice(chart: Chart, points: Sequence[Point], clearance_m: float) -> Grid:
         inner = chart.navigable.bounds
         west, south = max(west, inner[0]), max(south, inner[1])
         east, north = min(east, inner[2]), min(north, inner[3])
-    cell_m = max(math.sqrt((east - west) * (north - south) / LATTICE_CELLS), 0.25)
+    cell_m = max(coarser * math.sqrt((east - west) * (north - south) / LATTICE_CELLS), 0.25)
     # `occupancy` allows for steps of √2 cells; these are longer
     longer = math.sqrt(clearance_m**2 + 0.25 * (_FARTHEST_STEP_CELLS**2 - 2.0) * cell_m**2)
     grid = occupancy(chart, (west, south, east, north), cell_m, longer)

@@ -45,7 +45,8 @@ def leg_costs(
     time_s = np.broadcast_to(begin_s, np.broadcast_shapes(course.shape, begin_s.shape))
     for _ in range(_MOST_ITERATIONS):
         before_s = time_s
-        step_s = np.minimum(pace.per_m(*at, time_s), 1.0 / SLOWEST_M_S) * (length / number)
+        per_m = pace.per_m(*at, time_s)
+        step_s = np.where(np.isfinite(per_m), per_m, 1.0 / SLOWEST_M_S) * (length / number)
         time_s = begin_s + np.cumsum(step_s, axis=0) - 0.5 * step_s
         if np.abs(time_s - before_s).max() < _SETTLED_S:
             break
