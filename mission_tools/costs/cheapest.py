@@ -24,7 +24,7 @@ from companion.core.geo import Point, distance_m, path_length_m
 from mission_tools.costs.legs import leg_costs, route_costs
 from mission_tools.costs.polish import Polish
 from mission_tools.costs.time_search import LONGEST_WAIT_S, cheapest_cells
-from mission_tools.costs.travel import Travel
+from mission_tools.costs.travel import Travel, flow_said
 from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart
 from mission_tools.planning.exact_planner import own_clearances
@@ -186,7 +186,7 @@ def _nearest_cell(grid: Grid, place: Point, is_clear: Callable[[Point, Point], b
 
 
 def _swept(chart: Chart, travel: Travel, points: Sequence[Point], begin_s: float) -> str:
-    """Where the shortest route first meets a current that the boat cannot stem."""
+    """Where the shortest route first meets what the boat cannot stem."""
     waiting = ""
     if travel.varies and travel.unit == "s":
         waiting = f", also after {LONGEST_WAIT_S / 3600.0:.0f} h of waiting"
@@ -202,8 +202,8 @@ def _swept(chart: Chart, travel: Travel, points: Sequence[Point], begin_s: float
                 place = chart.frame.to_global(Point(north, east))
                 along_m = line.project(shapely.Point(east, north))
                 return (
-                    f"the current is too strong for the boat on every way{waiting}: first at "
+                    f"{flow_said(travel)} too strong for the boat on every way{waiting}: first at "
                     f"{place.lat_deg:.6f},{place.lon_deg:.6f}, {along_m:.0f} m along the shortest one"
                 )
             now_s += float(travel.pace.per_m(*at)[0]) * distance_m(a, b) / 63.0
-    return f"the current is too strong for the boat on every way{waiting}"
+    return f"{flow_said(travel)} too strong for the boat on every way{waiting}"

@@ -139,6 +139,8 @@ def test_options_are_sent_and_a_plan_of_other_places_is_not_uploaded(
     expect(page.get_by_label("Speed, m/s")).to_be_focused()
     assert asked == []
     page.get_by_label("Speed, m/s").fill("1.2")
+    page.get_by_label("Wind, m/s").fill("4")
+    page.get_by_label("Wind from, °").fill("270")
     press(page, button(page, "Plan"))
     voyage = view.get_by_role("region", name="Planned voyage")
     for text in (
@@ -154,7 +156,8 @@ def test_options_are_sent_and_a_plan_of_other_places_is_not_uploaded(
     assert asked == [
         {
             "task": "route", "start": None, "area": [], "any_order": True, "return": True, "clearance_m": 2.5,
-            "speed_m_s": 1.2, "footprint_m": None, "overlap": None, "angle_deg": None,
+            "speed_m_s": 1.2, "wind_m_s": 4.0, "wind_from_deg": 270.0, "footprint_m": None, "overlap": None,
+            "angle_deg": None,
         }
     ]  # fmt: skip
     expect(button(page, "Upload")).to_be_enabled()
@@ -178,5 +181,6 @@ def test_options_are_sent_and_a_plan_of_other_places_is_not_uploaded(
     assert asked[1].pop("area") == kept(page)["places"]["survey"]
     assert asked[1] == {
         "task": "survey", "start": None, "goals": [], "any_order": False, "return": False, "clearance_m": 2.5,
-        "speed_m_s": 1.2, "footprint_m": 4.0, "overlap": 0.2, "angle_deg": 90.0,
+        "speed_m_s": 1.2, "wind_m_s": 4.0, "wind_from_deg": 270.0, "footprint_m": 4.0, "overlap": 0.2,
+        "angle_deg": 90.0,
     }  # fmt: skip

@@ -34,9 +34,9 @@ class PlanRequest(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     """What is to be planned.
 
     start: None is the boat's place. area: of a survey; empty is the whole water. clearance_m: kept from
-    shores and fence. speed_m_s: over ground. footprint_m: the width that the sensor covers; overlap: the
-    share of it that two tracks have in common; angle_deg: the course of the tracks. None is left to the
-    planner.
+    shores and fence. speed_m_s: over ground. wind_m_s, wind_from_deg: the mean wind, and where it comes from.
+    footprint_m: the width that the sensor covers; overlap: the share of it that two tracks have in common;
+    angle_deg: the course of the tracks. None is left to the planner.
     """
 
     task: Literal["route", "survey"]
@@ -47,6 +47,8 @@ class PlanRequest(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     is_return: bool = msgspec.field(default=False, name="return")
     clearance_m: Annotated[float, Meta(ge=0.0, le=1000.0)] | None = None
     speed_m_s: Annotated[float, Meta(gt=0.0, le=50.0)] | None = None
+    wind_m_s: Annotated[float, Meta(ge=0.0, le=40.0)] | None = None
+    wind_from_deg: Annotated[float, Meta(ge=-360.0, le=360.0)] | None = None
     footprint_m: Metres | None = None
     overlap: Annotated[float, Meta(ge=0.0, le=0.9)] | None = None
     angle_deg: Annotated[float, Meta(ge=-360.0, le=360.0)] | None = None

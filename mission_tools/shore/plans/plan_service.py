@@ -265,6 +265,8 @@ def _arguments_of(wanted: PlanRequest, folder: Path) -> list[str]:
             told.append("--any-order")
     if wanted.is_return:
         told.append("--return")
+    if wanted.wind_m_s:
+        told.append(f"--wind={wanted.wind_m_s:g}@{wanted.wind_from_deg or 0.0:g}")
     for option, value in (("clearance", wanted.clearance_m), ("speed", wanted.speed_m_s)):
         if value is not None:
             told.append(f"--{option}={value!r}")

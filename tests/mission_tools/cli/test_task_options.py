@@ -304,3 +304,35 @@ def test_the_rest_of_a_part_begins_with_the_way_to_the_item_that_was_reached(
     for none in (0, len(items), len(items) + 1):
         assert run_plan([*SPLIT, "--speed", "1.5", "--resume", f"2@{none}"]) == 2
         assert f"after item {none} nothing is left: expected 1 to {len(items) - 1}" in capsys.readouterr().err
+
+
+def test_a_wind_is_counted_and_told_with_the_times_of_the_waypoints(plan: Any) -> None:  # noqa: ANN401
+    report = plan("--goal", NORTH_EAST, "--boat", "rudder", "--wind", "5@45")
+    still = plan("--goal", NORTH_EAST, "--boat", "rudder")
+    assert report["budget"]["charge_mah"] > 1.2 * still["budget"]["charge_mah"]
+    assert report["budget"]["home_mah"] < still["budget"]["home_mah"]
+    drawn = report["budget"]["drawn_mah"]
+    assert drawn == sorted(drawn)
+    assert drawn[-1] == pytest.approx(report["budget"]["charge_mah"])
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "said"),
+    [
+        ("--wind 6@270", 2, "--wind: add --boat BOAT.toml"),
+        ("--boat kit --wind strong", 2, "--wind 'strong': expected M_S@FROM, such as 6@270"),
+        ("--boat kit --wind 14@45", 1, "cannot be sailed in 14 m/s of wind by a boat of 1.45 m/s"),
+        ("--boat kit --wind 8@225", 1, "its gusts turn the boat across, harder than it can steer"),
+        (
+            "--boat kit --wind 9@45 --current 0.3,225",
+            1,
+            "current or wind is too strong for the boat on every way",
+        ),
+        ("--boat kit --least charge", 2, "--least: add --current or --wind"),
+    ],
+)
+def test_a_wind_that_cannot_be_sailed_or_read_is_refused_with_the_reason(
+    options: str, code: int, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run_plan(["lake", *options.split()]) == code
+    assert said in capsys.readouterr().err

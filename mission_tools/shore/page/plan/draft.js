@@ -10,6 +10,8 @@ export const MOST_PLACES = 100; // as the server takes
 export const FIELDS = [
   { name: "clearance_m", label: "plan.clearance_m", least: 0, most: 100, tasks: ["route", "survey"] },
   { name: "speed_m_s", label: "plan.speed_m_s", least: 0.1, most: 10, tasks: ["route", "survey"] },
+  { name: "wind_m_s", label: "plan.wind_m_s", least: 0, most: 40, tasks: ["route", "survey"] },
+  { name: "wind_from_deg", label: "plan.wind_from_deg", least: 0, most: 360, tasks: ["route", "survey"] },
   { name: "footprint_m", label: "plan.footprint_m", least: 0.1, most: 1000, tasks: ["survey"], isNeeded: true },
   { name: "overlap", label: "plan.overlap", least: 0, most: 90, share: 100, tasks: ["survey"] },
   { name: "angle_deg", label: "plan.angle_deg", least: 0, most: 360, tasks: ["survey"] },

@@ -92,6 +92,16 @@ def test_a_route_is_asked_for_with_every_option(rig: PlanRig) -> None:
     assert len(json.loads(rig.planner.files["fence.geojson"])["features"]) == 1
 
 
+def test_a_wind_is_asked_for_with_where_it_comes_from() -> None:
+    rig = PlanRig(Sources(Path("water.geojson"), "lake"))
+    rig.plan(task="route", goals=[GOAL], wind_m_s=4.5, wind_from_deg=270.0)
+    rig.plan(task="route", goals=[GOAL], wind_m_s=4.0)
+    rig.plan(task="route", goals=[GOAL], wind_from_deg=90.0)
+    winds = [[word for word in asked if word.startswith("--wind")] for asked in rig.planner.asked]
+    assert winds == [["--wind=4.5@270"], ["--wind=4@0"], []]
+    rig.service.close()
+
+
 def test_a_survey_is_asked_for_with_its_area_or_of_all_the_water() -> None:
     rig = PlanRig(Sources(Path("water.geojson"), "lake"))
     area = [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0)]
