@@ -27,6 +27,7 @@ from mission_tools.maps.passable import BoatSize, bars, limit_m, passable
 from mission_tools.mission.mission import Fence, Mission
 from mission_tools.mission.plan_file import MISSION_SUFFIXES, load_mission
 from mission_tools.mission.route import mission_along, with_speed
+from mission_tools.mission.trigger import Trigger, parse_trigger
 from mission_tools.planning.planner import Plan, PlanSettings, plan
 from mission_tools.tasks.task_route import Parts, Stop, TaskRoute, mission_of
 
@@ -55,7 +56,7 @@ class PlannedMission:
 
     clearance_m: that was asked for; 0 for a mission from a file. notes: for the user. survey: what the task's
     legs cover, if it is a survey. margin_m: that a task keeps on top of the clearance. timetable: None where
-    nobody asked for times. parts: of a split one.
+    nobody asked for times. parts: of a split one. trigger: of the sensor along its tracks.
     """
 
     name: str
@@ -69,6 +70,7 @@ class PlannedMission:
     margin_m: float = 0.0
     timetable: Timetable | None = None
     parts: Parts = ()
+    trigger: Trigger | None = None
 
     @property
     def points(self) -> tuple[Point, ...]:
@@ -177,6 +179,7 @@ class MapSource:
         self._named_start = self._local("--start-at", options.start_at) if options.start_at else None
         self._usual_start = source.route.start
         check_task(options)
+        self._trigger = None if options.trigger is None else parse_trigger(options.trigger)
         options.check_costs()
         self._stops = self._stops_of(text, source)
 
@@ -241,11 +244,20 @@ class MapSource:
         else:
             task = task_route(chart, start, self._stops, self._wishes, self._settings, self._local)
         if task is not None:
-            mission = self._areas.over(mission_of(task, chart.frame, speed_m_s))
+            mission = self._areas.over(mission_of(task, chart.frame, speed_m_s, self._trigger))
             notes = (*self._notes, *task.notes)
             margin_m = self._settings.margin_m
             return PlannedMission(
-                chart.name, mission, chart, None, task, clearance_m, notes, survey, margin_m
+                chart.name,
+                mission,
+                chart,
+                None,
+                task,
+                clearance_m,
+                notes,
+                survey,
+                margin_m,
+                trigger=self._trigger,
             )
         assert start is not None  # noqa: S101  _start_of raises before
         *via, goal = (stop.place for stop in self._stops)

@@ -23,7 +23,16 @@ if TYPE_CHECKING:
     from mission_tools.tasks.survey.survey import Survey
 
 WHOLE_WATER = "all"
-_OF_SURVEYS = ("spacing_m", "footprint_m", "overlap", "angle_deg", "cross_m", "shore_passes", "turn_radius_m")
+_OF_SURVEYS = (
+    "spacing_m",
+    "footprint_m",
+    "overlap",
+    "angle_deg",
+    "cross_m",
+    "shore_passes",
+    "turn_radius_m",
+    "lead_m",
+)
 _OF_SHORES = ("distance_m", "shore_to", "first", "last")
 _OF_TOURS = ("goal", "via", "any_order", "hold_s")
 
@@ -49,6 +58,8 @@ def check_task(options: PlanOptions) -> None:
     if unfit:
         needs = "--survey" if unfit[0] in _OF_SURVEYS else "--follow-shore"
         raise UsageError(f"{', '.join(flags(unfit))}: only with {needs}")
+    if options.trigger is not None and not tasks:
+        raise UsageError("--trigger: only with --survey or --follow-shore")
     of_tours = [name for name in _OF_TOURS if name in given]
     if tasks and of_tours:
         raise UsageError(f"{', '.join(flags(of_tours))}: not with {next(flags(tasks))}")
@@ -131,6 +142,7 @@ def survey_of(
             shore_passes=options.shore_passes,
             cross_spacing_m=options.cross_m,
             turn_radius_m=_turn_radius_m(options),
+            lead_m=options.lead_m or 0.0,
             is_return=options.is_return,
         ),
         area.shape,

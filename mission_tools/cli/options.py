@@ -85,6 +85,12 @@ def add_tasks(parser: Parser) -> None:
         help="of a survey: of its turns [that of --boat, or on the spot]",
     )
     group.add_argument(
+        "--lead", type=number, metavar="M", help="of a survey: straight on so far before and after each track"
+    )
+    group.add_argument(
+        "--trigger", metavar="camera:M", help="along tracks: an image every M metres, or relay:N on"
+    )
+    group.add_argument(
         "--follow-shore", metavar="LAT,LON", help="along the shore nearest to this place, all round"
     )
     group.add_argument("--distance", type=number, metavar="M", help="of --follow-shore: from the shore")

@@ -119,7 +119,7 @@ def _transits(planned: PlannedMission) -> Transits:
 
 def _sailing(planned: PlannedMission, route: TaskRoute) -> PlannedMission:
     """The mission along such a route, with fence, rally points and speed of the whole."""
-    mission = mission_of(route, planned.chart.frame)
+    mission = mission_of(route, planned.chart.frame, trigger=planned.trigger)
     speeds = takewhile(lambda item: item.command == Command.DO_CHANGE_SPEED, planned.mission.items)
     survey = None if planned.survey is None else replace(planned.survey, route=route)
     mission = replace(planned.mission, items=(*speeds, *mission.items), home=mission.home)

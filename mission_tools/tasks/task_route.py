@@ -13,6 +13,7 @@ from mission_tools.errors import NoRouteError, UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.mission.mission import Mission, MissionItem
 from mission_tools.mission.route import with_speed
+from mission_tools.mission.trigger import Trigger
 from mission_tools.planning.exact_planner import fitted, water_of
 from mission_tools.planning.planner import PlanSettings, plan
 
@@ -73,14 +74,21 @@ class TaskRoute:
     @property
     def waypoints(self) -> tuple[tuple[Point, float], ...]:
         """The whole route with the hold time of each point; the first is where the boat starts."""
-        found: list[tuple[Point, float]] = []
+        return tuple((point, hold_s) for point, hold_s, _ in self.ahead)
+
+    @property
+    def ahead(self) -> tuple[tuple[Point, float, LegKind], ...]:
+        """The whole route with the hold time of each point and the kind of the leg after it."""
+        found: list[tuple[Point, float, LegKind]] = []
         for leg in self.legs:
+            if found and len(leg.points) > 1:
+                found[-1] = *found[-1][:2], leg.kind
             for point in leg.points:
                 if not found or point != found[-1][0]:
-                    found.append((point, 0.0))
+                    found.append((point, 0.0, leg.kind))
             if leg.hold_s > 0.0:
-                place, hold_s = found[-1]
-                found[-1] = place, max(hold_s, leg.hold_s)
+                place, hold_s, kind = found[-1]
+                found[-1] = place, max(hold_s, leg.hold_s), kind
         return tuple(found)
 
     @property
@@ -103,22 +111,31 @@ class TaskRoute:
         return min((water.leg_distance_m(a, b) for a, b in pairwise(points)), default=math.inf)
 
 
-def mission_of(route: TaskRoute, frame: LocalFrame, speed_m_s: float | None = None) -> Mission:
+def mission_of(
+    route: TaskRoute, frame: LocalFrame, speed_m_s: float | None = None, trigger: Trigger | None = None
+) -> Mission:
     """The route as a mission: its first point is home, the others are waypoints.
 
     A hold is the first parameter of its NAV_WAYPOINT, which ArduPilot, PX4, QGroundControl and this project's
-    boat all read as seconds to wait there. ArduPilot keeps whole seconds: a fraction is rounded up. Raises
-    UsageError: fewer than two points, or a speed out of range.
+    boat all read as seconds to wait there. ArduPilot keeps whole seconds: a fraction is rounded up. trigger:
+    its items stand where legs begin that are no transits, and where they end. Raises UsageError: fewer than
+    two points, or a speed out of range.
     """
-    waypoints = route.waypoints
+    waypoints = route.ahead
     if len(waypoints) < 2:
         raise UsageError(f"a route needs a start and a goal, got {len(waypoints)} point(s)")
-    items = tuple(
-        MissionItem.at(frame.to_global(place), params=(float(-int(-hold_s // 1)), 0.0, 0.0, 0.0))
-        for place, hold_s in waypoints[1:]
-    )
+    items: list[MissionItem] = []
+    is_on = False
+    for number, (place, hold_s, kind) in enumerate(waypoints):
+        begins = kind != "transit" and number < len(waypoints) - 1
+        if number > 0 or (trigger and begins):
+            params = (float(-int(-hold_s // 1)), 0.0, 0.0, 0.0)
+            items.append(MissionItem.at(frame.to_global(place), params=params))
+        if trigger is not None and begins != is_on:
+            items.append(trigger.begin if begins else trigger.end)
+            is_on = begins
     home: LatLon = frame.to_global(waypoints[0][0])
-    return with_speed(Mission(items, home=home), speed_m_s)
+    return with_speed(Mission(tuple(items), home=home), speed_m_s)
 
 
 def joined(legs: Iterable[TaskLeg], notes: Sequence[str] = ()) -> TaskRoute:

@@ -21,10 +21,11 @@ class SurveySettings:
     is a footprint without overlap. angle_rad: course of the tracks, 0 = north, clockwise; None: the one with
     the fewest turns. plan: clearance and margin, which tracks and transits keep. shore_passes: how often to
     sail along the shores and the area's edge, each pass a spacing inside of the one before, while there is
-    water left; 0: tracks only; None: SHORE_PASSES, but one where angle_rad is given. cross_spacing_m: between
-    lines across the tracks, for checking; None: no cross lines. turn_radius_m: of the boat's turns at its
-    survey speed; 0: it turns on the spot. is_return: end where the boat started. Raises UsageError: values
-    that make no sense, or do not go together.
+    water left; 0: tracks only; None: SHORE_PASSES, but one where angle_rad or lead_m is given.
+    cross_spacing_m: between lines across the tracks, for checking; None: no cross lines. turn_radius_m: of
+    the boat's turns at its survey speed; 0: it turns on the spot. lead_m: straight on before and after each
+    track, for a sensor that is towed. is_return: end where the boat started. Raises UsageError: values that
+    make no sense, or do not go together.
     """
 
     spacing_m: float | None = None
@@ -35,6 +36,7 @@ class SurveySettings:
     shore_passes: int | None = None
     cross_spacing_m: float | None = None
     turn_radius_m: float = BOAT_TURN_RADIUS_M
+    lead_m: float = 0.0
     is_return: bool = False
 
     def __post_init__(self) -> None:
@@ -50,6 +52,8 @@ class SurveySettings:
             raise UsageError(f"shore passes are {self.shore_passes}: expected 0 or more")
         if not 0.0 <= self.turn_radius_m < math.inf:
             raise UsageError(f"turn radius is {self.turn_radius_m:g} m: expected 0 or more")
+        if not 0.0 <= self.lead_m < math.inf:
+            raise UsageError(f"lead is {self.lead_m:g} m: expected 0 or more")
         if self.spacing_m is None and self.footprint_m is None:
             raise UsageError("a survey needs the spacing of its tracks, or the footprint of its sensor")
         if None not in (self.spacing_m, self.footprint_m, self.overlap):
@@ -71,7 +75,7 @@ class SurveySettings:
         """How often the shores are passed at most."""
         if self.shore_passes is not None:
             return self.shore_passes
-        return SHORE_PASSES if self.angle_rad is None else 1
+        return SHORE_PASSES if self.angle_rad is None and not self.lead_m else 1
 
     @property
     def swath_m(self) -> float:

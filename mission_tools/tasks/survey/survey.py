@@ -31,6 +31,7 @@ from mission_tools.tasks.survey.visits import in_best_order
 from mission_tools.tasks.task_route import TaskLeg, TaskRoute, Transits, joined
 
 Array = NDArray[np.float64]
+LEAD_ERROR_M = 0.01  # as fine as positions go over the wire
 LEAST_NOTED = 0.01  # of the water
 CORNER_INSET = 0.5 * math.sqrt(0.5)  # of the footprint: so near to an edge, its square corners are covered
 
@@ -105,7 +106,10 @@ def survey(
         lines = lines_across(water, course_rad + 0.5 * math.pi, settings.cross_spacing_m)
         last = visits[-1].points[-1] if visits else origin
         visits += in_best_order(lines, reached, last, end, detail_m, "cross")
-    legs, notes = _joined_legs(chart, visits, start, (MultiPolygon(wide), rafts), settings), []
+    legs, short = _joined_legs(chart, visits, start, (MultiPolygon(wide), rafts), settings)
+    notes = (
+        [f"{short} ends of tracks have no {settings.lead_m:g} m of water to lead in or out"] if short else []
+    )
     if settings.turn_radius_m > 0.0:
         legs, tighter = with_turns(legs, MultiPolygon(wide), settings.turn_radius_m)
         if tighter:
@@ -162,28 +166,56 @@ def _joined_legs(
     start: Point | None,
     waters: tuple[MultiPolygon, MultiPolygon],
     settings: SurveySettings,
-) -> list[TaskLeg]:
+) -> tuple[Sequence[TaskLeg], int]:
     """Visits and the transits between them: straight where that lies in the water, planned elsewhere.
 
-    waters: where the boat may sail, and what of the visits it sails round.
+    waters: where the boat may sail, and what of the visits it sails round. Returns the legs, and how many
+    ends of tracks have less water ahead than the lead.
     """
     transits, (wide, rafts) = Transits(chart, settings.plan), waters
     shapely.prepare(wide)
     legs: list[TaskLeg] = []
-    here = start
+    here, short = start, 0
     for visit in visits:
         points = _clear_points(chart, visit.points, rafts, transits, settings.plan.clearance_m)
         if not points:
             continue
-        if here is not None and here != points[0]:
-            straight = shapely.LineString([(at.east_m, at.north_m) for at in (here, points[0])])
-            way = (here, points[0]) if wide.covers(straight) else transits.route(here, points[0])
+        lead_in, lead_out = points[0], points[-1]
+        if len(visit.points) == 2:
+            lead_in, lead_out = (
+                _led(ahead, end, wide, settings.lead_m) for ahead, end in (points[1::-1], points[-2:])
+            )
+            short += sum(
+                distance_m(lead, end) < settings.lead_m - LEAD_ERROR_M
+                for lead, end in ((lead_in, points[0]), (lead_out, points[-1]))
+            )
+        if here is not None and here != lead_in:
+            straight = shapely.LineString([(at.east_m, at.north_m) for at in (here, lead_in)])
+            way = (here, lead_in) if wide.covers(straight) else transits.route(here, lead_in)
             legs.append(TaskLeg("transit", way))
+        legs.append(TaskLeg("transit", (lead_in, points[0])))
         legs.append(TaskLeg(visit.kind, points))
-        here = points[-1]
+        legs.append(TaskLeg("transit", (points[-1], lead_out)))
+        here = lead_out
     if settings.is_return and start is not None and here is not None and here != start:
         legs.append(TaskLeg("transit", transits.route(start, here)[::-1]))
-    return legs
+    return joined(legs).legs, short
+
+
+def _led(inner: Point, end: Point, water: MultiPolygon, lead_m: float) -> Point:
+    """Straight on past the end of a track, so far as there is water."""
+    share = lead_m / max(distance_m(inner, end), 1e-9)
+    ahead = (
+        end.east_m + share * (end.east_m - inner.east_m),
+        end.north_m + share * (end.north_m - inner.north_m),
+    )
+    line = shapely.LineString([(end.east_m, end.north_m), ahead])
+    if water.covers(line):
+        return _point(np.array(ahead))
+    parts = shapely.get_parts(line.intersection(water))
+    at = shapely.Point(line.coords[0])
+    reach_m = max((part.length for part in parts if part.distance(at) < LEAD_ERROR_M), default=0.0)
+    return _point(shapely.get_coordinates(line.interpolate(reach_m))[0]) if reach_m > LEAD_ERROR_M else end
 
 
 def _without_rafts(water: Sequence[Polygon], swath_m: float) -> tuple[list[Polygon], MultiPolygon]:

@@ -218,6 +218,27 @@ def test_no_leg_comes_nearer_to_a_raft_than_the_clearance(corner: tuple[float, f
     assert chart.navigable.covers(shapely.union_all(legs))
 
 
+@pytest.mark.parametrize("clearance_m", [1.0, 4.0])
+def test_tracks_are_led_into_and_out_of_straight_where_there_is_water(clearance_m: float) -> None:
+    chart = basin(ISLAND)
+    settings = replace(SETTINGS, lead_m=8.0, angle_rad=0.0, plan=PlanSettings(clearance_m=clearance_m))
+    found = survey(chart, None, settings)
+    kinds = [leg.kind for leg in found.route.legs]
+    short = 0
+    for number in (number for number, kind in enumerate(kinds) if kind == "track"):
+        track = found.route.legs[number]
+        if abs(track.points[0].east_m - track.points[-1].east_m) > 1e-6:
+            continue  # a spike
+        before, after = found.route.legs[number - 1].points[-2:], found.route.legs[number + 1].points[:2]
+        for a, b in (before, after):
+            is_led = abs(a.east_m - b.east_m) < 1e-6 and abs(a.north_m - b.north_m) > 7.99
+            short += not is_led
+    (note,) = found.route.notes or ("0 ends of tracks",)
+    assert note.split()[0] == str(short)
+    assert (short == 0) == (clearance_m < 4.0)
+    assert found.route.min_clearance_m(chart) >= clearance_m * (1.0 - 1e-6)
+
+
 def test_every_further_pass_makes_the_survey_of_a_ragged_shore_shorter() -> None:
     chart = real_lake("lake_squam_nh")
     lengths_m = [
