@@ -147,7 +147,8 @@ def budget_of(
     plain_mah = mah.copy()
     time_s[last] += np.array(extra_s)
     cruising_a = boat.drawn_a(np.array([speed.over_ground_m_s]))[0]
-    held_a = [boat.held_a(float(math.hypot(n, e))) for n, e in zip(north[last], east[last], strict=True)]
+    water = zip(north[last], east[last], holds_s, strict=True)
+    held_a = [boat.held_a(float(math.hypot(n, e))) if hold_s else 0.0 for n, e, hold_s in water]
     mah[last] += np.array(extra_s) * cruising_a / 3.6
     mah[last] += np.array(turns) * TURN_DRAW_S * boat.motors_a / 3.6
     learns = np.full(len(legs), fill_value=True)
@@ -180,15 +181,22 @@ def budget_of(
     )
 
 
-def ways_home_m(chart: Chart, points: Sequence[Point], clearance_m: float) -> list[float]:
+def ways_home_m(
+    chart: Chart, points: Sequence[Point], clearance_m: float, known_m: dict[Point, float] | None = None
+) -> list[float]:
     """How far it is home from each point of a route by water; the first is home.
 
     The shortest way with the clearance. A home without it is left for the nearest water that has it, and from
-    a point without it the way leads along the route to one that has it.
+    a point without it the way leads along the route to one that has it. known_m: of earlier points, with the
+    same home; it is added to.
     """
     home, routes = points[0], water_of(chart).routes(clearance_m * (1.0 - ROUNDING))
     afloat = home if routes.is_free(home) else next(routes.exits(home), home)
-    found = [distance_m(home, afloat) + length_m for length_m in routes.lengths_m(afloat, points)]
+    known_m = {} if known_m is None else known_m
+    new = [point for point in dict.fromkeys(points) if point not in known_m]
+    off_m = distance_m(home, afloat)
+    known_m |= {at: off_m + m for at, m in zip(new, routes.lengths_m(afloat, new), strict=True)}
+    found = [known_m[point] for point in points]
     found[0] = 0.0
     legs_m = [distance_m(a, b) for a, b in pairwise(points)]
     for n, leg_m in enumerate(legs_m):

@@ -143,6 +143,7 @@ class _Work:
         self._legs = tuple(leg for leg, _ in legs)
         self._home: Point = self._legs[0].points[0]
         self._transits = _transits(planned)
+        self._ways_m: dict[Point, float] = {}
         whole = self._budget(TaskRoute(self._legs))
         drawn_mah = [0.0, *whole.drawn_mah]
         ends = [0, *accumulate(sum(a != b for a, b in pairwise(leg.points)) for leg in self._legs)]
@@ -208,7 +209,7 @@ class _Work:
     def _budget(self, route: TaskRoute) -> Budget:
         points, planned = route.points, self._planned
         holds_s = [hold_s for _, hold_s in route.waypoints[1:]]
-        ways_m = ways_home_m(planned.chart, points, planned.clearance_m)
+        ways_m = ways_home_m(planned.chart, points, planned.clearance_m, self._ways_m)
         return budget_of(points, holds_s, ways_m, self._boat, planned.mission.speed_m_s, self._current)
 
     def _beyond(self, number: int) -> str:
