@@ -14,7 +14,7 @@ def timed(planned: PlannedMission, options: PlanOptions) -> PlannedMission:
     be sailed against the current. UsageError: a departure that does not go with it.
     """
     mission, points = planned.mission, planned.points
-    is_asked = any(one is not None for one in (options.current, options.depart, options.wind))
+    is_asked = options.current is not None or options.depart is not None
     if planned.timetable is not None or not is_asked or mission.home is None or len(points) < 2:
         return planned
     current = current_of(planned.chart, options)

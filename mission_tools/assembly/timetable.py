@@ -142,7 +142,7 @@ def fixed_route(
         now_s += holds_s[number] if holds_s else 0.0
         taken = float(leg_costs(travel.pace, [a], [b], spacing_m(points), now_s)[0][0])
         if not math.isfinite(taken):
-            said = f"leg {number + 1} cannot be sailed against the current"
+            said = f"leg {number + 1} cannot be sailed against current or wind"
             raise NoRoute(said + _until(travel, points, departure, holds_s, now_s))
         now_s += taken
         arrive_s.append(now_s)

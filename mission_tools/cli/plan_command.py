@@ -77,12 +77,12 @@ def _learn(given: Namespace) -> None:
         from mission_tools.costs.boat import load_boat  # noqa: PLC0415 - as in run_job
         from mission_tools.costs.learned_draw import learn_draw  # noqa: PLC0415
 
-    boat = load_boat(given.boat)
-    found = learn_draw(given.learn, boat.idle_a)
+    found = learn_draw(given.learn, load_boat(given.boat).idle_a)
     if given.as_json:
-        print_json({"draw": found.pairs, "steady_s": found.steady_s})
-    else:
-        sys.stdout.write("\n".join(found.lines(boat.cruise_m_s)) + "\n")
+        print_json({"draw": found})
+        return
+    pairs = ", ".join(f"[{speed_m_s:.3g}, {drawn_a:.3g}]" for speed_m_s, drawn_a in found)
+    sys.stdout.write(f"[battery]\ndraw = [{pairs}]  # m/s through still water, A\n")
 
 
 def _run(given: Namespace) -> None:

@@ -92,7 +92,7 @@ def _file(planned: PlannedMission) -> dict[str, Any]:
 
 
 def _budget(budget: "Budget") -> dict[str, Any]:
-    tree = {name: getattr(budget, name) for name in budget.__slots__ if name != "under_way_s"}
+    tree = {name: getattr(budget, name) for name in budget.__slots__}
     plain = {name: _finite(value) if isinstance(value, float) else value for name, value in tree.items()}
     return plain | {"suffices": budget.suffices}
 

@@ -1,14 +1,14 @@
 """A boat as the planner needs it, from its TOML: speeds, charge, and how much of a fence it holds."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from companion.config.boat_config import BoatConfig, decode_config, load_toml
 from mission_tools.costs.travel import BoatSpeed, Floats
-from mission_tools.costs.windage import InWind, Windage, in_wind
+from mission_tools.costs.windage import InWind, in_wind
 from mission_tools.errors import UsageError
 from mission_tools.maps.catalogue import emulator_folder
 
@@ -35,7 +35,7 @@ class Boat:
     share of the capacity that is never used. margin: times the charge for the way home that must be left, or
     the boat turns back by itself. fence_margin_m: how far inside the fence the boat stops. accel_m_s2: to a
     lower speed; to a higher one it is half as much again. least_radius_m: of its turns; 0: it turns on the
-    spot. windage: None where the file does not say. wind: that it sails in.
+    spot. wind: that it sails in.
     """
 
     name: str
@@ -54,15 +54,14 @@ class Boat:
     reserve: float
     margin: float
     fence_margin_m: float
-    windage: Windage | None
     wind: InWind | None
     most_items: int
     most_fence_items: int
     most_rally_items: int
 
     @classmethod
-    def of(cls, config: BoatConfig, name: str = "the boat") -> "Boat":
-        """A boat of this configuration."""
+    def of(cls, config: BoatConfig, name: str = "the boat", wind: str | None = None) -> "Boat":
+        """A boat of this configuration, perhaps in a wind such as 6@270. Raises UsageError: as `in_wind`."""
         guidance, battery, cruise_m_s = config.guidance, config.battery, config.speed.cruise_m_s
         draw = battery.draw
         if not draw and battery.cruise_a > battery.idle_a:
@@ -86,8 +85,7 @@ class Boat:
             reserve=config.failsafe.range_reserve,
             margin=config.failsafe.range_margin,
             fence_margin_m=config.fence.margin_m,
-            windage=Windage.of(config, top_m_s),
-            wind=None,
+            wind=None if wind is None else in_wind(config, top_m_s, wind, name),
             most_items=config.mission.max_items,
             most_fence_items=config.mission.max_fence_items,
             most_rally_items=config.mission.max_rally_items,
@@ -140,14 +138,8 @@ def load_boat(name: str | None, wind: str | None = None) -> Boat:
     name: None for this project's boat as it is without a file. wind: that it sails in, such as 6@270. Raises
     ConfigError: names file and key. UsageError: no such boat, no such wind, or a boat of unknown windage.
     """
-    boat = _named(name)
-    return boat if wind is None else replace(boat, wind=in_wind(boat.windage, wind, boat.name))
-
-
-def _named(name: str | None) -> Boat:
-    """A boat in still air. Raises as `load_boat`."""
     if name is None:
-        return Boat.of(BoatConfig())
+        return Boat.of(BoatConfig(), wind=wind)
     path = Path(name)
     folder = emulator_folder("boats")
     if path.suffix.lower() != ".toml":
@@ -159,4 +151,4 @@ def _named(name: str | None) -> Boat:
     if "hull" in tree:  # an emulated boat has the companion's configuration in a table
         vehicle = tree.get("vehicle")
         tree = vehicle if isinstance(vehicle, dict) else {}
-    return Boat.of(decode_config(tree, str(path)), path.stem)
+    return Boat.of(decode_config(tree, str(path)), path.stem, wind)

@@ -24,7 +24,7 @@ from companion.core.geo import Point, distance_m, path_length_m
 from mission_tools.costs.legs import leg_costs, route_costs
 from mission_tools.costs.polish import Polish
 from mission_tools.costs.time_search import LONGEST_WAIT_S, cheapest_cells
-from mission_tools.costs.travel import Travel, flow_said
+from mission_tools.costs.travel import Travel
 from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart
 from mission_tools.planning.exact_planner import own_clearances
@@ -202,8 +202,8 @@ def _swept(chart: Chart, travel: Travel, points: Sequence[Point], begin_s: float
                 place = chart.frame.to_global(Point(north, east))
                 along_m = line.project(shapely.Point(east, north))
                 return (
-                    f"{flow_said(travel)} too strong for the boat on every way{waiting}: first at "
+                    f"current or wind is too strong for the boat on every way{waiting}: first at "
                     f"{place.lat_deg:.6f},{place.lon_deg:.6f}, {along_m:.0f} m along the shortest one"
                 )
             now_s += float(travel.pace.per_m(*at)[0]) * distance_m(a, b) / 63.0
-    return f"{flow_said(travel)} too strong for the boat on every way{waiting}"
+    return f"current or wind is too strong for the boat on every way{waiting}"

@@ -242,14 +242,6 @@ class InZones:
         return cost
 
 
-def flow_said(travel: Travel) -> str:
-    """What may be too strong there, with its verb."""
-    inner = travel.pace
-    inner = inner.travel if isinstance(inner, InZones) else inner
-    in_wind = isinstance(inner, TravelTime) and inner.speed.wind is not None
-    return "current or wind is" if in_wind else "the current is"
-
-
 def speed_zones(chart: Chart) -> tuple[SpeedZone, ...]:
     """The chart's areas with a speed limit. Raises MapError: a limit is no number above 0; names the area."""
     zones = []

@@ -19,12 +19,12 @@ nearly the same draw, as some speed in still water and still air; that speed sta
 
 import math
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from companion.config.actuators import Windage
 from companion.config.boat_config import BoatConfig
 from mission_tools.errors import UsageError
 
@@ -61,70 +61,15 @@ _FASTEST_M_S = 40.0
 
 
 @dataclass(frozen=True, slots=True)
-class Windage:
-    """The boat's figures.
-
-    Forces ahead and abeam, and the moments of N and of Y about amidships, in N and N m per (m/s)² of wind;
-    the moment of the rudder, per (m/s)² of water. lift_kg_m: k above. pull_n: of all motors at rest. arm_m:
-    of each of two motors that steer; 0: a rudder does. top_m_s: through the water.
+class InWind:
+    """A boat in a wind that blows to north_m_s, east_m_s. top_m_s: through the water. arm_m: of each of two
+    motors that steer; 0: a rudder does.
     """
 
-    ahead_kg_m: float
-    abeam_kg_m: float
-    turning_kg: float
-    side_arm_kg: float
-    rudder_kg: float
-    lift_kg_m: float
-    pull_n: float
-    arm_m: float
-    top_m_s: float
-
-    @classmethod
-    def of(cls, config: BoatConfig, top_m_s: float) -> "Windage | None":
-        """Of a configuration; None where it does not say area and pull."""
-        one, half, has_rudder = config.windage, 0.5 * AIR_KG_M3, config.drive.has_rudder
-        if not (one.frontal_area_m2 > 0.0 and one.lateral_area_m2 > 0.0 and one.pull_n > 0.0):
-            return None
-        return cls(
-            ahead_kg_m=half * FRONTAL_DRAG * one.frontal_area_m2,
-            abeam_kg_m=half * LATERAL_DRAG * one.lateral_area_m2,
-            turning_kg=2.0 * half * TURNING * one.lateral_area_m2 * one.length_m,
-            side_arm_kg=LATERAL_CENTRE * one.length_m * half * LATERAL_DRAG * one.lateral_area_m2,
-            rudder_kg=0.25 * WATER_KG_M3 * RUDDER_SHARE * one.length_m**2 * one.draught_m * has_rudder,
-            lift_kg_m=0.5 * math.pi * WATER_KG_M3 * one.draught_m**2,
-            pull_n=one.pull_n,
-            arm_m=0.5 * one.apart_m * config.drive.has_pair,
-            top_m_s=top_m_s,
-        )
-
-    def drag_n(self, through_m_s: Floats) -> Floats:
-        """At a speed through still water and still air."""
-        drag: Floats = TOP_SHARE * self.pull_n * (through_m_s / self.top_m_s) ** DRAG_EXPONENT
-        return drag
-
-    def drive(self, through_m_s: Floats, thrust_n: Floats) -> Floats:
-        """The drive that gives a thrust at a speed through the water, 1 at full throttle."""
-        rest_n = self.pull_n * (1.0 - STEERING_SHARE if self.arm_m > 0.0 else 1.0)
-        lost_n = (rest_n - TOP_SHARE * self.pull_n) * through_m_s / self.top_m_s
-        drive: Floats = lost_n + np.sqrt(np.maximum(lost_n**2 + 4.0 * rest_n * thrust_n, 0.0))
-        return drive / (2.0 * rest_n)
-
-    def most_turned_nm(self, through_m_s: Floats) -> Floats:
-        """The moment of two motors, one ahead and one astern, and of a rudder."""
-        return 0.5 * self.pull_n * (1.0 + ASTERN_SHARE) * self.arm_m + self.rudder_kg * through_m_s**2
-
-    def turned_nm(self, astern_m_s: Floats, abeam_m_s: Floats) -> Floats:
-        """The moment that turns the bow into a wind from astern and from abeam, past the hull."""
-        side = np.maximum(abeam_m_s, WANDER * astern_m_s)
-        turned: Floats = self.turning_kg * astern_m_s + self.side_arm_kg * np.hypot(astern_m_s, abeam_m_s)
-        return turned * side
-
-
-@dataclass(frozen=True, slots=True)
-class InWind:
-    """A boat in a wind that blows to north_m_s, east_m_s."""
-
     windage: Windage
+    top_m_s: float
+    arm_m: float
+    has_rudder: bool
     north_m_s: float
     east_m_s: float
 
@@ -139,79 +84,89 @@ class InWind:
         in a current along and across it. Beyond the top speed: more than full throttle. Infinite: steering
         is lost, as the gusts from abaft turn the boat harder than it can steer.
         """
-        boat = self.windage
+        hull, air = self.windage, 0.5 * AIR_KG_M3
         ahead, aside = good_m_s - along_m_s, -across_m_s
-        through = np.maximum(np.hypot(ahead, aside), 1e-3 * boat.top_m_s)
+        through = np.maximum(np.hypot(ahead, aside), 1e-3 * self.top_m_s)
         cos, sin = np.cos(course_rad), np.sin(course_rad)
         air_along = self.north_m_s * cos + self.east_m_s * sin - good_m_s
         air_across = self.east_m_s * cos - self.north_m_s * sin
         astern = (air_along * ahead + air_across * aside) / through  # from astern; from ahead it is negative
         abeam = np.abs(air_across * ahead - air_along * aside) / through
         speed = GUSTS * np.hypot(astern, abeam)
-        side_n = boat.abeam_kg_m * speed * abeam
-        leeway_rad = np.minimum(side_n / (boat.lift_kg_m * through**2), MOST_LEEWAY_RAD)
-        push_n = boat.ahead_kg_m * (speed * astern + GUSTS * through**2)  # more than still air does
-        thrust_n = boat.drag_n(through) - push_n + side_n * leeway_rad
-        peak = astern + PEAK_SHARE * self.wind_m_s
-        is_lost = (astern > abeam) & (boat.turned_nm(peak, abeam) > boat.most_turned_nm(through))
-        if boat.arm_m > 0.0:
-            turned_nm = GUSTS * boat.turned_nm(astern, abeam)
-            thrust_n = np.hypot(np.maximum(thrust_n, 0.0), STEERING_COST * turned_nm / boat.arm_m)
-        drive = boat.drive(through, thrust_n)
-        speeds = np.linspace(0.0, _FASTEST_SHARE * boat.top_m_s, _SPEEDS)
-        still = np.interp(drive, boat.drive(speeds, boat.drag_n(speeds)), speeds)
-        return np.where(is_lost, np.inf, still)
+        side_n = air * LATERAL_DRAG * hull.lateral_area_m2 * speed * abeam
+        lift_n = 0.5 * math.pi * WATER_KG_M3 * (hull.draught_m * through) ** 2  # per radian of leeway
+        gained = speed * astern + GUSTS * through**2  # over still air
+        thrust_n = self._drag_n(through) - air * FRONTAL_DRAG * hull.frontal_area_m2 * gained
+        thrust_n += side_n * np.minimum(side_n / lift_n, MOST_LEEWAY_RAD)
+        gust = astern + PEAK_SHARE * self.wind_m_s
+        is_lost = (astern > abeam) & (self._turned_nm(gust, abeam) > self._most_turned_nm(through))
+        if self.arm_m > 0.0:
+            difference_n = GUSTS * self._turned_nm(astern, abeam) / self.arm_m
+            thrust_n = np.hypot(np.maximum(thrust_n, 0.0), STEERING_COST * difference_n)
+        speeds = np.linspace(0.0, _FASTEST_SHARE * self.top_m_s, _SPEEDS)
+        drives = self._drive(speeds, self._drag_n(speeds))
+        return np.where(is_lost, np.inf, np.interp(self._drive(through, thrust_n), drives, speeds))
 
     def made_good_m_s(
         self, wanted_m_s: float, keep_m_s: float, along_m_s: Floats, across_m_s: Floats, course_rad: Floats
     ) -> Floats:
-        """The speed over ground nearest to the wanted one that the boat makes: where that is too fast, at
-        full throttle; where wind and current drive it faster, with the drive of keep_m_s. 0 where it makes
-        none.
+        """The speed over ground that the boat makes: the wanted one, or with keep_m_s through the water in a
+        faster current; where that is too fast, the fastest one below it; 0 where there is none. (A boat that
+        is too slow makes leeway, so that the drive has no single solution.)
         """
-        along, *at = np.broadcast_arrays(along_m_s, across_m_s, course_rad)
-        good = np.maximum(along + keep_m_s, wanted_m_s)
-        drive = self.still_m_s(good, along, *at)
-        for is_off, end, target_m_s in (
-            (drive > self.windage.top_m_s, np.zeros_like(good), self.windage.top_m_s),
-            (drive < keep_m_s, good + self.wind_m_s, keep_m_s),
-        ):
-            if is_off.any():
-                there = [part[is_off] for part in (along, *at)]
-                good[is_off] = self._first(good[is_off], end[is_off], target_m_s, there)
-        return good
-
-    def _first(self, begin_m_s: Floats, end_m_s: Floats, target_m_s: float, at: Sequence[Floats]) -> Floats:
-        """From one speed made good to another: the first that takes the drive of a speed in still water; 0
-        where none does. A boat that is too slow makes leeway, and the drive may have two solutions.
-        """
-        along, across, course = at
-        found, last_m_s, last = np.zeros_like(along), begin_m_s, np.zeros_like(along)
-        for share in np.linspace(0.0, 1.0, _STEPS):
-            speed_m_s = begin_m_s + share * (end_m_s - begin_m_s)
-            still = self.still_m_s(speed_m_s, along, across, course)
-            off = np.minimum(still - target_m_s, _FASTEST_M_S)  # also of a boat that cannot steer
-            meets = (found == 0.0) & (last * off < 0.0)
-            part = last[meets] / (last[meets] - off[meets])
-            found[meets] = last_m_s[meets] + part * (speed_m_s - last_m_s)[meets]
-            last_m_s, last = speed_m_s, off
+        good = np.maximum(along_m_s + keep_m_s, wanted_m_s)
+        over = self.still_m_s(good, along_m_s, across_m_s, course_rad) - self.top_m_s
+        found = np.where(over <= 0.0, good, 0.0)
+        for share in np.linspace(1.0, 0.0, _STEPS)[1:] if (over > 0.0).any() else ():
+            before = np.minimum(over, _FASTEST_M_S)  # also of a boat that cannot steer
+            over = self.still_m_s(share * good, along_m_s, across_m_s, course_rad) - self.top_m_s
+            part = np.clip(over / np.minimum(over - before, -1e-9), 0.0, 1.0)  # towards the faster one
+            slower = (share + part / (_STEPS - 1)) * good
+            found = np.where((found == 0.0) & (over <= 0.0), slower, found)
         return found
 
+    def _drag_n(self, through_m_s: Floats) -> Floats:
+        """At a speed through still water and still air."""
+        drag: Floats = TOP_SHARE * self.windage.pull_n * (through_m_s / self.top_m_s) ** DRAG_EXPONENT
+        return drag
 
-def in_wind(windage: Windage | None, text: str, boat: str) -> InWind:
+    def _drive(self, through_m_s: Floats, thrust_n: Floats) -> Floats:
+        """The drive that gives a thrust at a speed through the water, 1 at full throttle."""
+        rest_n = self.windage.pull_n * (1.0 - STEERING_SHARE if self.arm_m > 0.0 else 1.0)
+        lost_n = (rest_n - TOP_SHARE * self.windage.pull_n) * through_m_s / self.top_m_s
+        drive: Floats = lost_n + np.sqrt(np.maximum(lost_n**2 + 4.0 * rest_n * thrust_n, 0.0))
+        return drive / (2.0 * rest_n)
+
+    def _most_turned_nm(self, through_m_s: Floats) -> Floats:
+        """The moment of two motors, one ahead and one astern, and of a rudder."""
+        rudder_m3 = RUDDER_SHARE * self.windage.length_m**2 * self.windage.draught_m * self.has_rudder
+        pair_nm = 0.5 * self.windage.pull_n * (1.0 + ASTERN_SHARE) * self.arm_m
+        return pair_nm + 0.25 * WATER_KG_M3 * rudder_m3 * through_m_s**2
+
+    def _turned_nm(self, astern_m_s: Floats, abeam_m_s: Floats) -> Floats:
+        """The moment that turns the bow into a wind from astern and from abeam, past the hull."""
+        side = np.maximum(abeam_m_s, WANDER * astern_m_s)
+        turns = 2.0 * TURNING * astern_m_s
+        turns += LATERAL_CENTRE * LATERAL_DRAG * np.hypot(astern_m_s, abeam_m_s)
+        return 0.5 * AIR_KG_M3 * self.windage.lateral_area_m2 * self.windage.length_m * side * turns
+
+
+def in_wind(config: BoatConfig, top_m_s: float, text: str, boat: str) -> InWind:
     """A boat, by its name, in a wind such as 6@270: speed, and where it comes from. Raises UsageError: no
     such form, or a boat of unknown windage.
     """
-    form = _FORM.fullmatch(text)
+    form, one, drive = _FORM.fullmatch(text), config.windage, config.drive
     if form is None or float(form[1]) > _FASTEST_M_S:
         raise UsageError(
             f"--wind '{text}': expected M_S@FROM, such as 6@270: the mean wind in m/s at the height of the "
             f"hull, up to {_FASTEST_M_S:g}, and where it comes from in degrees"
         )
-    if windage is None:
+    if not (one.frontal_area_m2 > 0.0 and one.lateral_area_m2 > 0.0 and one.pull_n > 0.0):
         raise UsageError(
             f"--wind: {boat} does not say its windage: set frontal_area_m2, lateral_area_m2 and pull_n in "
             "[windage] of its file, see docs/planner.md"
         )
     wind_m_s, from_rad = float(form[1]), math.radians(float(form[2]))
-    return InWind(windage, -wind_m_s * math.cos(from_rad), -wind_m_s * math.sin(from_rad))
+    north_m_s, east_m_s = -wind_m_s * math.cos(from_rad), -wind_m_s * math.sin(from_rad)
+    arm_m = 0.5 * one.apart_m * drive.has_pair
+    return InWind(one, top_m_s, arm_m, drive.has_rudder, north_m_s, east_m_s)

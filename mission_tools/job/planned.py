@@ -120,23 +120,13 @@ def save(mission: Mission, path: Path, planned: PlannedMission | None = None) ->
         save_preview(path, planned)
 
 
-def _budget(planned: PlannedMission, options: PlanOptions) -> "Budget":
-    """Of --boat in --wind and --current."""
-    from mission_tools.contract.budget import planned_budget  # noqa: PLC0415 - seldom needed
-    from mission_tools.costs.boat import load_boat  # noqa: PLC0415
-
-    return planned_budget(planned, load_boat(options.boat, options.wind), options.current)
-
-
 def take_planned(planned: PlannedMission, request: Request, report: Report, say: Printer) -> PlannedMission:
     """Describe what was planned and what it costs the boat, and save it; with the fence that was asked for.
     Raises NoRoute: no fence holds the route. UsageError: more items than the boat holds. BeyondRange: the
     boat does not come home. PlanFileError: it cannot be written.
     """
     planned = with_areas(planned, request)
-    if request.options.wind is not None:
-        _budget(planned, request.options)  # its refusal tells wind from current
-    if any(getattr(request.options, name) is not None for name in ("current", "depart", "wind")):
+    if request.options.current is not None or request.options.depart is not None:
         from mission_tools.assembly.timed import timed  # noqa: PLC0415 - seldom needed
 
         planned = timed(planned, request.options)
@@ -144,7 +134,11 @@ def take_planned(planned: PlannedMission, request: Request, report: Report, say:
     for line in described(planned):
         say(line)
     if request.options.boat is not None:
-        report.budget = _budget(planned, request.options)
+        from mission_tools.contract.budget import planned_budget  # noqa: PLC0415 - seldom needed
+        from mission_tools.costs.boat import load_boat  # noqa: PLC0415
+
+        boat = load_boat(request.options.boat, request.options.wind)
+        report.budget = planned_budget(planned, boat, request.options.current)
         for line in report.budget.lines():
             say(line)
         if planned.timetable is not None:

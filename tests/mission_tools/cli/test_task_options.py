@@ -122,7 +122,7 @@ def test_the_quickest_route_in_a_current_is_told_with_its_time(plan: Any) -> Non
 @pytest.mark.parametrize(
     ("arguments", "code", "said"),
     [
-        ("--current 5,0", 1, "the current is too strong for the boat on every way"),
+        ("--current 5,0", 1, "current or wind is too strong for the boat on every way"),
         ("--current strong", 2, "--current strong: expected SPEED,TO_DEG"),
         ("--least time", 2, "--least: add --current"),
         ("--least charge --current 0.5,0", 2, "--least charge: add --boat"),
@@ -311,7 +311,9 @@ def test_a_wind_is_counted_and_told_with_the_times_of_the_waypoints(plan: Any) -
     still = plan("--goal", NORTH_EAST, "--boat", "rudder")
     assert report["budget"]["charge_mah"] > 1.2 * still["budget"]["charge_mah"]
     assert report["budget"]["home_mah"] < still["budget"]["home_mah"]
-    drawn = report["budget"]["drawn_mah"]
+    drawn, passed_s = report["budget"]["drawn_mah"], report["budget"]["under_way_s"]
+    assert len(drawn) == len(passed_s) == len(report["waypoints"])
+    assert passed_s == sorted(passed_s)
     assert drawn == sorted(drawn)
     assert drawn[-1] == pytest.approx(report["budget"]["charge_mah"])
 

@@ -9,13 +9,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
-from companion.config.boat_config import decode_config
+from companion.config.boat_config import BoatConfig, decode_config
 from companion.core.geo import Point
 from mission_tools.contract.budget import budget_of
 from mission_tools.costs.boat import Boat, load_boat
 from mission_tools.costs.current import UniformCurrent
 from mission_tools.costs.travel import BoatSpeed, TravelTime
-from mission_tools.costs.windage import InWind, Windage, in_wind
+from mission_tools.costs.windage import InWind, in_wind
 from mission_tools.errors import NoRoute, UsageError
 
 WINDAGE = {
@@ -26,19 +26,14 @@ WINDAGE = {
     "pull_n": 10.0,
     "apart_m": 0.4,
 }
-RUDDER = {"windage": WINDAGE, "drive": {"layout": "rudder"}}
+RUDDER: dict[str, object] = {"windage": WINDAGE, "drive": {"layout": "rudder"}}
 WINDS = st.floats(0.0, 6.0)
 ANGLES = st.floats(-math.pi, math.pi)
 
 
-def windage(tree: dict[str, object] = RUDDER, top_m_s: float = 3.0) -> Windage:
-    found = Windage.of(decode_config(tree, "boat.toml"), top_m_s)
-    assert found is not None
-    return found
-
-
-def blowing(wind_m_s: float, from_rad: float, boat: Windage | None = None) -> InWind:
-    return InWind(boat or windage(), -wind_m_s * math.cos(from_rad), -wind_m_s * math.sin(from_rad))
+def blowing(wind_m_s: float, from_rad: float, tree: dict[str, object] = RUDDER) -> InWind:
+    calm = in_wind(decode_config(tree, "boat.toml"), 3.0, "0@0", "boat")
+    return replace(calm, north_m_s=-wind_m_s * math.cos(from_rad), east_m_s=-wind_m_s * math.sin(from_rad))
 
 
 def made_good(wind: InWind | None, course_rad: float = 0.0, along: float = 0.0, across: float = 0.0) -> float:
@@ -55,7 +50,7 @@ def still(
 def test_without_a_wind_a_load_is_that_of_the_speed_through_the_water() -> None:
     for good in (0.5, 1.7, 2.9):
         assert still(blowing(0.0, 0.0), good) == pytest.approx(good, rel=1e-3)
-    low = windage({**RUDDER, "windage": {**WINDAGE, "frontal_area_m2": 1e-4, "lateral_area_m2": 1e-4}})
+    low = {**RUDDER, "windage": {**WINDAGE, "frontal_area_m2": 1e-4, "lateral_area_m2": 1e-4}}
     for along, across in ((-1.5, 0.0), (0.5, 1.8), (2.5, 0.0), (-2.95, 0.0)):
         assert made_good(blowing(0.0, 0.0, low), 0.0, along, across) == pytest.approx(
             made_good(None, 0.0, along, across), rel=1e-3
@@ -87,7 +82,7 @@ def test_the_current_counts_for_the_hull_and_the_speed_over_ground_for_the_air()
 
 
 def test_abeam_the_boat_makes_leeway_and_that_costs_more_than_the_air_ahead() -> None:
-    deep = windage({**RUDDER, "windage": {**WINDAGE, "draught_m": 1.0}})
+    deep = {**RUDDER, "windage": {**WINDAGE, "draught_m": 1.0}}
     abeam = 0.5 * math.pi
     shallow, ahead = still(blowing(5.0, abeam), 2.0), still(blowing(0.0, 0.0), 2.0)
     assert ahead < still(blowing(5.0, abeam, deep), 2.0) < shallow
@@ -111,17 +106,9 @@ def test_more_wind_from_ahead_never_makes_a_boat_faster_or_draw_less() -> None:
     assert (np.diff([still(wind, 1.0) for wind in winds]) >= -1e-9).all()
 
 
-def test_before_the_wind_the_boat_keeps_the_drive_of_its_least_speed_and_is_driven_faster() -> None:
-    big = replace(windage(), ahead_kg_m=0.3, rudder_kg=100.0)
-    wind = blowing(8.0, math.pi, big)
-    good = made_good(wind)
-    assert 2.2 < good < 8.0
-    assert still(wind, good) == pytest.approx(0.4, rel=0.05)
-
-
 def test_a_boat_that_its_gusts_would_turn_across_is_not_sailed_before_the_wind() -> None:
-    pair = windage({"windage": WINDAGE})
-    strong = replace(pair, arm_m=5.0 * pair.arm_m)
+    pair: dict[str, object] = {"windage": WINDAGE}
+    strong: dict[str, object] = {"windage": {**WINDAGE, "apart_m": 2.0}}
     assert made_good(blowing(8.0, math.pi, pair)) == 0.0
     assert made_good(blowing(8.0, math.pi, strong)) == pytest.approx(2.0)
     assert made_good(blowing(8.0, 0.0, pair)) > 0.5, "into the wind it holds its course"
@@ -130,20 +117,20 @@ def test_a_boat_that_its_gusts_would_turn_across_is_not_sailed_before_the_wind()
 
 
 def test_two_motors_that_steer_draw_more_than_a_rudder_that_does() -> None:
-    pair, ruddered = windage({"windage": WINDAGE}), windage()
     abeam = 0.6 * math.pi
-    one, other = (still(blowing(4.0, abeam, boat), 1.0) for boat in (pair, ruddered))
+    pair: dict[str, object] = {"windage": WINDAGE}
+    one, other = still(blowing(4.0, abeam, pair), 1.0), still(blowing(4.0, abeam), 1.0)
     assert one > other + 0.04
 
 
 @pytest.mark.parametrize("text", ["6", "6@", "@90", "-6@90", "x@90", "6@east", "41@0", "6@90@10", ""])
 def test_a_wind_that_is_none_is_refused_with_an_example(text: str) -> None:
     with pytest.raises(UsageError, match=r"--wind '.*': expected M_S@FROM, such as 6@270"):
-        in_wind(windage(), text, "kit")
+        in_wind(BoatConfig(), 3.0, text, "kit")
 
 
 def test_a_wind_blows_from_where_it_says() -> None:
-    wind = in_wind(windage(), " 6.5@270 ", "kit")
+    wind = in_wind(decode_config(RUDDER, "boat.toml"), 3.0, " 6.5@270 ", "kit")
     assert (wind.north_m_s, wind.east_m_s) == pytest.approx((0.0, 6.5), abs=1e-9)
     assert wind.wind_m_s == pytest.approx(6.5)
 
@@ -151,9 +138,8 @@ def test_a_wind_blows_from_where_it_says() -> None:
 @pytest.mark.parametrize("missing", ["frontal_area_m2", "lateral_area_m2", "pull_n"])
 def test_a_boat_of_unknown_windage_is_told_what_to_measure(missing: str) -> None:
     config = decode_config({"windage": {**WINDAGE, missing: 0.0}}, "boat.toml")
-    assert Windage.of(config, 3.0) is None
     with pytest.raises(UsageError, match="boat does not say its windage: set frontal_area_m2"):
-        in_wind(None, "6@90", "boat")
+        in_wind(config, 3.0, "6@90", "boat")
 
 
 def budget_s(boat: Boat, course_rad: float) -> float:
