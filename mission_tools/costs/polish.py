@@ -15,6 +15,9 @@ from mission_tools.planning.exact_planner import water_of
 
 LEG_SHARE = 0.001
 """Of the whole cost: what a corner more has to save, so that a curve is not cut into dozens of legs."""
+TIMED_LEG_SHARE = 0.0003
+"""The same where currents change: their routes bend more, and a dozen corners would cost 1 % (seeds 1000-1011
+of `python -m benchmarks.planning.tide`: 0.1 % less time with a leg more)."""
 _MOST_POINTS = 120
 """Of a path that legs are laid along: dynamic programming tries every pair. Half of it where legs are timed,
 which takes four times as long."""
@@ -82,7 +85,7 @@ class Polish:
     def _laid(self, path: Sequence[Point], depart_s: float) -> tuple[Point, ...]:
         """The cheapest chain of clear legs through some of the path's points; each leg more has to pay."""
         number = len(path)
-        corner = LEG_SHARE * self.cost(path, depart_s)
+        corner = (TIMED_LEG_SHARE if self._travel.varies else LEG_SHARE) * self.cost(path, depart_s)
         cheapest = np.full(number, np.inf)
         before = np.zeros(number, dtype=np.intp)
         cheapest[0] = 0.0
