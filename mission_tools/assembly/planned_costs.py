@@ -71,7 +71,7 @@ def cheapest(
         points=best.points,
         length_m=path_length_m(best.points),
         min_clearance_m=min(chart.leg_clearance_m(a, b) for a, b in pairwise(best.points)),
-        notes=(*found.notes, _note(travel, best, options)),
+        notes=(*found.notes, _note(travel, best, options), *timetable.notes(current.times)),
     )
     return plan, replace(timetable, tried=tried, wait_s=best.wait_s)
 

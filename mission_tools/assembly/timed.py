@@ -22,4 +22,5 @@ def timed(planned: PlannedMission, options: PlanOptions) -> PlannedMission:
     asked = replace(options, speed_m_s=mission.speed_m_s, open_water_m=None)
     travel = travel_of(planned.chart, points, asked, current)
     holds_s = [item.hold_s for item in mission.items if item.place is not None]
-    return replace(planned, timetable=fixed_route(travel, points, departure, (0.0, *holds_s)))
+    table = fixed_route(travel, points, departure, (0.0, *holds_s))
+    return replace(planned, timetable=table, notes=(*planned.notes, *table.notes(current.times)))

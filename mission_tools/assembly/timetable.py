@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from companion.core.geo import Point, path_length_m
-from mission_tools.costs.departure import Departure, iso, time_said
+from mission_tools.costs.departure import Departure, KnownTimes, iso, time_said
 from mission_tools.costs.legs import leg_costs, route_costs
 from mission_tools.costs.travel import Travel
 from mission_tools.errors import NoRoute
@@ -47,6 +47,10 @@ class Timetable:
     def sailed(self, under_way_s: Sequence[float]) -> "Timetable":
         """The same departure with better known times under way, such as a budget's, turns included."""
         return replace(self, arrive_s=tuple(self.depart_s + at_s for at_s in under_way_s))
+
+    def notes(self, times: KnownTimes | None) -> tuple[str, ...]:
+        """What to say where it goes beyond the times for which the current is known."""
+        return times.note(self.depart_s, self.arrive_s[-1]) if times else ()
 
     def said(self, time_s: float) -> str:
         """A time on the way for people: of the day, or after how long."""

@@ -77,7 +77,6 @@ def cheapest_route(
     begin_s = depart_s
     if way_out:
         begin_s += float(leg_costs(travel, way_out, points[:1], grid.cell_m, depart_s)[1][0])
-
     shortest_cost = polish.cost(points, begin_s)
     paths = [(points, begin_s)] if math.isfinite(shortest_cost) else []
     found = _search(grid, travel, points[0], points[-1], polish.is_clear, begin_s)

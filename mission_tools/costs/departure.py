@@ -33,6 +33,13 @@ class KnownTimes(NamedTuple):
     last_s: float = math.inf
     is_dated: bool = False
 
+    def note(self, depart_s: float, arrive_s: float) -> tuple[str, ...]:
+        """What to say of a voyage that goes beyond them; nothing of one that does not."""
+        if self.first_s <= depart_s and arrive_s <= self.last_s:
+            return ()
+        known = " to ".join(time_said(at_s, is_dated=self.is_dated) for at_s in self[:2])
+        return (f"the current is known from {known} only: beyond, it counts as it is then",)
+
 
 @dataclass(frozen=True, slots=True)
 class Departure:

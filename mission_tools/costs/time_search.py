@@ -19,7 +19,7 @@ from mission_tools.planning.grid import Grid
 WAIT_STEP_S, WAIT_SHARE = 60.0, 0.02
 """How soon a step is tried again, at least, and as a share of what has been waited."""
 LONGEST_WAIT_S = 18.0 * 3600.0
-"""At one place: a tide and a half; a mission's hold time ends at 18.2 h (16 bits)."""
+"""At one place: a tide and a half, so that a strait that is open in each tide is found open."""
 
 
 def cheapest_cells(
@@ -60,9 +60,8 @@ def cheapest_cells(
             step_s = np.maximum(WAIT_STEP_S, WAIT_SHARE * waited_s[waits])
             due[band[waits]] = cost[band[waits]] + waited_s[waits] + step_s
         tail, which = np.nonzero(better)
-        dearest_first = np.argsort(
-            -found[tail, which], kind="stable"
-        )  # of several to one head the last stays
+        # Dearest first: of several to one head the last stays
+        dearest_first = np.argsort(-found[tail, which], kind="stable")
         tail, which = tail[dearest_first], which[dearest_first]
         head = heads[tail, which]
         cost[head] = due[head] = found[tail, which]

@@ -140,6 +140,15 @@ def test_a_tour_that_meets_the_tide_is_refused_with_a_departure_that_would_do(
 
 
 @pytest.mark.usefixtures("pond")
+def test_a_voyage_after_the_end_of_the_file_is_noted(capsys: pytest.CaptureFixture[str]) -> None:
+    for more in ((), ("--hold", "5", "--wind", "2@0", "--boat", "lake", "--one-way")):
+        _, report = planned(capsys, "--current", "tide.csv", "--depart", "2026-06-02T03:00Z", *more)
+        assert any(
+            "known from 2026-06-01 00:00Z to 2026-06-01 23:50Z only" in note for note in report["notes"]
+        )
+
+
+@pytest.mark.usefixtures("pond")
 def test_a_date_alone_gives_times_in_still_water(capsys: pytest.CaptureFixture[str]) -> None:
     _, report = planned(capsys, "--depart", "2026-06-01T03:00Z")
     assert report["timetable"]["arrive"] == ["2026-06-01T03:02:58Z"]

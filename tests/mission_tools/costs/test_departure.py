@@ -51,6 +51,13 @@ def test_a_departure_that_makes_no_sense_is_refused(
         Departure.of(text, times)
 
 
+def test_a_voyage_beyond_the_known_times_is_noted() -> None:
+    assert DATED.note(EIGHT_S, EIGHT_S + 3600.0) == KnownTimes().note(-1e9, 1e9) == ()
+    known = "2026-06-01 08:00Z to 2026-06-01 09:00Z"
+    said = f"the current is known from {known} only: beyond, it counts as it is then"
+    assert DATED.note(EIGHT_S - 1.0, EIGHT_S) == DATED.note(EIGHT_S, EIGHT_S + 3601.0) == (said,)
+
+
 def test_times_are_said_as_dates_or_durations() -> None:
     assert time_said(EIGHT_S + 29.0, is_dated=True) == "2026-06-01 08:00Z"
     assert time_said(3700.0, is_dated=False) == "1 h 01 min"
