@@ -104,7 +104,12 @@ def rest_of(part: PlannedMission, item: int, boat: Boat, current: str | None = N
         most = len(part.mission.items) - 1
         raise UsageError(f"--resume: after item {item} nothing is left: expected 1 to {most}")
     way = _transits(part).route(waypoints[0][0], waypoints[reached][0])
-    rest = [TaskLeg("track", (a, b), hold_s) for (a, _), (b, hold_s) in pairwise(waypoints[reached:])]
+    legs = () if part.task is None else part.task.legs
+    rest = [
+        TaskLeg(leg.kind, leg.points[max(reached - start, 0) :], leg.hold_s)
+        for leg, (start, end) in zip(legs, pairwise(_waypoints_before(legs)), strict=True)
+        if end > reached
+    ]
     planned = _sailing(part, joined([TaskLeg("transit", way), *rest]))
     budget = planned_budget(planned, boat, current)
     budget.check()
@@ -124,6 +129,11 @@ def _sailing(planned: PlannedMission, route: TaskRoute) -> PlannedMission:
     survey = None if planned.survey is None else replace(planned.survey, route=route)
     mission = replace(planned.mission, items=(*speeds, *mission.items), home=mission.home)
     return replace(planned, mission=mission, plan=None, task=route, survey=survey, timetable=None)
+
+
+def _waypoints_before(legs: Sequence[TaskLeg]) -> list[int]:
+    """How many waypoints come before each leg's end; first, before the first leg."""
+    return [0, *accumulate(sum(a != b for a, b in pairwise(leg.points)) for leg in legs)]
 
 
 class _Piece(NamedTuple):
@@ -146,8 +156,7 @@ class _Work:
         self._ways_m: dict[Point, float] = {}
         whole = self._budget(TaskRoute(self._legs))
         drawn_mah = [0.0, *whole.drawn_mah]
-        ends = [0, *accumulate(sum(a != b for a, b in pairwise(leg.points)) for leg in self._legs)]
-        spent = zip(legs, pairwise(ends), strict=True)
+        spent = zip(legs, pairwise(_waypoints_before(self._legs)), strict=True)
         self.charge_mah = sum(
             drawn_mah[end] - drawn_mah[start] for (_, is_work), (start, end) in spent if is_work
         )
@@ -170,7 +179,9 @@ class _Work:
         best += [(count + 1, 0, 0.0, 0)] * count
         end = 0
         for first in range(count):
-            while end < count and (end < first or self._budget(self.route(first, end + 1)).suffices):
+            while end > first and not self._fits(first, end):
+                end -= 1
+            while end < count and self._fits(first, end + 1):
                 end += 1
             if end == first:
                 raise BeyondRange(self._beyond(first))
@@ -205,6 +216,9 @@ class _Work:
 
     def _way_to(self, place: Point) -> tuple[Point, ...]:
         return self._transits.route(self._home, place)
+
+    def _fits(self, first: int, end: int) -> bool:
+        return bool(self._budget(self.route(first, end)).suffices)
 
     def _budget(self, route: TaskRoute) -> Budget:
         points, planned = route.points, self._planned
