@@ -32,7 +32,8 @@ class PlanOptions:
     follow_shore_at: near the shore to follow. first, last: the ends of a stretch of it. boat: its TOML, or an
     emulated boat's name. wind: mean speed and where it comes from. depart: when the voyage begins, on the
     current's clock, or a window. least: time or charge. open_water_m: how far from the shore a metre is
-    dearer. lead_m: straight on before and after each track. trigger: of the sensor, camera:M or relay:N.
+    dearer. lead_m: straight on before and after each track. pattern: of a search, from the place `at`.
+    trigger: of the sensor, camera:M or relay:N.
     draught_m: water that is charted less deep is an obstacle. air_draught_m: so is a bridge less high.
     is_route_file: SOURCE is a route, not a map. is_outline: the lines of SOURCE, a .gpx file, enclose water.
     check_on: the map on which a finished mission is checked, or "none". split: into parts that each come home
@@ -60,6 +61,8 @@ class PlanOptions:
     shore_passes: int | None = None
     turn_radius_m: float | None = None
     lead_m: float | None = None
+    pattern: str | None = None
+    at: LatLon | None = None
     trigger: str | None = None
     follow_shore_at: LatLon | None = None
     distance_m: float | None = None

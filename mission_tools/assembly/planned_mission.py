@@ -239,7 +239,7 @@ class MapSource:
         task: TaskRoute | None
         if self._wishes.survey is not None:
             area = self._survey_area or named_survey_area(chart, self._wishes.survey)
-            survey = survey_of(chart, start, self._wishes, self._settings, area)
+            survey = survey_of(chart, start, self._wishes, self._settings, area, self._local)
             task = survey.route
         else:
             task = task_route(chart, start, self._stops, self._wishes, self._settings, self._local)

@@ -58,6 +58,11 @@ def check_task(options: PlanOptions) -> None:
     if unfit:
         needs = "--survey" if unfit[0] in _OF_SURVEYS else "--follow-shore"
         raise UsageError(f"{', '.join(flags(unfit))}: only with {needs}")
+    if options.at is not None and options.pattern is None:
+        raise UsageError("--at: only with --pattern")
+    of_tracks = [name for name in ("lead_m", "shore_passes", "cross_m") if name in given]
+    if options.pattern is not None and of_tracks:
+        raise UsageError(f"{', '.join(flags(of_tracks))}: not with --pattern, which has no tracks")
     if options.trigger is not None and not tasks:
         raise UsageError("--trigger: only with --survey or --follow-shore")
     of_tours = [name for name in _OF_TOURS if name in given]
@@ -123,11 +128,13 @@ def survey_of(
     options: PlanOptions,
     settings: PlanSettings,
     area: SurveyArea,
+    local: Callable[[str, LatLon], Point],
 ) -> "Survey":
-    """The survey of an area. Raises NoRouteError: no water in it that is wide enough. UsageError: values that
-    make no sense.
+    """The survey of an area. local: as for `task_route`. Raises NoRouteError: no water in it that is wide
+    enough. UsageError: values that make no sense.
     """
-    from mission_tools.tasks.survey.settings import SurveySettings  # noqa: PLC0415 - seldom needed
+    from mission_tools.tasks.survey.patterns import PatternName  # noqa: PLC0415 - seldom needed
+    from mission_tools.tasks.survey.settings import SurveySettings  # noqa: PLC0415
     from mission_tools.tasks.survey.survey import survey  # noqa: PLC0415
 
     found = survey(
@@ -143,6 +150,8 @@ def survey_of(
             cross_spacing_m=options.cross_m,
             turn_radius_m=_turn_radius_m(options),
             lead_m=options.lead_m or 0.0,
+            pattern=cast(PatternName | None, options.pattern),
+            datum=None if options.at is None else local("--at", options.at),
             is_return=options.is_return,
         ),
         area.shape,

@@ -88,6 +88,10 @@ def add_tasks(parser: Parser) -> None:
         "--lead", type=number, metavar="M", help="of a survey: straight on so far before and after each track"
     )
     group.add_argument(
+        "--pattern", choices=("expanding-square", "spiral"), help="of a search: to sail instead of tracks"
+    )
+    group.add_argument("--at", metavar="LAT,LON", help="of --pattern: where it begins [the area's middle]")
+    group.add_argument(
         "--trigger", metavar="camera:M", help="along tracks: an image every M metres, or relay:N on"
     )
     group.add_argument(

@@ -20,6 +20,7 @@ from shapely.geometry import Polygon
 from shapely.ops import substring
 
 from mission_tools.tasks.shoreline import begun_at
+from mission_tools.tasks.survey.coverage import UNREACHED
 from mission_tools.tasks.task_route import LegKind
 
 Array = NDArray[np.float64]
@@ -187,11 +188,12 @@ def linked(
     pairs = shapely.STRtree(lines).query(lines, predicate="dwithin", distance=_NEAR * swath_m)
     one, other = pairs[:, pairs[0] != pairs[1]]
     links = shapely.shortest_line(lines[one], lines[other])
-    lengths_m = 2.0 * (shapely.length(links) - gap_m)
     shapely.prepare(water)
+    around = np.where(shapely.covers(water, links), 1.0, UNREACHED)
+    lengths_m = 2.0 * (around * shapely.length(links) - gap_m)
     onward: list[list[tuple[float, int, int]]] = [[] for _ in passes]
-    for clear in np.flatnonzero(shapely.covers(water, links)):
-        onward[one[clear]].append((float(lengths_m[clear]), int(other[clear]), int(clear)))
+    for number, length_m in enumerate(lengths_m.tolist()):
+        onward[one[number]].append((length_m, int(other[number]), number))
     alone, taken = list[Pass](), set[int]()
     queue = [(length_m, number, -1) for number, length_m in enumerate(alone_m)]
     heapq.heapify(queue)

@@ -3,9 +3,11 @@
 import math
 from dataclasses import dataclass, field
 
+from companion.core.geo import Point
 from mission_tools.costs.boat import Boat
 from mission_tools.errors import UsageError
 from mission_tools.planning.planner import PlanSettings
+from mission_tools.tasks.survey.patterns import PatternName
 
 MOST_OVERLAP = 0.9
 BOAT_TURN_RADIUS_M = 0.0
@@ -24,7 +26,8 @@ class SurveySettings:
     water left; 0: tracks only; None: SHORE_PASSES, but one where angle_rad or lead_m is given.
     cross_spacing_m: between lines across the tracks, for checking; None: no cross lines. turn_radius_m: of
     the boat's turns at its survey speed; 0: it turns on the spot. lead_m: straight on before and after each
-    track, for a sensor that is towed. is_return: end where the boat started. Raises UsageError: values that
+    track, for a sensor that is towed. pattern: to sail instead of tracks and passes, from the datum; None:
+    the middle of the area. is_return: end where the boat started. Raises UsageError: values that
     make no sense, or do not go together.
     """
 
@@ -37,6 +40,8 @@ class SurveySettings:
     cross_spacing_m: float | None = None
     turn_radius_m: float = BOAT_TURN_RADIUS_M
     lead_m: float = 0.0
+    pattern: PatternName | None = None
+    datum: Point | None = None
     is_return: bool = False
 
     def __post_init__(self) -> None:

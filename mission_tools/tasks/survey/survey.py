@@ -22,6 +22,7 @@ from mission_tools.tasks.room import (
     water_reached_from,
 )
 from mission_tools.tasks.survey.coverage import coverage
+from mission_tools.tasks.survey.patterns import pattern
 from mission_tools.tasks.survey.postman import Pass, Visit, with_spikes
 from mission_tools.tasks.survey.settings import SurveySettings
 from mission_tools.tasks.survey.shore_pass import passes_along
@@ -86,22 +87,30 @@ def survey(
         target = target.intersection(area)
     rings: list[Array] = []
     inside: Sequence[Polygon] = water
-    if settings.most_passes:
+    if settings.most_passes and not settings.pattern:
         rings, inside = passes_along(chart, water, target.union(rafts), settings)
     passes = [Pass(ring) for ring in rings]
     if passes:
         inside = with_spikes(passes, inside, reached, swath_m)
     course_rad = settings.angle_rad
     if course_rad is None:
-        course_rad = fewest_turns_rad(inside or water)
+        course_rad = 0.0 if settings.pattern else fewest_turns_rad(inside or water)
     tracks = Tracks(course_rad, (), ())
-    if inside:
+    if inside and not settings.pattern:
         tracks = lay_tracks(inside, course_rad, settings.track_spacing_m, swath_m, MultiPolygon(water))
     origin = None if start is None else np.array([start.east_m, start.north_m])
     end = origin if settings.is_return else None
     detail_m = 0.25 * swath_m
     radius_m = settings.turn_radius_m
     visits = in_best_order(tracks, reached, origin, end, detail_m, "track", radius_m, passes, settings.gap_m)
+    if settings.pattern:
+        at = (
+            _point(shapely.get_coordinates(MultiPolygon(water).centroid)[0])
+            if settings.datum is None
+            else settings.datum
+        )
+        datum = np.array([at.east_m, at.north_m])
+        visits = pattern(settings.pattern, datum, course_rad, settings.track_spacing_m, water)
     if settings.cross_spacing_m is not None:
         lines = lines_across(water, course_rad + 0.5 * math.pi, settings.cross_spacing_m)
         last = visits[-1].points[-1] if visits else origin
@@ -122,7 +131,7 @@ def survey(
         swath_m,
         settings.track_spacing_m,
         course_rad,
-        len(tracks.tracks),
+        sum(leg.kind == "track" for leg in legs) if settings.pattern else len(tracks.tracks),
         coverage(route.points, target, swath_m),
     )
 

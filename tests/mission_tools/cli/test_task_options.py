@@ -64,6 +64,18 @@ def test_a_survey_covers_the_area_of_a_file(plan: Any) -> None:  # noqa: ANN401
     assert "shore" not in {leg["kind"] for leg in tracks_only["task"]["legs"]}
 
 
+def test_a_search_begins_at_its_datum_and_takes_images_along_its_line(plan: Any) -> None:  # noqa: ANN401
+    arguments = ("--survey", "all", "--footprint", "12", "--trigger", "camera:4", "--at", NORTH_EAST)
+    report = plan(*arguments, "--pattern", "expanding-square")
+    first = next(leg for leg in report["task"]["legs"] if leg["kind"] == "track")
+    assert first["length_m"] > 0.0
+    commands = [item.command for item in load_mission(Path("out.plan")).items]
+    at = commands.index(206)
+    lat, lon = (float(text) for text in NORTH_EAST.split(","))
+    assert report["waypoints"][at - 1] == pytest.approx([lat, lon], abs=2e-6)
+    assert commands.count(206) % 2 == 0
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -80,6 +92,13 @@ def test_a_survey_covers_the_area_of_a_file(plan: Any) -> None:  # noqa: ANN401
         (f"--goal {NORTH_EAST} --hold -1", "hold time is -1 s"),
         ("--any-order", "names no goal"),
         ("--shore-to left", "--shore-to"),
+        (f"--goal {NORTH_EAST} --at {NORTH_WEST}", "--at: only with --pattern"),
+        (f"--goal {NORTH_EAST} --lead 5", "--lead: only with --survey"),
+        (f"--goal {NORTH_EAST} --trigger camera:5", "--trigger: only with --survey or --follow-shore"),
+        ("--survey all --spacing 9 --trigger sonar", "--trigger 'sonar': expected camera:METRES"),
+        ("--survey all --spacing 9 --lead -5", "lead is -5 m: expected 0 or more"),
+        ("--survey all --spacing 9 --pattern spiral --lead 5", "--lead: not with --pattern"),
+        ("--survey all --spacing 9 --pattern spiral --at 10,10", "--at: 10.000000,10.000000 is nowhere near"),
     ],
 )
 def test_options_that_do_not_go_together_are_told_in_a_line(

@@ -127,10 +127,11 @@ def test_a_linked_pass_is_sailed_on_the_way_along_the_other_side_by_side() -> No
     assert links_m <= 45.0  # 49 m the other way round
 
 
-def test_passes_with_land_between_them_are_not_linked() -> None:
+def test_passes_with_land_between_them_are_linked_only_where_all_else_is_far_longer() -> None:
     one, other = (Pass(shapely.get_coordinates(shapely.box(at, 0, at + 10, 10))) for at in (0, 20))
     water = shapely.box(0, 0, 10, 10).union(shapely.box(20, 0, 30, 10))
-    assert linked([one, other], [0.0, 99.0], 1.0, water, 20.0) == [one, other]
+    assert linked([one, other], [0.0, 77.0], 1.0, water, 20.0) == [one, other]
+    assert linked([one, other], [0.0, 79.0], 1.0, water, 20.0) == [one]
 
 
 def test_a_spike_reaches_just_far_enough_to_cover_its_piece() -> None:
