@@ -19,14 +19,15 @@ _CHORD_RAD = math.radians(20.0)  # of a spiral, from waypoint to waypoint: 1.5 %
 
 
 def pattern(
-    name: PatternName, datum: Array, course_rad: float, spacing_m: float, water: Sequence[Polygon]
+    name: PatternName, datum: Array | None, course_rad: float, spacing_m: float, water: Sequence[Polygon]
 ) -> list[Visit]:
     """The pattern's line through the water, from the datum until it lies all round it, cut where land is.
 
-    datum: as (east, north). course_rad: of the first leg, as a rule the drift; turns are to starboard. Raises
-    UsageError: far too many turns.
+    datum: as (east, north), None: the middle of the water. course_rad: of the first leg, as a rule the drift;
+    turns are to starboard. Raises UsageError: far too many turns.
     """
     room = MultiPolygon(list(water))
+    datum = shapely.get_coordinates(room.centroid)[0] if datum is None else datum
     reach_m = float(np.hypot(*(shapely.get_coordinates(room) - datum).T).max()) + spacing_m
     if reach_m > 0.5 * MOST_STRIPS * spacing_m:
         raise UsageError(

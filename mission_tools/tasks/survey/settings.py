@@ -78,8 +78,8 @@ class SurveySettings:
     @property
     def most_passes(self) -> int:
         """How often the shores are passed at most."""
-        if self.shore_passes is not None:
-            return self.shore_passes
+        if self.shore_passes is not None or self.pattern:
+            return self.shore_passes or 0
         return SHORE_PASSES if self.angle_rad is None and not self.lead_m else 1
 
     @property

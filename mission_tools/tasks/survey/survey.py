@@ -87,7 +87,7 @@ def survey(
         target = target.intersection(area)
     rings: list[Array] = []
     inside: Sequence[Polygon] = water
-    if settings.most_passes and not settings.pattern:
+    if settings.most_passes:
         rings, inside = passes_along(chart, water, target.union(rafts), settings)
     passes = [Pass(ring) for ring in rings]
     if passes:
@@ -104,12 +104,9 @@ def survey(
     radius_m = settings.turn_radius_m
     visits = in_best_order(tracks, reached, origin, end, detail_m, "track", radius_m, passes, settings.gap_m)
     if settings.pattern:
-        at = (
-            _point(shapely.get_coordinates(MultiPolygon(water).centroid)[0])
-            if settings.datum is None
-            else settings.datum
-        )
-        datum = np.array([at.east_m, at.north_m])
+        datum = None
+        if settings.datum is not None:
+            datum = np.array([settings.datum.east_m, settings.datum.north_m])
         visits = pattern(settings.pattern, datum, course_rad, settings.track_spacing_m, water)
     if settings.cross_spacing_m is not None:
         lines = lines_across(water, course_rad + 0.5 * math.pi, settings.cross_spacing_m)
@@ -190,7 +187,7 @@ def _joined_legs(
         if not points:
             continue
         lead_in, lead_out = points[0], points[-1]
-        if len(visit.points) == 2:
+        if settings.lead_m and len(visit.points) == 2 and points[0] != points[-1]:
             lead_in, lead_out = (
                 _led(ahead, end, wide, settings.lead_m) for ahead, end in (points[1::-1], points[-2:])
             )
