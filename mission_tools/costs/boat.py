@@ -20,6 +20,9 @@ depend on it: a bridge's drop and friction, or a brushless motor's current witho
 Fitted to three emulated hulls with brushed motors and to two with brushless ones, between 0.7 and 1.8 times
 cruise speed (`python -m benchmarks.planning.voyages --draw`). At half of it steering takes more than the way:
 the motors draw up to 40 % more than these say."""
+FULL_THROTTLE = 0.85
+"""Of handling.top_speed_m_s: a pair of a faster speed is of full throttle, of which steering takes its part
+(0.90 to 0.99 of it are left to the same hulls)."""
 STEERING = 1.08
 """What the motors draw on a route over what they draw on a straight line (the same hulls)."""
 HOLD_SHARE = 0.06
@@ -32,11 +35,11 @@ class Boat:
 
     draw: pairs of speed through still water in m/s and current in A on a route, all electronics included;
     empty where the file does not say. idle_a: with the motors stopped. exponents: of the speed, below and
-    above these pairs. top_m_s: through the water; where draw has several pairs, the last one's. reserve:
-    share of the capacity that is never used. margin: times the charge for the way home that must be left, or
-    the boat turns back by itself. fence_margin_m: how far inside the fence the boat stops. accel_m_s2: to a
-    lower speed; to a higher one it is half as much again. least_radius_m: of its turns; 0: it turns on the
-    spot. wind: that it sails in.
+    above these pairs. top_m_s: through the water, on a course: the last pair's, if that is of full throttle.
+    reserve: share of the capacity that is never used. margin: times the charge for the way home that must be
+    left, or the boat turns back by itself. fence_margin_m: how far inside the fence the boat stops.
+    accel_m_s2: to a lower speed; to a higher one it is half as much again. least_radius_m: of its turns; 0:
+    it turns on the spot. wind: that it sails in.
     """
 
     name: str
@@ -67,7 +70,9 @@ class Boat:
         draw = battery.draw
         if not draw and battery.cruise_a > battery.idle_a:
             draw = ((cruise_m_s, battery.idle_a + STEERING * (battery.cruise_a - battery.idle_a)),)
-        top_m_s = draw[-1][0] if len(draw) > 1 else config.handling.top_speed_m_s
+        top_m_s = config.handling.top_speed_m_s
+        if battery.draw and battery.draw[-1][0] > FULL_THROTTLE * top_m_s:
+            top_m_s = battery.draw[-1][0]
         top_m_s = max(top_m_s, cruise_m_s)
         return cls(
             name,

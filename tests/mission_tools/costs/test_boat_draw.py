@@ -26,8 +26,17 @@ def drawn_a(of: Boat, through_m_s: float) -> float:
 def test_the_boat_draws_what_was_measured_at_the_measured_speeds() -> None:
     measured = boat(draw=PAIRS)
     assert [drawn_a(measured, speed) for speed, _ in PAIRS] == pytest.approx([1.1, 2.7, 4.6])
-    assert measured.top_m_s == 2.5, "the last pair is that of full throttle"
     assert measured.knows_its_draw
+
+
+@pytest.mark.parametrize(("handling_m_s", "top_m_s"), [(2.5, 2.5), (2.9, 2.5), (3.0, 3.0), (2.2, 2.5)])
+def test_the_last_pair_is_the_top_speed_on_a_course_if_it_is_of_full_throttle(
+    handling_m_s: float, top_m_s: float
+) -> None:
+    tree = {"battery": {"draw": PAIRS}, "handling": {"top_speed_m_s": handling_m_s}}
+    assert Boat.of(decode_config(tree, "boat.toml")).top_m_s == top_m_s
+    slow = {**tree, "battery": {"cruise_a": 3.0}, "speed": {"cruise_m_s": 2.0}}
+    assert Boat.of(decode_config(slow, "boat.toml")).top_m_s == handling_m_s
 
 
 def test_between_two_pairs_the_motors_draw_follows_a_power_of_the_speed() -> None:
