@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 import shapely
 
@@ -15,6 +16,7 @@ from mission_tools.assembly.planned_mission import MapSource
 from mission_tools.contract.budget import Budget, budget_of, planned_budget, ways_home_m
 from mission_tools.costs.boat import Boat, load_boat
 from mission_tools.costs.current import Current, River, UniformCurrent
+from mission_tools.costs.current_source import open_current
 from mission_tools.errors import BeyondRange, NoRoute, UsageError
 from mission_tools.maps import Source, build_chart
 from mission_tools.mission.route import mission_along
@@ -298,6 +300,31 @@ def test_the_emulator_sails_the_budget_in_a_wind_with_gusts(name: str, from_deg:
     found = budget(way, load_boat(name, f"5@{from_deg}"))
     assert found.time_s == pytest.approx(result.time_s, rel=0.03)
     assert found.charge_mah == pytest.approx(sailed_mah, rel=0.1)
+
+
+def test_in_a_tide_that_turns_under_way_the_emulator_sails_the_times_of_the_budget(tmp_path: Path) -> None:
+    path, time_s = tmp_path / "tide.npz", np.arange(0.0, 600.0, 10.0)
+    along = (-1.6 * np.cos(2.0 * math.pi * time_s / 300.0))[:, np.newaxis, np.newaxis]  # begins from ahead
+    np.savez(
+        path,
+        time_s=time_s,
+        north_m=[0.0],
+        east_m=[0.0],
+        current_north_m_s=along,
+        current_east_m_s=0.3 * along,
+    )
+    scenario = load_scenario("open", ["boat.model=lake", f'environment.current_file="{path}"'])
+    way = [Point(0.0, 0.0), Point(150.0, 20.0), Point(300.0, -20.0)]
+    run = MissionRun(scenario, wire_items(mission_along([scenario.frame.to_global(point) for point in way])))
+    result = run.run()
+    assert result.completed
+    tide = open_current(str(path), scenario.frame)
+    sailed_mah = float(run.sailed_rows[:, Truth._fields.index("current_a")].sum()) * 0.02 / 3.6
+    found = budget(way, load_boat("lake"), current=tide)
+    assert found.time_s == pytest.approx(result.time_s, rel=0.03)
+    assert found.charge_mah == pytest.approx(sailed_mah, rel=0.1)
+    frozen = budget(way, load_boat("lake"), current=UniformCurrent(-1.6, -0.48))
+    assert frozen.charge_mah > 1.3 * sailed_mah
 
 
 def test_the_emulator_sails_the_budget_in_a_current_within_ten_percent() -> None:
