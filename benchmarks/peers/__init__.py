@@ -2,21 +2,20 @@
 
     python -m benchmarks peers
 
-Each is a function of a `Sea`, start, goal, seed and deadline (interface.py). They are tuned in good faith on
-the pool and the lake scenario, take no short cut of ours, and give the same path for the same seed.
+Each is a function of a `Sea`, start, goal, seed, deadline and effort (interface.py). An effort of 1 is the
+work that pays on the pool and the lake scenario, 2 is twice the cells, samples, iterations or generations.
+They take no short cut of ours, and give the same path for the same seed and effort.
 """
 
-from collections.abc import Callable
 from typing import Final
 
 from benchmarks.peers.ants import ant_colony
 from benchmarks.peers.grid_searches import dijkstra, theta_star
-from benchmarks.peers.interface import Deadline, Path, Sea
+from benchmarks.peers.interface import Planner
 from benchmarks.peers.roadmap import prm
 from benchmarks.peers.rrt_star import rrt_star
-from companion.core.geo import Point
 
-PEERS: Final[dict[str, Callable[[Sea, Point, Point, int, Deadline], Path]]] = {
+PEERS: Final[dict[str, Planner]] = {
     "Dijkstra": dijkstra,
     "Theta*": theta_star,
     "PRM": prm,

@@ -25,13 +25,13 @@ _FIRST_PHEROMONE = 1.0
 _LAST_PHEROMONE = 1e-3  # never less, so that no cell is closed for good
 
 
-def ant_colony(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline) -> Path:
+def ant_colony(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline, effort: float) -> Path:
     """The best path of any ant. Raises NoPath: no ant arrived."""
-    draw = random.Random(seed)
+    draw, iterations = random.Random(seed), round(effort * ITERATIONS)
     grid, first, last = _coarsest(sea, start, goal)
     trails = _Trails(grid, last)
     best: tuple[float, list[int]] = (math.inf, [])
-    for _ in range(ITERATIONS):
+    for _ in range(iterations):
         arrived = []
         for _ in range(ANTS):
             deadline.check()
@@ -45,7 +45,7 @@ def ant_colony(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadlin
         for length, way in [*arrived, best]:
             trails.lay(way, best[0] / length / len(arrived))
     if not best[1]:
-        raise NoPath(f"none of {ANTS * ITERATIONS} ants arrived")
+        raise NoPath(f"none of {ANTS * iterations} ants arrived")
     return (start, *map(grid.centre, best[1]), goal)
 
 

@@ -17,9 +17,9 @@ from mission_tools.planning.grid import EightNeighbours
 CELLS = 40_000
 
 
-def dijkstra(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline) -> Path:  # noqa: ARG001
+def dijkstra(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline, effort: float) -> Path:  # noqa: ARG001
     """The shortest path from cell to cell."""
-    grid = sea.grid(CELLS)
+    grid = sea.grid(round(effort * CELLS))
     first, last = sea.entries(grid, start, goal)
     expansion = EightNeighbours(grid)
     found = astar(expansion, array("q", bytes(8 * expansion.size)), first, last)
@@ -27,9 +27,9 @@ def dijkstra(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline)
     return (start, *map(grid.centre, found.cells), goal)
 
 
-def theta_star(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline) -> Path:  # noqa: ARG001
+def theta_star(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline, effort: float) -> Path:  # noqa: ARG001
     """Basic Theta*; the line of sight is tested against the true shores, not the grid."""
-    grid = sea.grid(CELLS)
+    grid = sea.grid(round(effort * CELLS))
     first, last = sea.entries(grid, start, goal)
     expansion = EightNeighbours(grid)
     places = {first: grid.centre(first)}

@@ -17,6 +17,7 @@ from mission_tools.planning.exact_planner import water_of
 from mission_tools.planning.grid import Grid, occupancy
 
 Path: TypeAlias = tuple[Point, ...]
+Planner: TypeAlias = Callable[["Sea", Point, Point, int, "Deadline", float], Path]
 
 
 class NoPath(Exception):  # noqa: N818  (a planner's answer)
@@ -104,17 +105,21 @@ class Sea:
 
 
 def plan(
-    planner: Callable[[Sea, Point, Point, int, Deadline], Path],
+    planner: Planner,
     sea: Sea,
     start: Point,
     goal: Point,
     seed: int,
     budget_s: float,
+    effort: float = 1.0,
 ) -> Planned | Failed:
-    """Run a planner and check its path against the true shores: an invalid one is a failure."""
+    """Run a planner, and check its path against the true shores: an invalid one is a failure.
+
+    effort: its work, 1 is as usual.
+    """
     began_s = time.thread_time()
     try:
-        points = planner(sea, start, goal, seed, Deadline(budget_s))
+        points = planner(sea, start, goal, seed, Deadline(budget_s), effort)
     except NoPath as error:
         return Failed(str(error), time.thread_time() - began_s)
     cpu_s = time.thread_time() - began_s

@@ -6,6 +6,7 @@ OMPL's PRM grows by the wall clock in a thread of its own, so that a seed does n
 plain.
 """
 
+import math
 import random
 
 import numpy as np
@@ -17,25 +18,25 @@ from benchmarks.peers.interface import Deadline, NoPath, Path, Sea
 from companion.core.geo import Point, distance_m
 
 SAMPLES = 1200
-NEIGHBOURS = 29  # e (1 + 1/2) ln 1200: PRM*'s number (Karaman and Frazzoli, 2011)
 _TRIES = 60  # per sample
 
 
-def prm(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline) -> Path:
+def prm(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline, effort: float) -> Path:
     """Even samples of the free water, each joined to its nearest neighbours that it sees; the shortest way.
     Raises NoPath: the roadmap does not join start and goal.
     """
-    draw = random.Random(seed)
+    draw, samples = random.Random(seed), round(effort * SAMPLES)
+    neighbours = math.ceil(1.5 * math.e * math.log(samples))  # PRM*'s number (Karaman and Frazzoli, 2011)
     west, south, east, north = sea.bounds
     points = [start, goal]
-    for _ in range(SAMPLES * _TRIES):
-        if len(points) == SAMPLES + 2:
+    for _ in range(samples * _TRIES):
+        if len(points) == samples + 2:
             break
         at = Point(draw.uniform(south, north), draw.uniform(west, east))
         if sea.is_free(at):
             points.append(at)
         deadline.check()
-    _, nearest = cKDTree(np.array(points)).query(np.array(points), k=min(NEIGHBOURS + 1, len(points)))
+    _, nearest = cKDTree(np.array(points)).query(np.array(points), k=min(neighbours + 1, len(points)))
     legs = set()
     for here, row in enumerate(nearest.tolist()):
         deadline.check()

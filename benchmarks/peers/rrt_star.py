@@ -14,7 +14,7 @@ from companion.core.geo import Point
 ITERATIONS = 4000
 
 
-def rrt_star(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline) -> Path:
+def rrt_star(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline, effort: float) -> Path:
     """OMPL's RRT* with its own settings."""
     try:
         from ompl import base, geometric, util  # noqa: PLC0415  an optional peer
@@ -48,19 +48,19 @@ def rrt_star(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline)
     tree = geometric.RRTstar(information)
     tree.setProblemDefinition(problem)
     tree.setup()
-    iterations, is_late = 0, False
+    iterations, most, is_late = 0, round(effort * ITERATIONS), False
 
     def is_over() -> bool:
         nonlocal iterations, is_late
         iterations += 1
         is_late = is_late or deadline.is_over
-        return iterations > ITERATIONS or is_late
+        return iterations > most or is_late
 
     tree.solve(base.PlannerTerminationCondition(is_over))
     if is_late:
         raise NoPath("out of time")
     if not problem.hasExactSolution():
-        raise NoPath(f"no path after {ITERATIONS} iterations")
+        raise NoPath(f"no path after {most} iterations")
     path = problem.getSolutionPath()
     states = [path.getState(n) for n in range(path.getStateCount())]
     return (start, *(Point(state[0], state[1]) for state in states[1:-1]), goal)

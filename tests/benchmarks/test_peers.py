@@ -58,7 +58,9 @@ def test_without_a_way_or_in_no_time_every_planner_says_so(name: str) -> None:
     [(GOAL, "the path does not keep the clearance"), (START, "the path does not join start and goal")],
 )
 def test_a_path_over_a_rock_or_to_another_place_is_a_failure(end: Point, reason: str) -> None:
-    def straight_on(sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline) -> Path:
+    def straight_on(
+        sea: Sea, start: Point, goal: Point, seed: int, deadline: Deadline, effort: float
+    ) -> Path:
         return (start, end)
 
     found = plan(straight_on, Sea(basin(ROCK), 3.0), START, GOAL, 0, BUDGET_S)
