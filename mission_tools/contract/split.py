@@ -184,7 +184,11 @@ class _Work:
             while end < count and self._fits(first, end + 1):
                 end += 1
             if end == first:
-                raise BeyondRange(self._beyond(first))
+                at = self._planned.chart.frame.to_global(self._ends(first)[0])
+                raise BeyondRange(
+                    f"no pack takes the boat to {at.lat_deg:.6f},{at.lon_deg:.6f} and home with "
+                    f"{self._boat.margin:g} times the charge for the way home left: start nearer or skip it"
+                )
             parts, cuts, way_m, _ = best[first]
             cuts += first > 0 and pieces[first - 1].leg == pieces[first].leg
             way_m += out_m[first] - before_m[pieces[first].leg] - pieces[first].start_m
@@ -225,13 +229,6 @@ class _Work:
         holds_s = [hold_s for _, hold_s in route.waypoints[1:]]
         ways_m = ways_home_m(planned.chart, points, planned.clearance_m, self._ways_m)
         return budget_of(points, holds_s, ways_m, self._boat, planned.mission.speed_m_s, self._current)
-
-    def _beyond(self, number: int) -> str:
-        at = self._planned.chart.frame.to_global(self._ends(number)[0])
-        return (
-            f"no pack takes the boat to {at.lat_deg:.6f},{at.lon_deg:.6f} and home with "
-            f"{self._boat.margin:g} times the charge for the way home left: start nearer, or leave it out"
-        )
 
 
 def _legs_of(planned: PlannedMission) -> list[tuple[TaskLeg, bool]]:

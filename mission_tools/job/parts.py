@@ -40,7 +40,8 @@ def take_mission(planned: PlannedMission, request: Request, report: Report, say:
         say(f"saved {request.save}")
     elif request.save is not None:
         for n, part in parts.items():
-            path = request.save if request.resume is not None else part_path(request.save, n)
+            name = f"{request.save.stem}_{n}" if request.resume is None else request.save.stem
+            path = request.save.with_stem(name)
             save(part.mission, path, part)
             report.saved_parts[n] = path
             say(f"saved {path}")
@@ -64,11 +65,6 @@ def _resumed(found: "Split", resume: str, boat: "Boat", current: str | None) -> 
 
         part = rest_of(part.planned, int(item), boat, current)
     return {int(name): part}
-
-
-def part_path(path: Path, number: int) -> Path:
-    """The file of a part: survey_2.plan of survey.plan."""
-    return path.with_stem(f"{path.stem}_{number}")
 
 
 def check_part_names(path: Path, *, force: bool) -> None:

@@ -81,7 +81,7 @@ def test_every_piece_of_a_survey_is_in_exactly_one_part_and_each_part_comes_home
         points = part.planned.points
         assert distance_m(points[0], points[-1]) < 0.02
         assert distance_m(points[0], HOME) < 0.02
-        assert min(BASIN.leg_clearance_m(a, b) for a, b in pairwise(points)) > 3.99
+        assert min(BASIN.leg_clearance_m(a, b) for a, b in pairwise(points)) > 4.59  # clearance and margin
         again = planned_budget(part.planned, boat)
         assert again == part.budget
         assert again.suffices is True
@@ -139,13 +139,19 @@ PLACES = [
 ]
 
 
-@pytest.mark.parametrize("capacity_mah", [520.0, 600.0, 760.0, 1000.0])
+@pytest.mark.parametrize(
+    ("seed", "capacity_mah"), [(0, 520.0), (0, 760.0), (0, 1000.0), *((seed, 700.0) for seed in range(1, 6))]
+)
 def test_no_other_cut_of_the_same_order_has_fewer_parts_or_as_many_with_a_shorter_way(
-    capacity_mah: float,
+    seed: int, capacity_mah: float
 ) -> None:
-    boat = packed(capacity_mah)
-    found = split(toured(PLACES, 20.0), boat)
-    count, way_m = brute_force(PLACES, boat, 20.0)
+    boat, draw = packed(capacity_mah), np.random.default_rng(seed)
+    anywhere = [Point(*draw.uniform((10.0, 10.0), (210.0, 390.0))) for _ in range(12)]
+    room = BASIN.navigable.buffer(-6.0)
+    afloat = [at for at in anywhere if room.contains(shapely.Point(at.east_m, at.north_m))]
+    places = afloat[:6] if seed else PLACES
+    found = split(toured(places, 20.0), boat)
+    count, way_m = brute_force(places, boat, 20.0)
     assert len(found.parts) == count
     assert sum(part.budget.length_m for part in found.parts) == pytest.approx(way_m, abs=0.5)
 
@@ -204,6 +210,15 @@ def test_the_legs_of_a_mission_are_cut_and_its_speed_stays() -> None:
         assert part.planned.mission.items[0].command == Command.DO_CHANGE_SPEED
         assert part.planned.mission.speed_m_s == 1.5
         assert min(BASIN.leg_clearance_m(a, b) for a, b in pairwise(part.planned.points)) > 3.9
+
+
+def test_a_leg_that_is_cut_in_the_middle_is_held_at_once_at_its_end() -> None:
+    ways = [Point(n, e) for n in (15.0, 45.0, 75.0) for e in ((5.0, 895.0) if n != 45.0 else (895.0, 5.0))]
+    items = [MissionItem.at(FRAME.to_global(at), params=(7.0, 0.0, 0.0, 0.0)) for at in ways]
+    whole = replace(of_file(*items, home=Point(45.0, 450.0)), chart=basin(width_m=900.0, height_m=90.0))
+    found = split(whole, packed(1200.0))
+    assert len([leg for part in legs(found, ("track",)) for leg in part]) > len(ways) - 1
+    assert sum(leg.hold_s for part in legs(found, ("track", "transit")) for leg in part) == 7.0 * len(ways)
 
 
 def test_a_mission_that_cannot_be_cut_says_why() -> None:
