@@ -101,6 +101,12 @@ def test_what_is_made_of_a_travel_has_its_pace() -> None:
     assert not TravelTime(time.speed).varies
 
 
+def test_a_leg_of_no_length_costs_nothing_in_a_tide_too() -> None:
+    costs = leg_costs(TravelTime(BoatSpeed(1.0, 1.2), Tide()), [HERE, HERE], [HERE, THERE], 10.0, 50.0)
+    assert [part[0] for part in costs] == [0.0, 0.0]
+    assert costs[0][1] > 2000.0
+
+
 def test_a_travel_that_does_not_change_costs_the_same_whenever_it_begins() -> None:
     travel = TravelTime(BoatSpeed(1.0, 1.5))
     assert route_cost(travel, (HERE, THERE), 10.0, 1e9) == route_cost(travel, (HERE, THERE), 10.0) == 3000.0
