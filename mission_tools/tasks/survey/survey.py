@@ -5,6 +5,7 @@ them.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -33,6 +34,7 @@ from mission_tools.tasks.task_route import TaskLeg, TaskRoute, Transits, joined
 
 Array = NDArray[np.float64]
 LEAD_ERROR_M = 0.01  # as fine as positions go over the wire
+DETAIL_M = 0.1  # of the way round something: nearer waypoints are one
 LEAST_NOTED = 0.01  # of the water
 CORNER_INSET = 0.5 * math.sqrt(0.5)  # of the footprint: so near to an edge, its square corners are covered
 
@@ -269,7 +271,8 @@ def _clear_points(
             found = found or places[:1]
             is_whole = near and len(parts) == 1
             found += transits.route(places[0], places[-1])[1:] if is_whole else places[1:]
-    return tuple(found)
+    apart = [at for before, at in pairwise(found[:-1]) if distance_m(before, at) > DETAIL_M]
+    return (*found[:1], *apart, *found[1:][-1:])
 
 
 def _early(end: Point, other: Point, early_m: float) -> Point:

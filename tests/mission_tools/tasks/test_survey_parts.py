@@ -134,6 +134,23 @@ def test_passes_with_land_between_them_are_linked_only_where_all_else_is_far_lon
     assert linked([one, other], [0.0, 79.0], 1.0, water, 20.0) == [one]
 
 
+def test_passes_are_linked_over_ten_footprints_and_no_farther() -> None:
+    one, other = (Pass(shapely.get_coordinates(shapely.box(at, 0, at + 10, 10))) for at in (0, 110))
+    water = shapely.box(0, 0, 120, 10)
+    assert linked([one, other], [0.0, 999.0], 0.0, water, 10.1) == [one]
+    one.ways.clear()
+    assert linked([one, other], [0.0, 999.0], 0.0, water, 9.9) == [one, other]
+
+
+def test_a_piece_that_is_as_wide_as_the_footprint_has_a_spike_to_its_middle() -> None:
+    outer, _ = two_passes()
+    water = shapely.box(0.0, 0.0, 100.0, 100.0)
+    assert with_spikes([outer], [shapely.Point(50.0, 20.0).buffer(10.2)], water, 20.0) == []
+    ((_, tip),) = outer.ways
+    assert isinstance(tip, np.ndarray)
+    assert tip == pytest.approx([50.0, 20.0], abs=0.05)
+
+
 def test_a_spike_reaches_just_far_enough_to_cover_its_piece() -> None:
     outer, _ = two_passes()
     piece = shapely.Point(50.0, 14.0).buffer(2.0)
