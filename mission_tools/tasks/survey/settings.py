@@ -11,7 +11,7 @@ from mission_tools.tasks.survey.patterns import PatternName
 
 MOST_OVERLAP = 0.9
 BOAT_TURN_RADIUS_M = 0.0
-SHORE_PASSES = 6  # the fewest at most 15 % longer than plain lines: `python -m benchmarks survey`
+SHORE_PASSES = 6  # one more than just keeps lakes within 15 % of plain lines: docs/tasks.md
 
 
 @dataclass(frozen=True, slots=True)
