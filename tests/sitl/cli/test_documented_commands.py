@@ -34,8 +34,9 @@ PROGRAMS: dict[str, Callable[[list[str]], int]] = {
     "mission-trace": trace_command.run_program,
 }
 COMMAND = re.compile(r"^ {4,}(?:\.venv/bin/)?((?:boat-sitl|mission-\w+|make demo)\b.*)$")
-# Where each command of the emulator goes to work: everything before that is done here
+# Where each command that needs minutes or logs goes to work: everything before that is done here
 AT_WORK = {
+    "--learn": "mission_tools.costs.learned_draw.learn_draw",
     "serve": "sitl.cli.serve.start_fleet",
     "sail": "sitl.cli.sail._run",
     "campaign": "sitl.cli.campaign.ResultLog",
@@ -62,6 +63,7 @@ def clone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The working folder: with the examples and without anything that a command would have made."""
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     (tmp_path / "out").mkdir()
+    (tmp_path / "boat.toml").touch()
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
 
@@ -82,12 +84,12 @@ def follow(command: str) -> None:
             route = ["--start-at", given["START"], "--goal", given["GOAL"], "--dry-run"]
             assert upload_cli.run_program([given["MAP"], *route]) == 0
         return
-    if name != "boat-sitl":
+    if name != "boat-sitl" and "--learn" not in arguments:
         extra = ["--dry-run"] if name == "mission-upload" and "--dry-run" not in arguments else []
         assert PROGRAMS[name]([*arguments, *extra]) == 0
         return
     with pytest.raises(AtWorkError):
-        run_sitl(["--debug", *arguments])
+        PROGRAMS[name](["--debug", *arguments])
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if commands(page)], ids=lambda page: page.stem)
