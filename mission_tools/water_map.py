@@ -8,8 +8,9 @@ from typing import Any, Literal, TypeAlias
 
 from companion.core.geo import LatLon, Point
 from mission_tools.assembly.areas import parse_areas
+from mission_tools.assembly.map_source import MapSource
 from mission_tools.assembly.plan_options import PlanOptions, Via
-from mission_tools.assembly.planned_mission import MapSource, PlannedMission
+from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.assembly.planned_task import WHOLE_WATER, SurveyArea, survey_area
 from mission_tools.errors import MapError, UsageError
 from mission_tools.maps import Source, load_source

@@ -14,31 +14,26 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from companion.core.geo import Point, bearing_rad, distance_m, path_length_m
-from companion.core.units import wrap_pi
+from companion.core.geo import Point, distance_m, path_length_m
 from mission_tools.assembly.planned_mission import PlannedMission
+from mission_tools.contract.ways_home import home_along_m, ways_home_m
 from mission_tools.costs.boat import Boat, load_boat
 from mission_tools.costs.current import STILL_WATER, Current
 from mission_tools.costs.current_source import open_current
 from mission_tools.costs.departure import Departure
 from mission_tools.costs.legs import route_costs
+from mission_tools.costs.manoeuvres import manoeuvres_s, turns_rad
 from mission_tools.costs.travel import Floats, Travel, TravelTime
 from mission_tools.errors import BeyondRange, NoRoute, UsageError
-from mission_tools.maps.chart import Chart
-from mission_tools.planning.exact_planner import water_of
-from mission_tools.tasks.task_route import ROUNDING
 from mission_tools.wording import distance, duration
 
 STEPS = 200
 """The route is looked at in at most this many places more than it has points."""
-TURN_LOSS = 0.7
-"""Share of the time that a turn takes at the boat's full turn rate that a corner costs beside its fillet."""
 TURN_DRAW_S = 4.0
-"""A turn by one radian draws what the motors draw in so many seconds at cruise. Both are from an emulated
-survey with 45 sharp corners (lake boat)."""
+"""A turn by one radian draws what the motors draw in so many seconds at cruise (an emulated survey with 45
+sharp corners, lake boat)."""
 LEARN_S = 30.0
 """Over so long the boat averages what sailing draws (`Endurance.learn`)."""
-GAINING_SHARE = 1.5  # as the boat's speed profile: it gains speed half as fast again as it loses it
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,8 +136,8 @@ def budget_of(
         there = slice(first, first + 1)
         _, *flow = _flow(starts[there], ends[there], current, when_s[there])
         raise NoRoute(f"leg {int(legs[first]) + 1} cannot be sailed {speed.too_strong(*flow)}")
-    turns = _turns_rad(points)
-    extra_s, under_way = _manoeuvres_s(turns, holds_s, boat, speed.over_ground_m_s)
+    turns = turns_rad(points)
+    extra_s, under_way = manoeuvres_s(turns, holds_s, boat, speed.over_ground_m_s)
     north, east = current.at(ends[:, 0], ends[:, 1], when_s[1:])
     plain_mah = mah.copy()
     time_s[last] += np.array(extra_s)
@@ -158,7 +153,7 @@ def budget_of(
     mah[last] += np.array(holds_s) * np.array(held_a) / 3.6
     along_m = np.concatenate(([0.0], np.cumsum(lengths_m)))
     left_mah = boat.usable_mah - np.concatenate(([0.0], np.cumsum(mah)))
-    home_m = _between(points, ways_home_m, at, legs)
+    home_m = home_along_m(points, ways_home_m, at, legs)
     home_s, home_mah = _homeward(at, home_m, points[0], boat, speed_m_s, current, when_s)
     is_known = boat.knows_its_draw
     beyond = left_mah < boat.margin * believed * home_mah - 1e-9 if is_known else np.isinf(home_s)
@@ -179,31 +174,6 @@ def budget_of(
         under_way_s=tuple((np.cumsum(time_s)[last] - np.array(holds_s)).tolist()),
         drawn_mah=tuple(np.cumsum(mah)[last].tolist()) if is_known else (),
     )
-
-
-def ways_home_m(
-    chart: Chart, points: Sequence[Point], clearance_m: float, known_m: dict[Point, float] | None = None
-) -> list[float]:
-    """How far it is home from each point of a route by water; the first is home.
-
-    The shortest way with the clearance. A home without it is left for the nearest water that has it, and from
-    a point without it the way leads along the route to one that has it. known_m: of earlier points, with the
-    same home; it is added to.
-    """
-    home, routes = points[0], water_of(chart).routes(clearance_m * (1.0 - ROUNDING))
-    afloat = home if routes.is_free(home) else next(routes.exits(home), home)
-    known_m = {} if known_m is None else known_m
-    new = [point for point in dict.fromkeys(points) if point not in known_m]
-    off_m = distance_m(home, afloat)
-    known_m |= {at: off_m + m for at, m in zip(new, routes.lengths_m(afloat, new), strict=True)}
-    found = [known_m[point] for point in points]
-    found[0] = 0.0
-    legs_m = [distance_m(a, b) for a, b in pairwise(points)]
-    for n, leg_m in enumerate(legs_m):
-        found[n + 1] = min(found[n + 1], found[n] + leg_m)
-    for n in range(len(legs_m) - 1, -1, -1):
-        found[n] = min(found[n], found[n + 1] + legs_m[n])
-    return found
 
 
 def _stations(points: Sequence[Point]) -> tuple[Floats, Floats]:
@@ -286,57 +256,6 @@ def _believed(time_s: Floats, mah: Floats, plain_mah: Floats) -> Floats:
         drawn_mah, needed_mah = kept * drawn_mah + piece_mah, kept * needed_mah + straight_mah
         found.append(drawn_mah / needed_mah if needed_mah > 0.0 else 1.0)
     return np.array(found)
-
-
-def _between(points: Sequence[Point], ways_m: Sequence[float], at: Floats, legs: Floats) -> Floats:
-    """The way home from every place: by the nearer of the leg's two ends, and 0 at home."""
-    found = [ways_m[0]]
-    for (north_m, east_m), leg in zip(at[1:], legs, strict=True):
-        n = int(leg)
-        here = Point(float(north_m), float(east_m))
-        found.append(min(distance_m(here, points[i]) + ways_m[i] for i in (n, n + 1)))
-    return np.array(found)
-
-
-def _turns_rad(points: Sequence[Point]) -> list[float]:
-    """At the end of each leg; 0 at the last."""
-    found = []
-    for a, b, c in zip(points, points[1:], points[2:], strict=False):
-        is_turn = b not in (a, c)
-        found.append(abs(wrap_pi(bearing_rad(b, c) - bearing_rad(a, b))) if is_turn else 0.0)
-    return [*found, 0.0]
-
-
-def _manoeuvres_s(
-    turns_rad: Sequence[float], holds_s: Sequence[float], boat: Boat, speed_m_s: float
-) -> tuple[list[float], list[bool]]:
-    """Time lost at the end of each leg: in its corner, and by a stop; the start is in the first. And whether
-    the boat keeps steerage way meanwhile. The mission ends at the waypoint's radius, under way.
-    """
-    stop_s2_m = 1.0 / boat.accel_m_s2
-    both_s2_m = (1.0 + 1.0 / GAINING_SHARE) / boat.accel_m_s2
-    lost, under_way = [], []
-    for n, (turn, hold_s) in enumerate(zip(turns_rad, holds_s, strict=True), start=1):
-        is_last = n == len(turns_rad)
-        if hold_s > 0.0:
-            slowest = 0.0
-        elif is_last:
-            slowest = min(speed_m_s, math.sqrt(2.0 * boat.accel_m_s2 * boat.waypoint_radius_m))
-        else:
-            slack = 1.0 / max(math.cos(0.5 * turn), 1e-3) - 1.0  # of a fillet, per metre of its radius
-            radius_m = boat.waypoint_radius_m / max(slack, 1e-9)
-            slowest = min(speed_m_s, math.sqrt(boat.corner_accel_m_s2 * radius_m))
-        slowing_s = (speed_m_s - slowest) ** 2 / (2.0 * speed_m_s) * (stop_s2_m if is_last else both_s2_m)
-        is_on_the_spot = slowest < boat.slowest_m_s
-        rate_rad_s = boat.turn_rate_rad_s
-        if boat.least_radius_m > 0.0:
-            rate_rad_s = min(rate_rad_s, max(slowest, boat.slowest_m_s) / boat.least_radius_m)
-        turning_s = (1.0 if is_on_the_spot else TURN_LOSS) * turn / rate_rad_s
-        ahead_s = boat.waypoint_radius_m / speed_m_s if is_last and not hold_s > 0.0 else 0.0
-        lost.append(slowing_s + turning_s - ahead_s)
-        under_way.append(not is_on_the_spot)
-    lost[0] += 0.5 * speed_m_s / (GAINING_SHARE * boat.accel_m_s2)
-    return lost, under_way
 
 
 def planned_budget(planned: PlannedMission, boat: Boat | str, current: Current | str | None = None) -> Budget:

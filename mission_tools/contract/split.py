@@ -17,7 +17,8 @@ import numpy as np
 
 from companion.core.geo import Point, distance_m, path_length_m
 from mission_tools.assembly.planned_mission import PlannedMission
-from mission_tools.contract.budget import Budget, budget_of, planned_budget, ways_home_m
+from mission_tools.contract.budget import Budget, budget_of, planned_budget
+from mission_tools.contract.ways_home import ways_home_m
 from mission_tools.costs.boat import Boat, load_boat
 from mission_tools.costs.current import STILL_WATER, Current
 from mission_tools.costs.current_source import open_current

@@ -1,8 +1,8 @@
 """The job of `mission-plan` and `mission-upload`: plan, write files, hand over to the session."""
 
 from mission_tools.assembly.areas import NO_AREAS, Areas, open_areas
+from mission_tools.assembly.open_source import open_source
 from mission_tools.assembly.plan_options import PlanOptions
-from mission_tools.assembly.planned_mission import open_source
 from mission_tools.errors import UsageError
 from mission_tools.job.parts import check_part_names, take_mission
 from mission_tools.job.planned import Report, Request, check_outputs, draw

@@ -5,7 +5,9 @@ import time
 from contextlib import AsyncExitStack
 
 from mission_tools.assembly.areas import Areas
-from mission_tools.assembly.planned_mission import MapSource, MissionFile, PlannedMission
+from mission_tools.assembly.map_source import MapSource
+from mission_tools.assembly.open_source import MissionFile
+from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.contract.diff import diff
 from mission_tools.errors import NoVehicle
 from mission_tools.job.parts import take_mission

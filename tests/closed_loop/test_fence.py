@@ -14,8 +14,8 @@ from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.transfer import Completed
 from mission_tools.assembly.areas import open_areas
+from mission_tools.assembly.open_source import open_source
 from mission_tools.assembly.plan_options import PlanOptions
-from mission_tools.assembly.planned_mission import open_source
 
 ONTO_IT = ("environment.current_m_s=0.5", "environment.current_to_deg=0.0")
 ROUND = "The way to the mission leads round the shore"

@@ -11,9 +11,11 @@ import shapely
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from mission_tools.assembly.areas import Areas
 from mission_tools.assembly.check import check_mission
+from mission_tools.assembly.map_source import MapSource
+from mission_tools.assembly.open_source import MissionFile
 from mission_tools.assembly.plan_options import PlanOptions
 from mission_tools.assembly.planned_costs import _between_stops
-from mission_tools.assembly.planned_mission import MapSource, MissionFile, PlannedMission
+from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.errors import MapError, UsageError
 from mission_tools.maps import Feature, RouteDefaults, Source, build_chart
 from mission_tools.maps.fenced import fenced

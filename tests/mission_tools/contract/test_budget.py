@@ -11,9 +11,10 @@ import shapely
 from companion.config.boat_config import BoatConfig
 from companion.core.errors import ConfigError
 from companion.core.geo import LatLon, LocalFrame, Point
+from mission_tools.assembly.map_source import MapSource
 from mission_tools.assembly.plan_options import PlanOptions
-from mission_tools.assembly.planned_mission import MapSource
-from mission_tools.contract.budget import Budget, budget_of, planned_budget, ways_home_m
+from mission_tools.contract.budget import Budget, budget_of, planned_budget
+from mission_tools.contract.ways_home import ways_home_m
 from mission_tools.costs.boat import Boat, load_boat
 from mission_tools.costs.current import Current, River, UniformCurrent
 from mission_tools.costs.current_source import open_current

@@ -12,8 +12,10 @@ import shapely
 from task_waters import FRAME, basin
 
 from companion.core.geo import LatLon, Point, distance_m, path_length_m
+from mission_tools.assembly.map_source import MapSource
+from mission_tools.assembly.open_source import open_source
 from mission_tools.assembly.plan_options import PlanOptions, Via
-from mission_tools.assembly.planned_mission import MapSource, PlannedMission, open_source
+from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.contract.budget import planned_budget
 from mission_tools.contract.split import HEADROOM, Split, split
 from mission_tools.costs.boat import Boat, load_boat

@@ -17,8 +17,10 @@ from companion.config.tuning import FenceSetting
 from companion.core.geo import LatLon, LocalFrame, Point, distance_m
 from companion.geofence import fence as aboard
 from companion.mavlink.items import MissionItem
+from mission_tools.assembly.map_source import MapSource
+from mission_tools.assembly.open_source import MissionFile
 from mission_tools.assembly.plan_options import PlanOptions
-from mission_tools.assembly.planned_mission import MapSource, MissionFile, PlannedMission
+from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.contract.water_contract import fence_lines, fence_of_water, rally_points, with_contract
 from mission_tools.costs.boat import Boat, load_boat
 from mission_tools.errors import NoRoute, UsageError

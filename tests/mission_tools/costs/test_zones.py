@@ -8,8 +8,8 @@ import pytest
 import shapely
 
 from companion.core.geo import LatLon, LocalFrame, Point
+from mission_tools.assembly.open_source import open_source
 from mission_tools.assembly.plan_options import PlanOptions
-from mission_tools.assembly.planned_mission import open_source
 from mission_tools.assembly.zone_speeds import mission_in_zones
 from mission_tools.costs.travel import SpeedZone, speed_zones
 from mission_tools.errors import MapError, UsageError

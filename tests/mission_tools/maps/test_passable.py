@@ -8,8 +8,8 @@ import pytest
 from drawn_maps import FRAME, Json, box, chart_of, collection, feature, positions
 
 from companion.core.geo import Point
+from mission_tools.assembly.open_source import open_source
 from mission_tools.assembly.plan_options import PlanOptions
-from mission_tools.assembly.planned_mission import open_source
 from mission_tools.errors import MapError, NoRoute, NoRouteError, UsageError
 from mission_tools.maps.passable import BoatSize, passable
 
