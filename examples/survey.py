@@ -1,8 +1,8 @@
 """A survey from plan to picture: `make survey`.
 
-Plans parallel tracks over the water of a scenario, lets the emulated boat sail them in lockstep, and measures
-what its true track really covered: a table, out/survey.png and out/survey.json. The same seed gives the same
-result.
+Plans passes and tracks over the water of a scenario, lets the emulated boat sail them in lockstep, and
+measures what its true track really covered: a table, out/survey.png and out/survey.json. The same seed gives
+the same result.
 
     make survey
     make survey FOOTPRINT=40 SEED=7

@@ -118,7 +118,7 @@ class WaterMap:
         clearance_m: float | None = None,
         speed_m_s: float | None = None,
     ) -> RoutePlan:
-        """Parallel tracks over an area: GeoJSON as a dict, a file, or None for the whole water.
+        """Cover an area, GeoJSON as a dict, a file, or None for all, by passes along the shores and tracks.
 
         Two of spacing_m (between tracks), footprint_m (the width that the sensor covers) and overlap (a share
         of it) give the third. angle_deg: course of the tracks, None: the one with the fewest turns. cross_m:

@@ -61,7 +61,9 @@ def add_tasks(parser: Parser) -> None:
     group.add_argument("--return", action="store_true", help="back to the start at the end")
     group.add_argument("--hold", type=number, metavar="S", help="hold this long at every --via and the goal")
     group.add_argument(
-        "--survey", metavar="FILE", help="parallel tracks over the area in FILE (all: the whole water)"
+        "--survey",
+        metavar="FILE",
+        help="passes along the shores and parallel tracks over the area in FILE (all: the whole water)",
     )
     group.add_argument("--spacing", type=number, metavar="M", help="of a survey: between tracks")
     group.add_argument("--footprint", type=number, metavar="M", help="of a survey: width the sensor covers")
@@ -76,7 +78,7 @@ def add_tasks(parser: Parser) -> None:
         "--shore-passes",
         type=int,
         metavar="N",
-        help="of a survey: so often along the shores (0: tracks only) [6; with --angle 1]",
+        help="of a survey: so often along the shores (0: tracks only) [6, or 1 with --angle or --lead]",
     )
     group.add_argument(
         "--turn-radius",

@@ -1,5 +1,5 @@
-"""A survey: parallel tracks that cover an area of water, a pass along its shore, and the transits that join
-them.
+"""A survey: passes along the shores of an area of water, parallel tracks over the rest, and the transits that
+join them.
 """
 
 import math
