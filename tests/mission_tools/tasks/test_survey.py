@@ -86,6 +86,30 @@ def test_an_island_splits_the_tracks_into_four_cells() -> None:
     assert sorted(map(len, laid.cells)) == [2, 2, 4, 4]
 
 
+def test_only_tracks_whose_water_meets_between_them_share_a_cell() -> None:
+    corner = shapely.union(shapely.box(0.0, 0.0, 8.0, 30.0), shapely.box(0.0, 0.0, 20.0, 4.0))
+    laid = lay_tracks([corner, shapely.box(11.0, 20.0, 20.0, 30.0)], 0.0, 10.0, 10.0)
+    assert sorted(map(len, laid.cells)) == [1, 2]
+
+
+def test_a_track_without_room_goes_through_the_nearest_place_that_has_it() -> None:
+    water, room = shapely.box(0.0, 0.0, 10.0, 2.0), shapely.box(6.0, -5.0, 20.0, 20.0)
+    (track,) = lay_tracks([water], 0.0, 10.0, 10.0, room).tracks
+    assert (track.across_m, track.low_m, track.high_m) == pytest.approx((6.0, 0.0, 2.0))
+    room = shapely.box(6.0, 2.5, 20.0, 20.0)
+    (track,) = lay_tracks([water], 0.0, 10.0, 10.0, room).tracks
+    assert (track.across_m, track.low_m, track.high_m) == pytest.approx((6.0, 2.5, 2.5))
+
+
+def test_no_way_on_leads_back_along_a_pass() -> None:
+    legs = survey(basin(ISLAND), Point(10.0, 10.0), SETTINGS).route.legs
+    assert any(leg.kind == "shore" and len(leg.points) > 2 for leg in legs)
+    for leg, onward in pairwise(legs):
+        if leg.kind == "shore":
+            assert onward.points[0] == leg.points[-1]
+            assert onward.points[-1] not in leg.points
+
+
 def test_an_area_half_on_land_is_surveyed_where_there_is_water() -> None:
     chart = basin(ISLAND)
     area = shapely.box(60.0, 30.0, 120.0, 130.0)

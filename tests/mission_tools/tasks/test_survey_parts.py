@@ -1,4 +1,4 @@
-"""The parts of a survey by themselves: order, lower bound, metric, shore pass, coverage."""
+"""The parts of a survey by themselves: order, metric, passes along the shore, what joins them, coverage."""
 
 from collections.abc import Callable, Sequence
 from itertools import combinations, pairwise, permutations, product
@@ -14,7 +14,7 @@ from task_waters import basin
 from companion.core.geo import Point
 from mission_tools.maps.chart import Chart
 from mission_tools.planning.planner import PlanSettings
-from mission_tools.tasks.room import simplified, water_clear_of_shores
+from mission_tools.tasks.room import polygons, simplified, water_clear_of_shores
 from mission_tools.tasks.survey.coverage import coverage, sample_points, way_lengths_m
 from mission_tools.tasks.survey.postman import Pass, Visit, linked, with_chains, with_spikes
 from mission_tools.tasks.survey.sequence import Mode, best_sequence
@@ -212,6 +212,12 @@ def test_a_ring_is_simplified_within_its_error_and_never_nearer_than_the_clearan
     kept = simplified(ring, island.exterior, 4.999, 1.0)
     assert shapely.LineString(kept).distance(island) >= 4.98
     assert len(kept) > len(few)
+
+
+def test_polygons_of_collections_in_collections_are_found() -> None:
+    piece, line = shapely.box(0.0, 0.0, 1.0, 1.0), shapely.LineString([(0.0, 0.0), (1.0, 1.0)])
+    nested = shapely.GeometryCollection([shapely.GeometryCollection([piece, line]), line])
+    assert polygons(nested) == [piece]
 
 
 def test_coverage_is_the_share_of_the_area() -> None:
