@@ -13,7 +13,7 @@ from mission_tools.costs.cheapest import _STEPS as STEPS
 from mission_tools.costs.cheapest import _lattice, _search, cheapest_route
 from mission_tools.costs.current import River
 from mission_tools.costs.legs import route_cost
-from mission_tools.costs.polish import _with_middles
+from mission_tools.costs.polish import Polish, _with_middles
 from mission_tools.costs.travel import BoatSpeed, Floats, InZones, OpenWater, SpeedZone, TravelTime
 from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart, Feature, build_chart
@@ -188,3 +188,29 @@ def test_a_start_at_the_jetty_keeps_its_way_out() -> None:
     found = cheapest_route(chart, direct, CLEARANCE_M, TravelTime(BoatSpeed(1.2, 1.5), RIVER))
     assert found.points[:2] == direct[:2]
     assert keeps_clear(chart, found.points[1:])
+
+
+def test_corners_move_only_where_both_their_legs_are_clear() -> None:
+    chart = channel(shapely.box(150.0, 10.0, 250.0, 40.0))
+    polish = Polish(chart, CLEARANCE_M, TravelTime(BoatSpeed(1.5, 1.6)), 2.0)
+    loose = (Point(20.0, 10.0), Point(55.0, 140.0), Point(55.0, 260.0), Point(20.0, 390.0))
+    taut = polish.improved(loose)
+    assert polish.is_sailable(taut)
+    assert polish.cost(taut) < polish.cost(loose)
+    exact_m = path_length_m(shortest(chart, loose[0], loose[-1]))
+    assert exact_m <= path_length_m(taut) <= 1.02 * exact_m
+
+
+def test_the_lattice_keeps_the_clearance_that_a_feature_asks_for_itself() -> None:
+    rock = shapely.box(190.0, 25.0, 210.0, 35.0)
+    rows = []
+    for own_m in (9.0, 1.0):
+        feature = Feature("rock", "obstacle", rock, {"clearance_m": own_m})
+        chart = build_chart("river", FRAME, shapely.box(0.0, 0.0, 400.0, 60.0), [feature])
+        grid = _lattice(chart, (Point(30.0, 10.0), Point(30.0, 390.0)), CLEARANCE_M)
+        east_m, north_m = grid.centres()
+        row, column = np.nonzero(grid.free)
+        off_m = shapely.distance(shapely.points(east_m[column], north_m[row]), rock)
+        rows.append(off_m.min())
+    assert 9.0 <= rows[0] < 11.0
+    assert CLEARANCE_M <= rows[1] < 6.5
