@@ -190,6 +190,6 @@ def described(found: "Survey") -> str:
     """A survey in a line."""
     course_deg = math.degrees(found.course_rad) % 180.0
     return (
-        f"survey: {found.tracks} tracks {distance(found.spacing_m)} apart on {course_deg:.0f}°, "
+        f"survey: lines {distance(found.spacing_m)} apart, {found.tracks} tracks on {course_deg:.0f}°, "
         f"{100.0 * found.coverage:.1f} % of the area covered"
     )

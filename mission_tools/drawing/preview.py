@@ -57,7 +57,7 @@ def _subtitle(planned: PlannedMission, monitor: MissionMonitor | None) -> str:
         said += f", clearance {planned.clearance_m:g} m"
     if planned.survey is not None:
         survey = planned.survey
-        said += f"; {survey.tracks} tracks {distance(survey.spacing_m)} apart"
+        said += f"; lines {distance(survey.spacing_m)} apart"
         said += f", {100.0 * survey.coverage:.1f} % covered"
     if planned.timetable is not None:
         said += f"; {planned.timetable.span}"
