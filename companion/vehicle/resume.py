@@ -12,7 +12,7 @@ from companion.core.modes import Mode
 from companion.core.requests import Arm, ChangeMode, SetHome
 from companion.core.status_text import Severity
 from companion.core.storage import Storage
-from companion.vehicle.mission.progress import LeftLeg
+from companion.vehicle.mission.left_leg import LeftLeg
 from companion.vehicle.track_record import TrackRecord
 from companion.vehicle.vehicle import Vehicle
 from companion.vehicle.voyage_record import Voyage, VoyageRecord, plan_id

@@ -5,7 +5,6 @@ second one begins. After a condition they wait, and are dropped if the leg ends 
 """
 
 import math
-from typing import NamedTuple
 
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon, Line, LocalFrame, Point
@@ -15,19 +14,13 @@ from companion.guidance.leg import Leg
 from companion.payload.actions import PayloadAction
 from companion.vehicle.mission import steps
 from companion.vehicle.mission.conditions import ConditionalCommand
+from companion.vehicle.mission.left_leg import LeftLeg
 from companion.vehicle.mission.route import MissionRoute
 from companion.vehicle.mission.stationary_items import StationaryItem, StationaryStep
 from companion.vehicle.mission.steps import Mission, Step, locate
 from companion.vehicle.orbit import Orbit
 
 _STEPS_A_TICK = 100  # bounds a loop of items without a leg
-
-
-class LeftLeg(NamedTuple):
-    """A leg that was interrupted. place: where the boat comes back to it; None: it joins the line."""
-
-    start: LatLon
-    place: LatLon | None
 
 
 class MissionProgress:
@@ -114,9 +107,7 @@ class MissionProgress:
         """The charge calls the boat home: the mission goes on from here on its leg."""
         line = self.leg_line()
         if line is not None and not self._is_loose:
-            share = line.along_and_cross_track_m(here)[0] / max(line.length_m, 1e-9)
-            place = line.start.towards(line.end, min(max(share, 0.0), 1.0))
-            self.left = LeftLeg(frame.to_global(line.start), frame.to_global(place))
+            self.left = LeftLeg.at(line, here, frame)
 
     def restore(self, seq: int, left: LeftLeg | None, speed_m_s: float | None, jumps: dict[int, int]) -> bool:
         """Restore an interrupted voyage: its item and leg. False if there is no such item."""

@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.intent import FollowCircle, FollowLeg, Intent, KeepStation
-from companion.vehicle.mission.progress import LeftLeg, MissionProgress
+from companion.vehicle.mission.left_leg import LeftLeg
+from companion.vehicle.mission.progress import MissionProgress
 from companion.vehicle.mission.steps import (
     AfterDelay,
     GoRound,
