@@ -27,6 +27,7 @@ from mission_tools.costs.time_search import LONGEST_WAIT_S, cheapest_cells
 from mission_tools.costs.travel import Travel
 from mission_tools.errors import NoRoute
 from mission_tools.maps.chart import Chart
+from mission_tools.planning.astar import walk_back
 from mission_tools.planning.exact_planner import own_clearances
 from mission_tools.planning.grid import Grid, occupancy
 
@@ -167,10 +168,7 @@ def _search(
     cost_to, before = dijkstra(graph, indices=first, return_predecessors=True)
     if not math.isfinite(cost_to[last]):
         return None
-    cells = [last]
-    while cells[-1] != first:
-        cells.append(int(before[cells[-1]]))
-    return (start, *(grid.centre(cell) for cell in reversed(cells)), goal), depart_s
+    return (start, *map(grid.centre, walk_back(before, first, last)), goal), depart_s
 
 
 def _nearest_cell(grid: Grid, place: Point, is_clear: Callable[[Point, Point], bool]) -> int | None:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mission_tools.costs.travel import Travel
+from mission_tools.planning.astar import walk_back
 from mission_tools.planning.grid import Grid
 
 WAIT_STEP_S, WAIT_SHARE = 60.0, 0.02
@@ -24,7 +25,7 @@ LONGEST_WAIT_S = 18.0 * 3600.0
 
 def cheapest_cells(
     grid: Grid, travel: Travel, steps: Sequence[tuple[int, int]], first: int, last: int, depart_s: float
-) -> tuple[list[int], float] | None:
+) -> tuple[tuple[int, ...], float] | None:
     """The path and its arrival, waits included; None if there is none. steps: rows and columns."""
     rows, columns = grid.free.shape
     east, north = grid.centres()
@@ -61,6 +62,7 @@ def cheapest_cells(
             due[band[waits]] = cost[band[waits]] + waited_s[waits] + step_s
         tail, which = np.nonzero(better)
         # Dearest first: of several to one head the last stays
+        # Of several to one head the last stays
         dearest_first = np.argsort(-found[tail, which], kind="stable")
         tail, which = tail[dearest_first], which[dearest_first]
         head = heads[tail, which]
@@ -69,7 +71,4 @@ def cheapest_cells(
         before[head] = band[tail]
     if not math.isfinite(cost[last]):
         return None
-    cells = [last]
-    while cells[-1] != first:
-        cells.append(int(before[cells[-1]]))
-    return cells[::-1], float(time_s[last])
+    return walk_back(before, first, last), float(time_s[last])

@@ -65,7 +65,7 @@ def astar(expansion: EightNeighbours, estimates: Sequence[int], start: int, goal
             continue  # stale: closed since, or pushed again with a lower G
         expanded += 1
         if cell == goal:
-            return SearchResult(_walk_back(parent, start, goal), g, expanded)
+            return SearchResult(walk_back(parent, start, goal), g, expanded)
         open_g[cell] = _CLOSED
         for delta, cost in moves(cell):
             successor = cell + delta
@@ -81,10 +81,11 @@ def astar(expansion: EightNeighbours, estimates: Sequence[int], start: int, goal
     raise NoRoute(f"no route: all {expanded} cells that can be reached were looked at")
 
 
-def _walk_back(parent: Sequence[int], start: int, goal: int) -> tuple[int, ...]:
+def walk_back(parent: Sequence[int] | NDArray[np.intp], start: int, goal: int) -> tuple[int, ...]:
+    """The cells from start to goal. parent: for each cell the one before it."""
     cells = [goal]
     while cells[-1] != start:
-        cells.append(parent[cells[-1]])
+        cells.append(int(parent[cells[-1]]))
     return tuple(reversed(cells))
 
 
