@@ -86,7 +86,7 @@ def main() -> int:
     out.mkdir(parents=True, exist_ok=True)
     write_text(out / "survey.json", json.dumps(figures | {"run": asdict(sailed.result)}, indent=2) + "\n")
     subtitle = (
-        f"{figures['tracks']} tracks {figures['spacing_m']:.3g} m apart, footprint {settings.swath_m:g} m, "
+        f"lines {figures['spacing_m']:.3g} m apart, footprint {settings.swath_m:g} m, "
         f"seed {scenario.seed}: {sailed.coverage:.2%} covered in {figures['time_s'] / 3600.0:.1f} h, "
         f"{figures['sailed_m'] / 1000.0:.1f} km sailed"
     )

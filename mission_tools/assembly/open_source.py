@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from companion.core.geo import LatLon, LocalFrame
 from mission_tools.assembly.areas import NO_AREAS, Areas
@@ -15,9 +14,6 @@ from mission_tools.maps import build_chart, load_source
 from mission_tools.mission.mission import Mission
 from mission_tools.mission.plan_file import MISSION_SUFFIXES, load_mission
 from mission_tools.mission.route import with_speed
-
-if TYPE_CHECKING:
-    pass
 
 NO_MAP = "none"
 _OF_FILES = (

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from companion.core.geo import Point, distance_m, path_length_m
 from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.contract.ways_home import home_along_m, ways_home_m
-from mission_tools.costs.boat import Boat, load_boat
+from mission_tools.costs.boat import NO_DRAW, Boat, load_boat
 from mission_tools.costs.current import STILL_WATER, Current
 from mission_tools.costs.current_source import open_current
 from mission_tools.costs.departure import Departure
@@ -74,10 +74,7 @@ class Budget:
         if math.isfinite(self.home_s):
             home = f"home from there {distance(self.home_m)}, {duration(self.home_s)}"
         if math.isnan(self.charge_mah):
-            return [
-                f"{said}; {home}; no charge: set battery.cruise_a or battery.draw, what the boat draws, "
-                "in its file"
-            ]
+            return [f"{said}; {home}; no charge: {NO_DRAW}"]
         out = f"{said}, {self.charge_mah:.0f} of {self.usable_mah:.0f} mAh"
         if math.isinf(self.home_s):
             out += f"; {home}"

@@ -19,7 +19,7 @@ from companion.core.geo import Point, distance_m, path_length_m
 from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.contract.budget import Budget, budget_of, planned_budget
 from mission_tools.contract.ways_home import ways_home_m
-from mission_tools.costs.boat import Boat, load_boat
+from mission_tools.costs.boat import NO_DRAW, Boat, load_boat
 from mission_tools.costs.current import STILL_WATER, Current
 from mission_tools.costs.current_source import open_current
 from mission_tools.errors import BeyondRange, UsageError
@@ -75,7 +75,7 @@ def split(planned: PlannedMission, boat: Boat | str, current: Current | str | No
     boat = load_boat(boat) if isinstance(boat, str) else boat
     current = open_current(current, planned.chart.frame) if isinstance(current, str) else current
     if not boat.knows_its_draw:
-        raise UsageError("--split: set battery.cruise_a or battery.draw, what the boat draws, in its file")
+        raise UsageError(f"--split: {NO_DRAW}")
     if current is not None and current.times is not None:
         raise UsageError("--split: only in a current that stays, as nobody knows when each pack is changed")
     cautious = replace(boat, capacity_mah=boat.capacity_mah * (1.0 - HEADROOM))

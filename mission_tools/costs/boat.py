@@ -25,6 +25,7 @@ FULL_THROTTLE = 0.85
 (0.90 to 0.99 of it are left to the same hulls)."""
 STEERING = 1.08
 """What the motors draw on a route over what they draw on a straight line (the same hulls)."""
+NO_DRAW = "set battery.cruise_a or battery.draw, what the boat draws, in its file"
 HOLD_SHARE = 0.06
 """Of the motors' draw at cruise: what station keeping in still water takes (emulator, 80 s at a waypoint)."""
 

@@ -251,5 +251,5 @@ def test_no_part_of_a_survey_of_the_pond_turns_home_by_itself(tmp_path: Path, se
         assert result.completed, texts
         assert not [text for text in texts if "Failsafe" in text]
         assert part.budget.time_s == pytest.approx(
-            result.time_s, rel=0.1, abs=10.0
+            result.time_s, rel=0.1, abs=6.0
         )  # the last part is a minute long
