@@ -136,7 +136,8 @@ def test_the_quickest_route_in_a_current_is_told_with_its_time(plan: Any) -> Non
     assert any(note.startswith("takes ") for note in report["plan"]["notes"])
     still = plan("--goal", NORTH_EAST, "--boat", "lake")
     assert report["budget"]["charge_mah"] > 1.2 * still["budget"]["charge_mah"]
-    assert report["budget"]["time_s"] == pytest.approx(still["budget"]["time_s"], rel=0.04)
+    # A top speed of 2.86 m/s leaves 1.86 m/s where the current of 1 m/s is right ahead, in place of 2
+    assert 1.01 < report["budget"]["time_s"] / still["budget"]["time_s"] < 1.04
 
 
 @pytest.mark.parametrize(
