@@ -1,0 +1,1 @@
+"""The emulator of a boat from the logs of its voyages."""
