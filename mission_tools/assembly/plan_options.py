@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields
+from typing import Literal
 
 from companion.core.geo import LatLon
 from mission_tools.errors import UsageError
@@ -29,7 +30,7 @@ class PlanOptions:
 
     via: places on the way, in this order or (any_order) in the best one. hold_s: at each of them and at the
     goal. is_return: back to the start at the end. survey: a file with the area, or "all" for the whole water.
-    follow_shore_at: near the shore to follow. first, last: the ends of a stretch of it. boat: its TOML, or an
+    fill_gaps: that file, if it holds what a survey left out. angle_deg: of tracks. follow_shore_at: near the shore to follow. first, last: the ends of a stretch of it. boat: its TOML, or an
     emulated boat's name. wind: mean speed and where it comes from. depart: when the voyage begins, on the
     current's clock, or a window. least: time or charge. open_water_m: how far from the shore a metre is
     dearer. lead_m: straight on before and after each track. pattern: of a search, from the place `at`.
@@ -53,10 +54,11 @@ class PlanOptions:
     is_return: bool = False
     hold_s: float | None = None
     survey: str | None = None
+    fill_gaps: str | None = None
     spacing_m: float | None = None
     footprint_m: float | None = None
     overlap: float | None = None
-    angle_deg: float | None = None
+    angle_deg: float | Literal["current"] | None = None
     cross_m: float | None = None
     shore_passes: int | None = None
     turn_radius_m: float | None = None

@@ -1,11 +1,13 @@
 """From the options of a task (a survey, a shore, a tour) to a route in legs."""
 
+import cmath
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple, cast
 
+import numpy as np
 from shapely.geometry import MultiPolygon, Polygon
 
 from companion.core.geo import LatLon, Point
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
     from mission_tools.tasks.survey.survey import Survey
 
 WHOLE_WATER = "all"
+LUNAR_DAY_S = 89_428.0  # 24 h 50 min: two tides
+_CURRENT_PLACES, _CURRENT_STEP_S = 500, 3600.0  # of its axis
 _OF_SURVEYS = (
     "spacing_m",
     "footprint_m",
@@ -144,7 +148,7 @@ def survey_of(
             options.spacing_m,
             options.footprint_m,
             options.overlap,
-            angle_rad=None if options.angle_deg is None else math.radians(options.angle_deg),
+            angle_rad=_angle_rad(chart, options),
             plan=settings,
             shore_passes=options.shore_passes,
             cross_spacing_m=options.cross_m,
@@ -152,12 +156,36 @@ def survey_of(
             lead_m=options.lead_m or 0.0,
             pattern=cast(PatternName | None, options.pattern),
             datum=None if options.at is None else local("--at", options.at),
+            has_gaps=options.fill_gaps is not None,
             is_return=options.is_return,
         ),
         area.shape,
     )
     route = TaskRoute(found.route.legs, (*area.notes, *found.route.notes, described(found)))
     return replace(found, route=route)
+
+
+def _angle_rad(chart: Chart, options: PlanOptions) -> float | None:
+    """The course of tracks; along the current: the axis on which it flows in the day after the departure, by
+    the sum of the squares of its velocities as complex numbers (the principal axis of their scatter about
+    zero). Raises UsageError: no current, or no departure where it needs one.
+    """
+    from mission_tools.assembly.planned_costs import current_of  # noqa: PLC0415 - seldom needed
+    from mission_tools.costs.departure import Departure  # noqa: PLC0415
+    from mission_tools.tasks.survey.coverage import sample_points  # noqa: PLC0415
+
+    if options.angle_deg != "current":
+        return None if options.angle_deg is None else math.radians(options.angle_deg)
+    current = current_of(chart, options)
+    begin_s = Departure.of(options.depart, current.times).begin_s
+    east_m, north_m = sample_points(chart.navigable, _CURRENT_PLACES).T
+    squares = 0j
+    for time_s in begin_s + np.arange(0.0, LUNAR_DAY_S, _CURRENT_STEP_S):
+        north_m_s, east_m_s = current.at(north_m, east_m, np.full_like(north_m, time_s))
+        squares += complex(np.sum((north_m_s + 1j * east_m_s) ** 2))
+    if abs(squares) == 0.0:
+        raise UsageError("--angle current: add --current M/S,DEG or a file; in still water give degrees")
+    return 0.5 * cmath.phase(squares) % math.pi
 
 
 def _turn_radius_m(options: PlanOptions) -> float:

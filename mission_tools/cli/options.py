@@ -65,13 +65,19 @@ def add_tasks(parser: Parser) -> None:
         metavar="FILE",
         help="passes along the shores and parallel tracks over the area in FILE (all: the whole water)",
     )
+    group.add_argument(
+        "--fill-gaps", metavar="FILE", help="a survey of what an earlier one left out: gaps.geojson of its chart"
+    )
     group.add_argument("--spacing", type=number, metavar="M", help="of a survey: between tracks")
     group.add_argument("--footprint", type=number, metavar="M", help="of a survey: width the sensor covers")
     group.add_argument(
         "--overlap", type=number, metavar="SHARE", help="of a survey: share of it that tracks cover twice"
     )
     group.add_argument(
-        "--angle", type=number, metavar="DEG", help="of a survey: course of its tracks [fewest turns]"
+        "--angle",
+        type=_angle,
+        metavar="DEG",
+        help="of a survey: course of its tracks, or current: along --current [fewest turns]",
     )
     group.add_argument("--cross", type=number, metavar="M", help="of a survey: cross lines this far apart")
     group.add_argument(
@@ -228,6 +234,10 @@ def plan_options(given: Namespace) -> PlanOptions:
         if field.type == LatLon | None:
             value = position(flag, value)
         chosen.setdefault(field.name, value)
+    if chosen["fill_gaps"] is not None:
+        if chosen["survey"] is not None:
+            raise UsageError("--survey and --fill-gaps are two surveys: plan one at a time")
+        chosen["survey"] = chosen["fill_gaps"]
     return PlanOptions(**chosen)
 
 
@@ -240,6 +250,10 @@ def request(given: Namespace) -> "Request":
     if given.contract:
         chosen |= {"fence_from_map": True, "rally_from_map": True}
     return Request(options=plan_options(given), **chosen)
+
+
+def _angle(text: str) -> float | str:
+    return text if text == "current" else number(text)
 
 
 def _via(text: str) -> Via:

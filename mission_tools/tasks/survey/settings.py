@@ -27,8 +27,9 @@ class SurveySettings:
     cross_spacing_m: between lines across the tracks, for checking; None: no cross lines. turn_radius_m: of
     the boat's turns at its survey speed; 0: it turns on the spot. lead_m: straight on before and after each
     track, for a sensor that is towed. pattern: to sail instead of tracks and passes, from the datum; None:
-    the middle of the area. is_return: end where the boat started. Raises UsageError: values that
-    make no sense, or do not go together.
+    the middle of the area. has_gaps: the area is what an earlier survey left out, so each part of it gets
+    tracks of its own, one at least, and no passes. is_return: end where the boat started. Raises UsageError:
+    values that make no sense, or do not go together.
     """
 
     spacing_m: float | None = None
@@ -42,6 +43,7 @@ class SurveySettings:
     lead_m: float = 0.0
     pattern: PatternName | None = None
     datum: Point | None = None
+    has_gaps: bool = False
     is_return: bool = False
 
     def __post_init__(self) -> None:
@@ -78,7 +80,7 @@ class SurveySettings:
     @property
     def most_passes(self) -> int:
         """How often the shores are passed at most."""
-        if self.shore_passes is not None or self.pattern:
+        if self.shore_passes is not None or self.pattern or self.has_gaps:
             return self.shore_passes or 0
         return SHORE_PASSES if self.angle_rad is None and not self.lead_m else 1
 

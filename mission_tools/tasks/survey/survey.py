@@ -27,7 +27,7 @@ from mission_tools.tasks.survey.patterns import pattern
 from mission_tools.tasks.survey.postman import Pass, Visit, with_spikes
 from mission_tools.tasks.survey.settings import SurveySettings
 from mission_tools.tasks.survey.shore_pass import passes_along
-from mission_tools.tasks.survey.tracks import Tracks, fewest_turns_rad, lay_tracks, lines_across
+from mission_tools.tasks.survey.tracks import Tracks, fewest_turns_rad, lay_tracks, lines_across, together
 from mission_tools.tasks.survey.turns import with_turns
 from mission_tools.tasks.survey.visits import in_best_order
 from mission_tools.tasks.task_route import TaskLeg, TaskRoute, Transits, joined
@@ -80,7 +80,9 @@ def survey(
     if plan.margin_m > 0.0:
         wide = polygons(MultiPolygon(water_clear_of_shores(chart, plan.required_m)).intersection(reached))
     open_water, rafts = _without_rafts(wide, swath_m)
-    water = open_water if area is None else _inside(open_water, area, swath_m)
+    water: Sequence[Polygon] = open_water
+    if area is not None:
+        water = _inside(open_water, area, 0.0 if settings.has_gaps else swath_m)
     _check_water(water, settings)
     target = (
         MultiPolygon(wide).buffer(0.5 * swath_m, quad_segs=QUADRANT_SEGMENTS).intersection(chart.navigable)
@@ -99,7 +101,9 @@ def survey(
         course_rad = 0.0 if settings.pattern else fewest_turns_rad(inside or water)
     tracks = Tracks(course_rad, (), ())
     if inside and not settings.pattern:
-        tracks = lay_tracks(inside, course_rad, settings.track_spacing_m, swath_m, MultiPolygon(water))
+        groups = [[gap] for gap in inside] if settings.has_gaps else [inside]
+        spacing_m, room = settings.track_spacing_m, MultiPolygon(water)
+        tracks = together([lay_tracks(group, course_rad, spacing_m, swath_m, room) for group in groups])
     origin = None if start is None else np.array([start.east_m, start.north_m])
     end = origin if settings.is_return else None
     detail_m = 0.25 * swath_m

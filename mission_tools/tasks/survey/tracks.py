@@ -112,6 +112,15 @@ def lay_tracks(
     return Tracks(course_rad, tuple(tracks), _cells(onward, back), width_m)
 
 
+def together(groups: Sequence[Tracks]) -> Tracks:
+    """Tracks of one course, laid apart."""
+    tracks, cells = list[Track](), list[tuple[int, ...]]()
+    for group in groups:
+        cells += [tuple(number + len(tracks) for number in cell) for cell in group.cells]
+        tracks += group.tracks
+    return Tracks(groups[0].course_rad, tuple(tracks), tuple(cells), max(one.spacing_m for one in groups))
+
+
 def lines_across(water: Sequence[Polygon], course_rad: float, spacing_m: float) -> Tracks:
     """Lines along a course through the water, spacing_m apart, each a cell of its own; one at least."""
     turned: BaseGeometry = shapely.transform(

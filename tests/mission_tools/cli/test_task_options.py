@@ -65,6 +65,26 @@ def test_a_survey_covers_the_area_of_a_file(plan: Any) -> None:  # noqa: ANN401
     assert "shore" not in {leg["kind"] for leg in tracks_only["task"]["legs"]}
 
 
+def test_gaps_are_filled_without_passes_and_tracks_lie_along_the_current(plan: Any) -> None:  # noqa: ANN401
+    report = plan(
+        "--fill-gaps", "west.geojson", "--spacing", "8", "--angle", "current", "--current", "0.3,210"
+    )
+    assert "8.00 m apart" in report["task"]["notes"][-1]
+    assert "tracks on 30°" in report["task"]["notes"][-1]
+    assert "shore" not in {leg["kind"] for leg in report["task"]["legs"]}
+
+
+def test_tracks_lie_along_a_tide_that_turns(plan: Any) -> None:  # noqa: ANN401
+    """Flood to the north-east, a weaker ebb back: their mean points one way, their axis is the same."""
+    rows = [(0, 0.4, 0.4), (18_000, 0.0, 0.0), (36_000, -0.3, -0.3), (72_000, 0.0, 0.0)]
+    text = "east_m,north_m,time_s,current_east_m_s,current_north_m_s\n"
+    for east_m, north_m in ((-200, -200), (-200, 200), (200, -200), (200, 200)):
+        text += "".join(f"{east_m},{north_m},{t},{east},{north}\n" for t, east, north in rows)
+    Path("tide.csv").write_text(text)
+    report = plan("--survey", "all", "--spacing", "12", "--angle", "current", "--current", "tide.csv")
+    assert "tracks on 45°" in report["task"]["notes"][-1]
+
+
 def test_a_search_begins_at_its_datum_and_takes_images_along_its_line(plan: Any) -> None:  # noqa: ANN401
     arguments = ("--survey", "all", "--footprint", "12", "--trigger", "camera:4", "--at", NORTH_EAST)
     report = plan(*arguments, "--pattern", "expanding-square")
@@ -97,6 +117,8 @@ def test_a_search_begins_at_its_datum_and_takes_images_along_its_line(plan: Any)
         (f"--goal {NORTH_EAST} --lead 5", "--lead: only with --survey"),
         (f"--goal {NORTH_EAST} --trigger camera:5", "--trigger: only with --survey or --follow-shore"),
         ("--survey all --spacing 9 --trigger sonar", "--trigger 'sonar': expected camera:METRES"),
+        ("--survey all --fill-gaps west.geojson --spacing 9", "--survey and --fill-gaps are two surveys"),
+        ("--survey all --spacing 9 --angle current", "--angle current: add --current M/S,DEG or a file"),
         ("--survey all --spacing 9 --lead -5", "lead is -5 m: expected 0 or more"),
         ("--survey all --spacing 9 --pattern spiral --lead 5", "--lead: not with --pattern"),
         ("--survey all --spacing 9 --pattern spiral --at 10,10", "--at: 10.000000,10.000000 is nowhere near"),

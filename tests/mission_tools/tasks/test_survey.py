@@ -276,3 +276,24 @@ def test_every_further_pass_makes_the_survey_of_a_ragged_shore_shorter() -> None
 def test_tracks_farther_apart_than_the_area_is_across_are_refused() -> None:
     with pytest.raises(UsageError, match=r"tracks 5000 m apart, but the area is \d+ m across"):
         survey(basin(), None, SurveySettings(spacing_m=5000.0))
+
+
+def test_gaps_get_lines_of_their_own_and_no_passes_along_shores() -> None:
+    """What a sounder missed along one line, a place of a metre, and a wide one; x is east."""
+    line, spot, wide = (
+        shapely.box(30.0, 20.0, 33.0, 70.0),
+        shapely.box(150.0, 80.0, 151.0, 81.0),
+        shapely.box(120.0, 20.0, 160.0, 45.0),
+    )
+    settings = replace(SETTINGS, overlap=0.0, has_gaps=True)
+    gaps = shapely.MultiPolygon([line, spot, wide])
+    found = survey(basin(), Point(10.0, 10.0), settings, gaps)
+    assert {leg.kind for leg in found.route.legs} == {"transit", "track"}
+    assert covered_share(found, gaps) >= 0.999
+    tracks = [leg for leg in found.route.legs if leg.kind == "track"]
+    (along,) = [leg for leg in tracks if leg.points[0].east_m < 100.0]
+    assert [point.east_m for point in along.points] == pytest.approx([31.5, 31.5])
+    assert along.length_m == pytest.approx(50.0 - 2.0 * math.sqrt(5.0**2 - 1.5**2))
+    assert 5 <= len(tracks) <= 7
+    assert route_line(found.route.points).distance(spot) < 5.0
+    assert found.route.length_m < 420.0
