@@ -28,17 +28,17 @@ class Via:
 class PlanOptions:
     """The route options of the command line; None, False or empty where not given.
 
-    via: places on the way, in this order or (any_order) in the best one. hold_s: at each of them and at the
-    goal. is_return: back to the start at the end. survey: a file with the area, or "all" for the whole water.
-    fill_gaps: that file, if it holds what a survey left out. angle_deg: of tracks. follow_shore_at: near the shore to follow. first, last: the ends of a stretch of it. boat: its TOML, or an
-    emulated boat's name. wind: mean speed and where it comes from. depart: when the voyage begins, on the
-    current's clock, or a window. least: time or charge. open_water_m: how far from the shore a metre is
-    dearer. lead_m: straight on before and after each track. pattern: of a search, from the place `at`.
-    trigger: of the sensor, camera:M or relay:N.
-    draught_m: water that is charted less deep is an obstacle. air_draught_m: so is a bridge less high.
-    is_route_file: SOURCE is a route, not a map. is_outline: the lines of SOURCE, a .gpx file, enclose water.
-    check_on: the map on which a finished mission is checked, or "none". split: into parts that each come home
-    on one pack.
+    via: places on the way, in this order or (any_order) in the best one. hold_s: at each of them and at
+    the goal. is_return: back to the start at the end. survey: a file with the area, or "all" for the
+    whole water. fill_gaps: that file, if it holds what a survey left out. angle_deg: of tracks.
+    follow_shore_at: near the shore to follow. first, last: the ends of a stretch of it. boat: its TOML,
+    or an emulated boat's name. wind: mean speed and where it comes from. depart: when the voyage begins,
+    on the current's clock, or a window. least: time or charge. open_water_m: how far from the shore a
+    metre is dearer. lead_m: straight on before and after each track. pattern: of a search, from the place
+    `at`. trigger: of the sensor, camera:M or relay:N. draught_m: water that is charted less deep is an
+    obstacle. air_draught_m: so is a bridge less high. is_route_file: SOURCE is a route, not a map.
+    is_outline: the lines of SOURCE, a .gpx file, enclose water. check_on: the map on which a finished
+    mission is checked, or "none". split: into parts that each come home on one pack.
     """
 
     start_at: LatLon | None = None

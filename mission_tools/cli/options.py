@@ -66,7 +66,7 @@ def add_tasks(parser: Parser) -> None:
         help="passes along the shores and parallel tracks over the area in FILE (all: the whole water)",
     )
     group.add_argument(
-        "--fill-gaps", metavar="FILE", help="a survey of what an earlier one left out: gaps.geojson of its chart"
+        "--fill-gaps", metavar="FILE", help="a survey of what an earlier one left out: its gaps.geojson"
     )
     group.add_argument("--spacing", type=number, metavar="M", help="of a survey: between tracks")
     group.add_argument("--footprint", type=number, metavar="M", help="of a survey: width the sensor covers")

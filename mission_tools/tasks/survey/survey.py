@@ -80,9 +80,8 @@ def survey(
     if plan.margin_m > 0.0:
         wide = polygons(MultiPolygon(water_clear_of_shores(chart, plan.required_m)).intersection(reached))
     open_water, rafts = _without_rafts(wide, swath_m)
-    water: Sequence[Polygon] = open_water
-    if area is not None:
-        water = _inside(open_water, area, 0.0 if settings.has_gaps else swath_m)
+    inset_m = 0.0 if settings.has_gaps else CORNER_INSET * swath_m
+    water = open_water if area is None else _inside(open_water, area, inset_m)
     _check_water(water, settings)
     target = (
         MultiPolygon(wide).buffer(0.5 * swath_m, quad_segs=QUADRANT_SEGMENTS).intersection(chart.navigable)
@@ -99,11 +98,7 @@ def survey(
     course_rad = settings.angle_rad
     if course_rad is None:
         course_rad = 0.0 if settings.pattern else fewest_turns_rad(inside or water)
-    tracks = Tracks(course_rad, (), ())
-    if inside and not settings.pattern:
-        groups = [[gap] for gap in inside] if settings.has_gaps else [inside]
-        spacing_m, room = settings.track_spacing_m, MultiPolygon(water)
-        tracks = together([lay_tracks(group, course_rad, spacing_m, swath_m, room) for group in groups])
+    tracks = _tracks(inside, course_rad, MultiPolygon(water), settings)
     origin = None if start is None else np.array([start.east_m, start.north_m])
     end = origin if settings.is_return else None
     detail_m = 0.25 * swath_m
@@ -165,9 +160,19 @@ def _left_out(
     return [f"{share:.0%} of the {what} is out of reach with {required_m:g} m kept from every shore"]
 
 
-def _inside(water: Sequence[Polygon], area: Polygon | MultiPolygon, swath_m: float) -> list[Polygon]:
+def _tracks(
+    inside: Sequence[Polygon], course_rad: float, room: MultiPolygon, settings: SurveySettings
+) -> Tracks:
+    if not inside or settings.pattern:
+        return Tracks(course_rad, (), ())
+    groups = [[gap] for gap in inside] if settings.has_gaps else [inside]
+    spacing_m, swath_m = settings.track_spacing_m, settings.swath_m
+    return together([lay_tracks(group, course_rad, spacing_m, swath_m, room) for group in groups])
+
+
+def _inside(water: Sequence[Polygon], area: Polygon | MultiPolygon, inset_m: float) -> list[Polygon]:
     """The water from which the footprint reaches the edge of the area, but not much beyond."""
-    inset = area.buffer(-CORNER_INSET * swath_m, join_style="mitre")
+    inset = area.buffer(-inset_m, join_style="mitre")
     inset = area if inset.is_empty else inset
     return [piece for part in water for piece in polygons(part.intersection(inset))]
 
