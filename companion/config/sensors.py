@@ -139,6 +139,9 @@ class RangerPart(Section, frozen=True):
 class DepthPart(Section, frozen=True):
     """A depth sounder: NMEA 0183 (DPT, DBT, MTW) on a port of its own or among the sentences of the GNSS
     receiver, or a Ping1D.
+
+    forward_m, starboard_m: the transducer's place from the boat's reference point, the GNSS antenna.
+    latency_s: from the echo until the sounding has arrived. What reads the log applies both.
     """
 
     driver: Literal["nmea", "gnss", "ping1d", "none"] = "none"
@@ -146,6 +149,11 @@ class DepthPart(Section, frozen=True):
     baud: Annotated[int, Meta(ge=0)] = 0  # 0: 4800 for NMEA, 115,200 for the Ping1D
     timeout_s: Positive = 5.0  # without a sounding it is silent: five sentences of an NMEA sounder
     transducer_m: NonNegative = 0.0  # its depth below the surface; 0: as the sounder says
+    forward_m: float = 0.0
+    starboard_m: float = 0.0
+    # Hydromagic's manual: 10 to 100 ms from a ping to the serial port; HYPACK's example: a tenth of a second.
+    # One that averages takes longer: measure it by lines both ways over a slope.
+    latency_s: Annotated[float, Meta(ge=0.0, le=5.0)] = 0.1
     min_range_m: NonNegative = 0.3
     max_range_m: Positive = 100.0
     # Ping1D only

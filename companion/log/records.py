@@ -141,7 +141,9 @@ BAT: Final = RecordKind(
     "s#vvAaXOw%-%", "F-000C0B00-0",
 )  # fmt: skip
 
-DPTH: Final = RecordKind(27, "DPTH", "QBLLff", "TimeUS,Inst,Lat,Lng,Depth,Temp", "s#DUmO", "F-GG00")
+DPTH: Final = RecordKind(
+    27, "DPTH", "QBLLffbf", "TimeUS,Inst,Lat,Lng,Depth,Temp,Quality,PosZ", "s#DUmO%m", "F-GG00-0"
+)  # fmt: skip
 PROB: Final = RecordKind(28, "PROB", "QNfLLN", "TimeUS,Name,Value,Lat,Lng,Unit", "s--DU-", "F--GG-")
 MAG: Final = RecordKind(
     29, "MAG", "QBhhhhhhhhhBI", "TimeUS,I,MagX,MagY,MagZ,OfsX,OfsY,OfsZ,MOX,MOY,MOZ,Health,S",

@@ -23,6 +23,7 @@ _LEAP_S: Final = 18.0  # GPS time less UTC, since 2017; log readers subtract the
 _WEEK_S: Final = 604_800.0
 _LOGGED_CHANNELS: Final = 14
 _RANGE_GOOD, _RANGE_TOO_FAR = 4, 3  # RangeFinder status
+_SOUNDER: Final = 1  # RNGFND2, as in DISTANCE_SENSOR; the ranger is 0
 
 
 def _degrees(heading_rad: float) -> float:
@@ -222,11 +223,17 @@ def sonar(ping: readings.SonarReading) -> Iterator[bytes]:
 
 
 def depth(sounding: readings.DepthReading, nav: NavState, linear: LinearFrame) -> bytes:
-    """A sounding, at its own time and where the boat is now: below the transducer, NaN without a bottom."""
+    """A sounding, at its own time and where the boat is now: below the transducer, NaN without a bottom. The
+    quality is in percent, -1 if not reported, as in ArduPilot's RFND.
+    """
     lat_e7, lon_e7 = linear.to_e7(nav.north_m, nav.east_m)
     depth_m = _NAN if sounding.depth_m is None else sounding.depth_m
     temperature_c = _NAN if sounding.temperature_c is None else sounding.temperature_c
-    return r.DPTH.pack(time_us(sounding.time_s), 0, lat_e7, lon_e7, depth_m, temperature_c)
+    quality = -1 if sounding.quality is None else round(100.0 * sounding.quality)
+    return r.DPTH.pack(
+        time_us(sounding.time_s), _SOUNDER, lat_e7, lon_e7, depth_m, temperature_c, quality,
+        sounding.transducer_m,
+    )  # fmt: skip
 
 
 def probe(reading: readings.ProbeReading, nav: NavState, linear: LinearFrame) -> bytes:

@@ -6,12 +6,14 @@ from pathlib import Path
 
 import msgspec
 import pytest
+from boat_rig import nav_at
 from log_rig import LogRig, OpenRig, Record, of_kind, read_log
 
-from companion.core.geo import LatLon
-from companion.core.readings import BatteryReading, GnssFix, HeadingReading, SonarReading
+from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.readings import BatteryReading, DepthReading, GnssFix, HeadingReading, SonarReading
 from companion.core.tick_count import TickCount
 from companion.log import samples
+from companion.log.linear_frame import LinearFrame
 from companion.log.records import HEADER
 
 pytest_plugins = ("log_fixtures",)
@@ -91,6 +93,19 @@ def test_a_ping_is_logged_in_its_eighth_and_with_its_bearing(
     assert seen.Brg == pytest.approx(bearing_deg)
     assert seen.Max == 4.0
     assert math.isnan(seen.Dist) if range_m is None else seen.Dist == range_m
+
+
+@pytest.mark.parametrize(("quality", "percent"), [(0.97, 97), (0.0, 0), (None, -1)])
+def test_a_sounding_is_logged_with_its_quality_and_its_transducers_depth(
+    tmp_path: Path, quality: float | None, percent: int
+) -> None:
+    frame = LocalFrame(LatLon(50.0, -1.2))
+    sounding = DepthReading(2.5, 3.25, 15.5, 0.125, quality=quality)
+    record = samples.depth(sounding, nav_at(0.0, 0.0), LinearFrame(frame, Point(0.0, 0.0)))
+    (found,) = logged(tmp_path, [record], "DPTH")
+    assert (found.TimeUS, found.Inst, found.Depth, found.Temp) == (2_500_000, 1, 3.25, 15.5)
+    assert (found.Quality, found.PosZ) == (percent, 0.125)
+    assert (found.Lat, found.Lng) == (50.0, -1.2)
 
 
 def test_roll_pitch_and_the_heading_from_every_side_are_logged_in_degrees(
