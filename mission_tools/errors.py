@@ -3,6 +3,7 @@
     MissionToolsError
     ├── MapError            2  a map or scenario that cannot be used; names file, feature and place
     ├── PlanFileError       2  a mission file that cannot be used; names file and item
+    ├── LogError            2  a log that cannot be used; names the file
     ├── UsageError          2  arguments that do not go together
     ├── NoRouteError        1  the planner found no way
     │   ├── StartBlocked    2  the start is no place for a boat; names what is in the way
@@ -38,6 +39,12 @@ class MapError(MissionToolsError, ValueError):
 
 class PlanFileError(MissionToolsError, ValueError):
     """A mission file that cannot be used."""
+
+    exit_code = 2
+
+
+class LogError(MissionToolsError, ValueError):
+    """A log that cannot be used."""
 
     exit_code = 2
 

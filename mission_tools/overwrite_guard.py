@@ -18,6 +18,8 @@ XML_HEADS = {
     ".kml": '<?xml version="1.0" encoding="UTF-8"?>\n<!-- written by mavboat -->\n',
     ".gpx": '<?xml version="1.0" encoding="UTF-8"?>\n<gpx version="1.1" creator="mavboat" ',
 }
+SAMPLES_HEAD = "time,unix_s,log_s,latitude,longitude,"
+"""Of a survey's samples in .csv."""
 PICTURE_METADATA = {".png": {"Software": CREATOR}, ".svg": {"Creator": CREATOR}, ".pdf": {"Creator": CREATOR}}
 """For matplotlib's and Pillow's writers."""
 _HEAD_BYTES = 2048
@@ -69,6 +71,7 @@ def _as_head(head: str) -> Callable[[bytes], bool]:
 _MARKS: dict[str, Callable[[bytes], bool]] = {
     ".plan": _in_json("groundStation", CREATOR),
     ".geojson": _in_json("generator", GENERATOR),
+    ".csv": _as_head(SAMPLES_HEAD),
     **{suffix: _as_head(head) for suffix, head in XML_HEADS.items()},
     ".png": _in_head(f"Software\0{CREATOR}"),
     ".svg": _in_head(f"<dc:title>{CREATOR}</dc:title>"),

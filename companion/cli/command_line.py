@@ -44,7 +44,7 @@ ConfigFile = Annotated[Path, Option("--config", "-c", help="The boat's TOML file
 
 @dataclass(frozen=True)
 class Argument:
-    """The one argument without a name."""
+    """The argument without a name; several of a list."""
 
     metavar: str
     help: str
@@ -139,7 +139,8 @@ def command_parser(program: str, command: Command) -> Parser:
         text = f"{text}\n\n{positional}: {argument.made.help}{argument.default_text}"
     name = f"{program} {command.__name__.replace('_', '-')}"
     is_required = argument is not None and argument.is_required
-    parser = Parser(name, text, positional, is_required=is_required)
+    takes_many = argument is not None and argument.is_list
+    parser = Parser(name, text, positional, is_required=is_required, takes_many=takes_many)
     for one in parameters:
         if isinstance(one.made, Option):
             one.add_to(parser)
@@ -205,6 +206,8 @@ def _values(command: Command, given: Namespace) -> dict[str, Any]:
     for one in _parameters(command):
         if isinstance(one.made, Option):
             values[one.name] = getattr(given, one.name)
+        elif one.is_list:
+            values[one.name] = [one.kind(source) for source in given.sources]
         elif given.source is not None:
             values[one.name] = one.kind(given.source)
     return values

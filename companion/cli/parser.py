@@ -35,7 +35,9 @@ class _Help(argparse.RawDescriptionHelpFormatter):
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser of one program. positional: the name of its single argument; empty without one."""
+    """A parser of one program. positional: the name of its argument; empty without one. takes_many: there
+    may be several.
+    """
 
     def __init__(
         self,
@@ -45,8 +47,9 @@ class Parser(argparse.ArgumentParser):
         *,
         usage: str = "",
         is_required: bool = False,
+        takes_many: bool = False,
     ) -> None:
-        shown = f" {positional}" if is_required else f" [{positional}]"
+        shown = f" {positional}{'…' * takes_many}" if is_required else f" [{positional}]"
         usage = usage or f"{program} [options]{shown if positional else ''}"
         super().__init__(
             program,
@@ -59,6 +62,7 @@ class Parser(argparse.ArgumentParser):
         )
         self._positional = positional
         self._is_required = is_required
+        self._takes_many = takes_many
 
     def add_common(self, *, has_json: bool = True) -> None:
         """--json, --debug, --version and --help, which every program has."""
@@ -70,7 +74,9 @@ class Parser(argparse.ArgumentParser):
         group.add_argument("-h", "--help", action="help", help="print this text")
 
     def read(self, arguments: Sequence[str]) -> argparse.Namespace:
-        """Parse; the positional argument is `source`, None without. A UsageError says what was expected."""
+        """Parse; the positional argument is `source`, None without, and all of them are `sources`. A
+        UsageError says what was expected.
+        """
         try:
             given, rest = self.parse_known_args(self._with_negative_values(arguments))
         except argparse.ArgumentError as error:
@@ -83,11 +89,11 @@ class Parser(argparse.ArgumentParser):
         named = [argument for argument in rest if argument != "--"]
         if named and not self._positional:
             self.error(f"No such command: {named[0]}")
-        if len(named) > 1:
+        if len(named) > 1 and not self._takes_many:
             self.error(f"one {self._positional} is expected, not also {' '.join(named[1:])}")
         if self._is_required and not named:
             self.error(f"{self._positional} is missing")
-        given.source = named[0] if named else None
+        given.source, given.sources = named[0] if named else None, named
         return given
 
     def error(self, message: str) -> NoReturn:

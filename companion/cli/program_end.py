@@ -51,7 +51,7 @@ def end_with(
 
 
 _OURS: Final = ("companion", "mission_tools", "sitl")
-_OF_PROGRAM: Final = {"boat-shore": "web", "boat-sitl": "sitl"} | {
+_OF_PROGRAM: Final = {"boat-shore": "web", "boat-sitl": "sitl", "boat-survey": "survey"} | {
     f"mission-{name}": "planner" for name in ("check", "download", "plan", "trace", "upload")
 }
 

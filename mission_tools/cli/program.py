@@ -7,7 +7,7 @@ from importlib import import_module
 from companion.cli.interrupts import Run, run_interruptibly
 
 
-def program(name: str) -> tuple[Callable[[], None], Run]:
+def program(name: str, family: str = "mission") -> tuple[Callable[[], None], Run]:
     """Of `mission-NAME`, whose command is in NAME_command.py: its entry point, and what runs it in Python."""
 
     def load() -> Run:
@@ -15,7 +15,7 @@ def program(name: str) -> tuple[Callable[[], None], Run]:
         return run
 
     def main() -> None:
-        sys.exit(run_interruptibly(f"mission-{name}", load))
+        sys.exit(run_interruptibly(f"{family}-{name}", load))
 
     def run_program(arguments: list[str]) -> int:
         return load()(arguments)

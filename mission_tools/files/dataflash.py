@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 HEAD: Final = b"\xa3\x95"
 _FMT: Final = 128
 _FMT_FIELDS: Final = struct.Struct("<BB4s16s64s")
-_HEAD_BYTES: Final = 3
+HEAD_BYTES: Final = 3
 _TYPES: Final[Mapping[str, tuple[str, float]]] = {  # of a field: struct's letter, and a factor
     "a": ("64s", 0), "n": ("4s", 0), "N": ("16s", 0), "Z": ("64s", 0),
     "b": ("b", 1), "B": ("B", 1), "M": ("B", 1), "h": ("h", 1), "H": ("H", 1), "i": ("i", 1), "I": ("I", 1),
@@ -36,10 +36,14 @@ class _Field(NamedTuple):
     factor: float  # 0: a text
 
 
-class _Format(NamedTuple):
-    length: int  # of the record
-    name: str = ""  # of what is wanted
-    fields: struct.Struct | None = None
+class Format(NamedTuple):
+    """length: of the record, its head included. layout: what follows the head. name, wanted: empty of a
+    record that is not wanted; a field that this log does not have is None.
+    """
+
+    length: int
+    name: str = ""
+    layout: struct.Struct = struct.Struct("")
     wanted: tuple[_Field | None, ...] = ()
 
 
@@ -51,46 +55,50 @@ class Log:
         self.count = 0  # of all records
         self._data = data
         self._wanted = wanted
-        self._formats: dict[int, _Format] = {_FMT: _Format(_HEAD_BYTES + _FMT_FIELDS.size)}
+        self._formats: dict[int, Format] = {_FMT: Format(HEAD_BYTES + _FMT_FIELDS.size)}
 
     def records(self) -> Iterator[Record]:
         """Those wanted, in the order of the file."""
+        for at, form in self.places():
+            values = form.layout.unpack_from(self._data, at + HEAD_BYTES)
+            yield Record(form.name, tuple(_value(values, field) for field in form.wanted))
+
+    def places(self) -> "Iterator[tuple[int, Format]]":
+        """Where in the file those wanted begin, and what they hold."""
         data, at, end = self._data, 0, len(self._data)
-        while at + _HEAD_BYTES <= end:
-            known = (
-                self._formats.get(data[at + 2]) if data[at] == HEAD[0] and data[at + 1] == HEAD[1] else None
-            )
-            if known is None or at + known.length > end:
+        format_of, (first, second) = self._formats.get, HEAD
+        while at + HEAD_BYTES <= end:
+            known = format_of(data[at + 2]) if data[at] == first and data[at + 1] == second else None
+            if known is None or (after := at + known.length) > end:
                 self.is_cut = True
                 at = _next_head(data, at + 1)
                 continue
             self.count += 1
-            if data[at + 2] == _FMT:
-                self._define(bytes(data[at + _HEAD_BYTES : at + known.length]))
-            elif known.fields is not None:
-                values = known.fields.unpack_from(data, at + _HEAD_BYTES)
-                yield Record(known.name, tuple(_value(values, field) for field in known.wanted))
-            at += known.length
+            if known.name:
+                yield at, known
+            elif data[at + 2] == _FMT:
+                self._define(bytes(data[at + HEAD_BYTES : after]))
+            at = after
         self.is_cut |= at != end
 
     def _define(self, fields: bytes) -> None:
         kind, length, name, letters, labels = _FMT_FIELDS.unpack(fields)
-        if kind == _FMT or length < _HEAD_BYTES:
+        if kind == _FMT or length < HEAD_BYTES:
             return
         names = _text(labels).split(",")
         types = [_TYPES.get(letter) for letter in _text(letters)]
         known = [one for one in types if one is not None]
         wanted = self._wanted.get(_text(name))
-        self._formats[kind] = _Format(length)
+        self._formats[kind] = Format(length)
         if wanted is None or len(known) != len(types) or len(types) != len(names):
             return
         whole = struct.Struct("<" + "".join(letter for letter, _ in known))
-        if whole.size + _HEAD_BYTES != length:
+        if whole.size + HEAD_BYTES != length:
             return
         places = tuple(
             _Field(names.index(one), known[names.index(one)][1]) if one in names else None for one in wanted
         )
-        self._formats[kind] = _Format(length, _text(name), whole, places)
+        self._formats[kind] = Format(length, _text(name), whole, places)
 
 
 def _next_head(data: "bytes | memoryview", at: int) -> int:

@@ -19,12 +19,13 @@ PROGRAMS = {
     "mission-download": "mission_tools.cli.download",
     "mission-check": "mission_tools.cli.check",
     "mission-trace": "mission_tools.cli.trace",
+    "boat-survey": "mission_tools.cli.survey",
 }
 
 
 def program(name: str) -> Run:
     module = importlib.import_module(PROGRAMS[name])
-    run: Run = module.run_program if name.startswith("mission-") else module.load()
+    run: Run = module.load() if hasattr(module, "load") else module.run_program
     return run
 
 

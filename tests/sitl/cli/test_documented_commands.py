@@ -15,6 +15,7 @@ from companion.core.geo import LatLon
 from mission_tools.assembly.areas import load_fence
 from mission_tools.cli import check as check_cli
 from mission_tools.cli import plan as plan_cli
+from mission_tools.cli import survey as survey_cli
 from mission_tools.cli import trace_command
 from mission_tools.cli import upload as upload_cli
 from mission_tools.maps import load_source
@@ -32,11 +33,13 @@ PROGRAMS: dict[str, Callable[[list[str]], int]] = {
     "mission-upload": upload_cli.run_program,
     "mission-check": check_cli.run_program,
     "mission-trace": trace_command.run_program,
+    "boat-survey": survey_cli.run_program,
 }
-COMMAND = re.compile(r"^ {4,}(?:\.venv/bin/)?((?:boat-sitl|mission-\w+|make demo)\b.*)$")
+COMMAND = re.compile(r"^ {4,}(?:\.venv/bin/)?((?:boat-sitl|boat-survey|mission-\w+|make demo)\b.*)$")
 # Where each command that needs minutes or logs goes to work: everything before that is done here
 AT_WORK = {
     "--learn": "mission_tools.costs.learned_draw.learn_draw",
+    "export": "mission_tools.bathymetry.from_log.read_logs",
     "serve": "sitl.cli.serve.start_fleet",
     "sail": "sitl.cli.sail._run",
     "campaign": "sitl.cli.campaign.ResultLog",
@@ -84,7 +87,7 @@ def follow(command: str) -> None:
             route = ["--start-at", given["START"], "--goal", given["GOAL"], "--dry-run"]
             assert upload_cli.run_program([given["MAP"], *route]) == 0
         return
-    if name != "boat-sitl" and "--learn" not in arguments:
+    if not name.startswith("boat-") and "--learn" not in arguments:
         extra = ["--dry-run"] if name == "mission-upload" and "--dry-run" not in arguments else []
         assert PROGRAMS[name]([*arguments, *extra]) == 0
         return

@@ -1,0 +1,69 @@
+"""Samples of logs as a table in CSV, one row a value."""
+
+import csv
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Final, TextIO
+
+import numpy as np
+
+from mission_tools.bathymetry.boat_track import Motion
+from mission_tools.bathymetry.from_log import LogSamples
+from mission_tools.bathymetry.soundings import Floats
+from mission_tools.overwrite_guard import SAMPLES_HEAD
+
+HEADER: Final = (
+    SAMPLES_HEAD + "heading_deg,roll_deg,pitch_deg,speed_m_s,position_sd_m,name,value,unit,quality,"
+    "transducer_m,log"
+)
+
+_Row = tuple[str, ...]
+
+
+def write_table(logs: Sequence[LogSamples], file: TextIO) -> int:
+    """Write the samples, log by log, each kind in the order of its times; returns how many. What is not known
+    is an empty field.
+    """
+    file.write(HEADER + "\n")
+    writer, count = csv.writer(file, lineterminator="\n"), 0
+    for log in logs:
+        for row in _rows(log):
+            writer.writerow(row)
+            count += 1
+    return count
+
+
+def _rows(log: LogSamples) -> Iterator[_Row]:
+    boat = list(_boat(log.sounded))
+    transducer = _texts(log.transducer_m, 3)
+    quality = _texts(log.quality, 2)
+    for where, depth, sure, below in zip(boat, _texts(log.depth_m, 3), quality, transducer, strict=True):
+        yield (*where, "depth", depth, "m", sure, below, log.name)
+    for where, warm in zip(boat, _texts(log.temperature_c, 2), strict=True):
+        if warm:
+            yield (*where, "temperature", warm, "degC", "", "", log.name)
+    values = (f"{value:.9g}" for value in log.values.tolist())
+    probes = zip(_boat(log.probed), log.probes.tolist(), values, log.units.tolist(), strict=True)
+    for where, name, value, unit in probes:
+        yield (*where, name, value, unit, "", "", log.name)
+
+
+def _boat(at: Motion) -> Iterable[_Row]:
+    """Time, place and motion of each sample."""
+    milliseconds = np.where(np.isnan(at.unix_s), 0.0, 1e3 * at.unix_s).round().astype("datetime64[ms]")
+    dates = np.where(np.isnan(at.unix_s), "", np.char.add(np.datetime_as_string(milliseconds), "Z"))
+    return zip(
+        dates.tolist(),
+        _texts(at.unix_s, 3),
+        _texts(at.log_s, 3),
+        _texts(at.lat_deg, 8),
+        _texts(at.lon_deg, 8),
+        *(_texts(np.degrees(angle), 2) for angle in (at.heading_rad, at.roll_rad, at.pitch_rad)),
+        _texts(at.speed_m_s, 3),
+        _texts(at.position_sd_m, 3),
+        strict=True,
+    )
+
+
+def _texts(values: Floats, digits: int) -> list[str]:
+    """Decimals; empty of what is not known."""
+    return ["" if value != value else f"{value:.{digits}f}" for value in values.tolist()]  # noqa: PLR0124 (NaN)
