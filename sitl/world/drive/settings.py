@@ -53,7 +53,9 @@ class MotorSettings(Section, frozen=True):
 
 
 class ThrusterSettings(Section, frozen=True):
-    """Equal thrusters. apart_m is the distance between the two shafts; 0: one shaft, on the left channel.
+    """Two thrusters, or one. apart_m: the distance between the two shafts; 0: one shaft, on the left channel.
+
+    left_gain, right_gain: what each makes of a command, as a share of it; 1 for equal thrusters.
 
     esc takes the bridge's place. A brushless motor behind it is described as a permanent-magnet motor with
     the constant 60 / (2 π Kv) and the resistance between two terminals.
@@ -65,3 +67,5 @@ class ThrusterSettings(Section, frozen=True):
     bridge: BridgeSettings = BridgeSettings()
     esc: EscSettings | None = None
     rudder: RudderSettings | None = None
+    left_gain: Positive = 1.0
+    right_gain: Positive = 1.0

@@ -130,6 +130,7 @@ class Thrusters:
     def __init__(self, parameters: ThrusterSettings) -> None:
         self._arm_m = 0.5 * parameters.apart_m
         self._has_right = parameters.apart_m > 0.0
+        self._left_gain, self._right_gain = parameters.left_gain, parameters.right_gain
         self._depth_m, self._tip_m = parameters.propeller.depth_m, 0.5 * parameters.propeller.diameter_m
         self.left = Thruster(parameters)
         self.right = Thruster(parameters)
@@ -140,8 +141,10 @@ class Thrusters:
         """Hold two commands for dt_s on a hull in motion; the force ahead and the clockwise moment."""
         arm_m = self._arm_m
         turn_m_s = arm_m * yaw_rate_rad_s  # clockwise, the port shaft goes faster ahead
-        self.left.step(left, supply_v, surge_m_s + turn_m_s, dt_s)
-        self.right.step(right if self._has_right else 0.0, supply_v, surge_m_s - turn_m_s, dt_s)
+        self.left.step(left * self._left_gain, supply_v, surge_m_s + turn_m_s, dt_s)
+        self.right.step(
+            right * self._right_gain if self._has_right else 0.0, supply_v, surge_m_s - turn_m_s, dt_s
+        )
         port, starboard = self.left.thrust_n, self.right.thrust_n
         return port + starboard, (port - starboard) * arm_m
 

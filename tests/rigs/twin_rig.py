@@ -1,0 +1,54 @@
+"""A voyage of the emulator's own hull, drive and windage, without the boat's program."""
+
+import numpy as np
+
+from sitl.twin.voyage import Floats, Voyage
+from sitl.world.drive.thruster import Thrusters
+from sitl.world.hull import Hull
+from sitl.world.scenario import Scenario
+from sitl.world.windage import Windage
+
+OPEN_V, PACK_OHM = 12.2, 0.05
+STEPS_PER_FIX = {0.02: 10, 0.05: 4}
+
+
+def run_world(
+    boat: Scenario, commands: Floats, step_s: float, wind_m_s: tuple[float, float] = (0.0, 0.0)
+) -> Floats:
+    """Surge, sway, turn rate, motors' current and heading before each step, shape (steps, 5). commands: left
+    and right, shape (steps, 2); the water is still.
+    """
+    hull, drive = Hull(boat.hull), Thrusters(boat.thrusters)
+    windage = Windage(boat.hull.windage, boat.hull.length_m)
+    volts = supply = OPEN_V - PACK_OHM * boat.battery.idle_a
+    rows = []
+    for left, right in commands.tolist():
+        rows.append((hull.surge_m_s, hull.sway_m_s, hull.yaw_rate_rad_s, drive.current_a, hull.heading_rad))
+        ahead_n, yaw_nm = drive.step(left, right, supply, hull.surge_m_s, hull.yaw_rate_rad_s, step_s)
+        before, volts = volts, OPEN_V - PACK_OHM * (drive.current_a + boat.battery.idle_a)
+        supply = 0.5 * (before + volts)
+        north, east = wind_m_s[0] - hull.water_north_m_s, wind_m_s[1] - hull.water_east_m_s
+        x, y, n = windage.force(north * hull.cos + east * hull.sin, east * hull.cos - north * hull.sin)
+        hull.step(ahead_n + x, y, yaw_nm + n, 0.0, 0.0, step_s)
+    return np.array(rows)
+
+
+def measured_voyage(boat: Scenario, commands: Floats, step_s: float, seed: int) -> Voyage:
+    """The same with a receiver of 0.05 m/s, a gyro of 0.5°/s and a current of 0.3 m/s to the north-east."""
+    rows, noise = run_world(boat, commands, step_s), np.random.default_rng(seed).normal
+    surge, sway, rate, amps, heading = rows.T
+    every = STEPS_PER_FIX[step_s]
+    times_s = 5.0 + step_s * np.arange(len(rows))
+    north, east = (
+        surge * np.cos(heading) - sway * np.sin(heading),
+        surge * np.sin(heading) + sway * np.cos(heading),
+    )
+    track = [north + 0.2, east + 0.2, 0.0 * north, 0.0 * east]
+    fixes = np.column_stack([times_s, *track])[::every]
+    fixes[:, 1:3] += noise(0.0, 0.05, (len(fixes), 2))
+    drawn = amps + boat.battery.idle_a
+    pack = np.column_stack([times_s, OPEN_V - PACK_OHM * drawn, drawn])[:: round(1.0 / step_s)]
+    return Voyage(
+        5.0, step_s, commands[:, 0], commands[:, 1], np.full(len(rows), OPEN_V), heading,
+        rate + noise(0.0, 0.009, len(rows)), fixes, pack, PACK_OHM, {},
+    )  # fmt: skip

@@ -1,0 +1,39 @@
+import numpy as np
+import pytest
+from twin_rig import OPEN_V, PACK_OHM, run_world
+
+from sitl.scenarios.scenario import load_scenario
+from sitl.twin.model import LEFT, Stretches, simulate
+
+WIND = (3.0, -2.0)
+
+
+@pytest.mark.parametrize("name", ["lake", "kit", "catamaran", "pool"])
+def test_many_boats_at_once_move_as_the_emulators_own_hull_and_drive(name: str) -> None:
+    random, steps = np.random.default_rng(5), 900
+    commands = np.repeat(random.uniform(-1.0, 1.0, (steps // 50, 2)), 50, axis=0)
+    commands[400:500] = 0.0
+    plain = load_scenario("open", [f"boat.model={name}"])
+    other = load_scenario(
+        "open",
+        [
+            f"boat.model={name}",
+            f"hull.sway_linear={1.3 * plain.hull.sway_linear}",
+            f"hull.skeg_arm_m={0.7 * plain.hull.skeg_arm_m}",
+            f"thrusters.propeller.astern_share={0.8 * plain.thrusters.propeller.astern_share}",
+            "thrusters.left_gain=0.9",
+        ],
+    )
+    factors = {
+        "hull.sway_linear": np.array([[1.0], [1.3]]),
+        "hull.skeg_arm_m": np.array([[1.0], [0.7]]),
+        "thrusters.propeller.astern_share": np.array([[1.0], [0.8]]),
+        LEFT: np.array([[1.0], [0.9]]),
+    }
+    both = commands[:, :, None] * [1.0, 0.5]  # the second stretch sails at half of it
+    inputs = Stretches(0.02, both[:, 0], both[:, 1], np.full((steps, 2), OPEN_V), None, np.full(2, PACK_OHM))
+    found = simulate(plain, factors, inputs, np.zeros(2), *(np.array([[one]]) for one in WIND))
+    for boat, scenario in enumerate((plain, other)):
+        for stretch, share in enumerate((1.0, 0.5)):
+            truth = run_world(scenario, share * commands, 0.02, WIND)[::5]
+            np.testing.assert_allclose(found[:, :, boat, stretch], truth, rtol=1e-9, atol=1e-12)
