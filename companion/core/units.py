@@ -5,6 +5,8 @@ import struct
 from typing import Final
 
 TAU = 2.0 * math.pi
+GPS_EPOCH_UNIX_S: Final = 315_964_800.0 - 18.0  # 1980-01-06, less the leap seconds until 2017, the last
+GPS_WEEK_S: Final = 604_800.0
 
 
 def wrap_pi(angle_rad: float) -> float:

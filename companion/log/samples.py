@@ -8,7 +8,7 @@ from companion.autopilot.snapshot import Snapshot
 from companion.core import readings
 from companion.core.geo import bearing_rad, distance_m
 from companion.core.state import Demand, NavState
-from companion.core.units import clamp, deg_to_e7, wrap_pi, wrap_two_pi
+from companion.core.units import GPS_EPOCH_UNIX_S, GPS_WEEK_S, clamp, deg_to_e7, wrap_pi, wrap_two_pi
 from companion.core.vectors import Vector
 from companion.estimation.estimator import EstimatorReport
 from companion.estimation.innovation import GATE_2
@@ -18,9 +18,6 @@ from companion.sensors.compass.magnetic_field import FieldCorrector
 
 _DEG: Final = 180.0 / math.pi
 _NAN: Final = math.nan
-_GPS_EPOCH_S: Final = 315_964_800.0  # 1980-01-06 as Unix time
-_LEAP_S: Final = 18.0  # GPS time less UTC, since 2017; log readers subtract the same
-_WEEK_S: Final = 604_800.0
 _LOGGED_CHANNELS: Final = 14
 _RANGE_GOOD, _RANGE_TOO_FAR = 4, 3  # RangeFinder status
 _SOUNDER: Final = 1  # RNGFND2, as in DISTANCE_SENSOR; the ranger is 0
@@ -180,7 +177,7 @@ def gnss(fix: readings.GnssFix) -> Iterator[bytes]:
     """A fix, at its own time; week and time of week give the date of the log."""
     week, ms = 0, 0
     if fix.unix_time_s is not None:
-        weeks, seconds = divmod(fix.unix_time_s - _GPS_EPOCH_S + _LEAP_S, _WEEK_S)
+        weeks, seconds = divmod(fix.unix_time_s - GPS_EPOCH_UNIX_S, GPS_WEEK_S)
         week, ms = int(clamp(weeks, 0.0, 65535.0)), round(seconds * 1e3)
     speed_m_s, course_deg = _NAN, _NAN
     if fix.north_m_s is not None and fix.east_m_s is not None:

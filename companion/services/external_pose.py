@@ -14,7 +14,7 @@ from companion.config.parameters import Parameters
 from companion.core.geo import LatLon, LocalFrame, Point, from_body_axes, position_from_e7, yaw_of_quaternion
 from companion.core.readings import GnssFix, HeadingReading, SonarReading
 from companion.core.status_text import Severity
-from companion.core.units import wrap_pi
+from companion.core.units import GPS_EPOCH_UNIX_S, GPS_WEEK_S, wrap_pi
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.sensors.external import ExternalSensors, Use
@@ -31,7 +31,6 @@ _FASTEST_RAD_S = 10.0
 _POSE_SIGMA_M = 0.05  # of a pose without stated accuracy
 _UNKNOWN_SATELLITES = 255
 _BEST_FIX: int = dialect.GPS_FIX_TYPE_PPP
-_GPS_EPOCH_UNIX_S, _WEEK_S, _LEAP_S = 315964800.0, 604800.0, 18.0
 _UNIT = (0.8, 1.2)  # accepted norm of a quaternion
 _RAY_RAD = math.radians(15.0)
 _UNKNOWN_CM = 0xFFFF
@@ -248,4 +247,4 @@ def _unix_s(week: int, week_ms: int) -> float | None:
     """Unix time; None if the week is not within 2024 to 2099."""
     if not 2295 <= week < 6260:
         return None
-    return _GPS_EPOCH_UNIX_S + week * _WEEK_S + week_ms / 1e3 - _LEAP_S
+    return GPS_EPOCH_UNIX_S + week * GPS_WEEK_S + week_ms / 1e3

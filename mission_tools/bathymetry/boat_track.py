@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pyproj import Geod
 
+from companion.core.units import GPS_EPOCH_UNIX_S, GPS_WEEK_S
 from mission_tools.bathymetry.soundings import Floats
 from mission_tools.files.dataflash_columns import Columns
 
@@ -19,9 +20,6 @@ WANTED: Final[Mapping[str, tuple[str, ...]]] = {
     "EST": ("TimeUS", "PosSD"),
 }
 _FRESH_S: Final = 2.0  # a sample farther from the nearest record has no value of it
-_GPS_EPOCH_S: Final = 315_964_800.0  # 1980-01-06 as Unix time
-_LEAP_S: Final = 18.0  # GPS time less UTC, since 2017
-_WEEK_S: Final = 604_800.0
 _WGS84: Final = Geod(ellps="WGS84")
 
 
@@ -56,66 +54,52 @@ class Motion:
 
 
 class BoatTrack:
-    """Of the log's records, by linear interpolation. columns: those of WANTED. is_dated: a fix has a date."""
+    """Of the log's records, by linear interpolation. columns: those of WANTED."""
 
     def __init__(self, columns: Mapping[str, Columns]) -> None:
         self._columns = columns
-        # The boat writes 0 for a roll and pitch that its heading sensor does not measure
-        gps, attitude = columns["GPS"], columns["ATT"]
-        is_usable = (gps["GWk"] > 0.0) & _of_first_instance(gps)
-        unix_s = _GPS_EPOCH_S + gps["GWk"] * _WEEK_S + gps["GMS"] * 1e-3 - _LEAP_S
-        fix_s, first = np.unique(gps["TimeUS"][is_usable] * 1e-6, return_index=True)
-        self._fix_s, self._starts_s = fix_s, unix_s[is_usable][first] - fix_s
-        self.is_dated = bool(len(fix_s))
-        self._leans = bool(len(attitude["TimeUS"]) and (attitude["Roll"].any() or attitude["Pitch"].any()))
 
     def at(self, log_s: Floats) -> Motion:
         """The boat at these times, in seconds since its start."""
-        lean = np.full_like(log_s, np.nan)
-        unknown = lean, lean
-        lat_deg, lon_deg = self._at(log_s, "POS", ("Lat", "Lng"), turns_at="Lng")
-        (heading_deg,) = self._at(log_s, "ATT", ("Yaw",), turns_at="Yaw")
-        roll_deg, pitch_deg = self._at(log_s, "ATT", ("Roll", "Pitch")) if self._leans else unknown
-        north_m_s, east_m_s = self._at(log_s, "XKF1", ("VN", "VE"))
-        (deviation_m,) = self._at(log_s, "EST", ("PosSD",))
+        attitude, lon_deg = self._columns["ATT"], self._of(log_s, "POS", "Lng", turns=True)
+        # The boat writes 0 for a roll and pitch that its heading sensor does not measure
+        lean = 1.0 if (attitude["Roll"].any() or attitude["Pitch"].any()) else np.nan
         return Motion(
             log_s,
             log_s + self._start_unix_s(log_s),
-            lat_deg,
+            self._of(log_s, "POS", "Lat"),
             (lon_deg + 180.0) % 360.0 - 180.0,
-            deviation_m,
-            np.radians(heading_deg % 360.0),
-            np.radians(roll_deg),
-            np.radians(pitch_deg),
-            np.hypot(north_m_s, east_m_s),
+            self._of(log_s, "EST", "PosSD"),
+            np.radians(self._of(log_s, "ATT", "Yaw", turns=True) % 360.0),
+            np.radians(self._of(log_s, "ATT", "Roll")) * lean,
+            np.radians(self._of(log_s, "ATT", "Pitch")) * lean,
+            np.hypot(self._of(log_s, "XKF1", "VN"), self._of(log_s, "XKF1", "VE")),
         )
 
-    def _at(
-        self, log_s: Floats, kind: str, labels: tuple[str, ...], turns_at: str = ""
-    ) -> tuple[Floats, ...]:
-        """Fields of a kind of record. turns_at: the one that begins anew after 360 degrees."""
+    def _of(self, log_s: Floats, kind: str, label: str, *, turns: bool = False) -> Floats:
+        """A field of a kind of record. turns: it begins anew after 360 degrees."""
         columns = self._columns[kind]
-        rows = np.flatnonzero(_of_first_instance(columns))
-        times_s, first = np.unique(columns["TimeUS"][rows] * 1e-6, return_index=True)
-        rows = rows[first]
-        if not len(rows):
-            return tuple(np.full_like(log_s, np.nan) for _ in labels)
-        after = np.searchsorted(times_s, log_s)
-        before_s, after_s = (times_s[at.clip(0, len(rows) - 1)] for at in (after - 1, after))
-        is_near = np.minimum(np.abs(log_s - before_s), np.abs(after_s - log_s)) <= _FRESH_S
-        out = []
-        for label in labels:
-            values = columns[label][rows]
-            values = np.unwrap(values, period=360.0) if label == turns_at else values
-            out.append(np.where(is_near, np.interp(log_s, times_s, values), np.nan))
-        return tuple(out)
+        rows = _of_first_instance(columns)
+        values = np.unwrap(columns[label][rows], period=360.0) if turns else columns[label][rows]
+        return _between(log_s, columns["TimeUS"][rows] * 1e-6, values, _FRESH_S)
 
     def _start_unix_s(self, log_s: Floats) -> Floats:
         """Unix time of the boat's start, as the fixes around each time have it: its clock may drift."""
-        if not self.is_dated:
-            return np.full_like(log_s, np.nan)
-        starts_s: Floats = np.interp(log_s, self._fix_s, self._starts_s)
-        return starts_s
+        gps = self._columns["GPS"]
+        rows, fix_s = (gps["GWk"] > 0.0) & _of_first_instance(gps), gps["TimeUS"] * 1e-6
+        starts_s = GPS_EPOCH_UNIX_S + gps["GWk"] * GPS_WEEK_S + gps["GMS"] * 1e-3 - fix_s
+        return _between(log_s, fix_s[rows], starts_s[rows], np.inf)
+
+
+def _between(log_s: Floats, times_s: Floats, values: Floats, reach_s: float) -> Floats:
+    """Values at other times than theirs; NaN where none is within reach."""
+    times_s, first = np.unique(times_s, return_index=True)
+    if not len(times_s):
+        return np.full_like(log_s, np.nan)
+    after = np.searchsorted(times_s, log_s)
+    before_s, after_s = (times_s[at.clip(0, len(times_s) - 1)] for at in (after - 1, after))
+    is_near = np.minimum(np.abs(log_s - before_s), np.abs(after_s - log_s)) <= reach_s
+    return np.where(is_near, np.interp(log_s, times_s, values[first]), np.nan)
 
 
 def _of_first_instance(columns: Columns) -> NDArray[np.bool_]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from mission_tools.bathymetry.boat_track import Motion
 from mission_tools.bathymetry.from_log import LogSamples
-from mission_tools.bathymetry.soundings import Floats
+from mission_tools.bathymetry.soundings import Floats, Soundings
 from mission_tools.overwrite_guard import SAMPLES_HEAD
 
 HEADER: Final = (
@@ -33,28 +33,28 @@ def write_table(logs: Sequence[LogSamples], file: TextIO) -> int:
 
 
 def _rows(log: LogSamples) -> Iterator[_Row]:
-    boat = list(_boat(log.sounded))
-    transducer = _texts(log.transducer_m, 3)
-    quality = _texts(log.quality, 2)
-    for where, depth, sure, below in zip(boat, _texts(log.depth_m, 3), quality, transducer, strict=True):
-        yield (*where, "depth", depth, "m", sure, below, log.name)
-    for where, warm in zip(boat, _texts(log.temperature_c, 2), strict=True):
+    sounded, name = log.soundings, log.soundings.names[0]
+    boat, below = list(_boat(sounded, log.sounded_s)), f"{sounded.transducer_m:.3f}"
+    depths = zip(boat, _texts(sounded.depth_m, 3), _texts(sounded.quality, 2), strict=True)
+    yield from ((*where, "depth", depth, "m", sure, below, name) for where, depth, sure in depths)
+    for where, warm in zip(boat, _texts(sounded.temperature_c, 2), strict=True):
         if warm:
-            yield (*where, "temperature", warm, "degC", "", "", log.name)
+            yield (*where, "temperature", warm, "degC", "", "", name)
     values = (f"{value:.9g}" for value in log.values.tolist())
-    probes = zip(_boat(log.probed), log.probes.tolist(), values, log.units.tolist(), strict=True)
-    for where, name, value, unit in probes:
-        yield (*where, name, value, unit, "", "", log.name)
+    probes = zip(
+        _boat(log.probed, log.probed.log_s), log.probes.tolist(), values, log.units.tolist(), strict=True
+    )
+    yield from ((*where, probe, value, unit, "", "", name) for where, probe, value, unit in probes)
 
 
-def _boat(at: Motion) -> Iterable[_Row]:
+def _boat(at: Motion | Soundings, log_s: Floats) -> Iterable[_Row]:
     """Time, place and motion of each sample."""
     milliseconds = np.where(np.isnan(at.unix_s), 0.0, 1e3 * at.unix_s).round().astype("datetime64[ms]")
     dates = np.where(np.isnan(at.unix_s), "", np.char.add(np.datetime_as_string(milliseconds), "Z"))
     return zip(
         dates.tolist(),
         _texts(at.unix_s, 3),
-        _texts(at.log_s, 3),
+        _texts(log_s, 3),
         _texts(at.lat_deg, 8),
         _texts(at.lon_deg, 8),
         *(_texts(np.degrees(angle), 2) for angle in (at.heading_rad, at.roll_rad, at.pitch_rad)),

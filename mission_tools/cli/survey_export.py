@@ -36,7 +36,7 @@ def export(
     logs = read_logs(log)
     for note in (note for one in logs for note in one.notes):
         echo(f"note: {note}", is_error=True)
-    if not any(len(one.depth_m) + len(one.values) for one in logs):
+    if not any(len(one.sounded_s) + len(one.values) for one in logs):
         raise LogError(
             f"{counted(len(logs), 'log')} without samples: nothing to write: fit a sounder or a probe"
         )

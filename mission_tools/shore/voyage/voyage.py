@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from companion.core.modes import Mode
+from companion.core.units import GPS_EPOCH_UNIX_S, GPS_WEEK_S
 from mission_tools.files.dataflash import Log, Record, Value
 from mission_tools.shore.voyage.samples import Sample, Samples
 from mission_tools.station.words import LocalizedText, say
@@ -14,9 +15,6 @@ MOST_EVENTS: Final = 500
 _LONGEST_S: Final = 30 * 86400.0
 _FRESH_S: Final = 2.0  # an older speed or distance is not shown beside a position
 _POWER_FRESH_S: Final = 15.0
-_GPS_EPOCH_S: Final = 315_964_800.0  # 1980-01-06 in Unix time
-_LEAP_S: Final = 18.0  # GPS time is ahead of UTC, since 2017
-_WEEK_S: Final = 604_800.0
 _STEP_M: Final = 1.0  # of the estimate, which is smooth
 _GPS_STEP_M: Final = 3.0  # of a receiver's own positions
 _WANTED: Final[dict[str, tuple[str, ...]]] = {
@@ -138,7 +136,7 @@ class Voyage:
             and week > 0
             and self._begun_s is None
         ):
-            self._begun_s = _GPS_EPOCH_S + week * _WEEK_S + ms * 1e-3 - _LEAP_S - at_s
+            self._begun_s = GPS_EPOCH_UNIX_S + week * GPS_WEEK_S + ms * 1e-3 - at_s
         if "XKF1" not in self._latest:
             self._note_speed("GPS", at_s, speed)
         self._add(self._receiver, at_s, lat, lon)

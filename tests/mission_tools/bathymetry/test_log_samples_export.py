@@ -123,7 +123,7 @@ def test_a_cut_at_any_byte_loses_no_whole_sample(tmp_path: Path) -> None:
         path.write_bytes(whole[:at])
         found = read_samples(path)
         count = int(soundings[ends <= at].sum())
-        np.testing.assert_array_equal(found.depth_m, everything.depth_m[:count])
+        np.testing.assert_array_equal(found.soundings.depth_m, everything.soundings.depth_m[:count])
         assert len(found.values) == probes[ends <= at].sum()
         assert bool(found.notes and "cut off" in found.notes[0]) is (at not in ends and at != len(r.HEADER))
 
