@@ -6,6 +6,7 @@ from companion.config.parameters import ParameterHook
 from companion.hal.interfaces import Hardware
 from sitl.world.computer import Clocked, Computer
 from sitl.world.drive.rudder import Rudder
+from sitl.world.environment.bottom import Bathymetry
 from sitl.world.environment.waves import Waves
 from sitl.world.faults.injection import Injection
 from sitl.world.faults.parts import (
@@ -26,7 +27,7 @@ from sitl.world.payload import SimPayload
 from sitl.world.scenario import Scenario
 from sitl.world.sensors.battery_monitor import SimBattery
 from sitl.world.sensors.compass import SimCompass
-from sitl.world.sensors.depth import Bathymetry, SimDepthSounder
+from sitl.world.sensors.depth import SimDepthSounder
 from sitl.world.sensors.gnss import SimGnss
 from sitl.world.sensors.hull_sensor import SimHullSensor
 from sitl.world.sensors.rc import SimRc
@@ -67,7 +68,7 @@ class Electronics:
         self._depth: SimDepthSounder | None = None
         if sensors.depth.fitted:
             bottom = Bathymetry(scenario.chart, scenario.environment)
-            self._depth = SimDepthSounder(sensors.depth, bottom, seed)
+            self._depth = SimDepthSounder(sensors.depth, bottom, seed, fitted.depth.min_confidence)
         fitted_sensors: dict[str, FaultySensor | None] = {
             "gnss": self._gnss, "compass": self._compass, "battery": self._battery, "sonar": self.sonar,
             "rc": self.rc, "depth": self._depth,
@@ -135,6 +136,6 @@ class Electronics:
         if self._hull is not None and now_s >= self._hull.due_s:
             self._hull.sample(now_s)
         if self._depth is not None and now_s >= self._depth.due_s:
-            self._depth.sample(now_s, truth.north_m, truth.east_m)
+            self._depth.sample(now_s, truth.north_m, truth.east_m, truth.heading_rad, waves)
         if now_s >= self._battery.due_s:
             self._battery.sample(now_s, truth.voltage_v, truth.current_a)

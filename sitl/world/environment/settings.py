@@ -2,11 +2,11 @@
 
 import math
 from pathlib import Path
-from typing import Self
+from typing import Annotated, Literal, Self
 
-from msgspec import structs
+from msgspec import Meta, structs
 
-from companion.config.section import NonNegative, Positive, Section
+from companion.config.section import NonNegative, Positive, Section, Share
 
 East_North = tuple[float, float]
 
@@ -36,6 +36,50 @@ class Tide(Section, frozen=True):
     to_deg: float = 90.0
     period_s: Positive = 44_714.0
     strongest_s: float = 0.0
+
+
+class Bump(Section, frozen=True):
+    """A round hole about [east, north], or a hump with a negative deeper_m; its profile is a Gaussian."""
+
+    centre: East_North
+    deeper_m: float
+    radius_m: Positive
+
+
+class Stream(Section, frozen=True):
+    """The bed of an old stream through points [east, north]."""
+
+    through: Annotated[tuple[East_North, ...], Meta(min_length=2)]
+    deeper_m: float = 0.8
+    width_m: Positive = 10.0
+
+
+class Bottom(Section, frozen=True):
+    """The bottom between the shores: slope (even), analytic (with bumps and a stream), fractal (these, and
+    roughness), or geotiff (positive depths in a file beside the scenario, in its frame or by an EPSG code).
+
+    roughness_m: standard deviation; hurst: 0 rugged to 1 smooth; longest_m: of its waves. Weed covers
+    weed_share of the water in patches of weed_patch_m. Raises ValueError: a geotiff without a file.
+    """
+
+    kind: Literal["slope", "analytic", "fractal", "geotiff"] = "slope"
+    bumps: tuple[Bump, ...] = ()
+    stream: Stream | None = None
+    file: str = ""
+    seed: Annotated[int, Meta(ge=0)] = 1
+    roughness_m: NonNegative = 0.3
+    # Profiles of the sea floor have 0.8 to 1 (J. A. Goff and T. H. Jordan, J. Geophys. Res. 93, 1988)
+    hurst: Share = 0.9
+    longest_m: Positive = 60.0
+    weed_share: Share = 0.0
+    weed_height_m: Positive = 0.5
+    weed_patch_m: Positive = 20.0
+    cell_m: Annotated[float, Meta(ge=0.1)] = 1.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if (self.kind == "geotiff") is not bool(self.file):
+            raise ValueError(f"file = {self.file!r}: expected a GeoTIFF with kind = 'geotiff', else none")
 
 
 class Environment(Section, frozen=True):
@@ -71,6 +115,7 @@ class Environment(Section, frozen=True):
     shore_hold_n: NonNegative = 0.0
     depth_m: Positive = 5.0
     shore_slope: Positive = 0.2
+    bottom: Bottom = Bottom()
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -86,10 +131,11 @@ class Environment(Section, frozen=True):
             )
 
     def beside(self, folder: Path) -> Self:
-        """The same with current_file looked for in a folder, unless it says where it is."""
-        return (
-            structs.replace(self, current_file=str(folder / self.current_file)) if self.current_file else self
-        )
+        """The same with its files looked for in a folder, unless they say where they are."""
+        current_file, bottom = self.current_file and str(folder / self.current_file), self.bottom
+        if bottom.file:
+            bottom = structs.replace(bottom, file=str(folder / bottom.file))
+        return structs.replace(self, current_file=current_file, bottom=bottom)
 
     @property
     def current_north_m_s(self) -> float:

@@ -1,64 +1,91 @@
 """The depth sounder."""
 
-import msgspec
+import math
+from typing import Final
 
-from companion.core.geo import Point
+import msgspec
+import numpy as np
+
+from companion.core.geo import from_body_axes
 from companion.core.readings import DepthReading
-from mission_tools.maps.chart import Chart
-from sitl.world.environment.settings import Environment
-from sitl.world.sampling import generator, normal
+from sitl.world.environment.bottom import Bathymetry
+from sitl.world.environment.waves import Waves
+from sitl.world.sampling import TIME_SLACK_S, generator, normal
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.sensor import Sensor
 from sitl.world.sensors.settings import DepthSettings
 
-
-class Bathymetry:
-    """Depth of a chart's water. Its bottom slopes down from every shore to an even depth."""
-
-    def __init__(self, chart: Chart, environment: Environment) -> None:
-        self._chart = chart
-        self._deepest_m = environment.depth_m
-        self._slope = environment.shore_slope
-
-    def depth_m(self, north_m: float, east_m: float) -> float:
-        """Depth at a place, 0 ashore."""
-        if self._chart.is_open:
-            return self._deepest_m
-        return min(self._deepest_m, self._slope * self._chart.clearance_m(Point(north_m, east_m)))
+# Where the beam is looked at, in half widths: its middle, a ring inside it, and its edge
+_RINGS: Final = np.array(
+    [(0.0, 0.0), *[(0.5, turn / 6) for turn in range(6)], *[(1.0, turn / 12) for turn in range(12)]]
+)
+_BEAM: Final = _RINGS[:, 0] * np.array([np.cos(math.tau * _RINGS[:, 1]), np.sin(math.tau * _RINGS[:, 1])])
 
 
 class SimDepthSounder(Sensor[DepthReading]):
-    """It looks straight down from its transducer. Nearer than its least range it finds no bottom."""
+    """It hears the first return in its beam, which leans with the hull, and its reading arrives late."""
 
-    def __init__(self, settings: DepthSettings, bottom: Bathymetry, seed: int) -> None:
+    def __init__(
+        self, settings: DepthSettings, bottom: Bathymetry, seed: int, least_quality: float = 0.5
+    ) -> None:
+        """least_quality: below it, the boat's driver takes the bottom as not found."""
         super().__init__()
         self._settings = settings
         self._bottom = bottom
+        self._least_quality = least_quality
         self._random = generator(seed, "depth")
+        self._echo: DepthReading | None = None  # under way to the computer
 
-    def sample(self, now_s: float, north_m: float, east_m: float) -> None:
-        """Sample when due."""
+    def sample(self, now_s: float, north_m: float, east_m: float, heading_rad: float, waves: Waves) -> None:
+        """Ping, or hand over the echo, when due. The position is the boat's."""
         settings = self._settings
-        if not self._is_due(now_s, settings.rate_hz):
-            return
-        true_m = self._bottom.depth_m(north_m, east_m) - settings.transducer_m
-        # A fixed number of draws a sounding
-        echo_m = settings.sound_gain * true_m + settings.noise_m * normal(self._random)
-        is_lost = self._random.random() < settings.lost_share
-        if self._random.random() < settings.double_share:
+        if self._echo is None and self._is_due(now_s, settings.rate_hz):
+            arm = from_body_axes(settings.forward_m, settings.starboard_m, heading_rad)
+            self._echo = self._ping(north_m + arm.north_m, east_m + arm.east_m, heading_rad, waves)
+            self.due_s = now_s + settings.latency_s - TIME_SLACK_S
+        if self._echo is not None and now_s >= self.due_s:
+            arrived = msgspec.structs.replace(self._echo, time_s=now_s + self.clock_offset_s)
+            self._echo, self.due_s = None, self._count / settings.rate_hz - TIME_SLACK_S
+            self._output(arrived, now_s)
+
+    def _ping(self, north_m: float, east_m: float, heading_rad: float, waves: Waves) -> DepthReading:
+        """A sounding. Its time is set when it arrives. Each takes the same number of draws."""
+        settings, numbers = self._settings, self._random
+        noise, doubt, weed = normal(numbers), abs(normal(numbers)), numbers.random()
+        lost, double = numbers.random(), numbers.random()
+        true_m, quality = self._first_return_m(north_m, east_m, heading_rad, waves), 1.0 - 0.03 * doubt
+        canopy_m = self._bottom.canopy_m(north_m, east_m)
+        if canopy_m > 0.0 and weed < settings.weed_echo_share:  # from the top of the plants or among them
+            true_m, quality = true_m - canopy_m * (1.0 - 0.5 * weed), 0.7 - 0.15 * doubt
+        deviation_m = math.hypot(settings.noise_m, settings.noise_share * true_m)
+        echo_m = settings.sound_gain * true_m + deviation_m * noise
+        if double < settings.double_share:
             echo_m = 2.0 * echo_m + settings.transducer_m
-        is_found = not is_lost and true_m >= settings.min_range_m and echo_m <= settings.max_range_m
-        self._output(
-            DepthReading(
-                now_s + self.clock_offset_s,
-                echo_m if is_found else None,
-                settings.temperature_c,
-                settings.transducer_m,
-                settings.min_range_m,
-                settings.max_range_m,
-            ),
-            now_s,
+        quality = max(quality, 0.0)
+        is_heard = lost >= settings.lost_share + settings.bubble_share_per_m * waves.height_m
+        is_heard &= true_m >= settings.min_range_m and echo_m <= settings.max_range_m
+        return DepthReading(
+            0.0,
+            echo_m if is_heard and quality >= self._least_quality else None,
+            settings.temperature_c,
+            settings.transducer_m,
+            settings.min_range_m,
+            settings.max_range_m,
+            quality if is_heard else 0.0,
         )
+
+    def _first_return_m(self, north_m: float, east_m: float, heading_rad: float, waves: Waves) -> float:
+        """The shortest range in the beam, which leans to port when the hull rolls to starboard."""
+        bottom, above_m = self._bottom, waves.heave_m - self._settings.transducer_m
+        below_m = bottom.depth_m(north_m, east_m) + above_m
+        half = math.tan(0.5 * math.radians(self._settings.beam_deg))
+        lean = from_body_axes(math.tan(waves.pitch_rad), -math.tan(waves.roll_rad), heading_rad)
+        if below_m <= 0.0:
+            return below_m
+        off_n, off_e = below_m * (np.array(lean)[:, None] + half * _BEAM)
+        down_m = (bottom.depths_m(north_m + off_n, east_m + off_e) + above_m).clip(0.0)
+        nearest_m = float(np.sqrt(off_n**2 + off_e**2 + down_m**2).min())
+        return min(nearest_m, below_m) if math.hypot(*lean) <= half else nearest_m
 
     def _with_fault(
         self, reading: DepthReading, fault: SensorFault[DepthReading], now_s: float

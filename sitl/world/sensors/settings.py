@@ -92,22 +92,37 @@ class HullSensorSettings(Section, frozen=True):
 
 
 class DepthSettings(Section, frozen=True):
-    """A depth sounder that looks straight down. The bottom is that of the scenario's environment.
+    """A depth sounder as the Ping1D. The bottom is that of the scenario's environment.
 
-    sound_gain: what depths are off by where the speed of sound is set wrongly. lost_share of the soundings
-    find no bottom (weed, bubbles), double_share the second echo, by way of the surface.
+    Its noise has a fixed part and a share of the depth. sound_gain: what depths are off by where the speed of
+    sound is set wrongly. lost_share of the soundings find no bottom, and in waves bubble_share_per_m of their
+    height more (an estimate: air under the hull). double_share of them are the second echo, by way of the
+    surface; over weed, weed_echo_share come from the plants. latency_s: until a sounding arrives. Raises
+    ValueError: a latency as long as the interval of the soundings.
     """
 
     fitted: bool = False
     rate_hz: Positive = 5.0
+    beam_deg: Annotated[float, Meta(ge=0.0, le=60.0)] = 30.0  # Ping1D, −3 dB; Ping2 25
     noise_m: NonNegative = 0.02
-    sound_gain: Positive = 1.01
+    noise_share: NonNegative = 0.005  # its data sheet: resolution of 0.5 % of the range
+    sound_gain: Positive = 1.0096  # 1480 m/s is assumed; fresh water of 15 °C has 1466 (Bilaniuk and Wong)
     lost_share: Share = 0.02
-    double_share: Share = 0.0
+    bubble_share_per_m: NonNegative = 0.5
+    double_share: Share = 0.005
+    weed_echo_share: Share = 0.7
+    latency_s: NonNegative = 0.12  # the boat assumes 0.1
     transducer_m: NonNegative = 0.1
+    forward_m: float = 0.0  # the transducer's place from the GNSS antenna
+    starboard_m: float = 0.0
     min_range_m: NonNegative = 0.3
     max_range_m: Positive = 50.0
     temperature_c: Annotated[float, Meta(ge=-5.0, le=50.0)] = 15.0
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.latency_s * self.rate_hz >= 1.0:
+            raise ValueError(f"latency_s = {self.latency_s:g}: expected less than 1 / rate_hz")
 
 
 class StickStep(Section, frozen=True):

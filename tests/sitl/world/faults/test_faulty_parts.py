@@ -195,7 +195,7 @@ def test_garbage_is_anywhere_in_the_range_of_the_part(
         found = value(water.hardware)
         return found if isinstance(found, list) else [found]
 
-    fitted = ("sensors.depth.fitted=true", "sensors.rc.fitted=true")
+    fitted = ("sensors.depth.fitted=true", "sensors.depth.latency_s=0", "sensors.rc.fitted=true")
     _, during, _ = observed(f'what="{part}", kind="garbage"', read, *fitted)
     values = [one for _, one in during]
     assert low <= min(values) < low + 0.1 * (high - low)
