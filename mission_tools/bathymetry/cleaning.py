@@ -1,6 +1,7 @@
 """Which soundings a chart may use: each that it may not has one named reason."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -12,9 +13,8 @@ from shapely.geometry.base import BaseGeometry
 
 from mission_tools.bathymetry.blocks import MAD, means
 from mission_tools.bathymetry.reduction import Reduced
-from mission_tools.bathymetry.soundings import Floats, Soundings
+from mission_tools.bathymetry.soundings import Flags, Floats, Soundings
 
-Flags = NDArray[np.bool_]
 Codes = NDArray[np.int8]
 
 REASONS: Final = (
@@ -85,30 +85,15 @@ def counts(codes: Codes) -> dict[str, int]:
 
 
 def _jumped(s: Soundings, at: Reduced, own: NDArray[np.intp]) -> Flags:
-    """Soundings of one voyage on stretches that the boat cannot have reached at its own speed."""
-    flags = np.zeros(len(own), dtype=bool)
+    """Soundings of one voyage on short stretches that the boat cannot have reached at its own speed."""
     east, north, time = at.east_m[own], at.north_m[own], s.unix_s[own]
     speed = np.nan_to_num(s.speed_m_s[own], nan=FASTEST_M_S)
     slack = JUMP_M + np.nan_to_num(s.position_sd_m[own])
-    if len(own) < 2 or not np.isfinite(time).all():
-        return flags
-
-    def beyond(a: int, b: int) -> bool:
-        far = np.hypot(east[b] - east[a], north[b] - north[a]) - max(speed[a], speed[b]) * abs(
-            time[b] - time[a]
-        )
-        return bool(far > max(slack[a], slack[b]))
-
     moved = np.hypot(np.diff(east), np.diff(north)) - np.maximum(speed[1:], speed[:-1]) * np.diff(time)
-    starts = np.concatenate(([0], np.nonzero(moved > np.maximum(slack[1:], slack[:-1]))[0] + 1, [len(own)]))
-    last = -1
-    for start, end in zip(starts[:-1].tolist(), starts[1:].tolist(), strict=True):
-        if time[end - 1] - time[start] < SETTLED_S and (
-            (last >= 0 and beyond(last, start)) or (last < 0 and end < len(own))
-        ):
-            flags[start:end] = True
-        else:
-            last = end - 1
+    jumps = np.nonzero(moved > np.maximum(slack[1:], slack[:-1]))[0] + 1  # of NaN, a log without times, none
+    flags = np.zeros(len(own), dtype=bool)
+    for start, end in pairwise([0, *jumps.tolist(), len(own)]):
+        flags[start:end] = len(jumps) > 0 and time[end - 1] - time[start] < SETTLED_S
     return flags
 
 

@@ -8,7 +8,7 @@ import shapely
 from numpy.typing import NDArray
 
 from mission_tools.bathymetry.blocks import MAD
-from mission_tools.bathymetry.s44 import ORDERS
+from mission_tools.bathymetry.s44 import tvu_m
 from mission_tools.bathymetry.soundings import Floats
 
 STEP_M: Final = 2.0  # of the track's legs that are searched: a boat turns little within it
@@ -49,7 +49,7 @@ class Crossings:
         """
         if not len(self.difference_m):
             return float("nan")
-        return float(np.mean(np.abs(self.difference_m) <= ORDERS[order].tvu_m(self.depth_m)))
+        return float(np.mean(np.abs(self.difference_m) <= tvu_m(order, self.depth_m)))
 
 
 def crossings(east_m: Floats, north_m: Floats, depth_m: Floats, unix_s: Floats) -> Crossings:

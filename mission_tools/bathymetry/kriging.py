@@ -6,9 +6,10 @@ spacing; smoothness, range and scale of the band come from cross-validation in w
 far from the remaining data as the places to predict are (C. Milà et al., Methods Ecol. Evol. 13 (2022) 1304).
 """
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import product
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,8 +57,7 @@ def correlation(smoothness: float, ratio: Floats) -> Floats:
     return found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Data:
+class Data(NamedTuple):
     """Depths to interpolate: place (n, 2), depth and variance of its noise (n,)."""
 
     place: Floats
@@ -109,17 +109,19 @@ class _System:
         return depth, np.maximum(model.variance_m2 - (weights * right).sum(axis=1), 0.0)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class HeldOut:
-    """Means of soundings at places, and the distance (m,) within which data are left out for each."""
+class HeldOut(NamedTuple):
+    """Means of soundings, and the distance (m,) within which data are left out to predict each."""
 
     data: Data
     apart_m: Floats
 
-    def system(self, data: Data) -> "_System":
-        """The kriging of these places from the rest of the data."""
-        place = self.data.place
-        return _System.of(data, place[:, None, :], _outside(data, place, self.apart_m))
+    def solved(self, data: Data, models: Iterable[Covariance]) -> Iterator[tuple[Floats, Floats]]:
+        """Squares of the errors of predictions from the rest of the data, and their kriging variance."""
+        near = _outside(data, self.data.place, self.apart_m)
+        system = _System.of(data, self.data.place[:, None, :], near)
+        for model in models:
+            depth, variance = system.solved(model)
+            yield (depth[:, 0] - self.data.depth_m) ** 2, variance[:, 0]
 
 
 def fitted(data: Data, held_out: HeldOut, spacing_m: float, semivariance_m2: float) -> Covariance:
@@ -127,18 +129,15 @@ def fitted(data: Data, held_out: HeldOut, spacing_m: float, semivariance_m2: flo
 
     held_out: means with little noise. semivariance_m2: at the spacing of the lines.
     """
-    system, held = held_out.system(data), held_out.data
-    best, best_score = Covariance(1.5, 4.0 * spacing_m, semivariance_m2), np.inf
+    models = []
     for smoothness, ratio, factor in product(SMOOTHNESS, RANGES, FACTORS):
         share = 1.0 - float(correlation(smoothness, np.array(1.0 / ratio)))
-        model = Covariance(smoothness, ratio * spacing_m, factor * semivariance_m2 / share)
-        depth, variance = system.solved(model)
-        error = depth[:, 0] - held.depth_m
-        total = variance[:, 0] + held.noise_m2
-        score = float(np.mean(np.log(total) + np.minimum(error**2 / total, MOST_SD**2)))
-        if score < best_score:
-            best, best_score = model, score
-    return best
+        models.append(Covariance(smoothness, ratio * spacing_m, factor * semivariance_m2 / share))
+    scores = []
+    for square, variance in held_out.solved(data, models):
+        total = variance + held_out.data.noise_m2
+        scores.append(float(np.mean(np.log(total) + np.minimum(square / total, MOST_SD**2))))
+    return models[int(np.argmin(scores))]
 
 
 class Calibration:
@@ -152,19 +151,15 @@ class Calibration:
     """
 
     def __init__(self, data: Data, model: Covariance, held_out: HeldOut) -> None:
-        depth, variance = held_out.system(data).solved(model)
-        held = held_out.data
-        square, self._variance, self._noise = (depth[:, 0] - held.depth_m) ** 2, variance[:, 0], held.noise_m2
-        total = self._variance + self._noise
-        self._excess = np.minimum(square, MOST_SD**2 * total) - self._noise
-        self._tree = cKDTree(held.place)
-        self.scale = 1.0
-        local = self.factor(held.place, skip=1) * self._variance
+        ((square, self._variance),) = held_out.solved(data, [model])
+        self._noise = held_out.data.noise_m2
+        self._excess = np.minimum(square, MOST_SD**2 * (self._variance + self._noise)) - self._noise
+        self._tree = cKDTree(held_out.data.place)
+        self._scale = 1.0
+        local = np.maximum(self.factor(held_out.data.place, skip=1) * self._variance, 1e-12)
         # |e| ≤ z·sqrt(s·v + n)  ⇔  s ≥ ((e/z)² − n)/v
-        local = np.maximum(local, 1e-12)
-        found = np.quantile((square / BAND_SD**2 - self._noise) / local, 0.9)
-        noise = np.median(self._noise / local)
-        self.scale = float(_drawn(np.maximum(found, 0.0), DOUBT, PRIOR_SD, noise))
+        found = np.maximum(np.quantile((square / BAND_SD**2 - self._noise) / local, 0.9), 0.0)
+        self._scale = float(_drawn(found, DOUBT, PRIOR_SD, np.median(self._noise / local)))
 
     def factor(self, place: Floats, skip: int = 0) -> Floats:
         """Of the variance at places (m, 2), shape (m,). skip: so many of the nearest held-out places."""
@@ -173,7 +168,7 @@ class Calibration:
         variance = np.maximum(self._variance[near].sum(axis=1), 1e-12)
         found = np.maximum(self._excess[near].sum(axis=1) / variance, 0.1)
         noise = self._noise[near].sum(axis=1) / variance
-        return self.scale * _drawn(found, np.sqrt(2.0 / many), LOCAL_SD, noise)
+        return self._scale * _drawn(found, np.sqrt(2.0 / many), LOCAL_SD, noise)
 
 
 def _drawn(found: Floats, doubt: float, prior_sd: float, noise: Floats | np.float64) -> Floats:
@@ -196,12 +191,9 @@ def _outside(data: Data, place: Floats, apart_m: Floats) -> Indices:
 
 def semivariance_m2(data: Data, lag_m: float) -> float:
     """Half the mean square of differences at about a lag, less the noise. The lag: 0.7 to 1.3 of it."""
-    step = max(len(data.place) // 3000, 1)
-    pairs = cKDTree(data.place).query_ball_point(data.place[::step], 1.3 * lag_m)
-    a = np.repeat(np.arange(0, len(data.place), step), [len(found) for found in pairs])
-    b = np.concatenate([np.asarray(found, dtype=np.intp) for found in pairs])
-    far = np.hypot(*(data.place[a] - data.place[b]).T) > 0.7 * lag_m
-    if not far.any():
-        return max(float(np.var(data.depth_m)), 1e-6)
-    square = (data.depth_m[a] - data.depth_m[b])[far] ** 2 - data.noise_m2[a][far] - data.noise_m2[b][far]
-    return float(max(0.5 * float(np.mean(square)), 1e-6))
+    thin = slice(None, None, max(len(data.place) // 5000, 1))
+    place, depth, noise = data.place[thin], data.depth_m[thin], data.noise_m2[thin]
+    a, b = cKDTree(place).query_pairs(1.3 * lag_m, output_type="ndarray").T
+    far = np.hypot(*(place[a] - place[b]).T) > 0.7 * lag_m
+    square = ((depth[a] - depth[b]) ** 2 - noise[a] - noise[b])[far]
+    return max(0.5 * float(np.mean(square)), 1e-6) if len(square) else max(float(np.var(depth)), 1e-6)

@@ -1,18 +1,27 @@
 """The bottom as a grid: depth, its 90 % band, and where nothing is known."""
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 from scipy.spatial import cKDTree
+from shapely.geometry.base import BaseGeometry
 
 from mission_tools.bathymetry import kriging
 from mission_tools.bathymetry.blocks import line_spacing_m, means, white_noise_m
-from mission_tools.bathymetry.kriging import BAND_SD, NEIGHBOURS, Calibration, Covariance, Data
-from mission_tools.bathymetry.soundings import Floats
+from mission_tools.bathymetry.kriging import (
+    BAND_SD,
+    NEIGHBOURS,
+    Calibration,
+    Covariance,
+    Data,
+    HeldOut,
+    Indices,
+)
+from mission_tools.bathymetry.soundings import Flags, Floats
 from mission_tools.errors import UsageError
 from mission_tools.geojson import SOLID
 from mission_tools.maps.chart import Chart
@@ -26,35 +35,68 @@ MOST_CELLS: Final = 4_000_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Surface:
-    """Arrays of shape (rows, columns), north up: row 0 is the northernmost.
-
-    west_m, north_m: of the grid's corner; cell_m: side of a cell. is_water: by the cell's middle. depth_m,
-    band_m: below the datum and half of the 90 % band, NaN where not surveyed. away_m: distance to the nearest
-    accepted sounding. white_m, line_m: standard deviation of a sounding's own noise, and of what a line
-    errs as a whole (NaN: no crossings).
+class Grid:
+    """West and north of its corner, side of a cell in metres; row 0 is the northernmost. is_water: of the
+    cells' middles, (rows, columns), whole numbers of tiles.
     """
 
     west_m: float
     north_m: float
     cell_m: float
-    is_water: NDArray[np.bool_]
-    depth_m: Floats
-    band_m: Floats
-    away_m: Floats
-    spacing_m: float
-    gap_m: float
-    white_m: float
-    line_m: float
-    model: Covariance
-    scale: float
+    is_water: Flags
+
+    @classmethod
+    def over(cls, water: BaseGeometry, cell_m: float) -> "Grid":
+        """Over all of some water. Raises UsageError: too many cells."""
+        west, south, east, north = water.bounds
+        columns, rows = (math.ceil(side / cell_m / TILE) * TILE for side in (east - west, north - south))
+        if columns * rows > MOST_CELLS:
+            raise UsageError(
+                f"--cell {cell_m:g}: {columns * rows} cells, at most {MOST_CELLS}: take larger ones"
+            )
+        shapely.prepare(water)
+        grid = cls(west, north, cell_m, np.empty((rows, columns), dtype=bool))
+        grid.is_water[:] = shapely.contains_xy(water, *np.meshgrid(*grid.middles))
+        return grid
 
     @property
     def middles(self) -> tuple[Floats, Floats]:
         """East of the columns and north of the rows."""
-        rows, columns = self.depth_m.shape
+        rows, columns = self.is_water.shape
         east = self.west_m + self.cell_m * np.arange(0.5, columns)
         return east, self.north_m - self.cell_m * np.arange(0.5, rows)
+
+    def cells(self, east_m: Floats, north_m: Floats) -> tuple[Indices, Indices]:
+        """Row and column of places, those outside of the grid at its edge."""
+        rows, columns = self.is_water.shape
+        row = np.floor((self.north_m - north_m) / self.cell_m).astype(np.intp)
+        column = np.floor((east_m - self.west_m) / self.cell_m).astype(np.intp)
+        return row.clip(0, rows - 1), column.clip(0, columns - 1)
+
+    def tiles(self, chosen: Flags) -> tuple[Indices, Floats]:
+        """The tiles with a chosen cell: indices (g, TILE²) of their cells, middles (g, TILE², 2)."""
+        rows, columns = chosen.shape
+        index = np.arange(rows * columns).reshape(rows // TILE, TILE, columns // TILE, TILE)
+        tiles = index.swapaxes(1, 2).reshape(-1, TILE * TILE)
+        tiles = tiles[chosen.ravel()[tiles].any(axis=1)]
+        east, north = np.meshgrid(*self.middles)
+        return tiles, np.stack((east.ravel()[tiles], north.ravel()[tiles]), axis=-1)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """depth_m, band_m: below the datum and half of the 90 % band, (rows, columns), NaN where not surveyed:
+    farther than gap_m from every accepted sounding. white_m, line_m: standard deviation of a sounding's own
+    noise, and of what a line errs as a whole (NaN: too few crossings).
+    """
+
+    grid: Grid
+    depth_m: Floats
+    band_m: Floats
+    spacing_m: float
+    gap_m: float
+    white_m: float
+    line_m: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,97 +125,38 @@ def interpolated(
             "on two lines; see the reasons of those rejected, or give --spacing"
         )
     cell = settings.cell_m or max(round(CELL_SHARE * spacing, 1), 0.1)
-    gap = settings.gap_m or GAP_SHARE * spacing
-    grid = _Grid.over(chart, east_m, north_m, cell, gap)
-    white = white_noise_m(depth_m)
+    gap, white = settings.gap_m or GAP_SHARE * spacing, white_noise_m(depth_m)
+    place, line_m2 = np.column_stack((east_m, north_m)), float(np.nan_to_num(line_m)) ** 2
+    grid = Grid.over(sounded_water(chart, place, gap), cell)
     block = BLOCK_SHARE * spacing
     blocks, _ = means(east_m, north_m, depth_m, block, depth_m)
-    own = Data(blocks.place, blocks.depth_m, white**2 / blocks.count + np.nan_to_num(line_m) ** 2)
+    own = Data(blocks.place, blocks.depth_m, white**2 / blocks.count + line_m2)
     shore = _shore_points(chart, 0.5 * spacing) if settings.has_shore else np.empty((0, 2))
     zero = np.zeros(len(shore))
-    data = Data(
-        np.concatenate((own.place, shore)),
-        np.concatenate((own.depth_m, zero)),
-        np.concatenate((own.noise_m2, zero + SHORE_SD_M**2)),
-    )
-    away = _away(grid, east_m, north_m)
+    data = Data(*map(np.concatenate, zip(own, (shore, zero, zero + SHORE_SD_M**2), strict=True)))
+    empty = np.ones(grid.is_water.shape, dtype=bool)
+    empty[grid.cells(east_m, north_m)] = False
+    away = cell * distance_transform_edt(empty)
     known = grid.is_water & (away <= gap)
-    if not known.any():
-        raise UsageError(
-            f"{chart.name}: no sounding lies on its water; expected the map of the surveyed lake"
-        )
     rng = np.random.default_rng(settings.seed)
-    place, line_sd = np.column_stack((east_m, north_m)), float(np.nan_to_num(line_m))
     held = []
     for count, radius in ((kriging.CHOSEN_ON, 0.5 * cell), (kriging.SCALED_ON, 0.25 * cell)):
         chosen = rng.choice(len(place), min(count, len(place)), replace=False)
-        one = _held_out(place, depth_m, radius, white, line_sd, chosen)
+        groups = cKDTree(place).query_ball_point(place[chosen], radius)
+        noise = np.array([white**2 / len(group) + line_m2 for group in groups])
+        middle = np.array([place[group].mean(axis=0) for group in groups])
+        one = Data(middle, np.array([depth_m[group].mean() for group in groups]), noise)
         apart = np.maximum(rng.choice(away[known], len(chosen)), block)  # its own block always is left out
-        held.append(kriging.HeldOut(one, apart))
+        held.append(HeldOut(one, apart))
     model = kriging.fitted(data, held[0], spacing, kriging.semivariance_m2(own, spacing))
-    calibration = Calibration(data, model, held[1])
-    depth, band = _filled(data, model, calibration, grid, known)
-    return Surface(
-        grid.west_m,
-        grid.north_m,
-        cell,
-        grid.is_water,
-        depth,
-        band,
-        away,
-        spacing,
-        gap,
-        white,
-        line_m,
-        model,
-        calibration.scale,
-    )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Grid:
-    west_m: float
-    north_m: float
-    cell_m: float
-    is_water: NDArray[np.bool_]
-
-    @classmethod
-    def over(cls, chart: Chart, east_m: Floats, north_m: Floats, cell_m: float, margin_m: float) -> "_Grid":
-        """Over the water, of the sea only where it was sounded; sides are whole numbers of tiles."""
-        bounds = (east_m.min(), north_m.min(), east_m.max(), north_m.max())
-        area = shapely.box(*bounds).buffer(margin_m)
-        water = chart.water.intersection(area) if chart.is_open else chart.water
-        if water.is_empty:
-            raise UsageError(
-                f"{chart.name}: no sounding lies on its water; expected the map of the surveyed lake"
-            )
-        west, south, east, north = water.bounds
-        side = cell_m * TILE
-        columns, rows = int(np.ceil((east - west) / side)) * TILE, int(np.ceil((north - south) / side)) * TILE
-        if columns * rows > MOST_CELLS:
-            raise UsageError(
-                f"--cell {cell_m:g}: {columns * rows} cells, at most {MOST_CELLS}; take a larger cell"
-            )
-        x = west + cell_m * (np.arange(columns) + 0.5)
-        y = north - cell_m * (np.arange(rows) + 0.5)
-        shapely.prepare(water)
-        return cls(west, north, cell_m, shapely.contains_xy(water, *np.meshgrid(x, y)))
-
-    def groups(self, chosen: NDArray[np.bool_]) -> tuple[NDArray[np.intp], Floats]:
-        """The tiles with a chosen cell: indices (g, TILE²) of their cells, middles (g, TILE², 2)."""
-        rows, columns = chosen.shape
-        index = np.arange(rows * columns).reshape(rows // TILE, TILE, columns // TILE, TILE)
-        tiles = index.swapaxes(1, 2).reshape(-1, TILE * TILE)
-        tiles = tiles[chosen.ravel()[tiles].any(axis=1)]
-        row, column = np.divmod(tiles, columns)
-        east = self.west_m + self.cell_m * (column + 0.5)
-        return tiles, np.stack((east, self.north_m - self.cell_m * (row + 0.5)), axis=-1)
+    depth, band = _filled(data, model, Calibration(data, model, held[1]), grid, known)
+    return Surface(grid, depth, band, spacing, gap, white, line_m)
 
 
 def _filled(
-    data: Data, model: Covariance, calibration: Calibration, grid: _Grid, known: NDArray[np.bool_]
+    data: Data, model: Covariance, calibration: Calibration, grid: Grid, known: Flags
 ) -> tuple[Floats, Floats]:
-    tiles, middles = grid.groups(known)
+    tiles, middles = grid.tiles(known)
     _, near = cKDTree(data.place).query(middles.mean(axis=1), k=min(NEIGHBOURS, len(data.place)))
     found, variance = kriging.predict(data, model, middles, near)
     variance *= calibration.factor(middles.mean(axis=1))[:, None]
@@ -184,39 +167,20 @@ def _filled(
     return depth.reshape(known.shape), band.reshape(known.shape)
 
 
-def _away(grid: _Grid, east_m: Floats, north_m: Floats) -> Floats:
-    """Distance of each cell to the nearest one with a sounding, metres."""
-    rows, columns = grid.is_water.shape
-    row = np.floor((grid.north_m - north_m) / grid.cell_m).astype(np.intp)
-    column = np.floor((east_m - grid.west_m) / grid.cell_m).astype(np.intp)
-    on = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
-    empty = np.ones((rows, columns), dtype=bool)
-    empty[row[on], column[on]] = False
-    if not on.any():
-        return np.full(empty.shape, np.inf)
-    found: Floats = grid.cell_m * distance_transform_edt(empty)
-    return found
+def sounded_water(chart: Chart, place: Floats, margin_m: float) -> BaseGeometry:
+    """The water of a chart; of the sea what is near soundings. Raises UsageError: no sounding lies on it."""
+    near = shapely.box(*place.min(axis=0), *place.max(axis=0)).buffer(margin_m)
+    if not chart.water.intersects(shapely.multipoints(place[:: max(len(place) // 1000, 1)])):
+        raise UsageError(f"{chart.name}: no sounding lies on its water: give the map of the surveyed lake")
+    return chart.water.intersection(near) if chart.is_open else chart.water
 
 
 def _shore_points(chart: Chart, step_m: float) -> Floats:
     """Places along the shore, (n, 2). Piers, rafts and obstacles stand in water: the depth there is not 0."""
     if chart.is_open:
         return np.empty((0, 2))
-    built = [
-        feature.shape for feature in chart.features if feature.kind in SOLID and feature.kind != "island"
-    ]
+    built = [one.shape for one in chart.features if one.kind in SOLID and one.kind != "island"]
     shore = chart.water.boundary.difference(shapely.union_all(built).buffer(0.5))
     lines = [line for line in shapely.get_parts(shore) if line.length > 0.0]
     at = [line.interpolate(np.arange(0.0, line.length, step_m)) for line in lines]
     return shapely.get_coordinates(np.concatenate(at)) if at else np.empty((0, 2))
-
-
-def _held_out(
-    place: Floats, depth_m: Floats, radius_m: float, white_m: float, line_m: float, chosen: NDArray[np.intp]
-) -> Data:
-    """Means of the soundings within a radius of some of them."""
-    groups = cKDTree(place).query_ball_point(place[chosen], radius_m)
-    count = np.array([len(group) for group in groups], dtype=np.float64)
-    middle = np.array([place[group].mean(axis=0) for group in groups])
-    depth = np.array([depth_m[group].mean() for group in groups])
-    return Data(middle, depth, white_m**2 / count + line_m**2)

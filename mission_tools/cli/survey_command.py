@@ -6,8 +6,8 @@ from mission_tools.errors import MissionToolsError
 
 _program = Program(
     "boat-survey",
-    "From a boat's logs to samples with their places.",
-    ("mission_tools.cli.survey_export:export",),
+    "From a boat's logs to samples with their places, and to a depth chart.",
+    ("mission_tools.cli.survey_export:export", "mission_tools.cli.survey_chart:chart"),
     expected=(MissionToolsError, BoatError),
 )
 

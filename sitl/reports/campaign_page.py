@@ -9,6 +9,7 @@ from typing import Any
 
 import msgspec
 
+from mission_tools.drawing.report_page import Mark, Page
 from sitl.experiments.campaign.campaign import Campaign, leaves
 from sitl.experiments.campaign.expect import judge, numbers
 from sitl.experiments.campaign.table import Table, tabulate
@@ -16,7 +17,6 @@ from sitl.experiments.mission_trial import scenario_of
 from sitl.experiments.trial import Trial, TrialResult
 from sitl.reports.campaign_pictures import draw_clearances, draw_expectation, draw_tracks
 from sitl.reports.labels import label, labelled
-from sitl.reports.page import Mark, Page
 
 _MOST_LISTED = 200
 _GROUPED = (

@@ -3,8 +3,8 @@
 import json
 from typing import Any
 
+from mission_tools.drawing.report_page import Mark, Page
 from sitl.reports.labels import label
-from sitl.reports.page import Mark, Page
 from sitl.reports.run_pictures import draw_innovations, draw_panels, draw_sonar_map, draw_track_chart
 from sitl.reports.run_record import RunRecord
 

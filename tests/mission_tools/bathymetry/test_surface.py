@@ -29,7 +29,7 @@ def surface_of(
 
 
 def errors(surface: Surface, bottom: Bottom) -> tuple[Floats, Floats]:
-    east, north = np.meshgrid(*surface.middles)
+    east, north = np.meshgrid(*surface.grid.middles)
     known = np.isfinite(surface.depth_m)
     return surface.depth_m[known] - bottom(east[known], north[known]), surface.band_m[known]
 
@@ -57,11 +57,11 @@ def test_a_missing_line_is_not_surveyed_and_the_shore_is_a_depth() -> None:
     surface = interpolated(
         LAKE, at.east_m[kept], at.north_m[kept], at.depth_m[kept], np.nan, SurfaceSettings()
     )
-    east, north = np.meshgrid(*surface.middles)
+    east, north = np.meshgrid(*surface.grid.middles)
     middle = (np.abs(north) < 5.0) & (np.abs(east) < 60.0)
     assert np.isnan(surface.depth_m[middle]).all()
-    assert np.isfinite(surface.depth_m[(north > 20.0) & surface.is_water]).all()
-    rim = surface.is_water & (shapely.distance(LAKE.shores, shapely.points(east, north)) < 1.5)
+    assert np.isfinite(surface.depth_m[(north > 20.0) & surface.grid.is_water]).all()
+    rim = surface.grid.is_water & (shapely.distance(LAKE.shores, shapely.points(east, north)) < 1.5)
     assert np.nanmax(np.abs(surface.depth_m[rim] - bottom(east[rim], north[rim]))) < 0.15
 
 
@@ -76,7 +76,7 @@ def test_no_shore_line_no_zero_and_piers_are_none() -> None:
     deep = surface_of(walled, bottom, 35, 10.0, SurfaceSettings(has_shore=False))
     assert np.nanmin(deep.depth_m) > 1.8
     shore = surface_of(walled, bottom, 35, 10.0, SurfaceSettings())
-    east, north = np.meshgrid(*shore.middles)
+    east, north = np.meshgrid(*shore.grid.middles)
     beside = (np.abs(east - 36.0) < 1.5) & (north > 20.0) & (north < 28.0)
     assert np.nanmin(shore.depth_m[beside]) > 2.5
     assert np.nanmin(shore.depth_m) < np.nanmin(deep.depth_m) - 0.05

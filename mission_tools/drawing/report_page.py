@@ -10,7 +10,7 @@ from typing import Literal
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-_STYLE = Path(__file__).with_name("page.css")
+_STYLE = Path(__file__).with_name("report.css")
 
 Mark = Literal["", "good", "bad"]
 
