@@ -11,7 +11,7 @@ from mission_tools.tasks.survey.patterns import PatternName
 
 MOST_OVERLAP = 0.9
 BOAT_TURN_RADIUS_M = 0.0
-SHORE_PASSES = 6  # one more than just keeps lakes within 15 % of plain lines: docs/tasks.md
+SHORE_PASSES = (6, 3, 0)  # many are shortest for ragged shores, none for straight ones: docs/tasks.md
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +23,7 @@ class SurveySettings:
     is a footprint without overlap. angle_rad: course of the tracks, 0 = north, clockwise; None: the one with
     the fewest turns. plan: clearance and margin, which tracks and transits keep. shore_passes: how often to
     sail along the shores and the area's edge, each pass a spacing inside of the one before, while there is
-    water left; 0: tracks only; None: SHORE_PASSES, but one where angle_rad or lead_m is given.
+    water left; 0: tracks only; None: of SHORE_PASSES, but one where angle_rad or lead_m is given.
     cross_spacing_m: between lines across the tracks, for checking; None: no cross lines. turn_radius_m: of
     the boat's turns at its survey speed; 0: it turns on the spot. lead_m: straight on before and after each
     track, for a sensor that is towed. pattern: to sail instead of tracks and passes, from the datum; None:
@@ -78,11 +78,11 @@ class SurveySettings:
         return self.swath_m * (1.0 - (self.overlap or 0.0))
 
     @property
-    def most_passes(self) -> int:
-        """How often the shores are passed at most."""
+    def pass_choices(self) -> tuple[int, ...]:
+        """How often the shores may be passed at most: the shortest survey is taken."""
         if self.shore_passes is not None or self.pattern or self.has_gaps:
-            return self.shore_passes or 0
-        return SHORE_PASSES if self.angle_rad is None and not self.lead_m else 1
+            return (self.shore_passes or 0,)
+        return SHORE_PASSES if self.angle_rad is None and not self.lead_m else (1,)
 
     @property
     def swath_m(self) -> float:

@@ -36,7 +36,7 @@ def passes_along(
     """
     swath_m, spacing_m = settings.swath_m, settings.track_spacing_m
     whole, left, rings = MultiPolygon(water), target, []
-    for number in range(settings.most_passes):
+    for number in range(settings.shore_passes or 0):
         inset_m = spacing_m - 0.5 * swath_m if number else 0.5 * spacing_m
         inset_m = min(inset_m, (0.5 - 2.0 * RING_ERROR) * swath_m)
         within = polygons(left.buffer(-inset_m, quad_segs=_QUADRANT_SEGMENTS).intersection(whole))

@@ -4,8 +4,7 @@ join them.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from companion.core.geo import Point, distance_m
+from companion.core.geo import Point
 from mission_tools.errors import NoRoute, UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.tasks.room import (
@@ -23,18 +22,18 @@ from mission_tools.tasks.room import (
     water_reached_from,
 )
 from mission_tools.tasks.survey.coverage import coverage
+from mission_tools.tasks.survey.legs import joined_legs
 from mission_tools.tasks.survey.patterns import pattern
-from mission_tools.tasks.survey.postman import Pass, Visit, with_spikes
+from mission_tools.tasks.survey.postman import Pass, with_spikes
 from mission_tools.tasks.survey.settings import SurveySettings
 from mission_tools.tasks.survey.shore_pass import passes_along
 from mission_tools.tasks.survey.tracks import Tracks, fewest_turns_rad, lay_tracks, lines_across, together
 from mission_tools.tasks.survey.turns import with_turns
 from mission_tools.tasks.survey.visits import in_best_order
-from mission_tools.tasks.task_route import TaskLeg, TaskRoute, Transits, joined
+from mission_tools.tasks.task_route import TaskRoute, joined
 
 Array = NDArray[np.float64]
-LEAD_ERROR_M = 0.01  # as fine as positions go over the wire
-DETAIL_M = 0.1  # of the way round something: nearer waypoints are one
+LEAST_COVERED = 0.995  # the smallest places may be left out
 LEAST_NOTED = 0.01  # of the water
 CORNER_INSET = 0.5 * math.sqrt(0.5)  # of the footprint: so near to an edge, its square corners are covered
 
@@ -67,11 +66,25 @@ def survey(
 ) -> Survey:
     """Plan a survey of an area; of the whole water that the boat can reach, where that is None.
 
+    Of the numbers of passes along the shores that the settings leave open, the one with the shortest route is
+    taken among those that cover LEAST_COVERED of the target.
+
     start: where the boat is; None begins at the most convenient track. Of waters that are apart, the one with
     the start is surveyed, without a start the largest. area: in the chart's frame, x = east and y = north;
     land in it is left out. Raises UsageError: open water without an area, or far too many tracks. NoRoute: no
     water in the area is wide enough for the clearance. NoRouteError: the start is no place for a boat.
     """
+    choices = [replace(settings, shore_passes=passes) for passes in settings.pass_choices]
+    tried = [_survey(chart, start, one, area) for one in choices]
+    least = min(LEAST_COVERED, max(one.coverage for one in tried))
+    return min(
+        (one for one in tried if one.coverage >= least), key=lambda one: (one.route.length_m, one.tracks)
+    )
+
+
+def _survey(
+    chart: Chart, start: Point | None, settings: SurveySettings, area: Polygon | MultiPolygon | None
+) -> Survey:
     plan, swath_m = settings.plan, settings.swath_m
     if area is None and chart.is_open:
         raise UsageError("open water has no end: name an area to survey")
@@ -90,7 +103,7 @@ def survey(
         target = target.intersection(area)
     rings: list[Array] = []
     inside: Sequence[Polygon] = water
-    if settings.most_passes:
+    if settings.shore_passes:
         rings, inside = passes_along(chart, water, target.union(rafts), settings)
     passes = [Pass(ring) for ring in rings]
     if passes:
@@ -113,7 +126,7 @@ def survey(
         lines = lines_across(water, course_rad + 0.5 * math.pi, settings.cross_spacing_m)
         last = visits[-1].points[-1] if visits else origin
         visits += in_best_order(lines, reached, last, end, detail_m, "cross")
-    legs, short = _joined_legs(chart, visits, start, (MultiPolygon(wide), rafts), settings)
+    legs, short = joined_legs(chart, visits, start, (MultiPolygon(wide), rafts), settings)
     notes = (
         [f"{short} ends of tracks have no {settings.lead_m:g} m of water to lead in or out"] if short else []
     )
@@ -177,64 +190,6 @@ def _inside(water: Sequence[Polygon], area: Polygon | MultiPolygon, inset_m: flo
     return [piece for part in water for piece in polygons(part.intersection(inset))]
 
 
-def _joined_legs(
-    chart: Chart,
-    visits: Sequence[Visit],
-    start: Point | None,
-    waters: tuple[MultiPolygon, MultiPolygon],
-    settings: SurveySettings,
-) -> tuple[Sequence[TaskLeg], int]:
-    """Visits and the transits between them: straight where that lies in the water, planned elsewhere.
-
-    waters: where the boat may sail, and what of the visits it sails round. Returns the legs, and how many
-    ends of tracks have less water ahead than the lead.
-    """
-    transits, (wide, rafts) = Transits(chart, settings.plan), waters
-    shapely.prepare(wide)
-    legs: list[TaskLeg] = []
-    here, short = start, 0
-    for visit in visits:
-        points = _clear_points(chart, visit.points, rafts, transits, settings.plan.clearance_m)
-        if not points:
-            continue
-        lead_in, lead_out = points[0], points[-1]
-        if settings.lead_m and len(visit.points) == 2 and points[0] != points[-1]:
-            lead_in, lead_out = (
-                _led(ahead, end, wide, settings.lead_m) for ahead, end in (points[1::-1], points[-2:])
-            )
-            short += sum(
-                distance_m(lead, end) < settings.lead_m - LEAD_ERROR_M
-                for lead, end in ((lead_in, points[0]), (lead_out, points[-1]))
-            )
-        if here is not None and here != lead_in:
-            straight = shapely.LineString([(at.east_m, at.north_m) for at in (here, lead_in)])
-            way = (here, lead_in) if wide.covers(straight) else transits.route(here, lead_in)
-            legs.append(TaskLeg("transit", way))
-        legs.append(TaskLeg("transit", (lead_in, points[0])))
-        legs.append(TaskLeg(visit.kind, points))
-        legs.append(TaskLeg("transit", (points[-1], lead_out)))
-        here = lead_out
-    if settings.is_return and start is not None and here is not None and here != start:
-        legs.append(TaskLeg("transit", transits.route(start, here)[::-1]))
-    return joined(legs).legs, short
-
-
-def _led(inner: Point, end: Point, water: MultiPolygon, lead_m: float) -> Point:
-    """Straight on past the end of a track, so far as there is water."""
-    share = lead_m / max(distance_m(inner, end), 1e-9)
-    ahead = (
-        end.east_m + share * (end.east_m - inner.east_m),
-        end.north_m + share * (end.north_m - inner.north_m),
-    )
-    line = shapely.LineString([(end.east_m, end.north_m), ahead])
-    if water.covers(line):
-        return _point(np.array(ahead))
-    parts = shapely.get_parts(line.intersection(water))
-    at = shapely.Point(line.coords[0])
-    reach_m = max((part.length for part in parts if part.distance(at) < LEAD_ERROR_M), default=0.0)
-    return _point(shapely.get_coordinates(line.interpolate(reach_m))[0]) if reach_m > LEAD_ERROR_M else end
-
-
 def _without_rafts(water: Sequence[Polygon], swath_m: float) -> tuple[list[Polygon], MultiPolygon]:
     """The water with the islands that are no wider than a footprint, clearance included; and those.
 
@@ -253,44 +208,3 @@ def _without_rafts(water: Sequence[Polygon], swath_m: float) -> tuple[list[Polyg
             )
         )
     return found, MultiPolygon(rafts)
-
-
-def _clear_points(
-    chart: Chart, xy: Array, rafts: MultiPolygon, transits: Transits, clearance_m: float
-) -> tuple[Point, ...]:
-    """A visit's points, where a leg comes too near to a shore with the way round; without what lies there."""
-    legs = shapely.linestrings(np.stack((xy[:-1], xy[1:]), axis=1)) if len(xy) > 1 else shapely.points(xy)
-    is_near = shapely.dwithin(chart.shores, legs, clearance_m * (1.0 - 1e-6)) | shapely.intersects(
-        rafts, legs
-    )
-    if not is_near.any():
-        return tuple(map(_point, xy))
-    found: list[Point] = []
-    for leg, near in zip(legs, is_near, strict=True):
-        parts = shapely.get_parts(leg.difference(rafts)) if near else np.array([leg])
-        begin = shapely.get_point(leg, 0) if len(xy) > 1 else leg
-        for part in sorted(parts[~shapely.is_empty(parts)], key=begin.distance):
-            places = [_point(at) for at in shapely.get_coordinates(part)]
-            if found and found[-1] != places[0]:
-                early_m = distance_m(found[-1], places[0])
-                if len(found) > 1:
-                    found.append(_early(found.pop(), found[-1], early_m))
-                places = [_early(places[0], places[-1], early_m), places[-1]]
-                found += transits.route(found[-1], places[0])[1:]
-            found = found or places[:1]
-            is_whole = near and len(parts) == 1
-            found += transits.route(places[0], places[-1])[1:] if is_whole else places[1:]
-    apart = [at for before, at in pairwise(found[:-1]) if distance_m(before, at) > DETAIL_M]
-    return (*found[:1], *apart, *found[1:][-1:])
-
-
-def _early(end: Point, other: Point, early_m: float) -> Point:
-    """Before the end of a leg by so much, or by half of the leg: a boat under way turns only so sharply."""
-    share = min(0.5, early_m / max(distance_m(end, other), 1e-9))
-    return Point(
-        end.north_m + share * (other.north_m - end.north_m), end.east_m + share * (other.east_m - end.east_m)
-    )
-
-
-def _point(xy: Array) -> Point:
-    return Point(float(xy[1]), float(xy[0]))

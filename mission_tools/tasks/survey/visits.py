@@ -17,6 +17,8 @@ from mission_tools.tasks.survey.turns import turn_length_m
 from mission_tools.tasks.task_route import LegKind
 
 Array = NDArray[np.float64]
+Way = tuple[int, ...]
+MOST_SORTED = 300  # tracks that are sorted one by one: a second on the development machine
 _TRIES = 64  # entries into a ring that are tried for a clear line before a planned way is taken
 
 
@@ -43,20 +45,16 @@ def in_best_order(
     count, spacing_m = len(tracks.tracks), tracks.spacing_m
     skip = 1 + math.ceil(2.0 * radius_m / spacing_m) if 0.0 < spacing_m < 2.0 * radius_m else 1
     paths = [_ways_through(cell, count, skip) for cell in tracks.cells]
-    corners = sorted({node for ways in paths for way in ways for node in (way[0], way[-1])})
-    number = {node: index for index, node in enumerate(corners)}
-    places = np.vstack([ends[corners], *([place[None] for place in (start, end) if place is not None])])
-    found_m = way_lengths_m(water, places, np.arange(len(places)), detail_m)
-    lengths_m = np.zeros((len(corners) + 2, len(corners) + 2))
-    named = [*range(len(corners))]
-    named += [len(corners)] if start is not None else []
-    named += [len(corners) + 1] if end is not None else []
-    lengths_m[np.ix_(named, named)] = found_m
-    items = [
-        [Mode(number[way[0]], number[way[-1]], _inner_m(way, tracks, radius_m)) for way in ways]
-        for ways in paths
-    ]
-    order = best_sequence(items, lengths_m, len(corners), len(corners) + 1)
+    lengths_m, number = _between(paths, ends, water, (start, end), detail_m)
+    items = _items(paths, number, tracks, radius_m)
+    order = best_sequence(items, lengths_m, len(number), len(number) + 1)
+    if skip == 1 and len(paths) < count <= MOST_SORTED:
+        nodes = [node for item, mode in order for node in paths[item][mode]]
+        paths = [[(track, track + count), (track + count, track)] for track in range(count)]
+        lengths_m, number = _between(paths, ends, water, (start, end), detail_m)
+        items = _items(paths, number, tracks, radius_m)
+        order = [(node % count, node // count) for node in nodes[::2]]
+        order = best_sequence(items, lengths_m, len(number), len(number) + 1, order)
     found = []
     for item, mode in order:
         way = paths[item][mode]
@@ -64,10 +62,38 @@ def in_best_order(
     if not passes:
         return [visit for visits in found for visit in visits]
     first, last = np.array([items[item][mode][:2] for item, mode in order]).T
-    open_m = lengths_m[len(corners), first][:, None] + lengths_m[last, len(corners) + 1][None]
+    open_m = lengths_m[len(number), first][:, None] + lengths_m[last, len(number) + 1][None]
     ways_m = lengths_m[np.ix_(first, last)]
     alone = with_chains(passes, found, ways_m, open_m, water, 2.0 * detail_m)
     return _with_passes(alone, passes, water, start, detail_m, gap_m)
+
+
+def _between(
+    paths: Sequence[Sequence[Way]],
+    ends: Array,
+    water: Polygon,
+    outside: tuple[Array | None, Array | None],
+    detail_m: float,
+) -> tuple[Array, dict[int, int]]:
+    """Lengths between where ways begin and end, and the number of each such node; the last two are start and
+    end, which are free where they are None.
+    """
+    corners = sorted({node for ways in paths for way in ways for node in (way[0], way[-1])})
+    count = len(corners)
+    named = [*range(count), *(count + n for n, place in enumerate(outside) if place is not None)]
+    places = np.vstack([ends[corners], *([place[None] for place in outside if place is not None])])
+    lengths_m = np.zeros((count + 2, count + 2))
+    lengths_m[np.ix_(named, named)] = way_lengths_m(water, places, np.arange(len(places)), detail_m)
+    return lengths_m, {node: index for index, node in enumerate(corners)}
+
+
+def _items(
+    paths: Sequence[Sequence[Way]], number: dict[int, int], tracks: Tracks, radius_m: float
+) -> list[list[Mode]]:
+    return [
+        [Mode(number[way[0]], number[way[-1]], _inner_m(way, tracks, radius_m)) for way in ways]
+        for ways in paths
+    ]
 
 
 def _with_passes(

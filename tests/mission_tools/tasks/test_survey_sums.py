@@ -121,20 +121,20 @@ def test_samples_fill_a_narrow_target_as_densely_as_a_wide_one() -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "most"),
+    ("given", "choices"),
     [
-        ({}, 6),
-        ({"angle_rad": 0.0}, 1),
-        ({"angle_rad": 0.0, "shore_passes": 3}, 3),
-        ({"shore_passes": 0}, 0),
-        ({"lead_m": 5.0}, 1),
-        ({"pattern": "spiral"}, 0),
+        ({}, (6, 3, 0)),
+        ({"angle_rad": 0.0}, (1,)),
+        ({"angle_rad": 0.0, "shore_passes": 3}, (3,)),
+        ({"shore_passes": 0}, (0,)),
+        ({"lead_m": 5.0}, (1,)),
+        ({"pattern": "spiral"}, (0,)),
     ],
 )
 def test_shores_are_passed_once_where_straight_tracks_are_asked_for_and_never_in_a_search(
-    given: dict[str, float], most: int
+    given: dict[str, float], choices: tuple[int, ...]
 ) -> None:
-    assert SurveySettings(spacing_m=5.0, **given).most_passes == most  # type: ignore[arg-type]
+    assert SurveySettings(spacing_m=5.0, **given).pass_choices == choices  # type: ignore[arg-type]
 
 
 def test_fewer_than_no_passes_are_refused() -> None:
