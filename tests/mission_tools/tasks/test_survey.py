@@ -297,3 +297,15 @@ def test_gaps_get_lines_of_their_own_and_no_passes_along_shores() -> None:
     assert 5 <= len(tracks) <= 7
     assert route_line(found.route.points).distance(spot) < 5.0
     assert found.route.length_m < 420.0
+
+
+def test_tracks_on_both_sides_of_an_island_are_sailed_without_going_back() -> None:
+    """Twelve tracks of 1,960 m in all have eleven gaps, and one way leads round the island or along a side."""
+    plan = PlanSettings(clearance_m=0.01)
+    settings = SurveySettings(spacing_m=10.0, footprint_m=11.0, shore_passes=0, plan=plan)
+    found = survey(basin(ISLAND), None, settings)
+    assert found.tracks == 12
+    assert found.route.length_m < 1960.0 + 11 * 10.0 + 40.0
+    assert found.coverage > 0.999
+    chosen = survey(basin(ISLAND), None, replace(settings, shore_passes=None))
+    assert chosen.route.length_m <= found.route.length_m
