@@ -26,7 +26,7 @@ from mission_tools.tasks.survey.settings import SurveySettings
 from mission_tools.tasks.survey.survey import survey
 
 CLEARANCE_M = 4.0
-SHARE = 0.005  # of the polygon, that coverage may differ by
+SHARE = 0.01  # of the polygon, that coverage may be less by
 
 
 def field_of(source: str, spacing_m: float, simplified_m: float) -> shapely.Polygon:
