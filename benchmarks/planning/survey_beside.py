@@ -6,8 +6,8 @@
 The polygon is the water of MAP that is 4 m clear of its shores, with corners only where they leave the line
 by more than SIMPLIFIED metres, and without islands of less than a quarter of a square of the spacing. Both
 may sail anywhere in it. A route is a LINESTRING in the polygon's metres: of Fields2Cover what
-`Route.asLineString().exportToWkt()` gives. Of several the shortest counts that covers as much as ours, to
-half a percent.
+`Route.asLineString().exportToWkt()` gives. Of several the shortest counts that covers as much as ours, to a
+percent.
 """
 
 import sys
