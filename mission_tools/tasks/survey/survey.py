@@ -34,6 +34,7 @@ from mission_tools.tasks.task_route import TaskRoute, joined
 
 Array = NDArray[np.float64]
 LEAST_COVERED = 0.995  # the smallest places may be left out
+MUCH_LONGER = 1.01  # lengths of routes in a good order differ so much by chance
 LEAST_NOTED = 0.01  # of the water
 CORNER_INSET = 0.5 * math.sqrt(0.5)  # of the footprint: so near to an edge, its square corners are covered
 
@@ -67,15 +68,18 @@ def survey(
     """Plan a survey of an area; of the whole water that the boat can reach, where that is None.
 
     Of the numbers of passes along the shores that the settings leave open, the one with the shortest route is
-    taken among those that cover LEAST_COVERED of the target.
+    taken among those that cover LEAST_COVERED of the target. Fewer are tried while that is not much longer.
 
     start: where the boat is; None begins at the most convenient track. Of waters that are apart, the one with
     the start is surveyed, without a start the largest. area: in the chart's frame, x = east and y = north;
     land in it is left out. Raises UsageError: open water without an area, or far too many tracks. NoRoute: no
     water in the area is wide enough for the clearance. NoRouteError: the start is no place for a boat.
     """
-    choices = [replace(settings, shore_passes=passes) for passes in settings.pass_choices]
-    tried = [_survey(chart, start, one, area) for one in choices]
+    tried: list[Survey] = []
+    for passes in settings.pass_choices:
+        tried.append(_survey(chart, start, replace(settings, shore_passes=passes), area))
+        if tried[-1].route.length_m > MUCH_LONGER * tried[0].route.length_m:
+            break
     least = min(LEAST_COVERED, max(one.coverage for one in tried))
     return min(
         (one for one in tried if one.coverage >= least), key=lambda one: (one.route.length_m, one.tracks)
