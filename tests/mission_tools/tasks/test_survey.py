@@ -300,7 +300,7 @@ def test_gaps_get_lines_of_their_own_and_no_passes_along_shores() -> None:
 
 
 def test_tracks_on_both_sides_of_an_island_are_sailed_without_going_back() -> None:
-    """Twelve tracks of 1,960 m in all have eleven gaps, and one way leads round the island or along a side."""
+    """Twelve tracks of 1,960 m in all, eleven gaps, and one way along a side of the island."""
     plan = PlanSettings(clearance_m=0.01)
     settings = SurveySettings(spacing_m=10.0, footprint_m=11.0, shore_passes=0, plan=plan)
     found = survey(basin(ISLAND), None, settings)
