@@ -28,6 +28,7 @@ _OF_MOTION: Final = (
     "unix_s", "lat_deg", "lon_deg", "position_sd_m", "heading_rad", "roll_rad", "pitch_rad", "speed_m_s",
 )  # fmt: skip
 _JOINED: Final = (*_OF_MOTION, "quality", "temperature_c")
+_TEXTS: Final = ("Name", "Unit")
 _SOUND_M_S: Final = 1480.0  # of a log that does not say it: fresh water at 20 °C
 
 
@@ -62,6 +63,10 @@ def read_samples(path: Path) -> LogSamples:
     columns, log = read_columns(data, _WANTED)
     if not log.count:
         raise LogError(f"{path}: no DataFlash log: expected a .bin of the boat's folder logs")
+    for fields in columns.values():  # a damaged log may define a number as a text
+        for label, column in fields.items():
+            if (column.dtype.kind == "S") is not (label in _TEXTS):
+                fields[label] = np.full(len(column), np.nan)
     depth, probe = _in_order(columns["DPTH"]), _in_order(columns["PROB"])
     which = depth["Inst"][0] if len(depth["Inst"]) else 1.0  # of several sounders, the first
     depth = {label: column[depth["Inst"] == which] for label, column in depth.items()}

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mission_tools.files.dataflash import HEAD_BYTES, Format, Log
 
-Columns = Mapping[str, NDArray[Any]]
+Columns = dict[str, NDArray[Any]]
 _NOTHING: Final[NDArray[Any]] = np.empty(0)
 _FIELD: Final = re.compile(r"(\d*)([a-zA-Z])")
 
@@ -47,10 +47,7 @@ def _decoded(raw: NDArray[np.uint8], form: Format, at: NDArray[np.int64]) -> lis
     table = np.ascontiguousarray(rows).view(whole)[:, 0]
     out: list[NDArray[Any]] = []
     for field in form.wanted:
-        if field is None:
-            out.append(np.full(len(at), np.nan))
-        elif field.factor:
-            out.append(table[str(field.place)].astype(np.float64) * field.factor)
-        else:
-            out.append(table[str(field.place)])
+        column = np.full(len(at), np.nan) if field is None else table[str(field.place)]
+        with np.errstate(invalid="ignore"):  # a signalling NaN in a damaged log
+            out.append(column.astype(np.float64) * field.factor if field and field.factor else column)
     return out

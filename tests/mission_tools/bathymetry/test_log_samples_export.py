@@ -4,7 +4,9 @@ The log holds a boat that sails a circle; where its transducer was follows from 
 local frame of the companion. pymavlink's reader says what time each record has.
 """
 
+import contextlib
 import csv
+import io
 import math
 import random
 from collections.abc import Iterator
@@ -23,6 +25,7 @@ from companion.log import records as r
 from companion.log import samples
 from companion.log.linear_frame import LinearFrame
 from mission_tools.bathymetry.from_log import read_logs, read_samples, soundings_of
+from mission_tools.bathymetry.sample_table import write_table
 from mission_tools.cli.survey import run_program
 from mission_tools.errors import LogError
 
@@ -128,6 +131,19 @@ def test_a_cut_at_any_byte_loses_no_whole_sample(tmp_path: Path) -> None:
         assert bool(found.notes and "cut off" in found.notes[0]) is (at not in ends and at != len(r.HEADER))
 
 
+def test_a_damaged_log_is_read_or_refused_and_never_a_traceback(tmp_path: Path) -> None:
+    whole, damage, path = r.HEADER + b"".join(voyage(seconds=4)), random.Random(62), tmp_path / "damaged.bin"
+    for count in 60 * (1, 5, 50, 400):
+        data = bytearray(whole)
+        for _ in range(count):
+            data[damage.randrange(len(data))] = damage.randrange(256)
+        path.write_bytes(data)
+        with contextlib.suppress(LogError):
+            samples_of = read_samples(path)
+            write_table([samples_of], io.StringIO())
+            soundings_of([samples_of])
+
+
 def test_logs_become_one_as_if_with_one_transducer_and_one_speed_of_sound(tmp_path: Path) -> None:
     first = written(tmp_path / "1.bin", voyage(seconds=3))
     other = [
@@ -144,6 +160,33 @@ def test_logs_become_one_as_if_with_one_transducer_and_one_speed_of_sound(tmp_pa
     assert (found.lat_deg[-1], found.lon_deg[-1]) == pytest.approx((50.0, 1.0))  # the record's own
     for unknown in (found.heading_rad, found.unix_s, found.roll_rad, found.quality, found.temperature_c):
         assert math.isnan(unknown[-1])
+
+
+def test_a_log_of_ardupilots_rover_has_soundings_of_its_first_sounder_without_a_quality(
+    tmp_path: Path,
+) -> None:
+    """Rover's DPTH as its Log.cpp writes it; the format letters are its own."""
+    rovers = r.RecordKind(27, "DPTH", "QBLLff", "TimeUS,Inst,Lat,Lng,Depth,Temp", "s#DUmO", "F-GG00")
+    gps = (3, 302_418_000, 2400, 9, 90, 500_000_000, -12_000_000, 0, 0.0, 0.0, 0.0, 0.0, 1)
+    records = [
+        parameter("RNGFND1_POS_X", 3.0), parameter("RNGFND1_POS_Z", 0.2), parameter("RNGFND2_POS_X", 99.0),
+        r.GPS.pack(1_000_000, 0, *gps), r.GPS.pack(1_000_000, 1, 3, 0, 1200, *gps[3:]),
+        *(r.ATT.pack(us, 0, 0.0, 0, 0.0, 0, 0.0, 0) for us in (1_000_000, 1_200_000)),
+        *(r.POS.pack(us, 500_000_000, -12_000_000, 0.0, 0.0, 0.0) for us in (1_000_000, 1_200_000)),
+        rovers.pack(1_100_000, 0, 500_000_000, -12_000_000, 4.5, 12.0),
+        rovers.pack(1_100_000, 1, 500_000_000, -12_000_000, 7.5, 12.0),
+        rovers.pack(1_200_000, 0, 500_000_000, -12_000_000, 0.0, 12.0),
+    ]  # fmt: skip
+    log = tmp_path / "rover.bin"
+    log.write_bytes(r.file_header([rovers, r.GPS, r.ATT, r.POS, r.PARM]) + b"".join(records))
+    found = soundings_of(read_logs([log]))
+    assert [record.Depth for record in of_kind(read_log(log), "DPTH")] == [4.5, 7.5, 0.0]
+    np.testing.assert_array_equal(found.depth_m, [4.5, np.nan])
+    assert np.isnan([found.quality, found.roll_rad, found.pitch_rad, found.speed_m_s]).all()
+    assert found.unix_s[0] == pytest.approx(315_964_800 - 18 + 2400 * 604_800 + 302_418 + 0.1, abs=1e-3)
+    assert found.transducer_m == pytest.approx(0.2)
+    assert found.sound_m_s == 1480.0
+    assert 111_240.0 * (found.lat_deg[0] - 50.0) == pytest.approx(3.0, abs=0.02)  # m a degree at 50°
 
 
 def test_the_table_has_a_row_a_value(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
