@@ -23,7 +23,8 @@ class Detour:
     """side: 1 to starboard of the way to the goal, −1 to port, 0 not chosen."""
 
     def __init__(self) -> None:
-        self._among: tuple[Point, float] | None = None  # where and when the boat came among obstacles
+        self._among = Point(0.0, 0.0), math.inf  # where and when the boat came among obstacles,
+        self._certain_s = -math.inf  # and when it was last told so
         self._end()
 
     def _end(self) -> None:
@@ -35,7 +36,7 @@ class Detour:
 
     def forget(self) -> None:
         """Try again with whatever side."""
-        self._among = None
+        self._certain_s = -math.inf
         self._end()
 
     def aim(self, course_rad: float) -> None:
@@ -73,15 +74,17 @@ class Detour:
         self, here: Point, detour_m: float, slowest_m_s: float, now_s: float, *, is_certain: bool
     ) -> bool:
         """Whether the boat has been among obstacles, nearer than a detour to one place, for as long as that
-        takes at the slowest speed, whatever its goals were. Ends the detour behind the obstacle.
+        takes at the slowest speed, whatever its goals were. Ends the detour behind the obstacle, and where
+        nothing was certain for two sweeps.
         """
-        if self._at is not None and not self.is_before(here):
+        is_met_anew = now_s > self._certain_s + 2.0 * SWEEP_S  # as long as the grid keeps a suspect
+        if is_met_anew or not self.is_before(here):
             self._end()
-        if not is_certain:
-            self._among = None
-        elif self._among is None or distance_m(here, self._among[0]) > detour_m:
+        if is_met_anew or not is_certain or distance_m(here, self._among[0]) > detour_m:
             self._among = here, now_s
-        return self._among is not None and now_s > self._among[1] + detour_m / slowest_m_s
+        if is_certain:
+            self._certain_s = now_s
+        return now_s > self._among[1] + detour_m / slowest_m_s
 
     def is_before(self, here: Point) -> bool:
         """Whether the boat has not yet passed the obstacle."""

@@ -79,9 +79,10 @@ class LocalMap:
         if to_go is None or now_s >= self._searched_s + _SEARCH_S:
             shuts = detour.shuts if detour.side else None
             to_go = self._to_go = CostToGo(field, here, goal, margin_m, HULL * margin_m, shuts)
-            self._searched_s = now_s
-            if to_go.is_open or not is_certain or self._open_s == -math.inf:
+            is_first = now_s > self._searched_s + SWEEP_S  # in open water nobody searches
+            if to_go.is_open or not is_certain or is_first:
                 self._open_s = now_s
+            self._searched_s = now_s
         return to_go
 
     def is_shut(self, now_s: float) -> bool:

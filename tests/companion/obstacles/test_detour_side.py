@@ -25,6 +25,7 @@ def to_go(*solid: Point, seen: bool = True, shuts: Detour | None = None) -> Cost
 
 def begun(side_m: float = 0.0, course_rad: float = 0.0) -> Detour:
     side = Detour()
+    side.is_too_long(HERE, 80.0, 0.4, 0.0, is_certain=True)
     side.begin(WALL_AT.moved(0.5 * math.pi, side_m), course_rad, SIGHT_M, 0.0)
     return side
 
@@ -181,14 +182,24 @@ def test_behind_the_obstacle_the_detour_ends() -> None:
 
 
 @pytest.mark.parametrize(
-    ("now_s", "north_m", "is_long"), [(200.9, 79.0, False), (201.1, 79.0, True), (999.0, 81.0, False)]
+    ("now_s", "north_m", "is_long"), [(200.9, 79.0, False), (201.1, 79.0, True), (201.1, 81.0, False)]
 )
 def test_a_detour_is_too_long_by_the_time_that_the_boat_stays_near(
     now_s: float, north_m: float, is_long: bool
 ) -> None:
     choice = Detour()
-    assert not choice.is_too_long(HERE, 80.0, 0.4, 1.0, is_certain=True)
+    for tenth in range(10, round(10.0 * now_s)):
+        assert not choice.is_too_long(HERE, 80.0, 0.4, 0.1 * tenth, is_certain=True)
     at = Point(north_m, 0.0)
     assert choice.is_too_long(at, 80.0, 0.4, now_s, is_certain=True) is is_long
     assert not choice.is_too_long(at, 80.0, 0.4, now_s, is_certain=False), "nothing is near"
     assert not choice.is_too_long(at, 80.0, 0.4, now_s, is_certain=True), "it begins anew"
+
+
+def test_the_time_among_obstacles_begins_anew_after_two_sweeps_in_open_water() -> None:
+    """In open water the planner asks nothing: what it met an hour ago is no long detour."""
+    for gap_s, is_long in ((2.9, True), (3.1, False)):
+        choice = Detour()
+        for second in range(200):
+            assert not choice.is_too_long(HERE, 80.0, 0.4, float(second), is_certain=True)
+        assert choice.is_too_long(HERE, 80.0, 0.4, 199.0 + gap_s, is_certain=True) is is_long

@@ -131,6 +131,14 @@ def test_between_walls_the_boat_waits_tries_again_and_goes_on_when_they_are_gone
     assert voyage.said[-1] == "Obstacle: path is free"
 
 
+def test_walls_that_are_met_after_open_water_are_looked_at_for_a_sweep() -> None:
+    voyage, walls = Voyage(*ring(2.5)), ring(2.5)
+    for step in range(115):
+        voyage.chart.rocks = walls if step == 0 or step >= 100 else []
+        voyage.at(0.1 * step, boat(speed_m_s=0.0), LEG)
+        assert voyage.said == []
+
+
 def test_a_new_goal_is_a_new_attempt() -> None:
     voyage = Voyage(*ring(2.5))
     for step in range(40):
