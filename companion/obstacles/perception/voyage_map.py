@@ -2,7 +2,7 @@
 
 A sparse occupancy grid (S. Thrun, W. Burgard, D. Fox, *Probabilistic Robotics*, 2005, chapter 9) with cells
 of one margin. The local grid (`occupancy.py`) is a finer window of it around the boat, and is given back what
-comes near again, so that the rangers confirm or refute it.
+comes near again and it does not hold, so that the rangers confirm or refute it.
 """
 
 import math
@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from companion.core.geo import Point, distance_m
-from companion.obstacles.perception.occupancy import SOLID, Occupancy
+from companion.obstacles.perception.occupancy import LASTING, Occupancy
 from companion.planning.segments import point_distance2
 
 MAX_CELLS: Final = 4000  # 4 km of shore in cells of 1 m
@@ -57,7 +57,7 @@ class VoyageMap:
         for cell in grid.seen_since(self._updated_s):
             if cell.evidence < 0.0:
                 refuted.add(self._key(cell.at))
-            elif cell.evidence >= SOLID and all(distance_m(cell.at, one) > 2.0 * cell_m for one in movers):
+            elif cell.evidence >= LASTING and all(distance_m(cell.at, one) > 2.0 * cell_m for one in movers):
                 hits.setdefault(self._key(cell.at), []).append(cell.at)
         self._updated_s = now_s
         for key in refuted - known:
@@ -66,7 +66,7 @@ class VoyageMap:
         for key, places in hits.items():
             self._add(key, _middle(places))
         for key, at in self._seen.items():
-            if key not in known and distance_m(at, here) < reach_m:
+            if key not in known and distance_m(at, here) < reach_m and grid.evidence_at(at) is None:
                 grid.restore(at, now_s)
 
     def is_near(self, at: Point, within_m: float) -> bool:

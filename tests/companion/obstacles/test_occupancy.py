@@ -89,35 +89,45 @@ def test_a_beam_clears_up_to_a_cell_before_its_echo(range_m: float, is_seen_thro
 
 @pytest.mark.parametrize(
     ("off_rad", "is_cleared"),
-    [(0.0, True), (0.08, True), (-0.08, True), (0.1, False), (-0.1, False), (3.1, False)],
+    [(0.0, True), (0.12, True), (-0.12, True), (0.14, False), (-0.14, False), (3.1, False)],
 )
 @pytest.mark.parametrize("range_m", [0.5, 3.1])
-def test_a_beam_clears_of_solid_cells_its_core_alone(
+def test_a_beam_without_an_echo_clears_solid_cells_in_its_whole_width(
     off_rad: float, is_cleared: bool, range_m: float
 ) -> None:
     for at in grid(look(range_m, width_rad=0.01)).obstacles(SUSPECT):
         other = grid(look(range_m, width_rad=0.01), look(range_m, 0.1, width_rad=0.01))
-        other.add(look(FREE, 0.1, math.atan2(at.east_m, at.north_m) + off_rad))  # half of the core: 0.092 rad
+        other.add(look(FREE, 0.1, math.atan2(at.east_m, at.north_m) + off_rad))  # half its width: 0.131 rad
         assert (other.evidence_at(at) == 1.5) is is_cleared
+
+
+@pytest.mark.parametrize(("off_rad", "is_cleared"), [(0.08, True), (0.1, False)])
+def test_a_beam_with_an_echo_beyond_clears_solid_cells_in_its_core_alone(
+    off_rad: float, is_cleared: bool
+) -> None:
+    seen = grid(look(3.1, width_rad=0.01), look(3.1, 0.1, width_rad=0.01))
+    at = math.atan2(ROCK.east_m, ROCK.north_m)
+    seen.add(look(3.9, 0.2, at + off_rad))  # half of the core: 0.092 rad
+    assert (seen.evidence_at(ROCK) == 1.0) is is_cleared
 
 
 @pytest.mark.parametrize(
     ("off_m", "is_cleared"),
-    [(0.0, True), (0.40, True), (-0.40, True), (0.45, False), (-0.45, False)],
+    [(0.0, True), (0.52, True), (-0.52, True), (0.57, False), (-0.57, False)],
 )
-def test_a_beam_clears_suspect_cells_of_which_a_corner_is_in_its_core(off_m: float, is_cleared: bool) -> None:
+def test_a_beam_clears_suspect_cells_of_which_a_corner_is_in_it(off_m: float, is_cleared: bool) -> None:
     seen = grid(
         look(3.1, width_rad=0.01)
-    )  # half of the core: 0.28 m there; half of a cell's diagonal: 0.14 m
+    )  # half of the width: 0.40 m there; half of a cell's diagonal: 0.14 m
     at = math.atan2(ROCK.east_m, ROCK.north_m) + math.asin(off_m / 3.1)
     seen.add(look(FREE, 0.0, at))
     assert (seen.evidence_at(ROCK) == 0.5) is is_cleared
 
 
-def test_beside_a_solid_cell_a_beam_clears_its_core_alone() -> None:
+def test_beside_a_solid_cell_a_beam_clears_only_what_it_covers() -> None:
     rock = look(2.1, 0.0, math.pi, 0.01)
     seen = grid(rock, look(2.1, 0.1, math.pi, 0.01), look(3.1, 0.1, width_rad=0.01))
-    seen.add(look(FREE, 0.1, math.atan2(ROCK.east_m, ROCK.north_m) + 0.1))
+    seen.add(look(FREE, 0.1, math.atan2(ROCK.east_m, ROCK.north_m) + 0.14))
     assert seen.evidence_at(ROCK) == 1.0
 
 

@@ -28,7 +28,7 @@ class Water:
 
     def see(self, at: Point) -> None:
         """Something, from two metres south of it."""
-        for _ in range(2):
+        for _ in range(3):
             self.ping(2.0, at=Point(at.north_m - 2.0, at.east_m))
         self.update(here=at)
 
@@ -39,7 +39,7 @@ def seen_at(at: Point) -> VoyageMap:
     return water.map
 
 
-def test_what_was_seen_twice_is_kept_when_the_local_grid_has_forgotten_it() -> None:
+def test_what_was_seen_three_times_is_kept_when_the_local_grid_has_forgotten_it() -> None:
     water = Water()
     water.see(Point(3.0, 0.0))
     water.now_s += 3600.0
@@ -50,9 +50,10 @@ def test_what_was_seen_twice_is_kept_when_the_local_grid_has_forgotten_it() -> N
     assert not water.map.is_near(Point(3.0, 2.0), 0.5)
 
 
-def test_a_single_echo_is_not_kept() -> None:
+def test_two_echoes_are_not_kept() -> None:
     water = Water()
-    water.ping(3.0)
+    for _ in range(2):
+        water.ping(3.0)
     water.update()
     assert water.map.stretches() == []
     assert water.map.version == 0
@@ -83,9 +84,18 @@ def test_a_place_that_was_seen_through_is_free_again() -> None:
     assert water.map.stretches() == []
 
 
+def test_what_the_boat_looks_through_is_not_given_back_meanwhile() -> None:
+    water = Water()
+    water.see(Point(3.0, 0.0))
+    for _ in range(8):  # one look a second
+        water.ping(math.inf)
+        water.update()
+    assert not water.map.is_near(Point(3.0, 0.0), 0.5)
+
+
 def test_what_moves_leaves_nothing_behind() -> None:
     water = Water()
-    for _ in range(2):
+    for _ in range(3):
         water.ping(3.0)
     water.update(Point(4.5, 0.0))
     assert not water.map.is_near(Point(3.0, 0.0), 1.0)
@@ -109,7 +119,7 @@ def test_the_nearest_of_what_was_seen_is_found_within_a_distance() -> None:
 def test_cells_of_half_a_metre_are_searched_as_far() -> None:
     water = Water()
     water.map.update(water.grid, 0.5, (), HERE, REACH_M, water.now_s)
-    for _ in range(2):
+    for _ in range(3):
         water.ping(3.0)
     water.map.update(water.grid, 0.5, (), HERE, REACH_M, water.now_s)
     assert water.map.is_near(Point(0.5, 0.0), 3.0)
