@@ -84,7 +84,7 @@ def add_tasks(parser: Parser) -> None:
         "--shore-passes",
         type=int,
         metavar="N",
-        help="of a survey: so often along the shores (0: tracks only) [6, or 1 with --angle or --lead]",
+        help="of a survey: so often along the shores [best of 6, 3, 0; 1 with --angle or --lead]",
     )
     group.add_argument(
         "--turn-radius",
