@@ -10,7 +10,7 @@ program = Program(
     "The emulator: the boat's own program over simulated hardware and water.",
     tuple(
         f"sitl.cli.{name}:{name}"
-        for name in ("serve", "sail", "campaign", "encounters", "report", "tune", "paper", "physics")
+        for name in ("serve", "sail", "campaign", "encounters", "report", "fit", "tune", "paper", "physics")
     ),
     expected=(MissionToolsError, BoatError),
 )

@@ -166,8 +166,8 @@ def _boat_file(layers: Sequence[Layer], folder: Path) -> Path:
     model = table.get("model", DEFAULT_BOAT) if isinstance(table, dict) else DEFAULT_BOAT
     if not isinstance(model, str):
         raise ConfigError(explain("Expected `str` - at `$.boat.model`", layers))
-    if model.endswith(".toml"):
-        return folder / model
+    if model.endswith(".toml"):  # of a scenario, beside it; of the command line, as any path there
+        return Path(model) if _at(layers[-1].tree, "boat", "model") == model else folder / model
     path = BOATS / f"{model}.toml"
     if not path.is_file() or path.parent != BOATS:
         known = ", ".join(sorted(boat.stem for boat in BOATS.glob("*.toml")))

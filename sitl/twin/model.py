@@ -17,6 +17,8 @@ from sitl.world.drive.propeller import WATER_KG_M3
 from sitl.world.scenario import Scenario
 from sitl.world.windage import AIR_KG_M3
 
+OBSERVED_S: Final = 1.5
+"""Shorter than gusts last, longer than motors and hull take to answer a command."""
 LEFT, RIGHT = "thrusters.left_gain", "thrusters.right_gain"
 
 
@@ -30,6 +32,7 @@ class Manoeuvre(NamedTuple):
 _STRAIGHTS = "straight legs at three speeds, full throttle among them"
 _STOPS = "stops and starts"
 _ZIGZAG = "a zigzag at speed"
+_WINDY = "stops and slow legs on a windy day"
 _SPOT = "turns on the spot and slow zigzags"
 KEYS: Final[Mapping[str, Manoeuvre]] = {
     "hull.surge_linear": Manoeuvre("drag ahead, N per m/s", "stops that coast, and slow straight legs"),
@@ -42,6 +45,9 @@ KEYS: Final[Mapping[str, Manoeuvre]] = {
     "hull.yaw_linear": Manoeuvre("damping in yaw, N m per rad/s", _SPOT),
     "hull.skeg_lift_kg_m": Manoeuvre("lift of the skeg", "circles at speed"),
     "hull.skeg_arm_m": Manoeuvre("its arm abaft the centre", "circles and a zigzag at speed"),
+    "hull.windage.frontal_drag": Manoeuvre("the wind's force ahead", _WINDY),
+    "hull.windage.lateral_drag": Manoeuvre("the wind's force sideways", _WINDY),
+    "hull.windage.turning": Manoeuvre("the wind's moment", _WINDY),
     "thrusters.propeller.thrust_coefficient": Manoeuvre("thrust, for the mass stated", _STRAIGHTS),
     "thrusters.propeller.zero_thrust_advance": Manoeuvre("loss of thrust with speed", _STRAIGHTS),
     "thrusters.propeller.torque_coefficient": Manoeuvre(
@@ -66,7 +72,9 @@ KEYS: Final[Mapping[str, Manoeuvre]] = {
 @dataclass(frozen=True, slots=True)
 class Stretches:
     """Inputs per step and stretch, shape (steps, stretches): commands, open-circuit voltage (V), heading
-    (rad; None: computed by the model, from 0). pack_ohm by stretch.
+    (rad; None: computed by the model, from 0). pack_ohm by stretch. With a measured turn rate (rad/s) the
+    hull turns at it, as long as it goes, and the model's is that of an observer with the time constant
+    OBSERVED_S: so a hull that does not keep its course by itself can be simulated, too.
     """
 
     step_s: float
@@ -75,6 +83,7 @@ class Stretches:
     open_v: Floats
     heading_rad: Floats | None
     pack_ohm: Floats
+    rate_rad_s: Floats | None = None
 
 
 Value = Callable[[str], Floats]
@@ -150,9 +159,9 @@ class _Hull:
         self._nr, self._nrr = value("hull.yaw_linear"), hull.yaw_quadratic
         self._half, self._skeg = 0.5 * value("hull.crossflow_length_m"), value("hull.skeg_lift_kg_m")
         self._arm, self._lever_m = value("hull.skeg_arm_m"), air.lever_m
-        self._air_x = rho * air.frontal_drag * air.frontal_area_m2
-        self._air_y = rho * air.lateral_drag * air.lateral_area_m2
-        self._air_n = 2.0 * rho * air.turning * air.lateral_area_m2 * hull.length_m
+        self._air_x = rho * value("hull.windage.frontal_drag") * air.frontal_area_m2
+        self._air_y = rho * value("hull.windage.lateral_drag") * air.lateral_area_m2
+        self._air_n = 2.0 * rho * value("hull.windage.turning") * air.lateral_area_m2 * hull.length_m
         self.u, self.v, self.r, self.psi = (np.zeros(shape) for _ in range(4))
         self._bends: tuple[Floats, ...] = ()
 
@@ -210,13 +219,19 @@ def simulate(
     shape = np.broadcast_shapes((1, 1), np.shape(surge_m_s), inputs.left.shape[1:], *boats)
     hull, drive = _Hull(base, value, shape), _Drive(base, value, inputs, shape)
     hull.u = np.broadcast_to(surge_m_s, shape).copy()
-    every, steps = round(STORED_S / inputs.step_s), len(inputs.left)
+    every, steps, measured = round(STORED_S / inputs.step_s), len(inputs.left), inputs.rate_rad_s
+    seen = hull.r = hull.r if measured is None else np.broadcast_to(measured[0], shape)
     out = np.empty((-(-steps // every), 5, *shape))
     for step in range(steps):
         if step % every == 0:
-            out[step // every] = hull.u, hull.v, hull.r, drive.drawn_a, hull.psi
+            out[step // every] = hull.u, hull.v, seen, drive.drawn_a, hull.psi
         surge_n, yaw_nm = drive.step(step, hull.u, hull.r)
         heading_rad = hull.psi if inputs.heading_rad is None else inputs.heading_rad[step]
         ahead_n, sway_n, turning_nm = hull.wind(wind_north_m_s, wind_east_m_s, heading_rad)
         hull.step(surge_n + ahead_n, sway_n, yaw_nm + turning_nm, inputs.step_s)
+        if measured is None or step >= len(measured):
+            seen = hull.r
+        else:
+            seen = seen + hull.r - measured[step] + inputs.step_s / OBSERVED_S * (measured[step] - seen)
+            hull.r = np.broadcast_to(measured[min(step + 1, len(measured) - 1)], shape)
     return out

@@ -34,7 +34,7 @@ def run_world(
 
 
 def measured_voyage(boat: Scenario, commands: Floats, step_s: float, seed: int) -> Voyage:
-    """The same with a receiver of 0.05 m/s, a gyro of 0.5°/s and a current of 0.3 m/s to the north-east."""
+    """The same as measured: a receiver of 0.05 m/s, a gyro of 0.1°/s, 0.3 m/s of current north-east."""
     rows, noise = run_world(boat, commands, step_s), np.random.default_rng(seed).normal
     surge, sway, rate, amps, heading = rows.T
     every = STEPS_PER_FIX[step_s]
@@ -46,9 +46,9 @@ def measured_voyage(boat: Scenario, commands: Floats, step_s: float, seed: int) 
     track = [north + 0.2, east + 0.2, 0.0 * north, 0.0 * east]
     fixes = np.column_stack([times_s, *track])[::every]
     fixes[:, 1:3] += noise(0.0, 0.05, (len(fixes), 2))
-    drawn = amps + boat.battery.idle_a
+    drawn = amps + boat.battery.idle_a + noise(0.0, 0.05, len(amps))
     pack = np.column_stack([times_s, OPEN_V - PACK_OHM * drawn, drawn])[:: round(1.0 / step_s)]
     return Voyage(
         5.0, step_s, commands[:, 0], commands[:, 1], np.full(len(rows), OPEN_V), heading,
-        rate + noise(0.0, 0.009, len(rows)), fixes, pack, PACK_OHM, {},
+        rate + noise(0.0, 0.002, len(rows)), fixes, pack, PACK_OHM, {},
     )  # fmt: skip

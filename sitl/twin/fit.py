@@ -1,0 +1,340 @@
+"""A boat's parameters from voyages: output error with multiple shooting.
+
+The model is run through stretches of a voyage, each from a speed of its own, and compared with what
+receiver, gyro and battery monitor measured (R. E. Maine and K. W. Iliff, *Application of Parameter
+Estimation to Aircraft Stability and Control*, NASA RP-1168, 1986, chapter 5; structure: T. I. Fossen,
+*Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd edition, Wiley 2021, chapter 6). Gusts and
+the receiver's filter colour the residuals. They are whitened by a first-order filter for each output, found
+from the residuals of the last round, as generalised least squares do (L. Ljung, *System Identification*,
+2nd edition, 1999, section 7.4), with a robust loss. The correlation that remains widens the covariance
+(Maine and Iliff, section 8.2; the estimate is W. Newey and K. West's, Econometrica 55, 1987).
+
+A parameter is the logarithm of a factor on the base boat's value and known beforehand within exp(PRIOR). So
+what a voyage does not tell stays where it was, with the uncertainty that it had.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import chain
+from operator import attrgetter
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+from sitl.twin.model import KEYS, LEFT, RIGHT, Stretches, simulate
+from sitl.twin.voyage import STORED_S, Floats, Voyage, hats
+from sitl.world.scenario import Scenario
+
+Flags = NDArray[np.bool_]
+Whole = NDArray[np.int64]
+
+PRIOR: Final = 0.7
+"""A factor of two either way."""
+UNTOLD: Final = 0.35
+"""A larger deviation than this, half of what was known before: the voyage does not tell the parameter."""
+CHANNELS: Final = ("ahead, m/s", "abeam, m/s", "turn rate, rad/s", "current, A")
+_NOISE: Final = (0.1, 0.1, 0.05, 0.2)  # deviations in the first round
+_STRETCH_S: Final = 30.0
+RUN_IN_S: Final = 4.0  # in which sway, turn rate and motors forget their beginning; the speed's is fitted
+_STEP: Final = 2e-3  # of a parameter in deviations, for differences
+_LOSS: Final = 2.0  # deviations, beyond which a residual counts less
+_ENOUGH: Final = {"linear": 1e-3, "soft_l1": 1e-5}  # relative change of the cost
+_LAG_S: Final = 10.0  # of the correlation that is left in the residuals
+_EVERY_S: Final = (0.2, 0.2, STORED_S, 1.0)  # usual spacing of the channels
+_WIDER: Final = 2.0  # deviations by true errors: hulls 501, 502 and 504 of benchmarks/twin.py
+_CURRENT_S: Final = 200.0  # between knots of the current
+# What is known beforehand of a voyage's nuisances, one deviation: wind relative to the water, north and east;
+# the fixes' delay beyond the assumed one; the compass's constant error; the current with the motors stopped
+_NUISANCE: Final = (3.0, 3.0, 0.1, 0.05, 0.3)
+_CURRENT_M_S, _DRIFT_M_S = 1.0, 0.05  # of the current, and of its change from knot to knot
+_START_M_S: Final = 0.2  # of the speed at the beginning of a stretch
+
+
+def fitted_keys(base: Scenario) -> tuple[str, ...]:
+    """The parameters of a boat's file that are fitted: those that the base boat has."""
+    other = "thrusters.esc.dead_band" if base.thrusters.esc is None else "thrusters.motor.no_load_a"
+    return tuple(key for key in KEYS if key not in {other, RIGHT} and attrgetter(key)(base) > 0.0)
+
+
+def factors_of(keys: Sequence[str], logs: Floats) -> dict[str, Floats]:
+    """Factors on the base boat's values, shape (boats, 1), from logarithms, shape (boats, keys). What one
+    motor gains, the other loses.
+    """
+    factors = {key: np.exp(logs[:, n, None]) for n, key in enumerate(keys)}
+    return {**factors, RIGHT: 1.0 / factors[LEFT]}
+
+
+class Trip:
+    """A voyage cut into stretches, and what was measured in them."""
+
+    def __init__(self, voyage: Voyage, base: Scenario, stretch_s: float = _STRETCH_S) -> None:
+        self.voyage, self._base, self._end_s = voyage, base, RUN_IN_S + stretch_s
+        run_in, length = round(RUN_IN_S / voyage.step_s), round(stretch_s / voyage.step_s)
+        self.count = max(1, (len(voyage.left) - run_in) // length)
+        starts = np.arange(self.count) * length
+        rows = np.minimum(starts + np.arange(run_in + length + 50)[:, None], len(voyage.left) - 1)
+        self.inputs = Stretches(
+            voyage.step_s, voyage.left[rows], voyage.right[rows], voyage.open_v[rows],
+            voyage.heading_rad[rows], np.full(self.count, voyage.pack_ohm), voyage.rate_rad_s[rows],
+        )  # fmt: skip
+        self._begins_s = voyage.start_s + starts * voyage.step_s
+        self.fixes = voyage.fixes[self._stretch(voyage.fixes[:, 0]) >= 0]
+        pack = voyage.pack[np.isfinite(voyage.pack[:, 2])]
+        self._pack = pack[self._stretch(pack[:, 0]) >= 0]
+        self.rated = slice(round(RUN_IN_S / STORED_S), round(self._end_s / STORED_S))
+        rates = voyage.rate_rad_s[rows[:: round(STORED_S / voyage.step_s)]][self.rated].T
+        self.cos, self.sin = self._facing(0.0, 0.0)
+        north, east = self.fixes[:, 1], self.fixes[:, 2]
+        ahead, abeam = north * self.cos + east * self.sin, east * self.cos - north * self.sin
+        self.measured: tuple[Floats, ...] = (ahead, abeam, rates.ravel(), self._pack[:, 2])
+        self.surge_m_s = np.interp(self._begins_s, self.fixes[:, 0], ahead)
+        self.stretch = (
+            *[self._stretch(self.fixes[:, 0])] * 2, np.repeat(np.arange(self.count), rates.shape[1]),
+            self._stretch(self._pack[:, 0]),
+        )  # fmt: skip
+        rated_s = STORED_S * np.arange(self.rated.start, self.rated.stop)
+        rated_s = np.add.outer(self._begins_s, rated_s).ravel()
+        self.times_s: tuple[Floats, ...] = (self.fixes[:, 0], self.fixes[:, 0], rated_s, self._pack[:, 0])
+        knots = hats(self.fixes[:, 0], _CURRENT_S)
+        # The first knot's current, and each change from knot to knot
+        scale = np.full(knots.shape[1], _DRIFT_M_S)
+        scale[0] = _CURRENT_M_S
+        self._flow = knots @ np.tril(np.ones((len(scale), len(scale)))) * scale
+        self.nuisances = len(_NUISANCE) + 2 * len(scale)
+
+    def _stretch(self, times_s: Floats) -> Whole:
+        """The stretch in which a time is compared, −1 without one."""
+        at = np.searchsorted(self._begins_s + RUN_IN_S, times_s, side="right") - 1
+        return np.where(times_s < self._begins_s[-1] + self._end_s, at, -1)
+
+    def _facing(self, late_s: float, off_rad: float) -> tuple[Floats, Floats]:
+        voyage = self.voyage
+        steps = (self.fixes[:, 0] - late_s - voyage.start_s) / voyage.step_s
+        heading_rad = np.interp(steps, np.arange(len(voyage.left)), voyage.heading_rad) - off_rad
+        return np.cos(heading_rad), np.sin(heading_rad)
+
+    def flow_m_s(self, nuisance: Floats) -> tuple[Floats, Floats]:
+        """The current over ground at each fix, north and east."""
+        north, east = nuisance[len(_NUISANCE) :].reshape(2, -1)
+        return self._flow @ north, self._flow @ east
+
+    def predicted(self, run: Floats, nuisance: Floats) -> tuple[Floats, ...]:
+        """What would have been measured, by channel. run: the model's output, shape (times, 5, stretches)."""
+        late_s, off_rad, idle_a = nuisance[2:5] * _NUISANCE[2:]
+        cos, sin = self._facing(late_s, off_rad)
+        flow_n, flow_e = self.flow_m_s(nuisance)
+        at_s, stretch = self.fixes[:, 0] - late_s, self.stretch[0]
+        surge, sway = (self._at(run[:, n], at_s, stretch) for n in (0, 1))
+        north, east = surge * cos - sway * sin + flow_n, surge * sin + sway * cos + flow_e
+        return (
+            north * self.cos + east * self.sin,
+            east * self.cos - north * self.sin,
+            run[self.rated, 2].T.ravel(),
+            self._at(run[:, 3], self._pack[:, 0], self.stretch[3]) + self._base.battery.idle_a + idle_a,
+        )
+
+    def _at(self, run: Floats, times_s: Floats, stretch: Whole) -> Floats:
+        """An output, shape (times, stretches), at these times in these stretches."""
+        at = np.clip((times_s - self._begins_s[stretch]) / STORED_S, 0.0, len(run) - 1.001)
+        below = at.astype(np.int64)
+        share = at - below
+        value: Floats = run[below, stretch] * (1.0 - share) + run[below + 1, stretch] * share
+        return value
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """logs: of the factors on the base boat's values, by fitted key; told: whether the voyages tell it, else
+    its logarithm is 0. covariance: of all logs, what was known beforehand included. By trip: nuisances, in
+    their deviations, and residuals by channel, in deviations of white noise.
+    """
+
+    base: Scenario
+    keys: tuple[str, ...]
+    logs: Floats
+    told: Flags
+    covariance: Floats
+    trips: tuple[Trip, ...]
+    nuisances: tuple[Floats, ...]
+    residuals: tuple[list[Floats], ...]
+
+
+def following(fit: Fit, voyage: Voyage, stretch_s: float = _STRETCH_S) -> tuple[Trip, Floats, Floats]:
+    """A further voyage, what the model makes of its commands, headings and turn rates, with wind and current
+    as they were at the end of the first one; and these as nuisances.
+    """
+    trip, first, known = Trip(voyage, fit.base, stretch_s), fit.trips[0], fit.nuisances[0]
+    nuisance = np.zeros(trip.nuisances)
+    nuisance[: len(_NUISANCE)] = known[: len(_NUISANCE)]
+    flow = [one[-1] for one in first.flow_m_s(known)]
+    nuisance[len(_NUISANCE) :].reshape(2, -1)[:, 0] = np.divide(flow, _CURRENT_M_S)
+    heading_rad, winds = trip.inputs.heading_rad, _NUISANCE[0] * known[:2].reshape(2, 1, 1)
+    assert heading_rad is not None  # noqa: S101
+    surge_m_s = trip.surge_m_s - flow[0] * np.cos(heading_rad[0]) - flow[1] * np.sin(heading_rad[0])
+    run = simulate(fit.base, factors_of(fit.keys, fit.logs[None]), trip.inputs, surge_m_s, *winds)
+    return trip, run[:, :, 0], nuisance
+
+
+class _Problem:
+    """Residuals and their derivatives. Unknowns are in deviations of what is known beforehand: the fitted
+    keys' logarithms, then for each voyage its nuisances and the speeds at the beginning of its stretches.
+    """
+
+    def __init__(self, base: Scenario, trips: Sequence[Trip]) -> None:
+        self.base, self.trips, self.keys = base, trips, fitted_keys(base)
+        self.noise, self.correlation = np.array(_NOISE), np.zeros(len(CHANNELS))
+        self.parts: list[tuple[slice, slice]] = []
+        self.size = len(self.keys)
+        for trip in trips:
+            middle, end = self.size + trip.nuisances, self.size + trip.nuisances + trip.count
+            self.parts.append((slice(self.size, middle), slice(middle, end)))
+            self.size = end
+        self._known: tuple[Floats, list[Floats], list[Floats]] | None = None
+
+    def _run(self, trip: Trip, logs: Floats, winds: Floats, starts: Floats) -> Floats:
+        """Of boats, one a row."""
+        north, east = (_NUISANCE[0] * winds.T)[..., None]
+        speed = trip.surge_m_s + _START_M_S * starts
+        return simulate(self.base, factors_of(self.keys, PRIOR * logs), trip.inputs, speed, north, east)
+
+    def evaluate(self, x: Floats) -> tuple[list[Floats], list[Floats]]:
+        """Residuals of all channels of all trips, one after the other, and their derivatives."""
+        if self._known is None or not np.array_equal(x, self._known[0]):
+            pairs = [self._of_trip(x, *one) for one in zip(self.trips, self.parts, strict=True)]
+            self._known = (
+                x.copy(),
+                [*chain(*(one for one, _ in pairs))],
+                [*chain(*(one for _, one in pairs))],
+            )
+        return self._known[1:]
+
+    def _of_trip(self, x: Floats, trip: Trip, part: tuple[slice, slice]) -> tuple[list[Floats], list[Floats]]:
+        (own, begun), count, nuisance = part, len(self.keys), x[part[0]]
+        # Boats: as it is, one for each key, wind north and east, speed at the beginning
+        logs, winds, starts = (np.tile(one, (count + 4, 1)) for one in (x[:count], nuisance[:2], x[begun]))
+        logs[1 : count + 1] += _STEP * np.eye(count)
+        winds[count + 1 : count + 3] += _STEP * np.eye(2)
+        starts[count + 3] += _STEP
+        run = self._run(trip, logs, winds, starts)
+        first = trip.predicted(run[:, :, 0], nuisance)
+        slopes = [np.zeros((len(one), self.size)) for one in first]
+        moved = nuisance + _STEP * np.eye(trip.nuisances)
+        columns = [(n, run[:, :, n + 1], nuisance) for n in range(count)]
+        columns += [(own.start + n, run[:, :, count + 1 + n], nuisance) for n in (0, 1)]
+        columns += [(own.start + n, run[:, :, 0], moved[n]) for n in range(2, trip.nuisances)]
+        for column, output, changed in columns:
+            for slope, one, other in zip(slopes, trip.predicted(output, changed), first, strict=True):
+                slope[:, column] = (one - other) / _STEP
+        other_starts = trip.predicted(run[:, :, count + 3], nuisance)
+        for slope, one, other, stretch in zip(slopes, other_starts, first, trip.stretch, strict=True):
+            slope[np.arange(len(one)), begun.start + stretch] = (one - other) / _STEP
+        return [one - other for one, other in zip(first, trip.measured, strict=True)], slopes
+
+    def guess_wind(self, x: Floats) -> None:
+        """Take the wind of each voyage that fits best, since derivatives do not lead from one direction to
+        another.
+        """
+        count, turns = len(self.keys), np.exp(0.25j * math.pi * np.arange(8))
+        around = np.concatenate([[0.0], 0.6 * turns, 1.2 * turns])
+        for trip, (own, begun) in zip(self.trips, self.parts, strict=True):
+            winds = np.vstack([x[own][:2], np.column_stack([around.real, around.imag])])
+            run = self._run(trip, np.tile(x[:count], (len(winds), 1)), winds, x[begun])
+            costs = [
+                sum(
+                    np.log1p(((one - other) / noise) ** 2).sum()
+                    for one, other, noise in zip(
+                        trip.predicted(output, x[own]), trip.measured, self.noise, strict=True
+                    )
+                )
+                for output in run.transpose(2, 0, 1, 3)
+            ]
+            x[own.start : own.start + 2] = winds[int(np.argmin(costs))]
+
+    def whitened(self, rows: Sequence[Floats]) -> list[Floats]:
+        """Rows of the channels in deviations of white noise."""
+        out = []
+        for n, (one, stretch) in enumerate(
+            zip(rows, chain(*(trip.stretch for trip in self.trips)), strict=True)
+        ):
+            keep = self.correlation[n % len(CHANNELS)]
+            white, later = one * math.sqrt(1.0 - keep * keep), np.flatnonzero(np.diff(stretch) == 0) + 1
+            white[later] = one[later] - keep * one[later - 1]
+            out.append(white / (self.noise[n % len(CHANNELS)] * math.sqrt(1.0 - keep * keep)))
+        return out
+
+    def learn_noise(self, x: Floats) -> None:
+        """Deviation and correlation of each channel from its residuals, robustly."""
+        for n in range(len(CHANNELS)):
+            row = np.concatenate(self.evaluate(x)[0][n :: len(CHANNELS)])
+            if len(row) > 1:
+                limit = 3.0 * 1.4826 * np.median(np.abs(row))  # the median of a normal one is 1 / 1.4826
+                row = np.clip(row, -limit, limit)
+                self.noise[n] = math.sqrt(row @ row / len(row))
+                self.correlation[n] = np.clip(row[1:] @ row[:-1] / (row @ row), 0.0, 0.99)
+
+    def solved(self, x: Floats, free: Flags, loss: str) -> Floats:
+        """The least squares over the free unknowns."""
+
+        def whole(part: Floats) -> Floats:
+            out = x.copy()
+            out[free] = part
+            return out
+
+        found = least_squares(
+            lambda part: np.concatenate([*self.whitened(self.evaluate(whole(part))[0]), part]), x[free],
+            lambda part: np.vstack(
+                [*(one[:, free] for one in self.whitened(self.evaluate(whole(part))[1])), np.eye(len(part))]
+            ),
+            loss=loss, f_scale=_LOSS, ftol=_ENOUGH[loss], xtol=1e-4, max_nfev=25, tr_solver="lsmr",
+        )  # fmt: skip
+        return whole(found.x)
+
+    def covariance(self, x: Floats) -> Floats:
+        """Of all unknowns: the information's inverse, widened by the correlation left in the residuals."""
+        information, spread = np.eye(self.size), np.eye(self.size)
+        rows, slopes = (self.whitened(one) for one in self.evaluate(x))
+        for n, (row, slope) in enumerate(zip(rows, slopes, strict=True)):
+            weight = 1.0 / np.sqrt(1.0 + (row / _LOSS) ** 2)  # of soft_l1
+            information += slope.T @ slope * (weight**3).mean() if len(row) else 0.0
+            row = row * weight  # noqa: PLW2901
+            lags = min(round(_LAG_S / _EVERY_S[n % len(CHANNELS)]), len(row) - 1)
+            for lag in range(lags + 1):
+                taper = (
+                    _WIDER**2 * (1.0 - lag / (lags + 1)) * float(row[lag:] @ row[: len(row) - lag]) / len(row)
+                )
+                product = slope[lag:].T @ slope[: len(row) - lag] * taper
+                spread += product if lag == 0 else product + product.T
+        inverse = np.linalg.inv(information)
+        return inverse @ spread @ inverse
+
+
+def fit_boat(base: Scenario, voyages: Sequence[Voyage]) -> Fit:
+    """Fit a boat to its voyages, and leave at the base boat's value what they do not tell."""
+    trips = tuple(Trip(voyage, base) for voyage in voyages)
+    problem = _Problem(base, trips)
+    x, free, count = np.zeros(problem.size), np.ones(problem.size, dtype=np.bool_), len(problem.keys)
+    for loss in ("linear", "soft_l1", "soft_l1"):
+        problem.guess_wind(x)
+        x = problem.solved(x, free, loss)
+        problem.learn_noise(x)
+    x = problem.solved(x, free, "soft_l1")
+    covariance = problem.covariance(x)
+    information = np.linalg.inv(covariance)
+    while free[:count].any():
+        # The worst first: what two tell together, one of them keeps
+        alone = np.sqrt(np.diag(np.linalg.inv(information[np.ix_(free, free)])))[: free[:count].sum()]
+        if PRIOR * alone.max() <= UNTOLD:
+            break
+        free[np.flatnonzero(free[:count])[alone.argmax()]] = False
+    if not free.all():
+        x[~free] = 0.0
+        x = problem.solved(x, free, "soft_l1")
+    white = problem.whitened(problem.evaluate(x)[0])
+    return Fit(
+        base, problem.keys, PRIOR * x[:count], free[:count], PRIOR**2 * covariance[:count, :count], trips,
+        tuple(x[own] for own, _ in problem.parts),
+        tuple(white[n : n + len(CHANNELS)] for n in range(0, len(white), len(CHANNELS))),
+    )  # fmt: skip
