@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 from matplotlib.figure import Figure
 
-from mission_tools.bathymetry.crossings import GAP_M
+from mission_tools.bathymetry.crossings import GAP_M, LEAST
 from mission_tools.bathymetry.depth_chart import DepthChart
 from mission_tools.bathymetry.picture import CONTOUR
 from mission_tools.bathymetry.s44 import ORDERS, tvu_m
@@ -25,8 +25,8 @@ def chart_page(chart: DepthChart, figures: Mapping[str, Any], picture: Figure) -
     page.picture(picture, "Depths below the datum, and how sure they are.", is_vector=False)
     page.heading("How good is it?")
     share, order = figures["within_order"][figures["order"]], figures["order"]
-    if share is None:
-        page.warning("No track crosses another: nothing checks the survey. Sail some lines across.")
+    if share is None or figures["crossings"] < LEAST:
+        page.warning("Hardly a track crosses another: nothing checks the survey. Sail lines across.")
     else:
         verdict = "meets" if figures["meets_order"] else "does not meet"
         page.paragraph(

@@ -37,6 +37,7 @@ SCALE_WINDOW = 101  # of the running spread
 OUTLIER_SD = 5.0  # a normal error exceeds it once in two million soundings
 LONGEST_SPIKE = 3  # soundings in a row; more that agree are taken for the bottom
 LEAST_SD = (0.01, 0.005)  # m, of depth: resolution of common sounders, 1 cm and 0.5 % (Ping1D)
+POORER = 0.8  # of the usual quality: a canopy's echo is weaker than the bottom's
 MULTIPLE_SHARE = 0.15  # of the depth, off the double: slope and noise between the two paths
 JUMP_M = 3.0  # position noise of a receiver from fix to fix (u-blox M8: 2.5 m CEP)
 FASTEST_M_S = 10.0  # of a small boat whose speed is not known
@@ -114,6 +115,8 @@ def _echoes(depth: Floats, quality: Floats, least_quality: float) -> Codes:
     bend = np.abs(np.diff(depth, 2, prepend=depth[0], append=depth[-1]))
     noise = MAD * median_filter(bend, SCALE_WINDOW, mode="nearest") / np.sqrt(6.0)  # as `white_noise_m`
     codes[np.abs(short) > OUTLIER_SD * np.maximum(noise, LEAST_SD[0] + LEAST_SD[1] * local)] = _SPIKE
+    poorer = quality < POORER * np.nanmedian(np.append(quality, 1.0))
+    codes[(codes == _SPIKE) & (off < 0.0) & poorer] = _WEEDS
     codes[poor] = _QUALITY
     codes[poor & (off < -OUTLIER_SD * sd)] = _WEEDS
     codes[_abrupt(far & _is_double(depth, local), depth, local)] = _MULTIPLE

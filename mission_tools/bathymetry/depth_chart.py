@@ -10,11 +10,12 @@ from shapely.geometry.base import BaseGeometry
 
 from mission_tools.bathymetry.blocks import white_noise_m
 from mission_tools.bathymetry.cleaning import CleaningSettings, Codes, cleaned, counts
-from mission_tools.bathymetry.crossings import GAP_M, Crossings, crossings
+from mission_tools.bathymetry.crossings import GAP_M, LEAST, Crossings, crossings
 from mission_tools.bathymetry.reduction import Corrections, Reduced, reduced
 from mission_tools.bathymetry.s44 import ORDERS, tvu_m
 from mission_tools.bathymetry.soundings import Flags, Floats, Soundings
 from mission_tools.bathymetry.surface import Surface, SurfaceSettings, interpolated, sounded_water
+from mission_tools.errors import UsageError
 from mission_tools.maps.chart import Chart
 
 CONFIDENCE: Final = 0.95  # at which S-44 states its uncertainties
@@ -86,6 +87,7 @@ class DepthChart:
         depth, band = surface.depth_m[known], surface.band_m[known]
         difference = np.abs(self.crossings.difference_m)
         allowed = tvu_m(self.settings.order, depth)
+        within = {order: self.crossings.within(order) for order in ORDERS}
         levels, areas = self.hypsography()
         return {
             "name": self.chart.name,
@@ -104,20 +106,18 @@ class DepthChart:
             "mean_depth_m": _number(volume / area) if area else None,
             "max_depth_m": _number(float(depth.max()) + self.settings.level_m),
             "surveyed_share": _number(float(known.sum() / surface.grid.is_water.sum())),
-            "band_median_m": _number(float(np.median(band))),
-            "band_95_m": _number(float(np.quantile(band, 0.95))),
+            "band_median_m": _number(_quantile(band, 0.5)),
+            "band_95_m": _number(_quantile(band, 0.95)),
             "coverage": _number(self.coverage),
             "gap_distance_m": round(surface.gap_m, 2),
             "gaps": int(shapely.get_num_geometries(self.gaps)),
             "gaps_m2": round(float(self.gaps.area), 1),
             "crossings": len(difference),
-            "crossings_median_m": _number(float(np.median(difference))) if len(difference) else None,
-            "crossings_95_m": _number(float(np.quantile(difference, CONFIDENCE)))
-            if len(difference)
-            else None,
-            "within_order": {order: _number(self.crossings.within(order)) for order in ORDERS},
+            "crossings_median_m": _number(_quantile(difference, 0.5)),
+            "crossings_95_m": _number(_quantile(difference, CONFIDENCE)),
+            "within_order": {order: _number(share) for order, share in within.items()},
             "order": self.settings.order,
-            "meets_order": self.crossings.within(self.settings.order) >= CONFIDENCE,
+            "meets_order": len(difference) >= LEAST and within[self.settings.order] >= CONFIDENCE,
             "cells_within_order": _number(float(np.mean(band * 1.96 / 1.6449 <= allowed))),
             "hypsography": [
                 {"depth_m": round(a, 3), "area_m2": round(b, 1)} for a, b in zip(levels, areas, strict=True)
@@ -130,6 +130,9 @@ def charted(chart: Chart, soundings: Soundings, settings: ChartSettings) -> Dept
     at = reduced(soundings, chart.frame.origin, settings.corrections)
     codes = cleaned(soundings, at, None if chart.is_open else chart.water, settings.cleaning)
     own = codes == 0
+    if not own.any():
+        told = ", ".join(f"{count} {reason}" for reason, count in counts(codes).items() if count)
+        raise UsageError(f"no sounding can be charted ({told}): give the map of the lake, look at the logs")
     east, north, depth = at.east_m[own], at.north_m[own], at.depth_m[own]
     crossed = crossings(east, north, depth, soundings.unix_s[own])
     line_m = crossed.line_sd_m(white_noise_m(depth))
@@ -157,6 +160,10 @@ def _swath(east_m: Floats, north_m: Floats, radius_m: float) -> BaseGeometry:
     lines = count[number] > 1
     _, number = np.unique(number[lines], return_inverse=True)
     return shapely.union_all(shapely.buffer(shapely.linestrings(place[lines], indices=number), radius_m))
+
+
+def _quantile(values: Floats, share: float) -> float:
+    return float(np.quantile(values, share)) if len(values) else float("nan")
 
 
 def _number(value: float) -> float | None:

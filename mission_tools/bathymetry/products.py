@@ -36,7 +36,7 @@ def frame_crs(origin: LatLon) -> pyproj.CRS:
 def contour_levels(deepest_m: float) -> Floats:
     """Round depths, at most MOST_CONTOURS."""
     step = next((step for step in STEPS_M if deepest_m / step <= MOST_CONTOURS), 100.0)
-    return np.arange(step, deepest_m, step)
+    return np.arange(step, max(deepest_m, 1.5 * step), step)
 
 
 def contours(chart: DepthChart) -> tuple[Shapes, Floats]:

@@ -30,7 +30,8 @@ GAP_SHARE: Final = 0.75  # of the line spacing: between half (covered) and a who
 BLOCK_SHARE: Final = 0.25  # of the line spacing: forty blocks then reach over five lines
 CELL_SHARE: Final = 0.2
 TILE: Final = 4  # cells a side that share their neighbours
-SHORE_SD_M: Final = 0.1  # of the depth at the shore line: a metre of the map on a slope of one in ten
+SHORE_SD_M: Final = 0.05  # of the depth at the shore line: half a metre of the map on a slope of one in ten
+SHORE_DOUBT: Final = 0.5  # standard deviations of the fall to the first line, in what the shore line changes
 MOST_CELLS: Final = 4_000_000
 
 
@@ -149,7 +150,11 @@ def interpolated(
         apart = np.maximum(rng.choice(away[known], len(chosen)), block)  # its own block always is left out
         held.append(HeldOut(one, apart))
     model = kriging.fitted(data, held[0], spacing, kriging.semivariance_m2(own, spacing))
-    depth, band = _filled(data, model, Calibration(data, model, held[1]), grid, known)
+    calibration = Calibration(data, model, held[1])
+    depth, band = _filled(data, model, calibration, grid, known)
+    if len(shore):
+        bare, _ = _filled(own, model, calibration, grid, known)
+        band = np.hypot(band, SHORE_DOUBT * BAND_SD * np.abs(depth - bare))
     return Surface(grid, depth, band, spacing, gap, white, line_m)
 
 

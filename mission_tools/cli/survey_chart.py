@@ -10,8 +10,6 @@ from companion.cli.output_file import write_text
 from mission_tools.cli.survey_export import Logs
 from mission_tools.errors import UsageError
 
-Metres = Annotated[float | None, Option(metavar="M", least=0.0)]
-
 
 def chart(
     log: Logs,
@@ -21,18 +19,10 @@ def chart(
     level: Annotated[float, Option(metavar="M", help="volume below this, above the shore line")] = 0.0,
     cell: Annotated[float | None, Option(metavar="M", least=0.05, help="of the grid [spacing ÷ 5]")] = None,
     spacing: Annotated[float | None, Option(metavar="M", least=0.5, help="of the lines [measured]")] = None,
-    gap: Annotated[
-        float | None, Option(metavar="M", least=0.1, help="not surveyed beyond [¾ spacing]")
-    ] = None,
-    clearance: Annotated[
-        float | None, Option(metavar="M", least=0.0, help="of the boat [the map's, or 4]")
-    ] = None,
-    sound_speed: Annotated[
-        float | None, Option(metavar="M_S", least=1300.0, most=1700.0, help="mean")
-    ] = None,
-    temperature: Annotated[
-        float | None, Option(metavar="C", least=0.0, most=40.0, help="of the water")
-    ] = None,
+    gap: Annotated[float | None, Option(metavar="M", least=0.1, help="unsurveyed beyond [¾ spacing]")] = None,
+    clearance: Annotated[float | None, Option(metavar="M", least=0.0, help="of the boat [the map's]")] = None,
+    sound_speed: Annotated[float | None, Option(metavar="M_S", least=1300, most=1700, help="mean")] = None,
+    temperature: Annotated[float | None, Option(metavar="C", least=0, most=40, help="of the water")] = None,
     salinity: Annotated[float, Option(metavar="PSU", least=0.0, most=45.0, help="of sea water")] = 0.0,
     beam: Annotated[float, Option(metavar="DEG", least=0.0, most=90.0, help="full width of the cone")] = 25.0,
     lever: Annotated[str, Option(metavar="F,S", help="of the transducer beyond the log's, metres")] = "0,0",

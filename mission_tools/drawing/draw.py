@@ -117,9 +117,9 @@ def draw_picture(
     view is the whole chart, or the surroundings of route and track where those are far smaller. parts: of the
     route, each in a colour of its own.
     """
-    layout = _Layout.of(view_of(chart, route, track))
+    layout = Layout.of(view_of(chart, route, track))
     view = view_of(chart, route, track, aspect=layout.map_in / MAP_HEIGHT_IN)
-    figure, axes = _framed(layout, view, title or chart.name, subtitle)
+    figure, axes = framed(layout, view, title or chart.name, subtitle)
     _draw_tints(axes, chart, view[2] - view[0])
     draw_chart(axes, chart, clearance_m, route or track or ())
     _draw_water_name(axes, chart, route, track, view)
@@ -133,7 +133,7 @@ def draw_picture(
         draw_tightest(axes, chart, route)
     elif track:
         draw_waypoints(axes, (track[0], track[-1]))
-    _finish(axes, chart, view)
+    finish(axes, chart, view)
     is_beside = layout.is_narrow
     draw_legend(
         axes, chart, clearance_m, route is not None, bool(track) and line is None, is_beside=is_beside
@@ -148,7 +148,7 @@ def draw_picture(
 
 
 @dataclass(frozen=True, slots=True)
-class _Layout:
+class Layout:
     """Where a picture's parts lie, in inches: a narrow chart has its legend beside it."""
 
     width_in: float
@@ -156,7 +156,7 @@ class _Layout:
     is_narrow: bool
 
     @classmethod
-    def of(cls, view: View) -> "_Layout":
+    def of(cls, view: View) -> "Layout":
         """The layout for what is shown."""
         map_in = MAP_HEIGHT_IN * (view[2] - view[0]) / (view[3] - view[1])
         if map_in >= NARROW_IN:
@@ -176,7 +176,7 @@ class _Layout:
         )
 
 
-def _framed(layout: _Layout, view: View, title: str, subtitle: str) -> tuple[Figure, Axes]:
+def framed(layout: Layout, view: View, title: str, subtitle: str) -> tuple[Figure, Axes]:
     """A figure with its titles, and the axes of its map."""
     figure = new_figure(layout.width_in, HEIGHT_IN, dpi=125, layout=None)
     axes = figure.add_axes(layout.box(LEFT_IN, BOTTOM_IN, layout.map_in, MAP_HEIGHT_IN))
@@ -188,7 +188,7 @@ def _framed(layout: _Layout, view: View, title: str, subtitle: str) -> tuple[Fig
     return figure, axes
 
 
-def _finish(axes: Axes, chart: Chart, view: View) -> None:
+def finish(axes: Axes, chart: Chart, view: View) -> None:
     """What is drawn over every map."""
     arrange_names(axes)
     draw_frame(axes, chart, view)
@@ -253,9 +253,9 @@ def draw_survey(
     The view is the whole chart, or the surroundings of the route where those are far smaller.
     """
     route = survey.route.points
-    layout = _Layout(WIDTH_IN, MAP_WIDTH_IN, is_narrow=False)
+    layout = Layout(WIDTH_IN, MAP_WIDTH_IN, is_narrow=False)
     view = view_of(chart, route, track, aspect=MAP_WIDTH_IN / MAP_HEIGHT_IN)
-    figure, axes = _framed(layout, view, title or chart.name, subtitle)
+    figure, axes = framed(layout, view, title or chart.name, subtitle)
     draw_chart(axes, chart, route=route)
     covered = swath_of(track or route, survey.swath_m)
     fill(axes, survey.target.intersection(covered), facecolor=COVERED, edgecolor="none", zorder=2, alpha=0.75)
@@ -277,7 +277,7 @@ def draw_survey(
     axes.legend(handles=handles, loc="upper left", fontsize=9, framealpha=0.9).set_zorder(20)
     if route:
         draw_waypoints(axes, (route[0], route[-1]))
-    _finish(axes, chart, view)
+    finish(axes, chart, view)
     return figure
 
 

@@ -65,6 +65,25 @@ def test_a_missing_line_is_not_surveyed_and_the_shore_is_a_depth() -> None:
     assert np.nanmax(np.abs(surface.depth_m[rim] - bottom(east[rim], north[rim]))) < 0.15
 
 
+def test_the_band_holds_between_a_steep_bank_and_the_first_line() -> None:
+    def bank(e: Floats, n: Floats) -> Floats:
+        away = shapely.distance(LAKE.shores, shapely.points(e, n))
+        return np.asarray((3.0 + 0.6 * np.sin(e / 20.0) * np.cos(n / 25.0)) * -np.expm1(-away / 2.0))
+
+    s = soundings(LAKE, bank, 39, spacing_m=12.0)
+    at = reduced(s, ORIGIN, Corrections())
+    kept = shapely.distance(LAKE.shores, shapely.points(at.east_m, at.north_m)) > 6.0
+    values = (at.east_m[kept], at.north_m[kept], at.depth_m[kept])
+    surface = interpolated(LAKE, *values, np.nan, SurfaceSettings())
+    east, north = np.meshgrid(*surface.grid.middles)
+    away = shapely.distance(LAKE.shores, shapely.points(east, north))
+    zone = np.isfinite(surface.depth_m) & (away < 5.0)
+    error = surface.depth_m[zone] - bank(east[zone], north[zone])
+    assert np.mean(np.abs(error) <= surface.band_m[zone]) > 0.8
+    open_water = np.isfinite(surface.depth_m) & (away > 20.0)
+    assert np.median(surface.band_m[open_water]) < 0.06
+
+
 def test_no_shore_line_no_zero_and_piers_are_none() -> None:
     basin = shapely.box(0.0, 0.0, 80.0, 60.0)
     pier = Feature("Pier", "pier", shapely.box(38.0, 0.0, 42.0, 30.0))
