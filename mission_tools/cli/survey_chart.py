@@ -35,8 +35,8 @@ def chart(
     """Make a depth chart with its uncertainty from the soundings of logs.
 
     Soundings are reduced to the datum, cleaned and interpolated; each rejected one has a reason.
-    The folder gets chart.html, chart.png, depth.tif, chart.gpkg, contours, gaps.geojson, depth.xyz and
-    chart.json: docs/survey.md explains them. Exit code 2 if the soundings make no chart.
+    The folder gets chart.html, chart.png, depth.tif, chart.gpkg, contours, gaps.geojson, lake.geojson,
+    depth.xyz and chart.json: docs/survey.md explains them. Exit code 2 if the soundings make no chart.
 
     Example:  boat-survey chart 00012.bin --map pond.geojson --out out/chart --temperature 16
     """

@@ -20,6 +20,8 @@ from mission_tools.bathymetry.chart_page import chart_page
 from mission_tools.bathymetry.picture import draw_depths
 from mission_tools.bathymetry.products import contour_levels, write_products
 from mission_tools.drawing.draw import save_figure
+from mission_tools.maps import load_source
+from mission_tools.maps.passable import BoatSize, passable
 
 CHART = charted_lake()
 TO_LOCAL = pyproj.Transformer.from_crs(
@@ -124,3 +126,19 @@ def test_picture_is_blue_where_it_is_deep_and_the_page_holds_everything(folder: 
 def test_contours_are_at_round_depths(deepest_m: float, first: float, count: int) -> None:
     levels = contour_levels(deepest_m)
     assert (levels[0], len(levels)) == (pytest.approx(first), count)
+
+
+def test_the_planner_keeps_out_of_what_is_charted_less_deep_than_its_draught(folder: Path) -> None:
+    """By the true bottom on a grid of places; what the hole left unsurveyed has no depth, so it stays."""
+    features(folder / "lake.geojson")  # GDAL reads it, too
+    lake = load_source(str(folder / "lake.geojson")).chart
+    assert lake.water.area == pytest.approx(LAKE.water.area, rel=1e-3)
+    deep = passable(lake, BoatSize(draught_m=1.0)).navigable
+    shapely.prepare(deep)
+    west, south, east, north = LAKE.water.bounds
+    x, y = (one.ravel() for one in np.meshgrid(np.arange(west, east, 3.0), np.arange(south, north, 3.0)))
+    charted = shapely.contains_xy(LAKE.water.buffer(-4.0).difference(shapely.Point(HOLE).buffer(15.0)), x, y)
+    x, y = x[charted], y[charted]
+    depth_m, is_open = BOTTOM(x, y), shapely.contains_xy(deep, x, y)
+    assert is_open[depth_m < 0.97].mean() < 0.02  # what no line came near has no depth
+    assert is_open[depth_m > 1.25].mean() > 0.99
