@@ -54,7 +54,7 @@ def scipy_rbf(east: Floats, north: Floats, depth: Floats) -> Found:
 
 def verde_spline(east: Floats, north: Floats, depth: Floats) -> Found:
     """Verde's biharmonic spline; its matrix is dense, so the block means are of half a spacing."""
-    import verde  # type: ignore[import-untyped]  # noqa: PLC0415
+    import verde  # noqa: PLC0415
 
     blocks, _ = means(east, north, depth, 0.5 * SPACING_M, depth)
     x, y = _cells()
@@ -64,7 +64,7 @@ def verde_spline(east: Floats, north: Floats, depth: Floats) -> Found:
 
 def pykrige_local(east: Floats, north: Floats, depth: Floats) -> Found:
     """PyKrige's ordinary kriging from 40 nearest block means, variogram fitted by itself."""
-    from pykrige.ok import OrdinaryKriging  # type: ignore[import-untyped]  # noqa: PLC0415
+    from pykrige.ok import OrdinaryKriging  # noqa: PLC0415
 
     blocks, _ = means(east, north, depth, 0.5 * SPACING_M, depth)
     x, y = _cells()
