@@ -105,11 +105,12 @@ def _delayed(s: Soundings, latency_s: float) -> Soundings:
     """The soundings at the places, headings and tilts of a latency earlier, within each voyage."""
     if latency_s == 0.0:
         return s
-    moved = [s.lat_deg.copy(), np.degrees(np.unwrap(np.radians(s.lon_deg))), np.unwrap(s.heading_rad)]
-    moved += [s.roll_rad.copy(), s.pitch_rad.copy()]
+    columns = (s.lat_deg, s.lon_deg, s.heading_rad, s.roll_rad, s.pitch_rad)
+    moved = [column.copy() for column in columns]
     for voyage in np.unique(s.voyage):
         (own,) = np.nonzero((s.voyage == voyage) & np.isfinite(s.unix_s) & np.isfinite(s.lat_deg))
-        for values in moved:
-            values[own] = np.interp(s.unix_s[own] - latency_s, s.unix_s[own], values[own])
+        for values, turn in zip(moved, (360.0, 360.0, math.tau, math.tau, math.tau), strict=True):
+            whole = np.unwrap(np.nan_to_num(values[own]), period=turn)
+            values[own] = np.interp(s.unix_s[own] - latency_s, s.unix_s[own], whole)
     lat, lon, heading, roll, pitch = moved
     return replace(s, lat_deg=lat, lon_deg=lon, heading_rad=heading, roll_rad=roll, pitch_rad=pitch)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sounded_lake import ORIGIN, of_places
+from sounded_lake import ORIGIN, of_places, with_values
 
 from mission_tools.bathymetry.reduction import Corrections, reduced, speed_of_sound_m_s
 from mission_tools.bathymetry.soundings import Soundings
@@ -66,3 +66,7 @@ def test_lever_arm_turns_with_the_heading_and_latency_goes_back_along_the_track(
     assert at.north_m == pytest.approx(np.arange(10.0) - 1.0, abs=1e-3)
     late = reduced(along_a_line(), ORIGIN, Corrections(latency_s=0.4))
     assert late.north_m[1:] == pytest.approx(np.arange(1.0, 10.0) - 0.4, abs=1e-3)
+    lost = with_values(along_a_line(), np.array([4]), lon_deg=np.nan, lat_deg=np.nan, heading_rad=np.nan)
+    at = reduced(lost, ORIGIN, Corrections(latency_s=0.4, forward_m=1.0))
+    assert at.north_m[5:] == pytest.approx(np.arange(5.0, 10.0) + 0.6, abs=1e-3)
+    assert np.isnan(at.north_m[4])
