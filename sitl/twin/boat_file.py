@@ -100,12 +100,12 @@ def _least_power(fit: Fit, entries: Entries, torque: float) -> float:
 def own_settings(base: Scenario, parameters: Mapping[str, float]) -> Entries:
     """What the logged boat's program is set to for its hull, where it differs from the base boat's."""
     own = Parameters(base.vehicle, ROWS, MemoryStorage())
+    before = {row.name: own.value(row) for row in ROWS}
     own.set_many(parameters.items())
     return {
         f"vehicle.{row.path}": (attrgetter(row.path)(own.config), f"{row.name} of the voyage's log")
         for row in ROWS
-        if row.path.startswith(_OWN)
-        and attrgetter(row.path)(own.config) != attrgetter(row.path)(base.vehicle)
+        if row.path.startswith(_OWN) and own.value(row) != before[row.name]
     }
 
 

@@ -24,32 +24,24 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from sitl.twin.model import KEYS, LEFT, RIGHT, Stretches, simulate
-from sitl.twin.voyage import STORED_S, Floats, Voyage, hats
+from sitl.twin.model import KEYS, LEFT, RIGHT, simulate
+from sitl.twin.trip import CHANNELS, CURRENT_M_S, NUISANCE, STRETCH_S, Trip
+from sitl.twin.voyage import STORED_S, Floats, Voyage
 from sitl.world.scenario import Scenario
 
 Flags = NDArray[np.bool_]
-Whole = NDArray[np.int64]
 
 PRIOR: Final = 0.7
 """A factor of two either way."""
 UNTOLD: Final = 0.35
 """A larger deviation than this, half of what was known before: the voyage does not tell the parameter."""
-CHANNELS: Final = ("ahead, m/s", "abeam, m/s", "turn rate, rad/s", "current, A")
 _NOISE: Final = (0.1, 0.1, 0.05, 0.2)  # deviations in the first round
-_STRETCH_S: Final = 30.0
-RUN_IN_S: Final = 4.0  # in which sway, turn rate and motors forget their beginning; the speed's is fitted
 _STEP: Final = 2e-3  # of a parameter in deviations, for differences
 _LOSS: Final = 2.0  # deviations, beyond which a residual counts less
 _ENOUGH: Final = {"linear": 1e-3, "soft_l1": 1e-5}  # relative change of the cost
 _LAG_S: Final = 10.0  # of the correlation that is left in the residuals
 _EVERY_S: Final = (0.2, 0.2, STORED_S, 1.0)  # usual spacing of the channels
 _WIDER: Final = 2.0  # deviations by true errors: hulls 501, 502 and 504 of benchmarks/twin.py
-_CURRENT_S: Final = 200.0  # between knots of the current
-# What is known beforehand of a voyage's nuisances, one deviation: wind relative to the water, north and east;
-# the fixes' delay beyond the assumed one; the compass's constant error; the current with the motors stopped
-_NUISANCE: Final = (3.0, 3.0, 0.1, 0.05, 0.3)
-_CURRENT_M_S, _DRIFT_M_S = 1.0, 0.05  # of the current, and of its change from knot to knot
 _START_M_S: Final = 0.2  # of the speed at the beginning of a stretch
 
 
@@ -65,84 +57,6 @@ def factors_of(keys: Sequence[str], logs: Floats) -> dict[str, Floats]:
     """
     factors = {key: np.exp(logs[:, n, None]) for n, key in enumerate(keys)}
     return {**factors, RIGHT: 1.0 / factors[LEFT]}
-
-
-class Trip:
-    """A voyage cut into stretches, and what was measured in them."""
-
-    def __init__(self, voyage: Voyage, base: Scenario, stretch_s: float = _STRETCH_S) -> None:
-        self.voyage, self._base, self._end_s = voyage, base, RUN_IN_S + stretch_s
-        run_in, length = round(RUN_IN_S / voyage.step_s), round(stretch_s / voyage.step_s)
-        self.count = max(1, (len(voyage.left) - run_in) // length)
-        starts = np.arange(self.count) * length
-        rows = np.minimum(starts + np.arange(run_in + length + 50)[:, None], len(voyage.left) - 1)
-        self.inputs = Stretches(
-            voyage.step_s, voyage.left[rows], voyage.right[rows], voyage.open_v[rows],
-            voyage.heading_rad[rows], np.full(self.count, voyage.pack_ohm), voyage.rate_rad_s[rows],
-        )  # fmt: skip
-        self._begins_s = voyage.start_s + starts * voyage.step_s
-        self.fixes = voyage.fixes[self._stretch(voyage.fixes[:, 0]) >= 0]
-        pack = voyage.pack[np.isfinite(voyage.pack[:, 2])]
-        self._pack = pack[self._stretch(pack[:, 0]) >= 0]
-        self.rated = slice(round(RUN_IN_S / STORED_S), round(self._end_s / STORED_S))
-        rates = voyage.rate_rad_s[rows[:: round(STORED_S / voyage.step_s)]][self.rated].T
-        self.cos, self.sin = self._facing(0.0, 0.0)
-        north, east = self.fixes[:, 1], self.fixes[:, 2]
-        ahead, abeam = north * self.cos + east * self.sin, east * self.cos - north * self.sin
-        self.measured: tuple[Floats, ...] = (ahead, abeam, rates.ravel(), self._pack[:, 2])
-        self.surge_m_s = np.interp(self._begins_s, self.fixes[:, 0], ahead)
-        self.stretch = (
-            *[self._stretch(self.fixes[:, 0])] * 2, np.repeat(np.arange(self.count), rates.shape[1]),
-            self._stretch(self._pack[:, 0]),
-        )  # fmt: skip
-        rated_s = STORED_S * np.arange(self.rated.start, self.rated.stop)
-        rated_s = np.add.outer(self._begins_s, rated_s).ravel()
-        self.times_s: tuple[Floats, ...] = (self.fixes[:, 0], self.fixes[:, 0], rated_s, self._pack[:, 0])
-        knots = hats(self.fixes[:, 0], _CURRENT_S)
-        # The first knot's current, and each change from knot to knot
-        scale = np.full(knots.shape[1], _DRIFT_M_S)
-        scale[0] = _CURRENT_M_S
-        self._flow = knots @ np.tril(np.ones((len(scale), len(scale)))) * scale
-        self.nuisances = len(_NUISANCE) + 2 * len(scale)
-
-    def _stretch(self, times_s: Floats) -> Whole:
-        """The stretch in which a time is compared, −1 without one."""
-        at = np.searchsorted(self._begins_s + RUN_IN_S, times_s, side="right") - 1
-        return np.where(times_s < self._begins_s[-1] + self._end_s, at, -1)
-
-    def _facing(self, late_s: float, off_rad: float) -> tuple[Floats, Floats]:
-        voyage = self.voyage
-        steps = (self.fixes[:, 0] - late_s - voyage.start_s) / voyage.step_s
-        heading_rad = np.interp(steps, np.arange(len(voyage.left)), voyage.heading_rad) - off_rad
-        return np.cos(heading_rad), np.sin(heading_rad)
-
-    def flow_m_s(self, nuisance: Floats) -> tuple[Floats, Floats]:
-        """The current over ground at each fix, north and east."""
-        north, east = nuisance[len(_NUISANCE) :].reshape(2, -1)
-        return self._flow @ north, self._flow @ east
-
-    def predicted(self, run: Floats, nuisance: Floats) -> tuple[Floats, ...]:
-        """What would have been measured, by channel. run: the model's output, shape (times, 5, stretches)."""
-        late_s, off_rad, idle_a = nuisance[2:5] * _NUISANCE[2:]
-        cos, sin = self._facing(late_s, off_rad)
-        flow_n, flow_e = self.flow_m_s(nuisance)
-        at_s, stretch = self.fixes[:, 0] - late_s, self.stretch[0]
-        surge, sway = (self._at(run[:, n], at_s, stretch) for n in (0, 1))
-        north, east = surge * cos - sway * sin + flow_n, surge * sin + sway * cos + flow_e
-        return (
-            north * self.cos + east * self.sin,
-            east * self.cos - north * self.sin,
-            run[self.rated, 2].T.ravel(),
-            self._at(run[:, 3], self._pack[:, 0], self.stretch[3]) + self._base.battery.idle_a + idle_a,
-        )
-
-    def _at(self, run: Floats, times_s: Floats, stretch: Whole) -> Floats:
-        """An output, shape (times, stretches), at these times in these stretches."""
-        at = np.clip((times_s - self._begins_s[stretch]) / STORED_S, 0.0, len(run) - 1.001)
-        below = at.astype(np.int64)
-        share = at - below
-        value: Floats = run[below, stretch] * (1.0 - share) + run[below + 1, stretch] * share
-        return value
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,16 +76,16 @@ class Fit:
     residuals: tuple[list[Floats], ...]
 
 
-def following(fit: Fit, voyage: Voyage, stretch_s: float = _STRETCH_S) -> tuple[Trip, Floats, Floats]:
+def following(fit: Fit, voyage: Voyage, stretch_s: float = STRETCH_S) -> tuple[Trip, Floats, Floats]:
     """A further voyage, what the model makes of its commands, headings and turn rates, with wind and current
     as they were at the end of the first one; and these as nuisances.
     """
     trip, first, known = Trip(voyage, fit.base, stretch_s), fit.trips[0], fit.nuisances[0]
     nuisance = np.zeros(trip.nuisances)
-    nuisance[: len(_NUISANCE)] = known[: len(_NUISANCE)]
+    nuisance[: len(NUISANCE)] = known[: len(NUISANCE)]
     flow = [one[-1] for one in first.flow_m_s(known)]
-    nuisance[len(_NUISANCE) :].reshape(2, -1)[:, 0] = np.divide(flow, _CURRENT_M_S)
-    heading_rad, winds = trip.inputs.heading_rad, _NUISANCE[0] * known[:2].reshape(2, 1, 1)
+    nuisance[len(NUISANCE) :].reshape(2, -1)[:, 0] = np.divide(flow, CURRENT_M_S)
+    heading_rad, winds = trip.inputs.heading_rad, NUISANCE[0] * known[:2].reshape(2, 1, 1)
     assert heading_rad is not None  # noqa: S101
     surge_m_s = trip.surge_m_s - flow[0] * np.cos(heading_rad[0]) - flow[1] * np.sin(heading_rad[0])
     run = simulate(fit.base, factors_of(fit.keys, fit.logs[None]), trip.inputs, surge_m_s, *winds)
@@ -196,7 +110,7 @@ class _Problem:
 
     def _run(self, trip: Trip, logs: Floats, winds: Floats, starts: Floats) -> Floats:
         """Of boats, one a row."""
-        north, east = (_NUISANCE[0] * winds.T)[..., None]
+        north, east = (NUISANCE[0] * winds.T)[..., None]
         speed = trip.surge_m_s + _START_M_S * starts
         return simulate(self.base, factors_of(self.keys, PRIOR * logs), trip.inputs, speed, north, east)
 
@@ -302,9 +216,7 @@ class _Problem:
             row = row * weight  # noqa: PLW2901
             lags = min(round(_LAG_S / _EVERY_S[n % len(CHANNELS)]), len(row) - 1)
             for lag in range(lags + 1):
-                taper = (
-                    _WIDER**2 * (1.0 - lag / (lags + 1)) * float(row[lag:] @ row[: len(row) - lag]) / len(row)
-                )
+                taper = (1.0 - lag / (lags + 1)) * float(row[lag:] @ row[: len(row) - lag]) / len(row)
                 product = slope[lag:].T @ slope[: len(row) - lag] * taper
                 spread += product if lag == 0 else product + product.T
         inverse = np.linalg.inv(information)
@@ -333,8 +245,10 @@ def fit_boat(base: Scenario, voyages: Sequence[Voyage]) -> Fit:
         x[~free] = 0.0
         x = problem.solved(x, free, "soft_l1")
     white = problem.whitened(problem.evaluate(x)[0])
+    known = PRIOR**2 * covariance[:count, :count]
+    wider = np.clip(PRIOR / np.sqrt(np.diag(known)), 1.0, _WIDER)  # no wider than before the voyage
     return Fit(
-        base, problem.keys, PRIOR * x[:count], free[:count], PRIOR**2 * covariance[:count, :count], trips,
+        base, problem.keys, PRIOR * x[:count], free[:count], known * np.outer(wider, wider), trips,
         tuple(x[own] for own, _ in problem.parts),
         tuple(white[n : n + len(CHANNELS)] for n in range(0, len(white), len(CHANNELS))),
     )  # fmt: skip

@@ -14,7 +14,8 @@ from scipy.integrate import cumulative_trapezoid
 
 from companion.cli.output_file import output_file
 from mission_tools.drawing.style import PLANNED, SAILED, new_figure, style_panel
-from sitl.twin.fit import CHANNELS, Fit, following
+from sitl.twin.fit import Fit, following
+from sitl.twin.trip import CHANNELS
 from sitl.twin.voyage import STORED_S, Floats, Voyage
 
 _LAGS: Final = 25
@@ -41,7 +42,9 @@ def draw_fit(fit: Fit, rest: Voyage, path: Path) -> None:
     panels[1, 1].set(xlabel="east, m", ylabel="north, m", aspect="equal")
     rows, voyage = fit.residuals[0], fit.trips[0].voyage
     for row, name in zip(rows, CHANNELS, strict=True):
-        panels[2, 0].plot(_correlations(row, row)[1:], ".-", label=name.partition(",")[0])
+        panels[2, 0].plot(
+            range(1, _LAGS + 1), _correlations(row, row)[1:], ".-", label=name.partition(",")[0]
+        )
     steps_s = voyage.start_s + voyage.step_s * np.arange(len(voyage.left))
     for channel, command in ((0, voyage.left + voyage.right), (2, voyage.left - voyage.right)):
         commands = np.interp(fit.trips[0].times_s[channel], steps_s, command)

@@ -46,6 +46,7 @@ AT_WORK = {
     "encounters": "sitl.cli.encounters.run_trials",
     "report": "sitl.cli.report.load_record",
     "tune": "sitl.cli.tune.local_pool",
+    "fit": "sitl.cli.fit.read_voyage",
     "paper": "sitl.cli.paper.run_trials",
     "physics": "sitl.cli.physics.PhysicsServer",
 }
@@ -87,7 +88,7 @@ def follow(command: str) -> None:
             route = ["--start-at", given["START"], "--goal", given["GOAL"], "--dry-run"]
             assert upload_cli.run_program([given["MAP"], *route]) == 0
         return
-    if not name.startswith("boat-") and "--learn" not in arguments:
+    if "--voyage" in arguments or (not name.startswith("boat-") and "--learn" not in arguments):
         extra = ["--dry-run"] if name == "mission-upload" and "--dry-run" not in arguments else []
         assert PROGRAMS[name]([*arguments, *extra]) == 0
         return
