@@ -54,6 +54,13 @@ def test_single_spikes_either_way_are_rejected_and_small_errors_are_kept() -> No
     assert [reasons(small)[row] for row in rows].count("accepted") >= 9
 
 
+def test_a_weak_echo_above_the_bottom_is_weed_and_one_below_it_is_not() -> None:
+    rows = np.arange(2900, 3200, 30)
+    for off_m, quality, reason in ((-0.4, 0.7, "weeds"), (-0.4, 0.85, "spike"), (0.4, 0.7, "spike")):
+        weak = with_values(GOOD, rows, depth_m=GOOD.depth_m[rows] + off_m, quality=quality)
+        assert {reasons(weak)[row] for row in rows} == {reason}
+
+
 def test_second_echoes_for_a_minute_are_found_by_the_passes_beside_them() -> None:
     rows = np.arange(3010, 3080)
     doubled = with_values(GOOD, rows, depth_m=2.0 * GOOD.depth_m[rows])

@@ -6,13 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import shapely
-from charted_lake import BOTTOM, HOLE, charted_lake, survey
+from charted_lake import BOTTOM, HOLE, LAKE, charted_lake, survey
 from scipy.integrate import dblquad
 from sounded_lake import bowl, lake, soundings
 
 from mission_tools.bathymetry.crossings import Crossings
 from mission_tools.bathymetry.depth_chart import ChartSettings, charted
 from mission_tools.bathymetry.s44 import ORDERS, tvu_m
+from mission_tools.errors import UsageError
 
 CHART = charted_lake()
 
@@ -67,6 +68,16 @@ def test_crossings_tell_the_order_and_few_tell_none() -> None:
     alone = replace(CHART, crossings=Crossings(few, few, few, few, few)).figures()
     assert alone["within_order"]["1b"] is None
     assert not alone["meets_order"]
+
+
+def test_seven_crossings_meet_no_order_and_no_sounding_is_told_with_the_reasons() -> None:
+    for count in (7, 8):
+        some = np.zeros(count)
+        made = replace(CHART, crossings=Crossings(some, some, some, some, some))
+        assert made.figures()["meets_order"] == (count == 8)
+    s = survey()
+    with pytest.raises(UsageError, match=f"{len(s.depth_m)} no bottom"):
+        charted(LAKE, replace(s, depth_m=s.depth_m * np.nan), ChartSettings())
 
 
 def test_hypsography_falls_from_the_whole_area_to_nothing() -> None:
