@@ -51,6 +51,8 @@ def test_a_tilt_within_the_beam_changes_nothing_and_one_beyond_moves_the_footpri
     within = reduced(along_a_line(roll_rad=np.full(10, 0.2)), ORIGIN, Corrections())
     assert within.depth_m == pytest.approx(np.full(10, 4.0))
     assert within.east_m == pytest.approx(np.zeros(10), abs=1e-3)
+    beyond = reduced(along_a_line(roll_rad=np.full(10, 0.3)), ORIGIN, Corrections(beam_rad=0.4))
+    assert beyond.depth_m == pytest.approx(np.full(10, 4.0 * math.cos(0.1)))
     pencil = Corrections(beam_rad=0.0)
     port = reduced(along_a_line(roll_rad=np.full(10, 0.2)), ORIGIN, pencil)  # starboard down: beam to port
     assert port.east_m == pytest.approx(np.full(10, -4.0 * math.sin(0.2)), abs=1e-3)
