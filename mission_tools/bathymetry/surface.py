@@ -27,7 +27,7 @@ from mission_tools.geojson import SOLID
 from mission_tools.maps.chart import Chart
 
 GAP_SHARE: Final = 0.75  # of the line spacing: between half (covered) and a whole one (a line is missing)
-BLOCK_SHARE: Final = 0.25  # of the line spacing: forty blocks then reach over five lines
+BLOCK_SHARE: Final = 0.25  # of the line spacing: forty blocks then reach over three lines and a half
 CELL_SHARE: Final = 0.2
 TILE: Final = 4  # cells a side that share their neighbours
 SHORE_SD_M: Final = 0.05  # of the depth at the shore line: half a metre of the map on a slope of one in ten
