@@ -64,7 +64,7 @@ class PlanService:
         self._boats = boats
         self._water = None if sources.water is None else str(sources.water.resolve())
         self._boat = _absolute(sources.boat)
-        self._planner = planner or Planner()
+        self.planner = planner or Planner()
         self.store = PlanStore()
 
     async def plan(self, boat: int, wanted: PlanRequest) -> MadePlan:
@@ -93,7 +93,7 @@ class PlanService:
     async def _plan(self, arguments: list[str], folder: Path, goals: int) -> dict[str, Any]:
         """The planner names a place by its coordinates: the page, by its number in the list."""
         try:
-            return await self._planner.run([*arguments, "--out", "new.plan"], folder)
+            return await self.planner.run([*arguments, "--out", "new.plan"], folder)
         except PlannerError as error:
 
             def named(found: re.Match[str]) -> str:
@@ -140,8 +140,8 @@ class PlanService:
             if self._boat is not None:
                 budget = ("--boat", self._boat, "--beyond-range")
                 with contextlib.suppress(PlannerError):  # perhaps of its budget: a route may end on land
-                    return await self._planner.run([*arguments, *budget], folder)
-        return await self._planner.run(arguments, folder)
+                    return await self.planner.run([*arguments, *budget], folder)
+        return await self.planner.run(arguments, folder)
 
     async def _keep(
         self,
@@ -198,7 +198,7 @@ class PlanService:
         if not path.is_file():
             with self.store.scratch() as folder:
                 shutil.copy(kept.folder / f"{stem}.plan", folder)
-                await self._planner.run([f"{stem}.plan", "--out", path.name], folder)
+                await self.planner.run([f"{stem}.plan", "--out", path.name], folder)
                 shutil.move(folder / path.name, path)
         return File(path.name, FORMATS[kind], path.read_bytes())
 
@@ -219,12 +219,12 @@ class PlanService:
             if rally is not None:
                 (folder / "rally.geojson").write_bytes(rally)
                 arguments += ["--rally", "rally.geojson"]
-            await self._planner.run(arguments, folder)
+            await self.planner.run(arguments, folder)
             return File(name, FORMATS[kind], (folder / name).read_bytes())
 
     def close(self) -> None:
         """End the planner, forget the plans. May be called twice."""
-        self._planner.close()
+        self.planner.close()
         self.store.close()
 
     def _source(self, folder: Path, start: Place) -> str:

@@ -90,7 +90,8 @@ async def add_headers(request: web.Request, response: web.StreamResponse) -> Non
     response.headers.update(_HEADERS)
     response.headers.setdefault("Cache-Control", "no-store")
     host = request.host if _HOST.fullmatch(request.host) else ""
-    response.headers["Content-Security-Policy"] = _POLICY.format(host=host).replace(" ws://;", ";")
+    policy = _POLICY.format(host=host).replace(" ws://;", ";")
+    response.headers.setdefault("Content-Security-Policy", policy)  # a document of its own has its own
 
 
 def make_guard(names: Collection[str], is_allowed: Callable[[web.Request], bool]) -> Middleware:

@@ -13,6 +13,7 @@ from mission_tools.shore.plans.plan_service import PlanService, Sources
 from mission_tools.shore.plans.uploading import upload_stored_plan
 from mission_tools.shore.web.feed import Feed, Viewer
 from mission_tools.shore.web.login.session import Sessions
+from mission_tools.shore.web.logs.charts import Charts
 from mission_tools.shore.web.logs.voyages import LogService
 from mission_tools.shore.web.request_log import Reply, RequestLog
 from mission_tools.shore.web.route_service import RouteService
@@ -62,6 +63,7 @@ class Hub:
         self.sessions = sessions
         self.clock = clock
         self.logs = LogService(boats, clock)
+        self.charts = Charts(boats, clock, self.logs.one, self.plans.planner, sources.water)
         self.watches: list[Watch] = []
         self._feeds: dict[int, Feed] = {}
         self._request_log = RequestLog()

@@ -1,6 +1,7 @@
-"""The boat's logs by HTTP: the list, a log as the boat sends it, and its voyage."""
+"""The boat's logs by HTTP: the list, a log as the boat sends it, its voyage, and its chart of depths."""
 
 import asyncio
+import re
 from typing import Any, Final
 
 import msgspec
@@ -8,6 +9,7 @@ from aiohttp import web
 
 from mission_tools.shore.web.guard import error
 from mission_tools.shore.web.hub import Hub
+from mission_tools.shore.web.logs.charts import FILES
 from mission_tools.shore.web.logs.stream import LogLostError, LogStream
 from mission_tools.shore.web.logs.voyages import MOST_DOWNLOADS, Lost, Waiting
 from mission_tools.shore.web.rows import BOAT, Row, boat_of, json_answer
@@ -16,6 +18,8 @@ from mission_tools.station.words import say
 
 STALLED_S: Final = 60.0  # a browser that takes nothing for so long has gone
 _SOON: Final = {"Retry-After": "1"}
+_PAGE_POLICY: Final = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; sandbox"
+"""chart.html has its style and pictures inside, and no script."""
 _LOG: Final = f"{BOAT}/logs/{{name:[0-9]{{1,9}}\\.[Bb][Ii][Nn]}}"
 
 
@@ -70,14 +74,35 @@ async def _send(request: web.Request, stream: LogStream, size: int, name: str) -
 
 async def _voyage(hub: Hub, request: web.Request) -> web.StreamResponse:
     log = _find(hub, request)
-    if log is None:
-        return _unknown()
-    state = hub.logs.voyages.get(boat_of(request), log)
+    return _unknown() if log is None else _told(hub.logs.voyages.get(boat_of(request), log))
+
+
+def _told(state: Waiting | Lost | bytes) -> web.Response:
     if isinstance(state, Waiting):
         return web.json_response({"step": state.step, "share": round(state.share, 3)}, status=202)
     if isinstance(state, Lost):
         return error(422, state.text, "")
     return json_answer(state)
+
+
+async def _chart(hub: Hub, request: web.Request) -> web.StreamResponse:
+    """Begin, and tell how far it is; or cancel."""
+    if request.method == "DELETE":
+        hub.charts.cancel(boat_of(request), request.match_info["name"])
+        return web.json_response({})
+    log = _find(hub, request)
+    return _unknown() if log is None else _told(hub.charts.get(boat_of(request), log))
+
+
+async def _chart_file(hub: Hub, request: web.Request) -> web.StreamResponse:
+    boat, name, product = boat_of(request), request.match_info["name"], request.match_info["file"]
+    path = hub.charts.file(boat, name, product)
+    if path is None:
+        return error(404, say("depths.gone"), "")
+    headers = {"Content-Disposition": f'attachment; filename="boat{boat}-{name.partition(".")[0]}-{product}"'}
+    if product == "chart.html":
+        headers = {"Content-Security-Policy": _PAGE_POLICY}
+    return web.FileResponse(path, headers=headers)
 
 
 def _find(hub: Hub, request: web.Request) -> LogFile | None:
@@ -95,4 +120,7 @@ ROWS: Final = (
     Row("GET", f"{BOAT}/logs", _list),
     Row("GET", _LOG, _download, "pin"),
     Row("GET", f"{_LOG}/voyage", _voyage, "pin"),
+    Row("POST", f"{_LOG}/chart", _chart, "pin"),
+    Row("DELETE", f"{_LOG}/chart", _chart, "pin"),
+    Row("GET", f"{_LOG}/chart/{{file:{'|'.join(map(re.escape, FILES))}}}", _chart_file, "pin"),
 )

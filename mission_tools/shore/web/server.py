@@ -67,6 +67,7 @@ def make_app(
 
     async def on_shutdown(_app: web.Application) -> None:
         hub.plans.close()
+        hub.charts.close()
         hub.logs.voyages.close()
         await sockets.close()
 

@@ -1,11 +1,13 @@
-// Logs: what the boat keeps of its voyages, to download or to look at.
+// Logs: what the boat keeps of its voyages, to download, to look at, or to chart depths by.
 import { button, element, setText } from "../shared/elements.js";
+import { makeDepths } from "./depths.js";
 import { makeVoyage } from "./voyage.js";
 import { size } from "./words.js";
 
 const LOOK_MS = 5_000;
 const SOON_MS = 1_000; // while the list or a log is fetched
 const ASK_MS = 400; // how far a voyage is
+const STEPS = { fetching: "logs.fetching", reading: "logs.reading", charting: "depths.charting" };
 const NOTHING = { type: "FeatureCollection", features: [] };
 
 export function makeView(box, page) {
@@ -23,8 +25,8 @@ export function makeView(box, page) {
   let timer = 0;
   let boat = null;
   let rows = new Map(); // by name
-  let wanted = null; // the voyage that is waited for
-  let voyage = null;
+  let wanted = null; // {name, kind} that is waited for
+  let shown = null; // a voyage or a chart
   let geojson = null;
 
   const stop = () => {
@@ -33,11 +35,11 @@ export function makeView(box, page) {
     show();
   };
   const close = () => {
-    voyage?.remove();
+    shown.remove();
     overview.hidden = false;
-    const row = rows.get(voyage?.dataset.name);
-    voyage = null;
-    row?.look.focus();
+    const { name, kind } = shown.dataset;
+    shown = null;
+    rows.get(name)?.[kind].focus();
   };
 
   async function look() {
@@ -48,7 +50,7 @@ export function makeView(box, page) {
       rows = new Map();
       list.replaceChildren();
       if (wanted !== null) stop();
-      if (voyage !== null) close();
+      if (shown !== null) close();
     }
     let next_ms = LOOK_MS;
     if (boat !== null) {
@@ -93,18 +95,19 @@ export function makeView(box, page) {
 
   function makeRow(name) {
     const download = element("a", { className: "button", download: "", text: words.say("logs.download"), "aria-label": words.say("logs.download_of", { name }) });
-    const look = button(words.say("logs.show"), () => open(name), { "aria-label": words.say("logs.show_of", { name }) });
+    const voyage = button(words.say("logs.show"), () => open(name, "voyage"), { "aria-label": words.say("logs.show_of", { name }) });
+    const chart = button(words.say("depths.chart"), () => open(name, "chart"), { "aria-label": words.say("depths.chart_of", { name }) });
     const [date, bytes, long] = ["date", "size", "long"].map((className) => element("span", { className }));
     const sent = element("progress", { max: 1, value: 0, hidden: true });
     const what = element("div", { className: "what" }, element("b", { text: name }), date, bytes, long);
-    return { line: element("li", {}, what, sent, download, look), download, look, date, size: bytes, long, sent };
+    return { line: element("li", {}, what, sent, download, voyage, chart), download, voyage, chart, date, size: bytes, long, sent };
   }
 
   // Links and buttons as the PIN allows.
   function show() {
     locked.hidden = live.isSkipper || rows.size === 0;
-    for (const [name, { download, look }] of rows) {
-      look.disabled = !live.isSkipper || wanted !== null;
+    for (const [name, { download, voyage, chart }] of rows) {
+      voyage.disabled = chart.disabled = !live.isSkipper || wanted !== null;
       if (live.isSkipper) {
         download.href = `/api/boats/${boat}/logs/${name}`;
         download.removeAttribute("role");
@@ -117,41 +120,50 @@ export function makeView(box, page) {
     }
   }
 
-  async function open(name) {
-    wanted = name;
-    const asked = boat;
+  async function open(name, kind) {
+    const job = { name, kind };
+    wanted = job;
+    const address = `/api/boats/${boat}/logs/${name}/${kind}`;
+    const isChart = kind === "chart";
     progress.value = 0;
     fetching.hidden = false;
     setText(step, words.say("logs.fetching", { name }));
     show();
     cancel.focus();
-    geojson = geojson ?? (await fetched("/api/chart"))[1];
-    while (wanted === name) {
-      const [code, answer] = await fetched(`/api/boats/${asked}/logs/${name}/voyage`);
-      if (wanted !== name || asked !== boat) return;
+    if (!isChart) geojson = geojson ?? (await fetched("/api/chart"))[1];
+    while (wanted === job) {
+      const [code, answer] = await fetched(address, isChart ? "POST" : "GET");
+      if (wanted !== job) break;
       if (code === 202) {
-        progress.value = answer.share;
-        setText(step, words.say(answer.step === "reading" ? "logs.reading" : "logs.fetching", { name }));
+        if (answer.step === "fetching") progress.value = answer.share;
+        else progress.removeAttribute("value"); // nobody knows how long it takes
+        setText(step, words.say(STEPS[answer.step], { name }));
         await new Promise((resolve) => setTimeout(resolve, ASK_MS));
-      } else if (code === 200) showVoyage(name, answer);
-      else {
+      } else if (code === 200) {
+        return present(job, isChart ? makeDepths(name, answer, address, words, close) : voyageOf(name, answer));
+      } else {
         stop();
         page.go.tell(code === 0 ? words.say("logs.lost") : words.refusal(answer), false);
-        rows.get(name)?.look.focus();
+        return void rows.get(name)?.[kind].focus();
       }
     }
+    if (isChart && (wanted?.kind !== kind || wanted.name !== name)) await fetched(address, "DELETE");
   }
 
-  function showVoyage(name, found) {
-    stop();
+  function voyageOf(name, found) {
     const row = rows.get(name);
     if (row) setText(row.long, words.say("logs.long", { time: words.duration(found.duration_s), distance: words.distance(found.distance_m) }));
-    voyage = makeVoyage(name, found, geojson?.features ? geojson : NOTHING, words, close);
-    voyage.dataset.name = name;
+    return makeVoyage(name, found, geojson?.features ? geojson : NOTHING, words, close);
+  }
+
+  function present(job, article) {
+    stop();
+    shown = article;
+    Object.assign(shown.dataset, job);
     overview.hidden = true;
-    box.append(voyage);
+    box.append(shown);
     box.scrollTop = 0;
-    voyage.querySelector("h2").focus();
+    shown.querySelector("h2").focus();
   }
 
   return {
@@ -171,9 +183,9 @@ export function makeView(box, page) {
 }
 
 // Status and JSON; 0 where there was no answer.
-async function fetched(address) {
+async function fetched(address, method = "GET") {
   try {
-    const answer = await fetch(address);
+    const answer = await fetch(address, { method });
     return [answer.status, await answer.json()];
   } catch {
     return [0, null];

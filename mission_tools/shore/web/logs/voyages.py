@@ -1,18 +1,17 @@
-"""What is under way with the boats' logs: downloads, and voyages.
-
-Voyages are logs fetched to a file without a name and read by a process of its own; the latest are kept."""
+"""Downloads of logs, and logs fetched for a process that reads them: one at a time, the latest are kept."""
 
 import asyncio
 import logging
 import shutil
 import sys
 import tempfile
+from abc import ABC, abstractmethod
 from collections import OrderedDict
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import IO, Any, Final, NamedTuple
 
 import msgspec
 
@@ -24,19 +23,20 @@ from mission_tools.station.words import LocalizedText, say
 
 MOST_DOWNLOADS: Final = 8
 MOST_LOG_BYTES: Final = 200_000_000
-_MOST_KEPT: Final = 4
+_MOST_KEPT: Final = 4  # of each kind
 _MOST_ANSWER_BYTES: Final = 4_000_000  # 2000 samples take about 200 kB
 _MUST_STAY_FREE_BYTES: Final = 100_000_000  # on the disk
 _LEFT_S: Final = 20.0  # a page that does not ask for so long has gone
 _READ_S: Final = 180.0
 _READER: Final = (sys.executable, "-m", "mission_tools.shore.voyage")
-_FOLDER: Final = Path("/var/tmp")  # noqa: S108 (a disk; /tmp may be memory)
+_DISK: Final = Path("/var/tmp")  # noqa: S108 (/tmp may be memory)
+FOLDER: Final = _DISK if _DISK.is_dir() else Path(tempfile.gettempdir())
 
 _log = logging.getLogger(__name__)
 
 
 class Waiting(NamedTuple):
-    """share: of the log that has come; step: fetching or reading."""
+    """share: of the log that has come; step: fetching, reading or charting."""
 
     step: str
     share: float
@@ -49,10 +49,89 @@ class Lost(NamedTuple):
 
 
 @dataclass(slots=True)
-class _Voyage:
+class Job:
+    """A log that is fetched and read. size: its bytes then; folder: of the result's files."""
+
+    size: int
     asked_s: float
     state: Waiting | Lost | bytes
+    is_told: bool = False
+    folder: Path | None = None
     task: "asyncio.Task[None] | None" = None
+
+
+class LogJobs(ABC):
+    """By boat and name of the log. one: held while a log is fetched and read."""
+
+    def __init__(self, boats: Boats, clock: Clock, one: asyncio.Lock) -> None:
+        self._boats = boats
+        self._clock = clock
+        self._kept: OrderedDict[tuple[int, str], Job] = OrderedDict()
+        self._one = one
+
+    @abstractmethod
+    async def _work(self, job: Job, boat: int, name: str) -> Lost | bytes:
+        """The result as JSON. What it raises of LogLostError and OSError is told as Lost."""
+
+    def get(self, boat: int, log: LogFile) -> Waiting | Lost | bytes:
+        """The result as JSON, how far it is, or why there is none. To be asked for again while it waits."""
+        key, now_s = (boat, log.name), self._clock.now_s()
+        job = self._kept.get(key)
+        if job is not None and job.is_told and job.size != log.bytes:  # the log has grown since
+            self.cancel(*key)
+            job = None
+        if job is None:
+            while len(self._kept) >= _MOST_KEPT:
+                self.cancel(*next(iter(self._kept)))
+            job = self._kept[key] = Job(log.bytes, now_s, Waiting("fetching", 0.0))
+            job.task = asyncio.create_task(self._make(job, *key))
+        job.asked_s = now_s
+        self._kept.move_to_end(key)
+        if isinstance(job.state, Lost):
+            del self._kept[key]  # the next one who asks tries again
+        job.is_told = isinstance(job.state, bytes)
+        return job.state
+
+    def cancel(self, boat: int, name: str) -> None:
+        """End and forget a job, if there is one."""
+        job = self._kept.pop((boat, name), None)
+        if job is not None and job.task is not None:
+            job.task.cancel()
+        if job is not None and job.folder is not None:
+            shutil.rmtree(job.folder, ignore_errors=True)
+
+    def close(self) -> None:
+        for key in list(self._kept):
+            self.cancel(*key)
+
+    async def _make(self, job: Job, boat: int, name: str) -> None:
+        try:
+            async with self._one:
+                job.state = await self._work(job, boat, name)
+        except LogLostError as error:
+            job.state = Lost(error.text)
+        except OSError as error:
+            job.state = Lost(say("log.no_disk", why=error.strerror or ""))
+        except Exception:
+            _log.exception("the log %s", name)
+            job.state = Lost(say("log.failed"))
+
+    async def _fetch(self, job: Job, boat: int, name: str, file: IO[bytes]) -> None:
+        """The log from the boat into a file below FOLDER."""
+        found = self._boats.get(boat)
+        path = None if found is None else found.logs.path(name)
+        if found is None or path is None:
+            raise LogLostError(say("log.unknown"))
+        with fetching(found.files, path, MOST_LOG_BYTES) as stream:
+            size = await stream.opened()
+            if shutil.disk_usage(FOLDER).free < size + _MUST_STAY_FREE_BYTES:
+                raise LogLostError(say("log.no_room"))
+            async for part in stream.parts():
+                await asyncio.to_thread(file.write, part)
+                job.state = Waiting("fetching", stream.sent / max(size, 1))
+                if self._clock.now_s() - job.asked_s > _LEFT_S:
+                    raise LogLostError(say("log.left"))
+        await asyncio.to_thread(file.flush)
 
 
 class _Reason(msgspec.Struct):
@@ -63,68 +142,13 @@ class _Reason(msgspec.Struct):
     values: dict[str, Any]
 
 
-class Voyages:
-    """By boat, name and size of the log. One log is fetched and read at a time."""
+class Voyages(LogJobs):
+    """The result is a voyage. The log is fetched to a file without a name."""
 
-    def __init__(self, boats: Boats, clock: Clock) -> None:
-        self._boats = boats
-        self._clock = clock
-        self._kept: OrderedDict[tuple[int, str, int], _Voyage] = OrderedDict()
-        self._one = asyncio.Lock()
-
-    def get(self, boat: int, log: LogFile) -> Waiting | Lost | bytes:
-        """A voyage as JSON, how far it is, or why there is none. To be asked for again while it waits."""
-        key, now_s = (boat, log.name, log.bytes), self._clock.now_s()
-        voyage = self._kept.get(key)
-        if voyage is None:
-            self._drop_oldest(_MOST_KEPT - 1)
-            voyage = self._kept[key] = _Voyage(now_s, Waiting("fetching", 0.0))
-            voyage.task = asyncio.create_task(self._make(voyage, boat, log.name))
-        voyage.asked_s = now_s
-        self._kept.move_to_end(key)
-        if isinstance(voyage.state, Lost):
-            del self._kept[key]  # the next one who asks tries again
-        return voyage.state
-
-    def close(self) -> None:
-        self._drop_oldest(0)
-
-    def _drop_oldest(self, left: int) -> None:
-        while len(self._kept) > left:
-            _, oldest = self._kept.popitem(last=False)
-            if oldest.task is not None:
-                oldest.task.cancel()
-
-    async def _make(self, voyage: _Voyage, boat: int, name: str) -> None:
-        try:
-            async with self._one:
-                voyage.state = await self._read(voyage, boat, name)
-        except LogLostError as error:
-            voyage.state = Lost(error.text)
-        except OSError as error:
-            voyage.state = Lost(say("log.no_disk", why=error.strerror or ""))
-        except Exception:
-            _log.exception("the voyage of %s", name)
-            voyage.state = Lost(say("log.failed"))
-
-    async def _read(self, voyage: _Voyage, boat: int, name: str) -> Lost | bytes:
-        found = self._boats.get(boat)
-        path = None if found is None else found.logs.path(name)
-        if found is None or path is None:
-            raise LogLostError(say("log.unknown"))
-        folder = _FOLDER if _FOLDER.is_dir() else Path(tempfile.gettempdir())
-        with tempfile.TemporaryFile(dir=folder, prefix="mavboat-log-") as file:
-            with fetching(found.files, path, MOST_LOG_BYTES) as stream:
-                size = await stream.opened()
-                if shutil.disk_usage(folder).free < size + _MUST_STAY_FREE_BYTES:
-                    raise LogLostError(say("log.no_room"))
-                async for part in stream.parts():
-                    await asyncio.to_thread(file.write, part)
-                    voyage.state = Waiting("fetching", stream.sent / max(size, 1))
-                    if self._clock.now_s() - voyage.asked_s > _LEFT_S:
-                        raise LogLostError(say("log.left"))
-            await asyncio.to_thread(file.flush)
-            voyage.state = Waiting("reading", 1.0)
+    async def _work(self, job: Job, boat: int, name: str) -> Lost | bytes:
+        with tempfile.TemporaryFile(dir=FOLDER, prefix="mavboat-log-") as file:
+            await self._fetch(job, boat, name, file)
+            job.state = Waiting("reading", 1.0)
             return await _voyage_of(file.fileno())
 
 
@@ -163,7 +187,8 @@ class LogService:
     """Logs of all boats."""
 
     def __init__(self, boats: Boats, clock: Clock) -> None:
-        self.voyages = Voyages(boats, clock)
+        self.one = asyncio.Lock()
+        self.voyages = Voyages(boats, clock, self.one)
         self._boats = boats
         self._under_way: list[tuple[int, str, LogStream]] = []
 

@@ -276,7 +276,7 @@ async def test_the_planner_ends_when_the_page_leaves(lake: Server) -> None:
     await lake.log_in()
     prepare(lake)
     call = asyncio.create_task(plan(lake, {"task": "survey", "footprint_m": 1}))
-    planner = lake.hub.plans._planner
+    planner = lake.hub.plans.planner
     await until(lambda: planner._process is not None)
     process = planner._process
     assert process is not None

@@ -71,7 +71,7 @@ def test_downloads_are_bounded_and_their_progress_is_told() -> None:
 
 
 async def test_a_voyage_that_is_lost_is_tried_again_and_the_oldest_are_forgotten() -> None:
-    voyages = Voyages(FakeBoats(), FakeClock())
+    voyages = Voyages(FakeBoats(), FakeClock(), asyncio.Lock())
     assert voyages.get(7, LOG) == Waiting("fetching", 0.0)
     while isinstance(state := voyages.get(7, LOG), Waiting):
         await asyncio.sleep(0)
@@ -79,7 +79,7 @@ async def test_a_voyage_that_is_lost_is_tried_again_and_the_oldest_are_forgotten
     assert voyages.get(7, LOG) == Waiting("fetching", 0.0)
     for number in range(6):
         voyages.get(7, LogFile(name=f"{number}.bin", bytes=1))
-    assert [name for _, name, _ in voyages._kept] == ["2.bin", "3.bin", "4.bin", "5.bin"]
+    assert [name for _, name in voyages._kept] == ["2.bin", "3.bin", "4.bin", "5.bin"]
     tasks = [one.task for one in voyages._kept.values()]
     voyages.close()
     assert len(voyages._kept) == 0

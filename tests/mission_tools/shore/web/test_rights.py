@@ -22,7 +22,7 @@ def path_of(row: Row) -> str:
 
     def example(match: re.Match[str]) -> str:
         pattern = match[1]
-        for text in ("1", "plan", "kml", "12", "a", "1.bin"):
+        for text in ("1", "plan", "kml", "12", "a", "1.bin", "chart.png"):
             if re.fullmatch(pattern, text):
                 return text
         raise AssertionError(f"{row.path}: no example for {pattern}")
