@@ -36,11 +36,10 @@ from mission_tools.tasks.survey.coverage import coverage
 from mission_tools.tasks.survey.settings import SurveySettings, turn_radius_m
 from mission_tools.tasks.survey.survey import Survey, survey
 from mission_tools.tasks.task_route import mission_of
+from sitl.cli.arguments import scenario_from
 from sitl.courses.missions import wire_items
 from sitl.run.mission_run import MissionRun, Result
 from sitl.run.station_commands import RunError
-from sitl.scenarios.layers import Layer
-from sitl.scenarios.scenario import load_scenario
 from sitl.world.environment.bottom import Bathymetry
 from sitl.world.scenario import Scenario
 
@@ -143,11 +142,14 @@ def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="survey", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
-    parser.add_argument("--scenario", default="lake", help="lake, pool, or a .toml file")
+    parser.add_argument("--scenario", default="lake", help="lake, pool, a .toml file, or a map")
     parser.add_argument("--footprint", type=float, default=24.0, metavar="M")
     parser.add_argument("--overlap", type=float, default=0.15, metavar="SHARE")
     parser.add_argument("--cross", type=float, default=100.0, metavar="M", help="between cross lines [100]")
-    parser.add_argument("--current", type=float, default=0.0, metavar="M/S")
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="as of boat-sitl sail"
+    )
+    parser.add_argument("--start", metavar="LAT,LON", help="of a map that is no scenario")
     parser.add_argument("--battery", type=float, default=20.0, metavar="AH", help="capacity [20]")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("out"))
@@ -155,16 +157,13 @@ def _arguments() -> argparse.Namespace:
 
 
 def _scenario(arguments: argparse.Namespace) -> Scenario:
-    """The scenario with a battery that lasts: the lake boat's own returns from half of the mill pond."""
-    battery = {"capacity_mah": 1000.0 * arguments.battery}
-    settings = {
-        "seed": arguments.seed,
-        "environment": {"current_m_s": arguments.current},
-        "sensors": {"depth": {"fitted": True}},
-        "battery": battery,
-        "vehicle": {"battery": battery},
-    }
-    return load_scenario(arguments.scenario, over=(Layer("command line", settings),))
+    """The scenario with a sounder and with a battery that lasts: the lake boat's own returns from half of the
+    mill pond.
+    """
+    capacity_mah = 1000.0 * arguments.battery
+    fitted = [f"{battery}.capacity_mah={capacity_mah}" for battery in ("battery", "vehicle.battery")]
+    given = [*fitted, "sensors.depth.fitted=true", *arguments.set]
+    return scenario_from(arguments.scenario, given, None, arguments.seed, arguments.start)
 
 
 def _settings(scenario: Scenario, arguments: argparse.Namespace) -> SurveySettings:
