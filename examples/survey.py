@@ -45,6 +45,7 @@ from sitl.world.scenario import Scenario
 
 LEAST_COVERAGE = 0.98  # of the target, in truth
 LEAST_WITHIN = 0.85  # of the depths, within their 90 % bands; half of a percent more or less is chance
+LEAST_DEPTH_M = 0.4  # of the water that the boat sails: three times its draught
 THINNED_M = 0.05  # how far a thinned track may leave the true one
 
 
@@ -162,7 +163,8 @@ def _scenario(arguments: argparse.Namespace) -> Scenario:
     """
     capacity_mah = 1000.0 * arguments.battery
     fitted = [f"{battery}.capacity_mah={capacity_mah}" for battery in ("battery", "vehicle.battery")]
-    given = [*fitted, "sensors.depth.fitted=true", *arguments.set]
+    given = [*fitted, "sensors.depth.fitted=true", f"vehicle.failsafe.min_depth_m={LEAST_DEPTH_M}"]
+    given += arguments.set
     return scenario_from(arguments.scenario, given, None, arguments.seed, arguments.start)
 
 
