@@ -44,7 +44,7 @@ from sitl.world.environment.bottom import Bathymetry
 from sitl.world.scenario import Scenario
 
 LEAST_COVERAGE = 0.98  # of the target, in truth
-LEAST_WITHIN = 0.85  # of the depths, within their 90 % bands; half of a percent more or less is chance
+LEAST_WITHIN = 0.8  # of the depths, within their 90 % bands: a receiver errs by metres for minutes
 LEAST_DEPTH_M = 0.4  # of the water that the boat sails: three times its draught
 THINNED_M = 0.05  # how far a thinned track may leave the true one
 
@@ -144,9 +144,9 @@ def _arguments() -> argparse.Namespace:
         prog="survey", description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("--scenario", default="lake", help="lake, pool, a .toml file, or a map")
-    parser.add_argument("--footprint", type=float, default=24.0, metavar="M")
+    parser.add_argument("--footprint", type=float, default=30.0, metavar="M")
     parser.add_argument("--overlap", type=float, default=0.15, metavar="SHARE")
-    parser.add_argument("--cross", type=float, default=100.0, metavar="M", help="between cross lines [100]")
+    parser.add_argument("--cross", type=float, default=150.0, metavar="M", help="between cross lines [150]")
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", help="as of boat-sitl sail"
     )
