@@ -3,7 +3,7 @@
 Close waypoints are joined by a straightened line (`straightening.py`); each is still reached in its turn.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from companion.core.geo import Line, LocalFrame, Point
 from companion.core.intent import FollowLeg
@@ -83,10 +83,11 @@ class MissionRoute:
     def intent(self, leg: Leg, start: Point | None, speed_m_s: float, here: Point) -> FollowLeg:
         """Sail from corner to corner, as long as the leg begins at start; else the leg alone.
 
-        A boat that has passed the last corner without ending the leg sails to the leg's end from where it is.
+        A boat that has passed the next corner, which is the last or lies beyond the leg's end, without ending
+        the leg sails to the leg's end from where it is.
         """
         at = self._chord()
-        if self._corners and _is_beyond(self._corners[at:], here):
+        if self._corners and self._is_beyond_leg(at, here):
             leg.begin_at(here)
         if not self._corners or leg.start != start:
             self._corners = []
@@ -104,20 +105,19 @@ class MissionRoute:
             )
         return old
 
+    def _is_beyond_leg(self, at: int, here: Point) -> bool:
+        corner, place = self._corners[at + 1]
+        if at + 2 < len(self._corners) and place == self._passed + 1:
+            return False
+        line = Line(self._corners[at][0], corner)
+        return line.along_and_cross_track_m(here)[0] > line.length_m
+
     def _chord(self) -> int:
         """The index of the corner passed last."""
         at = 0
         while at < len(self._corners) - 2 and self._corners[at + 1][1] <= self._passed:
             at += 1
         return at
-
-
-def _is_beyond(corners: Sequence[tuple[Point, int]], here: Point) -> bool:
-    """Whether these two corners end the route, and the boat has passed the second one."""
-    if len(corners) != 2:
-        return False
-    line = Line(corners[0][0], corners[1][0])
-    return line.along_and_cross_track_m(here)[0] > line.length_m
 
 
 def waypoints_ahead(mission: Mission, seq: int, jumps: Mapping[int, int]) -> tuple[list[Waypoint], bool]:

@@ -147,3 +147,17 @@ def test_guidance_is_told_of_sixteen_corners_beyond_the_next_leg() -> None:
     assert [tuple(at) for at in intent.onward] == [
         pytest.approx((50.0 * n, 40.0 * (n % 2)), abs=0.01) for n in range(3, 19)
     ]
+
+
+def test_a_waypoint_that_was_missed_where_the_way_turns_back_is_sailed_to_again() -> None:
+    """The third waypoint is near the second, so the line leads from there to the fourth. The boat turns early
+    and sails past the fourth without having been near the third.
+    """
+    back, onward = (26.7, 0.1), (15.0, -10.0)
+    progress = mission((5.0, 3.0), (26.0, 0.0), back, onward, (31.0, -5.0))
+    way = ((0.0, 0.0), (5.0, 3.0), (24.6, 0.2), (22.6, -1.2), (15.6, -9.6), (14.0, -10.9), (13.9, -11.0))
+    intents = [progress.update(nav_at(*here), FRAME, CONFIG, 0.0) for here in way]
+    legs = [intent for intent in intents if isinstance(intent, FollowLeg)]
+    assert [leg.end for leg in legs[3:5]] == [pytest.approx(Point(*onward), abs=1e-6)] * 2
+    assert [leg.end for leg in legs[5:]] == [pytest.approx(Point(*back), abs=1e-6)] * 2
+    assert progress.current_seq == 3
