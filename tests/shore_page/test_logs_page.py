@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from finger import press
-from page_rig import ShoreBoat, Visit, axe_faults, boat_at_sea, button, needs_chromium, skipper
+from page_rig import ShoreBoat, Visit, axe_faults, boat_at_sea, button, needs_chromium, skipper, unlock
 from playwright.sync_api import Page, expect
 from pymavlink import DFReader
 
@@ -102,3 +102,31 @@ def test_a_voyage_is_as_long_as_pymavlink_says_and_a_moment_is_shown_everywhere(
     assert axe_faults(page) == []
     overflow = "document.getElementById('logs').scrollWidth - document.getElementById('logs').clientWidth"
     assert page.evaluate(overflow) == 0
+
+
+def test_a_log_is_charted_by_the_skipper_only_and_a_refusal_is_a_sentence(
+    visit: Visit, shore: ShoreBoat
+) -> None:
+    page = visit("phone")
+    open_logs(page)
+    chart = button(page, f"Chart the depths of {NAME}")
+    expect(chart).to_be_disabled()
+    unlock(page, shore.pin)
+    press(page, chart)
+    expect(page.get_by_role("status").filter(has_text="no soundings (DPTH)")).to_be_visible()
+    figures = {
+        "max_depth_m": 3.2,
+        "mean_depth_m": None,
+        "band_median_m": 0.07,
+        "volume_m3": 1e4,
+        "coverage": 0.5,
+    }
+    page.route("**/chart", lambda route: route.fulfill(json=figures))
+    press(page, chart)
+    shown = page.get_by_role("article", name=f"Depths by {NAME}")
+    expect(shown.locator("dd")).to_have_text(["3.20 m", "–", "± 0.07 m", "10,000 m³", "50 %"])
+    files = shown.get_by_role("navigation").get_by_role("link")
+    expect(files).to_have_text(["depth.tif", "chart.gpkg", "gaps.geojson", "lake.geojson"])
+    expect(files.first).to_have_attribute("href", f"/api/boats/1/logs/{NAME}/chart/depth.tif")
+    press(page, button(page, "Back to the list"))
+    expect(chart).to_be_focused()

@@ -1,6 +1,7 @@
 """The planner's process: limits, one at a time, and its end."""
 
 import asyncio
+import json
 import os
 import sys
 from collections.abc import Callable
@@ -196,3 +197,19 @@ def test_a_planner_without_its_packages_says_what_installs_them(planner_is: Stan
         asyncio.run(Planner().run(["lake"], folder_in(tmp_path)))
     assert "needs the extra 'planner'" in str(refused.value)
     assert "pip install '.[planner]'" in str(refused.value)
+
+
+def test_a_chart_has_limits_of_its_own_and_names_its_own_extra(planner_is: StandIn, tmp_path: Path) -> None:
+    folder = folder_in(tmp_path)
+    planner_is(
+        "import json, resource as r, sys\n"
+        "limits = [r.getrlimit(one)[0] for one in (r.RLIMIT_AS, r.RLIMIT_FSIZE, r.RLIMIT_CPU)]\n"
+        "json.dump([sys.argv, limits], open('told', 'w'))\n"
+        "print('boat-survey: needs the extra \\'survey\\'', file=sys.stderr)\n"
+        "sys.exit(2)"
+    )
+    with pytest.raises(PlannerMissingError, match=r"^boat-survey needs the extra 'survey'$"):
+        asyncio.run(Planner().chart("1.bin", "pond.geojson", folder))
+    words, limits = json.loads((folder / "told").read_text("utf-8"))
+    assert words[1:] == ["chart", "1.bin", "--map", "pond.geojson", "--out", "chart"]
+    assert limits == [2_000_000_000, 200_000_000, 300]
