@@ -1,6 +1,5 @@
 """`boat-sitl fit`: the emulator of an owner's boat, from the logs of its voyages."""
 
-import json
 import math
 from pathlib import Path
 from typing import Annotated
@@ -11,40 +10,33 @@ from rich.table import Table
 
 from companion.cli.command_line import Argument, Option, echo
 from companion.cli.output_file import write_text
-from companion.core.errors import ConfigError, UsageError
+from companion.core.errors import UsageError
 from mission_tools.cli.arguments import position
 from mission_tools.mission.plan_file import save_mission
 from sitl.scenarios.scenario import load_scenario
 from sitl.twin.boat_file import boat_text, fitted_entries, own_settings, scaled_base
-from sitl.twin.fit import Fit, fit_boat
+from sitl.twin.fit import fit_boat
 from sitl.twin.manoeuvres import trial_mission
 from sitl.twin.model import KEYS
 from sitl.twin.response import stated_figures
 from sitl.twin.voyage import read_voyage
 
+OUT = Path("out/my_boat.toml")
 _FITTED_SHARE = 0.85  # of the first voyage; the rest checks it
 
 
 def fit(
     log: Annotated[Path | None, Argument(metavar="LOG", help="a voyage's log, as 00012.bin")] = None,
-    also: Annotated[
-        list[Path] | None, Option(metavar="LOG", help="another voyage's; can be repeated")
-    ] = None,
+    also: Annotated[list[Path] | None, Option(metavar="LOG", help="a further one; can be repeated")] = None,
     base: Annotated[
-        str,
-        Option(metavar="BOAT", help="the boat to begin with: lake, kit, catamaran, pool, or a .toml file"),
+        str, Option(metavar="BOAT", help="to begin with: lake, kit, catamaran, pool, or a .toml file")
     ] = "lake",
     mass: Annotated[float | None, Option(metavar="KG", least=0.01, help="afloat [the base boat's]")] = None,
-    apart: Annotated[
-        float | None, Option(metavar="M", least=0.01, help="shaft to shaft [the base boat's]")
-    ] = None,
-    out: Annotated[Path, Option("--out", "-o", metavar="FILE.toml", help="the boat")] = Path(
-        "out/my_boat.toml"
-    ),
+    apart: Annotated[float | None, Option(metavar="M", least=0.01, help="shafts [the base boat's]")] = None,
+    out: Annotated[Path, Option("--out", "-o", metavar="FILE.toml", help="the boat")] = OUT,
     png: Annotated[Path | None, Option(metavar="FILE", help="draw measured against simulated")] = None,
-    as_json_text: Annotated[bool, Option("--json", help="figures as JSON on stdout")] = False,
     voyage: Annotated[
-        Path | None, Option(metavar="FILE.plan", help="write the voyage to sail instead, and end")
+        Path | None, Option(metavar="FILE.plan", help="write the voyage to sail, and end")
     ] = None,
     start: Annotated[str | None, Option(metavar="LAT,LON", help="where that voyage begins")] = None,
     heading: Annotated[float, Option(metavar="DEG", help="of its straight legs")] = 0.0,
@@ -70,48 +62,26 @@ def fit(
         return
     if log is None:
         raise UsageError("LOG is missing: expected the log of a voyage, or --voyage FILE.plan")
-    base_boat = scaled_base(scenario, mass, apart)
-    voyages = [read_voyage(one, scenario.battery.resistance_ohm) for one in (log, *(also or ()))]
+    logs, base_boat = [log, *(also or ())], scaled_base(scenario, mass, apart)
+    voyages = [read_voyage(one, scenario.battery.resistance_ohm) for one in logs]
     fitted_s = _FITTED_SHARE * voyages[0].duration_s
     found = fit_boat(base_boat, [voyages[0].part(0.0, fitted_s), *voyages[1:]])
     entries = {**fitted_entries(found), **own_settings(scenario, voyages[0].parameters)}
     figures = stated_figures(found)
-    head = [
-        f"# Fitted by boat-sitl fit to {', '.join(one.name for one in (log, *(also or ())))}, over {base}."
-    ]
+    head = [f"# Fitted by boat-sitl fit to {', '.join(one.name for one in logs)}, over {base}."]
     head += [f"# {name}: {value:.3g}, one deviation {deviation:.2g}" for name, value, deviation in figures]
-    if scenario.boat_file is None:
-        raise ConfigError(f"--base {base}: a boat's file is expected")
-    write_text(out, boat_text(scenario.boat_file.read_text(encoding="utf-8"), "\n".join(head), entries))
+    write_text(out, boat_text(base_boat.boat_file.read_text(encoding="utf-8"), "\n".join(head), entries))
     load_scenario("open", [f"boat.model={out.resolve()}"])
     if png is not None:
         # matplotlib takes a second to import
         from sitl.twin.picture import draw_fit  # noqa: PLC0415
 
         draw_fit(found, voyages[0].part(fitted_s, voyages[0].duration_s), png)
-    if as_json_text:
-        names = ("name", "value", "deviation")
-        parameters = [
-            {"key": key, "factor": math.exp(value), "deviation": deviation, "told": bool(told)}
-            for key, value, deviation, told in _rows(found)
-        ]
-        told = {"figures": [dict(zip(names, one, strict=True)) for one in figures], "parameters": parameters}
-        echo(json.dumps({**told, "file": str(out)}, indent=2))
-        return
-    _print(found, figures, out)
-
-
-def _rows(found: Fit) -> list[tuple[str, float, float, bool]]:
-    deviations = np.sqrt(np.diag(found.covariance))
-    return list(zip(found.keys, found.logs.tolist(), deviations.tolist(), found.told.tolist(), strict=True))
-
-
-def _print(found: Fit, figures: list[tuple[str, float, float]], out: Path) -> None:
     console = Console(highlight=False, soft_wrap=True)
     table = Table("", "of the base boat's", "deviation", "cannot be told: sail", box=None)
-    for key, value, deviation, told in _rows(found):
-        by = "" if told else KEYS[key].told_by
-        table.add_row(key, f"{math.exp(value):.3f}", f"{deviation:.1%}", by)
+    deviations = np.sqrt(np.diag(found.covariance))
+    for key, value, deviation, told in zip(found.keys, found.logs, deviations, found.told, strict=True):
+        table.add_row(key, f"{math.exp(value):.3f}", f"{deviation:.1%}", "" if told else KEYS[key].told_by)
     for name, value, deviation in figures:
         table.add_row(name, f"{value:.3g}", f"{deviation / value:.1%}", "")
     console.print(table)

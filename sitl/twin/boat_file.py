@@ -4,15 +4,13 @@ import json
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import replace
 from operator import attrgetter
 from typing import Final
-
-from msgspec.structs import replace as with_fields
 
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
 from companion.core.storage import MemoryStorage
+from sitl.scenarios.scenario import load_scenario
 from sitl.twin.fit import Fit
 from sitl.twin.model import KEYS, RIGHT
 from sitl.world.scenario import Scenario
@@ -23,6 +21,7 @@ _FORCES: Final = (
     "mass_kg", "inertia_kg_m2", "surge_added_kg", "sway_added_kg", "yaw_added_kg_m2", "surge_linear",
     "surge_quadratic", "sway_linear", "sway_quadratic", "yaw_linear", "yaw_quadratic", "skeg_lift_kg_m",
 )  # fmt: skip
+_THRUST: Final = "thrusters.propeller.thrust_coefficient"
 _POWER: Final = {  # exponents by which torque and current grow while the boat moves alike
     "thrusters.propeller.torque_coefficient": 1, "thrusters.motor.inertia_kg_m2": 1,
     "thrusters.motor.no_load_a": 1, "thrusters.motor.resistance_ohm": -1,
@@ -35,18 +34,11 @@ def scaled_base(base: Scenario, mass_kg: float | None, apart_m: float | None) ->
     with the mass: a voyage tells only their ratios.
     """
     ratio = 1.0 if mass_kg is None else mass_kg / base.hull.mass_kg
-    drive, motor, screw = base.thrusters, base.thrusters.motor, base.thrusters.propeller
-    hull = with_fields(base.hull, **{name: ratio * getattr(base.hull, name) for name in _FORCES})
-    motor = with_fields(
-        motor, inertia_kg_m2=ratio * motor.inertia_kg_m2, no_load_a=ratio * motor.no_load_a,
-        resistance_ohm=motor.resistance_ohm / ratio,
-    )  # fmt: skip
-    thrust, torque = ratio * screw.thrust_coefficient, ratio * screw.torque_coefficient
-    screw = with_fields(screw, thrust_coefficient=thrust, torque_coefficient=torque)
-    apart_m = drive.apart_m if apart_m is None else apart_m
-    return replace(
-        base, hull=hull, thrusters=with_fields(drive, motor=motor, propeller=screw, apart_m=apart_m)
-    )
+    powers = {**{f"hull.{name}": 1 for name in _FORCES}, _THRUST: 1, **_POWER}
+    settings = {key: ratio**power * float(attrgetter(key)(base)) for key, power in powers.items()}
+    settings["thrusters.apart_m"] = base.thrusters.apart_m if apart_m is None else apart_m
+    over = [f"{key}={value}" for key, value in settings.items()]
+    return load_scenario("open", [f"boat.model={base.boat_file}", *over])
 
 
 def fitted_entries(fit: Fit) -> Entries:
@@ -57,44 +49,34 @@ def fitted_entries(fit: Fit) -> Entries:
             entries[f"hull.{name}"] = (value, "the base boat's, in proportion to the mass")
     entries["hull.mass_kg"] = (base.hull.mass_kg, "--mass, or the base boat's: not told by a voyage")
     entries["thrusters.apart_m"] = (base.thrusters.apart_m, "--apart, or the base boat's: shaft to shaft")
-    screw = base.thrusters.propeller
-    entries["thrusters.propeller.thrust_coefficient"] = (screw.thrust_coefficient, "")
+    entries |= {key: (attrgetter(key)(base), "the base boat's") for key in _POWER}
     for n, key in enumerate(fit.keys):
         what, share = KEYS[key], math.sqrt(fit.covariance[n, n])
-        value = attrgetter(key)(base) * math.exp(fit.logs[n])
         text = f"{what.meaning}: one deviation {100.0 * share:.1f} %"
         if not fit.told[n]:
             text = f"{what.meaning}: base boat's, cannot be told from this voyage; tell it by {what.told_by}"
-        entries[key] = (value, text)
+        entries[key] = (attrgetter(key)(base) * math.exp(fit.logs[n]), text)
         if key == "thrusters.left_gain":
             entries[RIGHT] = (base.thrusters.right_gain * math.exp(-fit.logs[n]), KEYS[RIGHT].meaning)
     ohm = float(fit.trips[0].voyage.pack_ohm)
     if ohm > 0.0:
         entries["battery.resistance_ohm"] = (ohm, "cells and leads, from the voltage under load")
-    values = {key: float(str(entries[key][0])) if key in entries else attrgetter(key)(base) for key in _POWER}
-    factor = _least_power(fit, entries, values["thrusters.propeller.torque_coefficient"])
+    factor = _least_power(entries)
     if factor > 1.0:
         for key, exponent in _POWER.items():
             text = f"raised by {factor:.2f} to cover the thrust's power: motors draw less than the file says"
-            entries[key] = (values[key] * factor**exponent, text)
+            entries[key] = (float(str(entries[key][0])) * factor**exponent, text)
     return entries
 
 
-def _least_power(fit: Fit, entries: Entries, torque: float) -> float:
-    """The factor on the torque with which the propeller gives no more power than it takes. With a mass that
-    is wrong, or without a current in the log, the fitted thrust may ask for more.
+def _least_power(entries: Entries) -> float:
+    """The factor on the torque with which the propeller gives no more power than it takes, as
+    `PropellerSettings` asks. With a wrong mass, or without a current in the log, the thrust may ask for more.
     """
-    names = ("thrust_coefficient", "zero_thrust_advance", "zero_torque_advance")
-    changed = {name: entries[f"thrusters.propeller.{name}"][0] for name in names}
-    factor = 1.0
-    while factor < 10.0:
-        try:
-            with_fields(fit.base.thrusters.propeller, torque_coefficient=factor * torque, **changed)
-        except ValueError:
-            factor *= 1.02
-        else:
-            break
-    return factor
+    names = ("torque_coefficient", "zero_torque_advance", "thrust_coefficient", "zero_thrust_advance")
+    q, q_end, t, t_end = (float(str(entries[f"thrusters.propeller.{name}"][0])) for name in names)
+    a, b = 2.0 * math.pi * q / q_end, 4.0 * math.pi * q * t * (2.0 / t_end - 1.0 / q_end)
+    return 1.001 * (b - math.sqrt(max(b * b - 4.0 * a * a * t * t, 0.0))) / (2.0 * a * a)
 
 
 def own_settings(base: Scenario, parameters: Mapping[str, float]) -> Entries:
@@ -110,32 +92,21 @@ def own_settings(base: Scenario, parameters: Mapping[str, float]) -> Entries:
 
 
 def boat_text(base_text: str, head: str, entries: Entries) -> str:
-    """The base boat's file with other values. head: comments in place of those it begins with."""
-    left, lines, table = dict(entries), head.splitlines(), ""
+    """The base boat's file with other values. head: comments in place of those before the first table."""
+    left, parts = dict(entries), [head]
 
-    def add_missing() -> None:
-        for key in [key for key in left if table and key.rpartition(".")[0] == table]:
-            lines.append(_line(key, *left.pop(key)))
+    def missing(table: str) -> list[str]:
+        return [_line(key, *left.pop(key)) for key in list(left) if key.rpartition(".")[0] == table]
 
-    body = base_text.splitlines()
-    while body and body[0].startswith("#"):
-        body.pop(0)
-    for line in body:
-        found = re.match(r"\[([\w.]+)\]", line)
-        if found:
-            end = len(lines)
-            while lines and not lines[-1]:
-                lines.pop()
-            add_missing()
-            lines += [""] * (end - len(lines)) or [""]
-            table = found[1]
-        key = f"{table}.{line.partition('=')[0].strip()}"
-        lines.append(_line(key, *left.pop(key)) if key in left else line)
-    add_missing()
+    for part in re.split(r"^(?=\[)", base_text, flags=re.MULTILINE)[1:]:
+        table, lines = part[1 : part.index("]")], []
+        for line in part.rstrip().splitlines():
+            key = f"{table}.{line.partition('=')[0].strip()}"
+            lines.append(_line(key, *left.pop(key)) if key in left else line)
+        parts.append("\n".join([*lines, *missing(table)]))
     for table in dict.fromkeys(key.rpartition(".")[0] for key in left):
-        lines += ["", f"[{table}]"]
-        add_missing()
-    return "\n".join(lines) + "\n"
+        parts.append("\n".join([f"[{table}]", *missing(table)]))
+    return "\n\n".join(parts) + "\n"
 
 
 def _line(key: str, value: object, comment: str) -> str:

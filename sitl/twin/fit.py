@@ -85,9 +85,8 @@ def following(fit: Fit, voyage: Voyage, stretch_s: float = STRETCH_S) -> tuple[T
     nuisance[: len(NUISANCE)] = known[: len(NUISANCE)]
     flow = [one[-1] for one in first.flow_m_s(known)]
     nuisance[len(NUISANCE) :].reshape(2, -1)[:, 0] = np.divide(flow, CURRENT_M_S)
-    heading_rad, winds = trip.inputs.heading_rad, NUISANCE[0] * known[:2].reshape(2, 1, 1)
-    assert heading_rad is not None  # noqa: S101
-    surge_m_s = trip.surge_m_s - flow[0] * np.cos(heading_rad[0]) - flow[1] * np.sin(heading_rad[0])
+    facing, winds = trip.inputs.heading_rad[0], NUISANCE[0] * known[:2].reshape(2, 1, 1)
+    surge_m_s = trip.surge_m_s - flow[0] * np.cos(facing) - flow[1] * np.sin(facing)
     run = simulate(fit.base, factors_of(fit.keys, fit.logs[None]), trip.inputs, surge_m_s, *winds)
     return trip, run[:, :, 0], nuisance
 
@@ -118,11 +117,8 @@ class _Problem:
         """Residuals of all channels of all trips, one after the other, and their derivatives."""
         if self._known is None or not np.array_equal(x, self._known[0]):
             pairs = [self._of_trip(x, *one) for one in zip(self.trips, self.parts, strict=True)]
-            self._known = (
-                x.copy(),
-                [*chain(*(one for one, _ in pairs))],
-                [*chain(*(one for _, one in pairs))],
-            )
+            rows, slopes = ([*chain(*one)] for one in zip(*pairs, strict=True))
+            self._known = x.copy(), rows, slopes
         return self._known[1:]
 
     def _of_trip(self, x: Floats, trip: Trip, part: tuple[slice, slice]) -> tuple[list[Floats], list[Floats]]:
@@ -156,23 +152,16 @@ class _Problem:
         for trip, (own, begun) in zip(self.trips, self.parts, strict=True):
             winds = np.vstack([x[own][:2], np.column_stack([around.real, around.imag])])
             run = self._run(trip, np.tile(x[:count], (len(winds), 1)), winds, x[begun])
-            costs = [
-                sum(
-                    np.log1p(((one - other) / noise) ** 2).sum()
-                    for one, other, noise in zip(
-                        trip.predicted(output, x[own]), trip.measured, self.noise, strict=True
-                    )
-                )
-                for output in run.transpose(2, 0, 1, 3)
-            ]
-            x[own.start : own.start + 2] = winds[int(np.argmin(costs))]
+            costs = np.zeros(len(winds))
+            for n, output in enumerate(run.transpose(2, 0, 1, 3)):
+                found = zip(trip.predicted(output, x[own]), trip.measured, self.noise, strict=True)
+                costs[n] = sum(np.log1p(((one - other) / noise) ** 2).sum() for one, other, noise in found)
+            x[own.start : own.start + 2] = winds[costs.argmin()]
 
     def whitened(self, rows: Sequence[Floats]) -> list[Floats]:
         """Rows of the channels in deviations of white noise."""
-        out = []
-        for n, (one, stretch) in enumerate(
-            zip(rows, chain(*(trip.stretch for trip in self.trips)), strict=True)
-        ):
+        out, stretches = [], chain(*(trip.stretch for trip in self.trips))
+        for n, (one, stretch) in enumerate(zip(rows, stretches, strict=True)):
             keep = self.correlation[n % len(CHANNELS)]
             white, later = one * math.sqrt(1.0 - keep * keep), np.flatnonzero(np.diff(stretch) == 0) + 1
             white[later] = one[later] - keep * one[later - 1]

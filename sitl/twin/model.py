@@ -1,8 +1,8 @@
 """The emulator's hull, windage and drive for many boats at once: the arithmetic of `sitl.world.hull`,
 `windage`, `drive.thruster` and `pack` on arrays, step for step the same.
 
-Axes: boats that differ in their parameters, then stretches of voyages. The heading is an input where it was
-measured, so that no error of it grows; the current carries boat and frame alike and is added by the caller.
+Axes: boats that differ in their parameters, then stretches of voyages. The heading is an input, so that no
+error of it grows; the current carries boat and frame alike and is added by the caller.
 """
 
 from collections.abc import Callable, Mapping
@@ -50,17 +50,11 @@ KEYS: Final[Mapping[str, Manoeuvre]] = {
     "hull.windage.turning": Manoeuvre("the wind's moment", _WINDY),
     "thrusters.propeller.thrust_coefficient": Manoeuvre("thrust, for the mass stated", _STRAIGHTS),
     "thrusters.propeller.zero_thrust_advance": Manoeuvre("loss of thrust with speed", _STRAIGHTS),
-    "thrusters.propeller.torque_coefficient": Manoeuvre(
-        "torque: how thrust grows with the command", _STRAIGHTS
-    ),
+    "thrusters.propeller.torque_coefficient": Manoeuvre("thrust's growth with the command", _STRAIGHTS),
     "thrusters.propeller.zero_torque_advance": Manoeuvre("loss of torque with speed", _STRAIGHTS),
-    "thrusters.propeller.astern_share": Manoeuvre(
-        "thrust astern, of that ahead", "stops from speed, full astern"
-    ),
+    "thrusters.propeller.astern_share": Manoeuvre("thrust astern, of that ahead", "full astern from speed"),
     "thrusters.motor.inertia_kg_m2": Manoeuvre("the motors' lag", _ZIGZAG),
-    "thrusters.motor.resistance_ohm": Manoeuvre(
-        "winding: the current drawn", "a battery monitor with a current"
-    ),
+    "thrusters.motor.resistance_ohm": Manoeuvre("winding: current drawn", "a monitor of the current"),
     "thrusters.motor.no_load_a": Manoeuvre("friction: the dead band", _SPOT),
     "thrusters.esc.dead_band": Manoeuvre("dead band of the controllers", _SPOT),
     LEFT: Manoeuvre("what the left motor makes of a command", "straight legs"),
@@ -72,16 +66,16 @@ KEYS: Final[Mapping[str, Manoeuvre]] = {
 @dataclass(frozen=True, slots=True)
 class Stretches:
     """Inputs per step and stretch, shape (steps, stretches): commands, open-circuit voltage (V), heading
-    (rad; None: computed by the model, from 0). pack_ohm by stretch. With a measured turn rate (rad/s) the
-    hull turns at it, as long as it goes, and the model's is that of an observer with the time constant
-    OBSERVED_S: so a hull that does not keep its course by itself can be simulated, too.
+    (rad). pack_ohm by stretch. With a measured turn rate (rad/s) the hull turns at it, and the model's is
+    that of an observer with the time constant OBSERVED_S: so a hull that does not keep its course by itself
+    can be simulated, too.
     """
 
     step_s: float
     left: Floats
     right: Floats
     open_v: Floats
-    heading_rad: Floats | None
+    heading_rad: Floats
     pack_ohm: Floats
     rate_rad_s: Floats | None = None
 
@@ -109,13 +103,11 @@ class _Drive:
         leads_ohm = bridge.resistance_ohm if esc is None else esc.resistance_ohm
         self._conductance = 1.0 / (value("thrusters.motor.resistance_ohm") + leads_ohm)
         self._drop_v, self._brakes = (bridge.drop_v, bridge.brake) if esc is None else (0.0, True)
-        self._dead = None if esc is None else value("thrusters.esc.dead_band")
+        dead = 0.0 if esc is None else value("thrusters.esc.dead_band")
         gains = np.stack(np.broadcast_arrays(value(LEFT), value(RIGHT))).reshape(2, -1, 1)
         commands = np.stack([inputs.left, inputs.right], axis=1)[:, :, None] * gains
-        if self._dead is not None:
-            beyond = np.maximum(np.abs(commands) - self._dead, 0.0) / (1.0 - self._dead)
-            commands = np.sign(commands) * beyond
-        self._side, self._share = np.where(commands < 0.0, -1.0, 1.0), np.abs(commands)
+        self._share = np.maximum(np.abs(commands) - dead, 0.0) / (1.0 - dead)
+        self._side, self._closed = np.where(commands < 0.0, -1.0, 1.0), (self._share > 0.0) | (dead == 0.0)
         self._speed, self.drawn_a = np.zeros((2, *shape)), np.zeros(shape)
         self._volts = self._supply = np.broadcast_to(inputs.open_v[0] - inputs.pack_ohm * self._idle_a, shape)
 
@@ -127,8 +119,7 @@ class _Drive:
         if self._brakes:
             over = share * self._supply - emf * speed
             over = np.sign(over) * np.maximum(np.abs(over) - self._drop_v, 0.0)
-            leads = self._conductance * (over != 0.0)
-            leads = leads if self._dead is None else leads * (share > 0.0)
+            leads = self._conductance * ((over != 0.0) & self._closed[step])
         else:
             over = np.maximum(self._supply - self._drop_v - emf * speed, 0.0)
             leads = self._conductance * share * (over > 0.0)
@@ -162,7 +153,7 @@ class _Hull:
         self._air_x = rho * value("hull.windage.frontal_drag") * air.frontal_area_m2
         self._air_y = rho * value("hull.windage.lateral_drag") * air.lateral_area_m2
         self._air_n = 2.0 * rho * value("hull.windage.turning") * air.lateral_area_m2 * hull.length_m
-        self.u, self.v, self.r, self.psi = (np.zeros(shape) for _ in range(4))
+        self.u, self.v, self.r = (np.zeros(shape) for _ in range(3))
         self._bends: tuple[Floats, ...] = ()
 
     def wind(self, north: Floats, east: Floats, heading_rad: Floats) -> tuple[Floats, Floats, Floats]:
@@ -194,7 +185,6 @@ class _Hull:
         self.u = u + dt * (du + surge_n / m11)
         self.v = v + dt * (dv + sway_n / m22)
         self.r = r + dt * (dr + yaw_nm / self._m33)
-        self.psi = self.psi + 0.5 * dt * (r + self.r)
 
 
 def simulate(
@@ -205,8 +195,8 @@ def simulate(
     wind_north_m_s: Floats,
     wind_east_m_s: Floats,
 ) -> Floats:
-    """Surge and sway (m/s, through the water), turn rate (rad/s), the motors' current (A) and heading (rad),
-    every STORED_S from the beginning, shape (times, 5, boats, stretches).
+    """Surge and sway (m/s, through the water), turn rate (rad/s) and the motors' current (A), every STORED_S
+    from the beginning, shape (times, 4, boats, stretches).
 
     factors: on the base boat's values, by key, shape (boats, 1). surge_m_s: at the beginning; wind: relative
     to the water. Both are broadcast to (boats, stretches).
@@ -221,15 +211,14 @@ def simulate(
     hull.u = np.broadcast_to(surge_m_s, shape).copy()
     every, steps, measured = round(STORED_S / inputs.step_s), len(inputs.left), inputs.rate_rad_s
     seen = hull.r = hull.r if measured is None else np.broadcast_to(measured[0], shape)
-    out = np.empty((-(-steps // every), 5, *shape))
+    out = np.empty((-(-steps // every), 4, *shape))
     for step in range(steps):
         if step % every == 0:
-            out[step // every] = hull.u, hull.v, seen, drive.drawn_a, hull.psi
+            out[step // every] = hull.u, hull.v, seen, drive.drawn_a
         surge_n, yaw_nm = drive.step(step, hull.u, hull.r)
-        heading_rad = hull.psi if inputs.heading_rad is None else inputs.heading_rad[step]
-        ahead_n, sway_n, turning_nm = hull.wind(wind_north_m_s, wind_east_m_s, heading_rad)
+        ahead_n, sway_n, turning_nm = hull.wind(wind_north_m_s, wind_east_m_s, inputs.heading_rad[step])
         hull.step(surge_n + ahead_n, sway_n, yaw_nm + turning_nm, inputs.step_s)
-        if measured is None or step >= len(measured):
+        if measured is None:
             seen = hull.r
         else:
             seen = seen + hull.r - measured[step] + inputs.step_s / OBSERVED_S * (measured[step] - seen)

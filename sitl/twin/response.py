@@ -30,12 +30,11 @@ def response(base: Scenario, factors: Mapping[str, Floats], pack_ohm: float) -> 
     factors = {**factors, LEFT: equal / drive.left_gain, RIGHT: equal / drive.right_gain}
     steps, volts = round(_RUN_S / _STEP_S), base.battery.cells * CELL_V[len(CELL_V) // 2]
     ahead, none, open_v = np.tile([1.0, 0.5], (steps, 1)), np.zeros((steps, 2)), np.full((steps, 2), volts)
-    inputs = Stretches(_STEP_S, ahead, ahead, open_v, None, np.full(2, pack_ohm), none)
+    inputs = Stretches(_STEP_S, ahead, ahead, open_v, none, np.full(2, pack_ohm), none)
     speed = simulate(base, factors, inputs, still, still, still)[:, 0]
-    inputs = Stretches(_STEP_S, ahead[:, :1], none[:, :1], open_v[:, :1], None, np.full(1, pack_ohm))
-    rate = simulate(base, factors, inputs, speed[-1, :, 1:], still, still)[
-        : round(_TURN_S / STORED_S), 2, :, 0
-    ]
+    full, none, open_v = (one[: round(_TURN_S / _STEP_S), :1] for one in (ahead, none, open_v))
+    inputs = Stretches(_STEP_S, full, none, open_v, none, np.full(1, pack_ohm))
+    rate = simulate(base, factors, inputs, speed[-1, :, 1:], still, still)[:, 2, :, 0]
     return np.stack([speed[-1, :, 0], np.degrees(rate[-1]), _rise_s(speed[..., 1]), _rise_s(rate)])
 
 

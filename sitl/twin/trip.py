@@ -76,7 +76,7 @@ class Trip:
         return self._flow @ north, self._flow @ east
 
     def predicted(self, run: Floats, nuisance: Floats) -> tuple[Floats, ...]:
-        """What would have been measured, by channel. run: the model's output, shape (times, 5, stretches)."""
+        """What would have been measured, by channel. run: the model's output, shape (times, 4, stretches)."""
         late_s, off_rad, idle_a = nuisance[2:5] * NUISANCE[2:]
         cos, sin = self._facing(late_s, off_rad)
         flow_n, flow_e = self.flow_m_s(nuisance)

@@ -15,7 +15,7 @@ import math
 from collections import defaultdict
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +44,7 @@ _TILT_SD: Final = 0.1  # rad per m/s²: half of the sideways acceleration taken 
 _COMPASS_RAD: Final = 0.02  # what is left of its error, which changes
 _COMPASS_S: Final = 5.0  # within this time
 _FAST_HZ: Final = 25.0  # a log of every tick, or nearly so
+_STEPPED: Final = ("left", "right", "open_v", "heading_rad", "rate_rad_s")
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,19 +70,13 @@ class Voyage:
 
     def part(self, from_s: float, to_s: float) -> "Voyage":
         """The voyage between two times since its start."""
-        first, last = (max(0, round(one / self.step_s)) for one in (from_s, to_s))
-        low_s, high_s = self.start_s + from_s, self.start_s + to_s
-        return replace(
-            self,
-            start_s=self.start_s + first * self.step_s,
-            left=self.left[first:last],
-            right=self.right[first:last],
-            open_v=self.open_v[first:last],
-            heading_rad=self.heading_rad[first:last],
-            rate_rad_s=self.rate_rad_s[first:last],
-            fixes=self.fixes[(self.fixes[:, 0] >= low_s) & (self.fixes[:, 0] < high_s)],
-            pack=self.pack[(self.pack[:, 0] >= low_s) & (self.pack[:, 0] < high_s)],
-        )
+        first, last = (round(one / self.step_s) for one in (from_s, to_s))
+        changed: dict[str, Any] = {name: getattr(self, name)[first:last] for name in _STEPPED}
+        for name in ("fixes", "pack"):
+            rows = getattr(self, name)
+            low, high = np.searchsorted(rows[:, 0], [self.start_s + from_s, self.start_s + to_s])
+            changed[name] = rows[low:high]
+        return replace(self, start_s=self.start_s + first * self.step_s, **changed)
 
     @property
     def duration_s(self) -> float:
@@ -171,33 +166,19 @@ def _heading(rows: Floats, fixes: Floats, times_s: Floats) -> tuple[Floats, Floa
     turned: Floats = cumulative_trapezoid(rate, at_s, initial=0.0)
     compass = turned + np.unwrap(np.radians(rows[:, 1]) - turned)  # whole turns are counted by the gyro
     spline, sideways = hats(at_s, _KNOT_S), np.interp(at_s, fixes[:, 0], fixes[:, 3]) * rate
-    waves = np.column_stack(
-        [
-            np.sin(compass),
-            np.cos(compass),
-            np.sin(2.0 * compass),
-            np.cos(2.0 * compass),
-            sideways * np.cos(compass),
-        ]
-    )
-    design = np.column_stack([turned, spline, waves])
+    waves = [wave(turns * compass) for turns in (1.0, 2.0) for wave in (np.sin, np.cos)]
+    design = np.column_stack([turned, spline, *waves, sideways * np.cos(compass)])
     sd = np.array([_SCALE_SD, *[10.0] * spline.shape[1], *[_DEVIATION_SD] * 4, _TILT_SD])
-    prior, noise = (
-        np.eye(1, len(sd))[0],
-        _COMPASS_RAD * math.sqrt(_COMPASS_S * len(at_s) / (at_s[-1] - at_s[0])),
+    noise = _COMPASS_RAD * math.sqrt(_COMPASS_S * len(at_s) / (at_s[-1] - at_s[0]))
+    rows = np.vstack([design / noise, np.diag(1.0 / sd)])
+    wanted = np.concatenate([compass / noise, np.eye(1, len(sd))[0] / sd])
+    found = np.linalg.lstsq(rows, wanted, rcond=None)[0]
+    kept = 1 + spline.shape[1]
+    known = design[:, :kept] @ found[:kept]
+    before, heading, after = (
+        np.interp(times_s + late_s, at_s, known) for late_s in (-0.5 * STORED_S, 0.0, 0.5 * STORED_S)
     )
-    found = np.linalg.lstsq(
-        np.vstack([design / noise, np.diag(1.0 / sd)]),
-        np.concatenate([compass / noise, prior / sd]),
-        rcond=None,
-    )[0]
-    known = design[:, : -waves.shape[1]] @ found[: -waves.shape[1]]
-    heading: Floats = np.interp(times_s, at_s, known)
-    half_s = 0.5 * STORED_S
-    rates: Floats = (
-        np.interp(times_s + half_s, at_s, known) - np.interp(times_s - half_s, at_s, known)
-    ) / STORED_S
-    return heading, rates
+    return heading, (after - before) / STORED_S
 
 
 def _open_circuit(pack: Floats, times_s: Floats, pack_ohm: float) -> tuple[Floats, float]:

@@ -40,7 +40,7 @@ class Scenario:
     link: LinkSettings
     movers: tuple[MoverSettings, ...]
     faults: tuple[FaultSetting, ...]
-    boat_file: Path | None = None
+    boat_file: Path
 
     @property
     def frame(self) -> LocalFrame:

@@ -9,7 +9,7 @@ from sitl.world.scenario import Scenario
 from sitl.world.windage import Windage
 
 OPEN_V, PACK_OHM = 12.2, 0.05
-STEPS_PER_FIX = {0.02: 10, 0.05: 4}
+FIX_S = 0.2
 
 
 def run_world(
@@ -37,7 +37,7 @@ def measured_voyage(boat: Scenario, commands: Floats, step_s: float, seed: int) 
     """The same as measured: a receiver of 0.05 m/s, a gyro of 0.1°/s, 0.3 m/s of current north-east."""
     rows, noise = run_world(boat, commands, step_s), np.random.default_rng(seed).normal
     surge, sway, rate, amps, heading = rows.T
-    every = STEPS_PER_FIX[step_s]
+    every = round(FIX_S / step_s)
     times_s = 5.0 + step_s * np.arange(len(rows))
     north, east = (
         surge * np.cos(heading) - sway * np.sin(heading),

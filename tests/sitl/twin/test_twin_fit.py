@@ -1,10 +1,12 @@
 import math
 import tomllib
+from dataclasses import replace
 from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace as with_fields
 from numpy.typing import NDArray
 from twin_rig import PACK_OHM, measured_voyage
 
@@ -14,7 +16,7 @@ from sitl.twin.boat_file import boat_text, fitted_entries, own_settings, scaled_
 from sitl.twin.fit import Fit, factors_of, fit_boat
 from sitl.twin.response import FIGURES, response
 
-STEP_S = 0.05
+STEP_S = 0.1
 OTHER = (
     "hull.surge_quadratic=0.8", "hull.inertia_kg_m2=1.0", "hull.yaw_linear=0.26", "hull.skeg_lift_kg_m=11",
     "thrusters.propeller.thrust_coefficient=0.25", "thrusters.propeller.astern_share=0.7",
@@ -32,7 +34,6 @@ ZIGZAG = held(
     *[(2.5, 0.9, 0.2), (2.5, 0.2, 0.9), (3.0, 0.6, -0.5), (3.0, -0.5, 0.6)] * 5,
     *[(5.0, 0.2, 0.25), (8.0, 0.7, 0.5), (12.0, 0.3, 0.3)],
 )
-STRAIGHT = held((12.0, 0.5, 0.5), (10.0, 1.0, 1.0), (10.0, 0.0, 0.0), (8.0, -0.5, -0.5), (30.0, 0.7, 0.7))
 
 
 @pytest.fixture(scope="module")
@@ -40,14 +41,6 @@ def fitted() -> Fit:
     """The boat of OTHER from a voyage of it, beginning with the lake boat."""
     return fit_boat(
         load_scenario("open"), [measured_voyage(load_scenario("open", OTHER), ZIGZAG, STEP_S, seed=3)]
-    )
-
-
-@pytest.fixture(scope="module")
-def straight() -> Fit:
-    """The same without turns."""
-    return fit_boat(
-        load_scenario("open"), [measured_voyage(load_scenario("open", OTHER[:-2]), STRAIGHT, STEP_S, seed=4)]
     )
 
 
@@ -65,15 +58,27 @@ def test_a_boat_is_recovered_from_its_voyage_within_what_the_fit_states(fitted: 
     )
 
 
-def test_without_turns_it_says_what_cannot_be_told_and_keeps_the_base_boats(straight: Fit) -> None:
-    told = dict(zip(straight.keys, straight.told.tolist(), strict=True))
-    assert told["thrusters.propeller.thrust_coefficient"]
-    assert told["thrusters.propeller.astern_share"]
-    for key in ("hull.inertia_kg_m2", "hull.yaw_linear", "hull.skeg_lift_kg_m", "hull.sway_added_kg"):
+def test_without_wind_it_says_that_windage_cannot_be_told_and_keeps_the_base_boats(fitted: Fit) -> None:
+    told = dict(zip(fitted.keys, fitted.told.tolist(), strict=True))
+    for key in ("hull.windage.frontal_drag", "hull.windage.lateral_drag"):
         assert not told[key]
-        value, comment = fitted_entries(straight)[key]
-        assert value == attrgetter(key)(straight.base)
+        value, comment = fitted_entries(fitted)[key]
+        assert value == attrgetter(key)(fitted.base)
         assert "cannot be told from this voyage; tell it by" in comment
+
+
+def test_the_torque_is_raised_until_the_propeller_gives_no_more_power_than_it_takes(fitted: Fit) -> None:
+    more = replace(
+        fitted, logs=fitted.logs + [0.8 * key.endswith("thrust_coefficient") for key in fitted.keys]
+    )
+    base, found, key = fitted.base.thrusters.propeller, fitted_entries(more), "thrusters.propeller."
+    names = ("thrust_coefficient", "torque_coefficient", "zero_thrust_advance", "zero_torque_advance")
+    values = {name: float(str(found[key + name][0])) for name in names}
+    with_fields(base, **values)
+    values["torque_coefficient"] *= 0.99
+    with pytest.raises(ValueError, match="more power than it takes"):
+        with_fields(base, **values)
+    assert "raised by" in found["thrusters.motor.resistance_ohm"][1]
 
 
 def test_the_boats_file_is_toml_that_the_emulator_loads(fitted: Fit, tmp_path: Path) -> None:
