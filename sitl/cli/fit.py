@@ -6,7 +6,7 @@ from typing import Annotated
 
 import numpy as np
 from rich.console import Console
-from rich.table import Table
+from rich.table import Column, Table
 
 from companion.cli.command_line import Argument, Option, echo
 from companion.cli.output_file import write_text
@@ -78,7 +78,7 @@ def fit(
 
         draw_fit(found, voyages[0].part(fitted_s, voyages[0].duration_s), png)
     console = Console(highlight=False, soft_wrap=True)
-    table = Table("", "of the base boat's", "deviation", "cannot be told: sail", box=None)
+    table = Table(Column(no_wrap=True), "of the base boat's", "deviation", "cannot be told: sail", box=None)
     deviations = np.sqrt(np.diag(found.covariance))
     for key, value, deviation, told in zip(found.keys, found.logs, deviations, found.told, strict=True):
         table.add_row(key, f"{math.exp(value):.3f}", f"{deviation:.1%}", "" if told else KEYS[key].told_by)

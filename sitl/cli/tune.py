@@ -75,7 +75,7 @@ def tune(
     output_folder(folder)
     problem = TuningProblem(model, scenario.vehicle, scenario.frame, folder)
     before = gains_of(scenario.vehicle)
-    parts = (boat, before, seed, candidates, scenario.hull)
+    parts = (boat, before, seed, candidates, scenario.hull, scenario.thrusters)
     fingerprint = hashlib.sha256(msgspec.json.encode(parts, order="deterministic")).hexdigest()
     plan = Campaign(f"tune {boat}", "tune", (), (), fingerprint)
     console.print(f"tune {boat}: search with seeds from {seed}, check with seeds from {seed + 100}")

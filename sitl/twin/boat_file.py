@@ -44,6 +44,7 @@ def scaled_base(base: Scenario, mass_kg: float | None, apart_m: float | None) ->
 def fitted_entries(fit: Fit) -> Entries:
     """Values and comments by the boat file's keys."""
     base, entries = fit.base, Entries()
+    most = {"hull.crossflow_length_m": base.hull.length_m, "thrusters.propeller.astern_share": 1.0}
     for name in _FORCES:
         if value := getattr(base.hull, name):
             entries[f"hull.{name}"] = (value, "the base boat's, in proportion to the mass")
@@ -55,7 +56,8 @@ def fitted_entries(fit: Fit) -> Entries:
         text = f"{what.meaning}: one deviation {100.0 * share:.1f} %"
         if not fit.told[n]:
             text = f"{what.meaning}: base boat's, cannot be told from this voyage; tell it by {what.told_by}"
-        entries[key] = (attrgetter(key)(base) * math.exp(fit.logs[n]), text)
+        value = attrgetter(key)(base) * math.exp(fit.logs[n])
+        entries[key] = (min(value, most.get(key, math.inf)), text)
         if key == "thrusters.left_gain":
             entries[RIGHT] = (base.thrusters.right_gain * math.exp(-fit.logs[n]), KEYS[RIGHT].meaning)
     ohm = float(fit.trips[0].voyage.pack_ohm)

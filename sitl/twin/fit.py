@@ -213,7 +213,9 @@ class _Problem:
 
 
 def fit_boat(base: Scenario, voyages: Sequence[Voyage]) -> Fit:
-    """Fit a boat to its voyages, and leave at the base boat's value what they do not tell."""
+    """Fit a boat to its voyages, and leave at the base boat's value what they do not tell. Not told, too, are
+    advances with which the thrust outlasts the torque: no propeller has them.
+    """
     trips = tuple(Trip(voyage, base) for voyage in voyages)
     problem = _Problem(base, trips)
     x, free, count = np.zeros(problem.size), np.ones(problem.size, dtype=np.bool_), len(problem.keys)
@@ -222,6 +224,11 @@ def fit_boat(base: Scenario, voyages: Sequence[Voyage]) -> Fit:
         x = problem.solved(x, free, loss)
         problem.learn_noise(x)
     x = problem.solved(x, free, "soft_l1")
+    ends = [problem.keys.index(f"thrusters.propeller.zero_{what}_advance") for what in ("thrust", "torque")]
+    most = math.log(
+        base.thrusters.propeller.zero_torque_advance / base.thrusters.propeller.zero_thrust_advance
+    )
+    free[ends] = PRIOR * (x[ends[0]] - x[ends[1]]) < most
     covariance = problem.covariance(x)
     information = np.linalg.inv(covariance)
     while free[:count].any():
@@ -232,6 +239,9 @@ def fit_boat(base: Scenario, voyages: Sequence[Voyage]) -> Fit:
         free[np.flatnonzero(free[:count])[alone.argmax()]] = False
     if not free.all():
         x[~free] = 0.0
+        x = problem.solved(x, free, "soft_l1")
+    if PRIOR * (x[ends[0]] - x[ends[1]]) >= most:
+        x[ends], free[ends] = 0.0, False
         x = problem.solved(x, free, "soft_l1")
     white = problem.whitened(problem.evaluate(x)[0])
     known = PRIOR**2 * covariance[:count, :count]

@@ -81,6 +81,11 @@ def test_the_torque_is_raised_until_the_propeller_gives_no_more_power_than_it_ta
     assert "raised by" in found["thrusters.motor.resistance_ohm"][1]
 
 
+def test_the_hulls_deep_part_is_no_longer_than_the_hull(fitted: Fit) -> None:
+    more = replace(fitted, logs=fitted.logs + [0.8 * ("crossflow" in key) for key in fitted.keys])
+    assert fitted_entries(more)["hull.crossflow_length_m"][0] == fitted.base.hull.length_m
+
+
 def test_the_boats_file_is_toml_that_the_emulator_loads(fitted: Fit, tmp_path: Path) -> None:
     base = load_scenario("open")
     entries = {**fitted_entries(fitted), **own_settings(base, {"HDG_KP": 5.5, "SYSID_THISMAV": 7.0})}
