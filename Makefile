@@ -29,7 +29,7 @@ wheel: setup  ## one wheel for every machine, without compiled kernels, in out/w
 demo: setup  ## plan, upload, sail, report; also MAP=… START=LAT,LON GOAL=LAT,LON
 	$(BIN)/python examples/demo.py --map '$(or $(MAP),lake)' $(if $(START),--start='$(START)') $(if $(GOAL),--goal='$(GOAL)') $(if $(CLEARANCE),--clearance='$(CLEARANCE)')
 
-survey: setup  ## plan a survey, sail it, measure what it covered; also FOOTPRINT=M OVERLAP=SHARE SEED=N
+survey: setup  ## plan a survey, sail it, chart the lake, compare with the truth; also FOOTPRINT=M OVERLAP=SHARE SEED=N
 	$(BIN)/python examples/survey.py $(if $(FOOTPRINT),--footprint $(FOOTPRINT)) $(if $(OVERLAP),--overlap $(OVERLAP)) $(if $(SEED),--seed $(SEED))
 
 pictures: demo survey  ## make the pictures of the documents anew
@@ -39,9 +39,6 @@ pictures: demo survey  ## make the pictures of the documents anew
 	PYTHONPATH=docs $(BIN)/python -m pictures
 	PYTHONPATH=docs $(BIN)/python -m pictures shore
 	$(BIN)/mission-plan lake --survey all --footprint 24 --overlap 0.15 --boat kit --split --preview docs/pictures/split.png
-	$(BIN)/mission-plan lake --survey all --spacing 20 --cross 120 --shore-passes 1 --clearance 3 --out out/lake.plan
-	-$(BIN)/boat-sitl sail lake --mission out/lake.plan --set sensors.depth.fitted=true --set sensors.gnss.receiver=rtk --set battery.capacity_mah=20000 --set vehicle.battery.capacity_mah=20000 --log out/lake.bin
-	$(BIN)/boat-survey chart out/lake.bin --map lake --out out/chart
 	cp out/chart/chart.png docs/pictures/depth_chart.png
 	$(BIN)/boat-sitl sail pool --case 2 --png docs/pictures/pool.png
 	$(BIN)/boat-sitl sail random --seed 8 --fence --png docs/pictures/random.png
