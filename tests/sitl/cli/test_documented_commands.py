@@ -4,6 +4,7 @@ They run in the order of their page, from a folder like a fresh clone, up to whe
 link would be opened.
 """
 
+import json
 import re
 import shlex
 from collections.abc import Callable
@@ -18,6 +19,7 @@ from mission_tools.cli import plan as plan_cli
 from mission_tools.cli import survey as survey_cli
 from mission_tools.cli import trace_command
 from mission_tools.cli import upload as upload_cli
+from mission_tools.geojson import collection, feature
 from mission_tools.maps import load_source
 from mission_tools.maps.fenced import fence_area, fenced
 from sitl.__main__ import run_program as run_sitl
@@ -64,9 +66,14 @@ def commands(page: Path) -> list[str]:
 
 @pytest.fixture
 def clone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The working folder: with the examples and without anything that a command would have made."""
+    """The working folder: with the examples and, of what a command would have made, files of a chart."""
     (tmp_path / "examples").symlink_to(ROOT / "examples")
-    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "chart").mkdir(parents=True)
+    (tmp_path / "out" / "chart" / "lake.geojson").symlink_to(FENCE.with_name("mill_pond.geojson"))
+    (tmp_path / "out" / "chart" / "chart.json").touch()
+    gap = [[-1.2003, 50.0005], [-1.2001, 50.0005], [-1.2001, 50.0007], [-1.2003, 50.0005]]
+    gaps = collection([feature("Polygon", [gap])])
+    (tmp_path / "out" / "chart" / "gaps.geojson").write_text(json.dumps(gaps), encoding="utf-8")
     (tmp_path / "boat.toml").touch()
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
