@@ -81,6 +81,8 @@ def why_not() -> str:
         return "only root can start a system in namespaces"
     if not (HOST_ROOT / "lib/systemd/systemd").exists() or not (HOST_ROOT / "etc/debian_version").exists():
         return f"{HOST_ROOT} is not the root of a Debian with systemd"
+    if not (HOST_ROOT / "usr/bin/udevadm").exists() and not (HOST_ROOT / "bin/udevadm").exists():
+        return f"{HOST_ROOT} is the root of a Debian without udev"
     if _cgroups() is None:
         return "no unified hierarchy of control groups is mounted"
     missing = [name for name in _NEEDED if shutil.which(name) is None]
