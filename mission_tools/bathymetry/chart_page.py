@@ -5,15 +5,17 @@ from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
+import shapely
 from matplotlib.figure import Figure
 
+from companion.core.geo import LatLon
 from mission_tools.bathymetry.crossings import GAP_M, LEAST
 from mission_tools.bathymetry.depth_chart import DepthChart
 from mission_tools.bathymetry.picture import CONTOUR
 from mission_tools.bathymetry.s44 import ORDERS, tvu_m
 from mission_tools.bathymetry.soundings import Floats
 from mission_tools.drawing.report_page import Page
-from mission_tools.drawing.style import FAULT, SAILED, new_figure, style_panel
+from mission_tools.drawing.style import FAULT, PLAN_STYLE, SAILED, new_figure, style_panel
 
 WIDE_IN: Final = (9.0, 3.4)
 
@@ -40,6 +42,10 @@ def chart_page(chart: DepthChart, figures: Mapping[str, Any], picture: Figure) -
     page.table(("S-44 order", "crossings within", "a", "b"), rows)
     page.heading("Profile along the longest track")
     page.picture(_profile(chart), "Soundings, and the band of the chart below the track.")
+    lines = _planned(chart)
+    if not lines.is_empty:
+        page.heading("Plan and track")
+        page.picture(*_plan_and_track(chart, lines), is_vector=False)
     page.heading("How much water is how deep?")
     page.picture(_hypsography(chart), "Area of the lake at least as deep as this.")
     page.heading("Soundings")
@@ -109,6 +115,34 @@ def _profile(chart: DepthChart) -> Figure:
     axes.invert_yaxis()
     style_panel(axes)
     return figure
+
+
+def _planned(chart: DepthChart) -> shapely.MultiLineString:
+    """The missions in the logs, in the chart's frame."""
+    to_local = chart.chart.frame.to_local
+    lines = []
+    for plan in chart.soundings.plans:
+        places = [to_local(LatLon(lat_deg, lon_deg)) for lat_deg, lon_deg in plan.tolist()]
+        if len(places) > 1:
+            lines.append([(place.east_m, place.north_m) for place in places])
+    return shapely.MultiLineString(lines)
+
+
+def _plan_and_track(chart: DepthChart, lines: shapely.MultiLineString) -> tuple[Figure, str]:
+    """Both, and how far soundings are off the lines of the plan."""
+    figure = new_figure(WIDE_IN[0], 6.0)
+    axes = figure.add_subplot()
+    east, north = chart.at.east_m[chart.accepted], chart.at.north_m[chart.accepted]
+    for number, line in enumerate(shapely.get_parts(lines)):
+        axes.plot(*shapely.get_coordinates(line).T, **PLAN_STYLE, label=None if number else "plan")
+    axes.plot(east, north, ".", ms=1.5, color=SAILED, label="soundings")
+    axes.set(xlabel="east, m", ylabel="north, m", aspect="equal")
+    style_panel(axes, marker_scale=4.0)
+    shapely.prepare(lines)
+    off_m = shapely.distance(lines, shapely.points(east, north))
+    rms_m, most_m = float(np.sqrt(np.mean(off_m**2))), float(np.quantile(off_m, 0.95))
+    said = f"By the boat's own position, soundings are {rms_m:.2f} m RMS off the plan's lines"
+    return figure, f"{said}, 95 % within {most_m:.2f} m."
 
 
 def _straight_runs(heading_rad: Floats, step_m: Floats) -> list[slice]:

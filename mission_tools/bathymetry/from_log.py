@@ -23,12 +23,14 @@ _WANTED: Final[Mapping[str, tuple[str, ...]]] = {
     "DPTH": ("TimeUS", "Inst", "Lat", "Lng", "Depth", "Temp", "Quality", "PosZ"),
     "PROB": ("TimeUS", "Lat", "Lng", "Name", "Value", "Unit"),
     "PARM": ("Name", "Value"),
+    "CMD": ("CNum", "CId", "Lat", "Lng"),
 }
 _OF_MOTION: Final = (
     "unix_s", "lat_deg", "lon_deg", "position_sd_m", "heading_rad", "roll_rad", "pitch_rad", "speed_m_s",
 )  # fmt: skip
 _JOINED: Final = (*_OF_MOTION, "quality", "temperature_c")
 _TEXTS: Final = ("Name", "Unit")
+_WAYPOINT: Final = 16.0  # MAV_CMD_NAV_WAYPOINT
 _SOUND_M_S: Final = 1480.0  # of a log that does not say it: fresh water at 20 °C
 
 
@@ -94,6 +96,7 @@ def read_samples(path: Path) -> LogSamples:
             transducer_m=float(np.median(below_m)) if len(below_m) else settings.get(f"{prefix}POS_Z", 0.0),
             sound_m_s=settings.get(f"{prefix}SOUND", _SOUND_M_S),
             names=(path.name,),
+            plans=(_plan(columns["CMD"]),),
         ),
         sounded.log_s,
         probed,
@@ -122,8 +125,18 @@ def soundings_of(logs: Sequence[LogSamples]) -> Soundings:
     joined: dict[str, Any] = {
         name: np.concatenate([getattr(part, name) for part in parts]) for name in _JOINED
     }
+    plans = tuple(plan for part in parts for plan in part.plans)
     voyage = np.repeat(np.arange(len(parts)), [len(part.depth_m) for part in parts])
-    return replace(like, **joined, depth_m=np.concatenate(depths_m), voyage=voyage, names=names)
+    return replace(like, **joined, depth_m=np.concatenate(depths_m), voyage=voyage, names=names, plans=plans)
+
+
+def _plan(items: Columns) -> Floats:
+    """The waypoints of the last mission: it is logged whole, from item 0, which is home."""
+    begins = np.flatnonzero(items["CNum"] == 0.0)
+    last = {label: column[begins[-1] + 1 if len(begins) else 0 :] for label, column in items.items()}
+    is_place = (last["CId"] == _WAYPOINT) & ((last["Lat"] != 0.0) | (last["Lng"] != 0.0))
+    found: Floats = np.column_stack((last["Lat"][is_place], last["Lng"][is_place]))
+    return found
 
 
 def _in_order(columns: Columns) -> Columns:

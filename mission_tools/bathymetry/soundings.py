@@ -21,7 +21,8 @@ class Soundings:
     the water, NaN where not measured. voyage: the index of the log.
 
     transducer_m: the transducer's depth below the surface. sound_m_s: the speed of sound that the sounder
-    assumes. names: of the logs.
+    assumes. names: of the logs. plans: the waypoints of each log's last mission, latitude and longitude,
+    (k, 2).
     """
 
     unix_s: Floats
@@ -39,3 +40,4 @@ class Soundings:
     transducer_m: float = 0.0
     sound_m_s: float = 1480.0
     names: tuple[str, ...] = ()
+    plans: tuple[Floats, ...] = ()

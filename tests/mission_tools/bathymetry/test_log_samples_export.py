@@ -31,6 +31,7 @@ from mission_tools.errors import LogError
 
 RADIUS_M, SPEED_M_S, FORWARD_M, STARBOARD_M, LATENCY_S = 12.0, 1.5, -0.4, 0.25, 0.15
 START_UNIX_S = 1_790_000_000.25
+PLAN = [(50.001, -1.2), (50.002, -1.201), (50.001, -1.202)]
 
 
 def circle(time_s: float) -> tuple[float, float, float]:
@@ -43,6 +44,10 @@ def parameter(name: str, value: float) -> bytes:
     return r.PARM.pack(0, name.encode(), value, 0.0)
 
 
+def item(number: int, command: int, lat_deg: float, lon_deg: float) -> bytes:
+    return r.CMD.pack(0, 9, number, command, 0, 0, 0, 0, round(1e7 * lat_deg), round(1e7 * lon_deg), 0, 3)
+
+
 def voyage(lon_deg: float = -1.2, seconds: int = 120, *, is_dated: bool = True) -> Iterator[bytes]:
     """The log's records: ten times a second the motion, five times a second a sounding."""
     frame = LocalFrame(LatLon(50.0, lon_deg))
@@ -51,6 +56,10 @@ def voyage(lon_deg: float = -1.2, seconds: int = 120, *, is_dated: bool = True) 
         parameter("RNGFND2_POS_X", FORWARD_M), parameter("RNGFND2_POS_Y", STARBOARD_M),
         parameter("RNGFND2_LATENCY", LATENCY_S), parameter("RNGFND2_SOUND", 1450.0),
     )  # fmt: skip
+    for plan in ([(50.5, 0.5)], PLAN):  # the second was uploaded later, and has a home and a speed
+        yield item(0, 16, 50.0, lon_deg)
+        yield from (item(n, 16, *place) for n, place in enumerate(plan, 1))
+        yield item(9, 178, 0.0, 0.0)
     for tick in range(10 * seconds):
         us, (north_m, east_m, heading) = 100_000 * tick, circle(0.1 * tick)
         lat_e7, lon_e7 = linear.to_e7(north_m, east_m)
@@ -97,6 +106,7 @@ def test_soundings_are_where_their_transducer_was_when_it_measured(tmp_path: Pat
     assert set(np.round(np.degrees(found.pitch_rad[5:]), 3)) == {-1.0}
     assert set(found.position_sd_m[5:]) == {0.75}
     assert set(found.quality) == {0.5}
+    np.testing.assert_allclose(found.plans[0], PLAN, atol=1e-7)
     assert (found.transducer_m, found.sound_m_s, set(found.voyage)) == (0.125, 1450.0, {0})
     np.testing.assert_allclose(found.depth_m, [one.Depth for one in told])
     assert np.flatnonzero(np.isnan(found.depth_m)).tolist() == list(range(0, 600, 20))

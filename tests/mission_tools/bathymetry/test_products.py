@@ -3,6 +3,7 @@
 import json
 import re
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -120,6 +121,17 @@ def test_picture_is_blue_where_it_is_deep_and_the_page_holds_everything(folder: 
     assert page.count("<img") == 4
     for text in ("multiple echo", "S-44 order", "Test lake", "width=device-width"):
         assert text in page
+
+
+def test_page_tells_how_far_soundings_are_off_the_plan_of_the_log(folder: Path) -> None:
+    """The plan is one line from west to east through the origin."""
+    ends = [CHART.chart.frame.to_global(Point(0.0, east_m)) for east_m in (-500.0, 500.0)]
+    plan = np.array([(end.lat_deg, end.lon_deg) for end in ends])
+    planned = replace(CHART, soundings=replace(CHART.soundings, plans=(np.empty((0, 2)), plan)))
+    page = chart_page(planned, CHART.figures(), draw_depths(CHART))
+    off_m = np.sqrt(np.mean(CHART.at.north_m[CHART.accepted] ** 2))
+    assert f"{off_m:.2f} m RMS off the plan" in page
+    assert "Plan and track" not in (folder / "chart.html").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(("deepest_m", "first", "count"), [(1.2, 0.1, 11), (5.0, 0.5, 9), (30.0, 5.0, 5)])
