@@ -19,6 +19,7 @@ from sounded_lake import ORIGIN, Bottom, bowl, fractal, lake, soundings
 
 from benchmarks.measure import table
 from mission_tools.bathymetry.blocks import means
+from mission_tools.bathymetry.kriging import BAND_SD
 from mission_tools.bathymetry.reduction import Corrections, reduced
 from mission_tools.bathymetry.soundings import Floats
 from mission_tools.bathymetry.surface import SurfaceSettings, interpolated
@@ -70,7 +71,7 @@ def pykrige_local(east: Floats, north: Floats, depth: Floats) -> Found:
     x, y = _cells()
     model = OrdinaryKriging(*blocks.place.T, blocks.depth_m, variogram_model="power")
     found, variance = model.execute("points", x, y, backend="loop", n_closest_points=40)
-    return np.asarray(found), 1.6449 * np.sqrt(np.maximum(np.asarray(variance), 0.0)), x, y
+    return np.asarray(found), BAND_SD * np.sqrt(np.maximum(np.asarray(variance), 0.0)), x, y
 
 
 METHODS: dict[str, Method] = {

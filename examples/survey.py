@@ -43,8 +43,8 @@ from sitl.run.station_commands import RunError
 from sitl.world.environment.bottom import Bathymetry
 from sitl.world.scenario import Scenario
 
-LEAST_COVERAGE = 0.98  # of the target, in truth
-LEAST_WITHIN = 0.8  # of the depths, within their 90 % bands: a receiver errs by metres for minutes
+LEAST_COVERAGE = 0.99  # of the target, in truth
+LEAST_WITHIN = 0.85  # of the true depths, within their 90 % bands
 LEAST_DEPTH_M = 0.4  # of the water that the boat sails: three times its draught
 THINNED_M = 0.05  # how far a thinned track may leave the true one
 

@@ -50,14 +50,24 @@ def white_noise_m(depth_m: Floats) -> float:
     return float(np.sqrt(np.mean(usual**2) / 6.0)) if len(usual) else 0.0
 
 
+def along_track_m(east_m: Floats, north_m: Floats) -> Floats:
+    """The way along a track to each of its places, (n,)."""
+    return np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(east_m), np.diff(north_m)))))
+
+
+def thinned(along_m: Floats, step_m: float) -> NDArray[np.intp]:
+    """The places of a track that a step lies between, or more."""
+    return np.unique(np.searchsorted(along_m, np.arange(0.0, along_m[-1], step_m)))
+
+
 def line_spacing_m(east_m: Floats, north_m: Floats) -> float:
     """Distance of neighbouring lines: the median distance sideways to the nearest parallel pass.
 
     Places in the order of their times. NaN: there is only one pass.
     """
-    along = np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(east_m), np.diff(north_m)))))
+    along = along_track_m(east_m, north_m)
     step = max(along[-1] / 20_000.0, 1.0)  # a thinned track keeps the search short
-    keep = np.unique(np.searchsorted(along, np.arange(0.0, along[-1], step)))
+    keep = thinned(along, step)
     place, way = np.column_stack((east_m, north_m))[keep], along[keep]
     if len(keep) < 3:
         return float("nan")

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from matplotlib.figure import Figure
 
-from companion.core.geo import LatLon
+from mission_tools.bathymetry.blocks import along_track_m
 from mission_tools.bathymetry.crossings import GAP_M, LEAST
 from mission_tools.bathymetry.depth_chart import DepthChart
 from mission_tools.bathymetry.picture import CONTOUR
@@ -16,6 +16,7 @@ from mission_tools.bathymetry.s44 import ORDERS, tvu_m
 from mission_tools.bathymetry.soundings import Floats
 from mission_tools.drawing.report_page import Page
 from mission_tools.drawing.style import FAULT, PLAN_STYLE, SAILED, new_figure, style_panel
+from mission_tools.maps.projection import local_coordinates
 
 WIDE_IN: Final = (9.0, 3.4)
 
@@ -102,7 +103,7 @@ def _profile(chart: DepthChart) -> Figure:
         _straight_runs(chart.soundings.heading_rad[rows], step),
         key=lambda part: step[part.start : part.stop - 1].sum(),
     )
-    along = np.concatenate(([0.0], np.cumsum(step)))[own]
+    along = along_track_m(east, north)[own]
     along, depth = along - along[0], chart.at.depth_m[rows][own]
     good = chart.accepted[rows][own]
     surface = chart.surface
@@ -119,13 +120,8 @@ def _profile(chart: DepthChart) -> Figure:
 
 def _planned(chart: DepthChart) -> shapely.MultiLineString:
     """The missions in the logs, in the chart's frame."""
-    to_local = chart.chart.frame.to_local
-    lines = []
-    for plan in chart.soundings.plans:
-        places = [to_local(LatLon(lat_deg, lon_deg)) for lat_deg, lon_deg in plan.tolist()]
-        if len(places) > 1:
-            lines.append([(place.east_m, place.north_m) for place in places])
-    return shapely.MultiLineString(lines)
+    plans = [plan[:, ::-1] for plan in chart.soundings.plans if len(plan) > 1]
+    return shapely.MultiLineString([local_coordinates(plan, chart.chart.frame.origin) for plan in plans])
 
 
 def _plan_and_track(chart: DepthChart, lines: shapely.MultiLineString) -> tuple[Figure, str]:

@@ -7,7 +7,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from mission_tools.bathymetry.blocks import MAD
+from mission_tools.bathymetry.blocks import MAD, along_track_m, thinned
 from mission_tools.bathymetry.s44 import tvu_m
 from mission_tools.bathymetry.soundings import Floats
 
@@ -54,8 +54,8 @@ class Crossings:
 
 def crossings(east_m: Floats, north_m: Floats, depth_m: Floats, unix_s: Floats) -> Crossings:
     """All crossings of tracks through accepted soundings in the order of their times."""
-    along = np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(east_m), np.diff(north_m)))))
-    keep = np.unique(np.searchsorted(along, np.arange(0.0, along[-1], STEP_M)))
+    along = along_track_m(east_m, north_m)
+    keep = thinned(along, STEP_M)
     place = np.column_stack((east_m, north_m))[keep]
     a, b, at = _met(place, unix_s[keep])
     found = []

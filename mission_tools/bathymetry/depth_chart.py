@@ -8,9 +8,10 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from mission_tools.bathymetry.blocks import white_noise_m
+from mission_tools.bathymetry.blocks import along_track_m, thinned, white_noise_m
 from mission_tools.bathymetry.cleaning import CleaningSettings, Codes, cleaned, counts
 from mission_tools.bathymetry.crossings import GAP_M, LEAST, Crossings, crossings
+from mission_tools.bathymetry.kriging import BAND_SD
 from mission_tools.bathymetry.reduction import Corrections, Reduced, reduced
 from mission_tools.bathymetry.s44 import ORDERS, tvu_m
 from mission_tools.bathymetry.soundings import Flags, Floats, Soundings
@@ -19,6 +20,7 @@ from mission_tools.errors import UsageError
 from mission_tools.maps.chart import Chart
 
 CONFIDENCE: Final = 0.95  # at which S-44 states its uncertainties
+CONFIDENCE_SD: Final = 1.96  # half of that band of a normal distribution
 HYPSOGRAPHY: Final = 20  # levels between the surface and the deepest place
 _TRACK_STEP_M: Final = 1.0
 _LINE_POINTS: Final = 50  # of a piece of track that is widened at once: long lines that cross are slow
@@ -118,7 +120,7 @@ class DepthChart:
             "within_order": {order: _number(share) for order, share in within.items()},
             "order": self.settings.order,
             "meets_order": len(difference) >= LEAST and within[self.settings.order] >= CONFIDENCE,
-            "cells_within_order": _number(float(np.mean(band * 1.96 / 1.6449 <= allowed))),
+            "cells_within_order": _number(float(np.mean(band * CONFIDENCE_SD / BAND_SD <= allowed))),
             "hypsography": [
                 {"depth_m": round(a, 3), "area_m2": round(b, 1)} for a, b in zip(levels, areas, strict=True)
             ],
@@ -151,8 +153,7 @@ def charted(chart: Chart, soundings: Soundings, settings: ChartSettings) -> Dept
 
 def _swath(east_m: Floats, north_m: Floats, radius_m: float) -> BaseGeometry:
     """What lies within a radius of the track through soundings; not between those that are far apart."""
-    along = np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(east_m), np.diff(north_m)))))
-    keep = np.unique(np.searchsorted(along, np.arange(0.0, along[-1], _TRACK_STEP_M)))
+    keep = thinned(along_track_m(east_m, north_m), _TRACK_STEP_M)
     place = np.column_stack((east_m, north_m))[keep]
     piece = np.cumsum(np.hypot(*np.diff(place, axis=0, prepend=place[:1]).T) > GAP_M)
     piece = piece * len(keep) + np.arange(len(keep)) // _LINE_POINTS

@@ -24,9 +24,8 @@ RANGES: Final = (3.0, 12.0)  # in line spacings; 2 to 16 had scores between or n
 FACTORS: Final = (0.15, 0.5, 1.5)  # of the variance; trends make the semivariance too large
 CHOSEN_ON: Final = 400  # held-out places: what 18 covariances are compared on
 SCALED_ON: Final = 2000  # held-out places: what the scale is from
-DOUBT: Final = (
-    0.07  # relative standard error of the scale without noise: quantile 4 %, half of them independent
-)
+# Relative standard error of the scale without noise: a quantile's 4 %, with half of the places independent
+DOUBT: Final = 0.07
 PRIOR_SD: Final = 0.3  # of the scale that the log score leaves
 LOCAL: Final = 100  # held-out places about a cell: their mean square is known to 14 %
 LOCAL_SD: Final = 1.0  # of the local factor: rough and even parts of one lake differ so much

@@ -1,40 +1,37 @@
 """The lake's map with the charted depths: `mission-plan FILE --draught M` keeps out of what is less deep."""
 
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Any, Final
 
 import contourpy
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely.geometry import mapping
 
-from companion.core.geo import Point
 from mission_tools.bathymetry.depth_chart import DepthChart
 from mission_tools.geojson import collection, feature
 from mission_tools.maps.chart import DEPTH, Feature
 from mission_tools.overwrite_guard import CREATOR
 
+Shapes = NDArray[np.object_]
 LEVELS_M: Final = (*(0.1 * n for n in range(20)), *(2.0 + 0.5 * n for n in range(7)))
 """Of draughts that boats have; what is deeper than the last has no depth in the map."""
 
 
-def planner_map(chart: DepthChart) -> dict[str, Any]:
+def planner_map(chart: DepthChart, to_degrees: Callable[[Shapes], Shapes]) -> dict[str, Any]:
     """GeoJSON in WGS 84: all features of the lake's map, and areas of water with `depth_m`, the least depth
     in each by the lower end of its 90 % band. What was not surveyed has no depth.
     """
-    source, to_global = chart.chart, chart.chart.frame.to_global
-    features = list(source.features)
-    if not source.is_open:
+    source = chart.chart
+    features = [*source.features, *depth_areas(chart)]
+    if not source.is_open and all(one.kind != "water" for one in source.features):
         features.insert(0, Feature(source.name, "water", source.water))
-    features += depth_areas(chart)
-
-    def degrees(xy: np.ndarray[Any, np.dtype[np.float64]]) -> list[list[float]]:
-        places = [to_global(Point(north_m, east_m)) for east_m, north_m in xy.tolist()]
-        return [[round(place.lon_deg, 8), round(place.lat_deg, 8)] for place in places]
-
+    shapes = to_degrees(np.array([one.shape for one in features], dtype=object))
     rows = []
-    for one in features:
-        named = mapping(shapely.transform(one.shape, degrees))
+    for one, shape in zip(features, shapely.transform(shapes, lambda places: places.round(8)), strict=True):
+        named = mapping(shape)
         said = {**one.properties, "name": one.name, "kind": one.kind}
         rows.append(feature(named["type"], named["coordinates"], **said))
     return collection(rows, generator=CREATOR)

@@ -18,14 +18,12 @@ from companion.cli.output_file import output_file, write_text
 from companion.core.geo import LatLon
 from mission_tools.bathymetry.cleaning import REASONS
 from mission_tools.bathymetry.depth_chart import DepthChart
-from mission_tools.bathymetry.planner_map import planner_map
+from mission_tools.bathymetry.planner_map import Shapes, planner_map
 from mission_tools.bathymetry.soundings import Floats
 from mission_tools.overwrite_guard import CREATOR
 
 STEPS_M: Final = (0.1, 0.2, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0)
 MOST_CONTOURS: Final = 12
-
-Shapes = NDArray[np.object_]
 
 
 def frame_crs(origin: LatLon) -> pyproj.CRS:
@@ -101,7 +99,7 @@ def write_products(chart: DepthChart, folder: Path) -> dict[str, Any]:
         rows = (*to_degrees.transform(east[known], north[known]), chart.surface.depth_m[known])
         table = np.column_stack((*rows, chart.surface.band_m[known]))
         np.savetxt(aside, table, ("%.7f", "%.7f", "%.3f", "%.3f"), header="longitude latitude depth_m band_m")
-    write_text(folder / "lake.geojson", json.dumps(planner_map(chart), ensure_ascii=False) + "\n")
+    write_text(folder / "lake.geojson", json.dumps(planner_map(chart, degrees), ensure_ascii=False) + "\n")
     figures = {"generator": CREATOR, **chart.figures()}
     write_text(folder / "chart.json", json.dumps(figures, indent=1, ensure_ascii=False) + "\n")
     return figures
