@@ -1,7 +1,7 @@
 """Where a boat was at any time of its log, how it lay, and what the date was."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pyproj import Geod
 
 from companion.core.units import GPS_EPOCH_UNIX_S, GPS_WEEK_S
-from mission_tools.bathymetry.soundings import Floats
+from mission_tools.bathymetry.soundings import Floats, Motion
 from mission_tools.files.dataflash_columns import Columns
 
 WANTED: Final[Mapping[str, tuple[str, ...]]] = {
@@ -23,34 +23,17 @@ _FRESH_S: Final = 2.0  # a sample farther from the nearest record has no value o
 _WGS84: Final = Geod(ellps="WGS84")
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Motion:
-    """A boat at n times, each array of shape (n,); NaN where the log says nothing within two seconds.
-
-    log_s: since the boat's start. The others as in `Soundings`; position_sd_m is one standard deviation.
-    """
-
-    log_s: Floats
-    unix_s: Floats
-    lat_deg: Floats
-    lon_deg: Floats
-    position_sd_m: Floats
-    heading_rad: Floats
-    roll_rad: Floats
-    pitch_rad: Floats
-    speed_m_s: Floats
-
-    def of_part(self, forward_m: float, starboard_m: float) -> "Motion":
-        """With the places of a part of the boat; where the heading is unknown, still of the boat."""
-        bearing_deg = np.degrees(self.heading_rad + np.arctan2(starboard_m, forward_m))
-        far_m = np.full_like(self.lat_deg, np.hypot(forward_m, starboard_m))
-        lon_deg, lat_deg, _ = _WGS84.fwd(self.lon_deg, self.lat_deg, bearing_deg, far_m)
-        is_known = np.isfinite(bearing_deg)
-        return replace(
-            self,
-            lat_deg=np.where(is_known, lat_deg, self.lat_deg),
-            lon_deg=np.where(is_known, lon_deg, self.lon_deg),
-        )
+def of_part(boat: Motion, forward_m: float, starboard_m: float) -> Motion:
+    """With the places of a part of the boat; where the heading is unknown, still of the boat."""
+    bearing_deg = np.degrees(boat.heading_rad + np.arctan2(starboard_m, forward_m))
+    far_m = np.full_like(boat.lat_deg, np.hypot(forward_m, starboard_m))
+    lon_deg, lat_deg, _ = _WGS84.fwd(boat.lon_deg, boat.lat_deg, bearing_deg, far_m)
+    is_known = np.isfinite(bearing_deg)
+    return replace(
+        boat,
+        lat_deg=np.where(is_known, lat_deg, boat.lat_deg),
+        lon_deg=np.where(is_known, lon_deg, boat.lon_deg),
+    )
 
 
 class BoatTrack:
@@ -60,12 +43,11 @@ class BoatTrack:
         self._columns = columns
 
     def at(self, log_s: Floats) -> Motion:
-        """The boat at these times, in seconds since its start."""
+        """The boat at these times, in seconds since its start; NaN farther than two seconds from a record."""
         attitude, lon_deg = self._columns["ATT"], self._of(log_s, "POS", "Lng", turns=True)
         # The boat writes 0 for a roll and pitch that its heading sensor does not measure
         lean = 1.0 if (attitude["Roll"].any() or attitude["Pitch"].any()) else np.nan
         return Motion(
-            log_s,
             log_s + self._start_unix_s(log_s),
             self._of(log_s, "POS", "Lat"),
             (lon_deg + 180.0) % 360.0 - 180.0,

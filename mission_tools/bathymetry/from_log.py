@@ -3,7 +3,7 @@ time of its measurement, where its sensor was then. docs/logs.md describes the r
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mission_tools.bathymetry.boat_track import WANTED as TRACK
-from mission_tools.bathymetry.boat_track import BoatTrack, Motion
-from mission_tools.bathymetry.soundings import Floats, Soundings
+from mission_tools.bathymetry.boat_track import BoatTrack, of_part
+from mission_tools.bathymetry.soundings import Floats, Motion, Soundings
 from mission_tools.errors import LogError
-from mission_tools.files.dataflash_columns import Columns, read_columns
+from mission_tools.files.dataflash_columns import Columns, parameters_of, read_columns, texts_of
 
 Texts = NDArray[np.str_]
 
@@ -25,9 +25,7 @@ _WANTED: Final[Mapping[str, tuple[str, ...]]] = {
     "PARM": ("Name", "Value"),
     "CMD": ("CNum", "CId", "Lat", "Lng"),
 }
-_OF_MOTION: Final = (
-    "unix_s", "lat_deg", "lon_deg", "position_sd_m", "heading_rad", "roll_rad", "pitch_rad", "speed_m_s",
-)  # fmt: skip
+_OF_MOTION: Final = tuple(field.name for field in fields(Motion))
 _JOINED: Final = (*_OF_MOTION, "quality", "temperature_c")
 _TEXTS: Final = ("Name", "Unit")
 _WAYPOINT: Final = 16.0  # MAV_CMD_NAV_WAYPOINT
@@ -38,12 +36,13 @@ _SOUND_M_S: Final = 1480.0  # of a log that does not say it: fresh water at 20 Â
 class LogSamples:
     """The samples of one log in the order of their times.
 
-    sounded_s: when it was sounded, since the boat's start. probed: the boat at each value of a probe; probes,
+    sounded_s, probed_s: when, since the boat's start. probed: the boat at each value of a probe; probes,
     values, units: whose, and what it is. notes: what is wrong with the log, a line each.
     """
 
     soundings: Soundings
     sounded_s: Floats
+    probed_s: Floats
     probed: Motion
     probes: Texts
     values: Floats
@@ -62,23 +61,18 @@ def read_samples(path: Path) -> LogSamples:
         data = path.read_bytes()
     except OSError as error:
         raise LogError(f"{path}: cannot be read: {error.strerror}: name a log of the boat") from None
-    columns, log = read_columns(data, _WANTED)
+    columns, log = read_columns(data, _WANTED, _TEXTS)
     if not log.count:
         raise LogError(f"{path}: no DataFlash log: expected a .bin of the boat's folder logs")
-    for fields in columns.values():  # a damaged log may define a number as a text
-        for label, column in fields.items():
-            if (column.dtype.kind == "S") is not (label in _TEXTS):
-                fields[label] = np.full(len(column), np.nan)
     depth, probe = _in_order(columns["DPTH"]), _in_order(columns["PROB"])
     which = depth["Inst"][0] if len(depth["Inst"]) else 1.0  # of several sounders, the first
     depth = {label: column[depth["Inst"] == which] for label, column in depth.items()}
-    names, values = _decoded(columns["PARM"]["Name"]).tolist(), columns["PARM"]["Value"].tolist()
-    prefix, settings = f"RNGFND{which + 1.0:.0f}_", dict(zip(names, values, strict=True))
+    prefix, settings = f"RNGFND{which + 1.0:.0f}_", parameters_of(columns["PARM"])
     track = BoatTrack(columns)
-    probed = _at_records(track, probe, 0.0)
-    sounded = _at_records(track, depth, settings.get(f"{prefix}LATENCY", 0.0)).of_part(
-        settings.get(f"{prefix}POS_X", 0.0), settings.get(f"{prefix}POS_Y", 0.0)
-    )
+    probed_s, sounded_s = probe["TimeUS"] * 1e-6, depth["TimeUS"] * 1e-6
+    sounded_s = sounded_s - settings.get(f"{prefix}LATENCY", 0.0)
+    probed, lever = _at_records(track, probe, probed_s), (f"{prefix}POS_X", f"{prefix}POS_Y")
+    sounded = of_part(_at_records(track, depth, sounded_s), *(settings.get(name, 0.0) for name in lever))
     below_m = depth["PosZ"][np.isfinite(depth["PosZ"])]
     dates = np.concatenate((sounded.unix_s, probed.unix_s))
     told = (
@@ -98,11 +92,12 @@ def read_samples(path: Path) -> LogSamples:
             names=(path.name,),
             plans=(_plan(columns["CMD"]),),
         ),
-        sounded.log_s,
+        sounded_s,
+        probed_s,
         probed,
-        _decoded(probe["Name"]),
+        texts_of(probe["Name"]),
         probe["Value"],
-        _decoded(probe["Unit"]),
+        texts_of(probe["Unit"]),
         tuple(f"{path}: {text}" for is_so, text in told if is_so),
     )
 
@@ -145,17 +140,11 @@ def _in_order(columns: Columns) -> Columns:
     return {label: column[order] for label, column in columns.items()}
 
 
-def _at_records(track: BoatTrack, columns: Columns, latency_s: float) -> Motion:
+def _at_records(track: BoatTrack, columns: Columns, log_s: Floats) -> Motion:
     """The boat when these samples were taken. Where its track has a gap, its place is the record's own."""
-    motion = track.at(columns["TimeUS"] * 1e-6 - latency_s)
+    motion = track.at(log_s)
     return replace(
         motion,
         lat_deg=np.where(np.isnan(motion.lat_deg), columns["Lat"], motion.lat_deg),
         lon_deg=np.where(np.isnan(motion.lon_deg), columns["Lng"], motion.lon_deg),
     )
-
-
-def _decoded(column: NDArray[Any]) -> Texts:
-    """Texts; empty ones of a log without the field."""
-    raw = column if column.dtype.kind == "S" else np.full(len(column), b"")
-    return np.char.decode(raw, "utf-8", "replace")

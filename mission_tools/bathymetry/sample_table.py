@@ -6,9 +6,8 @@ from typing import Final, TextIO
 
 import numpy as np
 
-from mission_tools.bathymetry.boat_track import Motion
 from mission_tools.bathymetry.from_log import LogSamples
-from mission_tools.bathymetry.soundings import Floats, Soundings
+from mission_tools.bathymetry.soundings import Floats, Motion
 from mission_tools.overwrite_guard import SAMPLES_HEAD
 
 HEADER: Final = (
@@ -34,20 +33,19 @@ def write_table(logs: Sequence[LogSamples], file: TextIO) -> int:
 
 def _rows(log: LogSamples) -> Iterator[_Row]:
     sounded, name = log.soundings, log.soundings.names[0]
-    boat, below = list(_boat(sounded, log.sounded_s)), f"{sounded.transducer_m:.3f}"
-    depths = zip(boat, _texts(sounded.depth_m, 3), _texts(sounded.quality, 2), strict=True)
+    wheres, below = list(_boat(sounded, log.sounded_s)), f"{sounded.transducer_m:.3f}"
+    depths = zip(wheres, _texts(sounded.depth_m, 3), _texts(sounded.quality, 2), strict=True)
     yield from ((*where, "depth", depth, "m", sure, below, name) for where, depth, sure in depths)
-    for where, warm in zip(boat, _texts(sounded.temperature_c, 2), strict=True):
+    for where, warm in zip(wheres, _texts(sounded.temperature_c, 2), strict=True):
         if warm:
             yield (*where, "temperature", warm, "degC", "", "", name)
     values = (f"{value:.9g}" for value in log.values.tolist())
-    probes = zip(
-        _boat(log.probed, log.probed.log_s), log.probes.tolist(), values, log.units.tolist(), strict=True
-    )
+    boat = _boat(log.probed, log.probed_s)
+    probes = zip(boat, log.probes.tolist(), values, log.units.tolist(), strict=True)
     yield from ((*where, probe, value, unit, "", "", name) for where, probe, value, unit in probes)
 
 
-def _boat(at: Motion | Soundings, log_s: Floats) -> Iterable[_Row]:
+def _boat(at: Motion, log_s: Floats) -> Iterable[_Row]:
     """Time, place and motion of each sample."""
     milliseconds = np.where(np.isnan(at.unix_s), 0.0, 1e3 * at.unix_s).round().astype("datetime64[ms]")
     dates = np.where(np.isnan(at.unix_s), "", np.char.add(np.datetime_as_string(milliseconds), "Z"))

@@ -10,19 +10,12 @@ Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Soundings:
-    """Samples of a depth sounder in the order of their times, each array of shape (n,).
+class Motion:
+    """A boat or a part of it at n times, each array of shape (n,); NaN where the log says nothing.
 
-    unix_s: when the sounder measured, its latency taken off; NaN where the log has no date. lat_deg, lon_deg:
-    of the transducer then, WGS 84, its lever arm applied; position_sd_m: one standard deviation per axis.
-    heading_rad: true, clockwise. roll_rad (to starboard), pitch_rad (bow up): NaN where not measured.
-    speed_m_s: over ground. depth_m: below the transducer, at the speed of sound that the sounder assumes;
-    NaN: it found no bottom. quality: 0 to 1 as the sounder says, NaN where it says nothing. temperature_c: of
-    the water, NaN where not measured. voyage: the index of the log.
-
-    transducer_m: the transducer's depth below the surface. sound_m_s: the speed of sound that the sounder
-    assumes. names: of the logs. plans: the waypoints of each log's last mission, latitude and longitude,
-    (k, 2).
+    unix_s: the time, NaN where the log has no date. lat_deg, lon_deg: WGS 84; position_sd_m: one standard
+    deviation per axis. heading_rad: true, clockwise. roll_rad (to starboard), pitch_rad (bow up): NaN where
+    not measured. speed_m_s: over ground.
     """
 
     unix_s: Floats
@@ -33,6 +26,22 @@ class Soundings:
     roll_rad: Floats
     pitch_rad: Floats
     speed_m_s: Floats
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Soundings(Motion):
+    """Samples of a depth sounder in the order of their times: where the transducer was when it measured, its
+    lever arm and latency applied, and what it found, each array of shape (n,).
+
+    depth_m: below the transducer, at the speed of sound that the sounder assumes; NaN: it found no bottom.
+    quality: 0 to 1 as the sounder says, NaN where it says nothing. temperature_c: of the water, NaN where not
+    measured. voyage: the index of the log.
+
+    transducer_m: the transducer's depth below the surface. sound_m_s: the speed of sound that the sounder
+    assumes. names: of the logs. plans: the waypoints of each log's last mission, latitude and longitude,
+    (k, 2).
+    """
+
     depth_m: Floats
     quality: Floats
     temperature_c: Floats

@@ -2,7 +2,7 @@
 
 import re
 from array import array
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from struct import Struct
 from typing import Any, Final
 
@@ -17,10 +17,13 @@ _NOTHING: Final[NDArray[Any]] = np.empty(0)
 _FIELD: Final = re.compile(r"(\d*)([a-zA-Z])")
 
 
-def read_columns(data: bytes, wanted: Mapping[str, tuple[str, ...]]) -> tuple[dict[str, Columns], Log]:
+def read_columns(
+    data: bytes, wanted: Mapping[str, tuple[str, ...]], texts: Container[str] = ()
+) -> tuple[dict[str, Columns], Log]:
     """The wanted fields of each wanted kind of record, each of shape (n,): numbers as float64 in the unit of
-    the field, NaN where a log has no such field; texts as bytes. They are in the order of the file, unless it
-    defines a kind anew. The log: for its `count` and `is_cut`.
+    the field; of texts, named by their fields, bytes; NaN where a log has no such field, or a damaged one the
+    other of both. They are in the order of the file, unless it defines a kind anew. The log: for its `count`
+    and `is_cut`.
     """
     log = Log(data, wanted)
     found: dict[Struct, tuple[Format, array[int]]] = {}
@@ -36,7 +39,23 @@ def read_columns(data: bytes, wanted: Mapping[str, tuple[str, ...]]) -> tuple[di
         parts[form.name] = [
             np.concatenate(both) if len(both[0]) else both[1] for both in zip(held, read, strict=True)
         ]
-    return {name: dict(zip(wanted[name], held, strict=True)) for name, held in parts.items()}, log
+    columns = {name: dict(zip(wanted[name], held, strict=True)) for name, held in parts.items()}
+    for kind in columns.values():
+        for label, column in kind.items():
+            if (column.dtype.kind == "S") is not (label in texts):
+                kind[label] = np.full(len(column), np.nan)
+    return columns, log
+
+
+def texts_of(column: NDArray[Any]) -> NDArray[np.str_]:
+    """A column of texts; empty ones of a log without the field."""
+    raw = column if column.dtype.kind == "S" else np.full(len(column), b"")
+    return np.char.decode(raw, "utf-8", "replace")
+
+
+def parameters_of(records: Columns) -> dict[str, float]:
+    """The boat's parameters by name, the last value of each. records: Name, a text, and Value of PARM."""
+    return dict(zip(texts_of(records["Name"]).tolist(), records["Value"].tolist(), strict=True))
 
 
 def _decoded(raw: NDArray[np.uint8], form: Format, at: NDArray[np.int64]) -> list[NDArray[Any]]:

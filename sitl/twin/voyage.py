@@ -12,7 +12,6 @@ these errors. What is constant in the heading's error stays: `sitl.twin.fit` fin
 """
 
 import math
-from collections import defaultdict
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -23,7 +22,7 @@ from scipy.integrate import cumulative_trapezoid
 
 from companion.core.errors import ConfigError
 from companion.core.geo import LatLon, LocalFrame
-from mission_tools.files.dataflash import Log
+from mission_tools.files.dataflash_columns import parameters_of, read_columns
 
 Floats = NDArray[np.float64]
 
@@ -118,36 +117,29 @@ def read_voyage(path: Path, pack_ohm: float) -> Voyage:
 
 def _records(path: Path) -> tuple[dict[str, Floats], dict[str, float]]:
     """Rows of numbers by record, times in s, in the order of time; and the parameters."""
-    found: dict[str, list[list[float]]] = defaultdict(list)
-    parameters: dict[str, float] = {}
     try:
         data = path.read_bytes()
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {error.strerror}") from None
-    log = Log(data, _WANTED)
-    for name, (time_us, *values) in log.records():
-        if name == "PARM":
-            if isinstance(values[0], str) and isinstance(values[1], float):
-                parameters[values[0]] = values[1]
-            continue
-        numbers = [one if isinstance(one, int | float) else math.nan for one in values]
-        if not isinstance(time_us, int | float) or (name == "BAT" and numbers.pop()):
-            continue
-        if name == "RCOU":
-            numbers = [(one - 1500.0) / 500.0 if one else 0.0 for one in numbers]
-        if name == "GPS" and numbers.pop() < 3.0:  # GPS_FIX_TYPE: no fix in three dimensions
-            continue
-        if math.isfinite(sum(numbers[:1] if name == "BAT" else numbers)):
-            found[name].append([1e-6 * time_us, *numbers])
+    columns, log = read_columns(data, _WANTED, ("Name",))
     if not log.count:
         raise ConfigError(f"{path}: not a log in ArduPilot's DataFlash format")
-    return {name: _increasing(found[name]) for name in _WANTED}, parameters
+    parameters = parameters_of(columns.pop("PARM"))
+    rows = {name: np.column_stack([*kind.values()]) for name, kind in columns.items()}
+    pulses = rows["RCOU"][:, 1:]
+    rows["RCOU"][:, 1:] = np.where(pulses == 0.0, 0.0, (pulses - 1500.0) / 500.0)
+    rows["GPS"] = rows["GPS"][rows["GPS"][:, -1] >= 3.0, :-1]  # GPS_FIX_TYPE: in three dimensions
+    rows["BAT"] = rows["BAT"][~(rows["BAT"][:, -1] > 0.0), :-1]  # the first pack
+    for name, table in rows.items():
+        table[:, 0] *= 1e-6
+        needed = table[:, :2] if name == "BAT" else table  # a current may not be measured
+        rows[name] = _increasing(table[np.isfinite(needed).all(axis=1)])
+    return rows, parameters
 
 
-def _increasing(rows: list[list[float]]) -> Floats:
+def _increasing(rows: Floats) -> Floats:
     """Rows of later and later times; a reading that a record repeats is taken once."""
-    table = np.array(rows or [[0.0]])
-    first: Floats = table[np.unique(table[:, 0], return_index=True)[1]]
+    first: Floats = rows[np.unique(rows[:, 0], return_index=True)[1]]
     return first
 
 
