@@ -137,8 +137,8 @@ def judged(seed: int) -> dict[str, Any]:
     wanted = [math.log(in_terms_of(base, truth, key) / attrgetter(key)(base)) for key in fit.keys]
     off = np.abs(fit.logs - wanted) / np.sqrt(np.diag(fit.covariance))
     rest = voyage.part(FITTED_S, voyage.duration_s)
-    trip, run, nuisance = following(fit, rest, rest.duration_s - 5.0)
-    pairs = zip(trip.predicted(run, nuisance)[:2], trip.measured[:2], strict=True)
+    segments, run, nuisance = following(fit, rest, rest.duration_s - 5.0)
+    pairs = zip(segments.predicted(run, nuisance)[:2], segments.measured[:2], strict=True)
     error_m_s = math.sqrt(np.mean([np.mean((one - other) ** 2) for one, other in pairs]))
     return {
         "seed": seed,

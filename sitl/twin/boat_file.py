@@ -60,7 +60,7 @@ def fitted_entries(fit: Fit) -> Entries:
         entries[key] = (min(value, most.get(key, math.inf)), text)
         if key == "thrusters.left_gain":
             entries[RIGHT] = (base.thrusters.right_gain * math.exp(-fit.logs[n]), KEYS[RIGHT].meaning)
-    ohm = float(fit.trips[0].voyage.pack_ohm)
+    ohm = float(fit.segmented[0].voyage.pack_ohm)
     if ohm > 0.0:
         entries["battery.resistance_ohm"] = (ohm, "cells and leads, from the voltage under load")
     factor = _least_power(entries)

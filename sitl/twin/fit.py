@@ -1,6 +1,6 @@
 """A boat's parameters from voyages: output error with multiple shooting.
 
-The model is run through stretches of a voyage, each from a speed of its own, and compared with what
+The model is run through segments of a voyage, each from a speed of its own, and compared with what
 receiver, gyro and battery monitor measured (R. E. Maine and K. W. Iliff, *Application of Parameter
 Estimation to Aircraft Stability and Control*, NASA RP-1168, 1986, chapter 5; structure: T. I. Fossen,
 *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd edition, Wiley 2021, chapter 6). Gusts and
@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from sitl.twin.model import KEYS, LEFT, RIGHT, simulate
-from sitl.twin.trip import CHANNELS, CURRENT_M_S, NUISANCE, STRETCH_S, Trip
+from sitl.twin.segmented_voyage import CHANNELS, CURRENT_M_S, NUISANCE, SEGMENT_S, SegmentedVoyage
 from sitl.twin.voyage import STORED_S, Floats, Voyage
 from sitl.world.scenario import Scenario
 
@@ -42,7 +42,7 @@ _ENOUGH: Final = {"linear": 1e-3, "soft_l1": 1e-5}  # relative change of the cos
 _LAG_S: Final = 10.0  # of the correlation that is left in the residuals
 _EVERY_S: Final = (0.2, 0.2, STORED_S, 1.0)  # usual spacing of the channels
 _WIDER: Final = 2.0  # deviations by true errors: hulls 501, 502 and 504 of benchmarks/twin.py
-_START_M_S: Final = 0.2  # of the speed at the beginning of a stretch
+_START_M_S: Final = 0.2  # of the speed at the beginning of a segment
 
 
 def fitted_keys(base: Scenario) -> tuple[str, ...]:
@@ -62,7 +62,7 @@ def factors_of(keys: Sequence[str], logs: Floats) -> dict[str, Floats]:
 @dataclass(frozen=True, slots=True)
 class Fit:
     """logs: of the factors on the base boat's values, by fitted key; told: whether the voyages tell it, else
-    its logarithm is 0. covariance: of all logs, what was known beforehand included. By trip: nuisances, in
+    its logarithm is 0. covariance: of all logs, what was known beforehand included. By voyage: nuisances, in
     their deviations, and residuals by channel, in deviations of white noise.
     """
 
@@ -71,77 +71,81 @@ class Fit:
     logs: Floats
     told: Flags
     covariance: Floats
-    trips: tuple[Trip, ...]
+    segmented: tuple[SegmentedVoyage, ...]
     nuisances: tuple[Floats, ...]
     residuals: tuple[list[Floats], ...]
 
 
-def following(fit: Fit, voyage: Voyage, stretch_s: float = STRETCH_S) -> tuple[Trip, Floats, Floats]:
+def following(
+    fit: Fit, voyage: Voyage, segment_s: float = SEGMENT_S
+) -> tuple[SegmentedVoyage, Floats, Floats]:
     """A further voyage, what the model makes of its commands, headings and turn rates, with wind and current
     as they were at the end of the first one; and these as nuisances.
     """
-    trip, first, known = Trip(voyage, fit.base, stretch_s), fit.trips[0], fit.nuisances[0]
-    nuisance = np.zeros(trip.nuisances)
+    segments, first, known = SegmentedVoyage(voyage, fit.base, segment_s), fit.segmented[0], fit.nuisances[0]
+    nuisance = np.zeros(segments.nuisances)
     nuisance[: len(NUISANCE)] = known[: len(NUISANCE)]
     flow = [one[-1] for one in first.flow_m_s(known)]
     nuisance[len(NUISANCE) :].reshape(2, -1)[:, 0] = np.divide(flow, CURRENT_M_S)
-    facing, winds = trip.inputs.heading_rad[0], NUISANCE[0] * known[:2].reshape(2, 1, 1)
-    surge_m_s = trip.surge_m_s - flow[0] * np.cos(facing) - flow[1] * np.sin(facing)
-    run = simulate(fit.base, factors_of(fit.keys, fit.logs[None]), trip.inputs, surge_m_s, *winds)
-    return trip, run[:, :, 0], nuisance
+    facing, winds = segments.inputs.heading_rad[0], NUISANCE[0] * known[:2].reshape(2, 1, 1)
+    surge_m_s = segments.surge_m_s - flow[0] * np.cos(facing) - flow[1] * np.sin(facing)
+    run = simulate(fit.base, factors_of(fit.keys, fit.logs[None]), segments.inputs, surge_m_s, *winds)
+    return segments, run[:, :, 0], nuisance
 
 
 class _Problem:
     """Residuals and their derivatives. Unknowns are in deviations of what is known beforehand: the fitted
-    keys' logarithms, then for each voyage its nuisances and the speeds at the beginning of its stretches.
+    keys' logarithms, then for each voyage its nuisances and the speeds at the beginning of its segments.
     """
 
-    def __init__(self, base: Scenario, trips: Sequence[Trip]) -> None:
-        self.base, self.trips, self.keys = base, trips, fitted_keys(base)
+    def __init__(self, base: Scenario, segmented: Sequence[SegmentedVoyage]) -> None:
+        self.base, self.segmented, self.keys = base, segmented, fitted_keys(base)
         self.noise, self.correlation = np.array(_NOISE), np.zeros(len(CHANNELS))
         self.parts: list[tuple[slice, slice]] = []
         self.size = len(self.keys)
-        for trip in trips:
-            middle, end = self.size + trip.nuisances, self.size + trip.nuisances + trip.count
+        for segments in segmented:
+            middle, end = self.size + segments.nuisances, self.size + segments.nuisances + segments.count
             self.parts.append((slice(self.size, middle), slice(middle, end)))
             self.size = end
         self._known: tuple[Floats, list[Floats], list[Floats]] | None = None
 
-    def _run(self, trip: Trip, logs: Floats, winds: Floats, starts: Floats) -> Floats:
+    def _run(self, segments: SegmentedVoyage, logs: Floats, winds: Floats, starts: Floats) -> Floats:
         """Of boats, one a row."""
         north, east = (NUISANCE[0] * winds.T)[..., None]
-        speed = trip.surge_m_s + _START_M_S * starts
-        return simulate(self.base, factors_of(self.keys, PRIOR * logs), trip.inputs, speed, north, east)
+        speed = segments.surge_m_s + _START_M_S * starts
+        return simulate(self.base, factors_of(self.keys, PRIOR * logs), segments.inputs, speed, north, east)
 
     def evaluate(self, x: Floats) -> tuple[list[Floats], list[Floats]]:
-        """Residuals of all channels of all trips, one after the other, and their derivatives."""
+        """Residuals of all channels of all voyages, one after the other, and their derivatives."""
         if self._known is None or not np.array_equal(x, self._known[0]):
-            pairs = [self._of_trip(x, *one) for one in zip(self.trips, self.parts, strict=True)]
+            pairs = [self._of_voyage(x, *one) for one in zip(self.segmented, self.parts, strict=True)]
             rows, slopes = ([*chain(*one)] for one in zip(*pairs, strict=True))
             self._known = x.copy(), rows, slopes
         return self._known[1:]
 
-    def _of_trip(self, x: Floats, trip: Trip, part: tuple[slice, slice]) -> tuple[list[Floats], list[Floats]]:
+    def _of_voyage(
+        self, x: Floats, segments: SegmentedVoyage, part: tuple[slice, slice]
+    ) -> tuple[list[Floats], list[Floats]]:
         (own, begun), count, nuisance = part, len(self.keys), x[part[0]]
         # Boats: as it is, one for each key, wind north and east, speed at the beginning
         logs, winds, starts = (np.tile(one, (count + 4, 1)) for one in (x[:count], nuisance[:2], x[begun]))
         logs[1 : count + 1] += _STEP * np.eye(count)
         winds[count + 1 : count + 3] += _STEP * np.eye(2)
         starts[count + 3] += _STEP
-        run = self._run(trip, logs, winds, starts)
-        first = trip.predicted(run[:, :, 0], nuisance)
+        run = self._run(segments, logs, winds, starts)
+        first = segments.predicted(run[:, :, 0], nuisance)
         slopes = [np.zeros((len(one), self.size)) for one in first]
-        moved = nuisance + _STEP * np.eye(trip.nuisances)
+        moved = nuisance + _STEP * np.eye(segments.nuisances)
         columns = [(n, run[:, :, n + 1], nuisance) for n in range(count)]
         columns += [(own.start + n, run[:, :, count + 1 + n], nuisance) for n in (0, 1)]
-        columns += [(own.start + n, run[:, :, 0], moved[n]) for n in range(2, trip.nuisances)]
+        columns += [(own.start + n, run[:, :, 0], moved[n]) for n in range(2, segments.nuisances)]
         for column, output, changed in columns:
-            for slope, one, other in zip(slopes, trip.predicted(output, changed), first, strict=True):
+            for slope, one, other in zip(slopes, segments.predicted(output, changed), first, strict=True):
                 slope[:, column] = (one - other) / _STEP
-        other_starts = trip.predicted(run[:, :, count + 3], nuisance)
-        for slope, one, other, stretch in zip(slopes, other_starts, first, trip.stretch, strict=True):
-            slope[np.arange(len(one)), begun.start + stretch] = (one - other) / _STEP
-        return [one - other for one, other in zip(first, trip.measured, strict=True)], slopes
+        other_starts = segments.predicted(run[:, :, count + 3], nuisance)
+        for slope, one, other, segment in zip(slopes, other_starts, first, segments.segment, strict=True):
+            slope[np.arange(len(one)), begun.start + segment] = (one - other) / _STEP
+        return [one - other for one, other in zip(first, segments.measured, strict=True)], slopes
 
     def guess_wind(self, x: Floats) -> None:
         """Take the wind of each voyage that fits best, since derivatives do not lead from one direction to
@@ -149,21 +153,21 @@ class _Problem:
         """
         count, turns = len(self.keys), np.exp(0.25j * math.pi * np.arange(8))
         around = np.concatenate([[0.0], 0.6 * turns, 1.2 * turns])
-        for trip, (own, begun) in zip(self.trips, self.parts, strict=True):
+        for segments, (own, begun) in zip(self.segmented, self.parts, strict=True):
             winds = np.vstack([x[own][:2], np.column_stack([around.real, around.imag])])
-            run = self._run(trip, np.tile(x[:count], (len(winds), 1)), winds, x[begun])
+            run = self._run(segments, np.tile(x[:count], (len(winds), 1)), winds, x[begun])
             costs = np.zeros(len(winds))
             for n, output in enumerate(run.transpose(2, 0, 1, 3)):
-                found = zip(trip.predicted(output, x[own]), trip.measured, self.noise, strict=True)
+                found = zip(segments.predicted(output, x[own]), segments.measured, self.noise, strict=True)
                 costs[n] = sum(np.log1p(((one - other) / noise) ** 2).sum() for one, other, noise in found)
             x[own.start : own.start + 2] = winds[costs.argmin()]
 
     def whitened(self, rows: Sequence[Floats]) -> list[Floats]:
         """Rows of the channels in deviations of white noise."""
-        out, stretches = [], chain(*(trip.stretch for trip in self.trips))
-        for n, (one, stretch) in enumerate(zip(rows, stretches, strict=True)):
+        out, numbers = [], chain(*(segments.segment for segments in self.segmented))
+        for n, (one, segment) in enumerate(zip(rows, numbers, strict=True)):
             keep = self.correlation[n % len(CHANNELS)]
-            white, later = one * math.sqrt(1.0 - keep * keep), np.flatnonzero(np.diff(stretch) == 0) + 1
+            white, later = one * math.sqrt(1.0 - keep * keep), np.flatnonzero(np.diff(segment) == 0) + 1
             white[later] = one[later] - keep * one[later - 1]
             out.append(white / (self.noise[n % len(CHANNELS)] * math.sqrt(1.0 - keep * keep)))
         return out
@@ -216,8 +220,8 @@ def fit_boat(base: Scenario, voyages: Sequence[Voyage]) -> Fit:
     """Fit a boat to its voyages, and leave at the base boat's value what they do not tell. Not told, too, are
     advances with which the thrust outlasts the torque: no propeller has them.
     """
-    trips = tuple(Trip(voyage, base) for voyage in voyages)
-    problem = _Problem(base, trips)
+    segmented = tuple(SegmentedVoyage(voyage, base) for voyage in voyages)
+    problem = _Problem(base, segmented)
     x, free, count = np.zeros(problem.size), np.ones(problem.size, dtype=np.bool_), len(problem.keys)
     for loss in ("linear", "soft_l1", "soft_l1"):
         problem.guess_wind(x)
@@ -247,7 +251,7 @@ def fit_boat(base: Scenario, voyages: Sequence[Voyage]) -> Fit:
     known = PRIOR**2 * covariance[:count, :count]
     wider = np.clip(PRIOR / np.sqrt(np.diag(known)), 1.0, _WIDER)  # no wider than before the voyage
     return Fit(
-        base, problem.keys, PRIOR * x[:count], free[:count], known * np.outer(wider, wider), trips,
+        base, problem.keys, PRIOR * x[:count], free[:count], known * np.outer(wider, wider), segmented,
         tuple(x[own] for own, _ in problem.parts),
         tuple(white[n : n + len(CHANNELS)] for n in range(0, len(white), len(CHANNELS))),
     )  # fmt: skip

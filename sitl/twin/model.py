@@ -1,7 +1,7 @@
 """The emulator's hull, windage and drive for many boats at once: the arithmetic of `sitl.world.hull`,
 `windage`, `drive.thruster` and `pack` on arrays, step for step the same.
 
-Axes: boats that differ in their parameters, then stretches of voyages. The heading is an input, so that no
+Axes: boats that differ in their parameters, then segments of voyages. The heading is an input, so that no
 error of it grows; the current carries boat and frame alike and is added by the caller.
 """
 
@@ -64,9 +64,9 @@ KEYS: Final[Mapping[str, Manoeuvre]] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Stretches:
-    """Inputs per step and stretch, shape (steps, stretches): commands, open-circuit voltage (V), heading
-    (rad). pack_ohm by stretch. With a measured turn rate (rad/s) the hull turns at it, and the model's is
+class SegmentInputs:
+    """Inputs per step and segment, shape (steps, segments): commands, open-circuit voltage (V), heading
+    (rad). pack_ohm by segment. With a measured turn rate (rad/s) the hull turns at it, and the model's is
     that of an observer with the time constant OBSERVED_S: so a hull that does not keep its course by itself
     can be simulated, too.
     """
@@ -86,7 +86,7 @@ Value = Callable[[str], Floats]
 class _Drive:
     """As `Propeller`, `Thruster` and `Pack`; the first axis of what the shafts have is left and right."""
 
-    def __init__(self, base: Scenario, value: Value, inputs: Stretches, shape: tuple[int, ...]) -> None:
+    def __init__(self, base: Scenario, value: Value, inputs: SegmentInputs, shape: tuple[int, ...]) -> None:
         drive, screw = base.thrusters, base.thrusters.propeller
         self._inputs, self._idle_a, self._arm_m = inputs, base.battery.idle_a, 0.5 * drive.apart_m
         area, turn = WATER_KG_M3 * screw.diameter_m**3, 0.5 / np.pi
@@ -190,16 +190,16 @@ class _Hull:
 def simulate(
     base: Scenario,
     factors: Mapping[str, Floats],
-    inputs: Stretches,
+    inputs: SegmentInputs,
     surge_m_s: Floats,
     wind_north_m_s: Floats,
     wind_east_m_s: Floats,
 ) -> Floats:
     """Surge and sway (m/s, through the water), turn rate (rad/s) and the motors' current (A), every STORED_S
-    from the beginning, shape (times, 4, boats, stretches).
+    from the beginning, shape (times, 4, boats, segments).
 
     factors: on the base boat's values, by key, shape (boats, 1). surge_m_s: at the beginning; wind: relative
-    to the water. Both are broadcast to (boats, stretches).
+    to the water. Both are broadcast to (boats, segments).
     """
 
     def value(path: str) -> Floats:

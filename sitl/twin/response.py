@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from sitl.twin.fit import Fit, factors_of
-from sitl.twin.model import LEFT, RIGHT, Stretches, simulate
+from sitl.twin.model import LEFT, RIGHT, SegmentInputs, simulate
 from sitl.twin.voyage import STORED_S, Floats
 from sitl.world.pack import CELL_V
 from sitl.world.scenario import Scenario
@@ -30,10 +30,10 @@ def response(base: Scenario, factors: Mapping[str, Floats], pack_ohm: float) -> 
     factors = {**factors, LEFT: equal / drive.left_gain, RIGHT: equal / drive.right_gain}
     steps, volts = round(_RUN_S / _STEP_S), base.battery.cells * CELL_V[len(CELL_V) // 2]
     ahead, none, open_v = np.tile([1.0, 0.5], (steps, 1)), np.zeros((steps, 2)), np.full((steps, 2), volts)
-    inputs = Stretches(_STEP_S, ahead, ahead, open_v, none, np.full(2, pack_ohm), none)
+    inputs = SegmentInputs(_STEP_S, ahead, ahead, open_v, none, np.full(2, pack_ohm), none)
     speed = simulate(base, factors, inputs, still, still, still)[:, 0]
     full, none, open_v = (one[: round(_TURN_S / _STEP_S), :1] for one in (ahead, none, open_v))
-    inputs = Stretches(_STEP_S, full, none, open_v, none, np.full(1, pack_ohm))
+    inputs = SegmentInputs(_STEP_S, full, none, open_v, none, np.full(1, pack_ohm))
     rate = simulate(base, factors, inputs, speed[-1, :, 1:], still, still)[:, 2, :, 0]
     return np.stack([speed[-1, :, 0], np.degrees(rate[-1]), _rise_s(speed[..., 1]), _rise_s(rate)])
 
@@ -41,7 +41,7 @@ def response(base: Scenario, factors: Mapping[str, Floats], pack_ohm: float) -> 
 def stated_figures(found: Fit) -> list[tuple[str, float, float]]:
     """FIGURES with their deviations, to first order."""
     logs = np.vstack([found.logs, found.logs + _STEP * np.eye(len(found.keys))])
-    values = response(found.base, factors_of(found.keys, logs), found.trips[0].voyage.pack_ohm)
+    values = response(found.base, factors_of(found.keys, logs), found.segmented[0].voyage.pack_ohm)
     slopes = (values[:, 1:] - values[:, :1]) / _STEP
     deviations = np.sqrt(np.einsum("fi,ij,fj->f", slopes, found.covariance, slopes))
     return list(zip(FIGURES, values[:, 0].tolist(), deviations.tolist(), strict=True))

@@ -143,7 +143,7 @@ def _increasing(rows: Floats) -> Floats:
     return first
 
 
-def hats(times_s: Floats, knot_s: float) -> Floats:
+def hat_functions(times_s: Floats, knot_s: float) -> Floats:
     """Values of the linear splines with knots knot_s apart or closer, shape (times, knots)."""
     span_s = max(float(times_s[-1] - times_s[0]), 1e-9)
     pieces = max(1, math.ceil(span_s / knot_s))
@@ -157,7 +157,7 @@ def _heading(rows: Floats, fixes: Floats, times_s: Floats) -> tuple[Floats, Floa
     at_s, rate = rows[:, 0], np.radians(rows[:, 2])
     turned: Floats = cumulative_trapezoid(rate, at_s, initial=0.0)
     compass = turned + np.unwrap(np.radians(rows[:, 1]) - turned)  # whole turns are counted by the gyro
-    spline, sideways = hats(at_s, _KNOT_S), np.interp(at_s, fixes[:, 0], fixes[:, 3]) * rate
+    spline, sideways = hat_functions(at_s, _KNOT_S), np.interp(at_s, fixes[:, 0], fixes[:, 3]) * rate
     waves = [wave(turns * compass) for turns in (1.0, 2.0) for wave in (np.sin, np.cos)]
     design = np.column_stack([turned, spline, *waves, sideways * np.cos(compass)])
     sd = np.array([_SCALE_SD, *[10.0] * spline.shape[1], *[_DEVIATION_SD] * 4, _TILT_SD])
@@ -180,7 +180,7 @@ def _open_circuit(pack: Floats, times_s: Floats, pack_ohm: float) -> tuple[Float
     at_s, volts, amps = pack.T
     if not np.isfinite(amps).all():
         return np.interp(times_s, at_s, volts), 0.0
-    knots = hats(at_s, 2.0 * _KNOT_S)
+    knots = hat_functions(at_s, 2.0 * _KNOT_S)
     noise_v = 0.02  # of a shunt monitor
     design = np.vstack([np.column_stack([knots, -amps]) / noise_v, np.zeros((1, knots.shape[1] + 1))])
     design[-1, -1] = 1.0 / max(pack_ohm, 0.01)

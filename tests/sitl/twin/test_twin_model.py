@@ -3,7 +3,7 @@ import pytest
 from twin_rig import OPEN_V, PACK_OHM, run_world
 
 from sitl.scenarios.scenario import load_scenario
-from sitl.twin.model import LEFT, Stretches, simulate
+from sitl.twin.model import LEFT, SegmentInputs, simulate
 
 WIND = (3.0, -2.0)
 
@@ -30,11 +30,11 @@ def test_many_boats_at_once_move_as_the_emulators_own_hull_and_drive(name: str) 
         "thrusters.propeller.astern_share": np.array([[1.0], [0.8]]),
         LEFT: np.array([[1.0], [0.9]]),
     }
-    both = commands[:, :, None] * [1.0, 0.5]  # the second stretch sails at half of it
+    both = commands[:, :, None] * [1.0, 0.5]  # the second segment sails at half of it
     truth = np.array(
         [[run_world(boat, share * commands, 0.02, WIND) for share in (1.0, 0.5)] for boat in (plain, other)]
     ).transpose(2, 3, 0, 1)
     open_v, ohm = np.full((steps, 2), OPEN_V), np.full(2, PACK_OHM)
-    inputs = Stretches(0.02, both[:, 0], both[:, 1], open_v, truth[:, 4], ohm)
+    inputs = SegmentInputs(0.02, both[:, 0], both[:, 1], open_v, truth[:, 4], ohm)
     found = simulate(plain, factors, inputs, np.zeros(2), *(np.array([[one]]) for one in WIND))
     np.testing.assert_allclose(found, truth[::5, :4], rtol=1e-9, atol=1e-12)

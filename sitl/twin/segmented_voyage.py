@@ -1,18 +1,18 @@
-"""A voyage cut into stretches, and what a model's run through them would have shown the boat's sensors."""
+"""A voyage cut into segments, and what a model's run through them would have shown the boat's sensors."""
 
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sitl.twin.model import Stretches
-from sitl.twin.voyage import STORED_S, Floats, Voyage, hats
+from sitl.twin.model import SegmentInputs
+from sitl.twin.voyage import STORED_S, Floats, Voyage, hat_functions
 from sitl.world.scenario import Scenario
 
-Whole = NDArray[np.int64]
+Indices = NDArray[np.int64]
 
 CHANNELS: Final = ("ahead, m/s", "abeam, m/s", "turn rate, rad/s", "current, A")
-STRETCH_S: Final = 30.0
+SEGMENT_S: Final = 30.0
 RUN_IN_S: Final = 4.0  # in which sway, turn rate and motors forget their beginning; the speed's is fitted
 _CURRENT_S: Final = 200.0  # between knots of the current
 # What is known beforehand of a voyage's nuisances, one deviation: wind relative to the water, north and east;
@@ -21,23 +21,23 @@ NUISANCE: Final = (3.0, 3.0, 0.1, 0.05, 0.3)
 CURRENT_M_S, _DRIFT_M_S = 1.0, 0.05  # of the current, and of its change from knot to knot
 
 
-class Trip:
-    """A voyage cut into stretches, and what was measured in them."""
+class SegmentedVoyage:
+    """A voyage cut into segments, and what was measured in them."""
 
-    def __init__(self, voyage: Voyage, base: Scenario, stretch_s: float = STRETCH_S) -> None:
-        self.voyage, self._base, self._end_s = voyage, base, RUN_IN_S + stretch_s
-        run_in, length = round(RUN_IN_S / voyage.step_s), round(stretch_s / voyage.step_s)
+    def __init__(self, voyage: Voyage, base: Scenario, segment_s: float = SEGMENT_S) -> None:
+        self.voyage, self._base, self._end_s = voyage, base, RUN_IN_S + segment_s
+        run_in, length = round(RUN_IN_S / voyage.step_s), round(segment_s / voyage.step_s)
         self.count = max(1, (len(voyage.left) - run_in) // length)
         starts = np.arange(self.count) * length
         rows = np.minimum(starts + np.arange(run_in + length + 50)[:, None], len(voyage.left) - 1)
-        self.inputs = Stretches(
+        self.inputs = SegmentInputs(
             voyage.step_s, voyage.left[rows], voyage.right[rows], voyage.open_v[rows],
             voyage.heading_rad[rows], np.full(self.count, voyage.pack_ohm), voyage.rate_rad_s[rows],
         )  # fmt: skip
         self._begins_s = voyage.start_s + starts * voyage.step_s
-        self.fixes = voyage.fixes[self._stretch(voyage.fixes[:, 0]) >= 0]
+        self.fixes = voyage.fixes[self._segment(voyage.fixes[:, 0]) >= 0]
         pack = voyage.pack[np.isfinite(voyage.pack[:, 2])]
-        self._pack = pack[self._stretch(pack[:, 0]) >= 0]
+        self._pack = pack[self._segment(pack[:, 0]) >= 0]
         self.rated = slice(round(RUN_IN_S / STORED_S), round(self._end_s / STORED_S))
         rates = voyage.rate_rad_s[rows[:: round(STORED_S / voyage.step_s)]][self.rated].T
         self.cos, self.sin = self._facing(0.0, 0.0)
@@ -45,22 +45,22 @@ class Trip:
         ahead, abeam = north * self.cos + east * self.sin, east * self.cos - north * self.sin
         self.measured: tuple[Floats, ...] = (ahead, abeam, rates.ravel(), self._pack[:, 2])
         self.surge_m_s = np.interp(self._begins_s, self.fixes[:, 0], ahead)
-        self.stretch = (
-            *[self._stretch(self.fixes[:, 0])] * 2, np.repeat(np.arange(self.count), rates.shape[1]),
-            self._stretch(self._pack[:, 0]),
+        self.segment = (
+            *[self._segment(self.fixes[:, 0])] * 2, np.repeat(np.arange(self.count), rates.shape[1]),
+            self._segment(self._pack[:, 0]),
         )  # fmt: skip
         rated_s = STORED_S * np.arange(self.rated.start, self.rated.stop)
         rated_s = np.add.outer(self._begins_s, rated_s).ravel()
         self.times_s: tuple[Floats, ...] = (self.fixes[:, 0], self.fixes[:, 0], rated_s, self._pack[:, 0])
-        knots = hats(self.fixes[:, 0], _CURRENT_S)
+        knots = hat_functions(self.fixes[:, 0], _CURRENT_S)
         # The first knot's current, and each change from knot to knot
         scale = np.full(knots.shape[1], _DRIFT_M_S)
         scale[0] = CURRENT_M_S
         self._flow = knots @ np.tril(np.ones((len(scale), len(scale)))) * scale
         self.nuisances = len(NUISANCE) + 2 * len(scale)
 
-    def _stretch(self, times_s: Floats) -> Whole:
-        """The stretch in which a time is compared, −1 without one."""
+    def _segment(self, times_s: Floats) -> Indices:
+        """The segment in which a time is compared, −1 without one."""
         at = np.searchsorted(self._begins_s + RUN_IN_S, times_s, side="right") - 1
         return np.where(times_s < self._begins_s[-1] + self._end_s, at, -1)
 
@@ -76,24 +76,24 @@ class Trip:
         return self._flow @ north, self._flow @ east
 
     def predicted(self, run: Floats, nuisance: Floats) -> tuple[Floats, ...]:
-        """What would have been measured, by channel. run: the model's output, shape (times, 4, stretches)."""
+        """What would have been measured, by channel. run: the model's output, shape (times, 4, segments)."""
         late_s, off_rad, idle_a = nuisance[2:5] * NUISANCE[2:]
         cos, sin = self._facing(late_s, off_rad)
         flow_n, flow_e = self.flow_m_s(nuisance)
-        at_s, stretch = self.fixes[:, 0] - late_s, self.stretch[0]
-        surge, sway = (self._at(run[:, n], at_s, stretch) for n in (0, 1))
+        at_s, segment = self.fixes[:, 0] - late_s, self.segment[0]
+        surge, sway = (self._at(run[:, n], at_s, segment) for n in (0, 1))
         north, east = surge * cos - sway * sin + flow_n, surge * sin + sway * cos + flow_e
         return (
             north * self.cos + east * self.sin,
             east * self.cos - north * self.sin,
             run[self.rated, 2].T.ravel(),
-            self._at(run[:, 3], self._pack[:, 0], self.stretch[3]) + self._base.battery.idle_a + idle_a,
+            self._at(run[:, 3], self._pack[:, 0], self.segment[3]) + self._base.battery.idle_a + idle_a,
         )
 
-    def _at(self, run: Floats, times_s: Floats, stretch: Whole) -> Floats:
-        """An output, shape (times, stretches), at these times in these stretches."""
-        at = np.clip((times_s - self._begins_s[stretch]) / STORED_S, 0.0, len(run) - 1.001)
+    def _at(self, run: Floats, times_s: Floats, segment: Indices) -> Floats:
+        """An output, shape (times, segments), at these times in these segments."""
+        at = np.clip((times_s - self._begins_s[segment]) / STORED_S, 0.0, len(run) - 1.001)
         below = at.astype(np.int64)
         share = at - below
-        value: Floats = run[below, stretch] * (1.0 - share) + run[below + 1, stretch] * share
+        value: Floats = run[below, segment] * (1.0 - share) + run[below + 1, segment] * share
         return value
