@@ -5,6 +5,7 @@ join them.
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import shapely
@@ -75,9 +76,9 @@ def survey(
     land in it is left out. Raises UsageError: open water without an area, or far too many tracks. NoRoute: no
     water in the area is wide enough for the clearance. NoRouteError: the start is no place for a boat.
     """
-    tried: list[Survey] = []
+    tried, room = list[Survey](), _room(chart, start, settings, area)
     for passes in settings.pass_choices:
-        tried.append(_survey(chart, start, replace(settings, shore_passes=passes), area))
+        tried.append(_survey(chart, start, replace(settings, shore_passes=passes), room))
         if tried[-1].route.length_m > MUCH_LONGER * tried[0].route.length_m:
             break
     least = min(LEAST_COVERED, max(one.coverage for one in tried))
@@ -86,9 +87,22 @@ def survey(
     )
 
 
-def _survey(
+class _Room(NamedTuple):
+    """reached: water with the clearance. wide: of it, that with the margin too. water: of that, what is to be
+    covered, the rafts in it not cut out. target: as of `Survey`. notes: what is out of reach.
+    """
+
+    reached: Polygon
+    wide: MultiPolygon
+    rafts: MultiPolygon
+    water: list[Polygon]
+    target: BaseGeometry
+    notes: list[str]
+
+
+def _room(
     chart: Chart, start: Point | None, settings: SurveySettings, area: Polygon | MultiPolygon | None
-) -> Survey:
+) -> _Room:
     plan, swath_m = settings.plan, settings.swath_m
     if area is None and chart.is_open:
         raise UsageError("open water has no end: name an area to survey")
@@ -105,10 +119,16 @@ def _survey(
     )
     if area is not None:
         target = target.intersection(area)
+    notes = _left_out(chart, target, area, plan.required_m)
+    return _Room(reached, MultiPolygon(wide), rafts, water, target, notes)
+
+
+def _survey(chart: Chart, start: Point | None, settings: SurveySettings, room: _Room) -> Survey:
+    reached, water, target, swath_m = room.reached, room.water, room.target, settings.swath_m
     rings: list[Array] = []
     inside: Sequence[Polygon] = water
     if settings.shore_passes:
-        rings, inside = passes_along(chart, water, target.union(rafts), settings)
+        rings, inside = passes_along(chart, water, target.union(room.rafts), settings)
     passes = [Pass(ring) for ring in rings]
     if passes:
         inside = with_spikes(passes, inside, reached, swath_m)
@@ -130,16 +150,15 @@ def _survey(
         lines = lines_across(water, course_rad + 0.5 * math.pi, settings.cross_spacing_m)
         last = visits[-1].points[-1] if visits else origin
         visits += in_best_order(lines, reached, last, end, detail_m, "cross")
-    legs, short = joined_legs(chart, visits, start, (MultiPolygon(wide), rafts), settings)
+    legs, short = joined_legs(chart, visits, start, (room.wide, room.rafts), settings)
     notes = (
         [f"{short} ends of tracks have no {settings.lead_m:g} m of water to lead in or out"] if short else []
     )
     if settings.turn_radius_m > 0.0:
-        legs, tighter = with_turns(legs, MultiPolygon(wide), settings.turn_radius_m)
+        legs, tighter = with_turns(legs, room.wide, settings.turn_radius_m)
         if tighter:
             notes.append(f"{tighter} turns are tighter than {settings.turn_radius_m:g} m for lack of room")
-    notes += _left_out(chart, target, area, plan.required_m)
-    route = joined(legs, notes)
+    route = joined(legs, [*notes, *room.notes])
     return Survey(
         route,
         target,
