@@ -2,6 +2,8 @@
 
 import re
 import tomllib
+import typing
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +12,11 @@ from gpiozero.pins.mock import MockFactory
 from pictures.wiring_table import wiring_rows
 
 from companion.app.needs import pins_in_use
+from companion.config.actuators import PulseOutputSetting
 from companion.config.boat_config import BoatConfig, decode_config, load_config
+from companion.config.section import Section
+from companion.config.sensors import ProbePart
+from companion.config.tuning import Rc
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "hardware.md").read_text(encoding="utf-8")
@@ -22,6 +28,44 @@ OTHER_ROWS = re.findall(
     GUIDE,
     re.MULTILINE,
 )
+
+PARTS_TABLE = re.findall(
+    r"^\| \[([^]]+)\]\(#([^)]+)\) \| `([a-z.]+) = \"(\w+)\"` \| ([^|]+) \| ([^|]+) \|$", GUIDE, re.MULTILINE
+)
+
+
+def choices(section: type[Section], path: str) -> Iterator[tuple[str, str]]:
+    """The drivers that a section can name, with their key; inertial sensors and outputs of signals, too."""
+    hints = typing.get_type_hints(section)
+    for name in {"driver", "imu", "output"} & hints.keys():
+        for value in re.findall(r"'(\w+)'", str(hints[name])):
+            if value != "none":
+                yield f"{path}{name}", value
+
+
+def all_choices() -> Iterator[tuple[str, str]]:
+    for name in BoatConfig().parts.__struct_fields__:
+        if isinstance(part := getattr(BoatConfig().parts, name), Section):
+            yield from choices(type(part), f"parts.{name}.")
+    yield from choices(Rc, "rc.")
+    yield from choices(ProbePart, "probe.")
+    yield from choices(PulseOutputSetting, "")
+
+
+def test_each_driver_has_a_row_in_the_table_of_parts_and_each_row_its_driver() -> None:
+    assert {(key, driver) for _, _, key, driver, _, _ in PARTS_TABLE} == set(all_choices())
+
+
+@pytest.mark.parametrize("row", PARTS_TABLE, ids=lambda row: row[3])
+def test_a_row_of_the_table_of_parts_leads_to_its_section_and_says_how_it_was_tested(
+    row: tuple[str, ...],
+) -> None:
+    headings = [
+        re.sub(r"[^a-z0-9 -]", "", one.lower()) for one in re.findall(r"^#+ (.+)$", GUIDE, re.MULTILINE)
+    ]
+    assert row[1] in {heading.replace(" ", "-") for heading in headings}
+    assert row[5].strip()
+    assert all(len(cell.split()) <= 15 for cell in row)
 
 
 def value_at(config: BoatConfig, path: str) -> object:
