@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Sequence
-from typing import Annotated, Final, Literal
+from typing import Annotated, Final, Literal, get_args
 
 from msgspec import Meta
 
@@ -32,7 +32,8 @@ class GnssPart(Section, frozen=True):
     latency_s: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.1  # ArduPilot assumes 0.12 to 0.22 for u-blox
 
 
-CompassDriver = Literal["nmea", "bno055", "bno085", "qmc5883l", "qmc5883p", "hmc5883l", "lis3mdl"]
+MagnetometerDriver = Literal["qmc5883l", "qmc5883p", "hmc5883l", "lis3mdl"]
+CompassDriver = Literal["nmea", "bno055", "bno085", MagnetometerDriver]
 QuarterTurn = Literal[0, 90, 180, 270]
 BusAddress = Annotated[int, Meta(ge=0, le=0x77)]
 
@@ -87,7 +88,7 @@ class CompassPart(Section, frozen=True):
     @property
     def is_magnetometer(self) -> bool:
         """Whether the boat calibrates the part, which does not calibrate itself."""
-        return self.part_driver in ("qmc5883l", "qmc5883p", "hmc5883l", "lis3mdl")
+        return self.part_driver in get_args(MagnetometerDriver)
 
 
 # Least and greatest range by the data sheets: Elecfreaks HC-SR04; JSN-SR04T (blind 25 cm); DFRobot SEN0311

@@ -14,9 +14,10 @@ from companion.config.sensors import BatteryPart, CompassPart, ProbePart
 from companion.core.errors import HardwareError
 from companion.core.generations import ProfileFile
 from companion.hal.battery import open_battery_monitor
-from companion.hal.heading import magnetic_compass
 from companion.hal.heading.bno055 import Bno055, Bno055Compass, open_bno055
+from companion.hal.heading.inertial import INERTIAL
 from companion.hal.heading.magnetic_compass import open_magnetic_compass
+from companion.hal.heading.magnetometers import MAGNETOMETERS
 from companion.hal.probes import open_analog_probe
 from companion.hal.pulses.pca9685 import open_pca9685_pulses, replace_pca9685_pulses
 from companion.hal.raspberry_pi import I2cBus, import_optional
@@ -188,7 +189,7 @@ def test_a_library_that_does_not_load_is_one_line_that_names_the_part_and_the_cu
 
 
 def test_the_addresses_of_the_parts_are_those_that_the_needs_of_the_boat_list() -> None:
-    chips = {**magnetic_compass.MAGNETOMETERS, **magnetic_compass.INERTIAL}
+    chips = {**MAGNETOMETERS, **INERTIAL}
     assert {driver: I2C_ADDRESSES[driver] for driver in chips} == {
         key: one.ADDRESS for key, one in chips.items()
     }

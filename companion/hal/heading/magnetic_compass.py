@@ -13,18 +13,9 @@ from companion.core.status_text import Severity
 from companion.core.units import wrap_pi
 from companion.core.vectors import Vector, times
 from companion.hal.background import BackgroundSensor
-from companion.hal.heading.chips import (
-    Chip,
-    Hmc5883l,
-    InertialSensor,
-    Lis3mdl,
-    Lsm6ds,
-    Magnetometer,
-    Motion,
-    Mpu6050,
-    Qmc5883l,
-    Qmc5883p,
-)
+from companion.hal.heading.chips import Chip, InertialSensor, Magnetometer, Motion
+from companion.hal.heading.inertial import INERTIAL
+from companion.hal.heading.magnetometers import MAGNETOMETERS
 from companion.hal.heading.orientation import board_to_body
 from companion.hal.raspberry_pi import open_i2c
 from companion.sensors.compass.attitude import AttitudeFilter, magnetic_heading
@@ -40,13 +31,6 @@ STUCK: Final = 50  # equal samples, a second of them: a working part has a noise
 LOST_S: Final = 2.0  # the gyro bridges a magnetometer without a field for this long
 RETRY_S: Final = 0.5  # after an error of one part; the other goes on meanwhile
 _LEVEL: Final = (0.0, 0.0, 1.0)
-MAGNETOMETERS: Final[dict[str, type[Magnetometer]]] = {
-    "qmc5883l": Qmc5883l,
-    "qmc5883p": Qmc5883p,
-    "hmc5883l": Hmc5883l,
-    "lis3mdl": Lis3mdl,
-}
-INERTIAL: Final[dict[str, type[InertialSensor]]] = {"mpu6050": Mpu6050, "lsm6ds": Lsm6ds}
 
 
 class _Watched(Generic[Sample]):

@@ -41,7 +41,7 @@ class Hand:
 def hand(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Hand:
     hand = Hand()
     monkeypatch.setattr(Qmc5883lTwin, "starts_s", 0.0)
-    monkeypatch.setattr("companion.hal.heading.chips._RESET_S", 0.0)
+    monkeypatch.setattr("companion.hal.heading.magnetometers._RESET_S", 0.0)
     plug_in(monkeypatch, tmp_path, {0x0D: Qmc5883lTwin(hand.scene), 0x6A: Lsm6dsTwin(hand.scene)})
 
     def start(compass: MagneticCompass) -> MagneticCompass:
