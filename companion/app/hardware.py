@@ -92,6 +92,7 @@ class _Assembly:
             payload=begin_payload(config, self._begin, self._pace),
             corrections=gnss if fitted.gnss.driver in ("nmea", "ubx") else None,
             depth=shared or self._sensor("Depth sounder", fitted.depth.driver, parts.open_depth),
+            ais=self._sensor("AIS receiver", fitted.ais.driver, parts.open_ais),
             probes=begin_probes(config, self._now, self._begin, self._pace),
             retried=tuple(self._begun),
         )

@@ -16,6 +16,7 @@ from companion.config.sensors import ProbePart
 from companion.core.errors import HardwareError
 from companion.core.generations import ProfileFile
 from companion.hal import interfaces as parts
+from companion.hal.ais import open_ais_receiver
 from companion.hal.battery import open_battery_monitor
 from companion.hal.gnss.gpsd import open_gpsd_gnss
 from companion.hal.gnss.receiver import GnssReceiver, open_nmea_gnss
@@ -156,6 +157,10 @@ def open_depth(config: BoatConfig, now: Now) -> parts.DepthSounder:
             return open_nmea_depth(replace(part, port=port, baud=baud), now)
         case _:
             return open_nmea_depth(part, now)
+
+
+def open_ais(config: BoatConfig, now: Now) -> parts.Ais:
+    return open_ais_receiver(config.parts.ais, now)
 
 
 def probe_groups(config: BoatConfig) -> list[tuple[ProbePart, ...]]:

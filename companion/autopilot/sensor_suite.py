@@ -10,6 +10,7 @@ from collections.abc import Callable
 from companion.config.boat_config import BoatConfig, Trim
 from companion.config.sensors import CompassPart
 from companion.core.readings import (
+    AisReading,
     BatteryReading,
     DepthReading,
     GnssFix,
@@ -61,6 +62,7 @@ class SensorSuite:
         self.sonar: SonarReading | None = None  # the latest ping
         self.depth: DepthReading | None = None
         self.bottom: DepthReading | None = None
+        self.ais: AisReading | None = None
         self.probes: list[ProbeReading] = []  # of those that are not silent
         self.hull: HullReading | None = None
         self.rc: RcReading | None = None  # the latest RC frame
@@ -71,6 +73,7 @@ class SensorSuite:
         self._slow_due_s = 0.0
         self._probe_silences: dict[str, SilenceMonitor] = {}
         self._depth_silence = _monitor("Depth sounder", hardware.depth)
+        self._ais_silence = _monitor("AIS receiver", hardware.ais)
         self._hull_silence = _monitor("Hull sensor", hardware.hull)
         self._battery_silence = _monitor("Battery monitor", hardware.battery)
         self._measured: BatteryReading | None = None  # the monitor's latest, fresh or not
@@ -179,6 +182,9 @@ class SensorSuite:
             found = self.bottom if self.depth is None or self.depth.depth_m is None else self.depth
             self.bottom = fresh(found, parts.depth.timeout_s, now_s)
             self._tell(self._depth_silence, parts.depth.timeout_s, now_s, self.depth)
+        if hardware.ais is not None:
+            self.ais = fresh(hardware.ais.read(), parts.ais.timeout_s, now_s)
+            self._tell(self._ais_silence, parts.ais.timeout_s, now_s, self.ais)
         if hardware.probes:
             self._read_probes(config, now_s)
         if hardware.sonar is not None:

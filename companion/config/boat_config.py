@@ -42,6 +42,7 @@ class Parts(Section, frozen=True):
     battery: sensors.BatteryPart = sensors.BatteryPart()
     hull: sensors.HullPart = sensors.HullPart()
     depth: sensors.DepthPart = sensors.DepthPart()
+    ais: sensors.AisPart = sensors.AisPart()
     pca9685: Pca9685Part = Pca9685Part()
 
 

@@ -162,6 +162,19 @@ class DepthPart(Section, frozen=True):
     min_confidence: Share = 0.5  # readings below it found no bottom
 
 
+class AisPart(Section, frozen=True):
+    """An AIS receiver with NMEA 0183 output (AIVDM, AIVDO), on a device or another port url.
+
+    mmsi: the boat's own number, whose reports are no vessel; 0: only those that its transponder tells as own.
+    """
+
+    driver: Literal["nmea", "none"] = "none"
+    port: str = "/dev/ttyUSB3"
+    baud: Annotated[int, Meta(ge=1)] = 38400  # of IEC 61162-2
+    timeout_s: Positive = 360.0  # silent: no station near has told anything, two intervals of one at anchor
+    mmsi: Annotated[int, Meta(ge=0, le=999_999_999)] = 0
+
+
 class BatteryPart(Section, frozen=True):
     """Battery monitor on I²C: across a shunt (INA219, INA226, INA228), or by divider and Hall sensor on the
     inputs of an ADS1115.

@@ -105,6 +105,42 @@ class HullReading(Struct, frozen=True, gc=False):
     temperature_c: float | None = None
 
 
+class AisVessel(Struct, frozen=True, gc=False):
+    """A vessel as its AIS reports it; None: not known. time_s: when its position arrived.
+
+    turn_rad_s: positive to starboard, infinite if only the side is known. status and kind are the numbers of
+    ITU-R M.1371, 15 and 0 if unknown. error_m: of the position, 95 %. bow_m, stern_m, port_m, starboard_m:
+    from the antenna; all 0 if unknown, bow and port 0 where only length (stern) and beam are known.
+    """
+
+    mmsi: int
+    time_s: float = 0.0
+    position: LatLon | None = None
+    speed_m_s: float | None = None
+    course_rad: float | None = None
+    heading_rad: float | None = None
+    turn_rad_s: float | None = None
+    status: int = 15
+    kind: int = 0
+    is_class_b: bool = False
+    is_accurate: bool = False
+    is_doubtful: bool = False  # its latest position does not agree with the one before
+    error_m: float = 0.0
+    name: str = ""
+    callsign: str = ""
+    bow_m: int = 0
+    stern_m: int = 0
+    port_m: int = 0
+    starboard_m: int = 0
+
+
+class AisReading(Struct, frozen=True):
+    """All vessels with a position that can be believed. time_s: of the latest message of any station."""
+
+    time_s: float
+    vessels: tuple[AisVessel, ...] = ()
+
+
 class RcReading(Struct, frozen=True, gc=False):
     """Channels of an RC receiver: pulse widths in µs, channel 1 first.
 

@@ -6,6 +6,7 @@ from typing import Final
 
 TAU = 2.0 * math.pi
 GPS_EPOCH_UNIX_S: Final = 315_964_800.0 - 18.0  # 1980-01-06, less the leap seconds until 2017, the last
+KNOT_M_S: Final = 1852.0 / 3600.0
 GPS_WEEK_S: Final = 604_800.0
 
 

@@ -11,6 +11,7 @@ from typing import Any, Protocol, TypeVar, runtime_checkable
 
 from companion.config.parameters import ParameterHook
 from companion.core.readings import (
+    AisReading,
     BatteryReading,
     DepthReading,
     GnssFix,
@@ -165,6 +166,7 @@ Compass = Sensor[HeadingReading]
 Battery = Sensor[BatteryReading]
 Hull = Sensor[HullReading]
 DepthSounder = Sensor[DepthReading]
+Ais = Sensor[AisReading]
 Probe = Sensor[ProbeReading]
 RcReceiver = Sensor[RcReading]
 """A reading is stamped with the arrival of its frame."""
@@ -209,6 +211,7 @@ class Hardware:
     cutoff: MotorCutoff | None = None
     rudder: Rudder | None = None
     depth: DepthSounder | None = None
+    ais: Ais | None = None
     probes: tuple[Probe, ...] = ()  # in the order of the configuration
     field: FieldCorrector | None = None  # of the compass, if it is a bare magnetometer
     payload: PayloadParts | None = None

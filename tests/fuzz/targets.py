@@ -5,6 +5,7 @@ import math
 import struct
 import tempfile
 from collections.abc import Callable, Iterator
+from importlib import import_module
 from pathlib import Path
 
 from fastcrc.crc8 import dvb_s2 as crc8
@@ -29,6 +30,7 @@ from companion.rc.parsers import CrsfParser, IbusParser, SbusParser
 from companion.rc.rc_control import RcControl
 from companion.sensors.gnss_heading import GnssHeading
 from companion.sensors.gpsd import GpsdReader
+from companion.sensors.nmea.ais import AisReader
 from companion.sensors.nmea.depth import DEPTH_SENTENCES, DepthAssembler
 from companion.sensors.nmea.fix import FixAssembler
 from companion.sensors.nmea.heading import HeadingAssembler
@@ -152,8 +154,8 @@ def nmea(data: bytes) -> None:
 
 
 def sounders(data: bytes) -> None:
-    """What rangers, depth sounders and probes send; the first byte says which. Checksums are mended."""
-    which, said = data[0] % 5 if data else 0, data[1:]
+    """What sensors on serial lines send; the first byte says which. Checksums are mended."""
+    which, said = data[0] % 6 if data else 0, data[1:]
     if which < 2:
         kind = (A02YYUW, TFMINI)[which]
         frames = RangerReader(kind)
@@ -176,6 +178,11 @@ def sounders(data: bytes) -> None:
         for number, sentence in enumerate(reader.feed(mended)):
             reading = depths.feed(sentence, number)
             assert reading is None or reading.depth_m is None or 0.0 < reading.depth_m <= 100.0
+    elif which == 5:
+        ais = AisReader(import_module("pyais").decode)
+        for number, line in enumerate(said.split(b"\n")):
+            ais.feed(_with_checksum(line) + b"\n", number)
+        assert len(ais._held) < 260
     else:
         for part in _PROBES:
             value = value_of(raw_number(said.decode("utf-8", "replace"), part), part)
@@ -183,13 +190,13 @@ def sounders(data: bytes) -> None:
 
 
 def _with_checksum(line: bytes) -> bytes:
-    if not line.startswith(b"$"):
+    if not line.startswith((b"$", b"!")):
         return line
     body = line[1:].partition(b"*")[0].rstrip(b"\r")
     check = 0
     for byte in body:
         check ^= byte
-    return b"$" + body + b"*%02X\r" % check
+    return line[:1] + body + b"*%02X\r" % check
 
 
 def gnss(data: bytes) -> None:

@@ -18,7 +18,7 @@ from twins.ubx_receiver import ZED_F9P, UbxReceiver
 from twins.ubx_serial import SerialReceiver
 
 from companion.app.hardware import begin_probes
-from companion.app.parts import open_compass, open_depth
+from companion.app.parts import open_ais, open_compass, open_depth
 from companion.config.boat_config import BoatConfig, decode_config
 from companion.config.sensors import GnssPart, RangerPart
 from companion.config.tuning import Rc
@@ -91,6 +91,12 @@ def nmea_depth(line: PtyLine, clock: HandClock) -> Open:
     )
 
 
+def ais(line: PtyLine, clock: HandClock) -> Open:
+    report = b"!AIVDM,1,1,,B,177KQJ5000G?tO`K>RA1wUbN0TKH,0*5C\r\n"
+    part = open_ais(parts(line.device, ais={"driver": "nmea"}), clock)
+    return Open(part, lambda: line.say(report), lambda one: one.vessels[0].mmsi == 477_553_000)
+
+
 def ping1d(line: PtyLine, clock: HandClock) -> Open:
     twin = Ping1dTwin()
     part = open_depth(parts(line.device, depth={"driver": "ping1d"}), clock)
@@ -121,7 +127,7 @@ def rc(driver: str, frame: bytes, channels: int) -> Callable[[PtyLine, HandClock
 
 KINDS = {
     "nmea gnss": gnss, "u-blox": ubx, "nmea compass": compass, "bno085": bno085, "nmea depth": nmea_depth,
-    "ping1d": ping1d, "a02yyuw": a02yyuw, "tfmini": tfmini, "crsf": rc("crsf", CRSF, 16),
+    "ais": ais, "ping1d": ping1d, "a02yyuw": a02yyuw, "tfmini": tfmini, "crsf": rc("crsf", CRSF, 16),
     "ibus": rc("ibus", IBUS, 14), "sbus": rc("sbus", SBUS, 18),
 }  # fmt: skip
 

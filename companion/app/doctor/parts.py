@@ -48,6 +48,7 @@ PARTS: Final[Mapping[str, Open]] = {
     "battery": parts.open_battery,
     "hull": parts.open_hull_sensor,
     "depth": parts.open_depth,
+    "ais": parts.open_ais,
     "rc": parts.open_rc,
 }
 
@@ -158,6 +159,8 @@ def in_words(reading: object, config: BoatConfig) -> Words:
             return Verdict.FAILED if reading.is_wet else Verdict.FINE, text
         case readings.DepthReading():
             return _depth_in_words(reading)
+        case readings.AisReading():
+            return Verdict.FINE, f"hears stations; vessels with a position: {len(reading.vessels)}"
         case readings.ProbeReading():
             return Verdict.FINE, f"{reading.value:.6g} {reading.unit}".rstrip()
         case readings.RcReading(is_failsafe=True):

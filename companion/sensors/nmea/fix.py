@@ -8,11 +8,11 @@ import math
 
 from companion.core.geo import LatLon
 from companion.core.readings import GnssFix
+from companion.core.units import KNOT_M_S
 from companion.sensors.nmea.sentences import Sentence
 
 GNSS_SENTENCES = frozenset({"GGA", "GNS", "RMC", "VTG", "GLL", "GSA", "GST"})
 
-_KNOT_M_S = 1852.0 / 3600.0
 _UNKNOWN_HDOP = 99.99
 _NO_FIX, _FIX_2D, _FIX_3D, _DGNSS, _RTK_FLOAT, _RTK_FIXED = 1, 2, 3, 4, 5, 6
 # Quality of a GGA; dead reckoning (6) and manual input (7) are no fix, 8 is a receiver's own simulator.
@@ -181,7 +181,7 @@ class _Epoch:
     def _add_velocity(self, speed_kn: float | None, course_deg: float | None) -> None:
         # A receiver at rest leaves the course empty: a speed without direction is no velocity.
         if speed_kn is not None and course_deg is not None:
-            speed_m_s, course_rad = speed_kn * _KNOT_M_S, math.radians(course_deg)
+            speed_m_s, course_rad = speed_kn * KNOT_M_S, math.radians(course_deg)
             self._velocity = (speed_m_s * math.cos(course_rad), speed_m_s * math.sin(course_rad))
 
 

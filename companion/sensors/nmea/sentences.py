@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pynmeagps import NMEAReader
 from pynmeagps.exceptions import NMEAMessageError, NMEAParseError, NMEAStreamError, NMEATypeError
 
-_LONGEST_SENTENCE = 256  # the standard says 82; some receivers exceed it
+LONGEST_SENTENCE = 256  # the standard says 82; some receivers exceed it
 _FAULTS = (
     NMEAParseError,
     NMEATypeError,
@@ -36,7 +36,27 @@ class Sentence:
         return str(self.fields.get(name, ""))
 
 
-class NmeaReader:
+class LineReader:
+    """Splits a byte stream into lines. `malformed`: those with a fault, or too many bytes."""
+
+    def __init__(self) -> None:
+        self._held = b""
+        self.malformed = 0
+
+    def lines(self, data: bytes) -> list[bytes]:
+        """The complete lines; a partial one is kept."""
+        *lines, self._held = (self._held + data).split(b"\n")
+        if len(self._held) > LONGEST_SENTENCE:
+            self._held = b""
+            self.malformed += 1
+        return [line.rstrip() for line in lines]
+
+    def forget(self) -> None:
+        """Drop a partial line after a reconnect."""
+        self._held = b""
+
+
+class NmeaReader(LineReader):
     """Splits a byte stream into sentences and parses the wanted kinds.
 
     `malformed`: lines with a wrong checksum, wrong fields or too many bytes; `skipped`: sentences of other
@@ -44,11 +64,10 @@ class NmeaReader:
     """
 
     def __init__(self, wanted: frozenset[str]) -> None:
+        super().__init__()
         self._wanted = wanted
-        self._held = b""
         self.accepted = 0
         self.skipped = 0
-        self.malformed = 0
 
     def want(self, kinds: frozenset[str]) -> None:
         """Parse these kinds too."""
@@ -56,26 +75,14 @@ class NmeaReader:
 
     def feed(self, data: bytes) -> list[Sentence]:
         """Parse complete sentences; a partial one is kept."""
-        *lines, self._held = (self._held + data).split(b"\n")
-        if len(self._held) > _LONGEST_SENTENCE:
-            self._held = b""
-            self.malformed += 1
-        sentences = []
-        for line in lines:
-            sentence = self._parse(line.rstrip())
-            if sentence is not None:
-                sentences.append(sentence)
-        return sentences
-
-    def forget(self) -> None:
-        """Drop a partial sentence after a reconnect."""
-        self._held = b""
+        sentences = map(self._parse, self.lines(data))
+        return [sentence for sentence in sentences if sentence is not None]
 
     def _parse(self, line: bytes) -> Sentence | None:
         if not line:
             return None
         raw = line[max(line.rfind(b"$"), 0) :]  # a truncated sentence may precede a whole one
-        if raw[:1] != b"$" or raw[-3:-2] != b"*" or len(raw) > _LONGEST_SENTENCE:
+        if raw[:1] != b"$" or raw[-3:-2] != b"*" or len(raw) > LONGEST_SENTENCE:
             self.malformed += 1
             return None
         if raw[3:6].decode("ascii", "replace") not in self._wanted:

@@ -1,0 +1,172 @@
+"""Converts AIS sentences (IEC 61162-1) to vessels (ITU-R M.1371-5). Malformed input is counted, not raised.
+
+The types 1, 2, 3, 18, 19 and 27 give positions, 5, 19 and 24 static data. Base stations (4) show that the
+receiver hears; aids to navigation (21), aircraft (9) and texts are left out.
+"""
+
+import math
+from collections.abc import Callable
+from functools import reduce
+from operator import xor
+from typing import Any, Final
+
+from msgspec.structs import replace
+
+from companion.core.geo import LatLon, geodesic_m
+from companion.core.readings import AisReading, AisVessel
+from companion.core.units import KNOT_M_S
+from companion.sensors.nmea.sentences import LONGEST_SENTENCE, LineReader
+
+LIFE_S: Final = 600.0  # without a position; ArduPilot's AIS_TIME_OUT
+_MOST_VESSELS: Final = 100  # the largest AIS_LIST_MAX of ArduPilot
+_POSITIONS: Final = frozenset({1, 2, 3, 18, 19, 27})
+_STATIC: Final = frozenset({5, 19, 24})
+_CLASS_B: Final = frozenset({18, 19, 24})
+_LONG_RANGE: Final = 27  # in tenths of a minute
+_ERRORS_M: Final = (
+    13.0,
+    10.0,
+)  # 95 %, of a receiver without and with corrections (IMO MSC.112(73), MSC.114(73))
+_COARSE_M: Final = 0.1 / 60.0 * 111e3
+_MOST_PARTS: Final = 10  # unfinished messages: as many as there are sequential numbers
+_TOGETHER_S: Final = 1.0  # the sentences of a message come back to back
+_FASTEST_M_S: Final = 50.0 * KNOT_M_S  # of a vessel that does not tell its speed: the fastest ferries
+_GAINS: Final = 1.5  # it may go so much faster between two reports
+_LATE_S: Final = 3.0  # a report may come so much later than another
+_SIDE_ONLY: Final = 127.0  # of a turn: more than 10° a minute
+Decode = Callable[..., Any]
+"""pyais.decode: the message of its sentences. It may raise anything."""
+
+
+class AisReader(LineReader):
+    """Keeps the vessels of a receiver's sentences.
+
+    `malformed`: sentences with a wrong checksum or form, messages that cannot be decoded; `skipped`: other
+    sentences; `lost`: parts of messages without the parts before them.
+    """
+
+    def __init__(self, decode: Decode, own_mmsi: int = 0) -> None:
+        super().__init__()
+        self.skipped = self.lost = 0
+        self._decode = decode
+        self._own_mmsi, self._transponder_mmsi = own_mmsi, 0
+        self._parts: dict[tuple[bytes, ...], tuple[float, list[bytes]]] = {}
+        self._vessels: dict[int, AisVessel] = {}  # by MMSI, the latest heard last
+
+    def feed(self, data: bytes, time_s: float) -> AisReading | None:
+        """Process bytes received at time_s; None if they complete no message."""
+        heard = [self._hear(line, time_s) for line in self.lines(data)]
+        if not any(heard):
+            return None
+        known = (one for one in self._vessels.values() if one.position is not None and not one.is_doubtful)
+        return AisReading(time_s, tuple(one for one in known if time_s - one.time_s <= LIFE_S))
+
+    def forget(self) -> None:
+        super().forget()
+        self._parts.clear()
+
+    def _hear(self, line: bytes, time_s: float) -> bool:
+        """Whether a sentence completes a message."""
+        raw = line[max(line.rfind(b"!"), 0) :]  # a tag block, or a truncated sentence, may precede it
+        if raw[3:6] not in (b"VDM", b"VDO"):
+            self.skipped += bool(raw)
+            return False
+        fields = raw.split(b",")
+        if len(fields) != 7 or len(raw) > LONGEST_SENTENCE or not _has_checksum(raw):
+            self.malformed += 1
+            return False
+        _, count, number, sequence, channel, *_ = fields
+        begun_s, parts = self._parts.pop((count, sequence, channel), (time_s, list[bytes]()))
+        if number == b"1":
+            begun_s, parts = time_s, []
+        if number != b"%d" % (len(parts) + 1) or time_s - begun_s > _TOGETHER_S:
+            self.lost += 1
+            return False
+        parts.append(raw)
+        if number != count:
+            self._parts[count, sequence, channel] = begun_s, parts
+            if len(self._parts) > _MOST_PARTS:
+                del self._parts[next(iter(self._parts))]
+            return False
+        try:
+            self._ingest(self._decode(*parts), time_s, is_own=raw[3:6] == b"VDO")
+        except Exception:  # whatever the library raises
+            self.malformed += 1
+            return False
+        return True
+
+    def _ingest(self, message: Any, time_s: float, *, is_own: bool) -> None:  # noqa: ANN401 (one class a type)
+        mmsi, kind = int(message.mmsi), message.msg_type
+        if is_own:
+            self._transponder_mmsi = mmsi
+        if mmsi in (self._own_mmsi, self._transponder_mmsi):
+            self._vessels.pop(mmsi, None)
+            return
+        if kind not in _POSITIONS | _STATIC:
+            return
+        vessel = self._vessels.get(mmsi, AisVessel(mmsi))
+        if kind in _STATIC:
+            vessel = _with_static(vessel, message)
+        if kind in _POSITIONS:
+            vessel = _moved(vessel, message, time_s)
+        if kind != _LONG_RANGE:
+            vessel = replace(vessel, is_class_b=kind in _CLASS_B)
+        self._vessels.pop(mmsi, None)
+        self._vessels[mmsi] = vessel
+        if len(self._vessels) > _MOST_VESSELS:
+            del self._vessels[next(iter(self._vessels))]
+
+
+def _with_static(vessel: AisVessel, message: Any) -> AisVessel:  # noqa: ANN401
+    """The two parts of a type 24 have different fields."""
+    names = {"shipname": "name", "callsign": "callsign", "ship_type": "kind"}
+    names |= {f"to_{side}": f"{side}_m" for side in ("bow", "stern", "port", "starboard")}
+    told = {ours: getattr(message, theirs, None) for theirs, ours in names.items()}
+    return replace(vessel, **{name: value for name, value in told.items() if value is not None})
+
+
+def _moved(vessel: AisVessel, message: Any, time_s: float) -> AisVessel:  # noqa: ANN401
+    """With a new position; as it was without a known one."""
+    lat_deg, lon_deg, is_coarse = message.lat, message.lon, message.msg_type == _LONG_RANGE
+    if not (abs(lat_deg) <= 90.0 and abs(lon_deg) <= 180.0):
+        return vessel
+    turn_deg_min = _below(getattr(message, "turn", None), _SIDE_ONLY + 1.0, -_SIDE_ONLY)
+    if turn_deg_min is not None and abs(turn_deg_min) == _SIDE_ONLY:
+        turn_deg_min = math.copysign(math.inf, turn_deg_min)
+    speed_kn = _below(message.speed, 63.0 if is_coarse else 102.3)
+    new = replace(
+        vessel,
+        time_s=time_s,
+        position=LatLon(lat_deg, lon_deg),
+        speed_m_s=None if speed_kn is None else speed_kn * KNOT_M_S,
+        course_rad=_radians(_below(message.course, 360.0)),
+        heading_rad=_radians(_below(getattr(message, "heading", None), 360.0)),
+        turn_rad_s=None if turn_deg_min is None else math.radians(turn_deg_min) / 60.0,
+        status=int(getattr(message, "status", 15)),
+        is_accurate=bool(message.accuracy),
+        error_m=_COARSE_M if is_coarse else _ERRORS_M[bool(message.accuracy)],
+    )
+    return replace(new, is_doubtful=vessel.position is not None and _has_jumped(vessel, new))
+
+
+def _has_jumped(old: AisVessel, new: AisVessel) -> bool:
+    """Whether no vessel of these speeds gets from one position to the other in the time between."""
+    assert old.position is not None and new.position is not None  # noqa: S101, PT018 (the caller has asked)
+    speeds_m_s = [_FASTEST_M_S if one.speed_m_s is None else one.speed_m_s for one in (old, new)]
+    reach_m = _GAINS * max(speeds_m_s) * (new.time_s - old.time_s + _LATE_S) + 2.0 * (
+        old.error_m + new.error_m
+    )
+    return geodesic_m(old.position, new.position) > reach_m
+
+
+def _below(value: float | None, limit: float, least: float = 0.0) -> float | None:
+    """A number of a message; None where it says that it is not known."""
+    return float(value) if value is not None and least <= value < limit else None
+
+
+def _radians(angle_deg: float | None) -> float | None:
+    return None if angle_deg is None else math.radians(angle_deg)
+
+
+def _has_checksum(raw: bytes) -> bool:
+    return raw[-3:-2] == b"*" and raw[-2:].upper() == b"%02X" % reduce(xor, raw[1:-3], 0)
