@@ -16,7 +16,6 @@ from companion.config.sensors import ProbePart
 from companion.core.errors import HardwareError
 from companion.core.generations import ProfileFile
 from companion.hal import interfaces as parts
-from companion.hal.ais import open_ais_receiver
 from companion.hal.battery import open_battery_monitor
 from companion.hal.gnss.gpsd import open_gpsd_gnss
 from companion.hal.gnss.receiver import GnssReceiver, open_nmea_gnss
@@ -29,6 +28,7 @@ from companion.hal.hull import open_hull
 from companion.hal.motors.bridges import open_bridges
 from companion.hal.motors.esc import open_escs
 from companion.hal.motors.watched_motors import WatchedMotors
+from companion.hal.nmea_sensor import open_ais as open_ais_receiver
 from companion.hal.nmea_sensor import open_nmea_compass, open_nmea_depth
 from companion.hal.payload.outputs import open_counter, open_output
 from companion.hal.ping1d import open_ping1d

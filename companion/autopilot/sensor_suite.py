@@ -44,7 +44,8 @@ class SensorSuite:
     """The present readings, each None while its part is silent. compass: as measured; heading: the one to
     use. bottom: the latest sounding that found it.
 
-    has_battery_monitor, is_sonar_fitted: one is fitted. has_gyro, has_sonar: they have measured since boot.
+    has_battery_monitor, is_sonar_fitted, is_ais_fitted: one is fitted. has_gyro, has_sonar: they have
+    measured since boot.
     """
 
     def __init__(self, hardware: Hardware, external: ExternalSensors) -> None:
@@ -58,6 +59,7 @@ class SensorSuite:
         self.battery: BatteryReading | None = None
         self.has_battery_monitor = hardware.battery is not None
         self.is_sonar_fitted = hardware.sonar is not None
+        self.is_ais_fitted = hardware.ais is not None
         self.has_gyro = self.has_sonar = False
         self.sonar: SonarReading | None = None  # the latest ping
         self.depth: DepthReading | None = None

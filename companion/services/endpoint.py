@@ -97,7 +97,9 @@ class Endpoint:
         if logbook is not None:
             self.texts.listener = logbook.note
         self._heartbeat = HeartbeatService(vehicle, self.outbox, motor_test)
-        self._telemetry = TelemetryService(self.outbox, take_snapshot, may_send, parameters.config.probe)
+        self._telemetry = TelemetryService(
+            self.outbox, take_snapshot, may_send, parameters.config.probe, sensors.is_ais_fitted
+        )
         self._time = TimeService(self.outbox)
         self._addresses = AddressCheck(channels, self.outbox, self.texts)
         self._pose = ExternalPoseService(

@@ -21,7 +21,8 @@ def _int16(value: float) -> int:
     return round(clamp(value, -32767.0, 32767.0))
 
 
-def _heading_cdeg(heading_rad: float) -> int:
+def heading_cdeg(heading_rad: float) -> int:
+    """Hundredths of a degree, 0 to 35999."""
     return round(math.degrees(wrap_two_pi(heading_rad)) * 100.0) % 36000
 
 
@@ -49,9 +50,9 @@ def global_position_int(now: Snapshot) -> Message | None:
     if nav is None or frame is None:
         return None
     velocity_cm_s = _int16(nav.north_m_s * 100.0), _int16(nav.east_m_s * 100.0), 0
-    place_e7, heading_cdeg = position_to_e7(frame.to_global(nav.point)), _heading_cdeg(nav.heading_rad)
+    place_e7 = position_to_e7(frame.to_global(nav.point))
     return dialect.MAVLink_global_position_int_message(
-        now.boot_ms, *place_e7, 0, 0, *velocity_cm_s, heading_cdeg
+        now.boot_ms, *place_e7, 0, 0, *velocity_cm_s, heading_cdeg(nav.heading_rad)
     )
 
 
@@ -116,7 +117,7 @@ def gps_raw_int(now: Snapshot) -> Message | None:
         speed_cm_s, course_cdeg = 0xFFFF, 0xFFFF
     else:
         speed_cm_s = min(round(100.0 * math.hypot(fix.north_m_s, fix.east_m_s)), 0xFFFE)
-        course_cdeg = _heading_cdeg(math.atan2(fix.east_m_s, fix.north_m_s))
+        course_cdeg = heading_cdeg(math.atan2(fix.east_m_s, fix.north_m_s))
     lat_e7, lon_e7 = position_to_e7(fix.position)
     return build_message(
         "GPS_RAW_INT",
@@ -167,7 +168,7 @@ def _antenna_yaw_cdeg(fix: GnssFix, is_fitted: bool) -> int:
     """GPS_RAW_INT.yaw: 0 without a second antenna, 65535 while there is no heading, 36000 for north."""
     if fix.heading_rad is None:
         return 0xFFFF if is_fitted else 0
-    return _heading_cdeg(fix.heading_rad) or 36000
+    return heading_cdeg(fix.heading_rad) or 36000
 
 
 def nav_controller_output(now: Snapshot) -> Message | None:

@@ -17,6 +17,7 @@ from companion.services.telemetry import payload_messages as payload
 from companion.services.telemetry import sensor_messages as sensor
 from companion.services.telemetry import sounding_messages as sounding
 from companion.services.telemetry import status_messages as status
+from companion.services.telemetry.ais_messages import VesselSchedule
 from companion.services.telemetry.probe_messages import ProbeSchedule, probe_values
 from companion.services.telemetry.streams import Streams
 
@@ -66,10 +67,11 @@ class TelemetryService:
     _take_snapshot: TakeSnapshot  # called only if something is due
     _may_send: MaySend
     probes: InitVar[Sequence[ProbePart]]
+    has_ais: InitVar[bool] = False
     _streams: dict[int, Streams] = field(default_factory=dict, init=False)  # by channel
 
-    def __post_init__(self, probes: Sequence[ProbePart]) -> None:
-        self._probes = ProbeSchedule(probes)
+    def __post_init__(self, probes: Sequence[ProbePart], has_ais: bool) -> None:
+        self._probes, self._vessels = ProbeSchedule(probes), VesselSchedule(is_fitted=has_ais)
 
     def open(self, channel: int, stream_hz: float) -> None:
         self._streams[channel] = Streams(stream_hz)
@@ -130,11 +132,15 @@ class TelemetryService:
                     built[message_id] = _listed(BUILDERS[message_id](now))
                 for message in built[message_id]:
                     self._outbox.send(channel, message)
+        news: list[Message] = []
         if self._probes.has_due(now_s) and (now := now or self._take_snapshot()) is not None:
-            for message in self._probes.due(now.sensors.probes, now_s):
-                for channel, streams in self._streams.items():
-                    if streams.stream_hz > 0.0 and self._may_send(channel, now_s):
-                        self._outbox.send(channel, message)
+            news += self._probes.due(now.sensors.probes, now_s)
+        if self._vessels.has_due(now_s) and (now := now or self._take_snapshot()) is not None:
+            news += self._vessels.due(now.sensors.ais, now_s)
+        for message in news:
+            for channel, streams in self._streams.items():
+                if streams.stream_hz > 0.0 and self._may_send(channel, now_s):
+                    self._outbox.send(channel, message)
 
 
 def _listed(built: Built) -> list[Message]:

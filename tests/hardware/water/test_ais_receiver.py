@@ -20,7 +20,7 @@ from companion.config.sensors import AisPart
 from companion.core.errors import HardwareError
 from companion.core.readings import AisReading, AisVessel
 from companion.core.units import KNOT_M_S
-from companion.hal.ais import AisReceiver, open_ais_receiver
+from companion.hal.nmea_sensor import AisReceiver, open_ais
 from companion.sensors.nmea.ais import LIFE_S, AisReader
 
 pyais = pytest.importorskip("pyais")
@@ -280,6 +280,6 @@ def test_without_pyais_the_error_names_the_extra(monkeypatch: pytest.MonkeyPatch
         raise ModuleNotFoundError(name=module)
 
     monkeypatch.setattr(importlib, "import_module", missing)
-    said = r"AIS receiver: the Python module 'pyais.decode' is missing; pip install '.\[pi\]'"
+    said = r"AIS receiver: the Python module 'pyais' is missing; pip install '.\[pi\]'"
     with pytest.raises(HardwareError, match=said):
-        open_ais_receiver(AisPart(driver="nmea", port="udpin:127.0.0.1:0"), clock)
+        open_ais(AisPart(driver="nmea", port="udpin:127.0.0.1:0"), clock)
