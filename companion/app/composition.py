@@ -66,6 +66,10 @@ def check_config(config: BoatConfig, model: str | None = None) -> None:
             raise ConfigError(
                 f"parts.{name}.driver: the boat cannot sail without; expected a driver, or [external] instead"
             )
+    if parts.battery.driver == "esc" and parts.motors.protocol == "none":
+        raise ConfigError(
+            "parts.battery.driver = 'esc': expected parts.motors.telemetry = 'kiss' or 'vesc', not 'none'"
+        )
     if parts.depth.driver == "gnss" and parts.gnss.driver != "nmea":
         raise ConfigError(
             f"parts.depth.driver = 'gnss': expected parts.gnss.driver = 'nmea', not {parts.gnss.driver!r}"

@@ -12,7 +12,7 @@ from companion.config.boat_config import BoatConfig
 from companion.config.payload import CommandPayload, WinchPayload
 from companion.hal.gnss.receiver import GnssReceiver
 from companion.hal.heading.antennas import AntennaCompass
-from companion.hal.interfaces import Compass, Gnss, Hardware, PayloadParts, Sensor
+from companion.hal.interfaces import Compass, EscTelemetry, Gnss, Hardware, PayloadParts, Sensor
 from companion.hal.motors.watched_motors import WatchedMotors
 from companion.hal.nmea_sensor import SharedDepthSounder
 from companion.hal.payload.child_program import CaptureProgram, ChildProgram
@@ -74,6 +74,7 @@ class _Assembly:
             sonar = self._begin(
                 RetriedSonar("Sonar", lambda: parts.open_sonar(config, self._now), self._pace)
             )
+        escs = self._escs(motors)
         heading = parts.antenna_heading(config)
         shared = SharedDepthSounder(fitted.depth) if fitted.depth.driver == "gnss" else None
         gnss = self._begin(RetriedGnss("GNSS receiver", lambda: self._open_gnss(heading, shared), self._pace))
@@ -83,7 +84,9 @@ class _Assembly:
             gnss,
             self._compass(field, heading),
             sonar,
-            self._sensor("Battery monitor", fitted.battery.driver, parts.open_battery),
+            parts.esc_battery(config, escs)
+            if fitted.battery.driver == "esc"
+            else self._sensor("Battery monitor", fitted.battery.driver, parts.open_battery),
             hull=self._sensor("Hull sensor", fitted.hull.driver, parts.open_hull_sensor),
             rc=self._sensor("RC receiver", config.rc.driver, parts.open_rc),
             cutoff=motors,
@@ -94,6 +97,7 @@ class _Assembly:
             depth=shared or self._sensor("Depth sounder", fitted.depth.driver, parts.open_depth),
             ais=self._sensor("AIS receiver", fitted.ais.driver, parts.open_ais),
             probes=begin_probes(config, self._now, self._begin, self._pace),
+            escs=escs,
             retried=tuple(self._begun),
         )
         self._await()
@@ -119,6 +123,16 @@ class _Assembly:
         motors = parts.open_motors(self._config, self._now)
         motors.start()
         return motors
+
+    def _escs(self, motors: RetriedMotors) -> tuple[EscTelemetry, ...]:
+        part = self._config.parts.motors
+        if part.driver == "vesc":
+            return (motors,)
+        opening = (
+            (name, partial(parts.open_esc, self._config, self._now, side))
+            for side, name in enumerate(part.ports(has_right=self._config.drive.has_pair))
+        )
+        return tuple(self._begin(RetriedSensor(f"ESC of {name}", one, self._pace)) for name, one in opening)
 
     def _open_gnss(self, heading: GnssHeading | None, shared: SharedDepthSounder | None) -> Gnss:
         receiver = parts.open_gnss(self._config, self._now, heading)

@@ -107,6 +107,8 @@ def needs_of(config: BoatConfig) -> Needs:
             i2c[key] = _bus(section)
         elif driver in PORT_DRIVERS:
             ports[f"{key}.port"] = getattr(section, "port", "")
+    reporting = config.parts.motors.ports(has_right=config.drive.has_pair)
+    ports |= {f"parts.motors.{key}": port for key, port in reporting.items()}
     for number, link in enumerate(config.link_settings):
         url = parse_port_url(link.url)
         if url.kind == "serial":

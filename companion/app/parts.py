@@ -27,6 +27,8 @@ from companion.hal.heading.magnetic_compass import open_magnetic_compass
 from companion.hal.hull import open_hull
 from companion.hal.motors.bridges import open_bridges
 from companion.hal.motors.esc import open_escs
+from companion.hal.motors.esc_line import EscBattery, open_esc_line
+from companion.hal.motors.vesc import open_vescs
 from companion.hal.motors.watched_motors import WatchedMotors
 from companion.hal.nmea_sensor import open_ais as open_ais_receiver
 from companion.hal.nmea_sensor import open_nmea_compass, open_nmea_depth
@@ -68,6 +70,9 @@ def open_motors(config: BoatConfig, now: Now) -> WatchedMotors:
                 now,
                 lambda signal: open_pulse_output(signal, config.parts.pca9685),
             )
+        case "vesc":
+            vescs = open_vescs(part, now, has_right=has_right)
+            return WatchedMotors(vescs, now, config.motors.command_timeout_s, vescs)
         case _:
             motors = open_bridges(part, now, has_right=has_right)
     return WatchedMotors(motors, now, config.motors.command_timeout_s)
@@ -138,7 +143,20 @@ def open_sonar(config: BoatConfig, now: Now) -> parts.Sonar:
     return open_ranger(config.parts.sonar, now)
 
 
+def open_esc(config: BoatConfig, now: Now, side: int = 0) -> parts.EscTelemetry:
+    """The port of a speed controller that reports. side: 0 left, 1 right."""
+    return open_esc_line(config.parts.motors, side, now).start()
+
+
+def esc_battery(config: BoatConfig, lines: Sequence[parts.EscTelemetry]) -> parts.Battery:
+    """The pack as all speed controllers measure it."""
+    return EscBattery(lines, 1 + config.drive.has_pair)
+
+
 def open_battery(config: BoatConfig, now: Now) -> parts.Battery:
+    if config.parts.battery.driver == "esc":
+        ports = config.parts.motors.ports(has_right=config.drive.has_pair)
+        return esc_battery(config, [open_esc(config, now, side) for side in range(len(ports))])
     return open_battery_monitor(config.parts.battery, now)
 
 

@@ -7,6 +7,7 @@ configuration has no reading, and all that use one need only handle None.
 import math
 from collections.abc import Callable
 
+from companion.autopilot.esc_monitor import EscMonitor
 from companion.config.boat_config import BoatConfig, Trim
 from companion.config.sensors import CompassPart
 from companion.core.readings import (
@@ -66,6 +67,7 @@ class SensorSuite:
         self.bottom: DepthReading | None = None
         self.ais: AisReading | None = None
         self.probes: list[ProbeReading] = []  # of those that are not silent
+        self.escs = EscMonitor(hardware.escs)
         self.hull: HullReading | None = None
         self.rc: RcReading | None = None  # the latest RC frame
         self.pings: list[tuple[SonarReading, float | None]] = []  # of this tick, with beam widths in rad
@@ -189,6 +191,8 @@ class SensorSuite:
             self._tell(self._ais_silence, parts.ais.timeout_s, now_s, self.ais)
         if hardware.probes:
             self._read_probes(config, now_s)
+        if hardware.escs:
+            self.notices += self.escs.update(parts.motors, command, now_s, 1 + config.drive.has_pair)
         if hardware.sonar is not None:
             self._tell(self._sonar_silence, SONAR_START_S, now_s, self.has_sonar or None)
 

@@ -74,10 +74,14 @@ class MotorsPart(Section, frozen=True):
     """The motor driver. Pins in BCM numbers.
 
     Bridges have pins: forward, backward and enable ("l298n", "bts7960"), PWM as enable ("tb6612"), or forward
-    and backward only ("drv8833"). Speed controllers ("esc") have signals instead: left and right.
+    and backward only ("drv8833"). Speed controllers ("esc") have signals instead: left and right. VESCs
+    ("vesc") are driven over their ports, which report too.
+
+    telemetry: what speed controllers on signals send over their ports: frames of KISS, as BLHeli_32 and AM32
+    send them, or a VESC's answers. can_id: of a right VESC that is reached over the left one's CAN bus.
     """
 
-    driver: Literal["l298n", "tb6612", "bts7960", "drv8833", "esc", "none"] = "none"
+    driver: Literal["l298n", "tb6612", "bts7960", "drv8833", "esc", "vesc", "none"] = "none"
     left_forward: Pin = 5
     left_backward: Pin = 6
     left_enable: Pin = 12
@@ -91,6 +95,26 @@ class MotorsPart(Section, frozen=True):
     left: PulseOutputSetting = PulseOutputSetting(pin=12)
     right: PulseOutputSetting = PulseOutputSetting(pin=13)
     arming_s: NonNegative = 3.0  # neutral pulses before the first command; ESCs arm on them
+    telemetry: Literal["kiss", "vesc", "none"] = "none"
+    left_port: str = "/dev/ttyAMA3"
+    right_port: str = "/dev/ttyAMA2"
+    can_id: Annotated[int, Meta(ge=-1, le=253)] = -1  # −1: the right one has a port
+    pole_pairs: Annotated[int, Meta(ge=1, le=50)] = 7  # half of the magnets; SERVO_BLH_POLES is 14
+    telemetry_timeout_s: Positive = 1.0  # silent without a reading: 30 at 30 Hz
+    hot_c: NonNegative = 85.0  # told above; VESC's l_temp_fet_start, where it begins to limit. 0: never
+
+    @property
+    def protocol(self) -> str:
+        """What the ports carry."""
+        return "vesc" if self.driver == "vesc" else self.telemetry
+
+    def ports(self, *, has_right: bool) -> dict[str, str]:
+        """Those of speed controllers that report, by key, left first."""
+        ports = {"left_port": self.left_port, "right_port": self.right_port}
+        if self.protocol == "none":
+            return {}
+        is_alone = not has_right or (self.protocol == "vesc" and self.can_id >= 0)
+        return {"left_port": self.left_port} if is_alone else ports
 
     @property
     def signals(self) -> tuple[PulseOutputSetting, PulseOutputSetting]:
@@ -100,7 +124,7 @@ class MotorsPart(Section, frozen=True):
 
     def pins(self, *, has_right: bool) -> dict[str, int]:
         """The pins of a bridge, by key."""
-        if self.driver in ("none", "esc"):
+        if self.driver in ("none", "esc", "vesc"):
             return {}
         names = ("forward", "backward") if self.driver == "drv8833" else ("forward", "backward", "enable")
         sides = ("left", "right") if has_right else ("left",)
@@ -113,6 +137,8 @@ class MotorsPart(Section, frozen=True):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.telemetry != "none" and self.driver not in ("esc", "vesc"):
+            raise ValueError(f"telemetry = {self.telemetry!r}: expected 'none' with {self.driver!r}")
         if self.driver == "esc":
             for name, signal in zip(("left", "right"), self.signals, strict=True):
                 if signal.reversed and signal.trim_us == signal.min_us:

@@ -177,10 +177,10 @@ class AisPart(Section, frozen=True):
 
 class BatteryPart(Section, frozen=True):
     """Battery monitor on I²C: across a shunt (INA219, INA226, INA228), or by divider and Hall sensor on the
-    inputs of an ADS1115.
+    inputs of an ADS1115. Or what speed controllers with telemetry report ("esc"), without the electronics.
     """
 
-    driver: Literal["ina219", "ina226", "ina228", "ads1115", "none"] = "none"
+    driver: Literal["ina219", "ina226", "ina228", "ads1115", "esc", "none"] = "none"
     i2c_bus: I2cBus = 1  # of parts.i2c_bus unless given
     address: Annotated[int, Meta(ge=0, le=0x77)] = 0  # 0: 0x40, of the ADS1115 0x48
     timeout_s: Positive = 3.0  # without a reading it is silent: 30 at its 10 Hz; ArduPilot waits 5 s

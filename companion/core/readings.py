@@ -97,6 +97,25 @@ class BatteryReading(Struct, frozen=True, gc=False):
     current_a: float | None = None
 
 
+class EscReading(Struct, frozen=True, gc=False):
+    """What a speed controller measures. side: 0 left, 1 right. count: of its readings since the start.
+
+    shaft_rad_s: speed of the shaft, as the configured pole pairs give it; a part that does not tell the
+    direction gives its size. fault: what the part reports, in words, empty if nothing.
+    """
+
+    time_s: float
+    side: int
+    count: int
+    shaft_rad_s: float
+    voltage_v: float
+    current_a: float  # from the pack
+    temperature_c: float
+    consumed_mah: float
+    motor_c: float | None = None
+    fault: str = ""
+
+
 class HullReading(Struct, frozen=True, gc=False):
     """Leak and highest temperature inside the hull. None: not measured."""
 

@@ -14,6 +14,7 @@ from companion.core.readings import (
     AisReading,
     BatteryReading,
     DepthReading,
+    EscReading,
     GnssFix,
     HeadingReading,
     HullReading,
@@ -168,6 +169,7 @@ Hull = Sensor[HullReading]
 DepthSounder = Sensor[DepthReading]
 Ais = Sensor[AisReading]
 Probe = Sensor[ProbeReading]
+EscTelemetry = Sensor[tuple[EscReading, ...]]
 RcReceiver = Sensor[RcReading]
 """A reading is stamped with the arrival of its frame."""
 
@@ -213,6 +215,7 @@ class Hardware:
     depth: DepthSounder | None = None
     ais: Ais | None = None
     probes: tuple[Probe, ...] = ()  # in the order of the configuration
+    escs: tuple[EscTelemetry, ...] = ()  # a line each, the left one first
     field: FieldCorrector | None = None  # of the compass, if it is a bare magnetometer
     payload: PayloadParts | None = None
     corrections: CorrectionInput | None = None
@@ -234,6 +237,6 @@ class Hardware:
         """Stop the motors, then release all parts, even if one raises."""
         with ExitStack() as rest:
             names = dict.fromkeys(("motors", "rudder", *(one.name for one in fields(self))))
-            for part in reversed([*(getattr(self, name) for name in names), *self.probes]):
+            for part in reversed([*(getattr(self, name) for name in names), *self.probes, *self.escs]):
                 if isinstance(part, Closable):
                     rest.callback(part.close)  # called in reverse order

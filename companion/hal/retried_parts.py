@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import TypeVar
 
 from companion.core.errors import HardwareError
-from companion.core.readings import GnssFix, ProbeReading, SonarReading
+from companion.core.readings import EscReading, GnssFix, ProbeReading, SonarReading
 from companion.core.status_text import StatusText
 from companion.hal.gnss.receiver import GnssReceiver
 from companion.hal.interfaces import (
@@ -46,8 +46,8 @@ class RetriedPart(Retried[Part]):
 
 
 class RetriedMotors(RetriedPart[WatchedMotors]):
-    """Satisfies `Motors` and `MotorCutoff` of `companion.hal.interfaces`. Commands before the opening have no
-    effect; the boat does not arm meanwhile.
+    """Satisfies `Motors`, `MotorCutoff` and `EscTelemetry` of `companion.hal.interfaces`. Commands before the
+    opening have no effect; the boat does not arm meanwhile.
     """
 
     def write(self, left: float, right: float) -> None:
@@ -61,6 +61,10 @@ class RetriedMotors(RetriedPart[WatchedMotors]):
     @property
     def trips(self) -> int:
         return 0 if self.opened is None else self.opened.trips
+
+    def read(self) -> tuple[EscReading, ...] | None:
+        telemetry = None if self.opened is None else self.opened.telemetry
+        return None if telemetry is None else telemetry.read()
 
 
 class RetriedRudder(RetriedPart[Rudder]):

@@ -195,6 +195,9 @@ class OnboardLog:
             self._add((samples.heading(sensors.heading),))
         if self._is_new(sensors.sonar, "sonar"):
             self._add(samples.sonar(sensors.sonar))
+        for esc in sensors.escs.readings:
+            if esc is not None and self._is_new(esc.time_s, f"ESC {esc.side}"):
+                self._add((samples.esc(esc),))
         if now.now_s + _SLACK_S >= self._report_due_s and (report := now.estimator.report) is not None:
             self._report_due_s = _next(self._report_due_s, now.now_s, _REPORT_HZ)
             self._add(samples.estimator(self._now_us, report, now.config.estimation.compass_gate_rad))

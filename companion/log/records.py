@@ -24,7 +24,7 @@ _CODES: Final = {
 
 UNITS: Final = {
     "-": "", "A": "A", "a": "Ah", "b": "B", "d": "deg", "D": "deglatitude", "G": "Gauss", "h": "degheading",
-    "k": "deg/s", "m": "m", "n": "m/s", "o": "m/s/s", "O": "degC", "s": "s", "S": "satellites",
+    "k": "deg/s", "m": "m", "n": "m/s", "o": "m/s/s", "O": "degC", "s": "s", "q": "rpm", "S": "satellites",
     "U": "deglongitude", "v": "V", "w": "Ohm", "X": "W.h", "Y": "us", "z": "Hz", "%": "%", "#": "instance",
 }  # fmt: skip
 MULTIPLIERS: Final = {
@@ -140,6 +140,10 @@ BAT: Final = RecordKind(
     24, "BAT", "QBfffffcfBBB", "TimeUS,Inst,Volt,VoltR,Curr,CurrTot,EnrgTot,Temp,Res,RemPct,H,SH",
     "s#vvAaXOw%-%", "F-000C0B00-0",
 )  # fmt: skip
+ESC: Final = RecordKind(
+    46, "ESC", "QBffffcfcf", "TimeUS,Instance,RPM,RawRPM,Volt,Curr,Temp,CTot,MotTemp,Err", "s#qqvAOaO%",
+    "F-00--BCB-",
+)  # fmt: skip
 
 DPTH: Final = RecordKind(
     27, "DPTH", "QBLLffbf", "TimeUS,Inst,Lat,Lng,Depth,Temp,Quality,PosZ", "s#DUmO%m", "F-GG00-0"
@@ -186,7 +190,7 @@ DSF: Final = RecordKind(42, "DSF", "QIHIIII", "TimeUS,Dp,Blk,Bytes,FMn,FMx,FAv",
 
 KINDS: Final = (
     ATT, POS, XKF1, XKF3, XKF4, BOAT, EST, ESD, EBIA, EHYP, AVD, PIDS, PIDA, NTUN, STER, THR, RCOU, GPS, GPA,
-    RFND, SONR, DPTH, PROB, MAG, HDG, BAT, RCIN, RSSI, MODE, MSG, EV, ERR, ARM, ORGN, CMD, MISE, PARM, VER,
-    PAYL, CAM, PM, MAV, DSF,
+    RFND, SONR, DPTH, PROB, MAG, HDG, BAT, ESC, RCIN, RSSI, MODE, MSG, EV, ERR, ARM, ORGN, CMD, MISE, PARM,
+    VER, PAYL, CAM, PM, MAV, DSF,
 )  # fmt: skip
 HEADER: Final = file_header(KINDS)

@@ -250,6 +250,16 @@ def battery(reading: readings.BatteryReading, consumed_mah: float, capacity_mah:
     )  # fmt: skip
 
 
+def esc(reading: readings.EscReading) -> bytes:
+    """A speed controller, at the reading's time, as ArduPilot's; a temperature that is not measured is 0."""
+    rpm = reading.shaft_rad_s * 60.0 / math.tau
+    celsius = _cents(reading.temperature_c, 32767), _cents(reading.motor_c or 0.0, 32767)
+    return r.ESC.pack(
+        time_us(reading.time_s), reading.side, rpm, rpm, reading.voltage_v, reading.current_a, celsius[0],
+        reading.consumed_mah, celsius[1], 0.0,
+    )  # fmt: skip
+
+
 def radio(reading: readings.RcReading) -> Iterator[bytes]:
     """The RC channels, at their own time; the signal if known."""
     us = time_us(reading.time_s)

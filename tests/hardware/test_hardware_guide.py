@@ -37,7 +37,7 @@ PARTS_TABLE = re.findall(
 def choices(section: type[Section], path: str) -> Iterator[tuple[str, str]]:
     """The drivers that a section can name, with their key; inertial sensors and outputs of signals, too."""
     hints = typing.get_type_hints(section)
-    for name in {"driver", "imu", "output"} & hints.keys():
+    for name in {"driver", "imu", "output", "telemetry"} & hints.keys():
         for value in re.findall(r"'(\w+)'", str(hints[name])):
             if value != "none":
                 yield f"{path}{name}", value
@@ -126,4 +126,4 @@ def test_the_other_motors_rows_are_all_outputs_of_that_driver(driver: str) -> No
 )
 def test_a_table_of_the_page_can_be_read(text: str) -> None:
     config = decode_config(tomllib.loads(text), "page")
-    assert config.parts.motors.driver == "esc" or config.parts.rudder.driver == "servo"
+    assert config.parts.motors.driver in ("esc", "vesc") or config.parts.rudder.driver == "servo"

@@ -159,9 +159,10 @@ def test_every_part_is_closed_and_the_motors_before_all_others() -> None:
         def close(self) -> None:
             order.append(self.name)
 
-    several = {"parameter_hooks", "retried", "probes"}
+    several = {"parameter_hooks", "retried", "probes", "escs"}
     names = [one.name for one in dataclasses.fields(Hardware) if one.name not in several]
-    hardware = Hardware(**{name: Named(name) for name in names}, probes=(Named("probe"),))  # type: ignore[arg-type]
+    more = {"probes": (Named("probe"),), "escs": (Named("esc"),)}
+    hardware = Hardware(**{name: Named(name) for name in names}, **more)  # type: ignore[arg-type]
     hardware.close()
     assert order[:2] == ["motors", "rudder"]
-    assert sorted(order) == sorted([*names, "probe"])
+    assert sorted(order) == sorted([*names, "probe", "esc"])

@@ -88,6 +88,15 @@ def _open_probe(part: ProbePart, config: BoatConfig, now: Callable[[], float]) -
     return parts.open_probe_group((part,), now)[0]
 
 
+def check_escs(config: BoatConfig, clock: Clock) -> list[Finding]:
+    """The speed controllers that report; those of KISS only send while they are powered and set to."""
+    part = config.parts.motors
+    return [
+        check_part(name, partial(parts.open_esc, side=side), config, clock, part.protocol)
+        for side, name in enumerate(part.ports(has_right=config.drive.has_pair))
+    ]
+
+
 def check_payload(config: BoatConfig) -> Finding:
     """Open the payload's outputs, which puts them in their safe state, and look for the owner's programs."""
     if not config.payload:
@@ -114,7 +123,7 @@ def part_findings(examined: Examined, clock: Clock) -> list[Finding]:
         text = "the running boat uses " + ("the others" if missing else "them")
         return [*missing, skipped("parts", text, "sudo systemctl stop mavboat")]
     found = [check_part(name, open_part, examined.config, clock) for name, open_part in PARTS.items()]
-    found += check_compass_calibration(examined)
+    found += [*check_escs(examined.config, clock), *check_compass_calibration(examined)]
     return [*found, *check_probes(examined.config, clock), check_payload(examined.config)]
 
 
@@ -153,6 +162,8 @@ def in_words(reading: object, config: BoatConfig) -> Words:
             return Verdict.FINE, _heading_in_words(reading)
         case readings.BatteryReading():
             return _battery_in_words(reading, config)
+        case tuple():
+            return _escs_in_words(reading)
         case readings.HullReading():
             wet = {None: "no leak switch", False: "dry", True: "WATER"}[reading.is_wet]
             text = wet if reading.temperature_c is None else f"{wet}, {reading.temperature_c:.0f} °C"
@@ -210,6 +221,15 @@ def _battery_in_words(reading: readings.BatteryReading, config: BoatConfig) -> W
     if fault := cells_fault(reading.voltage_v, config.battery.cells):
         return Verdict.WARNING, f"{text}; {fault}"
     return Verdict.FINE, text
+
+
+def _escs_in_words(escs: tuple[readings.EscReading, ...]) -> Words:
+    texts = [
+        f"{('left', 'right')[one.side]} {one.voltage_v:.2f} V, {one.current_a:.2f} A, "
+        f"{one.temperature_c:.0f} °C{one.fault and f', {one.fault}'}"
+        for one in escs
+    ]
+    return Verdict.WARNING if any(one.fault for one in escs) else Verdict.FINE, "; ".join(texts)
 
 
 def _depth_in_words(reading: readings.DepthReading) -> Words:

@@ -10,7 +10,7 @@ import threading
 from collections.abc import Callable
 
 from companion.hal.background import Background
-from companion.hal.interfaces import Motors
+from companion.hal.interfaces import EscTelemetry, Motors
 
 _log = logging.getLogger(__name__)
 
@@ -20,11 +20,19 @@ _LOOKS_PER_TIMEOUT = 4.0
 class WatchedMotors:
     """Passes commands to the motors, and stops them timeout_s after the last `write`.
 
-    now: the boat's clock. `start` runs the watch in a thread; `watch` is one check.
+    now: the boat's clock. telemetry: of motors that report over the line that drives them. `start` runs the
+    watch in a thread; `watch` is one check.
     """
 
-    def __init__(self, motors: Motors, now: Callable[[], float], timeout_s: float) -> None:
+    def __init__(
+        self,
+        motors: Motors,
+        now: Callable[[], float],
+        timeout_s: float,
+        telemetry: EscTelemetry | None = None,
+    ) -> None:
         self.trips = 0  # number of cut-offs
+        self.telemetry = telemetry
         self._motors = motors
         self._now = now
         self._timeout_s = timeout_s

@@ -1,8 +1,10 @@
-"""Telemetry of sensors: gyro, compass, power, RC channels."""
+"""Telemetry of sensors: gyro, compass, power, speed controllers, RC channels."""
 
+import math
 from itertools import zip_longest
 
 from companion.autopilot.snapshot import Snapshot
+from companion.core.readings import EscReading
 from companion.core.units import clamp
 from companion.mavlink.dialect import Message, dialect
 
@@ -59,6 +61,25 @@ def meminfo(now: Snapshot) -> Message | None:
     if free <= 0:
         return None
     return dialect.MAVLink_meminfo_message(0, min(free, 0xFFFF), min(free, 0xFFFFFFFF))
+
+
+def esc_telemetry_1_to_4(now: Snapshot) -> Message | None:
+    """Left and right, as ArduPilot's: °C, 10 mV, 10 mA, mAh, turns a minute. Zeros for one that is silent."""
+    escs = now.sensors.escs.readings
+    if not any(escs):
+        return None
+    rows = ((0,) * 6 if one is None else _esc_columns(one) for one in (*escs, None, None))
+    return dialect.MAVLink_esc_telemetry_1_to_4_message(*map(list, zip(*rows, strict=True)))
+
+
+def _esc_columns(reading: EscReading) -> tuple[int, ...]:
+    rpm = abs(reading.shaft_rad_s) * 60.0 / math.tau
+    values = (100.0 * reading.voltage_v, 100.0 * reading.current_a, reading.consumed_mah, rpm)
+    return (
+        round(clamp(reading.temperature_c, 0.0, 255.0)),
+        *(round(clamp(value, 0.0, 65535.0)) for value in values),
+        reading.count & 0xFFFF,
+    )
 
 
 def rc_channels(now: Snapshot) -> Message:

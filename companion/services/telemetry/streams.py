@@ -17,7 +17,7 @@ GROUPS: dict[int, tuple[int, ...]] = {
     dialect.MAV_DATA_STREAM_EXTRA2: message_ids("VFR_HUD"),
     dialect.MAV_DATA_STREAM_EXTRA3: message_ids(
         *("SYSTEM_TIME", "BATTERY_STATUS", "DISTANCE_SENSOR", "WATER_DEPTH", "OBSTACLE_DISTANCE"),
-        "EKF_STATUS_REPORT",
+        *("EKF_STATUS_REPORT", "ESC_TELEMETRY_1_TO_4"),
     ),
 }
 
@@ -36,7 +36,7 @@ _UNASKED: dict[int, float] = {
         message_ids(
             *("PID_TUNING", "SYSTEM_TIME", "BATTERY_STATUS", "FENCE_STATUS", "HOME_POSITION", "RC_CHANNELS"),
             *("EKF_STATUS_REPORT", "POWER_STATUS", "MEMINFO", "EXTENDED_SYS_STATE", "RELAY_STATUS"),
-            "WINCH_STATUS",
+            *("WINCH_STATUS", "ESC_TELEMETRY_1_TO_4"),
         ),
         0.125,
     ),

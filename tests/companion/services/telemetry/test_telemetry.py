@@ -28,7 +28,8 @@ def rig() -> Rig:
 def test_all_that_the_boat_offers_can_be_requested(rig: Rig) -> None:
     rig.boat.free_memory_bytes = 1 << 30
     rig.step()
-    # Open water has nothing to echo, sonar and sounder may not be fitted; no fence, payload, corrections
+    # Open water has nothing to echo, sonar and sounder may not be fitted; no fence, payload, corrections,
+    # and no speed controllers that report
     silent = (
         dialect.MAVLINK_MSG_ID_GPS_RTK,
         dialect.MAVLINK_MSG_ID_DISTANCE_SENSOR,
@@ -38,6 +39,7 @@ def test_all_that_the_boat_offers_can_be_requested(rig: Rig) -> None:
         dialect.MAVLINK_MSG_ID_RELAY_STATUS,
         dialect.MAVLINK_MSG_ID_WINCH_STATUS,
         dialect.MAVLINK_MSG_ID_WATER_DEPTH,
+        dialect.MAVLINK_MSG_ID_ESC_TELEMETRY_1_TO_4,
     )
     for message_id, builder in BUILDERS.items():
         if message_id in silent:
