@@ -12,7 +12,7 @@ from companion.config.boat_config import BoatConfig
 from companion.config.payload import CommandPayload, WinchPayload
 from companion.hal.gnss.receiver import GnssReceiver
 from companion.hal.heading.antennas import AntennaCompass
-from companion.hal.interfaces import Compass, EscTelemetry, Gnss, Hardware, PayloadParts, Sensor
+from companion.hal.interfaces import Compass, EscTelemetry, Gnss, Hardware, PayloadParts, Sensor, Sonar
 from companion.hal.motors.watched_motors import WatchedMotors
 from companion.hal.nmea_sensor import SharedDepthSounder
 from companion.hal.payload.child_program import CaptureProgram, ChildProgram
@@ -67,13 +67,9 @@ class _Assembly:
         config, fitted = self._config, self._config.parts
         motors = self._begin(RetriedMotors("Motors", self._open_motors, self._pace))
         self._await()
-        rudder = sonar = None
+        rudder = None
         if fitted.rudder.driver != "none":
             rudder = self._begin(RetriedRudder("Rudder", lambda: parts.open_rudder(config), self._pace))
-        if fitted.sonar.driver != "none":
-            sonar = self._begin(
-                RetriedSonar("Sonar", lambda: parts.open_sonar(config, self._now), self._pace)
-            )
         escs = self._escs(motors)
         heading = parts.antenna_heading(config)
         shared = SharedDepthSounder(fitted.depth) if fitted.depth.driver == "gnss" else None
@@ -83,7 +79,7 @@ class _Assembly:
             motors,
             gnss,
             self._compass(field, heading),
-            sonar,
+            self._ranger("Sonar", fitted.sonar.driver, parts.open_sonar),
             parts.esc_battery(config, escs)
             if fitted.battery.driver == "esc"
             else self._sensor("Battery monitor", fitted.battery.driver, parts.open_battery),
@@ -98,6 +94,7 @@ class _Assembly:
             ais=self._sensor("AIS receiver", fitted.ais.driver, parts.open_ais),
             probes=begin_probes(config, self._now, self._begin, self._pace),
             escs=escs,
+            lidar=self._ranger("Lidar", fitted.lidar.driver, parts.open_lidar),
             retried=tuple(self._begun),
         )
         self._await()
@@ -118,6 +115,13 @@ class _Assembly:
         if driver == "none":
             return None
         return self._begin(RetriedSensor(name, lambda: open_part(self._config, self._now), self._pace))
+
+    def _ranger(
+        self, name: str, driver: str, open_part: Callable[[BoatConfig, Now], Sonar]
+    ) -> RetriedSonar | None:
+        if driver == "none":
+            return None
+        return self._begin(RetriedSonar(name, lambda: open_part(self._config, self._now), self._pace))
 
     def _open_motors(self) -> WatchedMotors:
         motors = parts.open_motors(self._config, self._now)

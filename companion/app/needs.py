@@ -29,7 +29,8 @@ I2C_ADDRESSES: Final = {  # where the configuration gives none
     "ads1115": 0x48,
 }
 PORT_DRIVERS = frozenset(
-    {"nmea", "bno085", "ubx", "gpsd", "a02yyuw", "tfmini", "ping1d", "serial", "crsf", "ibus", "sbus"}
+    {"nmea", "bno085", "ubx", "gpsd", "a02yyuw", "tfmini", "ld06", "rplidar_a1", "ping1d", "serial"}
+    | {"crsf", "ibus", "sbus"}
 )
 _ECHO_PINS = ("hcsr04", "jsnsr04t")
 _ONE_WIRE_FILES = "/sys/bus/w1/"

@@ -153,6 +153,12 @@ def esc_battery(config: BoatConfig, lines: Sequence[parts.EscTelemetry]) -> part
     return EscBattery(lines, 1 + config.drive.has_pair)
 
 
+def open_lidar(config: BoatConfig, now: Now) -> parts.Sonar:
+    from companion.hal.ranging.scanning_lidar import open_lidar  # noqa: PLC0415 (only where one is fitted)
+
+    return open_lidar(config.parts.lidar, now)
+
+
 def open_battery(config: BoatConfig, now: Now) -> parts.Battery:
     if config.parts.battery.driver == "esc":
         ports = config.parts.motors.ports(has_right=config.drive.has_pair)

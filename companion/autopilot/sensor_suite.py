@@ -25,7 +25,7 @@ from companion.core.state import STOPPED, MotorCommand
 from companion.core.status_text import Severity, StatusText
 from companion.estimation.estimator import Estimator
 from companion.hal.interfaces import Hardware, PausingPart
-from companion.obstacles.perception.sonar_scan import SonarScan
+from companion.obstacles.perception.sonar_scan import SECTOR_RAD, SonarScan
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector
 from companion.sensors.compass.attitude import down_axis, level_field
 from companion.sensors.compass.earth_field import EarthFieldModel
@@ -45,8 +45,8 @@ class SensorSuite:
     """The present readings, each None while its part is silent. compass: as measured; heading: the one to
     use. bottom: the latest sounding that found it.
 
-    has_battery_monitor, is_sonar_fitted, is_ais_fitted: one is fitted. has_gyro, has_sonar: they have
-    measured since boot.
+    has_battery_monitor, is_sonar_fitted, is_ais_fitted: one is fitted. has_gyro, has_sonar, has_lidar: they
+    have measured since boot.
     """
 
     def __init__(self, hardware: Hardware, external: ExternalSensors) -> None:
@@ -59,10 +59,11 @@ class SensorSuite:
         self.heading: HeadingReading | None = None
         self.battery: BatteryReading | None = None
         self.has_battery_monitor = hardware.battery is not None
-        self.is_sonar_fitted = hardware.sonar is not None
         self.is_ais_fitted = hardware.ais is not None
-        self.has_gyro = self.has_sonar = False
+        self.is_sonar_fitted = hardware.sonar is not None or hardware.lidar is not None
+        self.has_gyro = self.has_sonar = self.has_lidar = False
         self.sonar: SonarReading | None = None  # the latest ping
+        self.lidar: SonarReading | None = None  # the latest sector
         self.depth: DepthReading | None = None
         self.bottom: DepthReading | None = None
         self.ais: AisReading | None = None
@@ -74,6 +75,7 @@ class SensorSuite:
         self.notices: list[StatusText] = []  # of this tick, for the operator
         self.earth = EarthFieldModel()
         self._sonar_silence = _monitor("Sonar", hardware.sonar)
+        self._lidar_silence = _monitor("Lidar", hardware.lidar)
         self._slow_due_s = 0.0
         self._probe_silences: dict[str, SilenceMonitor] = {}
         self._depth_silence = _monitor("Depth sounder", hardware.depth)
@@ -169,6 +171,11 @@ class SensorSuite:
                     self.sweep.add(ping)
                     self.pings.append((ping, None))
             self.sonar = fresh(self.sonar, config.failsafe.sonar_timeout_s, now_s)
+        if hardware.lidar is not None:
+            if sectors := hardware.lidar.read():
+                self.lidar, self.has_lidar = sectors[-1], True
+                external.pings.extend((ping, SECTOR_RAD) for ping in sectors)
+            self.lidar = fresh(self.lidar, config.failsafe.sonar_timeout_s, now_s)
         while external.pings:
             ping, beam_rad = external.pings.popleft()
             self.sweep.add(ping, beam_rad)
@@ -195,6 +202,8 @@ class SensorSuite:
             self.notices += self.escs.update(parts.motors, command, now_s, 1 + config.drive.has_pair)
         if hardware.sonar is not None:
             self._tell(self._sonar_silence, SONAR_START_S, now_s, self.has_sonar or None)
+        if hardware.lidar is not None:
+            self._tell(self._lidar_silence, SONAR_START_S, now_s, self.has_lidar or None)
 
     def _read_battery(
         self, battery: BatteryReading | None, config: BoatConfig, now_s: float, command: MotorCommand

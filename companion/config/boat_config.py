@@ -39,6 +39,7 @@ class Parts(Section, frozen=True):
     gnss: sensors.GnssPart = sensors.GnssPart()
     compass: sensors.CompassPart = sensors.CompassPart()
     sonar: sensors.RangerPart = sensors.RangerPart()
+    lidar: sensors.LidarPart = sensors.LidarPart()
     battery: sensors.BatteryPart = sensors.BatteryPart()
     hull: sensors.HullPart = sensors.HullPart()
     depth: sensors.DepthPart = sensors.DepthPart()

@@ -92,32 +92,26 @@ class CompassPart(Section, frozen=True):
 
 
 # Least and greatest range by the data sheets: Elecfreaks HC-SR04; JSN-SR04T (blind 25 cm); DFRobot SEN0311
-# (A02YYUW); Benewake TFmini Plus and TFmini-S
+# (A02YYUW); Benewake TFmini Plus and TFmini-S. Of scanning lidars the greatest is that of dark things (LD19P,
+# STL-19P: 8 m at 4 % reflectance) or of the part's older models (SLAMTEC LD108, A1M8 to R4: 6 m): farther off
+# they hear white ones only, and silence there is no free water.
 RANGES_M: Final = {
     "hcsr04": (0.02, 4.0),
     "jsnsr04t": (0.25, 4.5),
     "a02yyuw": (0.03, 4.5),
     "tfmini": (0.1, 12.0),
+    "ld06": (0.03, 8.0),
+    "rplidar_a1": (0.15, 6.0),
     "none": (0.02, 4.0),
 }
 
 
-class RangerPart(Section, frozen=True):
-    """A ranger, fixed or on a sweeping servo: ultrasonic with trigger and echo pins (HC-SR04, JSN-SR04T) or
-    on a serial port (A02YYUW), or a lidar on a serial port (TFmini).
-    """
+class RangedPart(Section, frozen=True):
+    """A part with the range of its driver's data sheet, or another."""
 
-    driver: Literal["hcsr04", "jsnsr04t", "a02yyuw", "tfmini", "none"] = "none"
-    trigger: Pin = 23
-    echo: Pin = 24
-    port: str = "/dev/ttyUSB1"
-    min_strength: Annotated[int, Meta(ge=0, le=65534)] = 100  # of a lidar's echo; the first TFmini: 20
-    servo: OptionalPin = -1  # −1: fixed ahead
-    sweep_rad: Annotated[float, Meta(ge=0.0, le=math.pi)] = math.pi
-    step_rad: Positive = math.radians(15.0)
+    driver: str = "none"
     min_range_m: NonNegative = 0.0  # nothing closer is seen; 0: that of the data sheet
     max_range_m: NonNegative = 0.0  # 0: that of the data sheet
-    air_c: Annotated[float, Meta(ge=-40.0, le=60.0)] = 15.0  # with echo pins; 10 °C are 1.8 % of the range
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -132,9 +126,52 @@ class RangerPart(Section, frozen=True):
         least_m, greatest_m = RANGES_M[self.driver]
         return self.min_range_m or least_m, self.max_range_m or greatest_m
 
+
+class RangerPart(RangedPart, frozen=True):
+    """A ranger, fixed or on a sweeping servo: ultrasonic with trigger and echo pins (HC-SR04, JSN-SR04T) or
+    on a serial port (A02YYUW), or a lidar on a serial port (TFmini).
+    """
+
+    driver: Literal["hcsr04", "jsnsr04t", "a02yyuw", "tfmini", "none"] = "none"
+    trigger: Pin = 23
+    echo: Pin = 24
+    port: str = "/dev/ttyUSB1"
+    min_strength: Annotated[int, Meta(ge=0, le=65534)] = 100  # of a lidar's echo; the first TFmini: 20
+    servo: OptionalPin = -1  # −1: fixed ahead
+    sweep_rad: Annotated[float, Meta(ge=0.0, le=math.pi)] = math.pi
+    step_rad: Positive = math.radians(15.0)
+    air_c: Annotated[float, Meta(ge=-40.0, le=60.0)] = 15.0  # with echo pins; 10 °C are 1.8 % of the range
+
     @property
     def is_laser(self) -> bool:
         return self.driver == "tfmini"
+
+
+Bearing = Annotated[float, Meta(ge=-math.tau, le=math.tau)]
+
+
+class LidarPart(RangedPart, frozen=True):
+    """A scanning lidar on a serial port: LDROBOT LD06, LD19 or STL-19P, or Slamtec RPLIDAR A1.
+
+    yaw_rad: direction of its zero, clockwise from the bow. blind_rad: what mast or cabin hide, as pairs of
+    bearings from the bow, clockwise from the first to the second.
+    """
+
+    driver: Literal["ld06", "rplidar_a1", "none"] = "none"
+    port: str = "/dev/ttyUSB3"
+    baud: Annotated[int, Meta(ge=0)] = 0  # 0: 230,400 of an LD06, 115,200 of an RPLIDAR A1
+    yaw_rad: Bearing = 0.0
+    upside_down: bool = False
+    blind_rad: tuple[tuple[Bearing, Bearing], ...] = ()
+    # between two readings of a direction: every second pass of an LD06 at 10 Hz, each of an A1 at 5.5 Hz
+    period_s: NonNegative = 0.15
+
+    def is_blind(self, bearing_rad: float, half_rad: float) -> bool:
+        """Whether a part of the sector of half_rad to either side is hidden."""
+        return any(
+            (bearing_rad + half_rad - first) % math.tau <= (last - first) % math.tau + 2.0 * half_rad
+            for first, last in self.blind_rad
+        )
 
 
 class DepthPart(Section, frozen=True):

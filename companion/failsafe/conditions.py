@@ -199,9 +199,10 @@ def rc_lost(inputs: FailsafeInputs) -> str:
 
 
 def sonar_lost(inputs: FailsafeInputs) -> str:
-    """A sonar that has pinged is silent, or its ranges jump at random."""
-    limit_s = inputs.config.failsafe.sonar_timeout_s
-    return f"Sonar lost for {limit_s:g} s" if inputs.board.has_lost_sonar else ""
+    """A sonar that has pinged is silent, or its ranges jump at random; or a lidar that has is silent."""
+    limit_s, board = inputs.config.failsafe.sonar_timeout_s, inputs.board
+    name = "Lidar" if board.has_lost_lidar else "Sonar" if board.has_lost_sonar else ""
+    return f"{name} lost for {limit_s:g} s" if name else ""
 
 
 def overrun(inputs: FailsafeInputs) -> str:

@@ -34,7 +34,7 @@ class BoardReadings(Struct, frozen=True):
     as the motors push, at an obstacle, at the shore or in a calibration trial. held_s: for how long the shore
     has held the boat. depth: the latest sounding that found the bottom. was_deep: the water has been deep
     enough since arming. load: share of the tick that the loop takes. has_lost_sonar: it has pinged, and is
-    silent or noisy. storage_fault: why something could not be written, "".
+    silent or noisy; has_lost_lidar: likewise. storage_fault: why something could not be written, "".
     """
 
     left: float = 0.0
@@ -49,6 +49,7 @@ class BoardReadings(Struct, frozen=True):
     hull: HullReading | None = None
     depth: DepthReading | None = None
     was_deep: bool = False
+    has_lost_lidar: bool = False
     has_lost_sonar: bool = False
     storage_fault: str = ""
 

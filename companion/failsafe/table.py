@@ -158,7 +158,7 @@ ROWS: tuple[Row, ...] = (
         guard=Guard(POSITION_MODES), clear_s=3.0),
     Row(Condition.GYRO_BAD, conditions.gyro_bad, "compass_action", "gyro good again",
         guard=Guard(POSITION_MODES), clear_s=3.0),
-    Row(Condition.SONAR_LOST, conditions.sonar_lost, "sonar_action", "sonar pings again",
+    Row(Condition.SONAR_LOST, conditions.sonar_lost, "sonar_action", "ranger pings again",
         guard=Guard(AUTONOMOUS_MODES), clear_s=3.0),
     Row(Condition.OVERRUN, conditions.overrun, "overrun_action", "computer load normal again",
         after=3.0, clear_s=10.0),

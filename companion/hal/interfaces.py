@@ -175,7 +175,7 @@ RcReceiver = Sensor[RcReading]
 
 
 class Sonar(Closable, Protocol):
-    """Ultrasonic ranger, swept or fixed."""
+    """A ranger, swept or fixed, or a scanning lidar."""
 
     def read(self) -> Sequence[SonarReading]:
         """The pings since the last call, oldest first."""
@@ -214,6 +214,7 @@ class Hardware:
     rudder: Rudder | None = None
     depth: DepthSounder | None = None
     ais: Ais | None = None
+    lidar: Sonar | None = None
     probes: tuple[Probe, ...] = ()  # in the order of the configuration
     escs: tuple[EscTelemetry, ...] = ()  # a line each, the left one first
     field: FieldCorrector | None = None  # of the compass, if it is a bare magnetometer

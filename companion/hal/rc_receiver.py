@@ -8,8 +8,8 @@ from companion.core.errors import ConfigError
 from companion.core.readings import RcReading
 from companion.hal.port_sensor import PortSensor
 from companion.links.interfaces import Port
-from companion.links.port_url import open_port
-from companion.links.serial_port import LINE_8E2, LINE_8N1, LineFormat, SerialPort
+from companion.links.port_url import open_line
+from companion.links.serial_port import LINE_8E2, LINE_8N1, LineFormat
 from companion.rc.parsers import CrsfParser, IbusParser, RcParser, SbusParser
 
 
@@ -49,8 +49,5 @@ def open_rc_receiver(setting: Rc, now: Callable[[], float]) -> SerialRcReceiver:
     protocol = _PROTOCOLS.get(setting.driver)
     if protocol is None:
         raise ConfigError(f"rc.driver = {setting.driver!r}: expected one of {', '.join(_PROTOCOLS)}")
-    if setting.port.startswith("/"):
-        port: Port = SerialPort(setting.port, protocol.parser.baud, now, line=protocol.line)
-    else:
-        port = open_port(setting.port, now)
+    port = open_line(setting.port, protocol.parser.baud, now, protocol.line)
     return SerialRcReceiver(port, now, protocol.parser(), protocol.rest_s).start()

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from companion.core.errors import ConfigError
 from companion.links.interfaces import Port
 from companion.links.internet import show
-from companion.links.serial_port import SerialPort
+from companion.links.serial_port import LINE_8N1, LineFormat, SerialPort
 from companion.links.tcp import TcpInPort, TcpOutPort
 from companion.links.udp import UdpInPort, UdpOutPort
 
@@ -67,19 +67,18 @@ def open_port(
     now: Callable[[], float],
     queue_bytes: int | None = None,
     is_call: Callable[[bytes], bool] = bool,
+    line: LineFormat = LINE_8N1,
 ) -> Port:
     """Open the port of a url. `now` is the boat's clock, in seconds.
 
     queue_bytes: output queue of a stream; None: the driver's default. is_call: whether a datagram from a new
-    address creates a link; default: any non-empty one.
+    address creates a link; default: any non-empty one. line: of a serial device.
     Raises ConfigError: the url is invalid; LinkError: the port cannot be opened.
     """
     parsed = parse_port_url(url)
     queue = {} if queue_bytes is None else {"queue_bytes": queue_bytes}
     if parsed.kind == "serial":
-        if queue_bytes is None:
-            return SerialPort(parsed.place, parsed.number, now)
-        return SerialPort(parsed.place, parsed.number, now, queue_bytes)
+        return SerialPort(parsed.place, parsed.number, now, **queue, line=line)
     if parsed.kind == "udpin":
         return UdpInPort(parsed.place, parsed.number, now, is_call=is_call)
     if parsed.kind == "udpout":
@@ -89,11 +88,12 @@ def open_port(
     return TcpOutPort(parsed.place, parsed.number, now, **queue)
 
 
-def open_line(place: str, baud: float, now: Callable[[], float]) -> Port:
+def open_line(place: str, baud: float, now: Callable[[], float], line: LineFormat = LINE_8N1) -> Port:
     """Open a part's serial device at a baud rate, or any other port url.
     Raises ConfigError: the url is invalid; LinkError: the port cannot be opened.
     """
-    return open_port(f"{place},{int(baud)}" if place.startswith("/") and "," not in place else place, now)
+    url = f"{place},{int(baud)}" if place.startswith("/") and "," not in place else place
+    return open_port(url, now, line=line)
 
 
 def _internet(url: str, kind: str, rest: str) -> PortUrl:

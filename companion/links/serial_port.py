@@ -22,11 +22,12 @@ _REFUSALS = (serial.SerialException, termios.error, ValueError, OSError)
 
 
 class LineFormat(NamedTuple):
-    """Framing on the wire. With a parity, bytes with a parity error are dropped."""
+    """Framing on the wire. With a parity, bytes with a parity error are dropped. is_ready: level of DTR."""
 
     parity: str = serial.PARITY_NONE
     stop_bits: int = serial.STOPBITS_ONE
     has_flow_control: bool = False  # by RTS and CTS
+    is_ready: bool = True
 
 
 LINE_8N1 = LineFormat()
@@ -98,8 +99,7 @@ class SerialPort:
         line: serial.Serial | None = None
         try:
             line = serial.Serial(
-                self._device,
-                self._baud,
+                baudrate=self._baud,
                 parity=self._line.parity,
                 stopbits=self._line.stop_bits,
                 rtscts=self._line.has_flow_control,
@@ -107,6 +107,8 @@ class SerialPort:
                 write_timeout=0,
                 exclusive=True,
             )
+            line.dtr, line.port = self._line.is_ready, self._device
+            line.open()
             descriptor = self._set_up(line)
         except _REFUSALS as error:
             if line is not None:

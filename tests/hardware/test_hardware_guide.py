@@ -1,5 +1,6 @@
 """The hardware page and the example configuration say the same as the code."""
 
+import math
 import re
 import tomllib
 import typing
@@ -127,3 +128,10 @@ def test_the_other_motors_rows_are_all_outputs_of_that_driver(driver: str) -> No
 def test_a_table_of_the_page_can_be_read(text: str) -> None:
     config = decode_config(tomllib.loads(text), "page")
     assert config.parts.motors.driver in ("esc", "vesc") or config.parts.rudder.driver == "servo"
+
+
+def test_the_lidars_table_of_the_page_hides_the_mast_and_leaves_the_bow() -> None:
+    (text,) = re.findall(r"```toml\n(\[parts\.lidar\].*?)```", GUIDE, re.DOTALL)
+    lidar = decode_config(tomllib.loads(text), "page").parts.lidar
+    blind = [degrees for degrees in range(0, 360, 5) if lidar.is_blind(math.radians(degrees), 0.0)]
+    assert blind == [175, 180, 185]

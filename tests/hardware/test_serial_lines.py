@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import pytest
 from twins.bno085 import Bno085Twin
+from twins.lidars import Ld06Twin, RplidarTwin
 from twins.lines import HandClock, PtyLine, eventually, opened
 from twins.rangers import a02yyuw_frame, tfmini_frame
 from twins.sounders import Ping1dTwin
@@ -18,7 +19,7 @@ from twins.ubx_receiver import ZED_F9P, UbxReceiver
 from twins.ubx_serial import SerialReceiver
 
 from companion.app.hardware import begin_probes
-from companion.app.parts import open_ais, open_compass, open_depth
+from companion.app.parts import open_ais, open_compass, open_depth, open_lidar
 from companion.config.boat_config import BoatConfig, decode_config
 from companion.config.sensors import GnssPart, RangerPart
 from companion.config.tuning import Rc
@@ -117,6 +118,22 @@ def tfmini(line: PtyLine, clock: HandClock) -> Open:
     )
 
 
+def ld06(line: PtyLine, clock: HandClock) -> Open:
+    twin = Ld06Twin(lambda _: (3000, 200))
+    part = open_lidar(parts(line.device, lidar={"driver": "ld06"}), clock)
+    return Open(part, lambda: line.say(twin.say(0.05)), lambda one: one.range_m == 3.0)
+
+
+def rplidar(line: PtyLine, clock: HandClock) -> Open:
+    twin = RplidarTwin(lambda _: (3000, 15))
+    part = open_lidar(parts(line.device, lidar={"driver": "rplidar_a1"}), clock)
+
+    def talk() -> None:
+        line.say(twin.hear(line.heard()) + twin.say(0.05))
+
+    return Open(part, talk, lambda one: one.range_m == 3.0)
+
+
 def rc(driver: str, frame: bytes, channels: int) -> Callable[[PtyLine, HandClock], Open]:
     def open_it(line: PtyLine, clock: HandClock) -> Open:
         receiver = open_rc_receiver(Rc(driver=driver, port=line.device), clock)  # type: ignore[arg-type]
@@ -128,7 +145,7 @@ def rc(driver: str, frame: bytes, channels: int) -> Callable[[PtyLine, HandClock
 KINDS = {
     "nmea gnss": gnss, "u-blox": ubx, "nmea compass": compass, "bno085": bno085, "nmea depth": nmea_depth,
     "ais": ais, "ping1d": ping1d, "a02yyuw": a02yyuw, "tfmini": tfmini, "crsf": rc("crsf", CRSF, 16),
-    "ibus": rc("ibus", IBUS, 14), "sbus": rc("sbus", SBUS, 18),
+    "ld06": ld06, "rplidar_a1": rplidar, "ibus": rc("ibus", IBUS, 14), "sbus": rc("sbus", SBUS, 18),
 }  # fmt: skip
 
 

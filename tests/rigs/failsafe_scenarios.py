@@ -195,7 +195,7 @@ SCENARIOS: dict[Condition, Scenario] = {
         "Gyro lost: using yaw model", "gyro good again", NONE, 0.0, 3.0, modes=BY_POSITION,
     ),
     Condition.SONAR_LOST: Scenario(
-        with_board(has_lost_sonar=True), with_board(), "Sonar lost for 3 s", "sonar pings again",
+        with_board(has_lost_sonar=True), with_board(), "Sonar lost for 3 s", "ranger pings again",
         NONE, 0.0, 3.0, modes=AUTONOMOUS,
     ),
     Condition.OVERRUN: Scenario(

@@ -45,6 +45,7 @@ PARTS: Final[Mapping[str, Open]] = {
     "gnss": parts.open_gnss,
     "compass": parts.open_compass,
     "sonar": parts.open_sonar,
+    "lidar": parts.open_lidar,
     "battery": parts.open_battery,
     "hull": parts.open_hull_sensor,
     "depth": parts.open_depth,

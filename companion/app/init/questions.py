@@ -35,7 +35,7 @@ PRESET_CELLS: Final = 3
 """Cells in series for which the presets' voltages hold."""
 
 _GNSS, _COMPASS, _SONAR = "parts.gnss.driver", "parts.compass.driver", "parts.sonar.driver"
-_BATTERY, _RC = "parts.battery.driver", "rc.driver"
+_BATTERY, _LIDAR, _RC = "parts.battery.driver", "parts.lidar.driver", "rc.driver"
 
 QUESTIONS: Final = (
     SetupQuestion("identity.system_id", "MAVLink system id, unique on the network"),
@@ -52,6 +52,8 @@ QUESTIONS: Final = (
     SetupQuestion(_SONAR, "sonar or ranger"),
     SetupQuestion("parts.sonar.port", "port of the ranger", _SONAR, ("a02yyuw", "tfmini")),
     SetupQuestion("parts.sonar.servo", "pin of its sweeping servo (-1: fixed ahead)", _SONAR),
+    SetupQuestion(_LIDAR, "scanning lidar"),
+    SetupQuestion("parts.lidar.port", "port of the lidar", _LIDAR),
     SetupQuestion(_RC, "receiver of an RC transmitter"),
     SetupQuestion("rc.port", "port of the RC receiver (/dev/ttyAMA4: GPIO 9 of a Pi 4)", _RC),
 )

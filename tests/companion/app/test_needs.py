@@ -70,6 +70,10 @@ def check(*lines: str, model: str = PI_4) -> None:
             "parts.sonar.port: GPIO 14 belongs to parts.gnss.port, /dev/serial0",
         ),
         (
+            (RECEIVER, "parts.lidar={driver='ld06', port='/dev/ttyAMA0'}"),
+            "parts.lidar.port: GPIO 14 belongs to parts.gnss.port, /dev/serial0",
+        ),
+        (
             (BRIDGE, TFMINI % "/dev/ttyAMA5"),
             "parts.motors.left_enable: GPIO 12 belongs to parts.sonar.port, /dev/ttyAMA5",
         ),

@@ -257,6 +257,26 @@ def test_pings_are_those_of_one_tick_and_external_ones_bring_their_beam() -> Non
     assert suite.has_sonar
 
 
+def test_a_lidars_sectors_are_pings_of_five_degrees_beside_those_of_the_sonar() -> None:
+    ranger, lidar = Ranger(), Ranger()
+    suite = suite_of(sonar=ranger, lidar=lidar)
+    ping, sector = SonarReading(1.0, 0.0, 2.0), SonarReading(1.0, 0.5, 3.0)
+    ranger.pings, lidar.pings = [ping], [sector]
+    suite.read(CONFIG, 1.0)
+    assert suite.pings == [(ping, None), (sector, math.radians(5.0))]
+    assert (suite.lidar, suite.has_lidar) == (sector, True)
+    suite.read(CONFIG, 1.1 + CONFIG.failsafe.sonar_timeout_s)
+    assert (suite.lidar, suite.has_lidar) == (None, True)
+    assert suite_of(lidar=lidar).is_sonar_fitted
+
+
+def test_a_lidar_that_never_measures_is_silent_a_few_seconds_after_the_start() -> None:
+    suite = suite_of(lidar=Ranger())
+    suite.read(CONFIG, 1.0)
+    suite.read(CONFIG, 1.1 + SONAR_START_S)
+    assert suite.notices == [StatusText(Severity.WARNING, "Lidar is silent")]
+
+
 def test_a_sonar_that_never_pings_is_silent_a_few_seconds_after_the_start() -> None:
     suite = suite_of(sonar=Ranger())
     suite.read(CONFIG, 1.0)

@@ -63,6 +63,7 @@ class Scene:
         self.held_s = 0.0
         self.may_touch = self.is_noisy = self.is_calibrating = False
         self.has_sonar, self.sonar = True, SonarReading(1.0, 0.0, None)
+        self.has_lidar = False
         self.depth_m: float | None = 3.0
 
     def board(self, before: BoardReadings = AT_START, *, is_armed: bool = True) -> BoardReadings:
@@ -74,6 +75,8 @@ class Scene:
             hull=None,
             has_sonar=self.has_sonar,
             sonar=self.sonar,
+            has_lidar=self.has_lidar,
+            lidar=None,
         )
         guidance = SimpleNamespace(
             avoidance=SimpleNamespace(stage=self.stage),
@@ -130,6 +133,14 @@ def test_a_sonar_is_lost_when_it_falls_silent_or_talks_nonsense_after_it_has_pin
     noisy = Scene()
     noisy.is_noisy = True
     assert noisy.board().has_lost_sonar
+
+
+def test_a_lidar_is_lost_when_it_falls_silent_after_it_has_measured() -> None:
+    silent = Scene()
+    assert not silent.board().has_lost_lidar
+    silent.has_lidar = True
+    assert silent.board().has_lost_lidar
+    assert not silent.board().has_lost_sonar
 
 
 def test_the_rest_is_passed_on() -> None:

@@ -113,6 +113,8 @@ DRV8833 = "[parts.motors]\ndriver = 'drv8833'\n"
         ("[parts.sonar]\ntrigger = 28", "sonar.trigger"),
         ("[[probe]]\nname = 'ph'\ndriver = 'file'\npattern = '(\\d+)'", "path of the probe ph: expected"),
         ("[[probe]]\nname = 'ph'\ndriver = 'serial'\npattern = '(\\d+)'", "port of the probe ph"),
+        ("[parts.lidar]\ndriver = 'ld06'\nmin_range_m = 8.0", "min_range_m = 8: expected less"),
+        ("[parts.lidar]\nblind_rad = [[170.0, 190.0]]", "lidar.blind_rad"),
         ("[camera]\nname = '" + 32 * "x" + "'", "camera.name"),
     ],
 )  # fmt: skip

@@ -99,7 +99,7 @@ def test_a_parts_device_is_opened_at_its_baud_rate_unless_it_states_one(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     urls: list[str] = []
-    monkeypatch.setattr("companion.links.port_url.open_port", lambda url, _: urls.append(url))
+    monkeypatch.setattr("companion.links.port_url.open_port", lambda url, *_, **__: urls.append(url))
     for place in ("/dev/ttyAMA0", "/dev/ttyAMA0,4800", "tcp:boat.local:2947"):
         open_line(place, 9600.0, HandClock())
     assert urls == ["/dev/ttyAMA0,9600", "/dev/ttyAMA0,4800", "tcp:boat.local:2947"]

@@ -18,7 +18,7 @@ from twins.lines import HandClock, PtyLine, eventually, gather
 
 from companion.core.errors import LinkError
 from companion.links.interfaces import Link, Port
-from companion.links.serial_port import LINE_8E2, LINE_8N1, SerialPort
+from companion.links.serial_port import LINE_8E2, LINE_8N1, LineFormat, SerialPort
 from companion.links.stream import StreamLink
 from companion.links.tcp import TcpInPort, TcpOutPort
 
@@ -218,6 +218,23 @@ def test_a_serial_line_is_set_up_for_its_format_and_baud_rate(line: PtyLine, clo
         port.set_baud(9600)
         assert termios.tcgetattr(link.fileno())[4] == termios.B9600
         port.close()
+
+
+def test_a_line_may_keep_dtr_low_from_its_opening_on(
+    line: PtyLine, clock: HandClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    levels: list[bool] = []
+    monkeypatch.setattr("serial.Serial._update_dtr_state", lambda self: levels.append(self.dtr))
+    for is_ready in (True, False):
+        port = SerialPort(line.device, 57600, clock, line=LineFormat(is_ready=is_ready))
+        line.unplug()
+        port.accept()
+        port._link.receive()
+        line.plug_in()
+        clock.advance(5.0)
+        port.accept()
+        port.close()
+    assert levels == [True, True, False, False]
 
 
 def test_a_serial_line_that_is_unplugged_comes_back_as_a_new_link(line: PtyLine, clock: HandClock) -> None:

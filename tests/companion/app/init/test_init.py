@@ -128,8 +128,9 @@ def test_a_wrong_answer_is_explained_and_asked_again() -> None:
 
 def test_a_driver_brings_the_values_that_it_needs_and_its_own_questions() -> None:
     asked, ask = answers(
-        parts__gnss__driver="gpsd", parts__battery__driver="ina228", parts__sonar__driver="tfmini"
-    )
+        parts__gnss__driver="gpsd", parts__battery__driver="ina228", parts__sonar__driver="tfmini",
+        parts__lidar__driver="ld06",
+    )  # fmt: skip
     changed = ask_all(config_of(preset_text("lake")), ask, pytest.fail)
     assert changed == {
         "parts.gnss.driver": "gpsd",
@@ -137,8 +138,9 @@ def test_a_driver_brings_the_values_that_it_needs_and_its_own_questions() -> Non
         "parts.battery.driver": "ina228",
         "parts.battery.shunt_ohm": 0.002,
         "parts.sonar.driver": "tfmini",
+        "parts.lidar.driver": "ld06",
     }
-    assert "parts.sonar.port" in asked
+    assert {"parts.sonar.port", "parts.lidar.port"} <= set(asked)
     assert "parts.gnss.baud" not in asked
 
 
