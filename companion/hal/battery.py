@@ -52,6 +52,10 @@ class ShuntChip(NamedTuple):
     limit: int
     is_bus_behind_shunt: bool = False
 
+    def is_at(self, registers: Registers) -> bool:
+        """Whether the part has this kind's numbers. Only reads. Raises OSError: nothing answers."""
+        return all(registers.read_word(at) & mask == value for at, mask, value in self.identity)
+
 
 # All measure shunt and bus in turn without a break, and average 64 pairs: 34 to 43 ms, many periods of the
 # motors' PWM, and less than the period of reading.
@@ -106,10 +110,9 @@ class ShuntMonitor:
         self._registers = Registers(bus, address)
         self._shunt_ohm = shunt_ohm
         self._has_measured = False
-        identities = [self._registers.read_word(at) & mask == value for at, mask, value in chip.identity]
-        if all(identities):
+        if is_it := chip.is_at(self._registers):
             self._set_up()
-        if not all(identities) or not self._is_set_up():
+        if not is_it or not self._is_set_up():
             raise HardwareError(f"{chip.name}: the part at I²C address {address:#x} is not an {chip.name}")
         reach_a = chip.limit * chip.shunt.volt / shunt_ohm
         _log.info("%s: up to %.3g A with a shunt of %g ohm", chip.name, reach_a, shunt_ohm)

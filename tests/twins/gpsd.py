@@ -74,6 +74,8 @@ class GpsdServer:
             except BlockingIOError:
                 continue
             command, _, argument = asked.strip().rstrip(";").partition("=")
+            if command == "?DEVICES":
+                client.sendall(line(DEVICES))
             if command == "?WATCH" and json.loads(argument) == {"enable": True, "json": True}:
                 self._watching.add(client)
                 client.sendall(line(DEVICES) + line({"class": "WATCH", "enable": True, "json": True}))

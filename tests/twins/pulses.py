@@ -135,7 +135,7 @@ class Pca9685Twin:
     def power_up(self) -> None:
         """As its supply comes on (table 4 ff.): asleep, all calls answered, every output full off, 200 Hz."""
         self.registers = bytearray(256)
-        self.registers[0x00], self.registers[0x01] = 0x11, 0x04
+        self.registers[0x00:0x06] = b"\x11\x04\xe2\xe4\xe8\xe0"
         for channel in range(16):
             self.registers[0x09 + 4 * channel] = 0x10
         self.registers[0xFE] = 0x1E

@@ -8,10 +8,12 @@ from twins.lines import PtyLine
 class Ping1dTwin:
     """docs.bluerobotics.com/ping-protocol: it measures always, and sends by itself only what it was told to.
 
-    hear: bytes from the host; say: bytes to the host at one interval.
+    hear: bytes from the host; say: bytes to the host at one interval. Request and answer of the device
+    information are as in Blue Robotics' ping-python (brping/definitions.py). device: 1, or 2 of a Ping360.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, device: int = 1) -> None:
+        self.device = device
         self.distance_mm, self.confidence = 3250, 97
         self.settings: dict[int, bytes] = {}
         self.wrong_sums = 0
@@ -36,6 +38,9 @@ class Ping1dTwin:
                 self.wrong_sums += 1
                 continue
             payload = frame[8:-2]
+            if (number, payload) == (6, b"\x04\x00"):
+                answer += self.frame(4, bytes((self.device, 1, 3, 29, 0, 0)))
+                continue
             if number == 1400:
                 self.streams.add(int.from_bytes(payload, "little"))
             else:

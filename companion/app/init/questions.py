@@ -5,16 +5,22 @@ about one key.
 import typing
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Annotated, Any, Final
 
 from companion.app.composition import check_config
+from companion.app.init.findings import Found, choose
+from companion.app.init.i2c_parts import find_i2c_parts
 from companion.app.init.presets import PRESETS, STATIONS, Value, board_values, preset_text, with_links
+from companion.app.init.serial_parts import find_serial_parts
+from companion.app.process import only_program
+from companion.app.status_file import running_boat
 from companion.cli.command_line import Option, ask, echo
 from companion.cli.output_file import write_text
 from companion.config.board import read_model
 from companion.config.boat_config import BoatConfig, decode_config, with_value
-from companion.core.errors import ConfigError
+from companion.core.errors import ConfigError, StorageError
 from companion.core.toml_text import parse_toml
 
 Ask = Callable[[str, str], str]
@@ -131,6 +137,7 @@ def _read(answer: str, kind: type) -> Value:
 def init(
     preset: Annotated[str, Option("--preset", help=f"{', '.join(PRESETS)}; asked for otherwise.")] = "",
     yes: Annotated[bool, Option("--yes", "-y", help="Ask nothing: the preset's own values.")] = False,
+    detect: Annotated[bool, Option("--detect", help="Find the parts on I²C buses and serial ports.")] = False,
     output: Annotated[Path, Option("--output", "-o", help="The file to write.")] = Path("boat.toml"),
     force: Annotated[bool, Option("--force", help="Overwrite an existing file.")] = False,
 ) -> None:
@@ -142,22 +149,51 @@ def init(
         raise ConfigError(f"{output} exists: choose another --output, or --force")
     if preset not in PRESETS and (preset or yes):
         raise ConfigError(f"--preset {preset or 'is missing'}: expected one of {', '.join(PRESETS)}")
-    board = board_values(read_model())
-    text = preset_text(preset, board) if yes else _asked(preset, board)
+    preset = preset or _ask_preset()
+    values = board_values(read_model())
+    if detect:
+        values |= _detected(preset, values, asks=not yes)
+    text = preset_text(preset, values) if yes else _asked(preset, values)
     check_config(_config(text, str(output)))
     write_text(output, text)
     echo(f"{output} is written; next: boat-companion check --config {output}")
 
 
+def _ask_preset() -> str:
+    for name, one in PRESETS.items():
+        echo(f"  {name:10} {one.title}")
+    preset = ask("boat", "lake")
+    while preset not in PRESETS:
+        echo(f"expected one of {', '.join(PRESETS)}", is_error=True)
+        preset = ask("boat", "lake")
+    return preset
+
+
+def _detected(preset: str, board: Mapping[str, Value], *, asks: bool) -> dict[str, Value]:
+    """Values of the parts that answer; where none does, the preset's part stays."""
+
+    def accept(part: Found) -> bool:
+        return asks and ask(f"take {part}? (yes, no)", "no") == "yes"
+
+    config = _config(preset_text(preset, board), preset)
+    folder = config.storage.folder
+    if running_boat(config) is not None:
+        raise StorageError("the boat's program uses the parts; end it: sudo systemctl stop mavboat")
+    parts = list[Found]()
+    with only_program(folder if Path(folder).is_dir() else ""):
+        for found in chain(find_serial_parts(), find_i2c_parts()):
+            echo(f"  {found}")
+            parts += [found] if isinstance(found, Found) else []
+    taken = choose(parts, accept, echo)
+    for key in (_GNSS, _COMPASS, _BATTERY):
+        if key not in taken:
+            echo(f"not found, as in the preset: {key} {value_at(config, key)}")
+    values = {key: value for part in taken.values() for key, value in part.values.items()}
+    return {key: value for one in values.items() for key, value in _SUGGESTED.get(one, {}).items()} | values
+
+
 def _asked(preset: str, board: Mapping[str, Value]) -> str:
     """The text after the questions. board: values of this machine."""
-    if not preset:
-        for name, one in PRESETS.items():
-            echo(f"  {name:10} {one.title}")
-        preset = ask("boat", "lake")
-        while preset not in PRESETS:
-            echo(f"expected one of {', '.join(PRESETS)}", is_error=True)
-            preset = ask("boat", "lake")
     stations = ask("address that telemetry is sent to (broadcast address of the boat's network)", STATIONS)
     radio = ask("port of a telemetry radio, such as /dev/ttyUSB0", "none")
     config = _config(preset_text(preset, board), preset)

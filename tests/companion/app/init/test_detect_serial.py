@@ -1,0 +1,176 @@
+"""Parts are found on serial ports by what they send at their rate, and none is written to before."""
+
+import threading
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from twins.bno085 import Bno085Twin
+from twins.gpsd import DEVICE, GpsdServer
+from twins.rangers import a02yyuw_frame, tfmini_frame
+from twins.serial_ports import RMC, STEP_S, Device, SerialBench, Speak, every_s, plug_in_ports, receiver
+from twins.sounders import Ping1dTwin
+from twins.ubx_messages import sentence
+from twins.ubx_receiver import MAX_M10, NEO_6M, NEO_M8N, ZED_F9P, Model
+
+from companion.app.init.findings import Found
+from companion.app.init.serial_parts import CONSOLE, NOTHING, find_serial_parts
+from companion.links.serial_port import LINE_8E2
+
+# The example of the protocol's page; FlySky's and Futaba's frames by the descriptions that the parsers name
+CRSF = bytes.fromhex("c81816e0031ff8c0073ef0810f7ce0031ff8c0073ef0810f7cad")
+IBUS = (body := b"\x20\x40" + b"\xdc\x05" * 14) + (0xFFFF - sum(body)).to_bytes(2, "little")
+SBUS = b"\x0f" + CRSF[3:25] + b"\x00\x00"
+AIS = b"!AIVDM,1,1,,B,177KQJ5000G?tO`K>RA1wUbN0TKH,0*5C\r\n"  # of gpsd's page on AIVDM
+
+
+@pytest.fixture
+def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SerialBench:
+    return plug_in_ports(monkeypatch, tmp_path)
+
+
+def find(bench: SerialBench) -> tuple[list[Found], list[str]]:
+    everything = list(find_serial_parts(bench.clock, bench.wait))
+    notes = [one for one in everything if isinstance(one, str) and not one.startswith("listening")]
+    return [one for one in everything if isinstance(one, Found)], notes
+
+
+def silent_ping(twin: Ping1dTwin) -> Device:
+    """It passes over what is of another protocol."""
+    return Device(115_200, lambda _: b"", lambda data: twin.hear(data) if data.startswith(b"BR") else b"")
+
+
+def talking_bno085() -> Speak:
+    """As the boat left it."""
+    twin = Bno085Twin()
+    twin.features = {0x05: 0.02}
+    return lambda _: twin.speak(STEP_S)
+
+
+PORTS = {
+    "a02yyuw": (Device(9600, every_s(0.1, a02yyuw_frame(1953))), "parts.sonar"),
+    "tfmini": (Device(115_200, every_s(0.01, tfmini_frame(300))), "parts.sonar"),
+    "crsf": (Device(420_000, every_s(0.02, CRSF)), "rc"),
+    "ibus": (Device(115_200, every_s(0.007, IBUS)), "rc"),
+    "sbus": (Device(100_000, every_s(0.05, SBUS), line=LINE_8E2), "rc"),
+    "bno085": (Device(3_000_000, talking_bno085()), "parts.compass"),
+}
+
+
+@pytest.mark.parametrize("driver", PORTS)
+def test_a_part_that_speaks_is_found_and_never_written_to(driver: str, bench: SerialBench) -> None:
+    device, section = PORTS[driver]
+    bench.plug_in("ttyUSB0", device, "serial/by-id/usb-Adapter_42-if00-port0")
+    (part,), notes = find(bench)
+    values = {f"{section}.driver": driver, f"{section}.port": "/dev/serial/by-id/usb-Adapter_42-if00-port0"}
+    assert (part.values, part.doubt, notes, bench.written) == (values, "", [], [])
+
+
+@pytest.mark.parametrize("model", [NEO_6M, NEO_M8N, ZED_F9P, MAX_M10], ids=lambda model: model.software)
+def test_a_u_blox_receiver_is_found_at_its_own_rate(model: Model, bench: SerialBench) -> None:
+    bench.plug_in("ttyS0", receiver(model), "serial0")
+    (part,), _ = find(bench)
+    assert part.values == {"parts.gnss.driver": "ubx", "parts.gnss.port": "/dev/serial0"}
+    assert min(at_s for _, at_s in bench.written) >= 4.0
+
+
+@pytest.mark.parametrize("baud", [4800, 9600, 38_400, 115_200])
+@pytest.mark.parametrize(
+    ("section", "said"),
+    [
+        ("parts.gnss", RMC),
+        ("parts.compass", sentence("HCHDG,101.1,,,7.1,W")),
+        ("parts.depth", sentence("SDDPT,2.1,0.3")),
+    ],
+)
+def test_sentences_tell_what_sends_them(section: str, said: bytes, baud: int, bench: SerialBench) -> None:
+    bench.plug_in("ttyUSB0", Device(baud, every_s(1.0, said)))
+    (part,), _ = find(bench)
+    values = {f"{section}.driver": "nmea", f"{section}.port": "/dev/ttyUSB0", f"{section}.baud": baud}
+    assert (part.values, part.doubt) == (values, "")
+
+
+def test_an_ais_receiver_is_found_by_its_messages(bench: SerialBench) -> None:
+    bench.plug_in("ttyACM0", Device(38_400, every_s(1.0, AIS)))
+    (part,), _ = find(bench)
+    assert part.values == {
+        "parts.ais.driver": "nmea",
+        "parts.ais.port": "/dev/ttyACM0",
+        "parts.ais.baud": 38_400,
+    }
+    assert bench.written == []
+
+
+def test_depth_and_heading_on_a_receivers_line_are_of_that_line(bench: SerialBench) -> None:
+    said = RMC + sentence("SDDPT,2.1,0.3") + sentence("GNHDT,91.0,T")
+    bench.plug_in("ttyUSB0", Device(9600, every_s(1.0, said)))
+    (gnss, compass, depth), _ = find(bench)
+    assert gnss.driver == "nmea"
+    assert (compass.values, bool(compass.doubt)) == ({"parts.compass.driver": "gnss"}, True)
+    assert (depth.values, bool(depth.doubt)) == ({"parts.depth.driver": "gnss"}, False)
+
+
+def test_a_silent_sounder_answers_and_another_sonar_of_its_maker_is_refused(bench: SerialBench) -> None:
+    for name, kind in (("ttyUSB0", 1), ("ttyUSB1", 2)):
+        bench.plug_in(name, silent_ping(Ping1dTwin(kind)))
+    (part,), notes = find(bench)
+    assert part.values == {"parts.depth.driver": "ping1d", "parts.depth.port": "/dev/ttyUSB0"}
+    assert notes == [f"/dev/ttyUSB1: {NOTHING}"]
+    assert min(at_s for _, at_s in bench.written) >= 4.0
+
+
+@given(st.binary(min_size=1, max_size=400), st.integers(1, 40))
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=15)
+def test_garbage_is_no_part_and_gets_no_question(bench: SerialBench, noise: bytes, times: int) -> None:
+    bench.written.clear()
+    bench.plug_in("ttyUSB0", Device(9600, every_s(1.0, (b"\x00" + noise) * times)))
+    assert find(bench) == ([], [f"/dev/ttyUSB0: {NOTHING}"])
+    assert bench.written == []
+
+
+def test_all_ports_are_listened_to_at_once(bench: SerialBench) -> None:
+    for number, (device, _) in enumerate(PORTS.values()):
+        bench.plug_in(f"ttyUSB{number}", device)
+    parts, _ = find(bench)
+    assert {part.driver for part in parts} == set(PORTS)
+    assert bench.clock() - bench.began_s < 30.0
+
+
+def test_the_console_the_bluetooth_and_a_port_in_use_are_left_alone(
+    bench: SerialBench, tmp_path: Path
+) -> None:
+    gps = Device(9600, every_s(1.0, RMC))
+    bench.plug_in("ttyS0", gps, "serial0")
+    bench.plug_in("ttyAMA0", gps, "serial1")
+    bench.plug_in("ttyUSB0", gps)
+    bench.refused["ttyUSB0"] = "/dev/ttyUSB0 is in use by another program"
+    (tmp_path / "proc").mkdir()
+    (tmp_path / "proc/cmdline").write_text(
+        "console=serial0,115200 console=tty1 root=/dev/sda", encoding="utf-8"
+    )
+    parts, notes = find(bench)
+    assert parts == []
+    assert notes == [f"/dev/serial0: {CONSOLE}", bench.refused["ttyUSB0"]]
+
+
+def test_gpsd_is_the_receiver_and_its_port_is_left_alone(
+    bench: SerialBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    server, has_ended = GpsdServer(), threading.Event()
+    monkeypatch.setattr("companion.app.init.serial_parts.GPSD", ("127.0.0.1", server.port))
+    bench.plug_in(DEVICE.removeprefix("/dev/"), receiver(NEO_M8N))
+
+    def serve() -> None:
+        while not has_ended.wait(0.005):
+            server.serve()
+
+    thread = threading.Thread(target=serve)
+    thread.start()
+    (part,), notes = find(bench)
+    has_ended.set()
+    thread.join()
+    server.close()
+    place = f"127.0.0.1:{server.port}"
+    assert part.values == {"parts.gnss.driver": "gpsd", "parts.gnss.port": place}
+    assert notes == [f"{DEVICE}: owned by gpsd at {place}"]
