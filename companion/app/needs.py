@@ -21,8 +21,13 @@ I2C_ADDRESSES: Final = {  # where the configuration gives none
     "qmc5883p": 0x2C,
     "hmc5883l": 0x1E,
     "lis3mdl": 0x1C,
+    "ist8310": 0x0E,
+    "ist8308": 0x0C,
+    "rm3100": 0x20,
+    "ak09916": 0x0C,
     "mpu6050": 0x68,
     "lsm6ds": 0x6A,
+    "icm20948": 0x69,
     "ina219": 0x40,
     "ina226": 0x40,
     "ina228": 0x40,
@@ -202,6 +207,8 @@ def i2c_chips(config: BoatConfig) -> Iterator[tuple[str, str, str, int]]:
     if compass.is_magnetometer and compass.imu != "none":
         address = compass.imu_address or I2C_ADDRESSES[compass.imu]
         yield "parts.compass.imu_address", compass.imu, _bus(compass), address
+        if compass.imu == "icm20948" and compass.part_driver != "ak09916":  # its own is connected through
+            yield "parts.compass.imu", "ak09916", _bus(compass), I2C_ADDRESSES["ak09916"]
 
 
 def _drivers(config: BoatConfig) -> Iterator[tuple[str, str, Section]]:

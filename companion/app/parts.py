@@ -125,7 +125,7 @@ def open_compass(config: BoatConfig, now: Now, field: FieldCorrector | None = No
             return open_bno055(part, now, ProfileFile(path) if folder else None)
         case "bno085":
             return open_bno085(part, now)
-        case "qmc5883l" | "qmc5883p" | "hmc5883l" | "lis3mdl":
+        case "qmc5883l" | "qmc5883p" | "hmc5883l" | "lis3mdl" | "ist8310" | "ist8308" | "rm3100" | "ak09916":
             return open_magnetic_compass(part, now, field or FieldCorrector())
         case "nmea":
             return open_nmea_compass(part, now)

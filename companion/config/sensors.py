@@ -32,7 +32,9 @@ class GnssPart(Section, frozen=True):
     latency_s: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.1  # ArduPilot assumes 0.12 to 0.22 for u-blox
 
 
-MagnetometerDriver = Literal["qmc5883l", "qmc5883p", "hmc5883l", "lis3mdl"]
+MagnetometerDriver = Literal[
+    "qmc5883l", "qmc5883p", "hmc5883l", "lis3mdl", "ist8310", "ist8308", "rm3100", "ak09916"
+]
 CompassDriver = Literal["nmea", "bno055", "bno085", MagnetometerDriver]
 QuarterTurn = Literal[0, 90, 180, 270]
 BusAddress = Annotated[int, Meta(ge=0, le=0x77)]
@@ -67,7 +69,8 @@ class CompassPart(Section, frozen=True):
     i2c_bus: I2cBus = 1  # of parts.i2c_bus unless given
     address: BusAddress = 0  # on I²C; 0: the part's usual one
     mounting: Mounting = Mounting()  # of the BNO055, BNO085 or magnetometer
-    imu: Literal["mpu6050", "lsm6ds", "none"] = "none"  # gyro and accelerometer beside a magnetometer
+    # Gyro and accelerometer beside a magnetometer
+    imu: Literal["mpu6050", "lsm6ds", "icm20948", "none"] = "none"
     imu_address: BusAddress = 0
     imu_mounting: Mounting = Mounting()
     auto_declination: bool = False  # from the world magnetic model

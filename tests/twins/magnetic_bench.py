@@ -13,7 +13,7 @@ from companion.hal.heading import magnetic_compass
 from companion.hal.heading.magnetic_compass import MagneticCompass, open_magnetic_compass
 from companion.sensors.compass.magnetic_field import FieldCorrector, MagneticCorrection
 from twins.i2c import I2cDev, plug_in
-from twins.inertial import Lsm6dsTwin, Mpu6050Twin
+from twins.inertial import Icm20948Twin, Lsm6dsTwin, Mpu6050Twin
 from twins.lines import HandClock, known
 from twins.magnetics import (
     Hmc5883lTwin,
@@ -24,16 +24,34 @@ from twins.magnetics import (
     Scene,
     Triple,
 )
+from twins.pucks import Ak09916Twin, Ist8308Twin, Ist8310Twin, Rm3100Twin
 
 MAGNETOMETERS: dict[str, type[MeasuringTwin]] = {
     "qmc5883l": Qmc5883lTwin,
     "qmc5883p": Qmc5883pTwin,
     "hmc5883l": Hmc5883lTwin,
     "lis3mdl": Lis3mdlTwin,
+    "ist8310": Ist8310Twin,
+    "ist8308": Ist8308Twin,
+    "rm3100": Rm3100Twin,
+    "ak09916": Ak09916Twin,
 }
-INERTIAL: dict[str, type[MeasuringTwin]] = {"mpu6050": Mpu6050Twin, "lsm6ds": Lsm6dsTwin}
+INERTIAL: dict[str, type[MeasuringTwin]] = {
+    "mpu6050": Mpu6050Twin,
+    "lsm6ds": Lsm6dsTwin,
+    "icm20948": Icm20948Twin,
+}
 # Each part with one other: no driver knows what it is paired with
-PAIRS = [("qmc5883l", "mpu6050"), ("qmc5883p", "lsm6ds"), ("hmc5883l", "mpu6050"), ("lis3mdl", "lsm6ds")]
+PAIRS = [
+    ("qmc5883l", "mpu6050"),
+    ("qmc5883p", "lsm6ds"),
+    ("hmc5883l", "mpu6050"),
+    ("lis3mdl", "lsm6ds"),
+    ("ist8310", "mpu6050"),
+    ("ist8308", "lsm6ds"),
+    ("rm3100", "icm20948"),
+    ("ak09916", "icm20948"),
+]
 
 
 class Bench:
@@ -52,6 +70,8 @@ class Bench:
         self.scene = Scene(self.clock)
         self.field = MAGNETOMETERS[self.part.driver](self.scene, field_turned)
         self.motion = INERTIAL.get(self.part.imu, Mpu6050Twin)(self.scene, motion_turned)
+        if isinstance(self.field, Ak09916Twin) and isinstance(self.motion, Icm20948Twin):
+            self.field.carrier = self.motion
         self.dev: I2cDev = plug_in(monkeypatch, tmp_path, {self.field.address: self.field})
         if self.part.imu != "none":
             self.dev.parts[self.motion.address] = self.motion

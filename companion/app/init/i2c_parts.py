@@ -51,7 +51,14 @@ def _holds(values: dict[int, bytes]) -> Callable[[Registers], bool]:
 
 
 _SHUNTS: Final = (0x40, 0x41, 0x44, 0x45)  # A0 and A1 to ground or supply
-_OTHER_ADDRESSES: Final = {"lis3mdl": (0x1E,), "mpu6050": (0x69,), "lsm6ds": (0x6B,)}
+_OTHER_ADDRESSES: Final = {
+    "lis3mdl": (0x1E,),
+    "ist8310": (0x0C, 0x0D, 0x0F),
+    "rm3100": (0x21, 0x22, 0x23),
+    "mpu6050": (0x69,),
+    "lsm6ds": (0x6B,),
+    "icm20948": (0x68,),
+}
 # Nobody changes a PCA9685's further addresses (revision 4, 7.3.6 and 7.3.7), nor an ADS1115's thresholds
 # (SBAS444E, 8.1.4). An INA219 is as after power-up (SBOS448G, 8.6.2.1), or as the boat sets it up.
 _PCA9685_HOLDS: Final = {2: b"\xe2", 3: b"\xe4", 4: b"\xe8", 5: b"\xe0"}

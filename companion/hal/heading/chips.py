@@ -26,15 +26,18 @@ class Chip(ABC, Generic[Sample_co]):
     """A part at one bus address, whose samples are in board axes. Every call raises OSError if it does not
     answer.
 
-    ID_AT, IDS: the register of its number, and the numbers of the parts that it may be. SET_UP: what makes it
-    measure, as registers with the bytes to write from there on.
+    ID_AT, ID_BYTES, IDS: the register of its number, the number's length, the higher byte first, and the
+    numbers of the parts that it may be. SET_UP: what makes it measure, as registers with the bytes to write
+    from there on. PAUSE_S: after each of these.
     """
 
     name: str
     ADDRESS: int
     ID_AT: int
+    ID_BYTES: int = 1
     IDS: tuple[int, ...]
     SET_UP: tuple[tuple[int, ...], ...]
+    PAUSE_S: float = 0.0
 
     def __init__(self, bus: I2cBus, address: int = 0, wait: Callable[[float], None] = time.sleep) -> None:
         self.address = address or self.ADDRESS
@@ -43,13 +46,14 @@ class Chip(ABC, Generic[Sample_co]):
 
     def identify(self) -> str:
         """What answers instead of the part; empty if it is the part."""
-        (found,) = self._registers.read(self.ID_AT, 1)
+        found = int.from_bytes(self._registers.read(self.ID_AT, self.ID_BYTES), "big")
         return "" if found in self.IDS else f"{found:#x}, not {self.IDS[0]:#x}"
 
     def set_up(self) -> None:
         """Write `SET_UP`: the part begins to measure."""
         for register, *values in self.SET_UP:
             self._registers.write(register, *values)
+            self._wait(self.PAUSE_S)
 
     @abstractmethod
     def read(self) -> Sample_co | None:

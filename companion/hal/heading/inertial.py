@@ -2,7 +2,8 @@
 
 MPU-6050: InvenSense PS-MPU-6000A-00 and RM-MPU-6000A-00, revisions 3.4 and 4.2, August 2013. MPU-6500
 (RM-MPU-6500A-00), MPU-9250 and their successors have the same registers, and one more for the filter of the
-accelerometer. LSM6DS3, LSM6DSO and LSM6DSOX: ST DocID026899 revision 10 and DS12814 revision 3.
+accelerometer. LSM6DS3, LSM6DSO and LSM6DSOX: ST DocID026899 revision 10 and DS12814 revision 3. ICM-20948:
+InvenSense DS-000189, revision 1.3.
 """
 
 import math
@@ -105,4 +106,47 @@ class Lsm6ds(InertialSensor):
         return Motion(_scaled(values[:3], self.RATE), _scaled(values[3:], self.FORCE))
 
 
-INERTIAL: Final[dict[str, type[InertialSensor]]] = {"mpu6050": Mpu6050, "lsm6ds": Lsm6ds}
+class Icm20948(InertialSensor):
+    """Its registers are in banks; each read selects bank 0, and the set-up leaves bank 2. Its AK09916 is
+    connected through.
+    """
+
+    name = "ICM-20948"
+    ADDRESS = 0x69  # 0x68 where its AD0 pin is low
+    ID_AT, IDS = 0x00, (0xEA,)
+    _BANK_0, _BANK_2 = (0x7F, 0x00), (0x7F, 0x20)
+    SET_UP = (
+        (0x06, 0x01, 0x00),  # PWR_MGMT_1 and 2: awake, best clock; gyro and accelerometer on
+        (0x03, 0x00),  # USER_CTRL: no bus master of its own, or bypass does not work
+        (0x0F, 0x02),  # INT_PIN_CFG: bypass
+        _BANK_2,
+        (0x00, 10, 0x1B),  # GYRO_SMPLRT_DIV, GYRO_CONFIG_1: 1125 Hz / 11; low-pass 51 Hz, ±500 °/s
+        (0x10, 0, 10),  # ACCEL_SMPLRT_DIV: the same rate
+        (0x14, 0x1B),  # ACCEL_CONFIG: low-pass 50 Hz, ±4 g
+    )
+    PAUSE_S = 0.005  # it wakes up within (ArduPilot)
+    RATE: Final = math.radians(1.0 / 65.5)  # ±500 °/s (table 1)
+    FORCE: Final = GRAVITY_M_S2 / 8192.0  # ±4 g (table 2)
+    _STATUS_AT, _DATA_AT = 0x1A, 0x2D
+    _READY: Final = 0x01
+    _DATA: Final = struct.Struct(">6h")  # accelerometer, gyro
+
+    def identify(self) -> str:
+        """The number is in bank 0."""
+        self._registers.write(*self._BANK_0)
+        return super().identify()
+
+    def read(self) -> Motion | None:
+        self._registers.write(*self._BANK_0)
+        (status,) = self._registers.read(self._STATUS_AT, 1)
+        if not status & self._READY:
+            return None
+        values = self._DATA.unpack(self._registers.read(self._DATA_AT, self._DATA.size))
+        return Motion(_scaled(values[3:], self.RATE), _scaled(values[:3], self.FORCE))
+
+
+INERTIAL: Final[dict[str, type[InertialSensor]]] = {
+    "mpu6050": Mpu6050,
+    "lsm6ds": Lsm6ds,
+    "icm20948": Icm20948,
+}

@@ -3,7 +3,7 @@
 import logging
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Final, Generic, TypeVar
 
 from companion.config.sensors import CompassPart
@@ -17,7 +17,7 @@ from companion.hal.heading.chips import Chip, InertialSensor, Magnetometer, Moti
 from companion.hal.heading.inertial import INERTIAL
 from companion.hal.heading.magnetometers import MAGNETOMETERS
 from companion.hal.heading.orientation import board_to_body
-from companion.hal.raspberry_pi import open_i2c
+from companion.hal.raspberry_pi import I2cBus, open_i2c
 from companion.sensors.compass.attitude import AttitudeFilter, magnetic_heading
 from companion.sensors.compass.magnetic_field import FieldCorrector
 
@@ -182,20 +182,29 @@ def open_magnetic_compass(
     try:
         inertial: InertialSensor | None = None
         if part.imu != "none":  # first: it connects its auxiliary bus through
-            inertial = INERTIAL[part.imu](bus, part.imu_address, wait)
-            _start(inertial)
-        magnetometer = MAGNETOMETERS[part.driver](bus, part.address, wait)
-        _start(magnetometer)
+            inertial = _start(INERTIAL, part.imu, bus, part.imu_address, wait)
+        magnetometer = _start(MAGNETOMETERS, part.driver, bus, part.address, wait)
     except HardwareError:
         bus.close()
         raise
     return MagneticCompass(magnetometer, inertial, part, now, corrector, bus.close).start()
 
 
-def _start(part: Magnetometer | InertialSensor) -> None:
+def _start(
+    kinds: Mapping[str, type[Chip[Sample]]],
+    driver: str,
+    bus: I2cBus,
+    address: int,
+    wait: Callable[[float], None],
+) -> Chip[Sample]:
+    part = kinds[driver](bus, address, wait)
     try:
         if found := part.identify():
-            raise HardwareError(f"{part.name}: the part at I²C address {part.address:#x} says {found}")
+            same_register = (one for one in kinds.values() if one.ID_AT == part.ID_AT)
+            named = (f" ({one.name})" for one in same_register if not one(bus, part.address, wait).identify())
+            told = found + next(named, "")
+            raise HardwareError(f"{part.name}: the part at I²C address {part.address:#x} says {told}")
         part.set_up()
     except OSError as error:
         raise HardwareError(f"{part.name}: no answer at I²C address {part.address:#x}: {error}") from error
+    return part

@@ -26,6 +26,10 @@ def check(*lines: str, model: str = PI_4) -> None:
 @pytest.mark.parametrize(
     ("lines", "message"),
     [
+        (
+            ("parts.compass={driver='ist8308', imu='icm20948'}",),
+            "parts.compass.imu: 0xc on I²C belongs to parts.compass.address, ist8308",
+        ),
         ((BRIDGE, "parts.motors.right_enable=5"), r"right_enable: GPIO 5 belongs to .*left_forward"),
         (
             (BRIDGE, "parts.sonar={driver='tfmini', servo=12}"),

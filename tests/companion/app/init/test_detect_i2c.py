@@ -8,9 +8,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from twins.i2c import Bno055Twin, I2cDev, Part
-from twins.inertial import Lsm6dsTwin, Mpu6050Twin
+from twins.inertial import Icm20948Twin, Lsm6dsTwin, Mpu6050Twin
 from twins.lines import HandClock
 from twins.magnetics import Hmc5883lTwin, Lis3mdlTwin, Qmc5883lTwin, Qmc5883pTwin, Scene
+from twins.pucks import Ak09916Twin, Ist8308Twin, Ist8310Twin, Rm3100Twin
 from twins.pulses import Pca9685Twin
 
 from companion.app.init.findings import Found
@@ -64,8 +65,13 @@ def part_of(driver: str) -> Part:
         "qmc5883p": lambda: Qmc5883pTwin(SCENE),
         "hmc5883l": lambda: Hmc5883lTwin(SCENE),
         "lis3mdl": lambda: Lis3mdlTwin(SCENE),
+        "ist8310": lambda: Ist8310Twin(SCENE),
+        "ist8308": lambda: Ist8308Twin(SCENE),
+        "rm3100": lambda: Rm3100Twin(SCENE),
+        "ak09916": lambda: Ak09916Twin(SCENE),
         "mpu6050": lambda: Mpu6050Twin(SCENE),
         "lsm6ds": lambda: Lsm6dsTwin(SCENE),
+        "icm20948": lambda: Icm20948Twin(SCENE),
     }
     return WideRegisters(wide[driver]) if driver in wide else Untouched(narrow[driver]())
 
