@@ -1,7 +1,7 @@
 """Finds parts on serial ports by what they send, and the receiver that gpsd owns.
 
 All ports are listened to at once, rate by rate. Only then is a GNSS receiver, or a line that was silent,
-asked what changes nothing: UBX-MON-VER, and the device information of the Ping protocol.
+asked what changes nothing: UBX-MON-VER, the device information of the Ping protocol, an RPLIDAR's health.
 """
 
 import os
@@ -24,6 +24,7 @@ from companion.hal.ranging.serial_ranger import A02YYUW, TFMINI, RangerReader
 from companion.links.serial_port import LINE_8E2, LINE_8N1, LineFormat, SerialPort
 from companion.rc.parsers import CrsfParser, IbusParser, SbusParser
 from companion.sensors.framing import FrameReader
+from companion.sensors.lidar import ld06, rplidar
 from companion.sensors.nmea.sentences import LineReader, NmeaReader
 from companion.sensors.sh2 import ShtpReader
 from companion.sensors.ubx.frames import MON_VER, UbxReader, encode
@@ -63,6 +64,8 @@ ROWS: Final = (
     SerialRow("parts.ais.driver", "nmea", (38_400,), LineReader),
     SerialRow(_SONAR, "a02yyuw", (A02YYUW.baud,), partial(RangerReader, A02YYUW)),
     SerialRow(_SONAR, "tfmini", (TFMINI.baud,), partial(RangerReader, TFMINI)),
+    SerialRow("parts.lidar.driver", "ld06", (ld06.BAUD,), ld06.Ld06Reader),
+    SerialRow("parts.lidar.driver", "rplidar_a1", (rplidar.BAUD,), rplidar.RplidarReader, rplidar.GET_HEALTH),
     SerialRow(_RC, "crsf", (CrsfParser.baud,), CrsfParser),
     SerialRow(_RC, "ibus", (IbusParser.baud,), IbusParser),
     SerialRow(_RC, "sbus", (SbusParser.baud,), SbusParser, line=LINE_8E2),
@@ -110,7 +113,7 @@ def find_serial_parts(
     yield from (f"{device}: {reasons[_real(device)]}" for device in devices if _real(device) in reasons)
     running = {device: _examine(device, now) for device in devices if _real(device) not in reasons}
     if running:
-        yield f"listening on {', '.join(running)}, for half a minute at most"
+        yield f"listening on {', '.join(running)}, for 35 s at most"
     while running:
         for device, examination in list(running.items()):
             try:
