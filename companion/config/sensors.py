@@ -166,8 +166,8 @@ class LidarPart(RangedPart, frozen=True):
     yaw_rad: Bearing = 0.0
     upside_down: bool = False
     blind_rad: tuple[tuple[Bearing, Bearing], ...] = ()
-    # between two readings of a direction: every second pass of an LD06 at 10 Hz, each of an A1 at 5.5 Hz
-    period_s: NonNegative = 0.15
+    # between two readings of a direction: every second pass of an LD06 at 10 Hz, each of an A1's 5.5 to 8 Hz
+    period_s: NonNegative = 0.12
 
     def is_blind(self, bearing_rad: float, half_rad: float) -> bool:
         """Whether a part of the sector of half_rad to either side is hidden."""

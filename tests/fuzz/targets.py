@@ -10,10 +10,11 @@ from pathlib import Path
 
 from fastcrc.crc8 import dvb_s2 as crc8
 from pymavlink.dialects.v20 import all as dialect
+from twins.lidars import crc8 as lidar_crc8
 
 from companion.config.boat_config import BoatConfig, load_config
 from companion.config.parameter_pack import PackError, unpack_upload
-from companion.config.sensors import ProbePart
+from companion.config.sensors import LidarPart, ProbePart
 from companion.config.tuning import Rc
 from companion.core.errors import ConfigError, HardwareError
 from companion.hal.ping1d import PingReader
@@ -28,8 +29,11 @@ from companion.hal.ranging.serial_ranger import (
 from companion.mavlink.codec import Decoder
 from companion.rc.parsers import CrsfParser, IbusParser, SbusParser
 from companion.rc.rc_control import RcControl
+from companion.sensors.framing import FrameReader
 from companion.sensors.gnss_heading import GnssHeading
 from companion.sensors.gpsd import GpsdReader
+from companion.sensors.lidar import ld06, rplidar
+from companion.sensors.lidar.sectors import SectorScan
 from companion.sensors.nmea.ais import AisReader
 from companion.sensors.nmea.depth import DEPTH_SENTENCES, DepthAssembler
 from companion.sensors.nmea.fix import FixAssembler
@@ -155,8 +159,10 @@ def nmea(data: bytes) -> None:
 
 def sounders(data: bytes) -> None:
     """What sensors on serial lines send; the first byte says which. Checksums are mended."""
-    which, said = data[0] % 6 if data else 0, data[1:]
-    if which < 2:
+    which, said = data[0] % 8 if data else 0, data[1:]
+    if which >= 6:
+        _lidar(said, is_ld06=which == 6)
+    elif which < 2:
         kind = (A02YYUW, TFMINI)[which]
         frames = RangerReader(kind)
         for at in range(0, len(said), kind.length - 2):
@@ -187,6 +193,18 @@ def sounders(data: bytes) -> None:
         for part in _PROBES:
             value = value_of(raw_number(said.decode("utf-8", "replace"), part), part)
             assert value is None or math.isfinite(value)
+
+
+def _lidar(said: bytes, *, is_ld06: bool) -> None:
+    scan = SectorScan(LidarPart(driver="ld06" if is_ld06 else "rplidar_a1"))
+    frames: FrameReader = ld06.Ld06Reader() if is_ld06 else rplidar.RplidarReader()
+    for number in range(0, len(said), 44):
+        body = b"\x54\x2c" + said[number : number + 44].ljust(44, b"\0")
+        found = frames.split(body + bytes([lidar_crc8(body)]) if is_ld06 else said[number : number + 44])
+        rays = ld06.rays_of(found) if is_ld06 else rplidar.rays_of(found)
+        for one in scan.add(rays, 0.001 * number, 0.0005):
+            assert one.range_m is None or one.min_range_m <= one.range_m <= one.max_range_m
+    assert len(frames._held) < 64
 
 
 def _with_checksum(line: bytes) -> bytes:

@@ -49,7 +49,6 @@ class ScanningLidar(PortSensor[Sequence[SonarReading]]):
         return ()
 
     def _forget(self) -> None:
-        self._scan.clear()
         self.reader.forget()
 
 
@@ -85,7 +84,7 @@ class Rplidar(ScanningLidar):
         for health in filter(None, map(rplidar.health_of, frames)):
             self._on_health(*health)
         rays = rplidar.rays_of(frames)
-        if rays and not self._has_stopped:
+        if rays:
             self._due_s = self._now() + _SILENT_S
         return rays
 

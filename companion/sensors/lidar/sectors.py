@@ -51,10 +51,10 @@ class SectorScan:
     def __init__(self, part: LidarPart) -> None:
         self._part = part
         self._least_m, self._greatest_m = part.range_m
-        self.clear()
+        self._clear()
 
-    def clear(self) -> None:
-        """Forget all rays: there was a gap."""
+    def _clear(self) -> None:
+        """Forget all rays."""
         part, turn_rad = self._part, -SECTOR_RAD if self._part.upside_down else SECTOR_RAD
         bearings = [wrap_pi(part.yaw_rad + number * turn_rad) for number in range(SECTORS)]
         self._sectors = [_Sector(one, part.is_blind(one, 0.5 * SECTOR_RAD)) for one in bearings]
@@ -66,7 +66,7 @@ class SectorScan:
         """The readings that these rays complete. end_s: time of the last one; ray_s: between two of them."""
         time_s = end_s - len(rays) * ray_s
         if time_s - self._latest_s > _GAP_S:
-            self.clear()
+            self._clear()
         self._latest_s = end_s
         readings: list[SonarReading] = []
         for angle_rad, range_m in rays:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from twins.lidars import LD06_MANUAL, LD20_IN_THE_OPEN, Ld06Twin, RplidarTwin
+from twins.lidars import LD06_MANUAL, LD20_IN_THE_OPEN, NODES_HZ, RAYS_HZ, Ld06Twin, RplidarTwin
 
 from companion.sensors.framing import FrameReader
 from companion.sensors.lidar import ld06, rplidar
@@ -82,6 +82,11 @@ def test_an_a2s_motor_is_told_its_speed_with_a_checksum() -> None:
     twin = RplidarTwin()
     twin.hear(rplidar.SPIN)  # asserts it
     assert twin.requests == b"\xf0"
+
+
+def test_rays_follow_each_other_as_the_parts_measure() -> None:
+    assert rplidar.RAY_S == 1.0 / NODES_HZ
+    assert ld06.RAY_S == 1.0 / RAYS_HZ
 
 
 def scan_of(twin: RplidarTwin, seconds: float) -> bytes:

@@ -156,8 +156,22 @@ def test_rays_without_an_echo_may_come_a_little_before_their_time() -> None:
         angle_deg = ray + (8.0 if is_blank else 0.0)
         rays.append((math.radians(angle_deg % 360.0), NO_ECHO if is_blank else 1.2))
     readings = scan.add(rays, 1.0, 0.5e-3)
-    assert len(readings) >= 72
+    assert len(readings) > 2 * 72 - 6
     assert {one.range_m for one in readings} == {1.2}
+
+
+def test_a_ray_that_comes_too_late_changes_nothing() -> None:
+    rays = [(math.radians(ray * STEP_DEG), NO_ECHO) for ray in range(TURN)]
+    late = [*rays[:200], (math.radians(100.0), 2.0), *rays[200:]]
+    found, expected = (lidar().add(one, 1.0, RAY_S) for one in (late, rays))
+    assert [one.bearing_rad for one in found] == [one.bearing_rad for one in expected]
+
+
+def test_two_rays_on_either_side_of_a_border_are_an_echo_of_both_sectors() -> None:
+    scan = lidar()
+    turns(scan, lambda _: NO_ECHO)
+    ranges = told(turns(scan, between(87.1, 88.1, 3.0), 1))
+    assert (ranges[85], ranges[90]) == (3.0, 3.0)
 
 
 @given(
