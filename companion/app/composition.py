@@ -74,8 +74,32 @@ def check_config(config: BoatConfig, model: str | None = None) -> None:
         raise ConfigError(
             f"parts.depth.driver = 'gnss': expected parts.gnss.driver = 'nmea', not {parts.gnss.driver!r}"
         )
+    check_autopilot(config)
     check_channels(config.rc)
     check_needs(config, read_model() if model is None else model)
+
+
+def check_autopilot(config: BoatConfig) -> None:
+    """What the parts behind an autopilot need of each other; a ConfigError names the key."""
+    fitted = {name: getattr(config.parts, name) for name in config.parts.__struct_fields__} | {
+        "rc": config.rc
+    }
+    behind = [name for name, part in fitted.items() if getattr(part, "driver", "") == "autopilot"]
+    if behind and not config.parts.autopilot_part.url:
+        raise ConfigError(f"parts.autopilot: {behind[0]} is behind it; expected its port url")
+    if "motors" not in behind:
+        if "rudder" in behind:
+            raise ConfigError("parts.rudder.driver = 'autopilot': expected parts.motors.driver = 'autopilot'")
+        return
+    if config.drive.layout == "differential_rudder" or (config.drive.has_rudder and "rudder" not in behind):
+        raise ConfigError(
+            "parts.motors.driver = 'autopilot': expected two motors, or one and a rudder, also behind it"
+        )
+    if "rc" in behind:
+        raise ConfigError(
+            "rc.driver = 'autopilot': motors behind it override the transmitter's channels; expected a "
+            "receiver on this computer"
+        )
 
 
 def check_channels(setting: Rc) -> None:

@@ -65,11 +65,18 @@ class _Assembly:
     def open(self) -> Hardware:
         """The motors first, so that they are off from the start."""
         config, fitted = self._config, self._config.parts
+        outputs = None
+        if fitted.autopilot_part.url:
+            outputs = parts.behind_autopilot(config, self._now).outputs()
+            self._undo.callback(outputs.close)
+            self._begun.append(outputs.port)
         motors = self._begin(RetriedMotors("Motors", self._open_motors, self._pace))
         self._await()
         rudder = None
         if fitted.rudder.driver != "none":
-            rudder = self._begin(RetriedRudder("Rudder", lambda: parts.open_rudder(config), self._pace))
+            rudder = self._begin(
+                RetriedRudder("Rudder", lambda: parts.open_rudder(config, self._now), self._pace)
+            )
         escs = self._escs(motors)
         heading = parts.antenna_heading(config)
         shared = SharedDepthSounder(fitted.depth) if fitted.depth.driver == "gnss" else None
@@ -95,6 +102,7 @@ class _Assembly:
             probes=begin_probes(config, self._now, self._begin, self._pace),
             escs=escs,
             lidar=self._ranger("Lidar", fitted.lidar.driver, parts.open_lidar),
+            outputs=outputs,
             retried=tuple(self._begun),
         )
         self._await()

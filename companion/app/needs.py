@@ -81,7 +81,7 @@ def signals_in_use(config: BoatConfig) -> Iterator[tuple[str, PulseOutputSetting
         yield "parts.motors.left", motors.left
         if config.drive.has_pair:
             yield "parts.motors.right", motors.right
-    if rudder.driver != "none":
+    if rudder.driver == "servo":
         yield "parts.rudder.signal", rudder.signal
     for index, payload in enumerate(config.payload):
         if payload.signal_in_use is not None:
@@ -115,10 +115,13 @@ def needs_of(config: BoatConfig) -> Needs:
             ports[f"{key}.port"] = getattr(section, "port", "")
     reporting = config.parts.motors.ports(has_right=config.drive.has_pair)
     ports |= {f"parts.motors.{key}": port for key, port in reporting.items()}
-    for number, link in enumerate(config.link_settings):
-        url = parse_port_url(link.url)
+    urls = {f"links[{number}]": link.url for number, link in enumerate(config.link_settings)}
+    if autopilot := config.parts.autopilot_part.url:
+        urls["parts.autopilot"] = autopilot
+    for key, text in urls.items():
+        url = parse_port_url(text)
         if url.kind == "serial":
-            ports[f"links[{number}]"] = url.place
+            ports[key] = url.place
     devices = {key: port for key, port in ports.items() if port.startswith("/dev/")}
     compass = config.parts.compass
     return Needs(

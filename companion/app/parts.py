@@ -6,6 +6,7 @@ Raises of each: HardwareError, which names the part that does not answer.
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
@@ -42,7 +43,17 @@ from companion.hal.retried_parts import CountedOutput
 from companion.sensors.compass.magnetic_field import FieldCorrector
 from companion.sensors.gnss_heading import GnssHeading
 
+if TYPE_CHECKING:
+    from companion.hal.autopilot.facades import AutopilotParts
+
 Now = Callable[[], float]
+
+
+def behind_autopilot(config: BoatConfig, now: Now) -> "AutopilotParts":
+    """The parts of the autopilot, which share its line. Raises ConfigError: the url is invalid."""
+    from companion.hal.autopilot.facades import AutopilotParts  # noqa: PLC0415 — only where there is one
+
+    return AutopilotParts(config, now)
 
 
 class _Absent:
@@ -73,14 +84,18 @@ def open_motors(config: BoatConfig, now: Now) -> WatchedMotors:
         case "vesc":
             vescs = open_vescs(part, now, has_right=has_right)
             return WatchedMotors(vescs, now, config.motors.command_timeout_s, vescs)
+        case "autopilot":
+            motors = behind_autopilot(config, now).motors()
         case _:
             motors = open_bridges(part, now, has_right=has_right)
     return WatchedMotors(motors, now, config.motors.command_timeout_s)
 
 
-def open_rudder(config: BoatConfig) -> parts.Rudder:
+def open_rudder(config: BoatConfig, now: Now) -> parts.Rudder:
     """The rudder's servo, which begins amidships."""
     part = config.parts.rudder
+    if part.driver == "autopilot":
+        return behind_autopilot(config, now).rudder()
     return RudderServo(open_pulse_output(part.signal, config.parts.pca9685), part.signal)
 
 
@@ -105,6 +120,8 @@ def open_gnss(config: BoatConfig, now: Now, heading: GnssHeading | None = None) 
             return open_ubx_gnss(part, now, heading)
         case "gpsd":
             return open_gpsd_gnss(part, now)
+        case "autopilot":
+            return behind_autopilot(config, now).gnss()
         case "none":
             return _Absent()
 
@@ -129,6 +146,8 @@ def open_compass(config: BoatConfig, now: Now, field: FieldCorrector | None = No
             return open_magnetic_compass(part, now, field or FieldCorrector())
         case "nmea":
             return open_nmea_compass(part, now)
+        case "autopilot":
+            return behind_autopilot(config, now).compass()
         case "none":
             return _Absent()
 
@@ -140,6 +159,8 @@ def bare_compass(config: BoatConfig) -> BoatConfig:
 
 def open_sonar(config: BoatConfig, now: Now) -> parts.Sonar:
     """The ranger with its servo, which begins to ping."""
+    if config.parts.sonar.driver == "autopilot":
+        return behind_autopilot(config, now).sonar()
     return open_ranger(config.parts.sonar, now)
 
 
@@ -163,6 +184,8 @@ def open_battery(config: BoatConfig, now: Now) -> parts.Battery:
     if config.parts.battery.driver == "esc":
         ports = config.parts.motors.ports(has_right=config.drive.has_pair)
         return esc_battery(config, [open_esc(config, now, side) for side in range(len(ports))])
+    if config.parts.battery.driver == "autopilot":
+        return behind_autopilot(config, now).battery()
     return open_battery_monitor(config.parts.battery, now)
 
 
@@ -176,6 +199,8 @@ def open_depth(config: BoatConfig, now: Now) -> parts.DepthSounder:
     match part.driver:
         case "ping1d":
             return open_ping1d(part, now)
+        case "autopilot":
+            return behind_autopilot(config, now).depth()
         case "gnss":
             port, baud = config.parts.gnss.port, config.parts.gnss.baud or 9600
             return open_nmea_depth(replace(part, port=port, baud=baud), now)
@@ -207,6 +232,8 @@ def open_probe_group(group: Sequence[ProbePart], now: Now) -> tuple[parts.Probe,
 
 
 def open_rc(config: BoatConfig, now: Now) -> parts.RcReceiver:
+    if config.rc.driver == "autopilot":
+        return behind_autopilot(config, now).rc()
     return open_rc_receiver(config.rc, now)
 
 

@@ -147,6 +147,7 @@ class GuidancePipeline:
             needs_position=status.needs_position,
             estimate_age_s=now_s - nav.time_s if nav is not None else 0.0,
             rudder_slew_per_s=config.drive.slew_per_s,
+            output_fault=status.output_fault,
         )
         if command.reason:
             self.helm.reset()

@@ -81,7 +81,7 @@ class MotorsPart(Section, frozen=True):
     send them, or a VESC's answers. can_id: of a right VESC that is reached over the left one's CAN bus.
     """
 
-    driver: Literal["l298n", "tb6612", "bts7960", "drv8833", "esc", "vesc", "none"] = "none"
+    driver: Literal["l298n", "tb6612", "bts7960", "drv8833", "esc", "vesc", "autopilot", "none"] = "none"
     left_forward: Pin = 5
     left_backward: Pin = 6
     left_enable: Pin = 12
@@ -124,7 +124,7 @@ class MotorsPart(Section, frozen=True):
 
     def pins(self, *, has_right: bool) -> dict[str, int]:
         """The pins of a bridge, by key."""
-        if self.driver in ("none", "esc", "vesc"):
+        if self.driver in ("none", "esc", "vesc", "autopilot"):
             return {}
         names = ("forward", "backward") if self.driver == "drv8833" else ("forward", "backward", "enable")
         sides = ("left", "right") if has_right else ("left",)
@@ -160,7 +160,7 @@ class RudderPart(Section, frozen=True):
     min_us and max_us are the ends of the linkage, not of the servo: at most 35° of rudder, where it stalls.
     """
 
-    driver: Literal["servo", "none"] = "none"
+    driver: Literal["servo", "autopilot", "none"] = "none"
     signal: PulseOutputSetting = PulseOutputSetting(pin=13)
 
 

@@ -23,6 +23,7 @@ from companion.config.actuators import (
     Thrusters,
     Windage,
 )
+from companion.config.autopilot import AutopilotPart, with_autopilot
 from companion.config.board import I2cBus
 from companion.config.payload import CameraSetting, PayloadSetting, check_payloads
 from companion.config.section import NonNegative, Positive, Section, SystemId, replaced
@@ -45,6 +46,12 @@ class Parts(Section, frozen=True):
     depth: sensors.DepthPart = sensors.DepthPart()
     ais: sensors.AisPart = sensors.AisPart()
     pca9685: Pca9685Part = Pca9685Part()
+    autopilot: str | AutopilotPart = ""
+
+    @property
+    def autopilot_part(self) -> AutopilotPart:
+        """The autopilot; a plain url has default settings, without a url there is none."""
+        return AutopilotPart(url=self.autopilot) if isinstance(self.autopilot, str) else self.autopilot
 
 
 class LinkConfig(Section, frozen=True):
@@ -259,7 +266,7 @@ class BoatConfig(Section, frozen=True):
 def decode_config(tree: Mapping[str, Any], source: str) -> BoatConfig:
     """The configuration of a TOML tree. A ConfigError names the source, the key and the expected value."""
     try:
-        return msgspec.convert(_with_bus(tree), BoatConfig)
+        return msgspec.convert(with_autopilot(_with_bus(tree)), BoatConfig)
     except msgspec.ValidationError as error:
         raise ConfigError(f"{source}: {error}") from None
 

@@ -21,7 +21,7 @@ class GnssPart(Section, frozen=True):
     reference antenna to the receiver's own, clockwise from the bow.
     """
 
-    driver: Literal["nmea", "ubx", "gpsd", "none"] = "none"
+    driver: Literal["nmea", "ubx", "gpsd", "autopilot", "none"] = "none"
     port: str = "/dev/serial0"
     # 0: 9600 for nmea; for ubx the receiver is set to 115200, whatever its rate is at first
     baud: NonNegative = 0.0
@@ -60,7 +60,7 @@ class CompassPart(Section, frozen=True):
     correction_rad is added to its heading. The declination is added too where the part's north is magnetic.
     """
 
-    driver: Literal[CompassDriver, "gnss", "none"] = "none"
+    driver: Literal[CompassDriver, "gnss", "autopilot", "none"] = "none"
     fallback: Literal[CompassDriver, "none"] = "none"
     port: str = "/dev/ttyUSB0"
     baud: Positive = 4800
@@ -105,6 +105,7 @@ RANGES_M: Final = {
     "tfmini": (0.1, 12.0),
     "ld06": (0.03, 8.0),
     "rplidar_a1": (0.15, 6.0),
+    "autopilot": (0.2, 7.0),  # RNGFND1_MIN and _MAX as delivered
     "none": (0.02, 4.0),
 }
 
@@ -135,7 +136,7 @@ class RangerPart(RangedPart, frozen=True):
     on a serial port (A02YYUW), or a lidar on a serial port (TFmini).
     """
 
-    driver: Literal["hcsr04", "jsnsr04t", "a02yyuw", "tfmini", "none"] = "none"
+    driver: Literal["hcsr04", "jsnsr04t", "a02yyuw", "tfmini", "autopilot", "none"] = "none"
     trigger: Pin = 23
     echo: Pin = 24
     port: str = "/dev/ttyUSB1"
@@ -185,7 +186,7 @@ class DepthPart(Section, frozen=True):
     latency_s: from the echo until the sounding has arrived. What reads the log applies both.
     """
 
-    driver: Literal["nmea", "gnss", "ping1d", "none"] = "none"
+    driver: Literal["nmea", "gnss", "ping1d", "autopilot", "none"] = "none"
     port: str = "/dev/ttyUSB2"
     baud: Annotated[int, Meta(ge=0)] = 0  # 0: 4800 for NMEA, 115,200 for the Ping1D
     timeout_s: Positive = 5.0  # without a sounding it is silent: five sentences of an NMEA sounder
@@ -220,7 +221,7 @@ class BatteryPart(Section, frozen=True):
     inputs of an ADS1115. Or what speed controllers with telemetry report ("esc"), without the electronics.
     """
 
-    driver: Literal["ina219", "ina226", "ina228", "ads1115", "esc", "none"] = "none"
+    driver: Literal["ina219", "ina226", "ina228", "ads1115", "esc", "autopilot", "none"] = "none"
     i2c_bus: I2cBus = 1  # of parts.i2c_bus unless given
     address: Annotated[int, Meta(ge=0, le=0x77)] = 0  # 0: 0x40, of the ADS1115 0x48
     timeout_s: Positive = 3.0  # without a reading it is silent: 30 at its 10 Hz; ArduPilot waits 5 s

@@ -203,7 +203,7 @@ class Rc(Section, frozen=True):
     failsafe_us: a shorter throttle pulse means a lost transmitter; 0: never.
     """
 
-    driver: Literal["crsf", "ibus", "sbus", "none"] = "none"
+    driver: Literal["crsf", "ibus", "sbus", "autopilot", "none"] = "none"
     port: str = "/dev/ttyAMA4"
     timeout_s: Positive = 0.5  # without a good frame the transmitter is lost
     failsafe_us: Annotated[int, Meta(ge=0, le=1100)] = 910

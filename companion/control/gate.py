@@ -36,6 +36,7 @@ class Gate:
         needs_position: bool = True,
         estimate_age_s: float = 0.0,
         rudder_slew_per_s: float = 0.0,
+        output_fault: str = "",
     ) -> MotorCommand:
         """What motors and rudder may do for the next dt_s.
 
@@ -43,10 +44,12 @@ class Gate:
         clock that runs wrong would otherwise keep the motors running. needs_estimate: whether the command
         was computed from nav (False while the operator drives by hand). needs_position: not while a boat that
         has lost its position keeps its bow into the water. estimate_age_s: how long ago nav was computed.
+        output_fault: why motors or rudder cannot be driven.
         """
         estimate = nav if needs_estimate else _FINE
         age_s = estimate_age_s if needs_estimate else 0.0
         reason = _objection(thrust, armed, command_age_s, estimate, setting, needs_position, age_s)
+        reason = reason or output_fault
         if reason:
             self._left = self._right = self._rudder = 0.0
             return MotorCommand(0.0, 0.0, reason)

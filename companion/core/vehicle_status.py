@@ -10,7 +10,7 @@ class VehicleStatus(Struct, frozen=True, gc=False):
     """One tick's status.
 
     failsafes: bits of the failsafes that are active. needs_position: False while the intent needs a heading
-    only.
+    only. output_fault: why motors or rudder cannot be driven.
     """
 
     mode: Mode = Mode.HOLD
@@ -21,3 +21,4 @@ class VehicleStatus(Struct, frozen=True, gc=False):
     is_checking_motors: bool = False
     motors: MotorStates = HEALTHY_MOTORS
     is_restarting: bool = False
+    output_fault: str = ""

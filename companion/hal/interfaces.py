@@ -125,6 +125,18 @@ class PulseOutput(Closable, Protocol):
         """Send no more pulses until the next width."""
 
 
+class ArmedOutputs(Closable, Protocol):
+    """Motors and rudder behind another program's arming. fault: why they cannot be driven; empty if they
+    can.
+    """
+
+    @property
+    def fault(self) -> str: ...
+
+    def allow(self, *, may_drive: bool) -> None:
+        """Arm or disarm them, as the boat is. Called every tick."""
+
+
 class MotorCutoff(Protocol):
     """Stops motors without a recent command, independently of the control loop."""
 
@@ -220,6 +232,7 @@ class Hardware:
     field: FieldCorrector | None = None  # of the compass, if it is a bare magnetometer
     payload: PayloadParts | None = None
     corrections: CorrectionInput | None = None
+    outputs: ArmedOutputs | None = None  # what arms motors and rudder besides the boat
     retried: tuple[Retried[Any], ...] = ()
 
     @property
@@ -232,7 +245,8 @@ class Hardware:
     def output_fault(self) -> str:
         """Why motors or rudder cannot be driven; empty if they can."""
         parts: tuple[object, ...] = (self.motors, self.rudder)
-        return next((one.fault for one in parts if isinstance(one, Retried) and one.fault), "")
+        closed = next((one.fault for one in parts if isinstance(one, Retried) and one.fault), "")
+        return closed or (self.outputs.fault if self.outputs is not None else "")
 
     def close(self) -> None:
         """Stop the motors, then release all parts, even if one raises."""

@@ -13,13 +13,17 @@ _PATIENCE_S = 0.2  # longest wait for bytes, and period of reconnection attempts
 class PortSensor(ABC, BackgroundSensor[Reading]):
     """Keeps the latest reading. The port reconnects an unplugged part.
 
-    rest_s: minimum time between reads, for a part whose every byte would wake the thread.
+    rest_s: minimum time between reads, for a part whose every byte would wake the thread. patience_s: longest
+    wait for bytes, for a part that is spoken to.
     """
 
-    def __init__(self, port: Port, now: Callable[[], float], rest_s: float = 0.0) -> None:
+    def __init__(
+        self, port: Port, now: Callable[[], float], rest_s: float = 0.0, patience_s: float = _PATIENCE_S
+    ) -> None:
         super().__init__(self._wait_and_step, port.name, now, port.close)
         self._port = port
         self._rest_s = rest_s
+        self._patience_s = patience_s
         self._links: list[Link] = []
 
     @abstractmethod
@@ -45,6 +49,6 @@ class PortSensor(ABC, BackgroundSensor[Reading]):
         waiting = {link.fileno() for link in self._links} | {self._port.fileno()}
         waiting.discard(-1)
         if waiting:
-            select.select(list(waiting), [], [], _PATIENCE_S)
+            select.select(list(waiting), [], [], self._patience_s)
         self.step()
-        return self._rest_s if waiting else _PATIENCE_S
+        return self._rest_s if waiting else self._patience_s

@@ -98,6 +98,7 @@ class VehicleCore:
             recovery.is_checking,
             recovery.motor_check.motors,
             self.is_restarting,
+            self.output_fault,
         )
 
     @property

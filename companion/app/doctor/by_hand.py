@@ -104,6 +104,8 @@ def nudge_motors(
     """Turn each motor ahead and astern, then the rudder, after a typed yes."""
     if config.parts.motors.driver == "none":
         return skipped("motors", "not fitted")
+    if config.parts.motors.driver == "autopilot":
+        return skipped("motors", "they turn once the autopilot is armed: use a station's motor test")
     if ask(QUESTION).strip() != "yes":
         return skipped("motors", "not turned: the answer was not yes")
     try:
@@ -144,7 +146,7 @@ def _hold(motors: Motors, left: float, right: float, seconds: float, clock: Cloc
 def _turn_rudder(config: BoatConfig, clock: Clock, say: Callable[[str], None]) -> bool:
     if config.parts.rudder.driver == "none":
         return False
-    with closing(parts.open_rudder(config)) as rudder:
+    with closing(parts.open_rudder(config, clock.now_s)) as rudder:
         for share, what in (
             (1.0, "rudder turns the bow to starboard"),
             (-1.0, "rudder to port"),

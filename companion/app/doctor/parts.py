@@ -29,6 +29,7 @@ from companion.sensors.fuel_gauge import cells_fault
 # For a first reading: a BNO055 starts in 0.7 s, a receiver without a fix speaks every second
 _PATIENCE_S = 10.0
 _POLL_S = 0.1
+_AUTOPILOT_S = 20.0  # for some forty parameters, ten a second
 
 
 class LivePart(Protocol):
@@ -98,6 +99,25 @@ def check_escs(config: BoatConfig, clock: Clock) -> list[Finding]:
     ]
 
 
+def check_autopilot(config: BoatConfig, clock: Clock) -> list[Finding]:
+    """The parameters of an autopilot that drives the motors; nothing without one."""
+    if config.parts.motors.driver != "autopilot":
+        return []
+    give_up_s = clock.now_s() + _AUTOPILOT_S
+    with closing(parts.behind_autopilot(config, clock.now_s).outputs()) as outputs:
+        while outputs.settings is None and clock.now_s() < give_up_s:
+            clock.sleep(_POLL_S)
+        settings, fault = outputs.settings, outputs.fault
+        said = "".join(f"; {one.text}" for one in outputs.take_texts())
+    if settings is None:
+        return [failed("autopilot", f"{fault}{said}", "check its supply, wires, port and baud rate")]
+    cure = "set it with a ground station; the boat writes no parameter"
+    wrong, advised = settings
+    found = [failed("autopilot", text, cure) for text in wrong]
+    found += [warning("autopilot", text, cure) for text in advised]
+    return found or [fine("autopilot", "its parameters are as the boat needs them")]
+
+
 def check_payload(config: BoatConfig) -> Finding:
     """Open the payload's outputs, which puts them in their safe state, and look for the owner's programs."""
     if not config.payload:
@@ -125,6 +145,7 @@ def part_findings(examined: Examined, clock: Clock) -> list[Finding]:
         return [*missing, skipped("parts", text, "sudo systemctl stop mavboat")]
     found = [check_part(name, open_part, examined.config, clock) for name, open_part in PARTS.items()]
     found += [*check_escs(examined.config, clock), *check_compass_calibration(examined)]
+    found += check_autopilot(examined.config, clock)
     return [*found, *check_probes(examined.config, clock), check_payload(examined.config)]
 
 

@@ -18,7 +18,7 @@ def config(**tables: object) -> BoatConfig:
 
 def test_a_positive_share_is_the_longer_pulse_and_zero_is_amidships(kernel: KernelPwm) -> None:
     signal = {"pin": 13, "min_us": 1000, "trim_us": 1480, "max_us": 2000}
-    rudder = known(open_rudder(config(parts={"rudder": {"driver": "servo", "signal": signal}})))
+    rudder = known(open_rudder(config(parts={"rudder": {"driver": "servo", "signal": signal}}), lambda: 0.0))
     for share in (0.5, -1.0, 2.0, math.nan):
         rudder.write(share)
     rudder.close()
