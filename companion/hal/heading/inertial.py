@@ -125,8 +125,8 @@ class Icm20948(InertialSensor):
         (0x14, 0x1B),  # ACCEL_CONFIG: low-pass 50 Hz, ±4 g
     )
     PAUSE_S = 0.005  # it wakes up within (ArduPilot)
-    RATE: Final = math.radians(1.0 / 65.5)  # ±500 °/s (table 1)
-    FORCE: Final = GRAVITY_M_S2 / 8192.0  # ±4 g (table 2)
+    RATE: Final = math.radians(1.0 / 65.5)  # ±500 °/s (SparkFun)
+    FORCE: Final = GRAVITY_M_S2 / 8192.0  # ±4 g (SparkFun)
     _STATUS_AT, _DATA_AT = 0x1A, 0x2D
     _READY: Final = 0x01
     _DATA: Final = struct.Struct(">6h")  # accelerometer, gyro

@@ -178,8 +178,8 @@ class Rm3100(Magnetometer):
     # CMM: stopped, or TMRC does not change (Linux); 200 cycles an axis; TMRC: 75 Hz (table 5-4); CMM: go on
     # measuring, ready with all axes
     SET_UP = ((0x01, 0x00), (0x04, 0, 200, 0, 200, 0, 200), (0x0B, 0x95), (0x01, 0x71))
-    MG: Final = 10.0 / 75.0  # with 200 cycles
-    _LIMIT: Final = 60000  # 8 G, its range
+    MG: Final = 10.0 / 75.0  # with 200 cycles (ArduPilot)
+    _LIMIT: Final = 60000  # 8 G, its range (PX4)
     _DATA_AT, _STATUS_AT = 0x24, 0x34
     _READY: Final = 0x80
 
@@ -201,7 +201,7 @@ class Ak09916(Magnetometer):
     ADDRESS = 0x0C
     ID_AT, ID_BYTES, IDS = 0x00, 2, (0x4809,)  # of the maker and of the part
     SET_UP = ((0x31, 0x00), (0x31, 0x08))  # CNTL2: power-down between modes; continuous, 100 Hz
-    PAUSE_S = 0.001  # 0.1 ms between modes
+    PAUSE_S = 0.001  # 0.1 ms between modes; Adafruit waits for 1 ms
     MG: Final = 1.5
     _STATUS_AT: Final = 0x10
     _READY, _OVERFLOW = 0x01, 0x08
