@@ -16,7 +16,7 @@ from companion.hal.battery import INA219, INA226, INA228
 from companion.hal.heading import bno055
 from companion.hal.heading.chips import Chip
 from companion.hal.heading.inertial import INERTIAL
-from companion.hal.heading.magnetometers import MAGNETOMETERS
+from companion.hal.heading.magnetometers import MAGNETOMETERS, Ak09916
 from companion.hal.raspberry_pi import I2cBus, Registers, open_i2c
 
 _BATTERY, _PCA9685 = "parts.battery.driver", "parts.pca9685.address"
@@ -114,6 +114,8 @@ def _scan(bus: I2cBus, number: int) -> Iterator[Found | str]:
         if is_it:
             known.add(address)
             yield _found(row, number, address)
+            if row.driver == "icm20948" and Ak09916.ADDRESS not in known:  # not connected through yet
+                yield Found(COMPASS, "ak09916", f"in the ICM-20948 at {address:#x}", {COMPASS: "ak09916"})
     for address in sorted({address for _, address in _ADDRESSES} - silent - known):
         yield f"{address:#x} on I²C bus {number}: no supported part, or two at one address"
 

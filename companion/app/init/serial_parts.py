@@ -33,7 +33,9 @@ _GNSS, _DEPTH, _SONAR, _RC = "parts.gnss.driver", "parts.depth.driver", "parts.s
 GPSD: Final = ("127.0.0.1", 2947)
 CONSOLE: Final = "the system's console; boat-companion doctor --fix frees it"
 NOTHING: Final = "silent, or no supported part"
-_LISTEN_S: Final = 4.0  # four epochs of a GNSS receiver; an answer waits behind those of a slow line
+_LISTEN_S: Final = (
+    3.0  # three epochs of a GNSS receiver; an answer waits behind those of a crowded line for 2
+)
 _PAUSE_S: Final = 0.005
 _BAUDS: Final = (9600, 115_200, 38_400, 4800)
 _FIXES, _DEPTHS = frozenset({"RMC", "GGA", "GNS"}), frozenset({"DPT", "DBT"})
@@ -169,17 +171,17 @@ def _hear(
 
 def _parts(device: str, baud: int, heard: Counter[tuple[str, str]]) -> list[Found]:
     """One part a line; but a GNSS receiver's may have sentences of depth and heading, too."""
-    parts: list[Found] = []
+    parts: dict[str, Found] = {}
     for row in (row for row in ROWS if heard[row.key, row.driver]):
-        section, where = row.key.removesuffix("driver"), f"{device}, {baud} baud"
-        if not parts:
-            values: dict[str, Value] = {row.key: row.driver, f"{section}port": device}
-            values |= {f"{section}baud": baud} if row.driver == "nmea" else {}
-            parts.append(Found(row.key, row.driver, where, values))
-        elif parts[0].key == _GNSS and row.key in (COMPASS, _DEPTH):
+        driver, section = row.driver, row.key.removesuffix("driver")
+        values: dict[str, Value] = {row.key: driver, f"{section}port": device}
+        values |= {f"{section}baud": baud} if driver == "nmea" else {}
+        doubt = "another part has its line" if parts else ""
+        if _GNSS in parts and row.key in (COMPASS, _DEPTH):
+            driver, values = "gnss", {row.key: "gnss"}
             doubt = "has it two antennas?" if row.key == COMPASS else ""
-            parts.append(Found(row.key, "gnss", where, {row.key: "gnss"}, doubt))
-    return parts
+        parts.setdefault(row.key, Found(row.key, driver, f"{device}, {baud} baud", values, doubt))
+    return list(parts.values())
 
 
 def _devices() -> Iterator[str]:

@@ -5,15 +5,20 @@ from pathlib import Path
 
 import pytest
 from test_detect_i2c import part_of
+from test_detect_serial import CRSF
 from twins.i2c import I2cDev, plug_in
 from twins.rangers import tfmini_frame
 from twins.serial_ports import RMC, Device, SerialBench, every_s, plug_in_ports, receiver
+from twins.ubx_messages import sentence
 from twins.ubx_receiver import NEO_M8N
 
 from companion.app.cli import run_program
-from companion.app.init.presets import preset_text
+from companion.app.init.presets import preset_text, with_values
 from companion.app.init.serial_parts import find_serial_parts
+from companion.app.process import only_program
 from companion.config.boat_config import BoatConfig, load_config
+
+REFUSED = ["init", "--preset", "lake", "--detect", "--yes", "--output", os.devnull, "--force"]
 
 
 @pytest.fixture
@@ -51,7 +56,10 @@ def test_what_is_found_is_written_and_passes_the_check(
         0x68: part_of("mpu6050"),
         0x41: part_of("pca9685"),
     }
-    parts = written(tmp_path, "--yes").parts
+    bench.plug_in("ttyAMA4", Device(420_000, every_s(0.02, CRSF)))
+    config = written(tmp_path, "--yes")
+    assert (config.rc.driver, config.rc.port) == ("crsf", "/dev/ttyAMA4")
+    parts = config.parts
     assert (parts.gnss.driver, parts.gnss.port) == ("ubx", "/dev/serial/by-id/usb-u-blox")
     assert (parts.sonar.driver, parts.sonar.port) == ("tfmini", "/dev/ttyUSB1")
     assert (parts.compass.driver, parts.compass.imu) == ("qmc5883l", "mpu6050")
@@ -88,6 +96,12 @@ def test_of_two_for_one_use_the_first_is_taken_and_the_other_told(
     assert "left out: parts.gnss.driver nmea" in said
 
 
+def test_a_sure_part_comes_before_one_that_is_not(bench: SerialBench, dev: I2cDev, tmp_path: Path) -> None:
+    bench.plug_in("ttyUSB0", Device(9600, every_s(1.0, RMC + sentence("GNHDT,91.0,T"))))
+    dev.parts = {0x28: part_of("bno055")}
+    assert written(tmp_path, "--yes").parts.compass.driver == "bno055"
+
+
 @pytest.mark.parametrize(("answer", "driver"), [("yes", "ads1115"), ("no", "ina219")])
 def test_a_part_that_is_not_sure_is_asked_for_and_then_the_default(
     answer: str, driver: str, dev: I2cDev, bench: SerialBench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -115,8 +129,22 @@ def test_a_running_boat_keeps_its_parts(
 ) -> None:
     bench.plug_in("ttyUSB0", receiver(NEO_M8N))
     monkeypatch.setattr("companion.app.init.questions.running_boat", lambda _: object())
-    assert (
-        run_program(["init", "--preset", "lake", "--detect", "--yes", "--output", os.devnull, "--force"]) != 0
-    )
+    assert run_program(REFUSED) != 0
     assert "sudo systemctl stop mavboat" in capsys.readouterr().err
+    assert bench.clock() == bench.began_s
+
+
+def test_a_boat_that_another_program_runs_is_left_alone(
+    bench: SerialBench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    state = tmp_path / "state"
+    state.mkdir()
+    text = with_values(preset_text("lake"), {"storage.folder": str(state)})
+    monkeypatch.setattr("companion.app.init.questions.preset_text", lambda *_: text)
+    with only_program(str(state)):
+        assert (
+            run_program(["init", "--preset", "lake", "--detect", "--yes", "--output", os.devnull, "--force"])
+            != 0
+        )
+    assert "another program runs this boat" in capsys.readouterr().err
     assert bench.clock() == bench.began_s

@@ -96,7 +96,7 @@ def scan(dev: I2cDev, parts: dict[int, Part]) -> tuple[list[Found], list[str]]:
 def test_each_part_is_found_at_each_of_its_addresses_without_a_write(
     driver: str, address: int, one_bus: I2cDev
 ) -> None:
-    (part,), notes = scan(one_bus, {address: part_of(driver)})
+    (part, *_), notes = scan(one_bus, {address: part_of(driver)})
     assert (part.driver, bool(part.doubt), notes) == (driver, driver == "ads1115", [])
     config = BoatConfig()
     for key, value in part.values.items():
@@ -117,6 +117,13 @@ def test_the_parts_of_a_boat_are_found_together_the_better_of_two_first(one_bus:
     parts, notes = scan(one_bus, {address: part_of(driver) for address, driver in drivers.items()})
     assert [part.driver for part in parts] == ["pca9685", "bno055", "hmc5883l", "mpu6050", "ina226", "ina219"]
     assert notes == []
+
+
+def test_the_magnetometer_within_an_icm_20948_needs_no_answer_of_its_own(one_bus: I2cDev) -> None:
+    parts, _ = scan(one_bus, {0x69: part_of("icm20948")})
+    assert [part.driver for part in parts] == ["icm20948", "ak09916"]
+    parts, _ = scan(one_bus, {0x69: part_of("icm20948"), 0x0C: part_of("ak09916")})
+    assert [part.driver for part in parts] == ["ak09916", "icm20948"]
 
 
 def test_two_parts_at_one_address_are_no_sure_part(one_bus: I2cDev) -> None:

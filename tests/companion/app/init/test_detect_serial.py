@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 from twins.bno085 import Bno085Twin
 from twins.gpsd import DEVICE, GpsdServer
 from twins.lidars import Ld06Twin, RplidarTwin
+from twins.lines import HandClock, PtyLine
 from twins.rangers import a02yyuw_frame, tfmini_frame
 from twins.serial_ports import RMC, STEP_S, Device, SerialBench, Speak, every_s, plug_in_ports, receiver
 from twins.sounders import Ping1dTwin
@@ -18,7 +20,7 @@ from twins.ubx_receiver import MAX_M10, NEO_6M, NEO_M8N, ZED_F9P, Model
 
 from companion.app.init.findings import Found
 from companion.app.init.serial_parts import CONSOLE, NOTHING, find_serial_parts
-from companion.links.serial_port import LINE_8E2
+from companion.links.serial_port import LINE_8E2, SerialPort
 
 # The example of the protocol's page; FlySky's and Futaba's frames by the descriptions that the parsers name
 CRSF = bytes.fromhex("c81816e0031ff8c0073ef0810f7ce0031ff8c0073ef0810f7cad")
@@ -76,7 +78,7 @@ def test_a_u_blox_receiver_is_found_at_its_own_rate(model: Model, bench: SerialB
     bench.plug_in("ttyS0", receiver(model), "serial0")
     (part,), _ = find(bench)
     assert part.values == {"parts.gnss.driver": "ubx", "parts.gnss.port": "/dev/serial0"}
-    assert min(at_s for _, at_s in bench.written) >= 4.0
+    assert min(at_s for _, at_s in bench.written) >= 3.0
 
 
 @pytest.mark.parametrize("baud", [4800, 9600, 38_400, 115_200])
@@ -124,13 +126,21 @@ def test_depth_and_heading_on_a_receivers_line_are_of_that_line(bench: SerialBen
     assert (depth.values, bool(depth.doubt)) == ({"parts.depth.driver": "gnss"}, False)
 
 
+def test_of_two_instruments_on_one_line_only_the_first_is_sure(bench: SerialBench) -> None:
+    said = sentence("SDDPT,2.1,0.3") + sentence("HCHDG,101.1,,,7.1,W")
+    bench.plug_in("ttyUSB0", Device(4800, every_s(1.0, said)))
+    (compass, depth), _ = find(bench)
+    assert (compass.driver, compass.doubt) == ("nmea", "")
+    assert (depth.driver, depth.doubt) == ("nmea", "another part has its line")
+
+
 def test_a_silent_sounder_answers_and_another_sonar_of_its_maker_is_refused(bench: SerialBench) -> None:
     for name, kind in (("ttyUSB0", 1), ("ttyUSB1", 2)):
         bench.plug_in(name, silent_ping(Ping1dTwin(kind)))
     (part,), notes = find(bench)
     assert part.values == {"parts.depth.driver": "ping1d", "parts.depth.port": "/dev/ttyUSB0"}
     assert notes == [f"/dev/ttyUSB1: {NOTHING}"]
-    assert min(at_s for _, at_s in bench.written) >= 4.0
+    assert min(at_s for _, at_s in bench.written) >= 3.0
 
 
 @given(st.binary(min_size=1, max_size=400), st.integers(1, 40))
@@ -140,6 +150,11 @@ def test_garbage_is_no_part_and_gets_no_question(bench: SerialBench, noise: byte
     bench.plug_in("ttyUSB0", Device(9600, every_s(1.0, (b"\x00" + noise) * times)))
     assert find(bench) == ([], [f"/dev/ttyUSB0: {NOTHING}"])
     assert bench.written == []
+
+
+def test_a_frame_by_chance_among_other_bytes_is_no_part(bench: SerialBench) -> None:
+    bench.plug_in("ttyUSB0", Device(9600, every_s(1.0, b"\x00" * 9 + a02yyuw_frame(1953) + b"\x7f" * 9)))
+    assert find(bench) == ([], [f"/dev/ttyUSB0: {NOTHING}"])
 
 
 def test_all_ports_are_listened_to_at_once(bench: SerialBench) -> None:
@@ -180,10 +195,50 @@ def test_gpsd_is_the_receiver_and_its_port_is_left_alone(
 
     thread = threading.Thread(target=serve)
     thread.start()
-    (part,), notes = find(bench)
+    parts, notes = find(bench)
     has_ended.set()
     thread.join()
     server.close()
+    (part,) = parts
     place = f"127.0.0.1:{server.port}"
     assert part.values == {"parts.gnss.driver": "gpsd", "parts.gnss.port": place}
     assert notes == [f"{DEVICE}: owned by gpsd at {place}"]
+
+
+def test_a_real_line_is_found_unless_another_program_has_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "dev").mkdir()
+    monkeypatch.setattr("companion.hal.raspberry_pi.ROOT", tmp_path)
+    monkeypatch.setattr("companion.app.init.serial_parts.GPSD", ("127.0.0.1", 1))
+    free, taken = PtyLine(tmp_path / "dev/ttyUSB0"), PtyLine(tmp_path / "dev/ttyUSB1")
+    clock = HandClock()
+
+    def wait(_: float) -> None:
+        clock.advance(STEP_S)
+        free.say(CRSF)
+
+    with closing(SerialPort(taken.device, 9600, clock)):
+        *_, refusal, part = find_serial_parts(clock, wait)
+    assert isinstance(part, Found)
+    assert (part.driver, "ttyUSB0" in part.where) == ("crsf", True)
+    assert str(refusal).endswith(f"{taken.device} is in use by another program")
+    free.unplug()
+    taken.unplug()
+
+
+def test_a_line_that_is_unplugged_under_way_is_no_part(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "dev").mkdir()
+    monkeypatch.setattr("companion.hal.raspberry_pi.ROOT", tmp_path)
+    monkeypatch.setattr("companion.app.init.serial_parts.GPSD", ("127.0.0.1", 1))
+    line, clock = PtyLine(tmp_path / "dev/ttyUSB0"), HandClock()
+
+    def wait(_: float) -> None:
+        clock.advance(STEP_S)
+        if clock() > 101.0:
+            line.unplug()
+
+    *_, note = find_serial_parts(clock, wait)
+    assert "there is no device" in str(note)
