@@ -24,6 +24,7 @@ from companion.links.interfaces import Port
 from companion.log.logbook import Logbook
 from companion.log.onboard import OnboardLog
 from companion.mavlink.address import Address
+from companion.obstacles.perception.vessels import vessels_near
 from companion.obstacles.planning.planner import Stage
 from companion.persistence.signing_store import SigningStore
 from companion.rc.rc_control import RcControl
@@ -295,6 +296,8 @@ class Boat:
     def _steer(self, now_s: float) -> MotorCommand:
         guidance, config, nav, vehicle = self.guidance, self.parameters.config, self.nav, self.vehicle
         if guidance.is_due(now_s) or self.calibration.is_running:
+            frame, ais = self.estimator.frame, self.sensors.ais
+            guidance.perception.vessels = vessels_near(ais, frame, nav, config, now_s)
             if vehicle.failsafes.is_due(now_s):
                 log_fault = "" if self._logbook is None else self._logbook.sink.fault
                 vehicle.board = board_readings(

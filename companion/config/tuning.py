@@ -92,6 +92,7 @@ class AvoidanceSetting(Section, frozen=True):
     by_sight: Annotated[int, Meta(ge=0, le=3)] = 3
     by_hand: bool = False  # stop before obstacles in manual modes, too
     margin_m: Positive = 1.0  # from the edge of obstacles
+    vessel_margin_m: NonNegative = 5.0  # from the hull of a vessel with AIS, beside the error of its position
     lookahead_m: Positive = 6.0  # obstacles farther off are ignored
     beam_rad: Annotated[float, Meta(gt=0.0, le=math.pi)] = math.radians(15.0)  # of the boat's own ranger
     detour_m: NonNegative = 80.0  # longest detour

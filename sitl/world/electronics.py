@@ -25,6 +25,7 @@ from sitl.world.movers import Movers
 from sitl.world.parameters import fault_hooks, hull_hooks
 from sitl.world.payload import SimPayload
 from sitl.world.scenario import Scenario
+from sitl.world.sensors.ais import SimAis
 from sitl.world.sensors.battery_monitor import SimBattery
 from sitl.world.sensors.compass import SimCompass
 from sitl.world.sensors.depth import SimDepthSounder
@@ -69,11 +70,12 @@ class Electronics:
         if sensors.depth.fitted:
             bottom = Bathymetry(scenario.chart, scenario.environment)
             self._depth = SimDepthSounder(sensors.depth, bottom, seed, fitted.depth.min_confidence)
+        self._ais = SimAis(sensors.ais, scenario.frame, movers, seed) if sensors.ais.fitted else None
         fitted_sensors: dict[str, FaultySensor | None] = {
             "gnss": self._gnss, "compass": self._compass, "battery": self._battery, "sonar": self.sonar,
             "rc": self.rc, "depth": self._depth,
         }  # fmt: skip
-        drivers: list[Clocked | None] = [*fitted_sensors.values(), self._hull]
+        drivers: list[Clocked | None] = [*fitted_sensors.values(), self._hull, self._ais]
         self.computer = Computer([one for one in drivers if one is not None])
         parts: dict[str, Part] = {
             **{name: sensor_part(one, seed) for name, one in fitted_sensors.items() if one is not None},
@@ -105,6 +107,7 @@ class Electronics:
             ),
             hull=self._hull,
             depth=self._depth,
+            ais=self._ais,
             rc=self.rc,
             rudder=self.rudder,
             payload=self.payload.parts,
@@ -137,5 +140,7 @@ class Electronics:
             self._hull.sample(now_s)
         if self._depth is not None and now_s >= self._depth.due_s:
             self._depth.sample(now_s, truth.north_m, truth.east_m, truth.heading_rad, waves)
+        if self._ais is not None and now_s >= self._ais.due_s:
+            self._ais.sample(now_s)
         if now_s >= self._battery.due_s:
             self._battery.sample(now_s, truth.voltage_v, truth.current_a)

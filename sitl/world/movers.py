@@ -7,7 +7,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Sequence
 from itertools import accumulate, pairwise
-from typing import Annotated
+from typing import Annotated, Literal
 
 from msgspec import Meta
 
@@ -22,7 +22,8 @@ class MoverSettings(Section, frozen=True):
 
     It is at start until at_s. Then it goes from waypoint to waypoint at speed_m_s, and stops at the last one
     or, with loop, goes back to start and round again; without waypoints it goes straight on at velocity_m_s,
-    [east, north]. Raises ValueError: both waypoints and a velocity, or waypoints without a speed.
+    [east, north]. ais: the class of its transponder. Raises ValueError: both waypoints and a velocity, or
+    waypoints without a speed.
     """
 
     start: East_North
@@ -32,6 +33,7 @@ class MoverSettings(Section, frozen=True):
     waypoints: Annotated[tuple[East_North, ...], Meta(max_length=1000)] = ()
     speed_m_s: NonNegative = 0.0
     loop: bool = False
+    ais: Literal["none", "A", "B"] = "none"
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -78,6 +80,11 @@ class Movers:
 
     def __bool__(self) -> bool:
         return bool(self._movers)
+
+    @property
+    def transponders(self) -> list[str]:
+        """The class of each one's AIS."""
+        return [one.settings.ais for one in self._movers]
 
     def positions_m(self, time_s: float) -> list[tuple[float, float, float]]:
         """East, north and radius of each at a time."""

@@ -18,6 +18,7 @@ from companion.obstacles.perception.sonar_noise import SonarNoiseMonitor
 from companion.obstacles.perception.sonar_schedule import ALL_ROUND, Sector, choose_sector
 from companion.obstacles.perception.track import Track
 from companion.obstacles.perception.tracks import FREE_BESIDE, LONGEST, ObstacleTracks
+from companion.obstacles.perception.vessels import Vessel
 from companion.obstacles.perception.voyage_map import VoyageMap
 
 _CELLS_A_MARGIN: Final = 5.0  # the resolution follows the distance to keep
@@ -31,7 +32,7 @@ class ObstaclePerception:
     """occupancy: static obstacles around the boat. voyage: those of the whole voyage. tracks: moving ones.
     water: known to be free. dropped: unusable pings.
     reach_m: range of the farthest ranger that was heard lately. sector: where to point the boat's own ranger.
-    wished_course_rad: about to be taken, set by the planner.
+    wished_course_rad: about to be taken, set by the planner. vessels: with AIS, set by the boat.
     """
 
     def __init__(self, setting: AvoidanceSetting, voyage: VoyageMap | None = None) -> None:
@@ -41,6 +42,7 @@ class ObstaclePerception:
         self.reach_m, self.heard_s, self._reach_s = 0.0, -math.inf, -math.inf
         self.sector: Sector = ALL_ROUND
         self.wished_course_rad: float | None = None
+        self.vessels: Sequence[Vessel] = ()
         self._noise = SonarNoiseMonitor()
         self._single: Beam | None = None  # the latest echo of the boat's own ranger
         self._tidy_s = 0.0

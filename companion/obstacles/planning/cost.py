@@ -8,12 +8,13 @@ d: clearance of the hull's leading half at a step, with the potential of O. Khat
 that a small move of the boat would turn into another choice. hit: the first touch, the more
 the sooner and the faster. unseen: share of the first three seconds in water that no ranger has seen free, the
 more the faster: what lies there is met before the boat can stop. C: expected number of collisions with what
-may move (`movers.py`). side: to port of the way wanted, where something may move (collision regulations,
-rules 14, 15 and 17). habit: change of the heading and of the speed that are held. The weights were chosen on
-seeds 1001 to 1009 of `boat-sitl encounters`.
+may move (`movers.py`) and with vessels that have AIS (`vessel_risk.py`). side: to port of the way wanted,
+where something may move (collision regulations, rules 14, 15 and 17). habit: change of the heading and of the
+speed that are held. The weights were chosen on seeds 1001 to 1009 of `boat-sitl encounters`.
 """
 
 import math
+from collections.abc import Sequence
 from typing import Final
 
 from companion.config.boat_config import BoatConfig
@@ -34,6 +35,7 @@ from companion.obstacles.planning.motion import (
     roll,
 )
 from companion.obstacles.planning.movers import Predicted, collision_risk
+from companion.obstacles.planning.vessel_risk import Approach, approach_risk
 
 HORIZON_S: Final = STEP_S * STEPS
 _NEAR: Final = 4.0
@@ -67,8 +69,10 @@ class CostModel:
         scale_m: float,
         wanted_rad: float,
         config: BoatConfig,
+        vessels: Sequence[Approach] = (),
     ) -> None:
         self._nav, self._field, self._to_go, self.movers = nav, field, to_go, movers
+        self._vessels = vessels
         self._config, self._wanted_rad = config, wanted_rad
         self._scale_m, self._fast_m_s = _WAY * margin_m, scale_m / HORIZON_S
         self._blind = _UNSEEN / _STOPS / self._fast_m_s
@@ -82,7 +86,7 @@ class CostModel:
         here = field.at(nav.north_m + bow_m * self._cos, nav.east_m + bow_m * self._sin)
         self._from_level = here & LEVEL
         self._fence_bit = 0 if here & FENCE else FENCE  # outside, any way may lead back
-        self._port = _PORT + max((one.weight for one in movers), default=0.0)
+        self._port = _PORT + max([float(bool(vessels)), *(one.weight for one in movers)])
         self.is_near = (LEVELS - self._from_level) * field.cell_m < margin_m
 
     def plain(self, rollout: Rollout, last: tuple[float, float] | None) -> float:
@@ -166,6 +170,10 @@ class CostModel:
                     return risk
         for mover in self.movers:
             risk += _COLLISION * collision_risk(mover, norths, easts)
+            if risk > most:
+                return risk
+        for vessel in self._vessels:
+            risk += _COLLISION * approach_risk(vessel, norths, easts)
             if risk > most:
                 break
         return risk

@@ -8,6 +8,7 @@ boat keeps station and tries again later.
 """
 
 import math
+from collections.abc import Sequence
 from enum import IntEnum
 from typing import Final
 
@@ -19,6 +20,7 @@ from companion.core.status_text import Severity, StatusText
 from companion.core.units import wrap_pi
 from companion.guidance.speed_profile import braking_speed_m_s
 from companion.obstacles.perception.perception import ObstaclePerception
+from companion.obstacles.perception.vessels import Vessel
 from companion.obstacles.planning.clearance import ClearanceBounds, ClearanceField
 from companion.obstacles.planning.cost import HORIZON_S, HULL, CostModel
 from companion.obstacles.planning.cost_to_go import CostToGo
@@ -27,10 +29,12 @@ from companion.obstacles.planning.local_map import LocalMap
 from companion.obstacles.planning.motion import CRASH_STOP, STEPS, CourseFan, Rollout
 from companion.obstacles.planning.movers import predict
 from companion.obstacles.planning.speed_limit import STILL_SHARE, SpeedLimit, crash_stop
+from companion.obstacles.planning.vessel_risk import approaches
 from companion.obstacles.planning.way_ahead import free_m, is_same_goal, places_on, requested_m_s, way_ahead
 
 PERIOD_S: Final = 0.09  # between decisions, at least
 GIVING_WAY: Final = "Moving obstacle: giving way"
+KEEPING_CLEAR: Final = "Keeping clear of vessel"  # and its name
 PASSING: Final = "Obstacle: passing to"
 NO_WAY: Final = "Obstacle: no way around, keeping station"
 BY_SIGHT: Final = "No fence: sailing by sight. Faster: upload a fence, or set AVOID_SIGHT 2"
@@ -99,7 +103,8 @@ class LocalPlanner:
         setting = config.avoidance
         is_clear = self.stage is Stage.CLEAR and self._override is None
         is_limited = nav is not None and perception.water.is_limited(nav.point, setting.by_sight, bounds)
-        if is_clear and perception.is_empty and not is_limited:
+        is_alone = not (is_limited or perception.vessels)
+        if is_clear and perception.is_empty and is_alone:
             self.limit.clear()
             return intent
         is_off = not setting.avoids_obstacles or (is_by_hand and not setting.by_hand)
@@ -107,7 +112,7 @@ class LocalPlanner:
             if self._intent is not None:
                 self.reset()
             return intent
-        if is_clear and not is_limited and not perception.is_near(nav.point):
+        if is_clear and is_alone and not perception.is_near(nav.point):
             self.limit.clear()
             return intent
         if now_s >= self._due_s or type(intent) is not type(self._intent):
@@ -141,6 +146,7 @@ class LocalPlanner:
         is_certain = bool(perception.solid())
         tracks, still_count = perception.possible_movers(now_s)
         meets_mover = any(track.is_mover for track in tracks)
+        moving = GIVING_WAY if meets_mover else _keeping_clear(perception.vessels)
         field = self._map.update(nav, config, perception, bounds, margin_m, reach_m, now_s)
         self.limit.update(nav, config, perception, field, bounds, now_s)
         if is_by_hand:
@@ -155,7 +161,7 @@ class LocalPlanner:
             way = [here, intent.point]
         speed = self._speed_by_sight(requested_m_s(intent, nav, config), here, config, perception, bounds)
         is_there = isinstance(intent, KeepStation) and distance_m(here, intent.point) < margin_m
-        if not tracks and (speed <= 0.0 or is_there or not perception.suspects()):
+        if not (tracks or perception.vessels) and (speed <= 0.0 or is_there or not perception.suspects()):
             return self._keep()
         ahead_m = max(speed * HORIZON_S, reach_m - _BEYOND_M)
         to_end_m = distance_m(here, intent.end) if isinstance(intent, FollowLeg) else 0.0
@@ -178,7 +184,10 @@ class LocalPlanner:
         movers = predict(
             tracks, still_count, nav, wanted_m_s, field, setting.margin_m, HULL * setting.margin_m, now_s
         )
-        costs = CostModel(nav, field, to_go, movers, margin_m, ahead_m, wanted_rad, config)
+        costs = CostModel(
+            nav, field, to_go, movers, margin_m, ahead_m, wanted_rad, config,
+            approaches(perception.vessels, nav, wanted_m_s, field, setting.vessel_margin_m),
+        )  # fmt: skip
         meets_m = free_m(way, field, margin_m) if is_certain else math.inf
         if self._has_new_goal:
             self._has_new_goal = False
@@ -188,8 +197,8 @@ class LocalPlanner:
             self._detour.begin(at, wanted_rad, perception.reach_m, now_s)
         best = costs.choose(
             self._fan, speed, (norths_m, easts_m) if leads_on else None, self._held,
-            is_certain=is_certain or meets_mover,
-            is_new=self._detour.is_new(now_s) and not meets_mover,
+            is_certain=is_certain or bool(moving),
+            is_new=self._detour.is_new(now_s) and not moving,
         )  # fmt: skip
         if best is None:
             return self._keep()
@@ -198,7 +207,7 @@ class LocalPlanner:
             self._tell_side(now_s)
         if meets_mover or (is_certain and not leads_on):
             perception.water.note_unmapped_obstacle(here)
-        return self._hold(best, nav, config, now_s, is_certain=is_certain, meets_mover=meets_mover)
+        return self._hold(best, nav, config, now_s, moving, is_certain=is_certain)
 
     def _hold(
         self,
@@ -206,22 +215,22 @@ class LocalPlanner:
         nav: NavState,
         config: BoatConfig,
         now_s: float,
+        moving: str,
         *,
         is_certain: bool,
-        meets_mover: bool,
     ) -> Intent:
-        """Hold a rollout's heading and speed, and report it."""
+        """Hold a rollout's heading and speed, and report it. moving: the text about what moves, if any."""
         heading, speed = wrap_pi(nav.heading_rad + best.turn_rad), best.speed_m_s
         self._held = heading, speed
         along_m_s = nav.current_along_m_s(nav.heading_rad)
-        self.eases = not is_certain and not meets_mover  # a single echo may be noise
+        self.eases = not is_certain and not moving  # a single echo may be noise
         if self.stage is not Stage.BLOCKED:
             if CRASH_STOP < speed < 0.0:
                 self.stage = Stage.BACK
-            elif meets_mover:
+            elif moving:
                 self.stage = Stage.PASSING
                 if now_s > self._met_s + _SAME_S:
-                    self._notify(GIVING_WAY)
+                    self._notify(moving)
                 self._met_s = now_s
             elif is_certain:
                 self.stage = Stage.ROUND
@@ -297,3 +306,7 @@ class LocalPlanner:
 def _leads_on(here: Point, end: Point, to_go: CostToGo) -> bool:
     """Whether a path brings the boat nearer to the goal."""
     return to_go.at(*here) - to_go.at(*end) >= _LEADS_ON * distance_m(here, end) - to_go.side_m
+
+
+def _keeping_clear(vessels: Sequence[Vessel]) -> str:
+    return f"{KEEPING_CLEAR} {vessels[0].name}" if vessels else ""

@@ -11,12 +11,12 @@ from companion.services.telemetry.motion_messages import heading_cdeg
 
 _AGAIN_S: Final = 30.0  # a vessel that is silent, as ArduPilot
 _PERIOD_S: Final = 0.25  # between two messages: 280 bytes a second, all of 100 vessels in 25 s
-_UNKNOWN_16, _UNKNOWN_8, _UNKNOWN_TURN = 0xFFFF, 0xFF, 0x7F
+_UNKNOWN_16, _UNKNOWN_TURN = 0xFFFF, 0x7F
 _FASTEST_M_S: Final = 102.15 * KNOT_M_S  # reported as 102.2 knots or more
 
 
 def ais_vessel(vessel: AisVessel, now_s: float) -> Message | None:
-    """A vessel, None without a position. Fields that are not known have no flag and ArduPilot's values."""
+    """A vessel, None without a position. What is not known has no flag: sizes are 0, the rest as AP_AIS."""
     if vessel.position is None:
         return None
     lat_e7, lon_e7 = position_to_e7(vessel.position)
@@ -34,7 +34,7 @@ def ais_vessel(vessel: AisVessel, now_s: float) -> Message | None:
         dialect.AIS_FLAGS_VALID_CALLSIGN: bool(vessel.callsign),
         dialect.AIS_FLAGS_VALID_NAME: bool(vessel.name),
     }
-    bow_m, stern_m, port_m, starboard_m = sides_m if has_place else (*[_UNKNOWN_16] * 2, *[_UNKNOWN_8] * 2)
+    bow_m, stern_m, port_m, starboard_m = sides_m if has_place else (0, 0, 0, 0)
     return dialect.MAVLink_ais_vessel_message(
         MMSI=vessel.mmsi,
         lat=lat_e7,

@@ -71,6 +71,7 @@ def mover(kind: Kind, seed: int, speed_m_s: float, meeting: Meeting) -> Tree:
     return {
         "start": (east_m, north_m),
         "radius_m": MOVER_RADIUS_M,
+        "ais": "A",  # heard if sensors.ais.fitted
         "at_s": begins_s,
         "velocity_m_s": (east_m_s, north_m_s),
     }

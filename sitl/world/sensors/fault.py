@@ -11,6 +11,7 @@ from typing import Generic, TypeVar
 import msgspec
 
 from companion.core.readings import (
+    AisReading,
     BatteryReading,
     DepthReading,
     GnssFix,
@@ -21,7 +22,17 @@ from companion.core.readings import (
 )
 from companion.core.units import clamp
 
-R = TypeVar("R", GnssFix, HeadingReading, SonarReading, BatteryReading, RcReading, HullReading, DepthReading)
+R = TypeVar(
+    "R",
+    GnssFix,
+    HeadingReading,
+    SonarReading,
+    BatteryReading,
+    RcReading,
+    HullReading,
+    DepthReading,
+    AisReading,
+)
 
 _LONGEST_QUEUE = 1024
 _HALF = 0x8000  # of the range of 16 bits

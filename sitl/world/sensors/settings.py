@@ -125,6 +125,14 @@ class DepthSettings(Section, frozen=True):
             raise ValueError(f"latency_s = {self.latency_s:g}: expected less than 1 / rate_hz")
 
 
+class AisSettings(Section, frozen=True):
+    """An AIS receiver. noise_m: of the vessels' positions, on each axis; lost_share: of their reports."""
+
+    fitted: bool = False
+    noise_m: NonNegative = 3.0  # of a receiver without corrections, as `GnssSettings` has it in all
+    lost_share: Share = 0.1
+
+
 class StickStep(Section, frozen=True):
     """Where sticks and switches are from a time on: every channel's pulse in µs. None: it is off."""
 
@@ -166,3 +174,4 @@ class Sensors(Section, frozen=True):
     rc: RcSettings = RcSettings()
     hull: HullSensorSettings = HullSensorSettings()
     depth: DepthSettings = DepthSettings()
+    ais: AisSettings = AisSettings()
