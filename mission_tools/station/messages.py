@@ -99,6 +99,17 @@ class Obstacles(Struct, frozen=True, kw_only=True):
     ranges_m: list[float | None]
 
 
+class Vessel(Struct, frozen=True, kw_only=True):
+    """AIS_VESSEL. heading_deg: the course where it is not known. length_m: of the hull about its place."""
+
+    name: str
+    place: Place
+    course_deg: float | None = None
+    heading_deg: float | None = None
+    speed_m_s: float | None = None
+    length_m: int | None = None
+
+
 class LinkLoss(Struct, frozen=True, kw_only=True):
     """A link of the boat. heard: the stations on it; loss: share of the frames lost, 0 to 1."""
 
@@ -196,6 +207,7 @@ class Snapshot(Struct, frozen=True, kw_only=True):
     current: WaterCurrent | None = None
     sonar: Sonar | None = None
     obstacles: Obstacles | None = None
+    vessels: dict[str, Vessel] = field(default_factory=dict)  # by their AIS number
     links: list[LinkLoss] = field(default_factory=list)
     temperature_c: float | None = None
     disk_free_mb: float | None = None

@@ -21,8 +21,10 @@ from mission_tools.station.messages import (
     Place,
     Sonar,
     Verdict,
+    Vessel,
     WaterCurrent,
 )
+from mission_tools.station.vessels import HeardVessels
 from mission_tools.station.words import say
 
 _STATES: Final = {0: "starting", 1: "starting", 2: "calibrating", 3: "standby", 4: "active",
@@ -43,7 +45,7 @@ _FENCE_BIT: Final = dialect.MAV_SYS_STATUS_GEOFENCE
 
 SHOWN: Final = (
     "mode", "armed", "state", "battery", "fix", "speed_m_s", "cruise_m_s", "heading_deg", "course_deg",
-    "place", "progress", "current", "sonar", "obstacles", "starts", "load",
+    "place", "progress", "current", "sonar", "obstacles", "vessels", "starts", "load",
 )  # fmt: skip
 """The fields that a snapshot has, too."""
 
@@ -73,6 +75,7 @@ class View:
         self.current: WaterCurrent | None = None
         self.sonar: Sonar | None = None
         self.obstacles: Obstacles | None = None
+        self.heard_vessels = HeardVessels()
         self.load: float | None = None
         self.cruise_m_s: float | None = None
         self.may_arm: bool | None = None  # the boat's own pre-arm checks
@@ -81,6 +84,11 @@ class View:
         self.track = BoatTrack()
         self.boot_ms = 0  # the boat's clock
         self.starts = 0  # how often that went back: the program began anew
+
+    @property
+    def vessels(self) -> dict[str, Vessel]:
+        """Those near the boat that it hears by AIS."""
+        return self.heard_vessels.now(self.boot_ms)
 
     def on_motion(self) -> None:
         """Note when the armed boat has begun to sail."""
@@ -287,6 +295,7 @@ def clean(text: object) -> str:
 
 
 HANDLERS: Final[dict[int, Callable[[View, Message], None]]] = {
+    dialect.MAVLINK_MSG_ID_AIS_VESSEL: lambda view, message: view.heard_vessels.ingest(message, view.boot_ms),
     dialect.MAVLINK_MSG_ID_AVAILABLE_MODES: on_available_mode,
     dialect.MAVLINK_MSG_ID_BATTERY_STATUS: on_battery_status,
     dialect.MAVLINK_MSG_ID_DEBUG_VECT: on_vector,

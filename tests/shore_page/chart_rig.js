@@ -4,7 +4,8 @@ import { makeChart } from "/page/shared/chart.js";
 const words = {
   say: (key, values = {}) =>
     ({ "chart.north": "N", "chart.home": "H", "chart.rally": "R", "chart.current": `Current ${values.speed}` })[key] ?? key,
-  distance: (metres) => (metres < 1000 ? `${metres} m` : `${metres / 1000} km`),
+  distance: (metres) => (metres < 1000 ? `${Math.round(metres)} m` : `${metres / 1000} km`),
+  duration: (seconds) => `${Math.round(seconds)} s`,
   speed: (speed) => `${speed.toFixed(1)} m/s`,
 };
 window.draws = 0;

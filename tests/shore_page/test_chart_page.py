@@ -293,3 +293,32 @@ def test_real_fingers_pan_pinch_and_tap(page: Page) -> None:
     page.wait_for_function("() => window.taps.length === 1")
     at = FRAME.to_local(LatLon(*page.evaluate("window.taps[0]")))
     assert at.east_m - boat.east_m == pytest.approx(-30 / before, abs=0.2)
+
+
+def test_a_vessel_with_ais_is_drawn_as_long_as_it_is_with_its_way_and_closest_approach(page: Page) -> None:
+    """100 m ahead it comes towards the boat, and passes 20 m away in 25 s."""
+    north = FRAME.to_local(BOAT).north_m
+    east = FRAME.to_local(BOAT).east_m
+    ship = FRAME.to_global(Point(north + 60.0, east + 20.0))
+    vessel = {
+        "name": "RED FALCON", "place": {"lat": ship.lat_deg, "lon": ship.lon_deg}, "course_deg": 180.0,
+        "heading_deg": 180.0, "speed_m_s": 2.0, "length_m": 40,
+    }  # fmt: skip
+    page.evaluate(
+        "() => { window.said = []; const fill = CanvasRenderingContext2D.prototype.fillText;"
+        " CanvasRenderingContext2D.prototype.fillText = function (text, ...at) {"
+        " window.said.push(text); fill.call(this, text, ...at); }; }"
+    )
+    show(page, "showState", state(course_deg=0.0, speed_m_s=1.0, vessels={"235001234": vessel}))
+    (label,) = {one for one in page.evaluate("window.said") if one.startswith("RED FALCON")}
+    assert label == "RED FALCON · 2.0 m/s · CPA 20 m, 20 s"
+    x, y = middle(page)
+    pixels_a_metre = scale(page)
+    green = (0x1D, 0x6B, 0x3A)
+    for off_m in (-15.0, 0.0, 15.0):
+        assert colour(page, x + 20.0 * pixels_a_metre, y - (60.0 + off_m) * pixels_a_metre) == green
+    assert colour(page, x + 20.0 * pixels_a_metre, y - 85.0 * pixels_a_metre) != green
+    show(page, "showState", state(course_deg=180.0, speed_m_s=3.0, vessels={"235001234": vessel}))
+    assert "RED FALCON · 2.0 m/s" in page.evaluate("window.said"), "they go apart"
+    show(page, "showState", state())
+    assert colour(page, x + 20.0 * pixels_a_metre, y - 60.0 * pixels_a_metre) != green

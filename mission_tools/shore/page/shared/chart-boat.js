@@ -73,14 +73,44 @@ export function drawOther(pen, { name, heading_deg }, at, view, colour) {
   text(pen, name, at[0], at[1] + HULL_PX / 2 + 12, colour.ink, colour.halo);
 }
 
-function drawHull(pen, heading_deg, at, view, colour, fill, isDashed) {
+// A vessel with AIS: its hull as long as it is, where it will be in a minute, and how near it comes (CPA) and when, in
+// metres east and north.
+export function drawVessel(pen, vessel, boat, metres, view, colour, words) {
+  const [at, way] = [metres, wayOf(vessel, 60)];
+  const pixel = view.toPixel(at);
+  pen.beginPath();
+  pen.moveTo(...pixel);
+  pen.lineTo(...view.toPixel([at[0] + way[0], at[1] + way[1]]));
+  pen.lineWidth = 2;
+  pen.strokeStyle = colour.vessel;
+  pen.stroke();
+  drawHull(pen, vessel.heading_deg, pixel, view, colour, colour.vessel, false, vessel.length_m ?? 0);
+  const said = [vessel.name, vessel.speed_m_s == null ? "" : words.speed(vessel.speed_m_s), closest(vessel, at, boat, words)];
+  pen.font = "600 13px system-ui, sans-serif";
+  const below = Math.max((vessel.length_m ?? 0) * view.scale, HULL_PX) / 2 + 12;
+  text(pen, said.filter(Boolean).join(" \u00B7 "), pixel[0], pixel[1] + below, colour.ink, colour.halo);
+}
+
+const wayOf = ({ course_deg, speed_m_s }, seconds) =>
+  [Math.sin, Math.cos].map((part) => (course_deg == null ? 0 : seconds * (speed_m_s ?? 0) * part(radians(course_deg))));
+
+// Within ten minutes, if both go straight on; empty if they do not come nearer.
+function closest(vessel, at, boat, words) {
+  if (boat === null) return "";
+  const [from, way] = [[0, 1].map((n) => at[n] - boat.at[n]), [0, 1].map((n) => wayOf(vessel, 1)[n] - wayOf(boat.state, 1)[n])];
+  const when_s = -(from[0] * way[0] + from[1] * way[1]) / Math.max(way[0] ** 2 + way[1] ** 2, 1e-6);
+  if (!(when_s > 0 && when_s < 600)) return "";
+  return `CPA ${words.distance(Math.hypot(from[0] + when_s * way[0], from[1] + when_s * way[1]))}, ${words.duration(when_s)}`;
+}
+
+function drawHull(pen, heading_deg, at, view, colour, fill, isDashed, length_m = HULL_M) {
   pen.save();
   pen.translate(...at);
   pen.beginPath();
   if (heading_deg === null || heading_deg === undefined) pen.arc(0, 0, 9, 0, 2 * Math.PI);
   else {
     pen.rotate(radians(heading_deg));
-    const half = Math.max(HULL_M * view.scale, HULL_PX) / 2;
+    const half = Math.max(length_m * view.scale, HULL_PX) / 2;
     const beam = 0.42 * half;
     pen.moveTo(0, -half);
     pen.bezierCurveTo(beam, -0.45 * half, beam, 0, 0.85 * beam, half);

@@ -1,5 +1,5 @@
 // The chart: map, boat, track, plan, on a canvas. It draws only when something changed.
-import { currentRoom, drawBoat, drawCurrent, drawNorth, drawOther, drawScale, drawSenses, roundLength } from "./chart-boat.js";
+import { currentRoom, drawBoat, drawCurrent, drawNorth, drawOther, drawScale, drawSenses, drawVessel, roundLength } from "./chart-boat.js";
 import { colours } from "./chart-colours.js";
 import { draftRoom, drawDraft } from "./chart-draft.js";
 import { listen } from "./chart-input.js";
@@ -14,7 +14,7 @@ const MOST_AWAY_M = 60_000; // from the plane's origin
 const OTHER_PX = 26; // a tap so near to another boat means it
 const BUTTON_ZOOM = 1.6;
 const LOOK_SHARE = 0.8; // of the canvas
-const SHOWN = ["place", "heading_deg", "course_deg", "speed_m_s", "armed", "home", "progress", "current", "sonar", "obstacles"];
+const SHOWN = ["place", "heading_deg", "course_deg", "speed_m_s", "armed", "home", "progress", "current", "sonar", "obstacles", "vessels"];
 const NONE = { type: "FeatureCollection", features: [] };
 
 export function makeChart(canvas, words) {
@@ -151,6 +151,9 @@ export function makeChart(canvas, words) {
     if (draft !== null) taken.push(...draftRoom(draft, pixel));
     if (isCharted) drawNames(pen, map, view, colour, taken);
     if (draft !== null) drawDraft(pen, draft, pixel, colour);
+    const boat = state.place ? { at: plane.to([state.place.lon, state.place.lat]), state } : null;
+    for (const one of Object.values(state.vessels ?? {}))
+      drawVessel(pen, one, boat, plane.to([one.place.lon, one.place.lat]), view, colour, words);
     for (const one of others) drawOther(pen, one, pixel(one.place), view, colour);
     if (state.place) {
       const at = pixel([state.place.lon, state.place.lat]);
