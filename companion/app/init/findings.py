@@ -6,6 +6,7 @@ from typing import Final, NamedTuple
 from companion.app.init.presets import Value
 
 COMPASS: Final = "parts.compass.driver"
+GNSS: Final = "parts.gnss.driver"
 IMU: Final = "parts.compass.imu"
 
 
@@ -30,12 +31,16 @@ def choose(
 ) -> dict[str, Found]:
     """The parts to take, by key: of two for one key a sure one, and of those the first.
 
-    accept: whether to take one that is not sure. say: told what is left out.
+    Depth and heading of a receiver's line go with that receiver. accept: whether to take a part that is not
+    sure. say: told what is left out.
     """
     taken: dict[str, Found] = {}
     for part in sorted(parts, key=lambda part: bool(part.doubt)):
-        if part.key in taken:
-            say(f"left out: {part}; taken: {taken[part.key]}")
+        other = taken.get(part.key)
+        if part.driver == "gnss" and taken.get(GNSS, part).where != part.where:
+            other = taken[GNSS]
+        if other is not None:
+            say(f"left out: {part}; taken: {other}")
         elif part.doubt and not accept(part):
             say(f"left out: {part}")
         else:

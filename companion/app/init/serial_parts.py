@@ -15,13 +15,15 @@ from functools import partial
 from itertools import islice
 from typing import Any, Final, NamedTuple
 
-from companion.app.init.findings import COMPASS, Found
+from companion.app.init.findings import COMPASS, GNSS, Found
 from companion.app.init.presets import Value
 from companion.core.errors import LinkError
 from companion.hal import ping1d, raspberry_pi
 from companion.hal.heading import bno085
 from companion.hal.ranging.serial_ranger import A02YYUW, TFMINI, RangerReader
 from companion.links.serial_port import LINE_8E2, LINE_8N1, LineFormat, SerialPort
+from companion.mavlink.codec import Decoder
+from companion.mavlink.dialect import dialect
 from companion.rc.parsers import CrsfParser, IbusParser, SbusParser
 from companion.sensors.framing import FrameReader
 from companion.sensors.lidar import ld06, rplidar
@@ -29,7 +31,8 @@ from companion.sensors.nmea.sentences import LineReader, NmeaReader
 from companion.sensors.sh2 import ShtpReader
 from companion.sensors.ubx.frames import MON_VER, UbxReader, encode
 
-_GNSS, _DEPTH, _SONAR, _RC = "parts.gnss.driver", "parts.depth.driver", "parts.sonar.driver", "rc.driver"
+_AUTOPILOT: Final = "parts.autopilot"
+_DEPTH, _SONAR, _RC = "parts.depth.driver", "parts.sonar.driver", "rc.driver"
 GPSD: Final = ("127.0.0.1", 2947)
 CONSOLE: Final = "the system's console; boat-companion doctor --fix frees it"
 NOTHING: Final = "silent, or no supported part"
@@ -57,8 +60,8 @@ class SerialRow(NamedTuple):
 _PING_REQUEST: Final = ping1d.encode(6, bytes((4, 0)))  # general_request: device_information
 # Of two rows for one use the upper one comes first. Rates are tried in the order of the rows.
 ROWS: Final = (
-    SerialRow(_GNSS, "ubx", _BAUDS, UbxReader, encode(MON_VER)),
-    SerialRow(_GNSS, "nmea", _BAUDS, partial(NmeaReader, _FIXES)),
+    SerialRow(GNSS, "ubx", _BAUDS, UbxReader, encode(MON_VER)),
+    SerialRow(GNSS, "nmea", _BAUDS, partial(NmeaReader, _FIXES)),
     SerialRow(COMPASS, "bno085", (bno085.BAUD,), ShtpReader),
     SerialRow(COMPASS, "nmea", _BAUDS, partial(NmeaReader, _HEADINGS)),
     SerialRow(_DEPTH, "ping1d", (ping1d.BAUD,), ping1d.PingReader, _PING_REQUEST),
@@ -68,6 +71,7 @@ ROWS: Final = (
     SerialRow(_SONAR, "tfmini", (TFMINI.baud,), partial(RangerReader, TFMINI)),
     SerialRow("parts.lidar.driver", "ld06", (ld06.BAUD,), ld06.Ld06Reader),
     SerialRow("parts.lidar.driver", "rplidar_a1", (rplidar.BAUD,), rplidar.RplidarReader, rplidar.GET_HEALTH),
+    SerialRow(_AUTOPILOT, "autopilot", (115_200, 57_600, 921_600), partial(Decoder, datagram=False)),
     SerialRow(_RC, "crsf", (CrsfParser.baud,), CrsfParser),
     SerialRow(_RC, "ibus", (IbusParser.baud,), IbusParser),
     SerialRow(_RC, "sbus", (SbusParser.baud,), SbusParser, line=LINE_8E2),
@@ -87,6 +91,9 @@ def _count(reader: object, data: bytes, time_s: float) -> int:
             return len(reader.feed(data)[0])
         case NmeaReader() | ShtpReader():
             return len(reader.feed(data))
+        case Decoder():  # a station is none
+            beats = (one.message for one in reader.feed(data) if one.message.get_type() == "HEARTBEAT")
+            return sum(beat.autopilot == dialect.MAV_AUTOPILOT_ARDUPILOTMEGA for beat in beats)
         case LineReader():
             return sum(_AIS.fullmatch(line) is not None for line in reader.lines(data))
     raise TypeError(reader)
@@ -110,12 +117,13 @@ def find_serial_parts(
     if owned := _devices_of_gpsd():
         place = f"{GPSD[0]}:{GPSD[1]}"
         reasons |= {_real(device): f"owned by gpsd at {place}" for device in owned}
-        yield Found(_GNSS, "gpsd", place, {_GNSS: "gpsd", "parts.gnss.port": place})
+        yield Found(GNSS, "gpsd", place, {GNSS: "gpsd", "parts.gnss.port": place})
     devices, parts = list(_devices()), list[Found]()
     yield from (f"{device}: {reasons[_real(device)]}" for device in devices if _real(device) in reasons)
     running = {device: _examine(device, now) for device in devices if _real(device) not in reasons}
     if running:
-        yield f"listening on {', '.join(running)}, for 35 s at most"
+        longest_s = _LISTEN_S * (1 + sum(not question for *_, question in _STAGES))
+        yield f"listening on {', '.join(running)}, for {longest_s:.0f} s at most"
     while running:
         for device, examination in list(running.items()):
             try:
@@ -138,7 +146,7 @@ def _examine(device: str, now: Callable[[], float]) -> Generator[None, None, lis
         if is_silent is not None and is_silent != bool(question):
             continue
         heard = yield from _hear(device, baud, line, question, now)
-        if heard[_GNSS, "nmea"] and not heard[_GNSS, "ubx"]:
+        if heard[GNSS, "nmea"] and not heard[GNSS, "ubx"]:
             heard += yield from _hear(device, baud, line, encode(MON_VER), now)
         if parts := _parts(device, baud, heard):
             return parts
@@ -177,9 +185,12 @@ def _parts(device: str, baud: int, heard: Counter[tuple[str, str]]) -> list[Foun
         values: dict[str, Value] = {row.key: driver, f"{section}port": device}
         values |= {f"{section}baud": baud} if driver == "nmea" else {}
         doubt = "another part has its line" if parts else ""
-        if _GNSS in parts and row.key in (COMPASS, _DEPTH):
-            driver, values = "gnss", {row.key: "gnss"}
-            doubt = "has it two antennas?" if row.key == COMPASS else ""
+        if row.key == _AUTOPILOT:
+            values, doubt = {row.key: f"serial:{device}:{baud}"}, "name in the file which parts are its"
+        elif GNSS in parts and row.key == COMPASS:
+            driver, values, doubt = "gnss", {row.key: "gnss"}, "has it two antennas?"
+        elif GNSS in parts and row.key == _DEPTH and parts[GNSS].driver == "nmea":
+            driver, values, doubt = "gnss", {row.key: "gnss"}, ""
         parts.setdefault(row.key, Found(row.key, driver, f"{device}, {baud} baud", values, doubt))
     return list(parts.values())
 

@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 import pytest
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from test_detect_i2c import part_of
 from test_detect_serial import CRSF
 from twins.i2c import I2cDev, plug_in
@@ -100,6 +101,33 @@ def test_a_sure_part_comes_before_one_that_is_not(bench: SerialBench, dev: I2cDe
     bench.plug_in("ttyUSB0", Device(9600, every_s(1.0, RMC + sentence("GNHDT,91.0,T"))))
     dev.parts = {0x28: part_of("bno055")}
     assert written(tmp_path, "--yes").parts.compass.driver == "bno055"
+
+
+@pytest.mark.parametrize("has_another", [False, True])
+def test_the_depth_of_a_receivers_line_goes_with_that_receiver(
+    has_another: bool, bench: SerialBench, tmp_path: Path
+) -> None:
+    bench.plug_in("ttyUSB0", Device(9600, every_s(1.0, RMC + sentence("SDDPT,2.1,0.3"))))
+    if has_another:
+        bench.plug_in("ttyUSB1", receiver(NEO_M8N))
+    parts = written(tmp_path, "--yes").parts
+    assert (parts.gnss.driver, parts.depth.driver) == (("ubx", "none") if has_another else ("nmea", "gnss"))
+
+
+def test_an_autopilot_that_is_accepted_passes_the_check(
+    bench: SerialBench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def reply(text: str, default: str) -> str:
+        return "yes" if text.startswith("take parts.autopilot") else default
+
+    monkeypatch.setattr("companion.app.init.questions.ask", reply)
+    beat = mavlink.MAVLink_heartbeat_message(10, 3, 0, 0, 4, 3).pack(
+        mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
+    )
+    bench.plug_in("ttyACM0", Device(115_200, every_s(1.0, beat)))
+    parts = written(tmp_path).parts
+    assert parts.autopilot == "serial:/dev/ttyACM0:115200"
+    assert parts.motors.driver == "l298n"
 
 
 @pytest.mark.parametrize(("answer", "driver"), [("yes", "ads1115"), ("no", "ina219")])

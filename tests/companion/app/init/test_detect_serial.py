@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from twins.bno085 import Bno085Twin
 from twins.gpsd import DEVICE, GpsdServer
 from twins.lidars import Ld06Twin, RplidarTwin
@@ -114,6 +115,21 @@ def test_an_ais_receiver_is_found_by_its_messages(bench: SerialBench) -> None:
         "parts.ais.port": "/dev/ttyACM0",
         "parts.ais.baud": 38_400,
     }
+    assert bench.written == []
+
+
+@pytest.mark.parametrize("baud", [57_600, 115_200, 921_600])
+def test_an_autopilot_is_found_and_a_ground_stations_radio_is_none(baud: int, bench: SerialBench) -> None:
+    """Heartbeats by pymavlink: of ArduPilot Rover, and of QGroundControl."""
+    wire = mavlink.MAVLink(None, 1, 1)
+    rover = mavlink.MAVLink_heartbeat_message(10, 3, 0, 0, 4, 3).pack(wire)
+    station = mavlink.MAVLink_heartbeat_message(6, 8, 0, 0, 4, 3).pack(wire)
+    bench.plug_in("ttyACM0", Device(baud, every_s(1.0, rover)))
+    bench.plug_in("ttyUSB0", Device(baud, every_s(1.0, station)))
+    (part,), notes = find(bench)
+    assert part.values == {"parts.autopilot": f"serial:/dev/ttyACM0:{baud}"}
+    assert part.doubt
+    assert notes == [f"/dev/ttyUSB0: {NOTHING}"]
     assert bench.written == []
 
 
