@@ -23,6 +23,7 @@ from companion.core.generations import find_newest
 from companion.core.storage import MemoryStorage
 from companion.core.units import wrap_two_pi
 from companion.hal.interfaces import ReportingPart
+from companion.obstacles.perception.occupancy import SWEEP_S
 from companion.sensors.compass.magnetic_field import BY_CURRENT, NO_MOTORS, FieldCorrector, compass_hooks
 from companion.sensors.fuel_gauge import cells_fault
 
@@ -70,6 +71,9 @@ def check_part(name: str, open_part: Open, config: BoatConfig, clock: Clock, dri
         while (reading is None or reading == []) and clock.now_s() < give_up_s:
             clock.sleep(_POLL_S)
             reading = part.read()
+        if isinstance(reading, list) and reading:  # of a ranger: the whole sweep
+            clock.sleep(SWEEP_S)
+            reading = [*reading, *part.read()]
         texts = [one.text for one in part.take_texts()] if isinstance(part, ReportingPart) else []
     said = "".join(f"; {text}" for text in texts)
     if reading is None or reading == []:

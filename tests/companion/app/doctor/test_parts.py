@@ -1,5 +1,6 @@
 """The configured parts one after the other, through the functions that open them on the boat."""
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -17,8 +18,8 @@ from companion.app.doctor.parts import PARTS, LivePart, check_part, part_finding
 from companion.app.status_file import BoatStatus
 from companion.config.actuators import MotorsPart
 from companion.config.boat_config import BoatConfig, Parts
-from companion.config.sensors import HullPart
-from companion.core.readings import HullReading
+from companion.config.sensors import HullPart, LidarPart
+from companion.core.readings import HullReading, SonarReading
 from companion.core.status_text import Severity, StatusText
 from companion.router.status import LinksStatus
 
@@ -55,6 +56,15 @@ def test_a_part_is_waited_for_and_closed() -> None:
     found = check_part("hull", opening(part), FITTED, FakeClock())
     assert (found.verdict, found.text) == (Verdict.FINE, "host: dry, 41 °C; set up again")
     assert part.closed == 1
+
+
+def test_a_ranger_is_waited_for_until_it_has_looked_all_round() -> None:
+    sweep = iter(([], [SonarReading(0.0, 0.0, None)], [SonarReading(0.1, math.pi / 6.0, 3.21)]))
+    part = Part(None)
+    part.read = lambda: next(sweep)  # type: ignore[method-assign]
+    lidar = BoatConfig(parts=Parts(lidar=LidarPart(driver="ld06")))
+    found = check_part("lidar", opening(part), lidar, FakeClock())
+    assert found.text == "ld06: nearest echo 3.21 m 30° to starboard"
 
 
 def test_no_part_with_readings_is_forgotten() -> None:
