@@ -54,7 +54,6 @@ _SHUNTS: Final = (0x40, 0x41, 0x44, 0x45)  # A0 and A1 to ground or supply
 _OTHER_ADDRESSES: Final = {
     "lis3mdl": (0x1E,),
     "ist8310": (0x0C, 0x0D, 0x0F),
-    "rm3100": (0x21, 0x22, 0x23),
     "mpu6050": (0x69,),
     "lsm6ds": (0x6B,),
     "icm20948": (0x68,),
@@ -66,7 +65,8 @@ _ADS1115_HOLDS: Final = {2: b"\x80\x00", 3: b"\x7f\xff"}
 _INA219_SET_UP: Final = (0x399F, INA219.setup[0][1])
 _STRANGE: Final = "it has no number: an INA219 that another program set up, or two parts at one address"
 
-# Of two rows for one address or one use, the upper one comes first.
+# Of two rows for one address or one use, the upper one comes first. An RM3100 is not looked for: a PCF8574 at
+# its address may drive relays, and takes the number of a register for the levels of its outputs.
 ROWS: Final = (
     I2cRow(_PCA9685, "pca9685", range(0x40, 0x48), _holds(_PCA9685_HOLDS)),
     I2cRow(COMPASS, "bno055", (0x28, 0x29), _holds({0: bytes((bno055.CHIP_ID,))})),
@@ -74,6 +74,7 @@ ROWS: Final = (
         I2cRow(key, driver, (kind.ADDRESS, *_OTHER_ADDRESSES.get(driver, ())), _is_chip(kind))
         for key, kinds in ((COMPASS, MAGNETOMETERS), (IMU, INERTIAL))
         for driver, kind in kinds.items()
+        if driver != "rm3100"
     ),
     I2cRow(_BATTERY, "ina228", _SHUNTS, INA228.is_at),
     I2cRow(_BATTERY, "ina226", _SHUNTS, INA226.is_at),

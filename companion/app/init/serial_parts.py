@@ -36,9 +36,7 @@ _DEPTH, _SONAR, _RC = "parts.depth.driver", "parts.sonar.driver", "rc.driver"
 GPSD: Final = ("127.0.0.1", 2947)
 CONSOLE: Final = "the system's console; boat-companion doctor --fix frees it"
 NOTHING: Final = "silent, or no supported part"
-_LISTEN_S: Final = (
-    3.0  # three epochs of a GNSS receiver; an answer waits behind those of a crowded line for 2
-)
+_LISTEN_S: Final = 3.0  # three epochs of a GNSS receiver; on a crowded line an answer waits for two
 _PAUSE_S: Final = 0.005
 _BAUDS: Final = (9600, 115_200, 38_400, 4800)
 _FIXES, _DEPTHS = frozenset({"RMC", "GGA", "GNS"}), frozenset({"DPT", "DBT"})
@@ -131,7 +129,8 @@ def find_serial_parts(
                 continue
             except StopIteration as end:
                 parts += end.value
-                yield from () if end.value else [f"{device}: {NOTHING}"]
+                if not end.value:
+                    yield f"{device}: {NOTHING}"
             except LinkError as error:
                 yield str(error)
             del running[device]

@@ -11,7 +11,7 @@ from twins.i2c import Bno055Twin, I2cDev, Part
 from twins.inertial import Icm20948Twin, Lsm6dsTwin, Mpu6050Twin
 from twins.lines import HandClock
 from twins.magnetics import Hmc5883lTwin, Lis3mdlTwin, Qmc5883lTwin, Qmc5883pTwin, Scene
-from twins.pucks import Ak09916Twin, Ist8308Twin, Ist8310Twin, Rm3100Twin
+from twins.pucks import Ak09916Twin, Ist8308Twin, Ist8310Twin
 from twins.pulses import Pca9685Twin
 
 from companion.app.init.findings import Found
@@ -67,7 +67,6 @@ def part_of(driver: str) -> Part:
         "lis3mdl": lambda: Lis3mdlTwin(SCENE),
         "ist8310": lambda: Ist8310Twin(SCENE),
         "ist8308": lambda: Ist8308Twin(SCENE),
-        "rm3100": lambda: Rm3100Twin(SCENE),
         "ak09916": lambda: Ak09916Twin(SCENE),
         "mpu6050": lambda: Mpu6050Twin(SCENE),
         "lsm6ds": lambda: Lsm6dsTwin(SCENE),
@@ -124,6 +123,20 @@ def test_the_magnetometer_within_an_icm_20948_needs_no_answer_of_its_own(one_bus
     assert [part.driver for part in parts] == ["icm20948", "ak09916"]
     parts, _ = scan(one_bus, {0x69: part_of("icm20948"), 0x0C: part_of("ak09916")})
     assert [part.driver for part in parts] == ["ak09916", "icm20948"]
+
+
+def test_nobody_is_spoken_to_who_takes_a_registers_number_for_a_command(one_bus: I2cDev) -> None:
+    """PCF8574 and 8574A (levels of its outputs), MCP4725 (its voltage), TCA9548A (its channels)."""
+
+    class Commanded:
+        def get(self, register: int, length: int) -> bytes:
+            raise AssertionError(f"command {register:#x}")
+
+        def put(self, register: int, data: bytes) -> None:
+            raise AssertionError
+
+    addresses = (*range(0x20, 0x28), *range(0x38, 0x40), *range(0x60, 0x68), *range(0x70, 0x78))
+    assert scan(one_bus, dict.fromkeys(addresses, Commanded())) == ([], [])
 
 
 def test_two_parts_at_one_address_are_no_sure_part(one_bus: I2cDev) -> None:
