@@ -4,13 +4,11 @@ from collections.abc import Sequence
 from typing import Final
 
 from companion.config.actuators import MotorsPart
-from companion.core.readings import EscReading
+from companion.core.readings import EscPair
 from companion.core.state import MotorCommand
 from companion.core.status_text import Severity, StatusText
 from companion.hal.interfaces import EscTelemetry
 from companion.sensors.silence import LatePart, SilenceMonitor, fresh
-
-EscPair = tuple[EscReading | None, EscReading | None]
 
 _COOLER_C: Final = 5.0  # below the limit a hot one is cool again
 _SWAPPED: Final = 10  # looks in a row, 1 s: both shafts have followed their commands by then

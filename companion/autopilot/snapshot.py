@@ -90,6 +90,7 @@ def board_readings(
         heading=sensors.compass,
         hull=sensors.hull,
         depth=sensors.bottom,
+        escs=sensors.escs.readings,
         was_deep=is_armed and (before.was_deep or is_deep),
         has_lost_lidar=sensors.has_lidar and sensors.lidar is None,
         has_lost_sonar=sensors.has_sonar and (sensors.sonar is None or guidance.perception.is_noisy),

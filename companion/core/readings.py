@@ -116,6 +116,10 @@ class EscReading(Struct, frozen=True, gc=False):
     fault: str = ""
 
 
+EscPair = tuple[EscReading | None, EscReading | None]
+"""Left and right, None while silent."""
+
+
 class HullReading(Struct, frozen=True, gc=False):
     """Leak and highest temperature inside the hull. None: not measured."""
 

@@ -10,7 +10,7 @@ from msgspec import Struct
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import Point
 from companion.core.modes import Mode
-from companion.core.readings import BatteryReading, DepthReading, HeadingReading, HullReading
+from companion.core.readings import BatteryReading, DepthReading, EscPair, HeadingReading, HullReading
 from companion.core.state import NavState, lacks_heading
 from companion.failsafe.actions import UNGROUNDING, State
 from companion.failsafe.motors.hypotheses import Hypothesis
@@ -34,7 +34,8 @@ class BoardReadings(Struct, frozen=True):
     as the motors push, at an obstacle, at the shore or in a calibration trial. held_s: for how long the shore
     has held the boat. depth: the latest sounding that found the bottom. was_deep: the water has been deep
     enough since arming. load: share of the tick that the loop takes. has_lost_sonar: it has pinged, and is
-    silent or noisy; has_lost_lidar: likewise. storage_fault: why something could not be written, "".
+    silent or noisy; has_lost_lidar: likewise. storage_fault: why something could not be written, "". escs:
+    what left and right speed controller report.
     """
 
     left: float = 0.0
@@ -50,6 +51,7 @@ class BoardReadings(Struct, frozen=True):
     depth: DepthReading | None = None
     was_deep: bool = False
     has_lost_lidar: bool = False
+    escs: EscPair = (None, None)
     has_lost_sonar: bool = False
     storage_fault: str = ""
 

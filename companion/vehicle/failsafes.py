@@ -61,7 +61,16 @@ def _observe(vehicle: VehicleCore, now_s: float) -> None:
         motors.pause()
     else:
         motors.update(
-            board.left, board.right, nav, vehicle.fix, battery, config, now_s, PERIOD_S, board.rudder
+            board.left,
+            board.right,
+            nav,
+            vehicle.fix,
+            battery,
+            config,
+            now_s,
+            PERIOD_S,
+            board.rudder,
+            board.escs,
         )
     if vehicle.recovery.hides_motors:
         rudder.rearm()  # judged anew afterwards

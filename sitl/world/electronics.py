@@ -6,6 +6,7 @@ from companion.config.parameters import ParameterHook
 from companion.hal.interfaces import Hardware
 from sitl.world.computer import Clocked, Computer
 from sitl.world.drive.rudder import Rudder
+from sitl.world.drive.thruster import Thruster
 from sitl.world.environment.bottom import Bathymetry
 from sitl.world.environment.waves import Waves
 from sitl.world.faults.injection import Injection
@@ -13,7 +14,6 @@ from sitl.world.faults.parts import (
     FaultySensor,
     LeakPart,
     Part,
-    Shaft,
     computer_parts,
     motor_part,
     rudder_part,
@@ -29,6 +29,7 @@ from sitl.world.sensors.ais import SimAis
 from sitl.world.sensors.battery_monitor import SimBattery
 from sitl.world.sensors.compass import SimCompass
 from sitl.world.sensors.depth import SimDepthSounder
+from sitl.world.sensors.escs import SimEscs
 from sitl.world.sensors.gnss import SimGnss
 from sitl.world.sensors.hull_sensor import SimHullSensor
 from sitl.world.sensors.rc import SimRc
@@ -46,8 +47,8 @@ class Electronics:
         scenario: Scenario,
         shore: Shore,
         movers: Movers,
-        left: Shaft,
-        right: Shaft,
+        left: Thruster,
+        right: Thruster,
         parameter_hooks: Sequence[ParameterHook] = (),
         rudder: Rudder | None = None,
     ) -> None:
@@ -71,11 +72,15 @@ class Electronics:
             bottom = Bathymetry(scenario.chart, scenario.environment)
             self._depth = SimDepthSounder(sensors.depth, bottom, seed, fitted.depth.min_confidence)
         self._ais = SimAis(sensors.ais, scenario.frame, movers, seed) if sensors.ais.fitted else None
+        self._escs: SimEscs | None = None
+        if fitted.motors.protocol != "none":
+            shafts = (left, right) if scenario.vehicle.drive.has_pair else (left,)
+            self._escs = SimEscs(fitted.motors, shafts, seed)
         fitted_sensors: dict[str, FaultySensor | None] = {
             "gnss": self._gnss, "compass": self._compass, "battery": self._battery, "sonar": self.sonar,
             "rc": self.rc, "depth": self._depth,
         }  # fmt: skip
-        drivers: list[Clocked | None] = [*fitted_sensors.values(), self._hull, self._ais]
+        drivers: list[Clocked | None] = [*fitted_sensors.values(), self._hull, self._ais, self._escs]
         self.computer = Computer([one for one in drivers if one is not None])
         parts: dict[str, Part] = {
             **{name: sensor_part(one, seed) for name, one in fitted_sensors.items() if one is not None},
@@ -112,6 +117,7 @@ class Electronics:
             rudder=self.rudder,
             payload=self.payload.parts,
             field=self._compass.corrector,
+            escs=() if self._escs is None else (self._escs,),
         )
 
     def sample(self, truth: Truth, waves: Waves) -> None:
@@ -142,5 +148,7 @@ class Electronics:
             self._depth.sample(now_s, truth.north_m, truth.east_m, truth.heading_rad, waves)
         if self._ais is not None and now_s >= self._ais.due_s:
             self._ais.sample(now_s)
+        if self._escs is not None and now_s >= self._escs.due_s:
+            self._escs.sample(now_s, truth.voltage_v)
         if now_s >= self._battery.due_s:
             self._battery.sample(now_s, truth.voltage_v, truth.current_a)

@@ -1,9 +1,10 @@
 """The evidence for each hypothesis about the motors, against healthy ones: one CUSUM each.
 
-For every measurement of turn rate, speed and current, each hypothesis has a residual with a known variance.
-So have healthy motors in an unknown wind, which may push and turn the hull within its rate of change. The
-log likelihood ratios are summed as `companion.core.evidence` does. How large a fault is, is learned meanwhile
-(`EffectSize`). Neighbouring samples, whose errors are alike, count for WEIGHT of independent ones.
+For every measurement of turn rate, speed and current, and of each shaft that reports, each hypothesis has a
+residual with a known variance. So have healthy motors in an unknown wind, which may push and turn the hull
+within its rate of change. The log likelihood ratios are summed as `companion.core.evidence` does. How large a
+fault is, is learned meanwhile (`EffectSize`). Neighbouring samples, whose errors are alike, count for WEIGHT
+of independent ones.
 
 A fix tells the speed of some time ago: the speed is predicted up to the time of the fix, and no further.
 """
@@ -14,11 +15,12 @@ from typing import Final, NamedTuple
 
 from companion.config.boat_config import BoatConfig
 from companion.core.evidence import LEARNING, MOST_SQUARE, FaultEvidence
-from companion.core.readings import BatteryReading, GnssFix
+from companion.core.readings import BatteryReading, EscPair, GnssFix
 from companion.core.state import COMPASS_FAULTS, GNSS_FAULTS, EstimateFault, NavState
 from companion.failsafe.motors.current import MotorCurrent
 from companion.failsafe.motors.hypotheses import HYPOTHESES, WEIGHT, EffectSize, Fault
 from companion.failsafe.motors.motion_filter import MotionFilter
+from companion.failsafe.motors.shaft import ShaftEvidence
 
 # Tuned on sample seeds 21, 101 to 103, 301 and 302 of examples/campaigns/motors_*.toml
 VAGUE: Final = 0.5  # of a sample of the motion, for weed: in gusts a weak motor and a wind look alike
@@ -70,7 +72,10 @@ class _Push(NamedTuple):
 
 
 class MotorEvidence:
-    """`against` has the evidence for each of HYPOTHESES, in nats. has_current: whether a current tells."""
+    """`against` has the evidence for each of HYPOTHESES, in nats. has_current: whether a current tells.
+
+    shafts: of controllers that report.
+    """
 
     def __init__(self, config: BoatConfig) -> None:
         speed, handling = config.speed, config.handling
@@ -97,6 +102,7 @@ class MotorEvidence:
             _SPEED_DECAY_S,
         )
         self._current = MotorCurrent()
+        self.shafts = ShaftEvidence()
         self._sizes = EffectSize(count), EffectSize(count), EffectSize(count)  # of turn, speed and current
         self._pending: deque[_Push] = deque(maxlen=_MOST_PENDING)
         self._changes_turn, self._changes_ahead = [0.0] * count, [0.0] * count
@@ -140,7 +146,7 @@ class MotorEvidence:
         self.against[at] = 0.0
         self._turn.forget(at)
         self._speed.forget(at)
-        for size in self._sizes:
+        for size in (*self._sizes, self.shafts):
             size.forget(at)
 
     def update(
@@ -153,11 +159,12 @@ class MotorEvidence:
         asymmetry: float,
         dt_s: float,
         steered: float = 0.0,
+        escs: EscPair = (None, None),
     ) -> None:
         """Take the commands that have held for dt_s until now, and what has come of them.
 
         asymmetry: by which commands astern are enlarged for the thrust that is lost there. steered: the
-        rudder's moment, in shares of full steering.
+        rudder's moment, in shares of full steering. escs: what left and right controller report.
         """
         self._spin(left, right, dt_s)
         water_m_s = nav.water_speed_m_s
@@ -178,6 +185,7 @@ class MotorEvidence:
             _weigh(self._turn, self._sizes[0], gained)
         self._take_fix(fix, nav, gained, is_learning, dt_s)
         self._take_current(battery, water_m_s, gained, is_learning, dt_s)
+        self.shafts.update(escs, self._duties, nav, gained, is_learning=is_learning)
         for at, gain in enumerate(gained):
             if not self._evidence.add(at, WEIGHT * gain, dt_s):
                 self._forget(at)
@@ -259,7 +267,7 @@ class MotorEvidence:
         self.has_current = True
         current = self._current
         current.compare(self._duties, self._spins, water_m_s, battery.current_a)
-        residual, variance = current.residual_a, current.variance
+        residual, variance = current.residual, current.variance
         healthy = 0.5 * min(residual * residual / variance, MOST_SQUARE)
         is_driven = abs(self._duties[0]) > _DRIVEN or abs(self._duties[1]) > _DRIVEN
         if is_learning or not (is_driven and current.is_learned):

@@ -17,13 +17,16 @@ from companion.core.evidence import MOST_SQUARE
 
 
 class Fault(IntEnum):
-    """Kinds that are told apart. Without a measured current, BLOCKED and FOULED cannot be told from DEAD."""
+    """Kinds that are told apart. Without a measured current, BLOCKED and FOULED cannot be told from DEAD, and
+    LOST only with the speed of the shaft.
+    """
 
     DEAD = 0  # no current, no thrust: a wire or the propeller is gone
     BLOCKED = 1  # stall current, no thrust
     FOULED = 2  # weed on the propeller: more current, less thrust
     REVERSED = 3  # thrust the wrong way for the usual current
     WEAK = 4  # a share of the voltage: worn brushes, a bad contact, a propeller that slips on its shaft
+    LOST = 5  # the propeller: the motor turns without a load
 
 
 class Hypothesis(NamedTuple):
@@ -31,7 +34,8 @@ class Hypothesis(NamedTuple):
 
     thrust: share of its thrust that is left, at the share `gain` of its command; thrust_spread: one standard
     deviation of the change, in shares of it. load: its current, in shares of the usual one; spread: one
-    standard deviation of that share.
+    standard deviation of that share. spin, torque: what a controller that reports would say: shares of the
+    usual speed, and of the current that is usual at this speed, each with one standard deviation.
     """
 
     is_left: bool
@@ -40,16 +44,18 @@ class Hypothesis(NamedTuple):
     thrust_spread: float
     load: float
     spread: float
+    spin: tuple[float, float]
+    torque: tuple[float, float]
     gain: float = 1.0
 
     @property
     def has_thrust(self) -> bool:
         """Whether the motor still pushes, be it the wrong way."""
-        return self.fault not in (Fault.DEAD, Fault.BLOCKED)
+        return self.fault not in (Fault.DEAD, Fault.BLOCKED, Fault.LOST)
 
     def is_akin(self, other: "Hypothesis") -> bool:
         """Whether both are the same, or say that a motor has lost more or less of its thrust and current."""
-        losses = {self.fault, other.fault} == {Fault.DEAD, Fault.WEAK}
+        losses = {self.fault, other.fault} <= {Fault.DEAD, Fault.WEAK, Fault.LOST}
         return self == other or (losses and self.is_left is other.is_left)
 
     @property
@@ -58,6 +64,8 @@ class Hypothesis(NamedTuple):
         side = "left" if self.is_left else "right"
         if self.fault is Fault.FOULED:
             return f"Weed on the {side} propeller"
+        if self.fault is Fault.LOST:
+            return f"{side.capitalize()} propeller is lost"
         if self.fault is Fault.REVERSED:
             return f"Steering lost: {side} motor reversed"
         return f"{side.capitalize()} motor {_WORDS[self.fault]}"
@@ -70,11 +78,12 @@ HYPOTHESES: Final = tuple(
     Hypothesis(is_left, *figures)
     for is_left in (True, False)
     for figures in (
-        (Fault.DEAD, 0.0, 0.0, 0.0, 0.0),
-        (Fault.BLOCKED, 0.0, 0.0, 2.2, 0.35),
-        (Fault.FOULED, 0.4, 0.4, 1.0, 0.4),
-        (Fault.REVERSED, 1.0, 0.1, 1.0, 0.1, -1.0),
-        (Fault.WEAK, 1.0, 0.15, 0.3, 0.1, 0.5),
+        (Fault.DEAD, 0.0, 0.0, 0.0, 0.0, (0.0, 0.15), (0.0, 0.2)),
+        (Fault.BLOCKED, 0.0, 0.0, 2.2, 0.35, (0.0, 0.05), (3.0, 1.0)),
+        (Fault.FOULED, 0.4, 0.4, 1.0, 0.4, (0.75, 0.2), (2.0, 0.5)),
+        (Fault.REVERSED, 1.0, 0.1, 1.0, 0.1, (1.0, 0.1), (1.0, 0.2), -1.0),
+        (Fault.WEAK, 1.0, 0.15, 0.3, 0.1, (0.5, 0.15), (0.6, 0.2), 0.5),
+        (Fault.LOST, 0.0, 0.0, 0.0, 0.0, (1.2, 0.15), (0.2, 0.15)),
     )
 )
 

@@ -1,11 +1,11 @@
-"""Which motor has failed, inferred from turn rate, speed and current."""
+"""Which motor has failed, inferred from turn rate, speed and current, and from controllers that report."""
 
 import math
 from typing import Final
 
 from companion.config.boat_config import BoatConfig
 from companion.control.allocation import rudder_effect
-from companion.core.readings import BatteryReading, GnssFix
+from companion.core.readings import BatteryReading, EscPair, GnssFix
 from companion.core.state import NavState
 from companion.failsafe.motors.evidence import MotorEvidence
 from companion.failsafe.motors.hypotheses import HYPOTHESES, Fault, Hypothesis
@@ -57,10 +57,12 @@ class MotorWatch:
     def needs_check(self) -> bool:
         """Whether only a motor check can tell if both motors pull.
 
-        A motor that gives no thrust and a wind against it look alike to a boat that measures no current,
+        A motor that gives no thrust and a wind against it look alike to a boat that measures nothing of it,
         while the commands stand still.
         """
-        return self._helpless_s >= _CHECK_S and not self._evidence.has_current
+        evidence = self._evidence
+        is_told = evidence.has_current or all(evidence.shafts.knows(is_left=one) for one in (True, False))
+        return self._helpless_s >= _CHECK_S and not is_told
 
     def reset(self) -> None:
         """Drop the verdict and its evidence; keep the learned gains."""
@@ -102,6 +104,7 @@ class MotorWatch:
         now_s: float,
         dt_s: float,
         rudder: float = 0.0,
+        escs: EscPair = (None, None),
     ) -> None:
         """Take the commands of the last dt_s and what has come of them, and decide."""
         if nav is None or not config.drive.has_pair:
@@ -111,10 +114,10 @@ class MotorWatch:
         if config.drive.has_rudder:
             water_m_s = nav.water_speed_m_s
             steered = rudder * rudder_effect(0.5 * (left + right), water_m_s, config.drive, config.speed)
-        if config.parts.motors.driver == "esc":
+        if config.parts.motors.driver in ("esc", "vesc"):
             # Its current grows with the cube of the command, and it cuts off a motor that stalls
             battery = None
-        evidence.update(left, right, nav, fix, battery, config.thrusters.asymmetry, dt_s, steered)
+        evidence.update(left, right, nav, fix, battery, config.thrusters.asymmetry, dt_s, steered, escs)
         if now_s < self._cleared_until_s:
             evidence.acquit()
             self._helpless_s = 0.0
@@ -159,8 +162,8 @@ class MotorWatch:
         """The hypothesis that is proved, and ahead of every other. Where only an akin one is close: which of
         the two claims less.
         """
-        has_current, against = self._evidence.has_current, self._evidence.against
-        counted = [at for at, one in enumerate(HYPOTHESES) if has_current or one.fault in _WITHOUT_CURRENT]
+        against = self._evidence.against
+        counted = [at for at, one in enumerate(HYPOTHESES) if self._is_told(one)]
         first = max(counted, key=against.__getitem__)
         best, lead = HYPOTHESES[first], against[first]
         if lead < (COMPARED if self._is_compared and best.fault is Fault.FOULED else PROVED):
@@ -175,6 +178,12 @@ class MotorWatch:
             if ahead < AKIN_MARGIN:
                 akin = best if best.has_thrust else other
         return best, akin
+
+    def _is_told(self, one: Hypothesis) -> bool:
+        """Whether what is measured can tell this fault from others."""
+        if self._evidence.shafts.knows(is_left=one.is_left) or one.fault in _WITHOUT_CURRENT:
+            return True
+        return self._evidence.has_current and one.fault is not Fault.LOST
 
     def _watch_steering(self, left: float, right: float, turn_rad_s: float, dt_s: float) -> None:
         """How long the boat has been steered hard without turning that way."""

@@ -11,7 +11,7 @@ from companion.autopilot.sensor_suite import SensorSuite
 from companion.autopilot.snapshot import Snapshot, board_readings
 from companion.config.actuators import DriveSetting
 from companion.config.boat_config import BoatConfig
-from companion.core.readings import DepthReading, SonarReading
+from companion.core.readings import DepthReading, EscReading, SonarReading
 from companion.core.state import MotorCommand
 from companion.failsafe.inputs import HELD_S, BoardReadings
 from companion.guidance.stall_detector import StallVerdict
@@ -19,6 +19,7 @@ from companion.obstacles.planning.planner import Stage
 
 COMMAND = MotorCommand(0.5, -0.25, rudder=0.1)
 AT_START = BoardReadings()
+ESCS = EscReading(1.0, 0, 1, 300.0, 12.0, 2.0, 30.0, 0.0), None
 
 
 def snapshot(layout: str, now_s: float = 1.0, servos: tuple[tuple[int, int], ...] = ()) -> Snapshot:
@@ -77,6 +78,7 @@ class Scene:
             sonar=self.sonar,
             has_lidar=self.has_lidar,
             lidar=None,
+            escs=SimpleNamespace(readings=ESCS),
         )
         guidance = SimpleNamespace(
             avoidance=SimpleNamespace(stage=self.stage),
@@ -147,3 +149,4 @@ def test_the_rest_is_passed_on() -> None:
     board = Scene().board()
     assert (board.left, board.right, board.rudder) == (0.5, -0.25, 0.1)
     assert (board.consumed_mah, board.load, board.storage_fault) == (7.0, 0.2, "full")
+    assert board.escs is ESCS

@@ -290,7 +290,7 @@ def watched(monkeypatch: pytest.MonkeyPatch, against: dict[int, float]) -> Hull:
 
 
 # Of the left motor; the last two of the right
-DEAD, BLOCKED, REVERSED, WEAK, RIGHT_BLOCKED, FOULED = 0, 1, 3, 4, 6, 7
+DEAD, BLOCKED, REVERSED, WEAK, RIGHT_BLOCKED, FOULED = 0, 1, 3, 4, 7, 8
 
 
 @pytest.mark.parametrize(

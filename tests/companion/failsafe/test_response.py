@@ -75,7 +75,7 @@ def test_a_boat_on_one_motor_clears_its_propellers_only_with_a_minute_of_room(
 def test_without_ten_seconds_of_room_a_motor_without_thrust_is_not_checked(
     fault: Fault, north_m_s: float, has_room: bool
 ) -> None:
-    is_assumed = not has_room and fault in (Fault.DEAD, Fault.BLOCKED)
+    is_assumed = not has_room and fault in (Fault.DEAD, Fault.BLOCKED, Fault.LOST)
     expected = [AssumeFailed(True), Notify(Severity.WARNING, NO_ROOM)] if is_assumed else CHECKING
     assert decided(Action.CHECK_MOTORS, with_verdict(fault)(inputs(north_m_s))) == expected
 
