@@ -23,10 +23,7 @@ _POSITIONS: Final = frozenset({1, 2, 3, 18, 19, 27})
 _STATIC: Final = frozenset({5, 19, 24})
 _CLASS_B: Final = frozenset({18, 19, 24})
 _LONG_RANGE: Final = 27  # in tenths of a minute
-_ERRORS_M: Final = (
-    13.0,
-    10.0,
-)  # 95 %, of a receiver without and with corrections (IMO MSC.112(73), MSC.114(73))
+_ERRORS_M: Final = (13.0, 10.0)  # 95 %, without and with corrections (IMO MSC.112(73), MSC.114(73))
 _COARSE_M: Final = 0.1 / 60.0 * 111e3
 _MOST_PARTS: Final = 10  # unfinished messages: as many as there are sequential numbers
 _TOGETHER_S: Final = 1.0  # the sentences of a message come back to back
@@ -34,8 +31,6 @@ _FASTEST_M_S: Final = 50.0 * KNOT_M_S  # of a vessel that does not tell its spee
 _GAINS: Final = 1.5  # it may go so much faster between two reports
 _LATE_S: Final = 3.0  # a report may come so much later than another
 _SIDE_ONLY: Final = 127.0  # of a turn: more than 10° a minute
-Decode = Callable[..., Any]
-"""pyais.decode: the message of its sentences. It may raise anything."""
 
 
 class AisReader(LineReader):
@@ -45,7 +40,8 @@ class AisReader(LineReader):
     sentences; `lost`: parts of messages without the parts before them.
     """
 
-    def __init__(self, decode: Decode, own_mmsi: int = 0) -> None:
+    def __init__(self, decode: Callable[..., Any], own_mmsi: int = 0) -> None:
+        """decode: pyais' own, which gives the message of its sentences. It may raise anything."""
         super().__init__()
         self.skipped = self.lost = 0
         self._decode = decode
@@ -90,7 +86,7 @@ class AisReader(LineReader):
             return False
         try:
             self._ingest(self._decode(*parts), time_s, is_own=raw[3:6] == b"VDO")
-        except Exception:  # whatever the library raises
+        except Exception:
             self.malformed += 1
             return False
         return True
@@ -152,11 +148,9 @@ def _moved(vessel: AisVessel, message: Any, time_s: float) -> AisVessel:  # noqa
 def _has_jumped(old: AisVessel, new: AisVessel) -> bool:
     """Whether no vessel of these speeds gets from one position to the other in the time between."""
     assert old.position is not None and new.position is not None  # noqa: S101, PT018 (the caller has asked)
-    speeds_m_s = [_FASTEST_M_S if one.speed_m_s is None else one.speed_m_s for one in (old, new)]
-    reach_m = _GAINS * max(speeds_m_s) * (new.time_s - old.time_s + _LATE_S) + 2.0 * (
-        old.error_m + new.error_m
-    )
-    return geodesic_m(old.position, new.position) > reach_m
+    fastest_m_s = max(_FASTEST_M_S if one.speed_m_s is None else one.speed_m_s for one in (old, new))
+    way_m = _GAINS * fastest_m_s * (new.time_s - old.time_s + _LATE_S)
+    return geodesic_m(old.position, new.position) > way_m + 2.0 * (old.error_m + new.error_m)
 
 
 def _below(value: float | None, limit: float, least: float = 0.0) -> float | None:

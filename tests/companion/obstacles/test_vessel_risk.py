@@ -6,6 +6,7 @@ import pytest
 from avoidance_rig import NORTH, Voyage, boat, mover
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from companion.core.geo import Point
 from companion.core.intent import FollowLeg, HoldHeading, KeepStation
@@ -32,22 +33,29 @@ def vessel(
     return Vessel("SHIP", at, north_m_s, east_m_s, heading_rad, *half_m, sigma_m, sigma_m_s, 0.0)
 
 
-def risk(one: Vessel, north_m_s: float = 1.0, east_m_s: float = 0.0, margin_m: float = 0.0) -> float:
+def risk(
+    one: Vessel,
+    north_m_s: float = 1.0,
+    east_m_s: float = 0.0,
+    margin_m: float = 0.0,
+    own_sigma_m: float = boat().position_sigma_m,
+) -> float:
     """Of a boat that sails on from the origin."""
-    found = approaches([one], boat(), (north_m_s, east_m_s), FIELD, margin_m)
+    nav = replace(boat(), position_sigma_m=own_sigma_m)
+    found = approaches([one], nav, (north_m_s, east_m_s), FIELD, margin_m)
     times = [STEP_S * (step + 1) for step in range(STEPS)]
     norths = [(north_m_s * time_s - FIELD.south_m) / FIELD.cell_m for time_s in times]
     easts = [(east_m_s * time_s - FIELD.west_m) / FIELD.cell_m for time_s in times]
     return approach_risk(found[0], norths, easts)
 
 
-def sampled(one: Vessel, north_m_s: float, margin_m: float) -> float:
+def sampled(one: Vessel, north_m_s: float, margin_m: float, own_sigma_m: float) -> float:
     """The same integral of P over the beam by small steps, from the formulas of `movers.py`."""
     a, b = (half + margin_m for half in (one.half_length_m, one.half_beam_m))
     closing = north_m_s - one.north_m_s, -one.east_m_s
     square = closing[0] ** 2 + closing[1] ** 2
     closest_s = (one.at.north_m * closing[0] + one.at.east_m * closing[1]) / square
-    noise_m2 = one.variance_m2(min(max(closest_s, 0.0), LOOK_AHEAD_S)) + boat().position_sigma_m ** 2
+    noise_m2 = one.variance_m2(min(max(closest_s, 0.0), LOOK_AHEAD_S)) + own_sigma_m**2
     s_a, s_b = 0.25 * a * a + noise_m2, 0.25 * b * b + noise_m2
     total, dt_s = 0.0, 0.01
     for step in range(round((LOOK_AHEAD_S - STEP_S) / dt_s)):
@@ -74,9 +82,9 @@ def sampled(one: Vessel, north_m_s: float, margin_m: float) -> float:
 def test_the_closed_form_is_the_integral_weighted_by_a_half_behind_the_rollout(
     one: Vessel, margin_m: float
 ) -> None:
-    expected = sampled(one, 1.0, margin_m)
+    expected = sampled(one, 1.0, margin_m, 3.0)
     assert expected > 0.05
-    assert risk(one, margin_m=margin_m) == pytest.approx(0.5 * expected, rel=0.02)
+    assert risk(one, margin_m=margin_m, own_sigma_m=3.0) == pytest.approx(0.5 * expected, rel=0.02)
 
 
 def test_what_is_met_within_the_rollout_counts_more_the_sooner() -> None:
@@ -119,6 +127,13 @@ def test_a_boat_gives_way_to_a_ship_beyond_its_sight_to_starboard_and_says_so_on
     assert voyage.stage() is Stage.PASSING
     voyage.at(1.2)
     assert voyage.said == [f"{KEEPING_CLEAR} SHIP"]
+
+
+def test_a_ship_somewhat_to_starboard_is_passed_to_starboard_too() -> None:
+    """Rule 14, though to port were the shorter way."""
+    held = sailed(vessel(100.0, 3.0, -4.0, 0.0, sigma_m=4.0)).at(1.0)
+    assert isinstance(held, HoldHeading)
+    assert held.heading_rad > 0.1
 
 
 def test_a_ship_that_passes_clear_changes_nothing() -> None:

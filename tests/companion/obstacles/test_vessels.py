@@ -9,7 +9,7 @@ from msgspec.structs import replace
 from companion.config.boat_config import BoatConfig, with_value
 from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.readings import AisReading, AisVessel
-from companion.obstacles.perception.vessels import LOOK_AHEAD_S, Vessel, vessels_near
+from companion.obstacles.perception.vessels import Vessel, vessels_near
 
 FRAME = LocalFrame(LatLon(50.0, -1.2))
 CONFIG = BoatConfig()
@@ -100,7 +100,7 @@ def test_a_report_is_used_for_six_intervals_of_its_class(
 
 def test_only_vessels_that_the_boat_may_meet_within_a_minute_are_near() -> None:
     reach_m = 20.0 + CONFIG.avoidance.vessel_margin_m + 2.0 * 10.0 / 2.45
-    reach_m += LOOK_AHEAD_S * (5.0 + CONFIG.handling.top_speed_m_s)
+    reach_m += 60.0 * (5.0 + CONFIG.handling.top_speed_m_s)
     assert near(at(SHIP, 0.0, -reach_m - 9.0))
     assert not near(at(SHIP, 0.0, -reach_m - 11.0)), "10 m from the antenna to the middle"
     assert not near(at(SHIP, 0.0, 200.0)), "it goes away faster than the boat"

@@ -208,7 +208,7 @@ def test_a_vessel_that_jumps_is_dropped_until_two_positions_agree(reader: AisRea
 
 @pytest.mark.parametrize(
     ("speed_kn", "metres", "is_shown"),
-    [(0.0, 60.0, False), (0.0, 40.0, True), (102.3, 460.0, True), (102.3, 700.0, False)],
+    [(0.0, 60.0, False), (0.0, 40.0, True), (102.3, 460.0, True), (102.3, 600.0, False)],
 )
 def test_a_vessel_moves_no_farther_than_its_speed_and_error_allow(
     reader: AisReader, speed_kn: float, metres: float, is_shown: bool
