@@ -84,13 +84,15 @@ def _read(name: str) -> str:
 def with_values(text: str, values: Mapping[str, Value]) -> str:
     """The text with other values. values: by dotted key, such as `parts.gnss.port`.
 
+    Addresses on a bus are written in hexadecimal digits.
     A key that has no line gets one, at the head of its table; a missing table is added at the end. Only
     values on one line that contain no `#` can be replaced.
     """
     lines = text.splitlines()
     for path, value in values.items():
         table, _, key = path.rpartition(".")
-        _set(lines, table, key, json.dumps(value, ensure_ascii=False))
+        is_hex = key.endswith("address") and isinstance(value, int)
+        _set(lines, table, key, f"{value:#x}" if is_hex else json.dumps(value, ensure_ascii=False))
     return "\n".join(lines) + "\n"
 
 

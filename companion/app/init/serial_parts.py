@@ -129,8 +129,7 @@ def find_serial_parts(
                 continue
             except StopIteration as end:
                 parts += end.value
-                if not end.value:
-                    yield f"{device}: {NOTHING}"
+                yield f"{device}: {', '.join(part.driver for part in end.value) or NOTHING}"
             except LinkError as error:
                 yield str(error)
             del running[device]

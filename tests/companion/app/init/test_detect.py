@@ -66,6 +66,7 @@ def test_what_is_found_is_written_and_passes_the_check(
     assert (parts.compass.driver, parts.compass.imu) == ("qmc5883l", "mpu6050")
     assert (parts.battery.driver, parts.battery.address, parts.battery.shunt_ohm) == ("ina226", 0x45, 0.002)
     assert parts.pca9685.address == 0x41
+    assert "address = 0x45" in (tmp_path / "boat.toml").read_text(encoding="utf-8")
     said = capsys.readouterr().out
     assert "parts.compass.driver qmc5883l, 0xd on I²C bus 1" in said
     assert "left out" not in said

@@ -37,9 +37,11 @@ def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> SerialBench:
 
 
 def find(bench: SerialBench) -> tuple[list[Found], list[str]]:
+    """Parts, and what is told of ports without one."""
     everything = list(find_serial_parts(bench.clock, bench.wait))
-    notes = [one for one in everything if isinstance(one, str) and not one.startswith("listening")]
-    return [one for one in everything if isinstance(one, Found)], notes
+    parts = [one for one in everything if isinstance(one, Found)]
+    passed = ("listening", *(f"{part.where.partition(',')[0]}:" for part in parts))
+    return parts, [one for one in everything if isinstance(one, str) and not one.startswith(passed)]
 
 
 def silent_ping(twin: Ping1dTwin) -> Device:
@@ -235,10 +237,11 @@ def test_a_real_line_is_found_unless_another_program_has_it(
         free.say(CRSF)
 
     with closing(SerialPort(taken.device, 9600, clock)):
-        *_, refusal, part = find_serial_parts(clock, wait)
+        _, refusal, told, part = find_serial_parts(clock, wait)
     assert isinstance(part, Found)
     assert (part.driver, "ttyUSB0" in part.where) == ("crsf", True)
     assert str(refusal).endswith(f"{taken.device} is in use by another program")
+    assert told == "/dev/ttyUSB0: crsf"
     free.unplug()
     taken.unplug()
 
