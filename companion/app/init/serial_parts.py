@@ -110,7 +110,7 @@ def find_serial_parts(
     """Parts and remarks, of every port that nobody uses."""
     arguments = ""
     with suppress(OSError):  # what the kernel was told
-        arguments = (raspberry_pi.ROOT / "proc/cmdline").read_text(encoding="utf-8")
+        arguments = (raspberry_pi.ROOT / "proc/cmdline").read_text(encoding="utf-8", errors="replace")
     reasons = {_real(f"/dev/{name}"): CONSOLE for name in re.findall(r"\bconsole=(\w+)", arguments)}
     if owned := _devices_of_gpsd():
         place = f"{GPSD[0]}:{GPSD[1]}"
@@ -216,4 +216,4 @@ def _devices_of_gpsd() -> list[str]:
             report = next((one for one in islice(answers, 9) if b'"class":"DEVICES"' in one), b"")
     except OSError:
         return []
-    return [path.decode() for path in re.findall(rb'"path":"([^"]+)"', report)]
+    return [path.decode(errors="replace") for path in re.findall(rb'"path":"([^"]+)"', report)]

@@ -1,5 +1,6 @@
 """Parts are found on serial ports by what they send at their rate, and none is written to before."""
 
+import socket
 import threading
 from collections.abc import Callable
 from contextlib import closing
@@ -144,6 +145,13 @@ def test_depth_and_heading_on_a_receivers_line_are_of_that_line(bench: SerialBen
     assert (depth.values, bool(depth.doubt)) == ({"parts.depth.driver": "gnss"}, False)
 
 
+def test_depth_on_the_line_of_a_u_blox_receiver_is_not_read_there(bench: SerialBench) -> None:
+    u_blox, sounder = receiver(NEO_M8N), every_s(1.0, sentence("SDDPT,2.1,0.3"))
+    bench.plug_in("ttyUSB0", Device(9600, lambda now_s: u_blox.speak(now_s) + sounder(now_s), u_blox.hear))
+    (gnss, depth), _ = find(bench)
+    assert (gnss.driver, depth.driver, depth.doubt) == ("ubx", "nmea", "another part has its line")
+
+
 def test_of_two_instruments_on_one_line_only_the_first_is_sure(bench: SerialBench) -> None:
     said = sentence("SDDPT,2.1,0.3") + sentence("HCHDG,101.1,,,7.1,W")
     bench.plug_in("ttyUSB0", Device(4800, every_s(1.0, said)))
@@ -221,6 +229,26 @@ def test_gpsd_is_the_receiver_and_its_port_is_left_alone(
     place = f"127.0.0.1:{server.port}"
     assert part.values == {"parts.gnss.driver": "gpsd", "parts.gnss.port": place}
     assert notes == [f"{DEVICE}: owned by gpsd at {place}"]
+
+
+@pytest.mark.parametrize("answer", [b"", b"\xff" * 9, b'{"class":"DEVICES","devices":[{"path":"\xff"}]}\n'])
+def test_another_server_on_gpsds_port_is_no_harm(
+    answer: bytes, bench: SerialBench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        monkeypatch.setattr("companion.app.init.serial_parts.GPSD", server.getsockname())
+
+        def serve() -> None:
+            client, _ = server.accept()
+            with client:
+                client.sendall(answer)
+                client.recv(4096)
+
+        thread = threading.Thread(target=serve)
+        thread.start()
+        parts, notes = find(bench)
+        thread.join()
+    assert (len(parts), notes) == (answer.count(b"DEVICES"), [])
 
 
 def test_a_real_line_is_found_unless_another_program_has_it(
