@@ -137,8 +137,8 @@ class AisVessel(Struct, frozen=True, gc=False):
     """
 
     mmsi: int
-    time_s: float = 0.0
-    position: LatLon | None = None
+    time_s: float
+    position: LatLon
     speed_m_s: float | None = None
     course_rad: float | None = None
     heading_rad: float | None = None

@@ -96,7 +96,6 @@ def _life_s(report: AisVessel) -> float:
 
 
 def _vessel(report: AisVessel, frame: LocalFrame, now_s: float) -> Vessel:
-    assert report.position is not None  # noqa: S101 (a reading has only those)
     antenna, age_s = frame.to_local(report.position), max(now_s - report.time_s, 0.0)
     course_rad = report.heading_rad if report.course_rad is None else report.course_rad
     speed_m_s = 0.0 if course_rad is None else report.speed_m_s or 0.0

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 from functools import reduce
 from operator import xor
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 from msgspec.structs import replace
 
@@ -21,7 +21,7 @@ LIFE_S: Final = 600.0  # without a position; ArduPilot's AIS_TIME_OUT
 _MOST_VESSELS: Final = 100  # the largest AIS_LIST_MAX of ArduPilot
 _POSITIONS: Final = frozenset({1, 2, 3, 18, 19, 27})
 _STATIC: Final = frozenset({5, 19, 24})
-_CLASS_B: Final = frozenset({18, 19, 24})
+_CLASS_B: Final = frozenset({18, 19})
 _LONG_RANGE: Final = 27  # in tenths of a minute
 _ERRORS_M: Final = (13.0, 10.0)  # 95 %, without and with corrections (IMO MSC.112(73), MSC.114(73))
 _COARSE_M: Final = 0.1 / 60.0 * 111e3
@@ -31,6 +31,7 @@ _FASTEST_M_S: Final = 50.0 * KNOT_M_S  # of a vessel that does not tell its spee
 _GAINS: Final = 1.5  # it may go so much faster between two reports
 _LATE_S: Final = 3.0  # a report may come so much later than another
 _SIDE_ONLY: Final = 127.0  # of a turn: more than 10° a minute
+Kept = TypeVar("Kept")
 
 
 class AisReader(LineReader):
@@ -47,15 +48,16 @@ class AisReader(LineReader):
         self._decode = decode
         self._own_mmsi, self._transponder_mmsi = own_mmsi, 0
         self._parts: dict[tuple[bytes, ...], tuple[float, list[bytes]]] = {}
-        self._vessels: dict[int, AisVessel] = {}  # by MMSI, the latest heard last
+        self._static: dict[int, dict[str, Any]] = {}  # by MMSI, the latest heard last
+        self._vessels: dict[int, AisVessel] = {}
 
     def feed(self, data: bytes, time_s: float) -> AisReading | None:
         """Process bytes received at time_s; None if they complete no message."""
         heard = [self._hear(line, time_s) for line in self.lines(data)]
         if not any(heard):
             return None
-        known = (one for one in self._vessels.values() if one.position is not None and not one.is_doubtful)
-        return AisReading(time_s, tuple(one for one in known if time_s - one.time_s <= LIFE_S))
+        known = (one for one in self._vessels.values() if time_s - one.time_s <= LIFE_S)
+        return AisReading(time_s, tuple(one for one in known if not one.is_doubtful))
 
     def forget(self) -> None:
         super().forget()
@@ -98,56 +100,56 @@ class AisReader(LineReader):
         if mmsi in (self._own_mmsi, self._transponder_mmsi):
             self._vessels.pop(mmsi, None)
             return
-        if kind not in _POSITIONS | _STATIC:
-            return
-        vessel = self._vessels.get(mmsi, AisVessel(mmsi))
         if kind in _STATIC:
-            vessel = _with_static(vessel, message)
-        if kind in _POSITIONS:
-            vessel = _moved(vessel, message, time_s)
-        if kind != _LONG_RANGE:
-            vessel = replace(vessel, is_class_b=kind in _CLASS_B)
-        self._vessels.pop(mmsi, None)
-        self._vessels[mmsi] = vessel
-        if len(self._vessels) > _MOST_VESSELS:
-            del self._vessels[next(iter(self._vessels))]
+            static = self._static.pop(mmsi, {}) | _static(message)
+            _keep(self._static, mmsi, static)
+            if mmsi in self._vessels:
+                self._vessels[mmsi] = replace(self._vessels[mmsi], **static)
+        if kind in _POSITIONS and abs(message.lat) <= 90.0 and abs(message.lon) <= 180.0:
+            old = self._vessels.pop(mmsi, None)
+            new = _vessel(message, mmsi, time_s, self._static.get(mmsi, {}))
+            _keep(self._vessels, mmsi, replace(new, is_doubtful=old is not None and _has_jumped(old, new)))
 
 
-def _with_static(vessel: AisVessel, message: Any) -> AisVessel:  # noqa: ANN401
+def _keep(table: dict[int, Kept], mmsi: int, value: Kept) -> None:
+    """Add what was not there; the oldest gives way."""
+    table[mmsi] = value
+    if len(table) > _MOST_VESSELS:
+        del table[next(iter(table))]
+
+
+def _static(message: Any) -> dict[str, Any]:  # noqa: ANN401
     """The two parts of a type 24 have different fields."""
     names = {"shipname": "name", "callsign": "callsign", "ship_type": "kind"}
     names |= {f"to_{side}": f"{side}_m" for side in ("bow", "stern", "port", "starboard")}
     told = {ours: getattr(message, theirs, None) for theirs, ours in names.items()}
-    return replace(vessel, **{name: value for name, value in told.items() if value is not None})
+    return {name: value for name, value in told.items() if value is not None}
 
 
-def _moved(vessel: AisVessel, message: Any, time_s: float) -> AisVessel:  # noqa: ANN401
-    """With a new position; as it was without a known one."""
-    lat_deg, lon_deg, is_coarse = message.lat, message.lon, message.msg_type == _LONG_RANGE
-    if not (abs(lat_deg) <= 90.0 and abs(lon_deg) <= 180.0):
-        return vessel
+def _vessel(message: Any, mmsi: int, time_s: float, static: dict[str, Any]) -> AisVessel:  # noqa: ANN401
+    kind = message.msg_type
     turn_deg_min = _below(getattr(message, "turn", None), _SIDE_ONLY + 1.0, -_SIDE_ONLY)
     if turn_deg_min is not None and abs(turn_deg_min) == _SIDE_ONLY:
         turn_deg_min = math.copysign(math.inf, turn_deg_min)
-    speed_kn = _below(message.speed, 63.0 if is_coarse else 102.3)
-    new = replace(
-        vessel,
+    speed_kn = _below(message.speed, 63.0 if kind == _LONG_RANGE else 102.3)
+    return AisVessel(
+        mmsi=mmsi,
         time_s=time_s,
-        position=LatLon(lat_deg, lon_deg),
+        position=LatLon(message.lat, message.lon),
         speed_m_s=None if speed_kn is None else speed_kn * KNOT_M_S,
         course_rad=_radians(_below(message.course, 360.0)),
         heading_rad=_radians(_below(getattr(message, "heading", None), 360.0)),
         turn_rad_s=None if turn_deg_min is None else math.radians(turn_deg_min) / 60.0,
         status=int(getattr(message, "status", 15)),
+        is_class_b=kind in _CLASS_B,
         is_accurate=bool(message.accuracy),
-        error_m=_COARSE_M if is_coarse else _ERRORS_M[bool(message.accuracy)],
+        error_m=_COARSE_M if kind == _LONG_RANGE else _ERRORS_M[bool(message.accuracy)],
+        **static,
     )
-    return replace(new, is_doubtful=vessel.position is not None and _has_jumped(vessel, new))
 
 
 def _has_jumped(old: AisVessel, new: AisVessel) -> bool:
     """Whether no vessel of these speeds gets from one position to the other in the time between."""
-    assert old.position is not None and new.position is not None  # noqa: S101, PT018 (the caller has asked)
     fastest_m_s = max(_FASTEST_M_S if one.speed_m_s is None else one.speed_m_s for one in (old, new))
     way_m = _GAINS * fastest_m_s * (new.time_s - old.time_s + _LATE_S)
     return geodesic_m(old.position, new.position) > way_m + 2.0 * (old.error_m + new.error_m)

@@ -12,13 +12,12 @@ from companion.services.telemetry.motion_messages import heading_cdeg
 _AGAIN_S: Final = 30.0  # a vessel that is silent, as ArduPilot
 _PERIOD_S: Final = 0.25  # between two messages: 280 bytes a second, all of 100 vessels in 25 s
 _UNKNOWN_16, _UNKNOWN_TURN = 0xFFFF, 0x7F
+_NEVER: Final = (None, -math.inf)
 _FASTEST_M_S: Final = 102.15 * KNOT_M_S  # reported as 102.2 knots or more
 
 
-def ais_vessel(vessel: AisVessel, now_s: float) -> Message | None:
-    """A vessel, None without a position. What is not known has no flag: sizes are 0, the rest as AP_AIS."""
-    if vessel.position is None:
-        return None
+def ais_vessel(vessel: AisVessel, now_s: float) -> Message:
+    """What is not known has no flag, and ArduPilot's value; sizes are then 0."""
     lat_e7, lon_e7 = position_to_e7(vessel.position)
     speed_m_s, turn_rad_s = vessel.speed_m_s, vessel.turn_rad_s
     sides_m = vessel.bow_m, vessel.stern_m, vessel.port_m, vessel.starboard_m
@@ -69,7 +68,7 @@ class VesselSchedule:
     """Which vessel is due: one that has reported, or was not sent for long; one at a time."""
 
     def __init__(self, *, is_fitted: bool) -> None:
-        self._sent: dict[int, tuple[AisVessel, float]] = {}  # by MMSI, with its time
+        self._sent: dict[int, tuple[AisVessel | None, float]] = {}  # by MMSI, with its time
         self._look_s = 0.0 if is_fitted else math.inf
 
     def has_due(self, now_s: float) -> bool:
@@ -78,15 +77,12 @@ class VesselSchedule:
     def due(self, reading: AisReading | None, now_s: float) -> list[Message]:
         self._look_s = now_s + _PERIOD_S
         vessels = () if reading is None else reading.vessels
-        never = (None, -math.inf)
-        sent = {one.mmsi: self._sent.get(one.mmsi, never) for one in vessels}
-        self._sent = {mmsi: (last, at_s) for mmsi, (last, at_s) in sent.items() if last is not None}
+        sent = self._sent = {one.mmsi: self._sent.get(one.mmsi, _NEVER) for one in vessels}
         waiting = [
             one for one in vessels if sent[one.mmsi][0] is not one or now_s - sent[one.mmsi][1] >= _AGAIN_S
         ]
         if not waiting:
             return []
         one = min(waiting, key=lambda one: sent[one.mmsi][1])
-        self._sent[one.mmsi] = one, now_s
-        message = ais_vessel(one, now_s)
-        return [] if message is None else [message]
+        sent[one.mmsi] = one, now_s
+        return [ais_vessel(one, now_s)]

@@ -15,7 +15,7 @@ FRAME = LocalFrame(LatLon(50.0, -1.2))
 CONFIG = BoatConfig()
 NOW_S = 1000.0
 SHIP = AisVessel(
-    235_000_001, NOW_S, None, 5.0, math.radians(90.0), math.radians(90.0), error_m=10.0,
+    235_000_001, NOW_S, LatLon(50.0, -1.2), 5.0, math.radians(90.0), math.radians(90.0), error_m=10.0,
     bow_m=30, stern_m=10, port_m=2, starboard_m=6, name="SHIP",
 )  # fmt: skip
 YACHT = replace(SHIP, mmsi=235_000_002, is_class_b=True)

@@ -26,9 +26,7 @@ KNOWN = 1 | 2 | 4 | 16 | 64 | 2048 | 4096
 
 def decoded(vessel: AisVessel, now_s: float = 103.4) -> Message:
     """Through the bytes of a frame."""
-    message = ais_vessel(vessel, now_s)
-    assert message is not None
-    (heard,) = dialect.MAVLink(None).parse_buffer(Encoder(BOAT).encode(message))
+    (heard,) = dialect.MAVLink(None).parse_buffer(Encoder(BOAT).encode(ais_vessel(vessel, now_s)))
     return heard  # type: ignore[no-any-return]
 
 

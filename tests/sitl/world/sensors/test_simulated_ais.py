@@ -40,7 +40,6 @@ def test_movers_report_their_place_course_speed_and_size_at_their_intervals() ->
         [ships[0][0] + 10.0 * n for n in range(7)], abs=0.05
     )
     for time_s, one in ships:
-        assert one.position is not None
         at = of.frame.to_local(one.position)
         assert at == pytest.approx((30.0 + 4.0 * time_s, -50.0 + 3.0 * time_s), abs=0.5)
         assert one.speed_m_s == pytest.approx(5.0, abs=0.1 * KNOT_M_S)
@@ -59,7 +58,6 @@ def test_reports_are_lost_and_off_by_the_settings() -> None:
     assert 12 <= len(ships) <= 28
     of, errors_m = scenario("open", *FITTED), []
     for time_s, one in ships:
-        assert one.position is not None
         errors_m.append(of.frame.to_local(one.position).north_m - 30.0 - 4.0 * time_s)
     assert 1.5 < math.sqrt(sum(error * error for error in errors_m) / len(errors_m)) < 4.5
 
