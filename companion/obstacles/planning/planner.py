@@ -146,7 +146,6 @@ class LocalPlanner:
         is_certain = bool(perception.solid())
         tracks, still_count = perception.possible_movers(now_s)
         meets_mover = any(track.is_mover for track in tracks)
-        moving = GIVING_WAY if meets_mover else _keeping_clear(perception.vessels)
         field = self._map.update(nav, config, perception, bounds, margin_m, reach_m, now_s)
         self.limit.update(nav, config, perception, field, bounds, now_s)
         if is_by_hand:
@@ -197,8 +196,8 @@ class LocalPlanner:
             self._detour.begin(at, wanted_rad, perception.reach_m, now_s)
         best = costs.choose(
             self._fan, speed, (norths_m, easts_m) if leads_on else None, self._held,
-            is_certain=is_certain or bool(moving),
-            is_new=self._detour.is_new(now_s) and not moving,
+            is_certain=is_certain or meets_mover or bool(perception.vessels),
+            is_new=self._detour.is_new(now_s) and not meets_mover,
         )  # fmt: skip
         if best is None:
             return self._keep()
@@ -207,7 +206,9 @@ class LocalPlanner:
             self._tell_side(now_s)
         if meets_mover or (is_certain and not leads_on):
             perception.water.note_unmapped_obstacle(here)
-        return self._hold(best, nav, config, now_s, moving, is_certain=is_certain)
+        return self._hold(
+            best, nav, config, now_s, perception.vessels, is_certain=is_certain, meets_mover=meets_mover
+        )
 
     def _hold(
         self,
@@ -215,22 +216,23 @@ class LocalPlanner:
         nav: NavState,
         config: BoatConfig,
         now_s: float,
-        moving: str,
+        vessels: Sequence[Vessel],
         *,
         is_certain: bool,
+        meets_mover: bool,
     ) -> Intent:
-        """Hold a rollout's heading and speed, and report it. moving: the text about what moves, if any."""
+        """Hold a rollout's heading and speed, and report it."""
         heading, speed = wrap_pi(nav.heading_rad + best.turn_rad), best.speed_m_s
         self._held = heading, speed
         along_m_s = nav.current_along_m_s(nav.heading_rad)
-        self.eases = not is_certain and not moving  # a single echo may be noise
+        self.eases = not (is_certain or meets_mover or vessels)  # a single echo may be noise
         if self.stage is not Stage.BLOCKED:
             if CRASH_STOP < speed < 0.0:
                 self.stage = Stage.BACK
-            elif moving:
+            elif meets_mover or vessels:
                 self.stage = Stage.PASSING
                 if now_s > self._met_s + _SAME_S:
-                    self._notify(moving)
+                    self._notify(GIVING_WAY if meets_mover else f"{KEEPING_CLEAR} {vessels[0].name}")
                 self._met_s = now_s
             elif is_certain:
                 self.stage = Stage.ROUND
@@ -306,7 +308,3 @@ class LocalPlanner:
 def _leads_on(here: Point, end: Point, to_go: CostToGo) -> bool:
     """Whether a path brings the boat nearer to the goal."""
     return to_go.at(*here) - to_go.at(*end) >= _LEADS_ON * distance_m(here, end) - to_go.side_m
-
-
-def _keeping_clear(vessels: Sequence[Vessel]) -> str:
-    return f"{KEEPING_CLEAR} {vessels[0].name}" if vessels else ""

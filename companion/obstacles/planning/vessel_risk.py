@@ -3,7 +3,7 @@
 P is that of `movers.py`, with an ellipse of the vessel's length and beam in place of the disc of R. S is the
 covariance of both positions and of the vessel's velocity at the closest approach, and of the ellipse. Along a
 straight line P is a Gaussian of the distance travelled, whose integral is known: a rollout is taken as some
-straight lines and goes straight on behind its end, so that a ship beyond its reach is kept clear of. Beside a
+straight lines and goes straight on beyond its end, so that a ship beyond its reach is kept clear of. Beside a
 vessel at rest the boat is free: there, S is smaller than the error of the position would have it.
 """
 

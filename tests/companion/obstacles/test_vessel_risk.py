@@ -3,13 +3,13 @@
 import math
 
 import pytest
-from avoidance_rig import NORTH, Voyage, boat, mover
+from avoidance_rig import NORTH, ROCK, Voyage, boat, mover
 from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from companion.core.geo import Point
-from companion.core.intent import FollowLeg, HoldHeading, KeepStation
+from companion.core.intent import Drive, FollowLeg, HoldHeading, KeepStation
 from companion.obstacles.perception.vessels import LOOK_AHEAD_S, Vessel
 from companion.obstacles.planning.clearance import ClearanceField
 from companion.obstacles.planning.motion import STEP_S, STEPS
@@ -134,6 +134,21 @@ def test_a_ship_somewhat_to_starboard_is_passed_to_starboard_too() -> None:
     held = sailed(vessel(100.0, 3.0, -4.0, 0.0, sigma_m=4.0)).at(1.0)
     assert isinstance(held, HoldHeading)
     assert held.heading_rad > 0.1
+
+
+def test_before_a_vessel_close_by_the_boat_stops_with_full_thrust_astern() -> None:
+    held = sailed(vessel(8.0, -14.0, 0.0, 4.0, sigma_m=1.0)).at(1.0, boat(speed_m_s=2.0))
+    assert isinstance(held, Drive)
+    assert held.throttle < 0.0
+
+
+def test_a_vessel_far_off_does_not_change_how_a_new_rock_is_met() -> None:
+    decided = []
+    for vessels in ((), (vessel(150.0, 80.0, -1.0, 0.0, sigma_m=4.0),)):
+        voyage = Voyage(*ROCK)
+        voyage.chart.vessels = vessels
+        decided.append((voyage.at(1.0), voyage.at(1.3)))
+    assert decided[0] == decided[1]
 
 
 def test_a_ship_that_passes_clear_changes_nothing() -> None:
