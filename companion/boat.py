@@ -197,8 +197,10 @@ class Boat:
         command = self._steer(now_s)
         is_bare = self.calibration.is_bare or self.motor_test.is_running
         setting = _BARE if is_bare else self.parameters.config.thrusters
-        if self._hardware.outputs is not None:
-            self._hardware.outputs.allow(may_drive=self.may_drive())
+        if (outputs := self._hardware.outputs) is not None:
+            outputs.allow(may_drive=self.may_drive())
+            if outputs.fault and self.vehicle.armed:  # the motors are off, and its sensors may be away, too
+                self.vehicle.failsafes.postpone(now_s + SETTLE_S, is_again=True)
         try:
             self.motors.write(command, self.vehicle.recovery.motor_check.motors, setting)
             if is_slow_due:  # once the motors have answered

@@ -173,7 +173,9 @@ class Alarm(NamedTuple):
 
 
 class Failsafes:
-    """active: bits of what has fired and is not over. The other attributes feed the inputs."""
+    """active: bits of what has fired and is not over. is_postponed: nothing has been watched for a while. The
+    other attributes feed the inputs.
+    """
 
     def __init__(self, config: BoatConfig, sticks: ManualInput, rows: Sequence[Row] = ROWS) -> None:
         self.active = 0
@@ -185,17 +187,17 @@ class Failsafes:
         self.rudder = RudderWatch()
         self.fence = FenceMonitor()
         self._escalations = [Escalation(row) for row in rows]
-        self._due_s, self._is_postponed = 0.0, False
+        self._due_s, self.is_postponed = 0.0, False
         self._was_armed = False
 
     def is_due(self, now_s: float) -> bool:
         """Whether the next cycle is due."""
         return now_s >= self._due_s
 
-    def postpone(self, until_s: float) -> None:
-        """No cycle is due before. What is postponed is not postponed again."""
-        if not self._is_postponed:
-            self._due_s, self._is_postponed = until_s, True
+    def postpone(self, until_s: float, *, is_again: bool = False) -> None:
+        """No cycle is due before. What is postponed is not postponed again, unless is_again."""
+        if is_again or not self.is_postponed:
+            self._due_s, self.is_postponed = until_s, True
 
     def is_active(self, condition: Condition) -> bool:
         """Whether this has fired and is not over."""
@@ -226,7 +228,7 @@ class Failsafes:
     def update(self, inputs: FailsafeInputs) -> list[Alarm]:
         """One cycle."""
         now_s, setting, armed = inputs.now_s, inputs.config.failsafe, inputs.armed
-        self._due_s, self._is_postponed = now_s + PERIOD_S - _SLACK_S, False
+        self._due_s, self.is_postponed = now_s + PERIOD_S - _SLACK_S, False
         alarms: list[Alarm] = []
         is_disarmed_now, self._was_armed = self._was_armed and not armed, armed
         for escalation in self._escalations:

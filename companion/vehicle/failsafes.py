@@ -57,6 +57,7 @@ def _observe(vehicle: VehicleCore, now_s: float) -> None:
         vehicle.recovery.hides_motors
         or not board.judges_motors
         or vehicle.recovery.motor_check.motors.has_failed
+        or failsafes.is_postponed
     ):
         motors.pause()
     else:
@@ -74,7 +75,7 @@ def _observe(vehicle: VehicleCore, now_s: float) -> None:
         )
     if vehicle.recovery.hides_motors:
         rudder.rearm()  # judged anew afterwards
-    elif board.judges_motors:
+    elif board.judges_motors and not failsafes.is_postponed:
         rudder.update(0.5 * (board.left + board.right), board.rudder, nav, config, PERIOD_S)
     else:
         rudder.pause()

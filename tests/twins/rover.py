@@ -130,8 +130,10 @@ class Rover:
     def step(self, dt_s: float) -> bytes:
         """A while later; what it has sent."""
         self.now_s += dt_s
-        if self.has_receiver or self.now_s - self._override_s < self.parameters["RC_OVERRIDE_TIME"]:
+        if self.now_s - self._override_s < self.parameters["RC_OVERRIDE_TIME"]:
             self._input_s = self.now_s
+        elif self.has_receiver:
+            self._input_s, self._stick_us = self.now_s, {1: 1500, 3: 1500}
         self._failed_s = min(self._failed_s, self.now_s) if self._is_radio_lost else math.inf
         if self.is_critical and self.parameters["FS_ACTION"] == 2:
             self.mode = HOLD
@@ -183,6 +185,8 @@ class Rover:
                 )
             case 65:
                 pulses = [1500, 1500, 1600, 1500, 1900, *([0] * 13)]
+                if self.now_s - self._override_s < self.parameters["RC_OVERRIDE_TIME"]:
+                    pulses[0], pulses[2] = self._stick_us[1], self._stick_us[3]
                 return mavlink.MAVLink_rc_channels_message(boot_ms, 5, *pulses, 127)
             case 193:
                 return mavlink.MAVLink_ekf_status_report_message(self.flags, 0.1, 0.1, 0.1, 0.2, 0.0)

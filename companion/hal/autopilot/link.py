@@ -48,6 +48,7 @@ class AutopilotLink:
         self.ignored = 0
         self.texts = deque[StatusText](maxlen=8) if self.outputs is None else self.outputs.texts
         self._system_id = part.system_id
+        self._is_compass = fitted.compass.driver == "autopilot"
         self._heard_s = self._beat_s = self._ask_s = -math.inf
         self._came_s: dict[int, float] = {}
         self._reboots = 0
@@ -70,7 +71,10 @@ class AutopilotLink:
             if name == "HEARTBEAT":
                 self.outputs.on_heartbeat(message)
             elif name == "SYS_STATUS":
-                self.outputs.on_health(self.readings.enabled, self.readings.health)
+                has_heading = not self._is_compass or self.readings.has_heading(now_s)
+                self.outputs.on_health(self.readings.enabled, self.readings.health, has_heading=has_heading)
+            elif name == "RC_CHANNELS":
+                self.outputs.on_channels(message, now_s)
             elif name == "PARAM_VALUE":
                 self.outputs.parameters.ingest(message)
         if self.readings.reboots != self._reboots:

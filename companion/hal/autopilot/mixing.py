@@ -6,11 +6,14 @@ counted from the edge of its dead zone (RC_Channel, pwm_to_angle_dz_trim).
 """
 
 from collections.abc import Mapping
+from typing import Final
 
 from msgspec import Struct
 
 from companion.core.units import clamp
 from companion.hal.autopilot.parameters import CHANNEL_KEYS, STEERING, THROTTLE
+
+_MARK_US: Final = 7.0  # well within the dead zone of 30
 
 
 class Stick(Struct, frozen=True):
@@ -24,13 +27,15 @@ class Stick(Struct, frozen=True):
     is_reversed: bool
 
     def pulse_us(self, share: float) -> int:
-        """The pulse for a share, −1..1."""
+        """The pulse for a share, −1..1. That of 0 is marked: no transmitter's stick rests just there."""
         share = clamp(-share if self.is_reversed else share, -1.0, 1.0)
         if share > 0.0:
             edge_us = self.trim_us + self.dead_zone_us
             return round(edge_us + share * (self.max_us - edge_us))
         edge_us = self.trim_us - self.dead_zone_us
-        return round(edge_us + share * (edge_us - self.min_us)) if share else round(self.trim_us)
+        if share < 0.0:
+            return round(edge_us + share * (edge_us - self.min_us))
+        return round(self.trim_us + min(_MARK_US, self.dead_zone_us))
 
 
 def sticks(values: Mapping[str, float]) -> tuple[Stick, Stick]:

@@ -26,6 +26,8 @@ from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, build_message, dialect
 
 OVERRIDE_S: Final = 0.04  # ten in a RC_OVERRIDE_TIME of 0.4 s
+_ECHOES: Final = 25  # overrides within a second
+_ECHO_S: Final = 0.6  # RC_CHANNELS comes twenty times a second
 _SETTLED_S: Final = 0.6  # of neutral before arming: the radio failsafe ends within half a second
 _AGAIN_S: Final = 0.5  # between two requests; heartbeats come five times a second
 _REFUSED_S: Final = 4.0  # without being armed: a request in every half second was refused
@@ -62,6 +64,8 @@ class RoverOutputs:
         self._is_ready = False  # its own checks before arming pass
         self._words, self._words_s = "", -math.inf  # its latest reason
         self._sticks: tuple[Stick, Stick] | None = None
+        self._sent: deque[tuple[int, int]] = deque(maxlen=_ECHOES)  # pulses of steering and throttle
+        self._echo_s = -math.inf  # when it last had one of them as its sticks
         self._neutral_s = math.inf  # since when overrides have been sent
         self._override_s = self._request_s = self._raising_s = self._disarm_until_s = -math.inf
         self._has_driven = self._is_told = False
@@ -83,9 +87,17 @@ class RoverOutputs:
     def on_heartbeat(self, message: Message) -> None:
         self._heartbeat = message
 
-    def on_health(self, enabled: int, health: int) -> None:
+    def on_health(self, enabled: int, health: int, *, has_heading: bool) -> None:
+        """has_heading: its filter gives the boat a heading, where the boat needs it from there."""
         check = dialect.MAV_SYS_STATUS_PREARM_CHECK  # disabled where ARMING_CHECK is 0
-        self._is_ready = bool(health & check or not enabled & check)
+        self._is_ready = has_heading and bool(health & check or not enabled & check)
+
+    def on_channels(self, message: Message, now_s: float) -> None:
+        """Its sticks: the boat's overrides, unless these do not reach it."""
+        if self._sticks is not None:
+            pulses = tuple(getattr(message, f"chan{stick.channel}_raw") for stick in self._sticks)
+            if pulses in self._sent:
+                self._echo_s = now_s
 
     def on_text(self, text: str, now_s: float) -> None:
         """Keep a reason for not arming: it is told with the boat's own."""
@@ -142,9 +154,10 @@ class RoverOutputs:
         if peer is None:
             return "not heard yet"
         if not is_heard:
+            self._heartbeat, self._is_ready = None, False  # it may have rebooted meanwhile
             return "is silent"
         if self._heartbeat is None:
-            return "has rebooted"
+            return "has not told its state yet"
         if not self._is_rover:
             return "is not ArduPilot Rover, which alone drives motors"
         if not self.parameters.is_complete:
@@ -159,18 +172,19 @@ class RoverOutputs:
     def _follow(self, is_fit: bool, now_s: float) -> None:
         """The next state."""
         is_up = is_fit and self._is_armed and self._is_manual
+        is_obeyed = now_s - self._echo_s <= _ECHO_S
         if not self.may_drive:
             if self.state in (State.RAISING, State.DRIVING):
                 self._disarm_until_s = now_s + _DISARMING_S
             self.state = State.IDLE
             self._has_driven = self._gave_up = False
-        elif is_up:
+        elif is_up and is_obeyed:
             self.state, self._has_driven = State.DRIVING, True
-        elif self.state is State.DRIVING and is_fit and not self._is_critical:
+        elif self.state is State.DRIVING and is_fit and not (is_up or self._is_critical):
             self.state, self._raising_s = State.LEFT, now_s
         elif self.state in (State.IDLE, State.DRIVING):
             self.state, self._raising_s = State.RAISING, now_s
-        elif self.state is State.LEFT and not is_fit:
+        elif self.state is State.LEFT and (is_up or not is_fit):
             self.state = State.RAISING
         if self.state in (State.RAISING, State.LEFT):
             patience_s = self._resume_s if self._has_driven else _REFUSED_S
@@ -187,6 +201,8 @@ class RoverOutputs:
             return ""
         if self.state is State.LEFT:
             return "was disarmed" if self._is_manual else "has left MANUAL"
+        if self._is_armed and self._is_manual:
+            return "ignores the boat's channels"
         return words or "is not ready to arm"
 
     def _tell(self) -> None:
@@ -201,7 +217,8 @@ class RoverOutputs:
     def _requests(self, peer: Address, now_s: float) -> list[Message]:
         """For MANUAL and arming, or for disarming."""
         is_disarming = self._is_armed and now_s <= self._disarm_until_s and self.state is State.IDLE
-        if not (is_disarming or self.state is State.RAISING) or now_s - self._request_s < _AGAIN_S:
+        is_raising = self.state is State.RAISING and (self._is_ready or not self._has_driven)
+        if not (is_disarming or is_raising) or now_s - self._request_s < _AGAIN_S:
             return []
         self._request_s = now_s
         if is_disarming:
@@ -227,6 +244,7 @@ class RoverOutputs:
             left, right = self._drive
             turn, ahead = (self._rudder, left) if self.has_rudder else pair_shares(left, right)
         pulses = {steering.channel: steering.pulse_us(turn), throttle.channel: throttle.pulse_us(ahead)}
+        self._sent.append((pulses[steering.channel], pulses[throttle.channel]))
         channels = {f"chan{n}_raw": pulses.get(n, ignored) for n, ignored in enumerate(_IGNORED, 1)}
         return build_message(
             "RC_CHANNELS_OVERRIDE", target_system=peer.system, target_component=peer.component, **channels

@@ -76,11 +76,11 @@ class AutopilotReadings:
         yaw, rate, roll, pitch = message.yaw, message.yawspeed, message.roll, message.pitch
         if not math.isfinite(yaw + rate + roll + pitch):
             self.dropped += 1
-        elif self._has_heading(now_s):
+        elif self.has_heading(now_s):
             self.heading = HeadingReading(time_s, yaw, rate, roll, pitch)
 
-    def _has_heading(self, now_s: float) -> bool:
-        """Whether the filter has a heading from a compass that it believes."""
+    def has_heading(self, now_s: float) -> bool:
+        """Whether its filter has a heading from a compass that it believes."""
         is_known = max(now_s - self._health_s, now_s - self._filter_s) <= _HEALTH_S
         return is_known and not self._filter_fault and self.health & _COMPASS_BITS == _COMPASS_BITS
 

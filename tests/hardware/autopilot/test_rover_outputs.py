@@ -175,6 +175,16 @@ def test_a_line_that_is_cut_either_way_stops_the_motors_within_a_second_and_the_
     assert bench.texts[-1] == "Autopilot drives the motors again"
 
 
+def test_a_transmitter_whose_sticks_are_at_rest_is_not_taken_for_the_boats_overrides() -> None:
+    bench = Bench().driving(0.0, 0.0)
+    bench.rover.has_receiver, bench.is_heard = True, False
+    bench.run(2.0)
+    assert (bench.rover.mode, bench.outputs.fault) == (MANUAL, "ignores the boat's channels")
+    bench.is_heard = True
+    bench.run(0.5)
+    assert bench.outputs.fault == ""
+
+
 def test_a_reboot_stops_the_motors_and_the_boat_goes_on_after() -> None:
     bench = Bench().driving()
     bench.rover.reboot()
