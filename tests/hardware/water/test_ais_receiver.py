@@ -7,6 +7,8 @@ others are written by pyais' encoder.
 
 import importlib
 import math
+import socket
+from contextlib import closing
 from functools import reduce
 from operator import xor
 from typing import Any
@@ -14,7 +16,8 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from twins.lines import HandClock, MemoryLine, known
+from twins.daisy import Daisy, packet
+from twins.lines import HandClock, MemoryLine, eventually, known
 
 from companion.config.sensors import AisPart
 from companion.core.errors import HardwareError
@@ -173,6 +176,21 @@ def test_wrong_checksums_and_forms_are_counted_and_other_sentences_skipped(reade
     assert heard(reader, rb"\s:station,c:1671533231*5F" + b"\\" + TYPE_1), "with a tag block"
 
 
+def test_a_daisy_is_read_whose_messages_are_cut_elsewhere(reader: AisReader) -> None:
+    daisy, static = Daisy(), packet(*(line.split(b",")[5].decode() for line in TYPE_5))[:53]
+    for number in range(12):
+        lines = daisy.hear(static, "AB"[number % 2])
+        assert (lines.count(b"\r\n"), lines.split(b",")[3]) == (2, b"%d" % (number % 9 + 1))
+        assert reader.feed(lines, 1.0 + number) is not None
+    position = daisy.hear(packet(TYPE_19.split(b",")[5].decode()), "B")
+    assert position == TYPE_19 + b"\r\n"
+    assert [one.name for one in heard(reader, position, said(mmsi=351_759_000))] == [
+        "CAPT.J.RIMES",
+        "EVER DIADEM",
+    ]
+    assert (reader.malformed, reader.lost, reader.skipped) == (0, 0, 0)
+
+
 @pytest.mark.parametrize("order", [(1,), (1, 0), (0, 0), (1, 1)])
 def test_parts_that_are_lost_or_out_of_order_make_no_message(
     reader: AisReader, order: tuple[int, ...]
@@ -272,6 +290,21 @@ def test_a_receiver_is_read_unplugged_and_read_again(wire: MemoryLine, clock: Ha
     assert (reading.time_s, len(reading.vessels)) == (101.0, 2)
     assert (receiver.reader.malformed, receiver.reader.lost) == (0, 1)
     receiver.close()
+
+
+@pytest.mark.realtime
+def test_a_program_on_the_same_computer_is_read_over_udp(clock: HandClock) -> None:
+    """rtl_ais sends the sentences of a message in one datagram."""
+    receiver = open_ais(AisPart(driver="nmea", port="udpin:127.0.0.1:0"), clock)
+    place = receiver._port.name.rpartition(":")[2]
+    with closing(receiver), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as program:
+
+        def is_heard() -> bool:
+            program.sendto(b"\r\n".join([*TYPE_5, TYPE_1, b""]), ("127.0.0.1", int(place)))
+            return receiver.read() is not None
+
+        eventually(is_heard)
+        assert [one.mmsi for one in known(receiver.read()).vessels] == [477_553_000]
 
 
 def test_without_pyais_the_error_names_the_extra(monkeypatch: pytest.MonkeyPatch, clock: HandClock) -> None:
