@@ -51,8 +51,8 @@ class EscMonitor:
     def _watch_sides(self, command: MotorCommand) -> StatusText | None:
         """One motor is driven, and the other controller says that its motor turns, as in a motor test."""
         left, right = self.readings
-        is_crossed = left is not None and right is not None and (not command.left) != (not command.right)
-        if is_crossed and left is not None and right is not None:
+        is_crossed = False
+        if left is not None and right is not None and (not command.left) != (not command.right):
             driven, idle = (left, right) if command.left else (right, left)
             is_crossed = not driven.shaft_rad_s and bool(idle.shaft_rad_s)
         self._swapped = self._swapped + 1 if is_crossed else 0

@@ -88,7 +88,7 @@ class Boat:
             capacity_mah=battery.capacity_mah,
             draw=draw,
             idle_a=battery.idle_a,
-            exponents=BRUSHLESS if config.parts.motors.driver == "esc" else BRUSHED,
+            exponents=BRUSHLESS if config.parts.motors.driver in ("esc", "vesc") else BRUSHED,
             reserve=config.failsafe.range_reserve,
             margin=config.failsafe.range_margin,
             fence_margin_m=config.fence.margin_m,

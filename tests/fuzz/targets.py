@@ -10,6 +10,7 @@ from pathlib import Path
 
 from fastcrc.crc8 import dvb_s2 as crc8
 from pymavlink.dialects.v20 import all as dialect
+from twins.escs import kiss_crc, vesc_frame
 from twins.lidars import crc8 as lidar_crc8
 
 from companion.config.boat_config import BoatConfig, load_config
@@ -29,6 +30,7 @@ from companion.hal.ranging.serial_ranger import (
 from companion.mavlink.codec import Decoder
 from companion.rc.parsers import CrsfParser, IbusParser, SbusParser
 from companion.rc.rc_control import RcControl
+from companion.sensors.esc_frames import KissReader, VescReader, kiss_values, vesc_values
 from companion.sensors.framing import FrameReader
 from companion.sensors.gnss_heading import GnssHeading
 from companion.sensors.gpsd import GpsdReader
@@ -159,8 +161,10 @@ def nmea(data: bytes) -> None:
 
 def sounders(data: bytes) -> None:
     """What sensors on serial lines send; the first byte says which. Checksums are mended."""
-    which, said = data[0] % 8 if data else 0, data[1:]
-    if which >= 6:
+    which, said = data[0] % 10 if data else 0, data[1:]
+    if which >= 8:
+        _esc(said, is_vesc=which == 9)
+    elif which >= 6:
         _lidar(said, is_ld06=which == 6)
     elif which < 2:
         kind = (A02YYUW, TFMINI)[which]
@@ -193,6 +197,17 @@ def sounders(data: bytes) -> None:
         for part in _PROBES:
             value = value_of(raw_number(said.decode("utf-8", "replace"), part), part)
             assert value is None or math.isfinite(value)
+
+
+def _esc(said: bytes, *, is_vesc: bool) -> None:
+    frames: FrameReader = VescReader() if is_vesc else KissReader()
+    for at in range(0, len(said), 9):
+        body = said[at : at + 9]
+        sent = vesc_frame(b"\x04" + said[at : at + 70]) if is_vesc else body + bytes([kiss_crc(body)])
+        for found in frames.split(sent):
+            values = vesc_values(found) if is_vesc else kiss_values(found)
+            assert values is None or all(map(math.isfinite, values[:5]))
+    assert len(frames._held) < 260
 
 
 def _lidar(said: bytes, *, is_ld06: bool) -> None:

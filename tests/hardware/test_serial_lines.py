@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import pytest
 from twins.bno085 import Bno085Twin
+from twins.escs import VescTwin, kiss_frame
 from twins.lidars import Ld06Twin, RplidarTwin
 from twins.lines import HandClock, PtyLine, eventually, opened
 from twins.rangers import a02yyuw_frame, tfmini_frame
@@ -19,7 +20,7 @@ from twins.ubx_receiver import ZED_F9P, UbxReceiver
 from twins.ubx_serial import SerialReceiver
 
 from companion.app.hardware import begin_probes
-from companion.app.parts import open_ais, open_compass, open_depth, open_lidar
+from companion.app.parts import open_ais, open_compass, open_depth, open_esc, open_lidar
 from companion.config.boat_config import BoatConfig, decode_config
 from companion.config.sensors import GnssPart, RangerPart
 from companion.config.tuning import Rc
@@ -134,6 +135,25 @@ def rplidar(line: PtyLine, clock: HandClock) -> Open:
     return Open(part, talk, lambda one: one.range_m == 3.0)
 
 
+def kiss(line: PtyLine, clock: HandClock) -> Open:
+    part = open_esc(
+        decode_config(
+            {"parts": {"motors": {"driver": "esc", "telemetry": "kiss", "left_port": line.device}}}, "test"
+        ),
+        clock,
+    )
+    frame = kiss_frame(31, 1542, 873, 210, 143)
+    return Open(part, lambda: line.say(frame), lambda one: one.temperature_c == 31)
+
+
+def vesc(line: PtyLine, clock: HandClock) -> Open:
+    twin = VescTwin(clock)
+    part = open_esc(
+        decode_config({"parts": {"motors": {"driver": "vesc", "left_port": line.device}}}, "test"), clock
+    )
+    return Open(part, lambda: line.say(twin.hear(line.heard())), lambda one: one.fault == "")
+
+
 def rc(driver: str, frame: bytes, channels: int) -> Callable[[PtyLine, HandClock], Open]:
     def open_it(line: PtyLine, clock: HandClock) -> Open:
         receiver = open_rc_receiver(Rc(driver=driver, port=line.device), clock)  # type: ignore[arg-type]
@@ -146,6 +166,7 @@ KINDS = {
     "nmea gnss": gnss, "u-blox": ubx, "nmea compass": compass, "bno085": bno085, "nmea depth": nmea_depth,
     "ais": ais, "ping1d": ping1d, "a02yyuw": a02yyuw, "tfmini": tfmini, "crsf": rc("crsf", CRSF, 16),
     "ld06": ld06, "rplidar_a1": rplidar, "ibus": rc("ibus", IBUS, 14), "sbus": rc("sbus", SBUS, 18),
+    "kiss": kiss, "vesc": vesc,
 }  # fmt: skip
 
 
@@ -161,7 +182,7 @@ def test_a_part_on_a_device_is_read_and_again_after_it_was_unplugged(
         clock.advance(0.1)
         talk()
         latest = part.read()
-        latest = latest[-1] if isinstance(latest, list) and latest else latest
+        latest = latest[-1] if isinstance(latest, list | tuple) and latest else latest
         return bool(latest) and latest.time_s > since_s and bool(value(latest))
 
     try:

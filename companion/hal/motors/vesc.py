@@ -83,19 +83,21 @@ class VescMotors:
 
 def open_vescs(part: MotorsPart, now: Callable[[], float], *, has_right: bool) -> VescMotors:
     """Open the ports, and let the motors coast. Raises as `open_line`."""
-    lines: list[EscLine] = []
+    sides: list[Vesc] = []
+    lines = len(part.ports(has_right=has_right))
+    turned = part.left_reversed, part.right_reversed
     with ExitStack() as undo:
-        for side in range(len(part.ports(has_right=has_right))):
-            lines.append(open_esc_line(part, side, now))
-            undo.callback(lines[-1].close)
-            lines[-1].step()  # it takes commands from now on
-        sides = [Vesc(lines[0], -1, -1 if part.left_reversed else 1)]
-        if has_right:
-            can_id = part.can_id if len(lines) == 1 else -1
-            sides.append(Vesc(lines[-1], can_id, -1 if part.right_reversed else 1))
+        for side in range(1 + has_right):
+            sign = -1 if turned[side] else 1
+            if side >= lines:
+                sides.append(Vesc(sides[0].line, part.can_id, sign))
+                continue
+            sides.append(Vesc(open_esc_line(part, side, now), -1, sign))
+            undo.callback(sides[-1].line.close)
+            sides[-1].line.step()  # it takes commands from now on
         motors = VescMotors(tuple(sides), now)
         motors.stop()
-        for line in lines:
-            line.start()
+        for one in sides[:lines]:
+            one.line.start()
         undo.pop_all()
     return motors
