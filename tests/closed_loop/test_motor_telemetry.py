@@ -5,7 +5,7 @@ from sailing_rig import GUSTS, mission_run, said
 
 CATAMARAN = ("boat.model='catamaran'", *GUSTS)
 REPORTS = "vehicle.parts.motors.telemetry='kiss'"
-WEED = "faults=[{what='motor_%s', kind='weed', at_s=35.0}]"
+WEED = "faults=[{what='motor_%s', kind='weed', size=0.12, at_s=35.0}]"
 pytestmark = pytest.mark.slow
 
 

@@ -1,12 +1,11 @@
 """Speed and load of motors whose controllers report, against those of healthy ones.
 
-With d the duty, u the speed through the water, r the turn rate towards the other side, n the measured speed
-of the shaft and V the voltage at the controller, a brushless motor ahead follows, as the motor's equation and
-the propeller's say (`motor_hypotheses`; Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*,
-2021, chapter 9)
+With d the duty, u the speed through the water, n the measured speed of the shaft and V the voltage at the
+controller, a brushless motor ahead follows, as the motor's equation and the propeller's say
+(`motor_hypotheses`; Fossen, *Handbook of Marine Craft Hydrodynamics and Motion Control*, 2021, chapter 9)
 
-    n / V = a d + b d² + c u + e r            speed per volt
-    I = d (α n² − β n u − ε n r + γ)          current from the pack: the torque, at the share d of the time
+    n / V = a d + b d² + c u + e              speed per volt
+    I = d (α n² − β n u + γ) + δ              current from the pack: the torque, at the share d of the time
 
 The first says whether the shaft turns as it is driven, the second whether the propeller takes what it takes
 at this speed. Both are linear in four figures, which are learned under way.
@@ -24,7 +23,7 @@ from companion.failsafe.motors.hypotheses import HYPOTHESES, EffectSize
 
 # Motors of 100 to 3000 turns a minute per volt: rad/s per V
 _SPEED_SIGMA: Final = (300.0, 300.0, 50.0, 20.0)
-_LOAD_SIGMA: Final = (30.0, 30.0, 10.0, 10.0)  # A, with n in hundreds of rad/s
+_LOAD_SIGMA: Final = (30.0, 30.0, 10.0, 1.0)  # A, with n in hundreds of rad/s
 _WALK_S: Final = (1e-4, 1e-4, 1e-5, 1e-5)  # as that of the current
 _DRIVEN: Final = 0.15  # of command ahead: below it lie the dead bands of controllers
 # Of command, in as many reports as follow: in a change of speed the shaft lags, and takes more or less torque
@@ -35,6 +34,7 @@ _LAG: Final = 3  # reports within which the shaft has followed
 # of cheap controllers too
 _SPEED_SHARE: Final = 0.04
 _LOAD_SHARE: Final = 0.1
+_TURN_SHARE_S: Final = 0.5  # of either, per rad/s of turn: the water meets the propeller from aside
 _SPEED_FLOOR: Final = 0.5  # rad/s per V
 _LOAD_FLOOR_A: Final = 0.25
 _SILENT_S: Final = 2.0  # as a monitor of the current
@@ -71,14 +71,15 @@ class Shaft:
         recent = list(duties)[-_LAG:]
         duty, off = 0.5 * (max(recent) + min(recent)), 0.5 * (max(recent) - min(recent))
         speed = abs(reading.shaft_rad_s) / volt
-        regressors = [duty, duty * duty, water_m_s, turn_rad_s]
+        regressors = [duty, duty * duty, water_m_s, 1.0]
         usual = max(self.speed.expected(regressors), 0.0)
-        most, share = max(speed, usual), _SPEED_SHARE + off / duty
+        doubt = off / duty + _TURN_SHARE_S * abs(turn_rad_s)
+        most, share = max(speed, usual), _SPEED_SHARE + doubt
         self.speed.hold(regressors, speed - usual, _SPEED_FLOOR**2 + (share * most) ** 2)
-        of_usual, of_speed = (_loads(duty, one * volt, water_m_s, turn_rad_s) for one in (usual, speed))
+        of_usual, of_speed = (_loads(duty, one * volt, water_m_s) for one in (usual, speed))
         self.usual = usual, max(self.load.expected(of_usual), 0.0)
         self.drawn_a = drawn_a = max(self.load.expected(of_speed), 0.0)
-        most_a, share = max(drawn_a, reading.current_a), _LOAD_SHARE + off / duty
+        most_a, share = max(drawn_a, reading.current_a), _LOAD_SHARE + doubt
         self.load.hold(of_speed, reading.current_a - drawn_a, _LOAD_FLOOR_A**2 + (share * most_a) ** 2)
         return elapsed_s
 
@@ -118,12 +119,11 @@ class ShaftEvidence:
     ) -> None:
         """Add each hypothesis's log likelihood ratio; a report that repeats the one before adds none."""
         self._now_s = nav.time_s
-        turn_rad_s = nav.measured_yaw_rate_rad_s
         for side, (reading, duty) in enumerate(zip(escs, duties, strict=True)):
             if reading is None or reading.time_s <= self._heard_s[side]:
                 continue
             self._heard_s[side], shaft = reading.time_s, self._shafts[side]
-            elapsed_s = shaft.compare(reading, duty, nav.water_speed_m_s, -turn_rad_s if side else turn_rad_s)
+            elapsed_s = shaft.compare(reading, duty, nav.water_speed_m_s, nav.measured_yaw_rate_rad_s)
             was_learned = shaft.is_learned
             if elapsed_s and (is_learning or not was_learned):
                 shaft.learn(elapsed_s)
@@ -148,6 +148,6 @@ class ShaftEvidence:
             )
 
 
-def _loads(duty: float, speed_rad_s: float, water_m_s: float, turn_rad_s: float) -> list[float]:
+def _loads(duty: float, speed_rad_s: float, water_m_s: float) -> list[float]:
     n = 0.01 * speed_rad_s
-    return [duty * n * n, -duty * n * water_m_s, duty, -duty * n * turn_rad_s]
+    return [duty * n * n, -duty * n * water_m_s, duty, 1.0]
