@@ -7,14 +7,26 @@ from companion.core.units import wrap_pi
 from companion.guidance.fillet import PASSED_RADII, SHARP_RAD
 
 _LEVEL_M = 1e-6  # rounding error after a leg straight back
-_LEFT_RADII = 1.25  # from the end: beyond it, a boat that was within one radius has left
+_LEFT_RADII = (
+    1.25  # from the end: beyond it, a boat that was within one radius has left; a sharp turn, planned
+)
+# to pass within one radius, may miss that by as much
+
+
+def passing_m(line: Line, next_line: Line | None, radius_m: float) -> float:
+    """How near to a leg's end the boat passes it; nearer where it stops, and in a sharp turn."""
+    if next_line is None:
+        return radius_m
+    is_sharp = abs(wrap_pi(next_line.course_rad - line.course_rad)) > SHARP_RAD
+    return (_LEFT_RADII if is_sharp else PASSED_RADII) * radius_m
 
 
 class Leg:
     """From its start to `end`.
 
     next_end: end of the next leg, None to stop. radius_m: acceptance radius, 0 for the configured one.
-    onward: the corners after next_end, where they are close together.
+    was_near: whether the boat has been within it. onward: the corners after next_end, where they are close
+    together.
     """
 
     def __init__(
@@ -28,7 +40,7 @@ class Leg:
         self._line = Line(start, end)
         self._next_line = None if next_end is None else Line(end, next_end)
         self._intent: FollowLeg | None = None
-        self._was_near = False
+        self.was_near = False
         self.end = end
         self.next_end = next_end
         self.radius_m = radius_m
@@ -58,12 +70,11 @@ class Leg:
             if away_m <= radius_m:
                 return True
         elif away_m <= PASSED_RADII * radius_m:
-            self._was_near = self._was_near or away_m <= radius_m
+            self.was_near = self.was_near or away_m <= radius_m
             beyond_m, _ = self._next_line.along_and_cross_track_m(nav.point)
-            turn_rad = abs(wrap_pi(self._next_line.course_rad - self._line.course_rad))
-            inside_m = radius_m if turn_rad > SHARP_RAD else PASSED_RADII * radius_m
+            inside_m = passing_m(self._line, self._next_line, radius_m)
             is_over = to_go_m <= inside_m and beyond_m >= to_go_m - _LEVEL_M
-            return is_over or (self._was_near and away_m > _LEFT_RADII * radius_m)
+            return is_over or (self.was_near and away_m > _LEFT_RADII * radius_m)
         is_off = abs(cross_m) > PASSED_RADII * radius_m
         if to_go_m > (PASSED_RADII * radius_m if is_off else 0.0):
             return False

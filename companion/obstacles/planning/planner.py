@@ -18,6 +18,7 @@ from companion.core.intent import FollowLeg, HoldHeading, HoldTurn, Intent, Keep
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.core.units import wrap_pi
+from companion.guidance.leg import passing_m
 from companion.guidance.speed_profile import braking_speed_m_s
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.perception.vessels import Vessel
@@ -163,8 +164,7 @@ class LocalPlanner:
         if not (tracks or perception.vessels) and (speed <= 0.0 or is_there or not perception.suspects()):
             return self._keep()
         ahead_m = max(speed * HORIZON_S, reach_m - _BEYOND_M)
-        to_end_m = distance_m(here, intent.end) if isinstance(intent, FollowLeg) else 0.0
-        goal = intent.end if isinstance(intent, FollowLeg) and to_end_m > ahead_m else way[-1]
+        goal = _next_goal(intent, here, ahead_m, config) or way[-1]
         to_go = self._map.way_to(
             field, here, goal, setting.margin_m, self._detour, now_s, is_certain=is_certain
         )
@@ -174,10 +174,12 @@ class LocalPlanner:
         if (is_too_long or self._map.is_shut(now_s)) and self.stage is not Stage.BLOCKED:
             self._retry_s = now_s + setting.retry_s
             return self._stay(self._roomy or here, NO_WAY)
-        places = places_on(way, ahead_m / STEPS, STEPS)
+        places = places_on(way[: way.index(goal) + 1], ahead_m / STEPS, STEPS)
         norths_m = [at.north_m - here.north_m for at in places]
         easts_m = [at.east_m - here.east_m for at in places]
-        leads_on = not is_certain or _leads_on(here, places[-1], to_go)
+        meets_m = free_m(way, field, margin_m) if is_certain else math.inf
+        is_open = meets_m == math.inf and not self._detour.side  # no wall is known or assumed
+        leads_on = is_open or _leads_on(here, places[-1], to_go)
         wanted_rad = math.atan2(easts_m[-1], norths_m[-1])
         wanted_m_s = speed * math.cos(wanted_rad), speed * math.sin(wanted_rad)
         movers = predict(
@@ -187,7 +189,6 @@ class LocalPlanner:
             nav, field, to_go, movers, margin_m, ahead_m, wanted_rad, config,
             approaches(perception.vessels, nav, wanted_m_s, field, setting.vessel_margin_m),
         )  # fmt: skip
-        meets_m = free_m(way, field, margin_m) if is_certain else math.inf
         if self._has_new_goal:
             self._has_new_goal = False
             self._detour.aim(wanted_rad)
@@ -303,6 +304,14 @@ class LocalPlanner:
 
     def _notify(self, text: str, severity: int = Severity.INFO) -> None:
         self._status_texts.append(StatusText(severity, text))
+
+
+def _next_goal(intent: Intent, here: Point, ahead_m: float, config: BoatConfig) -> Point | None:
+    """The end of a leg until the boat is near enough to pass it; None: the end of its way."""
+    if not isinstance(intent, FollowLeg):
+        return None
+    passes_m = passing_m(intent.line, intent.next_line, intent.radius_m or config.guidance.waypoint_radius_m)
+    return intent.end if distance_m(here, intent.end) > min(ahead_m, passes_m) else None
 
 
 def _leads_on(here: Point, end: Point, to_go: CostToGo) -> bool:

@@ -219,6 +219,7 @@ class MissionProgress:
             self._rejoin(self.left, frame)
         leg = under_way.lay(waypoint, self._leg_start or nav.point, frame)
         under_way.look_ahead(self.mission, self.current_seq, self.jumps, frame, own_radius_m)
+        under_way.note_approach(nav.point, own_radius_m)
         if math.isnan(self._begun_s):
             if not leg.has_ended(nav, own_radius_m):
                 speed_m_s = self.speed_m_s or config.speed.cruise_m_s

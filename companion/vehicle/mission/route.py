@@ -5,7 +5,7 @@ Close waypoints are joined by a straightened line (`straightening.py`); each is 
 
 from collections.abc import Mapping
 
-from companion.core.geo import Line, LocalFrame, Point
+from companion.core.geo import Line, LocalFrame, Point, distance_m
 from companion.core.intent import FollowLeg
 from companion.guidance.leg import Leg
 from companion.vehicle.mission import steps
@@ -27,6 +27,7 @@ class MissionRoute:
         self._radii_m: list[float] = []  # theirs, 0 the boat's own
         self._corners: list[tuple[Point, int]] = []  # each with its place; none: no route is known
         self._passed = 0  # the place that the leg leads from
+        self._approached = 0  # the last place that the boat was near to in its turn
         self._is_open = False  # more waypoints follow than were looked at
         self._is_known = False  # whether the leg knows what follows it
         self._intent: FollowLeg | None = None
@@ -34,6 +35,7 @@ class MissionRoute:
     def forget(self) -> None:
         """Start the leg anew."""
         self.leg = None
+        self._approached = self._passed
         self.forget_onward()
 
     def forget_onward(self) -> None:
@@ -71,6 +73,7 @@ class MissionRoute:
             corner, since = self._corners[self._chord()]
             places = [corner, *self._places[since + 1 : self._passed + 1]]
             radii_m = self._radii_m[since : self._passed + 1]
+        self._approached += len(places) - 1 - self._passed
         self._passed = len(places) - 1
         places.append(leg.end)
         radii_m.append(leg.radius_m)
@@ -79,6 +82,18 @@ class MissionRoute:
             radii_m.append(waypoint.radius_m)
         self._places, self._radii_m, self._is_open, self._intent = places, radii_m, is_open, None
         self._corners = straighten(places, [radius_m or own_radius_m for radius_m in radii_m])
+
+    def note_approach(self, here: Point, own_radius_m: float) -> None:
+        """A boat that cuts a corner behind close waypoints comes near to them before their legs begin."""
+        self._approached = max(self._approached, self._passed)
+        for place, radius_m in zip(
+            self._places[self._approached + 1 :], self._radii_m[self._approached + 1 :], strict=True
+        ):
+            if distance_m(here, place) > (radius_m or own_radius_m):
+                break
+            self._approached += 1
+        if self.leg is not None and self._approached > self._passed:
+            self.leg.was_near = True
 
     def intent(self, leg: Leg, start: Point | None, speed_m_s: float, here: Point) -> FollowLeg:
         """Sail from corner to corner, as long as the leg begins at start; else the leg alone.

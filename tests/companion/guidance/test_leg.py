@@ -53,6 +53,12 @@ def test_a_corner_ends_at_its_bisector(north_m: float, east_m: float, has_ended:
     assert Leg(START, END, EAST).has_ended(nav_at(north_m, east_m), 2.0) is has_ended
 
 
+@pytest.mark.parametrize(("north_m", "has_ended"), [(97.6, True), (97.4, False)])
+def test_a_sharp_corner_may_be_passed_a_little_beyond_the_radius(north_m: float, has_ended: bool) -> None:
+    astern = Point(13.4, 50.0)
+    assert Leg(START, END, astern).has_ended(nav_at(north_m, 1.5), 2.0) is has_ended
+
+
 def test_a_corner_ends_where_the_boat_leaves_it_after_it_was_near() -> None:
     leg = Leg(START, END, EAST)
     assert not leg.has_ended(nav_at(98.5, -1.0), 2.0)

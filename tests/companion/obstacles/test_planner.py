@@ -10,6 +10,7 @@ from companion.config.boat_config import BoatConfig, with_value
 from companion.core import intent as intents
 from companion.core.geo import Point
 from companion.core.intent import FollowLeg, HoldHeading, KeepStation
+from companion.obstacles.perception.occupancy import Beam
 from companion.obstacles.perception.perception import ObstaclePerception
 from companion.obstacles.planning.motion import roll
 from companion.obstacles.planning.planner import BY_SIGHT, GIVING_WAY, NO_WAY, PERIOD_S, LocalPlanner, Stage
@@ -102,6 +103,22 @@ def test_what_is_avoided_for_certain_is_no_reason_to_be_gentle() -> None:
     assert not voyage.planner.eases
     ghost.planner.reset()
     assert not ghost.planner.eases
+
+
+def test_a_sharp_corner_before_a_wall_is_not_cut_to_the_next_leg() -> None:
+    wall = [Point(9.0, -9.0 + 0.2 * step) for step in range(91)]
+    corner = FollowLeg(Point(-20.0, 0.0), Point(5.0, 0.0), 1.0, Point(-30.0, 10.0), radius_m=1.0)
+    assert Voyage(*wall).at(0.0, intent=corner) is corner
+
+
+def test_a_way_that_nothing_bars_is_kept_though_water_beside_it_was_seen_free() -> None:
+    voyage = Voyage(Point(-2.0, -8.0))
+    voyage.chart.water.has_ranger = True
+    for step in range(13):
+        at = Point(0.0, 0.0).moved(math.radians(-28.0), step)
+        for bearing_rad in [math.radians(30.0 * side) for side in range(12)]:
+            voyage.chart.water.add(Beam(0.0, at, bearing_rad, 0.52, math.inf, 1.0))
+    assert voyage.at(0.1, intent=LEG) is LEG
 
 
 def test_the_decision_holds_for_a_tenth_of_a_second() -> None:

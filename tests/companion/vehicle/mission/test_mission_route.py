@@ -90,6 +90,17 @@ def test_a_boat_that_was_swept_away_from_a_short_leg_aims_at_its_waypoint_again(
     assert intent.end == pytest.approx((1.0, 0.0), abs=1e-3)
 
 
+@pytest.mark.parametrize(("nearest_east_m", "seq"), [(0.4, 5), (-0.6, 3)])
+def test_close_waypoints_before_a_corner_count_once_the_boat_was_near_each(
+    nearest_east_m: float, seq: int
+) -> None:
+    """The fillet cuts the corner behind them, so the boat leaves them before their legs begin."""
+    progress = mission((20.0, 0.0), (20.0, 0.7), (20.0, 1.4), (20.0, 2.1), (0.0, 0.0))
+    for at in ((18.0, -8.0), (19.0, -1.5), (19.2, nearest_east_m), (17.2, nearest_east_m), (16.8, 0.2)):
+        progress.update(nav_at(*at), FRAME, CONFIG, 0.0)
+    assert progress.current_seq == seq
+
+
 def test_a_boat_that_passes_the_end_of_a_short_last_leg_turns_back_to_it() -> None:
     """The last leg leads back, so on the line straight to its end the boat can pass that unnoticed."""
     progress = mission((20.0, 0.0), (40.0, 0.0), (39.0, 1.0))
