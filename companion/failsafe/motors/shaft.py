@@ -21,8 +21,8 @@ from companion.core.state import NavState
 from companion.failsafe.motors.current import HealthyModel
 from companion.failsafe.motors.hypotheses import HYPOTHESES, EffectSize
 
-# Motors of 100 to 3000 turns a minute per volt: rad/s per V
-_SPEED_SIGMA: Final = (300.0, 300.0, 50.0, 20.0)
+# Tuned on sample seed 907 of examples/campaigns/motors_telemetry.toml
+_SPEED_SIGMA: Final = (300.0, 300.0, 50.0, 20.0)  # rad/s per V: motors of up to 3000 turns a minute per volt
 _LOAD_SIGMA: Final = (30.0, 30.0, 10.0, 1.0)  # A, with n in hundreds of rad/s
 _WALK_S: Final = (1e-4, 1e-4, 1e-5, 1e-5)  # as that of the current
 _DRIVEN: Final = 0.15  # of command ahead: below it lie the dead bands of controllers

@@ -157,6 +157,23 @@ def test_without_reports_a_lost_propeller_is_not_told_from_a_dead_motor(pair: Pa
     assert pair.watch.verdict is None
 
 
+def test_in_a_turn_and_after_a_change_of_speed_less_is_usual() -> None:
+    def variances(duties: list[float], turn_rad_s: float) -> tuple[float, float]:
+        shaft = Shaft()
+        for tick in range(100):
+            reading = EscReading(0.1 * tick, 0, 1, 300.0, 12.0, 2.0, 30.0, 0.0)
+            if shaft.compare(reading, 0.5, 1.0, 0.0):
+                shaft.learn(0.1)
+        for tick, duty in enumerate(duties):
+            reading = EscReading(20.0 + 0.1 * tick, 0, 1, 300.0, 12.0, 2.0, 30.0, 0.0)
+            shaft.compare(reading, duty, 1.0, turn_rad_s)
+        return shaft.speed.variance, shaft.load.variance
+
+    steady = variances([0.5] * 6, 0.0)
+    for other in (variances([0.5] * 6, 0.5), variances([0.5] * 5 + [0.6], 0.0)):
+        assert all(now > 2.0 * before for now, before in zip(other, steady, strict=True))
+
+
 @pytest.mark.parametrize(
     ("duties", "says"),
     [

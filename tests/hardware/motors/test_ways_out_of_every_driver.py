@@ -11,8 +11,9 @@ from typing import Any, Protocol
 
 import pytest
 from boat_rig import DENIED, FAILED, OK, Rig
+from twins.escs import VescTwin
 from twins.i2c import plug_in
-from twins.lines import HandClock
+from twins.lines import HandClock, MemoryLine
 from twins.pins import BRIDGES, PinBoard, assert_is_safe, motors_of
 from twins.pulses import PI_4, LgpioTwin, Pca9685Twin, Signal, plug_in_pwm
 
@@ -21,6 +22,8 @@ from companion.config.actuators import MotorsPart, Pca9685Part, PulseOutputSetti
 from companion.core.errors import HardwareError
 from companion.hal.interfaces import Motors
 from companion.hal.motors.esc import open_escs
+from companion.hal.motors.esc_line import EscLine
+from companion.hal.motors.vesc import Vesc, VescMotors
 from companion.hal.motors.watched_motors import WatchedMotors
 from companion.hal.pulses.lgpio_pulses import LgpioPulses
 from companion.hal.pulses.pca9685 import Pca9685Board, Pca9685Pulses
@@ -29,7 +32,7 @@ from companion.hal.pulses.sysfs_pwm import open_sysfs_pulses
 from companion.hal.raspberry_pi import open_i2c
 from companion.mavlink.dialect import dialect
 
-DRIVERS = [*(part.driver for part in BRIDGES), "esc hardware", "esc software", "esc pca9685"]
+DRIVERS = [*(part.driver for part in BRIDGES), "esc hardware", "esc software", "esc pca9685", "vesc"]
 ARMING_S, DEAD_TIME_S, TIMEOUT_S = 3.0, 0.02, 0.5
 NEUTRAL_US, PERIOD_S = 1500.0, 0.02
 CHIP = Pca9685Part()
@@ -109,6 +112,33 @@ class EscTwin:
             assert all(_is_neutral(signals[number - 1].width_us) for number in ends), "ended without neutral"
 
 
+class VescPair:
+    """Two VESCs on one line, the right one over CAN."""
+
+    def __init__(self, now: Callable[[], float]) -> None:
+        self.wire, clock = MemoryLine(), FollowingClock(now)
+        self._right = VescTwin(clock, 11)
+        self._left = VescTwin(clock, 10, self._right)
+        self._line = EscLine(self.wire.port, clock, MotorsPart(driver="vesc", can_id=11), 0)
+        self._line.step()
+
+    def open(self, now: Callable[[], float]) -> Motors:
+        return VescMotors((Vesc(self._line, -1, 1), Vesc(self._line, 11, 1)), now)
+
+    def step(self) -> None:
+        self._line.step()
+        self.wire.far.send(self._left.hear(self.wire.heard()))
+        self._left.tick()
+
+    @property
+    def is_driving(self) -> bool:
+        self._left.hear(self.wire.heard())
+        return bool(self._left.duty or self._right.duty)
+
+    def check(self) -> None:
+        assert not self._left.refused
+
+
 def _is_neutral(width_us: float) -> bool:
     return abs(width_us - NEUTRAL_US) < 3.0  # half a step of the PCA9685
 
@@ -136,6 +166,8 @@ def motor_twin(
             twin = EscTwin(chip.history, lambda setting: Pca9685Pulses(board, setting), board.step)
             twin.chip = chip
             return twin
+        case "vesc":
+            return VescPair(now)
         case _:
             (part,) = (part for part in BRIDGES if part.driver == driver)
             return BridgeTwin(part, now)
@@ -301,3 +333,23 @@ def test_a_boat_that_cannot_stop_its_motors_says_so_again_and_again(
     boat.rig.peer.forget()
     boat.run(6.0)
     assert not [text for text in boat.rig.peer.texts if "switch the boat off" in text]
+
+
+def test_unplugged_vescs_are_off_after_their_own_timeout_and_drive_again_once_they_are_back(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    boat = DrivenBoat("vesc", monkeypatch, tmp_path)
+    boat.drive()
+    assert isinstance(boat.twin, VescPair)
+    boat.twin.wire.far.close()
+    boat.run(1.1)
+    assert not boat.twin.is_driving
+    boat.run(5.0)
+    assert not boat.rig.boat.vehicle.armed
+    assert boat.rig.arm() in (DENIED, FAILED)
+    assert any("VESC: the line is unplugged" in text for text in boat.rig.peer.texts)
+    boat.twin.wire.plug_in()
+    boat.run(3.0)
+    assert boat.rig.set_mode(0) == OK
+    assert boat.rig.arm() == OK
+    boat.push(500)
