@@ -67,7 +67,7 @@ class _Assembly:
         config, fitted = self._config, self._config.parts
         outputs = None
         if fitted.autopilot_part.url:
-            outputs = parts.behind_autopilot(config, self._now).outputs()
+            outputs = parts.behind_autopilot(config, self._now)
             self._undo.callback(outputs.close)
             self._begun.append(outputs.port)
         motors = self._begin(RetriedMotors("Motors", self._open_motors, self._pace))

@@ -44,16 +44,16 @@ from companion.sensors.compass.magnetic_field import FieldCorrector
 from companion.sensors.gnss_heading import GnssHeading
 
 if TYPE_CHECKING:
-    from companion.hal.autopilot.facades import AutopilotParts
+    from companion.hal.autopilot.line import AutopilotLine
 
 Now = Callable[[], float]
 
 
-def behind_autopilot(config: BoatConfig, now: Now) -> "AutopilotParts":
-    """The parts of the autopilot, which share its line. Raises ConfigError: the url is invalid."""
-    from companion.hal.autopilot.facades import AutopilotParts  # noqa: PLC0415 — only where there is one
+def behind_autopilot(config: BoatConfig, now: Now) -> "AutopilotLine":
+    """The autopilot's line, which its parts share. Raises ConfigError: the url is invalid."""
+    from companion.hal.autopilot.line import open_autopilot  # noqa: PLC0415 — only where there is one
 
-    return AutopilotParts(config, now)
+    return open_autopilot(config, now)
 
 
 class _Absent:
@@ -121,7 +121,7 @@ def open_gnss(config: BoatConfig, now: Now, heading: GnssHeading | None = None) 
         case "gpsd":
             return open_gpsd_gnss(part, now)
         case "autopilot":
-            return behind_autopilot(config, now).gnss()
+            return behind_autopilot(config, now).sensor("fix")
         case "none":
             return _Absent()
 
@@ -147,7 +147,7 @@ def open_compass(config: BoatConfig, now: Now, field: FieldCorrector | None = No
         case "nmea":
             return open_nmea_compass(part, now)
         case "autopilot":
-            return behind_autopilot(config, now).compass()
+            return behind_autopilot(config, now).sensor("heading")
         case "none":
             return _Absent()
 
@@ -185,7 +185,7 @@ def open_battery(config: BoatConfig, now: Now) -> parts.Battery:
         ports = config.parts.motors.ports(has_right=config.drive.has_pair)
         return esc_battery(config, [open_esc(config, now, side) for side in range(len(ports))])
     if config.parts.battery.driver == "autopilot":
-        return behind_autopilot(config, now).battery()
+        return behind_autopilot(config, now).sensor("battery")
     return open_battery_monitor(config.parts.battery, now)
 
 
@@ -200,7 +200,7 @@ def open_depth(config: BoatConfig, now: Now) -> parts.DepthSounder:
         case "ping1d":
             return open_ping1d(part, now)
         case "autopilot":
-            return behind_autopilot(config, now).depth()
+            return behind_autopilot(config, now).sensor("depth")
         case "gnss":
             port, baud = config.parts.gnss.port, config.parts.gnss.baud or 9600
             return open_nmea_depth(replace(part, port=port, baud=baud), now)
@@ -233,7 +233,7 @@ def open_probe_group(group: Sequence[ProbePart], now: Now) -> tuple[parts.Probe,
 
 def open_rc(config: BoatConfig, now: Now) -> parts.RcReceiver:
     if config.rc.driver == "autopilot":
-        return behind_autopilot(config, now).rc()
+        return behind_autopilot(config, now).sensor("rc")
     return open_rc_receiver(config.rc, now)
 
 

@@ -28,7 +28,7 @@ class MotorsBehindRover:
             raise SilentOutputsError(self.bench.errors[0], are_off=True)
 
     def stop(self) -> None:
-        self.bench.outputs.stop()
+        self.bench.outputs.write(0.0, 0.0)
 
     @property
     def fault(self) -> str:

@@ -34,7 +34,6 @@ class Bench:
 
     @property
     def outputs(self) -> RoverOutputs:
-        assert self.link.outputs is not None
         return self.link.outputs
 
     @property
@@ -61,7 +60,8 @@ class Bench:
                 data = self._encoder.encode(message)
                 if self.is_heard:
                     self.rover.receive(data)
-            self.texts += [one.text for one in self.link.take_texts()]
+            self.texts += [one.text for one in self.link.texts]
+            self.link.texts.clear()
 
     def ready(self) -> "Bench":
         """Its parameters are read, and it may be armed."""

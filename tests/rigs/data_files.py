@@ -6,3 +6,4 @@ _DATA = Path(__file__).parents[1] / "data"
 SHORES = _DATA / "shores"
 GRIDS = _DATA / "grids"
 RECORDINGS = sorted((_DATA / "recordings").glob("*.tlog"))
+ROVER = _DATA / "autopilot" / "rover-4.7-dev.tlog"

@@ -1,10 +1,11 @@
 """ArduPilot Rover on the other end of a line, as far as a companion sees it.
 
 Written from ArduPilot's source (master of July 2025, 4.7-dev), not from the boat's driver: overrides are
-taken from MAV_GCS_SYSID alone and lapse after RC_OVERRIDE_TIME (GCS_Common.cpp, RC_Channel.cpp); the last
-pulse then stays, and half a second without input is a radio failsafe, with no throttle at once and FS_ACTION
-after FS_TIMEOUT (radio.cpp, failsafe.cpp); sticks have a dead zone (RC_Channel.cpp); PILOT_STEER_TYPE and the
-mixer turn the steering round (mode.cpp, AP_MotorsUGV.cpp). Its frames are packed and read by pymavlink.
+taken from MAV_GCS_SYSID alone; after RC_OVERRIDE_TIME a receiver's sticks count again, without one the last
+pulses stay (GCS_Common.cpp, RC_Channel.cpp). Half a second without either is a radio failsafe, with no
+throttle at once and FS_ACTION after FS_TIMEOUT (radio.cpp, failsafe.cpp). Sticks have a dead zone
+(RC_Channel.cpp); PILOT_STEER_TYPE and the mixer turn the steering round (mode.cpp, AP_MotorsUGV.cpp). Its
+frames are packed and read by pymavlink; a recording of the real one is in tests/data/autopilot.
 """
 
 import math
@@ -95,6 +96,8 @@ class Rover:
                 result = 4
             else:
                 self.is_armed = bool(message.param1)
+        elif message.command == mavlink.MAV_CMD_RUN_PREARM_CHECKS and self.refusal:
+            self.text(2, f"PreArm: {self.refusal}")
         self.send(mavlink.MAVLink_command_ack_message(message.command, result))
 
     def text(self, severity: int, text: str) -> None:
@@ -130,9 +133,8 @@ class Rover:
     def step(self, dt_s: float) -> bytes:
         """A while later; what it has sent."""
         self.now_s += dt_s
-        if self.now_s - self._override_s < self.parameters["RC_OVERRIDE_TIME"]:
-            self._input_s = self.now_s
-        elif self.has_receiver:
+        self._input_s = max(self._input_s, self._override_s)
+        if self.has_receiver and self.now_s - self._override_s > self.parameters["RC_OVERRIDE_TIME"]:
             self._input_s, self._stick_us = self.now_s, {1: 1500, 3: 1500}
         self._failed_s = min(self._failed_s, self.now_s) if self._is_radio_lost else math.inf
         if self.is_critical and self.parameters["FS_ACTION"] == 2:
@@ -167,6 +169,7 @@ class Rover:
                 return mavlink.MAVLink_heartbeat_message(11, 3, base, self.mode, status, 3)
             case 1:
                 enabled, health = HEALTH | PREARM, self.health | (0 if self.refusal else PREARM)
+                health &= ~0x10000 if self._is_radio_lost and math.isfinite(self._override_s) else ~0
                 return mavlink.MAVLink_sys_status_message(
                     enabled, enabled, health, 100, 12100, 430, 88, 0, 0, 0, 0, 0, 0
                 )
@@ -185,7 +188,7 @@ class Rover:
                 )
             case 65:
                 pulses = [1500, 1500, 1600, 1500, 1900, *([0] * 13)]
-                if self.now_s - self._override_s < self.parameters["RC_OVERRIDE_TIME"]:
+                if math.isfinite(self._override_s):
                     pulses[0], pulses[2] = self._stick_us[1], self._stick_us[3]
                 return mavlink.MAVLink_rc_channels_message(boot_ms, 5, *pulses, 127)
             case 193:

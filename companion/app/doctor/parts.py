@@ -107,18 +107,16 @@ def check_autopilot(config: BoatConfig, clock: Clock) -> list[Finding]:
     """The parameters of an autopilot that drives the motors; nothing without one."""
     if config.parts.motors.driver != "autopilot":
         return []
-    give_up_s = clock.now_s() + _AUTOPILOT_S
-    with closing(parts.behind_autopilot(config, clock.now_s).outputs()) as outputs:
-        while outputs.settings is None and clock.now_s() < give_up_s:
+    with closing(parts.behind_autopilot(config, clock.now_s)) as line:
+        give_up_s, parameters = clock.now_s() + _AUTOPILOT_S, line.link.outputs.parameters
+        while not parameters.is_complete and clock.now_s() < give_up_s:
             clock.sleep(_POLL_S)
-        settings, fault = outputs.settings, outputs.fault
-        said = "".join(f"; {one.text}" for one in outputs.take_texts())
-    if settings is None:
-        return [failed("autopilot", f"{fault}{said}", "check its supply, wires, port and baud rate")]
+        if not parameters.is_complete:
+            said = "".join(f"; {one.text}" for one in line.take_texts())
+            return [failed("autopilot", line.fault + said, "check its supply, wires, port and baud rate")]
     cure = "set it with a ground station; the boat writes no parameter"
-    wrong, advised = settings
-    found = [failed("autopilot", text, cure) for text in wrong]
-    found += [warning("autopilot", text, cure) for text in advised]
+    found = [failed("autopilot", text, cure) for text in parameters.faults()]
+    found += [warning("autopilot", text, cure) for text in parameters.faults(is_needed=False)]
     return found or [fine("autopilot", "its parameters are as the boat needs them")]
 
 

@@ -1,12 +1,18 @@
-"""The line to an autopilot: a port and a thread around the conversation."""
+"""The line to an autopilot: a port and a thread around the conversation, and the boat's parts behind it.
 
-from collections.abc import Callable, Iterable
+Closing one of the parts closes the line, and with it all the others.
+"""
+
+import threading
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 from companion.config.boat_config import BoatConfig
-from companion.core.errors import ConfigError
+from companion.core.readings import SonarReading
+from companion.core.status_text import StatusText
 from companion.hal.autopilot.link import AutopilotLink
-from companion.hal.autopilot.outputs import RoverOutputs
 from companion.hal.port_sensor import PortSensor
+from companion.links.port_url import open_port, parse_port_url
 from companion.links.retried import RetriedPort
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Message
@@ -15,12 +21,13 @@ _PATIENCE_S = 0.02  # a demand waits no longer, and a silent autopilot costs fif
 
 
 class AutopilotLine(PortSensor[None]):
-    """Messages in, readings and messages out. port: may open later."""
+    """Satisfies `companion.hal.interfaces.ArmedOutputs`. port: may open later."""
 
     def __init__(self, port: RetriedPort, now: Callable[[], float], config: BoatConfig) -> None:
-        self.port = port
         super().__init__(port, now, patience_s=_PATIENCE_S)
+        self.port = port
         self.link = AutopilotLink(config)
+        self.is_closed = False
         self._encoder = Encoder(self.link.own)
         self._decoder = Decoder(datagram=False)
 
@@ -32,8 +39,35 @@ class AutopilotLine(PortSensor[None]):
     def close(self) -> None:
         """Motors off and disarmed first."""
         self._background.close()
-        self._send(self.link.farewell())
+        if not self.is_closed:
+            self.is_closed = True
+            self.allow(may_drive=False)
+            self._send(self.link.tick(self._now()))
         self._release()
+
+    @property
+    def fault(self) -> str:
+        return f"autopilot {self.link.outputs.fault}" if self.link.outputs.fault else ""
+
+    def allow(self, *, may_drive: bool) -> None:
+        self.link.outputs.may_drive = may_drive
+
+    def take_texts(self) -> list[StatusText]:
+        texts = self.link.texts
+        return [texts.popleft() for _ in range(len(texts))]
+
+    def sensor(self, name: str) -> "AutopilotSensor":
+        """One of `AutopilotReadings`, by its name."""
+        return AutopilotSensor(self, name)
+
+    def sonar(self) -> "AutopilotSonar":
+        return AutopilotSonar(self)
+
+    def motors(self) -> "AutopilotMotors":
+        return AutopilotMotors(self)
+
+    def rudder(self) -> "AutopilotRudder":
+        return AutopilotRudder(self)
 
     def _send(self, messages: Iterable[Message]) -> None:
         for message in messages:
@@ -49,9 +83,63 @@ class AutopilotLine(PortSensor[None]):
     def _forget(self) -> None:
         self._decoder = Decoder(datagram=self._links[-1].is_datagram)
 
-    @property
-    def outputs(self) -> RoverOutputs:
-        """Motors and rudder. Raises ConfigError: the boat has its own."""
-        if self.link.outputs is None:
-            raise ConfigError("parts.motors.driver: expected 'autopilot', as the rudder's")
-        return self.link.outputs
+
+class _Part:
+    def __init__(self, line: AutopilotLine) -> None:
+        self._line = line
+        self.close, self.take_texts = line.close, line.take_texts
+
+
+class AutopilotSensor(_Part):
+    """Satisfies `Sensor` with one of `AutopilotReadings`."""
+
+    def __init__(self, line: AutopilotLine, name: str) -> None:
+        super().__init__(line)
+        self._name = name
+
+    def read(self) -> Any:  # noqa: ANN401 — by its name
+        return getattr(self._line.link.readings, self._name)
+
+
+class AutopilotSonar(_Part):
+    """Satisfies `Sonar`: rangers that are fixed."""
+
+    def read(self) -> Sequence[SonarReading]:
+        pings = self._line.link.readings.pings
+        return [pings.popleft() for _ in range(len(pings))]
+
+    def set_sector(self, port_rad: float, starboard_rad: float) -> None:
+        """No effect."""
+
+
+class AutopilotMotors(_Part):
+    """Satisfies `Motors`."""
+
+    def write(self, left: float, right: float) -> None:
+        self._line.link.outputs.write(left, right)
+
+    def stop(self) -> None:
+        self._line.link.outputs.write(0.0, 0.0)
+
+
+class AutopilotRudder(_Part):
+    """Satisfies `Rudder`."""
+
+    def write(self, share: float) -> None:
+        self._line.link.outputs.write_rudder(share)
+
+
+_lines: dict[str, AutopilotLine] = {}  # by url; the parts of one autopilot share its line
+_opening = threading.Lock()
+
+
+def open_autopilot(config: BoatConfig, now: Callable[[], float]) -> AutopilotLine:
+    """The line, which is opened in a thread. Raises ConfigError: the url is invalid."""
+    url = config.parts.autopilot_part.url
+    name = f"Autopilot {parse_port_url(url)}"
+    with _opening:
+        if url not in _lines or _lines[url].is_closed:
+            port = RetriedPort(name, lambda: open_port(url, now))
+            _lines[url] = AutopilotLine(port.start(), now, config)
+            _lines[url].start()
+        return _lines[url]

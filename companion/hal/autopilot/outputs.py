@@ -7,12 +7,13 @@ DRIVING    it is armed in MANUAL: overrides carry the boat's demand.
 LEFT       a person, or another of its rules, has disarmed it or chosen another mode. It is not overridden: a
            transmitter can steer. The boat goes on once it is armed in MANUAL again.
 
-Whenever the boat's program or the line fails, the overrides lapse after RC_OVERRIDE_TIME, and Rover's radio
-failsafe makes the motors neutral half a second later (Rover/radio.cpp).
+When the boat's program or the line fails, Rover's radio failsafe makes the motors neutral after half a second
+without an override (Rover/radio.cpp). With a receiver the transmitter's sticks count after RC_OVERRIDE_TIME.
 """
 
 import math
 from collections import deque
+from collections.abc import Callable
 from enum import Enum, auto
 from typing import Final
 
@@ -22,12 +23,13 @@ from companion.core.status_text import Severity, StatusText
 from companion.core.units import clamp
 from companion.hal.autopilot.mixing import Stick, pair_shares, sticks
 from companion.hal.autopilot.parameters import RoverParameters
+from companion.hal.autopilot.readings import AutopilotReadings
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, build_message, dialect
 
 OVERRIDE_S: Final = 0.04  # ten in a RC_OVERRIDE_TIME of 0.4 s
 _ECHOES: Final = 25  # overrides within a second
-_ECHO_S: Final = 0.6  # RC_CHANNELS comes twenty times a second
+_ECHO_S: Final = 0.5  # RC_CHANNELS comes twenty times a second
 _SETTLED_S: Final = 0.6  # of neutral before arming: the radio failsafe ends within half a second
 _AGAIN_S: Final = 0.5  # between two requests; heartbeats come five times a second
 _REFUSED_S: Final = 4.0  # without being armed: a request in every half second was refused
@@ -35,8 +37,12 @@ _DISARMING_S: Final = 5.0
 _FORCE: Final = 21196.0  # MAV_CMD_COMPONENT_ARM_DISARM: disarm also with turning motors
 _MANUAL: Final = 0  # Rover's mode
 _IGNORED: Final = (*(0xFFFF,) * 8, *(0,) * 10)  # of channels 1 to 18: not overridden
-_WORDS_S: Final = 35.0  # ArduPilot repeats its reasons every 30 s
+_WHY_S: Final = 10.0  # between two questions why it cannot be armed
+_WORDS_S: Final = 11.0  # after its answer: then it has other reasons
 _ROVERS: Final = (dialect.MAV_TYPE_GROUND_ROVER, dialect.MAV_TYPE_SURFACE_BOAT)
+
+
+REASONS: Final = ("PreArm: ", "Arm: ")  # of a text why it cannot be armed
 
 
 class State(Enum):
@@ -49,27 +55,38 @@ class State(Enum):
 class RoverOutputs:
     """Decides what to send. may_drive: set by the boat. fault: why the motors cannot turn."""
 
-    def __init__(self, config: BoatConfig) -> None:
+    def __init__(self, config: BoatConfig, readings: AutopilotReadings) -> None:
         self.may_drive = False
-        self.fault = "not heard yet"
+        self.fault = ""
         self.texts: deque[StatusText] = deque(maxlen=8)
         self.state = State.IDLE
         self.has_rudder = config.drive.layout == "rudder"
         self.parameters = RoverParameters(
             config.parts.autopilot_part.own_system_id, has_rudder=self.has_rudder
         )
+        self._is_used = config.parts.motors.driver == "autopilot"
+        self._is_compass = config.parts.compass.driver == "autopilot"
+        self._readings = readings
         self._resume_s = config.parts.autopilot_part.resume_s
         self._drive, self._rudder = (0.0, 0.0), 0.0
         self._heartbeat: Message | None = None
         self._is_ready = False  # its own checks before arming pass
+        self._has_sticks = True
         self._words, self._words_s = "", -math.inf  # its latest reason
         self._sticks: tuple[Stick, Stick] | None = None
         self._sent: deque[tuple[int, int]] = deque(maxlen=_ECHOES)  # pulses of steering and throttle
         self._echo_s = -math.inf  # when it last had one of them as its sticks
         self._neutral_s = math.inf  # since when overrides have been sent
         self._override_s = self._request_s = self._raising_s = self._disarm_until_s = -math.inf
-        self._has_driven = self._is_told = False
-        self._gave_up = False
+        self._why_s = -math.inf
+        self._has_driven = self._is_told = self._gave_up = False
+        self.table: dict[int, Callable[[Message, float], None]] = {
+            dialect.MAVLINK_MSG_ID_HEARTBEAT: self._on_heartbeat,
+            dialect.MAVLINK_MSG_ID_PARAM_VALUE: self.parameters.ingest,
+            dialect.MAVLINK_MSG_ID_RC_CHANNELS: self._on_channels,
+            dialect.MAVLINK_MSG_ID_STATUSTEXT: self._on_text,
+            dialect.MAVLINK_MSG_ID_SYS_STATUS: self._on_health,
+        }
 
     def write(self, left: float, right: float) -> None:
         """The boat's demand. Raises SilentOutputsError: the outputs have been away for too long."""
@@ -78,32 +95,32 @@ class RoverOutputs:
         if self._gave_up:
             raise SilentOutputsError(f"autopilot: {self.fault}", are_off=True)
 
-    def stop(self) -> None:
-        self._drive = 0.0, 0.0
-
     def write_rudder(self, share: float) -> None:
         self._rudder = clamp(share, -1.0, 1.0) if math.isfinite(share) else 0.0
 
-    def on_heartbeat(self, message: Message) -> None:
+    def _on_heartbeat(self, message: Message, now_s: float) -> None:  # noqa: ARG002
         self._heartbeat = message
 
-    def on_health(self, enabled: int, health: int, *, has_heading: bool) -> None:
-        """has_heading: its filter gives the boat a heading, where the boat needs it from there."""
-        check = dialect.MAV_SYS_STATUS_PREARM_CHECK  # disabled where ARMING_CHECK is 0
-        self._is_ready = has_heading and bool(health & check or not enabled & check)
+    def _on_health(self, message: Message, now_s: float) -> None:
+        enabled = message.onboard_control_sensors_enabled
+        lacks = enabled & ~message.onboard_control_sensors_health
+        has_heading = not self._is_compass or self._readings.has_heading(now_s)
+        self._is_ready = has_heading and not lacks & dialect.MAV_SYS_STATUS_PREARM_CHECK
+        # In its radio failsafe it repeats the last sticks
+        self._has_sticks = not lacks & dialect.MAV_SYS_STATUS_SENSOR_RC_RECEIVER
 
-    def on_channels(self, message: Message, now_s: float) -> None:
+    def _on_channels(self, message: Message, now_s: float) -> None:
         """Its sticks: the boat's overrides, unless these do not reach it."""
         if self._sticks is not None:
             pulses = tuple(getattr(message, f"chan{stick.channel}_raw") for stick in self._sticks)
             if pulses in self._sent:
                 self._echo_s = now_s
 
-    def on_text(self, text: str, now_s: float) -> None:
+    def _on_text(self, message: Message, now_s: float) -> None:
         """Keep a reason for not arming: it is told with the boat's own."""
-        for prefix in ("PreArm: ", "Arm: "):
-            if text.startswith(prefix):
-                self._words, self._words_s = text.removeprefix(prefix), now_s
+        text = str(message.text).rstrip("\0")
+        if text.startswith(REASONS):
+            self._words, self._words_s = text.partition(": ")[2], now_s
 
     def restart(self) -> None:
         """It has rebooted."""
@@ -122,16 +139,20 @@ class RoverOutputs:
 
     def tick(self, peer: Address | None, is_heard: bool, now_s: float) -> list[Message]:
         """What to send now. peer: the autopilot, once heard; is_heard: it is not silent."""
+        if not self._is_used:
+            return []
         barred = self._barred(peer, is_heard)
         self._follow(is_heard and not barred, now_s)
         self.fault = barred or self._refusal(now_s)
         self._tell()
-        if peer is None or self._sticks is None:
-            request = None if peer is None or not self._is_rover else self.parameters.ask(peer, now_s)
-            return [request] if request is not None else []
-        out = self._requests(peer, now_s) if is_heard and not barred else []
-        if request := self.parameters.ask(peer, now_s):
-            out.append(request)
+        if peer is None or not (self._is_rover or self._sticks):
+            return []
+        asked = self.parameters.ask(peer, now_s)
+        out = [] if asked is None else [asked]
+        if self._sticks is None:
+            return out
+        if is_heard and not barred:
+            out += self._requests(peer, now_s)
         is_others = self._is_armed and self.state in (State.IDLE, State.LEFT) and now_s > self._disarm_until_s
         if is_others:
             self._neutral_s = math.inf
@@ -172,10 +193,10 @@ class RoverOutputs:
     def _follow(self, is_fit: bool, now_s: float) -> None:
         """The next state."""
         is_up = is_fit and self._is_armed and self._is_manual
-        is_obeyed = now_s - self._echo_s <= _ECHO_S
+        is_obeyed = self._has_sticks and now_s - self._echo_s <= _ECHO_S
         if not self.may_drive:
             if self.state in (State.RAISING, State.DRIVING):
-                self._disarm_until_s = now_s + _DISARMING_S
+                self._disarm_until_s, self._request_s = now_s + _DISARMING_S, -math.inf
             self.state = State.IDLE
             self._has_driven = self._gave_up = False
         elif is_up and is_obeyed:
@@ -218,25 +239,20 @@ class RoverOutputs:
         """For MANUAL and arming, or for disarming."""
         is_disarming = self._is_armed and now_s <= self._disarm_until_s and self.state is State.IDLE
         is_raising = self.state is State.RAISING and (self._is_ready or not self._has_driven)
+        if not (is_disarming or is_raising or self._is_ready) and now_s - self._why_s >= _WHY_S:
+            self._why_s = now_s
+            return [command(peer, dialect.MAV_CMD_RUN_PREARM_CHECKS)]
         if not (is_disarming or is_raising) or now_s - self._request_s < _AGAIN_S:
             return []
         self._request_s = now_s
         if is_disarming:
-            return [_command(peer, dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, _FORCE)]
+            return [command(peer, dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, _FORCE)]
         if not self._is_manual:
             own_mode = float(dialect.MAV_MODE_FLAG_CUSTOM_MODE_ENABLED)
-            return [_command(peer, dialect.MAV_CMD_DO_SET_MODE, own_mode, float(_MANUAL))]
+            return [command(peer, dialect.MAV_CMD_DO_SET_MODE, own_mode, float(_MANUAL))]
         if not self._is_armed and now_s - self._neutral_s >= _SETTLED_S:
-            return [_command(peer, dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0)]
+            return [command(peer, dialect.MAV_CMD_COMPONENT_ARM_DISARM, 1.0)]
         return []
-
-    def farewell(self, peer: Address) -> list[Message]:
-        """Neutral and disarmed, if the boat has armed it."""
-        if self.state not in (State.RAISING, State.DRIVING) or self._sticks is None:
-            return []
-        self.state, self.may_drive = State.IDLE, False
-        disarm = _command(peer, dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, _FORCE)
-        return [self._override(peer, *self._sticks), disarm]
 
     def _override(self, peer: Address, steering: Stick, throttle: Stick) -> Message:
         turn = ahead = 0.0
@@ -251,7 +267,7 @@ class RoverOutputs:
         )
 
 
-def _command(peer: Address, number: int, *params: float) -> Message:
+def command(peer: Address, number: int, *params: float) -> Message:
     values = {f"param{index}": value for index, value in enumerate(params, 1)}
     return build_message(
         "COMMAND_LONG", target_system=peer.system, target_component=peer.component, command=number, **values

@@ -44,7 +44,7 @@ def demands(own_system_id: int, *, has_rudder: bool) -> tuple[Demand, ...]:
     steer = 0 if has_rudder else 2
     return (
         Demand(("MAV_GCS_SYSID", "SYSID_MYGCS"), str(own_system_id), lambda value: value == own_system_id),
-        # Neutral follows by the radio failsafe half a second after the last override has lapsed
+        # Then the sticks of a transmitter count, which rest
         Demand(("RC_OVERRIDE_TIME",), "0.4", lambda value: 0.2 <= value <= 0.45),
         Demand(("FS_THR_ENABLE",), "1", lambda value: value >= 1),
         Demand(("FS_ACTION",), "2", lambda value: value in (0, 2)),  # others drive by themselves
@@ -75,7 +75,7 @@ class RoverParameters:
         self._missing: set[str] = set()  # not answered
         self._asked, self._tries, self._due_s = "", 0, 0.0
 
-    def ingest(self, message: Message) -> None:
+    def ingest(self, message: Message, now_s: float) -> None:  # noqa: ARG002
         """Take a PARAM_VALUE."""
         name, value = str(message.param_id).rstrip("\0"), float(message.param_value)
         if math.isfinite(value) and (name in self.values or name in self._wanted()):

@@ -44,7 +44,6 @@ class AutopilotReadings:
         self.depth: DepthReading | None = None
         self.pings: deque[SonarReading] = deque(maxlen=_MOST_PINGS)
         self.health = 0  # bits of MAV_SYS_STATUS_SENSOR that are enabled and well
-        self.enabled = 0
         self.reboots = 0
         self.dropped = 0
         self._part = config.parts.autopilot_part
@@ -91,8 +90,7 @@ class AutopilotReadings:
 
     def _on_health(self, message: Message, now_s: float) -> None:
         self._health_s = now_s
-        self.enabled = message.onboard_control_sensors_enabled
-        self.health = self.enabled & message.onboard_control_sensors_health
+        self.health = message.onboard_control_sensors_enabled & message.onboard_control_sensors_health
         millivolts, centiamperes = message.voltage_battery, message.current_battery
         if 0 < millivolts < _UNKNOWN_16:  # 0 without a monitor
             current_a = None if centiamperes < 0 else centiamperes / 100.0
@@ -106,7 +104,9 @@ class AutopilotReadings:
         """time_usec is of the autopilot's clock; the message repeats a fix until the next."""
         place, stamp_us = position_from_e7(message.lat, message.lon), message.time_usec
         if place is None or message.fix_type > dialect.GPS_FIX_TYPE_PPP:
-            self.dropped += 1
+            self.dropped += (
+                message.fix_type > dialect.GPS_FIX_TYPE_NO_FIX
+            )  # before its first fix it is at 0, 0
             return
         if stamp_us == self._fix_us and self.fix is not None and self.fix.fix_type == message.fix_type:
             return
