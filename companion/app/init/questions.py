@@ -46,7 +46,13 @@ _BATTERY, _LIDAR, _RC = "parts.battery.driver", "parts.lidar.driver", "rc.driver
 QUESTIONS: Final = (
     SetupQuestion("identity.system_id", "MAVLink system id, unique on the network"),
     SetupQuestion(_GNSS, "GNSS receiver"),
-    SetupQuestion("parts.gnss.port", "port of the receiver (/dev/serial0: the Pi's UART)", _GNSS),
+    SetupQuestion("parts.autopilot", "port url of the autopilot", _GNSS, ("autopilot",)),
+    SetupQuestion(
+        "parts.gnss.port",
+        "port of the receiver (/dev/serial0: the Pi's UART)",
+        _GNSS,
+        ("nmea", "ubx", "gpsd"),
+    ),
     SetupQuestion("parts.gnss.baud", "its baud rate (ubx sets it, nmea reads at it)", _GNSS, ("nmea", "ubx")),
     SetupQuestion(_COMPASS, "heading sensor"),
     SetupQuestion("parts.compass.port", "port of the compass", _COMPASS, ("nmea",)),
@@ -67,6 +73,10 @@ QUESTIONS: Final = (
 _SUGGESTED: Final[dict[tuple[str, Value], dict[str, Value]]] = {  # other values, where an answer is given
     (_GNSS, "nmea"): {"parts.gnss.baud": 9600},
     (_GNSS, "gpsd"): {"parts.gnss.port": "localhost:2947"},
+    (_GNSS, "autopilot"): {
+        "parts.autopilot": "serial:/dev/ttyACM0:115200",
+        **dict.fromkeys((_COMPASS, _BATTERY, "parts.motors.driver"), "autopilot"),
+    },
     (_GNSS, "none"): {"external.position": 2},  # over MAVLink
     (_BATTERY, "ina219"): {"parts.battery.shunt_ohm": 0.1},
     (_BATTERY, "ina226"): {"parts.battery.shunt_ohm": 0.002},  # 41 A

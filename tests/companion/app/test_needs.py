@@ -47,6 +47,10 @@ def check(*lines: str, model: str = PI_4) -> None:
             (ESC, OE, "parts.motors.left={output='pca9685', channel=3}", f"payload=[{SERVO}]"),
             r"payload\[0\].signal: channel 3 of the PCA9685 belongs to parts.motors.left",
         ),
+        (
+            ("parts.autopilot='serial:/dev/serial0:57600'", RECEIVER),
+            "parts.autopilot: /dev/serial0 belongs to parts.gnss.port",
+        ),
         ((ESC, "parts.motors.right.output='pca9685'"), f"parts.motors.right: .* {LAST_PULSE}"),
         (
             (ESC, "payload=[{kind='winch', signal={output='pca9685'}}]"),

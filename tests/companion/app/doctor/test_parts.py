@@ -11,16 +11,18 @@ from fake_clock import FakeClock
 from msgspec import json
 from twins.pins import PinBoard
 from twins.pulses import PI_4, plug_in_pwm
+from twins.rover import SET_UP
 
 from companion.app.doctor.by_hand import nudge_motors
 from companion.app.doctor.findings import Verdict
-from companion.app.doctor.parts import PARTS, LivePart, check_part, part_findings
+from companion.app.doctor.parts import PARTS, LivePart, check_autopilot, check_part, part_findings
 from companion.app.status_file import BoatStatus
 from companion.config.actuators import MotorsPart
 from companion.config.boat_config import BoatConfig, Parts
 from companion.config.sensors import HullPart, LidarPart
 from companion.core.readings import HullReading, SonarReading
 from companion.core.status_text import Severity, StatusText
+from companion.hal.autopilot.parameters import RoverParameters
 from companion.router.status import LinksStatus
 
 pytest_plugins = ("doctor_fixtures",)
@@ -142,3 +144,41 @@ def test_a_key_pressed_meanwhile_stops_the_motors(board: PinBoard) -> None:
         nudge_motors(BRIDGED, Interrupted(), lambda question: "yes", lambda _: None)
     assert any(change.value for change in board.history)
     assert not any({change.pin: change.value for change in board.history}.values())
+
+
+class AutopilotTwin:
+    """A line whose parameters are read, or never are."""
+
+    def __init__(self, values: dict[str, float]) -> None:
+        self.fault, self.link, self.outputs = "autopilot is silent", self, self
+        self.parameters = RoverParameters(255, has_rudder=False)
+        self.parameters.values, self.parameters.is_complete = values, bool(values)
+
+    def take_texts(self) -> list[StatusText]:
+        return []
+
+    def close(self) -> None:
+        pass
+
+
+@pytest.mark.parametrize(
+    ("values", "found"),
+    [
+        ({}, [(Verdict.FAILED, "autopilot is silent")]),
+        (SET_UP, [(Verdict.FINE, "its parameters are as the boat needs them")]),
+        (
+            SET_UP | {"FS_THR_ENABLE": 0.0, "MOT_THR_MAX": 50.0},
+            [
+                (Verdict.FAILED, "FS_THR_ENABLE is 0, set it to 1"),
+                (Verdict.WARNING, "MOT_THR_MAX is 50, set it to 100"),
+            ],
+        ),
+    ],
+)
+def test_each_wrong_parameter_of_the_autopilot_is_named(
+    values: dict[str, float], found: list[tuple[Verdict, str]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("companion.app.parts.behind_autopilot", lambda *_: AutopilotTwin(dict(values)))
+    config = BoatConfig(parts=Parts(motors=MotorsPart(driver="autopilot")))
+    assert [(one.verdict, one.text) for one in check_autopilot(config, FakeClock())] == found
+    assert check_autopilot(BoatConfig(), FakeClock()) == []
