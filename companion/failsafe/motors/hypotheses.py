@@ -74,9 +74,9 @@ class Hypothesis(NamedTuple):
 _WORDS: Final = {Fault.DEAD: "gives no thrust", Fault.BLOCKED: "is blocked", Fault.WEAK: "is weak"}
 # The currents of fouled, reversed and weak motors are worked out in `evidence`. A weak one has half of its
 # voltage, 0.2 to 0.8: what a motor check calls weak (0.2 to 0.6 of the thrust) at rest and under way.
-# What controllers report follows from the same equation: without a propeller a brushless motor turns 1.1 to 1.4
-# times as fast on its friction alone; one that stands draws what its controller's limit allows; weed is a
-# friction that slows it to between half and nine tenths.
+# What controllers report follows from the same equation: without a propeller a motor turns on its friction
+# alone, the emulated catamaran's an eighth faster; one that stands draws what its controller allows; weed is
+# a friction. The spreads were tuned on sample seed 907 of examples/campaigns/motors_telemetry.toml.
 HYPOTHESES: Final = tuple(
     Hypothesis(is_left, *figures)
     for is_left in (True, False)
