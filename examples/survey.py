@@ -11,14 +11,17 @@ out/survey.json. The same seed gives the same result.
 
 import argparse
 import json
+import math
 import sys
 import time
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
 import rasterio
 import shapely
+from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
@@ -39,6 +42,7 @@ from mission_tools.tasks.task_route import mission_of
 from sitl.cli.arguments import scenario_from
 from sitl.courses.missions import wire_items
 from sitl.run.mission_run import MissionRun, Result
+from sitl.run.recording.recorder import Recorder
 from sitl.run.station_commands import RunError
 from sitl.world.environment.bottom import Bathymetry
 from sitl.world.scenario import Scenario
@@ -46,17 +50,23 @@ from sitl.world.scenario import Scenario
 LEAST_COVERAGE = 0.99  # of the target, in truth
 LEAST_WITHIN = 0.85  # of the true depths, within their 90 % bands
 LEAST_DEPTH_M = 0.4  # of the water that the boat sails: three times its draught
+TURN_M, TURN_RAD = 6.0, math.radians(30.0)  # a turn: the plan bends by more, from so far before to behind
 THINNED_M = 0.05  # how far a thinned track may leave the true one
 
 
 @dataclass(frozen=True, slots=True)
 class SailedSurvey:
-    """A survey, the figures of its run, the boat's true track, and the share of the target it covered."""
+    """A survey, the figures of its run, the boat's true track, and the share of the target it covered.
+
+    off_tracks_rms_m: distance from the planned line outside turns. straight_share: of the time.
+    """
 
     planned: Survey
     result: Result
     track: tuple[Point, ...]
     coverage: float
+    off_tracks_rms_m: float
+    straight_share: float
 
 
 def sail_survey(scenario: Scenario, settings: SurveySettings, log: Path) -> SailedSurvey:
@@ -76,7 +86,29 @@ def sail_survey(scenario: Scenario, settings: SurveySettings, log: Path) -> Sail
     line = shapely.LineString([(point.east_m, point.north_m) for point in mission_run.recorder.track()])
     thinned = shapely.get_coordinates(line.simplify(THINNED_M, preserve_topology=False)).tolist()
     track = tuple(Point(north_m, east_m) for east_m, north_m in thinned)
-    return SailedSurvey(planned, result, track, coverage(track, planned.target, planned.swath_m))
+    covered = coverage(track, planned.target, planned.swath_m)
+    return SailedSurvey(
+        planned, result, track, covered, *off_tracks(mission_run.recorder, mission_run.planned)
+    )
+
+
+def off_tracks(recorder: Recorder, planned: Sequence[Point]) -> tuple[float, float]:
+    """RMS distance from the planned line outside turns, and the share of the time that this is."""
+    off_m, is_sailed = recorder.cross_track_m(planned), recorder.legs >= 0
+    places, leg = np.asarray(planned), recorder.legs[is_sailed]
+    legs = np.diff(places, axis=0)
+    lengths_m = np.maximum(np.hypot(*legs.T), 1e-9)
+    ends_m = np.concatenate([[0.0], np.cumsum(lengths_m)])
+    from_start = recorder.rows[is_sailed, 1:3] - places[leg]
+    along_m = ((from_start * legs[leg]).sum(axis=1) / lengths_m[leg]).clip(0.0, lengths_m[leg])
+
+    def place(by_m: float) -> NDArray[np.complex128]:
+        at_m = ends_m[leg] + along_m + by_m
+        return np.asarray(np.interp(at_m, ends_m, places @ (1.0, 1.0j)))
+
+    turn_rad = np.angle((place(TURN_M) - place(0.0)) * (place(0.0) - place(-TURN_M)).conj())
+    is_straight = np.abs(turn_rad) < TURN_RAD
+    return float(np.sqrt(np.mean(off_m[is_straight] ** 2))), float(np.mean(is_straight))
 
 
 def compared(scenario: Scenario, chart: Path) -> dict[str, float]:
@@ -196,6 +228,8 @@ def _figures(sailed: SailedSurvey, settings: SurveySettings) -> dict[str, float]
         "planned_coverage": planned.coverage,
         "sailed_coverage": sailed.coverage,
         "off_rms_m": result.cross_track_rms_m or 0.0,
+        "off_tracks_rms_m": sailed.off_tracks_rms_m,
+        "straight_share": sailed.straight_share,
         "nearest_m": result.min_clearance_m or float("inf"),
         "groundings": result.groundings,
     }
@@ -211,6 +245,7 @@ def _print_table(figures: dict[str, float], console: Console) -> None:
         ("plain lines, planned, sailed", "{plain_m:.0f} m, {planned_m:.0f} m, {sailed_m:.0f} m"),
         ("time under way", "{time_s:.0f} s of the boat's clock"),
         ("off the planned line", "{off_rms_m:.2f} m RMS"),
+        ("off it outside turns", "{off_tracks_rms_m:.2f} m RMS, {straight_share:.0%} of the time"),
         ("nearest to a shore", "{nearest_m:.2f} m, {groundings} groundings"),
         ("depths off the truth", "{depth_rms_m:.3f} m RMS, {depth_mean_error_m:+.3f} m in the mean"),
         ("true depths in the 90 % band", "{within_band:.1%}"),
