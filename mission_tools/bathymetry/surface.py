@@ -114,10 +114,16 @@ class SurfaceSettings:
 
 
 def interpolated(
-    chart: Chart, east_m: Floats, north_m: Floats, depth_m: Floats, line_m: float, settings: SurfaceSettings
+    chart: Chart,
+    east_m: Floats,
+    north_m: Floats,
+    depth_m: Floats,
+    line_m: float,
+    settings: SurfaceSettings,
+    beam_rad: float = 0.0,
 ) -> Surface:
-    """The surface from accepted soundings in the order of their times. Raises UsageError: too few of them, or
-    too many cells.
+    """The surface from accepted soundings in the order of their times. beam_rad: full width of the sounder's
+    cone; 0: none. Raises UsageError: too few of them, or too many cells.
     """
     spacing = settings.spacing_m or line_spacing_m(east_m, north_m)
     if len(depth_m) < NEIGHBOURS or not np.isfinite(spacing):
@@ -134,7 +140,11 @@ def interpolated(
     own = Data(blocks.place, blocks.depth_m, white**2 / blocks.count + line_m2)
     shore = _shore_points(chart, 0.5 * spacing) if settings.has_shore else np.empty((0, 2))
     zero = np.zeros(len(shore))
-    data = Data(*map(np.concatenate, zip(own, (shore, zero, zero + SHORE_SD_M**2), strict=True)))
+
+    def with_shore(own: Data) -> Data:
+        return Data(*map(np.concatenate, zip(own, (shore, zero, zero + SHORE_SD_M**2), strict=True)))
+
+    data = with_shore(own)
     empty = np.ones(grid.is_water.shape, dtype=bool)
     empty[grid.cells(east_m, north_m)] = False
     away = cell * distance_transform_edt(empty)
@@ -151,11 +161,26 @@ def interpolated(
         held.append(HeldOut(one, apart))
     model = kriging.fitted(data, held[0], spacing, kriging.semivariance_m2(own, spacing))
     calibration = Calibration(data, model, held[1])
-    depth, band = _filled(data, model, calibration, grid, known)
+    if beam_rad:
+        sloped, _ = _filled(data, model, calibration, grid, known)
+        own = own._replace(depth_m=own.depth_m * below_m_per_m(sloped, grid, own.place, 0.5 * beam_rad))
+    depth, band = _filled(with_shore(own), model, calibration, grid, known)
     if len(shore):
         bare, _ = _filled(own, model, calibration, grid, known)
         band = np.hypot(band, SHORE_DOUBT * BAND_SD * np.abs(depth - bare))
     return Surface(grid, depth, band, spacing, gap, white, line_m)
+
+
+def below_m_per_m(depth_m: Floats, grid: Grid, place: Floats, half_beam_rad: float) -> Floats:
+    """Depth below each place, over the range of the first echo: on a slope that comes from up the slope.
+
+    A plane of slope α is met at a right angle, at D cos α, if that is within the cone, else on its edge.
+    """
+    _, (row, column) = distance_transform_edt(np.isnan(depth_m), return_indices=True)
+    slope = np.hypot(*np.gradient(depth_m[row, column], grid.cell_m))[grid.cells(*place.T)]
+    within = 1.0 / np.cos(np.arctan(slope))
+    at_edge = math.cos(half_beam_rad) + math.sin(half_beam_rad) * slope
+    return np.asarray(np.where(slope <= math.tan(half_beam_rad), within, at_edge))
 
 
 def _filled(

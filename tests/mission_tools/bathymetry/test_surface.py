@@ -11,7 +11,7 @@ from mission_tools.bathymetry.blocks import line_spacing_m, means, white_noise_m
 from mission_tools.bathymetry.crossings import crossings
 from mission_tools.bathymetry.reduction import Corrections, reduced
 from mission_tools.bathymetry.soundings import Floats
-from mission_tools.bathymetry.surface import Surface, SurfaceSettings, interpolated
+from mission_tools.bathymetry.surface import Grid, Surface, SurfaceSettings, below_m_per_m, interpolated
 from mission_tools.errors import UsageError
 from mission_tools.maps.chart import Chart, Feature, build_chart
 
@@ -47,6 +47,37 @@ def test_error_is_below_the_sounder_s_noise_and_the_band_holds_nine_in_ten() -> 
             inside.append(float(np.mean(np.abs(error) <= band)))
     assert min(inside) > 0.8
     assert 0.87 <= np.mean(inside) <= 0.93
+
+
+@pytest.mark.parametrize("slope", [0.1, 0.2, 0.5])
+def test_on_a_slope_the_first_echo_of_the_cone_gives_the_depth_below(slope: float) -> None:
+    half_rad, at_m = 0.2, 8.0
+    off_rad = np.linspace(-half_rad, half_rad, 2001)  # a plane is met at at_m / (cos + sin · slope)
+    echo_m = float((at_m / (np.cos(off_rad) + np.sin(off_rad) * slope)).min())
+    grid = Grid(-10.0, 10.0, 1.0, np.ones((20, 20), dtype=bool))
+    depth_m = at_m + slope * np.meshgrid(*grid.middles)[1]
+    depth_m[0] = np.nan
+    found = below_m_per_m(depth_m, grid, np.array([[0.0, 0.0], [5.5, -5.5]]), half_rad)
+    assert found * echo_m == pytest.approx([at_m, at_m], rel=1e-4)
+
+
+def test_soundings_of_a_cone_make_a_chart_without_a_bias_on_slopes() -> None:
+    bottom = bowl(LAKE, 36)
+    s = soundings(LAKE, bottom, 36, spacing_m=8.0, noise_m=NOISE_M)
+    at = reduced(s, ORIGIN, Corrections())
+    slope = np.hypot(
+        *(
+            (bottom(at.east_m + e, at.north_m + n) - bottom(at.east_m - e, at.north_m - n)) / 0.2
+            for e, n in ((0.1, 0.0), (0.0, 0.1))
+        )
+    )
+    heard_m = at.depth_m * np.cos(np.arctan(slope))
+    biases = []
+    for beam_rad in (0.0, 0.6):
+        surface = interpolated(LAKE, at.east_m, at.north_m, heard_m, np.nan, SurfaceSettings(), beam_rad)
+        error, _ = errors(surface, bottom)
+        biases.append(abs(float(error.mean())))
+    assert biases[1] < 0.3 * biases[0]
 
 
 def test_a_missing_line_is_not_surveyed_and_the_shore_is_a_depth() -> None:
