@@ -120,7 +120,7 @@ class Boat:
         ended = threading.Event()
         undo.callback(ended.set)
         threading.Thread(target=server.run, args=(ended.is_set,), daemon=True).start()
-        extra = ["RC_OVERRIDE_TIME 0.4", "PILOT_STEER_TYPE 2", "MOT_SLEWRATE 0", "SIM_RATE_HZ 400"]
+        extra = ["RC_OVERRIDE_TIME 0.4", "PILOT_STEER_TYPE 3", "MOT_SLEWRATE 0", "SIM_RATE_HZ 400"]
         extra += [] if has_receiver else ["SIM_RC_FAIL 1"]
         figures = self._folder / "rover.parm"
         figures.write_text(EXAMPLE.read_text(encoding="utf-8") + "\n".join(extra) + "\n", encoding="utf-8")
@@ -244,7 +244,8 @@ def _fail(boat: Boat, name: str) -> str:
     elif name == "kill":
         boat.program.send_signal(signal.SIGKILL)
     boat.run(away_s)
-    neutral_s, back_s = boat.water.neutral_after_s(event_s), time.monotonic()
+    neutral_s = boat.water.neutral_after_s(event_s)
+    back_s = event_s if name == "reboot" else time.monotonic()
     told = [told_s - event_s for told_s, text in boat.texts if told_s > event_s and "Motors off" in text]
     boat.line.cut = ""
     if name == "disarm":
@@ -252,12 +253,11 @@ def _fail(boat: Boat, name: str) -> str:
     elif name == "mode":
         boat.command(176, 1.0, 0.0, other=True)
     boat.run(8.0)
-    drives = [
-        one.time_s for one in boat.water.drives if one.time_s > event_s + neutral_s + 0.5 and _is_driven(one)
+    again = [
+        told_s - back_s for told_s, text in boat.texts if told_s > event_s and "drives the motors" in text
     ]
-    again = f"{drives[0] - (event_s if name == 'reboot' else back_s):.1f} s" if drives else "never"
-    told_s = min(told, default=math.nan)
-    return f"neutral after {neutral_s:.2f} s, told after {told_s:.2f} s, again after {again}"
+    told_s, again_s = min(told, default=math.nan), min(again, default=math.nan)
+    return f"neutral after {neutral_s:.2f} s, told after {told_s:.2f} s, again after {again_s:.1f} s"
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ AS_DELIVERED = {
     **{f"SERVO{n}_FUNCTION": 0.0 for n in range(1, 17)},
     "SERVO1_FUNCTION": 73.0, "SERVO3_FUNCTION": 74.0,
 }  # fmt: skip
-SET_UP = AS_DELIVERED | {"RC_OVERRIDE_TIME": 0.4, "PILOT_STEER_TYPE": 2.0, "MOT_SLEWRATE": 0.0}
+SET_UP = AS_DELIVERED | {"RC_OVERRIDE_TIME": 0.4, "PILOT_STEER_TYPE": 3.0, "MOT_SLEWRATE": 0.0}
 RUDDER = SET_UP | {"SERVO1_FUNCTION": 26.0, "SERVO3_FUNCTION": 70.0, "PILOT_STEER_TYPE": 0.0}
 
 
@@ -153,7 +153,7 @@ class Rover:
             return
         throttle, steering = self._stick(3), self._stick(1)
         has_rudder = self.parameters["SERVO1_FUNCTION"] == 26
-        for turns in (self.parameters["PILOT_STEER_TYPE"] in (0, 3), has_rudder):
+        for turns in (self.parameters["PILOT_STEER_TYPE"] in (0, 2), has_rudder):
             if turns and throttle < 0.0:
                 steering = -steering
         self.left, self.right = (

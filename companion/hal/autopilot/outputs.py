@@ -37,12 +37,10 @@ _DISARMING_S: Final = 5.0
 _FORCE: Final = 21196.0  # MAV_CMD_COMPONENT_ARM_DISARM: disarm also with turning motors
 _MANUAL: Final = 0  # Rover's mode
 _IGNORED: Final = (*(0xFFFF,) * 8, *(0,) * 10)  # of channels 1 to 18: not overridden
+REASONS: Final = ("PreArm: ", "Arm: ")  # of a text why it cannot be armed
 _WHY_S: Final = 10.0  # between two questions why it cannot be armed
 _WORDS_S: Final = 11.0  # after its answer: then it has other reasons
 _ROVERS: Final = (dialect.MAV_TYPE_GROUND_ROVER, dialect.MAV_TYPE_SURFACE_BOAT)
-
-
-REASONS: Final = ("PreArm: ", "Arm: ")  # of a text why it cannot be armed
 
 
 class State(Enum):
@@ -57,14 +55,14 @@ class RoverOutputs:
 
     def __init__(self, config: BoatConfig, readings: AutopilotReadings) -> None:
         self.may_drive = False
-        self.fault = ""
+        self._is_used = config.parts.motors.driver == "autopilot"
+        self.fault = "not heard yet" if self._is_used else ""
         self.texts: deque[StatusText] = deque(maxlen=8)
         self.state = State.IDLE
         self.has_rudder = config.drive.layout == "rudder"
         self.parameters = RoverParameters(
             config.parts.autopilot_part.own_system_id, has_rudder=self.has_rudder
         )
-        self._is_used = config.parts.motors.driver == "autopilot"
         self._is_compass = config.parts.compass.driver == "autopilot"
         self._readings = readings
         self._resume_s = config.parts.autopilot_part.resume_s
@@ -186,8 +184,7 @@ class RoverOutputs:
             return "its parameters are being read"
         if faults := self.parameters.faults():
             return faults[0]
-        if self._sticks is None:
-            self._sticks = sticks(self.parameters.values)
+        self._sticks = sticks(self.parameters.values)
         return ""
 
     def _follow(self, is_fit: bool, now_s: float) -> None:

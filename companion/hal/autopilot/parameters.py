@@ -5,25 +5,23 @@ AP_MotorsUGV.cpp, mode.cpp (get_pilot_input) and radio.cpp.
 """
 
 import math
+import re
 from collections.abc import Callable, Iterator
 from typing import Final, NamedTuple
 
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, build_message
 
-OUTPUTS: Final = 16  # SERVO1 to SERVO16, as in SERVO_OUTPUT_RAW
+_FUNCTIONS: Final = tuple(f"SERVO{number}_FUNCTION" for number in range(1, 17))
+_STICK: Final = re.compile(r"RCMAP_|RC\d")
 _RETRY_S: Final = 0.5
 _TRIES: Final = 5  # a name that it does not know is not answered
 _OVERRIDES_IGNORED: Final = 1 << 1  # of RC_OPTIONS
 
 STEERING, THROTTLE = "RCMAP_ROLL", "RCMAP_THROTTLE"
 CHANNEL_KEYS: Final = ("MIN", "TRIM", "MAX", "DZ")  # of RCn_
-LEFT, RIGHT, MOTOR, RUDDER = (
-    73,
-    74,
-    70,
-    26,
-)  # SERVOn_FUNCTION: ThrottleLeft, ThrottleRight, Throttle, Steering
+_PAIR: Final = (73, 74)  # SERVOn_FUNCTION: ThrottleLeft, ThrottleRight
+_WITH_RUDDER: Final = (70, 26)  # Throttle, GroundSteering
 
 
 class Demand(NamedTuple):
@@ -39,9 +37,9 @@ def demands(own_system_id: int, *, has_rudder: bool) -> tuple[Demand, ...]:
     """By the boat's system id on the line and its layout.
 
     Rover turns the steering round astern once in the sticks (PILOT_STEER_TYPE 0) and, with a rudder, once
-    more in its output: a pair of motors needs type 2, a rudder type 0.
+    more in its output: a pair of motors needs type 3, a rudder type 0.
     """
-    steer = 0 if has_rudder else 2
+    steer = 0 if has_rudder else 3
     return (
         Demand(("MAV_GCS_SYSID", "SYSID_MYGCS"), str(own_system_id), lambda value: value == own_system_id),
         # Then the sticks of a transmitter count, which rest
@@ -64,7 +62,7 @@ class RoverParameters:
 
     def __init__(self, own_system_id: int, *, has_rudder: bool) -> None:
         self._demands = demands(own_system_id, has_rudder=has_rudder)
-        self._functions = (MOTOR, RUDDER) if has_rudder else (LEFT, RIGHT)
+        self._functions = _WITH_RUDDER if has_rudder else _PAIR
         self.values: dict[str, float] = {}
         self.forget()
 
@@ -84,7 +82,8 @@ class RoverParameters:
 
     def ask(self, peer: Address, now_s: float) -> Message | None:
         """The request that is due."""
-        name = next(self._open_names(), "")
+        wanted = (name for name in self._wanted() if name not in self.values and name not in self._missing)
+        name = next(wanted, "")
         self.is_complete = not name
         if not name or (name == self._asked and now_s < self._due_s):
             return None
@@ -113,20 +112,10 @@ class RoverParameters:
             elif name and not demand.fits(self.values[name]):
                 found.append(f"{name} is {self.values[name]:g}, set it to {demand.wanted}")
         if is_needed:
-            found += [f"no SERVOn_FUNCTION is {one}" for one in self._functions if self.output(one) is None]
-            named = {name for demand in self._demands for name in demand.names}
-            found += [
-                f"{name} is not answered" for name in sorted(self._missing - named) if name.startswith("RC")
-            ]
+            chosen = {self.values.get(name) for name in _FUNCTIONS}
+            found += [f"no SERVOn_FUNCTION is {one}" for one in self._functions if one not in chosen]
+            found += [f"{name} is not answered" for name in sorted(self._missing) if _STICK.match(name)]
         return found
-
-    def output(self, function: int) -> int | None:
-        """The first servo output with a function, counted from 1."""
-        numbers = range(1, OUTPUTS + 1)
-        return next((n for n in numbers if self.values.get(f"SERVO{n}_FUNCTION") == function), None)
-
-    def _open_names(self) -> Iterator[str]:
-        return (name for name in self._wanted() if name not in self.values and name not in self._missing)
 
     def _wanted(self) -> Iterator[str]:
         """All names; those of the mapped channels once the map is known."""
@@ -135,7 +124,7 @@ class RoverParameters:
                 yield from demand.names
             else:
                 yield from (name for name in demand.names if name in self.values)
-        yield from (f"SERVO{number}_FUNCTION" for number in range(1, OUTPUTS + 1))
+        yield from _FUNCTIONS
         for key in (STEERING, THROTTLE):
             yield key
             if key in self.values:

@@ -11,7 +11,7 @@ from pymavlink.dialects.v20 import ardupilotmega as mavlink
 from twins.lines import known
 
 from companion.hal.autopilot.link import AutopilotLink
-from companion.hal.autopilot.outputs import State
+from companion.hal.autopilot.mixing import pair_shares
 from companion.mavlink.codec import Decoder
 
 ARMED_S = 44.0  # as recorded
@@ -33,7 +33,7 @@ def played(until_s: float) -> AutopilotLink:
     for time_s, frame in frames():
         if time_s > until_s:
             break
-        link.outputs.may_drive = ARMED_S < time_s < ARMED_S + 4.0
+        link.outputs.may_drive = ARMED_S < time_s < ARMED_S + 9.0
         for one in decoder.feed(frame):
             link.handle(one.message, one.sender, time_s)
         link.tick(time_s)
@@ -82,6 +82,17 @@ def test_its_reason_for_not_arming_is_told() -> None:
 
 def test_it_is_seen_to_be_ready_then_armed_and_then_disarmed() -> None:
     assert played(43.9).outputs.fault == ""
-    beats = [read_by_pymavlink("HEARTBEAT", at_s).base_mode & 128 for at_s in (43.9, 47.0, 50.5)]
+    beats = [read_by_pymavlink("HEARTBEAT", at_s).base_mode & 128 for at_s in (43.9, 47.0, 55.0)]
     assert beats == [0, 128, 0]
-    assert played(47.0).outputs.state in (State.RAISING, State.DRIVING)
+
+
+@pytest.mark.parametrize(("at_s", "left", "right"), [(48.5, 0.5, 0.3), (52.8, -0.5, -0.2)])
+def test_its_motors_got_what_the_boat_demanded_also_astern(at_s: float, left: float, right: float) -> None:
+    """Demands of the recorded session; SERVO1 and SERVO3 had 1000 to 2000 µs."""
+    outputs = read_by_pymavlink("SERVO_OUTPUT_RAW", at_s)
+    got = [(pulse_us - 1500.0) / 500.0 for pulse_us in (outputs.servo1_raw, outputs.servo3_raw)]
+    assert got == pytest.approx([left, right], abs=0.01)
+    link = played(at_s)
+    (steering, throttle), (turn, ahead) = known(link.outputs._sticks), pair_shares(left, right)
+    channels = read_by_pymavlink("RC_CHANNELS", at_s)
+    assert (steering.pulse_us(turn), throttle.pulse_us(ahead)) == (channels.chan1_raw, channels.chan3_raw)

@@ -11,6 +11,7 @@ from twins.rover import AS_DELIVERED, HOLD, MANUAL
 from companion.app.composition import check_autopilot
 from companion.config.boat_config import decode_config
 from companion.core.errors import ConfigError
+from companion.hal.autopilot.link import AutopilotLink
 from companion.hal.autopilot.parameters import demands
 
 ACRO = 1
@@ -20,6 +21,11 @@ share = st.floats(-1.0, 1.0)
 
 def arms(bench: Bench) -> list[tuple[int, float, float]]:
     return [one for one in bench.rover.commands if one[0] == ARM]
+
+
+def test_it_is_no_fault_of_motors_that_are_the_boats_own_and_one_of_others_from_the_start() -> None:
+    own = decode_config({"parts": {"autopilot": "tcp:a:1", "motors": {"driver": "l298n"}}}, "test")
+    assert (Bench().outputs.fault, AutopilotLink(own).outputs.fault) == ("not heard yet", "")
 
 
 def test_motors_are_off_until_the_boat_is_armed() -> None:
@@ -107,7 +113,7 @@ def test_an_autopilot_as_delivered_is_told_what_to_set() -> None:
     parameters = bench.outputs.parameters
     assert parameters.faults() == [
         "RC_OVERRIDE_TIME is 3, set it to 0.4",
-        "PILOT_STEER_TYPE is 0, set it to 2",
+        "PILOT_STEER_TYPE is 0, set it to 3",
     ]
     assert parameters.faults(is_needed=False) == ["MOT_SLEWRATE is 100, set it to 0"]
 
