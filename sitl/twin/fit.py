@@ -3,11 +3,12 @@
 The model is run through segments of a voyage, each from a speed of its own, and compared with what
 receiver, gyro and battery monitor measured (R. E. Maine and K. W. Iliff, *Application of Parameter
 Estimation to Aircraft Stability and Control*, NASA RP-1168, 1986, chapter 5; structure: T. I. Fossen,
-*Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd edition, Wiley 2021, chapter 6). Gusts and
-the receiver's filter colour the residuals. They are whitened by a first-order filter for each output, found
+*Handbook of Marine Craft Hydrodynamics and Motion Control*, 2nd edition, Wiley 2021, chapter 6). The turn
+rate is the one predicted by a filter that knows gusts, whose strength is found with the rest (R. V.
+Jategaonkar, *Flight Vehicle System Identification*, 2nd edition, AIAA 2015, chapter 5: filter error). The
+receiver's filter colours the other residuals. All are whitened by a first-order filter for each output, found
 from the residuals of the last round, as generalised least squares do (L. Ljung, *System Identification*,
-2nd edition, 1999, section 7.4), with a robust loss. The correlation that remains widens the covariance
-(Maine and Iliff, section 8.2; the estimate is W. Newey and K. West's, Econometrica 55, 1987).
+2nd edition, 1999, section 7.4), with a robust loss.
 
 A parameter is the logarithm of a factor on the base boat's value and known beforehand within exp(PRIOR). So
 what a voyage does not tell stays where it was, with the uncertainty that it had.
@@ -24,9 +25,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from sitl.twin.model import KEYS, LEFT, RIGHT, simulate
-from sitl.twin.segmented_voyage import CHANNELS, CURRENT_M_S, NUISANCE, SEGMENT_S, SegmentedVoyage
-from sitl.twin.voyage import STORED_S, Floats, Voyage
+from sitl.twin.model import DISTURBANCES, KEYS, LEFT, RIGHT, simulate
+from sitl.twin.segmented_voyage import CHANNELS, CURRENT_M_S, NUISANCE, OF_RUN, SEGMENT_S, SegmentedVoyage
+from sitl.twin.voyage import Floats, Voyage
 from sitl.world.scenario import Scenario
 
 Flags = NDArray[np.bool_]
@@ -39,9 +40,6 @@ _NOISE: Final = (0.1, 0.1, 0.05, 0.2)  # deviations in the first round
 _STEP: Final = 2e-3  # of a parameter in deviations, for differences
 _LOSS: Final = 2.0  # deviations, beyond which a residual counts less
 _ENOUGH: Final = {"linear": 1e-3, "soft_l1": 1e-5}  # relative change of the cost
-_LAG_S: Final = 10.0  # of the correlation that is left in the residuals
-_EVERY_S: Final = (0.2, 0.2, STORED_S, 1.0)  # usual spacing of the channels
-_WIDER: Final = 2.0  # deviations by true errors: hulls 501, 502 and 504 of benchmarks/twin.py
 _START_M_S: Final = 0.2  # of the speed at the beginning of a segment
 
 
@@ -57,6 +55,12 @@ def factors_of(keys: Sequence[str], logs: Floats) -> dict[str, Floats]:
     """
     factors = {key: np.exp(logs[:, n, None]) for n, key in enumerate(keys)}
     return {**factors, RIGHT: 1.0 / factors[LEFT]}
+
+
+def weather(nuisances: Floats) -> tuple[Floats, Floats, Floats]:
+    """Wind north and east, and disturbances, for boats with these nuisances, one a row."""
+    north, east, *logs = (nuisances[:, :OF_RUN] * NUISANCE[:OF_RUN]).T[..., None]
+    return north, east, np.reshape(DISTURBANCES, (3, 1, 1)) * np.exp(logs)
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,9 +91,10 @@ def following(
     nuisance[: len(NUISANCE)] = known[: len(NUISANCE)]
     flow = [one[-1] for one in first.flow_m_s(known)]
     nuisance[len(NUISANCE) :].reshape(2, -1)[:, 0] = np.divide(flow, CURRENT_M_S)
-    facing, winds = segments.inputs.heading_rad[0], NUISANCE[0] * known[:2].reshape(2, 1, 1)
+    facing = segments.inputs.heading_rad[0]
     surge_m_s = segments.surge_m_s - flow[0] * np.cos(facing) - flow[1] * np.sin(facing)
-    run = simulate(fit.base, factors_of(fit.keys, fit.logs[None]), segments.inputs, surge_m_s, *winds)
+    factors = factors_of(fit.keys, fit.logs[None])
+    run = simulate(fit.base, factors, segments.inputs, surge_m_s, *weather(known[None]))
     return segments, run[:, :, 0], nuisance
 
 
@@ -109,11 +114,10 @@ class _Problem:
             self.size = end
         self._known: tuple[Floats, list[Floats], list[Floats]] | None = None
 
-    def _run(self, segments: SegmentedVoyage, logs: Floats, winds: Floats, starts: Floats) -> Floats:
+    def _run(self, segments: SegmentedVoyage, logs: Floats, nuisances: Floats, starts: Floats) -> Floats:
         """Of boats, one a row."""
-        north, east = (NUISANCE[0] * winds.T)[..., None]
-        speed = segments.surge_m_s + _START_M_S * starts
-        return simulate(self.base, factors_of(self.keys, PRIOR * logs), segments.inputs, speed, north, east)
+        speed, factors = segments.surge_m_s + _START_M_S * starts, factors_of(self.keys, PRIOR * logs)
+        return simulate(self.base, factors, segments.inputs, speed, *weather(nuisances))
 
     def evaluate(self, x: Floats) -> tuple[list[Floats], list[Floats]]:
         """Residuals of all channels of all voyages, one after the other, and their derivatives."""
@@ -127,22 +131,23 @@ class _Problem:
         self, x: Floats, segments: SegmentedVoyage, part: tuple[slice, slice]
     ) -> tuple[list[Floats], list[Floats]]:
         (own, begun), count, nuisance = part, len(self.keys), x[part[0]]
-        # Boats: as it is, one for each key, wind north and east, speed at the beginning
-        logs, winds, starts = (np.tile(one, (count + 4, 1)) for one in (x[:count], nuisance[:2], x[begun]))
+        # Boats: as it is, one for each key, wind, disturbances, speed at the beginning
+        boats = count + OF_RUN + 2
+        logs, airs, starts = (np.tile(one, (boats, 1)) for one in (x[:count], nuisance, x[begun]))
         logs[1 : count + 1] += _STEP * np.eye(count)
-        winds[count + 1 : count + 3] += _STEP * np.eye(2)
-        starts[count + 3] += _STEP
-        run = self._run(segments, logs, winds, starts)
+        airs[count + 1 : -1, :OF_RUN] += _STEP * np.eye(OF_RUN)
+        starts[-1] += _STEP
+        run = self._run(segments, logs, airs, starts)
         first = segments.predicted(run[:, :, 0], nuisance)
         slopes = [np.zeros((len(one), self.size)) for one in first]
         moved = nuisance + _STEP * np.eye(segments.nuisances)
         columns = [(n, run[:, :, n + 1], nuisance) for n in range(count)]
-        columns += [(own.start + n, run[:, :, count + 1 + n], nuisance) for n in (0, 1)]
-        columns += [(own.start + n, run[:, :, 0], moved[n]) for n in range(2, segments.nuisances)]
+        columns += [(own.start + n, run[:, :, count + 1 + n], nuisance) for n in range(OF_RUN)]
+        columns += [(own.start + n, run[:, :, 0], moved[n]) for n in range(OF_RUN, segments.nuisances)]
         for column, output, changed in columns:
             for slope, one, other in zip(slopes, segments.predicted(output, changed), first, strict=True):
                 slope[:, column] = (one - other) / _STEP
-        other_starts = segments.predicted(run[:, :, count + 3], nuisance)
+        other_starts = segments.predicted(run[:, :, -1], nuisance)
         for slope, one, other, segment in zip(slopes, other_starts, first, segments.segment, strict=True):
             slope[np.arange(len(one)), begun.start + segment] = (one - other) / _STEP
         return [one - other for one, other in zip(first, segments.measured, strict=True)], slopes
@@ -155,12 +160,14 @@ class _Problem:
         around = np.concatenate([[0.0], 0.6 * turns, 1.2 * turns])
         for segments, (own, begun) in zip(self.segmented, self.parts, strict=True):
             winds = np.vstack([x[own][:2], np.column_stack([around.real, around.imag])])
-            run = self._run(segments, np.tile(x[:count], (len(winds), 1)), winds, x[begun])
+            airs = np.tile(x[own], (len(winds), 1))
+            airs[:, :2] = winds
+            run = self._run(segments, np.tile(x[:count], (len(winds), 1)), airs, x[begun])
             costs = np.zeros(len(winds))
             for n, output in enumerate(run.transpose(2, 0, 1, 3)):
                 found = zip(segments.predicted(output, x[own]), segments.measured, self.noise, strict=True)
                 costs[n] = sum(np.log1p(((one - other) / noise) ** 2).sum() for one, other, noise in found)
-            x[own.start : own.start + 2] = winds[costs.argmin()]
+            x[own.start : own.start + 2] = winds[np.nanargmin(costs)]
 
     def whitened(self, rows: Sequence[Floats]) -> list[Floats]:
         """Rows of the channels in deviations of white noise."""
@@ -199,21 +206,13 @@ class _Problem:
         )  # fmt: skip
         return whole(found.x)
 
-    def covariance(self, x: Floats) -> Floats:
-        """Of all unknowns: the information's inverse, widened by the correlation left in the residuals."""
-        information, spread = np.eye(self.size), np.eye(self.size)
-        rows, slopes = (self.whitened(one) for one in self.evaluate(x))
-        for n, (row, slope) in enumerate(zip(rows, slopes, strict=True)):
-            weight = 1.0 / np.sqrt(1.0 + (row / _LOSS) ** 2)  # of soft_l1
-            information += slope.T @ slope * (weight**3).mean() if len(row) else 0.0
-            row = row * weight  # noqa: PLW2901
-            lags = min(round(_LAG_S / _EVERY_S[n % len(CHANNELS)]), len(row) - 1)
-            for lag in range(lags + 1):
-                taper = (1.0 - lag / (lags + 1)) * float(row[lag:] @ row[: len(row) - lag]) / len(row)
-                product = slope[lag:].T @ slope[: len(row) - lag] * taper
-                spread += product if lag == 0 else product + product.T
-        inverse = np.linalg.inv(information)
-        return inverse @ spread @ inverse
+    def information(self, x: Floats) -> Floats:
+        """Of all unknowns, what is known beforehand included."""
+        information: Floats = np.eye(self.size)
+        for row, slope in zip(*(self.whitened(one) for one in self.evaluate(x)), strict=True):
+            if len(row):
+                information += slope.T @ slope * ((1.0 + (row / _LOSS) ** 2) ** -1.5).mean()  # of soft_l1
+        return information
 
 
 def fit_boat(base: Scenario, voyages: Sequence[Voyage]) -> Fit:
@@ -233,8 +232,8 @@ def fit_boat(base: Scenario, voyages: Sequence[Voyage]) -> Fit:
         base.thrusters.propeller.zero_torque_advance / base.thrusters.propeller.zero_thrust_advance
     )
     free[ends] = PRIOR * (x[ends[0]] - x[ends[1]]) < most
-    covariance = problem.covariance(x)
-    information = np.linalg.inv(covariance)
+    information = problem.information(x)
+    covariance = PRIOR**2 * np.asarray(np.linalg.inv(information)[:count, :count], dtype=np.float64)
     while free[:count].any():
         # The worst first: what two tell together, one of them keeps
         alone = np.sqrt(np.diag(np.linalg.inv(information[np.ix_(free, free)])))[: free[:count].sum()]
@@ -248,10 +247,8 @@ def fit_boat(base: Scenario, voyages: Sequence[Voyage]) -> Fit:
         x[ends], free[ends] = 0.0, False
         x = problem.solved(x, free, "soft_l1")
     white = problem.whitened(problem.evaluate(x)[0])
-    known = PRIOR**2 * covariance[:count, :count]
-    wider = np.clip(PRIOR / np.sqrt(np.diag(known)), 1.0, _WIDER)  # no wider than before the voyage
     return Fit(
-        base, problem.keys, PRIOR * x[:count], free[:count], known * np.outer(wider, wider), segmented,
+        base, problem.keys, PRIOR * x[:count], free[:count], covariance, segmented,
         tuple(x[own] for own, _ in problem.parts),
         tuple(white[n : n + len(CHANNELS)] for n in range(0, len(white), len(CHANNELS))),
     )  # fmt: skip

@@ -5,6 +5,7 @@ Axes: boats that differ in their parameters, then segments of voyages. The headi
 error of it grows; the current carries boat and frame alike and is added by the caller.
 """
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from operator import attrgetter
@@ -17,8 +18,13 @@ from sitl.world.drive.propeller import WATER_KG_M3
 from sitl.world.scenario import Scenario
 from sitl.world.windage import AIR_KG_M3
 
-OBSERVED_S: Final = 1.5
-"""Shorter than gusts last, longer than motors and hull take to answer a command."""
+DISTURBANCES: Final = (0.01, 0.02, 0.05)
+"""Deviations of what gusts accelerate a small boat by, in sway (m/s²) and yaw (rad/s²), and of its turn rate
+as measured (rad/s), with which a fit begins. Waves turn it by so much; a gyro's noise is a twentieth of it.
+"""
+_GUST_S: Final = 4.0  # their correlation time: `sitl.world.environment.settings`
+_BEGUN: Final = (0.05, 0.01)  # deviations of sway and turn rate at the beginning, m/s and rad/s
+_STEP: Final = 1e-4  # of sway and turn rate, for differences
 LEFT, RIGHT = "thrusters.left_gain", "thrusters.right_gain"
 
 
@@ -66,9 +72,8 @@ KEYS: Final[Mapping[str, Manoeuvre]] = {
 @dataclass(frozen=True, slots=True)
 class SegmentInputs:
     """Inputs per step and segment, shape (steps, segments): commands, open-circuit voltage (V), heading
-    (rad). pack_ohm by segment. With a measured turn rate (rad/s) the hull turns at it, and the model's is
-    that of an observer with the time constant OBSERVED_S: so a hull that does not keep its course by itself
-    can be simulated, too.
+    (rad). pack_ohm by segment. With a measured turn rate (rad/s) the model's is the one that a filter
+    predicts from it: so a hull that does not keep its course by itself can be simulated, too.
     """
 
     step_s: float
@@ -154,6 +159,7 @@ class _Hull:
         self._air_y = rho * value("hull.windage.lateral_drag") * air.lateral_area_m2
         self._air_n = 2.0 * rho * value("hull.windage.turning") * air.lateral_area_m2 * hull.length_m
         self.u, self.v, self.r = (np.zeros(shape) for _ in range(3))
+        self.gusts = np.zeros((2, *shape))
         self._bends: tuple[Floats, ...] = ()
 
     def wind(self, north: Floats, east: Floats, heading_rad: Floats) -> tuple[Floats, Floats, Floats]:
@@ -164,8 +170,9 @@ class _Hull:
         sway_n = self._air_y * speed * aside
         return self._air_x * speed * ahead, sway_n, self._lever_m * sway_n - self._air_n * ahead * aside
 
-    def step(self, surge_n: Floats, sway_n: Floats, yaw_nm: Floats, dt: float) -> None:
-        u, v, r, yvv, half, m11, m22 = self.u, self.v, self.r, self._yvv, self._half, self._m11, self._m22
+    def rates(self, u: Floats, v: Floats, r: Floats) -> tuple[Floats, Floats, Floats]:
+        """Accelerations that depend on the velocity."""
+        yvv, half, m11, m22 = self._yvv, self._half, self._m11, self._m22
         sideways, tip = np.abs(v), half * np.abs(r)
         square = np.minimum(sideways / np.maximum(tip, 1e-12), 1.0) ** 2
         is_drift = sideways >= tip
@@ -174,19 +181,57 @@ class _Hull:
         turning = tip * (0.25 + 0.5 * square - square * square / 12.0)
         drag_nm = yvv * half * half * r * np.where(is_drift, sideways / 1.5, turning)
         lift = self._skeg * np.abs(u) * (v - self._arm * r)
-        rates = (
+        return (
             (m22 * v * r - (self._xu + self._xuu * np.abs(u)) * u) / m11,
             (-m11 * u * r - self._yv * v - drag_n - lift) / m22,
             ((m11 - m22) * u * v - (self._nr + self._nrr * np.abs(r)) * r - drag_nm + self._arm * lift)
             / self._m33,
         )
+
+    def step(self, surge_n: Floats, sway_n: Floats, yaw_nm: Floats, dt: float) -> None:
+        rates = self.rates(self.u, self.v, self.r)
         du, dv, dr = (1.5 * a - 0.5 * b for a, b in zip(rates, self._bends or rates, strict=True))
         self._bends = rates
-        self.u = u + dt * (du + surge_n / m11)
-        self.v = v + dt * (dv + sway_n / m22)
-        self.r = r + dt * (dr + yaw_nm / self._m33)
+        self.u = self.u + dt * (du + surge_n / self._m11)
+        self.v = self.v + dt * (dv + sway_n / self._m22 + self.gusts[0])
+        self.r = self.r + dt * (dr + yaw_nm / self._m33 + self.gusts[1])
 
 
+class _GustFilter:
+    """An extended Kalman filter of sway, turn rate and what gusts accelerate both by, first-order
+    Gauss-Markov processes, corrected by the measured turn rate every STORED_S.
+
+    A boat's program steers against gusts. Without them in the model, commands correlate with what it misses,
+    and the fit is biased (L. Ljung, *System Identification*, 2nd edition, 1999, sections 13.4 and 13.5).
+    """
+
+    def __init__(self, deviations: Floats, shape: tuple[int, ...]) -> None:
+        *gusts, rate = deviations
+        self._noise = rate[..., None] ** 2
+        begun = np.broadcast_arrays(*(one * np.ones(shape) for one in (*_BEGUN, *gusts)))
+        self._known = np.stack(begun, axis=-1)[..., None] ** 2 * np.eye(4)
+        keep = math.exp(-STORED_S / _GUST_S)
+        self._keep, self._fresh = keep, (1.0 - keep * keep) * self._known * np.diag([0.0, 0.0, 1.0, 1.0])
+
+    def correct(self, hull: _Hull, rate_rad_s: Floats) -> None:
+        u, v, r = hull.u, hull.v, hull.r
+        gain = self._known[..., 1] / (self._known[..., 1, 1, None] + self._noise)
+        self._known = self._known - gain[..., None] * self._known[..., 1, None, :]
+        slopes = np.zeros(self._known.shape)
+        still = hull.rates(u, v, r)[1:]
+        for n, moved in enumerate((hull.rates(u, v + _STEP, r), hull.rates(u, v, r + _STEP))):
+            for m, (one, other) in enumerate(zip(moved[1:], still, strict=True)):
+                slopes[..., m, n] = STORED_S / _STEP * (one - other)
+        slopes[..., 0, 2] = slopes[..., 1, 3] = STORED_S
+        slopes[..., 2, 2] = slopes[..., 3, 3] = math.log(self._keep)
+        moves = np.eye(4) + slopes + 0.5 * slopes @ slopes
+        self._known = moves @ self._known @ moves.swapaxes(-1, -2) + self._fresh
+        off = rate_rad_s - r
+        hull.v, hull.r = v + gain[..., 0] * off, r + gain[..., 1] * off
+        hull.gusts = self._keep * (hull.gusts + np.moveaxis(gain[..., 2:], -1, 0) * off)
+
+
+@np.errstate(over="ignore", invalid="ignore")  # a step of the fit may try a hull that no filter holds
 def simulate(
     base: Scenario,
     factors: Mapping[str, Floats],
@@ -194,12 +239,14 @@ def simulate(
     surge_m_s: Floats,
     wind_north_m_s: Floats,
     wind_east_m_s: Floats,
+    disturbances: Floats | None = None,
 ) -> Floats:
-    """Surge and sway (m/s, through the water), turn rate (rad/s) and the motors' current (A), every STORED_S
-    from the beginning, shape (times, 4, boats, segments).
+    """Surge and sway (m/s, through the water), turn rate (rad/s) and the motors' current (A), before each
+    step, shape (steps, 4, boats, segments).
 
     factors: on the base boat's values, by key, shape (boats, 1). surge_m_s: at the beginning; wind: relative
-    to the water. Both are broadcast to (boats, segments).
+    to the water. Both are broadcast to (boats, segments). disturbances: as DISTURBANCES, shape (3, boats, 1),
+    where the turn rate was measured.
     """
 
     def value(path: str) -> Floats:
@@ -210,17 +257,17 @@ def simulate(
     hull, drive = _Hull(base, value, shape), _Drive(base, value, inputs, shape)
     hull.u = np.broadcast_to(surge_m_s, shape).copy()
     every, steps, measured = round(STORED_S / inputs.step_s), len(inputs.left), inputs.rate_rad_s
-    seen = hull.r = hull.r if measured is None else np.broadcast_to(measured[0], shape)
-    out = np.empty((-(-steps // every), 4, *shape))
+    if measured is not None:
+        hull.r = np.broadcast_to(measured[0], shape)
+        filtered = _GustFilter(
+            np.reshape(DISTURBANCES, (3, 1, 1)) if disturbances is None else disturbances, shape
+        )
+    out = np.empty((steps, 4, *shape))
     for step in range(steps):
-        if step % every == 0:
-            out[step // every] = hull.u, hull.v, seen, drive.drawn_a
+        out[step] = hull.u, hull.v, hull.r, drive.drawn_a
+        if measured is not None and step % every == 0:
+            filtered.correct(hull, measured[step])
         surge_n, yaw_nm = drive.step(step, hull.u, hull.r)
         ahead_n, sway_n, turning_nm = hull.wind(wind_north_m_s, wind_east_m_s, inputs.heading_rad[step])
         hull.step(surge_n + ahead_n, sway_n, yaw_nm + turning_nm, inputs.step_s)
-        if measured is None:
-            seen = hull.r
-        else:
-            seen = seen + hull.r - measured[step] + inputs.step_s / OBSERVED_S * (measured[step] - seen)
-            hull.r = np.broadcast_to(measured[min(step + 1, len(measured) - 1)], shape)
     return out

@@ -7,7 +7,7 @@ import numpy as np
 
 from sitl.twin.fit import Fit, factors_of
 from sitl.twin.model import LEFT, RIGHT, SegmentInputs, simulate
-from sitl.twin.voyage import STORED_S, Floats
+from sitl.twin.voyage import Floats
 from sitl.world.pack import CELL_V
 from sitl.world.scenario import Scenario
 
@@ -53,5 +53,5 @@ def _rise_s(run: Floats) -> Floats:
     after = np.maximum((share >= 1.0).argmax(axis=0), 1)
     column = np.arange(run.shape[1])
     low, high = share[after - 1, column], share[after, column]
-    times_s: Floats = STORED_S * (after - 1 + (1.0 - low) / (high - low))
+    times_s: Floats = _STEP_S * (after - 1 + (1.0 - low) / (high - low))
     return times_s

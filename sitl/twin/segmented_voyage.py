@@ -16,8 +16,11 @@ SEGMENT_S: Final = 30.0
 RUN_IN_S: Final = 4.0  # in which sway, turn rate and motors forget their beginning; the speed's is fitted
 _CURRENT_S: Final = 200.0  # between knots of the current
 # What is known beforehand of a voyage's nuisances, one deviation: wind relative to the water, north and east;
-# the fixes' delay beyond the assumed one; the compass's constant error; the current with the motors stopped
-NUISANCE: Final = (3.0, 3.0, 0.1, 0.05, 0.3)
+# logarithms of disturbances over DISTURBANCES; the fixes' delay beyond the assumed one; the compass's
+# constant error; the current with the motors stopped
+NUISANCE: Final = (3.0, 3.0, 1.0, 1.0, 1.0, 0.1, 0.05, 0.3)
+OF_RUN: Final = 5
+"""The first of them change the run, the rest what is seen of it."""
 CURRENT_M_S, _DRIFT_M_S = 1.0, 0.05  # of the current, and of its change from knot to knot
 
 
@@ -38,8 +41,8 @@ class SegmentedVoyage:
         self.fixes = voyage.fixes[self._segment(voyage.fixes[:, 0]) >= 0]
         pack = voyage.pack[np.isfinite(voyage.pack[:, 2])]
         self._pack = pack[self._segment(pack[:, 0]) >= 0]
-        self.rated = slice(round(RUN_IN_S / STORED_S), round(self._end_s / STORED_S))
-        rates = voyage.rate_rad_s[rows[:: round(STORED_S / voyage.step_s)]][self.rated].T
+        self.rated = slice(run_in, run_in + length, round(STORED_S / voyage.step_s))
+        rates = voyage.rate_rad_s[rows[self.rated]].T
         self.cos, self.sin = self._facing(0.0, 0.0)
         north, east = self.fixes[:, 1], self.fixes[:, 2]
         ahead, abeam = north * self.cos + east * self.sin, east * self.cos - north * self.sin
@@ -49,7 +52,7 @@ class SegmentedVoyage:
             *[self._segment(self.fixes[:, 0])] * 2, np.repeat(np.arange(self.count), rates.shape[1]),
             self._segment(self._pack[:, 0]),
         )  # fmt: skip
-        rated_s = STORED_S * np.arange(self.rated.start, self.rated.stop)
+        rated_s = voyage.step_s * np.arange(run_in, run_in + length, self.rated.step)
         rated_s = np.add.outer(self._begins_s, rated_s).ravel()
         self.times_s: tuple[Floats, ...] = (self.fixes[:, 0], self.fixes[:, 0], rated_s, self._pack[:, 0])
         knots = hat_functions(self.fixes[:, 0], _CURRENT_S)
@@ -76,8 +79,8 @@ class SegmentedVoyage:
         return self._flow @ north, self._flow @ east
 
     def predicted(self, run: Floats, nuisance: Floats) -> tuple[Floats, ...]:
-        """What would have been measured, by channel. run: the model's output, shape (times, 4, segments)."""
-        late_s, off_rad, idle_a = nuisance[2:5] * NUISANCE[2:]
+        """What would have been measured, by channel. run: the model's output, shape (steps, 4, segments)."""
+        late_s, off_rad, idle_a = nuisance[OF_RUN : len(NUISANCE)] * NUISANCE[OF_RUN:]
         cos, sin = self._facing(late_s, off_rad)
         flow_n, flow_e = self.flow_m_s(nuisance)
         at_s, segment = self.fixes[:, 0] - late_s, self.segment[0]
@@ -91,8 +94,8 @@ class SegmentedVoyage:
         )
 
     def _at(self, run: Floats, times_s: Floats, segment: Indices) -> Floats:
-        """An output, shape (times, segments), at these times in these segments."""
-        at = np.clip((times_s - self._begins_s[segment]) / STORED_S, 0.0, len(run) - 1.001)
+        """An output, shape (steps, segments), at these times in these segments."""
+        at = np.clip((times_s - self._begins_s[segment]) / self.voyage.step_s, 0.0, len(run) - 1.001)
         below = at.astype(np.int64)
         share = at - below
         value: Floats = run[below, segment] * (1.0 - share) + run[below + 1, segment] * share

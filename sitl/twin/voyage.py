@@ -102,7 +102,9 @@ def read_voyage(path: Path, pack_ohm: float) -> Voyage:
     is_fast = float(np.median(np.diff(outputs[:, 0]))) * _FAST_HZ <= 1.0
     step_s = 0.02 if is_fast else 0.05
     times_s = np.arange(first_s, last_s, step_s)
-    held = outputs[np.searchsorted(outputs[:, 0], times_s + 1e-6, side="right") - 1]
+    left, right = outputs[np.searchsorted(outputs[:, 0], times_s + 1e-6, side="right") - 1, 1:].T
+    if not is_fast:  # commands that were not logged lie between those that were
+        left, right = (np.interp(times_s, outputs[:, 0], row) for row in outputs[:, 1:].T)
     heading_rad, rate_rad_s = _heading(headings, fixes, times_s)
     open_v, ohm = _open_circuit(pack, times_s, pack_ohm)
     frame = LocalFrame(LatLon(float(fixes[0, 1]), float(fixes[0, 2])))
@@ -110,9 +112,7 @@ def read_voyage(path: Path, pack_ohm: float) -> Voyage:
     course = np.radians(fixes[:, 4])
     track = np.column_stack([fixes[:, 0], fixes[:, 3] * np.cos(course), fixes[:, 3] * np.sin(course), places])
     track = track[(track[:, 0] >= first_s) & (track[:, 0] < last_s) & np.isfinite(track).all(axis=1)]
-    return Voyage(
-        first_s, step_s, held[:, 1], held[:, 2], open_v, heading_rad, rate_rad_s, track, pack, ohm, parameters
-    )
+    return Voyage(first_s, step_s, left, right, open_v, heading_rad, rate_rad_s, track, pack, ohm, parameters)
 
 
 def _records(path: Path) -> tuple[dict[str, Floats], dict[str, float]]:
