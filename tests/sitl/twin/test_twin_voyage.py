@@ -17,18 +17,20 @@ from sitl.twin.voyage import Voyage, read_voyage
 from sitl.world.truth import Truth
 
 
-@pytest.fixture(scope="module")
-def sailed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Voyage, Rows]:
-    """The first two minutes of a trial voyage, logged at every tick; the log, what is read, and the truth."""
-    path = tmp_path_factory.mktemp("voyage") / "a.bin"
-    scenario = load_scenario(
-        "open",
-        ["vehicle.log.motion_hz=50", "environment.wind_m_s=3", "environment.current_m_s=0.3", "seed=31"],
-    )
+def sail(path: Path, rate_hz: int) -> tuple[Path, Voyage, Rows]:
+    """The first two minutes of a trial voyage; the log, what is read, and the truth."""
+    water = ["environment.wind_m_s=3", "environment.current_m_s=0.3", "seed=31"]
+    scenario = load_scenario("open", [f"vehicle.log.motion_hz={rate_hz}", *water])
     mission = trial_mission(scenario.frame.origin, scenario.vehicle.speed.cruise_m_s)
     run = MissionRun(scenario, wire_items(mission), Logbook(SingleFile(path), None, InlineWorker()))
     run.run(timeout_s=120.0)
     return path, read_voyage(path, 0.05), run.recorder.rows
+
+
+@pytest.fixture(scope="module")
+def sailed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Voyage, Rows]:
+    """Logged at every tick."""
+    return sail(tmp_path_factory.mktemp("voyage") / "a.bin", 50)
 
 
 def test_commands_fixes_and_pack_are_those_that_another_reader_finds(
@@ -69,6 +71,18 @@ def test_gyro_and_compass_together_give_the_true_turn_rate_and_heading(
     assert np.interp(truth["time_s"][at], times_s + 0.02, voyage.left) == pytest.approx(
         truth["left_command"][at], abs=2e-3
     )
+
+
+def test_commands_of_a_slow_log_are_not_late(tmp_path: Path) -> None:
+    _, voyage, rows = sail(tmp_path / "slow.bin", 10)
+    truth = {name: rows[:, n] for n, name in enumerate(Truth._fields)}
+    times_s = voyage.start_s + voyage.step_s * np.arange(len(voyage.left))
+    for name, commands in (("left_command", voyage.left), ("right_command", voyage.right)):
+        before, true, after = (
+            np.interp(times_s + 0.02 + late_s, truth["time_s"], truth[name]) for late_s in (-0.05, 0.0, 0.05)
+        )
+        slope = (after - before) / 0.1
+        assert abs(slope @ (true - commands) / (slope @ slope)) < 0.01  # s; 0.03 for those held
 
 
 def test_the_packs_resistance_is_found_from_its_load(sailed: tuple[Path, Voyage, Rows]) -> None:
