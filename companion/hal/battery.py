@@ -9,7 +9,7 @@ INA228 is not used either; the boat integrates the averages of all monitors in t
 
 import logging
 from collections.abc import Callable
-from typing import Final, NamedTuple, Protocol
+from typing import Final, NamedTuple
 
 from companion.config.sensors import BatteryPart
 from companion.core.errors import HardwareError
@@ -181,15 +181,7 @@ _SHUNT_CHIPS: Final = {"ina219": INA219, "ina226": INA226, "ina228": INA228}
 _SHUNT_ADDRESS: Final = 0x40  # A0 and A1 to ground
 
 
-class Monitor(Protocol):
-    """A part on the bus."""
-
-    bus: I2cBus
-
-    def read(self) -> Measurement | None:
-        """The latest measurement, None if there is none yet.
-        Raises HardwareError, OSError: it does not answer.
-        """
+Monitor = ShuntMonitor | AnalogMonitor
 
 
 class BatterySensor(BackgroundSensor[BatteryReading]):

@@ -34,11 +34,9 @@ Exit codes: 0 nothing found, 1 findings, 2 wrong usage or input, 3 no vehicle or
 
 def _parser() -> Parser:
     parser = Parser(PROGRAM, EXAMPLES, "FILE")
-    group = parser.add_argument_group("check")
-    group.add_argument("--map", metavar="SOURCE", dest="map_source", help="scenario or map to check against")
-    group.add_argument(
-        "--clearance", type=number, metavar="M", help="metres kept from everything [the scenario's, or 4]"
-    )
+    add = parser.add_argument_group("check").add_argument
+    add("--map", metavar="SOURCE", dest="map_source", help="scenario or map to check against")
+    add("--clearance", type=number, metavar="M", help="metres kept from everything [the scenario's, or 4]")
     add_link(parser, None)
     parser.add_common()
     return parser

@@ -32,18 +32,12 @@ Exit codes: 0 done, 2 wrong usage or input.
 
 def _parser() -> Parser:
     parser = Parser(PROGRAM, EXAMPLES, "PHOTO", is_required=True)
-    group = parser.add_argument_group("water")
-    group.add_argument("--seed", action="append", default=[], metavar="LAT,LON", help="a place on the water")
-    group.add_argument(
-        "--land", action="append", default=[], metavar="LAT,LON", help="a place whose like is land"
-    )
-    group.add_argument("--fill", type=number, default=0.0, metavar="M2", help="fill holes up to this [0]")
-    group.add_argument(
-        "--inset", type=number, default=1.0, metavar="PX", help="draw the outline into the water by this [1]"
-    )
-    group.add_argument(
-        "--threshold", type=number, metavar="SD", help="standard deviations a colour may be off [chosen]"
-    )
+    add = parser.add_argument_group("water").add_argument
+    add("--seed", action="append", default=[], metavar="LAT,LON", help="a place on the water")
+    add("--land", action="append", default=[], metavar="LAT,LON", help="a place whose like is land")
+    add("--fill", type=number, default=0.0, metavar="M2", help="fill holes up to this [0]")
+    add("--inset", type=number, default=1.0, metavar="PX", help="draw the outline into the water by this [1]")
+    add("--threshold", type=number, metavar="SD", help="standard deviations a colour may be off [chosen]")
     files = parser.add_argument_group("files")
     files.add_argument("--out", type=Path, metavar="FILE", help="write the map: .geojson")
     files.add_argument("--preview", type=Path, metavar="FILE", help="draw the outline on the photo: .png")

@@ -15,15 +15,15 @@ def _parser() -> Parser:
     add_areas(parser)
     add_costs(parser)
     add_outputs(parser)
-    sail = parser.add_argument_group("upload")
-    sail.add_argument("--start", action="store_true", help="arm and start the mission")
-    sail.add_argument("--follow", action="store_true", help="watch until the mission has ended")
-    sail.add_argument(
+    add = parser.add_argument_group("upload").add_argument
+    add("--start", action="store_true", help="arm and start the mission")
+    add("--follow", action="store_true", help="watch until the mission has ended")
+    add(
         "--watch",
         action="store_true",
         help="as --follow, and lead the mission round what the boat's rangers see on its way",
     )
-    sail.add_argument(
+    add(
         "--timeout",
         type=number,
         dest="timeout_s",
@@ -31,11 +31,9 @@ def _parser() -> Parser:
         metavar="S",
         help="give up following after this",
     )
-    sail.add_argument("--diff", action="store_true", help="say what the upload changes on board")
-    sail.add_argument(
-        "--if-changed", action="store_true", help="as --diff, and upload only the lists that change"
-    )
-    sail.add_argument("--dry-run", action="store_true", help="plan and report; no vehicle")
+    add("--diff", action="store_true", help="say what the upload changes on board")
+    add("--if-changed", action="store_true", help="as --diff, and upload only the lists that change")
+    add("--dry-run", action="store_true", help="plan and report; no vehicle")
     add_link(parser)
     parser.set_defaults(items=False)
     parser.add_common()

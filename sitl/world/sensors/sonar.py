@@ -9,12 +9,13 @@ there would (Lambert's law, Urick 1983, chapter 8, has sin γ for s). Light goes
 
 import math
 from collections import deque
-from typing import Protocol
 
 import msgspec
 
 from companion.core.readings import SonarReading
 from companion.sensors.servo_scan import ServoScan
+from sitl.world.environment.waves import Waves
+from sitl.world.movers import Movers
 from sitl.world.sampling import TIME_SLACK_S, generator, normal
 from sitl.world.sensors.fault import SensorFault
 from sitl.world.sensors.rangers import SonarSettings
@@ -30,48 +31,6 @@ _PULSE_M = 0.034  # eight periods of 40 kHz, there and back
 _Echo = tuple[float, float]  # range in m, excess in dB
 
 
-class MovingObstacles(Protocol):
-    """What moves about on the water."""
-
-    def echoes(
-        self,
-        east_m: float,
-        north_m: float,
-        bearing_rad: float,
-        cone_rad: float,
-        max_range_m: float,
-        time_s: float,
-    ) -> list[tuple[float, float, float]]:
-        """Range, radius and angle off the bearing of each within a cone."""
-
-
-class Sea(Protocol):
-    """The waves around the boat."""
-
-    @property
-    def is_calm(self) -> bool:
-        """Whether there are none."""
-
-    @property
-    def height_m(self) -> float:
-        """The significant height."""
-
-    @property
-    def heave_m(self) -> float:
-        """How high the boat is lifted,"""
-
-    @property
-    def roll_rad(self) -> float:
-        """leans to starboard"""
-
-    @property
-    def pitch_rad(self) -> float:
-        """and raises its bow."""
-
-    def surface(self, north_m: float, east_m: float, time_s: float) -> tuple[float, float, float]:
-        """Height of the water at a place, and its slopes northward and eastward."""
-
-
 class SimSonar:
     """The swept ranger. The nearest echo that exceeds its threshold counts.
 
@@ -79,7 +38,7 @@ class SimSonar:
     """
 
     def __init__(
-        self, settings: SonarSettings, shore: Shore, seed: int, movers: MovingObstacles | None = None
+        self, settings: SonarSettings, shore: Shore, seed: int, movers: Movers | None = None
     ) -> None:
         self.fault: SensorFault[SonarReading] | None = None
         self.clock_offset_s = 0.0  # the boat's clock, which stamps readings, less the world's
@@ -101,7 +60,7 @@ class SimSonar:
         self.mover_heard_s = math.inf
 
     def sample(
-        self, now_s: float, north_m: float, east_m: float, heading_rad: float, sea: Sea | None = None
+        self, now_s: float, north_m: float, east_m: float, heading_rad: float, sea: Waves | None = None
     ) -> None:
         """Ping when due. sea: None is calm."""
         if now_s < self.due_s:
@@ -173,7 +132,7 @@ class SimSonar:
         return excess_db
 
     def _water(
-        self, sea: Sea, points_rad: float, heading_rad: float, north_m: float, east_m: float, now_s: float
+        self, sea: Waves, points_rad: float, heading_rad: float, north_m: float, east_m: float, now_s: float
     ) -> list[_Echo]:
         """Of wave faces in the beam."""
         ahead_rad = heading_rad + points_rad
