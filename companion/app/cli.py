@@ -4,6 +4,8 @@ import contextlib
 import logging
 from typing import Annotated
 
+from msgspec import structs
+
 from companion import __version__
 from companion.app.calibrate import calibrate_compass as run_compass_calibration
 from companion.app.calibrate import calibrate_escs as run_calibration
@@ -44,7 +46,10 @@ def check(config: ConfigFile) -> None:
     """Read a configuration and say what is wrong with it, without touching any hardware."""
     tree = load_config(config)
     check_config(tree)
-    echo(f"{config}: fine; links {', '.join(link.url for link in tree.link_settings)}")
+    parts = structs.asdict(tree.parts) | {"rc": tree.rc}
+    drivers = {name: getattr(part, "driver", "none") for name, part in parts.items()}
+    fitted = ", ".join(f"{name} {driver}" for name, driver in drivers.items() if driver != "none")
+    echo(f"{config}: fine; parts {fitted}; links {', '.join(link.url for link in tree.link_settings)}")
 
 
 def calibrate_compass(config: ConfigFile) -> None:

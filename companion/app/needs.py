@@ -12,7 +12,7 @@ from companion.config.payload import WinchPayload
 from companion.config.section import Section
 from companion.config.sensors import CompassPart
 from companion.core.errors import ConfigError
-from companion.links.port_url import parse_port_url
+from companion.links.port_url import line_url, parse_port_url
 
 # How a driver is connected: a new driver on a bus or a port needs its row here.
 I2C_ADDRESSES: Final = {  # where the configuration gives none
@@ -34,7 +34,7 @@ I2C_ADDRESSES: Final = {  # where the configuration gives none
     "ads1115": 0x48,
 }
 PORT_DRIVERS = frozenset(
-    {"nmea", "bno085", "ubx", "gpsd", "a02yyuw", "tfmini", "ld06", "rplidar_a1", "ping1d", "serial"}
+    {"nmea", "bno085", "ubx", "a02yyuw", "tfmini", "ld06", "rplidar_a1", "ping1d", "serial"}
     | {"crsf", "ibus", "sbus"}
 )
 _ECHO_PINS = ("hcsr04", "jsnsr04t")
@@ -99,7 +99,7 @@ class Needs:
 
 
 def needs_of(config: BoatConfig) -> Needs:
-    """From the drivers that are chosen."""
+    """From the drivers that are chosen. A ConfigError names the key of a port that is none."""
     ports: dict[str, str] = {}
     i2c: dict[str, str] = {}
     pwm: dict[str, int] = {}
@@ -115,14 +115,18 @@ def needs_of(config: BoatConfig) -> Needs:
             ports[f"{key}.port"] = getattr(section, "port", "")
     reporting = config.parts.motors.ports(has_right=config.drive.has_pair)
     ports |= {f"parts.motors.{key}": port for key, port in reporting.items()}
-    urls = {f"links[{number}]": link.url for number, link in enumerate(config.link_settings)}
+    urls = {key: line_url(port) for key, port in ports.items()}
+    urls |= {f"links[{number}]": link.url for number, link in enumerate(config.link_settings)}
     if autopilot := config.parts.autopilot_part.url:
         urls["parts.autopilot"] = autopilot
+    devices: dict[str, str] = {}
     for key, text in urls.items():
-        url = parse_port_url(text)
-        if url.kind == "serial":
-            ports[key] = url.place
-    devices = {key: port for key, port in ports.items() if port.startswith("/dev/")}
+        try:
+            url = parse_port_url(text)
+        except ConfigError as error:
+            raise ConfigError(f"{key}: {error}") from None
+        if url.place.startswith("/dev/"):
+            devices[key] = url.place
     compass = config.parts.compass
     return Needs(
         devices, i2c, pwm, stretches_clock=compass.part_driver == "bno055" and _bus(compass) == HEADER_I2C

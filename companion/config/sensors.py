@@ -170,6 +170,15 @@ class LidarPart(RangedPart, frozen=True):
     # between two readings of a direction: every second pass of an LD06 at 10 Hz, each of an A1's 5.5 to 8 Hz
     period_s: NonNegative = 0.12
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for first, last in self.blind_rad:
+            if (hidden_rad := (last - first) % math.tau) > math.pi:
+                raise ValueError(
+                    f"blind_rad = [{first:g}, {last:g}]: hides {math.degrees(hidden_rad):.0f}°, clockwise "
+                    "from the first to the second; expected at most 180° a pair"
+                )
+
     def is_blind(self, bearing_rad: float, half_rad: float) -> bool:
         """Whether a part of the sector of half_rad to either side is hidden."""
         return any(

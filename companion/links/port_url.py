@@ -92,8 +92,12 @@ def open_line(place: str, baud: float, now: Callable[[], float], line: LineForma
     """Open a part's serial device at a baud rate, or any other port url.
     Raises ConfigError: the url is invalid; LinkError: the port cannot be opened.
     """
-    url = f"{place},{int(baud)}" if place.startswith("/") and "," not in place else place
-    return open_port(url, now, line=line)
+    return open_port(line_url(place, baud), now, line=line)
+
+
+def line_url(place: str, baud: float = DEFAULT_BAUD) -> str:
+    """The port url of a part: a device has the part's baud rate, and may have colons in its name."""
+    return f"{place},{int(baud)}" if place.startswith("/") and "," not in place else place
 
 
 def _internet(url: str, kind: str, rest: str) -> PortUrl:

@@ -56,8 +56,12 @@ PARTS: Final[Mapping[str, Open]] = {
 }
 
 
-def check_part(name: str, open_part: Open, config: BoatConfig, clock: Clock, driver: str = "") -> Finding:
-    """Open a part, wait for its first reading, and close it. driver: default: that of the section."""
+def check_part(
+    name: str, open_part: Open, config: BoatConfig, clock: Clock, driver: str = "", count: int = 1
+) -> Finding:
+    """Open a part, wait for its first reading, and close it. driver: default: that of the section. count: of
+    the speed controllers that answer over the line.
+    """
     driver = driver or (getattr(config.parts, name, None) or getattr(config, name)).driver
     if driver == "none":
         return skipped(name, "not fitted")
@@ -68,7 +72,7 @@ def check_part(name: str, open_part: Open, config: BoatConfig, clock: Clock, dri
     give_up_s = clock.now_s() + _PATIENCE_S
     with closing(part):
         reading = part.read()
-        while (reading is None or reading == []) and clock.now_s() < give_up_s:
+        while _is_missing(reading, count) and clock.now_s() < give_up_s:
             clock.sleep(_POLL_S)
             reading = part.read()
         if isinstance(reading, list) and reading:  # of a ranger: the whole sweep
@@ -80,7 +84,14 @@ def check_part(name: str, open_part: Open, config: BoatConfig, clock: Clock, dri
         text = f"{driver}: no reading within {_PATIENCE_S:g} s{said}"
         return failed(name, text, "check its supply, wires, port and baud rate")
     verdict, words = in_words(reading, config)
+    if _is_missing(reading, count):
+        text = f"{driver}: {words}, and the right one does not answer over CAN{said}"
+        return failed(name, text, "check parts.motors.can_id, its supply and CAN's wires")
     return Finding(name, verdict, f"{driver}: {words}{said}")
+
+
+def _is_missing(reading: object, count: int) -> bool:
+    return reading is None or (isinstance(reading, Sequence) and len(reading) < count)
 
 
 def check_probes(config: BoatConfig, clock: Clock) -> list[Finding]:
@@ -96,10 +107,12 @@ def _open_probe(part: ProbePart, config: BoatConfig, now: Callable[[], float]) -
 
 def check_escs(config: BoatConfig, clock: Clock) -> list[Finding]:
     """The speed controllers that report; those of KISS only send while they are powered and set to."""
-    part = config.parts.motors
+    part, has_right = config.parts.motors, config.drive.has_pair
+    ports = part.ports(has_right=has_right)
+    count = 1 + (has_right and len(ports) == 1)
     return [
-        check_part(name, partial(parts.open_esc, side=side), config, clock, part.protocol)
-        for side, name in enumerate(part.ports(has_right=config.drive.has_pair))
+        check_part(f"{side} ESC", partial(parts.open_esc, side=number), config, clock, part.protocol, count)
+        for number, side in enumerate(("left", "right")[: len(ports)])
     ]
 
 

@@ -85,6 +85,19 @@ def check(*lines: str, model: str = PI_4) -> None:
             (BRIDGE, TFMINI % "/dev/ttyAMA5"),
             "parts.motors.left_enable: GPIO 12 belongs to parts.sonar.port, /dev/ttyAMA5",
         ),
+        (("parts.ais={driver='nmea', port='ttyACM0'}",), "parts.ais.port: port 'ttyACM0': expected udpin"),
+        (("parts.ais={driver='nmea', port='upd::10110'}",), "parts.ais.port: .* unknown kind 'upd'"),
+        (
+            ("parts.motors={driver='esc', telemetry='kiss', right_port=''}",),
+            "parts.motors.right_port: port '': expected",
+        ),
+        (
+            (
+                "parts.lidar={driver='ld06', port='/dev/ttyUSB3'}",
+                "parts.ais={driver='nmea', port='serial:/dev/ttyUSB3:38400'}",
+            ),
+            "parts.ais.port: /dev/ttyUSB3 belongs to parts.lidar.port",
+        ),
     ],
 )
 def test_what_is_used_twice_or_cannot_be_names_its_keys(lines: tuple[str, ...], message: str) -> None:
@@ -103,6 +116,9 @@ def test_what_is_used_twice_or_cannot_be_names_its_keys(lines: tuple[str, ...], 
         ),
         (ESC, "payload=[{kind='winch', out_pin=17, in_pin=27}]"),
         (ESC, f"payload=[{SERVO}]"),
+        ("parts.gnss={driver='gpsd', port='localhost:2947'}",),
+        ("parts.ais={driver='nmea', port='udpin:127.0.0.1:10110'}",),
+        ("parts.ais={driver='nmea', port='/dev/serial/by-path/platform-usb-0:1.3:1.0-port0'}",),
         (ESC, OE, f"payload=[{SERVO}, {{kind='winch', signal={{output='pca9685', channel=1}}}}]"),
     ],
 )

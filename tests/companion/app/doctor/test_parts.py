@@ -1,7 +1,8 @@
 """The configured parts one after the other, through the functions that open them on the boat."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import chain, repeat
 from pathlib import Path
 
 import gpiozero
@@ -9,18 +10,26 @@ import pytest
 from doctor_tree import Examine
 from fake_clock import FakeClock
 from msgspec import json
+from msgspec.structs import replace
 from twins.pins import PinBoard
 from twins.pulses import PI_4, plug_in_pwm
 from twins.rover import SET_UP
 
 from companion.app.doctor.by_hand import nudge_motors
 from companion.app.doctor.findings import Verdict
-from companion.app.doctor.parts import PARTS, LivePart, check_autopilot, check_part, part_findings
+from companion.app.doctor.parts import (
+    PARTS,
+    LivePart,
+    check_autopilot,
+    check_escs,
+    check_part,
+    part_findings,
+)
 from companion.app.status_file import BoatStatus
 from companion.config.actuators import MotorsPart
 from companion.config.boat_config import BoatConfig, Parts
 from companion.config.sensors import HullPart, LidarPart
-from companion.core.readings import HullReading, SonarReading
+from companion.core.readings import EscReading, HullReading, SonarReading
 from companion.core.status_text import Severity, StatusText
 from companion.hal.autopilot.parameters import RoverParameters
 from companion.router.status import LinksStatus
@@ -107,6 +116,20 @@ def test_each_motor_turns_both_ways_after_a_typed_yes(board: PinBoard) -> None:
     assert max(change.value for change in board.history if change.pin not in legs) <= 0.5, "full drive"
     last = {change.pin: change.value for change in board.history}
     assert not any(last.values())
+
+
+def test_a_vesc_behind_another_is_waited_for_and_missed(monkeypatch: pytest.MonkeyPatch) -> None:
+    left = EscReading(0.0, 0, 1, 0.0, 15.2, 3.2, 41.0, 0.0)
+    config = BoatConfig(parts=Parts(motors=MotorsPart(driver="vesc", can_id=11)))
+    answers: Iterator[tuple[EscReading, ...]] = chain([(left,)], repeat((left, replace(left, side=1))))
+    part = Part((left,))
+    monkeypatch.setattr("companion.app.parts.open_esc", lambda *_, side: part)
+    (found,) = check_escs(config, FakeClock())
+    assert (found.name, found.verdict) == ("left ESC", Verdict.FAILED)
+    assert found.text == "vesc: left 15.20 V, 3.20 A, 41 °C, and the right one does not answer over CAN"
+    monkeypatch.setattr(part, "read", lambda: next(answers))
+    (found,) = check_escs(config, FakeClock())
+    assert (found.verdict, found.text.count("15.20 V")) == (Verdict.FINE, 2)
 
 
 @pytest.mark.parametrize("answer", ["", "y", "Yes!", "no"])

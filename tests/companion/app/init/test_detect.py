@@ -70,6 +70,7 @@ def test_what_is_found_is_written_and_passes_the_check(
     said = capsys.readouterr().out
     assert "parts.compass.driver qmc5883l, 0xd on I²C bus 1" in said
     assert "left out" not in said
+    assert "fine; parts motors l298n, gnss ubx, compass qmc5883l, sonar tfmini, battery ina226" in said
 
 
 def test_with_nothing_connected_it_is_the_preset(
