@@ -8,7 +8,7 @@ from companion.core.readings import EscPair
 from companion.core.state import MotorCommand
 from companion.core.status_text import Severity, StatusText
 from companion.hal.interfaces import EscTelemetry
-from companion.sensors.silence import LatePart, SilenceMonitor, fresh
+from companion.sensors.silence import SilenceMonitor, fresh
 
 _COOLER_C: Final = 5.0  # below the limit a hot one is cool again
 _SWAPPED: Final = 10  # looks in a row, 1 s: both shafts have followed their commands by then
@@ -44,8 +44,8 @@ class EscMonitor:
         return [one for one in told if one is not None]
 
     def _monitors_of(self, side: int) -> tuple[SilenceMonitor, SilenceMonitor, SilenceMonitor]:
-        name, line = ("Left ESC", "Right ESC")[side], self._lines[min(side, len(self._lines) - 1)]
-        silence = SilenceMonitor(name, line if isinstance(line, LatePart) else None)
+        name = ("Left ESC", "Right ESC")[side]
+        silence = SilenceMonitor(name, self._lines[min(side, len(self._lines) - 1)])
         return silence, SilenceMonitor(name, again="is cool again"), SilenceMonitor(name, again="works again")
 
     def _watch_sides(self, command: MotorCommand) -> StatusText | None:

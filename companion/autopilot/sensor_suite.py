@@ -10,17 +10,8 @@ from collections.abc import Callable
 from companion.autopilot.esc_monitor import EscMonitor
 from companion.config.boat_config import BoatConfig, Trim
 from companion.config.sensors import CompassPart
-from companion.core.readings import (
-    AisReading,
-    BatteryReading,
-    DepthReading,
-    GnssFix,
-    HeadingReading,
-    HullReading,
-    ProbeReading,
-    RcReading,
-    SonarReading,
-)
+from companion.core import readings
+from companion.core.readings import BatteryReading, DepthReading, GnssFix, HeadingReading, SonarReading
 from companion.core.state import STOPPED, MotorCommand
 from companion.core.status_text import Severity, StatusText
 from companion.estimation.estimator import Estimator
@@ -33,7 +24,7 @@ from companion.sensors.compass.magnetic_field import MotorLoad
 from companion.sensors.external import ExternalSensors
 from companion.sensors.fuel_gauge import FuelGauge, cells_fault
 from companion.sensors.plausibility import BATTERY, DEPTH, FIX, HEADING, ReadingGate
-from companion.sensors.silence import LatePart, SilenceMonitor, fresh
+from companion.sensors.silence import SilenceMonitor, fresh
 
 _FIX_2D = 2
 _FIELD_RATIO = (0.6, 1.5)  # of the horizontal field to the earth's; beyond, iron is near
@@ -66,22 +57,16 @@ class SensorSuite:
         self.lidar: SonarReading | None = None  # the latest sector
         self.depth: DepthReading | None = None
         self.bottom: DepthReading | None = None
-        self.ais: AisReading | None = None
-        self.probes: list[ProbeReading] = []  # of those that are not silent
+        self.ais: readings.AisReading | None = None
+        self.probes: list[readings.ProbeReading] = []  # of those that are not silent
         self.escs = EscMonitor(hardware.escs)
-        self.hull: HullReading | None = None
-        self.rc: RcReading | None = None  # the latest RC frame
+        self.hull: readings.HullReading | None = None
+        self.rc: readings.RcReading | None = None  # the latest RC frame
         self.pings: list[tuple[SonarReading, float | None]] = []  # of this tick, with beam widths in rad
         self.notices: list[StatusText] = []  # of this tick, for the operator
         self.earth = EarthFieldModel()
-        self._sonar_silence = _monitor("Sonar", hardware.sonar)
-        self._lidar_silence = _monitor("Lidar", hardware.lidar)
         self._slow_due_s = 0.0
-        self._probe_silences: dict[str, SilenceMonitor] = {}
-        self._depth_silence = _monitor("Depth sounder", hardware.depth)
-        self._ais_silence = _monitor("AIS receiver", hardware.ais)
-        self._hull_silence = _monitor("Hull sensor", hardware.hull)
-        self._battery_silence = _monitor("Battery monitor", hardware.battery)
+        self._silences: dict[str, SilenceMonitor] = {}  # by the part's name
         self._measured: BatteryReading | None = None  # the monitor's latest, fresh or not
         self.field = hardware.field  # the correction of a bare magnetometer, None for other parts
         self._pausing = hardware.compass if isinstance(hardware.compass, PausingPart) else None
@@ -187,23 +172,23 @@ class SensorSuite:
             self._read_battery(self._battery_gate.judge(hardware.battery.read()), config, now_s, command)
         if hardware.hull is not None:
             self.hull = fresh(hardware.hull.read(), parts.hull.timeout_s, now_s)
-            self._tell(self._hull_silence, parts.hull.timeout_s, now_s, self.hull)
+            self._tell("Hull sensor", hardware.hull, self.hull, parts.hull.timeout_s, now_s)
         if hardware.depth is not None:
             self.depth = fresh(self._depth_gate.judge(hardware.depth.read()), parts.depth.timeout_s, now_s)
             found = self.bottom if self.depth is None or self.depth.depth_m is None else self.depth
             self.bottom = fresh(found, parts.depth.timeout_s, now_s)
-            self._tell(self._depth_silence, parts.depth.timeout_s, now_s, self.depth)
+            self._tell("Depth sounder", hardware.depth, self.depth, parts.depth.timeout_s, now_s)
         if hardware.ais is not None:
             self.ais = fresh(hardware.ais.read(), parts.ais.timeout_s, now_s)
-            self._tell(self._ais_silence, parts.ais.timeout_s, now_s, self.ais)
+            self._tell("AIS receiver", hardware.ais, self.ais, parts.ais.timeout_s, now_s)
         if hardware.probes:
             self._read_probes(config, now_s)
         if hardware.escs:
             self.notices += self.escs.update(parts.motors, command, now_s, 1 + config.drive.has_pair)
         if hardware.sonar is not None:
-            self._tell(self._sonar_silence, SONAR_START_S, now_s, self.has_sonar or None)
+            self._tell("Sonar", hardware.sonar, self.has_sonar or None, SONAR_START_S, now_s)
         if hardware.lidar is not None:
-            self._tell(self._lidar_silence, SONAR_START_S, now_s, self.has_lidar or None)
+            self._tell("Lidar", hardware.lidar, self.has_lidar or None, SONAR_START_S, now_s)
 
     def _read_battery(
         self, battery: BatteryReading | None, config: BoatConfig, now_s: float, command: MotorCommand
@@ -216,25 +201,21 @@ class SensorSuite:
             self._measured = battery
             self.gauge.update(battery, config.battery, command)
         self.battery = fresh(battery, timeout_s, now_s)
-        self._tell(self._battery_silence, timeout_s, now_s, self.battery)
+        self._tell("Battery monitor", self._hardware.battery, self.battery, timeout_s, now_s)
 
     def _read_probes(self, config: BoatConfig, now_s: float) -> None:
         self.probes.clear()
         for part, probe in zip(config.probe, self._hardware.probes, strict=True):
             reading = fresh(probe.read(), part.timeout_s, now_s)
-            if (silence := self._probe_silences.get(part.name)) is None:
-                silence = self._probe_silences[part.name] = _monitor(f"Probe {part.name}", probe)
-            self._tell(silence, part.timeout_s, now_s, reading)
+            self._tell(f"Probe {part.name}", probe, reading, part.timeout_s, now_s)
             if reading is not None:
                 self.probes.append(reading)
 
-    def _tell(self, silence: SilenceMonitor, timeout_s: float, now_s: float, reading: object) -> None:
+    def _tell(self, name: str, part: object, reading: object, timeout_s: float, now_s: float) -> None:
+        if (silence := self._silences.get(name)) is None:
+            silence = self._silences[name] = SilenceMonitor(name, part)
         if (notice := silence.update(timeout_s, now_s, is_heard=reading is not None)) is not None:
             self.notices.append(notice)
-
-
-def _monitor(name: str, part: object) -> SilenceMonitor:
-    return SilenceMonitor(name, part if isinstance(part, LatePart) else None)
 
 
 def trimmed(

@@ -31,9 +31,10 @@ class LatePart(Protocol):
 class SilenceMonitor:
     """Tells once that a part is silent, and once that it measures again. A missing part is not silent."""
 
-    def __init__(self, name: str, part: LatePart | None = None, again: str = "measures again") -> None:
+    def __init__(self, name: str, part: object = None, again: str = "measures again") -> None:
+        """part: asked whether it is open yet, if it is a `LatePart`."""
         self._name, self._again = name, again
-        self._part = part
+        self._part = part if isinstance(part, LatePart) else None
         self._began_s: float | None = None
         self._is_silent = False
 

@@ -119,25 +119,15 @@ def _altitude_fault(item: MissionItem) -> ItemFault | None:
 
 
 def _waypoint(item: MissionItem) -> Step | ItemFault:
+    """Also a place to stay at, for a time or for ever; its param2 is no radius."""
     place = _place(item)
     if isinstance(place, ItemFault):
         return place
-    radius_m = item.param2 if 0.0 < item.param2 < math.inf else 0.0
+    if item.command == dialect.MAV_CMD_NAV_LOITER_UNLIM:
+        return steps.Waypoint(place, math.inf)
+    has_radius = item.command != dialect.MAV_CMD_NAV_LOITER_TIME and 0.0 < item.param2 < math.inf
     hold_s = 0.0 if math.isnan(item.param1) else item.param1
-    return _not_negative(hold_s, "time", steps.Waypoint(place, hold_s, radius_m))
-
-
-def _loiter_for_ever(item: MissionItem) -> Step | ItemFault:
-    place = _place(item)
-    return place if isinstance(place, ItemFault) else steps.Waypoint(place, math.inf)
-
-
-def _loiter_for_a_time(item: MissionItem) -> Step | ItemFault:
-    place = _place(item)
-    if isinstance(place, ItemFault):
-        return place
-    hold_s = 0.0 if math.isnan(item.param1) else item.param1
-    return _not_negative(hold_s, "time", steps.Waypoint(place, hold_s))
+    return _not_negative(hold_s, "time", steps.Waypoint(place, hold_s, item.param2 if has_radius else 0.0))
 
 
 def _loiter_turns(item: MissionItem) -> Step | ItemFault:
@@ -223,9 +213,9 @@ def _not_negative(seconds: float, name: str, step: Step) -> Step | ItemFault:
 _TABLE: dict[int, Callable[[MissionItem], Step | ItemFault]] = {
     dialect.MAV_CMD_NAV_WAYPOINT: _waypoint,
     **dict.fromkeys(SAILED_STRAIGHT, _waypoint),
-    dialect.MAV_CMD_NAV_LOITER_UNLIM: _loiter_for_ever,
+    dialect.MAV_CMD_NAV_LOITER_UNLIM: _waypoint,
     dialect.MAV_CMD_NAV_LOITER_TURNS: _loiter_turns,
-    dialect.MAV_CMD_NAV_LOITER_TIME: _loiter_for_a_time,
+    dialect.MAV_CMD_NAV_LOITER_TIME: _waypoint,
     dialect.MAV_CMD_NAV_RETURN_TO_LAUNCH: lambda _: steps.ReturnHome(),
     dialect.MAV_CMD_NAV_GUIDED_ENABLE: lambda item: steps.HandOver(item.param1 > 0.5),
     dialect.MAV_CMD_NAV_DELAY: _delay,

@@ -13,22 +13,9 @@ from typing import Final, NamedTuple
 
 from companion.mavlink.dialect import dialect
 from mission_tools.station.messages import Sensor
+from mission_tools.station.setup import sensor_checks as checks
 from mission_tools.station.setup.latest_messages import RANGER, SOUNDER
-from mission_tools.station.setup.sensor_checks import (
-    Found,
-    SensorSnapshot,
-    Values,
-    examine_battery,
-    examine_clock,
-    examine_compass,
-    examine_computer,
-    examine_depth,
-    examine_gnss,
-    examine_gyro,
-    examine_motors,
-    examine_rc,
-    examine_sonar,
-)
+from mission_tools.station.setup.sensor_checks import Found, SensorSnapshot, Values
 from mission_tools.station.words import texts
 
 _SLOW_STALE_S: Final = 10.0  # what may come every 5 s, over a radio that loses some
@@ -53,16 +40,21 @@ class _Row(NamedTuple):
 _PROPULSION: Final = ("Left motor", "Right motor", "Weed", "Steering lost")
 _HULL: Final = ("Computer", "Too hot", "Storage", "Water in the hull")
 ROWS: Final = (
-    _Row("gnss", examine_gnss, dialect.MAVLINK_MSG_ID_GPS_RAW_INT, ("GPS", "Position lost")),
-    _Row("compass", examine_compass, dialect.MAVLINK_MSG_ID_SCALED_IMU, ("Compass", "Heading lost")),
-    _Row("gyro", examine_gyro, dialect.MAVLINK_MSG_ID_SCALED_IMU),
-    _Row("sonar", examine_sonar, RANGER, ("Sonar",)),
-    _Row("depth", examine_depth, SOUNDER),
-    _Row("battery", examine_battery, dialect.MAVLINK_MSG_ID_SYS_STATUS, ("Battery", "Point of no return")),
-    _Row("rc", examine_rc, dialect.MAVLINK_MSG_ID_RC_CHANNELS, ("RC",)),
-    _Row("motors", examine_motors, dialect.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW, _PROPULSION),
-    _Row("clock", examine_clock, dialect.MAVLINK_MSG_ID_SYSTEM_TIME),
-    _Row("computer", examine_computer, dialect.MAVLINK_MSG_ID_SYS_STATUS, _HULL),
+    _Row("gnss", checks.examine_gnss, dialect.MAVLINK_MSG_ID_GPS_RAW_INT, ("GPS", "Position lost")),
+    _Row("compass", checks.examine_compass, dialect.MAVLINK_MSG_ID_SCALED_IMU, ("Compass", "Heading lost")),
+    _Row("gyro", checks.examine_gyro, dialect.MAVLINK_MSG_ID_SCALED_IMU),
+    _Row("sonar", checks.examine_sonar, RANGER, ("Sonar",)),
+    _Row("depth", checks.examine_depth, SOUNDER),
+    _Row(
+        "battery",
+        checks.examine_battery,
+        dialect.MAVLINK_MSG_ID_SYS_STATUS,
+        ("Battery", "Point of no return"),
+    ),
+    _Row("rc", checks.examine_rc, dialect.MAVLINK_MSG_ID_RC_CHANNELS, ("RC",)),
+    _Row("motors", checks.examine_motors, dialect.MAVLINK_MSG_ID_SERVO_OUTPUT_RAW, _PROPULSION),
+    _Row("clock", checks.examine_clock, dialect.MAVLINK_MSG_ID_SYSTEM_TIME),
+    _Row("computer", checks.examine_computer, dialect.MAVLINK_MSG_ID_SYS_STATUS, _HULL),
 )
 
 

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import pytest
 import shapely
+from shortest_route import random_lake, shortest_route_m
 
 from benchmarks.planning import route_oracle as oracle
 from companion.core.geo import Point, distance_m, path_length_m
@@ -22,7 +23,7 @@ SQUARE = [Point(-50.0, -50.0), Point(-50.0, 50.0), Point(50.0, 50.0), Point(50.0
 def blocked_pair(seed: int) -> tuple[oracle.Shape, float, Point, Point] | None:
     """A lake, a clearance, and two free points that see each other not, if there are any."""
     rng = random.Random(seed)
-    lake, clearance_m = oracle.lake(rng), rng.choice(CLEARANCES_M)
+    lake, clearance_m = random_lake(rng), rng.choice(CLEARANCES_M)
     free = oracle.free_points(rng, lake, clearance_m, 8)
     pairs = [
         (a, b)
@@ -43,7 +44,7 @@ def test_routes_are_the_shortest_and_keep_their_clearance(first: int) -> None:
             continue
         lake, clearance_m, start, goal = case
         routes = Water(oracle.shores_of(lake)).routes(clearance_m)
-        shortest_m = oracle.shortest_m(lake, clearance_m, start, goal)
+        shortest_m = shortest_route_m(lake, clearance_m, start, goal)
         if math.isinf(shortest_m):
             with pytest.raises(NoWay):
                 routes.route(start, goal)
@@ -59,7 +60,7 @@ def test_routes_are_the_shortest_and_keep_their_clearance(first: int) -> None:
 
 def test_queries_do_not_depend_on_those_before_them() -> None:
     rng = random.Random(7)
-    lake = oracle.lake(rng)
+    lake = random_lake(rng)
     shores = oracle.shores_of(lake)
     free = oracle.free_points(rng, lake, 1.0, 12)
     shared = Water(shores).routes(1.0)
@@ -171,7 +172,7 @@ def test_a_start_or_goal_without_the_clearance_names_the_nearest_that_has_it() -
 @pytest.mark.parametrize("seed", range(6))
 def test_no_free_water_is_nearer_than_the_first_exit(seed: int) -> None:
     rng = random.Random(seed)
-    lake = oracle.lake(rng)
+    lake = random_lake(rng)
     routes = Water(oracle.shores_of(lake)).routes(3.0)
     free = lake.buffer(-3.0, quad_segs=64)
     if free.is_empty:

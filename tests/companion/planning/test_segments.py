@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import pytest
 import shapely
+from shortest_route import random_lake
 
 from benchmarks.planning import route_oracle as oracle
 from companion.core.geo import Point
@@ -20,7 +21,7 @@ def square(half_m: float, north_m: float = 0.0, east_m: float = 0.0) -> Shore:
 @pytest.mark.parametrize("seed", range(8))
 def test_distances_and_sides_are_shapelys(seed: int) -> None:
     rng = random.Random(seed)
-    lake = oracle.lake(rng)
+    lake = random_lake(rng)
     water = Water(oracle.shores_of(lake))
     for _ in range(50):
         a, b = (Point(rng.uniform(-130, 130), rng.uniform(-130, 130)) for _ in range(2))
