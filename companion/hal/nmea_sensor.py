@@ -2,13 +2,13 @@
 receiver.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 
 from companion.config.sensors import AisPart, CompassPart, DepthPart
 from companion.core.readings import AisReading, DepthReading, HeadingReading
 from companion.hal.background import Reading
 from companion.hal.gnss.receiver import GnssReceiver
-from companion.hal.port_sensor import PortSensor
+from companion.hal.port_sensor import ParsedSensor, PortSensor
 from companion.hal.raspberry_pi import import_optional
 from companion.links.interfaces import Port
 from companion.links.port_url import open_line
@@ -83,22 +83,7 @@ def open_nmea_depth(part: DepthPart, now: Callable[[], float]) -> NmeaSensor[Dep
     return NmeaSensor(port, now, DEPTH_SENTENCES, depth_assembler(part).feed).start()
 
 
-class AisReceiver(PortSensor[AisReading]):
-    """Satisfies `companion.hal.interfaces.Ais`."""
-
-    def __init__(self, port: Port, now: Callable[[], float], reader: AisReader) -> None:
-        super().__init__(port, now)
-        self.reader = reader
-
-    def _decode(self, chunk: bytes, time_s: float) -> Iterable[AisReading]:
-        reading = self.reader.feed(chunk, time_s)
-        return () if reading is None else (reading,)
-
-    def _forget(self) -> None:
-        self.reader.forget()
-
-
-def open_ais(part: AisPart, now: Callable[[], float]) -> AisReceiver:
+def open_ais(part: AisPart, now: Callable[[], float]) -> ParsedSensor[AisReading]:
     """Open the receiver and start reading. Raises as `open_line`, and HardwareError: pyais is missing."""
     reader = AisReader(import_optional("pyais", "AIS receiver").decode, part.mmsi)
-    return AisReceiver(open_line(part.port, part.baud, now), now, reader).start()
+    return ParsedSensor(open_line(part.port, part.baud, now), now, reader).start()

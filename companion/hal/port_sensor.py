@@ -3,10 +3,12 @@
 import select
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
+from typing import Protocol, TypeVar
 
 from companion.hal.background import BackgroundSensor, Reading
 from companion.links.interfaces import Link, Port
 
+Reading_co = TypeVar("Reading_co", covariant=True)
 _PATIENCE_S = 0.2  # longest wait for bytes, and period of reconnection attempts
 
 
@@ -52,3 +54,27 @@ class PortSensor(ABC, BackgroundSensor[Reading]):
             select.select(list(waiting), [], [], self._patience_s)
         self.step()
         return self._rest_s if waiting else self._patience_s
+
+
+class Parser(Protocol[Reading_co]):
+    """Makes readings of bytes. feed: of what has arrived, the latest; None if they complete none."""
+
+    def feed(self, data: bytes, time_s: float, /) -> Reading_co | None: ...
+    def forget(self) -> None: ...
+
+
+class ParsedSensor(PortSensor[Reading]):
+    """One that only speaks. Satisfies `companion.hal.interfaces.Sensor`."""
+
+    def __init__(
+        self, port: Port, now: Callable[[], float], parser: Parser[Reading], rest_s: float = 0.0
+    ) -> None:
+        super().__init__(port, now, rest_s)
+        self.parser = parser
+
+    def _decode(self, chunk: bytes, time_s: float) -> Iterable[Reading]:
+        reading = self.parser.feed(chunk, time_s)
+        return () if reading is None else (reading,)
+
+    def _forget(self) -> None:
+        self.parser.forget()

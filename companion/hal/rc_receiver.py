@@ -1,13 +1,12 @@
 """RC receivers on a UART: CRSF (ExpressLRS, Crossfire), iBUS, S.BUS."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from typing import NamedTuple
 
 from companion.config.tuning import Rc
 from companion.core.errors import ConfigError
 from companion.core.readings import RcReading
-from companion.hal.port_sensor import PortSensor
-from companion.links.interfaces import Port
+from companion.hal.port_sensor import ParsedSensor
 from companion.links.port_url import open_line
 from companion.links.serial_port import LINE_8E2, LINE_8N1, LineFormat
 from companion.rc.parsers import CrsfParser, IbusParser, RcParser, SbusParser
@@ -27,22 +26,7 @@ _PROTOCOLS = {
 }
 
 
-class SerialRcReceiver(PortSensor[RcReading]):
-    """Satisfies `companion.hal.interfaces.RcReceiver`. Readings are stamped when read."""
-
-    def __init__(self, port: Port, now: Callable[[], float], parser: RcParser, rest_s: float = 0.0) -> None:
-        super().__init__(port, now, rest_s)
-        self.parser = parser
-
-    def _decode(self, chunk: bytes, time_s: float) -> Iterable[RcReading]:
-        reading = self.parser.feed(chunk, time_s)
-        return () if reading is None else (reading,)
-
-    def _forget(self) -> None:
-        self.parser.forget()
-
-
-def open_rc_receiver(setting: Rc, now: Callable[[], float]) -> SerialRcReceiver:
+def open_rc_receiver(setting: Rc, now: Callable[[], float]) -> ParsedSensor[RcReading]:
     """Open the receiver on its port and start reading. The port is a device or a port url.
     Raises ConfigError: the port url is invalid, or no driver is named; LinkError: the port cannot be opened.
     """
@@ -50,4 +34,4 @@ def open_rc_receiver(setting: Rc, now: Callable[[], float]) -> SerialRcReceiver:
     if protocol is None:
         raise ConfigError(f"rc.driver = {setting.driver!r}: expected one of {', '.join(_PROTOCOLS)}")
     port = open_line(setting.port, protocol.parser.baud, now, protocol.line)
-    return SerialRcReceiver(port, now, protocol.parser(), protocol.rest_s).start()
+    return ParsedSensor(port, now, protocol.parser(), protocol.rest_s).start()

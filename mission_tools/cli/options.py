@@ -16,7 +16,15 @@ if TYPE_CHECKING:
     from mission_tools.job.planned import Request
 
 
-def add_route(parser: Parser) -> None:
+def mission_parser(program: str, description: str) -> Parser:
+    """A parser of the options that plan a mission."""
+    parser = Parser(program, description, "SOURCE")
+    for add in (_add_route, _add_tasks, _add_areas, _add_costs, _add_outputs):
+        add(parser)
+    return parser
+
+
+def _add_route(parser: Parser) -> None:
     """Where the route leads."""
     add = parser.add_argument_group("route").add_argument
     add("--start-at", metavar="LAT,LON", help="where it starts (also --start LAT,LON) [the boat]")
@@ -34,7 +42,7 @@ def add_route(parser: Parser) -> None:
     add("--smooth", action=BooleanOptionalAction, help="pull the grid's path taut")
 
 
-def add_tasks(parser: Parser) -> None:
+def _add_tasks(parser: Parser) -> None:
     """More than a way from place to place."""
     add = parser.add_argument_group("tasks").add_argument
     add(
@@ -88,7 +96,7 @@ def add_tasks(parser: Parser) -> None:
     add("--last", metavar="LAT,LON", help="… to here")
 
 
-def add_areas(parser: Parser) -> None:
+def _add_areas(parser: Parser) -> None:
     """Fence and rally points."""
     add = parser.add_argument_group("fence and rally points").add_argument
     add("--fence", metavar="FILE", help="plan inside this fence and upload it (none: clear)")
@@ -98,7 +106,7 @@ def add_areas(parser: Parser) -> None:
     add("--contract", action="store_true", help="both: fence and rally points from the map")
 
 
-def add_costs(parser: Parser) -> None:
+def _add_costs(parser: Parser) -> None:
     """What the route costs the boat, and what makes it dear."""
     add = parser.add_argument_group("budget, currents and wind").add_argument
     add("--boat", metavar="BOAT.toml", help="time and charge out and home for this boat (also: lake, kit)")
@@ -131,7 +139,7 @@ def add_costs(parser: Parser) -> None:
     add("--air-draught", type=number, metavar="M", help="keep out from under bridges that are less high")
 
 
-def add_outputs(parser: Parser) -> None:
+def _add_outputs(parser: Parser) -> None:
     """The options of the files that are written."""
     group = parser.add_argument_group("files")
     add = group.add_argument

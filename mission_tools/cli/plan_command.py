@@ -7,7 +7,7 @@ from pathlib import Path
 from companion.cli.interrupts import importing
 from companion.cli.parser import Parser
 from mission_tools.cli.arguments import print_json, run_parsed, with_places
-from mission_tools.cli.options import add_areas, add_costs, add_outputs, add_route, add_tasks, request
+from mission_tools.cli.options import mission_parser, request
 from mission_tools.errors import UsageError
 
 PROGRAM = "mission-plan"
@@ -37,12 +37,7 @@ Exit codes: 0 done, 1 no route, 2 wrong usage or input.
 
 
 def _parser() -> Parser:
-    parser = Parser(PROGRAM, EXAMPLES, "SOURCE")
-    add_route(parser)
-    add_tasks(parser)
-    add_areas(parser)
-    add_costs(parser)
-    add_outputs(parser)
+    parser = mission_parser(PROGRAM, EXAMPLES)
     parser.set_defaults(dry_run=True)
     parser.add_argument(
         "--learn",

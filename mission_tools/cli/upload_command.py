@@ -4,17 +4,12 @@ import math
 
 from companion.cli.parser import Parser, number
 from mission_tools.cli.arguments import run_parsed, with_places
-from mission_tools.cli.options import add_areas, add_costs, add_link, add_outputs, add_route, add_tasks
+from mission_tools.cli.options import add_link, mission_parser
 from mission_tools.cli.plan_command import run_job
 
 
 def _parser() -> Parser:
-    parser = Parser(PROGRAM, EXAMPLES, "SOURCE")
-    add_route(parser)
-    add_tasks(parser)
-    add_areas(parser)
-    add_costs(parser)
-    add_outputs(parser)
+    parser = mission_parser(PROGRAM, EXAMPLES)
     add = parser.add_argument_group("upload").add_argument
     add("--start", action="store_true", help="arm and start the mission")
     add("--follow", action="store_true", help="watch until the mission has ended")

@@ -13,7 +13,7 @@ from companion.boat import TICK_S, Boat
 from companion.config.boat_config import BoatConfig, Parts
 from companion.config.tuning import Rc
 from companion.core.storage import MemoryStorage
-from companion.hal.rc_receiver import SerialRcReceiver
+from companion.hal.port_sensor import ParsedSensor
 from companion.links.memory import MemoryPort, memory_pair
 from companion.rc.parsers import CrsfParser
 
@@ -38,7 +38,7 @@ class RadioBoat:
         self.now_s = 10.0
         self.pi = MockPi()
         near, self.far = memory_pair("uart", is_datagram=False)
-        self.receiver = SerialRcReceiver(MemoryPort(near), lambda: self.now_s, CrsfParser())
+        self.receiver = ParsedSensor(MemoryPort(near), lambda: self.now_s, CrsfParser())
         hardware = dataclasses.replace(self.pi.hardware(CONFIG, lambda: self.now_s), rc=self.receiver)
         self.boat = Boat(CONFIG, hardware, [], MemoryStorage())
 

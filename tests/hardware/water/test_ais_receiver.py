@@ -23,7 +23,8 @@ from companion.config.sensors import AisPart
 from companion.core.errors import HardwareError
 from companion.core.readings import AisReading, AisVessel
 from companion.core.units import KNOT_M_S
-from companion.hal.nmea_sensor import AisReceiver, open_ais
+from companion.hal.nmea_sensor import open_ais
+from companion.hal.port_sensor import ParsedSensor
 from companion.sensors.nmea.ais import LIFE_S, AisReader
 
 pyais = pytest.importorskip("pyais")
@@ -274,7 +275,8 @@ def test_a_jump_to_anywhere_is_seen(lat: float, lon: float, kind: int) -> None:
 
 
 def test_a_receiver_is_read_unplugged_and_read_again(wire: MemoryLine, clock: HandClock) -> None:
-    receiver = AisReceiver(wire.port, clock, AisReader(pyais.decode))
+    reader = AisReader(pyais.decode)
+    receiver = ParsedSensor(wire.port, clock, reader)
     receiver.step()
     assert receiver.read() is None
     wire.say(TYPE_1 + b"\r\n" + TYPE_5[0] + b"\r\n" + TYPE_18[:20])
@@ -288,7 +290,7 @@ def test_a_receiver_is_read_unplugged_and_read_again(wire: MemoryLine, clock: Ha
     receiver.step()
     reading = known(receiver.read())
     assert (reading.time_s, len(reading.vessels)) == (101.0, 2)
-    assert (receiver.reader.malformed, receiver.reader.lost) == (0, 1)
+    assert (reader.malformed, reader.lost) == (0, 1)
     receiver.close()
 
 
