@@ -1,13 +1,14 @@
 """The occupancy grid: the evidence of its cells in figures, and what holds for any beams."""
 
 import math
+from collections.abc import Iterator
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from companion.core.geo import Point, distance_m
-from companion.obstacles.perception.occupancy import MAX_CELLS, SUSPECT, SWEEP_S, Beam, Occupancy
+from companion.obstacles.perception.occupancy import MAX_CELLS, SUSPECT, SWEEP_S, Beam, Cell, Occupancy
 
 HERE = Point(0.0, 0.0)
 WIDTH_RAD = math.radians(15.0)
@@ -188,6 +189,52 @@ def test_memory_is_bounded_and_every_thing_was_within_reach(
     assert len(seen) <= MAX_CELLS
     for thing in seen.obstacles(SUSPECT):
         assert min(distance_m(Point(north_m, 0.0), thing) for _, _, north_m, _ in looks) < 4.0 + 0.1
+
+
+class Exhaustive(Occupancy):
+    """Each beam visits all cells."""
+
+    def _within(self, beam: Beam, length_m: float, half_m: float) -> Iterator[Cell]:
+        return iter(self._cells.values())
+
+
+def state(seen: Occupancy) -> list[tuple[Point, float, float, float]]:
+    return [(one.at, one.evidence, one.seen_s, one.solid_s) for one in seen.seen_since(-math.inf)]
+
+
+@given(
+    st.floats(0.02, 0.5),
+    st.lists(
+        st.tuples(
+            st.builds(Point, st.floats(-3.0, 3.0), st.floats(-3.0, 3.0)),
+            st.floats(-7.0, 7.0),
+            st.floats(0.01, 0.3) | st.floats(0.01, math.tau),
+            st.just(FREE) | st.floats(0.02, 4.0),
+            st.booleans(),
+        ),
+        max_size=60,
+    ),
+)
+def test_a_beam_that_visits_the_blocks_near_it_equals_one_that_visits_all_cells(
+    cell_m: float, looks: list[tuple[Point, float, float, float, bool]]
+) -> None:
+    seen, other = Occupancy(cell_m), Exhaustive(cell_m)
+    for number, (at, bearing, width, range_m, is_late) in enumerate(looks):
+        beam = Beam(0.1 * number, at, bearing, width, range_m, 4.0, 0.2)
+        assert seen.add(beam) is other.add(beam)
+        for one in (seen, other) if is_late else ():
+            one.forget(at, 5.0, beam.time_s)
+            one.restore(at, beam.time_s)
+        assert state(seen) == state(other)
+    assert sum(map(len, seen._blocks.values())) == len(seen)
+
+
+def test_the_oldest_cell_leaves_its_block_too() -> None:
+    seen = Occupancy(0.2)
+    for number in range(MAX_CELLS + 9):
+        seen.restore(Point(0.2 * (number + 0.5), 0.0), 0.0)
+    assert sum(map(len, seen._blocks.values())) == len(seen) == MAX_CELLS
+    assert seen.evidence_at(Point(0.1, 0.1)) is None
 
 
 def test_the_map_knows_no_origin() -> None:
