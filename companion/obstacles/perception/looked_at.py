@@ -68,13 +68,13 @@ class LookedAtWater:
             last = self._clear[sector]
             if last is None or beam.reach_m >= last.reach_m or beam.time_s - last.time_s > _FRESH_S:
                 self._clear[sector] = beam
-        looks, steps = self._looks, int(min(beam.range_m, beam.reach_m) / _CELL_M)
+        (from_n, from_e), looks, floor = beam.at, self._looks, math.floor
+        steps = range(int(min(beam.range_m, beam.reach_m) / _CELL_M))
         for side in (-0.25, 0.25):  # two rays leave no gap between beams at 4 m
             bearing = beam.bearing_rad + side * beam.width_rad
             step_n, step_e = _CELL_M * math.cos(bearing), _CELL_M * math.sin(bearing)
-            for step in range(steps):
-                north_m, east_m = beam.at.north_m + step * step_n, beam.at.east_m + step * step_e
-                cell = (math.floor(north_m / _CELL_M), math.floor(east_m / _CELL_M))
+            for step in steps:
+                cell = floor((from_n + step * step_n) / _CELL_M), floor((from_e + step * step_e) / _CELL_M)
                 looks[cell] = looks.get(cell, 0) + 1
         while len(looks) > _MAX_CELLS:
             del looks[next(iter(looks))]

@@ -88,6 +88,11 @@ class Occupancy:
         """Number of cells."""
         return len(self._cells)
 
+    @property
+    def has_solid(self) -> bool:
+        """Whether anything is solid."""
+        return any(cell.evidence >= SOLID for cell in self._cells.values())
+
     def clear(self) -> None:
         """Remove all cells."""
         self._cells.clear()
@@ -116,7 +121,7 @@ class Occupancy:
         refuted, one in 50 has another near; two echoes of one thing nearly always come together.
         """
         known = [cell for cell in self._cells.values() if cell.evidence >= SUSPECT]
-        if any(cell.evidence >= SOLID for cell in known):
+        if self.has_solid:
             return [cell.at for cell in known]
         return [
             cell.at
@@ -214,8 +219,7 @@ class Occupancy:
         taken = 1.0 if beam.is_echo else SILENCE
         ahead_n, ahead_e = math.cos(beam.bearing_rad), math.sin(beam.bearing_rad)
         sine = math.sin(0.5 * (CORE if beam.is_echo else 1.0) * beam.width_rad)
-        is_open = all(cell.evidence < SOLID for cell in self._cells.values())
-        slack_m = math.sqrt(0.5) * self.cell_m if is_open else 0.0
+        slack_m = 0.0 if self.has_solid else math.sqrt(0.5) * self.cell_m
         north_m, east_m = beam.at
         for cell in self._within(beam, clear_m, sine * clear_m + slack_m):
             north, east = cell.at.north_m - north_m, cell.at.east_m - east_m

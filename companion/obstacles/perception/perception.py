@@ -96,7 +96,7 @@ class ObstaclePerception:
         if nav is None:
             return
         if pings and setting.avoids_obstacles:
-            is_open = self.is_empty or not self.solid()
+            is_open = not self.occupancy.has_solid
             self.sector = choose_sector(
                 nav,
                 self.tracks,
@@ -127,7 +127,7 @@ class ObstaclePerception:
         What the grid has known for two sweeps stands still, however its nearest point slides along it as the
         boat passes: a static and a dynamic map (D. Wolf, G. Sukhatme, Autonomous Robots 19, 2005).
         """
-        tracks = self.tracks.possible_movers(now_s, in_open_water=not self.solid())
+        tracks = self.tracks.possible_movers(now_s, in_open_water=not self.occupancy.has_solid)
         standing, side_m = self.occupancy.standing(now_s) if tracks else [], self._setting.margin_m
         for track in tracks:
             track.note_standing(track.point(now_s), standing)
