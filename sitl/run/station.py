@@ -23,7 +23,8 @@ from mission_tools.station.wire import heartbeat
 
 OWN = Address(245, dialect.MAV_COMP_ID_ONBOARD_COMPUTER)
 OPERATOR = Address(255, dialect.MAV_COMP_ID_MISSIONPLANNER)  # as ground stations name themselves
-UPLOAD_S = 60.0  # longest upload
+UPLOAD_S = 60.0  # longest upload of a short list,
+_ITEM_S = 0.2  # and for each item more: it may be lost three times in a row
 _RETRIES = 10
 _HEARTBEAT_S = 1.0
 _UNSIGNED = Signatures(None)
@@ -83,8 +84,9 @@ class Station:
     def upload(
         self, items: Sequence[MissionItem], answered: Answered, now_s: float, kind: Kind = "mission"
     ) -> None:
-        """Begin to upload a list. answered is called once, within UPLOAD_S."""
-        upload = Upload((ListUpload(kind, KINDS[kind], items),), None, UPLOAD_S, retries=_RETRIES)
+        """Begin to upload a list. answered is called once, within UPLOAD_S and _ITEM_S an item."""
+        limit_s = UPLOAD_S + _ITEM_S * len(items)
+        upload = Upload((ListUpload(kind, KINDS[kind], items),), None, limit_s, retries=_RETRIES)
         self._sailing.ask(upload, answered, now_s)
 
     def step(self, now_s: float) -> None:

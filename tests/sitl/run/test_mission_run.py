@@ -4,6 +4,7 @@ import pytest
 from boat_rig import HOME_ITEM, scenario, waypoint
 from fence_rig import box
 
+from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon, Point
 from companion.mavlink.items import MissionItem
 from mission_tools.mission.mission import Command, Fence, FencePolygon, Mission
@@ -48,6 +49,14 @@ def test_the_way_home_belongs_to_the_mission_that_asks_for_it() -> None:
     assert result.completed
     assert result.final_mode == "RTL"
     assert (truth.north_m**2 + truth.east_m**2) ** 0.5 < 4.0
+
+
+def test_the_longest_mission_that_a_boat_takes_reaches_it() -> None:
+    most = BoatConfig().mission.max_items
+    long = [HOME_ITEM, *(waypoint(20.0, 0.1 * n) for n in range(most - 1))]
+    mission_run = MissionRun(scenario("open"), long)
+    mission_run.run(timeout_s=1.0)
+    assert mission_run.lockstep.boat.vehicle.progress.last_seq == most - 1
 
 
 def test_a_mission_that_the_boat_refuses_is_told_in_its_words() -> None:
