@@ -138,8 +138,10 @@ def charted(chart: Chart, soundings: Soundings, settings: ChartSettings) -> Dept
     east, north, depth = at.east_m[own], at.north_m[own], at.depth_m[own]
     crossed = crossings(east, north, depth, soundings.unix_s[own])
     line_m = crossed.line_sd_m(white_noise_m(depth))
+    known_m = soundings.position_sd_m[own & np.isfinite(soundings.position_sd_m)]
+    position_sd_m = float(np.median(known_m)) if len(known_m) else 0.0
     beam_rad = settings.corrections.beam_rad
-    surface = interpolated(chart, east, north, depth, line_m, settings.surface, beam_rad)
+    surface = interpolated(chart, east, north, depth, line_m, settings.surface, beam_rad, position_sd_m)
     water = sounded_water(chart, np.column_stack((east, north)), surface.gap_m)
     reachable = chart.navigable.intersection(water).buffer(-settings.clearance_m)
     unknown = water.difference(_swath(east, north, surface.gap_m))

@@ -121,9 +121,11 @@ def interpolated(
     line_m: float,
     settings: SurfaceSettings,
     beam_rad: float = 0.0,
+    position_sd_m: float = 0.0,
 ) -> Surface:
     """The surface from accepted soundings in the order of their times. beam_rad: full width of the sounder's
-    cone; 0: none. Raises UsageError: too few of them, or too many cells.
+    cone; 0: none. position_sd_m: of a sounding's place, per axis. Raises UsageError: too few of them, or too
+    many cells.
     """
     spacing = settings.spacing_m or line_spacing_m(east_m, north_m)
     if len(depth_m) < NEIGHBOURS or not np.isfinite(spacing):
@@ -168,6 +170,8 @@ def interpolated(
     if len(shore):
         bare, _ = _filled(own, model, calibration, grid, known)
         band = np.hypot(band, SHORE_DOUBT * BAND_SD * np.abs(depth - bare))
+    # The depth is that of a place which is off by so much (R. Hare, Int. Hydrographic Review 72, 1995)
+    band = np.hypot(band, BAND_SD * position_sd_m * _slopes(depth, grid))
     return Surface(grid, depth, band, spacing, gap, white, line_m)
 
 
@@ -176,11 +180,16 @@ def below_m_per_m(depth_m: Floats, grid: Grid, place: Floats, half_beam_rad: flo
 
     A plane of slope α is met at a right angle, at D cos α, if that is within the cone, else on its edge.
     """
-    _, (row, column) = distance_transform_edt(np.isnan(depth_m), return_indices=True)
-    slope = np.hypot(*np.gradient(depth_m[row, column], grid.cell_m))[grid.cells(*place.T)]
+    slope = _slopes(depth_m, grid)[grid.cells(*place.T)]
     within = 1.0 / np.cos(np.arctan(slope))
     at_edge = math.cos(half_beam_rad) + math.sin(half_beam_rad) * slope
     return np.asarray(np.where(slope <= math.tan(half_beam_rad), within, at_edge))
+
+
+def _slopes(depth_m: Floats, grid: Grid) -> Floats:
+    """The slope at each cell, also at the edge of what is known."""
+    _, (row, column) = distance_transform_edt(np.isnan(depth_m), return_indices=True)
+    return np.asarray(np.hypot(*np.gradient(depth_m[row, column], grid.cell_m)))
 
 
 def _filled(

@@ -9,6 +9,7 @@ from sounded_lake import ORIGIN, Bottom, bowl, fractal, lake, soundings
 
 from mission_tools.bathymetry.blocks import line_spacing_m, means, white_noise_m
 from mission_tools.bathymetry.crossings import crossings
+from mission_tools.bathymetry.kriging import BAND_SD
 from mission_tools.bathymetry.reduction import Corrections, reduced
 from mission_tools.bathymetry.soundings import Floats
 from mission_tools.bathymetry.surface import Grid, Surface, SurfaceSettings, below_m_per_m, interpolated
@@ -78,6 +79,23 @@ def test_soundings_of_a_cone_make_a_chart_without_a_bias_on_slopes() -> None:
         error, _ = errors(surface, bottom)
         biases.append(abs(float(error.mean())))
     assert biases[1] < 0.3 * biases[0]
+
+
+def test_the_error_of_the_position_widens_the_band_on_slopes_alone() -> None:
+    east_m, north_m = (
+        axis.ravel() for axis in np.meshgrid(np.arange(-60.0, 61.0, 4.0), np.arange(-30.0, 31.0))
+    )
+    depth_m = 5.0 + np.maximum(0.2 * east_m, 0.0)
+    settings = SurfaceSettings(has_shore=False)
+    sure, unsure = (
+        interpolated(LAKE, east_m, north_m, depth_m, np.nan, settings, position_sd_m=sd_m)
+        for sd_m in (0.0, 0.5)
+    )
+    more_m = np.sqrt(unsure.band_m**2 - sure.band_m**2)
+    east, north = np.meshgrid(*sure.grid.middles)
+    for middle_m, expected_m in ((-30.0, 0.0), (30.0, BAND_SD * 0.5 * 0.2)):
+        inside = (np.abs(east - middle_m) < 10.0) & (np.abs(north) < 10.0)
+        assert np.nanmean(more_m[inside]) == pytest.approx(expected_m, rel=0.1, abs=0.001)
 
 
 def test_a_missing_line_is_not_surveyed_and_the_shore_is_a_depth() -> None:
