@@ -6,7 +6,13 @@ from companion.core.geo import LatLon
 from companion.core.vectors import Vector
 
 
-class GnssFix(Struct, frozen=True, gc=False):
+class Reading(Struct, frozen=True, gc=False):
+    """What all have: the time of the measurement, in seconds since boot."""
+
+    time_s: float
+
+
+class GnssFix(Reading, frozen=True, gc=False):
     """One solution of a GNSS receiver or a substitute.
 
     fix_type follows MAVLink's GPS_FIX_TYPE: 0/1 none, 2 = 2-D, 3 = 3-D, 4 = DGNSS, 5 = RTK float, 6 = RTK
@@ -16,7 +22,6 @@ class GnssFix(Struct, frozen=True, gc=False):
     heading_rad: by two antennas. correction_age_s: upper bound of the age of differential corrections.
     """
 
-    time_s: float
     position: LatLon
     fix_type: int
     satellites: int
@@ -35,7 +40,7 @@ class GnssFix(Struct, frozen=True, gc=False):
     correction_age_s: float | None = None
 
 
-class HeadingReading(Struct, frozen=True, gc=False):
+class HeadingReading(Reading, frozen=True, gc=False):
     """Heading in radians, clockwise from true or (is_magnetic) magnetic north; the yaw rate if there is a
     gyro.
 
@@ -43,7 +48,6 @@ class HeadingReading(Struct, frozen=True, gc=False):
     axes, in mG, before any correction, if the part is a magnetometer.
     """
 
-    time_s: float
     heading_rad: float
     yaw_rate_rad_s: float | None = None
     roll_rad: float | None = None
@@ -52,23 +56,21 @@ class HeadingReading(Struct, frozen=True, gc=False):
     is_magnetic: bool = False
 
 
-class SonarReading(Struct, frozen=True, gc=False):
+class SonarReading(Reading, frozen=True, gc=False):
     """One ping. bearing_rad is relative to the bow, clockwise; range_m is None without an echo."""
 
-    time_s: float
     bearing_rad: float
     range_m: float | None
     min_range_m: float = 0.02
     max_range_m: float = 4.0
 
 
-class DepthReading(Struct, frozen=True, gc=False):
+class DepthReading(Reading, frozen=True, gc=False):
     """One sounding. depth_m is below the transducer, None where no bottom was found.
 
     transducer_m: depth of the transducer below the surface. quality: 0..1, None if not reported.
     """
 
-    time_s: float
     depth_m: float | None
     temperature_c: float | None = None  # of the water
     transducer_m: float = 0.0
@@ -82,29 +84,26 @@ class DepthReading(Struct, frozen=True, gc=False):
         return None if self.depth_m is None else self.depth_m + self.transducer_m
 
 
-class ProbeReading(Struct, frozen=True, gc=False):
-    time_s: float
+class ProbeReading(Reading, frozen=True, gc=False):
     name: str
     value: float
     unit: str = ""
 
 
-class BatteryReading(Struct, frozen=True, gc=False):
+class BatteryReading(Reading, frozen=True, gc=False):
     """Battery voltage and current. current_a is positive while discharging, None if not measured."""
 
-    time_s: float
     voltage_v: float
     current_a: float | None = None
 
 
-class EscReading(Struct, frozen=True, gc=False):
+class EscReading(Reading, frozen=True, gc=False):
     """What a speed controller measures. side: 0 left, 1 right. count: of its readings since the start.
 
     shaft_rad_s: speed of the shaft, as the configured pole pairs give it; a part that does not tell the
     direction gives its size. fault: what the part reports, in words, empty if nothing.
     """
 
-    time_s: float
     side: int
     count: int
     shaft_rad_s: float
@@ -120,10 +119,9 @@ EscPair = tuple[EscReading | None, EscReading | None]
 """Left and right, None while silent."""
 
 
-class HullReading(Struct, frozen=True, gc=False):
+class HullReading(Reading, frozen=True, gc=False):
     """Leak and highest temperature inside the hull. None: not measured."""
 
-    time_s: float
     is_wet: bool | None = None
     temperature_c: float | None = None
 
@@ -157,21 +155,19 @@ class AisVessel(Struct, frozen=True, gc=False):
     starboard_m: int = 0
 
 
-class AisReading(Struct, frozen=True):
+class AisReading(Reading, frozen=True):
     """All vessels with a position that can be believed. time_s: of the latest message of any station."""
 
-    time_s: float
     vessels: tuple[AisVessel, ...] = ()
 
 
-class RcReading(Struct, frozen=True, gc=False):
+class RcReading(Reading, frozen=True, gc=False):
     """Channels of an RC receiver: pulse widths in µs, channel 1 first.
 
     is_failsafe: the receiver reports a lost transmitter; the channels are invalid. quality: share of packets
     received, 0..1; rssi_dbm: signal strength. Both None if not reported.
     """
 
-    time_s: float
     channels_us: tuple[int, ...]
     is_failsafe: bool = False
     quality: float | None = None

@@ -10,18 +10,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
 from companion.config.parameters import ParameterHook
-from companion.core.readings import (
-    AisReading,
-    BatteryReading,
-    DepthReading,
-    EscReading,
-    GnssFix,
-    HeadingReading,
-    HullReading,
-    ProbeReading,
-    RcReading,
-    SonarReading,
-)
+from companion.core import readings
 from companion.core.status_text import StatusText
 from companion.links.interfaces import Closable
 from companion.links.retried import Retried
@@ -174,22 +163,22 @@ class PausingPart(Protocol):
     may_pause: bool
 
 
-Gnss = Sensor[GnssFix]
-Compass = Sensor[HeadingReading]
-Battery = Sensor[BatteryReading]
-Hull = Sensor[HullReading]
-DepthSounder = Sensor[DepthReading]
-Ais = Sensor[AisReading]
-Probe = Sensor[ProbeReading]
-EscTelemetry = Sensor[tuple[EscReading, ...]]
-RcReceiver = Sensor[RcReading]
+Gnss = Sensor[readings.GnssFix]
+Compass = Sensor[readings.HeadingReading]
+Battery = Sensor[readings.BatteryReading]
+Hull = Sensor[readings.HullReading]
+DepthSounder = Sensor[readings.DepthReading]
+Ais = Sensor[readings.AisReading]
+Probe = Sensor[readings.ProbeReading]
+EscTelemetry = Sensor[tuple[readings.EscReading, ...]]
+RcReceiver = Sensor[readings.RcReading]
 """A reading is stamped with the arrival of its frame."""
 
 
 class Sonar(Closable, Protocol):
     """A ranger, swept or fixed, or a scanning lidar."""
 
-    def read(self) -> Sequence[SonarReading]:
+    def read(self) -> Sequence[readings.SonarReading]:
         """The pings since the last call, oldest first."""
 
     def set_sector(self, port_rad: float, starboard_rad: float) -> None:

@@ -2,20 +2,13 @@
 
 from typing import Protocol, TypeVar, runtime_checkable
 
+from companion.core.readings import Reading
 from companion.core.status_text import Severity, StatusText
 
-
-class Stamped(Protocol):
-    """A reading, with the time of its measurement in seconds since boot."""
-
-    @property
-    def time_s(self) -> float: ...
+R = TypeVar("R", bound=Reading)
 
 
-Reading = TypeVar("Reading", bound=Stamped)
-
-
-def fresh(reading: Reading | None, timeout_s: float, now_s: float) -> Reading | None:
+def fresh(reading: R | None, timeout_s: float, now_s: float) -> R | None:
     """The reading, None once it is older than the part's timeout_s: drivers repeat their latest one."""
     return None if reading is None or now_s - reading.time_s > timeout_s else reading
 

@@ -10,29 +10,10 @@ from typing import Generic, TypeVar
 
 import msgspec
 
-from companion.core.readings import (
-    AisReading,
-    BatteryReading,
-    DepthReading,
-    GnssFix,
-    HeadingReading,
-    HullReading,
-    RcReading,
-    SonarReading,
-)
+from companion.core.readings import Reading
 from companion.core.units import clamp
 
-R = TypeVar(
-    "R",
-    GnssFix,
-    HeadingReading,
-    SonarReading,
-    BatteryReading,
-    RcReading,
-    HullReading,
-    DepthReading,
-    AisReading,
-)
+R = TypeVar("R", bound=Reading)
 
 _LONGEST_QUEUE = 1024
 _HALF = 0x8000  # of the range of 16 bits
