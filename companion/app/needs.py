@@ -12,26 +12,18 @@ from companion.config.payload import WinchPayload
 from companion.config.section import Section
 from companion.config.sensors import CompassPart
 from companion.core.errors import ConfigError
+from companion.hal import ads1115
+from companion.hal.battery import SHUNT_ADDRESS, SHUNT_CHIPS
+from companion.hal.heading.inertial import INERTIAL
+from companion.hal.heading.magnetometers import MAGNETOMETERS
 from companion.links.port_url import line_url, parse_port_url
 
 # How a driver is connected: a new driver on a bus or a port needs its row here.
 I2C_ADDRESSES: Final = {  # where the configuration gives none
     "bno055": 0x28,
-    "qmc5883l": 0x0D,
-    "qmc5883p": 0x2C,
-    "hmc5883l": 0x1E,
-    "lis3mdl": 0x1C,
-    "ist8310": 0x0E,
-    "ist8308": 0x0C,
-    "rm3100": 0x20,
-    "ak09916": 0x0C,
-    "mpu6050": 0x68,
-    "lsm6ds": 0x6A,
-    "icm20948": 0x69,
-    "ina219": 0x40,
-    "ina226": 0x40,
-    "ina228": 0x40,
-    "ads1115": 0x48,
+    **{driver: chip.ADDRESS for chips in (MAGNETOMETERS, INERTIAL) for driver, chip in chips.items()},
+    **dict.fromkeys(SHUNT_CHIPS, SHUNT_ADDRESS),
+    "ads1115": ads1115.ADDRESS,
 }
 PORT_DRIVERS = frozenset(
     {"nmea", "bno085", "ubx", "a02yyuw", "tfmini", "ld06", "rplidar_a1", "ping1d", "serial"}

@@ -177,8 +177,8 @@ class AnalogMonitor:
 
 
 _PERIOD_S: Final = 0.1
-_SHUNT_CHIPS: Final = {"ina219": INA219, "ina226": INA226, "ina228": INA228}
-_SHUNT_ADDRESS: Final = 0x40  # A0 and A1 to ground
+SHUNT_CHIPS: Final = {"ina219": INA219, "ina226": INA226, "ina228": INA228}
+SHUNT_ADDRESS: Final = 0x40  # A0 and A1 to ground
 
 
 Monitor = ShuntMonitor | AnalogMonitor
@@ -209,6 +209,6 @@ def open_battery_monitor(part: BatteryPart, now: Callable[[], float]) -> Battery
             return AnalogMonitor(ads1115.Ads1115(bus, address), part)
         return ShuntMonitor(chip, bus, address, part.shunt_ohm)
 
-    chip = _SHUNT_CHIPS.get(part.driver)
-    address = part.address or (ads1115.ADDRESS if chip is None else _SHUNT_ADDRESS)
+    chip = SHUNT_CHIPS.get(part.driver)
+    address = part.address or (ads1115.ADDRESS if chip is None else SHUNT_ADDRESS)
     return BatterySensor(open_i2c_part(part.driver.upper(), part.i2c_bus, address, create), now).start()

@@ -8,16 +8,13 @@ from twins.battery import Ina219Twin
 from twins.i2c import AMG, CONFIG, NDOF, Bno055Twin, I2cDev, plug_in
 from twins.lines import HandClock, known
 
-from companion.app.needs import I2C_ADDRESSES
 from companion.config.actuators import Pca9685Part, PulseOutputSetting
 from companion.config.sensors import BatteryPart, CompassPart, ProbePart
 from companion.core.errors import HardwareError
 from companion.core.generations import ProfileFile
 from companion.hal.battery import open_battery_monitor
 from companion.hal.heading.bno055 import Bno055, Bno055Compass, open_bno055
-from companion.hal.heading.inertial import INERTIAL
 from companion.hal.heading.magnetic_compass import open_magnetic_compass
-from companion.hal.heading.magnetometers import MAGNETOMETERS
 from companion.hal.probes import open_analog_probe
 from companion.hal.pulses.pca9685 import open_pca9685_pulses, replace_pca9685_pulses
 from companion.hal.raspberry_pi import I2cBus, import_optional
@@ -186,13 +183,6 @@ def test_a_library_that_does_not_load_is_one_line_that_names_the_part_and_the_cu
     assert text.startswith("BNO055: the Python module 'moody_library' does not load on this machine (")
     assert text.endswith("reinstall the extra pi, or set the part's driver to none")
     assert "\n" not in text
-
-
-def test_the_addresses_of_the_parts_are_those_that_the_needs_of_the_boat_list() -> None:
-    chips = {**MAGNETOMETERS, **INERTIAL}
-    assert {driver: I2C_ADDRESSES[driver] for driver in chips} == {
-        key: one.ADDRESS for key, one in chips.items()
-    }
 
 
 LEARNED = bytes(range(1, 23))
