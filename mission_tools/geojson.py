@@ -55,9 +55,7 @@ def collection(features: Sequence[Mapping[str, Any]], **members: object) -> dict
 
 
 def entries_of(tree: object, source: str) -> list[Any]:
-    """The features of whatever kind of GeoJSON this is; `source` stands before every error message. Raises
-    MapError: it is none.
-    """
+    """The features of any kind of GeoJSON; `source` begins error messages. Raises MapError: it is none."""
     if isinstance(tree, Mapping):
         kind = tree.get("type")
         if kind == "FeatureCollection" and isinstance(tree.get("features"), list):
@@ -82,9 +80,7 @@ def labelled(entry: object, where: str) -> tuple[str, Mapping[str, Any], Mapping
 
 
 def simple_geometries(geometry: Mapping[str, Any], where: str) -> Iterator[Mapping[str, Any]]:
-    """The geometries of a collection; a single one as it is. Raises MapError: something else is in the
-    collection.
-    """
+    """The geometries of a collection, or the single one. Raises MapError: something else in it."""
     if geometry.get("type") != "GeometryCollection":
         yield geometry
         return

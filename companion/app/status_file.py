@@ -53,9 +53,7 @@ class StatusFile:
         self._due_s = 0.0
 
     def tick(self, now_s: float, ticks: TickCount, load: float) -> None:
-        """To be called every tick. The operator is told of the first write that failed, and again after one
-        that did not.
-        """
+        """Call every tick. The operator is told of a write that failed, once until one succeeds."""
         if now_s < self._due_s or (self._writing is not None and not self._writing.done()):
             return
         self._due_s = now_s + PERIOD_S

@@ -15,9 +15,7 @@ from companion.vehicle.vehicle import Vehicle
 
 
 class Snapshot(Struct, frozen=True):
-    """The parts of the boat, and what they do not hold. unix_s is 0 if the date is unknown; load is the share
-    of the tick used.
-    """
+    """The boat's parts, and what none of them holds. unix_s: 0 if unknown; load: share of the tick used."""
 
     now_s: float
     unix_s: float

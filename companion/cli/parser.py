@@ -35,9 +35,7 @@ class _Help(argparse.RawDescriptionHelpFormatter):
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser of one program. positional: the name of its argument; empty without one. takes_many: there
-    may be several.
-    """
+    """A parser of one program. positional: the name of its argument, if any. takes_many: or several."""
 
     def __init__(
         self,

@@ -85,9 +85,7 @@ class ParameterHook:
 
 
 class Stored(NamedTuple):
-    """A finished save. values: as saved; counts: number of changes of each; error: why it failed, or
-    empty.
-    """
+    """A finished save. values: as saved; counts: changes of each; error: why it failed, or empty."""
 
     values: dict[str, float]
     counts: Counter[str]

@@ -13,9 +13,7 @@ class Stop(Struct, frozen=True):
 
 
 class Drive(Struct, frozen=True):
-    """Manual thrust without closed loops. throttle and steering are −1..1; steering is positive to
-    starboard.
-    """
+    """Manual thrust without closed loops. throttle, steering: −1..1; steering is positive to starboard."""
 
     throttle: float
     steering: float

@@ -118,9 +118,7 @@ class Demand(Struct, frozen=True, gc=False):
 
 
 class PidOutput(Struct, frozen=True, gc=False):
-    """One evaluation of a PID: its terms, feed-forward (ff), their limited sum, and whether it was
-    limited.
-    """
+    """One evaluation of a PID: terms, feed-forward (ff), their limited sum, and whether it was limited."""
 
     p: float
     i: float
@@ -225,9 +223,7 @@ def fault_texts(faults: int) -> list[str]:
 
 
 def lacks_position(nav: NavState, timeout_s: float) -> bool:
-    """Whether the position is too old or too uncertain. During dead reckoning its age is held until the
-    estimator gives up.
-    """
+    """Whether the position is too old or uncertain; its age is held while the estimator reckons on."""
     return bool(nav.faults & _POSITION_LOST) or not nav.position_age_s <= timeout_s
 
 

@@ -44,9 +44,7 @@ _HEADING_LOST: Final = int(EstimateFault.HEADING_LOST)
 
 
 class EstimatorReport(Struct, frozen=True):
-    """state: as in `covariance.STATE_NAMES`; covariance: of its error, row by row. hypotheses: name and
-    probability.
-    """
+    """state: as `covariance.STATE_NAMES`; covariance: of its error, by rows; hypotheses: name, chance."""
 
     state: tuple[float, ...]
     covariance: tuple[tuple[float, ...], ...]

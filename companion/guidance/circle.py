@@ -24,9 +24,7 @@ def circle_speed_m_s(circle: FollowCircle, config: BoatConfig) -> float:
 
 
 def circle_course_rad(circle: FollowCircle, nav: NavState, config: BoatConfig) -> tuple[float, float, float]:
-    """Course over ground that closes on the circle, distance to the right of it, and the rate of that course
-    in rad/s.
-    """
+    """Course over ground that closes on the circle, distance right of it, rate of that course in rad/s."""
     here, side = nav.point, 1.0 if circle.clockwise else -1.0
     outward = bearing_rad(circle.centre, here) if here != circle.centre else nav.heading_rad
     cross_m = side * (circle.radius_m - distance_m(circle.centre, here))

@@ -112,9 +112,7 @@ def _drift_m(bend: Bend, config: BoatConfig) -> float:
 
 
 def cost_s(fillet: Fillet, bend: Bend, config: BoatConfig) -> float:
-    """Time lost against both legs at full speed, including braking and acceleration, plus the price of the
-    cut.
-    """
+    """Time lost against both legs at full speed, with braking and acceleration, plus the price of the cut."""
     full = bend.speed_m_s
     entry_m_s, exit_m_s = fillet.nodes[0].speed_m_s, fillet.nodes[-1].speed_m_s
     lost = fillet.time_s - (fillet.entry_m + fillet.exit_m) / full

@@ -52,9 +52,7 @@ class Path:
         return self._along_m[node]
 
     def locate(self, at: Point, from_m: float, to_m: float) -> tuple[float, float]:
-        """Along-track distance of the nearest place between from_m and to_m, and the distance to its
-        right.
-        """
+        """Along-track distance of the nearest place from from_m to to_m, and the distance to its right."""
         along_m, stretches = self._along_m, self._stretches
         last = len(stretches) - 1
         first = max(min(bisect_right(along_m, from_m) - 1, last), 0)

@@ -99,9 +99,7 @@ class Rudder(Closable, Protocol):
     """A rudder, set by a servo."""
 
     def write(self, share: float) -> None:
-        """Turn to a share of the full angle, −1 to 1, positive turns the bow to starboard; a non-finite value
-        centres it.
-        """
+        """Turn to a share of the full angle, −1 to 1, positive to starboard; centred if it is not finite."""
 
 
 class PulseOutput(Closable, Protocol):
@@ -115,9 +113,7 @@ class PulseOutput(Closable, Protocol):
 
 
 class ArmedOutputs(Closable, Protocol):
-    """Motors and rudder behind another program's arming. fault: why they cannot be driven; empty if they
-    can.
-    """
+    """Motors and rudder behind another program's arming. fault: why they cannot be driven, or empty."""
 
     @property
     def fault(self) -> str: ...

@@ -1,6 +1,4 @@
-"""Compasses, depth sounders and AIS receivers with NMEA 0183 output. A sounder may share the line of the GNSS
-receiver.
-"""
+"""Compasses, depth sounders (also on the GNSS receiver's line) and AIS receivers with NMEA 0183 output."""
 
 from collections.abc import Callable, Iterator
 

@@ -130,9 +130,7 @@ class Signatory:
         self.stamps = stamps
 
     def change_key(self, key: SigningKey | None, floor: int = 0) -> None:
-        """Replace or remove the key. The streams of the old key are dropped; frames of the new one are valid
-        above `floor`.
-        """
+        """Replace or remove the key and its streams; frames of the new one are valid above `floor`."""
         if key != self.key:
             self.key = key
             self._streams.clear()

@@ -22,9 +22,7 @@ class Image:
 
 
 class Camera:
-    """Starts the capture program. count: images taken since the start; left: still to take, infinite until
-    stopped.
-    """
+    """Starts the capture program. count: taken since the start; left: to take, infinite until stopped."""
 
     def __init__(self, capture: Capture | None) -> None:
         self.count = 0

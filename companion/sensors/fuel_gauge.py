@@ -140,9 +140,7 @@ class FuelGauge:
 
 
 def _loads(command: MotorCommand) -> tuple[float, float]:
-    """Load of the motors, as of a stalled motor (linear) and of a free propeller (cubic): real ones are in
-    between.
-    """
+    """Load of the motors: stalled (linear) or of a free propeller (cubic); real ones are in between."""
     left, right = abs(command.left), abs(command.right)
     return left + right, left**3 + right**3
 

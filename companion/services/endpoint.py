@@ -82,9 +82,7 @@ class Endpoint:
         corrections: CorrectionInput | None = None,
         faults: FaultInjector | None = None,
     ) -> None:
-        """may_send: whether a channel has room for telemetry; answers are always sent. take_snapshot: the
-        present state of the boat.
-        """
+        """may_send: room for telemetry on a channel; answers are always sent. take_snapshot: of the boat."""
         self.outbox = Outbox()
         self.ignored = 0  # messages without a service
         self.faults = 0  # messages whose handling went wrong: a defect of ours, see the log

@@ -1,6 +1,4 @@
-"""STATUSTEXT: messages to the operator. Long ones are sent in MAVLink 2's chunks of 50 bytes, and may be
-logged.
-"""
+"""STATUSTEXT: messages to the operator, long ones in MAVLink 2's chunks of 50 bytes; may be logged."""
 
 import logging
 from collections.abc import Callable, Iterable, Iterator

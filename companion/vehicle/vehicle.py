@@ -58,9 +58,7 @@ class Vehicle(VehicleCore):
         return execute(request, self, self._now_s)
 
     def set_mission(self, mission: Mission) -> None:
-        """Replace the mission. In AUTO the boat continues if no item up to the current one has changed; else
-        it starts with the first item.
-        """
+        """Replace the mission. AUTO continues if no item up to the current one has changed, else restarts."""
         goes_on = self.progress.replace(mission)
         if self.mode is Mode.AUTO and self.progress.is_empty:
             self.change_mode(Mode.LOITER, "mission cleared")

@@ -129,9 +129,7 @@ class VehicleCore:
             self.home = None
 
     def arm(self, force: bool) -> Outcome:
-        """Let the motors turn. force: skip the arming checks, except motors that cannot be driven, and a
-        restart of the program.
-        """
+        """Let the motors turn. force: only motors that cannot be driven and a restart prevent it."""
         if self.armed:
             return ACCEPTED
         faults = self.arming_faults()

@@ -118,9 +118,7 @@ def open_areas(fence: str | None, rally: str | None) -> Areas:
 
 
 def load_fence(path: Path) -> FileAreas:
-    """The fence of a `.plan` or `.geojson` file. Raises PlanFileError, MapError: cannot be read, or there is
-    no fence in it.
-    """
+    """The fence of a `.plan` or `.geojson` file. Raises PlanFileError, MapError: unreadable, or no fence."""
     areas = _load(path)
     if not (areas.fence.polygons or areas.fence.circles):
         raise PlanFileError(f"{path}: no fence in it: expected a polygon or a circle (--fence none clears)")
@@ -128,9 +126,7 @@ def load_fence(path: Path) -> FileAreas:
 
 
 def load_rally(path: Path) -> FileAreas:
-    """The rally points of a `.plan` or `.geojson` file. Raises PlanFileError, MapError: cannot be read, or
-    there are none in it.
-    """
+    """Rally points of a `.plan` or `.geojson` file. Raises PlanFileError, MapError: unreadable, or none."""
     areas = _load(path)
     if not areas.rally:
         raise PlanFileError(f"{path}: no rally point in it: expected points (--rally none clears)")

@@ -189,9 +189,7 @@ def _angle_rad(chart: Chart, options: PlanOptions) -> float | None:
 
 
 def _turn_radius_m(options: PlanOptions) -> float:
-    """As given, else of the named boat at the speed of the mission; 0 without either. Raises UsageError: no
-    such boat.
-    """
+    """As given, else of the boat at the mission's speed; 0 without. Raises UsageError: no such boat."""
     from mission_tools.costs.boat import load_boat  # noqa: PLC0415 - seldom needed
     from mission_tools.tasks.survey.settings import turn_radius_m  # noqa: PLC0415
 
@@ -202,9 +200,7 @@ def _turn_radius_m(options: PlanOptions) -> float:
 
 
 def survey_area(chart: Chart, areas: FileAreas, name: str) -> SurveyArea:
-    """The area inside a fence; `name` begins what is said about it. Raises MapError: an area that is no area,
-    or far from the chart.
-    """
+    """The area inside a fence, `name` in messages. Raises MapError: no area, or far from the chart."""
     area = fence_area(chart, areas.fence, name)
     return SurveyArea(area if isinstance(area, Polygon | MultiPolygon) else MultiPolygon(), areas.notes)
 

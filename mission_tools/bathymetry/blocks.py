@@ -15,9 +15,7 @@ PARALLEL: Final = 0.9  # cosine: within 26°
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Blocks:
-    """Means of the soundings in squares, arrays of shape (n,). extra: of a further value. place: (n, 2), east
-    and north in metres.
-    """
+    """Means of soundings in squares, (n,). extra: of a further value. place: east and north in m, (n, 2)."""
 
     place: Floats
     depth_m: Floats

@@ -19,9 +19,7 @@ _Row = tuple[str, ...]
 
 
 def write_table(logs: Sequence[LogSamples], file: TextIO) -> int:
-    """Write the samples, log by log, each kind in the order of its times; returns how many. What is not known
-    is an empty field.
-    """
+    """Write samples, log by log, each kind in order of time; returns how many. Unknown: an empty field."""
     file.write(HEADER + "\n")
     writer, count = csv.writer(file, lineterminator="\n"), 0
     for log in logs:

@@ -73,9 +73,7 @@ def _trace(given: Namespace) -> None:
 
 
 def _check(photo: Path, out: Path | None, preview: Path | None, *, force: bool) -> None:
-    """See early whether the files can be written, and that nothing is overwritten. Raises UsageError: names
-    the file.
-    """
+    """See early that files can be written and nothing is overwritten. Raises UsageError: names the file."""
     if out is not None and out.suffix.lower() not in (".geojson", ".json"):
         raise UsageError(f"--out {out}: expected a name that ends in .geojson")
     if preview is not None and preview.suffix.lower() != ".png":

@@ -87,9 +87,7 @@ class Budget:
         return [out, f"comes home from everywhere on it with {self.margin:g} times the charge for the way"]
 
     def check(self, *, one_way: bool = False) -> None:
-        """See that the boat comes home; one_way: that it comes to the end. Raises BeyondRange: it does not;
-        says how far it comes.
-        """
+        """See that the boat comes home; one_way: to the end. Raises BeyondRange: says how far it comes."""
         if self.reached_m is not None:
             raise BeyondRange(
                 f"the charge lasts for {distance(self.reached_m)} of {distance(self.length_m)}: "

@@ -44,9 +44,7 @@ class Part(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Split:
-    """whole: all parts, one after the other. work_mah: the charge of the work alone, without the ways to it
-    and between its legs.
-    """
+    """whole: all parts in order. work_mah: the charge of the work, without ways to it and between legs."""
 
     whole: PlannedMission
     parts: tuple[Part, ...]

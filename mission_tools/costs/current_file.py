@@ -83,9 +83,7 @@ def _check(table: CurrentTable) -> None:
 
 
 def _columns(names: Collection[str], frame: LocalFrame | None) -> tuple[str, str, str, str]:
-    """The columns of east, north and the velocity's parts: in metres or, given a frame, in degrees. Raises
-    ValueError: one is missing.
-    """
+    """Columns of east, north, velocity: metres, degrees with a frame. Raises ValueError: one is missing."""
     axes = DEGREES if frame is not None and set(DEGREES) <= set(names) else METRES
     missing = [name for name in (*axes, *VELOCITY) if name not in names]
     if missing:

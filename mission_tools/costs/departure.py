@@ -16,9 +16,7 @@ FORMS = "2026-06-01T08:00Z, seconds of the current's file, or two of either join
 
 
 def posix_s(text: str) -> float:
-    """Seconds since 1970 of a date and time as ISO 8601 has it; without a zone it counts as UTC. Raises
-    ValueError: it is none.
-    """
+    """Seconds since 1970 of an ISO 8601 time, UTC without a zone. Raises ValueError: it is none."""
     at = datetime.fromisoformat(text.strip())
     return (at if at.tzinfo else at.replace(tzinfo=UTC)).timestamp()
 

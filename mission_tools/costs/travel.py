@@ -108,9 +108,7 @@ class Travel(Protocol):
         ...
 
     def per_m(self, north_m: Floats, east_m: Floats, course_rad: Floats, time_s: Floats) -> Floats:
-        """Cost of a metre over ground; infinite where the current cannot be stemmed on this course then.
-        time_s: on the current's clock.
-        """
+        """Cost of a metre over ground; infinite against too strong a current. time_s: on its clock."""
         ...
 
 

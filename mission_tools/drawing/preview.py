@@ -13,9 +13,7 @@ if TYPE_CHECKING:
 
 
 def save_preview(path: Path, planned: PlannedMission, monitor: MissionMonitor | None = None) -> None:
-    """Draw the planned mission and the track, if there is one. Raises OutputError: the file cannot be
-    written.
-    """
+    """Draw the planned mission, and the track if there is one. Raises OutputError: cannot be written."""
     if path.suffix.lower() == ".html":
         from mission_tools.drawing.html import save_page  # noqa: PLC0415 - needs no matplotlib
 

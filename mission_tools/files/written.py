@@ -250,9 +250,7 @@ ROUTE_SUFFIXES = frozenset(_COMPOSERS) | MISSION_SUFFIXES
 
 
 def check_route_name(path: Path) -> None:
-    """See whether a mission can be written under this name. Raises PlanFileError: its suffix is of no format
-    that is written here.
-    """
+    """See whether a mission can have this name. Raises PlanFileError: a suffix that is not written here."""
     suffix = path.suffix.lower()
     if suffix not in ROUTE_SUFFIXES:
         raise PlanFileError(

@@ -104,9 +104,7 @@ def _known(name: str, source: str) -> pyproj.CRS:
 
 
 def _transformed(positions: Sequence[Sequence[float]], crs: pyproj.CRS, where: str) -> list[list[float]]:
-    """Longitude and latitude of each x and y. Raises MapError: PROJ has no transformation that is good enough
-    here.
-    """
+    """Longitude and latitude of each x and y. Raises MapError: no transformation good enough here."""
     x, y = ([float(at[axis]) for at in positions] for axis in (0, 1))
     found = list(map(list, zip(*_best(x, y, crs, where).transform(x, y), strict=True)))
     for number, (lon_lat, at) in enumerate(zip(found, positions, strict=True), 1):

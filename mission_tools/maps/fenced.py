@@ -87,9 +87,7 @@ def fence_area(chart: Chart, fence: Fence, source: str) -> BaseGeometry:
 
 
 def load_mission_map(path: Path, origin: LatLon | None = None) -> Chart:
-    """The water inside a mission file's fence, or around its exclusions. Raises MapError: the file cannot be
-    read, or has no fence.
-    """
+    """The water inside a file's fence, or round exclusions. Raises MapError: unreadable, or no fence."""
     try:
         mission = load_mission(path)
         stray = [item for item in mission.items if item.command in FENCE_COMMANDS]  # of Mission Planner

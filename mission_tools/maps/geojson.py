@@ -45,9 +45,7 @@ def load_geojson(path: Path, origin: LatLon | None = None) -> Chart:
 
 
 def read_json(path: Path) -> object:
-    """What is in a file of JSON; a byte order mark is ignored. Raises MapError: cannot be read, or is not
-    JSON.
-    """
+    """A file of JSON; a byte order mark is ignored. Raises MapError: cannot be read, or is not JSON."""
     try:
         return json.loads(read_bytes(path).decode("utf-8-sig"))
     except json.JSONDecodeError as error:
@@ -59,18 +57,14 @@ def read_json(path: Path) -> object:
 
 
 def parse_geojson(tree: object, source: str, name: str, origin: LatLon | None = None) -> Chart:
-    """Build a chart from decoded JSON; `source` stands before every error message. Raises MapError: as
-    `load_geojson`.
-    """
+    """Build a chart from decoded JSON; `source` begins messages. Raises MapError: as `load_geojson`."""
     title = tree.get("name") if isinstance(tree, Mapping) else None
     raw = raw_map(feature_entries(tree, source), source, name, title if isinstance(title, str) else "")
     return chart_of(raw, origin)
 
 
 def raw_map(entries: Sequence[object], source: str, fallback_name: str = "", title: str = "") -> RawMap:
-    """The features of a map as they are in the file. Raises MapError: names the feature and what is wrong
-    with it.
-    """
+    """A map's features as in the file. Raises MapError: names the feature and what is wrong with it."""
     notes: list[str] = []
     features: list[RawFeature] = []
     for number, entry in enumerate(entries, 1):

@@ -12,9 +12,7 @@ from mission_tools.maps.chart import DEPTH, HEIGHT, Chart, Feature, build_chart,
 
 @dataclass(frozen=True, slots=True)
 class BoatSize:
-    """How deep a boat reaches below the water and how high above it, in metres; None: not known. Raises
-    UsageError: below 0.
-    """
+    """A boat's reach below and above the water in metres; None: not known. Raises UsageError: below 0."""
 
     draught_m: float | None = None
     air_draught_m: float | None = None
@@ -46,9 +44,7 @@ def passable(chart: Chart, boat: BoatSize) -> Chart:
 
 
 def bars(feature: Feature, boat: BoatSize) -> bool:
-    """Whether an area is not deep enough for a boat, or a bridge not high enough. Raises MapError: what the
-    map says of it is no number.
-    """
+    """Whether an area is too shallow, or a bridge too low. Raises MapError: the map's figure is no number."""
     size_m = boat.air_draught_m if feature.kind == "bridge" else boat.draught_m
     if size_m is None or feature.kind not in ("water", "bridge"):
         return False

@@ -36,9 +36,7 @@ class Repaired(NamedTuple):
 
 
 def repaired(shape: Area, where: str, *, is_land: bool) -> Repaired:
-    """Make a polygon or multipolygon valid; `where` begins its notes. Raises MapError: a line that crosses
-    itself too often.
-    """
+    """Make (multi)polygons valid; `where` begins notes. Raises MapError: a line crosses itself too often."""
     if shape.is_valid and not shape.is_empty:
         if is_land or square_metres(shape) > LEAST_WATER_M2:
             return Repaired(shape)

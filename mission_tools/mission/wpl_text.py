@@ -103,9 +103,7 @@ _FEWEST_CORNERS = 3
 
 
 def parse_lists(text: str) -> tuple[Fence, tuple[Rally, ...]] | None:
-    """The fence and rally points of a text; None if it is no such list. Raises ValueError: names the line and
-    what was expected there.
-    """
+    """Fence and rally points of a text; None if no such list. Raises ValueError: names line and fault."""
     lines = [(number, line.split()) for number, line in enumerate(text.splitlines(), 1)]
     rows = [(number, row) for number, row in lines if row and not row[0].startswith("#")]
     if not rows or not _is_list(rows[0][1]):

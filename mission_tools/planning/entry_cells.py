@@ -41,9 +41,7 @@ class FreeWater:
         self._rows, self._columns = np.nonzero(grid.free)
 
     def entry_from_start(self, start: Point) -> EntryCells:
-        """Entry cells of the start; relaxed where it is nearer to a shore than the clearance. Raises
-        StartBlocked: shut in.
-        """
+        """Entry cells of the start, relaxed within the clearance of a shore. Raises StartBlocked: shut in."""
         is_free = self._chart.clearance_m(start) >= self._clearance_m
         return self._entry_cells(start, "start", StartBlocked, self._clearance_m if is_free else 0.0)
 

@@ -35,9 +35,7 @@ MIN_LEG_CELLS = 3.0
 
 
 def plan_on_grid(chart: Chart, stops: Sequence[Point], settings: PlanSettings) -> Plan:
-    """Plan with the whole margin, in cells finer and finer. Raises StartBlocked, GoalBlocked, NoRoute,
-    UsageError: as `plan`.
-    """
+    """Plan with the whole margin, in finer and finer cells. Raises what `plan` raises."""
     check_stops(chart, water_of(chart).routes(settings.required_m), stops, settings.required_m)
     bounds = _bounds(chart, stops, settings.required_m)
     sizes = [settings.cell_m] if settings.cell_m else _default_cells_m(chart, bounds, settings.required_m)

@@ -39,9 +39,7 @@ def water_clear_of_shores(chart: Chart, distance_m: float) -> list[Polygon]:
 
 
 def water_reached_from(pieces: list[Polygon], start: Point | None) -> Polygon:
-    """The piece that a boat at the start is in or nearest to; the largest without a start. Raises NoRoute:
-    there is no piece.
-    """
+    """The piece that a start is in or nearest to; without one the largest. Raises NoRoute: there is none."""
     if not pieces:
         raise NoRoute("no water here is wide enough for the clearance: choose a smaller one")
     if start is None:

@@ -27,9 +27,7 @@ _POLL_S = 0.05  # between looks for new connections
 
 
 def read_sign_key(path: Path) -> SigningKey:
-    """The key that `--sign-key` names. Raises UsageError: no such file, one that others may read, or no key
-    in it; says what to do.
-    """
+    """The key of `--sign-key`. Raises UsageError: no file, readable by others, or no key; says what to do."""
     try:
         return read_key_file(path)
     except ValueError as error:

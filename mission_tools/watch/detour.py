@@ -122,9 +122,7 @@ def _rings(seen: Polygon | MultiPolygon, by_m: float) -> list[Shore]:
 
 
 def _route(routes: Routes, start: Point, goal: Point) -> list[Point]:
-    """The corners between two places. A boat that is too near already leaves by the shortest way. Raises
-    NoRoute: nothing leads there.
-    """
+    """Corners between two places; a boat too near leaves by the shortest way. Raises NoRoute: no way."""
     way_out: list[Point] = []
     if not routes.is_free(start):
         free = next(routes.exits(start), None)

@@ -48,9 +48,7 @@ class Watcher:
         self._changed_s = self._swept_s = -math.inf
 
     def take(self, name: str, fields: Mapping[str, Any], now_s: float) -> None:
-        """Take in a message of the vehicle's. Raises KeyError, TypeError, ValueError: fields that make no
-        sense.
-        """
+        """Take in a vehicle's message. Raises KeyError, TypeError, ValueError: fields that make no sense."""
         if name == "GLOBAL_POSITION_INT":
             if (fields["lat"], fields["lon"]) != (0, 0):
                 place = LatLon(e7_to_deg(fields["lat"]), e7_to_deg(fields["lon"]))

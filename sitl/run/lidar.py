@@ -18,9 +18,7 @@ _NEAREST_M = 0.01  # for the logarithm
 
 
 class LidarComponent:
-    """Measures in the world and sends OBSTACLE_DISTANCE, or DISTANCE_SENSOR for a single beam. mover_heard_s:
-    when it first measured a mover.
-    """
+    """Sends OBSTACLE_DISTANCE, or DISTANCE_SENSOR for one beam. mover_heard_s: of the first mover met."""
 
     def __init__(self, settings: LidarSettings, seed: int, system_id: int) -> None:
         self._settings = settings

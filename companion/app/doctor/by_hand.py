@@ -1,6 +1,4 @@
-"""Checks that ask for a hand: the boat turned for its heading sensor, and motors and rudder turned for a
-moment, propellers off.
-"""
+"""Checks by hand: the boat turned for its heading sensor; motors and rudder turned, propellers off."""
 
 import math
 from collections.abc import Callable

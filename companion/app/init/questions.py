@@ -1,6 +1,4 @@
-"""`boat-companion init`: write the boat's configuration from a preset and the answers to some questions, each
-about one key.
-"""
+"""`boat-companion init`: write the boat's configuration from a preset and answers, each about one key."""
 
 import typing
 from collections.abc import Callable, Mapping

@@ -107,9 +107,7 @@ class Lsm6ds(InertialSensor):
 
 
 class Icm20948(InertialSensor):
-    """Its registers are in banks; each read selects bank 0, and the set-up leaves bank 2. Its AK09916 is
-    connected through.
-    """
+    """Registers in banks: a read selects bank 0, set-up leaves bank 2. Its AK09916 is connected through."""
 
     name = "ICM-20948"
     ADDRESS = 0x69  # 0x68 where its AD0 pin is low

@@ -1,6 +1,4 @@
-"""Speed controllers that report over serial lines: KISS's frames, which come by themselves, and VESCs, which
-are asked.
-"""
+"""Speed controllers that report over serial lines: KISS's frames come unasked, VESCs are asked."""
 
 import math
 import threading

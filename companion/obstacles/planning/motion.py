@@ -155,9 +155,7 @@ def stop_from_cruise_m(speed_m_s: float, stop_m: float, config: BoatConfig) -> f
 
 
 def _fitted(speed_m_s: float, stop_m: float, config: BoatConfig) -> float:
-    """Thrust astern over full thrust ahead, with which a crash stop takes stop_m: `crash_stop_m` solved for
-    s.
-    """
+    """Thrust astern over full thrust ahead of a crash stop in stop_m: `crash_stop_m` solved for s."""
     square, force = config.handling.top_speed_m_s**2, _THRUST * config.guidance.accel_m_s2
     braked_m = max(stop_m - _starts_s(speed_m_s, config) * speed_m_s, _BRAKED * stop_m)
     return speed_m_s**2 / square / math.expm1(2.0 * force * braked_m / square)

@@ -57,9 +57,7 @@ NO_LOAD: Final = MotorLoad()
 
 
 class FieldCorrector:
-    """The live correction: set by the boat's thread, used by the driver's. Both attributes are replaced
-    whole.
-    """
+    """The live correction, set by the boat's thread, used by the driver's; replaced whole."""
 
     def __init__(self) -> None:
         self.correction = NO_CORRECTION

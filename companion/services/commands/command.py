@@ -36,9 +36,7 @@ FollowUps = list[tuple[int, Message]]
 
 
 class Command(Struct, frozen=True):
-    """p is param1..param4; x and y are degrees, NaN if not given. `fifth` and `sixth` are the raw param5 and
-    param6.
-    """
+    """p: param1..4; x, y: degrees, NaN if not given; `fifth`, `sixth`: the raw param5 and param6."""
 
     number: int
     p: tuple[float, float, float, float]

@@ -108,9 +108,7 @@ class CompassCommands:
         return Result.ACCEPTED
 
     def _cancel(self, command: Command) -> Result:  # noqa: ARG002
-        """Also how QGroundControl asks whether there is a calibration: accepted when there is nothing to
-        cancel.
-        """
+        """Also how QGroundControl asks whether there is a calibration: accepted with nothing to cancel."""
         if self._calibration is not None:
             self._texts.notify(Severity.NOTICE, "Compass calibration cancelled")
         self._calibration = self._unsaved = None
@@ -216,9 +214,7 @@ class CompassCommands:
     # The motors' field
 
     def measure_motors(self, command: Command) -> Result:
-        """PREFLIGHT_CALIBRATION with param6 = 1. The operator runs the motors, armed in MANUAL or by motor
-        tests.
-        """
+        """PREFLIGHT_CALIBRATION, param6 = 1. The operator runs motors, armed in MANUAL or by motor tests."""
         field = self._sensors.field
         if field is None or not field.correction.is_calibrated:
             return self._refuse(Result.FAILED, "calibrate it before the motors' field is measured")

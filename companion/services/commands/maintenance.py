@@ -96,9 +96,7 @@ class MaintenanceCommands:
         }
 
     def tick(self, heading: HeadingReading | None, now_s: float) -> Result | None:
-        """Continue calibration and motor test. Returns the result of a calibration that has just ended, else
-        None.
-        """
+        """Continue calibration and motor test. The result of a calibration that has just ended, or None."""
         self._heading = heading
         if self._motor_test.is_running:
             self._watch_tester(now_s)

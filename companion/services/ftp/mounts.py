@@ -33,9 +33,7 @@ class InlineExecutor(Executor):
 def build_tree(
     parameters: Parameters, listings: ParameterService, folder: Path | None, quota_mb: float
 ) -> FileTree:
-    """The file tree. folder: location of files and logs, None without a disk. quota_mb: limit of `files`; 0:
-    read only.
-    """
+    """The file tree. folder: of files and logs, None without a disk. quota_mb: of `files`; 0: read only."""
     about = metadata.metadata_files(parameters.rows)
     mounts: dict[str, Mount] = {
         "@PARAM": VirtualMount({"param.pck": _packed_parameters(parameters, listings)}),

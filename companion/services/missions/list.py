@@ -90,9 +90,7 @@ class MissionList:
         return self.senders[channel]
 
     def store(self, completed: Completed) -> ItemFault | None:
-        """Check an uploaded list, or a list with an uploaded part, and start saving it. Returns a fault if it
-        is inconsistent.
-        """
+        """Check an uploaded list, or part of one, and start saving it. A fault if it is inconsistent."""
         entries = tuple(self._arriving[: len(completed.items)])
         self._arriving = []
         if completed.first is not None:

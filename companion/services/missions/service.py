@@ -249,9 +249,7 @@ class MissionService:
         self._acknowledge(origin, result, _ALL_TYPES)
 
     def _request_part(self, one: MissionList, message: Message, origin: Origin) -> None:
-        """Send the items, a few per tick, without acknowledgement: a station requests lost ones again. An end
-        of −1 is the last item.
-        """
+        """Send items, a few a tick, unacknowledged: stations ask for lost ones. End −1: the last item."""
         held = len(one.entries)
         first = message.start_index
         last = held - 1 if message.end_index == -1 else message.end_index

@@ -10,9 +10,7 @@ from companion.obstacles.perception.sonar_scan import SECTOR_RAD, SECTORS, UNKNO
 
 
 def obstacle_distance(now: Snapshot) -> Message | None:
-    """The latest sweep and the remembered obstacles, 72 sectors clockwise from the bow; None without
-    pings.
-    """
+    """Latest sweep and remembered obstacles, 72 sectors clockwise from the bow; None without pings."""
     sweep = now.sensors.sweep
     if sweep is None or sweep.latest is None or sweep.is_empty(now.now_s):
         return None

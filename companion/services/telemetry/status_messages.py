@@ -185,18 +185,14 @@ def extended_sys_state(now: Snapshot) -> Message:  # noqa: ARG001
 
 
 def _hex_version(version: str) -> str:
-    """A version as eight hexadecimal digits, two each for major and minor, four for patch: tools read this
-    field as a commit hash.
-    """
+    """A version as 8 hexadecimal digits, 2 major, 2 minor, 4 patch: tools read a commit hash here."""
     numbers = [int(number) for number in re.findall(r"\d+", version)[:3]]
     major, minor, patch = [*numbers, 0, 0, 0][:3]
     return f"{major & 0xFF:02x}{minor & 0xFF:02x}{patch & 0xFFFF:04x}"
 
 
 def autopilot_version(now: Snapshot) -> Message:
-    """Stations use the capabilities to select protocols: fence and rally transfers, COMMAND_INT,
-    MISSION_INT.
-    """
+    """By these stations select protocols: fence and rally transfers, COMMAND_INT, MISSION_INT."""
     major, minor, patch, stage = _ROVER_VERSION
     return build_message(
         "AUTOPILOT_VERSION",

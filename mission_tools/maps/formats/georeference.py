@@ -53,9 +53,7 @@ class Georeference(NamedTuple):
         return shapes_to_wgs84([placed], self.crs, source)[0]
 
     def pixel_of(self, place: LatLon, source: str) -> tuple[float, float]:
-        """Column and row, in pixel corners, of a place. Raises MapError: the reference system cannot be
-        transformed.
-        """
+        """Column and row of a place, in pixel corners. Raises MapError: the CRS cannot be transformed."""
         x, y = place.lon_deg, place.lat_deg
         if self.crs != "EPSG:4326":
             from mission_tools.maps.crs import from_wgs84  # noqa: PLC0415 (PROJ takes 0.1 s to import)
@@ -67,9 +65,7 @@ class Georeference(NamedTuple):
 
 
 def georeference_of(path: Path, tags: Mapping[int, Any] | None = None) -> Georeference:
-    """Where a picture lies. tags: of a TIFF. Raises MapError: nothing says where, or not in numbers that can
-    be used.
-    """
+    """Where a picture lies. tags: of a TIFF. Raises MapError: nothing says where in usable numbers."""
     if tags and (_TRANSFORMATION in tags or (_SCALE in tags and _TIEPOINTS in tags)):
         found = _of_tags(tags, str(path))
     else:

@@ -32,9 +32,7 @@ def read_kml(path: Path) -> RawMap:
 
 
 def read_kmz(path: Path) -> RawMap:
-    """Read a .kmz map: the first .kml in the archive. Raises MapError: as `read_kml`; also an archive that
-    unpacks to too much.
-    """
+    """Read a .kmz map: its first .kml. Raises MapError: as `read_kml`; one that unpacks to too much."""
     return parse_kml(unpacked(read_bytes(path), str(path)), str(path), path.stem)
 
 
@@ -171,9 +169,7 @@ MAX_DEPTH = 100
 
 
 def parse_xml(data: bytes, source: str) -> Element:
-    """The root element; tags and attributes are without their namespaces. Raises MapError: not XML, or XML
-    with a document type.
-    """
+    """The root element, tags without namespaces. Raises MapError: not XML, or with a document type."""
     builder = TreeBuilder()
     parser = ParserCreate(namespace_separator="}")
     parser.buffer_text = True

@@ -70,9 +70,7 @@ def read_levels(path: Path) -> tuple[Levels, Georeference]:
 
 
 def open_picture(path: Path, most_pixels: int = MAX_PIXELS):  # type: ignore[no-untyped-def]  # noqa: ANN201 (Pillow's own class)
-    """A picture and where it lies. Raises MapError: no picture that can be read, one too large, or nothing
-    says where it lies.
-    """
+    """A picture and where it lies. Raises MapError: unreadable, too large, or nothing says where it lies."""
     from PIL import Image, UnidentifiedImageError  # noqa: PLC0415 (pictures only)
 
     data = BytesIO(read_bytes(path))
@@ -121,9 +119,7 @@ def _scaled(pixels: NDArray[Any], source: str) -> Levels:
 
 
 def mask_map(mask: Mask, georeference: Georeference, source: str, fallback_name: str) -> RawMap:
-    """The water of a mask as a map. Raises MapError: no water in it, or a shore too detailed for a route to
-    be planned along it.
-    """
+    """The water of a mask as a map. Raises MapError: none, or a shore too detailed to plan along."""
     edges = int(np.count_nonzero(mask[1:] != mask[:-1]) + np.count_nonzero(mask[:, 1:] != mask[:, :-1]))
     if edges > MAX_EDGES:
         raise MapError(f"{source}: a shore of {edges} pixel edges: at most {MAX_EDGES}; {_DETAIL_HINT}")

@@ -37,9 +37,7 @@ class _Latest:
 
 
 class LatestMessages:
-    """The messages of one boat's parts. A part is named by its message, a distance sensor by where it looks,
-    a probe by its name.
-    """
+    """The messages of a boat's parts, by message; a distance sensor by its direction, a probe by its name."""
 
     def __init__(self) -> None:
         self._latest: dict[int | str, _Latest] = {}

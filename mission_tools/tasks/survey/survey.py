@@ -1,6 +1,4 @@
-"""A survey: passes along the shores of an area of water, parallel tracks over the rest, and the transits that
-join them.
-"""
+"""A survey: passes along the shores of an area, parallel tracks over the rest, and transits between."""
 
 import math
 from collections.abc import Sequence
@@ -171,9 +169,7 @@ def _survey(chart: Chart, start: Point | None, settings: SurveySettings, room: _
 
 
 def _check_water(water: Sequence[Polygon], settings: SurveySettings) -> None:
-    """See that tracks may fit. Raises NoRoute: no water. UsageError: the tracks are farther apart than the
-    area is across.
-    """
+    """See that tracks may fit. Raises NoRoute: no water. UsageError: the area is narrower than their gap."""
     if not water:
         raise NoRoute(f"no water in the area keeps {settings.plan.required_m:g} m from every shore")
     west, south, east, north = MultiPolygon(water).bounds

@@ -155,9 +155,7 @@ class SimSonar:
         return echoes
 
     def _disturbed(self, heard_m: float | None, wave_m: float) -> float | None:
-        """With spray of waves so high. A fixed number of draws a ping: what one ping meets does not depend on
-        another.
-        """
+        """With spray of waves so high. A fixed number of draws a ping makes pings independent."""
         settings = self._settings
         sprayed, ghostly, where = self._random.random(), self._random.random(), self._random.random()
         if sprayed < settings.spray_per_m * wave_m:
