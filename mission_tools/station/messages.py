@@ -100,7 +100,9 @@ class Obstacles(Struct, frozen=True, kw_only=True):
 
 
 class Vessel(Struct, frozen=True, kw_only=True):
-    """AIS_VESSEL. heading_deg: the course where it is not known. length_m: of the hull about its place."""
+    """AIS_VESSEL. heading_deg: without one, the course of a vessel under way. length_m: of the hull about
+    its place.
+    """
 
     name: str
     place: Place

@@ -4,11 +4,13 @@ from typing import Final
 
 from companion.core.geo import position_from_e7
 from companion.core.status_text import one_line
+from companion.core.units import KNOT_M_S
 from companion.mavlink.dialect import Message, dialect
 from mission_tools.station.messages import Place, Vessel
 
 _LIFE_MS: Final = 90_000  # the boat repeats each every 30 s, and 100 vessels take 25 s
 _MOST: Final = 100
+_UNDER_WAY_M_S: Final = 2.0 * KNOT_M_S  # ITU-R M.1371-5, table 2; the course of one at rest is noise
 _COURSE, _SPEED, _SIZE, _NAME = (
     getattr(dialect, f"AIS_FLAGS_VALID_{name}") for name in ("COG", "VELOCITY", "DIMENSIONS", "NAME")
 )
@@ -27,6 +29,8 @@ class HeardVessels:
         flags, number = message.flags, f"{message.MMSI:09d}"
         name = one_line(str(message.name).split("\0", 1)[0]).strip() if flags & _NAME else ""
         course_deg = message.COG / 100.0 if flags & _COURSE and message.COG < 36000 else None
+        speed_m_s = message.velocity / 100.0 if flags & _SPEED else None
+        ahead_deg = None if speed_m_s is not None and speed_m_s <= _UNDER_WAY_M_S else course_deg
         self._heard.pop(number, None)
         self._heard[number] = (
             boot_ms,
@@ -34,8 +38,8 @@ class HeardVessels:
                 name=name or number,
                 place=Place(lat=at.lat_deg, lon=at.lon_deg),
                 course_deg=course_deg,
-                heading_deg=message.heading / 100.0 if message.heading < 36000 else course_deg,
-                speed_m_s=message.velocity / 100.0 if flags & _SPEED else None,
+                heading_deg=message.heading / 100.0 if message.heading < 36000 else ahead_deg,
+                speed_m_s=speed_m_s,
                 length_m=message.dimension_bow + message.dimension_stern if flags & _SIZE else None,
             ),
         )

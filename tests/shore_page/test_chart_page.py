@@ -295,6 +295,33 @@ def test_real_fingers_pan_pinch_and_tap(page: Page) -> None:
     assert at.east_m - boat.east_m == pytest.approx(-30 / before, abs=0.2)
 
 
+def test_words_of_vessels_side_by_side_do_not_cover_each_other_and_the_nearest_has_its_own(
+    page: Page,
+) -> None:
+    here = FRAME.to_local(BOAT)
+    vessels: dict[str, object] = {}
+    for number in range(6):
+        at = FRAME.to_global(Point(here.north_m + 20.0 + number, here.east_m))
+        vessels[f"{9 - number}"] = {
+            "name": f"SHIP {number}", "place": {"lat": at.lat_deg, "lon": at.lon_deg}, "course_deg": None,
+            "heading_deg": None, "speed_m_s": None, "length_m": None,
+        }  # fmt: skip
+    hear_words(page)
+    show(page, "showState", state(vessels=vessels))
+    said = {one for one in page.evaluate("window.said") if one.startswith("SHIP")}
+    assert "SHIP 0" in said
+    assert len(said) < 6
+
+
+def hear_words(page: Page) -> None:
+    """Keep what is written on the chart in window.said."""
+    page.evaluate(
+        "() => { window.said = []; const fill = CanvasRenderingContext2D.prototype.fillText;"
+        " CanvasRenderingContext2D.prototype.fillText = function (text, ...at) {"
+        " window.said.push(text); fill.call(this, text, ...at); }; }"
+    )
+
+
 def test_a_vessel_with_ais_is_drawn_as_long_as_it_is_with_its_way_and_closest_approach(page: Page) -> None:
     """100 m ahead it comes towards the boat, and passes 20 m away in 25 s."""
     north = FRAME.to_local(BOAT).north_m
@@ -304,11 +331,7 @@ def test_a_vessel_with_ais_is_drawn_as_long_as_it_is_with_its_way_and_closest_ap
         "name": "RED FALCON", "place": {"lat": ship.lat_deg, "lon": ship.lon_deg}, "course_deg": 180.0,
         "heading_deg": 180.0, "speed_m_s": 2.0, "length_m": 40,
     }  # fmt: skip
-    page.evaluate(
-        "() => { window.said = []; const fill = CanvasRenderingContext2D.prototype.fillText;"
-        " CanvasRenderingContext2D.prototype.fillText = function (text, ...at) {"
-        " window.said.push(text); fill.call(this, text, ...at); }; }"
-    )
+    hear_words(page)
     show(page, "showState", state(course_deg=0.0, speed_m_s=1.0, vessels={"235001234": vessel}))
     (label,) = {one for one in page.evaluate("window.said") if one.startswith("RED FALCON")}
     assert label == "RED FALCON · 2.0 m/s · CPA 20 m, 20 s"

@@ -37,7 +37,8 @@ class _Row(NamedTuple):
     begins: tuple[str, ...] = ()
 
 
-_PROPULSION: Final = ("Left motor", "Right motor", "Weed", "Steering lost")
+_SIDES: Final = ("Left motor", "Right motor", "Left propeller", "Right propeller")
+_PROPULSION: Final = (*_SIDES, "Weed", "Steering lost")
 _HULL: Final = ("Computer", "Too hot", "Storage", "Water in the hull")
 ROWS: Final = (
     _Row("gnss", checks.examine_gnss, dialect.MAVLINK_MSG_ID_GPS_RAW_INT, ("GPS", "Position lost")),

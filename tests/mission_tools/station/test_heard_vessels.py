@@ -41,6 +41,10 @@ def test_a_vessel_has_what_its_flags_say_is_known() -> None:
     assert view.vessels == {"235001234": Vessel(name="235001234", place=place)}
     told(view, heading=65535)
     assert view.vessels["235001234"].heading_deg == 123.4
+    told(view, heading=65535, velocity=103)
+    assert view.vessels["235001234"].heading_deg == 123.4
+    told(view, heading=65535, velocity=102)
+    assert view.vessels["235001234"].heading_deg is None, "at rest the course is noise"
 
 
 @pytest.mark.parametrize("values", [{"lat": 0x7FFFFFFF}, {"lon": 0x7FFFFFFF}])

@@ -1,5 +1,5 @@
 // The boat, what its sonar hears, the obstacles it knows of; scale bar, north and current. In pixels.
-import { text } from "./chart-map.js";
+import { overlaps, text } from "./chart-map.js";
 
 const HULL_M = 1.2;
 const HULL_PX = 34; // at least
@@ -74,8 +74,8 @@ export function drawOther(pen, { name, heading_deg }, at, view, colour) {
 }
 
 // A vessel with AIS: its hull as long as it is, where it will be in a minute, and how near it comes (CPA) and when, in
-// metres east and north.
-export function drawVessel(pen, vessel, boat, metres, view, colour, words) {
+// metres east and north. taken: boxes of pixels where its words may not stand; where there is no room, they are left out.
+export function drawVessel(pen, vessel, boat, metres, view, colour, words, taken) {
   const [at, way] = [metres, wayOf(vessel, 60)];
   const pixel = view.toPixel(at);
   pen.beginPath();
@@ -88,7 +88,14 @@ export function drawVessel(pen, vessel, boat, metres, view, colour, words) {
   const said = [vessel.name, vessel.speed_m_s == null ? "" : words.speed(vessel.speed_m_s), closest(vessel, at, boat, words)];
   pen.font = "600 13px system-ui, sans-serif";
   const below = Math.max((vessel.length_m ?? 0) * view.scale, HULL_PX) / 2 + 12;
-  text(pen, said.filter(Boolean).join(" \u00B7 "), pixel[0], pixel[1] + below, colour.ink, colour.halo);
+  const label = said.filter(Boolean).join(" \u00B7 ");
+  const half = pen.measureText(label).width / 2 + 2;
+  const places = [[0, below], [0, -below], [half + below, 0], [-half - below, 0]].map(([x, y]) => [pixel[0] + x, pixel[1] + y]);
+  const boxOf = ([x, y]) => [x - half, y - 8, x + half, y + 8];
+  const free = places.find((place) => !taken.some((other) => overlaps(boxOf(place), other)));
+  if (free === undefined) return;
+  taken.push(boxOf(free));
+  text(pen, label, ...free, colour.ink, colour.halo);
 }
 
 const wayOf = ({ course_deg, speed_m_s }, seconds) =>

@@ -149,11 +149,15 @@ export function makeChart(canvas, words) {
       taken.push([at[0] - 12, at[1] - 12, at[0] + 12, at[1] + 12]);
     }
     if (draft !== null) taken.push(...draftRoom(draft, pixel));
+    const boat = state.place ? { at: plane.to([state.place.lon, state.place.lat]), state } : null;
+    const [x, y] = view.toPixel(boat?.at ?? [0, 0]);
+    if (boat !== null) taken.push([x - 18, y - 18, x + 18, y + 18]);
+    const vessels = Object.values(state.vessels ?? {}).map((one) => ({ one, at: plane.to([one.place.lon, one.place.lat]) }));
+    const pixelsOff = ({ at }) => Math.hypot(view.toPixel(at)[0] - x, view.toPixel(at)[1] - y);
+    for (const { one, at } of vessels.sort((a, b) => pixelsOff(a) - pixelsOff(b)))
+      drawVessel(pen, one, boat, at, view, colour, words, taken);
     if (isCharted) drawNames(pen, map, view, colour, taken);
     if (draft !== null) drawDraft(pen, draft, pixel, colour);
-    const boat = state.place ? { at: plane.to([state.place.lon, state.place.lat]), state } : null;
-    for (const one of Object.values(state.vessels ?? {}))
-      drawVessel(pen, one, boat, plane.to([one.place.lon, one.place.lat]), view, colour, words);
     for (const one of others) drawOther(pen, one, pixel(one.place), view, colour);
     if (state.place) {
       const at = pixel([state.place.lon, state.place.lat]);
