@@ -12,7 +12,6 @@ likely spray or a crest, and adds only UNSEEN.
 """
 
 import math
-from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 from companion.core.geo import Point, distance_m
@@ -187,19 +186,19 @@ class Occupancy:
         """The block of a cell."""
         return self._blocks.setdefault((key[0] // _BLOCK, key[1] // _BLOCK), [])
 
-    def _within(self, beam: Beam, length_m: float, half_m: float) -> Iterator[Cell]:
+    def _within(self, beam: Beam, length_m: float, half_m: float) -> list[Cell]:
         """The cells of all blocks in the box around the beam's first metres, half_m to either side."""
         end, side_m = beam.at.moved(beam.bearing_rad, length_m), _BLOCK * self.cell_m
         rows, columns = (
             range(math.floor((min(ends) - half_m) / side_m), math.floor((max(ends) + half_m) / side_m) + 1)
             for ends in zip(beam.at, end, strict=True)
         )
-        return (
+        return [
             cell
             for (row, column), cells in self._blocks.items()
             if row in rows and column in columns
             for cell in cells
-        )
+        ]
 
     def _key(self, point: Point) -> Key:
         return math.floor(point.north_m / self.cell_m), math.floor(point.east_m / self.cell_m)
@@ -222,7 +221,8 @@ class Occupancy:
         slack_m = 0.0 if self.has_solid else math.sqrt(0.5) * self.cell_m
         north_m, east_m = beam.at
         for cell in self._within(beam, clear_m, sine * clear_m + slack_m):
-            north, east = cell.at.north_m - north_m, cell.at.east_m - east_m
+            cell_n, cell_e = cell.at
+            north, east = cell_n - north_m, cell_e - east_m
             along = north * ahead_n + east * ahead_e
             if 0.0 < along < clear_m:
                 distance = math.sqrt(north * north + east * east)

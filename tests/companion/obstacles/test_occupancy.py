@@ -1,7 +1,6 @@
 """The occupancy grid: the evidence of its cells in figures, and what holds for any beams."""
 
 import math
-from collections.abc import Iterator
 
 import pytest
 from hypothesis import given
@@ -194,8 +193,8 @@ def test_memory_is_bounded_and_every_thing_was_within_reach(
 class Exhaustive(Occupancy):
     """Each beam visits all cells."""
 
-    def _within(self, beam: Beam, length_m: float, half_m: float) -> Iterator[Cell]:
-        return iter(self._cells.values())
+    def _within(self, beam: Beam, length_m: float, half_m: float) -> list[Cell]:
+        return list(self._cells.values())
 
 
 def state(seen: Occupancy) -> list[tuple[Point, float, float, float]]:
