@@ -68,10 +68,7 @@ class KeyFloors:
 
 
 class SigningStore:
-    """The keys of all links, and their shared timestamps.
-
-    unix_s: Unix time, 0 if unknown.
-    """
+    """The keys of all links, and their shared timestamps. unix_s: Unix time, 0 if unknown."""
 
     def __init__(self, storage: Storage, unix_s: float = 0.0) -> None:
         self._storage = storage

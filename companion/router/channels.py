@@ -56,10 +56,7 @@ class Channels:
         self._share = _WASTED_LOOKS_PER_TICK  # wasted checks per link and tick
 
     def accept(self, ready: Collection[int] | None = None) -> list[int]:
-        """Numbers of the channels opened since the last call.
-
-        ready: only ports with these descriptors.
-        """
+        """Numbers of the channels opened since the last call. ready: only ports with these descriptors."""
         new: list[int] = []
         for index, port in enumerate(self._ports):
             if ready is not None and port.fileno() not in ready:

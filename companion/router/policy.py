@@ -92,10 +92,7 @@ class ConfiguredPort:
 
 
 class Filter:
-    """Applies allow, deny and rate caps to one channel.
-
-    A rate cap applies per sender.
-    """
+    """Applies allow, deny and rate caps to one channel. A rate cap applies per sender."""
 
     def __init__(self, policy: Policy) -> None:
         self._policy = policy

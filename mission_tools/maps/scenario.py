@@ -41,7 +41,9 @@ class _Table(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     """A table of the scenario."""
 
 
-class _Global(_Table, frozen=True):
+class Global(_Table, frozen=True):
+    """A place on the globe."""
+
     lat_deg: Annotated[float, Meta(ge=-90.0, le=90.0)]
     lon_deg: Annotated[float, Meta(ge=-180.0, le=180.0)]
 
@@ -65,7 +67,7 @@ class _Map(_Table, frozen=True):
     obstacles: tuple[_Obstacle, ...] = ()
 
 
-_Place = EastNorth | _Global
+_Place = EastNorth | Global
 
 
 class _Route(_Table, frozen=True):
@@ -86,7 +88,7 @@ class _Case(_Table, frozen=True):
 
 
 class _Scenario(msgspec.Struct, frozen=True, kw_only=True):
-    origin: _Global | None = None
+    origin: Global | None = None
     map: _Map = _Map()
     route: _Route = _Route()
     cases: tuple[_Case, ...] = ()
@@ -116,7 +118,7 @@ def decode_scenario(tree: Mapping[str, Any], path: Path) -> Source:
     chart = _chart(scenario, path)
 
     def local(place: _Place) -> Point:
-        if isinstance(place, _Global):
+        if isinstance(place, Global):
             return chart.frame.to_local(LatLon(place.lat_deg, place.lon_deg))
         return Point(place[1], place[0])
 

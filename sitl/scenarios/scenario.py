@@ -11,18 +11,18 @@ Positions are [east, north] in metres of the local frame, or {lat_deg, lon_deg}.
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Any, Final
 
 import msgspec
 import shapely
-from msgspec import Meta, field
+from msgspec import field
 
 from companion.config.boat_config import BoatConfig, decode_config, load_toml
 from companion.config.section import Section
 from companion.core.errors import ConfigError
 from companion.core.geo import LatLon, Point, bearing_rad, distance_m
 from mission_tools.maps.chart import Chart
-from mission_tools.maps.scenario import decode_scenario
+from mission_tools.maps.scenario import Global, decode_scenario
 from sitl.radio.channel import LinkSettings
 from sitl.scenarios.layers import Layer, decode, explain, merge, parse_overrides
 from sitl.scenarios.random_world import RandomWater, random_world
@@ -50,13 +50,6 @@ CLASSES: Final[Mapping[tuple[str, str], Mapping[str, Mapping[str, Any]]]] = {
     },
     ("sonar", "ranger"): {name: {key: getattr(one, key) for key in OF_KIND} for name, one in RANGERS.items()},
 }
-
-
-class Global(Section, frozen=True):
-    """A position on the globe."""
-
-    lat_deg: Annotated[float, Meta(ge=-90.0, le=90.0)]
-    lon_deg: Annotated[float, Meta(ge=-180.0, le=180.0)]
 
 
 class BoatTable(Section, frozen=True):

@@ -95,10 +95,7 @@ async def add_headers(request: web.Request, response: web.StreamResponse) -> Non
 
 
 def make_guard(names: Collection[str], is_allowed: Callable[[web.Request], bool]) -> Middleware:
-    """The middleware.
-
-    names: further ones of this server. is_allowed: False if its address asks too often.
-    """
+    """The middleware. names: further ones of this server. is_allowed: False if its address asks too often."""
     own = own_names(names)
 
     @web.middleware
