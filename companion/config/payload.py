@@ -48,8 +48,9 @@ class _Payload(Section, frozen=True, kw_only=True, tag_field="kind"):
 
     @property
     def signal_in_use(self) -> PulseOutputSetting | None:
-        """Its servo signal; None where it has pins instead."""
-        return None
+        """Its servo signal; None where it has pins instead, or no output."""
+        has_pins = any(getattr(self, name, None) is not None for name in ("pin", "out_pin"))
+        return None if has_pins else getattr(self, "signal", None)
 
 
 class RelayPayload(_Payload, frozen=True, kw_only=True, tag="relay"):
@@ -94,10 +95,6 @@ class ServoPayload(_Payload, frozen=True, kw_only=True, tag="servo"):
     on_link_loss: Literal["off", "keep"] | Width = "keep"
     at_end: Literal["off"] | Width = "off"
 
-    @property
-    def signal_in_use(self) -> PulseOutputSetting | None:
-        return self.signal
-
     def __post_init__(self) -> None:
         super().__post_init__()
         _check_widths(self, self.signal, "start", "on_disarm", "on_link_loss", "at_end")
@@ -115,10 +112,6 @@ class GripperPayload(_Payload, frozen=True, kw_only=True, tag="gripper"):
     start: Literal["open", "closed", "keep"] = "keep"  # keep: no signal until the first command
     on_disarm: Literal["open", "closed", "keep"] = "keep"
     on_link_loss: Literal["open", "closed", "keep"] = "keep"
-
-    @property
-    def signal_in_use(self) -> PulseOutputSetting | None:
-        return self.signal if self.pin is None else None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -141,10 +134,6 @@ class WinchPayload(_Payload, frozen=True, kw_only=True, tag="winch"):
     count_pin: Pin | None = None
     pulse_m: Positive = 0.1  # line for each pulse
     stall_s: Positive = 3.0  # without a pulse: stop
-
-    @property
-    def signal_in_use(self) -> PulseOutputSetting | None:
-        return self.signal if self.out_pin is None else None
 
     def __post_init__(self) -> None:
         super().__post_init__()
