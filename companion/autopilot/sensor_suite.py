@@ -23,6 +23,7 @@ from companion.sensors.compass.earth_field import EarthFieldModel
 from companion.sensors.compass.magnetic_field import MotorLoad
 from companion.sensors.external import ExternalSensors
 from companion.sensors.fuel_gauge import FuelGauge, cells_fault
+from companion.sensors.nmea.ais import nearest
 from companion.sensors.plausibility import BATTERY, DEPTH, FIX, HEADING, ReadingGate
 from companion.sensors.silence import SilenceMonitor, fresh
 
@@ -180,6 +181,8 @@ class SensorSuite:
             self._tell("Depth sounder", hardware.depth, self.depth, parts.depth.timeout_s, now_s)
         if hardware.ais is not None:
             self.ais = fresh(hardware.ais.read(), parts.ais.timeout_s, now_s)
+            if self.ais is not None and self.fix is not None:
+                self.ais = nearest(self.ais, self.fix.position)
             self._tell("AIS receiver", hardware.ais, self.ais, parts.ais.timeout_s, now_s)
         if hardware.probes:
             self._read_probes(config, now_s)

@@ -47,6 +47,7 @@ def open_nmea_compass(part: CompassPart, now: Callable[[], float]) -> NmeaSensor
 
 
 BAUD = 4800  # of NMEA 0183
+_AIS_REST_S = 0.1  # every reading has all vessels, and the boat looks at them ten times a second
 
 
 def depth_assembler(part: DepthPart) -> DepthAssembler:
@@ -84,4 +85,4 @@ def open_nmea_depth(part: DepthPart, now: Callable[[], float]) -> NmeaSensor[Dep
 def open_ais(part: AisPart, now: Callable[[], float]) -> ParsedSensor[AisReading]:
     """Open the receiver and start reading. Raises as `open_line`, and HardwareError: pyais is missing."""
     reader = AisReader(import_optional("pyais", "AIS receiver").decode, part.mmsi)
-    return ParsedSensor(open_line(part.port, part.baud, now), now, reader).start()
+    return ParsedSensor(open_line(part.port, part.baud, now), now, reader, _AIS_REST_S).start()

@@ -7,6 +7,7 @@ receiver hears; aids to navigation (21), aircraft (9) and texts are left out.
 import math
 from collections.abc import Callable
 from functools import reduce
+from heapq import nsmallest
 from operator import xor
 from typing import Any, Final, TypeVar
 
@@ -18,7 +19,9 @@ from companion.core.units import KNOT_M_S
 from companion.sensors.nmea.sentences import LONGEST_SENTENCE, LineReader
 
 LIFE_S: Final = 600.0  # without a position; ArduPilot's AIS_TIME_OUT
-_MOST_VESSELS: Final = 100  # the largest AIS_LIST_MAX of ArduPilot
+# Two channels of 2,250 slots a minute, six reports of each vessel under way (ITU-R M.1371-5, annex 2)
+_MOST_VESSELS: Final = 750
+_MOST_NEAR: Final = 100  # the largest AIS_LIST_MAX of ArduPilot
 _POSITIONS: Final = frozenset({1, 2, 3, 18, 19, 27})
 _STATIC: Final = frozenset({5, 19, 24})
 _CLASS_B: Final = frozenset({18, 19})
@@ -109,6 +112,20 @@ class AisReader(LineReader):
             old = self._vessels.pop(mmsi, None)
             new = _vessel(message, mmsi, time_s, self._static.get(mmsi, {}))
             _keep(self._vessels, mmsi, replace(new, is_doubtful=old is not None and _has_jumped(old, new)))
+
+
+def nearest(reading: AisReading, here: LatLon) -> AisReading:
+    """Without the vessels that are farther away than the nearest hundred."""
+    if len(reading.vessels) <= _MOST_NEAR:
+        return reading
+    east = math.cos(math.radians(here.lat_deg))
+
+    def off(vessel: AisVessel) -> float:
+        at = vessel.position
+        east_deg = east * ((at.lon_deg - here.lon_deg + 180.0) % 360.0 - 180.0)
+        return math.hypot(at.lat_deg - here.lat_deg, east_deg)
+
+    return replace(reading, vessels=tuple(nsmallest(_MOST_NEAR, reading.vessels, off)))
 
 
 def _keep(table: dict[int, Kept], mmsi: int, value: Kept) -> None:

@@ -21,11 +21,12 @@ from twins.lines import HandClock, MemoryLine, eventually, known
 
 from companion.config.sensors import AisPart
 from companion.core.errors import HardwareError
+from companion.core.geo import LatLon
 from companion.core.readings import AisReading, AisVessel
 from companion.core.units import KNOT_M_S
 from companion.hal.nmea_sensor import open_ais
 from companion.hal.port_sensor import ParsedSensor
-from companion.sensors.nmea.ais import LIFE_S, AisReader
+from companion.sensors.nmea.ais import LIFE_S, AisReader, nearest
 
 pyais = pytest.importorskip("pyais")
 
@@ -243,11 +244,20 @@ def test_a_vessel_is_forgotten_ten_minutes_after_its_last_position(reader: AisRe
 
 
 def test_of_many_vessels_those_heard_last_are_kept(reader: AisReader) -> None:
-    for number in range(300):
+    for number in range(900):
         part = with_sum(b"AIVDM,9,1,%d,A,0,0" % number)
         found = heard(reader, said(mmsi=201_000_000 + number), part)
     assert len(reader._parts) <= 10
-    assert [one.mmsi for one in found] == [201_000_200 + number for number in range(100)]
+    assert [one.mmsi for one in found] == [201_000_150 + number for number in range(750)]
+
+
+def test_in_a_port_the_near_vessel_is_kept_while_hundreds_farther_off_report(reader: AisReader) -> None:
+    """400 under way tell their positions between two reports of the near one."""
+    heard(reader, said(mmsi=201_000_000, lat=0.0, lon=179.999))
+    for number in range(1, 400):
+        found = heard(reader, said(mmsi=201_000_000 + number, lat=0.0, lon=179.9 - 0.001 * number))
+    shown = nearest(AisReading(0.0, tuple(found)), LatLon(0.0, -179.999)).vessels
+    assert [one.mmsi for one in shown] == [201_000_000 + number for number in range(100)]
 
 
 @given(st.lists(st.sampled_from(PUBLISHED) | st.binary(max_size=90), max_size=12), st.data())

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from boat_rig import BOAT, Rig
 from msgspec.structs import replace
+from twins.lines import known
 
 from companion.core.geo import LatLon
 from companion.core.readings import AisReading, AisVessel
@@ -95,6 +96,18 @@ def test_a_boat_sends_its_vessels_and_tells_when_the_receiver_is_silent() -> Non
     rig.run(1.0)
     assert rig.peer.texts.count("AIS receiver measures again") == 1
     assert len(rig.peer.said("AIS_VESSEL")) == 3
+
+
+def test_of_hundreds_of_vessels_the_boat_uses_the_nearest() -> None:
+    ais = FakeAis()
+    rig = Rig(ais=ais)
+    rig.run(1.0)
+    here = known(rig.boat.sensors.fix).position
+    far = (replace(FERRY, mmsi=number, position=LatLon(51.0, -1.3)) for number in range(300))
+    ais.reading = AisReading(rig.now_s, (replace(FERRY, position=here), *far))
+    rig.run(0.2)
+    vessels = known(rig.boat.sensors.ais).vessels
+    assert (len(vessels), vessels[0].mmsi) == (100, FERRY.mmsi)
 
 
 def test_a_new_report_is_sent_before_a_repetition_and_a_silent_vessel_every_half_minute() -> None:
