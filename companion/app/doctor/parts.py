@@ -82,6 +82,10 @@ def check_part(
     said = "".join(f"; {text}" for text in texts)
     if reading is None or reading == []:
         text = f"{driver}: no reading within {_PATIENCE_S:g} s{said}"
+        if name == "ais":  # away from ships and base stations there is nothing to hear
+            return warning(
+                name, text, "usual away from ships, or indoors; else check supply, port and baud rate"
+            )
         return failed(name, text, "check its supply, wires, port and baud rate")
     verdict, words = in_words(reading, config)
     if _is_missing(reading, count):

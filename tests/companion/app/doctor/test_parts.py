@@ -28,7 +28,7 @@ from companion.app.doctor.parts import (
 from companion.app.status_file import BoatStatus
 from companion.config.actuators import MotorsPart
 from companion.config.boat_config import BoatConfig, Parts
-from companion.config.sensors import HullPart, LidarPart
+from companion.config.sensors import AisPart, HullPart, LidarPart
 from companion.core.readings import EscReading, HullReading, SonarReading
 from companion.core.status_text import Severity, StatusText
 from companion.hal.autopilot.parameters import RoverParameters
@@ -116,6 +116,12 @@ def test_each_motor_turns_both_ways_after_a_typed_yes(board: PinBoard) -> None:
     assert max(change.value for change in board.history if change.pin not in legs) <= 0.5, "full drive"
     last = {change.pin: change.value for change in board.history}
     assert not any(last.values())
+
+
+def test_an_ais_receiver_that_hears_no_ship_is_no_failure() -> None:
+    config = BoatConfig(parts=Parts(ais=AisPart(driver="nmea")))
+    found = check_part("ais", opening(Part(None)), config, FakeClock())
+    assert (found.verdict, found.text) == (Verdict.WARNING, "nmea: no reading within 10 s")
 
 
 def test_a_vesc_behind_another_is_waited_for_and_missed(monkeypatch: pytest.MonkeyPatch) -> None:
