@@ -21,7 +21,7 @@ class AutopilotPart(Section, frozen=True):
     system_id: Annotated[int, Meta(ge=0, le=255)] = 0
     own_system_id: SystemId = 255
     latency_s: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.01  # half a period of ArduPilot's 50 Hz loop
-    resume_s: NonNegative = 60.0  # ArduPilot takes some 25 s from a reboot until it can be armed
+    resume_s: NonNegative = 60.0  # ArduPilot's simulator drove again 43 s after a restart
 
 
 def with_autopilot(tree: Mapping[str, Any]) -> dict[str, Any]:

@@ -27,10 +27,11 @@ AGREE: Final = 10  # in a row: 2 s at 5 Hz, 10 s at 1 Hz
 
 
 class ReceiverClock:
-    """latency_s: shortest time from measurement to arrival."""
+    """latency_s: shortest time from measurement to arrival. window_s: in which one of the delays is it."""
 
-    def __init__(self, latency_s: float) -> None:
+    def __init__(self, latency_s: float, window_s: float = WINDOW_S) -> None:
         self._latency_s = latency_s
+        self._window_s = window_s
         self._last_time_of_day_s = math.nan
         self._outliers, self._outlier_s = (
             0,
@@ -60,7 +61,7 @@ class ReceiverClock:
         least_s = min(self._least_s, self._before_s)
         if not least_s - EARLIEST_S <= late_s <= least_s + LATEST_S and least_s < math.inf:
             return arrival_s - self._latency_s
-        if arrival_s - self._since_s >= WINDOW_S:
+        if arrival_s - self._since_s >= self._window_s:
             self._before_s, self._least_s, self._since_s = self._least_s, late_s, arrival_s
         self._least_s = min(self._least_s, late_s)
         return arrival_s - self._latency_s - (late_s - min(self._least_s, self._before_s))

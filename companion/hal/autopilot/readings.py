@@ -24,6 +24,7 @@ from companion.sensors.receiver_clock import ReceiverClock
 
 _UNKNOWN_16: Final = 0xFFFF
 _UNKNOWN_8: Final = 0xFF
+_WINDOW_S: Final = 5.0  # two hundred ATTITUDE; an autopilot that is simulated may fall behind real time
 _HEALTH_S: Final = 3.0  # without a report of health none is assumed: six of each
 _VARIANCE: Final = 1.0  # from there on the filter rejects the compass (EKF3: test ratio of its innovation)
 _MOST_PINGS: Final = 32
@@ -48,7 +49,7 @@ class AutopilotReadings:
         self.dropped = 0
         self._part = config.parts.autopilot_part
         self._config = config.parts
-        self._clock = ReceiverClock(self._part.latency_s)
+        self._clock = ReceiverClock(self._part.latency_s, _WINDOW_S)
         self._booted_s = 0.0  # latest time by its clock
         self._unix_s: float | None = None  # Unix time less its clock
         self._fix_us = -1

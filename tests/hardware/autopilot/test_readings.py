@@ -53,6 +53,12 @@ def test_heading_and_yaw_rate_are_of_true_north_and_forty_a_second(bench: Bench)
     assert bench.rover.intervals_s[30] == pytest.approx(0.025)
 
 
+def test_readings_are_dated_well_again_ten_seconds_after_the_clocks_have_slipped(bench: Bench) -> None:
+    bench.now_s += 0.3
+    bench.run(11.0)
+    assert known(bench.readings.heading).time_s == pytest.approx(bench.now_s - 0.01, abs=0.03)
+
+
 @pytest.mark.parametrize(
     ("health", "flags"),
     [
