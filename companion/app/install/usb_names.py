@@ -3,7 +3,7 @@
     boat-companion install --usb compass=/dev/ttyUSB0      makes /dev/mavboat-compass
 
 An adapter is known by maker, product and serial number. Where it has no serial number, as those with a CH340,
-it is known by the socket that it is plugged into.
+or shares it with another that is plugged in, as VESCs (304), it is known by the socket that it is in.
 """
 
 import re
@@ -41,13 +41,22 @@ def _rule(name: str, device: Path, sys_root: Path) -> str:
     interface, adapter = _adapter([node, *node.parents])
     if adapter is None:
         raise InstallError(f"{device}: not a serial device on USB, or not plugged in")
-    matches = [f'ATTRS{{{key}}}=="{_attribute(adapter, key)}"' for key in ("idVendor", "idProduct")]
-    serial = _attribute(adapter, "serial")
-    matches.append(f'ATTRS{{serial}}=="{serial}"' if serial else f'KERNELS=="{adapter.name}"')
+    maker, product, serial = identity = _identity(adapter)
+    matches = [f'ATTRS{{idVendor}}=="{maker}"', f'ATTRS{{idProduct}}=="{product}"']
+    nodes = (one.resolve() for one in (sys_root / "class/tty").glob("*/device"))
+    others = (_adapter([one, *one.parents])[1] for one in nodes)
+    is_shared = any(one and one != adapter and _identity(one) == identity for one in others)
+    is_known = serial and not is_shared
+    matches.append(f'ATTRS{{serial}}=="{serial}"' if is_known else f'KERNELS=="{adapter.name}"')
     number = _attribute(interface, "bInterfaceNumber") if interface is not None else ""
     if number not in ("", "00"):  # another port of the same adapter
         matches.append(f'ENV{{ID_USB_INTERFACE_NUM}}=="{number}"')
     return ", ".join(['SUBSYSTEM=="tty"', *matches, f'SYMLINK+="mavboat-{name}"'])
+
+
+def _identity(adapter: Path) -> tuple[str, str, str]:
+    """Maker, product and serial number, empty without one."""
+    return _attribute(adapter, "idVendor"), _attribute(adapter, "idProduct"), _attribute(adapter, "serial")
 
 
 def _adapter(folders: Iterable[Path]) -> tuple[Path | None, Path | None]:

@@ -48,6 +48,19 @@ def test_an_adapter_without_one_is_known_by_its_socket(tmp_path: Path, serial: s
     ]
 
 
+def test_adapters_that_share_a_serial_number_are_known_by_their_sockets(tmp_path: Path) -> None:
+    """As VESCs on USB: usb-STMicroelectronics_ChibiOS_RT_Virtual_COM_Port_304 is the name of each."""
+    vesc = {"idVendor": "0483", "idProduct": "5740", "serial": "304"}
+    plug_in(tmp_path, "ttyACM0", "1-1.3", vesc)
+    plug_in(tmp_path, "ttyACM1", "1-1.4", vesc)
+    plug_in(tmp_path, "ttyUSB0", "1-1.5", CP2102)
+    options = ["left=/dev/ttyACM0", "lidar=/dev/ttyUSB0", "right=/dev/ttyACM1"]
+    left, lidar, right = rules(usb_rules(options, sys_root=tmp_path))
+    assert 'KERNELS=="1-1.3"' in left
+    assert 'KERNELS=="1-1.4"' in right
+    assert 'ATTRS{serial}=="0001"' in lidar
+
+
 def test_names_given_before_stay_and_a_name_given_again_moves(tmp_path: Path) -> None:
     plug_in(tmp_path, "ttyUSB0", "1-1.3", CP2102)
     plug_in(tmp_path, "ttyUSB1", "1-1.4", CH340)
