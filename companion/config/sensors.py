@@ -173,11 +173,8 @@ class LidarPart(RangedPart, frozen=True):
     def __post_init__(self) -> None:
         super().__post_init__()
         for first, last in self.blind_rad:
-            if (hidden_rad := (last - first) % math.tau) > math.pi:
-                raise ValueError(
-                    f"blind_rad = [{first:g}, {last:g}]: hides {math.degrees(hidden_rad):.0f}°, clockwise "
-                    "from the first to the second; expected at most 180° a pair"
-                )
+            if (last - first) % math.tau > math.pi:
+                raise ValueError(f"blind_rad = [{first:g}, {last:g}]: hides more than 180° clockwise")
 
     def is_blind(self, bearing_rad: float, half_rad: float) -> bool:
         """Whether a part of the sector of half_rad to either side is hidden."""

@@ -100,9 +100,7 @@ class Obstacles(Struct, frozen=True, kw_only=True):
 
 
 class Vessel(Struct, frozen=True, kw_only=True):
-    """AIS_VESSEL. heading_deg: without one, the course of a vessel under way. length_m: of the hull about
-    its place.
-    """
+    """AIS_VESSEL. heading_deg: else the course under way. length_m: of the hull about its place."""
 
     name: str
     place: Place

@@ -59,9 +59,7 @@ PARTS: Final[Mapping[str, Open]] = {
 def check_part(
     name: str, open_part: Open, config: BoatConfig, clock: Clock, driver: str = "", count: int = 1
 ) -> Finding:
-    """Open a part, wait for its first reading, and close it. driver: default: that of the section. count: of
-    the speed controllers that answer over the line.
-    """
+    """Open a part, wait for its first reading, and close it. count: of the speed controllers on the line."""
     driver = driver or (getattr(config.parts, name, None) or getattr(config, name)).driver
     if driver == "none":
         return skipped(name, "not fitted")
@@ -83,9 +81,7 @@ def check_part(
     if reading is None or reading == []:
         text = f"{driver}: no reading within {_PATIENCE_S:g} s{said}"
         if name == "ais":  # away from ships and base stations there is nothing to hear
-            return warning(
-                name, text, "usual away from ships, or indoors; else check supply, port and baud rate"
-            )
+            return warning(name, text, "usual away from ships; else check its supply, port and baud rate")
         return failed(name, text, "check its supply, wires, port and baud rate")
     verdict, words = in_words(reading, config)
     if _is_missing(reading, count):

@@ -121,9 +121,8 @@ def nearest(reading: AisReading, here: LatLon) -> AisReading:
     east = math.cos(math.radians(here.lat_deg))
 
     def off(vessel: AisVessel) -> float:
-        at = vessel.position
-        east_deg = east * ((at.lon_deg - here.lon_deg + 180.0) % 360.0 - 180.0)
-        return math.hypot(at.lat_deg - here.lat_deg, east_deg)
+        east_deg = east * ((vessel.position.lon_deg - here.lon_deg + 180.0) % 360.0 - 180.0)
+        return math.hypot(vessel.position.lat_deg - here.lat_deg, east_deg)
 
     return replace(reading, vessels=tuple(nsmallest(_MOST_NEAR, reading.vessels, off)))
 
