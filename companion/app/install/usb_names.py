@@ -45,10 +45,8 @@ def _rule(name: str, device: Path, sys_root: Path) -> str:
     matches = [f'ATTRS{{idVendor}}=="{maker}"', f'ATTRS{{idProduct}}=="{product}"']
     nodes = (one.resolve() for one in (sys_root / "class/tty").glob("*/device"))
     others = (_adapter([one, *one.parents])[1] for one in nodes)
-    is_shared = any(one and one != adapter and _identity(one) == identity for one in others)
-    matches.append(
-        f'ATTRS{{serial}}=="{serial}"' if serial and not is_shared else f'KERNELS=="{adapter.name}"'
-    )
+    is_known = serial and not any(one and one != adapter and _identity(one) == identity for one in others)
+    matches.append(f'ATTRS{{serial}}=="{serial}"' if is_known else f'KERNELS=="{adapter.name}"')
     number = _attribute(interface, "bInterfaceNumber") if interface is not None else ""
     if number not in ("", "00"):  # another port of the same adapter
         matches.append(f'ENV{{ID_USB_INTERFACE_NUM}}=="{number}"')
