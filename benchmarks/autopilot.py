@@ -68,6 +68,11 @@ class Water(Backend):
             self.drives.append(Drive(time.monotonic(), packet.share(1), packet.share(3)))
         return super().handle(data)
 
+    def _moor(self) -> None:
+        """Not again when Rover restarts: the boat drifts on meanwhile."""
+        if self.steps == 0:
+            super()._moor()
+
     def neutral_after_s(self, event_s: float) -> float:
         """From an event to the last time at which a motor was driven; until the latest return."""
         driven = [one.time_s for one in self.drives if one.time_s > event_s and _is_driven(one)]
