@@ -69,6 +69,8 @@ mutate: setup  ## mutation testing of the boat's packages; also SAMPLE=200 (0: a
 
 bench: setup  ## side by side with peers; writes out/benchmarks.md
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[bench]'
+	@# it asks for numpy 1, and runs with 2
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps -c constraints.txt extremitypathfinder
 	$(BIN)/python -m benchmarks
 
 fuzz: setup  ## coverage-guided fuzzing; also FUZZ_SECONDS=60 for each target, TARGETS='files nmea'

@@ -6,6 +6,7 @@ Each method is a process of its own. Peers: pip install verde pykrige.
 """
 
 import json
+import math
 import resource
 import subprocess
 import sys
@@ -20,7 +21,7 @@ from sounded_lake import ORIGIN, Bottom, bowl, fractal, lake, soundings
 from benchmarks.measure import table
 from mission_tools.bathymetry.blocks import means
 from mission_tools.bathymetry.kriging import BAND_SD
-from mission_tools.bathymetry.reduction import Corrections, reduced
+from mission_tools.bathymetry.reduction import BEAM_DEG, Corrections, reduced
 from mission_tools.bathymetry.soundings import Floats
 from mission_tools.bathymetry.surface import SurfaceSettings, interpolated
 
@@ -39,7 +40,8 @@ def _cells() -> tuple[Floats, Floats]:
 
 def ours(east: Floats, north: Floats, depth: Floats) -> Found:
     """Local ordinary kriging with the calibrated band."""
-    found = interpolated(CHART, east, north, depth, np.nan, SurfaceSettings(cell_m=CELL_M))
+    beam_rad, settings = math.radians(BEAM_DEG), SurfaceSettings(cell_m=CELL_M)
+    found = interpolated(CHART, east, north, depth, np.nan, settings, beam_rad)
     known = np.isfinite(found.depth_m)
     x, y = np.meshgrid(*found.grid.middles)
     return found.depth_m[known], found.band_m[known], x[known], y[known]
@@ -108,7 +110,8 @@ def main() -> None:
             if any(peer in name.lower() and find_spec(peer) is None for peer in ("verde", "pykrige")):
                 sys.stderr.write(f"{name}: skipped, not installed\n")
                 continue
-            ran = subprocess.run([sys.executable, __file__, kind, name], capture_output=True, check=True)
+            command = [sys.executable, "-m", "benchmarks.bathymetry", kind, name]
+            ran = subprocess.run(command, capture_output=True, check=True)
             one = json.loads(ran.stdout)
             share = "none" if np.isnan(one["inside"]) else f"{100 * one['inside']:.1f} %"
             rows.append(
