@@ -178,8 +178,10 @@ class LocalPlanner:
         norths_m = [at.north_m - here.north_m for at in places]
         easts_m = [at.east_m - here.east_m for at in places]
         meets_m = free_m(way, field, margin_m) if is_certain else math.inf
-        is_open = meets_m == math.inf and not self._detour.side  # no wall is known or assumed
-        leads_on = is_open or _leads_on(here, places[-1], to_go)
+        is_barred = is_certain and (
+            meets_m < math.inf or self._detour.side != 0
+        )  # a wall is known or assumed
+        leads_on = not is_barred or _leads_on(here, places[-1], to_go)
         wanted_rad = math.atan2(easts_m[-1], norths_m[-1])
         wanted_m_s = speed * math.cos(wanted_rad), speed * math.sin(wanted_rad)
         movers = predict(
