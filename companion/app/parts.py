@@ -121,7 +121,7 @@ def open_gnss(config: BoatConfig, now: Now, heading: GnssHeading | None = None) 
         case "gpsd":
             return open_gpsd_gnss(part, now)
         case "autopilot":
-            return behind_autopilot(config, now).sensor("fix")
+            return behind_autopilot(config, now).sensor(lambda readings: readings.fix)
         case "none":
             return _Absent()
 
@@ -142,14 +142,14 @@ def open_compass(config: BoatConfig, now: Now, field: FieldCorrector | None = No
             return open_bno055(part, now, ProfileFile(path) if folder else None)
         case "bno085":
             return open_bno085(part, now)
-        case "qmc5883l" | "qmc5883p" | "hmc5883l" | "lis3mdl" | "ist8310" | "ist8308" | "rm3100" | "ak09916":
-            return open_magnetic_compass(part, now, field or FieldCorrector())
         case "nmea":
             return open_nmea_compass(part, now)
         case "autopilot":
-            return behind_autopilot(config, now).sensor("heading")
+            return behind_autopilot(config, now).sensor(lambda readings: readings.heading)
         case "none":
             return _Absent()
+        case _:  # a magnetometer
+            return open_magnetic_compass(part, now, field or FieldCorrector())
 
 
 def bare_compass(config: BoatConfig) -> BoatConfig:
@@ -185,7 +185,7 @@ def open_battery(config: BoatConfig, now: Now) -> parts.Battery:
         ports = config.parts.motors.ports(has_right=config.drive.has_pair)
         return esc_battery(config, [open_esc(config, now, side) for side in range(len(ports))])
     if config.parts.battery.driver == "autopilot":
-        return behind_autopilot(config, now).sensor("battery")
+        return behind_autopilot(config, now).sensor(lambda readings: readings.battery)
     return open_battery_monitor(config.parts.battery, now)
 
 
@@ -200,7 +200,7 @@ def open_depth(config: BoatConfig, now: Now) -> parts.DepthSounder:
         case "ping1d":
             return open_ping1d(part, now)
         case "autopilot":
-            return behind_autopilot(config, now).sensor("depth")
+            return behind_autopilot(config, now).sensor(lambda readings: readings.depth)
         case "gnss":
             port, baud = config.parts.gnss.port, config.parts.gnss.baud or 9600
             return open_nmea_depth(replace(part, port=port, baud=baud), now)
@@ -233,7 +233,7 @@ def open_probe_group(group: Sequence[ProbePart], now: Now) -> tuple[parts.Probe,
 
 def open_rc(config: BoatConfig, now: Now) -> parts.RcReceiver:
     if config.rc.driver == "autopilot":
-        return behind_autopilot(config, now).sensor("rc")
+        return behind_autopilot(config, now).sensor(lambda readings: readings.rc)
     return open_rc_receiver(config.rc, now)
 
 

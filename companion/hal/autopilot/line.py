@@ -5,17 +5,20 @@ Closing one of the parts closes the line, and with it all the others.
 
 import threading
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from typing import Generic, TypeVar
 
 from companion.config.boat_config import BoatConfig
 from companion.core.readings import SonarReading
 from companion.core.status_text import StatusText
 from companion.hal.autopilot.link import AutopilotLink
+from companion.hal.autopilot.readings import AutopilotReadings
 from companion.hal.port_sensor import PortSensor
 from companion.links.port_url import open_port, parse_port_url
 from companion.links.retried import RetriedPort
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Message
+
+Reading = TypeVar("Reading")
 
 _PATIENCE_S = 0.02  # a demand waits no longer, and a silent autopilot costs fifty looks a second
 
@@ -56,9 +59,8 @@ class AutopilotLine(PortSensor[None]):
         texts = self.link.texts
         return [texts.popleft() for _ in range(len(texts))]
 
-    def sensor(self, name: str) -> "AutopilotSensor":
-        """One of `AutopilotReadings`, by its name."""
-        return AutopilotSensor(self, name)
+    def sensor(self, latest: Callable[[AutopilotReadings], Reading | None]) -> "AutopilotSensor[Reading]":
+        return AutopilotSensor(self, latest)
 
     def sonar(self) -> "AutopilotSonar":
         return AutopilotSonar(self)
@@ -90,15 +92,15 @@ class _Part:
         self.close, self.take_texts = line.close, line.take_texts
 
 
-class AutopilotSensor(_Part):
+class AutopilotSensor(_Part, Generic[Reading]):
     """Satisfies `Sensor` with one of `AutopilotReadings`."""
 
-    def __init__(self, line: AutopilotLine, name: str) -> None:
+    def __init__(self, line: AutopilotLine, latest: Callable[[AutopilotReadings], Reading | None]) -> None:
         super().__init__(line)
-        self._name = name
+        self._latest = latest
 
-    def read(self) -> Any:  # noqa: ANN401 — by its name
-        return getattr(self._line.link.readings, self._name)
+    def read(self) -> Reading | None:
+        return self._latest(self._line.link.readings)
 
 
 class AutopilotSonar(_Part):

@@ -56,7 +56,7 @@ def plug(clock: HandClock) -> Plug:
 
 
 def test_a_line_is_silent_until_it_is_plugged_in_and_again_after_it_was_unplugged(plug: Plug) -> None:
-    compass = AutopilotSensor(plug.line, "heading")
+    compass = AutopilotSensor(plug.line, lambda readings: readings.heading)
     plug.run(3.0)
     assert compass.read() is None
     for _ in range(2):
