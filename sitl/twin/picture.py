@@ -32,9 +32,10 @@ def draw_fit(fit: Fit, rest: Voyage, path: Path) -> None:
     speeds = [np.hypot(*one[:2]) for one in (measured, simulated)]
     rates = [np.degrees(one[2]) for one in (measured, simulated)]
     turns = [STORED_S * np.cumsum(one.reshape(segments.count, -1), axis=1).ravel() for one in rates]
-    _pair(panels[0, 0], times_s[0], speeds, "speed over ground, m/s")
-    _pair(panels[0, 1], times_s[2], rates, "turn rate, °/s")
-    _pair(panels[1, 0], times_s[2], turns, "heading since the last restart, °")
+    _pair(panels[0, 0], times_s[0], speeds, "speed over ground, m/s", "simulated")
+    ahead = f"predicted {STORED_S:g} s ahead"  # the filter knows the gusts until then
+    _pair(panels[0, 1], times_s[2], rates, "turn rate, °/s", ahead)
+    _pair(panels[1, 0], times_s[2], turns, "heading since the last restart, °", ahead)
     for one, colour in ((measured, SAILED), (simulated, PLANNED)):
         north, east = (
             one[0] * segments.cos - one[1] * segments.sin,
@@ -62,9 +63,9 @@ def draw_fit(fit: Fit, rest: Voyage, path: Path) -> None:
         figure.savefig(aside, dpi=110)
 
 
-def _pair(panel: Axes, times_s: Floats, rows: Sequence[Any], name: str) -> None:
+def _pair(panel: Axes, times_s: Floats, rows: Sequence[Any], name: str, other: str) -> None:
     panel.plot(times_s, rows[0], color=SAILED, linewidth=1.0, label="measured")
-    panel.plot(times_s, rows[1], color=PLANNED, linewidth=1.0, label="simulated")
+    panel.plot(times_s, rows[1], color=PLANNED, linewidth=1.0, label=other)
     panel.set(xlabel="s", ylabel=name)
 
 
