@@ -75,8 +75,7 @@ class Boat:
         self.rc_control = RcControl()
         self.vehicle.manual_input.rc.is_fitted = hardware.rc is not None
         self.sensors = SensorSuite(hardware, ExternalSensors(config.external))
-        camera = self.parameters.config.camera
-        self.channels = Channels(ports, own, (camera.component,) if camera.is_fitted else ())
+        self.channels = Channels(ports, own, self.parameters.config.components)
         self.vehicle.compass_fault = self.sensors.compass_fault
         self.vehicle.has_battery_monitor = self.sensors.has_battery_monitor
         if self.sensors.uses_earth_field(self.parameters.config.parts.compass):
@@ -101,6 +100,7 @@ class Boat:
             faults=hardware.faults,
             take_snapshot=self.take_snapshot,
             payload=self.payload,
+            autopilot=hardware.autopilot,
         )
         if logbook is not None:
             logbook.onboard = OnboardLog(

@@ -13,7 +13,7 @@ from companion.app.needs import check_needs
 from companion.app.process import ServiceNotifier, only_program, status_line
 from companion.app.runner import Runner, SystemClock
 from companion.app.status_file import StatusFile, status_path
-from companion.boat import TICK_S, Boat
+from companion.boat import COMPONENT_ID, TICK_S, Boat
 from companion.config.board import read_model
 from companion.config.boat_config import BoatConfig, LinkConfig
 from companion.config.tuning import Rc
@@ -87,6 +87,10 @@ def check_autopilot(config: BoatConfig) -> None:
     behind = [name for name, part in fitted.items() if getattr(part, "driver", "") == "autopilot"]
     if behind and not config.parts.autopilot_part.url:
         raise ConfigError(f"parts.autopilot: {behind[0]} is behind it; expected its port url")
+    if config.parts.autopilot_part.component == COMPONENT_ID:
+        raise ConfigError(
+            f"parts.autopilot.component = {COMPONENT_ID}: expected another than the boat's own, such as 25"
+        )
     if "motors" not in behind:
         if "rudder" in behind:
             raise ConfigError("parts.rudder.driver = 'autopilot': expected parts.motors.driver = 'autopilot'")

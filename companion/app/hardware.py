@@ -103,6 +103,7 @@ class _Assembly:
             escs=escs,
             lidar=self._ranger("Lidar", fitted.lidar.driver, parts.open_lidar),
             outputs=outputs,
+            autopilot=outputs if fitted.autopilot_part.component else None,
             retried=tuple(self._begun),
         )
         self._await()

@@ -14,12 +14,14 @@ class AutopilotPart(Section, frozen=True):
     system_id: the autopilot's; 0: the first that is heard. own_system_id: the boat's on this line. ArduPilot
     takes channels from MAV_GCS_SYSID only (SYSID_MYGCS before 4.7), 255 as delivered. latency_s: shortest
     time from a measurement to its arrival. resume_s: a voyage goes on if the outputs return within this time;
-    later the boat disarms.
+    later the boat disarms. component: its id under the boat's system id, by which stations reach it,
+    such as 25 (MAV_COMP_ID_USER1); 0: they do not.
     """
 
     url: str = ""
     system_id: Annotated[int, Meta(ge=0, le=255)] = 0
     own_system_id: SystemId = 255
+    component: Annotated[int, Meta(ge=0, le=99)] = 0
     latency_s: Annotated[float, Meta(ge=0.0, le=1.0)] = 0.01  # half a period of ArduPilot's 50 Hz loop
     resume_s: NonNegative = 60.0  # ArduPilot's simulator drove again 43 s after a restart
 

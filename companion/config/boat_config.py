@@ -262,6 +262,13 @@ class BoatConfig(Section, frozen=True):
         """The links; a plain url has default settings."""
         return tuple(LinkConfig(url=link) if isinstance(link, str) else link for link in self.links)
 
+    @property
+    def components(self) -> tuple[int, ...]:
+        """Component ids of the boat besides its own: the camera's, and a routed autopilot's."""
+        autopilot = self.parts.autopilot_part.component
+        camera = (self.camera.component,) if self.camera.is_fitted else ()
+        return (*camera, autopilot) if autopilot else camera
+
 
 def decode_config(tree: Mapping[str, Any], source: str) -> BoatConfig:
     """The configuration of a TOML tree. A ConfigError names the source, the key and the expected value."""

@@ -14,6 +14,8 @@ from companion.core import readings
 from companion.core.status_text import StatusText
 from companion.links.interfaces import Closable
 from companion.links.retried import Retried
+from companion.mavlink.address import Address
+from companion.mavlink.dialect import Message
 from companion.sensors.compass.magnetic_field import FieldCorrector
 
 
@@ -122,6 +124,20 @@ class ArmedOutputs(Closable, Protocol):
         """Arm or disarm them, as the boat is. Called every tick."""
 
 
+class MavlinkPart(Closable, Protocol):
+    """A part with a MAVLink line of its own that stations may use."""
+
+    @property
+    def is_heard(self) -> bool:
+        """Whether it is not silent."""
+
+    def send(self, message: Message, sender: Address) -> None:
+        """Pass on a station's message, with the part as its target. Dropped where there is no room."""
+
+    def take_messages(self) -> list[Message]:
+        """What it has sent since the last call, oldest first."""
+
+
 class MotorCutoff(Protocol):
     """Stops motors without a recent command, independently of the control loop."""
 
@@ -218,6 +234,7 @@ class Hardware:
     payload: PayloadParts | None = None
     corrections: CorrectionInput | None = None
     outputs: ArmedOutputs | None = None  # what arms motors and rudder besides the boat
+    autopilot: MavlinkPart | None = None  # that stations may reach
     retried: tuple[Retried[Any], ...] = ()
 
     @property

@@ -30,10 +30,12 @@ class Encoder:
         self.counters = Counters() if counters is None else counters
         self._sequence = 0
 
-    def encode(self, message: Message) -> bytes:
-        """One frame. Raises struct.error: a value does not fit its field."""
+    def encode(self, message: Message, sender: Address | None = None) -> bytes:
+        """One frame. sender: another, whose message is passed on. Raises struct.error: a value does not fit
+        its field.
+        """
         layout = LAYOUTS[message.get_msgId()]
-        data = build_frame(self.address, self._sequence, layout, layout.pack(message))
+        data = build_frame(sender or self.address, self._sequence, layout, layout.pack(message))
         self._sequence = (self._sequence + 1) & 0xFF
         self.counters.frames_out += 1
         self.counters.bytes_out += len(data)

@@ -26,6 +26,8 @@ class Message(Protocol):
     def __getattr__(self, name: str) -> Any:  # noqa: ANN401
         """A field's value."""
 
+    def __setattr__(self, name: str, value: object) -> None: ...
+
 
 def constants(prefix: str, *names: str) -> tuple[int, ...]:
     """Numbers of the dialect by name, without their common prefix."""

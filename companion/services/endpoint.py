@@ -6,6 +6,7 @@ is logged once per kind and never reaches the control loop.
 
 import logging
 from collections.abc import Callable, Mapping
+from typing import Protocol
 
 from companion.autopilot.sensor_suite import SensorSuite
 from companion.calibration.motor_test import MotorTest
@@ -13,9 +14,9 @@ from companion.calibration.runner import CalibrationRunner
 from companion.config.parameters import Parameters
 from companion.core.readings import HeadingReading
 from companion.core.storage import FolderStorage, Storage
-from companion.hal.interfaces import CorrectionInput, FaultInjector
+from companion.hal.interfaces import CorrectionInput, FaultInjector, MavlinkPart
 from companion.log.logbook import Logbook
-from companion.mavlink.address import Address, concerns
+from companion.mavlink.address import ALL, Address, concerns
 from companion.mavlink.codec import Received
 from companion.mavlink.dialect import Message, dialect, message_ids
 from companion.mavlink.items import MissionItem, MissionType
@@ -38,6 +39,7 @@ from companion.services.other_vehicles import OtherVehicleService
 from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService
 from companion.services.roles import Role, Roles
+from companion.services.routed_autopilot import RoutedAutopilot
 from companion.services.signing import SigningService
 from companion.services.statustext import StatusTextService
 from companion.services.telemetry.available_modes import AvailableModesService
@@ -60,8 +62,21 @@ _REPOSITION = dialect.MAV_CMD_DO_REPOSITION
 Handler = Callable[[Message, Origin, float], None]
 
 
+class Component(Protocol):
+    """A further component of the boat's system, with an id of its own."""
+
+    def handle(self, message: Message, origin: Origin, now_s: float) -> None:
+        """A message that is addressed to it."""
+
+    def open(self, channel: int) -> None:
+        """A channel has opened: announce it there."""
+
+    def tick(self, now_s: float) -> None:
+        """Periodic work."""
+
+
 class Endpoint:
-    """All services of component 1, with their outbox."""
+    """All services of component 1 and of the boat's further components, with their outbox."""
 
     def __init__(
         self,
@@ -81,6 +96,7 @@ class Endpoint:
         payload: PayloadControl,
         corrections: CorrectionInput | None = None,
         faults: FaultInjector | None = None,
+        autopilot: MavlinkPart | None = None,
     ) -> None:
         """may_send: room for telemetry on a channel; answers are always sent. take_snapshot: of the boat."""
         self.outbox = Outbox()
@@ -120,10 +136,16 @@ class Endpoint:
         self._access = AccessService(
             parameters, self._listings, self._commands.questions, self.outbox, self.texts
         )
-        self._camera: CameraComponent | None = None
+        self._components: dict[int, Component] = {}
         if parameters.config.camera.is_fitted:
             component = parameters.config.camera.component
-            self._camera = CameraComponent(component, payload, self.outbox, self.texts, take_snapshot)
+            self._components[component] = CameraComponent(
+                component, payload, self.outbox, self.texts, take_snapshot
+            )
+        self._is_autopilot_routed = autopilot is not None
+        if autopilot is not None:
+            component = parameters.config.parts.autopilot_part.component
+            self._components[component] = RoutedAutopilot(component, autopilot, vehicle, self.outbox)
         self._missions = MissionService(
             own, vehicle, parameters.config, storage, self.outbox, self.texts, payload.fitted
         )
@@ -154,7 +176,7 @@ class Endpoint:
             dialect.MAVLINK_MSG_ID_GPS_RTCM_DATA: self.corrections.on_rtcm_data,
             **self._pose.table,
             dialect.MAVLINK_MSG_ID_SET_MODE: lambda m, o, t: commands.on_set_mode(m, o),
-            dialect.MAVLINK_MSG_ID_PARAM_REQUEST_LIST: lambda m, o, t: listings.on_request_list(o),
+            dialect.MAVLINK_MSG_ID_PARAM_REQUEST_LIST: self._on_request_list,
             dialect.MAVLINK_MSG_ID_PARAM_REQUEST_READ: lambda m, o, t: listings.on_request_read(m, o),
             dialect.MAVLINK_MSG_ID_PARAM_SET: lambda m, o, t: listings.on_set(m, o),
             dialect.MAVLINK_MSG_ID_REQUEST_DATA_STREAM: (
@@ -178,7 +200,9 @@ class Endpoint:
     @property
     def message_ids(self) -> frozenset[int]:
         """The handled messages; others are not unpacked."""
-        return frozenset(self._handlers)
+        return frozenset(self._handlers) | (
+            RoutedAutopilot.message_ids if self._is_autopilot_routed else frozenset()
+        )
 
     def open(self, channel: int, stream_hz: float | None = None) -> None:
         """A channel has opened: send a heartbeat and start telemetry.
@@ -190,8 +214,8 @@ class Endpoint:
         self._telemetry.open(channel, default_hz if stream_hz is None else stream_hz)
         self._listings.open(channel)
         self.outbox.send(channel, self._heartbeat.message())
-        if self._camera is not None:
-            self._camera.open(channel)
+        for component in self._components.values():
+            component.open(channel)
 
     def forget(self, channel: int, now_s: float) -> None:
         """A channel has closed."""
@@ -222,8 +246,9 @@ class Endpoint:
         """Dispatch one message. Never raises."""
         message, sender = received.message, received.sender
         handler = self._handlers.get(message.get_msgId())
-        camera = self._camera if self._is_for_camera(message) else None
-        if handler is None or sender == self._own or not (camera or self._is_for_us(message)):
+        component = self._addressed(message)
+        is_ours = component is not None or (handler is not None and self._is_for_us(message))
+        if sender == self._own or not is_ours:
             self.ignored += 1
             return
         origin = Origin(channel, sender)
@@ -232,10 +257,11 @@ class Endpoint:
             self._commands.on_message(origin, now_s)
             if self._access.refuses(message, origin, now_s):
                 return
-            if camera is not None:
-                camera.handle(message, origin, now_s)
+            if component is not None:
+                component.handle(message, origin, now_s)
                 return
-            handler(message, origin, now_s)
+            if handler is not None:
+                handler(message, origin, now_s)
             if message.get_msgId() in _STEERING:
                 self._note_planner(message, sender, now_s)
         except Exception:
@@ -261,8 +287,8 @@ class Endpoint:
     def _tick(self, now_s: float, unix_s: float, heading: HeadingReading | None, load: float) -> None:
         if now_s >= self._due_s or self._vehicle.status_texts or self._vehicle.progress.reached:
             self._tick_services(now_s, unix_s, heading, load)
-        if self._camera is not None:
-            self._camera.tick(now_s)
+        for component in self._components.values():
+            component.tick(now_s)
         if self._vehicle.status_texts:
             self.texts.send(self._vehicle.take_status_texts())
         self._telemetry.tick(now_s)
@@ -301,13 +327,11 @@ class Endpoint:
         self._modes.announce_change()
         self.texts.send(self._vehicle.take_status_texts())
 
-    def _is_for_camera(self, message: Message) -> bool:
-        if self._camera is None:
-            return False
-        component = getattr(message, "target_component", 0)
-        return (
-            component == self._camera.component and getattr(message, "target_system", 0) == self._own.system
-        )
+    def _addressed(self, message: Message) -> Component | None:
+        """The further component that a message is addressed to."""
+        if getattr(message, "target_system", ALL) != self._own.system:
+            return None
+        return self._components.get(getattr(message, "target_component", ALL))
 
     def _is_for_us(self, message: Message) -> bool:
         target_system = getattr(message, "target_system", getattr(message, "target", 0))
@@ -322,6 +346,12 @@ class Endpoint:
         elif role is Role.PLANNER:
             self._vehicle.failsafes.planner.heard(now_s)
         self._addresses.on_heartbeat(origin, self._heartbeat, now_s)
+
+    def _on_request_list(self, message: Message, origin: Origin, now_s: float) -> None:
+        self._listings.on_request_list(origin)
+        if message.target_component == ALL:
+            for component in self._components.values():
+                component.handle(message, origin, now_s)
 
     def _on_ping(self, message: Message, origin: Origin, now_s: float) -> None:  # noqa: ARG002
         self._time.on_ping(message, origin)

@@ -1,18 +1,22 @@
 """The boat's end of an autopilot's line beside a twin of Rover, in steps of a tick."""
 
+from twins.lines import HandClock, known
 from twins.rover import RUDDER, SET_UP, Rover
 
 from companion.config.boat_config import BoatConfig, decode_config
 from companion.core.errors import SilentOutputsError
+from companion.hal.autopilot.line import AutopilotLine
 from companion.hal.autopilot.link import AutopilotLink
 from companion.hal.autopilot.outputs import RoverOutputs
 from companion.hal.autopilot.readings import AutopilotReadings
+from companion.links.memory import MemoryLink, MemoryPort, memory_pair
+from companion.links.retried import RetriedPort
 from companion.mavlink.codec import Decoder, Encoder
 
 TICK_S = 0.02
 
 
-def config(layout: str = "differential", **autopilot: object) -> BoatConfig:
+def config(layout: str = "differential", /, **autopilot: object) -> BoatConfig:
     """A boat with everything behind the autopilot."""
     part = {"url": "tcpout:127.0.0.1:5760", **autopilot}
     tables = {"parts": {"autopilot": part}, "drive": {"layout": layout}}
@@ -77,3 +81,35 @@ class Bench:
         self.run(2.0)
         assert not self.outputs.fault, self.outputs.fault
         return self
+
+
+class Plug:
+    """An autopilot's line without its thread, which can be unplugged."""
+
+    def __init__(self, clock: HandClock, **autopilot: object) -> None:
+        self.clock, self.rover, self.port = clock, Rover(), MemoryPort()
+        retried = RetriedPort("Autopilot", lambda: self.port)
+        retried.attempt()
+        self.line = AutopilotLine(retried, clock, config(**autopilot))
+        self.far: MemoryLink | None = None
+
+    def plug_in(self) -> None:
+        near, self.far = memory_pair(is_datagram=False)
+        self.port.offer(near)
+
+    def unplug(self) -> None:
+        known(self.far).close()
+        self.far = None
+
+    def run(self, seconds: float) -> None:
+        for _ in range(round(seconds / TICK_S)):
+            self.clock.advance(TICK_S)
+            sent = self.rover.step(TICK_S)
+            if self.far is not None:
+                self.far.send(sent)
+            self.line.step()
+            self.hear()
+
+    def hear(self) -> None:
+        for chunk in [] if self.far is None else self.far.receive():
+            self.rover.receive(chunk)

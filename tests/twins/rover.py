@@ -49,6 +49,7 @@ class Rover:
     now_s: float = 20.0
     commands: list[tuple[int, float, float]] = field(default_factory=list)
     has_receiver: bool = False
+    heard: set[tuple[str, int]] = field(default_factory=set)
 
     def __post_init__(self) -> None:
         self.wire = mavlink.MAVLink(None, srcSystem=1, srcComponent=1)
@@ -64,6 +65,7 @@ class Rover:
     def receive(self, data: bytes) -> None:
         """Bytes from the companion."""
         for message in self.reader.parse_buffer(data) or []:
+            self.heard.add((message.get_type(), message.get_srcComponent()))
             handle = getattr(self, f"_on_{message.get_type().lower()}", None)
             if handle is not None:
                 handle(message)
@@ -72,6 +74,20 @@ class Rover:
         name = message.param_id.rstrip("\0")
         if name in self.parameters:
             self.send(mavlink.MAVLink_param_value_message(name.encode(), self.parameters[name], 9, 1200, 0))
+
+    def _on_param_request_list(self, message: mavlink.MAVLink_message) -> None:
+        for index, (name, value) in enumerate(self.parameters.items()):
+            self.send(
+                mavlink.MAVLink_param_value_message(name.encode(), value, 9, len(self.parameters), index)
+            )
+
+    def _on_param_set(self, message: mavlink.MAVLink_message) -> None:
+        self.parameters[message.param_id.rstrip("\0")] = message.param_value
+        self._on_param_request_read(message)
+
+    def _on_file_transfer_protocol(self, message: mavlink.MAVLink_message) -> None:
+        asker = message.get_srcSystem(), message.get_srcComponent()
+        self.send(mavlink.MAVLink_file_transfer_protocol_message(0, *asker, bytes(message.payload)))
 
     def _on_rc_channels_override(self, message: mavlink.MAVLink_message) -> None:
         if message.get_srcSystem() != self.parameters.get(
@@ -98,7 +114,8 @@ class Rover:
                 self.is_armed = bool(message.param1)
         elif message.command == mavlink.MAV_CMD_RUN_PREARM_CHECKS and self.refusal:
             self.text(2, f"PreArm: {self.refusal}")
-        self.send(mavlink.MAVLink_command_ack_message(message.command, result))
+        asker = message.get_srcSystem(), message.get_srcComponent()
+        self.send(mavlink.MAVLink_command_ack_message(message.command, result, 0, 0, *asker))
 
     def text(self, severity: int, text: str) -> None:
         self.send(mavlink.MAVLink_statustext_message(severity, text.encode()))

@@ -4,6 +4,7 @@ Closing one of the parts closes the line, and with it all the others.
 """
 
 import threading
+from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from typing import Generic, TypeVar
 
@@ -15,22 +16,26 @@ from companion.hal.autopilot.readings import AutopilotReadings
 from companion.hal.port_sensor import PortSensor
 from companion.links.port_url import open_port, parse_port_url
 from companion.links.retried import RetriedPort
+from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Message
 
+Item = TypeVar("Item")
 Reading = TypeVar("Reading")
 
 _PATIENCE_S = 0.02  # a demand waits no longer, and a silent autopilot costs fifty looks a second
+_MOST_REQUESTS = 64  # of stations, waiting for the line
 
 
 class AutopilotLine(PortSensor[None]):
-    """Satisfies `companion.hal.interfaces.ArmedOutputs`. port: may open later."""
+    """Satisfies `ArmedOutputs` and `MavlinkPart` of `companion.hal.interfaces`. port: may open later."""
 
     def __init__(self, port: RetriedPort, now: Callable[[], float], config: BoatConfig) -> None:
         super().__init__(port, now, patience_s=_PATIENCE_S)
         self.port = port
         self.link = AutopilotLink(config)
         self.is_closed = False
+        self._requests: deque[tuple[Message, Address]] = deque(maxlen=_MOST_REQUESTS)
         self._encoder = Encoder(self.link.own)
         self._decoder = Decoder(datagram=False)
 
@@ -38,6 +43,9 @@ class AutopilotLine(PortSensor[None]):
         """Process received bytes, then send. Never waits."""
         super().step()
         self._send(self.link.tick(self._now()))
+        for message, sender in drained(self._requests):
+            if (addressed := self.link.addressed(message)) is not None:
+                self._transmit(self._encoder.encode(addressed, sender))
 
     def close(self) -> None:
         """Motors off and disarmed first."""
@@ -56,8 +64,17 @@ class AutopilotLine(PortSensor[None]):
         self.link.outputs.may_drive = may_drive
 
     def take_texts(self) -> list[StatusText]:
-        texts = self.link.texts
-        return [texts.popleft() for _ in range(len(texts))]
+        return drained(self.link.texts)
+
+    @property
+    def is_heard(self) -> bool:
+        return self.link.is_heard(self._now())
+
+    def send(self, message: Message, sender: Address) -> None:
+        self._requests.append((message, sender))
+
+    def take_messages(self) -> list[Message]:
+        return drained(self.link.routed)
 
     def sensor(self, latest: Callable[[AutopilotReadings], Reading | None]) -> "AutopilotSensor[Reading]":
         return AutopilotSensor(self, latest)
@@ -73,9 +90,11 @@ class AutopilotLine(PortSensor[None]):
 
     def _send(self, messages: Iterable[Message]) -> None:
         for message in messages:
-            data = self._encoder.encode(message)
-            for link in self._links:
-                link.send(data)
+            self._transmit(self._encoder.encode(message))
+
+    def _transmit(self, data: bytes) -> None:
+        for link in self._links:
+            link.send(data)
 
     def _decode(self, chunk: bytes, time_s: float) -> Iterable[None]:
         for received in self._decoder.feed(chunk):
@@ -84,6 +103,11 @@ class AutopilotLine(PortSensor[None]):
 
     def _forget(self) -> None:
         self._decoder = Decoder(datagram=self._links[-1].is_datagram)
+
+
+def drained(queue: deque[Item]) -> list[Item]:
+    """All items, taken out; others may be added meanwhile."""
+    return [queue.popleft() for _ in range(len(queue))]
 
 
 class _Part:
@@ -107,8 +131,7 @@ class AutopilotSonar(_Part):
     """Satisfies `Sonar`: rangers that are fixed."""
 
     def read(self) -> Sequence[SonarReading]:
-        pings = self._line.link.readings.pings
-        return [pings.popleft() for _ in range(len(pings))]
+        return drained(self._line.link.readings.pings)
 
     def set_sector(self, port_rad: float, starboard_rad: float) -> None:
         """No effect."""

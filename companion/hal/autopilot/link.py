@@ -5,6 +5,7 @@ after a reboot, or where it was changed by others.
 """
 
 import math
+from collections import deque
 from typing import Final
 
 from companion.config.boat_config import BoatConfig
@@ -21,6 +22,7 @@ _AUTOPILOT: Final = dialect.MAV_COMP_ID_AUTOPILOT1
 _HEARTBEAT_S: Final = 1.0
 _ASK_S: Final = 1.0
 _TOLD: Final = Severity.WARNING  # texts of the autopilot that the operator gets, and worse ones
+_MOST_ROUTED: Final = 256  # of which the boat takes all in its next tick
 _INTERVALS_S: Final = {
     dialect.MAVLINK_MSG_ID_ATTITUDE: 0.025,  # ArduPilot gives at most 80 % of its loop's 50 Hz
     dialect.MAVLINK_MSG_ID_GPS_RAW_INT: 0.1,  # tells each fix of 5 Hz within a tenth of a second
@@ -34,7 +36,9 @@ _INTERVALS_S: Final = {
 
 
 class AutopilotLink:
-    """peer: the autopilot, once heard. ignored: messages of others on the line."""
+    """peer: the autopilot, once heard. ignored: messages of others on the line. routed: for the stations,
+    nothing unless it is a component of its own.
+    """
 
     def __init__(self, config: BoatConfig) -> None:
         part = config.parts.autopilot_part
@@ -44,6 +48,7 @@ class AutopilotLink:
         self.outputs = RoverOutputs(config, self.readings)
         self.ignored = 0
         self.texts = self.outputs.texts
+        self.routed: deque[Message] = deque(maxlen=_MOST_ROUTED if part.component else 0)
         self._system_id = part.system_id
         self._heard_s = self._beat_s = self._ask_s = -math.inf
         self._came_s: dict[int, float] = {}
@@ -61,6 +66,7 @@ class AutopilotLink:
             self.ignored += 1
             return
         self._heard_s = self._came_s[number] = now_s
+        self.routed.append(message)
         for table in (self.readings.table, self.outputs.table):
             if (ingest := table.get(number)) is not None:
                 ingest(message, now_s)
@@ -73,9 +79,19 @@ class AutopilotLink:
             self.texts.append(StatusText(Severity.WARNING, "Autopilot has rebooted"))
             self.outputs.restart()
 
+    def is_heard(self, now_s: float) -> bool:
+        return now_s - self._heard_s <= SILENT_S
+
+    def addressed(self, message: Message) -> Message | None:
+        """A station's message with the autopilot as its target; None before it is heard."""
+        if self.peer is None:
+            return None
+        message.target_system, message.target_component = self.peer
+        return message
+
     def tick(self, now_s: float) -> list[Message]:
         """What to send now."""
-        is_heard = now_s - self._heard_s <= SILENT_S
+        is_heard = self.is_heard(now_s)
         if (told := self._silence.update(2.0, now_s, is_heard=is_heard)) is not None:
             self.texts.append(told)
         out: list[Message] = []

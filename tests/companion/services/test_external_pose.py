@@ -270,7 +270,7 @@ def test_the_date_of_gps_input_is_believed_where_it_can_be(week: int, is_believe
     rig = Rig(config=ALONE, gnss=Silent(), compass=Silent())
     camera = rig.connect(CAMERA)
     fix = gps_input(ORIGIN)
-    fix.time_week, fix.time_week_ms = week, 1000  # type: ignore[attr-defined]
+    fix.time_week, fix.time_week_ms = week, 1000
     watch(rig, camera, 1.0, fix)
     assert rig.ask(dialect.MAV_CMD_REQUEST_MESSAGE, dialect.MAVLINK_MSG_ID_SYSTEM_TIME) == OK
     told_s = rig.peer.said("SYSTEM_TIME")[-1].time_unix_usec * 1e-6

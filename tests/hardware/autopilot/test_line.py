@@ -1,53 +1,18 @@
 """The parts behind an autopilot on one line: start, unplug, return and close."""
 
 import pytest
-from autopilot_bench import TICK_S, config
+from autopilot_bench import TICK_S, Plug, config
 from twins.lines import HandClock, known
-from twins.rover import Rover
 
 from companion.app.hardware import open_hardware
 from companion.core.errors import ConfigError
 from companion.hal.autopilot.line import (
-    AutopilotLine,
     AutopilotMotors,
     AutopilotRudder,
     AutopilotSensor,
     AutopilotSonar,
 )
-from companion.links.memory import MemoryLink, MemoryPort, memory_pair
-from companion.links.retried import Pace, RetriedPort
-
-
-class Plug:
-    """An autopilot's line without its thread, which can be unplugged."""
-
-    def __init__(self, clock: HandClock) -> None:
-        self.clock, self.rover, self.port = clock, Rover(), MemoryPort()
-        retried = RetriedPort("Autopilot", lambda: self.port)
-        retried.attempt()
-        self.line = AutopilotLine(retried, clock, config())
-        self.far: MemoryLink | None = None
-
-    def plug_in(self) -> None:
-        near, self.far = memory_pair(is_datagram=False)
-        self.port.offer(near)
-
-    def unplug(self) -> None:
-        known(self.far).close()
-        self.far = None
-
-    def run(self, seconds: float) -> None:
-        for _ in range(round(seconds / TICK_S)):
-            self.clock.advance(TICK_S)
-            sent = self.rover.step(TICK_S)
-            if self.far is not None:
-                self.far.send(sent)
-            self.line.step()
-            self.hear()
-
-    def hear(self) -> None:
-        for chunk in [] if self.far is None else self.far.receive():
-            self.rover.receive(chunk)
+from companion.links.retried import Pace
 
 
 @pytest.fixture
