@@ -82,8 +82,7 @@ def open_motors(config: BoatConfig, now: Now) -> WatchedMotors:
                 lambda signal: open_pulse_output(signal, config.parts.pca9685),
             )
         case "vesc":
-            vescs = open_vescs(part, now, has_right=has_right)
-            return WatchedMotors(vescs, now, config.motors.command_timeout_s, vescs)
+            motors = open_vescs(part, now, has_right=has_right)
         case "autopilot":
             motors = behind_autopilot(config, now).motors()
         case _:

@@ -17,6 +17,7 @@ from companion.hal.interfaces import (
     Sensor,
     Sonar,
 )
+from companion.hal.motors.vesc import VescMotors
 from companion.hal.motors.watched_motors import WatchedMotors
 from companion.links.interfaces import Closable
 from companion.links.retried import Pace, Retried
@@ -63,8 +64,8 @@ class RetriedMotors(RetriedPart[WatchedMotors]):
         return 0 if self.opened is None else self.opened.trips
 
     def read(self) -> tuple[EscReading, ...] | None:
-        telemetry = None if self.opened is None else self.opened.telemetry
-        return None if telemetry is None else telemetry.read()
+        motors = None if self.opened is None else self.opened.motors
+        return motors.read() if isinstance(motors, VescMotors) else None
 
 
 class RetriedRudder(RetriedPart[Rudder]):

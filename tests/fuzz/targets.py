@@ -30,7 +30,7 @@ from companion.hal.ranging.serial_ranger import (
 from companion.mavlink.codec import Decoder
 from companion.rc.parsers import CrsfParser, IbusParser, SbusParser
 from companion.rc.rc_control import RcControl
-from companion.sensors.esc_frames import KissReader, VescReader, kiss_values, vesc_values
+from companion.sensors.esc_frames import EscParser, KissParser, VescParser
 from companion.sensors.framing import FrameReader
 from companion.sensors.gnss_heading import GnssHeading
 from companion.sensors.gpsd import GpsdReader
@@ -200,14 +200,14 @@ def sounders(data: bytes) -> None:
 
 
 def _esc(said: bytes, *, is_vesc: bool) -> None:
-    frames: FrameReader = VescReader() if is_vesc else KissReader()
+    parser: EscParser = VescParser(0, 7) if is_vesc else KissParser(0, 7)
     for at in range(0, len(said), 9):
         body = said[at : at + 9]
         sent = vesc_frame(b"\x04" + said[at : at + 70]) if is_vesc else body + bytes([kiss_crc(body)])
-        for found in frames.split(sent):
-            values = vesc_values(found) if is_vesc else kiss_values(found)
-            assert values is None or all(map(math.isfinite, values[:5]))
-    assert len(frames._held) < 260
+        for one in parser.feed(sent, 0.001 * at) or ():
+            values = one.shaft_rad_s, one.voltage_v, one.current_a, one.temperature_c, one.consumed_mah
+            assert all(map(math.isfinite, values))
+    assert len(parser._held) < 260
 
 
 def _lidar(said: bytes, *, is_ld06: bool) -> None:

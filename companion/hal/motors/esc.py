@@ -9,13 +9,23 @@ import math
 import time
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
+from typing import Protocol
 
 from companion.config.actuators import PulseOutputSetting
 from companion.core.errors import HardwareError
 from companion.core.units import clamp
 from companion.hal.interfaces import PulseOutput
+from companion.links.interfaces import Closable
 
 _LAST_PULSES = 3  # neutral ones, before the end
+
+
+class Side(Closable, Protocol):
+    """What drives one motor. last_s: for how long neutral is sent before the end."""
+
+    @property
+    def last_s(self) -> float: ...
+    def drive(self, share: float, /) -> None: ...
 
 
 class Esc:
@@ -24,8 +34,9 @@ class Esc:
     def __init__(
         self, output: PulseOutput, setting: PulseOutputSetting, dead_time_s: float, now: Callable[[], float]
     ) -> None:
-        self.output = output
-        self.setting = setting
+        self.close, self.last_s = output.close, _LAST_PULSES / setting.frequency_hz
+        self._output = output
+        self._setting = setting
         self._dead_time_s = dead_time_s
         self._now = now
         self._direction: int | None = 0  # 1 ahead, −1 astern, 0 neutral, None unknown
@@ -40,7 +51,7 @@ class Esc:
                 self._neutral_s, self._direction = self._now(), None
             if direction and direction != self._side and self._now() - self._neutral_s < self._dead_time_s:
                 share, direction = 0.0, 0
-        self.output.write_us(self.setting.width_us(share))
+        self._output.write_us(self._setting.width_us(share))
         self._direction, self._side = direction, direction or self._side
 
 
@@ -53,7 +64,7 @@ class EscMotors:
 
     def __init__(
         self,
-        sides: tuple[Esc, ...],
+        sides: tuple[Side, ...],
         arming_s: float,
         now: Callable[[], float],
         wait: Callable[[float], None] = time.sleep,
@@ -99,8 +110,8 @@ class EscMotors:
         self._is_closed = True
         with ExitStack() as rest:
             for side in reversed(self._sides):
-                rest.callback(side.output.close)
-            rest.callback(self._wait, max(_LAST_PULSES / side.setting.frequency_hz for side in self._sides))
+                rest.callback(side.close)
+            rest.callback(self._wait, max(side.last_s for side in self._sides))
             self._neutral()
 
     def _neutral(self) -> None:

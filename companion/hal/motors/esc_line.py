@@ -1,32 +1,21 @@
 """Speed controllers that report over serial lines: KISS's frames come unasked, VESCs are asked."""
 
-import math
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 
 from companion.config.actuators import MotorsPart
-from companion.core.readings import BatteryReading, EscReading
+from companion.core.readings import BatteryReading
 from companion.hal.interfaces import EscTelemetry
-from companion.hal.port_sensor import PortSensor
+from companion.hal.port_sensor import ParsedSensor
 from companion.links.interfaces import Port
 from companion.links.port_url import open_line
-from companion.sensors.esc_frames import (
-    GET_VALUES,
-    KissReader,
-    VescReader,
-    kiss_values,
-    vesc_packet,
-    vesc_values,
-)
+from companion.sensors.esc_frames import GET_VALUES, KissParser, Readings, VescParser, vesc_packet
 
 BAUD = 115200
-_PAUSE_S = 0.01  # ends a frame of KISS, which takes 0.9 ms; the next comes 30 ms after it
 _REST_S = 0.05  # between questions to a VESC: 20 answers a second
 
-Readings = tuple[EscReading, ...]
 
-
-class EscLine(PortSensor[Readings]):
+class EscLine(ParsedSensor[Readings]):
     """Satisfies `EscTelemetry`: the latest reading of each controller on the line.
 
     side: of the one on the line. A VESC passes commands on to the right one, can_id. Its timeout does not
@@ -35,18 +24,11 @@ class EscLine(PortSensor[Readings]):
 
     def __init__(self, port: Port, now: Callable[[], float], part: MotorsPart, side: int) -> None:
         is_vesc = part.protocol == "vesc"
-        super().__init__(port, now, _REST_S if is_vesc else 0.0)
-        self.reader = VescReader() if is_vesc else KissReader()
-        self._parse = vesc_values if is_vesc else kiss_values
-        self._pause_s = math.inf if is_vesc else _PAUSE_S
-        self._erpm = math.tau / 60.0 / part.pole_pairs
-        self._side = side
-        self._can_id = part.can_id if side == 0 else -1
-        self._questions = vesc_packet(GET_VALUES) if is_vesc else b""
-        if is_vesc and self._can_id >= 0:
-            self._questions += vesc_packet(GET_VALUES, can_id=self._can_id)
-        self._readings: dict[int, EscReading] = {}
-        self._heard_s = -math.inf
+        can_id = part.can_id if side == 0 else -1
+        parser = (VescParser if is_vesc else KissParser)(side, part.pole_pairs, can_id)
+        super().__init__(port, now, parser, _REST_S if is_vesc else 0.0)
+        asked = sorted({-1, can_id}) if is_vesc else ()
+        self._questions = b"".join(vesc_packet(GET_VALUES, can_id=one) for one in asked)
         self._lock = threading.Lock()
 
     def step(self) -> None:
@@ -59,26 +41,6 @@ class EscLine(PortSensor[Readings]):
         """Send a packet whole; False if the line is unplugged or busy."""
         with self._lock:
             return any(link.send(packet) for link in self._links)
-
-    def _decode(self, chunk: bytes, time_s: float) -> Iterator[Readings]:
-        if time_s - self._heard_s > self._pause_s:
-            self._forget()
-        self._heard_s = time_s
-        for frame in self.reader.split(chunk):
-            if (values := self._parse(frame)) is not None:
-                side = 1 if 0 <= self._can_id == values.number else self._side
-                before = self._readings.get(side)
-                self._readings[side] = EscReading(
-                    time_s,
-                    side,
-                    1 if before is None else before.count + 1,
-                    self._erpm * values.erpm,
-                    *values[1:-1],
-                )
-                yield tuple(self._readings.values())
-
-    def _forget(self) -> None:
-        self.reader.forget()
 
 
 def open_esc_line(part: MotorsPart, side: int, now: Callable[[], float]) -> EscLine:

@@ -10,7 +10,7 @@ import threading
 from collections.abc import Callable
 
 from companion.hal.background import Background
-from companion.hal.interfaces import EscTelemetry, Motors
+from companion.hal.interfaces import Motors
 
 _log = logging.getLogger(__name__)
 
@@ -20,20 +20,12 @@ _LOOKS_PER_TIMEOUT = 4.0
 class WatchedMotors:
     """Passes commands to the motors, and stops them timeout_s after the last `write`.
 
-    now: the boat's clock. telemetry: of motors that report over the line that drives them. `start` runs the
-    watch in a thread; `watch` is one check.
+    now: the boat's clock. `start` runs the watch in a thread; `watch` is one check.
     """
 
-    def __init__(
-        self,
-        motors: Motors,
-        now: Callable[[], float],
-        timeout_s: float,
-        telemetry: EscTelemetry | None = None,
-    ) -> None:
+    def __init__(self, motors: Motors, now: Callable[[], float], timeout_s: float) -> None:
         self.trips = 0  # number of cut-offs
-        self.telemetry = telemetry
-        self._motors = motors
+        self.motors = motors
         self._now = now
         self._timeout_s = timeout_s
         self._written_s: float | None = None  # None: stopped
@@ -51,19 +43,19 @@ class WatchedMotors:
             drives = bool(left or right)
             if drives:
                 self._written_s = self._now()
-            self._motors.write(left, right)
+            self.motors.write(left, right)
             if not drives:
                 self._written_s = None
 
     def stop(self) -> None:
         with self._lock:
-            self._motors.stop()
+            self.motors.stop()
             self._written_s = None
 
     def close(self) -> None:
         try:
             with self._lock:
-                self._motors.close()
+                self.motors.close()
                 self._written_s = None
         finally:
             self._background.close()
@@ -72,7 +64,7 @@ class WatchedMotors:
         """Stop motors whose last command is too old; returns the seconds to the next check."""
         with self._lock:
             if self._written_s is not None and self._now() - self._written_s > self._timeout_s:
-                self._motors.stop()
+                self.motors.stop()
                 self._written_s = None
                 self.trips += 1
                 _log.error("motors stopped by the watch: no command for %g s", self._timeout_s)

@@ -135,14 +135,14 @@ def test_close_waits_for_the_slower_signal_and_tells_of_one_that_does_not_end(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     boat = Boat()
-    settings = (PulseOutputSetting(frequency_hz=400), PulseOutputSetting(frequency_hz=50))
-    escs = [Esc(*pair, DEAD_TIME_S, boat.clock) for pair in zip(boat.outputs, settings, strict=True)]
-    motors = EscMotors(tuple(escs), ARMING_S, boat.clock, boat.wait)
 
     def fail() -> None:
         raise HardwareError("its pulses could not be ended")
 
     monkeypatch.setattr(boat.outputs[0], "close", fail)
+    settings = (PulseOutputSetting(frequency_hz=400), PulseOutputSetting(frequency_hz=50))
+    escs = [Esc(*pair, DEAD_TIME_S, boat.clock) for pair in zip(boat.outputs, settings, strict=True)]
+    motors = EscMotors(tuple(escs), ARMING_S, boat.clock, boat.wait)
     with pytest.raises(HardwareError, match="could not be ended"):
         motors.close()
     assert boat.waits == [pytest.approx(3 * FRAME_S)]

@@ -123,7 +123,7 @@ class VescPair:
         self._line.step()
 
     def open(self, now: Callable[[], float]) -> Motors:
-        return VescMotors((Vesc(self._line, -1, 1), Vesc(self._line, 11, 1)), now)
+        return VescMotors((Vesc(self._line, -1, 1, now), Vesc(self._line, 11, 1, now)), now)
 
     def step(self) -> None:
         self._line.step()
