@@ -1,10 +1,11 @@
 """The boat through ArduPilot's Rover beside its own sensors and motors: docs/autopilot.md.
 
-    python -m benchmarks.autopilot ARDUROVER zigzag [CURRENT_M_S]
+    python -m benchmarks.autopilot ARDUROVER zigzag [CURRENT_M_S [SEED …]]
     python -m benchmarks.autopilot ARDUROVER failures [SITUATION …]
 
 ARDUROVER is the program that ArduPilot builds for board `sitl`, target `bin/ardurover`. Hull and water are
-the emulator's; Rover simulates receiver, compass and gyro on the true state. All of it runs in real time.
+the emulator's; Rover simulates receiver, compass and gyro on the true state. The zigzag is sailed in
+lockstep, the failures in real time with the boat's whole program.
 """
 
 import math
@@ -16,7 +17,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, Final, NamedTuple
@@ -25,8 +26,14 @@ os.environ.setdefault("MAVLINK20", "1")
 import numpy as np
 from pymavlink import mavutil
 
+from companion.boat import TICK_S
 from companion.cli.command_line import echo
-from companion.core.geo import Point, distance_m
+from companion.config.boat_config import decode_config
+from companion.core.geo import Point
+from companion.hal.autopilot.line import AutopilotLine
+from companion.hal.interfaces import Hardware
+from companion.links.port_url import open_port
+from companion.links.retried import RetriedPort
 from companion.mavlink.address import Address
 from mission_tools.mission.route import mission_along
 from sitl.courses.courses import COURSES, NEAR_M, RUN_IN_M, course_mission, off_path_m
@@ -34,6 +41,7 @@ from sitl.courses.missions import wire_items
 from sitl.physics.backend import Backend
 from sitl.physics.json_interface import parse_servos
 from sitl.physics.udp_server import PhysicsServer
+from sitl.run.lockstep import Lockstep
 from sitl.run.mission_run import MissionRun
 from sitl.run.recording.recorder import Recorder
 from sitl.scenarios.scenario import load_scenario
@@ -44,6 +52,7 @@ BOAT: Final = Address(1, 1)
 NEUTRAL: Final = 0.02  # of full drive
 # As good as Rover's simulated receiver, which has 0.3 m of stated and hardly any true error
 FIXED_RTK: Final = ("receiver=rtk", "noise_m=0.01", "wander_m=0.02", "fix_type=6")
+FIGURES: Final = "RC_OVERRIDE_TIME 0.4\nPILOT_STEER_TYPE 3\nMOT_SLEWRATE 0\nSIM_RATE_HZ 200\n"
 AUTO: Final = 10
 SITUATIONS: Final = ("to it", "from it", "both", "disarm", "mode", "reboot", "kill")
 
@@ -60,8 +69,8 @@ class Water(Backend):
     """Remembers when Rover drove which motor."""
 
     def __init__(self, scenario: Scenario) -> None:
-        self.recorder, self.drives = Recorder(), list[Drive]()
-        super().__init__(scenario, 1, 3, self.recorder.record)
+        self.drives = list[Drive]()
+        super().__init__(scenario)
 
     def handle(self, data: bytes) -> bytes | None:
         if (packet := parse_servos(data)) is not None:
@@ -126,15 +135,8 @@ class Boat:
         ended = threading.Event()
         undo.callback(ended.set)
         threading.Thread(target=server.run, args=(ended.is_set,), daemon=True).start()
-        extra = ["RC_OVERRIDE_TIME 0.4", "PILOT_STEER_TYPE 3", "MOT_SLEWRATE 0", "SIM_RATE_HZ 200"]
-        extra += [] if has_receiver else ["SIM_RC_FAIL 1"]
-        figures = self._folder / "rover.parm"
-        figures.write_text(EXAMPLE.read_text(encoding="utf-8") + "\n".join(extra) + "\n", encoding="utf-8")
-        place = scenario.frame.origin
-        self._start(
-            undo, ardurover, "--model", "JSON:127.0.0.1", "--sim-port-out", str(server.port),
-            "--home", f"{place.lat_deg:.7f},{place.lon_deg:.7f},0,0", "--defaults", str(figures),
-        )  # fmt: skip
+        figures = FIGURES + ("" if has_receiver else "SIM_RC_FAIL 1\n")
+        start_rover(ardurover, scenario, server.port, self._folder, undo, figures)
         self.line = Line(5760)
         config = self._folder / "boat.toml"
         config.write_text(
@@ -142,18 +144,12 @@ class Boat:
             'parts.battery.driver = "none"\navoidance.by_sight = 2\n',
             encoding="utf-8",
         )
-        self.program = self._start(undo, sys.executable, "-m", "companion", "run", "--config", str(config))
+        self.program = start(
+            undo, self._folder, sys.executable, "-m", "companion", "run", "--config", str(config)
+        )
         time.sleep(5.0)
         self.station = mavutil.mavlink_connection("tcp:127.0.0.1:5790", source_system=255)
         self.other = mavutil.mavlink_connection("tcp:127.0.0.1:5762", source_system=254)
-
-    def _start(self, undo: ExitStack, *words: str) -> subprocess.Popen[bytes]:
-        program = subprocess.Popen(
-            words, cwd=self._folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        )
-        undo.callback(program.wait)
-        undo.callback(program.kill)
-        return program
 
     def command(self, number: int, *params: float, other: bool = False) -> None:
         """COMMAND_LONG to the boat, or to Rover by its second port."""
@@ -191,36 +187,93 @@ class Boat:
         raise SystemExit(f"the boat does not arm: {self.texts[-3:]}")
 
 
-def zigzag(ardurover: str, current_m_s: float) -> None:
+class InLockstep(Lockstep):
+    """The boat behind Rover, tick by tick: Rover waits for the water, and the water for Rover.
+
+    Bytes of the line pass between two ticks, as over a wire without delay.
+    """
+
+    def __init__(self, scenario: Scenario, ardurover: str, undo: ExitStack) -> None:
+        self._water, self._socket = Backend(scenario), socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        undo.enter_context(self._socket)
+        self._socket.bind(("127.0.0.1", 0))
+        self._socket.settimeout(30.0)
+        folder = Path(undo.enter_context(tempfile.TemporaryDirectory()))
+        port = self._socket.getsockname()[1]
+        start_rover(ardurover, scenario, port, folder, undo, FIGURES, "--speedup", "50")
+        now, url = lambda: self._water.world.time_s, "tcpout:127.0.0.1:5760"
+        parts = {"autopilot": url, "battery": {"driver": "none"}}
+        behind = decode_config({"links": [], "parts": parts}, "zigzag")
+        line = RetriedPort("Autopilot", lambda: open_port(url, now))
+        undo.callback(line.close)
+        line.attempt()
+        self._line = AutopilotLine(line, now, behind)
+        hardware = Hardware(
+            self._line.motors(),
+            self._line.sensor(lambda readings: readings.fix),
+            self._line.sensor(lambda readings: readings.heading),
+            outputs=self._line,
+        )
+        super().__init__(scenario, world=self._water.world, hardware=hardware)
+
+    def _advance(self) -> None:
+        self._line.step()
+        end_s = self.time_s + TICK_S - 1e-6
+        while self.time_s < end_s:
+            data, rover = self._socket.recvfrom(2048)
+            if (reply := self._water.handle(data)) is not None:
+                self._socket.sendto(reply, rover)
+        self._line.step()
+
+
+def zigzag(ardurover: str, current_m_s: float, seeds: Sequence[int]) -> None:
     """The same zigzag with the boat's own parts and through Rover."""
     water = ("sensors.sonar.fitted=false", f"environment.current_m_s={current_m_s}")
-    own = load_scenario("open", (*water, *(f"sensors.gnss.{one}" for one in FIXED_RTK)))
-    mission, planned = wire_items(course_mission("zigzag", own.frame, own.start)), list(COURSES["zigzag"])
-    lockstep = MissionRun(own, mission)
-    lockstep.run(timeout_s=400.0)
-    _print("own parts", lockstep.recorder, planned)
-    with ExitStack() as undo:
-        boat = Boat(ardurover, load_scenario("open", water), undo, has_receiver=True)
-        boat.sail(mission)
-
-        def is_there() -> bool:
-            truth = boat.water.world.truth
-            return distance_m(Point(truth.north_m, truth.east_m), planned[-1]) < NEAR_M
-
-        began_s, sailed_s = time.monotonic(), boat.water.world.time_s
-        boat.run(300.0, is_there)
-        share = (boat.water.world.time_s - sailed_s) / (time.monotonic() - began_s)
-    _print(f"through Rover at {share:.3f} of real time", boat.water.recorder, planned)
+    ratios = []
+    for seed in seeds:
+        own = load_scenario("open", (*water, f"seed={seed}", *(f"sensors.gnss.{one}" for one in FIXED_RTK)))
+        items, planned = wire_items(course_mission("zigzag", own.frame, own.start)), list(COURSES["zigzag"])
+        alone = MissionRun(own, items)
+        alone.run(timeout_s=400.0)
+        with ExitStack() as undo:
+            through = MissionRun(own, items)
+            through.lockstep = InLockstep(own, ardurover, undo)
+            through.run(timeout_s=400.0)
+        errors_m = [_path_error_m(run.recorder, planned) for run in (alone, through)]
+        ratios.append(errors_m[1] / errors_m[0])
+        own_m, through_m = errors_m
+        echo(f"seed {seed}: own parts {own_m:.3f} m, through Rover {through_m:.3f} m, {ratios[-1]:.2f}")
+    echo(f"mean ratio {sum(ratios) / len(ratios):.2f}, {min(ratios):.2f} to {max(ratios):.2f}")
 
 
-def _print(name: str, recorder: Recorder, planned: list[Point]) -> None:
-    """Path error between the run-in and the last waypoint."""
+def _path_error_m(recorder: Recorder, planned: list[Point]) -> float:
+    """Path error between the run-in and the last waypoint, RMS."""
     track = np.asarray(recorder.track(), dtype=np.float64)
     way_m = np.hypot(*(track - track[0]).T)
     left_m = np.hypot(*(track - np.array(planned[-1])).T)
     off_m = off_path_m(track[np.argmax(way_m > RUN_IN_M) : np.argmax(left_m < NEAR_M) or None], planned)
-    rms_m = math.sqrt(float(np.mean(off_m * off_m)))
-    echo(f"{name}: path error {rms_m:.3f} m RMS, {off_m.max():.2f} m at most")
+    return math.sqrt(float(np.mean(off_m * off_m)))
+
+
+def start_rover(
+    ardurover: str, scenario: Scenario, port: int, folder: Path, undo: ExitStack, figures: str, *words: str
+) -> None:
+    """port: of the water. figures: parameters besides the example's. words: further ones of the command."""
+    defaults = folder / "rover.parm"
+    defaults.write_text(EXAMPLE.read_text(encoding="utf-8") + figures, encoding="utf-8")
+    place = scenario.frame.origin
+    start(
+        undo, folder, ardurover, "--model", "JSON:127.0.0.1", "--sim-port-out", str(port), "--home",
+        f"{place.lat_deg:.7f},{place.lon_deg:.7f},0,0", "--defaults", str(defaults), *words,
+    )  # fmt: skip
+
+
+def start(undo: ExitStack, folder: Path, *words: str) -> subprocess.Popen[bytes]:
+    """A program that ends with `undo`."""
+    program = subprocess.Popen(words, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    undo.callback(program.wait)
+    undo.callback(program.kill)
+    return program
 
 
 def failures(ardurover: str, situations: list[str]) -> None:
@@ -272,8 +325,9 @@ def _fail(boat: Boat, name: str) -> str:
 if __name__ == "__main__":
     sys.setswitchinterval(0.0005)  # the water answers Rover's frames in a thread
     match sys.argv[1:]:
-        case [rover, "zigzag", *current]:
-            zigzag(rover, float(current[0]) if current else 0.0)
+        case [rover, "zigzag", *figures]:
+            current, *seeds = figures or ["0"]
+            zigzag(rover, float(current), [int(seed) for seed in seeds] or [1])
         case [rover, "failures", *names]:
             failures(rover, names or list(SITUATIONS))
         case _:

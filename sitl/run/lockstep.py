@@ -8,6 +8,7 @@ import math
 from companion.boat import COMPONENT_ID, TICK_S, Boat
 from companion.config.boat_config import LinkConfig
 from companion.core.storage import MemoryStorage, Storage
+from companion.hal.interfaces import Hardware
 from companion.links.memory import MemoryLink, MemoryPort, memory_pair
 from companion.log.logbook import Logbook
 from companion.mavlink.address import Address
@@ -27,10 +28,19 @@ class Lockstep:
     """One boat, its world, and a station on a memory link."""
 
     def __init__(
-        self, scenario: Scenario, storage: Storage | None = None, logbook: Logbook | None = None
+        self,
+        scenario: Scenario,
+        storage: Storage | None = None,
+        logbook: Logbook | None = None,
+        *,
+        world: World | None = None,
+        hardware: Hardware | None = None,
     ) -> None:
-        """storage and logbook outlive the boat's program, which a power cut ends."""
-        self.world = World(scenario)
+        """storage and logbook outlive the boat's program, which a power cut ends. world, hardware: by default
+        those of the scenario.
+        """
+        self.world = world or World(scenario)
+        self._hardware = hardware or self.world.hardware
         computer = self.world.electronics.computer
         self._storage = Disk(storage or MemoryStorage(), computer)
         self._logbook = logbook
@@ -65,6 +75,10 @@ class Lockstep:
         self.station.step(now_s)
         if self._lidar is not None:
             self._lidar.step(self.world)
+        self._advance()
+
+    def _advance(self) -> None:
+        """The world goes on by a tick."""
         self.world.step(TICK_S)
 
     def _build(self) -> Boat:
@@ -78,9 +92,8 @@ class Lockstep:
             near, far = memory_pair("lidar")
             self._lidar.connect(far)
             ports.append(ConfiguredPort(MemoryPort(near), Policy(LinkConfig(url="lidar", stream_hz=0.0))))
-        return Boat(
-            self.world.scenario.vehicle, self.world.hardware, ports, self._storage, logbook=self._logbook
-        )
+        vehicle = self.world.scenario.vehicle
+        return Boat(vehicle, self._hardware, ports, self._storage, logbook=self._logbook)
 
     def close(self) -> None:
         """Close everything."""
