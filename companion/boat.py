@@ -200,7 +200,7 @@ class Boat:
         if (outputs := self._hardware.outputs) is not None:
             outputs.allow(may_drive=self.may_drive())
             if outputs.fault and self.vehicle.armed:  # the motors are off, and its sensors may be away, too
-                self.vehicle.failsafes.postpone(now_s + SETTLE_S, is_again=True)
+                self.vehicle.failsafes.suspend(now_s + SETTLE_S)
         try:
             self.motors.write(command, self.vehicle.recovery.motor_check.motors, setting)
             if is_slow_due:  # once the motors have answered

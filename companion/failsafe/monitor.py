@@ -188,16 +188,24 @@ class Failsafes:
         self.fence = FenceMonitor()
         self._escalations = [Escalation(row) for row in rows]
         self._due_s, self.is_postponed = 0.0, False
+        self._suspended_s = -math.inf
         self._was_armed = False
 
     def is_due(self, now_s: float) -> bool:
         """Whether the next cycle is due."""
         return now_s >= self._due_s
 
-    def postpone(self, until_s: float, *, is_again: bool = False) -> None:
-        """No cycle is due before. What is postponed is not postponed again, unless is_again."""
-        if is_again or not self.is_postponed:
+    def postpone(self, until_s: float) -> None:
+        """No cycle is due before. What is postponed is not postponed again."""
+        if not self.is_postponed:
             self._due_s, self.is_postponed = until_s, True
+
+    def suspend(self, until_s: float) -> None:
+        """Motors, and the parts beside them, are away: only the independent rows are watched."""
+        self._suspended_s = until_s
+
+    def is_suspended(self, now_s: float) -> bool:
+        return now_s < self._suspended_s
 
     def is_active(self, condition: Condition) -> bool:
         """Whether this has fired and is not over."""
@@ -230,6 +238,7 @@ class Failsafes:
         now_s, setting, armed = inputs.now_s, inputs.config.failsafe, inputs.armed
         self._due_s, self.is_postponed = now_s + PERIOD_S - _SLACK_S, False
         alarms: list[Alarm] = []
+        is_suspended = self.is_suspended(now_s)
         is_disarmed_now, self._was_armed = self._was_armed and not armed, armed
         for escalation in self._escalations:
             row = escalation.row
@@ -237,6 +246,8 @@ class Failsafes:
                 if is_disarmed_now:
                     escalation.reset()
                     self.active &= ~int(row.condition)
+                continue
+            if is_suspended and not row.guard.is_independent:
                 continue
             text = row.watch(inputs)
             if text and not escalation.is_active and row.guard.waits(inputs):

@@ -70,13 +70,15 @@ class Guard(NamedTuple):
 
     modes: in which something is done; it is told in all. disarmed: a disarmed boat is watched too. spares: a
     boat that does already what it would be told to do; HOLD, disarming and recoveries spare none.
-    waits: while this holds, the row does not fire.
+    waits: while this holds, the row does not fire. is_independent: it rests on nothing that may be behind an
+    autopilot, whose absence suspends the other rows.
     """
 
     modes: frozenset[Mode] = ALL_MODES
     disarmed: bool = False
     spares: Callable[[FailsafeInputs], bool] = on_way_home
     waits: Callable[[FailsafeInputs], bool] = never
+    is_independent: bool = False
 
 
 class Row(NamedTuple):
@@ -109,6 +111,7 @@ _ALWAYS = Guard(spares=never)
 _DISARMED_TOO = Guard(disarmed=True)
 _BY_POSITION = Guard(POSITION_MODES, spares=never)
 _AUTONOMOUS = Guard(AUTONOMOUS_MODES, spares=never)
+_INDEPENDENT = Guard(is_independent=True)
 
 # Where the delays come from. CAPSIZED outlasts the roll in a wave of 2 s, LEAK what such a wave splashes, and
 # FENCE_BREACHED and POSITION_LOST two fixes at 5 Hz. TOO_HOT and OUT_OF_RANGE see ten and five readings,
@@ -123,8 +126,10 @@ ROWS: tuple[Row, ...] = (
     Row(Condition.POSITION_LOST, conditions.position_lost, "position_action", "position known again",
         after=0.5, guard=_BY_POSITION._replace(waits=heading_in_doubt),
         then=(Step("dead_reckoning_s", Action.HOLD),), clear_s=2.0),
-    Row(Condition.LEAK, conditions.leak, "leak_action", "hull dry again", after=2.0, clear_s=10.0),
-    Row(Condition.TOO_HOT, conditions.too_hot, "temperature_action", "cool again", after=10.0, clear_s=30.0),
+    Row(Condition.LEAK, conditions.leak, "leak_action", "hull dry again", after=2.0,
+        guard=_INDEPENDENT, clear_s=10.0),
+    Row(Condition.TOO_HOT, conditions.too_hot, "temperature_action", "cool again", after=10.0,
+        guard=_INDEPENDENT, clear_s=30.0),
     Row(Condition.BATTERY_CRITICAL, conditions.battery_critical, "battery_critical_action", "",
         after="battery_low_s", guard=_DISARMED_TOO, clear_s=_NEVER),
     Row(Condition.BATTERY_LOW, conditions.battery_low, "battery_action", "",
@@ -145,13 +150,13 @@ ROWS: tuple[Row, ...] = (
     Row(Condition.NO_HEADWAY, conditions.no_headway, "headway_action", "making way again",
         guard=_AUTONOMOUS, then=(Step(60.0, Action.LOITER_OR_HOLD),), clear_s=10.0, relapse_s=60.0),
     Row(Condition.OPERATOR_LOST, conditions.operator_lost, "action", "operator heard again",
-        guard=_DISARMED_TOO, then=(_LONG,)),
+        guard=_DISARMED_TOO._replace(is_independent=True), then=(_LONG,)),
     Row(Condition.PLANNER_LOST, conditions.planner_lost, "planner_action", "planner heard again",
-        then=(_LONG,)),
+        guard=_INDEPENDENT, then=(_LONG,)),
     Row(Condition.HELM_LOST, conditions.helm_lost, "action", "stick input again",
-        after="rc_timeout_s", then=(_LONG,)),
+        after="rc_timeout_s", guard=_INDEPENDENT, then=(_LONG,)),
     Row(Condition.RC_LOST, conditions.rc_lost, "action", "transmitter heard again",
-        after="rc_timeout_s", then=(_LONG,)),
+        after="rc_timeout_s", guard=_INDEPENDENT, then=(_LONG,)),
     Row(Condition.GNSS_BAD, conditions.gnss_bad, "gnss_action", "GPS good again",
         guard=Guard(POSITION_MODES), clear_s=3.0),
     Row(Condition.COMPASS_BAD, conditions.compass_bad, "compass_action", "compass good again",
@@ -161,9 +166,9 @@ ROWS: tuple[Row, ...] = (
     Row(Condition.SONAR_LOST, conditions.sonar_lost, "sonar_action", "ranger pings again",
         guard=Guard(AUTONOMOUS_MODES), clear_s=3.0),
     Row(Condition.OVERRUN, conditions.overrun, "overrun_action", "computer load normal again",
-        after=3.0, clear_s=10.0),
+        after=3.0, guard=_INDEPENDENT, clear_s=10.0),
     Row(Condition.STORAGE_FAILED, conditions.storage_failed, "storage_action", "storage works again",
-        guard=_DISARMED_TOO, clear_s=10.0),
+        guard=_DISARMED_TOO._replace(is_independent=True), clear_s=10.0),
     Row(Condition.FENCE_BREACHED, conditions.fence_breached, "fence_action", "inside the fence again",
         after=0.5, guard=Guard(spares=on_way_home_or_inside, waits=held_at_shore), clear_s=2.0),
 )  # fmt: skip

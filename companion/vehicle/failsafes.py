@@ -28,7 +28,8 @@ def run_failsafes(vehicle: VehicleCore, now_s: float) -> None:
             _carry_out(decision, vehicle, now_s)
         if alarm.change is Change.ENDS and alarm.row.condition is Condition.OPERATOR_LOST:
             _tell_missed_retreat(vehicle)
-    if inputs.needs_motor_check or inputs.needs_motor_comparison:
+    is_due = inputs.needs_motor_check or inputs.needs_motor_comparison
+    if is_due and not vehicle.failsafes.is_suspended(now_s):
         seen = replace(inputs, mode=vehicle.mode, armed=vehicle.armed, recovery=vehicle.recovery.state)
         for decision in routine_check(seen):
             _carry_out(decision, vehicle, now_s)
@@ -39,6 +40,10 @@ def _observe(vehicle: VehicleCore, now_s: float) -> None:
     failsafes, config, board = vehicle.failsafes, vehicle.config, vehicle.board
     nav, frame, battery = vehicle.nav, vehicle.frame, vehicle.battery
     motors, rudder, endurance = failsafes.motors, failsafes.rudder, failsafes.endurance
+    if failsafes.is_suspended(now_s):
+        motors.pause()
+        rudder.pause()
+        return
     if endurance.is_due(now_s):
         home = None if vehicle.home is None or frame is None else frame.to_local(vehicle.home)
         home_m = math.inf if nav is None else vehicle.route.home_distance_m(nav.point)

@@ -8,6 +8,7 @@ from autopilot_bench import TICK_S, Bench
 from boat_rig import Rig, waypoint
 
 from companion.core.errors import SilentOutputsError
+from companion.core.readings import HullReading
 from companion.hal.interfaces import Motors
 
 HOLD = 4
@@ -41,9 +42,25 @@ class MotorsBehindRover:
         pass
 
 
+class Hull:
+    """Satisfies `Hull`."""
+
+    is_wet, now_s = False, 0.0
+
+    def read(self) -> HullReading:
+        return HullReading(self.now_s, is_wet=self.is_wet, temperature_c=30.0)
+
+    def close(self) -> None:
+        pass
+
+
 @pytest.fixture
 def behind() -> tuple[Rig, MotorsBehindRover]:
-    rig = Rig("open")
+    return voyage()
+
+
+def voyage(**parts: object) -> tuple[Rig, MotorsBehindRover]:
+    rig = Rig("open", **parts)  # type: ignore[arg-type]
     motors = MotorsBehindRover(rig.world.hardware.motors)
     rig.hardware = dataclasses.replace(rig.hardware, motors=motors, outputs=motors)
     rig.reboot()
@@ -91,6 +108,21 @@ def test_a_voyage_goes_on_when_the_autopilot_is_back(
     told = " ".join(rig.peer.texts)
     assert "Failsafe" not in told
     assert "motor" not in told  # the pause says nothing of them
+
+
+def test_a_leak_is_not_kept_back_while_the_autopilot_is_away() -> None:
+    hull = Hull()
+    rig, motors = voyage(hull=hull)
+    again = is_cut_off(motors.bench)
+    rig.run(5.0)
+    hull.is_wet, hull.now_s = True, rig.now_s
+    rig.run(1.0)
+    hull.now_s = rig.now_s
+    rig.until(lambda: any("Water in the hull" in text for text in rig.peer.texts), 4.0)
+    assert rig.mode == "RTL"
+    again()
+    rig.run(5.0)
+    assert motors.bench.rover.left > 0.0
 
 
 def test_a_voyage_ends_in_hold_and_disarmed_once_the_autopilot_stays_away(

@@ -99,13 +99,6 @@ def test_a_motor_named_during_a_comparison_is_reported_at_once(recovery: State) 
     assert any(changes) is (recovery in (State.IDLE, State.COMPARING))
 
 
-def test_failsafes_wait_as_long_as_they_are_postponed_again() -> None:
-    failsafes = Failsafes(BoatConfig(), ManualInput())
-    for now_s in (0.0, 1.0, 2.0):
-        failsafes.postpone(now_s + 1.5, is_again=True)
-    assert (failsafes.is_due(3.4), failsafes.is_due(3.5), failsafes.is_postponed) == (False, True, True)
-
-
 def test_failsafes_are_postponed_once_at_most() -> None:
     failsafes = Failsafes(BoatConfig(), ManualInput())
     failsafes.postpone(1.5)

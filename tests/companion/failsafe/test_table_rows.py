@@ -28,6 +28,16 @@ from companion.geofence.fence import Fence
 from companion.rc.manual_input import ManualInput
 
 CONFIG = BoatConfig()
+INDEPENDENT = {
+    *(
+        Condition.LEAK,
+        Condition.TOO_HOT,
+        Condition.OPERATOR_LOST,
+        Condition.PLANNER_LOST,
+        Condition.HELM_LOST,
+    ),
+    *(Condition.RC_LOST, Condition.OVERRUN, Condition.STORAGE_FAILED),
+}  # of everything that may be behind an autopilot
 
 
 class Run:
@@ -40,7 +50,7 @@ class Run:
         self.seen: list[tuple[float, Alarm]] = []
         self.latest = self._inputs(given())
         rows = [row for row in rows if row.condition is condition]
-        self._failsafes = Failsafes(config, ManualInput(), rows)
+        self.failsafes = Failsafes(config, ManualInput(), rows)
 
     def _inputs(self, change: Inputs) -> FailsafeInputs:
         return change(
@@ -59,7 +69,7 @@ class Run:
         began_s, seen = self.now_s, []
         for _ in range(round(seconds / PERIOD_S)):
             self.latest = self._inputs(change)
-            seen += [(self.now_s - began_s, alarm) for alarm in self._failsafes.update(self.latest)]
+            seen += [(self.now_s - began_s, alarm) for alarm in self.failsafes.update(self.latest)]
             self.now_s = round(self.now_s + PERIOD_S, 6)
         return seen
 
@@ -74,6 +84,7 @@ def check(condition: Condition, rows: Sequence[Row] = ROWS, config: BoatConfig =
     for mode in Mode:
         check_mode(condition, one, mode, rows, config)
     check_waits(condition, one, rows, config)
+    check_suspended(condition, one, rows, config)
     check_times(condition, one, rows, config)
     check_relapse(condition, one, rows, config)
 
@@ -86,6 +97,16 @@ def check_waits(condition: Condition, one: Scenario, rows: Sequence[Row], config
         assert run.live(both(one.wrong, waiting), 60.0) == [], "a row that fired goes on"
     for ready in one.ready:
         assert len(Run(condition, rows, config).live(both(one.wrong, ready), 1.0)) == 1
+
+
+def check_suspended(condition: Condition, one: Scenario, rows: Sequence[Row], config: BoatConfig) -> None:
+    """While the outputs are away, and after."""
+    run = Run(condition, rows, config)
+    run.failsafes.suspend(100.0)
+    seen = run.live(one.wrong, 100.0)
+    assert bool(seen) is (condition in INDEPENDENT)
+    if not seen:
+        assert len(run.live(one.wrong, one.after_s + 0.2)) == 1
 
 
 def check_times(condition: Condition, one: Scenario, rows: Sequence[Row], config: BoatConfig) -> None:
