@@ -27,11 +27,14 @@ _INTERVALS_S: Final = {
     dialect.MAVLINK_MSG_ID_ATTITUDE: 0.025,  # ArduPilot gives at most 80 % of its loop's 50 Hz
     dialect.MAVLINK_MSG_ID_GPS_RAW_INT: 0.1,  # tells each fix of 5 Hz within a tenth of a second
     dialect.MAVLINK_MSG_ID_HEARTBEAT: 0.2,
-    dialect.MAVLINK_MSG_ID_EKF_STATUS_REPORT: 0.5,
     dialect.MAVLINK_MSG_ID_SYS_STATUS: 0.2,
     dialect.MAVLINK_MSG_ID_SYSTEM_TIME: 1.0,
     dialect.MAVLINK_MSG_ID_RC_CHANNELS: 0.05,
     dialect.MAVLINK_MSG_ID_DISTANCE_SENSOR: 0.1,
+}
+_FILTERS: Final = {  # the report of its filter, by autopilot
+    dialect.MAV_AUTOPILOT_ARDUPILOTMEGA: {dialect.MAVLINK_MSG_ID_EKF_STATUS_REPORT: 0.5},
+    dialect.MAV_AUTOPILOT_PX4: {dialect.MAVLINK_MSG_ID_ESTIMATOR_STATUS: 0.5},
 }
 
 
@@ -52,6 +55,7 @@ class AutopilotLink:
         self._system_id = part.system_id
         self._heard_s = self._beat_s = self._ask_s = -math.inf
         self._came_s: dict[int, float] = {}
+        self._intervals_s = _INTERVALS_S
         self._reboots = 0
         self._silence = SilenceMonitor("Autopilot", again="is heard again")
 
@@ -62,6 +66,7 @@ class AutopilotLink:
             is_autopilot = message.autopilot != dialect.MAV_AUTOPILOT_INVALID
             is_named = sender.component == _AUTOPILOT and self._system_id in (0, sender.system)
             self.peer = sender if is_autopilot and is_named else None
+            self._intervals_s = _INTERVALS_S | _FILTERS.get(message.autopilot, {})
         if sender != self.peer:
             self.ignored += 1
             return
@@ -101,7 +106,7 @@ class AutopilotLink:
             out.append(build_message("HEARTBEAT", type=kind, autopilot=8, system_status=4, mavlink_version=3))
         if self.peer is not None and is_heard and now_s - self._ask_s >= _ASK_S:
             self._ask_s = now_s
-            for number, interval_s in _INTERVALS_S.items():
+            for number, interval_s in self._intervals_s.items():
                 if now_s - self._came_s.get(number, -math.inf) > max(3.0 * interval_s, SILENT_S):
                     out.append(command(self.peer, _SET_INTERVAL, number, interval_s * 1e6))
         return out + self.outputs.tick(self.peer, is_heard, now_s)

@@ -1,4 +1,4 @@
-"""Readings from an autopilot's messages, with the meaning that ArduPilot gives their fields.
+"""Readings from an autopilot's messages, with the meaning that ArduPilot and PX4 give their fields.
 
 GPS_RAW_INT is the receiver's own fix, so the boat's filter does not filter twice. Heading and yaw rate are of
 ATTITUDE: of the autopilot's filter, from true north.
@@ -26,7 +26,7 @@ _UNKNOWN_16: Final = 0xFFFF
 _UNKNOWN_8: Final = 0xFF
 _WINDOW_S: Final = 5.0  # two hundred ATTITUDE; an autopilot that is simulated may fall behind real time
 _HEALTH_S: Final = 3.0  # without a report of health none is assumed: six of each
-_VARIANCE: Final = 1.0  # from there on the filter rejects the compass (EKF3: test ratio of its innovation)
+_VARIANCE: Final = 1.0  # from there on the filter rejects the compass (test ratio of its innovation)
 _MOST_PINGS: Final = 32
 _DOWN: Final = dialect.MAV_SENSOR_ROTATION_PITCH_270
 _YAW_STEPS: Final = 8  # MAV_SENSOR_ROTATION_NONE, _YAW_45 … _YAW_315 are 0 to 7
@@ -59,6 +59,7 @@ class AutopilotReadings:
             dialect.MAVLINK_MSG_ID_ATTITUDE: self._on_attitude,
             dialect.MAVLINK_MSG_ID_DISTANCE_SENSOR: self._on_distance,
             dialect.MAVLINK_MSG_ID_EKF_STATUS_REPORT: self._on_filter,
+            dialect.MAVLINK_MSG_ID_ESTIMATOR_STATUS: self._on_estimator,
             dialect.MAVLINK_MSG_ID_GPS_RAW_INT: self._on_fix,
             dialect.MAVLINK_MSG_ID_RC_CHANNELS: self._on_channels,
             dialect.MAVLINK_MSG_ID_SYS_STATUS: self._on_health,
@@ -88,6 +89,13 @@ class AutopilotReadings:
         flags, self._filter_s = message.flags, now_s
         is_aligned = flags & dialect.EKF_ATTITUDE and not flags & dialect.EKF_UNINITIALIZED
         self._filter_fault = not (is_aligned and message.compass_variance < _VARIANCE)  # true for NaN
+
+    def _on_estimator(self, message: Message, now_s: float) -> None:
+        """PX4's report."""
+        self._filter_s = now_s
+        self._filter_fault = not (
+            message.flags & dialect.ESTIMATOR_ATTITUDE and message.mag_ratio < _VARIANCE
+        )
 
     def _on_health(self, message: Message, now_s: float) -> None:
         self._health_s = now_s

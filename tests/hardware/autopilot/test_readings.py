@@ -88,6 +88,32 @@ def test_there_is_no_heading_once_the_filter_rejects_the_compass(bench: Bench) -
     assert bench.readings.heading is before
 
 
+@pytest.mark.parametrize(
+    ("flags", "mag_ratio", "has_heading"), [(0x33F, 0.2, True), (0x33E, 0.2, False), (0x33F, 1.2, False)]
+)
+def test_px4_tells_the_health_of_its_filter_by_its_own_report(
+    flags: int, mag_ratio: float, *, has_heading: bool
+) -> None:
+    """As its source packs it, streams/ESTIMATOR_STATUS.hpp; its other messages are those of Rover."""
+    bench = Bench()
+    bench.feed(mavlink.MAVLink_heartbeat_message(10, 12, 0x51, 0, 4, 3).pack(bench.rover.wire))
+    for message in (
+        mavlink.MAVLink_estimator_status_message(1, flags, 0.1, 0.1, 0.1, mag_ratio, 0.0, 0.0, 0.5, 0.5),
+        mavlink.MAVLink_sys_status_message(
+            0, AHRS | MAGNETOMETER, AHRS | MAGNETOMETER, 0, 0xFFFF, -1, -1, *[0] * 6
+        ),
+        mavlink.MAVLink_attitude_message(5000, 0.02, -0.01, 1.0, 0.0, 0.0, 0.1),
+    ):
+        bench.feed(message.pack(bench.rover.wire))
+    assert (bench.readings.heading is not None) is has_heading
+    assert bench.readings.battery is None
+    asked = {
+        message.param1 for message in bench.link.tick(bench.now_s) if message.get_type() == "COMMAND_LONG"
+    }
+    assert mavlink.MAVLINK_MSG_ID_EKF_STATUS_REPORT not in asked
+    assert mavlink.MAVLINK_MSG_ID_GPS_RAW_INT in asked
+
+
 def test_there_is_no_heading_without_reports_of_health(bench: Bench) -> None:
     bench.rover.intervals_s.pop(193)
     bench.link._came_s[193] = math.inf
