@@ -6,7 +6,6 @@ is logged once per kind and never reaches the control loop.
 
 import logging
 from collections.abc import Callable, Mapping
-from typing import Protocol
 
 from companion.autopilot.sensor_suite import SensorSuite
 from companion.calibration.motor_test import MotorTest
@@ -27,6 +26,7 @@ from companion.services.address_check import AddressCheck
 from companion.services.camera.component import CameraComponent
 from companion.services.commands.command import command_of
 from companion.services.commands.dispatcher import CommandService
+from companion.services.components import Component, Components
 from companion.services.corrections import CorrectionService
 from companion.services.external_pose import ExternalPoseService
 from companion.services.ftp.mounts import build_tree, open_worker
@@ -60,19 +60,6 @@ _STEERING = message_ids(
 _REPOSITION = dialect.MAV_CMD_DO_REPOSITION
 
 Handler = Callable[[Message, Origin, float], None]
-
-
-class Component(Protocol):
-    """A further component of the boat's system, with an id of its own."""
-
-    def handle(self, message: Message, origin: Origin, now_s: float) -> None:
-        """A message that is addressed to it."""
-
-    def open(self, channel: int) -> None:
-        """A channel has opened: announce it there."""
-
-    def tick(self, now_s: float) -> None:
-        """Periodic work."""
 
 
 class Endpoint:
@@ -136,16 +123,17 @@ class Endpoint:
         self._access = AccessService(
             parameters, self._listings, self._commands.questions, self.outbox, self.texts
         )
-        self._components: dict[int, Component] = {}
-        if parameters.config.camera.is_fitted:
-            component = parameters.config.camera.component
-            self._components[component] = CameraComponent(
-                component, payload, self.outbox, self.texts, take_snapshot
+        components: list[Component] = []
+        if (camera := parameters.config.camera).is_fitted:
+            components.append(
+                CameraComponent(camera.component, payload, self.outbox, self.texts, take_snapshot)
             )
-        self._is_autopilot_routed = autopilot is not None
+        self._passed: frozenset[int] = frozenset()  # messages that only a routed autopilot handles
         if autopilot is not None:
-            component = parameters.config.parts.autopilot_part.component
-            self._components[component] = RoutedAutopilot(component, autopilot, vehicle, self.outbox)
+            routed = parameters.config.parts.autopilot_part.component
+            components.append(RoutedAutopilot(routed, autopilot, vehicle, self.outbox))
+            self._passed = RoutedAutopilot.message_ids
+        self._components = Components(own, components)
         self._missions = MissionService(
             own, vehicle, parameters.config, storage, self.outbox, self.texts, payload.fitted
         )
@@ -200,9 +188,7 @@ class Endpoint:
     @property
     def message_ids(self) -> frozenset[int]:
         """The handled messages; others are not unpacked."""
-        return frozenset(self._handlers) | (
-            RoutedAutopilot.message_ids if self._is_autopilot_routed else frozenset()
-        )
+        return self._passed.union(self._handlers)
 
     def open(self, channel: int, stream_hz: float | None = None) -> None:
         """A channel has opened: send a heartbeat and start telemetry.
@@ -214,8 +200,7 @@ class Endpoint:
         self._telemetry.open(channel, default_hz if stream_hz is None else stream_hz)
         self._listings.open(channel)
         self.outbox.send(channel, self._heartbeat.message())
-        for component in self._components.values():
-            component.open(channel)
+        self._components.open(channel)
 
     def forget(self, channel: int, now_s: float) -> None:
         """A channel has closed."""
@@ -246,7 +231,7 @@ class Endpoint:
         """Dispatch one message. Never raises."""
         message, sender = received.message, received.sender
         handler = self._handlers.get(message.get_msgId())
-        component = self._addressed(message)
+        component = self._components.addressed(message)
         is_ours = component is not None or (handler is not None and self._is_for_us(message))
         if sender == self._own or not is_ours:
             self.ignored += 1
@@ -287,8 +272,7 @@ class Endpoint:
     def _tick(self, now_s: float, unix_s: float, heading: HeadingReading | None, load: float) -> None:
         if now_s >= self._due_s or self._vehicle.status_texts or self._vehicle.progress.reached:
             self._tick_services(now_s, unix_s, heading, load)
-        for component in self._components.values():
-            component.tick(now_s)
+        self._components.tick(now_s)
         if self._vehicle.status_texts:
             self.texts.send(self._vehicle.take_status_texts())
         self._telemetry.tick(now_s)
@@ -327,12 +311,6 @@ class Endpoint:
         self._modes.announce_change()
         self.texts.send(self._vehicle.take_status_texts())
 
-    def _addressed(self, message: Message) -> Component | None:
-        """The further component that a message is addressed to."""
-        if getattr(message, "target_system", ALL) != self._own.system:
-            return None
-        return self._components.get(getattr(message, "target_component", ALL))
-
     def _is_for_us(self, message: Message) -> bool:
         target_system = getattr(message, "target_system", getattr(message, "target", 0))
         return concerns(self._own, target_system, getattr(message, "target_component", 0))
@@ -350,8 +328,7 @@ class Endpoint:
     def _on_request_list(self, message: Message, origin: Origin, now_s: float) -> None:
         self._listings.on_request_list(origin)
         if message.target_component == ALL:
-            for component in self._components.values():
-                component.handle(message, origin, now_s)
+            self._components.handle(message, origin, now_s)
 
     def _on_ping(self, message: Message, origin: Origin, now_s: float) -> None:  # noqa: ARG002
         self._time.on_ping(message, origin)

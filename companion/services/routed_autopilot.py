@@ -46,7 +46,7 @@ class RoutedAutopilot:
 
     def __init__(self, component: int, part: MavlinkPart, vehicle: Vehicle, outbox: Outbox) -> None:
         """component: its id under the boat's system id."""
-        self._component = component
+        self.component = component
         self._part = part
         self._vehicle = vehicle
         self._outbox = outbox
@@ -59,7 +59,7 @@ class RoutedAutopilot:
         if number in _COMMANDS:
             if (refused := self._refusal(message.command)) is not None:
                 answer = acknowledgement(message.command, refused, origin.address)
-                self._outbox.send(origin.channel, answer, self._component)
+                self._outbox.send(origin.channel, answer, self.component)
                 return
         elif number not in _PASSED:
             return
@@ -71,16 +71,16 @@ class RoutedAutopilot:
 
     def open(self, channel: int) -> None:
         if self._part.is_heard:
-            self._outbox.send(channel, _heartbeat(), self._component)
+            self._outbox.send(channel, _heartbeat(), self.component)
 
     def tick(self, now_s: float) -> None:
         """Its heartbeat while it is heard, and what it has answered."""
         if now_s >= self._due_s and self._part.is_heard:
             self._due_s = now_s + _HEARTBEAT_S
-            self._outbox.broadcast(_heartbeat(), self._component)
+            self._outbox.broadcast(_heartbeat(), self.component)
         for message in self._part.take_messages():
             for channel in self._channels_of(message, now_s):
-                self._outbox.send(channel, message, self._component)
+                self._outbox.send(channel, message, self.component)
 
     def _refusal(self, command: int) -> Result | None:
         """Why a command does not reach it; None if it does."""
