@@ -21,7 +21,7 @@ from companion.links.port_url import line_url, parse_port_url
 # How a driver is connected: a new driver on a bus or a port needs its row here.
 I2C_ADDRESSES: Final = {  # where the configuration gives none
     "bno055": 0x28,
-    **{driver: chip.ADDRESS for chips in (MAGNETOMETERS, INERTIAL) for driver, chip in chips.items()},
+    **{driver: chip.ADDRESSES[0] for chips in (MAGNETOMETERS, INERTIAL) for driver, chip in chips.items()},
     **dict.fromkeys(SHUNT_CHIPS, SHUNT_ADDRESS),
     "ads1115": ads1115.ADDRESS,
 }

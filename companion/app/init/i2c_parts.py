@@ -51,13 +51,6 @@ def _holds(values: dict[int, bytes]) -> Callable[[Registers], bool]:
 
 
 _SHUNTS: Final = (0x40, 0x41, 0x44, 0x45)  # A0 and A1 to ground or supply
-_OTHER_ADDRESSES: Final = {
-    "lis3mdl": (0x1E,),
-    "ist8310": (0x0C, 0x0D, 0x0F),
-    "mpu6050": (0x69,),
-    "lsm6ds": (0x6B,),
-    "icm20948": (0x68,),
-}
 # Nobody changes a PCA9685's further addresses (revision 4, 7.3.6 and 7.3.7), nor an ADS1115's thresholds
 # (SBAS444E, 8.1.4). An INA219 is as after power-up (SBOS448G, 8.6.2.1), or as the boat sets it up.
 _PCA9685_HOLDS: Final = {2: b"\xe2", 3: b"\xe4", 4: b"\xe8", 5: b"\xe0"}
@@ -71,7 +64,7 @@ ROWS: Final = (
     I2cRow(_PCA9685, "pca9685", range(0x40, 0x48), _holds(_PCA9685_HOLDS)),
     I2cRow(COMPASS, "bno055", (0x28, 0x29), _holds({0: bytes((bno055.CHIP_ID,))})),
     *(
-        I2cRow(key, driver, (kind.ADDRESS, *_OTHER_ADDRESSES.get(driver, ())), _is_chip(kind))
+        I2cRow(key, driver, kind.ADDRESSES, _is_chip(kind))
         for key, kinds in ((COMPASS, MAGNETOMETERS), (IMU, INERTIAL))
         for driver, kind in kinds.items()
         if driver != "rm3100"
@@ -115,7 +108,7 @@ def _scan(bus: I2cBus, number: int) -> Iterator[Found | str]:
         if is_it:
             known.add(address)
             yield _found(row, number, address)
-            if row.driver == "icm20948" and Ak09916.ADDRESS not in known:  # not connected through yet
+            if row.driver == "icm20948" and Ak09916.ADDRESSES[0] not in known:  # not connected through yet
                 yield Found(COMPASS, "ak09916", f"in the ICM-20948 at {address:#x}", {COMPASS: "ak09916"})
     for address in sorted({address for _, address in _ADDRESSES} - silent - known):
         yield f"{address:#x} on I²C bus {number}: no supported part, or two at one address"

@@ -32,7 +32,7 @@ class Chip(ABC, Generic[Sample_co]):
     """
 
     name: str
-    ADDRESS: int
+    ADDRESSES: tuple[int, ...]  # the usual one first
     ID_AT: int
     ID_BYTES: int = 1
     IDS: tuple[int, ...]
@@ -40,7 +40,7 @@ class Chip(ABC, Generic[Sample_co]):
     PAUSE_S: float = 0.0
 
     def __init__(self, bus: I2cBus, address: int = 0, wait: Callable[[float], None] = time.sleep) -> None:
-        self.address = address or self.ADDRESS
+        self.address = address or self.ADDRESSES[0]
         self._registers = Registers(bus, self.address)
         self._wait = wait
 

@@ -29,7 +29,7 @@ class Mpu6050(InertialSensor):
     """
 
     name = "MPU-6050"
-    ADDRESS = 0x68  # 0x69 where its AD0 pin is high
+    ADDRESSES = (0x68, 0x69)  # the second where its AD0 pin is high
     ID_AT = 0x75
     # MPU-6050; ICM-20602; MPU-6500, -9250, -9255, -6515; ICM-20689, -20601, -20608
     IDS = (0x68, 0x12, 0x70, 0x71, 0x73, 0x74, 0x98, 0xAC, 0xAF)
@@ -87,7 +87,7 @@ class Lsm6ds(InertialSensor):
     """LSM6DS3, LSM6DS3TR-C, LSM6DSL, LSM6DSO, LSM6DSOX, LSM6DSR, ISM330DHCX."""
 
     name = "LSM6DS"
-    ADDRESS = 0x6A  # 0x6B where its SA0 pin is high
+    ADDRESSES = (0x6A, 0x6B)  # the second where its SA0 pin is high
     ID_AT = 0x0F
     IDS = (0x69, 0x6A, 0x6B, 0x6C)  # LSM6DS3; DS3TR-C and DSL; DSR and ISM330DHCX; DSO and DSOX
     # CTRL1_XL to CTRL3_C: 104 Hz, ±4 g; 104 Hz, ±500 °/s; block data update, address increment
@@ -110,7 +110,7 @@ class Icm20948(InertialSensor):
     """Registers in banks: a read selects bank 0, set-up leaves bank 2. Its AK09916 is connected through."""
 
     name = "ICM-20948"
-    ADDRESS = 0x69  # 0x68 where its AD0 pin is low
+    ADDRESSES = (0x69, 0x68)  # the second where its AD0 pin is low
     ID_AT, IDS = 0x00, (0xEA,)
     _BANK_0, _BANK_2 = (0x7F, 0x00), (0x7F, 0x20)
     SET_UP = (

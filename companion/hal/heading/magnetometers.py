@@ -50,7 +50,7 @@ class Qmc5883l(_Qst):
     """Boards sold as HMC5883L mostly carry this part, at its own address."""
 
     name = "QMC5883L"
-    ADDRESS = 0x0D
+    ADDRESSES = (0x0D,)
     ID_AT, IDS = 0x0D, (0xFF,)
     # The period as recommended (9.2.6); control 1 (9.2.4): oversampling 512, ±8 G, 50 Hz, continuous
     SET_UP = ((0x0B, 0x01), (0x09, 0x00 | 0x10 | 0x04 | 0x01))
@@ -70,7 +70,7 @@ class Qmc5883p(_Qst):
     """The successor: another address and other registers, though boards may not say which it is."""
 
     name = "QMC5883P"
-    ADDRESS = 0x2C
+    ADDRESSES = (0x2C,)
     ID_AT, IDS = 0x00, (0x80,)
     # The signs of the axes come first, as in the data sheet's example (7.1). Control 2: ±8 G, set and reset
     # on; control 1 (9.2.4): oversampling 8 and 8, 50 Hz, normal mode
@@ -83,7 +83,7 @@ class Hmc5883l(Magnetometer):
     """The registers of its field are in the order x, z, y."""
 
     name = "HMC5883L"
-    ADDRESS = 0x1E
+    ADDRESSES = (0x1E,)
     SET_UP = ((0x00, 0x78, 0x40, 0x00),)  # A: mean of 8, 75 Hz; B: ±1.9 G; mode: continuous (tables 3 to 12)
     MG: Final = 1000.0 / 820.0  # table 9, gain 2
     ID_AT, ID_BYTES, IDS = 0x0A, 3, (0x483433,)  # "H43"
@@ -124,7 +124,7 @@ class Lis3mdl(_Unflagged):
     """A field out of range stays at its limit."""
 
     name = "LIS3MDL"
-    ADDRESS = 0x1C  # 0x1E where its SDO/SA1 pin is high
+    ADDRESSES = (0x1C, 0x1E)  # the second where its SDO/SA1 pin is high
     ID_AT, IDS = 0x0F, (0x3D,)
     _FURTHER: Final = 0x80  # bit of a register address: go on to the next one (5.1.1)
     # CTRL_REG1 to 5: ultra-high performance, 80 Hz; ±8 G; continuous; z the same; block data update
@@ -139,7 +139,7 @@ class Ist8310(_Unflagged):
     """
 
     name = "IST8310"
-    ADDRESS = 0x0E  # 0x0C to 0x0F by its pins
+    ADDRESSES = (0x0E, 0x0C, 0x0D, 0x0F)  # by its pins
     ID_AT, IDS = 0x00, (0x10,)
     _MEASURE: Final = (0x0A, 0x01)  # CNTL1: takes 6 ms with 16 averages
     _CNTL3_AT, _16_BITS = 0x0D, 0x70  # in all axes
@@ -161,7 +161,7 @@ class Ist8308(_Unflagged):
     """Its address is that of an AK09916, too."""
 
     name = "IST8308"
-    ADDRESS = 0x0C
+    ADDRESSES = (0x0C,)
     ID_AT, IDS = 0x00, (0x08,)
     # ACTR: not suspended; CNTL4: ±5 G; OSRCNTL: oversampling 16; CNTL2: continuous, 100 Hz
     SET_UP = ((0x20, 0x00), (0x34, 0x00), (0x41, 0x24), (0x31, 0x08))
@@ -173,7 +173,7 @@ class Rm3100(Magnetometer):
     """Its resolution and gain follow from the number of cycles that it counts."""
 
     name = "RM3100"
-    ADDRESS = 0x20  # to 0x23 by its pins
+    ADDRESSES = (0x20, 0x21, 0x22, 0x23)  # by its pins
     ID_AT, IDS = 0x36, (0x22,)
     # CMM: stopped, or TMRC does not change (Linux); 200 cycles an axis; TMRC: 75 Hz (table 5-4); CMM: go on
     # measuring, ready with all axes
@@ -198,7 +198,7 @@ class Ak09916(Magnetometer):
     """Alone, or in an ICM-20948, which must connect it through."""
 
     name = "AK09916"
-    ADDRESS = 0x0C
+    ADDRESSES = (0x0C,)
     ID_AT, ID_BYTES, IDS = 0x00, 2, (0x4809,)  # of the maker and of the part
     SET_UP = ((0x31, 0x00), (0x31, 0x08))  # CNTL2: power-down between modes; continuous, 100 Hz
     PAUSE_S = 0.001  # 0.1 ms between modes; Adafruit waits for 1 ms
