@@ -13,6 +13,7 @@ from companion.config.payload import CommandPayload, WinchPayload
 from companion.hal.gnss.receiver import GnssReceiver
 from companion.hal.heading.antennas import AntennaCompass
 from companion.hal.interfaces import Compass, EscTelemetry, Gnss, Hardware, PayloadParts, Sensor, Sonar
+from companion.hal.motors.esc_line import EscBattery
 from companion.hal.motors.watched_motors import WatchedMotors
 from companion.hal.nmea_sensor import SharedDepthSounder
 from companion.hal.payload.child_program import CaptureProgram, ChildProgram
@@ -87,7 +88,7 @@ class _Assembly:
             gnss,
             self._compass(field, heading),
             self._ranger("Sonar", fitted.sonar.driver, parts.open_sonar),
-            parts.esc_battery(config, escs)
+            EscBattery(escs, 1 + config.drive.has_pair)
             if fitted.battery.driver == "esc"
             else self._sensor("Battery monitor", fitted.battery.driver, parts.open_battery),
             hull=self._sensor("Hull sensor", fitted.hull.driver, parts.open_hull_sensor),

@@ -168,11 +168,6 @@ def open_esc(config: BoatConfig, now: Now, side: int = 0) -> parts.EscTelemetry:
     return open_esc_line(config.parts.motors, side, now).start()
 
 
-def esc_battery(config: BoatConfig, lines: Sequence[parts.EscTelemetry]) -> parts.Battery:
-    """The pack as all speed controllers measure it."""
-    return EscBattery(lines, 1 + config.drive.has_pair)
-
-
 def open_lidar(config: BoatConfig, now: Now) -> parts.Sonar:
     from companion.hal.ranging.scanning_lidar import open_lidar  # noqa: PLC0415 (only where one is fitted)
 
@@ -181,8 +176,9 @@ def open_lidar(config: BoatConfig, now: Now) -> parts.Sonar:
 
 def open_battery(config: BoatConfig, now: Now) -> parts.Battery:
     if config.parts.battery.driver == "esc":
-        ports = config.parts.motors.ports(has_right=config.drive.has_pair)
-        return esc_battery(config, [open_esc(config, now, side) for side in range(len(ports))])
+        has_right = config.drive.has_pair
+        ports = config.parts.motors.ports(has_right=has_right)
+        return EscBattery([open_esc(config, now, side) for side in range(len(ports))], 1 + has_right)
     if config.parts.battery.driver == "autopilot":
         return behind_autopilot(config, now).sensor(lambda readings: readings.battery)
     return open_battery_monitor(config.parts.battery, now)

@@ -51,18 +51,14 @@ class Shaft:
         self.load = HealthyModel(_LOAD_SIGMA, _WALK_S)
         self.usual = 0.0, 0.0
         self.drawn_a = 0.0
-        self._heard_s = -math.inf
+        self.heard_s = -math.inf
         self._duties: deque[float] = deque(maxlen=_REPORTS)
-
-    @property
-    def is_learned(self) -> bool:
-        return self.speed.is_learned
 
     def compare(self, reading: EscReading, duty: float, water_m_s: float, turn_rad_s: float) -> float:
         """Hold a report against the models. Returns the seconds since the last one, 0 where this one says
         nothing: astern, stopped, or while the speed changes.
         """
-        elapsed_s, self._heard_s = min(reading.time_s - self._heard_s, 1.0), reading.time_s
+        elapsed_s, self.heard_s = min(reading.time_s - self.heard_s, 1.0), reading.time_s
         volt, duties = reading.voltage_v, self._duties
         duties.append(duty)
         is_steady = len(duties) == _REPORTS and max(duties) - min(duties) <= _STEADY
@@ -95,13 +91,12 @@ class ShaftEvidence:
     def __init__(self) -> None:
         self._shafts = Shaft(), Shaft()
         self._speed_sizes, self._load_sizes = EffectSize(len(HYPOTHESES)), EffectSize(len(HYPOTHESES))
-        self._heard_s = [-math.inf, -math.inf]
         self._now_s = 0.0
 
     def knows(self, *, is_left: bool) -> bool:
         """Whether this side's controller reports, and what is usual has been learned."""
-        side = 0 if is_left else 1
-        return self._shafts[side].is_learned and self._now_s - self._heard_s[side] < _SILENT_S
+        shaft = self._shafts[0 if is_left else 1]
+        return shaft.speed.is_learned and self._now_s - shaft.heard_s < _SILENT_S
 
     def forget(self, hypothesis: int) -> None:
         """The fault begins now at the earliest."""
@@ -119,16 +114,14 @@ class ShaftEvidence:
     ) -> None:
         """Add each hypothesis's log likelihood ratio; a report that repeats the one before adds none."""
         self._now_s = nav.time_s
-        for side, (reading, duty) in enumerate(zip(escs, duties, strict=True)):
-            if reading is None or reading.time_s <= self._heard_s[side]:
+        for side, (shaft, reading, duty) in enumerate(zip(self._shafts, escs, duties, strict=True)):
+            if reading is None or reading.time_s <= shaft.heard_s:
                 continue
-            self._heard_s[side], shaft = reading.time_s, self._shafts[side]
             elapsed_s = shaft.compare(reading, duty, nav.water_speed_m_s, nav.measured_yaw_rate_rad_s)
-            was_learned = shaft.is_learned
-            if elapsed_s and (is_learning or not was_learned):
-                shaft.learn(elapsed_s)
-            if elapsed_s and was_learned:
+            if elapsed_s and shaft.speed.is_learned:
                 self._weigh(side, shaft, gained)
+            if elapsed_s and (is_learning or not shaft.speed.is_learned):
+                shaft.learn(elapsed_s)
 
     def _weigh(self, side: int, shaft: Shaft, gained: list[float]) -> None:
         speed, load, drawn_a = shaft.speed, shaft.load, shaft.drawn_a

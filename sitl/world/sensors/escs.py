@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final
 
 from companion.config.actuators import MotorsPart
 from companion.core.readings import EscReading
 from sitl.world.drive.thruster import Thruster
-from sitl.world.sampling import TIME_SLACK_S, generator, normal
+from sitl.world.sampling import generator, normal
+from sitl.world.sensors.sensor import Sensor
 
 _RATE_HZ: Final = 30.0  # AM32: every 30 ms
 _STEP_ERPM: Final = 100.0  # of a frame
@@ -16,24 +17,20 @@ _NOISE_V, _NOISE_A = 0.03, 0.15
 _TEMPERATURE_C: Final = 35.0
 
 
-class SimEscs:
-    """Satisfies `companion.hal.interfaces.EscTelemetry`. clock_offset_s and due_s as those of a Sensor."""
+class SimEscs(Sensor[Any]):
+    """Satisfies `companion.hal.interfaces.EscTelemetry`: a reading of each, and no faults."""
 
     def __init__(self, part: MotorsPart, shafts: Sequence[Thruster], seed: int) -> None:
-        self.clock_offset_s = self.due_s = 0.0
+        super().__init__()
         self._step_rad_s = _STEP_ERPM / part.pole_pairs * math.tau / 60.0
         self._shafts = shafts
         self._random = generator(seed, "escs")
-        self._count = 0
         self._consumed_mah = [0.0] * len(shafts)
-        self._latest: tuple[EscReading, ...] = ()
 
     def sample(self, now_s: float, voltage_v: float) -> None:
         """Sample when due."""
-        if now_s < self.due_s:
+        if not self._is_due(now_s, _RATE_HZ):
             return
-        self._count += 1
-        self.due_s = self._count / _RATE_HZ - TIME_SLACK_S
         readings = []
         for side, shaft in enumerate(self._shafts):
             self._consumed_mah[side] += shaft.current_a / _RATE_HZ / 3.6
@@ -50,13 +47,3 @@ class SimEscs:
                 )
             )
         self._latest = tuple(readings)
-
-    def read(self) -> tuple[EscReading, ...]:
-        return self._latest
-
-    def restart(self) -> None:
-        """Forget all readings: the boat's computer restarts."""
-        self._latest = ()
-
-    def close(self) -> None:
-        """Nothing to close."""
