@@ -13,17 +13,18 @@ from companion.config.section import Section
 from companion.config.sensors import CompassPart
 from companion.core.errors import ConfigError
 from companion.hal import ads1115
-from companion.hal.battery import SHUNT_ADDRESS, SHUNT_CHIPS
+from companion.hal.battery import SHUNT_ADDRESSES, SHUNT_CHIPS
+from companion.hal.heading import bno055
 from companion.hal.heading.inertial import INERTIAL
 from companion.hal.heading.magnetometers import MAGNETOMETERS
 from companion.links.port_url import line_url, parse_port_url
 
 # How a driver is connected: a new driver on a bus or a port needs its row here.
 I2C_ADDRESSES: Final = {  # where the configuration gives none
-    "bno055": 0x28,
+    "bno055": bno055.ADDRESSES[0],
     **{driver: chip.ADDRESSES[0] for chips in (MAGNETOMETERS, INERTIAL) for driver, chip in chips.items()},
-    **dict.fromkeys(SHUNT_CHIPS, SHUNT_ADDRESS),
-    "ads1115": ads1115.ADDRESS,
+    **dict.fromkeys(SHUNT_CHIPS, SHUNT_ADDRESSES[0]),
+    "ads1115": ads1115.ADDRESSES[0],
 }
 PORT_DRIVERS = frozenset(
     {"nmea", "bno085", "ubx", "a02yyuw", "tfmini", "ld06", "rplidar_a1", "ping1d", "serial"}

@@ -9,7 +9,7 @@ from typing import Final
 from companion.core.errors import HardwareError
 from companion.hal.raspberry_pi import I2cBus, Registers
 
-ADDRESS: Final = 0x48  # ADDR pin to ground
+ADDRESSES: Final = range(0x48, 0x4C)  # ADDR pin to ground, supply, SDA or SCL
 _CONVERSION_AT, _CONFIG_AT = 0x00, 0x01  # 8.1.1
 # 8.1.3: start one conversion (OS), input against ground (MUX), ±4.096 V, 32 samples a second, no comparator
 _START: Final = 0x8000 | 0x4000 | 0b001 << 9 | 1 << 8 | 0b010 << 5 | 0b11

@@ -178,7 +178,7 @@ class AnalogMonitor:
 
 _PERIOD_S: Final = 0.1
 SHUNT_CHIPS: Final = {"ina219": INA219, "ina226": INA226, "ina228": INA228}
-SHUNT_ADDRESS: Final = 0x40  # A0 and A1 to ground
+SHUNT_ADDRESSES: Final = (0x40, 0x41, 0x44, 0x45)  # A0 and A1 to ground or supply
 
 
 Monitor = ShuntMonitor | AnalogMonitor
@@ -210,5 +210,5 @@ def open_battery_monitor(part: BatteryPart, now: Callable[[], float]) -> Battery
         return ShuntMonitor(chip, bus, address, part.shunt_ohm)
 
     chip = SHUNT_CHIPS.get(part.driver)
-    address = part.address or (ads1115.ADDRESS if chip is None else SHUNT_ADDRESS)
+    address = part.address or (ads1115.ADDRESSES if chip is None else SHUNT_ADDRESSES)[0]
     return BatterySensor(open_i2c_part(part.driver.upper(), part.i2c_bus, address, create), now).start()

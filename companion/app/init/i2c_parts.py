@@ -11,8 +11,8 @@ from typing import Final, NamedTuple
 from companion.app.init.findings import COMPASS, IMU, Found
 from companion.app.init.presets import Value
 from companion.core.errors import HardwareError
-from companion.hal import raspberry_pi
-from companion.hal.battery import INA219, INA226, INA228
+from companion.hal import ads1115, raspberry_pi
+from companion.hal.battery import INA219, INA226, INA228, SHUNT_ADDRESSES
 from companion.hal.heading import bno055
 from companion.hal.heading.chips import Chip
 from companion.hal.heading.inertial import INERTIAL
@@ -50,7 +50,6 @@ def _holds(values: dict[int, bytes]) -> Callable[[Registers], bool]:
     return lambda part: all(part.read(at, len(value)) == value for at, value in values.items())
 
 
-_SHUNTS: Final = (0x40, 0x41, 0x44, 0x45)  # A0 and A1 to ground or supply
 # Nobody changes a PCA9685's further addresses (revision 4, 7.3.6 and 7.3.7), nor an ADS1115's thresholds
 # (SBAS444E, 8.1.4). An INA219 is as after power-up (SBOS448G, 8.6.2.1), or as the boat sets it up.
 _PCA9685_HOLDS: Final = {2: b"\xe2", 3: b"\xe4", 4: b"\xe8", 5: b"\xe0"}
@@ -62,18 +61,18 @@ _STRANGE: Final = "it has no number: an INA219 that another program set up, or t
 # its address may drive relays, and takes the number of a register for the levels of its outputs.
 ROWS: Final = (
     I2cRow(_PCA9685, "pca9685", range(0x40, 0x48), _holds(_PCA9685_HOLDS)),
-    I2cRow(COMPASS, "bno055", (0x28, 0x29), _holds({0: bytes((bno055.CHIP_ID,))})),
+    I2cRow(COMPASS, "bno055", bno055.ADDRESSES, _holds({0: bytes((bno055.CHIP_ID,))})),
     *(
         I2cRow(key, driver, kind.ADDRESSES, _is_chip(kind))
         for key, kinds in ((COMPASS, MAGNETOMETERS), (IMU, INERTIAL))
         for driver, kind in kinds.items()
         if driver != "rm3100"
     ),
-    I2cRow(_BATTERY, "ina228", _SHUNTS, INA228.is_at),
-    I2cRow(_BATTERY, "ina226", _SHUNTS, INA226.is_at),
-    I2cRow(_BATTERY, "ina219", _SHUNTS, lambda part: part.read_word(0) in _INA219_SET_UP),
-    I2cRow(_BATTERY, "ina219", _SHUNTS, lambda part: part.read_word(0) & 0xC000 == 0, _STRANGE),
-    I2cRow(_BATTERY, "ads1115", range(0x48, 0x4C), _holds(_ADS1115_HOLDS), "it may be for probes"),
+    I2cRow(_BATTERY, "ina228", SHUNT_ADDRESSES, INA228.is_at),
+    I2cRow(_BATTERY, "ina226", SHUNT_ADDRESSES, INA226.is_at),
+    I2cRow(_BATTERY, "ina219", SHUNT_ADDRESSES, lambda part: part.read_word(0) in _INA219_SET_UP),
+    I2cRow(_BATTERY, "ina219", SHUNT_ADDRESSES, lambda part: part.read_word(0) & 0xC000 == 0, _STRANGE),
+    I2cRow(_BATTERY, "ads1115", ads1115.ADDRESSES, _holds(_ADS1115_HOLDS), "it may be for probes"),
 )
 _ADDRESSES: Final = [(row, address) for row in ROWS for address in row.addresses]
 

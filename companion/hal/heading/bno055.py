@@ -25,7 +25,7 @@ from companion.hal.background import BackgroundSensor
 from companion.hal.heading.orientation import Quaternion, board_to_body, heading_reading
 from companion.hal.raspberry_pi import I2cBus, Registers, open_i2c_part
 
-ADDRESS: Final = 0x28  # 0x29 where its COM3 pin is high
+ADDRESSES: Final = (0x28, 0x29)  # the second where its COM3 pin is high
 CHIP_ID: Final = 0xA0
 CONFIG_MODE, NDOF_MODE = 0x00, 0x0C  # table 3-5
 UNITS: Final = 0x80  # table 3-11: degrees, degrees per second, Android's signs; the reset default
@@ -63,7 +63,7 @@ class Bno055Sample(NamedTuple):
 class Bno055:
     """Registers of the part at one bus address. Calls do not wait; it needs 20 ms between two."""
 
-    def __init__(self, bus: I2cBus, address: int = ADDRESS) -> None:
+    def __init__(self, bus: I2cBus, address: int = ADDRESSES[0]) -> None:
         """Raises HardwareError: another part answers."""
         self.bus = bus
         self._registers = Registers(bus, address)
@@ -186,7 +186,7 @@ def open_bno055(
     """Open the part on its I²C bus and start reading. profile: its calibration.
     Raises HardwareError: smbus2 is missing, there is no bus, or the part does not answer.
     """
-    address = part.address or ADDRESS
+    address = part.address or ADDRESSES[0]
 
     def create(bus: I2cBus) -> Bno055Compass:
         return Bno055Compass(Bno055(bus, address), now, part.correction_rad, profile, part.mounting)

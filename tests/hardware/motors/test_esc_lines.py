@@ -232,6 +232,7 @@ def test_the_watch_stops_them_before_that() -> None:
 
 def test_an_unplugged_line_is_told_and_its_motors_are_off_a_second_later() -> None:
     pair = Pair()
+    pair.clock.advance(5.0)
     pair.motors.write(0.5, 0.5)
     pair.wire.far.close()
     pair.line.step()
