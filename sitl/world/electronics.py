@@ -72,10 +72,8 @@ class Electronics:
             bottom = Bathymetry(scenario.chart, scenario.environment)
             self._depth = SimDepthSounder(sensors.depth, bottom, seed, fitted.depth.min_confidence)
         self._ais = SimAis(sensors.ais, scenario.frame, movers, seed) if sensors.ais.fitted else None
-        self._escs: SimEscs | None = None
-        if fitted.motors.protocol != "none":
-            shafts = (left, right) if scenario.vehicle.drive.has_pair else (left,)
-            self._escs = SimEscs(fitted.motors, shafts, seed)
+        shafts = (left, right)[: 1 + scenario.vehicle.drive.has_pair]
+        self._escs = SimEscs(fitted.motors, shafts, seed) if fitted.motors.protocol != "none" else None
         fitted_sensors: dict[str, FaultySensor | None] = {
             "gnss": self._gnss, "compass": self._compass, "battery": self._battery, "sonar": self.sonar,
             "rc": self.rc, "depth": self._depth,
