@@ -3,6 +3,7 @@
 import logging
 import math
 from collections.abc import Collection, Sequence
+from contextlib import ExitStack
 
 from companion.autopilot.motor_output import Fall, MotorOutput, SafetyNet
 from companion.autopilot.pipeline import GuidancePipeline
@@ -251,14 +252,11 @@ class Boat:
         return self._now_s >= self.endpoint.restart_due_s
 
     def close(self) -> None:
-        """Motors off first, then the rest. May be called twice."""
-        self._hardware.close()
-        self.endpoint.close()
-        self.channels.close()
-        self.signing.close()
-        if self._logbook is not None:
-            self._logbook.close()
-        self._storage.close()
+        """Motors off first, then the rest, even if a part raises. May be called twice."""
+        hardware, log = self._hardware, () if self._logbook is None else (self._logbook,)
+        with ExitStack() as rest:  # the last one first
+            for part in (self._storage, *log, self.signing, self.channels, self.endpoint, hardware):
+                rest.callback(part.close)
 
     def _sense(self, now_s: float) -> None:
         sensors, estimator = self.sensors, self.estimator

@@ -5,6 +5,7 @@ from boat_rig import Rig
 
 from companion.core.errors import SilentOutputsError
 from companion.core.requests import Arm
+from companion.core.storage import MemoryStorage
 from companion.failsafe.table import Condition
 
 
@@ -66,3 +67,24 @@ def test_a_boat_whose_outputs_are_silent_arms_in_no_tick_until_they_have_answere
     rig.step(10)
     assert outcomes[-1]
     logging.getLogger("companion.autopilot.motor_output").disabled = False
+
+
+class Stuck(SilentMotors):
+    def close(self) -> None:
+        raise OSError("bus stuck")
+
+
+class Kept(MemoryStorage):
+    is_closed = False
+
+    def close(self) -> None:
+        self.is_closed = True
+
+
+def test_motors_that_cannot_be_closed_leave_nothing_else_open() -> None:
+    storage = Kept()
+    rig = Rig(storage=storage, motors=Stuck())
+    with pytest.raises(OSError, match="bus stuck"):
+        rig.boat.close()
+    assert storage.is_closed
+    assert not rig.peer.link.send(b"")
