@@ -75,14 +75,16 @@ class AccessService:
 
     def _answer(self, message: Message, origin: Origin) -> None:
         number, asker = message.get_msgId(), origin.address
-        if number == dialect.MAVLINK_MSG_ID_PARAM_SET:
+        target = getattr(message, "target_component", 0)
+        component = target if target in self._parameters.config.components else 0
+        if number == dialect.MAVLINK_MSG_ID_PARAM_SET and not component:
             self._listings.on_request_read(message, origin)
         elif number in _UPLOADS:
             refusal = dialect.MAVLink_mission_ack_message(*asker, MissionResult.DENIED, message.mission_type)
             self._outbox.send(origin.channel, refusal)
         elif number in _COMMANDS:
             refusal = acknowledgement(message.command, Result.DENIED, asker)
-            self._outbox.send(origin.channel, refusal, message.target_component)
+            self._outbox.send(origin.channel, refusal, component)
         elif number == dialect.MAVLINK_MSG_ID_SET_MODE:
             refusal = acknowledgement(dialect.MAV_CMD_DO_SET_MODE, Result.DENIED, asker)
             self._outbox.send(origin.channel, refusal)
@@ -92,4 +94,4 @@ class AccessService:
         ):
             payload = nak(request, Refusal(Code.FILE_PROTECTED))
             refusal = dialect.MAVLink_file_transfer_protocol_message(0, *asker, payload)
-            self._outbox.send(origin.channel, refusal)
+            self._outbox.send(origin.channel, refusal, component)

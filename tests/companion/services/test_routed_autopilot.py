@@ -25,11 +25,14 @@ MOTOR_TEST = dialect.MAV_CMD_DO_MOTOR_TEST
 class Boat:
     """A boat with an autopilot on a line, and a station. told: what its station heard from the component."""
 
-    def __init__(self, component: int = COMPONENT) -> None:
+    def __init__(self, component: int = COMPONENT, config: dict[str, object] | None = None) -> None:
         self.clock = HandClock()
         part = AutopilotPart(url="tcpout:127.0.0.1:9", component=component)
         self.plug = Plug(self.clock, component=component)
-        self.rig = Rig(config={"parts.autopilot": part}, autopilot=self.plug.line if component else None)
+        self.rig = Rig(
+            config={"parts.autopilot": part, **(config or {})},
+            autopilot=self.plug.line if component else None,
+        )
         self.plug.plug_in()
         self.run(3.0)
         self.rig.peer.forget()
@@ -140,6 +143,17 @@ def test_no_stick_of_a_station_reaches_it(boat: Boat) -> None:
     boat.rig.peer.send(dialect.MAVLink_manual_control_message(1, 1000, 1000, 1000, 1000, 0))
     boat.run(0.2)
     assert QGC.component not in {component for _, component in boat.plug.rover.heard}
+
+
+def test_only_the_operator_changes_it_where_the_boat_listens_to_nobody_else() -> None:
+    boat = Boat(config={"identity.only_operator": True, "identity.operator_system_id": PLANNER.system})
+    before = boat.plug.rover.parameters["FS_ACTION"]
+    boat.rig.peer.send(param_set("FS_ACTION", 0.0))
+    boat.run(0.3)
+    assert "PARAM_VALUE" not in {one.message.get_type() for one in heard(boat.rig.peer)}
+    assert boat.plug.rover.parameters["FS_ACTION"] == before
+    assert boat.command(MAG_CAL) == [DENIED]
+    assert "FS_ACTION" in boat.values(param_read("FS_ACTION"))
 
 
 def test_a_calibration_is_passed_on_and_its_progress_returns(boat: Boat) -> None:
