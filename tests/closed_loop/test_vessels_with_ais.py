@@ -7,7 +7,6 @@ from boat_rig import Rig, waypoint
 
 from companion.obstacles.planning.planner import KEEPING_CLEAR
 
-pytest.importorskip("pyais")
 pytestmark = pytest.mark.slow
 # On a collision course with a boat that goes on
 SHIP = "movers=[{start=[-168.0, 45.0], velocity_m_s=[4.0, 0.0], at_s=0.0, radius_m=3.0, ais='A'}]"

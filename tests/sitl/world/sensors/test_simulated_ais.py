@@ -10,7 +10,6 @@ from companion.core.units import KNOT_M_S
 from sitl.world.scenario import Scenario
 from sitl.world.world import World
 
-pytest.importorskip("pyais")
 MOVERS = (
     "movers=[{start=[-50.0, 30.0], velocity_m_s=[3.0, 4.0], radius_m=2.5, ais='A'}, "
     "{start=[0.0, 80.0], ais='B'}, {start=[9.0, 9.0]}]"
