@@ -6,17 +6,15 @@ receiver hears; aids to navigation (21), aircraft (9) and texts are left out.
 
 import math
 from collections.abc import Callable
-from functools import reduce
 from heapq import nsmallest
-from operator import xor
 from typing import Any, Final, TypeVar
 
 from msgspec.structs import replace
 
-from companion.core.geo import LatLon, geodesic_m
+from companion.core.geo import LatLon, geodesic_m, longitude_difference_deg
 from companion.core.readings import AisReading, AisVessel
 from companion.core.units import KNOT_M_S
-from companion.sensors.nmea.sentences import LONGEST_SENTENCE, LineReader
+from companion.sensors.nmea.sentences import LineReader
 
 LIFE_S: Final = 600.0  # without a position; ArduPilot's AIS_TIME_OUT
 # Two channels of 2,250 slots a minute, six reports of each vessel under way (ITU-R M.1371-5, annex 2)
@@ -34,20 +32,21 @@ _FASTEST_M_S: Final = 50.0 * KNOT_M_S  # of a vessel that does not tell its spee
 _GAINS: Final = 1.5  # it may go so much faster between two reports
 _LATE_S: Final = 3.0  # a report may come so much later than another
 _SIDE_ONLY: Final = 127.0  # of a turn: more than 10° a minute
+_DEGREE: Final = math.radians(1.0)
+Key = TypeVar("Key")
 Kept = TypeVar("Kept")
 
 
 class AisReader(LineReader):
     """Keeps the vessels of a receiver's sentences.
 
-    `malformed`: sentences with a wrong checksum or form, messages that cannot be decoded; `skipped`: other
-    sentences; `lost`: parts of messages without the parts before them.
+    `malformed`: sentences with a wrong checksum or form, or without the parts before them, and messages that
+    cannot be decoded.
     """
 
     def __init__(self, decode: Callable[..., Any], own_mmsi: int = 0) -> None:
         """decode: pyais' own, which gives the message of its sentences. It may raise anything."""
         super().__init__()
-        self.skipped = self.lost = 0
         self._decode = decode
         self._own_mmsi, self._transponder_mmsi = own_mmsi, 0
         self._parts: dict[tuple[bytes, ...], tuple[float, list[bytes]]] = {}
@@ -56,8 +55,15 @@ class AisReader(LineReader):
 
     def feed(self, data: bytes, time_s: float) -> AisReading | None:
         """Process bytes received at time_s; None if they complete no message."""
-        heard = [self._hear(line, time_s) for line in self.lines(data)]
-        if not any(heard):
+        is_heard = False
+        for line in self.lines(data):
+            sentence = line[max(line.rfind(b"!"), 0) :]  # a tag block or half a sentence may precede it
+            if sentence[3:6] in (b"VDM", b"VDO"):
+                try:
+                    is_heard |= self._hear(sentence, time_s)
+                except Exception:
+                    self.malformed += 1
+        if not is_heard:
             return None
         known = (one for one in self._vessels.values() if time_s - one.time_s <= LIFE_S)
         return AisReading(time_s, tuple(one for one in known if not one.is_doubtful))
@@ -66,34 +72,19 @@ class AisReader(LineReader):
         super().forget()
         self._parts.clear()
 
-    def _hear(self, line: bytes, time_s: float) -> bool:
+    def _hear(self, sentence: bytes, time_s: float) -> bool:
         """Whether a sentence completes a message."""
-        raw = line[max(line.rfind(b"!"), 0) :]  # a tag block, or a truncated sentence, may precede it
-        if raw[3:6] not in (b"VDM", b"VDO"):
-            self.skipped += bool(raw)
-            return False
-        fields = raw.split(b",")
-        if len(fields) != 7 or len(raw) > LONGEST_SENTENCE or not _has_checksum(raw):
-            self.malformed += 1
-            return False
-        _, count, number, sequence, channel, *_ = fields
-        begun_s, parts = self._parts.pop((count, sequence, channel), (time_s, list[bytes]()))
-        if number == b"1":
-            begun_s, parts = time_s, []
-        if number != b"%d" % (len(parts) + 1) or time_s - begun_s > _TOGETHER_S:
-            self.lost += 1
-            return False
-        parts.append(raw)
+        _, count, number, *series, _, _ = sentence.split(b",")  # its sequential number, and the channel
+        key = count, *series
+        begun_s, parts = (time_s, []) if number == b"1" else self._parts.pop(key)
+        if time_s - begun_s > _TOGETHER_S:
+            raise ValueError("the parts before it are another message's")
+        parts.append(sentence)
         if number != count:
-            self._parts[count, sequence, channel] = begun_s, parts
-            if len(self._parts) > _MOST_PARTS:
-                del self._parts[next(iter(self._parts))]
+            _keep(self._parts, key, (begun_s, parts), _MOST_PARTS)
             return False
-        try:
-            self._ingest(self._decode(*parts), time_s, is_own=raw[3:6] == b"VDO")
-        except Exception:
-            self.malformed += 1
-            return False
+        message = self._decode(*parts, error_if_checksum_invalid=True)
+        self._ingest(message, time_s, is_own=sentence[3:6] == b"VDO")
         return True
 
     def _ingest(self, message: Any, time_s: float, *, is_own: bool) -> None:  # noqa: ANN401 (one class a type)
@@ -105,13 +96,14 @@ class AisReader(LineReader):
             return
         if kind in _STATIC:
             static = self._static.pop(mmsi, {}) | _static(message)
-            _keep(self._static, mmsi, static)
+            _keep(self._static, mmsi, static, _MOST_VESSELS)
             if mmsi in self._vessels:
                 self._vessels[mmsi] = replace(self._vessels[mmsi], **static)
         if kind in _POSITIONS and abs(message.lat) <= 90.0 and abs(message.lon) <= 180.0:
             old = self._vessels.pop(mmsi, None)
             new = _vessel(message, mmsi, time_s, self._static.get(mmsi, {}))
-            _keep(self._vessels, mmsi, replace(new, is_doubtful=old is not None and _has_jumped(old, new)))
+            new = replace(new, is_doubtful=old is not None and _has_jumped(old, new))
+            _keep(self._vessels, mmsi, new, _MOST_VESSELS)
 
 
 def nearest(reading: AisReading, here: LatLon) -> AisReading:
@@ -121,16 +113,16 @@ def nearest(reading: AisReading, here: LatLon) -> AisReading:
     east = math.cos(math.radians(here.lat_deg))
 
     def off(vessel: AisVessel) -> float:
-        east_deg = east * ((vessel.position.lon_deg - here.lon_deg + 180.0) % 360.0 - 180.0)
-        return math.hypot(vessel.position.lat_deg - here.lat_deg, east_deg)
+        east_deg = longitude_difference_deg(vessel.position.lon_deg, here.lon_deg)
+        return math.hypot(vessel.position.lat_deg - here.lat_deg, east * east_deg)
 
     return replace(reading, vessels=tuple(nsmallest(_MOST_NEAR, reading.vessels, off)))
 
 
-def _keep(table: dict[int, Kept], mmsi: int, value: Kept) -> None:
+def _keep(table: dict[Key, Kept], key: Key, value: Kept, most: int) -> None:
     """Add what was not there; the oldest gives way."""
-    table[mmsi] = value
-    if len(table) > _MOST_VESSELS:
+    table[key] = value
+    if len(table) > most:
         del table[next(iter(table))]
 
 
@@ -143,23 +135,22 @@ def _static(message: Any) -> dict[str, Any]:  # noqa: ANN401
 
 
 def _vessel(message: Any, mmsi: int, time_s: float, static: dict[str, Any]) -> AisVessel:  # noqa: ANN401
-    kind = message.msg_type
-    turn_deg_min = _below(getattr(message, "turn", None), _SIDE_ONLY + 1.0, -_SIDE_ONLY)
-    if turn_deg_min is not None and abs(turn_deg_min) == _SIDE_ONLY:
-        turn_deg_min = math.copysign(math.inf, turn_deg_min)
-    speed_kn = _below(message.speed, 63.0 if kind == _LONG_RANGE else 102.3)
+    is_coarse = message.msg_type == _LONG_RANGE
+    turn_rad_s = _known(message, "turn", _DEGREE / 60.0, _SIDE_ONLY + 1.0, -_SIDE_ONLY)
+    if turn_rad_s is not None and abs(message.turn) == _SIDE_ONLY:
+        turn_rad_s = math.copysign(math.inf, turn_rad_s)
     return AisVessel(
         mmsi=mmsi,
         time_s=time_s,
         position=LatLon(message.lat, message.lon),
-        speed_m_s=None if speed_kn is None else speed_kn * KNOT_M_S,
-        course_rad=_radians(_below(message.course, 360.0)),
-        heading_rad=_radians(_below(getattr(message, "heading", None), 360.0)),
-        turn_rad_s=None if turn_deg_min is None else math.radians(turn_deg_min) / 60.0,
+        speed_m_s=_known(message, "speed", KNOT_M_S, 63.0 if is_coarse else 102.3),
+        course_rad=_known(message, "course", _DEGREE, 360.0),
+        heading_rad=_known(message, "heading", _DEGREE, 360.0),
+        turn_rad_s=turn_rad_s,
         status=int(getattr(message, "status", 15)),
-        is_class_b=kind in _CLASS_B,
+        is_class_b=message.msg_type in _CLASS_B,
         is_accurate=bool(message.accuracy),
-        error_m=_COARSE_M if kind == _LONG_RANGE else _ERRORS_M[bool(message.accuracy)],
+        error_m=_COARSE_M if is_coarse else _ERRORS_M[bool(message.accuracy)],
         **static,
     )
 
@@ -171,14 +162,7 @@ def _has_jumped(old: AisVessel, new: AisVessel) -> bool:
     return geodesic_m(old.position, new.position) > way_m + 2.0 * (old.error_m + new.error_m)
 
 
-def _below(value: float | None, limit: float, least: float = 0.0) -> float | None:
-    """A number of a message; None where it says that it is not known."""
-    return float(value) if value is not None and least <= value < limit else None
-
-
-def _radians(angle_deg: float | None) -> float | None:
-    return None if angle_deg is None else math.radians(angle_deg)
-
-
-def _has_checksum(raw: bytes) -> bool:
-    return raw[-3:-2] == b"*" and raw[-2:].upper() == b"%02X" % reduce(xor, raw[1:-3], 0)
+def _known(message: Any, name: str, unit: float, limit: float, least: float = 0.0) -> float | None:  # noqa: ANN401
+    """A number of a message in a unit; None where the message has none, or says that it is not known."""
+    value = getattr(message, name, None)
+    return float(value) * unit if value is not None and least <= value < limit else None
