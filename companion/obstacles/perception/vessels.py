@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from companion.config.boat_config import BoatConfig
-from companion.core.geo import LocalFrame, Point, from_body_axes
+from companion.core.geo import LocalFrame, Point
 from companion.core.readings import AisReading, AisVessel
 from companion.core.state import NavState
 from companion.core.units import KNOT_M_S
@@ -96,32 +96,26 @@ def _life_s(report: AisVessel) -> float:
 
 
 def _vessel(report: AisVessel, frame: LocalFrame, now_s: float) -> Vessel:
-    antenna, age_s = frame.to_local(report.position), max(now_s - report.time_s, 0.0)
     course_rad = report.heading_rad if report.course_rad is None else report.course_rad
     speed_m_s = 0.0 if course_rad is None else report.speed_m_s or 0.0
-    north_m_s, east_m_s = speed_m_s * math.cos(course_rad or 0.0), speed_m_s * math.sin(course_rad or 0.0)
-    length_m, beam_m = report.bow_m + report.stern_m, report.port_m + report.starboard_m
+    heading_rad = course_rad if report.heading_rad is None and speed_m_s > _SLOW_B_M_S else report.heading_rad
     usual_m = _SIZES_M[report.is_class_b]
-    half_length_m, half_beam_m = 0.5 * (length_m or usual_m[0]), 0.5 * (beam_m or usual_m[1])
+    half_length_m = 0.5 * (report.bow_m + report.stern_m or usual_m[0])
+    half_beam_m = 0.5 * (report.port_m + report.starboard_m or usual_m[1])
     ahead_m, right_m = 0.5 * (report.bow_m - report.stern_m), 0.5 * (report.starboard_m - report.port_m)
     if report.bow_m == 0 and report.port_m == 0:  # the antenna may be anywhere
         half_length_m, half_beam_m, ahead_m, right_m = 2.0 * half_length_m, 2.0 * half_beam_m, 0.0, 0.0
-    heading_rad = report.heading_rad
-    if heading_rad is None and speed_m_s > _SLOW_B_M_S:
-        heading_rad = course_rad
     if heading_rad is None:  # it may lie in any direction
         half_length_m = half_beam_m = half_length_m + abs(ahead_m)
-        ahead_m = right_m = 0.0
-    middle = from_body_axes(ahead_m, right_m, heading_rad or 0.0)
+        ahead_m = right_m = heading_rad = 0.0
+    course_rad, age_s = course_rad or 0.0, max(now_s - report.time_s, 0.0)
+    antenna = frame.to_local(report.position).moved(course_rad, age_s * speed_m_s)
     return Vessel(
         name=report.name or f"{report.mmsi:09d}",
-        at=Point(
-            antenna.north_m + middle.north_m + age_s * north_m_s,
-            antenna.east_m + middle.east_m + age_s * east_m_s,
-        ),
-        north_m_s=north_m_s,
-        east_m_s=east_m_s,
-        heading_rad=heading_rad or 0.0,
+        at=antenna.moved(heading_rad, ahead_m).moved(heading_rad + 0.5 * math.pi, right_m),
+        north_m_s=speed_m_s * math.cos(course_rad),
+        east_m_s=speed_m_s * math.sin(course_rad),
+        heading_rad=heading_rad,
         half_length_m=half_length_m,
         half_beam_m=half_beam_m,
         sigma_m=report.error_m / _95_SIGMAS,

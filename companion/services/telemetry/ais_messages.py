@@ -59,9 +59,8 @@ def _turn_rate(turn_rad_s: float | None) -> int:
     """In cdeg/s; only its sign where the rate is not known."""
     if turn_rad_s is None:
         return _UNKNOWN_TURN
-    if math.isinf(turn_rad_s):
-        return int(math.copysign(1.0, turn_rad_s))
-    return round(clamp(100.0 * math.degrees(turn_rad_s), 1.0 - _UNKNOWN_TURN, _UNKNOWN_TURN - 1.0))
+    most = 1.0 if math.isinf(turn_rad_s) else _UNKNOWN_TURN - 1.0
+    return round(clamp(100.0 * math.degrees(turn_rad_s), -most, most))
 
 
 class VesselSchedule:
