@@ -14,7 +14,8 @@ _ROOM_S = (0.002, 0.005, 0.012)  # what a sweep of each generation may need on a
 
 
 def settle() -> None:
-    """To be called once by a program, when everything is built and before the loop begins."""
+    """To be called when everything is built and before the loop begins; again, when it is built anew."""
+    gc.unfreeze()
     gc.collect()
     gc.freeze()
     gc.set_threshold(_YOUNG_OBJECTS, 20, 20)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Annotated
 
 from companion.app import garbage_collection as garbage
-from companion.app.process import Shutdown, restart_program
+from companion.app.process import Shutdown
 from companion.app.runner import SystemClock
 from companion.cli.command_line import Option, echo
 from companion.cli.program_end import busy_port_explained
@@ -94,7 +94,6 @@ def serve(
         level=logging.INFO if verbose else logging.WARNING, format="%(levelname)s %(message)s"
     )
     scenario = scenario_from(source, settings, case, seed, start)
-    scenarios = fleet(scenario, count)
     policy = signing or ("required" if sign_key is not None else "off")
     key_file = "" if sign_key is None else str(sign_key)
     links = [
@@ -104,7 +103,6 @@ def serve(
         ]
         for number in range(count)
     ]
-    clock = SystemClock()
     shutdown = Shutdown()
     shutdown.install()
     folder, remark = _held_folder(state, default_folder(source, scenario.seed, None if no_tcp else tcp))
@@ -115,40 +113,42 @@ def serve(
             for own in links[: 1 if one_port else count]:
                 own.append(LinkConfig(url=page.boat_link))
             status = status or page.status
-        boat_options = [
-            BoatOptions(
-                state_folder=""
-                if folder is None
-                else str(folder if count == 1 else folder / f"boat{number + 1}"),
-                record=csv is not None,
-                status_path=status if number == 0 else None,
-                unix_offset_s=0.0 if policy == "off" else clock.unix_offset_s(),
-            )
-            for number in range(count)
-        ]
-        with busy_port_explained("choose another port with --tcp (5770, or 0 for any free one)"):
-            boats = start_fleet(scenarios, links, clock, boat_options, speedup)
-        if page is not None and status is not None:
-            page.start(status)
-        server = Server(boats, clock, speedup, _report)
-        names = _names(boats[0], page) or "no link"
-        echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, {speedup:g} × real time, on {names}")
-        for boat, sailed in zip(boats[1:], scenarios[1:], strict=True):
-            names = _names(boat, page) or "the first boat's links"
-            echo(f"boat-sitl: system {sailed.vehicle.identity.system_id} on {names}")
-        echo(f"boat-sitl: {remark}")
-        echo("boat-sitl: ready; Ctrl-C ends")
-        sys.stdout.flush()
-        garbage.settle()
-        server.run(shutdown)
-        if page is not None and server.wants_restart and not shutdown():
-            page.stay()
-    if csv is not None:
-        for boat, sailed in zip(boats, scenarios, strict=True):
-            path = csv if count == 1 else csv.with_stem(f"{csv.stem}_{sailed.vehicle.identity.system_id}")
-            boat.recorder.write_csv(path, every=RECORD_EVERY)
-    if server.wants_restart and not shutdown():
-        restart_program()
+        while True:
+            clock, scenarios = SystemClock(), fleet(scenario, count)
+            boat_options = [
+                BoatOptions(
+                    state_folder=""
+                    if folder is None
+                    else str(folder if count == 1 else folder / f"boat{number + 1}"),
+                    record=csv is not None,
+                    status_path=status if number == 0 else None,
+                    unix_offset_s=0.0 if policy == "off" else clock.unix_offset_s(),
+                )
+                for number in range(count)
+            ]
+            with busy_port_explained("choose another port with --tcp (5770, or 0 for any free one)"):
+                boats = start_fleet(scenarios, links, clock, boat_options, speedup)
+            if page is not None and status is not None:
+                page.start(status)
+            server = Server(boats, clock, speedup, _report)
+            names = _names(boats[0], page) or "no link"
+            echo(f"boat-sitl: {scenario.title}, seed {scenario.seed}, {speedup:g} × real time, on {names}")
+            for boat, sailed in zip(boats[1:], scenarios[1:], strict=True):
+                names = _names(boat, page) or "the first boat's links"
+                echo(f"boat-sitl: system {sailed.vehicle.identity.system_id} on {names}")
+            echo(f"boat-sitl: {remark}")
+            echo("boat-sitl: ready; Ctrl-C ends")
+            sys.stdout.flush()
+            garbage.settle()
+            server.run(shutdown)
+            if csv is not None:
+                for boat, sailed in zip(boats, scenarios, strict=True):
+                    id_ = sailed.vehicle.identity.system_id
+                    path = csv if count == 1 else csv.with_stem(f"{csv.stem}_{id_}")
+                    boat.recorder.write_csv(path, every=RECORD_EVERY)
+            if shutdown() or not server.wants_restart:
+                return
+            scenario = scenario_from(source, settings, case, seed, start)  # as its file is now
 
 
 def _held_folder(asked: str | None, usual: Path | None) -> tuple[Path | None, str]:

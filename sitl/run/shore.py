@@ -28,7 +28,6 @@ from numpy.typing import NDArray
 from companion.core.geo import Point
 from mission_tools.geojson import collection, feature
 from mission_tools.maps.chart import Chart, Feature
-from sitl.run.kept_child import KeptChild, KeptPage, hand_over, take_over
 
 PIN_DIGITS = 8
 LISTEN = "127.0.0.1:8080"
@@ -62,17 +61,11 @@ class ShorePage:
         self._report = report
         self._options = options
         self._address = ""
-        self._is_staying = False
-        self._child: subprocess.Popen[str] | KeptChild | None = None
+        self._child: subprocess.Popen[str] | None = None
         self._reader: Thread | None = None
-        if (kept := take_over()) is None:
-            self._number = _free_udp_port()
-            self._folder = Path(tempfile.mkdtemp(prefix="boat-sitl-shore-"))
-            self._pin = "".join(secrets.choice("0123456789") for _ in range(PIN_DIGITS))
-        else:
-            self._child = KeptChild(kept.process)
-            self._number, self._folder = kept.number, kept.folder
-            self._pin, self._address = kept.pin, kept.address
+        self._number = _free_udp_port()
+        self._folder = Path(tempfile.mkdtemp(prefix="boat-sitl-shore-"))
+        self._pin = "".join(secrets.choice("0123456789") for _ in range(PIN_DIGITS))
 
     @property
     def boat_link(self) -> str:
@@ -85,13 +78,12 @@ class ShorePage:
         return self._folder / "status.json"
 
     def start(self, status: Path) -> None:
-        """Start the child, unless it has stayed; address and PIN are reported as soon as it listens.
+        """Start the child, unless it runs; address and PIN are reported as soon as it listens.
 
         status: the first boat's status file.
         """
-        if self._child is not None:
+        if self._child is not None and self._child.poll() is None:
             self._report(f"the page is still at {self._address} with PIN {self._pin}")
-            self._watch(self._child)
             return
         pin_file = self._folder / "pin"
         if not self._set_pin(pin_file):
@@ -113,25 +105,11 @@ class ShorePage:
             text=True,
             preexec_fn=_behind_the_boat,  # noqa: PLW1509 (two system calls, of a library that is loaded)
         )
-        self._watch(self._child)
-
-    def stay(self) -> None:
-        """The program begins anew, in this same process: the next start takes the child over."""
-        child, self._child = self._child, None
-        if child is not None and self._address:
-            hand_over(KeptPage(child.pid, self._folder, self._number, self._pin, self._address))
-            self._is_staying = True
-        else:
-            self._child = child
-
-    def _watch(self, child: "subprocess.Popen[str] | KeptChild") -> None:
-        self._reader = Thread(target=self._follow, args=(child,), name="shore page", daemon=True)
+        self._reader = Thread(target=self._follow, args=(self._child,), name="shore page", daemon=True)
         self._reader.start()
 
     def close(self) -> None:
-        """End the child and remove the folder, unless it stays. May be called twice."""
-        if self._is_staying:
-            return
+        """End the child and remove the folder. May be called twice."""
         child, self._child = self._child, None
         if child is not None:
             child.terminate()
@@ -152,7 +130,7 @@ class ShorePage:
         )
         return done.returncode == 0
 
-    def _follow(self, child: "subprocess.Popen[str] | KeptChild") -> None:
+    def _follow(self, child: "subprocess.Popen[str]") -> None:
         """Say where the page is, and if it ends before it should."""
         if child.stdout is not None:
             self._read(child.stdout)

@@ -13,7 +13,6 @@ import pytest
 from boat_rig import scenario
 from patience import MOMENT_S
 
-from sitl.run.kept_child import take_over
 from sitl.run.shore import ShorePage
 
 STUB = """
@@ -121,32 +120,27 @@ def test_a_program_that_cannot_store_its_pin_is_not_started(
     assert not (tmp_path / "log").exists()
 
 
-def test_a_page_that_stays_is_taken_over_by_the_next_start(
+def test_a_page_stays_when_the_boat_begins_anew(
     start: Start, tmp_path: Path, lines: "queue.Queue[str]"
 ) -> None:
-    first = start()
-    pin = lines.get(timeout=MOMENT_S).rsplit(" ", 1)[1]
-    first.stay()
-    first.close()
-    process, options = told(tmp_path)
-    assert set(options) == {"--connect", "--listen", "--pin-file", "--status"}, "open water has no map"
-    assert is_alive(process)
-    second = start()
-    assert lines.get(timeout=MOMENT_S) == f"the page is still at https://127.0.0.1:8123/x with PIN {pin}"
-    assert (second.boat_link, second.status) == (first.boat_link, first.status)
-    second.close()
-    assert not is_alive(process)
-    assert not second.status.parent.exists()
+    with closing(start()) as page:
+        pin = lines.get(timeout=MOMENT_S).rsplit(" ", 1)[1]
+        process, options = told(tmp_path)
+        assert set(options) == {"--connect", "--listen", "--pin-file", "--status"}, "open water has no map"
+        page.start(page.status)
+        assert lines.get(timeout=MOMENT_S) == f"the page is still at https://127.0.0.1:8123/x with PIN {pin}"
+        assert told(tmp_path)[0] == process
+        assert is_alive(process)
 
 
-def test_a_page_that_has_ended_meanwhile_is_not_taken_over(
+def test_a_page_that_has_ended_is_started_with_the_boat_that_begins_anew(
     start: Start, tmp_path: Path, lines: "queue.Queue[str]"
 ) -> None:
-    page = start()
-    lines.get(timeout=MOMENT_S)
-    page.stay()
-    os.kill(told(tmp_path)[0], signal.SIGKILL)
-    assert page._reader is not None
-    page._reader.join(MOMENT_S)
-    assert take_over() is None
-    assert take_over() is None, "nothing is handed over"
+    with closing(start()) as page:
+        lines.get(timeout=MOMENT_S)
+        process, _ = told(tmp_path)
+        os.kill(process, signal.SIGKILL)
+        assert "ended with" in lines.get(timeout=MOMENT_S)
+        page.start(page.status)
+        assert "the page is at" in lines.get(timeout=MOMENT_S)
+        assert told(tmp_path)[0] != process
