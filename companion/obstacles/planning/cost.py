@@ -8,9 +8,9 @@ d: clearance of the hull's leading half at a step, with the potential of O. Khat
 that a small move of the boat would turn into another choice. hit: the first touch, the more
 the sooner and the faster. unseen: share of the first three seconds in water that no ranger has seen free, the
 more the faster: what lies there is met before the boat can stop. C: expected number of collisions with what
-may move (`movers.py`) and with vessels that have AIS (`vessel_risk.py`). side: to port of the way wanted,
-where something may move (collision regulations, rules 14, 15 and 17). habit: change of the heading and of the
-speed that are held. The weights were chosen on seeds 1001 to 1009 of `boat-sitl encounters`.
+may move, AIS vessels among it (`movers.py`). side: to port of the way wanted, where something may move
+(collision regulations, rules 14, 15 and 17). habit: change of the heading and of the speed that are held.
+The weights were chosen on seeds 1001 to 1009 of `boat-sitl encounters`.
 """
 
 import math
@@ -34,8 +34,7 @@ from companion.obstacles.planning.motion import (
     Rollout,
     roll,
 )
-from companion.obstacles.planning.movers import Predicted, collision_risk
-from companion.obstacles.planning.vessel_risk import Approach, approach_risk
+from companion.obstacles.planning.movers import EVERY, VESSEL_S, Predicted, collision_risk
 
 HORIZON_S: Final = STEP_S * STEPS
 _NEAR: Final = 4.0
@@ -69,7 +68,7 @@ class CostModel:
         scale_m: float,
         wanted_rad: float,
         config: BoatConfig,
-        vessels: Sequence[Approach] = (),
+        vessels: Sequence[Predicted] = (),
     ) -> None:
         self._nav, self._field, self._to_go, self.movers = nav, field, to_go, movers
         self._vessels = vessels
@@ -86,7 +85,7 @@ class CostModel:
         here = field.at(nav.north_m + bow_m * self._cos, nav.east_m + bow_m * self._sin)
         self._from_level = here & LEVEL
         self._fence_bit = 0 if here & FENCE else FENCE  # outside, any way may lead back
-        self._port = _PORT + max([float(bool(vessels)), *(one.weight for one in movers)])
+        self._port = _PORT + max((one.weight for one in (*movers, *vessels)), default=0.0)
         self.is_near = (LEVELS - self._from_level) * field.cell_m < margin_m
 
     def plain(self, rollout: Rollout, last: tuple[float, float] | None) -> float:
@@ -172,10 +171,12 @@ class CostModel:
             risk += _COLLISION * collision_risk(mover, norths, easts)
             if risk > most:
                 return risk
-        for vessel in self._vessels:
-            risk += _COLLISION * approach_risk(vessel, norths, easts)
-            if risk > most:
-                break
+        if self._vessels and step:
+            norths, easts = _onward(norths), _onward(easts)
+            for vessel in self._vessels:
+                risk += _COLLISION * collision_risk(vessel, norths, easts)
+                if risk > most:
+                    break
         return risk
 
     def choose(
@@ -245,6 +246,13 @@ class CostModel:
                 turn_rad=held + steps * APART_RAD, speed_m_s=min(found.speed_m_s, water_m_s)
             )
         return found
+
+
+def _onward(along: list[float]) -> list[float]:
+    """Where vessels are looked at: along a rollout, and straight on from its end."""
+    end_s, a_second = len(along) * STEP_S, (along[-1] - along[-2]) / STEP_S
+    later = [along[-1] + (time_s - end_s) * a_second for time_s in VESSEL_S if time_s > end_s]
+    return along[EVERY - 1 :: EVERY] + later
 
 
 def _held_m_s(speed_m_s: float) -> float:

@@ -28,9 +28,8 @@ from companion.obstacles.planning.cost_to_go import CostToGo
 from companion.obstacles.planning.detour import Detour
 from companion.obstacles.planning.local_map import LocalMap
 from companion.obstacles.planning.motion import CRASH_STOP, STEPS, CourseFan, Rollout
-from companion.obstacles.planning.movers import predict
+from companion.obstacles.planning.movers import predict, predict_vessels
 from companion.obstacles.planning.speed_limit import STILL_SHARE, SpeedLimit, crash_stop
-from companion.obstacles.planning.vessel_risk import approaches
 from companion.obstacles.planning.way_ahead import free_m, is_same_goal, places_on, requested_m_s, way_ahead
 
 PERIOD_S: Final = 0.09  # between decisions, at least
@@ -187,10 +186,8 @@ class LocalPlanner:
         movers = predict(
             tracks, still_count, nav, wanted_m_s, field, setting.margin_m, HULL * setting.margin_m, now_s
         )
-        costs = CostModel(
-            nav, field, to_go, movers, margin_m, ahead_m, wanted_rad, config,
-            approaches(perception.vessels, nav, wanted_m_s, field, setting.vessel_margin_m),
-        )  # fmt: skip
+        vessels = predict_vessels(perception.vessels, nav, wanted_m_s, field, setting.vessel_margin_m)
+        costs = CostModel(nav, field, to_go, movers, margin_m, ahead_m, wanted_rad, config, vessels)
         if self._has_new_goal:
             self._has_new_goal = False
             self._detour.aim(wanted_rad)
