@@ -14,13 +14,13 @@ from typing import Final, TypeGuard, TypeVar
 from companion.autopilot.snapshot import Snapshot
 from companion.config.boat_config import BoatConfig
 from companion.config.parameters import Parameters
+from companion.core.geo import LocalFrame
 from companion.core.state import NavState
 from companion.core.status_text import Severity, StatusText
 from companion.core.tick_count import TickCount
 from companion.log import events, samples
 from companion.log import records as r
 from companion.log.events import EventWatch
-from companion.log.linear_frame import LinearFrame
 from companion.log.samples import time_us
 from companion.log.sink import Sink
 from companion.mavlink.items import MissionItem
@@ -80,7 +80,6 @@ class OnboardLog:
         self._log_bytes = self._blocks = 0
         self._config: BoatConfig | None = None
         self._mission: Mission = ()
-        self._linear: LinearFrame | None = None
         self._logged: dict[str, object] = {}  # the latest reading of each part
         self._late = self._ticks = 0
 
@@ -182,12 +181,7 @@ class OnboardLog:
 
     def _sample(self, now: Snapshot) -> None:
         self._add(self._watch.slow_changes(now))
-        if now.vehicle.frame is not None and now.vehicle.nav is not None:
-            if self._linear is None or not self._linear.is_of(now.vehicle.frame):
-                self._linear = LinearFrame(now.vehicle.frame, now.vehicle.nav.point)
-        else:
-            self._linear = None
-        self._add(samples.motion(now, self._linear))
+        self._add(samples.motion(now))
         sensors = now.sensors
         if sensors.fix is not None and self._is_new(sensors.fix.time_s, "fix"):
             self._add(samples.gnss(sensors.fix))
@@ -201,8 +195,8 @@ class OnboardLog:
         if now.now_s + _SLACK_S >= self._report_due_s and (report := now.estimator.report) is not None:
             self._report_due_s = _next(self._report_due_s, now.now_s, _REPORT_HZ)
             self._add(samples.estimator(self._now_us, report, now.config.estimation.compass_gate_rad))
-        if now.vehicle.nav is not None and self._linear is not None:
-            self._add(self._water(now, now.vehicle.nav, self._linear))
+        if now.vehicle.nav is not None and now.vehicle.frame is not None:
+            self._add(self._water(now, now.vehicle.nav, now.vehicle.frame))
         heard = now.vehicle.manual_input.rc.latest
         if self._is_new(heard, "transmitter"):
             self._add(samples.radio(heard))
@@ -214,14 +208,14 @@ class OnboardLog:
         self._logged[part] = reading
         return True
 
-    def _water(self, now: Snapshot, nav: NavState, linear: LinearFrame) -> Iterator[bytes]:
+    def _water(self, now: Snapshot, nav: NavState, frame: LocalFrame) -> Iterator[bytes]:
         """New soundings and values of probes, with the position."""
         sounding = now.sensors.depth
         if self._is_new(sounding, "depth"):
-            yield samples.depth(sounding, nav, linear)
+            yield samples.depth(sounding, nav, frame)
         for reading in now.sensors.probes:
             if self._is_new(reading.time_s, f"probe {reading.name}"):
-                yield samples.probe(reading, nav, linear)
+                yield samples.probe(reading, nav, frame)
 
     def _status(self, now: Snapshot, channels: Channels) -> Iterator[bytes]:
         us = self._now_us

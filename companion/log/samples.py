@@ -6,14 +6,13 @@ from typing import Final
 
 from companion.autopilot.snapshot import Snapshot
 from companion.core import readings
-from companion.core.geo import bearing_rad, distance_m
+from companion.core.geo import LocalFrame, bearing_rad, distance_m, position_to_e7
 from companion.core.state import Demand, NavState
 from companion.core.units import GPS_EPOCH_UNIX_S, GPS_WEEK_S, clamp, deg_to_e7, wrap_pi, wrap_two_pi
 from companion.core.vectors import Vector
 from companion.estimation.estimator import EstimatorReport
 from companion.estimation.innovation import GATE_2
 from companion.log import records as r
-from companion.log.linear_frame import LinearFrame
 from companion.sensors.compass.magnetic_field import FieldCorrector
 
 _DEG: Final = 180.0 / math.pi
@@ -32,8 +31,8 @@ def time_us(time_s: float) -> int:
     return max(round(time_s * 1e6), 0)
 
 
-def motion(now: Snapshot, linear: LinearFrame | None) -> Iterator[bytes]:
-    """Motion and steering. linear: for the present frame, None without one."""
+def motion(now: Snapshot) -> Iterator[bytes]:
+    """Motion and steering."""
     us, nav, demand, command = time_us(now.now_s), now.vehicle.nav, now.guidance.demand, now.command
     left, right = command.left, command.right
     yield r.RCOU.pack(us, *now.output_us[:_LOGGED_CHANNELS])
@@ -56,9 +55,8 @@ def motion(now: Snapshot, linear: LinearFrame | None) -> Iterator[bytes]:
     yield r.XKF1.pack(
         us, 0, 0, 0, centideg, nav.north_m_s, nav.east_m_s, 0.0, 0.0, nav.north_m, nav.east_m, 0.0, 0, 0, 0, 0
     )
-    if linear is not None:
-        lat_e7, lon_e7 = linear.to_e7(nav.north_m, nav.east_m)
-        yield r.POS.pack(us, lat_e7, lon_e7, 0.0, 0.0, 0.0)
+    if now.vehicle.frame is not None:
+        yield r.POS.pack(us, *_place_e7(now.vehicle.frame, nav), 0.0, 0.0, 0.0)
     turn_rad_s = nav.yaw_rate_rad_s
     steering = 2250.0 * (left - right) + 4500.0 * command.rudder
     yield r.STER.pack(us, 0, steering, _NAN, nav.surge_m_s * turn_rad_s, _NAN, turn_rad_s * _DEG)
@@ -66,6 +64,10 @@ def motion(now: Snapshot, linear: LinearFrame | None) -> Iterator[bytes]:
     yield r.THR.pack(us, 0, 50.0 * (left + right), wanted_m_s, nav.surge_m_s, _NAN)
     if demand is not None:
         yield from _loops(now, us, nav, demand, centideg)
+
+
+def _place_e7(frame: LocalFrame, nav: NavState) -> tuple[int, int]:
+    return position_to_e7(frame.to_global(nav.point))
 
 
 def _magnetometer(us: int, corrector: FieldCorrector, measured: Vector) -> bytes:
@@ -219,25 +221,23 @@ def sonar(ping: readings.SonarReading) -> Iterator[bytes]:
     yield r.SONR.pack(us, ping.bearing_rad * _DEG, _NAN if is_clear else range_m, ping.max_range_m)
 
 
-def depth(sounding: readings.DepthReading, nav: NavState, linear: LinearFrame) -> bytes:
+def depth(sounding: readings.DepthReading, nav: NavState, frame: LocalFrame) -> bytes:
     """A sounding, at its own time and where the boat is now: below the transducer, NaN without a bottom. The
     quality is in percent, -1 if not reported, as in ArduPilot's RFND.
     """
-    lat_e7, lon_e7 = linear.to_e7(nav.north_m, nav.east_m)
     depth_m = _NAN if sounding.depth_m is None else sounding.depth_m
     temperature_c = _NAN if sounding.temperature_c is None else sounding.temperature_c
     quality = -1 if sounding.quality is None else round(100.0 * sounding.quality)
     return r.DPTH.pack(
-        time_us(sounding.time_s), _SOUNDER, lat_e7, lon_e7, depth_m, temperature_c, quality,
+        time_us(sounding.time_s), _SOUNDER, *_place_e7(frame, nav), depth_m, temperature_c, quality,
         sounding.transducer_m,
     )  # fmt: skip
 
 
-def probe(reading: readings.ProbeReading, nav: NavState, linear: LinearFrame) -> bytes:
+def probe(reading: readings.ProbeReading, nav: NavState, frame: LocalFrame) -> bytes:
     """A probe's value, at its own time and where the boat is now."""
-    lat_e7, lon_e7 = linear.to_e7(nav.north_m, nav.east_m)
     name, unit = reading.name.encode("ascii"), reading.unit.encode("ascii")
-    return r.PROB.pack(time_us(reading.time_s), name, reading.value, lat_e7, lon_e7, unit)
+    return r.PROB.pack(time_us(reading.time_s), name, reading.value, *_place_e7(frame, nav), unit)
 
 
 def battery(reading: readings.BatteryReading, consumed_mah: float, capacity_mah: float) -> bytes:

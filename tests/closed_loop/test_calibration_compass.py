@@ -126,7 +126,7 @@ def check_field(rig: Rig, path: Path) -> None:
     (imu,) = rig.peer.said("RAW_IMU")
     assert math.hypot(imu.xmag, imu.ymag) == pytest.approx(203.0, abs=20.0)
     assert imu.zmag > 300
-    path.write_bytes(HEADER + b"".join(motion(rig.boat.take_snapshot(), None)))
+    path.write_bytes(HEADER + b"".join(motion(rig.boat.take_snapshot())))
     (mag,) = of_kind(read_log(path), "MAG")
     field = rig.boat.sensors.compass.field_mg if rig.boat.sensors.compass else None
     assert field is not None

@@ -10,10 +10,16 @@ from boat_rig import nav_at
 from log_rig import LogRig, OpenRig, Record, of_kind, read_log
 
 from companion.core.geo import LatLon, LocalFrame, Point
-from companion.core.readings import BatteryReading, DepthReading, GnssFix, HeadingReading, SonarReading
+from companion.core.readings import (
+    BatteryReading,
+    DepthReading,
+    GnssFix,
+    HeadingReading,
+    ProbeReading,
+    SonarReading,
+)
 from companion.core.tick_count import TickCount
 from companion.log import samples
-from companion.log.linear_frame import LinearFrame
 from companion.log.records import HEADER
 
 pytest_plugins = ("log_fixtures",)
@@ -101,11 +107,21 @@ def test_a_sounding_is_logged_with_its_quality_and_its_transducers_depth(
 ) -> None:
     frame = LocalFrame(LatLon(50.0, -1.2))
     sounding = DepthReading(2.5, 3.25, 15.5, 0.125, quality=quality)
-    record = samples.depth(sounding, nav_at(0.0, 0.0), LinearFrame(frame, Point(0.0, 0.0)))
+    record = samples.depth(sounding, nav_at(0.0, 0.0), frame)
     (found,) = logged(tmp_path, [record], "DPTH")
     assert (found.TimeUS, found.Inst, found.Depth, found.Temp) == (2_500_000, 1, 3.25, 15.5)
     assert (found.Quality, found.PosZ) == (percent, 0.125)
     assert (found.Lat, found.Lng) == (50.0, -1.2)
+
+
+@pytest.mark.parametrize("lon_deg", [-1.2, 179.9999, -179.9999])
+def test_a_probes_value_is_logged_at_its_time_where_the_boat_is(tmp_path: Path, lon_deg: float) -> None:
+    frame = LocalFrame(LatLon(50.0, lon_deg))
+    reading = ProbeReading(2.5, "turbidity", 3.5, "NTU")
+    place = frame.to_global(Point(10.0, 20.0))
+    (record,) = logged(tmp_path, [samples.probe(reading, nav_at(10.0, 20.0), frame)], "PROB")
+    assert (record.TimeUS, record.Name, record.Value, record.Unit) == (2_500_000, "turbidity", 3.5, "NTU")
+    assert (record.Lat, record.Lng) == pytest.approx((place.lat_deg, place.lon_deg), abs=2e-7)
 
 
 def test_roll_pitch_and_the_heading_from_every_side_are_logged_in_degrees(
@@ -117,7 +133,7 @@ def test_roll_pitch_and_the_heading_from_every_side_are_logged_in_degrees(
     assert now.vehicle.nav is not None
     rig.boat.sensors.compass = HeadingReading(2.5, 0.0, roll_rad=0.125, pitch_rad=-0.25)
     now.vehicle.nav = msgspec.structs.replace(now.vehicle.nav, heading_rad=-1e-9)
-    records = list(samples.motion(now, None))
+    records = list(samples.motion(now))
     (att,) = logged(tmp_path, records, "ATT")
     assert (att.Roll, att.Pitch) == pytest.approx((math.degrees(0.125), math.degrees(-0.25)))
     (estimate,) = logged(tmp_path, records, "XKF1")

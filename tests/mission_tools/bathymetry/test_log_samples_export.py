@@ -18,12 +18,11 @@ from boat_rig import nav_at
 from log_rig import of_kind, read_log
 from pymavlink.DFReader import DFReader_binary
 
-from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.geo import LatLon, LocalFrame, Point, position_to_e7
 from companion.core.readings import DepthReading, GnssFix, ProbeReading
 from companion.core.units import wrap_two_pi
 from companion.log import records as r
 from companion.log import samples
-from companion.log.linear_frame import LinearFrame
 from mission_tools.bathymetry.from_log import read_logs, read_samples, soundings_of
 from mission_tools.bathymetry.sample_table import write_table
 from mission_tools.cli.survey import run_program
@@ -51,7 +50,6 @@ def item(number: int, command: int, lat_deg: float, lon_deg: float) -> bytes:
 def voyage(lon_deg: float = -1.2, seconds: int = 120, *, is_dated: bool = True) -> Iterator[bytes]:
     """The log's records: ten times a second the motion, five times a second a sounding."""
     frame = LocalFrame(LatLon(50.0, lon_deg))
-    linear = LinearFrame(frame, Point(0.0, 0.0))
     yield from (
         parameter("RNGFND2_POS_X", FORWARD_M), parameter("RNGFND2_POS_Y", STARBOARD_M),
         parameter("RNGFND2_LATENCY", LATENCY_S), parameter("RNGFND2_SOUND", 1450.0),
@@ -62,7 +60,7 @@ def voyage(lon_deg: float = -1.2, seconds: int = 120, *, is_dated: bool = True) 
         yield item(9, 178, 0.0, 0.0)
     for tick in range(10 * seconds):
         us, (north_m, east_m, heading) = 100_000 * tick, circle(0.1 * tick)
-        lat_e7, lon_e7 = linear.to_e7(north_m, east_m)
+        lat_e7, lon_e7 = position_to_e7(frame.to_global(Point(north_m, east_m)))
         yield r.ATT.pack(us, 0, 2.0, 0, -1.0, 0, math.degrees(wrap_two_pi(heading)), 0)
         yield r.EST.pack(us, 0, 0, 0.75, 0)
         yield r.XKF1.pack(
@@ -73,11 +71,11 @@ def voyage(lon_deg: float = -1.2, seconds: int = 120, *, is_dated: bool = True) 
             unix_s = START_UNIX_S + 1e-6 * us if is_dated else None
             yield from samples.gnss(GnssFix(1e-6 * us, LatLon(50.0, 0.0), 3, 9, 1.0, unix_time_s=unix_s))
             reading = ProbeReading(1e-6 * us, "turb,1", 0.1 * tick, "NTU")
-            yield samples.probe(reading, nav_at(north_m, east_m), linear)
+            yield samples.probe(reading, nav_at(north_m, east_m), frame)
         if tick % 2 == 0:
             depth_m = None if tick % 40 == 0 else 2.0 + 0.01 * tick
             sounding = DepthReading(1e-6 * us, depth_m, 14.5, 0.125, quality=0.5)
-            yield samples.depth(sounding, nav_at(north_m, east_m), linear)
+            yield samples.depth(sounding, nav_at(north_m, east_m), frame)
 
 
 def written(path: Path, records: Iterator[bytes]) -> Path:
@@ -159,8 +157,7 @@ def test_logs_become_one_as_if_with_one_transducer_and_one_speed_of_sound(tmp_pa
     other = [
         parameter("RNGFND2_SOUND", 1500.0),
         samples.depth(
-            DepthReading(0.0, 3.0, None, 0.325), nav_at(0.0, 0.0),
-            LinearFrame(LocalFrame(LatLon(50.0, 1.0)), Point(0.0, 0.0)),
+            DepthReading(0.0, 3.0, None, 0.325), nav_at(0.0, 0.0), LocalFrame(LatLon(50.0, 1.0)),
         ),
     ]  # fmt: skip
     second = written(tmp_path / "2.bin", iter(other))

@@ -9,11 +9,10 @@ from boat_rig import nav_at
 from drawn_maps import collection, feature, ring
 from sounded_lake import ORIGIN, bowl, lake, track
 
-from companion.core.geo import LocalFrame, Point
+from companion.core.geo import LocalFrame, Point, position_to_e7
 from companion.core.readings import DepthReading, GnssFix
 from companion.log import records as r
 from companion.log import samples
-from companion.log.linear_frame import LinearFrame
 from mission_tools.cli.survey import run_program
 
 LAKE = lake(100.0, 80.0)
@@ -23,16 +22,16 @@ LAKE = lake(100.0, 80.0)
 def given(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str]:
     """A log of a survey, and the map of its lake."""
     folder = tmp_path_factory.mktemp("survey")
-    linear, bottom = LinearFrame(LocalFrame(ORIGIN), Point(0.0, 0.0)), bowl(LAKE, 51)
+    frame, bottom = LocalFrame(ORIGIN), bowl(LAKE, 51)
     noise = np.random.default_rng(51)
     data = [r.HEADER]
     for n, (east_m, north_m) in enumerate(track(LAKE, 8.0, 1.0, 40.0).tolist()):
-        time_s, place = float(n), linear.to_e7(north_m, east_m)
+        time_s, place = float(n), position_to_e7(frame.to_global(Point(north_m, east_m)))
         depth_m = float(bottom(np.asarray(east_m), np.asarray(north_m))) + noise.normal(0.0, 0.03)
         data += samples.gnss(GnssFix(time_s, ORIGIN, 3, 9, 1.0, unix_time_s=1.79e9 + n))
         data.append(r.POS.pack(1_000_000 * n, *place, 0.0, 0.0, 0.0))
         sounding = DepthReading(time_s, depth_m if n % 50 else None, 15.0, 0.1, quality=0.9)
-        data.append(samples.depth(sounding, nav_at(north_m, east_m), linear))
+        data.append(samples.depth(sounding, nav_at(north_m, east_m), frame))
     (folder / "7.bin").write_bytes(b"".join(data))
     shore = ring([(east, north) for east, north in LAKE.water.exterior.coords[:-1]])
     water = collection(feature([shore], kind="water", name="Log lake"))

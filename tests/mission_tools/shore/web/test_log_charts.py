@@ -9,9 +9,8 @@ import rasterio.io
 from log_device import LOGS, listed, with_logs
 from shore_server import Server
 
-from companion.core.geo import LatLon, LocalFrame, Point
+from companion.core.geo import LatLon, LocalFrame, Point, position_to_e7
 from companion.log import records as r
-from companion.log.linear_frame import LinearFrame
 from mission_tools.shore.plans.plan_service import Sources
 from mission_tools.shore.plans.process import Planner
 
@@ -25,12 +24,12 @@ DEPTH_M = 2.5
 
 def soundings() -> bytes:
     """Four lines of 30 m, 8 m apart, over a level bottom of the mill pond; a transducer at the surface."""
-    linear = LinearFrame(LocalFrame(LatLon(50.0003, -1.2004)), Point(0.0, 0.0))
+    frame = LocalFrame(LatLon(50.0003, -1.2004))
     parts, us = [r.HEADER, r.PARM.pack(0, b"RNGFND2_SOUND", 1500.0, 0.0)], 0
     for line in range(4):
         for step in range(61):
             us += 500_000
-            at = linear.to_e7(8.0 * line, 0.5 * step)
+            at = position_to_e7(frame.to_global(Point(8.0 * line, 0.5 * step)))
             parts.append(r.EST.pack(us, 0, 0, 0.02, 0))
             parts.append(r.POS.pack(us, *at, 0.0, 0.0, 0.0))
             parts.append(r.DPTH.pack(us, 0, *at, DEPTH_M, 15.0, 100, 0.0))
