@@ -31,11 +31,6 @@ def save_lines(storage: Storage, mission_type: MissionType, lines: Iterable[byte
     return storage.save(_file(mission_type), content)
 
 
-def save_items(storage: Storage, mission_type: MissionType, items: Iterable[MissionItem]) -> Saving:
-    """Start replacing a list."""
-    return save_lines(storage, mission_type, [encode_item(item) for item in items])
-
-
 class StoredList(NamedTuple):
     """A loaded list. loss: what of it is lost, and what is used instead; empty if intact."""
 

@@ -74,12 +74,6 @@ class Hull:
         self.move(0.0, 0.0, 0.0)
 
     @property
-    def energy_j(self) -> float:
-        """Kinetic energy of hull and entrained water, ½ νᵀ M ν, in the water's frame."""
-        u, v, r = self.surge_m_s, self.sway_m_s, self.yaw_rate_rad_s
-        return 0.5 * (self._m11 * u * u + self._m22 * v * v + self._m33 * r * r)
-
-    @property
     def inertia(self) -> tuple[float, float, float]:
         """m11 and m22 in kg, m33 in kg m²."""
         return self._m11, self._m22, self._m33

@@ -102,11 +102,6 @@ class World:
         """Charge taken from the pack since it was full."""
         return self._pack.used_mah
 
-    @property
-    def rudder_rad(self) -> float:
-        """Angle of the rudder, positive turns the bow to starboard; 0 without one."""
-        return 0.0 if self._rudder is None else self._rudder.angle_rad
-
     def hold_position(self) -> None:
         """Hold the boat at rest over ground; time, water, wind and sensors continue."""
         self._is_moored = True

@@ -57,7 +57,8 @@ def test_stopped_before_the_fence_it_turns_around_in_several_moves() -> None:
 def test_a_stick_to_starboard_turns_the_bow_to_starboard_and_disarming_stops_motor_and_rudder() -> None:
     rig = rudder_boat(Mode.MANUAL)
     push(rig, 400, 500, 6.0)
-    assert rig.world.rudder_rad == pytest.approx(0.4 * math.radians(35.0), rel=0.05)
+    assert rig.world._rudder is not None
+    assert rig.world._rudder.angle_rad == pytest.approx(0.4 * math.radians(35.0), rel=0.05)
     assert rig.world.truth.yaw_rate_rad_s > 0.1
     command = rig.boat.command
     assert command.left == command.right > 0.3
@@ -68,7 +69,7 @@ def test_a_stick_to_starboard_turns_the_bow_to_starboard_and_disarming_stops_mot
     assert rig.ask(dialect.MAV_CMD_COMPONENT_ARM_DISARM, 0.0, 21196.0) == OK
     rig.run(0.5)
     assert is_stopped(rig)
-    assert rig.world.rudder_rad == pytest.approx(0.0, abs=1e-9)
+    assert rig.world._rudder.angle_rad == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -159,7 +159,7 @@ def test_a_restart_of_the_boat_in_mid_transfer(
     put_log(tmp_path, 300_000)
     line, sink = Line(tmp_path, bad(0.0), 5), Bin()
     job = line.read(sink, grows=grows)
-    while job.done_bytes < 130_000:
+    while job._blocks.done < 130_000:
         line.step()
     content = put_log(tmp_path, 300_000, seed=seed)
     line.reboot()

@@ -73,11 +73,6 @@ class Reading(Job):
         self._quiet_s = self._new_s = self._kept_s = self._polled_s = 0.0
         self._spent_s = 0.0  # without the pauses
 
-    @property
-    def done_bytes(self) -> int:
-        """What the sink has."""
-        return self._blocks.done
-
     def start(self, now_s: float) -> None:
         """Open the file, for the first time or again."""
         self.is_over = self.is_yielded = self.shall_yield = self.is_paused = False

@@ -118,11 +118,6 @@ class Thruster:
         beyond = max(abs(share) - self._dead_band, 0.0) / (1.0 - self._dead_band)
         return beyond if share > 0.0 else -beyond
 
-    def torque_nm(self, advance_m_s: float) -> float:
-        """What the propeller takes from the shaft as it turns now."""
-        speed, propeller = self.speed_rad_s, self._propeller
-        return self.grip * abs(speed) * (propeller.torque_nn * speed - propeller.torque_nu * advance_m_s)
-
 
 class Thrusters:
     """The pair, or the left one alone on the centre line."""

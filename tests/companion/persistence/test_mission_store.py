@@ -1,4 +1,5 @@
 import logging
+from collections.abc import Sequence
 
 import pytest
 from boat_rig import BOAT, HOME_ITEM, Rig, waypoint
@@ -7,10 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mission_station import ACK, MISSION, OTHER, clear, count, result_of
 
-from companion.core.storage import MemoryStorage
+from companion.core.storage import MemoryStorage, Saving, Storage
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionResult, MissionType
-from companion.persistence.mission_store import load_items, save_items
+from companion.persistence.mission_store import encode_item, load_items, save_lines
+
+
+def save_items(storage: Storage, kind: MissionType, items: Sequence[MissionItem]) -> Saving:
+    return save_lines(storage, kind, [encode_item(item) for item in items])
+
 
 ITEMS = (HOME_ITEM, waypoint(10.0, 20.0, param1=float("inf")), waypoint(-1.0, 2.5))
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from msgspec import structs
 
 from sitl.scenarios.scenario import load_scenario
-from sitl.world.drive.propeller import PropellerSettings
+from sitl.world.drive.propeller import Propeller, PropellerSettings
 from sitl.world.drive.settings import ThrusterSettings
 from sitl.world.drive.thruster import Thruster, Thrusters
 
@@ -30,6 +30,12 @@ def settled(
     return thruster
 
 
+def torque_nm(drive: ThrusterSettings, shaft: Thruster, advance_m_s: float) -> float:
+    """What the propeller takes from the shaft as it turns now."""
+    speed, propeller = shaft.speed_rad_s, Propeller(drive.propeller)
+    return shaft.grip * abs(speed) * (propeller.torque_nn * speed - propeller.torque_nu * advance_m_s)
+
+
 @DRIVES
 @pytest.mark.parametrize("command", [1.0, -0.8])
 def test_a_settled_shaft_balances_motor_against_propeller_and_friction(
@@ -37,7 +43,9 @@ def test_a_settled_shaft_balances_motor_against_propeller_and_friction(
 ) -> None:
     shaft = settled(drive, command)
     motor, speed = drive.motor, abs(shaft.speed_rad_s)
-    load_nm = abs(shaft.torque_nm(0.0)) + motor.churning * speed**2 + motor.back_emf_v_s * motor.no_load_a
+    load_nm = (
+        abs(torque_nm(drive, shaft, 0.0)) + motor.churning * speed**2 + motor.back_emf_v_s * motor.no_load_a
+    )
     assert motor.back_emf_v_s * shaft.motor_a == pytest.approx(load_nm, rel=1e-6)
     inside_v = shaft.motor_a * (motor.resistance_ohm + drive.bridge.resistance_ohm)
     emf_v = motor.back_emf_v_s * speed
@@ -97,7 +105,7 @@ def test_the_pack_always_gives_more_than_the_shaft_takes(
             before = shaft.speed_rad_s
             shaft.step(command, supply_v, advance_m_s, dt_s)
             given_j += supply_v * shaft.current_a * dt_s
-            taken_j += shaft.torque_nm(advance_m_s) * 0.5 * (before + shaft.speed_rad_s) * dt_s
+            taken_j += torque_nm(drive, shaft, advance_m_s) * 0.5 * (before + shaft.speed_rad_s) * dt_s
     stored_j = 0.5 * inertia * shaft.speed_rad_s**2
     assert given_j >= taken_j + stored_j - 0.02 * (given_j + abs(taken_j) + stored_j) - 1e-9
 
@@ -111,7 +119,10 @@ def test_the_water_never_gets_more_power_than_the_shaft_gives(
     for _ in range(100):
         shaft.step(command, PACK_V, advance_m_s, DT_S)
         if command > 0.0:
-            assert shaft.thrust_n * advance_m_s <= shaft.torque_nm(advance_m_s) * shaft.speed_rad_s + 1e-9
+            assert (
+                shaft.thrust_n * advance_m_s
+                <= torque_nm(drive, shaft, advance_m_s) * shaft.speed_rad_s + 1e-9
+            )
 
 
 def test_a_propeller_that_gives_more_than_it_takes_is_refused() -> None:
