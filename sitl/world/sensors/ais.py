@@ -29,32 +29,29 @@ class SimAis(Sensor[AisReading]):
         """Report and receive, when due."""
         if not self._is_due(now_s, _RATE_HZ):
             return
-        time_s = now_s + self.clock_offset_s
         for number, kind in enumerate(self._movers.transponders):
             noise_m = Point(*(self._settings.noise_m * normal(self._random) for _ in range(2)))
             is_lost = self._random.random() < self._settings.lost_share
             is_due = (self._count - 1) % _INTERVALS_S[kind] == self._begins_s[number]
             if kind != "none" and is_due and not is_lost:
-                self._heard[number] = self._report(number, noise_m, now_s, time_s, is_class_b=kind == "B")
-                self._output(AisReading(time_s, tuple(self._heard.values())), now_s)
+                vessel = self._heard[number] = self._report(number, kind, noise_m, now_s)
+                self._output(AisReading(vessel.time_s, tuple(self._heard.values())), now_s)
 
-    def _report(
-        self, number: int, noise_m: Point, now_s: float, time_s: float, *, is_class_b: bool
-    ) -> AisVessel:
+    def _report(self, number: int, kind: str, noise_m: Point, now_s: float) -> AisVessel:
         (east_m, north_m, radius_m), (then_east_m, then_north_m, _) = (
             self._movers.positions_m(at_s)[number] for at_s in (now_s, now_s + _STEP_S)
         )
         side_m = math.ceil(radius_m)
         return AisVessel(
             _MMSI + number,
-            time_s,
+            now_s + self.clock_offset_s,
             self._frame.to_global(Point(north_m + noise_m.north_m, east_m + noise_m.east_m)),
             speed_m_s=math.hypot(then_north_m - north_m, then_east_m - east_m) / _STEP_S,
             course_rad=math.atan2(then_east_m - east_m, then_north_m - north_m) % math.tau,
             status=0,
-            is_class_b=is_class_b,
+            is_class_b=kind == "B",
             error_m=13.0,  # without corrections
-            name="" if is_class_b else f"MOVER {number + 1}",
+            name=f"MOVER {number + 1}" if kind == "A" else "",
             bow_m=side_m,
             stern_m=side_m,
             port_m=side_m,
