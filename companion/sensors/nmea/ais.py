@@ -74,8 +74,8 @@ class AisReader(LineReader):
 
     def _hear(self, sentence: bytes, time_s: float) -> bool:
         """Whether a sentence completes a message."""
-        _, count, number, *series, _, _ = sentence.split(b",")  # its sequential number, and the channel
-        key = count, *series
+        _, count, number, sequence, channel, _, _ = sentence.split(b",")
+        key = count, sequence, channel
         begun_s, parts = (time_s, []) if number == b"1" else self._parts.pop(key)
         if time_s - begun_s > _TOGETHER_S:
             raise ValueError("the parts before it are another message's")
