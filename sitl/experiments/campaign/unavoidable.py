@@ -133,7 +133,10 @@ def _current_m_s(scenario: Scenario, row: Rows) -> tuple[float, float]:
 
 
 class _ReachableSet:
-    """The reachable positions, as a mask on the grid that drifts with the current."""
+    """The reachable positions, as a mask on the grid that drifts with the current.
+
+    The grid's first row and column are never free, so nothing comes round its edges.
+    """
 
     def __init__(self, water: shapely.Geometry, at: Rows) -> None:
         west, south, east, north = water.bounds
@@ -159,29 +162,15 @@ class _ReachableSet:
             while abs(self._drift_m[axis]) >= 0.5 * CELL_M:
                 step = 1 if self._drift_m[axis] > 0.0 else -1
                 self._drift_m[axis] -= step * CELL_M
-                self._mask = _shifted(self._mask, step, axis) & self._free
+                self._mask = np.roll(self._mask, step, axis) & self._free
         self._grow_m += speed_m_s * dt_s
         while self._grow_m >= CELL_M:
             self._grow_m -= CELL_M
-            grown = self._mask.copy()
-            for step in (1, -1):
-                grown |= _shifted(self._mask, step, 0)
-            base = grown.copy() if self._is_square else self._mask
-            for step in (1, -1):
-                grown |= _shifted(base, step, 1)
+            mask = self._mask
+            grown = mask | np.roll(mask, 1, 0) | np.roll(mask, -1, 0)
+            base = grown if self._is_square else mask
+            self._mask = (grown | np.roll(base, 1, 1) | np.roll(base, -1, 1)) & self._free
             self._is_square = not self._is_square
-            self._mask = grown & self._free
-
-
-def _shifted(mask: Mask, step: int, axis: int) -> Mask:
-    """Shifted by one cell."""
-    out = np.zeros_like(mask)
-    if axis == 0:
-        out[max(step, 0) : len(out) + min(step, 0)] = mask[max(-step, 0) : len(out) + min(-step, 0)]
-    else:
-        width = out.shape[1]
-        out[:, max(step, 0) : width + min(step, 0)] = mask[:, max(-step, 0) : width + min(-step, 0)]
-    return out
 
 
 _DT_S: Final = 0.05
