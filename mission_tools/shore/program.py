@@ -4,12 +4,12 @@ import asyncio
 import contextlib
 import getpass
 import logging
-import os
 import sys
 from argparse import Namespace
 from pathlib import Path
 from typing import Final
 
+from companion.cli.output_file import state_home
 from companion.cli.program_end import busy_port_explained, end_with
 from companion.core.errors import BoatError, ConfigError
 from companion.mavlink.signing_key import read_key_file
@@ -30,8 +30,7 @@ _PAGE: Final = Path(__file__).with_name("page")
 
 def default_pin_file() -> Path:
     """Of the user who runs the program."""
-    home = Path(os.environ.get("XDG_STATE_HOME") or Path("~/.local/state").expanduser())
-    return home / "mavboat" / "shore-pin"
+    return state_home() / "shore-pin"
 
 
 def _show(given: Namespace) -> None:
