@@ -17,14 +17,31 @@ from companion.core.generations import Write, find_newest, save_next, write_atom
 logger = logging.getLogger(__name__)
 
 
-class Saving(Protocol):
-    """A save in progress."""
+class Saving:
+    """A save in progress, shared by those that it includes."""
+
+    def __init__(self, content: bytes = b"") -> None:
+        self.content = content
+        self.future: Future[None] = Future()
 
     def is_done(self) -> bool:
         """Whether it is stored, or has failed."""
+        return self.future.done()
 
     def error(self) -> str:
         """The error, empty on success. Only once done."""
+        fault = self.future.exception(timeout=0)
+        return "" if fault is None else str(fault) or type(fault).__name__
+
+
+def ended(error: str = "") -> Saving:
+    """A save that is over."""
+    saving = Saving()
+    if error:
+        saving.future.set_exception(StorageError(error))
+    else:
+        saving.future.set_result(None)
+    return saving
 
 
 class Storage(Protocol):
@@ -43,14 +60,6 @@ class Storage(Protocol):
         """Wait for saves in progress. May be called twice."""
 
 
-class _Done:
-    def is_done(self) -> bool:
-        return True
-
-    def error(self) -> str:
-        return ""
-
-
 class MemoryStorage:
     """In-memory storage for lockstep runs and tests; saves are immediate."""
 
@@ -66,25 +75,10 @@ class MemoryStorage:
 
     def save(self, name: str, content: bytes) -> Saving:
         self.content[name] = content
-        return _Done()
+        return ended()
 
     def close(self) -> None:
         """No effect."""
-
-
-class _Write:
-    """A waiting or running write, shared by the saves that it includes."""
-
-    def __init__(self, content: bytes) -> None:
-        self.content = content
-        self.future: Future[None] = Future()
-
-    def is_done(self) -> bool:
-        return self.future.done()
-
-    def error(self) -> str:
-        fault = self.future.exception(timeout=0)
-        return "" if fault is None else str(fault) or type(fault).__name__
 
 
 class FolderStorage:
@@ -98,7 +92,7 @@ class FolderStorage:
         self._write = write
         self._worker = worker or ThreadPoolExecutor(max_workers=1, thread_name_prefix="storage")
         self._lock = threading.Lock()
-        self._waiting: dict[str, _Write] = {}  # by name; the worker removes a write when it starts
+        self._waiting: dict[str, Saving] = {}  # by name; the worker removes a write when it starts
         self._last: Future[None] | None = None  # with one worker, the last to start is the last to end
         self._damage: dict[str, str] = {}
         try:
@@ -129,7 +123,7 @@ class FolderStorage:
             if (write := self._waiting.get(name)) is not None:
                 write.content = content
                 return write
-            write = self._waiting[name] = _Write(content)
+            write = self._waiting[name] = Saving(content)
         self._last = write.future
         self._worker.submit(self._carry_out, name)
         return write

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Protocol
 
 from companion.core.generations import Write, write_atomically
-from companion.core.storage import Saving, Storage
+from companion.core.storage import Saving, Storage, ended
 from sitl.radio.channel import WHOLE, Quality
 
 _FULL = os.strerror(errno.ENOSPC)
@@ -57,14 +57,6 @@ class Computer:
             driver.clock_offset_s = offset_s
 
 
-class _Refused:
-    def is_done(self) -> bool:
-        return True
-
-    def error(self) -> str:
-        return _FULL
-
-
 class Disk:
     """Satisfies `companion.core.storage.Storage` over another one. It outlives the boat's program."""
 
@@ -82,7 +74,7 @@ class Disk:
 
     def save(self, name: str, content: bytes) -> Saving:
         """Replace the content under this name, unless there is no room."""
-        return _Refused() if self._computer.disk_is_full else self._storage.save(name, content)
+        return ended(_FULL) if self._computer.disk_is_full else self._storage.save(name, content)
 
     def close(self) -> None:
         """Let the storage go."""

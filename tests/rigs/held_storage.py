@@ -3,11 +3,10 @@
 from companion.core.storage import MemoryStorage, Saving
 
 
-class HeldSaving:
+class HeldSaving(Saving):
     """A save that ends when the test says so."""
 
-    def __init__(self) -> None:
-        self.told: str | None = None
+    told: str | None = None
 
     def is_done(self) -> bool:
         return self.told is not None

@@ -15,7 +15,7 @@ from companion.boat import TICK_S
 from companion.config.boat_config import BoatConfig
 from companion.core.geo import LatLon, Line, LocalFrame, Point
 from companion.core.modes import Mode
-from companion.core.storage import MemoryStorage, Saving
+from companion.core.storage import MemoryStorage, Saving, ended
 from companion.mavlink.dialect import dialect
 from companion.vehicle.resume import CHECK_S, VoyageResume
 from companion.vehicle.track import CONTINUES_WITHIN_M, SailedTrack
@@ -187,16 +187,7 @@ def test_a_full_medium_is_told_and_the_boat_sails_on() -> None:
 
         def save(self, name: str, content: bytes) -> Saving:
             """Refuse the record, once full."""
-            return Refused() if self.is_full else super().save(name, content)
-
-    class Refused:
-        def is_done(self) -> bool:
-            """At once."""
-            return True
-
-        def error(self) -> str:
-            """Why."""
-            return "No space left on device"
+            return ended("No space left on device") if self.is_full else super().save(name, content)
 
     storage = Full()
     rig = Rig(storage=storage).sail(waypoint(400.0, 0.0))
