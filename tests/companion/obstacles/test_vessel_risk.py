@@ -154,6 +154,13 @@ def test_a_ship_that_passes_clear_changes_nothing() -> None:
     assert voyage.said == []
 
 
+def test_a_boat_returns_to_its_leg_once_a_vessel_is_past() -> None:
+    leg = FollowLeg(Point(0.0, 0.0), Point(60.0, 0.0), 1.0)
+    aside = replace(boat(speed_m_s=1.2), north_m=26.5, east_m=10.6)
+    past = vessel(16.5, 0.3, -1.0, 0.0, half_m=(1.0, 1.0), sigma_m=4.9, sigma_m_s=0.14)
+    assert sailed(past).at(1.0, aside, leg) is leg
+
+
 def test_a_boat_on_its_station_moves_out_of_a_ships_way() -> None:
     station = KeepStation(Point(0.0, 0.0))
     voyage = sailed(vessel(0.0, -80.0, 0.0, 4.0, sigma_m=4.0))
