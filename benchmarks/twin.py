@@ -25,7 +25,7 @@ import numpy as np
 from companion.cli.command_line import echo
 from companion.core.errors import ConfigError
 from companion.log.logbook import Logbook
-from companion.log.sink import InlineWorker, SingleFile
+from companion.log.sink import SingleFile
 from sitl.courses.missions import wire_items
 from sitl.run.mission_run import MissionRun
 from sitl.scenarios.scenario import BOATS, load_scenario
@@ -85,7 +85,7 @@ def sail(scenario: Scenario, path: Path) -> None:
     first, second = (trial_mission(scenario.frame.origin, cruise_m_s, math.radians(deg)) for deg in (0, 200))
     path.parent.mkdir(parents=True, exist_ok=True)
     aside = path.with_suffix(".part")
-    logbook = Logbook(SingleFile(aside), None, InlineWorker())
+    logbook = Logbook(SingleFile(aside))
     mission = replace(first, items=first.items + second.items)
     MissionRun(scenario, wire_items(mission), logbook).run(timeout_s=2.0 * FITTED_S + 30.0)
     aside.rename(path)

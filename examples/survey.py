@@ -29,7 +29,7 @@ from companion.cli.output_file import write_text
 from companion.core.errors import BoatError
 from companion.core.geo import Point
 from companion.log.logbook import Logbook
-from companion.log.sink import InlineWorker, SingleFile
+from companion.log.sink import SingleFile
 from mission_tools.cli.survey_command import run_program as run_survey
 from mission_tools.costs.boat import Boat
 from mission_tools.drawing.draw import draw_survey, save_figure
@@ -76,7 +76,7 @@ def sail_survey(scenario: Scenario, settings: SurveySettings, log: Path) -> Sail
     """
     planned = survey(scenario.chart, scenario.start, settings)
     items = wire_items(mission_of(planned.route, scenario.frame))
-    mission_run = MissionRun(scenario, items, Logbook(SingleFile(log), None, InlineWorker()))
+    mission_run = MissionRun(scenario, items, Logbook(SingleFile(log)))
     try:
         result = mission_run.run()
     finally:

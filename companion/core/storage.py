@@ -9,12 +9,25 @@ import logging
 import threading
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, wait
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 from companion.core.errors import StorageError
 from companion.core.generations import Write, find_newest, save_next, write_atomically
 
 logger = logging.getLogger(__name__)
+
+
+class InlineExecutor(Executor):
+    """Runs jobs at once: for a boat without a disk, and for tests."""
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":  # noqa: ANN401
+        """Run the job; its exceptions go to the future."""
+        future: Future[Any] = Future()
+        try:
+            future.set_result(fn(*args, **kwargs))
+        except Exception as error:
+            future.set_exception(error)
+        return future
 
 
 class Saving:

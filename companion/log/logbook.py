@@ -7,8 +7,9 @@ from struct import Struct
 from typing import Final
 
 from companion.core.status_text import StatusText
+from companion.core.storage import InlineExecutor
 from companion.log.onboard import OnboardLog, TakeSnapshot
-from companion.log.sink import FileSink, Sink, ThreadWorker, Worker
+from companion.log.sink import FileSink, Sink, Worker
 from companion.log.store import LogStore
 from companion.router.channels import Channels
 
@@ -63,10 +64,16 @@ class Logbook:
     """
 
     def __init__(
-        self, sink: Sink, store: LogStore | None, worker: Worker, *, keeps_telemetry: bool = False
+        self,
+        sink: Sink,
+        store: LogStore | None = None,
+        worker: Worker | None = None,
+        *,
+        keeps_telemetry: bool = False,
     ) -> None:
+        """worker: of the store; default: everything at once."""
         self.store = store
-        self.worker = worker
+        self.worker = worker or Worker(InlineExecutor())
         self.sink = sink
         self.onboard: OnboardLog | None = None
         self._telemetry: dict[int, TelemetryLog] = {}
@@ -123,5 +130,5 @@ def open_logbook(folder: Path, *, quota_mb: float, min_free_mb: float, keeps_tel
     Raises StorageError: the folder cannot be used.
     """
     store = LogStore(folder / FOLDER, quota_mb, min_free_mb)
-    worker = ThreadWorker()
+    worker = Worker()
     return Logbook(FileSink(store, worker), store, worker, keeps_telemetry=keeps_telemetry)

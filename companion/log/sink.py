@@ -3,9 +3,8 @@
 import contextlib
 import logging
 import os
-import threading
-from collections import deque
 from collections.abc import Callable
+from concurrent.futures import Executor, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import BinaryIO, Protocol
@@ -23,81 +22,48 @@ _MOST_BYTES = 1 << 20
 _MOST_JOBS = 4096
 
 
-class Worker(Protocol):
-    """Runs jobs in order."""
+class Worker:
+    """Runs jobs in order, and takes only so much ahead. Only one other thread may submit."""
+
+    def __init__(
+        self, executor: Executor | None = None, most_bytes: int = _MOST_BYTES, most_jobs: int = _MOST_JOBS
+    ) -> None:
+        """executor: does one job after the other; default: a thread."""
+        self._executor = executor or ThreadPoolExecutor(1, thread_name_prefix="log")
+        self._most_bytes = most_bytes
+        self._most_jobs = most_jobs
+        # Counters with one writer each need no lock
+        self._taken_bytes = self._done_bytes = 0
+        self._taken = self._done = 0
+        self._is_closed = False
 
     @property
     def room_bytes(self) -> int:
         """Bytes that may still be queued."""
-
-    def submit(self, job: Job, size_bytes: int = 0) -> bool:
-        """Queue a job of this size; False if too much is queued."""
-
-    def close(self) -> None:
-        """Finish the queue. May be called twice."""
-
-
-class InlineWorker:
-    """Runs each job at once: for lockstep runs and tests."""
-
-    room_bytes = _MOST_BYTES
-
-    def submit(self, job: Job, size_bytes: int = 0) -> bool:  # noqa: ARG002
-        _do(job)
-        return True
-
-    def close(self) -> None:
-        """No effect."""
-
-
-class ThreadWorker:
-    """A thread. Only one other thread may submit."""
-
-    def __init__(self, most_bytes: int = _MOST_BYTES, most_jobs: int = _MOST_JOBS) -> None:
-        self._most_bytes = most_bytes
-        self._most_jobs = most_jobs
-        self._jobs: deque[tuple[Job, int]] = deque()
-        self._waiting = threading.Semaphore(0)
-        # Two counters, each with one writer, need no lock
-        self._taken_bytes = 0
-        self._done_bytes = 0
-        self._is_closing = False
-        self._thread = threading.Thread(target=self._run, name="log", daemon=True)
-        self._thread.start()
-
-    @property
-    def room_bytes(self) -> int:
         return self._most_bytes - (self._taken_bytes - self._done_bytes)
 
     def submit(self, job: Job, size_bytes: int = 0) -> bool:
-        if self._is_closing or size_bytes > self.room_bytes or len(self._jobs) >= self._most_jobs:
+        """Queue a job of this size; False if too much is queued."""
+        is_full = size_bytes > self.room_bytes or self._taken - self._done >= self._most_jobs
+        if self._is_closed or is_full:
             return False
         self._taken_bytes += size_bytes
-        self._jobs.append((job, size_bytes))
-        self._waiting.release()
+        self._taken += 1
+        self._executor.submit(self._do, job, size_bytes)
         return True
 
     def close(self) -> None:
-        if not self._is_closing:
-            self._is_closing = True
-            self._waiting.release()
-            self._thread.join()
+        """Finish the queue. May be called twice."""
+        self._is_closed = True
+        self._executor.shutdown()
 
-    def _run(self) -> None:
-        while True:
-            self._waiting.acquire()
-            if not self._jobs:
-                return  # released without a job: closing
-            job, size_bytes = self._jobs.popleft()
-            _do(job)
-            self._done_bytes += size_bytes
-
-
-def _do(job: Job) -> None:
-    try:
-        job()
-    except Exception:
-        logger.exception("a job on the log's files went wrong")
+    def _do(self, job: Job, size_bytes: int) -> None:
+        try:
+            job()
+        except Exception:
+            logger.exception("a job on the log's files went wrong")
+        self._done_bytes += size_bytes
+        self._done += 1
 
 
 class Sink(Protocol):
@@ -208,7 +174,7 @@ class SingleFile:
     Raises StorageError: the file cannot be written.
     """
 
-    room_bytes = 1 << 20
+    room_bytes = _MOST_BYTES
 
     def __init__(self, path: Path) -> None:
         self.fault = ""

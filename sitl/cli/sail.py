@@ -14,7 +14,7 @@ from companion.cli.command_line import Option, echo
 from companion.cli.output_file import write_text
 from companion.core.errors import OutputError
 from companion.log.logbook import Logbook
-from companion.log.sink import InlineWorker, SingleFile
+from companion.log.sink import SingleFile
 from mission_tools.errors import UsageError
 from mission_tools.mission.plan_file import load_mission
 from sitl.cli.arguments import Case, Csv, Seed, Settings, Source, StartAt, scenario_from
@@ -77,7 +77,7 @@ def sail(
     else:
         scenario = scenario_from(source, settings, case, seed, start)
         to_sail, _ = plan_mission(scenario)
-    logbook = None if log is None else Logbook(SingleFile(log), None, InlineWorker())
+    logbook = None if log is None else Logbook(SingleFile(log))
     fence_items = wire_fence(to_sail, scenario, has_outline=fence)
     mission_run = MissionRun(scenario, wire_items(to_sail), logbook, fence_items)
     try:

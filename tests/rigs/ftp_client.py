@@ -8,11 +8,11 @@ from typing import NamedTuple
 from companion.config.boat_config import BoatConfig
 from companion.config.parameter_table import ROWS
 from companion.config.parameters import Parameters
-from companion.core.storage import MemoryStorage
+from companion.core.storage import InlineExecutor, MemoryStorage
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.mavlink.ftp_frames import Code, Opcode
-from companion.services.ftp.mounts import InlineExecutor, build_tree
+from companion.services.ftp.mounts import build_tree
 from companion.services.ftp.service import FtpService
 from companion.services.outbox import Origin, Outbox
 from companion.services.parameters import ParameterService

@@ -2,16 +2,16 @@
 
 from collections import deque
 
-from companion.log.sink import Job
+from companion.core.storage import InlineExecutor
+from companion.log.sink import Job, Worker
 
 
-class LateWorker:
+class LateWorker(Worker):
     """Does nothing until told to."""
 
     def __init__(self, most_jobs: int = 1000) -> None:
+        super().__init__(InlineExecutor(), most_jobs=most_jobs)
         self.jobs: deque[Job] = deque()
-        self.room_bytes = 1 << 20
-        self._most_jobs = most_jobs
 
     def submit(self, job: Job, size_bytes: int = 0) -> bool:
         if len(self.jobs) >= self._most_jobs:

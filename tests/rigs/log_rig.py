@@ -8,9 +8,10 @@ from boat_rig import Rig
 from pymavlink.DFReader import DFReader_binary
 
 from companion.boat import Boat
+from companion.core.storage import InlineExecutor
 from companion.log.logbook import Logbook
 from companion.log.onboard import OnboardLog
-from companion.log.sink import FileSink, InlineWorker, Sink, Worker
+from companion.log.sink import FileSink, Sink, Worker
 from companion.log.store import LogStore
 
 Record = Any
@@ -29,7 +30,7 @@ class LogRig(Rig):
         quota_mb: float = 100.0,
         config: dict[str, object] | None = None,
     ) -> None:
-        worker = worker or InlineWorker()
+        worker = worker or Worker(InlineExecutor())
         self.store = LogStore(folder, quota_mb)
         self.logbook = Logbook(
             sink or FileSink(self.store, worker), self.store, worker, keeps_telemetry=keeps_telemetry

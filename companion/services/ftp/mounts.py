@@ -1,13 +1,13 @@
 """Content of the file tree: parameters, metadata, version, and two folders on disk."""
 
 import json
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
 from companion import __version__
 from companion.config.parameter_pack import entries_of, pack
 from companion.config.parameters import Parameters
+from companion.core.storage import InlineExecutor
 from companion.services.ftp import component_metadata as metadata
 from companion.services.ftp.folder import FolderMount
 from companion.services.ftp.tree import FileTree, Mount
@@ -15,19 +15,6 @@ from companion.services.ftp.virtual import Options, VirtualFile, VirtualMount
 from companion.services.parameters import ParameterService
 
 _MB = 1_000_000
-
-
-class InlineExecutor(Executor):
-    """Runs jobs at once: for a boat without a disk, and for tests."""
-
-    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> "Future[Any]":  # noqa: ANN401
-        """Run the job; its exceptions go to the future."""
-        future: Future[Any] = Future()
-        try:
-            future.set_result(fn(*args, **kwargs))
-        except Exception as error:
-            future.set_exception(error)
-        return future
 
 
 def build_tree(

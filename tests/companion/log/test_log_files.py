@@ -11,23 +11,24 @@ from late_worker import LateWorker
 from patience import MOMENT_S
 
 from companion.core.errors import StorageError
+from companion.core.storage import InlineExecutor
 from companion.log.reader import BLOCK_BYTES, LogReader
-from companion.log.sink import FileSink, InlineWorker, SingleFile, ThreadWorker
+from companion.log.sink import FileSink, SingleFile, Worker
 from companion.log.store import LogStore
 
 
 def test_a_thread_does_jobs_in_order_and_close_waits_for_all_of_them() -> None:
-    worker, done = ThreadWorker(), []
+    worker, done = Worker(), []
     for number in range(500):
         assert worker.submit(lambda number=number: done.append((number, threading.current_thread().name)))  # type: ignore[misc]
     worker.close()
     worker.close()
-    assert done == [(number, "log") for number in range(500)]
+    assert done == [(number, "log_0") for number in range(500)]
     assert not worker.submit(lambda: None)
 
 
 def test_no_more_bytes_wait_than_allowed_and_room_comes_back() -> None:
-    worker, gate = ThreadWorker(most_bytes=100, most_jobs=6), threading.Event()
+    worker, gate = Worker(most_bytes=100, most_jobs=6), threading.Event()
     worker.submit(gate.wait)  # type: ignore[arg-type]
     assert worker.submit(lambda: None, 60)
     assert not worker.submit(lambda: None, 41)
@@ -44,7 +45,7 @@ def test_no_more_bytes_wait_than_allowed_and_room_comes_back() -> None:
 
 
 def test_a_job_that_goes_wrong_takes_no_other_with_it(caplog: pytest.LogCaptureFixture) -> None:
-    worker, done = ThreadWorker(), []
+    worker, done = Worker(), []
     worker.submit(lambda: done.append(1 // 0))
     worker.submit(lambda: done.append(1))
     worker.close()
@@ -54,7 +55,7 @@ def test_a_job_that_goes_wrong_takes_no_other_with_it(caplog: pytest.LogCaptureF
 
 def test_a_sink_makes_one_file_after_the_other(tmp_path: Path) -> None:
     store = LogStore(tmp_path, 100.0)
-    sink = FileSink(store, InlineWorker())
+    sink = FileSink(store, Worker(InlineExecutor()))
     for content in (b"one", b"two"):
         assert sink.begin()
         assert sink.write(content, 1.8e9)
@@ -96,7 +97,7 @@ def test_a_full_medium_is_a_fault_and_the_file_is_let_go(
 ) -> None:
     store, file = LogStore(tmp_path, 100.0), FullFile(10)
     monkeypatch.setattr(store, "create", lambda suffix: ("00001.bin", file))
-    sink = FileSink(store, InlineWorker())
+    sink = FileSink(store, Worker(InlineExecutor()))
     sink.begin()
     assert sink.write(b"12345678", 0.0)
     assert sink.fault == ""
@@ -114,7 +115,7 @@ def test_blocks_reach_the_medium_by_fours_and_at_the_end(
 ) -> None:
     flushed: list[int] = []
     monkeypatch.setattr("os.fsync", flushed.append)
-    sink = FileSink(LogStore(tmp_path, 100.0), InlineWorker())
+    sink = FileSink(LogStore(tmp_path, 100.0), Worker(InlineExecutor()))
     sink.begin()
     for _ in range(5):
         sink.write(b"block", 0.0)
@@ -124,7 +125,7 @@ def test_blocks_reach_the_medium_by_fours_and_at_the_end(
 
 
 def test_a_log_that_cannot_be_begun_is_a_fault(tmp_path: Path) -> None:
-    sink = FileSink(LogStore(tmp_path, 100.0, min_free_mb=1e9), InlineWorker())
+    sink = FileSink(LogStore(tmp_path, 100.0, min_free_mb=1e9), Worker(InlineExecutor()))
     assert sink.begin()
     assert "must stay free" in sink.fault
     sink.write(b"x", 0.0)
@@ -162,7 +163,7 @@ def test_a_log_of_which_nothing_could_be_written_is_not_left_lying_about(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     store = LogStore(tmp_path, 100.0)
-    sink = FileSink(store, InlineWorker())
+    sink = FileSink(store, Worker(InlineExecutor()))
     sink.begin()
     assert sink._file is not None
     sink._file.close()
@@ -187,7 +188,7 @@ def test_pieces_are_those_of_the_file_whatever_is_asked_for(
     folder = tmp_path_factory.mktemp("logs")
     content = bytes(number * 31 & 0xFF for number in range(size))
     (folder / "00001.bin").write_bytes(content)
-    late, inline = LateWorker(), InlineWorker()
+    late, inline = LateWorker(), Worker(InlineExecutor())
     reader = LogReader(LogStore(folder, 100.0), late if is_late else inline, "00001.bin")
     for offset, count in wanted:
         piece = reader.piece(offset, count)
@@ -214,7 +215,7 @@ def test_the_next_block_is_read_ahead(tmp_path: Path) -> None:
 def test_a_file_that_grows_is_read_anew(tmp_path: Path) -> None:
     path = tmp_path / "00001.bin"
     path.write_bytes(b"begin")
-    reader = LogReader(LogStore(tmp_path, 100.0), InlineWorker(), "00001.bin")
+    reader = LogReader(LogStore(tmp_path, 100.0), Worker(InlineExecutor()), "00001.bin")
     assert reader.piece(0, 90) == b"begin"
     path.write_bytes(b"begin and more")
     reader.refresh()
@@ -226,7 +227,7 @@ def test_a_file_that_is_gone_reads_as_empty(tmp_path: Path, caplog: pytest.LogCa
     path.write_bytes(b"begin")
     store = LogStore(tmp_path, 100.0)
     path.unlink()
-    assert LogReader(store, InlineWorker(), "00001.bin").piece(0, 90) == b""
+    assert LogReader(store, Worker(InlineExecutor()), "00001.bin").piece(0, 90) == b""
     assert "cannot be read" in caplog.text
 
 

@@ -7,14 +7,13 @@ import pytest
 from boat_rig import FAILED, OK, PLANNER, Peer, Rig, waypoint
 from mission_station import RALLY
 
-from companion.core.storage import FolderStorage
+from companion.core.storage import FolderStorage, InlineExecutor
 from companion.mavlink.dialect import dialect
 from companion.mavlink.items import MissionItem, MissionType
 from companion.mavlink.signing_key import SigningKey
 from companion.mavlink.transfer import Completed
 from companion.persistence.mission_store import FIRST_S, REPEAT_S, DataLosses
 from companion.persistence.signing_store import AHEAD, KEY_FILE, STAMPS_FILE, SigningStore
-from companion.services.ftp.mounts import InlineExecutor
 
 pytestmark = pytest.mark.slow
 

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from late_worker import LateWorker
 from log_rig import LogRig, OpenRig
 
-from companion.log.sink import InlineWorker
+from companion.core.storage import InlineExecutor
+from companion.log.sink import Worker
 from companion.mavlink.address import Address
 from companion.mavlink.dialect import Message, dialect
 from companion.services.logs import CHUNK_BYTES, LogService
@@ -150,7 +151,7 @@ def test_logs_are_erased_unless_the_boat_is_armed(open_rig: OpenRig, tmp_path: P
 class Desk:
     """The service alone, with a worker that may be late and a link that may be full."""
 
-    def __init__(self, folder: Path, worker: InlineWorker | LateWorker) -> None:
+    def __init__(self, folder: Path, worker: Worker) -> None:
         rig = LogRig(folder, worker=worker)
         self.worker = worker
         self.outbox = Outbox()
@@ -196,7 +197,7 @@ def test_any_requests_give_correct_chunks_and_end(
     folder = tmp_path_factory.mktemp("logs")
     contents = fill(folder, 0, 900, 10_000)
     contents.append(contents[-1])  # number 0 is the newest
-    desk = Desk(folder, InlineWorker())
+    desk = Desk(folder, Worker(InlineExecutor()))
     now_s, most = 0.0, 0
     chunks: list[Message] = []
     for number, offset, count, ticks in asks:
@@ -226,7 +227,7 @@ def test_any_requests_give_correct_chunks_and_end(
 def test_a_patient_station_gets_the_whole_log_over_a_link_that_loses(tmp_path: Path, loss: float) -> None:
     """As QGroundControl does it: part by part, missing chunks asked for after a silence."""
     (content,) = fill(tmp_path, 200 * CHUNK_BYTES + 17)
-    desk, dice = Desk(tmp_path, InlineWorker()), random.Random(7)
+    desk, dice = Desk(tmp_path, Worker(InlineExecutor())), random.Random(7)
     held: dict[int, bytes] = {}
     now_s, silent_since_s = 0.0, -1.0
     wanted = set(range(0, len(content), CHUNK_BYTES))

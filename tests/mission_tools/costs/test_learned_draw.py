@@ -9,7 +9,7 @@ import pytest
 
 from companion.core.geo import Point
 from companion.log.logbook import Logbook
-from companion.log.sink import InlineWorker, SingleFile
+from companion.log.sink import SingleFile
 from mission_tools.cli.plan_command import run_program
 from mission_tools.contract.budget import budget_of
 from mission_tools.costs.boat import load_boat
@@ -134,7 +134,7 @@ def _sail(way: list[Point], speed_m_s: float | None, settings: list[str], log: P
     """What is drawn, in mAh."""
     scenario = load_scenario("open", ["boat.model=catamaran", "seed=1001", *settings])
     mission = mission_along([scenario.frame.to_global(point) for point in way], speed_m_s)
-    logbook = None if log is None else Logbook(SingleFile(log), None, InlineWorker())
+    logbook = None if log is None else Logbook(SingleFile(log))
     run = MissionRun(scenario, wire_items(mission), logbook)
     assert run.run().completed
     return float(run.sailed_rows[:, Truth._fields.index("current_a")].sum()) * 0.02 / 3.6

@@ -7,7 +7,7 @@ import pytest
 
 from companion.core.errors import ConfigError
 from companion.log.logbook import Logbook
-from companion.log.sink import InlineWorker, SingleFile
+from companion.log.sink import SingleFile
 from sitl.courses.missions import lay_out, wire_items
 from sitl.run.mission_run import MissionRun
 from sitl.run.recording.log_replay import LoggedRun, read_log
@@ -24,7 +24,7 @@ def _sail(path: Path, motion_hz: float) -> LoggedRun:
             "environment.current_m_s=0.3",
         ],
     )
-    logbook = Logbook(SingleFile(path), None, InlineWorker())
+    logbook = Logbook(SingleFile(path))
     MissionRun(scenario, wire_items(lay_out("straight", scenario)), logbook).run(timeout_s=25.0)
     return read_log(path)
 

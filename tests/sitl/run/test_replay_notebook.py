@@ -10,7 +10,7 @@ import pytest
 from pictures.notebook import NOTEBOOK, SCRIPT, notebook
 
 from companion.log.logbook import Logbook
-from companion.log.sink import InlineWorker, SingleFile
+from companion.log.sink import SingleFile
 from sitl.courses.missions import lay_out, wire_items
 from sitl.run.mission_run import MissionRun
 from sitl.scenarios.scenario import load_scenario
@@ -27,7 +27,7 @@ def test_the_notebook_is_the_script() -> None:
 
 def test_the_cells_of_the_notebook_run_on_a_log(tmp_path: Path) -> None:
     scenario = load_scenario("open", ["vehicle.log.motion_hz=50"])
-    logbook = Logbook(SingleFile(tmp_path / "a.bin"), None, InlineWorker())
+    logbook = Logbook(SingleFile(tmp_path / "a.bin"))
     MissionRun(scenario, wire_items(lay_out("straight", scenario)), logbook).run(timeout_s=25.0)
     cells = json.loads((_CHECKOUT / NOTEBOOK).read_text())["cells"]
     code = "\n".join("".join(cell["source"]) for cell in cells if cell["cell_type"] == "code")

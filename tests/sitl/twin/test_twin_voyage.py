@@ -7,7 +7,7 @@ from pymavlink.DFReader import DFReader_binary
 
 from companion.core.errors import ConfigError
 from companion.log.logbook import Logbook
-from companion.log.sink import InlineWorker, SingleFile
+from companion.log.sink import SingleFile
 from sitl.courses.missions import wire_items
 from sitl.run.mission_run import MissionRun
 from sitl.run.recording.recorder import Rows
@@ -22,7 +22,7 @@ def sail(path: Path, rate_hz: int) -> tuple[Path, Voyage, Rows]:
     water = ["environment.wind_m_s=3", "environment.current_m_s=0.3", "seed=31"]
     scenario = load_scenario("open", [f"vehicle.log.motion_hz={rate_hz}", *water])
     mission = trial_mission(scenario.frame.origin, scenario.vehicle.speed.cruise_m_s)
-    run = MissionRun(scenario, wire_items(mission), Logbook(SingleFile(path), None, InlineWorker()))
+    run = MissionRun(scenario, wire_items(mission), Logbook(SingleFile(path)))
     run.run(timeout_s=120.0)
     return path, read_voyage(path, 0.05), run.recorder.rows
 
