@@ -170,14 +170,6 @@ def _ends(chart: Chart) -> tuple[tuple[float, float], tuple[float, float]]:
     return (float(north[1]), float(north[0])), (float(south[1]), float(south[0]))
 
 
-def _still(time_s: Array) -> tuple[Array, Array]:
-    return 0.0 * time_s + 900.0, 0.0 * time_s
-
-
-def _wandering(time_s: Array) -> tuple[Array, Array]:
-    return 400.0 + 0.25 * time_s, 200.0 - 0.1 * time_s
-
-
 def cases() -> dict[str, Case]:
     """All of them, by name."""
     south, north = shapely.box(-60, -900, 60, -25), shapely.box(-60, 25, 60, 900)
@@ -190,11 +182,13 @@ def cases() -> dict[str, Case]:
     harbour = load_geojson(SHORE / "harbour_san_juan_pr.geojson")
     sea = build_chart("sea", FRAME, None, ())
     boat, slow, weak = Sailor(1.5, 1.8), Sailor(1.0, 1.2), Sailor(0.8, 1.0)
+    still = eddy(0.9, 500, 3000, lambda t: (0.0 * t + 900.0, 0.0 * t))
+    wandering = eddy(1, 350, 20000, lambda t: (400.0 + 0.25 * t, 200.0 - 0.1 * t))
     chosen = [
         Case("ferry", "a tide across that turns", sea, (0, 0), (4000, 0), boat, swinging(1.3, 90, 5400)),
         Case("turn", "a tide on the bow that turns", sea, (0, 0), (2500, 900), slow, swinging(1, 200, 9000)),
-        Case("gyre", "a gyre whose sense turns", sea, (0, 0), (1800, 0), slow, eddy(0.9, 500, 3000, _still)),
-        Case("eddy", "an eddy that wanders", sea, (0, 0), (2000, 300), slow, eddy(1, 350, 20000, _wandering)),
+        Case("gyre", "a gyre whose sense turns", sea, (0, 0), (1800, 0), slow, still),
+        Case("eddy", "an eddy that wanders", sea, (0, 0), (2000, 300), slow, wandering),
         Case("jet", "a jet from ahead, then none", sea, (0, 0), (3000, 0), slow, _jet(1.0, 0, 250, 4000)),
         Case(
             "strait", "a strait to be waited for", strait, (0, 700), (0, -1200), slow, _strait(2, 9000, 1500)

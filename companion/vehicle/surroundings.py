@@ -115,7 +115,8 @@ class Surroundings:
             most_m = math.inf if way is None else UNSEEN_COST * way.length_m
             back = (yield from self._searching_back(start, goals, config, seen, most_m)) if is_wary else None
             if back is not None:
-                way, is_clear = back, _as_it_is
+                # No corner of the track is cut: beside it the water is unknown
+                way, is_clear = back, lambda *_: False
         if way is None:  # all at once: others search the same water
             way = finished(searching_way(self.fence, water, start, goals, margin_m, shares))
         if way is not None and via is not None:
@@ -142,8 +143,3 @@ class Surroundings:
             return None
         corners = (*joins.corners, *track[1:])
         return Way(corners, path_length_m((here, *corners)), margin_m, LEAST_SEEN * seen.margin_m)
-
-
-def _as_it_is(start: Point, end: Point, clearance_m: float, seen_m: float) -> bool:  # noqa: ARG001
-    """No corner of the track is cut: beside it the water is unknown."""
-    return False

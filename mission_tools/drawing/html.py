@@ -17,7 +17,6 @@ import shapely
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from companion.cli.output_file import write_text
 from companion.core.geo import LatLon, Point, bearing_rad, distance_m
 from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.assembly.timetable import Timetable
@@ -113,11 +112,6 @@ def _tightest(chart: Chart, start: Point, end: Point) -> tuple[float, str, Point
     nearest = chart.nearest_feature(Point(shore_north_m, shore_east_m))
     clearance_m = math.hypot(shore_east_m - east_m, shore_north_m - north_m)
     return clearance_m, nearest, Point(north_m, east_m)
-
-
-def save_page(path: Path, planned: PlannedMission, monitor: MissionMonitor | None = None) -> None:
-    """Write the page. Raises OutputError: the file cannot be written."""
-    write_text(path, compose(planned, monitor))
 
 
 def compose(planned: PlannedMission, monitor: MissionMonitor | None = None) -> str:

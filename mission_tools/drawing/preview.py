@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from companion.cli.output_file import write_text
 from companion.core.geo import path_length_m
 from mission_tools.assembly.planned_mission import PlannedMission
 from mission_tools.vehicle.mission_monitor import MissionMonitor
@@ -15,9 +16,9 @@ if TYPE_CHECKING:
 def save_preview(path: Path, planned: PlannedMission, monitor: MissionMonitor | None = None) -> None:
     """Draw the planned mission, and the track if there is one. Raises OutputError: cannot be written."""
     if path.suffix.lower() == ".html":
-        from mission_tools.drawing.html import save_page  # noqa: PLC0415 - needs no matplotlib
+        from mission_tools.drawing.html import compose  # noqa: PLC0415 - needs no matplotlib
 
-        save_page(path, planned, monitor)
+        write_text(path, compose(planned, monitor))
         return
     from mission_tools.drawing.draw import save_figure  # noqa: PLC0415 - matplotlib takes a second to import
 

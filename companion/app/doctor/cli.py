@@ -1,6 +1,7 @@
 """`boat-companion doctor`."""
 
 import time
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -51,7 +52,7 @@ def doctor(
         findings += part_findings(examined, clock)
         is_free = running_boat(tree) is None
         if compass and is_free:
-            findings.append(turn_by_hand(tree, clock, _enter, echo))
+            findings.append(turn_by_hand(tree, clock, partial(ask, default=""), echo))
         if motors and is_free:
             findings.append(nudge_motors(tree, clock, ask, echo))
     if json:
@@ -63,10 +64,6 @@ def doctor(
             [step for finding in findings for step in finding.fix], lambda text: echo(text, is_error=json)
         )
     return 0 if is_fine(findings) else 1
-
-
-def _enter(question: str) -> str:
-    return ask(question, default="")
 
 
 def _read(path: Path, model: str) -> BoatConfig | Finding:

@@ -88,7 +88,7 @@ class UbxGnss(GnssReceiver):
 
     def _forget(self) -> None:
         self._drop_partial()
-        self.setup.on_reconnect(self._now())
+        self.setup.restart(self._now())
 
     def _drop_partial(self) -> None:
         self.reader.forget()

@@ -111,7 +111,7 @@ class UbxSetup:
                 self._watch(now_s)
             case Phase.LISTENING:
                 if now_s - self._heard_s > _ANSWER_S:
-                    self._restart(now_s)
+                    self.restart(now_s)
                 elif now_s - self._sent_s >= _ASK_AGAIN_S:
                     self._poll_version(now_s)
 
@@ -132,10 +132,6 @@ class UbxSetup:
             self._on_port(frame.payload, now_s)
         elif frame.kind in (ACK_ACK, ACK_NAK) and self.phase is Phase.STEPS:
             self._on_acknowledgement(frame, now_s)
-
-    def on_reconnect(self, now_s: float) -> None:
-        """The line was opened: the receiver may have lost its settings."""
-        self._restart(now_s)
 
     def _search(self, now_s: float) -> None:
         if self._since_s == -math.inf:
@@ -209,7 +205,7 @@ class UbxSetup:
         elif now_s - self._since_s >= _VERIFY_S:
             self._tell(now_s, Severity.WARNING, f"GNSS: receiver silent at {self.baud} baud")
             self._baud_failures += 1
-            self._restart(now_s)
+            self.restart(now_s)
         elif now_s - self._sent_s >= _POLL_S:
             self._poll_version(now_s)
 
@@ -237,7 +233,7 @@ class UbxSetup:
         else:
             self._tell(now_s, Severity.WARNING, f"GNSS: no acknowledgement: {self._steps[0].what}")
             if now_s - self._heard_s > _SILENT_S:
-                self._restart(now_s)
+                self.restart(now_s)
             else:
                 self._next_step(now_s, is_set=False)
 
@@ -279,7 +275,7 @@ class UbxSetup:
             return
         if self._output_s > -math.inf:
             self._tell(now_s, Severity.WARNING, "GNSS: receiver silent, setting it up again")
-            self._restart(now_s)
+            self.restart(now_s)
         elif self._protocol >= KEYS_FROM and self._try_next_interface():
             self._begin_steps(now_s)
         else:
@@ -296,7 +292,8 @@ class UbxSetup:
         self._enter(Phase.LISTENING, now_s)
         self._sent_s = now_s
 
-    def _restart(self, now_s: float) -> None:
+    def restart(self, now_s: float) -> None:
+        """The receiver may have lost its settings."""
         self._enter(Phase.SEARCH, now_s)
         self._since_s = -math.inf
 

@@ -22,9 +22,10 @@ def build_tree(
 ) -> FileTree:
     """The file tree. folder: of files and logs, None without a disk. quota_mb: of `files`; 0: read only."""
     about = metadata.metadata_files(parameters.rows)
+    version = json.dumps({"name": "mavboat", "version": __version__}).encode("ascii")
     mounts: dict[str, Mount] = {
         "@PARAM": VirtualMount({"param.pck": _packed_parameters(parameters, listings)}),
-        "@SYS": VirtualMount({"version.json": VirtualFile(lambda _: _version())}),
+        "@SYS": VirtualMount({"version.json": VirtualFile(lambda _: version)}),
         metadata.FOLDER: VirtualMount(
             {
                 metadata.GENERAL: VirtualFile(lambda _: about.general),
@@ -54,7 +55,3 @@ def _packed_parameters(parameters: Parameters, listings: ParameterService) -> Vi
         return pack(chosen, len(entries), with_defaults=options.whole("withdefaults") == 1)
 
     return VirtualFile(make, listings.set_from_file)
-
-
-def _version() -> bytes:
-    return json.dumps({"name": "mavboat", "version": __version__}).encode("ascii")

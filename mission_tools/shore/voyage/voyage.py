@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Final
 
 from companion.core.modes import Mode
@@ -69,7 +70,7 @@ class Voyage:
         self._is_rover = True
         self._mode: float | None = None
         self._handlers: dict[str, Callable[..., None]] = {
-            "POS": self._on_position, "GPS": self._on_fix, "XKF1": self._on_velocity,
+            "POS": partial(self._add, self._positions), "GPS": self._on_fix, "XKF1": self._on_velocity,
             "THR": self._on_throttle, "NTUN": self._on_navigation, "BAT": self._on_battery,
             "AVD": self._on_obstacle, "MODE": self._on_mode, "ARM": self._on_arm, "EV": self._on_event,
             "ERR": self._on_error, "MSG": self._on_text, "VER": self._on_version,
@@ -113,9 +114,6 @@ class Voyage:
             ],
             "events_left_out": self._event_count - len(self._events),
         }
-
-    def _on_position(self, at_s: float, lat: Value, lon: Value) -> None:
-        self._add(self._positions, at_s, lat, lon)
 
     def _on_fix(
         self,

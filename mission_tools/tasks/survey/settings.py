@@ -50,7 +50,8 @@ class SurveySettings:
         for name in ("spacing_m", "footprint_m", "cross_spacing_m"):
             value = getattr(self, name)
             if value is not None and not 0.0 < value < math.inf:
-                raise UsageError(f"{_said(name)} is {value:g} m: expected more than 0")
+                said = name.removesuffix("_m").replace("_", " ")
+                raise UsageError(f"{said} is {value:g} m: expected more than 0")
         if self.angle_rad is not None and not math.isfinite(self.angle_rad):
             raise UsageError(f"angle is {self.angle_rad}: expected a number")
         if self.overlap is not None and not 0.0 <= self.overlap <= MOST_OVERLAP:
@@ -110,7 +111,3 @@ def turn_radius_m(boat: Boat, speed_m_s: float) -> float:
         speed_m_s / boat.turn_rate_rad_s,
         speed_m_s * speed_m_s / boat.corner_accel_m_s2,
     )
-
-
-def _said(name: str) -> str:
-    return name.removesuffix("_m").replace("_", " ")

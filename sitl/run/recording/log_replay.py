@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from msgspec.structs import replace
 from pymavlink.DFReader import DFReader_binary
 
 from companion.config.boat_config import BoatConfig
@@ -103,7 +104,8 @@ def _ticks(records: list[Any], config: BoatConfig) -> Iterator[LoggedTick]:
         elif kind == "GPS":
             fix = _fix(one)
         elif kind == "GPA" and fix is not None and one.TimeUS * 1e-6 == fix.time_s:
-            fix = _with_accuracy(fix, one)
+            # GPA follows the GPS record of a receiver that states its accuracy
+            fix = replace(fix, horizontal_accuracy_m=one.HAcc, speed_accuracy_m_s=one.SAcc or None)
     if not math.isnan(now_s):
         yield LoggedTick(fix, heading, now_s, before, logged)
 
@@ -132,11 +134,3 @@ def _fix(record: Any) -> GnssFix:  # noqa: ANN401
         north_m_s,
         east_m_s,
     )
-
-
-def _with_accuracy(fix: GnssFix, record: Any) -> GnssFix:  # noqa: ANN401
-    """GPA follows the GPS record of a receiver that states its accuracy."""
-    return GnssFix(
-        fix.time_s, fix.position, fix.fix_type, fix.satellites, fix.hdop, fix.north_m_s, fix.east_m_s,
-        horizontal_accuracy_m=record.HAcc, speed_accuracy_m_s=record.SAcc or None,
-    )  # fmt: skip
