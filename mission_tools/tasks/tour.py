@@ -1,14 +1,12 @@
 """A tour: several places in the given or the best order, with a time to hold at each, there and back.
 
 Up to EXACT_STOPS places the order is found by dynamic programming over subsets (M. Held and R. M. Karp, "A
-dynamic programming approach to sequencing problems", *SIAM Journal* 10, 1962). Above that, by farthest
-insertion, then 2-opt and Or-opt (I. Or, 1976) until neither shortens it. Lengths need not be symmetric (a
-current).
+dynamic programming approach to sequencing problems", *SIAM Journal* 10, 1962). Above that by the local search
+that also orders the cells of a survey.
 """
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +15,7 @@ from companion.core.geo import Point
 from mission_tools.errors import NoRoute, NoRouteError, UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.planning.planner import PlanSettings
+from mission_tools.tasks.survey.sequence import Mode, best_sequence
 from mission_tools.tasks.task_route import Stop, TaskLeg, TaskRoute, Transits, joined
 
 
@@ -82,8 +81,6 @@ def _check_reachable(transits: Transits, start: Point, stops: Sequence[Stop]) ->
 
 
 EXACT_STOPS = 12
-LONGEST_SEGMENT = 3  # of an Or-opt move
-_GAIN_M = 1e-9  # smaller ones are rounding
 
 Matrix = NDArray[np.float64]
 
@@ -91,17 +88,17 @@ Matrix = NDArray[np.float64]
 def best_order(lengths_m: Sequence[Sequence[float]] | Matrix, *, is_return: bool = False) -> tuple[int, ...]:
     """The order of the places 1 … n that makes the route from place 0 through all of them shortest.
 
-    lengths_m[i][j]: length of the way from i to j, finite. is_return: the way back to 0 counts as well.
+    lengths_m[i][j]: length of the way between i and j, finite. is_return: the way back to 0 counts as well.
     """
     matrix = np.asarray(lengths_m, dtype=np.float64)
     if len(matrix) <= 2:
         return tuple(range(1, len(matrix)))
     if len(matrix) - 1 <= EXACT_STOPS:
         return _exact(matrix, is_return=is_return)
-    closed = matrix.copy()
-    if not is_return:
-        closed[:, 0] = 0.0  # a tour whose way home is free
-    return _local(closed)
+    home_m = matrix[0] if is_return else np.zeros(len(matrix))
+    with_end = np.block([[matrix, home_m[:, None]], [home_m, 0.0]])
+    items = [[Mode(place, place, 0.0)] * 2 for place in range(1, len(matrix))]
+    return tuple(item + 1 for item, _ in best_sequence(items, with_end, 0, len(matrix)))
 
 
 def _exact(matrix: Matrix, *, is_return: bool) -> tuple[int, ...]:
@@ -127,89 +124,3 @@ def _exact(matrix: Matrix, *, is_return: bool) -> tuple[int, ...]:
         order.append(last + 1)
         visited, last = visited ^ 1 << last, int(before[visited, last])
     return tuple(reversed(order))
-
-
-def _local(matrix: Matrix) -> tuple[int, ...]:
-    """A short closed tour from 0, improved until no 2-opt or Or-opt move shortens it."""
-    tour = _inserted(matrix)
-    while True:
-        shorter = _two_opt(matrix, tour) or _or_opt(matrix, tour)
-        if shorter is None:
-            return tuple(tour[1:])
-        tour = shorter
-
-
-def _inserted(matrix: Matrix) -> list[int]:
-    """Farthest insertion: the place farthest from the tour next, where it costs least."""
-    tour = [0]
-    left = list(range(1, len(matrix)))
-    while left:
-        gap_m = np.minimum(matrix[np.ix_(tour, left)], matrix[np.ix_(left, tour)].T).min(axis=0)
-        place = left.pop(int(np.argmax(gap_m)))
-        here, following = np.array(tour), np.array([*tour[1:], tour[0]])
-        cost_m = matrix[here, place] + matrix[place, following] - matrix[here, following]
-        tour.insert(int(np.argmin(cost_m)) + 1, place)
-    return tour
-
-
-def _two_opt(matrix: Matrix, tour: list[int]) -> list[int] | None:
-    """The best reversal of a stretch; None where none shortens the tour."""
-    cycle = np.array([*tour, tour[0]])
-    here, following = cycle[:-1], cycle[1:]
-    ahead_m = np.concatenate(([0.0], np.cumsum(matrix[here, following])))
-    astern_m = np.concatenate(([0.0], np.cumsum(matrix[following, here])))
-    best_m, best = _GAIN_M, (0, 0)
-    for first in range(1, len(tour) - 1):
-        last = np.arange(first + 1, len(tour))
-        before = cycle[first - 1]
-        old_m = (
-            matrix[before, cycle[first]]
-            + ahead_m[last]
-            - ahead_m[first]
-            + matrix[cycle[last], cycle[last + 1]]
-        )
-        new_m = (
-            matrix[before, cycle[last]]
-            + astern_m[last]
-            - astern_m[first]
-            + matrix[cycle[first], cycle[last + 1]]
-        )
-        gain_m = old_m - new_m
-        at = int(np.argmax(gain_m))
-        if gain_m[at] > best_m:
-            best_m, best = float(gain_m[at]), (first, int(last[at]))
-    if best_m <= _GAIN_M:
-        return None
-    first, end = best
-    return [*tour[:first], *reversed(tour[first : end + 1]), *tour[end + 1 :]]
-
-
-def _or_opt(matrix: Matrix, tour: list[int]) -> list[int] | None:
-    """The best move of a stretch of up to LONGEST_SEGMENT places, either way round; None where none gains."""
-    best_m, best = _GAIN_M, None
-    for size in range(1, min(LONGEST_SEGMENT, len(tour) - 2) + 1):
-        for first in range(1, len(tour) - size + 1):
-            segment = tour[first : first + size]
-            rest = tour[:first] + tour[first + size :]
-            here, following = np.array(rest), np.array([*rest[1:], rest[0]])
-            gap_m = matrix[here, following]
-            saved_m = (
-                matrix[tour[first - 1], segment[0]] + matrix[segment[-1], (*tour, tour[0])[first + size]]
-            )
-            saved_m += _inside_m(matrix, segment) - matrix[tour[first - 1], (*tour, tour[0])[first + size]]
-            for turned in (segment, segment[::-1]):
-                added_m = (
-                    matrix[here, turned[0]]
-                    + matrix[turned[-1], following]
-                    - gap_m
-                    + _inside_m(matrix, turned)
-                )
-                at = int(np.argmin(added_m))
-                if saved_m - added_m[at] > best_m:
-                    best_m = float(saved_m - added_m[at])
-                    best = [*rest[: at + 1], *turned, *rest[at + 1 :]]
-    return best
-
-
-def _inside_m(matrix: Matrix, segment: Sequence[int]) -> float:
-    return float(sum(matrix[a, b] for a, b in pairwise(segment)))

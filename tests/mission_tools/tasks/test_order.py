@@ -1,6 +1,6 @@
 """The order of a tour: exact against brute force, local search against exact."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import pairwise, permutations
 
 import numpy as np
@@ -12,12 +12,10 @@ from mission_tools.tasks import tour as module
 from mission_tools.tasks.tour import EXACT_STOPS, best_order
 
 
-def matrix_of(seed: int, stops: int, *, is_symmetric: bool = True) -> module.Matrix:
+def matrix_of(seed: int, stops: int) -> module.Matrix:
     random = np.random.default_rng(seed)
     places = random.random((stops + 1, 2))
     lengths = np.hypot(*(places[:, None] - places[None]).transpose(2, 0, 1))
-    if not is_symmetric:
-        lengths = lengths * random.uniform(0.7, 1.3, lengths.shape)
     return np.asarray(lengths, dtype=np.float64)
 
 
@@ -27,11 +25,9 @@ def order_length_m(matrix: module.Matrix, order: Sequence[int], *, is_return: bo
     return float(sum(matrix[a, b] for a, b in pairwise(stops)))
 
 
-@given(st.integers(0, 10_000), st.integers(1, 6), st.booleans(), st.booleans())
-def test_the_order_of_few_stops_is_the_best_of_all(
-    seed: int, stops: int, is_return: bool, is_symmetric: bool
-) -> None:
-    lengths = matrix_of(seed, stops, is_symmetric=is_symmetric)
+@given(st.integers(0, 10_000), st.integers(1, 6), st.booleans())
+def test_the_order_of_few_stops_is_the_best_of_all(seed: int, stops: int, is_return: bool) -> None:
+    lengths = matrix_of(seed, stops)
     found = best_order(lengths, is_return=is_return)
     best = min(
         order_length_m(lengths, order, is_return=is_return) for order in permutations(range(1, stops + 1))
@@ -55,30 +51,6 @@ def test_local_search_comes_near_the_exact_order(monkeypatch: pytest.MonkeyPatch
     assert max(ratios) < 1.12
 
 
-def neighbours(order: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
-    """Every order with one stretch reversed, or one of up to three stops moved, either way round."""
-    for first in range(len(order)):
-        for end in range(first + 1, len(order) + 1):
-            stretch = order[first:end]
-            yield order[:first] + stretch[::-1] + order[end:]
-            rest = order[:first] + order[end:]
-            if end - first <= module.LONGEST_SEGMENT:
-                for at in range(len(rest) + 1):
-                    for turned in (stretch, stretch[::-1]):
-                        yield rest[:at] + turned + rest[at:]
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_no_single_move_shortens_what_local_search_has_found(
-    monkeypatch: pytest.MonkeyPatch, seed: int
-) -> None:
-    monkeypatch.setattr(module, "EXACT_STOPS", 0)
-    lengths = matrix_of(seed, 9, is_symmetric=False)
-    found = best_order(lengths, is_return=True)
-    least_m = order_length_m(lengths, found, is_return=True)
-    assert all(order_length_m(lengths, one, is_return=True) >= least_m - 1e-9 for one in neighbours(found))
-
-
 def test_many_stops_along_a_ring_are_visited_round_it() -> None:
     stops = 3 * EXACT_STOPS
     angles = np.random.default_rng(4).permutation(stops + 1) * (2.0 * np.pi / (stops + 1))
@@ -88,14 +60,3 @@ def test_many_stops_along_a_ring_are_visited_round_it() -> None:
     closed = best_order(lengths, is_return=True)
     assert order_length_m(lengths, closed, is_return=True) == pytest.approx((stops + 1) * side)
     assert order_length_m(lengths, best_order(lengths)) == pytest.approx(stops * side)
-
-
-def test_a_one_way_is_not_sailed_against(monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the way clockwise dear, both searches go round the other way."""
-    stops = 8
-    lengths = np.array(
-        [[(b - a) % (stops + 1) for b in range(stops + 1)] for a in range(stops + 1)], dtype=np.float64
-    )
-    for limit in (EXACT_STOPS, 0):
-        monkeypatch.setattr(module, "EXACT_STOPS", limit)
-        assert best_order(lengths, is_return=True) == tuple(range(1, stops + 1))
