@@ -12,6 +12,7 @@ from itertools import pairwise
 
 from companion.core.geo import Line, Point, bearing_rad, distance_m
 from companion.core.units import wrap_pi
+from companion.planning.segments import point_distance2
 
 MOST_POINTS = 5000  # upper limit of SRTL_POINTS
 CONTINUES_WITHIN_M = 100.0  # a boat armed further from the end of its stored track was carried there
@@ -129,17 +130,10 @@ class SailedTrack:
             if (crossing := _crossing(Line(before, after), Line(came_from, at))) is not None:
                 self.points[index + 1 :] = [crossing, at]
                 return
-            if _distance_m(Line(before, after), at) <= accuracy_m:
+            if point_distance2(*at, *before, *after) <= accuracy_m * accuracy_m:
                 self.points[index + 1 :] = [at]
                 return
         self.points.append(at)
-
-
-def _distance_m(line: Line, at: Point) -> float:
-    """Distance from a point to a line segment."""
-    along_m, cross_m = line.along_and_cross_track_m(at)
-    beyond_m = max(-along_m, along_m - line.length_m, 0.0)
-    return math.hypot(beyond_m, cross_m)
 
 
 def _crossing(one: Line, other: Line) -> Point | None:

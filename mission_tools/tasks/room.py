@@ -76,8 +76,8 @@ def simplified(
         legs = shapely.linestrings([[ring[first], ring[last]] for first, last in open_legs])
         is_near = shapely.dwithin(shores, legs, clearance_m * (1.0 - _ROUNDING))
         split: list[tuple[int, int]] = []
-        for (first, last), near in zip(open_legs, is_near, strict=True):
-            off_m = _distances_m(ring[first + 1 : last], ring[first], ring[last])
+        for (first, last), leg, near in zip(open_legs, legs, is_near, strict=True):
+            off_m = shapely.distance(leg, shapely.points(ring[first + 1 : last]))
             farthest = int(np.argmax(off_m))
             if off_m[farthest] <= error_m and not near:
                 continue
@@ -86,20 +86,6 @@ def simplified(
             split += [(first, middle), (middle, last)]
         open_legs = split
     return ring[sorted(kept)]
-
-
-def _distances_m(
-    points: NDArray[np.float64], start: NDArray[np.float64], end: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """From points to a segment."""
-    along = end - start
-    length_m2 = float(along @ along)
-    share = (
-        np.clip((points - start) @ along / length_m2, 0.0, 1.0) if length_m2 > 0.0 else np.zeros(len(points))
-    )
-    off = points - start - share[:, None] * along
-    found: NDArray[np.float64] = np.hypot(off[:, 0], off[:, 1])
-    return found
 
 
 def _legs(pieces: BaseGeometry) -> NDArray[np.object_]:
