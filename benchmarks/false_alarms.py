@@ -74,8 +74,7 @@ def alarms(hours: float, seed: int, *settings: str) -> Iterator[Alarm | float]:
 
 
 def _place(start: Point, target: int) -> Point:
-    turn = 2.4 * target
-    return Point(start.north_m + _CIRCLE_M * math.cos(turn), start.east_m + _CIRCLE_M * math.sin(turn))
+    return start.moved(2.4 * target, _CIRCLE_M)
 
 
 def _send_to(lockstep: Lockstep, at: Point) -> None:

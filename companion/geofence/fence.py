@@ -206,9 +206,7 @@ def _moved_inside(area: Area, at: Point, margin_m: float) -> Point:
     away_m = math.hypot(north, east)
     if away_m < _ON_LINE_M:  # the direction to the inside is undefined
         bearings = [math.pi * eighth / 4.0 for eighth in range(8)]
-        around = [
-            Point(at.north_m + math.cos(b) * _SLACK_M, at.east_m + math.sin(b) * _SLACK_M) for b in bearings
-        ]
+        around = [at.moved(bearing, _SLACK_M) for bearing in bearings]
         insides = [near for near in around if area.contains(near.north_m, near.east_m) is area.is_inclusion]
         return max(insides, key=lambda near: area.distance_m(near.north_m, near.east_m), default=at)
     side = margin_m if area.contains(at.north_m, at.east_m) is area.is_inclusion else -margin_m

@@ -180,9 +180,7 @@ def _with_clearance(
     for radius in _EXIT_RADII:
         bearings = [math.tau * number / _EXIT_BEARINGS for number in range(_EXIT_BEARINGS)]
         radius_m = radius * clearance_m
-        around = [
-            Point(at.north_m + radius_m * math.cos(b), at.east_m + radius_m * math.sin(b)) for b in bearings
-        ]
+        around = [at.moved(bearing, radius_m) for bearing in bearings]
         found = [place for place in around if is_exit(place)]
         if found:
             return min(found, key=lambda place: distance_m(place, towards))

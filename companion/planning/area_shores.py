@@ -26,11 +26,7 @@ def corners_of(area: Area) -> tuple[Point, ...]:
     radius_m = area.radius_m
     if not area.is_inclusion:
         radius_m /= math.cos(math.pi / sides)
-    north_m, east_m = area.centre
-    return tuple(
-        Point(north_m + radius_m * math.cos(a), east_m + radius_m * math.sin(a))
-        for a in (math.tau * number / sides for number in range(sides))
-    )
+    return tuple(area.centre.moved(math.tau * number / sides, radius_m) for number in range(sides))
 
 
 def outside_of(corners: Sequence[Point], frame: tuple[float, float, float, float]) -> Shore:

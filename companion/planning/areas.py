@@ -223,8 +223,7 @@ class Disc:
     def nearest(self, north_m: float, east_m: float) -> Point:
         """The nearest point of the line; due north of the centre for the centre itself."""
         bearing = math.atan2(east_m - self.centre.east_m, north_m - self.centre.north_m)
-        north = self.centre.north_m + self.radius_m * math.cos(bearing)
-        return Point(north, self.centre.east_m + self.radius_m * math.sin(bearing))
+        return self.centre.moved(bearing, self.radius_m)
 
 
 Area = Ring | Disc

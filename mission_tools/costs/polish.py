@@ -136,6 +136,6 @@ def _with_middles(points: tuple[Point, ...], least_m: float) -> tuple[Point, ...
     path = [points[0]]
     for a, b in pairwise(points):
         if distance_m(a, b) > least_m:
-            path.append(Point(0.5 * (a.north_m + b.north_m), 0.5 * (a.east_m + b.east_m)))
+            path.append(a.towards(b, 0.5))
         path.append(b)
     return tuple(path)

@@ -117,11 +117,7 @@ def _keep_inside(name: Annotation, frame: Bbox) -> None:
 
 
 def _dense(route: Sequence[Point]) -> list[Point]:
-    return [
-        Point(a.north_m + k / 32 * (b.north_m - a.north_m), a.east_m + k / 32 * (b.east_m - a.east_m))
-        for a, b in pairwise(route)
-        for k in range(33)
-    ]
+    return [a.towards(b, k / 32) for a, b in pairwise(route) for k in range(33)]
 
 
 def _draw_landmark(axes: Axes, chart: Chart, feature: Feature) -> None:

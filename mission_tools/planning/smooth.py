@@ -98,7 +98,7 @@ def _cut_bends(path: tuple[Point, ...], is_clear: IsClear) -> tuple[Point, ...]:
     for here, after in pairwise(path[1:]):
         before, share = points[-1], 1.0
         for _ in range(CUT_HALVINGS):
-            first, last = _between(here, before, share), _between(here, after, share)
+            first, last = here.towards(before, share), here.towards(after, share)
             if is_clear(first, last):
                 points += [first, last]
                 break
@@ -108,15 +108,11 @@ def _cut_bends(path: tuple[Point, ...], is_clear: IsClear) -> tuple[Point, ...]:
     return (*points, path[-1])
 
 
-def _between(a: Point, b: Point, share: float) -> Point:
-    return Point(a.north_m + share * (b.north_m - a.north_m), a.east_m + share * (b.east_m - a.east_m))
-
-
 def _with_points_between(path: Sequence[Point], spacing_m: float) -> tuple[Point, ...]:
     dense = [path[0]]
     for a, b in pairwise(path):
         count = max(1, round(distance_m(a, b) / spacing_m))
-        dense += [*(_between(a, b, k / count) for k in range(1, count)), b]
+        dense += [*(a.towards(b, k / count) for k in range(1, count)), b]
     return tuple(dense)
 
 
@@ -164,9 +160,7 @@ def widen_corners(
         outwards_rad = bearing_rad(before, here) + 0.5 * turn_rad + side
         for share in _SHARES:
             cut_m = share * corner_cut_m(turn_rad, radius_m)
-            moved = Point(
-                here.north_m + cut_m * math.cos(outwards_rad), here.east_m + cut_m * math.sin(outwards_rad)
-            )
+            moved = here.moved(outwards_rad, cut_m)
             wider = [*points[:i], moved, *points[i + 1 :]]
             if is_clear(before, moved) and is_clear(moved, after) and path_length_m(wider) <= max_length_m:
                 points = wider

@@ -104,10 +104,7 @@ class Sightings:
         rays = list(echoes)
         for ray in rays:
             if ray.is_hit:
-                at = Point(
-                    here.north_m + ray.range_m * math.cos(ray.bearing_rad),
-                    here.east_m + ray.range_m * math.sin(ray.bearing_rad),
-                )
+                at = here.moved(ray.bearing_rad, ray.range_m)
                 if self._chart.clearance_m(at) > SHORE_M:
                     hits.add(_cell_of(at))
         unseen = _Cell(0.0, now_s)

@@ -96,9 +96,7 @@ def _rings(centre: Point, spacing_m: float, most: int) -> Iterator[Point]:
         ring += 1
         on_ring = 6 * ring
         for number in range(on_ring):
-            angle = math.tau * number / on_ring
-            north = centre.north_m + ring * spacing_m * math.cos(angle)
-            yield Point(north, centre.east_m + ring * spacing_m * math.sin(angle))
+            yield centre.moved(math.tau * number / on_ring, ring * spacing_m)
         given += on_ring
 
 

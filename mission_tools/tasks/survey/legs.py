@@ -64,13 +64,10 @@ def joined_legs(
 def _led(inner: Point, end: Point, water: MultiPolygon, lead_m: float) -> Point:
     """Straight on past the end of a track, so far as there is water."""
     share = lead_m / max(distance_m(inner, end), 1e-9)
-    ahead = (
-        end.east_m + share * (end.east_m - inner.east_m),
-        end.north_m + share * (end.north_m - inner.north_m),
-    )
-    line = shapely.LineString([(end.east_m, end.north_m), ahead])
+    ahead = end.towards(inner, -share)
+    line = shapely.LineString([(end.east_m, end.north_m), (ahead.east_m, ahead.north_m)])
     if water.covers(line):
-        return _point(np.array(ahead))
+        return ahead
     parts = shapely.get_parts(line.intersection(water))
     at = shapely.Point(line.coords[0])
     reach_m = max((part.length for part in parts if part.distance(at) < LEAD_ERROR_M), default=0.0)
@@ -109,9 +106,7 @@ def _clear_points(
 def _early(end: Point, other: Point, early_m: float) -> Point:
     """Before the end of a leg by so much, or by half of the leg: a boat under way turns only so sharply."""
     share = min(0.5, early_m / max(distance_m(end, other), 1e-9))
-    return Point(
-        end.north_m + share * (other.north_m - end.north_m), end.east_m + share * (other.east_m - end.east_m)
-    )
+    return end.towards(other, share)
 
 
 def _point(xy: Array) -> Point:

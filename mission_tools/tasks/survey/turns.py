@@ -120,10 +120,7 @@ def _without_rounding(angle: float) -> float:
 
 def _centre(pose: Pose, side: int, radius_m: float) -> Point:
     """Of the circle that a boat at the pose turns on."""
-    abeam = pose.course_rad + 0.5 * side * math.pi
-    return Point(
-        pose.place.north_m + radius_m * math.cos(abeam), pose.place.east_m + radius_m * math.sin(abeam)
-    )
+    return pose.place.moved(pose.course_rad + 0.5 * side * math.pi, radius_m)
 
 
 def _drawn(start: Pose, parts: Sequence[Part], radius_m: float) -> tuple[Point, ...]:
@@ -131,9 +128,7 @@ def _drawn(start: Pose, parts: Sequence[Part], radius_m: float) -> tuple[Point, 
     points, pose = [start.place], start
     for side, extent in parts:
         if side == 0:
-            north_m = pose.place.north_m + extent * radius_m * math.cos(pose.course_rad)
-            east_m = pose.place.east_m + extent * radius_m * math.sin(pose.course_rad)
-            pose = Pose(Point(north_m, east_m), pose.course_rad)
+            pose = Pose(pose.place.moved(pose.course_rad, extent * radius_m), pose.course_rad)
             points.append(pose.place)
             continue
         steps = math.ceil(extent / CHORD_RAD)
