@@ -9,6 +9,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib import import_module
 from types import FrameType
 
 from companion.cli.program_end import INTERRUPTED, end, missing_extra
@@ -17,6 +18,22 @@ Run = Callable[[list[str]], int]
 Handler = Callable[[int, FrameType | None], None]
 
 _end_at_once: list[Handler] = []  # of the program that runs; empty while it is not to be interrupted
+
+
+def program(name: str, module: str) -> tuple[Callable[[], None], Run]:
+    """The entry point of a program whose module is slow to import, and what runs it in Python."""
+
+    def load() -> Run:
+        run: Run = import_module(module).run_program
+        return run
+
+    def main() -> None:
+        sys.exit(run_interruptibly(name, load))
+
+    def run_program(arguments: list[str]) -> int:
+        return load()(arguments)
+
+    return main, run_program
 
 
 def run_interruptibly(name: str, load: Callable[[], Run]) -> int:

@@ -1,8 +1,8 @@
 """`mission-check`: problems in a mission file."""
 
-from mission_tools.cli.program import program
+from companion.cli.interrupts import program
 
-main, run_program = program("check")
+main, run_program = program("mission-check", "mission_tools.cli.check_command")
 
 if __name__ == "__main__":
     main()

@@ -1,8 +1,8 @@
 """`mission-plan`: plan a mission and write it to a file, without a vehicle."""
 
-from mission_tools.cli.program import program
+from companion.cli.interrupts import program
 
-main, run_program = program("plan")
+main, run_program = program("mission-plan", "mission_tools.cli.plan_command")
 
 if __name__ == "__main__":
     main()

@@ -1,8 +1,8 @@
 """`boat-survey`: what a boat's logs say about its water."""
 
-from mission_tools.cli.program import program
+from companion.cli.interrupts import program
 
-main, run_program = program("survey", "boat")
+main, run_program = program("boat-survey", "mission_tools.cli.survey_command")
 
 if __name__ == "__main__":
     main()

@@ -1,8 +1,8 @@
 """`mission-trace`: turn an aerial photograph into a map of its water."""
 
-from mission_tools.cli.program import program
+from companion.cli.interrupts import program
 
-main, run_program = program("trace")
+main, run_program = program("mission-trace", "mission_tools.cli.trace_command")
 
 if __name__ == "__main__":
     main()
