@@ -4,7 +4,8 @@ import math
 from collections.abc import Callable
 
 from companion.core.errors import ConfigError
-from sitl.physics.json_interface import NO_ECHO_M, ServoPacket, parse_servos, state_line
+from companion.core.geo import Point
+from sitl.physics.json_interface import NO_ECHO_M, ServoPacket, parse_servos, sphere_offset, state_line
 from sitl.world.hull_settings import LONGEST_STEP_S
 from sitl.world.scenario import Scenario
 from sitl.world.truth import Truth
@@ -107,7 +108,9 @@ class Backend:
             self._listen(now.time_s)
             if self._record is not None:
                 self._record(now)
-        self._reply = state_line(now, before, self._range_m)
+        frame = self._scenario.frame
+        at = sphere_offset(frame.origin, frame.to_global(Point(now.north_m, now.east_m)))
+        self._reply = state_line(now, before, at, self._range_m)
 
     def _listen(self, now_s: float) -> None:
         sonar = self.world.hardware.sonar

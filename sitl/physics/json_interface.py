@@ -3,7 +3,8 @@
 A servo packet is little-endian: magic, frame rate in Hz, frame count, then 16 pulse widths in µs, or 32
 behind a magic of their own.
 
-North, east, down in metres of the scenario's frame, body axes ahead, starboard, down; the boat floats level.
+North, east, down in metres, body axes ahead, starboard, down; the boat floats level. Positions are in metres
+of ArduPilot's sphere (Location::offset), so that its latitude and longitude are those of the scenario.
 Acceleration is what an accelerometer on board feels, so a boat at rest says −g.
 
 ArduPilot does not parse JSON: it looks for a key's name and scans what stands two characters behind it, so
@@ -16,14 +17,24 @@ import math
 import struct
 from typing import NamedTuple
 
+from companion.core.geo import LatLon, Point
 from sitl.world.truth import Truth
 
 GRAVITY_M_S2 = 9.80665
+_SPHERE_M_DEG = 111_318.845  # a degree of latitude everywhere (ArduPilot, definitions.h: LATLON_TO_M)
 NO_ECHO_M = 300.0  # beyond every RNGFND1_MAX; drivers that count centimetres in 16 bits end at 655 m
 
 
-def state_line(now: Truth, before: Truth, range_ahead_m: float | None) -> bytes:
-    """The state of now. before: one step earlier, for the acceleration.
+def sphere_offset(origin: LatLon, place: LatLon) -> Point:
+    """How far ArduPilot has to go north and east from the origin to be at a place."""
+    north_deg = place.lat_deg - origin.lat_deg
+    east_deg = math.remainder(place.lon_deg - origin.lon_deg, 360.0)
+    mid_rad = math.radians(origin.lat_deg + 0.5 * north_deg)
+    return Point(north_deg * _SPHERE_M_DEG, east_deg * _SPHERE_M_DEG * math.cos(mid_rad))
+
+
+def state_line(now: Truth, before: Truth, at: Point, range_ahead_m: float | None) -> bytes:
+    """The state of now. before: one step earlier, for the acceleration. at: the place, by `sphere_offset`.
 
     range_ahead_m: what the sonar last heard over the bow, NO_ECHO_M for no echo, None for no sonar.
     """
@@ -37,7 +48,7 @@ def state_line(now: Truth, before: Truth, range_ahead_m: float | None) -> bytes:
             "gyro": [0.0, 0.0, now.yaw_rate_rad_s],
             "accel_body": [north * c + east * s, east * c - north * s, -GRAVITY_M_S2],
         },
-        "position": [now.north_m, now.east_m, 0.0],
+        "position": [at.north_m, at.east_m, 0.0],
         "attitude": [0.0, 0.0, now.heading_rad],
         "velocity": [now.north_m_s, now.east_m_s, 0.0],
         "velocity_wind": [now.wind_north_m_s, now.wind_east_m_s, 0.0],

@@ -15,9 +15,10 @@ import struct
 
 import pytest
 
+from companion.core.geo import LatLon, LocalFrame, Point
 from companion.core.readings import SonarReading
 from sitl.physics.backend import Backend
-from sitl.physics.json_interface import NO_ECHO_M, state_line
+from sitl.physics.json_interface import NO_ECHO_M, sphere_offset, state_line
 from sitl.scenarios.scenario import load_scenario
 from sitl.world.world import World
 
@@ -89,6 +90,25 @@ def ardupilot_reads(datagram: bytes) -> dict[str, Value]:
     return known
 
 
+def ardupilot_place(origin: LatLon, north_m: float, east_m: float, down_m: float = 0.0) -> LatLon:
+    """Where ArduPilot is then: Location::offset_latlng, with whole units of 1e-7 degrees."""
+    per_m, lat, lon = 89.83204953368922, int(origin.lat_deg * 1e7), int(origin.lon_deg * 1e7)
+    lat_step = int(north_m * per_m)
+    scale = max(math.cos((lat + lat_step // 2) * 1e-7 * math.pi / 180.0), 0.01)
+    lon_step = int(east_m * per_m / scale)
+    return LatLon((lat + lat_step) * 1e-7, math.remainder((lon + lon_step) * 1e-7, 360.0))
+
+
+@pytest.mark.parametrize("lat_deg", [0.0, 50.0, -60.0, 75.0])
+@pytest.mark.parametrize("point", [Point(3000.0, 0.0), Point(-1500.0, 4000.0), Point(0.0, -5000.0)])
+def test_ardupilot_is_where_the_scenario_is(lat_deg: float, point: Point) -> None:
+    frame = LocalFrame(LatLon(lat_deg, 179.99))
+    there = frame.to_global(point)
+    place = ardupilot_place(frame.origin, *sphere_offset(frame.origin, there))
+    found = frame.to_local(place)
+    assert math.hypot(found.north_m - point.north_m, found.east_m - point.east_m) < 0.03
+
+
 def packet(frame: int, left: int = 1500, right: int = 1500, rate_hz: int = 100) -> bytes:
     """Servo outputs 1 and 3."""
     return struct.pack("<HHI16H", 18458, rate_hz, frame, left, 1500, right, *[1500] * 13)
@@ -109,11 +129,14 @@ def vector(known: dict[str, Value], key: str) -> tuple[float, ...]:
 @pytest.mark.parametrize("settings", [(), ("environment.current_m_s=1.0", "environment.gust_m_s=8.0")])
 def test_every_line_is_read_and_means_the_boats_true_state(settings: tuple[str, ...]) -> None:
     backend = Backend(load_scenario("lake", settings))
-    for frame in range(1, 500):
-        known = read(backend, packet(frame, 1900, 1600))
+    frame = backend.world.scenario.frame
+    for number in range(1, 500):
+        known = read(backend, packet(number, 1900, 1600))
         truth = backend.world.truth
         assert known["timestamp"] == truth.time_s
-        assert known["position"] == (truth.north_m, truth.east_m, 0.0)
+        place = ardupilot_place(frame.origin, *vector(known, "position"))
+        there = frame.to_local(place)
+        assert (there.north_m, there.east_m) == pytest.approx((truth.north_m, truth.east_m), abs=0.02)
         assert known["attitude"] == (0.0, 0.0, truth.heading_rad)
         assert known["velocity"] == (truth.north_m_s, truth.east_m_s, 0.0)
         assert known["gyro"] == (0.0, 0.0, truth.yaw_rate_rad_s)
@@ -124,7 +147,7 @@ def test_numbers_of_any_size_are_read() -> None:
     world = World(load_scenario("open"))
     for yaw_rate in (1e-9, -3.25e-17, 123456.789, -0.0):
         now = world.truth._replace(yaw_rate_rad_s=yaw_rate)
-        assert ardupilot_reads(state_line(now, now, None))["gyro"] == (0.0, 0.0, yaw_rate)
+        assert ardupilot_reads(state_line(now, now, Point(0.0, 0.0), None))["gyro"] == (0.0, 0.0, yaw_rate)
 
 
 def test_an_echo_that_ends_goes_far_away_and_does_not_stay() -> None:
@@ -142,7 +165,7 @@ def test_the_boat_is_moored_until_a_motor_is_driven_and_lets_go_without_a_jerk()
     start = backend.world.scenario.start
     for frame in range(1, 1000):  # ten seconds, with outputs a little off their centre
         known = read(backend, packet(frame, 1505, 0))
-        assert known["position"] == (start.north_m, start.east_m, 0.0)
+        assert known["position"] == pytest.approx((start.north_m, start.east_m, 0.0), abs=1e-6)
         assert known["velocity"] == (0.0, 0.0, 0.0)
         assert vector(known, "accel_body")[:2] == pytest.approx((0.0, 0.0), abs=1e-9)
     assert known["timestamp"] == pytest.approx(9.99)
