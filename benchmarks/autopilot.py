@@ -53,9 +53,11 @@ NEUTRAL: Final = 0.02  # of full drive
 FIXED_RTK: Final = ("receiver=rtk", "noise_m=0.01", "wander_m=0.02", "fix_type=6")
 SITUATIONS: Final = ("to it", "from it", "both", "disarm", "mode", "reboot", "kill")
 ARM, MODE, REBOOT = 400, 176, 246
-ORDERS: Final[dict[str, tuple[int, float, float]]] = {
-    "disarm": (ARM, 0.0, 21196.0), "mode": (MODE, 1.0, 4.0), "reboot": (REBOOT, 1.0, 0.0)
-}  # fmt: skip
+ORDERS: Final[dict[str, tuple[int, tuple[float, ...]]]] = {
+    "disarm": (ARM, (0.0, 21196.0)),
+    "mode": (MODE, (1.0, 4.0)),
+    "reboot": (REBOOT, (1.0, 0.0, 0.0, 0.0, 0.0, 20190226.0)),
+}
 
 
 class Drive(NamedTuple):
@@ -109,7 +111,7 @@ class CutLine(AutopilotLine):
 
 
 class BehindRover(Lockstep):
-    """Bytes of the line pass between two ticks, as over a wire without delay."""
+    """The line is served after each frame of the water, as its thread does once bytes have come."""
 
     def __init__(self, ardurover: str, scenario: Scenario, undo: ExitStack, figures: str = "") -> None:
         """figures: parameters of Rover, a line each."""
@@ -119,9 +121,10 @@ class BehindRover(Lockstep):
         self._frames.settimeout(60.0)
         self._other: socket.socket | None = None
         self._encoder = Encoder(OTHER)
+        self.is_killed = False
         self._start(ardurover, undo, EXAMPLE.read_text(encoding="utf-8") + FIGURES + figures)
         url, now = f"tcpout:127.0.0.1:{LINE}", lambda: self.water.world.time_s
-        parts = {"autopilot": url, "battery": {"driver": "none"}}
+        parts = {"autopilot": {"url": url, "latency_s": 0.0}, "battery": {"driver": "none"}}
         self.port = RetriedPort("Autopilot", lambda: open_port(url, now))
         undo.callback(self.port.close)
         self.port.attempt()
@@ -150,20 +153,22 @@ class BehindRover(Lockstep):
         undo.callback(rover.kill)
 
     def _advance(self) -> None:
-        self.line.step()
-        self.flow()
-        self.line.step()
-
-    def flow(self) -> None:
-        """A tick of water and Rover."""
+        """A tick of water, Rover and line."""
         end_s = self.time_s + TICK_S - 1e-6
         while self.time_s < end_s:
             data, rover = self._frames.recvfrom(2048)
+            if not self.is_killed:
+                self.line.step()
             if (reply := self.water.handle(data)) is not None:
                 self._frames.sendto(reply, rover)
         if self._other is not None:
             with suppress(BlockingIOError):
                 self._other.recv(1 << 20)
+
+    def kill(self) -> None:
+        """The boat's program ends, and the system closes its line."""
+        self.is_killed = True
+        self.port.close()
 
     def order(self, number: int, *params: float) -> None:
         """COMMAND_LONG of another station to Rover, by its second port."""
@@ -225,12 +230,13 @@ def failures(ardurover: str, situations: Sequence[str]) -> None:
 def _fail(boat: BehindRover, name: str) -> str:
     event_s = boat.time_s
     if name == "kill":
-        boat.port.close()  # as the system does for a program that is killed
+        boat.kill()
         for _ in range(round(4.0 / TICK_S)):
-            boat.flow()
+            boat._advance()
         return f"neutral after {boat.water.neutral_after_s(event_s):.2f} s"
     if name in ORDERS:
-        boat.order(*ORDERS[name])
+        number, params = ORDERS[name]
+        boat.order(number, *params)
     else:
         boat.line.cut = name
     told_s = _run(boat, 6.0, "Motors off") - event_s
