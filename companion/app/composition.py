@@ -10,7 +10,7 @@ from pathlib import Path
 from companion.app import garbage_collection as garbage
 from companion.app.hardware import open_hardware
 from companion.app.needs import check_needs
-from companion.app.process import ServiceNotifier, only_program, status_line
+from companion.app.process import ServiceNotifier, only_program
 from companion.app.runner import Runner, SystemClock
 from companion.app.status_file import StatusFile, status_path
 from companion.boat import COMPONENT_ID, TICK_S, Boat
@@ -236,7 +236,7 @@ def run_boat(
             boat.step(now_s)
             if status is not None:
                 status.tick(now_s, runner.ticks, runner.load)
-            notifier.tick(now_s, status_line(boat.vehicle.status))
+            notifier.tick(now_s, f"{boat.vehicle.mode.name}, {'' if boat.vehicle.armed else 'dis'}armed")
 
         def receive(ready: Collection[int]) -> int:
             return boat.receive(clock.now_s(), ready)

@@ -13,7 +13,6 @@ from types import FrameType
 from typing import Final, NoReturn
 
 from companion.core.errors import StorageError
-from companion.core.vehicle_status import VehicleStatus
 
 
 @contextmanager
@@ -145,11 +144,6 @@ class ServiceNotifier:
             self._socket.sendto("\n".join(lines).encode(), self._address)
             return True
         return False
-
-
-def status_line(status: VehicleStatus) -> str:
-    """What `systemctl status` shows of the boat."""
-    return f"{status.mode.name}, {'armed' if status.armed else 'disarmed'}"
 
 
 def _watchdog_usec(environment: Mapping[str, str]) -> int:

@@ -202,7 +202,7 @@ class WaterRoute:
 
     def __init__(self, is_clear: ClearLeg, start: Point, way: Way, config: BoatConfig) -> None:
         """way: with one corner or more; the last is the end."""
-        self._has_clear_leg = is_clear
+        self._is_clear = is_clear
         self._corners = way.corners
         self.clearance_m = way.clearance_m
         self.seen_m = way.seen_m
@@ -260,10 +260,8 @@ class WaterRoute:
     def _farthest(self, start: Point, first: int) -> int:
         """The farthest corner in a straight line; the first one in any case."""
         last = len(self._corners) - 1
-        return next((at for at in range(last, first, -1) if self._is_clear(start, self._corners[at])), first)
-
-    def _is_clear(self, start: Point, end: Point) -> bool:
-        return self._has_clear_leg(start, end, self.clearance_m, self.seen_m)
+        ahead, room_m = range(last, first, -1), (self.clearance_m, self.seen_m)
+        return next((at for at in ahead if self._is_clear(start, self._corners[at], *room_m)), first)
 
 
 def is_clear(fence: Fence, start: Point, end: Point, clearance_m: float) -> bool:

@@ -31,18 +31,16 @@ class RetriedPart(Retried[Part]):
 
     _reporting: ReportingPart | None = None  # the part once it is open, if it is one
     _pausing: PausingPart | None = None
-    _is_known = False
 
-    def _know(self, part: Part) -> None:
-        """Find out once what it can: an isinstance with a protocol takes as long as a filter's step."""
-        self._is_known = True
+    def attempt(self) -> float:
+        """Find out here what it can: an isinstance with a protocol takes as long as a filter's step."""
+        wait_s, part = super().attempt(), self.opened
         self._reporting = part if isinstance(part, ReportingPart) else None
         self._pausing = part if isinstance(part, PausingPart) else None
+        return wait_s
 
     def take_texts(self) -> list[StatusText]:
-        texts, part = super().take_texts(), self.opened
-        if part is not None and not self._is_known:
-            self._know(part)
+        texts = super().take_texts()
         return texts if self._reporting is None else texts + self._reporting.take_texts()
 
 
@@ -85,8 +83,6 @@ class RetriedSensor(RetriedPart[Sensor[Reading]]):
         part = self.opened
         if part is None:
             return None
-        if not self._is_known:
-            self._know(part)
         if self._pausing is not None:
             self._pausing.may_pause = self.may_pause
         return part.read()

@@ -61,7 +61,6 @@ def cheapest_cells(
             step_s = np.maximum(WAIT_STEP_S, WAIT_SHARE * waited_s[waits])
             due[band[waits]] = cost[band[waits]] + waited_s[waits] + step_s
         tail, which = np.nonzero(better)
-        # Dearest first: of several to one head the last stays
         # Of several to one head the last stays
         dearest_first = np.argsort(-found[tail, which], kind="stable")
         tail, which = tail[dearest_first], which[dearest_first]

@@ -77,9 +77,7 @@ def _corners(circle: FenceCircle) -> tuple[LatLon, ...]:
     frame = LocalFrame(circle.centre)
     radius_m = circle.radius_m / (1.0 if circle.inclusion else math.cos(math.pi / CIRCLE_CORNERS))
     angles = (2.0 * math.pi * n / CIRCLE_CORNERS for n in range(CIRCLE_CORNERS))
-    return tuple(
-        frame.to_global(Point(radius_m * math.cos(angle), radius_m * math.sin(angle))) for angle in angles
-    )
+    return tuple(frame.to_global(Point(0.0, 0.0).moved(angle, radius_m)) for angle in angles)
 
 
 def pieces_at_antimeridian(places: Sequence[LatLon]) -> list[list[tuple[float, float]]]:

@@ -1,6 +1,5 @@
 """Fewer corners for a map of much detail: Douglas and Peucker's method (1973) on pieces of each ring."""
 
-import math
 from collections.abc import Iterable, Sequence
 
 from companion.core.geo import Point
@@ -56,16 +55,11 @@ def _piece(corners: Sequence[Point], error_m: float) -> list[Point]:
     open_pieces = [(0, len(corners) - 1)]
     while open_pieces:
         first, last = open_pieces.pop()
-        worst_m, worst = max(
-            ((_away_m(corners[n], corners[first], corners[last]), n) for n in range(first + 1, last)),
-            default=(0.0, 0),
+        leg = *corners[first], *corners[last]
+        worst_m2, worst = max(
+            ((point_distance2(*corners[n], *leg), n) for n in range(first + 1, last)), default=(0.0, 0)
         )
-        if worst_m > error_m:
+        if worst_m2 > error_m * error_m:
             kept.add(worst)
             open_pieces += [(first, worst), (worst, last)]
     return [corners[n] for n in sorted(kept)]
-
-
-def _away_m(at: Point, a: Point, b: Point) -> float:
-    """Distance of a point from a straight leg."""
-    return math.sqrt(point_distance2(at.north_m, at.east_m, a.north_m, a.east_m, b.north_m, b.east_m))

@@ -35,11 +35,6 @@ class LinkUrl:
     mavsdk: str
 
     @property
-    def is_tcp(self) -> bool:
-        """Whether lost packets hold up all that follow."""
-        return self.mavsdk.startswith("tcp")
-
-    @property
     def advice(self) -> str:
         """What to try when no vehicle answers."""
         scheme = self.mavsdk.partition("://")[0]

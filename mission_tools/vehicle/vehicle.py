@@ -140,7 +140,10 @@ class Vehicle:
                 "give the boat's key, --sign-key FILE"
             )
         text = self.state.last_warning(began_s)
-        what = "; bring the vehicle nearer" + (", or connect by UDP" * self.link.is_tcp) + ", and try again"
+        by_udp = (
+            ", or connect by UDP" if self.link.mavsdk.startswith("tcp") else ""
+        )  # lost packets hold it up
+        what = f"; bring the vehicle nearer{by_udp}, and try again"
         return f"{what} ({text})" if text else what
 
     async def start(self, patience_s: float) -> None:

@@ -106,7 +106,7 @@ class Sightings:
             if ray.is_hit:
                 at = here.moved(ray.bearing_rad, ray.range_m)
                 if self._chart.clearance_m(at) > SHORE_M:
-                    hits.add(_cell_of(at))
+                    hits.add((math.floor(at.north_m / CELL_M), math.floor(at.east_m / CELL_M)))
         unseen = _Cell(0.0, now_s)
         seen = {
             cell: _Cell(min(self._cells.get(cell, unseen).evidence + 1.0, MOST_EVIDENCE), now_s)
@@ -158,7 +158,3 @@ def _is_passed_through(cell: tuple[int, int], rays: Sequence[Echo], here: Point)
         if off <= 0.5 * CELL_M and 0.0 < along < ray.range_m - CELL_M:
             return True
     return False
-
-
-def _cell_of(at: Point) -> tuple[int, int]:
-    return math.floor(at.north_m / CELL_M), math.floor(at.east_m / CELL_M)
