@@ -84,9 +84,11 @@ class RoutedAutopilot:
 
     def _refusal(self, command: int) -> Result | None:
         """Why a command does not reach it; None if it does."""
-        if command in _CHANGES:
-            return Result.DENIED if self._vehicle.armed else None
-        return None if command in _QUESTIONS else Result.UNSUPPORTED
+        if command not in (*_CHANGES, *_QUESTIONS):
+            return Result.UNSUPPORTED
+        if not self._part.is_heard:
+            return Result.FAILED
+        return Result.DENIED if command in _CHANGES and self._vehicle.armed else None
 
     def _channels_of(self, message: Message, now_s: float) -> set[int]:
         """Where a message of its line goes."""

@@ -2,7 +2,7 @@
 
 import pytest
 from autopilot_bench import Plug
-from boat_rig import DENIED, OK, PLANNER, QGC, UNSUPPORTED, Peer, Rig
+from boat_rig import DENIED, FAILED, OK, PLANNER, QGC, UNSUPPORTED, Peer, Rig
 from twins.lines import HandClock
 
 from companion.config.autopilot import AutopilotPart
@@ -206,6 +206,7 @@ def test_a_silent_autopilot_is_no_component_and_a_question_to_it_does_no_harm(bo
     boat.run(2.0)
     heard(boat.rig.peer)
     assert boat.ask(param_read("SERVO1_FUNCTION"), seconds=2.0) == []
+    assert boat.command(MAG_CAL) == [FAILED]
 
 
 def test_it_is_hidden_unless_it_has_an_id(boat: Boat) -> None:
