@@ -94,6 +94,7 @@ def serve(
         level=logging.INFO if verbose else logging.WARNING, format="%(levelname)s %(message)s"
     )
     scenario = scenario_from(source, settings, case, seed, start)
+    scenarios = fleet(scenario, count)
     policy = signing or ("required" if sign_key is not None else "off")
     key_file = "" if sign_key is None else str(sign_key)
     links = [
@@ -114,7 +115,7 @@ def serve(
                 own.append(LinkConfig(url=page.boat_link))
             status = status or page.status
         while True:
-            clock, scenarios = SystemClock(), fleet(scenario, count)
+            clock = SystemClock()
             boat_options = [
                 BoatOptions(
                     state_folder=""
@@ -149,6 +150,7 @@ def serve(
             if shutdown() or not server.wants_restart:
                 return
             scenario = scenario_from(source, settings, case, seed, start)  # as its file is now
+            scenarios = fleet(scenario, count)
 
 
 def _held_folder(asked: str | None, usual: Path | None) -> tuple[Path | None, str]:
