@@ -15,7 +15,6 @@ from companion.core.geo import Point
 from mission_tools.errors import NoRoute, NoRouteError, UsageError
 from mission_tools.maps.chart import Chart
 from mission_tools.planning.planner import PlanSettings
-from mission_tools.tasks.survey.sequence import Mode, best_sequence
 from mission_tools.tasks.task_route import Stop, TaskLeg, TaskRoute, Transits, joined
 
 
@@ -95,6 +94,8 @@ def best_order(lengths_m: Sequence[Sequence[float]] | Matrix, *, is_return: bool
         return tuple(range(1, len(matrix)))
     if len(matrix) - 1 <= EXACT_STOPS:
         return _exact(matrix, is_return=is_return)
+    from mission_tools.tasks.survey.sequence import Mode, best_sequence  # noqa: PLC0415 (for long tours only)
+
     home_m = matrix[0] if is_return else np.zeros(len(matrix))
     with_end = np.block([[matrix, home_m[:, None]], [home_m, 0.0]])
     items = [[Mode(place, place, 0.0)] * 2 for place in range(1, len(matrix))]

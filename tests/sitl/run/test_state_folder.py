@@ -61,6 +61,7 @@ def sail(folder: Path, *, is_cut: bool) -> None:
     if is_cut:
         server._runner.run(begin)
         simulated._storage.close()
+        simulated._close_files()
     else:
         server.run(begin)
     assert vehicle.armed
