@@ -25,7 +25,7 @@ echo dtparam=audio=on > $root/boot/firmware/config.txt
 echo 'console=serial0,115200 console=tty1 root=PARTUUID=1' > $root/boot/firmware/cmdline.txt
 """
 NOT_HERE = re.compile(r"^(nano|sudo reboot|sudo journalctl)|--motors")  # an editor, a wait, a question
-ASKING = "boat-companion init --output boat.toml"
+ASKING = "boat-companion init --detect --output boat.toml"
 WITH_ANSWERS = "boat-companion init --preset lake --yes --output boat.toml"
 SET_UP = ["boat's user", "configuration", "boot settings", "serial console"]
 
