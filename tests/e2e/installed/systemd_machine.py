@@ -83,6 +83,8 @@ def why_not() -> str:
         return f"{HOST_ROOT} is not the root of a Debian with systemd"
     if not (HOST_ROOT / "usr/bin/udevadm").exists() and not (HOST_ROOT / "bin/udevadm").exists():
         return f"{HOST_ROOT} is the root of a Debian without udev"
+    if PROJECT.is_relative_to("/tmp"):  # noqa: S108
+        return "the project lies below /tmp, of which the unit has its own (PrivateTmp)"
     if _cgroups() is None:
         return "no unified hierarchy of control groups is mounted"
     missing = [name for name in _NEEDED if shutil.which(name) is None]
