@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Generic, Self, TypeVar
 
+from companion.core.drain import drain
 from companion.core.status_text import StatusText
 from companion.links.retried import Backoff
 
@@ -97,7 +98,7 @@ class BackgroundSensor(Generic[Reading]):
         self._texts.append(StatusText(severity, text))
 
     def take_texts(self) -> list[StatusText]:
-        return [self._texts.popleft() for _ in range(len(self._texts))]
+        return drain(self._texts)
 
     def close(self) -> None:
         self._background.close()

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Future, wait
 from typing import Any, Final, Generic, NamedTuple, Self, TypeVar
 
+from companion.core.drain import drain
 from companion.core.errors import ConfigError
 from companion.core.status_text import Severity, StatusText
 from companion.links.interfaces import Closable, Link, Port
@@ -109,7 +110,7 @@ class Retried(Generic[Opened]):
         return self.opened is not None
 
     def take_texts(self) -> list[StatusText]:
-        return [self._texts.popleft() for _ in range(len(self._texts))]
+        return drain(self._texts)
 
     def close(self) -> None:
         """End the attempts, and close what is open. May be called twice."""

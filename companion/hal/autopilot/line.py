@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Generic, TypeVar
 
 from companion.config.boat_config import BoatConfig
+from companion.core.drain import drain
 from companion.core.readings import SonarReading
 from companion.core.status_text import StatusText
 from companion.hal.autopilot.link import AutopilotLink
@@ -20,7 +21,6 @@ from companion.mavlink.address import Address
 from companion.mavlink.codec import Decoder, Encoder
 from companion.mavlink.dialect import Message
 
-Item = TypeVar("Item")
 Reading = TypeVar("Reading")
 
 _PATIENCE_S = 0.02  # a demand waits no longer, and a silent autopilot costs fifty looks a second
@@ -43,7 +43,7 @@ class AutopilotLine(PortSensor[None]):
         """Process received bytes, then send. Never waits."""
         super().step()
         self._send(self.link.tick(self._now()))
-        for message, sender in drained(self._requests):
+        for message, sender in drain(self._requests):
             if (addressed := self.link.addressed(message)) is not None:
                 self._transmit(self._encoder.encode(addressed, sender))
 
@@ -64,7 +64,7 @@ class AutopilotLine(PortSensor[None]):
         self.link.outputs.may_drive = may_drive
 
     def take_texts(self) -> list[StatusText]:
-        return drained(self.link.texts)
+        return drain(self.link.texts)
 
     @property
     def is_heard(self) -> bool:
@@ -74,7 +74,7 @@ class AutopilotLine(PortSensor[None]):
         self._requests.append((message, sender))
 
     def take_messages(self) -> list[Message]:
-        return drained(self.link.routed)
+        return drain(self.link.routed)
 
     def sensor(self, latest: Callable[[AutopilotReadings], Reading | None]) -> "AutopilotSensor[Reading]":
         return AutopilotSensor(self, latest)
@@ -105,11 +105,6 @@ class AutopilotLine(PortSensor[None]):
         self._decoder = Decoder(datagram=self._links[-1].is_datagram)
 
 
-def drained(queue: deque[Item]) -> list[Item]:
-    """All items, taken out; others may be added meanwhile."""
-    return [queue.popleft() for _ in range(len(queue))]
-
-
 class _Part:
     def __init__(self, line: AutopilotLine) -> None:
         self._line = line
@@ -131,7 +126,7 @@ class AutopilotSonar(_Part):
     """Satisfies `Sonar`: rangers that are fixed."""
 
     def read(self) -> Sequence[SonarReading]:
-        return drained(self._line.link.readings.pings)
+        return drain(self._line.link.readings.pings)
 
     def set_sector(self, port_rad: float, starboard_rad: float) -> None:
         """No effect."""

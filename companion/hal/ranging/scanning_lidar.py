@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from typing import Final
 
 from companion.config.sensors import LidarPart
+from companion.core.drain import drain
 from companion.core.readings import SonarReading
 from companion.hal.port_sensor import PortSensor
 from companion.links.interfaces import Port
@@ -36,7 +37,7 @@ class ScanningLidar(PortSensor[Sequence[SonarReading]]):
 
     def read(self) -> Sequence[SonarReading]:
         """The readings since the last call, oldest first."""
-        return [self._readings.popleft() for _ in range(len(self._readings))]
+        return drain(self._readings)
 
     def set_sector(self, port_rad: float, starboard_rad: float) -> None:
         """No effect: it turns all round."""
