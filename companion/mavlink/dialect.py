@@ -8,7 +8,10 @@ from pymavlink.dialects.v20 import all as dialect
 
 from companion.mavlink import metadata_messages  # noqa: F401  (they join the dialect when imported)
 
-__all__ = ["Message", "MessageType", "build_message", "constants", "crc16", "dialect", "message_ids"]
+__all__ = [
+    "Message", "MessageType", "build_message", "component_heartbeat", "constants", "crc16", "dialect",
+    "message_ids",
+]  # fmt: skip
 
 MessageType: TypeAlias = Any
 """A generated message class."""
@@ -44,6 +47,17 @@ def build_message(name: str, **fields: object) -> Message:
     message_type, zeros = _zeros(name)
     message: Message = message_type(**{**zeros, **fields})
     return message
+
+
+def component_heartbeat(kind: int) -> Message:
+    """The heartbeat of what is no autopilot, at work. kind: a MAV_TYPE."""
+    return build_message(
+        "HEARTBEAT",
+        type=kind,
+        autopilot=dialect.MAV_AUTOPILOT_INVALID,
+        system_status=dialect.MAV_STATE_ACTIVE,
+        mavlink_version=3,
+    )
 
 
 @cache

@@ -13,6 +13,10 @@ class Component(Protocol):
 
     component: int
 
+    @property
+    def handled(self) -> frozenset[int]:
+        """Numbers of the messages that have an effect."""
+
     def handle(self, message: Message, origin: Origin, now_s: float) -> None:
         """A message that is addressed to it."""
 
@@ -29,6 +33,7 @@ class Components:
     def __init__(self, own: Address, fitted: Sequence[Component]) -> None:
         self._system = own.system
         self._fitted = {one.component: one for one in fitted}
+        self.handled = frozenset[int]().union(*(one.handled for one in fitted))
 
     def addressed(self, message: Message) -> Component | None:
         """The one that a message is addressed to."""

@@ -128,11 +128,9 @@ class Endpoint:
             components.append(
                 CameraComponent(camera.component, payload, self.outbox, self.texts, take_snapshot)
             )
-        self._passed: frozenset[int] = frozenset()  # messages that only a routed autopilot handles
         if autopilot is not None:
             routed = parameters.config.parts.autopilot_part.component
             components.append(RoutedAutopilot(routed, autopilot, vehicle, self.outbox))
-            self._passed = RoutedAutopilot.message_ids
         self._components = Components(own, components)
         self._missions = MissionService(
             own, vehicle, parameters.config, storage, self.outbox, self.texts, payload.fitted
@@ -188,7 +186,7 @@ class Endpoint:
     @property
     def message_ids(self) -> frozenset[int]:
         """The handled messages; others are not unpacked."""
-        return self._passed.union(self._handlers)
+        return self._components.handled.union(self._handlers)
 
     def open(self, channel: int, stream_hz: float | None = None) -> None:
         """A channel has opened: send a heartbeat and start telemetry.

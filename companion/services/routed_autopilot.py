@@ -11,11 +11,12 @@ from typing import Final
 from companion.core.status_text import Severity
 from companion.hal.interfaces import MavlinkPart
 from companion.mavlink.address import ALL, Address
-from companion.mavlink.dialect import Message, build_message, constants, dialect, message_ids
+from companion.mavlink.dialect import Message, component_heartbeat, constants, dialect, message_ids
 from companion.services.commands.command import Result, acknowledgement
 from companion.services.outbox import Origin, Outbox
 from companion.vehicle.vehicle import Vehicle
 
+_KIND: Final = dialect.MAV_TYPE_ONBOARD_CONTROLLER  # which no station takes for a vehicle
 _HEARTBEAT_S: Final = 1.0
 _ASKING_S: Final = 60.0  # answers without a target go to who has asked within this time, as log downloads do
 _MOST_ASKERS: Final = 32
@@ -42,7 +43,7 @@ _CHANGES: Final = constants(  # only while the boat is disarmed
 class RoutedAutopilot:
     """Passes messages between stations and an autopilot's line."""
 
-    message_ids = frozenset((*_COMMANDS, *_PASSED))
+    handled = frozenset((*_COMMANDS, *_PASSED))
 
     def __init__(self, component: int, part: MavlinkPart, vehicle: Vehicle, outbox: Outbox) -> None:
         """component: its id under the boat's system id."""
@@ -71,13 +72,13 @@ class RoutedAutopilot:
 
     def open(self, channel: int) -> None:
         if self._part.is_heard:
-            self._outbox.send(channel, _heartbeat(), self.component)
+            self._outbox.send(channel, component_heartbeat(_KIND), self.component)
 
     def tick(self, now_s: float) -> None:
         """Its heartbeat while it is heard, and what it has answered."""
         if now_s >= self._due_s and self._part.is_heard:
             self._due_s = now_s + _HEARTBEAT_S
-            self._outbox.broadcast(_heartbeat(), self.component)
+            self._outbox.broadcast(component_heartbeat(_KIND), self.component)
         for message in self._part.take_messages():
             for channel in self._channels_of(message, now_s):
                 self._outbox.send(channel, message, self.component)
@@ -101,13 +102,3 @@ class RoutedAutopilot:
         if number not in _ANSWERS or (is_text and message.severity <= Severity.WARNING):  # told to all
             return set()
         return {channel for channel, asked_s in self._askers.values() if now_s - asked_s <= _ASKING_S}
-
-
-def _heartbeat() -> Message:
-    return build_message(
-        "HEARTBEAT",
-        type=dialect.MAV_TYPE_ONBOARD_CONTROLLER,
-        autopilot=dialect.MAV_AUTOPILOT_INVALID,
-        system_status=dialect.MAV_STATE_ACTIVE,
-        mavlink_version=3,
-    )

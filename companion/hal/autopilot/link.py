@@ -13,7 +13,7 @@ from companion.core.status_text import Severity, StatusText
 from companion.hal.autopilot.outputs import REASONS, RoverOutputs, command
 from companion.hal.autopilot.readings import AutopilotReadings
 from companion.mavlink.address import Address
-from companion.mavlink.dialect import Message, build_message, dialect
+from companion.mavlink.dialect import Message, component_heartbeat, dialect
 from companion.sensors.silence import SilenceMonitor
 
 SILENT_S: Final = 0.5  # ATTITUDE comes 40 times a second
@@ -102,8 +102,7 @@ class AutopilotLink:
         out: list[Message] = []
         if now_s - self._beat_s >= _HEARTBEAT_S:
             self._beat_s = now_s
-            kind = dialect.MAV_TYPE_ONBOARD_CONTROLLER
-            out.append(build_message("HEARTBEAT", type=kind, autopilot=8, system_status=4, mavlink_version=3))
+            out.append(component_heartbeat(dialect.MAV_TYPE_ONBOARD_CONTROLLER))
         if self.peer is not None and is_heard and now_s - self._ask_s >= _ASK_S:
             self._ask_s = now_s
             for number, interval_s in self._intervals_s.items():

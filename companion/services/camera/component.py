@@ -8,8 +8,9 @@ depending on its version and the try. It removes a camera without a heartbeat fo
 
 from collections import deque
 from dataclasses import dataclass, field
+from typing import ClassVar
 
-from companion.mavlink.dialect import Message, build_message, constants, dialect, message_ids
+from companion.mavlink.dialect import Message, component_heartbeat, constants, dialect, message_ids
 from companion.payload.camera import Image
 from companion.services.camera import messages as build
 from companion.services.commands.command import Command, CommandTable, Result, acknowledgement, command_of
@@ -42,6 +43,8 @@ QUESTIONS = frozenset(_QUESTIONS)
 class CameraComponent:
     """Answers commands to the camera, and tells of its images."""
 
+    handled: ClassVar = frozenset(_COMMANDS)
+
     component: int
     _payload: PayloadControl
     _outbox: Outbox
@@ -60,28 +63,19 @@ class CameraComponent:
             dialect.MAV_CMD_VIDEO_STOP_STREAMING: self._stream,
         }
 
-    def heartbeat(self) -> Message:
-        return build_message(
-            "HEARTBEAT",
-            type=dialect.MAV_TYPE_CAMERA,
-            autopilot=dialect.MAV_AUTOPILOT_INVALID,
-            system_status=dialect.MAV_STATE_ACTIVE,
-            mavlink_version=3,
-        )
-
     def handle(self, message: Message, origin: Origin, now_s: float) -> None:
         """A message addressed to the camera; only commands have an effect."""
         if message.get_msgId() in _COMMANDS:
             self._execute(command_of(message, origin, now_s))
 
     def open(self, channel: int) -> None:
-        self._outbox.send(channel, self.heartbeat(), self.component)
+        self._outbox.send(channel, component_heartbeat(dialect.MAV_TYPE_CAMERA), self.component)
 
     def tick(self, now_s: float) -> None:
         """Heartbeat, changes of the capture status, and new images."""
         if now_s >= self._due_s:
             self._due_s = now_s + _PERIOD_S
-            self._outbox.broadcast(self.heartbeat(), self.component)
+            self._outbox.broadcast(component_heartbeat(dialect.MAV_TYPE_CAMERA), self.component)
         images, status = self._payload.images, build.image_status(self._payload.camera)
         if not images and status == self._status:
             return
