@@ -50,9 +50,9 @@ class Boat:
         self.run(seconds)
         return [one.message for one in heard(peer) if one.sender == ROVER]
 
-    def values(self, message: Message) -> dict[str, Message]:
-        """The parameters that the component tells in answer."""
-        answers = self.ask(message)
+    def values(self, message: Message, peer: Peer | None = None) -> dict[str, Message]:
+        """The parameters that the component tells a station in answer."""
+        answers = self.ask(message, peer)
         return {one.param_id: one for one in answers if one.get_type() == "PARAM_VALUE"}
 
     def command(self, number: int, *params: float) -> list[int]:
@@ -173,7 +173,7 @@ def test_an_armed_boat_keeps_it_from_rebooting_and_calibrating(boat: Boat) -> No
     assert boat.rig.arm(force=True) == OK
     assert boat.command(REBOOT, 1.0, 0.0, 0.0, 0.0, 0.0, 20190226.0) == [DENIED]
     assert boat.command(MAG_CAL) == [DENIED]
-    assert boat.ask(param_read("SERVO1_FUNCTION"))
+    assert "SERVO1_FUNCTION" in boat.values(param_read("SERVO1_FUNCTION"))
 
 
 def test_answers_go_to_those_who_asked_and_to_them_for_a_minute(boat: Boat) -> None:
@@ -184,7 +184,7 @@ def test_answers_go_to_those_who_asked_and_to_them_for_a_minute(boat: Boat) -> N
     boat.plug.rover.send(to_planner)
     boat.run(0.2)
     assert not [one for one in heard(boat.rig.peer) if one.message.get_type() == "COMMAND_ACK"]
-    assert boat.ask(param_read("SERVO3_FUNCTION"), other)
+    assert "SERVO3_FUNCTION" in boat.values(param_read("SERVO3_FUNCTION"), other)
 
 
 def test_a_minute_after_a_question_only_what_is_addressed_goes_on() -> None:
@@ -212,7 +212,7 @@ def test_a_silent_autopilot_is_no_component_and_a_question_to_it_does_no_harm(bo
 def test_it_is_hidden_unless_it_has_an_id(boat: Boat) -> None:
     hidden = Boat(component=0)
     assert hidden.ask(param_read("SERVO1_FUNCTION"), seconds=2.0) == []
-    assert boat.ask(param_read("SERVO1_FUNCTION"))
+    assert "SERVO1_FUNCTION" in boat.values(param_read("SERVO1_FUNCTION"))
 
 
 @pytest.mark.parametrize("payload", [b"", bytes(range(251))])
