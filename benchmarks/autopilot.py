@@ -121,7 +121,7 @@ class BehindRover(Lockstep):
         self._frames.settimeout(60.0)
         self._other: socket.socket | None = None
         self._encoder = Encoder(OTHER)
-        self.is_killed = False
+        self._is_killed = False
         self._start(ardurover, undo, EXAMPLE.read_text(encoding="utf-8") + FIGURES + figures)
         url, now = f"tcpout:127.0.0.1:{LINE}", lambda: self.water.world.time_s
         parts = {"autopilot": {"url": url, "latency_s": 0.0}, "battery": {"driver": "none"}}
@@ -157,7 +157,7 @@ class BehindRover(Lockstep):
         end_s = self.time_s + TICK_S - 1e-6
         while self.time_s < end_s:
             data, rover = self._frames.recvfrom(2048)
-            if not self.is_killed:
+            if not self._is_killed:
                 self.line.step()
             if (reply := self.water.handle(data)) is not None:
                 self._frames.sendto(reply, rover)
@@ -165,10 +165,12 @@ class BehindRover(Lockstep):
             with suppress(BlockingIOError):
                 self._other.recv(1 << 20)
 
-    def kill(self) -> None:
-        """The boat's program ends, and the system closes its line."""
-        self.is_killed = True
+    def kill(self, seconds: float) -> None:
+        """The boat's program ends, the system closes its line, and the water goes on."""
+        self._is_killed = True
         self.port.close()
+        for _ in range(round(seconds / TICK_S)):
+            self._advance()
 
     def order(self, number: int, *params: float) -> None:
         """COMMAND_LONG of another station to Rover, by its second port."""
@@ -230,9 +232,7 @@ def failures(ardurover: str, situations: Sequence[str]) -> None:
 def _fail(boat: BehindRover, name: str) -> str:
     event_s = boat.time_s
     if name == "kill":
-        boat.kill()
-        for _ in range(round(4.0 / TICK_S)):
-            boat._advance()
+        boat.kill(4.0)
         return f"neutral after {boat.water.neutral_after_s(event_s):.2f} s"
     if name in ORDERS:
         number, params = ORDERS[name]

@@ -140,9 +140,8 @@ class Vehicle:
                 "give the boat's key, --sign-key FILE"
             )
         text = self.state.last_warning(began_s)
-        by_udp = (
-            ", or connect by UDP" if self.link.mavsdk.startswith("tcp") else ""
-        )  # lost packets hold it up
+        is_tcp = self.link.mavsdk.startswith("tcp")  # where lost packets hold up all that follow
+        by_udp = ", or connect by UDP" if is_tcp else ""
         what = f"; bring the vehicle nearer{by_udp}, and try again"
         return f"{what} ({text})" if text else what
 

@@ -144,8 +144,8 @@ def serve(
             server.run(shutdown)
             if csv is not None:
                 for boat, sailed in zip(boats, scenarios, strict=True):
-                    id_ = sailed.vehicle.identity.system_id
-                    path = csv if count == 1 else csv.with_stem(f"{csv.stem}_{id_}")
+                    number = sailed.vehicle.identity.system_id
+                    path = csv if count == 1 else csv.with_stem(f"{csv.stem}_{number}")
                     boat.recorder.write_csv(path, every=RECORD_EVERY)
             if shutdown() or not server.wants_restart:
                 return

@@ -27,7 +27,7 @@ _UNKNOWN_8: Final = 0xFF
 _WINDOW_S: Final = 5.0  # two hundred ATTITUDE; an autopilot that is simulated may fall behind real time
 _HEALTH_S: Final = 3.0  # without a report of health none is assumed: six of each
 _VARIANCE: Final = 1.0  # from there on the filter rejects the compass (test ratio of its innovation)
-_CUT: Final = 0.5
+_CUT: Final = 0.5  # units of GPS_RAW_INT that are cut off, on average
 _MOST_PINGS: Final = 32
 _DOWN: Final = dialect.MAV_SENSOR_ROTATION_PITCH_270
 _YAW_STEPS: Final = 8  # MAV_SENSOR_ROTATION_NONE, _YAW_45 … _YAW_315 are 0 to 7
@@ -123,7 +123,7 @@ class AutopilotReadings:
         self._fix_us = stamp_us
         north_m_s = east_m_s = None
         if _UNKNOWN_16 not in (message.vel, message.cog):
-            # Both cut off what is less than a unit: half of it, 5 mm/s, would carry the boat away
+            # ArduPilot and PX4 cut off, not round: 5 mm/s would carry the estimate away
             speed_m_s, course_rad = (message.vel + _CUT) / 100.0, math.radians((message.cog + _CUT) / 100.0)
             north_m_s, east_m_s = speed_m_s * math.cos(course_rad), speed_m_s * math.sin(course_rad)
         booted_s = stamp_us * 1e-6
